@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "cleave/exact/lattice.hpp"
+#include "cleave/exact/sign.hpp"
+#include "cleave/exact/wide.hpp"
+
+namespace cleave::exact {
+
+/// A plane through three lattice points: n . x + d = 0 with integer coefficients that are never rounded.
+///
+/// Invariant: the normal is not zero. `n` has at most 102 bits, `d` at most 152. `approx` are the same four numbers times one
+/// power of two (so that the largest of |n| is in [1, 2) and positions are in units of 2^48 sites), each with a relative error of at most 2^-52.
+class Plane final {
+ public:
+  /// a, b, c turn counter-clockwise seen from the positive side. Empty when they lie on one line.
+  [[nodiscard]] static std::optional<Plane> through(LatticePoint a, LatticePoint b, LatticePoint c) noexcept;
+
+  [[nodiscard]] const std::array<Int128, 3>& normal() const noexcept { return normal_; }
+  [[nodiscard]] const Wide& offset() const noexcept { return offset_; }
+  /// (n_x, n_y, n_z, d) scaled, see the class comment.
+  [[nodiscard]] const std::array<double, 4>& approx() const noexcept { return approx_; }
+  [[nodiscard]] Plane flipped() const;
+  /// Unit normal in double, correct to a few ulp.
+  [[nodiscard]] std::array<double, 3> unit_normal() const noexcept;
+
+  /// Side of a lattice point; exact.
+  [[nodiscard]] Sign side_of(LatticePoint p) const noexcept;
+  /// Same plane, either orientation.
+  [[nodiscard]] bool coincides_with(const Plane& other) const noexcept;
+  /// Normals parallel (same or opposite sense); exact.
+  [[nodiscard]] bool parallel_to(const Plane& other) const noexcept;
+
+ private:
+  Plane() = default;
+  std::array<Int128, 3> normal_{};
+  Wide offset_ = 0;
+  std::array<double, 4> approx_{};
+};
+
+/// Sign of the determinant of the three normals (rows a, b, c); exact, filtered. (a x b) . c
+[[nodiscard]] Sign orientation(const Plane& a, const Plane& b, const Plane& c) noexcept;
+
+}  // namespace cleave::exact

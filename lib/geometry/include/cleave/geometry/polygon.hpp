@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <expected>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "cleave/core/quantity.hpp"
+#include "cleave/geometry/vec3.hpp"
+
+namespace cleave::geometry {
+
+struct TooFewCorners {
+  std::size_t corners;
+};
+struct NonFiniteCorner {
+  std::size_t corner;  ///< counted from 0
+};
+struct ZeroArea {};  ///< all corners on one line or in one point
+struct NotPlanar {
+  std::size_t corner;  ///< the one furthest off
+  Length distance;     ///< from the plane
+  Length allowed;
+};
+struct SelfCrossing {
+  std::size_t first_edge, second_edge;  ///< edge i joins corners i and i + 1
+};
+using PolygonError = std::variant<TooFewCorners, NonFiniteCorner, ZeroArea, NotPlanar, SelfCrossing>;
+/// "what is wrong; what to do", in words for an engineer.
+[[nodiscard]] std::string describe(const PolygonError& error);
+
+/// A simple planar polygon in space, convex or not, corners in metres.
+///
+/// Invariant: at least three corners, no corner repeated in a row, finite, area > 0, no two edges cross or overlap, and every corner
+/// lies within max(1e-6 of its size, 8 ulp of its largest coordinate) of its plane.
+class Polygon final {
+ public:
+  [[nodiscard]] static std::expected<Polygon, PolygonError> make(std::vector<Vec3> corners);
+
+  [[nodiscard]] std::span<const Vec3> corners() const noexcept { return corners_; }
+  [[nodiscard]] bool convex() const noexcept { return convex_; }
+
+  /// The corners in order of a closed fan of triangles, for polygons that `make` found not planar: ear clipping in the
+  /// best-fit plane. Each triangle is a Polygon of its own. Errors other than NotPlanar are those of `make`.
+  [[nodiscard]] static std::expected<std::vector<Polygon>, PolygonError> triangulated(std::vector<Vec3> corners);
+
+ private:
+  Polygon(std::vector<Vec3> corners, bool convex) : corners_{std::move(corners)}, convex_{convex} {}
+  std::vector<Vec3> corners_;
+  bool convex_;
+};
+
+}  // namespace cleave::geometry

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+
+namespace cleave::geometry {
+
+/// A position in metres or a direction without unit: x = east, y = north, z = up.
+/// Kernel-level type: floating measures only, it decides no topology.
+struct Vec3 {
+  double x = 0, y = 0, z = 0;
+
+  friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
+  friend constexpr Vec3 operator+(Vec3 a, Vec3 b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend constexpr Vec3 operator-(Vec3 a, Vec3 b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend constexpr Vec3 operator-(Vec3 a) noexcept { return {-a.x, -a.y, -a.z}; }
+  friend constexpr Vec3 operator*(double s, Vec3 a) noexcept { return {s * a.x, s * a.y, s * a.z}; }
+  friend constexpr Vec3 operator*(Vec3 a, double s) noexcept { return s * a; }
+  friend constexpr Vec3 operator/(Vec3 a, double s) noexcept { return {a.x / s, a.y / s, a.z / s}; }
+  constexpr Vec3& operator+=(Vec3 b) noexcept { return *this = *this + b; }
+  constexpr Vec3& operator-=(Vec3 b) noexcept { return *this = *this - b; }
+};
+
+[[nodiscard]] constexpr double dot(Vec3 a, Vec3 b) noexcept { return a.x * b.x + a.y * b.y + a.z * b.z; }
+[[nodiscard]] constexpr Vec3 cross(Vec3 a, Vec3 b) noexcept {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+[[nodiscard]] inline double norm(Vec3 a) noexcept { return std::sqrt(dot(a, a)); }
+/// `a` must not be the zero vector.
+[[nodiscard]] inline Vec3 normalized(Vec3 a) noexcept { return a / norm(a); }
+[[nodiscard]] inline bool is_finite(Vec3 a) noexcept {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+
+}  // namespace cleave::geometry

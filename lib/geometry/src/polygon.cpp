@@ -1,0 +1,1 @@
+#include "cleave/geometry/polygon.hpp"

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <expected>
+#include <string>
+#include <variant>
+
+#include "cleave/topology/block_complex.hpp"
+#include "cleave/topology/cut_input.hpp"
+
+namespace cleave::topology {
+
+struct JointCollapsed {  ///< a joint polygon too small for the lattice
+  JointId joint;
+  Length pitch;
+};
+struct SolidCollapsed {  ///< a face of the domain (no excavation index) or of an excavation too small for the lattice
+  std::optional<std::uint32_t> excavation;
+  std::uint32_t face;
+  Length pitch;
+};
+struct DomainSwallowed {};  ///< the excavations leave no rock
+struct TooLarge {           ///< more than 2^31 vertices, edges or faces
+  std::string what;
+};
+using CutError = std::variant<JointCollapsed, SolidCollapsed, DomainSwallowed, TooLarge>;
+[[nodiscard]] std::string describe(const CutError& error);
+
+struct CutOptions {
+  unsigned threads = 1;
+};
+
+/// Cuts the domain into blocks: the connected parts of the domain less the excavations and the joints. Exact: every combinatorial
+/// decision is the sign of a determinant of integers. No joint, no excavation: one block.
+[[nodiscard]] std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOptions& options = {});
+
+}  // namespace cleave::topology

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <variant>
+#include <vector>
+
+#include "cleave/core/quantity.hpp"
+#include "cleave/geometry/polygon.hpp"
+#include "cleave/geometry/solid.hpp"
+
+namespace cleave::topology {
+
+/// One joint (discontinuity): a polygon, or several that make one surface (a triangulated fault, a triangulated bent quad).
+struct Joint {
+  std::vector<geometry::Polygon> polygons;
+};
+
+/// A persistent joint is given as a plane through a point with a unit normal; it cuts the whole domain.
+struct PersistentJoint {
+  geometry::Vec3 through;
+  geometry::Vec3 normal;
+};
+
+/// Everything the block cutter needs, in metres, validated piece by piece by the geometry types.
+struct CutInput {
+  geometry::Solid domain;
+  std::vector<std::variant<Joint, PersistentJoint>> joints;  ///< JointId = index
+  std::vector<geometry::Solid> excavations;                  ///< in order; they may overlap each other and leave the domain
+  /// Domain faces (by tag index of the domain solid) that are free; all others are fixed.
+  std::vector<std::uint32_t> free_domain_tags;
+  /// > 0: near-coincident planes are merged and joint edges within this distance of another joint adopt its plane.
+  Length snap = metres(0);
+};
+
+}  // namespace cleave::topology

@@ -1,0 +1,1 @@
+#include "cleave/topology/cut.hpp"
