@@ -1,0 +1,122 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <string>
+#include <variant>
+
+#include "cleave/dfn/laws.hpp"
+#include "cleave/geometry/vec3.hpp"
+
+namespace cleave::dfn {
+
+// ---- shape ----------------------------------------------------------------------------------------------------------
+
+/// The second side or axis of a rectangle or ellipse.
+struct IndependentSize {};  ///< an independent draw of the first one's law (the default)
+struct AspectRatio {        ///< second = first / ratio
+  double ratio = 1;
+};
+using SecondSize = std::variant<IndependentSize, AspectRatio, SizeLaw>;
+
+struct Rectangle {
+  SizeLaw size;  ///< side along the strike (before rotation)
+  SecondSize second = IndependentSize{};
+};
+struct Square {
+  SizeLaw size;  ///< side
+};
+/// A disc is cut as a regular polygon of the same area (so that P32 is kept): circumradius R sqrt(2 pi/(m sin(2 pi/m))).
+struct Disc {
+  SizeLaw size;  ///< diameter
+  std::uint32_t sides = 16;
+};
+/// As a disc, stretched: polygon of the same area with its corners on a similar ellipse.
+struct Ellipse {
+  SizeLaw size;  ///< first axis (whole length), along the strike before rotation
+  SecondSize second = IndependentSize{};
+  std::uint32_t sides = 16;
+};
+/// Regular polygon; a corner lies in the direction of the strike before rotation.
+struct RegularPolygon {
+  SizeLaw size;  ///< diameter of the circle through the corners
+  std::uint32_t sides = 6;
+};
+/// Planes without end.
+struct Persistent {};
+using Shape = std::variant<Rectangle, Square, Disc, Ellipse, RegularPolygon, Persistent>;
+
+// ---- intensity ------------------------------------------------------------------------------------------------------
+
+/// Exactly this many joints, centres uniform in the domain's box.
+struct Count {
+  std::uint64_t joints = 0;
+};
+/// Joint area per volume (1/m). This and the next three draw a Poisson number of joints in the domain's box grown by the
+/// largest half extent of a joint on all sides (planes: in the smallest ball around the box), so the domain has no edge effect.
+struct P32 {
+  double value = 0;
+};
+/// Joint centres per volume (1/m3). Not for persistent joints.
+struct P30 {
+  double value = 0;
+};
+/// Joints per metre of a line along the set's mean normal (1/m).
+struct P10 {
+  double value = 0;
+};
+/// 1/P10 (m): mean distance along the set's mean normal.
+struct Spacing {
+  Length value;
+};
+using Intensity = std::variant<Count, P32, P30, P10, Spacing>;
+
+// ---- the set --------------------------------------------------------------------------------------------------------
+
+struct JointSetSpec {
+  OrientationLaw orientation;
+  Shape shape;
+  RotationLaw rotation = FixedRotation{};
+  Intensity intensity;
+};
+
+/// The number of a key is not finite or out of its range. `key` is spelt as in the scene file ("orientation.kappa").
+struct BadValue {
+  std::string key;
+  double value;
+  std::string remedy;
+};
+/// Persistent joints have no centres per volume.
+struct NoCentres {};
+using JointSetError = std::variant<BadValue, NoCentres>;
+/// "what is wrong; what to do". Names the key.
+[[nodiscard]] std::string describe(const JointSetError& error);
+
+/// A validated set of random joints (Baecher model: centres, orientations and sizes independent).
+///
+/// Invariant: every number is finite and in its range; dips in [0, 90], dip directions reduced to [0, 360).
+class JointSet final {
+ public:
+  [[nodiscard]] static std::expected<JointSet, JointSetError> make(JointSetSpec spec);
+
+  [[nodiscard]] const JointSetSpec& spec() const noexcept { return spec_; }
+  /// Upward unit normal of the mean orientation.
+  [[nodiscard]] geometry::Vec3 mean_normal() const noexcept;
+  /// E[area] (m2) of the joints as drawn; 0 for persistent ones.
+  [[nodiscard]] double mean_area() const noexcept;
+  /// Largest half extent from the centre (m): what the box is grown by; 0 for persistent joints. Sizes without an upper
+  /// limit count up to their quantile 1 - 1e-6.
+  [[nodiscard]] double reach() const noexcept;
+  /// E |n . mean normal|: turns P10 into P32. Closed form for Fisher's law, else the mean over 2^16 points of a fixed
+  /// low-discrepancy sequence (error below 1e-4).
+  [[nodiscard]] double mean_cosine() const noexcept { return mean_cosine_; }
+  /// Joint area per volume that the intensity asks for (1/m); for Count joints in `volume` (m3).
+  [[nodiscard]] double expected_p32(double volume) const noexcept;
+
+ private:
+  JointSet(JointSetSpec spec, double mean_cosine) : spec_{std::move(spec)}, mean_cosine_{mean_cosine} {}
+  JointSetSpec spec_;
+  double mean_cosine_;
+};
+
+}  // namespace cleave::dfn

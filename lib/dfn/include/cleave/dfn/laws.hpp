@@ -1,0 +1,110 @@
+#pragma once
+
+/// Laws of size, orientation and rotation as a scene states them: plain values, checked by the types that hold them.
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "cleave/core/quantity.hpp"
+
+namespace cleave::dfn {
+
+// ---- size -----------------------------------------------------------------------------------------------------------
+
+enum class SizeDistribution : std::uint8_t { constant, normal, exponential, lognormal, power };
+
+/// `mean` and `std` are those of the law before truncation to [min, max]. What a law does not use is left empty.
+struct SizeSpec {
+  SizeDistribution distribution = SizeDistribution::constant;
+  std::optional<Length> mean;      ///< all but power
+  std::optional<Length> std;       ///< normal, lognormal
+  std::optional<double> exponent;  ///< power: N(> x) ~ x^-exponent; needs min, and max when exponent <= 2
+  std::optional<Length> min;       ///< > 0; a normal law needs it or is cut at 0
+  std::optional<Length> max;
+};
+
+struct MissingParameter {
+  std::string key;
+};
+struct BadParameter {  ///< not finite, or out of its range
+  std::string key;
+  double value;
+  std::string remedy;
+};
+struct EmptyRange {  ///< min > max, or a law that has no probability (below 1e-12) between them
+  Length min, max;
+};
+using SizeError = std::variant<MissingParameter, BadParameter, EmptyRange>;
+[[nodiscard]] std::string describe(const SizeError& error);
+
+/// A law of sizes > 0. Invariant: parameters are finite, and at least 1e-12 of the untruncated law lies within the limits.
+class SizeLaw final {
+ public:
+  [[nodiscard]] static std::expected<SizeLaw, SizeError> make(const SizeSpec& spec);
+  [[nodiscard]] static SizeLaw constant(Length size);  ///< precondition: finite and > 0
+
+  /// Inverse of the truncated distribution function: larger u, larger size. Precondition: 0 < u < 1. Computed in the
+  /// tail that is the shorter one, so it is accurate far out as well.
+  [[nodiscard]] Length quantile(double u) const noexcept;
+  /// E[X^k], k = 1 or 2, of the truncated law (m^k); closed forms of theory/dfn.md section 4.
+  [[nodiscard]] double moment(int k) const noexcept;
+  /// Part of the untruncated law within the limits, (0, 1].
+  [[nodiscard]] double kept_share() const noexcept;
+  /// Upper limit; for laws without one the quantile 1 - 1e-6.
+  [[nodiscard]] Length largest() const noexcept;
+  [[nodiscard]] SizeDistribution distribution() const noexcept { return distribution_; }
+
+ private:
+  SizeLaw() = default;
+  SizeDistribution distribution_ = SizeDistribution::constant;
+  double a_ = 0, b_ = 0;            // parameters of the law: mean; mean, std; rate; mu, sigma; exponent
+  double min_ = 0, max_ = 0;        // limits, max may be infinite
+  double low_ = 0, high_ = 1;       // distribution function (or survival function when upper_) at min and max
+  bool upper_ = false;
+};
+
+// ---- orientation ----------------------------------------------------------------------------------------------------
+
+/// Dip and dip direction uniform and independent in mean - range .. mean + range; dips fold back into [0, 90].
+struct UniformOrientation {
+  Dip dip;
+  DipDirection dip_direction;
+  Dip dip_range;                     ///< plus or minus, 0..90
+  DipDirection dip_direction_range;  ///< plus or minus, 0..180
+};
+/// Fisher's law about the mean normal; kappa = 0: uniform on the sphere.
+struct FisherOrientation {
+  Dip dip;
+  DipDirection dip_direction;
+  double kappa = 0;
+};
+/// Dip and dip direction normal and independent; dips fold back into [0, 90].
+struct NormalOrientation {
+  Dip dip;
+  DipDirection dip_direction;
+  Dip dip_std;
+  DipDirection dip_direction_std;
+};
+using OrientationLaw = std::variant<UniformOrientation, FisherOrientation, NormalOrientation>;
+
+// ---- rotation in the joint's plane ------------------------------------------------------------------------------------
+
+struct RotationKind;
+/// From the strike (dip direction - 90) to the first side or axis, counter-clockwise seen from above.
+using Rotation = Angle<RotationKind>;
+
+struct FixedRotation {
+  Rotation angle;
+};
+struct UniformRotation {
+  Rotation from, to;
+};
+struct NormalRotation {
+  Rotation mean, std;
+};
+using RotationLaw = std::variant<FixedRotation, UniformRotation, NormalRotation>;
+
+}  // namespace cleave::dfn

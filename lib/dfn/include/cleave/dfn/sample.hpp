@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "cleave/dfn/joint_set.hpp"
+#include "cleave/geometry/polygon.hpp"
+#include "cleave/geometry/vec3.hpp"
+
+namespace cleave::dfn {
+
+/// Axis-parallel box (m) around the domain. Precondition of its users: finite, min < max in each axis.
+struct DomainBox {
+  geometry::Vec3 min, max;
+};
+
+/// A persistent joint.
+struct InfinitePlane {
+  geometry::Vec3 through;
+  geometry::Vec3 normal;  ///< unit, z >= 0
+};
+
+struct SampledJoint {
+  std::variant<geometry::Polygon, InfinitePlane> shape;
+  geometry::Vec3 centre;
+  geometry::Vec3 normal;   ///< unit, z >= 0
+  std::uint32_t index;     ///< number of the joint in its set: the `index` of its random streams (friction and so on)
+};
+
+struct TooManyJoints {
+  double expected;  ///< mean number to draw
+  double allowed;
+};
+/// A joint too small to be a polygon at the scene's coordinates.
+struct JointTooSmall {
+  std::uint64_t index;
+  geometry::PolygonError reason;
+};
+using SampleError = std::variant<TooManyJoints, JointTooSmall>;
+[[nodiscard]] std::string describe(const SampleError& error);
+
+/// The joints of one set in one realization, in order of their index.
+///
+/// Joint i depends only on (seed, realization, set_index, i): other sets, threads and the rest of the scene change nothing.
+/// Joints drawn outside the box (in its grown region) that cannot reach it are left out; indices keep their gaps.
+/// `set_index` is the number of the [[joint_set]] in the scene, from 0.
+[[nodiscard]] std::expected<std::vector<SampledJoint>, SampleError> sample(const JointSet& set, std::size_t set_index,
+                                                                           const DomainBox& domain, std::uint64_t seed,
+                                                                           std::uint64_t realization);
+
+/// Mean number of joints that `sample` draws, kept or not (the cost of a scene).
+[[nodiscard]] double expected_draws(const JointSet& set, const DomainBox& domain) noexcept;
+
+}  // namespace cleave::dfn

@@ -1,0 +1,1 @@
+#include "cleave/dfn/joint_set.hpp"

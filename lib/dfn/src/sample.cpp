@@ -1,0 +1,1 @@
+#include "cleave/dfn/sample.hpp"
