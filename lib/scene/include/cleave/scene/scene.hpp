@@ -8,8 +8,10 @@
 
 #include "cleave/core/id.hpp"
 #include "cleave/core/quantity.hpp"
+#include "cleave/dfn/joint_set.hpp"
 #include "cleave/geometry/solid.hpp"
 #include "cleave/geometry/vec3.hpp"
+#include "cleave/scene/problem.hpp"
 #include "cleave/topology/cut_input.hpp"
 
 /// A validated scene: what `scene::parse` makes of a TOML file and the files it names. Past this border nothing is re-checked.
@@ -19,21 +21,23 @@ namespace cleave::scene {
 
 using SetId = Id<struct JointSetTag>;  ///< a joint set by name; index into Scene::sets
 
-/// A law of one number, given in the unit of the key that holds it (degrees for friction, metres for sizes).
+/// Friction of the joints of one set, degrees in [0, 90): one value drawn per joint.
 /// `mean` and `std` are those of the law before it is cut to [min, max].
-struct Distribution {
-  enum class Kind : std::uint8_t { constant, uniform, normal, exponential, lognormal, gamma, power };
+struct FrictionLaw {
+  enum class Kind : std::uint8_t { constant, uniform, normal, lognormal, exponential };
   Kind kind = Kind::constant;
-  double mean = 0;      ///< constant: the value; not used by uniform and power
-  double std = 0;       ///< normal, lognormal, gamma
-  double exponent = 0;  ///< power: N(> x) ~ x^-exponent
-  std::optional<double> min = std::nullopt;  ///< cut off below; lower end of uniform
-  std::optional<double> max = std::nullopt;
+  double mean = 30;  ///< constant: the value; not used by uniform
+  double std = 0;    ///< normal, lognormal
+  double min = 0;    ///< uniform: lower end; else what is below is cut off
+  double max = 89;
+
+  /// Inverse of the distribution function: larger u, larger friction. Precondition: 0 < u < 1.
+  [[nodiscard]] FrictionAngle quantile(double u) const;
 };
 
 /// Properties of the joints of one set ([joints.NAME], or [joints.default]).
 struct JointProperties {
-  Distribution friction{.kind = Distribution::Kind::constant, .mean = 30.0};  ///< degrees in [0, 90); one value drawn per joint
+  FrictionLaw friction;
   Stress cohesion;
   Stress tension;
 };
@@ -57,58 +61,11 @@ struct MeasuredJoint {
   std::string source;  ///< where it stands: "joints.obj:120" or "scene.toml:14"
 };
 
-struct FisherOrientation {
-  Dip dip;
-  DipDirection dip_direction;
-  double kappa;
-};
-struct UniformOrientation {  ///< mean plus or minus the half range, both independent
-  Dip dip;
-  DipDirection dip_direction;
-  Dip half_dip;
-  DipDirection half_dip_direction;
-};
-struct NormalOrientation {
-  Dip dip;
-  DipDirection dip_direction;
-  Dip dip_std;
-  DipDirection dip_direction_std;
-};
-using OrientationLaw = std::variant<FisherOrientation, UniformOrientation, NormalOrientation>;
-
-enum class JointShape : std::uint8_t { rectangle, square, disc, ellipse, polygon };
-
-struct Count {
-  std::uint64_t joints;
-};
-struct P32 {
-  double per_metre;
-};
-struct P30 {
-  double per_cubic_metre;
-};
-struct P10 {  ///< along the set's mean normal
-  double per_metre;
-};
-struct Spacing {
-  Length mean;
-};
-using Intensity = std::variant<Count, P32, P30, P10, Spacing>;
-
-struct Persistent {};  ///< size = "persistent": planes through the whole domain
-
-/// A [[joint_set]] (model "baecher"): joints drawn at random.
+/// A [[joint_set]]: joints drawn at random. Its number in Scene::joint_sets is the `set_index` of dfn::sample.
 struct RandomSet {
   SetId set;
-  OrientationLaw orientation;
-  JointShape shape = JointShape::rectangle;
-  std::uint32_t sides = 32;                        ///< of discs and ellipses as polygons, and of `polygon`
-  std::variant<Persistent, Distribution> size;     ///< m: side, or diameter
-  std::optional<Distribution> size_2;              ///< m: second side or axis
-  std::optional<double> aspect;                    ///< first over second; neither this nor size_2: see the contract
-  Distribution rotation;                           ///< degrees from strike, in the joint's plane
-  Intensity intensity;
-  std::uint32_t line;                              ///< in the scene file
+  dfn::JointSet law;
+  std::uint32_t line;  ///< in the scene file
 };
 
 struct Excavation {
@@ -145,7 +102,7 @@ struct Scene {
   std::string title;
   std::uint64_t seed = 1;
   Length snap;
-  double north = 0;  ///< degrees from y to true north, clockwise; only for display: orientations are turned already
+  double north = 0;             ///< degrees from y to true north, clockwise; only for display: orientations are turned already
 
   geometry::Solid domain;
   std::vector<std::uint32_t> free_domain_tags;  ///< tag indices of `domain` that are free
@@ -160,6 +117,7 @@ struct Scene {
   std::string file_name;  ///< the scene file's name without its folder
   std::string sha256;     ///< of the scene file's bytes
   std::vector<InputFile> files;
+  std::vector<Problem> notes;  ///< worth knowing, not wrong: a joint outside the domain, properties of a set without joints
 };
 
 }  // namespace cleave::scene

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace cleave::scene {
+
+/// One thing that is wrong with a scene (or, as a note, worth knowing): where, what, and what to do about it.
+struct Problem {
+  std::string file;    ///< the scene file or a file it names, as the user wrote it
+  std::uint32_t line;  ///< from 1; 1 when the file could not even be opened
+  std::string key;     ///< "joint[2].disc.radius": tables of an array count from 1
+  std::string what;
+  std::string remedy;
+  friend bool operator==(const Problem&, const Problem&) = default;
+};
+
+/// "FILE:LINE: KEY: what is wrong; what to do", without "error: " before it.
+[[nodiscard]] std::string describe(const Problem& problem);
+
+}  // namespace cleave::scene
