@@ -28,7 +28,7 @@ LatticePoint Lattice::snap(double x, double y, double z) const noexcept {
   std::array<std::int64_t, 3> site{};
   for (std::size_t i = 0; i < 3; ++i) {
     const double steps = std::nearbyint((p[i] - origin_[i]) / pitch_);
-    CLEAVE_ASSERT(std::abs(steps) <= 0x1p48);
+    CLEAVE_ASSERT(std::abs(steps) <= 0x1p47);
     site[i] = static_cast<std::int64_t>(steps);
   }
   return {site[0], site[1], site[2]};

@@ -5,7 +5,7 @@
 
 namespace cleave::exact {
 
-/// A site of the lattice. Invariant (kept by Lattice): |coordinates| <= 2^48.
+/// A site of the lattice. Invariant (kept by Lattice): |coordinates| <= 2^47.
 struct LatticePoint {
   std::int64_t x = 0, y = 0, z = 0;
   friend constexpr auto operator<=>(const LatticePoint&, const LatticePoint&) = default;

@@ -11,23 +11,30 @@ namespace cleave::exact {
 
 /// A plane through three lattice points: n . x + d = 0 with integer coefficients that are never rounded.
 ///
-/// Invariant: the normal is not zero. `n` has at most 102 bits, `d` at most 152. `approx` are the same four numbers times one
-/// power of two (so that the largest of |n| is in [1, 2) and positions are in units of 2^48 sites), each with a relative error of at most 2^-52.
+/// Invariant: the normal is not zero and its three components have no common factor. `n` has at most 97 bits, `d` at
+/// most 146. `approx` are the same four numbers times one power of two, so that the largest |n| is in [1, 2) and
+/// positions are in units of 2^48 sites; the normal with a relative error of at most 2^-52, d of at most 2^-51.
 class Plane final {
  public:
   /// a, b, c turn counter-clockwise seen from the positive side. Empty when they lie on one line.
   [[nodiscard]] static std::optional<Plane> through(LatticePoint a, LatticePoint b, LatticePoint c) noexcept;
+  /// Through `a` with the directions `u` and `v` (|components| <= 2^48); the positive side is that of u x v. Empty when parallel.
+  [[nodiscard]] static std::optional<Plane> spanned(LatticePoint a, LatticePoint u, LatticePoint v) noexcept;
 
   [[nodiscard]] const std::array<Int128, 3>& normal() const noexcept { return normal_; }
   [[nodiscard]] const Wide& offset() const noexcept { return offset_; }
   /// (n_x, n_y, n_z, d) scaled, see the class comment.
   [[nodiscard]] const std::array<double, 4>& approx() const noexcept { return approx_; }
-  [[nodiscard]] Plane flipped() const;
+  [[nodiscard]] Plane flipped() const noexcept;
   /// Unit normal in double, correct to a few ulp.
   [[nodiscard]] std::array<double, 3> unit_normal() const noexcept;
 
   /// Side of a lattice point; exact.
   [[nodiscard]] Sign side_of(LatticePoint p) const noexcept;
+  /// Same set of points and same positive side.
+  friend bool operator==(const Plane& a, const Plane& b) noexcept {
+    return a.normal_ == b.normal_ && a.offset_ == b.offset_;
+  }
   /// Same plane, either orientation.
   [[nodiscard]] bool coincides_with(const Plane& other) const noexcept;
   /// Normals parallel (same or opposite sense); exact.
@@ -35,6 +42,7 @@ class Plane final {
 
  private:
   Plane() = default;
+  void set_approx() noexcept;
   std::array<Int128, 3> normal_{};
   Wide offset_ = 0;
   std::array<double, 4> approx_{};

@@ -1,0 +1,58 @@
+#include "cleave/exact/predicates.hpp"
+
+#include "cleave/core/assert.hpp"
+
+namespace cleave::exact {
+namespace {
+
+std::array<Wide, 3> wide_normal(const Plane& plane) noexcept {
+  return {Wide{plane.normal()[0]}, Wide{plane.normal()[1]}, Wide{plane.normal()[2]}};
+}
+
+}  // namespace
+
+ExactLine exact_line(const Plane& p, const Plane& q) noexcept {
+  const auto a = wide_normal(p);
+  const auto b = wide_normal(q);
+  const Wide& d = p.offset();
+  const Wide& e = q.offset();
+  return {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]},
+          {d * b[0] - e * a[0], d * b[1] - e * a[1], d * b[2] - e * a[2]}};
+}
+
+ExactPoint exact_meet(const ExactLine& line, const Plane& r) noexcept {
+  const auto n = wide_normal(r);
+  const Wide& d = r.offset();
+  const auto& m = line.m;
+  const auto& w = line.w;
+  return {{n[1] * w[2] - n[2] * w[1] - d * m[0], n[2] * w[0] - n[0] * w[2] - d * m[1],
+           n[0] * w[1] - n[1] * w[0] - d * m[2]},
+          m[0] * n[0] + m[1] * n[1] + m[2] * n[2]};
+}
+
+Sign det3_exact(const Plane& p, const Plane& q, const Plane& r) noexcept {
+  const auto a = wide_normal(p);
+  const auto b = wide_normal(q);
+  const auto c = wide_normal(r);
+  return sign_of<Wide>((a[1] * b[2] - a[2] * b[1]) * c[0] + (a[2] * b[0] - a[0] * b[2]) * c[1] +
+                       (a[0] * b[1] - a[1] * b[0]) * c[2]);
+}
+
+Sign side_exact(const Plane& p, const Plane& q, const Plane& r, const Plane& s) noexcept {
+  const ExactPoint point = exact_meet(exact_line(p, q), r);
+  const auto n = wide_normal(s);
+  const Wide value = n[0] * point.x[0] + n[1] * point.x[1] + n[2] * point.x[2] + s.offset() * point.w;
+  return sign_of(value) * sign_of(point.w);
+}
+
+Sign side_of_parallel_line(const Plane& p, const Plane& q, const Plane& s) noexcept {
+  // x = nS x w - dS m equals -S(any point of the line) m there, so one non-zero component of m tells.
+  const ExactLine line = exact_line(p, q);
+  const ExactPoint point = exact_meet(line, s);
+  std::size_t i = 0;
+  while (i < 3 && line.m[i] == 0) ++i;
+  CLEAVE_ASSERT(i < 3);  // else P and Q are parallel
+  return -(sign_of(point.x[i]) * sign_of(line.m[i]));
+}
+
+}  // namespace cleave::exact
