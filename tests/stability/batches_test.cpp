@@ -140,7 +140,8 @@ TEST(BatchesTest, FixedAndBuriedBlocksAreNotJudged) {
   const auto rock = complex.fixed_block();
   complex.free_face(rock);
   const auto buried = complex.block(1);
-  for (const Vec3 n : {Vec3{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) complex.contact(buried, rock, n, 1, 0);
+  for (const Vec3 n : {Vec3{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}})
+    complex.contact(buried, rock, n, 1, 0);
   const auto tapered = complex.block(1);
   for (const Vec3 n : {Vec3{1, 1, -1}, {-1, 1, -1}, {0, -1, -1}, {0, 0, 1}}) complex.contact(tapered, rock, n, 1, 0);
   complex.free_face(tapered);

@@ -84,7 +84,8 @@ TEST(ConeTest, EqualNormalsAreOneGroupAntiparallelStayTwo) {
   const std::vector rows{integer(0, 0, 2), integer(1, 0, 0), integer(0, 0, 5), integer(0, 0, -1), integer(3, 0, 0)};
   const Cone cone{rows};
   ASSERT_EQ(cone.groups().size(), 3U);
-  EXPECT_EQ(std::vector(cone.group_of_row().begin(), cone.group_of_row().end()), (std::vector<std::uint32_t>{0, 1, 0, 2, 1}));
+  EXPECT_EQ(std::vector(cone.group_of_row().begin(), cone.group_of_row().end()),
+            (std::vector<std::uint32_t>{0, 1, 0, 2, 1}));
 }
 
 TEST(ConeTest, DimensionOfSimpleContacts) {
@@ -93,14 +94,15 @@ TEST(ConeTest, DimensionOfSimpleContacts) {
              up = integer(0, 0, 1), down = integer(0, 0, -1);
   EXPECT_EQ(dimension({}), 3);
   EXPECT_EQ(dimension({up}), 3);
-  EXPECT_EQ(dimension({up, down}), 2);                // slot
-  EXPECT_EQ(dimension({up, e}), 3);                   // edge
-  EXPECT_EQ(dimension({up, down, e}), 2);             // slot with a back
-  EXPECT_EQ(dimension({up, down, e, w}), 1);          // drawer open at both ends
-  EXPECT_EQ(dimension({up, down, e, n, s}), 1);       // cube in a wall: K is the ray (1, 0, 0)
+  EXPECT_EQ(dimension({up, down}), 2);           // slot
+  EXPECT_EQ(dimension({up, e}), 3);              // edge
+  EXPECT_EQ(dimension({up, down, e}), 2);        // slot with a back
+  EXPECT_EQ(dimension({up, down, e, w}), 1);     // drawer open at both ends
+  EXPECT_EQ(dimension({up, down, e, n, s}), 1);  // cube in a wall: K is the ray (1, 0, 0)
   EXPECT_EQ(dimension({up, down, e, w, n}), 1);
   EXPECT_EQ(dimension({up, down, e, w, n, s}), 0);
-  EXPECT_EQ(dimension({integer(1, 0, 0), integer(-1, 2, 0), integer(-1, -2, 0)}), 1);  // triangular prism: along its axis only
+  EXPECT_EQ(dimension({integer(1, 0, 0), integer(-1, 2, 0), integer(-1, -2, 0)}),
+            1);  // triangular prism: along its axis only
   EXPECT_EQ(dimension({direction(upward(60, 0)), direction(upward(60, 120)), direction(upward(60, 240))}), 3);
   EXPECT_EQ(dimension({integer(1, 1, -1), integer(-1, 1, -1), integer(0, -1, -1), integer(0, 0, 1)}), 0);
 }
@@ -125,8 +127,9 @@ int rank_of(const std::vector<std::array<int, 3>>& vectors) {
   return across != none ? 2 : first != none ? 1 : 0;
 }
 
-// Normals with components -1, 0, 1: every generator of K (cross products of rows, perpendiculars within a plane of rows) is an
-// integer vector within [-4, 4]^3, so the rank of the admissible vectors of that box is the dimension of K, exactly.
+// Normals with components -1, 0, 1: every generator of K (cross products of rows, perpendiculars within a plane of
+// rows) is an integer vector within [-4, 4]^3, so the rank of the admissible vectors of that box is the dimension of K,
+// exactly.
 TEST(ConeTest, DimensionAgreesWithExhaustionOverSmallVectors) {
   Rng rng{13};
   std::array<int, 4> seen{};
@@ -148,7 +151,8 @@ TEST(ConeTest, DimensionAgreesWithExhaustionOverSmallVectors) {
     for (int x = -reach; x <= reach; ++x) {
       for (int y = -reach; y <= reach; ++y) {
         for (int z = -reach; z <= reach; ++z) {
-          const bool ok = std::ranges::all_of(normals, [&](const auto& n) { return n[0] * x + n[1] * y + n[2] * z >= 0; });
+          const bool ok =
+              std::ranges::all_of(normals, [&](const auto& n) { return n[0] * x + n[1] * y + n[2] * z >= 0; });
           if (ok) admissible.push_back({x, y, z});
         }
       }

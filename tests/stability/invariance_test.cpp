@@ -79,15 +79,17 @@ TEST(InvarianceTest, AxesCanBeTurnedByNinetyDegrees) {
   }
 }
 
-// Without cohesion weight is the only force there is: all volumes times 1000, same modes, forces times 1000. (A power of
-// two would be exact; 1000 is not.)
+// Without cohesion weight is the only force there is: all volumes times 1000, same modes, forces times 1000. (A power
+// of two would be exact; 1000 is not.)
 TEST(InvarianceTest, ForcesScaleWithVolume) {
   for (std::uint64_t seed = 20; seed < 40; ++seed) {
     const Description d = testing_complex::random(seed, 40);
     Description big = d;
     for (double& volume : big.volumes) volume *= 1000;
-    const Settings with = statics::settings({statics::strength(10), statics::strength(20), statics::strength(30), statics::strength(40), statics::strength(50)});
-    expect_same(analyse_complex(d.build(), with), analyse_complex(big.build(), with), [](Vec3 v) { return v; }, 1000, 1e-9);
+    const Settings with = statics::settings({statics::strength(10), statics::strength(20), statics::strength(30),
+                                             statics::strength(40), statics::strength(50)});
+    expect_same(
+        analyse_complex(d.build(), with), analyse_complex(big.build(), with), [](Vec3 v) { return v; }, 1000, 1e-9);
   }
 }
 
@@ -97,7 +99,8 @@ TEST(InvarianceTest, OrderOfFacesDoesNotMatter) {
     Description back = d;
     std::ranges::reverse(back.contacts);
     const Settings with = testing_complex::random_settings(seed);
-    expect_same(analyse_complex(d.build(), with), analyse_complex(back.build(), with), [](Vec3 v) { return v; }, 1, 1e-9);
+    expect_same(
+        analyse_complex(d.build(), with), analyse_complex(back.build(), with), [](Vec3 v) { return v; }, 1, 1e-9);
   }
 }
 

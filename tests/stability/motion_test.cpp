@@ -75,7 +75,8 @@ TEST(MotionTest, HoekAndBrayWedgeWithTensionCrackWet) {
   EXPECT_NEAR(m.reactions[0] / 15171999.4, 1, 1e-8);
   EXPECT_NEAR(m.reactions[1] / 5789680.59, 1, 1e-8);
   EXPECT_NEAR(norm(m.s) / 15886003.7, 1, 1e-8);
-  const double resistance = m.reactions[0] * std::tan(radians(20)) + m.reactions[1] * std::tan(radians(30)) + 500 * a1 + 1000 * a2;
+  const double resistance =
+      m.reactions[0] * std::tan(radians(20)) + m.reactions[1] * std::tan(radians(30)) + 500 * a1 + 1000 * a2;
   EXPECT_NEAR(resistance / norm(m.s), 1.13782292336, 1e-8);
 }
 
@@ -110,9 +111,9 @@ TEST(MotionTest, DegenerateContacts) {
   EXPECT_EQ(under({}, down).kind, MotionKind::free);
 }
 
-/// The residual of the non-negative least squares problem min |r + sum N n|, N >= 0, by exhaustion: the optimum is reached on
-/// linearly independent normals (Caratheodory), so it is the smallest over all sets of one, two and three whose unconstrained
-/// solution has N >= 0. Uses neither the sign conditions on the other rows nor the cone.
+/// The residual of the non-negative least squares problem min |r + sum N n|, N >= 0, by exhaustion: the optimum is
+/// reached on linearly independent normals (Caratheodory), so it is the smallest over all sets of one, two and three
+/// whose unconstrained solution has N >= 0. Uses neither the sign conditions on the other rows nor the cone.
 Vec3 least_squares_residual(const std::vector<Vec3>& n, Vec3 r) {
   Vec3 best = r;
   const auto offer = [&](Vec3 s) {
@@ -154,7 +155,8 @@ TEST(MotionTest, ProjectionIsTheResidualOfNonNegativeLeastSquares) {
     ASSERT_LT(norm(m.s - least_squares_residual(normals, r)), 1e-12) << "trial " << trial;
     // Statics: r + sum N n = s.
     Vec3 sum = r;
-    if (m.kind == MotionKind::one_plane || m.kind == MotionKind::two_planes) sum += m.reactions[0] * normals[m.groups[0]];
+    if (m.kind == MotionKind::one_plane || m.kind == MotionKind::two_planes)
+      sum += m.reactions[0] * normals[m.groups[0]];
     if (m.kind == MotionKind::two_planes) sum += m.reactions[1] * normals[m.groups[1]];
     if (m.kind != MotionKind::held) {
       EXPECT_LT(norm(sum - m.s), 1e-12);
@@ -242,8 +244,8 @@ TEST(MotionTest, CountsOfModesOverAllSides) {
   }
 }
 
-// (S3): of all wedge blocks under isotropic planes the share 1 - 2/pi has a wall that the resultant itself does not press. Fixed seed;
-// limit of 4 standard errors: a generator drawn anew would fail 6 times in 100,000.
+// (S3): of all wedge blocks under isotropic planes the share 1 - 2/pi has a wall that the resultant itself does not
+// press. Fixed seed; limit of 4 standard errors: a generator drawn anew would fail 6 times in 100,000.
 TEST(MotionTest, ShareOfWedgesTheSignTestMisses) {
   Rng rng{10};
   int wedges = 0, missed = 0;

@@ -86,18 +86,22 @@ TEST(ResistanceTest, HoekAndBrayWedgeWithTensionCrack) {
   EXPECT_NEAR(dry.pressing[0].reaction.si() / 22557120.5, 1, 1e-8);
   EXPECT_NEAR(dry.pressing[1].reaction.si() / 13848679.0, 1, 1e-8);
   EXPECT_NEAR(dry.driving.si() / 14644289.5, 1, 1e-8);
-  EXPECT_NEAR(judge_one(walls, settings({strength(30, 500), strength(20, 1000), strength(0)}), weight).factor_of_safety, 1.862466, 1e-6);
+  EXPECT_NEAR(judge_one(walls, settings({strength(30, 500), strength(20, 1000), strength(0)}), weight).factor_of_safety,
+              1.862466, 1e-6);
 
   const double u = 1084.26644;
   const Vec3 thrust = (u / weight) * (a1 * walls[0].inward + a2 * walls[1].inward + a5 * walls[2].inward);
-  const Judgement wet = judge_one(walls, settings({strength(20, 500), strength(30, 1000), strength(0)}, thrust), weight);
+  const Judgement wet =
+      judge_one(walls, settings({strength(20, 500), strength(30, 1000), strength(0)}, thrust), weight);
   EXPECT_NEAR(wet.factor_of_safety, 1.13782292336, 1e-9);
 }
 
 TEST(ResistanceTest, HoekAndBrayFullWedge) {
   const std::vector<Wall> walls{{upward(45, 105), 9349.3015}, {upward(70, 235), 9421.8586}};
-  EXPECT_NEAR(judge_one(walls, settings({strength(20, 500), strength(30, 1000)}), 36789671).factor_of_safety, 1.846356, 1e-6);
-  EXPECT_NEAR(judge_one(walls, settings({strength(30, 500), strength(20, 1000)}), 36789671).factor_of_safety, 1.973246, 1e-6);
+  EXPECT_NEAR(judge_one(walls, settings({strength(20, 500), strength(30, 1000)}), 36789671).factor_of_safety, 1.846356,
+              1e-6);
+  EXPECT_NEAR(judge_one(walls, settings({strength(30, 500), strength(20, 1000)}), 36789671).factor_of_safety, 1.973246,
+              1e-6);
 }
 
 TEST(ResistanceTest, RoofFallsFloorStands) {
@@ -145,7 +149,8 @@ TEST(ResistanceTest, CubeInAWall) {
   EXPECT_TRUE(analyse_complex(complex.build(), strict).judgements.empty());
 }
 
-// Cohesion counts where a wall presses; `parallel_contact` adds walls that are brushed; walls that open give tension only.
+// Cohesion counts where a wall presses; `parallel_contact` adds walls that are brushed; walls that open give tension
+// only.
 TEST(ResistanceTest, CohesionAndTension) {
   const std::vector<Wall> walls{{upward(40, 90), 3}, {{0, 1, 0}, 5}, {handmade::dip_vector(40, 90), 7}};
   const double t = 100 * std::sin(radians(40));
@@ -179,7 +184,8 @@ TEST(ResistanceTest, SteppedBaseAddsAreasAndAveragesFriction) {
   EXPECT_NEAR(judge_one(steps, with).resistance.si(), n * std::tan(radians(10)) + 2 + 15, 1e-10);
 }
 
-// Three planes through one sliding line: statics leaves the reactions open. Bounds by linear programming (theory check).
+// Three planes through one sliding line: statics leaves the reactions open. Bounds by linear programming (theory
+// check).
 TEST(ResistanceTest, ThreeCoplanarNormalsGiveAnInterval) {
   const double tilt = radians(30);
   const auto turned = [&](Vec3 v) {
@@ -200,8 +206,8 @@ TEST(ResistanceTest, ThreeCoplanarNormalsGiveAnInterval) {
 
   // The same with integer normals: sliding line (0, 1, -1), rows a (1, 1, 1), b (-1, 1, 1), c (0, 1, 1).
   const std::vector<Wall> lattice{{{1, 1, 1}}, {{-1, 1, 1}}, {{0, 1, 1}}};
-  const double reaction = 100 / std::sqrt(2.0);           // on c alone
-  const double each = reaction / 2 * std::sqrt(1.5);      // on a and b: (1, 1, 1) / sqrt 3 has 2 / sqrt 6 along c
+  const double reaction = 100 / std::sqrt(2.0);       // on c alone
+  const double each = reaction / 2 * std::sqrt(1.5);  // on a and b: (1, 1, 1) / sqrt 3 has 2 / sqrt 6 along c
   const Judgement smooth_sides = judge_one(lattice, settings({strength(10), strength(10), strength(30)}));
   EXPECT_EQ(smooth_sides.mode, Mode::sliding);
   EXPECT_NEAR(smooth_sides.resistance.si(), 2 * each * std::tan(radians(10)), 1e-10);

@@ -21,7 +21,9 @@ using statics::find;
 using statics::settings;
 using statics::strength;
 
-const Transferred& after(const Analysis& analysis, topology::BlockId block) { return *find(analysis, block)->transferred; }
+const Transferred& after(const Analysis& analysis, topology::BlockId block) {
+  return *find(analysis, block)->transferred;
+}
 
 // Two blocks in line get the net force of the union: fact 4.
 TEST(TransferTest, BlocksInLineActAsOne) {

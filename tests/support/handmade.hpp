@@ -47,8 +47,8 @@ inline exact::Plane plane_with_normal(Vec3 n) {
   };
   // Two directions in the plane: across the smallest component first.
   const Vec3 axis = std::abs(n.x) <= std::abs(n.y) && std::abs(n.x) <= std::abs(n.z) ? Vec3{1, 0, 0}
-                    : std::abs(n.y) <= std::abs(n.z)                                ? Vec3{0, 1, 0}
-                                                                                    : Vec3{0, 0, 1};
+                    : std::abs(n.y) <= std::abs(n.z)                                 ? Vec3{0, 1, 0}
+                                                                                     : Vec3{0, 0, 1};
   const Vec3 u = geometry::cross(axis, n);
   const Vec3 v = geometry::cross(n, u);
   return exact::Plane::through({0, 0, 0}, site(u), site(v)).value();
@@ -87,7 +87,8 @@ class Complex final {
   void shared_contact(topology::BlockId block, topology::BlockId first, topology::BlockId second, Vec3 inward,
                       double first_area, double second_area, std::uint32_t joint) {
     const auto plane_id = plane(inward);
-    face(block, plane_id, true, topology::Role::joint, {patch(joint, first, first_area), patch(joint, second, second_area)});
+    face(block, plane_id, true, topology::Role::joint,
+         {patch(joint, first, first_area), patch(joint, second, second_area)});
     face(first, plane_id, false, topology::Role::joint, {patch(joint, block, first_area)});
     face(second, plane_id, false, topology::Role::joint, {patch(joint, block, second_area)});
   }

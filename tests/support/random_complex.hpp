@@ -1,6 +1,7 @@
 #pragma once
 
-/// Random systems of blocks in contact, as a list that can be built again with some blocks taken out or turned in space.
+/// Random systems of blocks in contact, as a list that can be built again with some blocks taken out or turned in
+/// space.
 
 #include <array>
 #include <cstdint>
@@ -59,12 +60,16 @@ inline Description random(std::uint64_t seed, std::size_t count) {
     d.free.push_back(rng.between(0, 2) == 0);
     const auto contacts = rng.between(1, 5);
     for (std::int64_t c = 0; c < contacts; ++c) {
-      const auto other = rng.between(0, 3) == 0 ? 0 : rng.between(std::max<std::int64_t>(0, static_cast<std::int64_t>(i) - 6), static_cast<std::int64_t>(i) - 1);
+      const auto other = rng.between(0, 3) == 0
+                             ? 0
+                             : rng.between(std::max<std::int64_t>(0, static_cast<std::int64_t>(i) - 6),
+                                           static_cast<std::int64_t>(i) - 1);
       const bool small = rng.between(0, 3) == 0;
       const auto digit = [&] { return static_cast<double>(rng.between(-1, 1)); };
       Vec3 n = small ? Vec3{digit(), digit(), digit()} : Vec3{rng.normal(), rng.normal(), rng.normal() + 0.5};
       if (n == Vec3{}) n = {0, 0, 1};
-      d.contacts.push_back({BlockId{i}, BlockId{static_cast<std::size_t>(other)}, n, 0.2 + rng.uniform(), static_cast<std::uint32_t>(rng.between(0, 4))});
+      d.contacts.push_back({BlockId{i}, BlockId{static_cast<std::size_t>(other)}, n, 0.2 + rng.uniform(),
+                            static_cast<std::uint32_t>(rng.between(0, 4))});
     }
   }
   return d;
@@ -72,7 +77,9 @@ inline Description random(std::uint64_t seed, std::size_t count) {
 
 inline stability::Settings random_settings(std::uint64_t seed) {
   Rng rng{StreamKey{.seed = seed, .purpose = 1}};
-  const auto one = [&] { return statics::strength(50 * rng.uniform(), rng.between(0, 1) == 0 ? 0 : 0.3 * rng.uniform()); };
+  const auto one = [&] {
+    return statics::strength(50 * rng.uniform(), rng.between(0, 1) == 0 ? 0 : 0.3 * rng.uniform());
+  };
   return statics::settings({one(), one(), one(), one(), one()});
 }
 

@@ -34,8 +34,8 @@ unsigned rank(std::span<const Direction> rows, const std::vector<bool>& chosen) 
   return static_cast<unsigned>(basis.size());
 }
 
-/// Narrows `equalities` (rows that are zero all over K) by one candidate ray, on which row k has sign `sign(k)` or, for its
-/// opposite, minus that. Nothing happens when neither is in K.
+/// Narrows `equalities` (rows that are zero all over K) by one candidate ray, on which row k has sign `sign(k)` or, for
+/// its opposite, minus that. Nothing happens when neither is in K.
 template <class SignOfRow>
 void try_ray(std::size_t count, SignOfRow sign, std::vector<Sign>& signs, std::vector<bool>& equalities) {
   bool positive = false;
@@ -65,7 +65,8 @@ Cone::Cone(std::span<const Direction> inward_normals) {
 std::uint8_t Cone::dimension() const {
   const std::span<const Direction> rows = groups_;
   const std::size_t count = rows.size();
-  // K is spanned by its extreme rays and the line space of the rows; its dimension is 3 less the rank of the rows that vanish on all of it.
+  // K is spanned by its extreme rays and the line space of the rows; its dimension is 3 less the rank of the rows that
+  // vanish on all of it.
   std::vector<bool> equalities(count, true);
   const unsigned full = rank(rows, equalities);
   if (full <= 1) return count == 2 ? 2 : 3;  // a slot, a half-space, or all space
@@ -83,7 +84,8 @@ std::uint8_t Cone::dimension() const {
     }
   } else {
     // All rows lie in one plane and K is a flat cone times the line across it. In that plane the candidate rays are the
-    // perpendiculars of the rows; any component of a x b that is not zero for one pair has the sense of rotation of all.
+    // perpendiculars of the rows; any component of a x b that is not zero for one pair has the sense of rotation of
+    // all.
     std::size_t other = 1;
     while (parallel(rows[0], rows[other])) ++other;
     std::size_t axis = 0;

@@ -14,11 +14,11 @@ namespace cleave::stability {
 
 /// What the faces of one group (same inward normal) offer together, N and m2, partial factors applied.
 struct Contact {
-  topology::FaceId face;     ///< the first one
-  double area = 0;           ///< of the patches still in contact
-  double tan_friction = 0;   ///< area-weighted mean, or the smallest
-  double cohesion = 0;       ///< sum c A, N
-  double tension = 0;        ///< sum sigma_t A, N
+  topology::FaceId face;    ///< the first one
+  double area = 0;          ///< of the patches still in contact
+  double tan_friction = 0;  ///< area-weighted mean, or the smallest
+  double cohesion = 0;      ///< sum c A, N
+  double tension = 0;       ///< sum sigma_t A, N
 };
 
 /// A block's joint faces that still have a neighbour: row -> group of the cone, and the group's strength.

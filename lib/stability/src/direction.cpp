@@ -59,9 +59,7 @@ Direction Direction::reduced(Components components) noexcept {
   return {components, geometry::normalized(v)};
 }
 
-Direction Direction::normal_of(const exact::Plane& plane) noexcept {
-  return reduced(plane.normal());
-}
+Direction Direction::normal_of(const exact::Plane& plane) noexcept { return reduced(plane.normal()); }
 
 std::optional<Direction> Direction::make(const Components& components) noexcept {
   constexpr Int128 limit = Int128{1} << 104;
@@ -74,9 +72,7 @@ std::optional<Direction> Direction::make(const Components& components) noexcept 
   return reduced(components);
 }
 
-Direction Direction::opposite() const noexcept {
-  return {{-components_[0], -components_[1], -components_[2]}, -unit_};
-}
+Direction Direction::opposite() const noexcept { return {{-components_[0], -components_[1], -components_[2]}, -unit_}; }
 
 bool Direction::opposite_to(const Direction& other) const noexcept {
   return components_[0] == -other.components_[0] && components_[1] == -other.components_[1] &&
@@ -84,8 +80,8 @@ bool Direction::opposite_to(const Direction& other) const noexcept {
 }
 
 Sign orientation(const Direction& a, const Direction& b, const Direction& c) noexcept {
-  // Each of the six products carries 15 u of its three factors (u = 2^-53) and 5 u of the operations; the sum of their absolute
-  // values is at most the product of the rows' 1-norms, 3 sqrt 3. 20 * 5.2 u < 2^-46.
+  // Each of the six products carries 15 u of its three factors (u = 2^-53) and 5 u of the operations; the sum of their
+  // absolute values is at most the product of the rows' 1-norms, 3 sqrt 3. 20 * 5.2 u < 2^-46.
   const double value = geometry::dot(geometry::cross(a.unit(), b.unit()), c.unit());
   if (std::abs(value) > 0x1p-46) return value > 0 ? Sign::positive : Sign::negative;
   if (bits(a.components()) + bits(b.components()) + bits(c.components()) + 3 < 127) {

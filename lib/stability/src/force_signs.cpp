@@ -82,7 +82,8 @@ Sign ForceSigns::along(const Direction& n) {
 }
 
 Sign ForceSigns::reaction(const Direction& i, const Direction& j) {
-  const double value = geometry::dot(i.unit(), j.unit()) * geometry::dot(j.unit(), scaled_) - geometry::dot(i.unit(), scaled_);
+  const double value =
+      geometry::dot(i.unit(), j.unit()) * geometry::dot(j.unit(), scaled_) - geometry::dot(i.unit(), scaled_);
   return decide(value, [&] {
     if (bits(i.components()) + 2 * bits(j.components()) + integer_bits_ + 5 < 127) {
       return exact_reaction<Int128>(i, j, integer_);
@@ -93,7 +94,8 @@ Sign ForceSigns::reaction(const Direction& i, const Direction& j) {
 
 Sign ForceSigns::along_line(const Direction& i, const Direction& j) {
   return decide(geometry::dot(geometry::cross(i.unit(), j.unit()), scaled_), [&] {
-    if (bits(i.components()) + bits(j.components()) + integer_bits_ + 3 < 127) return exact_line<Int128>(i, j, integer_);
+    if (bits(i.components()) + bits(j.components()) + integer_bits_ + 3 < 127)
+      return exact_line<Int128>(i, j, integer_);
     return exact_line<Wide>(i, j, integer_);
   });
 }

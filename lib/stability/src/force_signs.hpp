@@ -10,8 +10,8 @@
 
 namespace cleave::stability {
 
-/// Signs of expressions linear in the resultant r: double first, with a proven bound; then integers. Normals are exact; r is
-/// exact, or known to a rounding error: then a sign that this error could turn is zero, and `tie` remembers it.
+/// Signs of expressions linear in the resultant r: double first, with a proven bound; then integers. Normals are exact;
+/// r is exact, or known to a rounding error: then a sign that this error could turn is zero, and `tie` remembers it.
 class ForceSigns final {
  public:
   /// `resultant` must not be zero.
@@ -19,7 +19,8 @@ class ForceSigns final {
 
   /// n.r
   [[nodiscard]] exact::Sign along(const Direction& n);
-  /// The reaction of i when i and j press: sign of (i.j)(j.r) - (i.r)(j.j). Minus it is the sign of n_i.s when the block slides on j.
+  /// The reaction of i when i and j press: sign of (i.j)(j.r) - (i.r)(j.j). Minus it is the sign of n_i.s when the
+  /// block slides on j.
   [[nodiscard]] exact::Sign reaction(const Direction& i, const Direction& j);
   /// (i x j).r
   [[nodiscard]] exact::Sign along_line(const Direction& i, const Direction& j);
@@ -33,9 +34,9 @@ class ForceSigns final {
   template <class Exact>
   [[nodiscard]] exact::Sign decide(double value, Exact exact_sign);
 
-  geometry::Vec3 scaled_;                     ///< r / scale
+  geometry::Vec3 scaled_;  ///< r / scale
   bool exact_;
-  std::array<exact::Int128, 3> integer_{};    ///< parallel to r
+  std::array<exact::Int128, 3> integer_{};  ///< parallel to r
   int integer_bits_ = 0;
   bool tie_ = false;
 };

@@ -19,14 +19,17 @@ std::pair<double, double> pair_reactions(const Direction& i, const Direction& j,
   return {-geometry::dot(geometry::cross(r, j.unit()), e) / q, geometry::dot(geometry::cross(r, i.unit()), e) / q};
 }
 
-/// Motion under less than this share of the resultant is none. Normals come from lattice points, so lines that are meant to be
-/// horizontal are so to about 1e-14; what that leaves of the weight moves nothing.
+/// Motion under less than this share of the resultant is none. Normals come from lattice points, so lines that are
+/// meant to be horizontal are so to about 1e-14; what that leaves of the weight moves nothing.
 constexpr double negligible = 0x1p-40;
 
 class Projector final {
  public:
   Projector(const Cone& cone, const Resultant& resultant)
-      : rows_{cone.groups()}, r_{resultant.newtons()}, signs_{resultant}, count_{static_cast<std::uint32_t>(rows_.size())} {}
+      : rows_{cone.groups()},
+        r_{resultant.newtons()},
+        signs_{resultant},
+        count_{static_cast<std::uint32_t>(rows_.size())} {}
 
   Motion find() {
     along_.reserve(count_);

@@ -45,7 +45,8 @@ double tension(const Contacts& contacts, const Motion& motion) {
 
 }  // namespace
 
-Resistance resistance(const Contacts& contacts, const Resultant& resultant, const Motion& motion, bool parallel_contact) {
+Resistance resistance(const Contacts& contacts, const Resultant& resultant, const Motion& motion,
+                      bool parallel_contact) {
   Resistance result;
   if (motion.kind == MotionKind::none || motion.kind == MotionKind::held) return result;
   result.pressing = of_motion(motion);

@@ -15,8 +15,8 @@ struct Resistance {
   std::vector<std::pair<std::uint32_t, double>> pressing;  ///< group and reaction of the least one
 };
 
-/// Friction and cohesion of the pressing groups, tension of those that open. Where three or more coplanar normals touch, the reactions
-/// are not unique: all pairs that carry the force are tried.
+/// Friction and cohesion of the pressing groups, tension of those that open. Where three or more coplanar normals
+/// touch, the reactions are not unique: all pairs that carry the force are tried.
 [[nodiscard]] Resistance resistance(const Contacts& contacts, const Resultant& resultant, const Motion& motion,
                                     bool parallel_contact);
 

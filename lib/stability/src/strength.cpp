@@ -21,8 +21,9 @@ std::string describe(const StrengthError& error) {
   return std::visit(
       overloaded{
           [](const FrictionOutOfRange& e) {
-            return fmt::format("friction {} is not an angle from 0 up to (not including) 90 degrees; give degrees, not a coefficient",
-                               e.friction.degrees());
+            return fmt::format(
+                "friction {} is not an angle from 0 up to (not including) 90 degrees; give degrees, not a coefficient",
+                e.friction.degrees());
           },
           [](const BadCohesion& e) {
             return fmt::format("cohesion {} Pa is not a finite number >= 0; use 0 for none", e.cohesion.si());
@@ -34,7 +35,8 @@ std::string describe(const StrengthError& error) {
             return fmt::format("density {} kg/m3 is not a finite number > 0; rock has 2000 to 3000", e.density.si());
           },
           [](const BadGravity& e) {
-            return fmt::format("gravity {} m/s2 is not finite; use 9.81 or a vector such as [0, 0, -9.81]", text(e.gravity));
+            return fmt::format("gravity {} m/s2 is not finite; use 9.81 or a vector such as [0, 0, -9.81]",
+                               text(e.gravity));
           },
           [](const BadSeismic& e) {
             return fmt::format("seismic coefficient {} is not finite; give force / weight, such as [0.1, 0, 0]",
@@ -49,7 +51,8 @@ std::string describe(const StrengthError& error) {
 JointStrength::JointStrength(FrictionAngle friction, Stress cohesion, Stress tension) noexcept
     : friction_{friction}, tan_friction_{std::tan(friction.radians())}, cohesion_{cohesion}, tension_{tension} {}
 
-std::expected<JointStrength, StrengthError> JointStrength::make(FrictionAngle friction, Stress cohesion, Stress tension) {
+std::expected<JointStrength, StrengthError> JointStrength::make(FrictionAngle friction, Stress cohesion,
+                                                                Stress tension) {
   if (!(friction.degrees() >= 0 && friction.degrees() < 90)) return std::unexpected(FrictionOutOfRange{friction});
   if (negative_or_not_finite(cohesion)) return std::unexpected(BadCohesion{cohesion});
   if (negative_or_not_finite(tension)) return std::unexpected(BadTension{tension});

@@ -13,7 +13,8 @@ namespace {
 using geometry::Vec3;
 using topology::BlockId;
 
-/// A face is pushed when the motion goes into it by more than rounding: a block that slides along a face does not lean on it.
+/// A face is pushed when the motion goes into it by more than rounding: a block that slides along a face does not lean
+/// on it.
 constexpr double pushes = 0x1p-40;
 
 struct Received {

@@ -28,12 +28,12 @@ struct Settings {
   std::uint32_t max_batches = 50;
 };
 
-/// Key blocks of the complex in batches, after Goodman & Shi (1985) with the mode found as the projection of the resultant
-/// (Fu 2014, ch. 4, corrected). Translation only: no rotation, no arching, in-situ stress ignored.
+/// Key blocks of the complex in batches, after Goodman & Shi (1985) with the mode found as the projection of the
+/// resultant (Fu 2014, ch. 4, corrected). Translation only: no rotation, no arching, in-situ stress ignored.
 ///
-/// All blocks of a batch are judged in the same state and removed together; faces to removed blocks are free from then on.
-/// Blocks with a fixed face never move. With `force_transfer` the net force of later batches is passed on to earlier ones, last
-/// batch first. Deterministic; after the first batch the cost follows what changes.
+/// All blocks of a batch are judged in the same state and removed together; faces to removed blocks are free from then
+/// on. Blocks with a fixed face never move. With `force_transfer` the net force of later batches is passed on to
+/// earlier ones, last batch first. Deterministic; after the first batch the cost follows what changes.
 [[nodiscard]] Analysis analyse(const topology::AuditedComplex& complex, const Settings& settings);
 
 }  // namespace cleave::stability

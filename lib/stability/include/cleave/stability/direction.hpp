@@ -41,7 +41,8 @@ class Direction final {
 /// Sign of (a x b) . c; exact, filtered.
 [[nodiscard]] exact::Sign orientation(const Direction& a, const Direction& b, const Direction& c) noexcept;
 
-/// a x b of the unit vectors, in double from the exact integers: accurate to a few ulp even for nearly parallel directions.
+/// a x b of the unit vectors, in double from the exact integers: accurate to a few ulp even for nearly parallel
+/// directions.
 [[nodiscard]] geometry::Vec3 cross(const Direction& a, const Direction& b) noexcept;
 
 }  // namespace cleave::stability

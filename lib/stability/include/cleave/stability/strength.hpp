@@ -43,7 +43,8 @@ using StrengthError =
 /// Mohr-Coulomb strength of a joint. Invariant: friction in [0, 90) degrees; cohesion and tension >= 0 and finite.
 class JointStrength final {
  public:
-  [[nodiscard]] static std::expected<JointStrength, StrengthError> make(FrictionAngle friction, Stress cohesion = pascals(0),
+  [[nodiscard]] static std::expected<JointStrength, StrengthError> make(FrictionAngle friction,
+                                                                        Stress cohesion = pascals(0),
                                                                         Stress tension = pascals(0));
   [[nodiscard]] FrictionAngle friction() const noexcept { return friction_; }
   [[nodiscard]] double tan_friction() const noexcept { return tan_friction_; }
@@ -85,8 +86,8 @@ class RockMass final {
 /// Body forces. Invariant: finite.
 class Loads final {
  public:
-  /// `gravity` in m/s2 as a vector (default of scenes: (0, 0, -9.81)); `seismic` is force / weight in the direction it acts
-  /// (the sign of D'Alembert is already in it).
+  /// `gravity` in m/s2 as a vector (default of scenes: (0, 0, -9.81)); `seismic` is force / weight in the direction it
+  /// acts (the sign of D'Alembert is already in it).
   [[nodiscard]] static std::expected<Loads, StrengthError> make(geometry::Vec3 gravity, geometry::Vec3 seismic = {});
   [[nodiscard]] geometry::Vec3 gravity() const noexcept { return gravity_; }
   [[nodiscard]] geometry::Vec3 seismic() const noexcept { return seismic_; }
@@ -101,7 +102,8 @@ class Loads final {
 class PartialFactors final {
  public:
   PartialFactors() = default;
-  [[nodiscard]] static std::expected<PartialFactors, StrengthError> make(double friction, double cohesion, double weight);
+  [[nodiscard]] static std::expected<PartialFactors, StrengthError> make(double friction, double cohesion,
+                                                                         double weight);
   [[nodiscard]] double friction() const noexcept { return friction_; }
   [[nodiscard]] double cohesion() const noexcept { return cohesion_; }
   [[nodiscard]] double weight() const noexcept { return weight_; }
