@@ -45,9 +45,9 @@ struct Piece {
 
 class Nesting {
  public:
-  Nesting(const PlaneView& view, const std::vector<Loop>& loops, const std::vector<Index>& loop_of,
+  Nesting(const PlaneView& view, const std::vector<Index>& loop_of,
           const Arrangement& arrangement, const Graph& graph, Signs& signs)
-      : plane_{view.plane}, loops_{loops}, loop_of_{loop_of}, arrangement_{arrangement}, graph_{graph}, signs_{signs},
+      : plane_{view.plane}, loop_of_{loop_of}, arrangement_{arrangement}, graph_{graph}, signs_{signs},
         half_{arrangement.half_turn[view.plane]} {}
 
   /// The loop of `ring` whose left side holds the start of half-edge `from`: the first edge of `ring` met along the
@@ -106,7 +106,7 @@ class Nesting {
   }
 
   Index plane_;
-  const std::vector<Loop>& loops_;
+
   const std::vector<Index>& loop_of_;
   const Arrangement& arrangement_;
   const Graph& graph_;
@@ -146,7 +146,7 @@ std::vector<Index> nest_loops(const PlaneView& view, const std::vector<Loop>& lo
     piece.box.add(positions[graph.edges[graph.uses[use].edge].to]);
   }
 
-  Nesting nesting{view, loops, loop_of, arrangement, graph, signs};
+  Nesting nesting{view, loop_of, arrangement, graph, signs};
   struct Holder {
     Index piece, loop;
   };

@@ -332,7 +332,7 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
                entry);
   }
   const exact::Lattice lattice = exact::Lattice::covering(scene.lo, scene.hi);
-  Prepared out{.lattice = lattice};
+  Prepared out{lattice};
   out.joint_count = static_cast<Index>(input.joints.size());
   out.excavation_count = static_cast<Index>(input.excavations.size());
 

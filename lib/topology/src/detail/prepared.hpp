@@ -41,6 +41,7 @@ struct Facet {
 };
 
 struct Prepared {
+  explicit Prepared(const exact::Lattice& l) noexcept : lattice{l} {}
   exact::Lattice lattice;
   std::vector<exact::Plane> planes;  ///< [0, facet_planes) distinct, first non-zero normal component positive; then edge planes
   Index facet_planes = 0;
