@@ -90,7 +90,7 @@ TEST(StlTest, TextMayHoldSeveralSolids) {
   EXPECT_EQ(mesh->lines, (std::vector<std::uint32_t>{2, 11, 18}));
   EXPECT_EQ(fault_of("solid a\n" + facet("inf") + "endsolid"), ReadFault::bad_number);
   EXPECT_EQ(fault_of("solid a\n" + facet("1e999") + "endsolid"), ReadFault::bad_number);
-  EXPECT_EQ(fault_of("solid a\n" + facet("1") + "facet normal 0 0 1 outer loop endloop"), ReadFault::syntax);
+  EXPECT_EQ(fault_of("solid a\n" + facet("1") + "facet normal 0 0 1 outer loop endloop endfacet"), ReadFault::syntax);
   EXPECT_EQ(fault_of("solid a\n" + facet("1")), ReadFault::truncated);
   EXPECT_EQ(fault_of("solid a\nendsolid a\n"), ReadFault::empty);
   const auto wrong = parse_stl("solid a\n" + facet("1") + "fact\n", "a");
