@@ -16,7 +16,6 @@ using geometry::Vec3;
 struct Nature {
   Role role = Role::joint;
   Index joint = none, excavation = none, tag = none;
-  friend bool operator==(const Nature&, const Nature&) = default;
 };
 
 struct Measure {
@@ -133,7 +132,7 @@ class Assembler {
     }
   }
 
-  /// Links between the separating faces alone, faces merged over coplanar links of one nature, shells.
+  /// Links between the separating faces alone, faces merged over coplanar links of one role, shells.
   void link_flanks() {
     link_ = link_around_edges(graph_, arrangement_, present_);
     internal_.assign(link_.size(), 0);
@@ -147,7 +146,7 @@ class Assembler {
       CLEAVE_ASSERT(block_of_[a] == block_of_[b]);
       shells_.unite(a, b);
       const bool straight_on = link_[flank] == (flank ^ 2U);  // the other half-edge of the same use, same side
-      if (straight_on && nature_[a] == nature_[b]) {
+      if (straight_on && nature_[a].role == nature_[b].role) {
         merged_.unite(a, b);
         internal_[flank] = 1;
       }
@@ -284,9 +283,10 @@ class Assembler {
       moment += m.moment;
       const Index beyond = block_of_[h ^ 1U];
       const auto neighbour = nature.role == Role::joint && beyond != none ? std::optional{BlockId{beyond}} : std::nullopt;
-      auto patch = std::ranges::find_if(face.patches, [&](const Patch& p) { return p.neighbour == neighbour; });
+      const auto joint = nature_[h].joint == none ? std::nullopt : std::optional{JointId{nature_[h].joint}};
+      auto patch = std::ranges::find_if(face.patches, [&](const Patch& p) { return p.neighbour == neighbour && p.joint == joint; });
       if (patch == face.patches.end()) {
-        face.patches.push_back({face.joint, neighbour, {}, {}});
+        face.patches.push_back({joint, neighbour, {}, {}});
         patch = face.patches.end() - 1;
       }
       patch->area += square_metres(size);
