@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -37,7 +38,7 @@ struct PlaneKeyHash {
       mix(static_cast<std::uint64_t>(c));
       mix(static_cast<std::uint64_t>(c >> 64));
     }
-    mix(static_cast<std::uint64_t>(key.offset.convert_to<double>() * 0x1p-64));
+    mix(std::bit_cast<std::uint64_t>(key.offset.convert_to<double>()));
     return h;
   }
 };
