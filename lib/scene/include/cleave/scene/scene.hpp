@@ -58,7 +58,8 @@ struct MeasuredJoint {
   std::variant<topology::Joint, topology::PersistentJoint> geometry;
   SetId set;
   OwnStrength own;
-  std::string source;  ///< where it stands: "joints.obj:120" or "scene.toml:14"
+  std::string file;  ///< where it stands: a joint file or the scene file, as messages name it
+  std::uint32_t line;
 };
 
 /// A [[joint_set]]: joints drawn at random. Its number in Scene::joint_sets is the `set_index` of dfn::sample.
@@ -72,6 +73,7 @@ struct Excavation {
   std::string name;
   std::uint32_t stage = 1;
   geometry::Solid solid;
+  std::uint32_t line;  ///< in the scene file
 };
 
 struct Rock {
@@ -114,7 +116,8 @@ struct Scene {
   std::optional<StabilitySettings> stability;   ///< empty: the scene has no [stability] and no free face
   OutputSettings output;
 
-  std::string file_name;  ///< the scene file's name without its folder
+  std::string shown;      ///< how messages name the scene file
+  std::string file_name;  ///< the same without its folder
   std::string sha256;     ///< of the scene file's bytes
   std::vector<InputFile> files;
   std::vector<Problem> notes;  ///< worth knowing, not wrong: a joint outside the domain, properties of a set without joints
