@@ -26,8 +26,8 @@ TEST(RngTest, LaysOutTheKeyAsDocumented) {
   EXPECT_EQ(first.u64(), 0xe3e80670e50a0ebcU);
   EXPECT_EQ(first.u64(), 0x95f222c0b615aa27U);
   // Worked values of an independent implementation; every part of the key differs from every other one.
-  Rng all{StreamKey{.seed = 0x123456789abcdef0U, .realization = 0xfedcba9876543210U, .purpose = 0x01020304U,
-                    .index = 0xdeadbeefU}};
+  Rng all{StreamKey{
+      .seed = 0x123456789abcdef0U, .realization = 0xfedcba9876543210U, .purpose = 0x01020304U, .index = 0xdeadbeefU}};
   EXPECT_EQ(all.u64(), 0xf0b30966606d7cccU);
   EXPECT_EQ(all.u64(), 0x02dc8911e0af0d25U);
   EXPECT_EQ(all.u64(), 0xda0fbf947337b300U);
@@ -124,8 +124,8 @@ TEST(NormalQuantileTest, AgreesWithFortyDigitArithmetic) {
     double p, x;
   };
   for (const auto& [p, x] : {Case{1e-300, -37.047096299361199237}, Case{1e-12, -7.0344838253011319326},
-                             Case{0.01, -2.3263478740408410931}, Case{0.3, -0.52440051270804081597},
-                             Case{0.5, 0.0}, Case{0.9, 1.2815515655446005935}, Case{0.999, 3.0902323061678132778}}) {
+                             Case{0.01, -2.3263478740408410931}, Case{0.3, -0.52440051270804081597}, Case{0.5, 0.0},
+                             Case{0.9, 1.2815515655446005935}, Case{0.999, 3.0902323061678132778}}) {
     EXPECT_NEAR(normal_quantile(p), x, 1e-15 * std::abs(x)) << p;
   }
 }

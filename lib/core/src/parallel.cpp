@@ -6,8 +6,48 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
+#include <thread>
+
+// Debian's oneTBB is not built for the thread sanitizer, which then sees races in TBB's own scheduler. Under that
+// sanitizer plain threads do the work, so that it judges our code and nothing else.
+#if defined(__SANITIZE_THREAD__)
+#define CLEAVE_PLAIN_THREADS 1
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define CLEAVE_PLAIN_THREADS 1
+#endif
+#endif
+#ifndef CLEAVE_PLAIN_THREADS
+#define CLEAVE_PLAIN_THREADS 0
+#endif
 
 namespace cleave {
+namespace {
+
+using Chunk = std::function<void(std::size_t, std::size_t)>;
+
+#if CLEAVE_PLAIN_THREADS
+void run(std::size_t count, std::size_t threads, const Chunk& chunk) {
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count; i = next++) chunk(i, i + 1);
+  };
+  std::vector<std::jthread> helpers;
+  for (std::size_t t = 1; t < threads; ++t) helpers.emplace_back(work);
+  work();
+}
+#else
+void run(std::size_t count, std::size_t threads, const Chunk& chunk) {
+  tbb::task_arena arena{static_cast<int>(threads)};
+  arena.execute([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>{0, count},
+                      [&](const tbb::blocked_range<std::size_t>& range) { chunk(range.begin(), range.end()); });
+  });
+}
+#endif
+
+}  // namespace
 
 ThreadLimit ThreadLimit::all() noexcept {
   return ThreadLimit{static_cast<std::size_t>(std::max(1, tbb::info::default_concurrency()))};
@@ -23,11 +63,7 @@ void parallel_chunks(std::size_t count, ThreadLimit threads,
     return;
   }
   // More threads than the machine runs at once win nothing, and TBB would complain on stderr.
-  tbb::task_arena arena{static_cast<int>(std::min(threads.count(), ThreadLimit::all().count()))};
-  arena.execute([&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>{0, count},
-                      [&](const tbb::blocked_range<std::size_t>& range) { chunk(range.begin(), range.end()); });
-  });
+  run(count, std::min(threads.count(), ThreadLimit::all().count()), chunk);
 }
 
 }  // namespace detail

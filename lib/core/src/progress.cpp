@@ -123,8 +123,9 @@ ProgressStyle progress_style_of_stderr(bool quiet) noexcept {
 }
 
 Progress::Progress(ProgressStyle style)
-    : Progress{style, [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); },
-               [] { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }} {
+    : Progress{
+          style, [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); },
+          [] { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }} {
   if (style != ProgressStyle::quiet) state_->start_ticking();
 }
 

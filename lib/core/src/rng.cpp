@@ -20,6 +20,7 @@ constexpr double polynomial(const std::array<double, N>& c, double x) noexcept {
   return value;
 }
 
+// clang-format off
 // Coefficients of AS 241 (Wichura 1988, PPND16): numerators and denominators for the middle, the tail and the far tail.
 constexpr std::array middle_num{3.3871328727963666080e0, 1.3314166789178437745e+2, 1.9715909503065514427e+3,
                                 1.3731693765509461125e+4, 4.5921953931549871457e+4, 6.7265770927008700853e+4,
@@ -39,6 +40,7 @@ constexpr std::array far_num{6.65790464350110377720e0, 5.46378491116411436990e0,
 constexpr std::array far_den{1.0, 5.99832206555887937690e-1, 1.36929880922735805310e-1, 1.48753612908506148525e-2,
                              7.86869131145613259100e-4, 1.84631831751005468180e-5, 1.42151175831644588870e-7,
                              2.04426310338993978564e-15};
+// clang-format on
 
 }  // namespace
 

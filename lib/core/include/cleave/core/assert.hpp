@@ -9,9 +9,8 @@ namespace cleave::detail {
 [[noreturn]] void assertion_failed(const char* expression, const char* file, int line) noexcept;
 }  // namespace cleave::detail
 
-#define CLEAVE_ASSERT(expression)                                                                       \
-  ((expression) ? static_cast<void>(0)                                                                  \
-                : ::cleave::detail::assertion_failed(#expression, __FILE__, __LINE__))
+#define CLEAVE_ASSERT(expression) \
+  ((expression) ? static_cast<void>(0) : ::cleave::detail::assertion_failed(#expression, __FILE__, __LINE__))
 
 #ifdef NDEBUG
 #define CLEAVE_DEBUG_ASSERT(expression) static_cast<void>(0)

@@ -52,8 +52,7 @@ class IdVector final {
 
   /// All ids in order.
   [[nodiscard]] auto ids() const {
-    return std::views::iota(std::size_t{0}, items_.size()) |
-           std::views::transform([](std::size_t i) { return Id{i}; });
+    return std::views::iota(std::size_t{0}, items_.size()) | std::views::transform([](std::size_t i) { return Id{i}; });
   }
   [[nodiscard]] auto begin() { return items_.begin(); }
   [[nodiscard]] auto end() { return items_.end(); }

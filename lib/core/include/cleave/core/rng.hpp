@@ -54,7 +54,8 @@ class Rng final {
   /// Uniform in the open interval (0, 1): (k + 1/2) 2^-52 with k = the top 52 bits of one u64(). Never 0 and never 1,
   /// so log(u) and log(1 - u) are finite; 53 bits centred the same way would round to 1.
   [[nodiscard]] double uniform() noexcept;
-  /// Uniform integer in [lo, hi], both ends included, without bias (values of the incomplete last cycle are drawn again). Precondition: lo <= hi.
+  /// Uniform integer in [lo, hi], both ends included, without bias (values of the incomplete last cycle are drawn
+  /// again). Precondition: lo <= hi.
   [[nodiscard]] std::int64_t between(std::int64_t lo, std::int64_t hi) noexcept;
   /// Standard normal by inversion of one uniform(): larger u, larger number (kept for common random numbers).
   [[nodiscard]] double normal() noexcept;

@@ -16,16 +16,16 @@ struct TooFewCorners {
   std::size_t corners;
 };
 struct NonFiniteCorner {
-  std::size_t corner;  ///< counted from 0
+  std::size_t corner;  ///< counted from 0, as given; not a number, infinite, or a coordinate beyond 1e12 m
 };
-struct ZeroArea {};  ///< all corners on one line or in one point
+struct ZeroArea {};  ///< all corners on one line (within 8 ulp of the largest coordinate) or in one point
 struct NotPlanar {
   std::size_t corner;  ///< the one furthest off
   Length distance;     ///< from the plane
   Length allowed;
 };
 struct SelfCrossing {
-  std::size_t first_edge, second_edge;  ///< edge i joins corners i and i + 1
+  std::size_t first_edge, second_edge;  ///< edge i joins corners i and i + 1, numbered as given; they cross, touch or overlap
 };
 using PolygonError = std::variant<TooFewCorners, NonFiniteCorner, ZeroArea, NotPlanar, SelfCrossing>;
 /// "what is wrong; what to do", in words for an engineer.
@@ -37,13 +37,15 @@ using PolygonError = std::variant<TooFewCorners, NonFiniteCorner, ZeroArea, NotP
 /// lies within max(1e-6 of its size, 8 ulp of its largest coordinate) of its plane.
 class Polygon final {
  public:
+  /// Corners in either sense. A corner equal to the one before it is dropped; coordinates below 1e-60 m become 0. Crossing and convexity
+  /// are decided by exact signs, seen along the dominant axis of the best-fit plane. "Size" is the diagonal of the bounding box.
   [[nodiscard]] static std::expected<Polygon, PolygonError> make(std::vector<Vec3> corners);
 
   [[nodiscard]] std::span<const Vec3> corners() const noexcept { return corners_; }
   [[nodiscard]] bool convex() const noexcept { return convex_; }
 
-  /// The corners in order of a closed fan of triangles, for polygons that `make` found not planar: ear clipping in the
-  /// best-fit plane. Each triangle is a Polygon of its own. Errors other than NotPlanar are those of `make`.
+  /// Triangles, each a Polygon of its own, for polygons that `make` found not planar: ear clipping as in `triangulate`.
+  /// Errors other than NotPlanar are those of `make`.
   [[nodiscard]] static std::expected<std::vector<Polygon>, PolygonError> triangulated(std::vector<Vec3> corners);
 
  private:

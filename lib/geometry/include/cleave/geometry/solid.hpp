@@ -23,10 +23,13 @@ struct SolidFace {
 
 struct NoFaces {};
 struct BadVertex {
-  std::size_t vertex;  ///< not finite
+  std::size_t vertex;  ///< not a number, infinite, or a coordinate beyond 1e12 m
 };
+/// What can be wrong with one face by itself.
+enum class FaceFault : std::uint8_t { too_few_corners, index_out_of_range, corner_twice, no_area, crosses_itself };
 struct BadFace {
-  std::size_t face;  ///< fewer than three corners, an index out of range, or a corner twice
+  std::size_t face;
+  FaceFault fault = FaceFault::too_few_corners;
 };
 struct OpenEdge {
   std::uint32_t from, to;  ///< vertex numbers from 0
@@ -42,31 +45,46 @@ struct InconsistentEdge {  ///< two faces use it in the same sense
   Vec3 a, b;
 };
 struct InsideOut {
-  Volume volume;  ///< negative
+  Volume volume;  ///< of the shell that looks the wrong way: negative, or positive for a cavity that faces outwards
 };
 struct NoVolume {
   Volume volume;
 };
 struct FacesCross {
-  std::size_t first, second;  ///< two faces without a common vertex that cross
+  std::size_t first, second;  ///< two faces that cross, overlap, or touch elsewhere than in the vertices they share
+};
+struct FaceNotPlanar {  ///< only make_hexahedron asks for planar faces
+  std::size_t face;
+  std::uint32_t vertex;  ///< the one furthest off
+  Length distance;       ///< from the best-fit plane
+  Length allowed;
+};
+struct NotConvex {  ///< only make_hexahedron asks for it
+  std::size_t face;
+  std::uint32_t vertex;  ///< lies on or beyond the plane of that face
 };
 using SolidError = std::variant<NoFaces, BadVertex, BadFace, OpenEdge, NonManifoldEdge, InconsistentEdge, InsideOut,
-                                NoVolume, FacesCross>;
+                                NoVolume, FacesCross, FaceNotPlanar, NotConvex>;
+/// "what is wrong; what to do", in words for an engineer. Vertices and faces are numbered from 0.
 [[nodiscard]] std::string describe(const SolidError& error);
 
 /// A closed polyhedral surface, one or several shells, faces outwards.
 ///
-/// Invariant: every edge is used by exactly two faces, once in each direction; volume > 0; faces without a common
-/// vertex do not cross. Faces of four and more corners may be slightly bent: whoever cuts with it uses exact triangles then.
+/// Invariant: every edge is used by exactly two faces, once in each direction; each shell looks outwards, or inwards when it lies in
+/// another one (a cavity); volume > 0; two faces have nothing in common but vertices and edges they share. Vertices at one place
+/// count as shared. Faces of four and more corners may be bent: whoever cuts with it then uses the triangles of `triangulate`,
+/// the ones that were checked here.
 class Solid final {
  public:
+  /// The face tags index `tags`; without tags all must be 0. Of several faults the first in the order of SolidError's list that was
+  /// looked for is told: vertices, faces, edges (lowest vertex numbers first), shells, crossings. O(n log n).
   [[nodiscard]] static std::expected<Solid, SolidError> make(std::vector<Vec3> vertices, std::vector<SolidFace> faces,
                                                              std::vector<std::string> tags = {});
 
   [[nodiscard]] std::span<const Vec3> vertices() const noexcept { return vertices_; }
   [[nodiscard]] std::span<const SolidFace> faces() const noexcept { return faces_; }
   [[nodiscard]] std::span<const std::string> tags() const noexcept { return tags_; }
-  /// Signed volume by the divergence theorem about the first vertex; > 0.
+  /// By the divergence theorem about the first vertex (bent faces: the fan about their first corner), compensated sum; > 0.
   [[nodiscard]] Volume volume() const noexcept;
   /// True for a hexahedron or box whose six faces are meant as half-spaces: the cutter then takes the six planes
   /// (each through three corners of its face) and their common inside, so a quad that is bent by rounding stays one face.
@@ -85,11 +103,13 @@ class Solid final {
   bool half_spaces_ = false;
 };
 
-/// Axis-parallel box; tags west east south north bottom top (x-, x+, y-, y+, z-, z+) in this order. min < max in each axis.
+/// Axis-parallel box as half-spaces; tags west east south north bottom top (x-, x+, y-, y+, z-, z+) in this order, one face each; vertex
+/// bits 0, 1, 2 = x, y, z side. min < max in each axis, else NoVolume.
 [[nodiscard]] std::expected<Solid, SolidError> make_box(Vec3 min, Vec3 max);
 
-/// Hexahedron on eight corners; bit 0, 1, 2 of the index = x, y, z side. Faces carry the box's tags by these bits. The
-/// corners must make a convex body with planar faces (within the tolerance of Polygon); else a SolidError.
+/// Hexahedron on eight corners as half-spaces; bit 0, 1, 2 of the index = x, y, z side. Faces carry the box's tags by these bits,
+/// whatever way they look; an order of corners that mirrors the body is put right. The corners must make a convex body with planar
+/// faces (within the tolerance of Polygon); else BadFace, FaceNotPlanar, NotConvex or NoVolume.
 [[nodiscard]] std::expected<Solid, SolidError> make_hexahedron(const std::array<Vec3, 8>& corners);
 
 }  // namespace cleave::geometry

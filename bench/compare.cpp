@@ -1,0 +1,153 @@
+/// `bench_compare NEW.json... [--baseline OLD.json...]`: a table of Google Benchmark results, medians where a benchmark
+/// was repeated, beside the stored baselines. Exit code 1 when a benchmark failed its answer check.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace {
+
+using Json = nlohmann::json;
+
+struct Result {
+  std::vector<double> cpu_s;              // one a repetition
+  std::map<std::string, double> figures;  // counters of the last repetition
+  std::string error;
+};
+
+struct Results {
+  std::string name;
+  std::vector<std::string> order;
+  std::map<std::string, Result> by_name;
+};
+
+double seconds(double time, std::string_view unit) {
+  if (unit == "ns") return time * 1e-9;
+  if (unit == "us") return time * 1e-6;
+  if (unit == "ms") return time * 1e-3;
+  return time;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::ranges::sort(values);
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+bool is_counter(const std::string& key) {
+  constexpr std::array<std::string_view, 15> known{
+      "name",         "run_name",   "run_type",       "repetitions",   "repetition_index",
+      "threads",      "iterations", "real_time",      "cpu_time",      "time_unit",
+      "family_index", "aggregate",  "error_occurred", "error_message", "per_family_instance_index"};
+  return std::ranges::find(known, key) == known.end();
+}
+
+void add(Results& results, const Json& run) {
+  if (run.value("run_type", "iteration") != "iteration") return;
+  const auto name = run.value("run_name", run.value("name", std::string{"?"}));
+  if (!results.by_name.contains(name)) results.order.push_back(name);
+  Result& result = results.by_name[name];
+  if (run.value("error_occurred", false)) {
+    result.error = run.value("error_message", "failed");
+    return;
+  }
+  result.cpu_s.push_back(seconds(run.value("cpu_time", 0.0), run.value("time_unit", "ns")));
+  for (const auto& [key, value] : run.items()) {
+    if (value.is_number() && is_counter(key)) result.figures[key] = value.get<double>();
+  }
+}
+
+bool read(const std::filesystem::path& file, Results& results) {
+  std::ifstream in{file};
+  const Json json = Json::parse(in, nullptr, false);
+  if (json.is_discarded() || !json.contains("benchmarks")) {
+    fmt::print(stderr, "error: {} holds no benchmark results\n", file.string());
+    return false;
+  }
+  for (const Json& run : json["benchmarks"]) add(results, run);
+  return true;
+}
+
+std::string time_text(double s) {
+  if (s >= 1.0) return fmt::format("{:.3f} s", s);
+  if (s >= 1e-3) return fmt::format("{:.3f} ms", s * 1e3);
+  if (s >= 1e-6) return fmt::format("{:.3f} us", s * 1e6);
+  return fmt::format("{:.3f} ns", s * 1e9);
+}
+
+/// How far the new time lies from the old one; differences within 5 % are noise.
+std::string against(const Results& old, const std::string& name, double cpu_s) {
+  const auto found = old.by_name.find(name);
+  if (found == old.by_name.end() || found->second.cpu_s.empty()) return "-";
+  const double before = median(found->second.cpu_s);
+  const double change = 100.0 * (cpu_s / before - 1.0);
+  const std::string_view word = change > 5.0 ? "slower" : change < -5.0 ? "faster" : "same";
+  return fmt::format("{} {:+.0f} % {}", time_text(before), change, word);
+}
+
+int print_table(const Results& results, const std::vector<Results>& baselines) {
+  std::size_t width = 9;
+  for (const std::string& name : results.order) width = std::max(width, name.size());
+  fmt::print("{:<{}}  {:>12}", "benchmark", width, "cpu time");
+  for (const Results& old : baselines) fmt::print("  {:>28}", "baseline " + old.name);
+  fmt::print("  figures\n");
+  int failed = 0;
+  for (const std::string& name : results.order) {
+    const Result& result = results.by_name.at(name);
+    if (!result.error.empty()) {
+      fmt::print("{:<{}}  WRONG ANSWER: {}\n", name, width, result.error);
+      ++failed;
+      continue;
+    }
+    const double cpu_s = median(result.cpu_s);
+    fmt::print("{:<{}}  {:>12}", name, width, time_text(cpu_s));
+    for (const Results& old : baselines) fmt::print("  {:>28}", against(old, name, cpu_s));
+    for (const auto& [key, value] : result.figures) fmt::print("  {}={:.6g}", key, value);
+    fmt::print("\n");
+  }
+  return failed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+#ifdef __clang__
+#pragma clang unsafe_buffer_usage begin
+#endif
+  const std::span arguments{argv + 1, static_cast<std::size_t>(argc - 1)};
+#ifdef __clang__
+#pragma clang unsafe_buffer_usage end
+#endif
+  Results results;
+  std::vector<Results> baselines;
+  bool baseline = false;
+  bool good = true;
+  for (const std::string_view argument : arguments) {
+    if (argument == "--baseline") {
+      baseline = true;
+    } else if (const std::filesystem::path file{argument}; baseline) {
+      good =
+          read(file, baselines.emplace_back(Results{.name = file.stem().string(), .order = {}, .by_name = {}})) && good;
+    } else {
+      good = read(file, results) && good;
+    }
+  }
+  if (results.order.empty()) {
+    fmt::print(stderr, "error: no benchmark ran\n");
+    return 1;
+  }
+  const int failed = print_table(results, baselines);
+  return good && failed == 0 ? 0 : 1;
+}

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "cleave/geometry/vec3.hpp"
+
+namespace cleave::geometry {
+
+/// Axis-parallel closed box; touching boxes overlap.
+struct Bounds {
+  Vec3 lo, hi;
+
+  [[nodiscard]] static constexpr Bounds of(Vec3 p) noexcept { return {p, p}; }
+  constexpr void grow(const Bounds& b) noexcept {
+    lo = {std::min(lo.x, b.lo.x), std::min(lo.y, b.lo.y), std::min(lo.z, b.lo.z)};
+    hi = {std::max(hi.x, b.hi.x), std::max(hi.y, b.hi.y), std::max(hi.z, b.hi.z)};
+  }
+  [[nodiscard]] constexpr bool overlaps(const Bounds& b) const noexcept {
+    return lo.x <= b.hi.x && b.lo.x <= hi.x && lo.y <= b.hi.y && b.lo.y <= hi.y && lo.z <= b.hi.z && b.lo.z <= hi.z;
+  }
+};
+
+/// Binary tree over boxes, split at the median of the longest axis: O(n log n) to build, for finding overlapping boxes.
+class BoxTree final {
+ public:
+  explicit BoxTree(std::span<const Bounds> boxes) : boxes_{boxes}, order_(boxes.size()) {
+    std::iota(order_.begin(), order_.end(), std::uint32_t{0});
+    if (!boxes.empty()) build(0, order_.size());
+  }
+
+  /// Calls visit(number) for each box that overlaps `probe`, in an order that depends on the boxes only.
+  template <class Visit>
+  void overlapping(const Bounds& probe, Visit&& visit) const {
+    if (nodes_.empty()) return;
+    std::array<std::size_t, 128> stack{};  // the tree is balanced: two entries a level
+    std::size_t depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+      const std::size_t self = stack[--depth];
+      const Node& node = nodes_[self];
+      if (!node.bounds.overlaps(probe)) continue;
+      if (node.right == 0) {
+        for (std::size_t i = node.begin; i < node.end; ++i) {
+          if (boxes_[order_[i]].overlaps(probe)) visit(order_[i]);
+        }
+      } else {
+        stack[depth++] = node.right;
+        stack[depth++] = self + 1;
+      }
+    }
+  }
+
+ private:
+  struct Node {
+    Bounds bounds;
+    std::size_t begin, end;
+    std::size_t right = 0;  ///< the left child follows its parent; 0 marks a leaf
+  };
+
+  std::size_t build(std::size_t begin, std::size_t end) {
+    Bounds bounds = boxes_[order_[begin]];
+    for (std::size_t i = begin + 1; i < end; ++i) bounds.grow(boxes_[order_[i]]);
+    const std::size_t self = nodes_.size();
+    nodes_.push_back({bounds, begin, end});
+    if (end - begin > 4) {
+      const Vec3 extent = bounds.hi - bounds.lo;
+      const double longest = std::max({extent.x, extent.y, extent.z});
+      const auto centre = [&](std::uint32_t i) {
+        const Bounds& b = boxes_[i];
+        return extent.x == longest ? b.lo.x + b.hi.x : extent.y == longest ? b.lo.y + b.hi.y : b.lo.z + b.hi.z;
+      };
+      const std::size_t middle = begin + (end - begin) / 2;
+      const auto at = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
+      std::nth_element(at(begin), at(middle), at(end), [&](std::uint32_t a, std::uint32_t b) {
+        return std::pair{centre(a), a} < std::pair{centre(b), b};
+      });
+      build(begin, middle);
+      const std::size_t right = build(middle, end);
+      nodes_[self].right = right;
+    }
+    return self;
+  }
+
+  std::span<const Bounds> boxes_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace cleave::geometry
