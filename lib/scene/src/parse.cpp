@@ -79,7 +79,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   const TableReader root{table, 1, "", problems, known};
 
   Context context{.problems = problems, .read_file = read_file};
-  context.set_named("default");
+  static_cast<void>(context.set_named("default"));
   const Header header = parse_header(root, context, shown);
   std::optional<geometry::Solid> domain = parse_domain(context, root);
   std::vector<MeasuredJoint> joints;

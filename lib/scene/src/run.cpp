@@ -55,7 +55,7 @@ stability::Analysis judge(const Scene& scene, const Drawn& drawn, const Stabilit
   for (const topology::JointId joint : drawn.joints.ids()) {
     strengths.set(joint, strength_of(drawn.joints[joint].strength));
   }
-  return analyse(complex, {.rock = *rock,
+  return stability::analyse(complex, {.rock = *rock,
                            .strengths = std::move(strengths),
                            .loads = *loads,
                            .force_transfer = wanted.force_transfer,
@@ -98,7 +98,10 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   };
 
   auto drawn = plan.runs(Stage::draw) ? stage(Stage::draw, [&] { return draw(scene); }) : draw(scene);
-  if (!drawn) return std::unexpected(std::move(drawn).error());
+  if (!drawn) {
+    progress.end();
+    return std::unexpected(std::move(drawn).error());
+  }
 
   auto cut = stage(Stage::cut, [&] { return topology::cut(drawn->input, {.threads = options.threads}); });
   if (!cut) {
