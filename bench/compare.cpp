@@ -1,5 +1,6 @@
-/// `bench_compare NEW.json... [--baseline OLD.json...]`: a table of Google Benchmark results, medians where a benchmark
-/// was repeated, beside the stored baselines. Exit code 1 when a benchmark failed its answer check.
+/// `bench_compare NEW.json... [--save FILE.json] [--baseline OLD.json...]`: a table of Google Benchmark results,
+/// medians where a benchmark was repeated, beside the stored baselines; `--save` makes a baseline of the new results.
+/// Exit code 1 when a benchmark failed its answer check.
 
 #include <fmt/format.h>
 
@@ -28,6 +29,7 @@ struct Result {
 
 struct Results {
   std::string name;
+  std::string machine;
   std::vector<std::string> order;
   std::map<std::string, Result> by_name;
 };
@@ -77,6 +79,9 @@ bool read(const std::filesystem::path& file, Results& results) {
     return false;
   }
   for (const Json& run : json["benchmarks"]) add(results, run);
+  if (const auto context = json.find("context"); context != json.end()) {
+    results.machine = fmt::format("{} cores, {} MHz", context->value("num_cpus", 0), context->value("mhz_per_cpu", 0));
+  }
   return true;
 }
 
@@ -95,6 +100,22 @@ std::string against(const Results& old, const std::string& name, double cpu_s) {
   const double change = 100.0 * (cpu_s / before - 1.0);
   const std::string_view word = change > 5.0 ? "slower" : change < -5.0 ? "faster" : "same";
   return fmt::format("{} {:+.0f} % {}", time_text(before), change, word);
+}
+
+/// One entry a benchmark, the median, in Google Benchmark's own form.
+bool save(const std::filesystem::path& file, const Results& results) {
+  Json runs = Json::array();
+  for (const std::string& name : results.order) {
+    const Result& result = results.by_name.at(name);
+    if (!result.error.empty()) continue;
+    Json run{{"name", name}, {"run_type", "iteration"}, {"cpu_time", 1e9 * median(result.cpu_s)}, {"time_unit", "ns"}};
+    for (const auto& [key, value] : result.figures) run[key] = value;
+    runs.push_back(std::move(run));
+  }
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream out{file};
+  out << Json{{"context", {{"machine", results.machine}}}, {"benchmarks", std::move(runs)}}.dump(2) << '\n';
+  return static_cast<bool>(out.flush());
 }
 
 int print_table(const Results& results, const std::vector<Results>& baselines) {
@@ -130,16 +151,24 @@ int main(int argc, char** argv) {
 #ifdef __clang__
 #pragma clang unsafe_buffer_usage end
 #endif
+  enum class Next : std::uint8_t { result, saved, baseline };
+  Next next = Next::result;
   Results results;
   std::vector<Results> baselines;
-  bool baseline = false;
+  std::optional<std::filesystem::path> saved;
   bool good = true;
   for (const std::string_view argument : arguments) {
+    const std::filesystem::path file{argument};
     if (argument == "--baseline") {
-      baseline = true;
-    } else if (const std::filesystem::path file{argument}; baseline) {
-      good =
-          read(file, baselines.emplace_back(Results{.name = file.stem().string(), .order = {}, .by_name = {}})) && good;
+      next = Next::baseline;
+    } else if (argument == "--save") {
+      next = Next::saved;
+    } else if (next == Next::saved) {
+      saved = file;
+      next = Next::result;
+    } else if (next == Next::baseline) {
+      baselines.push_back({.name = file.stem().string(), .machine = {}, .order = {}, .by_name = {}});
+      good = read(file, baselines.back()) && good;
     } else {
       good = read(file, results) && good;
     }
@@ -149,5 +178,9 @@ int main(int argc, char** argv) {
     return 1;
   }
   const int failed = print_table(results, baselines);
+  if (saved && !save(*saved, results)) {
+    fmt::print(stderr, "error: cannot write {}\n", saved->string());
+    good = false;
+  }
   return good && failed == 0 ? 0 : 1;
 }
