@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "cleave/core/quantity.hpp"
@@ -20,40 +21,77 @@ enum class Mode : std::uint8_t {
   tapered,  ///< not removable: no admissible direction
 };
 
+/// "falling", "lifting", ... as files write it.
+[[nodiscard]] std::string_view name(Mode mode) noexcept;
+/// Whether a block of this mode would move without friction (the rows of key_blocks.csv).
+[[nodiscard]] bool moves(Mode mode) noexcept;
+
 /// A pressing joint plane of a block.
 struct Pressing {
   topology::FaceId face;  ///< a face on that plane
-  Force reaction;         ///< effective normal reaction, > 0 in compression
+  Force reaction = {};    ///< effective normal reaction, > 0 in compression
+};
+
+/// The same block with the forces that blocks of later batches pass to it.
+struct Transferred {
+  Mode mode = Mode::stable;
+  bool key = false;               ///< unstable still; false for a block that is stable after transfer
+  geometry::Vec3 direction = {};  ///< unit vector; zero for stable
+  Force driving = {};
+  Force resistance = {};
+  Force net = {};
+  double factor_of_safety = 0;
+  geometry::Vec3 received = {};  ///< sum of the forces passed to it, N
+  Force passed = {};             ///< what it passes on along `direction`: its net force, or 0
+  /// Unstable in batch 2 or later, but it pushes no removed block: holding the earlier batch holds it too.
+  bool self_held = false;
+  /// Largest tan(angle between motion and the normal of a face that passes force) / tan(friction): above 1 a face
+  /// without cohesion cannot carry the force in line.
+  double shear_ratio = 0;
+  bool tie = false;
 };
 
 /// What the analysis says of one block in one state.
 struct Judgement {
   topology::BlockId block;
   Mode mode = Mode::stable;
-  bool key = false;                    ///< removable and unstable (net force > 0)
-  std::optional<std::uint32_t> batch;  ///< 1, 2, ...: when it leaves; none for a block that stays (judged in the final state)
-  geometry::Vec3 direction;            ///< unit vector of first motion; zero for stable and tapered
-  Force weight;
-  Force driving;                       ///< T >= 0
-  Force resistance;                    ///< R >= 0
-  Force net;                           ///< F = T - R, positive = unstable
-  double factor_of_safety = 0;         ///< R/T; +inf when T = 0; 0 for falling without strength
-  std::vector<Pressing> pressing;
-  std::uint8_t cone_dimension = 0;     ///< 3 opens in a solid cone, 2 or 1 can only slide in a plane or along a line, 0 tapered
-  bool tie = false;                    ///< two modes coincide to rounding; the one with fewer faces was taken
+  bool key = false;  ///< removable and unstable (net force > 0)
+  std::optional<std::uint32_t> batch =
+      {};  ///< 1, 2, ...: when it leaves; none for a block that stays (judged in the final state)
+  geometry::Vec3 direction = {};  ///< unit vector of first motion; zero for stable and tapered
+  Force weight = {};
+  Force driving = {};     ///< T >= 0
+  Force resistance = {};  ///< R >= 0; the smallest when statics leaves it open
+  /// The largest R over the pairs of planes that may press, when three or more planes through one line press and R is
+  /// not unique.
+  std::optional<Force> resistance_max = {};
+  Force net = {};               ///< F = T - R, positive = unstable
+  double factor_of_safety = 0;  ///< R/T; +inf when T = 0; 0 for falling without strength
+  std::vector<Pressing> pressing = {};
+  std::uint8_t cone_dimension =
+      0;             ///< 3 opens in a solid cone, 2 or 1 can only slide in a plane or along a line, 0 tapered
+  bool tie = false;  ///< two modes coincide to rounding; the one with fewer faces was taken
+  /// For blocks of a batch, when force transfer ran. Nothing is ever passed to a block that stays: it keeps its values.
+  std::optional<Transferred> transferred = {};
 };
 
 struct Batch {
-  std::uint32_t number;  ///< from 1
-  std::vector<topology::BlockId> blocks;
-  Volume volume;
+  std::uint32_t number = 0;  ///< from 1
+  std::vector<topology::BlockId> blocks = {};
+  Volume volume = {};
 };
 
 struct Analysis {
-  /// One a block that has a free face in the state it is judged in, is not fixed, and is removable; in order of block id.
-  std::vector<Judgement> judgements;
-  std::vector<Batch> batches;
+  /// One a block that has a free face in the state it is judged in, is not fixed, and is removable; in order of block
+  /// id.
+  std::vector<Judgement> judgements = {};
+  std::vector<Batch> batches = {};
+  /// Unstable blocks are left (key, without batch): they would have left in the next batch.
   bool stopped_at_max_batches = false;
+  bool force_transfer = false;
+  /// Largest |r + sum N n - s| over the sum of the applied forces, both before and after transfer: rounding of the
+  /// statics.
+  double equilibrium_residual = 0;
 };
 
 }  // namespace cleave::stability

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "cleave/core/quantity.hpp"
+#include "cleave/geometry/vec3.hpp"
+#include "cleave/topology/ids.hpp"
+
+namespace cleave::stability {
+
+struct FrictionOutOfRange {
+  FrictionAngle friction;  ///< not in [0, 90)
+};
+struct BadCohesion {
+  Stress cohesion;  ///< negative or not finite
+};
+struct BadTension {
+  Stress tension;  ///< negative or not finite
+};
+struct BadDensity {
+  Density density;  ///< not > 0, or not finite
+};
+struct BadGravity {
+  geometry::Vec3 gravity;  ///< not finite
+};
+struct BadSeismic {
+  geometry::Vec3 coefficient;  ///< not finite
+};
+struct BadPartialFactor {
+  std::string which;  ///< friction, cohesion or weight
+  double value;       ///< not > 0, or not finite
+};
+using StrengthError =
+    std::variant<FrictionOutOfRange, BadCohesion, BadTension, BadDensity, BadGravity, BadSeismic, BadPartialFactor>;
+/// "what is wrong; what to do", in words for an engineer.
+[[nodiscard]] std::string describe(const StrengthError& error);
+
+/// Mohr-Coulomb strength of a joint. Invariant: friction in [0, 90) degrees; cohesion and tension >= 0 and finite.
+class JointStrength final {
+ public:
+  [[nodiscard]] static std::expected<JointStrength, StrengthError> make(FrictionAngle friction,
+                                                                        Stress cohesion = pascals(0),
+                                                                        Stress tension = pascals(0));
+  [[nodiscard]] FrictionAngle friction() const noexcept { return friction_; }
+  [[nodiscard]] double tan_friction() const noexcept { return tan_friction_; }
+  [[nodiscard]] Stress cohesion() const noexcept { return cohesion_; }
+  [[nodiscard]] Stress tension() const noexcept { return tension_; }
+  friend bool operator==(const JointStrength&, const JointStrength&) = default;
+
+ private:
+  JointStrength(FrictionAngle friction, Stress cohesion, Stress tension) noexcept;
+  FrictionAngle friction_;
+  double tan_friction_;
+  Stress cohesion_;
+  Stress tension_;
+};
+
+/// The strength of every joint: one for all, and exceptions.
+class StrengthTable final {
+ public:
+  explicit StrengthTable(JointStrength fallback) : fallback_{fallback} {}
+  void set(topology::JointId joint, JointStrength strength);
+  [[nodiscard]] const JointStrength& of(std::optional<topology::JointId> joint) const noexcept;
+
+ private:
+  JointStrength fallback_;
+  std::vector<std::optional<JointStrength>> by_joint_;
+};
+
+/// Intact rock as far as statics needs it. Invariant: density > 0 and finite.
+class RockMass final {
+ public:
+  [[nodiscard]] static std::expected<RockMass, StrengthError> make(Density density);
+  [[nodiscard]] Density density() const noexcept { return density_; }
+
+ private:
+  explicit RockMass(Density density) noexcept : density_{density} {}
+  Density density_;
+};
+
+/// Body forces. Invariant: finite.
+class Loads final {
+ public:
+  /// `gravity` in m/s2 as a vector (default of scenes: (0, 0, -9.81)); `seismic` is force / weight in the direction it
+  /// acts (the sign of D'Alembert is already in it).
+  [[nodiscard]] static std::expected<Loads, StrengthError> make(geometry::Vec3 gravity, geometry::Vec3 seismic = {});
+  [[nodiscard]] geometry::Vec3 gravity() const noexcept { return gravity_; }
+  [[nodiscard]] geometry::Vec3 seismic() const noexcept { return seismic_; }
+
+ private:
+  Loads(geometry::Vec3 gravity, geometry::Vec3 seismic) noexcept : gravity_{gravity}, seismic_{seismic} {}
+  geometry::Vec3 gravity_;
+  geometry::Vec3 seismic_;
+};
+
+/// Partial factors of a design standard: tan(friction) and cohesion (and tension) are divided, weight is multiplied.
+class PartialFactors final {
+ public:
+  PartialFactors() = default;
+  [[nodiscard]] static std::expected<PartialFactors, StrengthError> make(double friction, double cohesion,
+                                                                         double weight);
+  [[nodiscard]] double friction() const noexcept { return friction_; }
+  [[nodiscard]] double cohesion() const noexcept { return cohesion_; }
+  [[nodiscard]] double weight() const noexcept { return weight_; }
+
+ private:
+  double friction_ = 1;
+  double cohesion_ = 1;
+  double weight_ = 1;
+};
+
+}  // namespace cleave::stability

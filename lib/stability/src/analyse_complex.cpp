@@ -1,0 +1,113 @@
+#include "analyse_complex.hpp"
+
+#include <algorithm>
+
+#include "contacts.hpp"
+#include "transfer.hpp"
+#include "verdict.hpp"
+
+namespace cleave::stability {
+namespace {
+
+using topology::BlockId;
+
+class Batches final {
+ public:
+  Batches(const topology::BlockComplex& complex, const Settings& settings)
+      : model_{complex, settings}, judgements_(complex.blocks().size(), std::nullopt) {}
+
+  Analysis run() {
+    std::vector<BlockId> changed;
+    for (const BlockId id : complex().blocks().ids()) {
+      if (!complex().blocks()[id].fixed) changed.push_back(id);
+    }
+    for (std::uint32_t batch = 1; !changed.empty(); ++batch) {
+      std::vector<BlockId> leaving;
+      for (const BlockId id : changed) {
+        if (judge_block(id, batch)) leaving.push_back(id);
+      }
+      if (leaving.empty()) break;
+      if (batch > model_.settings().max_batches) {
+        analysis_.stopped_at_max_batches = true;
+        break;
+      }
+      changed = remove(std::move(leaving), batch);
+    }
+    for (auto& judgement : judgements_) {
+      if (judgement) analysis_.judgements.push_back(*std::move(judgement));
+    }
+    if (model_.settings().force_transfer) transfer_forces(model_, analysis_);
+    return std::move(analysis_);
+  }
+
+ private:
+  [[nodiscard]] const topology::BlockComplex& complex() const noexcept { return model_.complex(); }
+
+  /// Judges one block in state batch - 1; true when it is a key block there.
+  bool judge_block(BlockId id, std::uint32_t batch) {
+    judgements_[id].reset();
+    const Contacts contacts = model_.contacts(id, batch);
+    if (!contacts.exposed) return false;  // face-vector closure: all its joint faces together leave no direction
+    const std::uint8_t dimension = contacts.cone.dimension();
+    if (dimension == 0 || (model_.settings().strict && dimension < 3)) return false;
+    const topology::Block& block = complex().blocks()[id];
+    const Verdict verdict = judge(contacts, model_.applied_forces(block), model_.settings());
+    analysis_.equilibrium_residual = std::max(analysis_.equilibrium_residual, verdict.residual);
+
+    Judgement judgement{.block = id};
+    judgement.mode = verdict.mode;
+    judgement.key = verdict.key;
+    judgement.direction = verdict.direction;
+    judgement.weight = model_.weight(block);
+    judgement.driving = newtons(verdict.driving);
+    judgement.resistance = newtons(verdict.resistance.least);
+    if (verdict.resistance.greatest - verdict.resistance.least > 1e-9 * verdict.driving) {
+      judgement.resistance_max = newtons(verdict.resistance.greatest);
+    }
+    judgement.net = newtons(verdict.net);
+    judgement.factor_of_safety = verdict.factor_of_safety;
+    for (const auto& [group, reaction] : verdict.resistance.pressing) {
+      judgement.pressing.push_back({contacts.groups[group].face, newtons(reaction)});
+    }
+    judgement.cone_dimension = dimension;
+    judgement.tie = verdict.tie;
+    judgements_[id] = std::move(judgement);
+    return verdict.key;
+  }
+
+  /// Takes a batch out; returns the blocks whose contacts changed, in order of id.
+  std::vector<BlockId> remove(std::vector<BlockId> leaving, std::uint32_t batch) {
+    Volume volume;
+    for (const BlockId id : leaving) {
+      model_.remove(id, batch);
+      judgements_[id]->batch = batch;
+      volume += complex().blocks()[id].volume;
+    }
+    std::vector<BlockId> changed;
+    for (const BlockId id : leaving) {
+      for (const topology::FaceId face : complex().blocks()[id].faces) {
+        for (const topology::Patch& patch : complex().faces()[face].patches) {
+          if (!patch.neighbour) continue;
+          const bool there = model_.removed_in(*patch.neighbour) == Model::stays;
+          if (there && !complex().blocks()[*patch.neighbour].fixed) changed.push_back(*patch.neighbour);
+        }
+      }
+    }
+    std::ranges::sort(changed);
+    changed.erase(std::ranges::unique(changed).begin(), changed.end());
+    analysis_.batches.push_back({.number = batch, .blocks = std::move(leaving), .volume = volume});
+    return changed;
+  }
+
+  Model model_;
+  IdVector<BlockId, std::optional<Judgement>> judgements_;
+  Analysis analysis_;
+};
+
+}  // namespace
+
+Analysis analyse_complex(const topology::BlockComplex& complex, const Settings& settings) {
+  return Batches{complex, settings}.run();
+}
+
+}  // namespace cleave::stability

@@ -1,0 +1,77 @@
+#include "resistance.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace cleave::stability {
+namespace {
+
+using Pressings = std::vector<std::pair<std::uint32_t, double>>;
+
+Pressings of_motion(const Motion& motion) {
+  switch (motion.kind) {
+    case MotionKind::none:
+    case MotionKind::free:
+    case MotionKind::held: return {};
+    case MotionKind::one_plane: return {{motion.groups[0], motion.reactions[0]}};
+    case MotionKind::two_planes:
+      return {{motion.groups[0], motion.reactions[0]}, {motion.groups[1], motion.reactions[1]}};
+  }
+  std::unreachable();
+}
+
+double strength_of(const Contacts& contacts, const Motion& motion, const Pressings& pressing, bool parallel_contact) {
+  double sum = 0;
+  for (const auto& [group, reaction] : pressing) {
+    sum += reaction * contacts.groups[group].tan_friction;
+    if (!parallel_contact && reaction > 0) sum += contacts.groups[group].cohesion;
+  }
+  if (parallel_contact) {
+    for (const std::uint32_t group : motion.touching) sum += contacts.groups[group].cohesion;
+  }
+  return sum;
+}
+
+/// Tensile strength of the faces that open.
+double tension(const Contacts& contacts, const Motion& motion) {
+  const geometry::Vec3 along = geometry::normalized(motion.s);
+  double sum = 0;
+  for (std::uint32_t group = 0; group < contacts.groups.size(); ++group) {
+    if (!(contacts.groups[group].tension > 0) || std::ranges::binary_search(motion.touching, group)) continue;
+    sum += contacts.groups[group].tension * std::max(0.0, geometry::dot(contacts.cone.groups()[group].unit(), along));
+  }
+  return sum;
+}
+
+}  // namespace
+
+Resistance resistance(const Contacts& contacts, const Resultant& resultant, const Motion& motion,
+                      bool parallel_contact) {
+  Resistance result;
+  if (motion.kind == MotionKind::none || motion.kind == MotionKind::held) return result;
+  result.pressing = of_motion(motion);
+  result.least = strength_of(contacts, motion, result.pressing, parallel_contact);
+  result.greatest = result.least;
+  if (motion.kind != MotionKind::free && motion.touching.size() > result.pressing.size()) {
+    const auto& touching = motion.touching;
+    for (std::size_t a = 0; a < touching.size(); ++a) {
+      for (std::size_t b = a + 1; b < touching.size(); ++b) {
+        const auto pair = reactions(contacts.cone, resultant, touching[a], touching[b]);
+        if (!pair) continue;
+        Pressings pressing{{touching[a], pair->first}, {touching[b], pair->second}};
+        const double sum = strength_of(contacts, motion, pressing, parallel_contact);
+        result.greatest = std::max(result.greatest, sum);
+        if (sum < result.least) {
+          result.least = sum;
+          result.pressing = std::move(pressing);
+        }
+      }
+    }
+  }
+  const double opening = tension(contacts, motion);
+  result.least += opening;
+  result.greatest += opening;
+  return result;
+}
+
+}  // namespace cleave::stability

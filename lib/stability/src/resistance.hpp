@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "contacts.hpp"
+
+namespace cleave::stability {
+
+/// What holds a block that would move, N.
+struct Resistance {
+  double least = 0;
+  double greatest = 0;
+  std::vector<std::pair<std::uint32_t, double>> pressing;  ///< group and reaction of the least one
+};
+
+/// Friction and cohesion of the pressing groups, tension of those that open. Where three or more coplanar normals
+/// touch, the reactions are not unique: all pairs that carry the force are tried.
+[[nodiscard]] Resistance resistance(const Contacts& contacts, const Resultant& resultant, const Motion& motion,
+                                    bool parallel_contact);
+
+}  // namespace cleave::stability
