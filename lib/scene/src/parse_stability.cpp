@@ -35,12 +35,25 @@ std::vector<std::uint32_t> parse_free(const TableReader& table, const std::optio
   return tags;
 }
 
+PartialFactors parse_partial(const TableReader& stability) {
+  PartialFactors factors;
+  const TomlTable* found = stability.table("partial");
+  if (found == nullptr) return factors;
+  constexpr std::array<string_view, 3> keys{"friction", "cohesion", "weight"};
+  constexpr NumberRule factor{0, true, 100, false, ""};
+  const TableReader table{*found, stability.line_of("partial"), stability.path_of("partial"), stability.problems(), keys};
+  factors.friction = table.number("friction", factor).value_or(1);
+  factors.cohesion = table.number("cohesion", factor).value_or(1);
+  factors.weight = table.number("weight", factor).value_or(1);
+  return factors;
+}
+
 }  // namespace
 
 ParsedStability parse_stability(const TableReader& root, const std::optional<geometry::Solid>& domain,
                                 bool has_excavations) {
-  constexpr std::array<string_view, 5> keys{"free", "gravity", "seismic", "force_transfer", "max_batches"};
-  constexpr std::array<string_view, 4> later{"target", "partial", "water", "surcharge"};
+  constexpr std::array<string_view, 6> keys{"free", "gravity", "seismic", "partial", "force_transfer", "max_batches"};
+  constexpr std::array<string_view, 3> later{"target", "water", "surcharge"};
   ParsedStability result;
   StabilitySettings settings;
   const TomlTable* found = root.table("stability");
@@ -56,6 +69,7 @@ ParsedStability parse_stability(const TableReader& root, const std::optional<geo
       }
     }
     if (const auto seismic = table.vec3("seismic", rule::ratio)) settings.seismic = *seismic;
+    settings.partial = parse_partial(table);
     if (const auto transfer = table.boolean("force_transfer")) settings.force_transfer = *transfer;
     if (const auto most = table.integer("max_batches", 1, 1'000'000)) {
       settings.max_batches = static_cast<std::uint32_t>(*most);

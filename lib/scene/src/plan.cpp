@@ -25,7 +25,7 @@ std::string why_stability(const Scene& scene) {
     why += count_of(scene.free_domain_tags.size(), "free face", "free faces");
     why += " of the domain";
   }
-  if (scene.stability->force_transfer) why += "; without force transfer, which comes in a later version";
+  why += scene.stability->force_transfer ? "; with force transfer" : "; without force transfer";
   return why;
 }
 

@@ -50,7 +50,8 @@ stability::Analysis judge(const Scene& scene, const Drawn& drawn, const Stabilit
   };
   const auto rock = stability::RockMass::make(scene.rock.density);
   const auto loads = stability::Loads::make(wanted.gravity, wanted.seismic);
-  CLEAVE_ASSERT(rock.has_value() && loads.has_value());
+  const auto partial = stability::PartialFactors::make(wanted.partial.friction, wanted.partial.cohesion, wanted.partial.weight);
+  CLEAVE_ASSERT(rock.has_value() && loads.has_value() && partial.has_value());
   stability::StrengthTable strengths{strength_of({FrictionAngle::degrees(0), pascals(0), pascals(0)})};
   for (const topology::JointId joint : drawn.joints.ids()) {
     strengths.set(joint, strength_of(drawn.joints[joint].strength));
@@ -58,6 +59,7 @@ stability::Analysis judge(const Scene& scene, const Drawn& drawn, const Stabilit
   return stability::analyse(complex, {.rock = *rock,
                            .strengths = std::move(strengths),
                            .loads = *loads,
+                           .partial = *partial,
                            .force_transfer = wanted.force_transfer,
                            .max_batches = wanted.max_batches});
 }

@@ -80,9 +80,15 @@ struct Rock {
   Density density = kilograms_per_cubic_metre(2700);
 };
 
+/// A design standard's partial factors: tan(friction) and cohesion are divided, weight is multiplied.
+struct PartialFactors {
+  double friction = 1, cohesion = 1, weight = 1;
+};
+
 struct StabilitySettings {
   geometry::Vec3 gravity{0, 0, -9.81};  ///< m/s2
   geometry::Vec3 seismic{0, 0, 0};      ///< force / weight, in the direction the rock is pushed
+  PartialFactors partial = {};
   bool force_transfer = true;
   std::uint32_t max_batches = 50;
 };
