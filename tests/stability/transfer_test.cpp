@@ -124,24 +124,29 @@ TEST(TransferTest, ThreeSlabs) {
   EXPECT_LT(a.equilibrium_residual, 1e-12);
 }
 
-// Fact 3: it lost only a wall that was brushed; nothing is passed.
+// Fact 3: it lost only a wall that was brushed; nothing is passed, whatever the last bits of the dip direction say.
 TEST(TransferTest, BlockThatPushesNobodyIsSelfHeld) {
-  Complex complex;
-  const auto rock = complex.fixed_block();
-  const auto side = complex.block(1000), slab = complex.block(100);
-  complex.free_face(side);
-  complex.contact(side, rock, {0, 0, -1}, 1, 0);  // falls
-  complex.contact(slab, rock, upward(30, 90), 1, 0);
-  complex.contact(slab, side, {0, 1, 0}, 100, 1);  // brushed wall whose cohesion held the slab
-  Settings with = settings({strength(20), strength(0, 1)});
-  with.parallel_contact = true;
-  const Analysis a = analyse_complex(complex.build(), with);
-  ASSERT_EQ(a.batches.size(), 2U);
-  EXPECT_EQ(find(a, slab)->batch, 2U);
-  EXPECT_TRUE(after(a, slab).self_held);
-  EXPECT_EQ(after(a, slab).passed.si(), 0);
-  EXPECT_EQ(after(a, side).received, Vec3{});
-  EXPECT_FALSE(after(a, side).self_held);
+  for (const double dip_direction : {90.0, 7.0, 37.0, 111.0, 200.5, 359.0}) {
+    for (const double side_sense : {1.0, -1.0}) {
+      Complex complex;
+      const auto rock = complex.fixed_block();
+      const auto side = complex.block(1000), slab = complex.block(100);
+      complex.free_face(side);
+      complex.contact(side, rock, {0, 0, -1}, 1, 0);  // falls
+      complex.contact(slab, rock, upward(30, dip_direction), 1, 0);
+      const Vec3 strike = geometry::cross(upward(30, dip_direction), dip_vector(30, dip_direction));
+      complex.contact(slab, side, side_sense * strike, 100, 1);  // brushed wall whose cohesion held the slab
+      Settings with = settings({strength(20), strength(0, 1)});
+      with.parallel_contact = true;
+      const Analysis a = analyse_complex(complex.build(), with);
+      ASSERT_EQ(a.batches.size(), 2U);
+      EXPECT_EQ(find(a, slab)->batch, 2U);
+      EXPECT_TRUE(after(a, slab).self_held);
+      EXPECT_EQ(after(a, slab).passed.si(), 0);
+      EXPECT_EQ(after(a, side).received, Vec3{});
+      EXPECT_FALSE(after(a, side).self_held);
+    }
+  }
 }
 
 TEST(TransferTest, CanBeLeftOut) {

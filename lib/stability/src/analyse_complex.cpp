@@ -19,7 +19,8 @@ class Batches final {
   Analysis run() {
     std::vector<BlockId> changed;
     for (const BlockId id : complex().blocks().ids()) {
-      if (!complex().blocks()[id].fixed) changed.push_back(id);
+      const topology::Block& block = complex().blocks()[id];
+      if (block.free && !block.fixed) changed.push_back(id);
     }
     for (std::uint32_t batch = 1; !changed.empty(); ++batch) {
       std::vector<BlockId> leaving;

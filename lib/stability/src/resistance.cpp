@@ -37,7 +37,7 @@ double tension(const Contacts& contacts, const Motion& motion) {
   const geometry::Vec3 along = geometry::normalized(motion.s);
   double sum = 0;
   for (std::uint32_t group = 0; group < contacts.groups.size(); ++group) {
-    if (!(contacts.groups[group].tension > 0) || std::ranges::binary_search(motion.touching, group)) continue;
+    if (!(contacts.groups[group].tension > 0)) continue;
     sum += contacts.groups[group].tension * std::max(0.0, geometry::dot(contacts.cone.groups()[group].unit(), along));
   }
   return sum;
