@@ -3,23 +3,18 @@
 
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <optional>
-#include <span>
+#include <expected>
 #include <string>
 #include <string_view>
 
+#include "cleave/core/assert.hpp"
 #include "cleave/scene/parse.hpp"
 #include "cleave/scene/plan.hpp"
+#include "fuzz_target.hpp"
 
 namespace {
 
 using cleave::scene::Problem;
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
 
 struct Input {
   std::string_view scene;
@@ -38,22 +33,16 @@ Input split(std::string_view text) {
 }
 
 void check_problem(const Problem& problem) {
-  require(!problem.file.empty() && problem.line >= 1 && !problem.key.empty() && !problem.what.empty());
-  for (const char c : describe(problem)) require(static_cast<unsigned char>(c) >= 0x20 && c != 0x7F);
+  CLEAVE_ASSERT(!problem.file.empty() && problem.line >= 1 && !problem.key.empty() && !problem.what.empty());
+  for (const char c : describe(problem)) CLEAVE_ASSERT(static_cast<unsigned char>(c) >= 0x20 && c != 0x7F);
 }
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+CLEAVE_FUZZ_TARGET(bytes) {
   constexpr std::size_t longest = 20'000;  // bounds the work: each joint set costs some thousand evaluations
-  if (size > longest) return 0;
-#ifdef __clang__
-#pragma clang unsafe_buffer_usage begin
-#endif
-  const std::string text{reinterpret_cast<const char*>(data), size};
-#ifdef __clang__
-#pragma clang unsafe_buffer_usage end
-#endif
+  if (bytes.size() > longest) return;
+  const std::string text{bytes.begin(), bytes.end()};
   const Input input = split(text);
   const cleave::scene::ReadFile only_own =
       [&](const std::string& name) -> std::expected<cleave::scene::LoadedFile, cleave::scene::FileRefusal> {
@@ -62,17 +51,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   };
   const auto scene = cleave::scene::parse(input.scene, "scene.toml", only_own);
   if (!scene) {
-    require(!scene.error().empty());
+    CLEAVE_ASSERT(!scene.error().empty());
     for (const Problem& problem : scene.error()) check_problem(problem);
-    return 0;
+    return;
   }
   for (const Problem& note : scene->notes) check_problem(note);
   const double volume = scene->domain.volume().si();
-  require(std::isfinite(volume) && volume > 0);
-  for (const auto& joint : scene->joints) require(joint.set.index() < scene->sets.size() && joint.line >= 1);
-  require(make_plan(*scene).stages.size() == cleave::scene::all_stages.size());
+  CLEAVE_ASSERT(std::isfinite(volume) && volume > 0);
+  for (const auto& joint : scene->joints) CLEAVE_ASSERT(joint.set.index() < scene->sets.size() && joint.line >= 1);
+  CLEAVE_ASSERT(make_plan(*scene).stages.size() == cleave::scene::all_stages.size());
   // The same text is the same scene.
   const auto again = cleave::scene::parse(input.scene, "scene.toml", only_own);
-  require(again && again->sha256 == scene->sha256 && again->joints.size() == scene->joints.size());
-  return 0;
+  CLEAVE_ASSERT(again && again->sha256 == scene->sha256 && again->joints.size() == scene->joints.size());
 }

@@ -87,8 +87,8 @@ bool NumberRule::accepts(double v) const noexcept {
 }
 
 std::string NumberRule::words() const {
-  if (!low_open && !high_open) return fmt::format("from {} to {}{}", low, high, unit);
-  return fmt::format("{} {} and {} {}{}", low_open ? "above" : "at least", low, high_open ? "below" : "at most", high,
+  if (!low_open && !high_open) return fmt::format("from {:g} to {:g}{}", low, high, unit);
+  return fmt::format("{} {:g} and {} {:g}{}", low_open ? "above" : "at least", low, high_open ? "below" : "at most", high,
                      unit);
 }
 
