@@ -192,10 +192,13 @@ TEST(SolidTest, SingleFacesAreJudged) {
   EXPECT_EQ(with_face({0, 1}), FaceFault::too_few_corners);
   EXPECT_EQ(with_face({0, 1, 8}), FaceFault::index_out_of_range);
   EXPECT_EQ(with_face({0, 1, 0}), FaceFault::corner_twice);
-  EXPECT_EQ(with_face({0, 3, 1, 2}), FaceFault::crosses_itself);
-  Surface line = box;
-  line.vertices.push_back({0.5, 0.5, 0.5});
-  line.faces.push_back({{0, 7, 8}, 0});
+  Surface twisted = box;
+  std::swap(twisted.vertices[6], twisted.vertices[7]);  // closed as ever, but top and north are bow ties
+  const auto bow_tie = twisted.make();
+  ASSERT_FALSE(bow_tie.has_value());
+  EXPECT_EQ(std::get<BadFace>(bow_tie.error()).fault, FaceFault::crosses_itself);
+  const Surface line{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 1}},
+                     {{{0, 2, 1}, 0}, {{0, 1, 3}, 0}, {{1, 2, 3}, 0}, {{2, 0, 3}, 0}}};
   const auto refused = line.make();
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(std::get<BadFace>(refused.error()).fault, FaceFault::no_area);

@@ -18,7 +18,8 @@ namespace cleave::oracle {
 using Int = boost::multiprecision::checked_int512_t;
 using Rational = boost::multiprecision::cpp_rational;
 
-/// a x + b y + c z + d = 0 without common factor, the first coefficient that is not zero positive: equal planes are equal.
+/// a x + b y + c z + d = 0 without common factor, the first coefficient that is not zero positive: equal planes are
+/// equal.
 using PlaneEquation = std::array<Int, 4>;
 /// (x, y, z, w), w > 0, without common factor: equal points are equal.
 using HomogeneousPoint = std::array<Int, 4>;
@@ -73,7 +74,7 @@ class Arrangement final {
   std::vector<HomogeneousPoint> vertices_;
   std::map<HomogeneousPoint, std::uint32_t> vertex_numbers_;
   std::vector<Cell> cells_;
-  PlaneEquation divider_;            // the plane that splits at the moment
+  PlaneEquation divider_;           // the plane that splits at the moment
   std::vector<std::int8_t> sides_;  // of vertices, as far as asked for
 };
 

@@ -100,7 +100,8 @@ Rational Walk::volume() const {
     const auto a = at(0);
     for (std::size_t i = 2; i < l.size(); ++i) {
       const auto b = at(i - 1), c = at(i);
-      six += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+      six +=
+          a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
     }
   }
   return six / 6;
@@ -175,7 +176,8 @@ OracleBlock Walk::counted() const {
   block.shells = static_cast<std::uint32_t>(shell_count);
   block.genus = static_cast<std::uint32_t>(twice / 2);
   const auto number = [](std::size_t n) { return static_cast<std::int64_t>(n); };
-  if (number(vertices) - number(edges) + 2 * number(face_count) - number(loops) - 2 * number(shell_count) + twice != 0) {
+  if (number(vertices) - number(edges) + 2 * number(face_count) - number(loops) - 2 * number(shell_count) + twice !=
+      0) {
     throw std::logic_error("oracle: Euler-Poincare does not hold: " + describe(block));
   }
   return block;

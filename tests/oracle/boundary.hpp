@@ -6,7 +6,8 @@
 
 namespace cleave::oracle {
 
-/// A face of a cell on the boundary of the cell's block. Coplanar ones with equal `label` on the same side make one face.
+/// A face of a cell on the boundary of the cell's block. Coplanar ones with equal `label` on the same side make one
+/// face.
 struct HalfFace {
   std::uint32_t cell, face;
   std::int64_t label;

@@ -28,7 +28,8 @@ class Cutter final {
  public:
   Cutter(const IntegerScene& scene, const OracleOptions& options)
       : scene_{scene}, options_{options}, arrangement_{scene.min, scene.max} {
-    for (const IntegerPolygon& joint : scene.joints) facets_.push_back({&joint, plane_of(joint), outline_planes(joint)});
+    for (const IntegerPolygon& joint : scene.joints)
+      facets_.push_back({&joint, plane_of(joint), outline_planes(joint)});
   }
 
   [[nodiscard]] std::vector<OracleBlock> run() {

@@ -3,8 +3,8 @@
 /// The slow, independent block cutter: what the fast one is compared with. Shares no code with lib/.
 ///
 /// Method: all planes of joints and solids cut the domain's box into convex cells with exact rational vertices; cells
-/// are joined across every cell face that the joints do not cover wholly; what lies outside the domain or in an excavation
-/// is dropped. A block is a set of cells; its boundary is walked from cell to cell.
+/// are joined across every cell face that the joints do not cover wholly; what lies outside the domain or in an
+/// excavation is dropped. A block is a set of cells; its boundary is walked from cell to cell.
 
 #include <compare>
 #include <cstdint>
@@ -43,13 +43,14 @@ enum class FaceRule : std::uint8_t {
 
 struct OracleOptions {
   FaceRule rule = FaceRule::role;
-  /// Adds the planes through all polygon edges to the partition, so that no cell face is partly covered. Many more cells, same
-  /// blocks: the oracle's check of itself.
+  /// Adds the planes through all polygon edges to the partition, so that no cell face is partly covered. Many more
+  /// cells, same blocks: the oracle's check of itself.
   bool outlines_cut_cells = false;
 };
 
-/// Sorted by volume, then counts. Counts are those of theory: pieces with one block on both sides dropped, coplanar pieces merged by
-/// the rule, collinear chains merged, an edge or vertex counted once a fan.
-[[nodiscard]] std::vector<OracleBlock> oracle_blocks(const testing::IntegerScene& scene, const OracleOptions& options = {});
+/// Sorted by volume, then counts. Counts are those of theory: pieces with one block on both sides dropped, coplanar
+/// pieces merged by the rule, collinear chains merged, an edge or vertex counted once a fan.
+[[nodiscard]] std::vector<OracleBlock> oracle_blocks(const testing::IntegerScene& scene,
+                                                     const OracleOptions& options = {});
 
 }  // namespace cleave::oracle

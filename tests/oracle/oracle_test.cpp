@@ -20,7 +20,9 @@ using testing::rectangle;
 
 OracleBlock cube_like(int volume) { return {volume, 8, 12, 6, 6, 1, 0}; }
 
-IntegerScene box(int x, int y, int z) { return {.min = {0, 0, 0}, .max = {x, y, z}, .joints = {}, .excavations = {}, .domain = {}}; }
+IntegerScene box(int x, int y, int z) {
+  return {.min = {0, 0, 0}, .max = {x, y, z}, .joints = {}, .excavations = {}, .domain = {}};
+}
 IntegerScene box(int side) { return box(side, side, side); }
 
 // Both ways to cut must agree on every scene they are shown.
@@ -31,7 +33,7 @@ void expect_blocks(const IntegerScene& scene, std::vector<OracleBlock> want) {
   EXPECT_EQ(oracle_blocks(scene, {.outlines_cut_cells = true}), want);
 }
 
-// ---- the table of theory/blocks.md, section 6 ----
+// ---- standard scenes: joints that end, cavities, rings, excavations ----
 
 TEST(OracleTest, BoxWithoutJointIsOneBlock) { expect_blocks(box(6), {cube_like(216)}); }
 
@@ -136,7 +138,7 @@ TEST(OracleTest, Excavations) {
   expect_one(6, {integer_box({2, 0, 2}, {4, 4, 4}), integer_box({0, 2, 2}, {6, 4, 4})},
              {184, 24, 36, 13, 16, 1, 2});  // T
   expect_one(8, {integer_box({3, 0, 1}, {5, 8, 3}), integer_box({0, 3, 5}, {8, 5, 7})},
-             {448, 24, 36, 14, 18, 1, 2});  // two levels
+             {448, 24, 36, 14, 18, 1, 2});                                          // two levels
   expect_one(6, {integer_box({2, 0, 0}, {4, 6, 2})}, {192, 16, 24, 10, 10, 1, 0});  // trench
   expect_one(5, {integer_box({1, 1, 0}, {2, 2, 5}), integer_box({2, 2, 0}, {3, 3, 5})},
              {115, 24, 36, 14, 16, 1, 1});  // touch along an edge: counted once a fan
@@ -148,10 +150,20 @@ TEST(OracleTest, ExcavationThatSwallowsTheDomainLeavesNothing) {
   EXPECT_TRUE(oracle_blocks(s).empty());
 }
 
-TEST(OracleTest, ConcaveDomain) {  // L-prism of verification B1, twice its size: volume 3 * 8
+TEST(OracleTest, ConcaveDomain) {  // L-prism of volume 3, twice its size
   IntegerScene s = box(4, 4, 2);
-  testing::IntegerSolid l{{{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {2, 2, 0}, {2, 4, 0}, {0, 4, 0},
-                           {0, 0, 2}, {4, 0, 2}, {4, 2, 2}, {2, 2, 2}, {2, 4, 2}, {0, 4, 2}},
+  testing::IntegerSolid l{{{0, 0, 0},
+                           {4, 0, 0},
+                           {4, 2, 0},
+                           {2, 2, 0},
+                           {2, 4, 0},
+                           {0, 4, 0},
+                           {0, 0, 2},
+                           {4, 0, 2},
+                           {4, 2, 2},
+                           {2, 2, 2},
+                           {2, 4, 2},
+                           {0, 4, 2}},
                           {{5, 4, 3, 2, 1, 0}, {6, 7, 8, 9, 10, 11}}};
   for (std::uint32_t i = 0; i < 6; ++i) l.faces.push_back({i, (i + 1) % 6, (i + 1) % 6 + 6, i + 6});
   s.domain = l;
@@ -161,7 +173,7 @@ TEST(OracleTest, ConcaveDomain) {  // L-prism of verification B1, twice its size
   expect_blocks(s, {cube_like(8), {16, 10, 15, 7, 7, 1, 0}});
 }
 
-// ---- persistent planes: verification.md B1 ----
+// ---- persistent planes with known counts and volumes ----
 
 std::map<Rational, int> volumes(const IntegerScene& scene) {
   std::map<Rational, int> out;
@@ -174,7 +186,9 @@ std::map<Rational, int> volumes(const IntegerScene& scene) {
   return out;
 }
 
-IntegerScene unit_cube() { return {.min = {-1, -1, -1}, .max = {1, 1, 1}, .joints = {}, .excavations = {}, .domain = {}}; }
+IntegerScene unit_cube() {
+  return {.min = {-1, -1, -1}, .max = {1, 1, 1}, .joints = {}, .excavations = {}, .domain = {}};
+}
 void add_plane(IntegerScene& s, testing::IntegerPoint normal, testing::IntegerPoint through = {0, 0, 0}) {
   s.joints.push_back(covering_plane(through, normal, 8));
 }

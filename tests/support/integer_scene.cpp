@@ -86,7 +86,8 @@ IntegerPolygon rectangle(int axis, int at, int lo0, int lo1, int hi0, int hi1) {
 }
 
 IntegerPolygon covering_plane(IntegerPoint through, IntegerPoint n, int reach) {
-  // Two vectors of the plane at right angles: u integer, v = n x u; both at least one long, so `reach` times each is enough.
+  // Two vectors of the plane at right angles: u integer, v = n x u; both at least one long, so `reach` times each is
+  // enough.
   const IntegerPoint u = n.x != 0 || n.y != 0 ? IntegerPoint{-n.y, n.x, 0} : IntegerPoint{1, 0, 0};
   const IntegerPoint v{n.y * u.z - n.z * u.y, n.z * u.x - n.x * u.z, n.x * u.y - n.y * u.x};
   const IntegerPoint s = reach * u, t = reach * v;

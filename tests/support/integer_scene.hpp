@@ -33,22 +33,23 @@ struct IntegerSolid {
 [[nodiscard]] IntegerSolid integer_box(IntegerPoint min, IntegerPoint max);
 
 struct IntegerScene {
-  IntegerPoint min, max;                ///< the domain's box
+  IntegerPoint min, max;  ///< the domain's box
   std::vector<IntegerPolygon> joints;
   std::vector<IntegerSolid> excavations;
-  std::optional<IntegerSolid> domain;   ///< instead of the box (which must contain it)
+  std::optional<IntegerSolid> domain;  ///< instead of the box (which must contain it)
 };
 
 /// Axis-parallel rectangle: `axis` is the constant coordinate; lo and hi are those of the other two axes in order.
 [[nodiscard]] IntegerPolygon rectangle(int axis, int at, int lo0, int lo1, int hi0, int hi1);
-/// Parallelogram that covers every point of the plane a x + b y + c z = d within `reach` of the point of the plane it is
-/// given: exactly planar, integer corners.
+/// Parallelogram that covers every point of the plane a x + b y + c z = d within `reach` of the point of the plane it
+/// is given: exactly planar, integer corners.
 [[nodiscard]] IntegerPolygon covering_plane(IntegerPoint through, IntegerPoint normal, int reach);
 
 /// The six sides of a box as joints.
 void add_closed_box(IntegerScene& scene, IntegerPoint lo, IntegerPoint hi);
 
-/// Is it what the cutter accepts: >= 3 corners, planar, area > 0, simple (no two edges touch but neighbours at their corner).
+/// Is it what the cutter accepts: >= 3 corners, planar, area > 0, simple (no two edges touch but neighbours at their
+/// corner).
 [[nodiscard]] bool is_valid_polygon(const IntegerPolygon& polygon);
 
 /// Uniform integer in [lo, hi]; the source of choices of the generator.
@@ -58,11 +59,12 @@ struct SceneLimits {
   int max_joints = 10;
   int max_excavations = 1;
 };
-/// A scene that is degenerate on purpose: repeated, parallel, coplanar, touching, concave joints, closed boxes. Corners in [-8, 8].
-/// Every polygon passes is_valid_polygon. Same choices, same scene.
+/// A scene that is degenerate on purpose: repeated, parallel, coplanar, touching, concave joints, closed boxes. Corners
+/// in [-8, 8]. Every polygon passes is_valid_polygon. Same choices, same scene.
 [[nodiscard]] IntegerScene make_integer_scene(const Choose& choose, const SceneLimits& limits = {});
 /// The same from bytes (a fuzzer's): each choice takes one byte; when they run out, the lowest value.
-[[nodiscard]] IntegerScene integer_scene_from_bytes(std::span<const std::uint8_t> bytes, const SceneLimits& limits = {});
+[[nodiscard]] IntegerScene integer_scene_from_bytes(std::span<const std::uint8_t> bytes,
+                                                    const SceneLimits& limits = {});
 
 // ---- relations that keep the block system (up to the map) ----
 [[nodiscard]] IntegerScene translated(IntegerScene scene, IntegerPoint by);

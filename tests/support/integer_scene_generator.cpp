@@ -11,14 +11,16 @@ namespace {
 
 constexpr std::int32_t reach = 8;  // of corners from the origin
 
-/// Draws one joint after the other; each may lean on the ones before it.
+/// Draws one joint after the other; each may lean on the ones before it. Choices are made one a statement, or in
+/// braces: compilers differ in the order of arguments and operands, and the same choices must give the same scene.
 class Generator final {
  public:
   Generator(const Choose& choose, const SceneLimits& limits) : choose_{choose}, limits_{limits} {}
 
   [[nodiscard]] IntegerScene run() {
     draw_box();
-    const int wanted = std::max(choose_(0, limits_.max_joints), choose_(0, limits_.max_joints));
+    const int some = choose_(0, limits_.max_joints), others = choose_(0, limits_.max_joints);
+    const int wanted = std::max(some, others);
     for (int attempt = 0; attempt < 3 * limits_.max_joints && count() < wanted; ++attempt) add_shape();
     const int excavations = choose_(0, 3) == 3 ? choose_(1, std::max(1, limits_.max_excavations)) : 0;
     for (int e = 0; e < excavations && limits_.max_excavations > 0; ++e) add_excavation();
@@ -70,18 +72,30 @@ class Generator final {
     scene_.joints.push_back(std::move(polygon));
     return true;
   }
-  bool add_parallelogram(IntegerPoint o, IntegerPoint u, IntegerPoint v) { return add({o, o + u, o + u + v, o + v}); }
+  void add_parallelogram(IntegerPoint o, IntegerPoint u, IntegerPoint v) { add({o, o + u, o + u + v, o + v}); }
+  void add_parallelogram(IntegerPoint o) {
+    const IntegerPoint u = direction(), v = direction();
+    add_parallelogram(o, u, v);
+  }
 
   void add_shape() {
     const std::int32_t shape = choose_(0, 26);
     switch (shape) {
-      case 0: add_parallelogram(point(6), direction(), direction()); return;
+      case 0: add_parallelogram(point(6)); return;
       case 1: add({point(reach), point(reach), point(reach)}); return;
-      case 2: case 3: case 4: add_axis_rectangle(); return;
-      case 5: case 6: add(rectangle(choose_(0, 2), choose_(-4, 4), -reach, -reach, reach, reach)); return;
-      case 7: case 8: case 9: case 23: case 24: add_wide_parallelogram(point(1)); return;
+      case 2:
+      case 3:
+      case 4: add_axis_rectangle(); return;
+      case 5:
+      case 6: add_full_rectangle(); return;
+      case 7:
+      case 8:
+      case 9:
+      case 23:
+      case 24: add_wide_parallelogram(point(1)); return;
       case 10: add_closed_tetrahedron(point(3)); return;
-      case 11: case 25: add_box(point(3)); return;
+      case 11:
+      case 25: add_box(point(3)); return;
       case 12: add_l_shape(point(4)); return;
       default: break;
     }
@@ -92,9 +106,10 @@ class Generator final {
     switch (shape) {
       case 13: add_repeated(); return;
       case 14: add_moved(direction()); return;
-      case 15: case 16: add_coplanar(); return;
+      case 15:
+      case 16: add_coplanar(); return;
       case 17: add_on_edge(); return;
-      case 18: add_parallelogram(known_vertex(), choose_(1, 3) * direction(), choose_(1, 3) * direction()); return;
+      case 18: add_long_parallelogram(known_vertex()); return;
       case 19: add_moved({choose_(-1, 1), choose_(-1, 1), choose_(-1, 1)}); return;
       case 20: add_box(known_vertex()); return;
       case 21: add_closed_tetrahedron(known_vertex()); return;
@@ -104,8 +119,18 @@ class Generator final {
   }
 
   void add_axis_rectangle() {
-    const std::int32_t a = choose_(-6, 1), b = choose_(-6, 1);
-    add(rectangle(choose_(0, 2), choose_(-5, 5), a, b, std::min(reach, a + choose_(2, 11)), std::min(reach, b + choose_(2, 11))));
+    const std::int32_t a = choose_(-6, 1), b = choose_(-6, 1), axis = choose_(0, 2), at = choose_(-5, 5);
+    const std::int32_t width = choose_(2, 11), height = choose_(2, 11);
+    add(rectangle(axis, at, a, b, std::min(reach, a + width), std::min(reach, b + height)));
+  }
+  void add_full_rectangle() {
+    const std::int32_t axis = choose_(0, 2), at = choose_(-4, 4);
+    add(rectangle(axis, at, -reach, -reach, reach, reach));
+  }
+  void add_long_parallelogram(IntegerPoint o) {
+    const std::int32_t j = choose_(1, 3), k = choose_(1, 3);
+    const IntegerPoint u = direction(), v = direction();
+    add_parallelogram(o, j * u, k * v);
   }
   /// As large as the corners' limit allows: cuts a small box through, or nearly.
   void add_wide_parallelogram(IntegerPoint o) {
@@ -130,8 +155,9 @@ class Generator final {
   void add_coplanar() {
     const IntegerPolygon p = earlier();
     const IntegerPoint u = p[1] - p[0], v = p[2] - p[1];
-    const IntegerPoint o = p[0] + choose_(-2, 2) * u + choose_(-2, 2) * v;
-    const IntegerPoint s = choose_(-1, 2) * u + choose_(-1, 1) * v, t = choose_(-1, 1) * u + choose_(-1, 2) * v;
+    const std::array<std::int32_t, 6> k{choose_(-2, 2), choose_(-2, 2), choose_(-1, 2),
+                                        choose_(-1, 1), choose_(-1, 1), choose_(-1, 2)};
+    const IntegerPoint o = p[0] + k[0] * u + k[1] * v, s = k[2] * u + k[3] * v, t = k[4] * u + k[5] * v;
     if (choose_(0, 2) == 0) {
       add({o, o + s, o + t});
     } else {
@@ -191,7 +217,8 @@ class Generator final {
   }
   void add_tetrahedral_excavation(IntegerPoint a) {
     const IntegerPoint u = direction(), v = direction(), w = direction();
-    const std::int32_t det = u.x * (v.y * w.z - v.z * w.y) - u.y * (v.x * w.z - v.z * w.x) + u.z * (v.x * w.y - v.y * w.x);
+    const std::int32_t det =
+        u.x * (v.y * w.z - v.z * w.y) - u.y * (v.x * w.z - v.z * w.x) + u.z * (v.x * w.y - v.y * w.x);
     if (det == 0) return;
     IntegerSolid solid{{a, a + u, a + v, a + w}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
     if (det < 0) std::swap(solid.vertices[1], solid.vertices[2]);

@@ -1,1 +1,210 @@
 #include "cleave/dfn/sample.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "cleave/core/assert.hpp"
+#include "cleave/core/overloaded.hpp"
+#include "cleave/core/rng.hpp"
+#include "orientation.hpp"
+#include "poisson.hpp"
+#include "shape.hpp"
+
+namespace cleave::dfn {
+
+using geometry::Polygon;
+using geometry::Vec3;
+
+namespace {
+
+constexpr double most_joints = 1e7;  // of one set: some gigabytes
+
+bool is_persistent(const JointSet& set) { return std::holds_alternative<Persistent>(set.spec().shape); }
+
+Vec3 sides(const DomainBox& box) { return box.max - box.min; }
+double volume(const DomainBox& box) {
+  const Vec3 s = sides(box);
+  return s.x * s.y * s.z;
+}
+DomainBox grown(const DomainBox& box, double by) { return {box.min - Vec3{by, by, by}, box.max + Vec3{by, by, by}}; }
+
+/// Where centres are drawn, and their mean number (exact number for Count).
+struct Region {
+  DomainBox box;    // of centres
+  double ball = 0;  // > 0: planes at an offset in (-ball, ball) from the box's centre instead
+  double joints = 0;
+  bool exact = false;
+};
+
+Region region_of(const JointSet& set, const DomainBox& domain) {
+  if (const auto* count = std::get_if<Count>(&set.spec().intensity)) {
+    return {domain, 0, static_cast<double>(count->joints), true};
+  }
+  const double p32 = set.expected_p32(volume(domain));
+  if (is_persistent(set)) {
+    // A plane with normal n meets the ball when its offset along n is within the radius: area per volume is offsets per
+    // length.
+    const double radius = norm(sides(domain)) / 2;
+    return {domain, radius, 2 * radius * p32, false};
+  }
+  const DomainBox box = grown(domain, set.reach());
+  return {box, 0, p32 / set.mean_area() * volume(box), false};
+}
+
+class Sampler final {
+ public:
+  Sampler(const JointSet& set, std::size_t number, const DomainBox& domain, std::uint64_t seed,
+          std::uint64_t realization)
+      : set_{set},
+        number_{number},
+        domain_{domain},
+        seed_{seed},
+        realization_{realization},
+        region_{region_of(set, domain)},
+        outline_{set.spec().shape} {}
+
+  [[nodiscard]] std::expected<std::vector<SampledJoint>, SampleError> run();
+
+ private:
+  [[nodiscard]] Rng stream(Draw what, std::uint32_t index) const {
+    return Rng{{.seed = seed_, .realization = realization_, .purpose = stream_purpose(number_, what), .index = index}};
+  }
+  [[nodiscard]] std::uint32_t count() const;
+  [[nodiscard]] Vec3 centre(std::uint32_t i) const;
+  [[nodiscard]] double rotation(std::uint32_t i) const;
+  [[nodiscard]] std::optional<SampledJoint> plane(std::uint32_t i) const;
+  /// False: nothing of it is in the domain's box.
+  [[nodiscard]] bool draw_corners(std::uint32_t i, const detail::Frame& frame, Vec3 centre);
+
+  const JointSet& set_;
+  std::size_t number_;
+  const DomainBox& domain_;
+  std::uint64_t seed_, realization_;
+  Region region_;
+  detail::OutlineDrawer outline_;
+  std::vector<detail::FlatPoint> flat_;
+  std::vector<Vec3> corners_;
+};
+
+std::uint32_t Sampler::count() const {
+  if (region_.exact) return static_cast<std::uint32_t>(region_.joints);
+  Rng rng = stream(Draw::count, 0);
+  return static_cast<std::uint32_t>(detail::poisson(region_.joints, rng));
+}
+
+Vec3 Sampler::centre(std::uint32_t i) const {
+  Rng rng = stream(Draw::position, i);
+  const Vec3 s = sides(region_.box);
+  Vec3 p;  // one after the other: the order of evaluation is part of the result
+  p.x = region_.box.min.x + rng.uniform() * s.x;
+  p.y = region_.box.min.y + rng.uniform() * s.y;
+  p.z = region_.box.min.z + rng.uniform() * s.z;
+  return p;
+}
+
+double Sampler::rotation(std::uint32_t i) const {
+  return std::visit(overloaded{
+                        [](const FixedRotation& r) { return r.angle.radians(); },
+                        [&](const UniformRotation& r) {
+                          const double u = stream(Draw::rotation, i).uniform();
+                          return r.from.radians() + u * (r.to.radians() - r.from.radians());
+                        },
+                        [&](const NormalRotation& r) {
+                          return r.mean.radians() + stream(Draw::rotation, i).normal() * r.std.radians();
+                        },
+                    },
+                    set_.spec().rotation);
+}
+
+detail::Frame draw_frame(const OrientationLaw& law, Rng rng) {
+  const double u = rng.uniform(), v = rng.uniform();
+  return detail::draw(law, u, v);
+}
+
+std::optional<SampledJoint> Sampler::plane(std::uint32_t i) const {
+  const Vec3 normal = draw_frame(set_.spec().orientation, stream(Draw::orientation, i)).normal;
+  Vec3 through;
+  if (region_.ball > 0) {
+    const double offset = (2 * stream(Draw::position, i).uniform() - 1) * region_.ball;
+    const Vec3 half = sides(domain_) / 2;
+    const double width = std::abs(normal.x) * half.x + std::abs(normal.y) * half.y + std::abs(normal.z) * half.z;
+    if (std::abs(offset) > width) return std::nullopt;
+    through = (domain_.min + domain_.max) / 2 + offset * normal;
+  } else {
+    through = centre(i);
+  }
+  return SampledJoint{InfinitePlane{through, normal}, through, normal, i};
+}
+
+bool Sampler::draw_corners(std::uint32_t i, const detail::Frame& frame, Vec3 centre) {
+  outline_.draw(stream(Draw::size, i).uniform(), stream(Draw::aspect, i).uniform(), flat_);
+  const double angle = rotation(i);
+  const Vec3 up_dip = cross(frame.normal, frame.strike);
+  const double c = std::cos(angle), s = std::sin(angle);
+  const Vec3 along = c * frame.strike + s * up_dip, across = c * up_dip - s * frame.strike;
+  corners_.clear();
+  Vec3 lo{INFINITY, INFINITY, INFINITY}, hi = -lo;
+  for (const detail::FlatPoint& p : flat_) {
+    const Vec3 q = centre + p.along * along + p.across * across;
+    lo = {std::min(lo.x, q.x), std::min(lo.y, q.y), std::min(lo.z, q.z)};
+    hi = {std::max(hi.x, q.x), std::max(hi.y, q.y), std::max(hi.z, q.z)};
+    corners_.push_back(q);
+  }
+  return lo.x <= domain_.max.x && hi.x >= domain_.min.x && lo.y <= domain_.max.y && hi.y >= domain_.min.y &&
+         lo.z <= domain_.max.z && hi.z >= domain_.min.z;
+}
+
+std::expected<std::vector<SampledJoint>, SampleError> Sampler::run() {
+  if (!(region_.joints <= most_joints)) return std::unexpected(TooManyJoints{region_.joints, most_joints});
+  const std::uint32_t n = count();
+  std::vector<SampledJoint> joints;
+  joints.reserve(n);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (is_persistent(set_)) {
+      if (auto joint = plane(i)) joints.push_back(std::move(*joint));
+      continue;
+    }
+    const detail::Frame frame = draw_frame(set_.spec().orientation, stream(Draw::orientation, i));
+    const Vec3 at = centre(i);
+    if (!draw_corners(i, frame, at)) continue;
+    auto polygon = Polygon::make(corners_);
+    if (!polygon) return std::unexpected(JointTooSmall{i, polygon.error()});
+    joints.push_back({*std::move(polygon), at, frame.normal, i});
+  }
+  return joints;
+}
+
+}  // namespace
+
+std::expected<std::vector<SampledJoint>, SampleError> sample(const JointSet& set, std::size_t set_index,
+                                                             const DomainBox& domain, std::uint64_t seed,
+                                                             std::uint64_t realization) {
+  CLEAVE_ASSERT(is_finite(domain.min) && is_finite(domain.max));
+  CLEAVE_ASSERT(domain.min.x < domain.max.x && domain.min.y < domain.max.y && domain.min.z < domain.max.z);
+  return Sampler{set, set_index, domain, seed, realization}.run();
+}
+
+double expected_draws(const JointSet& set, const DomainBox& domain) noexcept { return region_of(set, domain).joints; }
+
+std::string describe(const SampleError& error) {
+  return std::visit(
+      overloaded{
+          [](const TooManyJoints& e) {
+            return fmt::format(
+                "intensity: about {:.3g} joints to draw, at most {:.3g} are allowed; lower the intensity or the domain",
+                e.expected, e.allowed);
+          },
+          [](const JointTooSmall& e) {
+            return fmt::format("size: joint {} is too small to be drawn here ({}); raise size.min", e.index,
+                               geometry::describe(e.reason));
+          },
+      },
+      error);
+}
+
+}  // namespace cleave::dfn

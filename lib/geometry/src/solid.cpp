@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "cleave/core/expected.hpp"
-#include "cleave/geometry/triangulate.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/triangulate.hpp"
 #include "crossing.hpp"
 #include "predicates.hpp"
 #include "shells.hpp"
@@ -183,10 +183,9 @@ std::expected<Solid, SolidError> Solid::make(std::vector<Vec3> vertices, std::ve
     vertices[v] = flushed(vertices[v]);
   }
   for (std::size_t f = 0; f < faces.size(); ++f) CLEAVE_CHECK(check_face(faces[f], f, vertices.size(), tags.size()));
-  CLEAVE_TRY(const std::vector<SurfaceTriangle> triangles, triangles_of(vertices, faces));
-
   Groups groups{faces.size()};
   CLEAVE_CHECK(check_edges(vertices, faces, groups));
+  CLEAVE_TRY(const std::vector<SurfaceTriangle> triangles, triangles_of(vertices, faces));
   std::vector<std::uint32_t> shell(faces.size());
   std::uint32_t shells = 0;
   for (std::uint32_t f = 0; f < faces.size(); ++f) {  // a root is the lowest number of its shell, so it comes first

@@ -1,1 +1,51 @@
 #include "cleave/topology/cut.hpp"
+
+#include <fmt/format.h>
+
+#include "cleave/core/expected.hpp"
+#include "cleave/core/overloaded.hpp"
+#include "detail/assemble.hpp"
+#include "detail/stages.hpp"
+
+namespace cleave::topology {
+
+std::string describe(const CutError& error) {
+  return std::visit(
+      overloaded{
+          [](const JointCollapsed& e) {
+            return fmt::format("joint {} is too small for this scene: its corners fall on one line of the lattice of {} m; leave "
+                               "it out or cut a smaller domain",
+                               e.joint.value(), e.pitch.si());
+          },
+          [](const SolidCollapsed& e) {
+            const std::string what = e.excavation ? fmt::format("excavation {}", *e.excavation) : std::string{"the domain"};
+            return fmt::format("face {} of {} is too small or too bent for the lattice of {} m; merge its corners or give it as triangles",
+                               e.face, what, e.pitch.si());
+          },
+          [](const DomainSwallowed&) {
+            return std::string{"the excavations leave no rock of the domain; make the domain larger or an excavation smaller"};
+          },
+          [](const TooLarge& e) { return fmt::format("the scene has more than 2^31 {}; split it or use fewer joints", e.what); },
+      },
+      error);
+}
+
+std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOptions&) {
+  using namespace detail;
+  CLEAVE_TRY(const Prepared prepared, prepare(input));
+  Signs signs{prepared.planes};
+  constexpr std::size_t limit = std::size_t{1} << 29U;
+  const Traces traces = find_traces(prepared, signs);
+  const Graph graph = build_graph(prepared, traces, signs);
+  if (graph.uses.size() > limit) return std::unexpected(CutError{TooLarge{"edges"}});
+  const std::vector<Vec> positions = positions_of(prepared, graph);
+  const Arrangement arrangement = arrange(prepared, traces, graph, positions, signs);
+  const Cells cells = find_cells(prepared, graph, arrangement, positions);
+  BlockComplex::Data data = assemble(input, prepared, graph, arrangement, cells, positions);
+  if (data.blocks.empty()) return std::unexpected(CutError{DomainSwallowed{}});
+  data.report.predicate_calls = signs.calls();
+  data.report.predicate_exact = signs.exact_calls();
+  return BlockComplex{std::move(data)};
+}
+
+}  // namespace cleave::topology

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <expected>
 #include <string>
+#include <utility>
 #include <variant>
 
 #include "cleave/dfn/laws.hpp"
@@ -26,7 +27,8 @@ struct Rectangle {
 struct Square {
   SizeLaw size;  ///< side
 };
-/// A disc is cut as a regular polygon of the same area (so that P32 is kept): circumradius R sqrt(2 pi/(m sin(2 pi/m))).
+/// A disc is cut as a regular polygon of the same area (so that P32 is kept): circumradius R sqrt(2 pi/(m sin(2
+/// pi/m))).
 struct Disc {
   SizeLaw size;  ///< diameter
   std::uint32_t sides = 16;
@@ -52,8 +54,9 @@ using Shape = std::variant<Rectangle, Square, Disc, Ellipse, RegularPolygon, Per
 struct Count {
   std::uint64_t joints = 0;
 };
-/// Joint area per volume (1/m). This and the next three draw a Poisson number of joints in the domain's box grown by the
-/// largest half extent of a joint on all sides (planes: in the smallest ball around the box), so the domain has no edge effect.
+/// Joint area per volume (1/m). This and the next three draw a Poisson number of joints in the domain's box grown by
+/// the largest half extent of a joint on all sides (planes: in the smallest ball around the box), so the domain has no
+/// edge effect.
 struct P32 {
   double value = 0;
 };
@@ -108,15 +111,14 @@ class JointSet final {
   /// limit count up to their quantile 1 - 1e-6.
   [[nodiscard]] double reach() const noexcept;
   /// E |n . mean normal|: turns P10 into P32. Closed form for Fisher's law, else the mean over 2^16 points of a fixed
-  /// low-discrepancy sequence (error below 1e-4).
-  [[nodiscard]] double mean_cosine() const noexcept { return mean_cosine_; }
+  /// low-discrepancy sequence (error below 1e-4; some milliseconds).
+  [[nodiscard]] double mean_cosine() const noexcept;
   /// Joint area per volume that the intensity asks for (1/m); for Count joints in `volume` (m3).
   [[nodiscard]] double expected_p32(double volume) const noexcept;
 
  private:
-  JointSet(JointSetSpec spec, double mean_cosine) : spec_{std::move(spec)}, mean_cosine_{mean_cosine} {}
+  explicit JointSet(JointSetSpec spec) : spec_{std::move(spec)} {}
   JointSetSpec spec_;
-  double mean_cosine_;
 };
 
 }  // namespace cleave::dfn

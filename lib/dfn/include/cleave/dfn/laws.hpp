@@ -22,7 +22,7 @@ struct SizeSpec {
   std::optional<Length> mean;      ///< all but power
   std::optional<Length> std;       ///< normal, lognormal
   std::optional<double> exponent;  ///< power: N(> x) ~ x^-exponent; needs min, and max when exponent <= 2
-  std::optional<Length> min;       ///< > 0; a normal law needs it or is cut at 0
+  std::optional<Length> min;       ///< >= 0; a normal law is cut at 1e-6 of its mean if this is smaller
   std::optional<Length> max;
 };
 
@@ -40,7 +40,8 @@ struct EmptyRange {  ///< min > max, or a law that has no probability (below 1e-
 using SizeError = std::variant<MissingParameter, BadParameter, EmptyRange>;
 [[nodiscard]] std::string describe(const SizeError& error);
 
-/// A law of sizes > 0. Invariant: parameters are finite, and at least 1e-12 of the untruncated law lies within the limits.
+/// A law of sizes > 0. Invariant: parameters are finite, and at least 1e-12 of the untruncated law lies within the
+/// limits.
 class SizeLaw final {
  public:
   [[nodiscard]] static std::expected<SizeLaw, SizeError> make(const SizeSpec& spec);
@@ -49,7 +50,7 @@ class SizeLaw final {
   /// Inverse of the truncated distribution function: larger u, larger size. Precondition: 0 < u < 1. Computed in the
   /// tail that is the shorter one, so it is accurate far out as well.
   [[nodiscard]] Length quantile(double u) const noexcept;
-  /// E[X^k], k = 1 or 2, of the truncated law (m^k); closed forms of theory/dfn.md section 4.
+  /// E[X^k], k = 1 or 2, of the truncated law (m^k); closed forms.
   [[nodiscard]] double moment(int k) const noexcept;
   /// Part of the untruncated law within the limits, (0, 1].
   [[nodiscard]] double kept_share() const noexcept;
@@ -60,10 +61,10 @@ class SizeLaw final {
  private:
   SizeLaw() = default;
   SizeDistribution distribution_ = SizeDistribution::constant;
-  double a_ = 0, b_ = 0;            // parameters of the law: mean; mean, std; rate; mu, sigma; exponent
-  double min_ = 0, max_ = 0;        // limits, max may be infinite
-  double low_ = 0, high_ = 1;       // distribution function (or survival function when upper_) at min and max
-  bool upper_ = false;
+  double a_ = 0, b_ = 0;          // parameters: constant value; mean, std; mean; mu, sigma; exponent
+  double min_ = 0, max_ = 0;      // limits, max may be infinite
+  double below_ = 0, above_ = 0;  // normal, lognormal: probability below min and above max
+  double mass_ = 1;               // probability between the limits
 };
 
 // ---- orientation ----------------------------------------------------------------------------------------------------
@@ -90,7 +91,8 @@ struct NormalOrientation {
 };
 using OrientationLaw = std::variant<UniformOrientation, FisherOrientation, NormalOrientation>;
 
-// ---- rotation in the joint's plane ------------------------------------------------------------------------------------
+// ---- rotation in the joint's plane
+// ------------------------------------------------------------------------------------
 
 struct RotationKind;
 /// From the strike (dip direction - 90) to the first side or axis, counter-clockwise seen from above.

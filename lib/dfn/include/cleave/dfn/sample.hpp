@@ -27,8 +27,8 @@ struct InfinitePlane {
 struct SampledJoint {
   std::variant<geometry::Polygon, InfinitePlane> shape;
   geometry::Vec3 centre;
-  geometry::Vec3 normal;   ///< unit, z >= 0
-  std::uint32_t index;     ///< number of the joint in its set: the `index` of its random streams (friction and so on)
+  geometry::Vec3 normal;  ///< unit, z >= 0
+  std::uint32_t index;    ///< number of the joint in its set: the `index` of its random streams (friction and so on)
 };
 
 struct TooManyJoints {
@@ -45,9 +45,9 @@ using SampleError = std::variant<TooManyJoints, JointTooSmall>;
 
 /// The joints of one set in one realization, in order of their index.
 ///
-/// Joint i depends only on (seed, realization, set_index, i): other sets, threads and the rest of the scene change nothing.
-/// Joints drawn outside the box (in its grown region) that cannot reach it are left out; indices keep their gaps.
-/// `set_index` is the number of the [[joint_set]] in the scene, from 0.
+/// Joint i depends only on (seed, realization, set_index, i): other sets, threads and the rest of the scene change
+/// nothing. Joints drawn outside the box (in its grown region) that cannot reach it are left out; indices keep their
+/// gaps. `set_index` is the number of the [[joint_set]] in the scene, from 0.
 [[nodiscard]] std::expected<std::vector<SampledJoint>, SampleError> sample(const JointSet& set, std::size_t set_index,
                                                                            const DomainBox& domain, std::uint64_t seed,
                                                                            std::uint64_t realization);

@@ -76,8 +76,8 @@ using SolidError = std::variant<NoFaces, BadVertex, BadFace, OpenEdge, NonManifo
 /// the ones that were checked here.
 class Solid final {
  public:
-  /// The face tags index `tags`; without tags all must be 0. Of several faults the first in the order of SolidError's list that was
-  /// looked for is told: vertices, faces, edges (lowest vertex numbers first), shells, crossings. O(n log n).
+  /// The face tags index `tags`; without tags all must be 0. Of several faults the first found is told, looked for in
+  /// this order: vertices, corner lists, edges (lowest vertex numbers first), areas of faces, volume, crossings, shells. O(n log n).
   [[nodiscard]] static std::expected<Solid, SolidError> make(std::vector<Vec3> vertices, std::vector<SolidFace> faces,
                                                              std::vector<std::string> tags = {});
 

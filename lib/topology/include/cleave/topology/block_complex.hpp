@@ -29,7 +29,8 @@ struct Patch {
   geometry::Vec3 centroid;             ///< m, absolute coordinates
 };
 
-/// A flat face of one block: coplanar pieces of the same role and joint that touch along edges are one face.
+/// A flat face of one block: coplanar pieces of the same role that touch along edges are one face. Where several coplanar joints
+/// (or excavations) make up one face, `joint`, `excavation` and `tag` are those of its first piece; the patches have the joint of each part.
 struct Face {
   BlockId block;
   PlaneId plane;

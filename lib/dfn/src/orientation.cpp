@@ -1,0 +1,73 @@
+#include "orientation.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <variant>
+
+#include "cleave/core/overloaded.hpp"
+#include "cleave/core/rng.hpp"
+
+namespace cleave::dfn::detail {
+
+using geometry::Vec3;
+
+namespace {
+
+constexpr double radians(double degrees) { return degrees * (std::numbers::pi / 180); }
+
+/// A normal without dip direction of its own (horizontal joint) keeps the strike it is given.
+Frame frame_of_normal(Vec3 normal, Vec3 strike_if_flat) {
+  if (normal.z < 0) normal = -normal;
+  const double steepness = std::hypot(normal.x, normal.y);
+  if (steepness < 1e-12) return {normal, strike_if_flat};
+  return {normal, Vec3{-normal.y, normal.x, 0} / steepness};
+}
+
+Frame fisher(const FisherOrientation& law, double u, double v) {
+  const Frame mean = frame_of(law.dip.degrees(), law.dip_direction.degrees());
+  // 1 - cos t, so that small angles keep their digits.
+  const double versine = law.kappa > 0 ? -std::log1p(u * std::expm1(-2 * law.kappa)) / law.kappa : 2 * u;
+  const double sine = std::sqrt(versine * (2 - versine));
+  const double azimuth = 2 * std::numbers::pi * v;
+  const Vec3 across = std::cos(azimuth) * mean.strike + std::sin(azimuth) * cross(mean.normal, mean.strike);
+  return frame_of_normal(normalized((1 - versine) * mean.normal + sine * across), mean.strike);
+}
+
+}  // namespace
+
+Frame frame_of(double dip, double dip_direction) noexcept {
+  dip = std::remainder(dip, 360);  // [-180, 180]
+  if (dip < 0) {
+    dip = -dip;
+    dip_direction += 180;
+  }
+  if (dip > 90) {
+    dip = 180 - dip;
+    dip_direction += 180;
+  }
+  const double d = radians(dip), a = radians(dip_direction);
+  const double ca = std::cos(a), sa = std::sin(a), sd = std::sin(d);
+  return {{sd * sa, sd * ca, std::cos(d)}, {-ca, sa, 0}};
+}
+
+Frame mean_frame(const OrientationLaw& law) noexcept {
+  return std::visit([](const auto& l) { return frame_of(l.dip.degrees(), l.dip_direction.degrees()); }, law);
+}
+
+Frame draw(const OrientationLaw& law, double u, double v) noexcept {
+  return std::visit(overloaded{
+                        [&](const UniformOrientation& l) {
+                          return frame_of(l.dip.degrees() + (2 * u - 1) * l.dip_range.degrees(),
+                                          l.dip_direction.degrees() + (2 * v - 1) * l.dip_direction_range.degrees());
+                        },
+                        [&](const FisherOrientation& l) { return fisher(l, u, v); },
+                        [&](const NormalOrientation& l) {
+                          return frame_of(
+                              l.dip.degrees() + normal_quantile(u) * l.dip_std.degrees(),
+                              l.dip_direction.degrees() + normal_quantile(v) * l.dip_direction_std.degrees());
+                        },
+                    },
+                    law);
+}
+
+}  // namespace cleave::dfn::detail

@@ -1,0 +1,132 @@
+#include "shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "cleave/core/overloaded.hpp"
+
+namespace cleave::dfn::detail {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// E[first * second].
+double mean_product(const SizeLaw& first, const SecondSize& second) {
+  return std::visit(overloaded{
+                        [&](IndependentSize) { return first.moment(1) * first.moment(1); },
+                        [&](AspectRatio r) { return first.moment(2) / r.ratio; },
+                        [&](const SizeLaw& law) { return first.moment(1) * law.moment(1); },
+                    },
+                    second);
+}
+
+double largest_second(const SizeLaw& first, const SecondSize& second) {
+  return std::visit(overloaded{
+                        [&](IndependentSize) { return first.largest().si(); },
+                        [&](AspectRatio r) { return first.largest().si() / r.ratio; },
+                        [](const SizeLaw& law) { return law.largest().si(); },
+                    },
+                    second);
+}
+
+double second_size(const SizeLaw& law, const SecondSize& second, double first, double v) {
+  return std::visit(overloaded{
+                        [&](IndependentSize) { return law.quantile(v).si(); },
+                        [&](AspectRatio r) { return first / r.ratio; },
+                        [&](const SizeLaw& own) { return own.quantile(v).si(); },
+                    },
+                    second);
+}
+
+/// Area of the regular polygon of circumradius 1.
+double unit_area(std::uint32_t sides) { return sides * std::sin(2 * pi / sides) / 2; }
+/// Circumradius of the polygon with the area of a circle of radius 1.
+double same_area(std::uint32_t sides) { return std::sqrt(pi / unit_area(sides)); }
+
+}  // namespace
+
+double mean_area(const Shape& shape) noexcept {
+  return std::visit(overloaded{
+                        [](const Rectangle& s) { return mean_product(s.size, s.second); },
+                        [](const Square& s) { return s.size.moment(2); },
+                        [](const Disc& s) { return pi / 4 * s.size.moment(2); },
+                        [](const Ellipse& s) { return pi / 4 * mean_product(s.size, s.second); },
+                        [](const RegularPolygon& s) { return unit_area(s.sides) / 4 * s.size.moment(2); },
+                        [](Persistent) { return 0.0; },
+                    },
+                    shape);
+}
+
+double reach(const Shape& shape) noexcept {
+  return std::visit(
+      overloaded{
+          [](const Rectangle& s) { return std::hypot(s.size.largest().si(), largest_second(s.size, s.second)) / 2; },
+          [](const Square& s) { return s.size.largest().si() / std::numbers::sqrt2; },
+          [](const Disc& s) { return s.size.largest().si() / 2 * same_area(s.sides); },
+          [](const Ellipse& s) {
+            return std::max(s.size.largest().si(), largest_second(s.size, s.second)) / 2 * same_area(s.sides);
+          },
+          [](const RegularPolygon& s) { return s.size.largest().si() / 2; },
+          [](Persistent) { return 0.0; },
+      },
+      shape);
+}
+
+OutlineDrawer::OutlineDrawer(const Shape& shape) : shape_{&shape} {
+  const auto regular = [&](std::uint32_t sides) {
+    for (std::uint32_t i = 0; i < sides; ++i) {
+      const double angle = 2 * pi * i / sides;
+      unit_.push_back({std::cos(angle), std::sin(angle)});
+    }
+  };
+  std::visit(overloaded{
+                 [](const Rectangle&) {},
+                 [](const Square&) {},
+                 [&](const Disc& s) {
+                   regular(s.sides);
+                   stretch_ = same_area(s.sides);
+                 },
+                 [&](const Ellipse& s) {
+                   regular(s.sides);
+                   stretch_ = same_area(s.sides);
+                 },
+                 [&](const RegularPolygon& s) { regular(s.sides); },
+                 [](Persistent) {},
+             },
+             shape);
+}
+
+void OutlineDrawer::draw(double u, double v, std::vector<FlatPoint>& corners) const {
+  corners.clear();
+  const auto box = [&](double a, double b) { corners = {{-a, -b}, {a, -b}, {a, b}, {-a, b}}; };
+  const auto round = [&](double a, double b) {
+    for (const FlatPoint& p : unit_) corners.push_back({a * stretch_ * p.along, b * stretch_ * p.across});
+  };
+  std::visit(overloaded{
+                 [&](const Rectangle& s) {
+                   const double a = s.size.quantile(u).si();
+                   box(a / 2, second_size(s.size, s.second, a, v) / 2);
+                 },
+                 [&](const Square& s) {
+                   const double a = s.size.quantile(u).si() / 2;
+                   box(a, a);
+                 },
+                 [&](const Disc& s) {
+                   const double r = s.size.quantile(u).si() / 2;
+                   round(r, r);
+                 },
+                 [&](const Ellipse& s) {
+                   const double a = s.size.quantile(u).si();
+                   round(a / 2, second_size(s.size, s.second, a, v) / 2);
+                 },
+                 [&](const RegularPolygon& s) {
+                   const double r = s.size.quantile(u).si() / 2;
+                   round(r, r);
+                 },
+                 [](Persistent) {},
+             },
+             *shape_);
+}
+
+}  // namespace cleave::dfn::detail

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "cleave/core/quantity.hpp"
+#include "cleave/geometry/orientation.hpp"
+#include "cleave/geometry/shapes.hpp"
+#include "cleave/geometry/vec3.hpp"
+#include "cleave/io/read_error.hpp"
+
+namespace cleave::io {
+
+/// How far a measured joint reaches.
+struct Persistent {
+  friend bool operator==(const Persistent&, const Persistent&) = default;
+};
+struct DiscSize {
+  Length radius;
+  friend bool operator==(const DiscSize&, const DiscSize&) = default;
+};
+struct RectangleSize {
+  Length side_a, side_b;  ///< whole sides, a along the strike before rotation
+  geometry::InPlaneRotation rotation;
+  friend bool operator==(const RectangleSize&, const RectangleSize&) = default;
+};
+
+/// One row of a table of joints.
+struct JointRow {
+  std::uint32_t line = 0;  ///< in the file, from 1
+  geometry::Attitude plane;  ///< as written: clockwise from the file's north
+  std::optional<geometry::Vec3> position;  ///< m; always present unless JointCsvOptions::need_position is false
+  std::variant<Persistent, DiscSize, RectangleSize> size;
+  std::optional<FrictionAngle> friction;
+  std::optional<Stress> cohesion;
+  std::string set;  ///< "" when not given
+  std::string id;
+  friend bool operator==(const JointRow&, const JointRow&) = default;
+};
+struct JointTable {
+  std::vector<JointRow> rows;
+  std::vector<std::string> notes;  ///< columns that were not understood and skipped
+};
+
+struct JointCsvOptions {
+  /// Accept dips outside 0..90 and directions outside 0..360 and turn them to the same plane inside.
+  bool wrap = false;
+  /// False for tables of orientations only.
+  bool need_position = true;
+};
+
+/// Joints from a table with a header. Columns in any order, in either case, blanks and hyphens as underscores: dip (dip_angle),
+/// dip_direction (dipdir, dip_dir, dd, azimuth) or strike (right-hand rule), x (easting), y (northing), z (elevation), radius |
+/// side_a, side_b, rotation | neither = persistent, set, friction (degrees), cohesion (Pa), id. Comma or semicolon, found from the
+/// header; quotes; decimal comma with semicolons when no number has a point; BOM, CRLF, blank lines and # lines are skipped.
+/// Up to 20 problems are collected.
+[[nodiscard]] std::expected<JointTable, std::vector<ReadError>> parse_joint_csv(std::string_view bytes, std::string_view name,
+                                                                                const JointCsvOptions& options = {});
+[[nodiscard]] std::expected<JointTable, std::vector<ReadError>> read_joint_csv(const std::filesystem::path& path,
+                                                                               const JointCsvOptions& options = {});
+
+/// The table as parse_joint_csv reads it back: only columns that some row needs.
+[[nodiscard]] std::string write_joint_csv(const JointTable& table);
+
+}  // namespace cleave::io

@@ -1,0 +1,131 @@
+#include "csv_table.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "cleave/core/expected.hpp"
+#include "text.hpp"
+
+namespace cleave::io {
+namespace {
+
+std::string header_name(std::string_view cell) {
+  std::string name = lower(trimmed(cell));
+  std::ranges::replace(name, ' ', '_');
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
+class CsvReader final {
+ public:
+  CsvReader(std::string_view bytes, std::string_view file) : lines_{bytes, file} {}
+
+  std::expected<CsvTable, ReadError> run() {
+    std::string_view line;
+    bool has_header = false;
+    while (lines_.next(line)) {
+      if (const std::string_view text = trimmed(line); text.empty() || text.starts_with('#')) continue;
+      if (!has_header) {
+        CLEAVE_CHECK(find_separator(line));
+        table_.header_line = lines_.number();
+      }
+      const std::uint32_t first_line = lines_.number();
+      CLEAVE_TRY(std::vector<std::string> cells, split(line));
+      if (!has_header) {
+        for (std::string& cell : cells) cell = header_name(cell);
+        table_.header = std::move(cells);
+        has_header = true;
+      } else if (std::ranges::any_of(cells, [](const std::string& c) { return !c.empty(); })) {
+        table_.rows.push_back({first_line, std::move(cells)});
+      }
+    }
+    if (!has_header) {
+      return std::unexpected(ReadError{ReadFault::empty, std::string{lines_.file()}, 0, 0, "is empty",
+                                       "give a table with a header line"});
+    }
+    return std::move(table_);
+  }
+
+ private:
+  std::expected<void, ReadError> find_separator(std::string_view line) {
+    bool quoted = false;
+    bool comma = false;
+    bool semicolon = false;
+    for (const char c : line) {
+      if (c == '"') quoted = !quoted;
+      comma = comma || (!quoted && c == ',');
+      semicolon = semicolon || (!quoted && c == ';');
+    }
+    if (comma && semicolon) {
+      return std::unexpected(lines_.error(ReadFault::bad_columns, "the header has both commas and semicolons",
+                                          "separate columns by one of them"));
+    }
+    table_.separator = semicolon ? ';' : ',';
+    return {};
+  }
+
+  std::expected<std::vector<std::string>, ReadError> split(std::string_view line) {
+    std::vector<std::string> cells;
+    while (true) {
+      line = left_trimmed(line);
+      std::string cell;
+      if (line.starts_with('"')) {
+        CLEAVE_TRY(cell, take_quoted(line));
+        line = left_trimmed(line);
+        if (!line.empty() && line.front() != table_.separator) {
+          return std::unexpected(lines_.error(ReadFault::syntax, "text follows a closing quote", "double quotes inside quotes"));
+        }
+      } else {
+        const std::string_view raw = line.substr(0, line.find(table_.separator));
+        cell = trimmed(raw);
+        line.remove_prefix(raw.size());
+      }
+      cells.push_back(std::move(cell));
+      if (line.empty()) return cells;
+      line.remove_prefix(1);
+    }
+  }
+
+  [[nodiscard]] static std::string_view left_trimmed(std::string_view text) {
+    while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+    return text;
+  }
+
+  std::expected<std::string, ReadError> take_quoted(std::string_view& line) {
+    line.remove_prefix(1);
+    std::string cell;
+    while (true) {
+      const std::size_t quote = line.find('"');
+      if (quote == std::string_view::npos) {
+        cell += line;
+        cell += '\n';
+        if (!lines_.next(line)) {
+          return std::unexpected(lines_.error(ReadFault::truncated, "a quoted cell is not closed", "close the quotes"));
+        }
+        continue;
+      }
+      cell += line.substr(0, quote);
+      line.remove_prefix(quote + 1);
+      if (!line.starts_with('"')) break;
+      cell += '"';
+      line.remove_prefix(1);
+    }
+    return std::string{trimmed(cell)};
+  }
+
+  LineReader lines_;
+  CsvTable table_;
+};
+
+}  // namespace
+
+std::expected<CsvTable, ReadError> parse_csv(std::string_view bytes, std::string_view name) {
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {
+    return std::unexpected(
+        ReadError{ReadFault::unknown_format, std::string{name}, 0, 0, "is UTF-16 text", "save it as UTF-8"});
+  }
+  return CsvReader{without_bom(bytes), name}.run();
+}
+
+}  // namespace cleave::io

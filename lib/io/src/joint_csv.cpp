@@ -1,0 +1,307 @@
+#include "cleave/io/joint_csv.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <utility>
+
+#include "cleave/core/expected.hpp"
+#include "cleave/core/overloaded.hpp"
+#include "cleave/io/file.hpp"
+#include "csv_table.hpp"
+#include "text.hpp"
+
+namespace cleave::io {
+namespace {
+
+constexpr std::size_t most_problems = 20;
+
+enum class Column : std::uint8_t { dip, dip_direction, strike, x, y, z, radius, side_a, side_b, rotation, friction, cohesion, set, id };
+constexpr std::size_t column_count = 14;
+
+/// First the name we write, then what else is understood.
+struct Names {
+  Column column;
+  std::array<std::string_view, 5> names;
+};
+constexpr std::array<Names, column_count> known{{
+    {Column::dip, {"dip", "dip_angle", "dipangle"}},
+    {Column::dip_direction, {"dip_direction", "dipdirection", "dipdir", "dd", "azimuth"}},
+    {Column::strike, {"strike"}},
+    {Column::x, {"x", "easting", "east"}},
+    {Column::y, {"y", "northing", "north"}},
+    {Column::z, {"z", "elevation"}},
+    {Column::radius, {"radius"}},
+    {Column::side_a, {"side_a"}},
+    {Column::side_b, {"side_b"}},
+    {Column::rotation, {"rotation"}},
+    {Column::friction, {"friction"}},
+    {Column::cohesion, {"cohesion"}},
+    {Column::set, {"set"}},
+    {Column::id, {"id"}},
+}};
+
+constexpr std::size_t index(Column column) { return static_cast<std::size_t>(column); }
+std::string_view name_of(Column column) { return known[index(column)].names[0]; }
+
+class TableReader final {
+ public:
+  TableReader(const CsvTable& csv, std::string_view file, const JointCsvOptions& options)
+      : csv_{csv}, file_{file}, options_{options} {}
+
+  std::expected<JointTable, std::vector<ReadError>> run() {
+    read_header();
+    if (!problems_.empty()) return std::unexpected(std::move(problems_));
+    for (const CsvTable::Row& row : csv_.rows) {
+      read_row(row);
+      if (problems_.size() >= most_problems) break;
+    }
+    if (problems_.empty() && table_.rows.empty()) {
+      report(ReadFault::empty, 0, 0, "has a header but no joints", "add a line for each joint");
+    }
+    if (!problems_.empty()) return std::unexpected(std::move(problems_));
+    return std::move(table_);
+  }
+
+ private:
+  void report(ReadFault fault, std::uint32_t line, std::size_t column, std::string what, std::string remedy) {
+    problems_.push_back({fault, std::string{file_}, line, static_cast<std::uint32_t>(column), std::move(what), std::move(remedy)});
+  }
+
+  // ---- header -----------------------------------------------------------------------------------------------------------
+
+  [[nodiscard]] bool has(Column column) const { return place_[index(column)].has_value(); }
+
+  void read_header() {
+    const auto wrong = [&](std::string what, std::string remedy) {
+      report(ReadFault::bad_columns, csv_.header_line, 0, std::move(what), std::move(remedy));
+    };
+    if (std::ranges::any_of(csv_.header, [](const std::string& cell) { return number_of(cell).has_value(); })) {
+      wrong("the first line holds numbers where the names of the columns should stand",
+            "add a header such as dip,dip_direction,x,y,z (both orders of dip and direction are in use)");
+      return;
+    }
+    for (std::size_t c = 0; c < csv_.header.size(); ++c) {
+      const std::string& cell = csv_.header[c];
+      const auto found = std::ranges::find_if(known, [&](const Names& k) { return !cell.empty() && std::ranges::find(k.names, cell) != k.names.end(); });
+      if (found == known.end()) {
+        if (!cell.empty()) table_.notes.push_back(fmt::format("column {} is not used", shown(cell)));
+        continue;
+      }
+      std::optional<std::size_t>& place = place_[index(found->column)];
+      if (place) wrong(fmt::format("column {} comes twice", name_of(found->column)), "remove one");
+      place = c;
+    }
+    if (!has(Column::dip)) wrong("there is no column dip", "add it (degrees from horizontal)");
+    if (has(Column::dip_direction) == has(Column::strike)) {
+      wrong(has(Column::strike) ? "there are both dip_direction and strike" : "there is no column dip_direction or strike",
+            "give one of them");
+    }
+    const int axes = int{has(Column::x)} + int{has(Column::y)} + int{has(Column::z)};
+    if (axes != 3 && (options_.need_position || axes != 0)) wrong("the columns x, y and z are not all there", "add the missing ones");
+    if (has(Column::side_a) != has(Column::side_b)) wrong("of side_a and side_b one is missing", "give both");
+    if (has(Column::rotation) && !has(Column::side_a)) wrong("rotation goes with side_a and side_b", "add them, or remove rotation");
+  }
+
+  // ---- rows -------------------------------------------------------------------------------------------------------------
+
+  [[nodiscard]] std::string_view cell(const CsvTable::Row& row, Column column) const {
+    const std::optional<std::size_t> place = place_[index(column)];
+    return place && *place < row.cells.size() ? std::string_view{row.cells[*place]} : std::string_view{};
+  }
+
+  /// Nothing for an empty cell, or after a problem was reported.
+  std::optional<double> number(const CsvTable::Row& row, Column column) {
+    const std::string_view text = cell(row, column);
+    if (text.empty()) return std::nullopt;
+    std::string plain{text};
+    const bool comma = csv_.separator == ';' && std::ranges::count(plain, ',') == 1 && plain.find('.') == std::string::npos;
+    const bool point = plain.find('.') != std::string::npos;
+    if (comma) std::ranges::replace(plain, ',', '.');
+    if ((comma && seen_point_) || (point && seen_comma_)) {
+      problem(row, column, ReadFault::bad_number, fmt::format("{} {}: some numbers have a decimal comma, others a point", name_of(column), shown(text)),
+              "use one of them throughout");
+      return std::nullopt;
+    }
+    seen_comma_ = seen_comma_ || comma;
+    seen_point_ = seen_point_ || point;
+    const auto value = number_of(plain);
+    if (!value) {
+      problem(row, column, ReadFault::bad_number, fmt::format("{}: {}", name_of(column), value.error()), "give a number");
+      return std::nullopt;
+    }
+    return *value;
+  }
+
+  void problem(const CsvTable::Row& row, Column column, ReadFault fault, std::string what, std::string remedy) {
+    report(fault, row.line, place_[index(column)].value_or(0) + 1, std::move(what), std::move(remedy));
+  }
+
+  double required(const CsvTable::Row& row, Column column) {
+    const std::size_t before = problems_.size();
+    const std::optional<double> value = number(row, column);
+    if (!value && problems_.size() == before) {
+      problem(row, column, ReadFault::syntax, fmt::format("{} is empty", name_of(column)), "give a number");
+    }
+    return value.value_or(0);
+  }
+
+  std::optional<double> in_range(const CsvTable::Row& row, Column column, bool (*allowed)(double), const char* range) {
+    const std::optional<double> value = number(row, column);
+    if (!value || allowed(*value)) return value;
+    problem(row, column, ReadFault::out_of_range, fmt::format("{} is {}", name_of(column), *value), fmt::format("it must be {}", range));
+    return std::nullopt;
+  }
+
+  geometry::Attitude attitude(const CsvTable::Row& row) {
+    const Column bearing = has(Column::strike) ? Column::strike : Column::dip_direction;
+    double dip = required(row, Column::dip);
+    double direction = required(row, bearing);
+    if (!options_.wrap) {
+      if (!(dip >= 0 && dip <= 90)) {
+        problem(row, Column::dip, ReadFault::out_of_range, fmt::format("dip is {}, outside 0..90", dip), "correct it, or set wrap = true");
+      }
+      if (!(direction >= 0 && direction <= 360)) {
+        problem(row, bearing, ReadFault::out_of_range, fmt::format("{} is {}, outside 0..360", name_of(bearing), direction),
+                "correct it, or set wrap = true");
+      }
+    }
+    if (bearing == Column::strike) direction = geometry::wrap_degrees(direction) + 90;
+    dip = geometry::wrap_degrees(dip);
+    if (dip > 180) {  // a dip upwards is a dip the other way
+      dip = 360 - dip;
+      direction = geometry::wrap_degrees(direction) + 180;
+    }
+    if (dip > 90) {
+      dip = 180 - dip;
+      direction = geometry::wrap_degrees(direction) + 180;
+    }
+    return {Dip::degrees(dip), DipDirection::degrees(geometry::wrap_degrees(direction))};
+  }
+
+  std::variant<Persistent, DiscSize, RectangleSize> size(const CsvTable::Row& row) {
+    const auto positive = [](double v) { return v > 0; };
+    const std::optional<double> radius = in_range(row, Column::radius, positive, "positive");
+    const std::optional<double> a = in_range(row, Column::side_a, positive, "positive");
+    const std::optional<double> b = in_range(row, Column::side_b, positive, "positive");
+    const std::optional<double> rotation = number(row, Column::rotation);
+    const bool filled_a = !cell(row, Column::side_a).empty();
+    const bool filled_b = !cell(row, Column::side_b).empty();
+    if (!cell(row, Column::radius).empty() && (filled_a || filled_b)) {
+      problem(row, Column::radius, ReadFault::syntax, "a joint has a radius or sides, not both", "leave one of them empty");
+    }
+    if (filled_a != filled_b) problem(row, filled_a ? Column::side_b : Column::side_a, ReadFault::syntax, "of side_a and side_b one is empty", "give both");
+    if (rotation && !filled_a) problem(row, Column::rotation, ReadFault::syntax, "a joint without sides has no rotation", "leave it empty");
+    if (radius) return DiscSize{metres(*radius)};
+    if (a && b) return RectangleSize{metres(*a), metres(*b), geometry::InPlaneRotation::degrees(rotation.value_or(0))};
+    return Persistent{};
+  }
+
+  void read_row(const CsvTable::Row& row) {
+    const std::size_t before = problems_.size();
+    const bool too_long = row.cells.size() > csv_.header.size() &&
+                          std::any_of(row.cells.begin() + static_cast<std::ptrdiff_t>(csv_.header.size()), row.cells.end(),
+                                      [](const std::string& c) { return !c.empty(); });
+    if (too_long || row.cells.size() < csv_.header.size()) {
+      report(ReadFault::syntax, row.line, 0, fmt::format("{} cells, the header has {}", row.cells.size(), csv_.header.size()),
+             csv_.separator == ',' ? "give every column; with decimal commas separate columns by semicolons" : "give every column");
+      return;
+    }
+    JointRow joint{.line = row.line, .plane = attitude(row), .position = {}, .size = size(row), .friction = {}, .cohesion = {}, .set = {}, .id = {}};
+    if (has(Column::x)) {
+      const double x = required(row, Column::x);
+      const double y = required(row, Column::y);
+      const double z = required(row, Column::z);
+      joint.position = geometry::Vec3{x, y, z};
+    }
+    const auto friction = in_range(row, Column::friction, [](double v) { return v >= 0 && v < 90; }, "in 0..90 (degrees), 90 excluded");
+    const auto cohesion = in_range(row, Column::cohesion, [](double v) { return v >= 0; }, "0 or more (Pa)");
+    if (friction) joint.friction = FrictionAngle::degrees(*friction);
+    if (cohesion) joint.cohesion = pascals(*cohesion);
+    joint.set = cell(row, Column::set);
+    joint.id = cell(row, Column::id);
+    if (problems_.size() == before) table_.rows.push_back(std::move(joint));
+  }
+
+  const CsvTable& csv_;
+  std::string_view file_;
+  JointCsvOptions options_;
+  std::array<std::optional<std::size_t>, column_count> place_;
+  bool seen_comma_ = false;
+  bool seen_point_ = false;
+  JointTable table_;
+  std::vector<ReadError> problems_;
+};
+
+std::string in_quotes(std::string_view text) {
+  if (text.find_first_of(",;\"\n#") == std::string_view::npos) return std::string{text};
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"') result += '"';
+    result += c;
+  }
+  return result + '"';
+}
+
+}  // namespace
+
+std::expected<JointTable, std::vector<ReadError>> parse_joint_csv(std::string_view bytes, std::string_view name,
+                                                                  const JointCsvOptions& options) {
+  const auto csv = parse_csv(bytes, name);
+  if (!csv) return std::unexpected(std::vector{csv.error()});
+  return TableReader{*csv, name, options}.run();
+}
+
+std::expected<JointTable, std::vector<ReadError>> read_joint_csv(const std::filesystem::path& path, const JointCsvOptions& options) {
+  const auto bytes = read_file(path);
+  if (!bytes) return std::unexpected(std::vector{bytes.error()});
+  return parse_joint_csv(*bytes, path.string(), options);
+}
+
+std::string write_joint_csv(const JointTable& table) {
+  const auto any = [&](auto&& holds) { return std::ranges::any_of(table.rows, holds); };
+  const bool position = any([](const JointRow& r) { return r.position.has_value(); });
+  const bool disc = any([](const JointRow& r) { return std::holds_alternative<DiscSize>(r.size); });
+  const bool rectangle = any([](const JointRow& r) { return std::holds_alternative<RectangleSize>(r.size); });
+  const bool friction = any([](const JointRow& r) { return r.friction.has_value(); });
+  const bool cohesion = any([](const JointRow& r) { return r.cohesion.has_value(); });
+  const bool set = any([](const JointRow& r) { return !r.set.empty(); });
+  const bool id = any([](const JointRow& r) { return !r.id.empty(); });
+  std::string out = "dip,dip_direction";
+  if (position) out += ",x,y,z";
+  if (disc) out += ",radius";
+  if (rectangle) out += ",side_a,side_b,rotation";
+  if (friction) out += ",friction";
+  if (cohesion) out += ",cohesion";
+  if (set) out += ",set";
+  if (id) out += ",id";
+  out += '\n';
+  auto to = std::back_inserter(out);
+  for (const JointRow& r : table.rows) {
+    fmt::format_to(to, "{},{}", r.plane.dip.degrees(), r.plane.direction.degrees());
+    if (position) {
+      if (r.position) fmt::format_to(to, ",{},{},{}", r.position->x, r.position->y, r.position->z);
+      else out += ",,,";
+    }
+    std::visit(overloaded{
+                   [&](Persistent) { out += std::string(std::size_t{disc} + 3 * std::size_t{rectangle}, ','); },
+                   [&](DiscSize d) { fmt::format_to(to, ",{}{}", d.radius.si(), rectangle ? ",,," : ""); },
+                   [&](const RectangleSize& s) {
+                     fmt::format_to(to, "{},{},{},{}", disc ? "," : "", s.side_a.si(), s.side_b.si(), s.rotation.degrees());
+                   },
+               },
+               r.size);
+    if (friction) out += r.friction ? fmt::format(",{}", r.friction->degrees()) : ",";
+    if (cohesion) out += r.cohesion ? fmt::format(",{}", r.cohesion->si()) : ",";
+    if (set) out += ',' + in_quotes(r.set);
+    if (id) out += ',' + in_quotes(r.id);
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace cleave::io

@@ -1,0 +1,287 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "cleave/core/assert.hpp"
+#include "detail/nesting.hpp"
+#include "detail/plane_view.hpp"
+#include "detail/stages.hpp"
+
+namespace cleave::topology::detail {
+namespace {
+
+using exact::Sign;
+
+/// Ranks of the directions of all lines in one plane, counter-clockwise about its normal, by exact signs.
+class Directions {
+ public:
+  Directions(const Graph& graph, const PlaneView& view, Signs& signs) {
+    // One entry a line: its direction in the plane comes from the slot's transversal plane.
+    for (const Index use : view.uses) {
+      const Index slot = graph.uses[use].slot;
+      entries_.push_back({slot, graph.edges[graph.uses[use].edge].line, 0, 1, 0});
+    }
+    std::ranges::sort(entries_, {}, &Entry::slot);
+    const auto repeated = std::ranges::unique(entries_, {}, &Entry::slot);
+    entries_.erase(repeated.begin(), repeated.end());
+    if (entries_.empty()) return;
+
+    // Everything is turned into the half-turn that starts at the first line's direction.
+    const auto turn = [&](const Entry& a, const Entry& b) {  // of the lines' own directions
+      const Slot &s = graph.slots[a.slot], &t = graph.slots[b.slot];
+      if (s.transversal == t.transversal) return 0;
+      const int sign = static_cast<int>(signs.det3(view.plane, s.transversal, t.transversal));
+      return s.along == t.along ? sign : -sign;
+    };
+    const auto& n = signs.plane(view.plane).approx();
+    const auto direction = [&](const Entry& e) { return graph.lines[e.line].approx.m; };
+    const auto start = direction(entries_[0]);
+    const std::array<double, 3> up{n[1] * start[2] - n[2] * start[1], n[2] * start[0] - n[0] * start[2],
+                                   n[0] * start[1] - n[1] * start[0]};
+    for (std::size_t k = 1; k < entries_.size(); ++k) {
+      Entry& e = entries_[k];
+      const int side = turn(entries_[0], e);
+      if (side == 0) {
+        const LineClass &a = graph.lines[entries_[0].line], &b = graph.lines[e.line];
+        e.flip = signs.same_sense(a.approx, a.p, a.q, b.approx, b.p, b.q) ? 1 : -1;
+        e.key = -1;
+      } else {
+        e.flip = side;
+        const auto d = direction(e);
+        const double x = e.flip * (start[0] * d[0] + start[1] * d[1] + start[2] * d[2]);
+        const double y = std::abs(up[0] * d[0] + up[1] * d[1] + up[2] * d[2]);
+        const double scale = std::abs(x) + y;
+        e.key = scale > 0 ? 1 - x / scale : 1;  // grows with the angle from 0 to half a turn
+      }
+    }
+    entries_[0].key = -1;
+    const auto before = [&](const Entry& a, const Entry& b) {
+      if (a.key < 0 || b.key < 0) return a.key < 0 && b.key >= 0;
+      return a.flip * b.flip * turn(a, b) > 0;
+    };
+    std::ranges::stable_sort(entries_, {}, &Entry::key);
+    bool in_order = true;
+    for (std::size_t k = 1; k < entries_.size() && in_order; ++k) in_order = !before(entries_[k], entries_[k - 1]);
+    if (!in_order) std::ranges::stable_sort(entries_, before);
+    for (std::size_t k = 1; k < entries_.size(); ++k) {
+      entries_[k].rank = entries_[k - 1].rank + (before(entries_[k - 1], entries_[k]) ? 1 : 0);
+    }
+    half_turn_ = entries_.back().rank + 1;
+    std::ranges::sort(entries_, {}, &Entry::slot);
+  }
+
+  [[nodiscard]] Index half_turn() const noexcept { return half_turn_; }
+  /// Rank of the direction of the edge's line in this plane.
+  [[nodiscard]] Index of(Index slot) const {
+    const auto found = std::ranges::lower_bound(entries_, slot, {}, &Entry::slot);
+    return found->flip > 0 ? found->rank : found->rank + half_turn_;
+  }
+
+ private:
+  struct Entry {
+    Index slot, line;
+    double key;
+    int flip;
+    Index rank;
+  };
+  std::vector<Entry> entries_;
+  Index half_turn_ = 0;
+};
+
+/// Faces of one plane after another.
+class Arranger {
+ public:
+  Arranger(const Prepared& prepared, const Traces& traces, const Graph& graph, const std::vector<Vec>& positions,
+           Signs& signs)
+      : prepared_{prepared}, traces_{traces}, graph_{graph}, positions_{positions}, signs_{signs} {
+    const std::size_t half_edges = 2 * graph.uses.size();
+    out_.next.assign(half_edges, none);
+    out_.direction.assign(half_edges, 0);
+    out_.face.assign(half_edges, none);
+    out_.half_turn.assign(prepared.facet_planes, 0);
+    loop_of_.assign(half_edges, none);
+  }
+
+  Arrangement run() {
+    std::vector<Index> begin(prepared_.facet_planes + std::size_t{1}, 0);
+    for (const Use& use : graph_.uses) ++begin[plane_of(use) + std::size_t{1}];
+    for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
+    std::vector<Index> uses(graph_.uses.size());
+    auto next = begin;
+    for (Index u = 0; u < graph_.uses.size(); ++u) uses[next[plane_of(graph_.uses[u])]++] = u;
+    for (Index plane = 0; plane < prepared_.facet_planes; ++plane) {
+      const std::span<const Index> own = std::span{uses}.subspan(begin[plane], begin[plane + std::size_t{1}] - begin[plane]);
+      if (!own.empty()) in_plane(PlaneView{plane, own});
+    }
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] Index plane_of(const Use& use) const { return graph_.slots[use.slot].plane; }
+
+  void in_plane(const PlaneView& view) {
+    const Directions directions{graph_, view, signs_};
+    out_.half_turn[view.plane] = directions.half_turn();
+    link_half_edges(view, directions);
+    find_loops(view, directions.half_turn());
+    const auto positives = std::ranges::count_if(loops_, [](const Loop& loop) { return loop.outer; });
+    if (positives == 0) return;
+
+    const Index first_face = static_cast<Index>(out_.faces.size());
+    // Which positive loop's face holds each negative loop (none: the unbounded face).
+    const std::vector<Index> parent = nest_loops(view, loops_, loop_of_, out_, graph_, positions_, signs_);
+    std::vector<Index> face_of_loop(loops_.size(), none);
+    std::vector<std::vector<Index>> holes(loops_.size());
+    for (Index l = 0; l < loops_.size(); ++l) {
+      if (!loops_[l].outer && parent[l] != none) holes[parent[l]].push_back(l);
+    }
+    for (Index l = 0; l < loops_.size(); ++l) {
+      if (!loops_[l].outer) continue;
+      face_of_loop[l] = static_cast<Index>(out_.faces.size());
+      PlaneFace face{view.plane, static_cast<Index>(out_.loops.size()), static_cast<Index>(1 + holes[l].size()), 0, 0};
+      out_.loops.push_back(loops_[l].start);
+      for (const Index hole : holes[l]) {
+        face_of_loop[hole] = face_of_loop[l];
+        out_.loops.push_back(loops_[hole].start);
+      }
+      out_.faces.push_back(face);
+    }
+    for (const Index use : view.uses) {
+      for (const Index h : {2 * use, 2 * use + 1}) out_.face[h] = face_of_loop[loop_of_[h]];
+    }
+    cover(view, first_face);
+  }
+
+  void link_half_edges(const PlaneView& view, const Directions& directions) {
+    struct Spoke {
+      Index vertex, direction, half_edge;
+    };
+    std::vector<Spoke> spokes;
+    spokes.reserve(2 * view.uses.size());
+    const Index half = directions.half_turn();
+    for (const Index use : view.uses) {
+      const Edge& edge = graph_.edges[graph_.uses[use].edge];
+      const Index forward = directions.of(graph_.uses[use].slot);
+      const Index back = (forward + half) % (2 * half);
+      out_.direction[2 * use] = forward;
+      out_.direction[2 * use + 1] = back;
+      spokes.push_back({edge.from, forward, 2 * use});
+      spokes.push_back({edge.to, back, 2 * use + 1});
+    }
+    std::ranges::sort(spokes, [](const Spoke& a, const Spoke& b) {
+      return a.vertex < b.vertex || (a.vertex == b.vertex && a.direction < b.direction);
+    });
+    // A half-edge that arrives at a vertex goes on along the spoke just clockwise of its own twin: its face stays on the left.
+    for (std::size_t first = 0; first < spokes.size();) {
+      std::size_t last = first;
+      while (last < spokes.size() && spokes[last].vertex == spokes[first].vertex) ++last;
+      for (std::size_t k = first; k < last; ++k) {
+        const std::size_t clockwise = k == first ? last - 1 : k - 1;
+        out_.next[spokes[k].half_edge ^ 1U] = spokes[clockwise].half_edge;
+      }
+      first = last;
+    }
+  }
+
+  void find_loops(const PlaneView& view, Index half) {
+    loops_.clear();
+    for (const Index use : view.uses) loop_of_[2 * use] = loop_of_[2 * use + 1] = none;
+    for (const Index use : view.uses) {
+      for (const Index start : {2 * use, 2 * use + 1}) {
+        if (loop_of_[start] != none) continue;
+        const Index number = static_cast<Index>(loops_.size());
+        // Total turning in steps of half a turn / n: + 2 n round a face, - 2 n round a hole. Turning back at a free end is to the right.
+        std::int64_t turning = 0;
+        Index h = start;
+        do {
+          loop_of_[h] = number;
+          const Index g = out_.next[h];
+          const Index step = (out_.direction[g] + 2 * half - out_.direction[h]) % (2 * half);
+          turning += step < half ? std::int64_t{step} : std::int64_t{step} - 2 * std::int64_t{half};
+          h = g;
+        } while (h != start);
+        CLEAVE_ASSERT(turning == 2 * std::int64_t{half} || turning == -2 * std::int64_t{half});
+        loops_.push_back({start, turning > 0});
+      }
+    }
+  }
+
+  /// Which facets lie under each face. With a single convex facet all bounded faces are covered, because everything drawn lies in it.
+  void cover(const PlaneView& view, Index first_face) {
+    const Index facets_first = prepared_.facets_begin[view.plane];
+    if (traces_.with_outlines[view.plane] == 0) {
+      for (Index f = first_face; f < out_.faces.size(); ++f) {
+        out_.faces[f].first_cover = static_cast<Index>(out_.covers.size());
+        out_.faces[f].cover_count = 1;
+        out_.covers.push_back(prepared_.facets_on[facets_first]);
+      }
+      return;
+    }
+    // Flood from the unbounded face (covered by nothing): crossing a facet's outline enters or leaves it.
+    const std::size_t count = out_.faces.size() - first_face;
+    std::vector<std::vector<Index>> covers(count + 1);  // [count] is the unbounded face
+    std::vector<std::uint8_t> known(count + 1, 0);
+    std::vector<std::vector<Index>> half_edges(count + 1);
+    const auto local = [&](Index h) { return out_.face[h] == none ? count : out_.face[h] - first_face; };
+    for (const Index use : view.uses) {
+      half_edges[local(2 * use)].push_back(2 * use);
+      half_edges[local(2 * use + 1)].push_back(2 * use + 1);
+    }
+    std::vector<std::size_t> queue{count};
+    known[count] = 1;
+    for (std::size_t at = 0; at < queue.size(); ++at) {
+      const std::size_t face = queue[at];
+      for (const Index h : half_edges[face]) {
+        const std::size_t beyond = local(h ^ 1U);
+        if (known[beyond] != 0) continue;
+        known[beyond] = 1;
+        std::vector<Index> set = covers[face];
+        const Index use = h / 2;
+        for (auto mark = std::ranges::lower_bound(graph_.outlines, use, {}, &OutlineMark::use);
+             mark != graph_.outlines.end() && mark->use == use; ++mark) {
+          // The half-edge's left is `face`; what the facet has on the forward half-edge's left is ours if h is the forward one.
+          const bool enters = mark->facet_on_left != (h == 2 * use);
+          if (enters) {
+            set.push_back(mark->facet);
+          } else {
+            std::erase(set, mark->facet);
+          }
+        }
+        std::ranges::sort(set);
+        const auto repeated = std::ranges::unique(set);
+        set.erase(repeated.begin(), repeated.end());
+        covers[beyond] = std::move(set);
+        queue.push_back(beyond);
+      }
+    }
+    for (std::size_t f = 0; f < count; ++f) {
+      PlaneFace& face = out_.faces[first_face + f];
+      face.first_cover = static_cast<Index>(out_.covers.size());
+      face.cover_count = static_cast<Index>(covers[f].size());
+      out_.covers.insert(out_.covers.end(), covers[f].begin(), covers[f].end());
+    }
+    for (const Index use : view.uses) {
+      for (const Index h : {2 * use, 2 * use + 1}) {
+        if (out_.face[h] != none && out_.faces[out_.face[h]].cover_count == 0) out_.face[h] = none;
+      }
+    }
+  }
+
+  const Prepared& prepared_;
+  const Traces& traces_;
+  const Graph& graph_;
+  const std::vector<Vec>& positions_;
+  Signs& signs_;
+  Arrangement out_;
+  std::vector<Index> loop_of_;
+  std::vector<Loop> loops_;
+};
+
+}  // namespace
+
+Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph& graph,
+                    const std::vector<Vec>& positions, Signs& signs) {
+  return Arranger{prepared, traces, graph, positions, signs}.run();
+}
+
+}  // namespace cleave::topology::detail

@@ -1,0 +1,329 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "cleave/core/assert.hpp"
+#include "detail/exact_volume.hpp"
+#include "detail/stages.hpp"
+#include "detail/union_find.hpp"
+
+namespace cleave::topology::detail {
+namespace {
+
+double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec minus(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Vec cross(const Vec& a, const Vec& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+class CellFinder {
+ public:
+  CellFinder(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement, const std::vector<Vec>& positions)
+      : prepared_{prepared}, graph_{graph}, arrangement_{arrangement}, positions_{positions},
+        faces_{static_cast<Index>(arrangement.faces.size())}, shells_{2 * std::size_t{faces_} + 1}, connected_{faces_} {}
+
+  Cells run() {
+    find_shells();
+    find_outsides();
+    nest();
+    return number_cells();
+  }
+
+ private:
+  /// The unbounded outside of everything, as one more member of the shells' sets.
+  [[nodiscard]] Index unbounded() const { return 2 * faces_; }
+  [[nodiscard]] bool covered(Index f) const { return arrangement_.faces[f].cover_count != 0; }
+
+  [[nodiscard]] const Vec& start_of(Index half_edge) const {
+    const Edge& edge = graph_.edges[graph_.uses[half_edge / 2].edge];
+    return positions_[half_edge % 2 == 0 ? edge.from : edge.to];
+  }
+
+  void find_shells() {
+    std::vector<std::uint8_t> present(faces_);
+    for (Index f = 0; f < faces_; ++f) present[f] = covered(f) ? 1 : 0;
+    const auto link = link_around_edges(graph_, arrangement_, present);
+    for (Index flank = 0; flank < link.size(); ++flank) {
+      if (link[flank] == none) continue;
+      const Index a = arrangement_.face[flank / 2], b = arrangement_.face[link[flank] / 2];
+      shells_.unite(2 * a + flank % 2, 2 * b + link[flank] % 2);
+      connected_.unite(a, b);
+    }
+  }
+
+  /// Of each connected piece the one shell that looks outwards: its volume is negative and the largest in size.
+  void find_outsides() {
+    std::vector<double> volume(2 * std::size_t{faces_}, 0), area(2 * std::size_t{faces_}, 0);
+    for (Index f = 0; f < faces_; ++f) {
+      if (!covered(f)) continue;
+      const PlaneFace& face = arrangement_.faces[f];
+      const Vec apex = start_of(arrangement_.loops[face.first_loop]);
+      Vec sum{};
+      double size = 0;
+      for (Index l = face.first_loop; l < face.first_loop + face.loop_count; ++l) {
+        const Index start = arrangement_.loops[l];
+        Index h = start;
+        do {
+          const Index g = arrangement_.next[h];
+          const Vec part = cross(minus(start_of(h), apex), minus(start_of(g), apex));
+          for (std::size_t k = 0; k < 3; ++k) sum[k] += part[k];
+          size += std::abs(part[0]) + std::abs(part[1]) + std::abs(part[2]);
+          h = g;
+        } while (h != start);
+      }
+      const double part = dot(apex, sum);
+      const Index positive = shells_.find(2 * f), negative = shells_.find(2 * f + 1);
+      volume[positive] -= part;
+      volume[negative] += part;
+      area[positive] += size;
+      area[negative] += size;
+    }
+    std::vector<std::vector<Index>> shells_of(faces_);
+    for (Index h = 0; h < 2 * faces_; ++h) {
+      if (covered(h / 2) && shells_.find(h) == h) shells_of[connected_.find(h / 2)].push_back(h);
+    }
+    for (Index piece = 0; piece < faces_; ++piece) {
+      const auto& shells = shells_of[piece];
+      if (shells.empty()) continue;
+      Index outside = *std::ranges::min_element(shells, {}, [&](Index s) { return volume[s]; });
+      // Positions are good to 2^-43; an area error of that size times the area bounds the volume's error.
+      if (shells.size() > 1 && volume[outside] > -(area[outside] * 0x1p-40)) outside = exact_outside(shells);
+      pieces_.push_back({piece, outside});
+    }
+  }
+
+  Index exact_outside(const std::vector<Index>& shells) {
+    for (const Index shell : shells) {
+      std::vector<Index> half_faces;
+      for (Index h = 0; h < 2 * faces_; ++h) {
+        if (covered(h / 2) && shells_.find(h) == shell) half_faces.push_back(h);
+      }
+      if (exact_volume_sign(prepared_, graph_, arrangement_, half_faces) == exact::Sign::negative) return shell;
+    }
+    return shells.front();  // flat piece: all its shells are empty, any will do
+  }
+
+  // ---- which cell holds each connected piece -----------------------------------------------------------------------
+
+  struct Target {
+    Index face;
+    Vec lo, hi;
+    Index piece;
+  };
+
+  void nest() {
+    if (pieces_.size() == 1) {
+      shells_.unite(pieces_[0].outside, unbounded());
+      return;
+    }
+    std::vector<Target> targets;
+    std::vector<std::vector<Index>> vertices_of(pieces_.size());
+    std::vector<Index> piece_number(faces_, none);
+    for (Index k = 0; k < pieces_.size(); ++k) piece_number[pieces_[k].root] = k;
+    for (Index f = 0; f < faces_; ++f) {
+      if (!covered(f)) continue;
+      Target target{f, {1, 1, 1}, {-1, -1, -1}, piece_number[connected_.find(f)]};
+      const PlaneFace& face = arrangement_.faces[f];
+      const Index start = arrangement_.loops[face.first_loop];
+      Index h = start;
+      do {
+        const Vec& p = start_of(h);
+        for (std::size_t k = 0; k < 3; ++k) {
+          target.lo[k] = std::min(target.lo[k], p[k]);
+          target.hi[k] = std::max(target.hi[k], p[k]);
+        }
+        const Edge& edge = graph_.edges[graph_.uses[h / 2].edge];
+        vertices_of[target.piece].push_back(h % 2 == 0 ? edge.from : edge.to);
+        h = arrangement_.next[h];
+      } while (h != start);
+      targets.push_back(target);
+    }
+    for (Index k = 0; k < pieces_.size(); ++k) {
+      const Index beyond = facing(k, vertices_of[k], targets);
+      shells_.unite(pieces_[k].outside, beyond);
+    }
+  }
+
+  /// The half-face of another piece that a ray from an extreme point of this piece, going out, meets first; the unbounded outside if none.
+  /// Directions in which anything is too close to call are given up for others; a contact in every direction (a piece whose corners all
+  /// touch the walls around it) is decided by the side on which the piece lies.
+  Index facing(Index piece, const std::vector<Index>& vertices, const std::vector<Target>& targets) {
+    std::uint64_t state = 0x9E3779B97F4A7C15U;
+    const auto random = [&state] {
+      state += 0x9E3779B97F4A7C15U;
+      std::uint64_t z = state;
+      z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
+      z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
+      return static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-52 - 1.0;
+    };
+    Index last_resort = unbounded();
+    for (int attempt = 0; attempt < 64; ++attempt) {
+      Vec ray{};
+      do {
+        ray = {random(), random(), random()};
+      } while (dot(ray, ray) > 1 || dot(ray, ray) < 0.1);
+      const Index start = *std::ranges::max_element(vertices, {}, [&](Index v) { return dot(positions_[v], ray); });
+      const Vec& from = positions_[start];
+      double nearest = std::numeric_limits<double>::infinity();
+      Index met = unbounded();
+      bool unclear = false;
+      for (const Target& target : targets) {
+        if (target.piece == piece || misses(target, from, ray)) continue;
+        const auto hit = shoot(target.face, from, ray);
+        if (!hit) continue;
+        if (hit->unclear) {
+          unclear = true;
+          // Touching: the piece lies on the side of the face where the rest of it is.
+          const auto& n = prepared_.planes[arrangement_.faces[target.face].plane].approx();
+          double balance = 0;
+          for (const Index v : vertices) balance += n[0] * positions_[v][0] + n[1] * positions_[v][1] + n[2] * positions_[v][2] + n[3];
+          last_resort = 2 * target.face + (balance > 0 ? 0 : 1);
+          break;
+        }
+        if (hit->t < nearest) {
+          nearest = hit->t;
+          met = 2 * target.face + (hit->from_positive ? 0 : 1);
+        }
+      }
+      if (!unclear) return met;
+    }
+    return last_resort;
+  }
+
+  static constexpr double margin = 0x1p-34;
+
+  static bool misses(const Target& target, const Vec& from, const Vec& ray) {
+    double t0 = -margin, t1 = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (std::abs(ray[k]) < 1e-3) continue;
+      double a = (target.lo[k] - margin - from[k]) / ray[k], b = (target.hi[k] + margin - from[k]) / ray[k];
+      if (a > b) std::swap(a, b);
+      t0 = std::max(t0, a - margin);
+      t1 = std::min(t1, b + margin);
+    }
+    return t0 > t1;
+  }
+
+  struct Hit {
+    double t;
+    bool from_positive;
+    bool unclear;
+  };
+  std::optional<Hit> shoot(Index f, const Vec& from, const Vec& ray) const {
+    const PlaneFace& face = arrangement_.faces[f];
+    const auto& n = prepared_.planes[face.plane].approx();
+    const double rate = n[0] * ray[0] + n[1] * ray[1] + n[2] * ray[2];
+    const double height = n[0] * from[0] + n[1] * from[1] + n[2] * from[2] + n[3];
+    if (std::abs(rate) < 1e-4) return Hit{0, false, true};
+    const double t = -height / rate;
+    if (t < -margin) return std::nullopt;
+    const Vec p{from[0] + t * ray[0], from[1] + t * ray[1], from[2] + t * ray[2]};
+    const std::size_t drop = std::abs(n[0]) >= std::abs(n[1]) && std::abs(n[0]) >= std::abs(n[2]) ? 0
+                             : std::abs(n[1]) >= std::abs(n[2])                                   ? 1
+                                                                                                  : 2;
+    const std::size_t u = drop == 0 ? 1 : 0, v = drop == 2 ? 1 : 2;
+    bool inside = false;
+    for (Index l = face.first_loop; l < face.first_loop + face.loop_count; ++l) {
+      const Index start = arrangement_.loops[l];
+      Index h = start;
+      do {
+        const Index g = arrangement_.next[h];
+        const Vec &a = start_of(h), &b = start_of(g);
+        const double du = b[u] - a[u], dv = b[v] - a[v];
+        const double length = std::sqrt(du * du + dv * dv);
+        const double off = du * (p[v] - a[v]) - dv * (p[u] - a[u]);
+        const double along = du * (p[u] - a[u]) + dv * (p[v] - a[v]);
+        if (std::abs(off) <= margin * length && along >= -margin * length && along <= length * (length + margin)) {
+          return Hit{t, false, true};
+        }
+        if ((a[v] > p[v]) != (b[v] > p[v]) && (off > 0) == (dv > 0)) inside = !inside;
+        h = g;
+      } while (h != start);
+    }
+    if (!inside) return std::nullopt;
+    if (t < margin) return Hit{t, false, true};
+    return Hit{t, height > 0, false};
+  }
+
+  // ---- numbering and what is rock ------------------------------------------------------------------------------------
+
+  Cells number_cells() {
+    Cells cells;
+    cells.of_half_face.assign(2 * std::size_t{faces_}, none);
+    std::vector<Index> number(2 * std::size_t{faces_} + 1, none);
+    number[shells_.find(unbounded())] = 0;
+    cells.count = 1;
+    for (Index h = 0; h < 2 * faces_; ++h) {
+      if (!covered(h / 2)) continue;
+      const Index root = shells_.find(h);
+      if (number[root] == none) number[root] = cells.count++;
+      cells.of_half_face[h] = number[root];
+    }
+
+    // Windings of the domain and the excavations, flooded from the outside.
+    std::vector<std::vector<Index>> faces_of(cells.count);
+    for (Index f = 0; f < faces_; ++f) {
+      if (!covered(f)) continue;
+      const Index a = cells.of_half_face[2 * f], b = cells.of_half_face[2 * f + 1];
+      if (a == b) continue;
+      faces_of[a].push_back(f);
+      faces_of[b].push_back(f);
+    }
+    const std::size_t solids = 1 + std::size_t{prepared_.excavation_count};
+    std::vector<std::int32_t> winding(cells.count * solids, 0);
+    std::vector<std::uint8_t> known(cells.count, 0);
+    std::vector<Index> queue{0};
+    known[0] = 1;
+    for (std::size_t at = 0; at < queue.size(); ++at) {
+      const Index cell = queue[at];
+      for (const Index f : faces_of[cell]) {
+        const bool here_positive = cells.of_half_face[2 * f] == cell;
+        const Index beyond = cells.of_half_face[2 * f + (here_positive ? 1 : 0)];
+        if (known[beyond] != 0) continue;
+        known[beyond] = 1;
+        for (std::size_t s = 0; s < solids; ++s) winding[beyond * solids + s] = winding[cell * solids + s];
+        const PlaneFace& face = arrangement_.faces[f];
+        for (Index c = face.first_cover; c < face.first_cover + face.cover_count; ++c) {
+          const Facet& facet = prepared_.facets[arrangement_.covers[c]];
+          if (facet.owner == Owner::joint) continue;
+          const std::size_t solid = facet.owner == Owner::domain ? 0 : 1 + std::size_t{facet.owner_index};
+          winding[beyond * solids + solid] += facet.outward_positive == here_positive ? 1 : -1;
+        }
+        queue.push_back(beyond);
+      }
+    }
+    cells.rock.assign(cells.count, 0);
+    cells.in_domain.assign(cells.count, 0);
+    for (Index c = 0; c < cells.count; ++c) {
+      CLEAVE_ASSERT(known[c] != 0);
+      cells.in_domain[c] = winding[c * solids] > 0 ? 1 : 0;
+      bool excavated = false;
+      for (std::size_t s = 1; s < solids; ++s) excavated = excavated || winding[c * solids + s] > 0;
+      cells.rock[c] = cells.in_domain[c] != 0 && !excavated ? 1 : 0;
+    }
+    return cells;
+  }
+
+  struct PieceOutside {
+    Index root, outside;
+  };
+
+  const Prepared& prepared_;
+  const Graph& graph_;
+  const Arrangement& arrangement_;
+  const std::vector<Vec>& positions_;
+  Index faces_;
+  UnionFind shells_;
+  UnionFind connected_;
+  std::vector<PieceOutside> pieces_;
+};
+
+}  // namespace
+
+Cells find_cells(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement,
+                 const std::vector<Vec>& positions) {
+  return CellFinder{prepared, graph, arrangement, positions}.run();
+}
+
+}  // namespace cleave::topology::detail

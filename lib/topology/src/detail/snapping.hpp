@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "cleave/exact/lattice.hpp"
+#include "cleave/geometry/vec3.hpp"
+#include "detail/lattice_polygon.hpp"
+#include "detail/prepared.hpp"
+
+namespace cleave::topology::detail {
+
+/// The only tolerance of the cutter, at its border: with a snapping distance > 0, corners closer than it become one lattice
+/// site, a polygon all of whose corners lie that close to an earlier polygon's plane takes that plane, and a joint's side that lies that close to
+/// another polygon ends on that polygon's plane. With distance 0 it only rounds to the lattice. What was moved is recorded.
+class Snapper final {
+ public:
+  Snapper(const exact::Lattice& lattice, double distance_m);
+
+  [[nodiscard]] bool active() const noexcept { return distance_ > 0; }
+  [[nodiscard]] exact::LatticePoint site(geometry::Vec3 p);
+  /// Which of the sites were given before (by another polygon): these should fix a polygon's plane.
+  [[nodiscard]] std::vector<std::size_t> shared_corners(std::span<const exact::LatticePoint> sites) const;
+  /// A surface that later polygons may snap to.
+  void remember(const LatticePolygon& polygon);
+  void merge_plane(LatticePolygon& polygon);
+  /// For each side of the polygon (corner i to i + 1) the half-space it ends on, if any.
+  [[nodiscard]] std::vector<std::optional<HalfSpace>> adopt_edges(
+      const LatticePolygon& polygon, const std::function<std::pair<Index, bool>(const exact::Plane&)>& number_of);
+
+  [[nodiscard]] double largest_move() const noexcept { return largest_move_; }
+  [[nodiscard]] std::uint64_t merged_planes() const noexcept { return merged_planes_; }
+  [[nodiscard]] std::uint64_t adopted_edges() const noexcept { return adopted_edges_; }
+
+ private:
+  using Cell = std::array<std::int64_t, 3>;
+  struct CellHash {
+    std::size_t operator()(const Cell& cell) const noexcept;
+  };
+  struct Known {
+    exact::LatticePoint site;
+    std::uint32_t uses;
+  };
+  [[nodiscard]] double distance_sites(const exact::Plane& plane, exact::LatticePoint p) const;
+  [[nodiscard]] bool near_polygon(const LatticePolygon& polygon, exact::LatticePoint p) const;
+
+  exact::Lattice lattice_;
+  double distance_;        ///< m
+  double distance_sites_;  ///< lattice sites
+  std::unordered_map<Cell, std::vector<Known>, CellHash> cells_;
+  std::vector<LatticePolygon> surfaces_;
+  double largest_move_ = 0;
+  std::uint64_t merged_planes_ = 0, adopted_edges_ = 0;
+};
+
+}  // namespace cleave::topology::detail

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "cleave/exact/predicates.hpp"
+#include "detail/prepared.hpp"
+#include "detail/signs.hpp"
+
+/// The immutable values between the stages of the cutter, in the order they are made.
+namespace cleave::topology::detail {
+
+// ---- Stage 2: where facets meet ------------------------------------------------------------------------------------
+
+/// Line of two planes; p is a facet plane, q a facet plane with a higher number or an edge plane.
+struct Line {
+  Index p, q;
+  exact::LineApprox approx;
+};
+
+/// A closed piece of a line: the trace of a facet on another, or a side of a facet (outline).
+struct Interval {
+  Index line;
+  HalfSpace lower, upper;   ///< it ends where the line leaves these; in the order of the line's direction
+  Index outline_of;         ///< the facet whose side this is; `none` for traces
+  bool inside_positive;     ///< outlines: the facet lies on the positive side of its edge plane
+  Index edge_plane;         ///< outlines: the edge plane
+  std::array<double, 3> from, to;  ///< positions of the ends, units of 2^48 sites
+};
+
+struct Traces {
+  std::vector<Line> lines;           ///< sorted by (p, q)
+  std::vector<Index> lines_begin;    ///< first line of each plane p (CSR over all planes)
+  std::vector<Interval> intervals;   ///< sorted by line
+  std::vector<std::uint8_t> with_outlines;  ///< facet planes whose faces may be only partly covered
+  [[nodiscard]] Index find_line(Index p, Index q) const;
+};
+[[nodiscard]] Traces find_traces(const Prepared& prepared, Signs& signs);
+
+// ---- Stage 3 and 4: vertices and edges -----------------------------------------------------------------------------
+
+struct Vertex {
+  std::array<Index, 3> planes;  ///< any three planes that meet there and nowhere else
+  exact::PointApprox approx;
+};
+
+/// A line of space with all facet planes that contain it.
+struct LineClass {
+  Index p, q;                    ///< two planes that span it; its direction is nP x nQ
+  exact::LineApprox approx;
+  Index first_slot, slot_count;  ///< into Graph::slots
+};
+/// A facet plane that contains a line, with the place of its left half (direction n x d) in the circular order of the
+/// 2 k half-planes around the direction d; the right half has the opposite place.
+struct Slot {
+  Index plane;
+  Index left_place;
+  Index transversal;  ///< a plane that meets this plane in the line
+  bool along;         ///< direction of the line is n_plane x n_transversal (else the opposite)
+};
+
+struct Edge {
+  Index from, to;  ///< vertices, in the direction of its line
+  Index line;      ///< LineClass
+  Index first_use, use_count;
+};
+/// An edge drawn in a facet plane. Its half-edges are 2 use (from -> to, face on the left) and 2 use + 1 (back).
+struct Use {
+  Index edge;
+  Index slot;  ///< into Graph::slots
+};
+struct OutlineMark {
+  Index use;
+  Index facet;
+  bool facet_on_left;
+};
+
+struct Graph {
+  std::vector<Vertex> vertices;
+  std::vector<LineClass> lines;
+  std::vector<Slot> slots;
+  std::vector<Edge> edges;
+  std::vector<Use> uses;  ///< uses of one edge are neighbours
+  std::vector<OutlineMark> outlines;  ///< sorted by use
+};
+[[nodiscard]] Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs);
+
+// ---- Stage 5: faces of each plane ----------------------------------------------------------------------------------
+
+struct PlaneFace {
+  Index plane;
+  Index first_loop, loop_count;    ///< into Arrangement::loops, the outer loop first
+  Index first_cover, cover_count;  ///< facets that cover it, into Arrangement::covers
+};
+
+struct Arrangement {
+  std::vector<Index> next;       ///< of each half-edge: the next one of its loop
+  std::vector<Index> direction;  ///< of each half-edge: rank of its direction in its plane, 0 .. 2 n - 1
+  std::vector<Index> half_turn;  ///< n of each facet plane
+  std::vector<Index> face;       ///< of each half-edge: the face on its left, `none` where no facet is
+  std::vector<PlaneFace> faces;
+  std::vector<Index> loops;      ///< a half-edge of each loop
+  std::vector<Index> covers;
+};
+[[nodiscard]] Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph& graph,
+                                  const std::vector<Vec>& positions, Signs& signs);
+
+// ---- Stage 6: cells -------------------------------------------------------------------------------------------------
+
+/// Half-face 2 f looks to the positive side of its plane, 2 f + 1 to the negative side.
+struct Cells {
+  std::vector<Index> of_half_face;
+  Index count = 0;
+  std::vector<std::uint8_t> rock;      ///< of each cell: inside the domain and in no excavation
+  std::vector<std::uint8_t> in_domain;
+};
+[[nodiscard]] Cells find_cells(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement,
+                               const std::vector<Vec>& positions);
+
+/// Positions of all vertices, units of 2^48 sites.
+[[nodiscard]] std::vector<Vec> positions_of(const Prepared& prepared, const Graph& graph);
+
+/// A flank is a half-edge with a side of its face: 2 h for the side the plane's normal points to, 2 h + 1 for the other. For each flank the
+/// one met first when turning around the edge from that side: both look into the same cell. `none` where there is no face.
+/// Only faces for which `present` holds count.
+[[nodiscard]] std::vector<Index> link_around_edges(const Graph& graph, const Arrangement& arrangement,
+                                                   const std::vector<std::uint8_t>& present);
+
+}  // namespace cleave::topology::detail

@@ -1,0 +1,179 @@
+#include "detail/lattice_polygon.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "cleave/exact/predicates.hpp"
+
+namespace cleave::topology::detail {
+namespace {
+
+using exact::Int128;
+using exact::LatticePoint;
+using exact::Sign;
+using exact::Wide;
+
+std::array<double, 3> as_double(LatticePoint p) {
+  return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
+}
+double squared_length(LatticePoint p) {
+  const auto d = as_double(p);
+  return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+}
+double squared_area(LatticePoint u, LatticePoint v) {
+  const auto a = as_double(u);
+  const auto b = as_double(v);
+  const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+  return x * x + y * y + z * z;
+}
+std::array<Int128, 3> cross(LatticePoint u, LatticePoint v) {
+  const auto product = [](std::int64_t p, std::int64_t q) { return static_cast<Int128>(p) * q; };
+  return {product(u.y, v.z) - product(u.z, v.y), product(u.z, v.x) - product(u.x, v.z),
+          product(u.x, v.y) - product(u.y, v.x)};
+}
+
+/// A lattice direction close to the plane's normal, at most 2^46 long in each component.
+LatticePoint direction_along(const exact::Plane& plane) {
+  const auto& n = plane.normal();
+  constexpr Int128 limit = Int128{1} << 46;
+  if (std::ranges::all_of(n, [](Int128 c) { return -limit <= c && c <= limit; })) {
+    return {static_cast<std::int64_t>(n[0]), static_cast<std::int64_t>(n[1]), static_cast<std::int64_t>(n[2])};
+  }
+  const auto unit = plane.unit_normal();
+  const auto scaled = [](double c) { return static_cast<std::int64_t>(std::nearbyint(std::ldexp(c, 46))); };
+  return {scaled(unit[0]), scaled(unit[1]), scaled(unit[2])};
+}
+
+}  // namespace
+
+Sign turn(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint along) noexcept {
+  const LatticePoint u = b - a;
+  const LatticePoint v = c - a;
+  const auto p = as_double(u);
+  const auto q = as_double(v);
+  const auto w = as_double(along);
+  const std::array<double, 6> terms{p[1] * q[2] * w[0], -p[2] * q[1] * w[0], p[2] * q[0] * w[1],
+                                    -p[0] * q[2] * w[1], p[0] * q[1] * w[2], -p[1] * q[0] * w[2]};
+  double sum = 0, magnitude = 0;
+  for (const double t : terms) {
+    sum += t;
+    magnitude += std::abs(t);
+  }
+  // Differences and `along` are exact; each term has two roundings, the sum at most six more.
+  if (const auto sign = exact::sign_filtered(sum, 16 * exact::unit_roundoff * magnitude)) return *sign;
+  const auto n = cross(u, v);
+  return exact::sign_of<Wide>(Wide{n[0]} * along.x + Wide{n[1]} * along.y + Wide{n[2]} * along.z);
+}
+
+std::optional<LatticePolygon> make_lattice_polygon(std::vector<LatticePoint> corners,
+                                                   std::span<const std::size_t> preferred) {
+  // Twice the vector area, exactly: it decides which way round the corners go and whether any area is left.
+  const auto vector_area = [&] {
+    std::array<Int128, 3> sum{};
+    for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+      const auto part = cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
+      for (std::size_t k = 0; k < 3; ++k) sum[k] += part[k];
+    }
+    return sum;
+  };
+  if (corners.size() < 3) return std::nullopt;
+
+  std::vector<std::size_t> order(corners.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_partition(order, [&](std::size_t i) { return std::ranges::find(preferred, i) != preferred.end(); });
+  const auto pick = [&](std::size_t count, auto&& measure) {
+    std::size_t best = order[0];
+    double most = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (const double m = measure(corners[order[k]]); m > most) {
+        most = m;
+        best = order[k];
+      }
+    }
+    return best;
+  };
+  const LatticePoint first = corners[order[0]];
+  const std::size_t second_pool = preferred.size() >= 2 ? preferred.size() : corners.size();
+  std::size_t second = pick(second_pool, [&](LatticePoint c) { return squared_length(c - first); });
+  if (corners[second] == first) second = pick(corners.size(), [&](LatticePoint c) { return squared_length(c - first); });
+  const auto span = corners[second] - first;
+  const std::size_t third_pool = preferred.size() >= 3 ? preferred.size() : corners.size();
+  std::size_t third = pick(third_pool, [&](LatticePoint c) { return squared_area(span, c - first); });
+  auto plane = exact::Plane::through(first, corners[second], corners[third]);
+  if (!plane && third_pool < corners.size()) {
+    third = pick(corners.size(), [&](LatticePoint c) { return squared_area(span, c - first); });
+    plane = exact::Plane::through(first, corners[second], corners[third]);
+  }
+  if (!plane) return std::nullopt;
+
+  const auto area = vector_area();
+  const auto& n = plane->normal();
+  const Sign sense = exact::sign_of<Wide>(Wide{n[0]} * Wide{area[0]} + Wide{n[1]} * Wide{area[1]} + Wide{n[2]} * Wide{area[2]});
+  if (sense == Sign::zero) return std::nullopt;
+  LatticePolygon polygon{sense == Sign::positive ? *plane : plane->flipped(), {}, {}, true, true};
+  polygon.along = direction_along(polygon.plane);
+  polygon.exactly_planar =
+      std::ranges::all_of(corners, [&](LatticePoint c) { return polygon.plane.side_of(c) == Sign::zero; });
+
+  // Drop repeated corners and corners inside a straight side (spikes, too, fall away this way).
+  bool changed = true;
+  while (changed && corners.size() >= 3) {
+    changed = false;
+    for (std::size_t i = 0; i < corners.size() && corners.size() >= 3; ++i) {
+      const std::size_t count = corners.size();
+      if (turn(corners[(i + count - 1) % count], corners[i], corners[(i + 1) % count], polygon.along) == Sign::zero) {
+        corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(i));
+        changed = true;
+        --i;
+      }
+    }
+  }
+  if (corners.size() < 3) return std::nullopt;
+  const std::size_t count = corners.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (turn(corners[i], corners[(i + 1) % count], corners[(i + 2) % count], polygon.along) != Sign::positive) {
+      polygon.convex = false;
+    }
+  }
+  polygon.corners = std::move(corners);
+  return polygon;
+}
+
+std::vector<std::array<std::size_t, 3>> triangulate(const LatticePolygon& polygon) {
+  const auto& p = polygon.corners;
+  const LatticePoint along = polygon.along;
+  std::vector<std::size_t> ring(p.size());
+  std::iota(ring.begin(), ring.end(), std::size_t{0});
+  std::vector<std::array<std::size_t, 3>> triangles;
+  const auto is_ear = [&](std::size_t k) {
+    const std::size_t count = ring.size();
+    const std::size_t a = ring[(k + count - 1) % count], b = ring[k], c = ring[(k + 1) % count];
+    if (turn(p[a], p[b], p[c], along) != Sign::positive) return false;
+    return std::ranges::none_of(ring, [&](std::size_t i) {
+      if (i == a || i == b || i == c || p[i] == p[a] || p[i] == p[b] || p[i] == p[c]) return false;
+      return turn(p[a], p[b], p[i], along) != Sign::negative && turn(p[b], p[c], p[i], along) != Sign::negative &&
+             turn(p[c], p[a], p[i], along) != Sign::negative;
+    });
+  };
+  while (ring.size() > 3) {
+    const std::size_t count = ring.size();
+    std::size_t k = 0;
+    while (k < count && !is_ear(k)) ++k;
+    if (k == count) {
+      // No ear: flat remainders are dropped corner by corner, anything else crosses itself.
+      k = 0;
+      while (k < count && turn(p[ring[(k + count - 1) % count]], p[ring[k]], p[ring[(k + 1) % count]], along) != Sign::zero) ++k;
+      if (k == count) return {};
+    } else {
+      triangles.push_back({ring[(k + count - 1) % count], ring[k], ring[(k + 1) % count]});
+    }
+    ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+  if (ring.size() == 3 && turn(p[ring[0]], p[ring[1]], p[ring[2]], along) == Sign::positive) {
+    triangles.push_back({ring[0], ring[1], ring[2]});
+  }
+  return triangles;
+}
+
+}  // namespace cleave::topology::detail

@@ -1,0 +1,434 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <unordered_map>
+
+#include "cleave/core/assert.hpp"
+#include "cleave/core/expected.hpp"
+#include "cleave/core/overloaded.hpp"
+#include "detail/lattice_polygon.hpp"
+#include "detail/position.hpp"
+#include "detail/prepared.hpp"
+#include "detail/snapping.hpp"
+
+namespace cleave::topology::detail {
+namespace {
+
+using exact::LatticePoint;
+using exact::Plane;
+using exact::Sign;
+using geometry::Vec3;
+
+constexpr double unit = 0x1p-48;
+/// Growth of bounding boxes, in units of 2^48 sites: far above every error of an approximate corner.
+constexpr double box_margin = 0x1p-36;
+
+struct PlaneKey {
+  std::array<exact::Int128, 3> normal;
+  exact::Wide offset;
+  friend bool operator==(const PlaneKey&, const PlaneKey&) = default;
+};
+struct PlaneKeyHash {
+  std::size_t operator()(const PlaneKey& key) const noexcept {
+    std::uint64_t h = 0x9E3779B97F4A7C15U;
+    const auto mix = [&h](std::uint64_t v) { h = (h ^ v) * 0xFF51AFD7ED558CCDU; h ^= h >> 32U; };
+    for (const exact::Int128 c : key.normal) {
+      mix(static_cast<std::uint64_t>(c));
+      mix(static_cast<std::uint64_t>(c >> 64));
+    }
+    mix(static_cast<std::uint64_t>(key.offset.convert_to<double>() * 0x1p-64));
+    return h;
+  }
+};
+
+class Builder {
+ public:
+  explicit Builder(Prepared& out) : out_{out} {}
+
+  /// Number of the plane in the pool and whether its canonical normal is the given one's.
+  std::pair<Index, bool> add_plane(const Plane& plane) {
+    const auto& n = plane.normal();
+    const auto first = std::ranges::find_if(n, [](exact::Int128 c) { return c != 0; });
+    const bool same = *first > 0;
+    const Plane canonical = same ? plane : plane.flipped();
+    const auto [entry, inserted] =
+        numbers_.try_emplace(PlaneKey{canonical.normal(), canonical.offset()}, static_cast<Index>(out_.planes.size()));
+    if (inserted) out_.planes.push_back(canonical);
+    return {entry->second, same};
+  }
+
+  struct Piece {  // a facet before edge planes have numbers
+    Facet facet;
+    std::vector<Plane> own_edges;
+    std::vector<HalfSpace> pool_edges;
+    std::vector<Vec> corners;
+  };
+
+  /// Facets of one polygon: itself when convex, its triangles when not. False when it crosses itself on the lattice.
+  bool add_polygon(const LatticePolygon& polygon, Facet facet, std::span<const std::optional<HalfSpace>> adopted = {}) {
+    const auto [plane, same] = add_plane(polygon.plane);
+    facet.plane = plane;
+    facet.outward_positive = same;  // corners turn counter-clockwise seen from outside
+    if (polygon.convex) {
+      add_convex(polygon.corners, polygon, facet, adopted);
+      return true;
+    }
+    const auto triangles = triangulate(polygon);
+    if (triangles.empty()) return false;
+    for (const auto& [a, b, c] : triangles) {
+      const std::array corners{polygon.corners[a], polygon.corners[b], polygon.corners[c]};
+      // Only sides of the polygon may adopt a plane, diagonals keep their own.
+      std::array<std::optional<HalfSpace>, 3> sides{};
+      if (!adopted.empty()) {
+        const std::array indices{a, b, c};
+        for (std::size_t k = 0; k < 3; ++k) {
+          if (indices[(k + 1) % 3] == (indices[k] + 1) % polygon.corners.size()) sides[k] = adopted[indices[k]];
+        }
+      }
+      add_convex(corners, polygon, facet, adopted.empty() ? std::span<const std::optional<HalfSpace>>{} : sides);
+    }
+    return true;
+  }
+
+  void add_piece(Piece piece) { pieces_.push_back(std::move(piece)); }
+
+  /// Facet planes are complete: number the edge planes behind them and fill the flat arrays.
+  void finish() {
+    out_.facet_planes = static_cast<Index>(out_.planes.size());
+    for (Piece& piece : pieces_) {
+      Facet facet = piece.facet;
+      facet.first_edge = static_cast<Index>(out_.edges.size());
+      for (const HalfSpace& edge : piece.pool_edges) out_.edges.push_back(edge);
+      for (const Plane& edge : piece.own_edges) {
+        out_.edges.push_back({static_cast<Index>(out_.planes.size()), true});
+        out_.planes.push_back(edge);
+      }
+      facet.edge_count = static_cast<Index>(out_.edges.size()) - facet.first_edge;
+      facet.first_corner = static_cast<Index>(out_.corners.size());
+      facet.corner_count = static_cast<Index>(piece.corners.size());
+      out_.corners.insert(out_.corners.end(), piece.corners.begin(), piece.corners.end());
+      out_.facets.push_back(facet);
+    }
+    out_.facets_begin.assign(out_.facet_planes + std::size_t{1}, 0);
+    for (const Facet& facet : out_.facets) ++out_.facets_begin[facet.plane + std::size_t{1}];
+    for (std::size_t i = 1; i < out_.facets_begin.size(); ++i) out_.facets_begin[i] += out_.facets_begin[i - 1];
+    out_.facets_on.resize(out_.facets.size());
+    auto next = out_.facets_begin;
+    for (Index f = 0; f < out_.facets.size(); ++f) out_.facets_on[next[out_.facets[f].plane]++] = f;
+  }
+
+ private:
+  void add_convex(std::span<const LatticePoint> corners, const LatticePolygon& polygon, const Facet& facet,
+                  std::span<const std::optional<HalfSpace>> adopted) {
+    Piece piece{facet, {}, {}, {}};
+    const auto& n = polygon.plane.approx();
+    const Vec w{static_cast<double>(polygon.along.x), static_cast<double>(polygon.along.y),
+                static_cast<double>(polygon.along.z)};
+    const double rate = n[0] * w[0] + n[1] * w[1] + n[2] * w[2];
+    Vec lo{1, 1, 1}, hi{-1, -1, -1};
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const LatticePoint a = corners[i], b = corners[(i + 1) % corners.size()];
+      if (!adopted.empty() && adopted[i]) {
+        piece.pool_edges.push_back(*adopted[i]);
+      } else {
+        const auto edge = Plane::spanned(a, polygon.along, b - a);
+        CLEAVE_ASSERT(edge.has_value());
+        piece.own_edges.push_back(*edge);
+      }
+      const Vec c{static_cast<double>(a.x) * unit, static_cast<double>(a.y) * unit, static_cast<double>(a.z) * unit};
+      const double off = (n[0] * c[0] + n[1] * c[1] + n[2] * c[2] + n[3]) / rate;
+      Vec projected{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        projected[k] = c[k] - off * w[k];
+        lo[k] = std::min(lo[k], projected[k]);
+        hi[k] = std::max(hi[k], projected[k]);
+      }
+      piece.corners.push_back(projected);
+    }
+    // An adopted edge may move the outline by up to the snapping distance: corners are no longer safe for quick rejection.
+    const bool moved = !piece.pool_edges.empty();
+    double margin = box_margin;
+    if (moved) {
+      piece.corners.clear();
+      margin = adoption_margin_;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      piece.facet.lo[k] = lo[k] - margin;
+      piece.facet.hi[k] = hi[k] + margin;
+    }
+    pieces_.push_back(std::move(piece));
+  }
+
+  Prepared& out_;
+  std::unordered_map<PlaneKey, Index, PlaneKeyHash> numbers_;
+  std::vector<Piece> pieces_;
+
+ public:
+  double adoption_margin_ = box_margin;
+};
+
+Facet blank(Owner owner, Index owner_index, Index tag) {
+  return {.plane = 0, .owner = owner, .outward_positive = true, .owner_index = owner_index, .tag = tag,
+          .first_edge = 0, .edge_count = 0, .first_corner = 0, .corner_count = 0, .lo = {}, .hi = {}};
+}
+
+double tetrahedra(const Vec& o, const Vec& a, const Vec& b, const Vec& c) {
+  const Vec u{a[0] - o[0], a[1] - o[1], a[2] - o[2]}, v{b[0] - o[0], b[1] - o[1], b[2] - o[2]},
+      w{c[0] - o[0], c[1] - o[1], c[2] - o[2]};
+  return (u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0])) / 6;
+}
+
+Vec relative(const exact::Lattice& lattice, LatticePoint p) { return lattice.relative(p); }
+
+/// A box or hexahedron as the common inside of its faces' planes. Returns its volume, or the face that has collapsed.
+std::expected<double, Index> add_half_spaces(const geometry::Solid& solid, std::span<const LatticePoint> sites,
+                                             Builder& builder, Prepared& out, Owner owner, Index owner_index) {
+  const auto faces = solid.faces();
+  std::vector<HalfSpace> inside(faces.size());
+  Vec lo{1, 1, 1}, hi{-1, -1, -1};
+  for (const LatticePoint& s : sites) {
+    const Vec c{static_cast<double>(s.x) * unit, static_cast<double>(s.y) * unit, static_cast<double>(s.z) * unit};
+    for (std::size_t k = 0; k < 3; ++k) {
+      lo[k] = std::min(lo[k], c[k]);
+      hi[k] = std::max(hi[k], c[k]);
+    }
+  }
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    std::vector<LatticePoint> corners;
+    for (const std::uint32_t v : faces[f].corners) corners.push_back(sites[v]);
+    const auto polygon = make_lattice_polygon(std::move(corners));
+    if (!polygon) return std::unexpected(static_cast<Index>(f));
+    const auto [plane, same] = builder.add_plane(polygon->plane);
+    inside[f] = {plane, !same};
+  }
+  const auto neighbours = [&](std::size_t a, std::size_t b) {  // share an edge
+    std::size_t common = 0;
+    for (const std::uint32_t v : faces[a].corners) common += static_cast<std::size_t>(std::ranges::count(faces[b].corners, v));
+    return a != b && common >= 2;
+  };
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    Builder::Piece piece{blank(owner, owner_index, faces[f].tag), {}, {}, {}};
+    piece.facet.plane = inside[f].plane;
+    piece.facet.outward_positive = !inside[f].inside_positive;
+    for (std::size_t g = 0; g < faces.size(); ++g) {
+      if (neighbours(f, g)) piece.pool_edges.push_back(inside[g]);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {  // corners are good to the planarity tolerance only
+      piece.facet.lo[k] = lo[k] - 1e-5;
+      piece.facet.hi[k] = hi[k] + 1e-5;
+    }
+    builder.add_piece(std::move(piece));
+  }
+  // The corners that the planes really have.
+  std::vector<Vec> corners(sites.size());
+  for (std::size_t v = 0; v < sites.size(); ++v) {
+    std::vector<Index> meeting;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      if (std::ranges::find(faces[f].corners, static_cast<std::uint32_t>(v)) != faces[f].corners.end()) {
+        meeting.push_back(inside[f].plane);
+      }
+    }
+    if (meeting.size() != 3) return std::unexpected(Index{0});
+    const Plane &p = out.planes[meeting[0]], &q = out.planes[meeting[1]], &r = out.planes[meeting[2]];
+    if (exact::det3_exact(p, q, r) == Sign::zero) return std::unexpected(Index{0});
+    corners[v] = meet_position(exact::meet(exact::line_of(p, q), r), p, q, r);
+  }
+  double volume = 0;
+  for (const auto& face : faces) {
+    for (std::size_t i = 1; i + 1 < face.corners.size(); ++i) {
+      volume += tetrahedra(corners[0], corners[face.corners[0]], corners[face.corners[i]], corners[face.corners[i + 1]]);
+    }
+  }
+  const double side = out.lattice.pitch() * 0x1p48;
+  if (owner == Owner::domain) out.clip = inside;
+  return volume * side * side * side;
+}
+
+/// A general closed surface: faces that are exactly planar on the lattice stay whole, all others become triangles on their own corners, so
+/// that it stays closed. Returns its volume, or the face that has collapsed.
+std::expected<double, Index> add_surface(const geometry::Solid& solid, std::span<const LatticePoint> sites,
+                                         Builder& builder, const Prepared& out, Owner owner, Index owner_index) {
+  double volume = 0;
+  const Vec origin = relative(out.lattice, sites[0]);
+  const auto faces = solid.faces();
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    std::vector<LatticePoint> corners;
+    for (const std::uint32_t v : faces[f].corners) corners.push_back(sites[v]);
+    const Facet facet = blank(owner, owner_index, faces[f].tag);
+    const auto add_volume = [&](LatticePoint a, LatticePoint b, LatticePoint c) {
+      volume += tetrahedra(origin, relative(out.lattice, a), relative(out.lattice, b), relative(out.lattice, c));
+    };
+    auto polygon = make_lattice_polygon(corners);
+    if (!polygon) {
+      // A face that the lattice has flattened to a line or point bounds nothing, if its neighbours still close over it: only a
+      // triangle with two equal corners does so for certain.
+      const bool vanished = corners.size() == 3 && (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]);
+      if (vanished) continue;
+      return std::unexpected(static_cast<Index>(f));
+    }
+    if (polygon->exactly_planar) {
+      for (std::size_t i = 1; i + 1 < corners.size(); ++i) add_volume(corners[0], corners[i], corners[i + 1]);
+      if (!builder.add_polygon(*polygon, facet)) return std::unexpected(static_cast<Index>(f));
+      continue;
+    }
+    polygon->corners = corners;  // corners on a straight side stay: the neighbour may use them
+    const auto triangles = triangulate(*polygon);
+    if (triangles.size() + 2 != corners.size()) return std::unexpected(static_cast<Index>(f));
+    for (const auto& [a, b, c] : triangles) {
+      const auto triangle = make_lattice_polygon({corners[a], corners[b], corners[c]});
+      if (!triangle) return std::unexpected(static_cast<Index>(f));
+      add_volume(corners[a], corners[b], corners[c]);
+      if (!builder.add_polygon(*triangle, facet)) return std::unexpected(static_cast<Index>(f));
+    }
+  }
+  return volume;
+}
+
+struct Bounds {
+  std::array<double, 3> lo, hi;
+  Bounds() {
+    lo.fill(std::numeric_limits<double>::infinity());
+    hi.fill(-std::numeric_limits<double>::infinity());
+  }
+  void add(Vec3 p) {
+    const std::array c{p.x, p.y, p.z};
+    for (std::size_t k = 0; k < 3; ++k) {
+      lo[k] = std::min(lo[k], c[k]);
+      hi[k] = std::max(hi[k], c[k]);
+    }
+  }
+};
+
+/// The plane of a persistent joint: lattice vectors that depend on the orientation alone, so equal orientations are exactly parallel.
+std::optional<Plane> persistent_plane(const PersistentJoint& joint, const exact::Lattice& lattice) {
+  const Vec3 n = geometry::normalized(joint.normal);
+  const Vec3 helper = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 u = geometry::normalized(geometry::cross(n, helper));
+  const Vec3 v = geometry::cross(n, u);
+  const auto site = [](Vec3 d) {
+    const auto c = [](double x) { return static_cast<std::int64_t>(std::nearbyint(std::ldexp(x, 46))); };
+    return LatticePoint{c(d.x), c(d.y), c(d.z)};
+  };
+  return Plane::spanned(lattice.snap(joint.through.x, joint.through.y, joint.through.z), site(u), site(v));
+}
+
+}  // namespace
+
+std::expected<Prepared, CutError> prepare(const CutInput& input) {
+  Bounds scene, domain;
+  for (const Vec3& v : input.domain.vertices()) domain.add(v);
+  scene = domain;
+  for (const auto& solid : input.excavations) {
+    for (const Vec3& v : solid.vertices()) scene.add(v);
+  }
+  for (const auto& entry : input.joints) {
+    std::visit(overloaded{[&](const Joint& joint) {
+                            for (const auto& polygon : joint.polygons) {
+                              for (const Vec3& v : polygon.corners()) scene.add(v);
+                            }
+                          },
+                          [&](const PersistentJoint& joint) { scene.add(joint.through); }},
+               entry);
+  }
+  const exact::Lattice lattice = exact::Lattice::covering(scene.lo, scene.hi);
+  Prepared out{lattice};
+  out.joint_count = static_cast<Index>(input.joints.size());
+  out.excavation_count = static_cast<Index>(input.excavations.size());
+
+  Snapper snapper{lattice, input.snap.si()};
+  const auto sites_of = [&](std::span<const Vec3> points) {
+    std::vector<LatticePoint> sites;
+    sites.reserve(points.size());
+    for (const Vec3& p : points) sites.push_back(snapper.site(p));
+    return sites;
+  };
+
+  Builder builder{out};
+  builder.adoption_margin_ = box_margin + 4 * input.snap.si() / lattice.pitch() * unit;
+  const auto add_solid = [&](const geometry::Solid& solid, Owner owner, Index index) {
+    const auto sites = sites_of(solid.vertices());
+    auto volume = solid.from_half_spaces() ? add_half_spaces(solid, sites, builder, out, owner, index)
+                                           : add_surface(solid, sites, builder, out, owner, index);
+    for (const auto& face : solid.faces()) {
+      std::vector<LatticePoint> corners;
+      for (const std::uint32_t v : face.corners) corners.push_back(sites[v]);
+      if (auto polygon = make_lattice_polygon(std::move(corners))) snapper.remember(*polygon);
+    }
+    return volume;
+  };
+  const auto domain_volume = add_solid(input.domain, Owner::domain, 0);
+  if (!domain_volume) {
+    return std::unexpected(CutError{SolidCollapsed{std::nullopt, domain_volume.error(), metres(lattice.pitch())}});
+  }
+  out.domain_volume = *domain_volume;
+  for (std::size_t e = 0; e < input.excavations.size(); ++e) {
+    if (const auto volume = add_solid(input.excavations[e], Owner::excavation, static_cast<Index>(e)); !volume) {
+      return std::unexpected(CutError{SolidCollapsed{static_cast<std::uint32_t>(e), volume.error(), metres(lattice.pitch())}});
+    }
+  }
+
+  // Joints: first all polygons on the lattice (with corners, then planes snapped), then their facets (with edges snapped).
+  struct JointPolygon {
+    Index joint;
+    LatticePolygon polygon;
+  };
+  std::vector<JointPolygon> polygons;
+  for (std::size_t j = 0; j < input.joints.size(); ++j) {
+    const JointCollapsed collapsed{JointId{j}, metres(lattice.pitch())};
+    if (const auto* joint = std::get_if<Joint>(&input.joints[j])) {
+      Bounds own;
+      for (const auto& polygon : joint->polygons) {
+        for (const Vec3& v : polygon.corners()) own.add(v);
+        auto sites = sites_of(polygon.corners());
+        const auto shared = snapper.shared_corners(sites);
+        auto made = make_lattice_polygon(std::move(sites), shared);
+        if (!made) return std::unexpected(CutError{collapsed});
+        polygons.push_back({static_cast<Index>(j), std::move(*made)});
+      }
+      bool apart = joint->polygons.empty();
+      for (std::size_t k = 0; k < 3; ++k) apart = apart || own.hi[k] < domain.lo[k] || own.lo[k] > domain.hi[k];
+      if (apart) out.outside.push_back(static_cast<Index>(j));
+    } else {
+      const auto& persistent = std::get<PersistentJoint>(input.joints[j]);
+      const auto plane = persistent_plane(persistent, lattice);
+      if (!plane) return std::unexpected(CutError{collapsed});
+      // Bounded by a box well around the domain, so that its outline means something where other joints share its plane.
+      const LatticePoint lo = lattice.snap(domain.lo[0], domain.lo[1], domain.lo[2]);
+      const LatticePoint hi = lattice.snap(domain.hi[0], domain.hi[1], domain.hi[2]);
+      constexpr std::int64_t margin = 1 << 20;
+      Builder::Piece piece{blank(Owner::joint, static_cast<Index>(j), 0), {}, {}, {}};
+      const auto [number, same] = builder.add_plane(*plane);
+      piece.facet.plane = number;
+      const LatticePoint x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+      const LatticePoint a{lo.x - margin, lo.y - margin, lo.z - margin}, b{hi.x + margin, hi.y + margin, hi.z + margin};
+      const std::array<std::array<LatticePoint, 3>, 6> sides{{{a, y, z}, {b, z, y}, {a, z, x}, {b, x, z}, {a, x, y}, {b, y, x}}};
+      for (const auto& [site, u, v] : sides) {
+        const Plane side = Plane::spanned(site, u, v).value();
+        if (!side.parallel_to(*plane)) piece.own_edges.push_back(side);
+      }
+      piece.facet.lo = {-1, -1, -1};
+      piece.facet.hi = {1, 1, 1};
+      builder.add_piece(std::move(piece));
+    }
+  }
+  if (snapper.active()) {
+    for (auto& entry : polygons) snapper.merge_plane(entry.polygon);
+  }
+  for (auto& [joint, polygon] : polygons) {
+    std::vector<std::optional<HalfSpace>> adopted;
+    if (snapper.active()) {
+      adopted = snapper.adopt_edges(polygon, [&](const Plane& plane) { return builder.add_plane(plane); });
+    }
+    if (!builder.add_polygon(polygon, blank(Owner::joint, joint, 0), adopted)) {
+      return std::unexpected(CutError{JointCollapsed{JointId{joint}, metres(lattice.pitch())}});
+    }
+  }
+  builder.finish();
+  out.largest_snap = snapper.largest_move();
+  out.merged_planes = snapper.merged_planes();
+  out.adopted_edges = snapper.adopted_edges();
+  return out;
+}
+
+}  // namespace cleave::topology::detail

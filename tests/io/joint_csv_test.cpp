@@ -1,0 +1,172 @@
+#include "cleave/io/joint_csv.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "io_testing.hpp"
+
+namespace cleave::io {
+namespace {
+
+JointTable read(std::string_view text, const JointCsvOptions& options = {}) {
+  auto table = parse_joint_csv(text, "joints.csv", options);
+  EXPECT_TRUE(table.has_value()) << describe(table.error().front());
+  return table ? *std::move(table) : JointTable{};
+}
+
+std::vector<ReadError> problems(std::string_view text, const JointCsvOptions& options = {}) {
+  const auto table = parse_joint_csv(text, "joints.csv", options);
+  EXPECT_FALSE(table.has_value()) << text;
+  if (table) return {{}};
+  for (const ReadError& e : table.error()) {
+    EXPECT_EQ(e.file, "joints.csv");
+    EXPECT_FALSE(e.remedy.empty());
+  }
+  return table.error();
+}
+
+TEST(JointCsvTest, ColumnsInAnyOrderAndEverySize) {
+  const JointTable t = read(
+      "\xEF\xBB\xBF# measured in spring\r\n"
+      "ID,Set,\"Easting\",northing,Elevation,Dip Direction,DIP,radius,side_a,side_b,rotation,friction,cohesion,remark\r\n"
+      "\r\n"
+      "7,A,1,2,3,30,60,5,,,,25,0,\"a \"\"good\"\" one, visible\"\r\n"
+      "8,\"B, wet\",1.5,-2,3e2,360,90,,4,2,10,,,\r\n"
+      "9,,0,0,0,0,0,,,,,,1e4,\r\n");
+  ASSERT_EQ(t.rows.size(), 3U);
+  EXPECT_EQ(t.rows[0].line, 4U);
+  EXPECT_EQ(t.rows[0].plane, (geometry::Attitude{Dip::degrees(60), DipDirection::degrees(30)}));
+  EXPECT_EQ(t.rows[0].position, (geometry::Vec3{1, 2, 3}));
+  EXPECT_EQ(std::get<DiscSize>(t.rows[0].size).radius, metres(5));
+  EXPECT_EQ(t.rows[0].friction, FrictionAngle::degrees(25));
+  EXPECT_EQ(t.rows[0].set, "A");
+  EXPECT_EQ(t.rows[1].set, "B, wet");
+  EXPECT_EQ(t.rows[1].plane.direction.degrees(), 0);  // 360 is 0
+  EXPECT_EQ(std::get<RectangleSize>(t.rows[1].size), (RectangleSize{metres(4), metres(2), geometry::InPlaneRotation::degrees(10)}));
+  EXPECT_FALSE(t.rows[1].friction.has_value());
+  EXPECT_TRUE(std::holds_alternative<Persistent>(t.rows[2].size));
+  EXPECT_EQ(t.rows[2].cohesion, pascals(1e4));
+  ASSERT_EQ(t.notes.size(), 1U);
+  EXPECT_EQ(t.notes[0], "column \"remark\" is not used");
+}
+
+TEST(JointCsvTest, StrikeFollowsTheRightHandRule) {
+  const JointTable t = read("strike;dip;x;y;z\n300;45;0;0;0\n0;10;0;0;0\n");
+  EXPECT_EQ(t.rows[0].plane.direction.degrees(), 30);
+  EXPECT_EQ(t.rows[1].plane.direction.degrees(), 90);
+}
+
+TEST(JointCsvTest, DecimalCommasWhenTheyAreUsedThroughout) {
+  const JointTable t = read("dip;dd;x;y;z\n45,5;120,25;1000;-3,5;0\n");
+  EXPECT_EQ(t.rows[0].plane.dip.degrees(), 45.5);
+  EXPECT_EQ(t.rows[0].position->y, -3.5);
+  EXPECT_EQ(problems("dip;dd;x;y;z\n45,5;120.25;0;0;0\n").at(0).fault, ReadFault::bad_number);
+  EXPECT_EQ(problems("dip;dd;x;y;z\n45.5;120;0;0;0\n45,5;120;0;0;0\n").at(0).line, 3U);
+  EXPECT_EQ(problems("dip;dd;x;y;z\n45;120;1,000,5;0;0\n").at(0).fault, ReadFault::bad_number);
+  EXPECT_EQ(problems("dip,dd,x,y,z\n45,5,120,1,2,3\n").at(0).fault, ReadFault::syntax);
+}
+
+TEST(JointCsvTest, AnglesOutsideAreErrorsUnlessWrapped) {
+  const std::string head = "dip,dip_direction,x,y,z\n";
+  const auto e = problems(head + "45,364,0,0,0\n95,10,0,0,0\n-5,10,0,0,0\n45,-1,0,0,0\n");
+  ASSERT_EQ(e.size(), 4U);
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(e[i].fault, ReadFault::out_of_range);
+    EXPECT_EQ(e[i].line, i + 2);
+    EXPECT_NE(e[i].remedy.find("wrap = true"), std::string::npos);
+  }
+  EXPECT_EQ(e[0].column, 2U);
+  EXPECT_EQ(e[1].column, 1U);
+  const JointTable t = read(head + "45,364,0,0,0\n95,10,0,0,0\n-5,10,0,0,0\n45,-1,0,0,0\n442,0,0,0,0\n", {.wrap = true});
+  const auto plane = [&](std::size_t i) { return std::pair{t.rows[i].plane.dip.degrees(), t.rows[i].plane.direction.degrees()}; };
+  EXPECT_EQ(plane(0), (std::pair{45.0, 4.0}));
+  EXPECT_EQ(plane(1), (std::pair{85.0, 190.0}));
+  EXPECT_EQ(plane(2), (std::pair{5.0, 190.0}));
+  EXPECT_EQ(plane(3), (std::pair{45.0, 359.0}));
+  EXPECT_EQ(plane(4), (std::pair{82.0, 0.0}));
+}
+
+// The wrapped plane is the same plane: both normals are parallel.
+TEST(JointCsvTest, WrappingKeepsThePlane) {
+  for (int dip = -400; dip <= 400; dip += 37) {
+    for (int direction = -700; direction < 800; direction += 101) {
+      const JointTable t = read("dip,dd,x,y,z\n" + std::to_string(dip) + "," + std::to_string(direction) + ",0,0,0\n", {.wrap = true});
+      const geometry::Vec3 given = geometry::upward_normal({Dip::degrees(dip), DipDirection::degrees(direction)});
+      EXPECT_NEAR(std::abs(dot(given, geometry::upward_normal(t.rows[0].plane))), 1, 1e-14);
+      EXPECT_GE(t.rows[0].plane.dip.degrees(), 0);
+      EXPECT_LE(t.rows[0].plane.dip.degrees(), 90);
+    }
+  }
+}
+
+TEST(JointCsvTest, HeadersAreRequiredAndJudged) {
+  const auto columns = [](std::string_view header) {
+    const auto e = problems(std::string{header} + "\n1,2,3,4,5,6,7,8\n");
+    EXPECT_EQ(e.at(0).fault, ReadFault::bad_columns);
+    EXPECT_EQ(e.at(0).line, 1U);
+  };
+  columns("45,120,0,0,0");
+  columns("dip,x,y,z");
+  columns("dip_direction,x,y,z");
+  columns("dip,dip_direction,strike,x,y,z");
+  columns("dip,dip_direction,dd,x,y,z");
+  columns("dip,dip_direction,x,y");
+  columns("dip,dip_direction,x,y,z,side_a");
+  columns("dip,dip_direction,x,y,z,rotation");
+  columns("dip,dip_direction;x,y,z");
+  EXPECT_EQ(problems("").at(0).fault, ReadFault::empty);
+  EXPECT_EQ(problems("# nothing\n\n").at(0).fault, ReadFault::empty);
+  EXPECT_EQ(problems("dip,dd,x,y,z\n").at(0).fault, ReadFault::empty);
+  EXPECT_EQ(problems("\xFF\xFE" "d\0i\0p\0").at(0).fault, ReadFault::unknown_format);
+}
+
+TEST(JointCsvTest, RowsAreJudgedAndAllTold) {
+  const auto fault = [](std::string_view row) {
+    const auto e = problems("dip,dd,x,y,z,radius,side_a,side_b,friction,cohesion\n" + std::string{row} + "\n");
+    EXPECT_EQ(e.at(0).line, 2U);
+    return e.at(0).fault;
+  };
+  EXPECT_EQ(fault("45,120,0,0,0,-1,,,,"), ReadFault::out_of_range);
+  EXPECT_EQ(fault("45,120,0,0,0,0,,,,"), ReadFault::out_of_range);
+  EXPECT_EQ(fault("45,120,0,0,0,1,2,2,,"), ReadFault::syntax);
+  EXPECT_EQ(fault("45,120,0,0,0,,2,,,"), ReadFault::syntax);
+  EXPECT_EQ(fault("45,120,0,0,0,,,,-5,"), ReadFault::out_of_range);
+  EXPECT_EQ(fault("45,120,0,0,0,,,,90,"), ReadFault::out_of_range);
+  EXPECT_EQ(fault("45,120,0,0,0,,,,,-1"), ReadFault::out_of_range);
+  EXPECT_EQ(fault("45,120,0,0,nan,,,,,"), ReadFault::bad_number);
+  EXPECT_EQ(fault("45,120,0,0,1e999,,,,,"), ReadFault::bad_number);
+  EXPECT_EQ(fault("45,120,0,,0,,,,,"), ReadFault::syntax);
+  EXPECT_EQ(fault("45,120,0,0,0"), ReadFault::syntax);
+  EXPECT_EQ(fault("\"45,120"), ReadFault::truncated);
+  EXPECT_EQ(fault("\"45\"5,120,0,0,0,,,,,"), ReadFault::syntax);
+  std::string many = "dip,dd,x,y,z\n";
+  for (int i = 0; i < 100; ++i) many += "x,0,0,0,0\n";
+  EXPECT_EQ(problems(many).size(), 20U);
+}
+
+TEST(JointCsvTest, MeasuredOrientationsWithoutPositions) {
+  const std::string list = testing::bytes_of("orientations/kinematic_data1.txt");
+  EXPECT_EQ(problems(list).at(0).fault, ReadFault::bad_columns);  // no header
+  const std::string named = "dip,dip direction\n" + list;
+  const auto e = problems(named, {.wrap = false, .need_position = false});
+  EXPECT_EQ(e.at(0).fault, ReadFault::out_of_range);  // 364 occurs
+  const JointTable t = read(named, {.wrap = true, .need_position = false});
+  EXPECT_EQ(t.rows.size(), 200U);
+  EXPECT_FALSE(t.rows[0].position.has_value());
+}
+
+TEST(JointCsvTest, TablesReadBackTheSame) {
+  JointTable t = read(
+      "dip,dd,x,y,z,radius,side_a,side_b,rotation,friction,cohesion,set,id\n"
+      "60.1,30,1,2,3,5,,,,25,,A,\n8,0.30000000000000004,1,2,3,,4,2,10,,1e5,\"B,\"\"x\"\"\",9\n8,9,1e-300,2,3,,,,,,,,\n");
+  JointTable back = read(write_joint_csv(t));
+  for (JointTable* table : {&t, &back}) {
+    for (JointRow& row : table->rows) row.line = 0;
+  }
+  EXPECT_EQ(t.rows, back.rows);
+}
+
+}  // namespace
+}  // namespace cleave::io
