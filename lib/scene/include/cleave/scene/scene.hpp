@@ -58,7 +58,8 @@ struct MeasuredJoint {
   std::variant<topology::Joint, topology::PersistentJoint> geometry;
   SetId set;
   OwnStrength own;
-  std::string source;  ///< where it stands: "joints.obj:120" or "scene.toml:14"
+  std::string file;  ///< where it stands: a joint file or the scene file, as messages name it
+  std::uint32_t line;
 };
 
 /// A [[joint_set]]: joints drawn at random. Its number in Scene::joint_sets is the `set_index` of dfn::sample.
@@ -72,15 +73,22 @@ struct Excavation {
   std::string name;
   std::uint32_t stage = 1;
   geometry::Solid solid;
+  std::uint32_t line;  ///< in the scene file
 };
 
 struct Rock {
   Density density = kilograms_per_cubic_metre(2700);
 };
 
+/// A design standard's partial factors: tan(friction) and cohesion are divided, weight is multiplied.
+struct PartialFactors {
+  double friction = 1, cohesion = 1, weight = 1;
+};
+
 struct StabilitySettings {
   geometry::Vec3 gravity{0, 0, -9.81};  ///< m/s2
   geometry::Vec3 seismic{0, 0, 0};      ///< force / weight, in the direction the rock is pushed
+  PartialFactors partial = {};
   bool force_transfer = true;
   std::uint32_t max_batches = 50;
 };
@@ -114,7 +122,8 @@ struct Scene {
   std::optional<StabilitySettings> stability;   ///< empty: the scene has no [stability] and no free face
   OutputSettings output;
 
-  std::string file_name;  ///< the scene file's name without its folder
+  std::string shown;      ///< how messages name the scene file
+  std::string file_name;  ///< the same without its folder
   std::string sha256;     ///< of the scene file's bytes
   std::vector<InputFile> files;
   std::vector<Problem> notes;  ///< worth knowing, not wrong: a joint outside the domain, properties of a set without joints
