@@ -18,9 +18,9 @@ std::map<std::string, std::string> current() {
   std::map<std::string, std::string> out;
   for (const char* name : {"deg-cavity", "deg-coplanar", "deg-fan12", "deg-fan12r", "deg-ring", "deg-sliver10-1e-06", "deg-touch",
                            "deg-utm7", "deg-vertex20r", "grid-6", "gridr-6", "persist-13", "rect-13"}) {
-    out[name] = canonical_hash(topology::cut(cut_input(make_workload(name).value())).value());
+    out[name] = canonical_hash(topology::cut(support::cut_input(support::workload_named(name).value())).value());
   }
-  auto tunnel = cut_input(make_workload("rect-13").value());
+  auto tunnel = support::cut_input(support::workload_named("rect-13").value());
   tunnel.excavations.push_back(
       geometry::make_tunnel(geometry::HorseshoeSection{metres(10), metres(10)}, {{40, 0, 30}, {40, 80, 30}}).value());
   out["rect-13-tunnel"] = canonical_hash(topology::cut(tunnel).value());

@@ -84,7 +84,7 @@ TEST(Scenes, ACavityIsTheSecondShell) {
 
 TEST(Scenes, RingOfJoints) {
   const Shapes ring{{{16, 24, 10, 12, 1, 1}, 42}, {{24, 36, 16, 18, 2, 1}, 470}};
-  auto input = cut_input(make_workload("deg-ring").value());
+  auto input = support::cut_input(support::workload_named("deg-ring").value());
   EXPECT_EQ(shapes(input), ring);
   input.joints.emplace_back(rectangle(2, 4, {3, 3}, {5, 5}));
   EXPECT_EQ(shapes(input), ring) << "a membrane over the hole separates nothing";
@@ -92,7 +92,7 @@ TEST(Scenes, RingOfJoints) {
 }
 
 TEST(Scenes, BoxesThatTouchAlongAnEdgeAndAtAVertex) {
-  const auto found = shapes(cut_input(make_workload("deg-cavity").value()));
+  const auto found = shapes(support::cut_input(support::workload_named("deg-cavity").value()));
   ASSERT_EQ(found.size(), 6U);
   EXPECT_EQ((Shapes{found.begin(), found.begin() + 4}), (Shapes{{cuboid, 0.125}, {cuboid, 1}, {cuboid, 1}, {cuboid, 1}}));
   EXPECT_EQ(found[4], (Shape{{16, 24, 12, 12, 2, 0}, 26}));

@@ -88,8 +88,8 @@ Solid square_ring() {
 }
 
 TEST(DomainAsAMesh, GivesTheBlocksOfTheBox) {
-  const auto rect13 = make_workload("rect-13").value();
-  auto input = cut_input(rect13);
+  const auto rect13 = support::workload_named("rect-13").value();
+  auto input = support::cut_input(rect13);
   const auto reference = certified(input);
   for (const bool triangles : {false, true}) {
     input.domain = box_mesh({0, 0, 0}, {80, 80, 60}, triangles);

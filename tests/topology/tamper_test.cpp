@@ -19,12 +19,12 @@ using Data = BlockComplex::Data;
 
 /// 27 blocks; block systems with concave blocks, holes and cavities.
 std::vector<topology::CutInput> sound_scenes() {
-  auto grid = cut_input(make_workload("grid-3").value());
-  auto cavity = cut_input(make_workload("deg-cavity").value());
-  auto ring = cut_input(make_workload("deg-ring").value());
+  auto grid = support::cut_input(support::workload_named("grid-3").value());
+  auto cavity = support::cut_input(support::workload_named("deg-cavity").value());
+  auto ring = support::cut_input(support::workload_named("deg-ring").value());
   auto shaft = scene(box({0, 0, 0}, {4, 4, 4}), {rectangle(2, 2, {-1, -1}, {5, 5}), rectangle(1, 1.5, {-1, -1}, {5, 2})},
                      {box({1, 1, -1}, {3, 3, 5})});
-  auto random = cut_input(make_workload("rect-13").value());
+  auto random = support::cut_input(support::workload_named("rect-13").value());
   return {grid, cavity, ring, shaft, random};
 }
 

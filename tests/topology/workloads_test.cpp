@@ -8,7 +8,7 @@
 #include "cleave/core/sha256.hpp"
 #include "complexes.hpp"
 
-// The benchmark scenes that cut in a blink: block count, certificate, volume.
+// The benchmark scenes themselves, and those whose count hangs on the last bits. The other counts: tests/workloads.
 
 namespace cleave::testing {
 namespace {
@@ -69,7 +69,7 @@ std::string hex(double x) {
 
 TEST(WorkloadGenerator, MakesThePublishedCoordinatesBitByBit) {
   for (const auto& [name, digest] : published) {
-    const auto workload = make_workload(name);
+    const auto workload = support::workload_named(name);
     ASSERT_TRUE(workload) << name;
     std::string text;
     for (const Vec3& p : workload->corners) text += hex(p.x) + hex(p.y) + hex(p.z);
@@ -83,39 +83,15 @@ TEST(WorkloadGenerator, MakesThePublishedCoordinatesBitByBit) {
 
 TEST(WorkloadGenerator, KnowsNoOtherNames) {
   for (const auto* name : {"", "grid", "grid-", "grid-0", "grid-4x", "deg-", "deg-fan12rr", "persist--3"}) {
-    EXPECT_FALSE(make_workload(name)) << name;
+    EXPECT_FALSE(support::workload_named(name)) << name;
   }
 }
 
 struct Case {
   const char* name;
   std::size_t blocks;
-  double snap = 0;
 };
 std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
-
-class Workloads : public ::testing::TestWithParam<Case> {};
-
-TEST_P(Workloads, FallIntoTheKnownNumberOfBlocks) {
-  const Case& c = GetParam();
-  const Workload workload = make_workload(c.name).value();
-  const topology::AuditedComplex audited = certified(cut_input(workload, metres(c.snap)));
-  EXPECT_EQ(audited.complex().blocks().size(), c.blocks);
-  EXPECT_LE(audited.certificate().volume_relative_error, 1e-12);
-  const auto known = workload.consensus ? workload.consensus : workload.expected;
-  ASSERT_TRUE(known);
-  EXPECT_EQ(c.blocks, *known);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Small, Workloads,
-    ::testing::Values(Case{"grid-4", 64}, Case{"grid-6", 216}, Case{"grid-10", 1000}, Case{"gridr-4", 64},
-                      Case{"gridr-6", 216}, Case{"gridr-10", 1000}, Case{"persist-13", 3671}, Case{"rect-13", 347},
-                      Case{"disc-1000", 1}, Case{"deg-coplanar", 8}, Case{"deg-coplanarr", 8, 1e-9},
-                      Case{"deg-fan12", 24}, Case{"deg-fan12r", 24}, Case{"deg-fan12r", 24, 1e-9},
-                      Case{"deg-vertex8", 58}, Case{"deg-vertex20", 382}, Case{"deg-sliver10-1e-06", 48},
-                      Case{"deg-sliver10-1e-09", 48}, Case{"deg-touch", 4}, Case{"deg-cavity", 6}, Case{"deg-ring", 2},
-                      Case{"deg-utm6", 347}, Case{"deg-utm7", 347}));
 
 // Scenes whose count hangs on the last bits of the coordinates: planes that are meant to meet in one point (or nearly coincide) and do
 // so only up to rounding. Other exact programs count 93 and 1351 blocks for the planes through the given doubles; we count the
@@ -123,8 +99,8 @@ INSTANTIATE_TEST_SUITE_P(
 class LastBits : public ::testing::TestWithParam<Case> {};
 
 TEST_P(LastBits, AreCountedForTheLattice) {
-  const auto [name, blocks, snap] = GetParam();
-  const topology::AuditedComplex audited = certified(cut_input(make_workload(name).value(), metres(snap)));
+  const auto [name, blocks] = GetParam();
+  const topology::AuditedComplex audited = certified(support::cut_input(support::workload_named(name).value()));
   EXPECT_EQ(audited.complex().blocks().size(), blocks);
   EXPECT_LE(audited.certificate().volume_relative_error, 1e-12);
 }
@@ -135,10 +111,10 @@ INSTANTIATE_TEST_SUITE_P(Degenerate, LastBits,
 /// What the rounding adds to them is thinner than a millionth of the domain; the intended blocks are all there.
 TEST(LastBitsOfTheCoordinates, AddOnlySlivers) {
   for (const auto* name : {"deg-vertex8r", "deg-vertex20r", "deg-vertex8", "deg-vertex20"}) {
-    const Workload workload = make_workload(name).value();
-    const auto audited = certified(cut_input(workload));
+    const support::Workload workload = support::workload_named(name).value();
+    const auto audited = certified(support::cut_input(workload));
     const auto thick = std::ranges::count_if(audited.complex().blocks(), [](const topology::Block& b) { return !b.sliver; });
-    EXPECT_EQ(static_cast<std::uint64_t>(thick), workload.expected) << name;
+    EXPECT_EQ(static_cast<std::uint64_t>(thick), workload.blocks) << name;
   }
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -37,7 +38,7 @@ struct PlaneKeyHash {
       mix(static_cast<std::uint64_t>(c));
       mix(static_cast<std::uint64_t>(c >> 64));
     }
-    mix(static_cast<std::uint64_t>(key.offset.convert_to<double>() * 0x1p-64));
+    mix(std::bit_cast<std::uint64_t>(key.offset.convert_to<double>()));
     return h;
   }
 };
@@ -100,6 +101,13 @@ class Builder {
       Facet facet = piece.facet;
       facet.first_edge = static_cast<Index>(out_.edges.size());
       for (const HalfSpace& edge : piece.pool_edges) out_.edges.push_back(edge);
+      if (facet.owner == Owner::joint) {
+        // A convex domain cuts its joints to size: what is outside is of no interest. (Excavations are kept whole: what is void is
+        // told by crossing closed surfaces.)
+        for (const HalfSpace& side : out_.clip) {
+          if (!safely_inside(piece, side)) out_.edges.push_back(side);
+        }
+      }
       for (const Plane& edge : piece.own_edges) {
         out_.edges.push_back({static_cast<Index>(out_.planes.size()), true});
         out_.planes.push_back(edge);
@@ -158,6 +166,14 @@ class Builder {
       piece.facet.hi[k] = hi[k] + margin;
     }
     pieces_.push_back(std::move(piece));
+  }
+
+  [[nodiscard]] bool safely_inside(const Piece& piece, HalfSpace side) const {
+    const auto& n = out_.planes[side.plane].approx();
+    const double sense = side.inside_positive ? 1 : -1;
+    return !piece.corners.empty() && std::ranges::all_of(piece.corners, [&](const Vec& p) {
+      return sense * (n[0] * p[0] + n[1] * p[1] + n[2] * p[2] + n[3]) > 0x1p-34;
+    });
   }
 
   Prepared& out_;
