@@ -207,6 +207,23 @@ TEST(Audit, NoticesWrongMeasures) {
       "a wrong contact area");
 }
 
+TEST(Audit, NoticesFlagsThatAreNotThoseOfTheFaces) {
+  expect_noticed(
+      [](Data& d) {
+        auto& block = d.blocks[BlockId{0U}];
+        block.fixed = !block.fixed;
+        return true;
+      },
+      "fixed or not");
+  expect_noticed(
+      [](Data& d) {
+        auto& block = d.blocks[BlockId{0U}];
+        block.free = !block.free;
+        return true;
+      },
+      "free or not");
+}
+
 TEST(Audit, NoticesALostBlock) {
   const BlockComplex sound = topology::cut(sound_scenes()[0]).value();
   Data data = sound.data();
