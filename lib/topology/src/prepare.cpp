@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -7,6 +8,7 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/triangulate.hpp"
 #include "detail/lattice_polygon.hpp"
 #include "detail/position.hpp"
 #include "detail/prepared.hpp"
@@ -37,7 +39,7 @@ struct PlaneKeyHash {
       mix(static_cast<std::uint64_t>(c));
       mix(static_cast<std::uint64_t>(c >> 64));
     }
-    mix(static_cast<std::uint64_t>(key.offset.convert_to<double>() * 0x1p-64));
+    mix(std::bit_cast<std::uint64_t>(key.offset.convert_to<double>()));
     return h;
   }
 };
@@ -100,6 +102,13 @@ class Builder {
       Facet facet = piece.facet;
       facet.first_edge = static_cast<Index>(out_.edges.size());
       for (const HalfSpace& edge : piece.pool_edges) out_.edges.push_back(edge);
+      if (facet.owner == Owner::joint) {
+        // A convex domain cuts its joints to size: what is outside is of no interest. (Excavations are kept whole: what is void is
+        // told by crossing closed surfaces.)
+        for (const HalfSpace& side : out_.clip) {
+          if (!safely_inside(piece, side)) out_.edges.push_back(side);
+        }
+      }
       for (const Plane& edge : piece.own_edges) {
         out_.edges.push_back({static_cast<Index>(out_.planes.size()), true});
         out_.planes.push_back(edge);
@@ -158,6 +167,14 @@ class Builder {
       piece.facet.hi[k] = hi[k] + margin;
     }
     pieces_.push_back(std::move(piece));
+  }
+
+  [[nodiscard]] bool safely_inside(const Piece& piece, HalfSpace side) const {
+    const auto& n = out_.planes[side.plane].approx();
+    const double sense = side.inside_positive ? 1 : -1;
+    return !piece.corners.empty() && std::ranges::all_of(piece.corners, [&](const Vec& p) {
+      return sense * (n[0] * p[0] + n[1] * p[1] + n[2] * p[2] + n[3]) > 0x1p-34;
+    });
   }
 
   Prepared& out_;
@@ -273,10 +290,12 @@ std::expected<double, Index> add_surface(const geometry::Solid& solid, std::span
       if (!builder.add_polygon(*polygon, facet)) return std::unexpected(static_cast<Index>(f));
       continue;
     }
-    polygon->corners = corners;  // corners on a straight side stay: the neighbour may use them
-    const auto triangles = triangulate(*polygon);
-    if (triangles.size() + 2 != corners.size()) return std::unexpected(static_cast<Index>(f));
-    for (const auto& [a, b, c] : triangles) {
+    // The triangles that the solid was checked with; corners on a straight side stay, since the neighbour may use them.
+    std::vector<Vec3> exact_corners;
+    for (const std::uint32_t v : faces[f].corners) exact_corners.push_back(solid.vertices()[v]);
+    const auto triangles = geometry::triangulate(exact_corners);
+    if (!triangles || triangles->size() + 2 != corners.size()) return std::unexpected(static_cast<Index>(f));
+    for (const auto& [a, b, c] : *triangles) {
       const auto triangle = make_lattice_polygon({corners[a], corners[b], corners[c]});
       if (!triangle) return std::unexpected(static_cast<Index>(f));
       add_volume(corners[a], corners[b], corners[c]);
