@@ -144,6 +144,9 @@ TEST(JointCsvTest, RowsAreJudgedAndAllTold) {
   std::string many = "dip,dd,x,y,z\n";
   for (int i = 0; i < 100; ++i) many += "x,0,0,0,0\n";
   EXPECT_EQ(problems(many).size(), 20U);
+  std::string wide = "dip";
+  for (int i = 0; i < 100; ++i) wide += ",dip";
+  EXPECT_EQ(problems(wide + "\n").size(), 20U);
 }
 
 TEST(JointCsvTest, MeasuredOrientationsWithoutPositions) {

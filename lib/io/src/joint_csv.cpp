@@ -69,6 +69,7 @@ class TableReader final {
 
  private:
   void report(ReadFault fault, std::uint32_t line, std::size_t column, std::string what, std::string remedy) {
+    if (problems_.size() >= most_problems) return;
     problems_.push_back({fault, std::string{file_}, line, static_cast<std::uint32_t>(column), std::move(what), std::move(remedy)});
   }
 

@@ -100,6 +100,13 @@ class Builder {
       Facet facet = piece.facet;
       facet.first_edge = static_cast<Index>(out_.edges.size());
       for (const HalfSpace& edge : piece.pool_edges) out_.edges.push_back(edge);
+      if (facet.owner == Owner::joint) {
+        // A convex domain cuts its joints to size: what is outside is of no interest. (Excavations are kept whole: what is void is
+        // told by crossing closed surfaces.)
+        for (const HalfSpace& side : out_.clip) {
+          if (!safely_inside(piece, side)) out_.edges.push_back(side);
+        }
+      }
       for (const Plane& edge : piece.own_edges) {
         out_.edges.push_back({static_cast<Index>(out_.planes.size()), true});
         out_.planes.push_back(edge);
@@ -160,6 +167,14 @@ class Builder {
     pieces_.push_back(std::move(piece));
   }
 
+  [[nodiscard]] bool safely_inside(const Piece& piece, HalfSpace side) const {
+    const auto& n = out_.planes[side.plane].approx();
+    const double sense = side.inside_positive ? 1 : -1;
+    return !piece.corners.empty() && std::ranges::all_of(piece.corners, [&](const Vec& p) {
+      return sense * (n[0] * p[0] + n[1] * p[1] + n[2] * p[2] + n[3]) > 0x1p-34;
+    });
+  }
+
   Prepared& out_;
   std::unordered_map<PlaneKey, Index, PlaneKeyHash> numbers_;
   std::vector<Piece> pieces_;
@@ -173,10 +188,11 @@ Facet blank(Owner owner, Index owner_index, Index tag) {
           .first_edge = 0, .edge_count = 0, .first_corner = 0, .corner_count = 0, .lo = {}, .hi = {}};
 }
 
-double tetrahedra(const Vec& o, const Vec& a, const Vec& b, const Vec& c) {
+/// Six times the volume.
+double six_volumes(const Vec& o, const Vec& a, const Vec& b, const Vec& c) {
   const Vec u{a[0] - o[0], a[1] - o[1], a[2] - o[2]}, v{b[0] - o[0], b[1] - o[1], b[2] - o[2]},
       w{c[0] - o[0], c[1] - o[1], c[2] - o[2]};
-  return (u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0])) / 6;
+  return (u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0]));
 }
 
 Vec relative(const exact::Lattice& lattice, LatticePoint p) { return lattice.relative(p); }
@@ -237,12 +253,12 @@ std::expected<double, Index> add_half_spaces(const geometry::Solid& solid, std::
   double volume = 0;
   for (const auto& face : faces) {
     for (std::size_t i = 1; i + 1 < face.corners.size(); ++i) {
-      volume += tetrahedra(corners[0], corners[face.corners[0]], corners[face.corners[i]], corners[face.corners[i + 1]]);
+      volume += six_volumes(corners[0], corners[face.corners[0]], corners[face.corners[i]], corners[face.corners[i + 1]]);
     }
   }
   const double side = out.lattice.pitch() * 0x1p48;
   if (owner == Owner::domain) out.clip = inside;
-  return volume * side * side * side;
+  return volume * side * side * side / 6;
 }
 
 /// A general closed surface: faces that are exactly planar on the lattice stay whole, all others become triangles on their own corners, so
@@ -257,7 +273,7 @@ std::expected<double, Index> add_surface(const geometry::Solid& solid, std::span
     for (const std::uint32_t v : faces[f].corners) corners.push_back(sites[v]);
     const Facet facet = blank(owner, owner_index, faces[f].tag);
     const auto add_volume = [&](LatticePoint a, LatticePoint b, LatticePoint c) {
-      volume += tetrahedra(origin, relative(out.lattice, a), relative(out.lattice, b), relative(out.lattice, c));
+      volume += six_volumes(origin, relative(out.lattice, a), relative(out.lattice, b), relative(out.lattice, c));
     };
     auto polygon = make_lattice_polygon(corners);
     if (!polygon) {
@@ -282,7 +298,7 @@ std::expected<double, Index> add_surface(const geometry::Solid& solid, std::span
       if (!builder.add_polygon(*triangle, facet)) return std::unexpected(static_cast<Index>(f));
     }
   }
-  return volume;
+  return volume / 6;
 }
 
 struct Bounds {
