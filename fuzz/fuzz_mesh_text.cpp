@@ -1,5 +1,5 @@
-/// Any bytes as OBJ, STL, PLY and as a table of joints: no crash; what is read is written and read back the same; each face is a polygon
-/// or has a reason not to be; a closed surface is closed when looked at again.
+/// Any bytes as OBJ, STL, PLY and as a table of joints: no crash; what is read is written and read back the same; each
+/// face is a polygon or has a reason not to be; a closed surface is closed when looked at again.
 
 #include <algorithm>
 #include <cmath>
@@ -118,7 +118,8 @@ void check_table(std::string_view text, bool wrap, bool need_position) {
     CLEAVE_ASSERT(!table.error().empty() && table.error().size() <= 20);
     return;
   }
-  auto again = io::parse_joint_csv(io::write_joint_csv(*table), "again", {.wrap = false, .need_position = need_position});
+  auto again =
+      io::parse_joint_csv(io::write_joint_csv(*table), "again", {.wrap = false, .need_position = need_position});
   CLEAVE_ASSERT(again.has_value());
   CLEAVE_ASSERT(again->rows.size() == table->rows.size());
   for (std::size_t i = 0; i < table->rows.size(); ++i) {

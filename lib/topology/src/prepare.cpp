@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -7,6 +8,7 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/triangulate.hpp"
 #include "detail/lattice_polygon.hpp"
 #include "detail/position.hpp"
 #include "detail/prepared.hpp"
@@ -37,7 +39,7 @@ struct PlaneKeyHash {
       mix(static_cast<std::uint64_t>(c));
       mix(static_cast<std::uint64_t>(c >> 64));
     }
-    mix(static_cast<std::uint64_t>(key.offset.convert_to<double>() * 0x1p-64));
+    mix(std::bit_cast<std::uint64_t>(key.offset.convert_to<double>()));
     return h;
   }
 };
@@ -288,10 +290,12 @@ std::expected<double, Index> add_surface(const geometry::Solid& solid, std::span
       if (!builder.add_polygon(*polygon, facet)) return std::unexpected(static_cast<Index>(f));
       continue;
     }
-    polygon->corners = corners;  // corners on a straight side stay: the neighbour may use them
-    const auto triangles = triangulate(*polygon);
-    if (triangles.size() + 2 != corners.size()) return std::unexpected(static_cast<Index>(f));
-    for (const auto& [a, b, c] : triangles) {
+    // The triangles that the solid was checked with; corners on a straight side stay, since the neighbour may use them.
+    std::vector<Vec3> exact_corners;
+    for (const std::uint32_t v : faces[f].corners) exact_corners.push_back(solid.vertices()[v]);
+    const auto triangles = geometry::triangulate(exact_corners);
+    if (!triangles || triangles->size() + 2 != corners.size()) return std::unexpected(static_cast<Index>(f));
+    for (const auto& [a, b, c] : *triangles) {
       const auto triangle = make_lattice_polygon({corners[a], corners[b], corners[c]});
       if (!triangle) return std::unexpected(static_cast<Index>(f));
       add_volume(corners[a], corners[b], corners[c]);
