@@ -87,8 +87,9 @@ TEST(StereonetTest, RadiiOfBothNets) {
   struct Row {
     double plunge, area, angle;
   };
-  constexpr std::array rows{Row{0, 1, 1}, Row{30, 0.707106781187, 0.577350269190}, Row{45, 0.541196100146, 0.414213562373},
-                            Row{60, 0.366025403784, 0.267949192431}, Row{90, 0, 0}};
+  constexpr std::array rows{Row{0, 1, 1}, Row{30, 0.707106781187, 0.577350269190},
+                            Row{45, 0.541196100146, 0.414213562373}, Row{60, 0.366025403784, 0.267949192431},
+                            Row{90, 0, 0}};
   for (const auto& [plunge, area, angle] : rows) {
     for (const double trend : {0.0, 40.0, 90.0, 200.0, 310.0}) {
       const NetPoint a = project(line(trend, plunge), Net::equal_area);

@@ -168,7 +168,8 @@ TEST(TriangulateTest, BentQuadIsCutAlongItsShorterDiagonal) {
 TEST(TriangulateTest, CombsWithFlatCornersAreCutWithoutFlatTriangles) {
   for (int teeth = 1; teeth < 30; ++teeth) {
     std::vector<Vec3> comb;
-    for (int i = 0; i <= 2 * teeth; ++i) comb.push_back({static_cast<double>(i), 0, 0});  // flat corners all along the back
+    for (int i = 0; i <= 2 * teeth; ++i)
+      comb.push_back({static_cast<double>(i), 0, 0});  // flat corners all along the back
     for (int i = 2 * teeth; i >= 0; --i) comb.push_back({static_cast<double>(i), i % 2 == 0 ? 3.0 : 1.0, 0});
     const auto triangles = triangulate(comb);
     ASSERT_TRUE(triangles.has_value());

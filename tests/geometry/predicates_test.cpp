@@ -16,11 +16,12 @@ using exact::Sign;
 
 Sign rational_orient3d(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
   const auto from_a = [&](Vec3 p) {
-    return std::array<Rational, 3>{Rational(p.x) - Rational(a.x), Rational(p.y) - Rational(a.y), Rational(p.z) - Rational(a.z)};
+    return std::array<Rational, 3>{Rational(p.x) - Rational(a.x), Rational(p.y) - Rational(a.y),
+                                   Rational(p.z) - Rational(a.z)};
   };
   const auto p = from_a(b), q = from_a(c), r = from_a(d);
-  const Rational det = p[0] * (q[1] * r[2] - q[2] * r[1]) - p[1] * (q[0] * r[2] - q[2] * r[0]) +
-                       p[2] * (q[0] * r[1] - q[1] * r[0]);
+  const Rational det =
+      p[0] * (q[1] * r[2] - q[2] * r[1]) - p[1] * (q[0] * r[2] - q[2] * r[0]) + p[2] * (q[0] * r[1] - q[1] * r[0]);
   return exact::sign_of(det);
 }
 
@@ -32,7 +33,8 @@ Sign rational_orient2d(Vec2 a, Vec2 b, Vec2 c) {
 
 double uniform(std::mt19937_64& bits) { return static_cast<double>(bits() >> 11U) * 0x1p-53; }
 
-// Points all but on one plane: the double determinant is rounding noise, so a wrong bound or a wrong expansion shows at once.
+// Points all but on one plane: the double determinant is rounding noise, so a wrong bound or a wrong expansion shows at
+// once.
 TEST(PredicatesTest, SignsAreThoseOfRationalArithmeticWhereTheDeterminantCancels) {
   std::mt19937_64 bits{11};
   std::array<int, 3> seen{};
@@ -79,11 +81,11 @@ TEST(PredicatesTest, SegmentsMeetAlsoAtEndsAndWhenTheyOverlap) {
 TEST(PredicatesTest, SegmentAndTriangle) {
   const Vec3 a{0, 0, 0}, b{4, 0, 0}, c{0, 4, 0};
   EXPECT_TRUE(segment_meets_triangle({1, 1, -1}, {1, 1, 1}, a, b, c));
-  EXPECT_TRUE(segment_meets_triangle({1, 1, 0}, {1, 1, 1}, a, b, c));       // ends on it
-  EXPECT_TRUE(segment_meets_triangle({2, 2, -1}, {2, 2, 1}, a, b, c));      // through an edge
-  EXPECT_TRUE(segment_meets_triangle({0, 0, -1}, {0, 0, 1}, a, b, c));      // through a corner
-  EXPECT_TRUE(segment_meets_triangle({-1, 1, 0}, {5, 1, 0}, a, b, c));      // in its plane
-  EXPECT_TRUE(segment_meets_triangle({0.5, 1, 0}, {1, 1, 0}, a, b, c));     // wholly in it
+  EXPECT_TRUE(segment_meets_triangle({1, 1, 0}, {1, 1, 1}, a, b, c));    // ends on it
+  EXPECT_TRUE(segment_meets_triangle({2, 2, -1}, {2, 2, 1}, a, b, c));   // through an edge
+  EXPECT_TRUE(segment_meets_triangle({0, 0, -1}, {0, 0, 1}, a, b, c));   // through a corner
+  EXPECT_TRUE(segment_meets_triangle({-1, 1, 0}, {5, 1, 0}, a, b, c));   // in its plane
+  EXPECT_TRUE(segment_meets_triangle({0.5, 1, 0}, {1, 1, 0}, a, b, c));  // wholly in it
   EXPECT_FALSE(segment_meets_triangle({-1, 5, 0}, {5, 5, 0}, a, b, c));
   EXPECT_FALSE(segment_meets_triangle({2, 2.0000000000000004, -1}, {2, 2.0000000000000004, 1}, a, b, c));
   EXPECT_FALSE(segment_meets_triangle({1, 1, 1e-30}, {1, 1, 1}, a, b, c));

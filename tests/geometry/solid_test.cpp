@@ -229,17 +229,18 @@ TEST(SolidTest, SurfacesThatCrossThemselvesAreRefused) {
   const Surface box = Surface::box({0, 0, 0}, {2, 2, 2});
   const auto with = [&](Vec3 min, Vec3 max) { return Surface(box).add(Surface::box(min, max)); };
   EXPECT_TRUE(with({1, 1, 1}, {3, 3, 3}).refused_as<FacesCross>());
-  EXPECT_TRUE(with({1, 0.5, 0.5}, {3, 1.5, 1.5}).refused_as<FacesCross>());         // edges pierce a face
-  EXPECT_TRUE(with({0, 0, 2}, {1, 1, 3}).refused_as<FacesCross>());                 // stands on it
-  EXPECT_TRUE(with({2, 2, 0.5}, {3, 3, 1.5}).refused_as<FacesCross>());             // along an edge
-  EXPECT_TRUE(with({2.0000000000000004, 0, 0}, {3, 2, 2}).make().has_value());      // one ulp apart
-  EXPECT_TRUE(with({2, 2, 2}, {3, 3, 3}).make().has_value());                       // one common corner: both keep it
+  EXPECT_TRUE(with({1, 0.5, 0.5}, {3, 1.5, 1.5}).refused_as<FacesCross>());     // edges pierce a face
+  EXPECT_TRUE(with({0, 0, 2}, {1, 1, 3}).refused_as<FacesCross>());             // stands on it
+  EXPECT_TRUE(with({2, 2, 0.5}, {3, 3, 1.5}).refused_as<FacesCross>());         // along an edge
+  EXPECT_TRUE(with({2.0000000000000004, 0, 0}, {3, 2, 2}).make().has_value());  // one ulp apart
+  EXPECT_TRUE(with({2, 2, 2}, {3, 3, 3}).make().has_value());                   // one common corner: both keep it
   // the same on triangles
   EXPECT_TRUE(Surface(box).triangulated().make().has_value());
   EXPECT_TRUE(with({1, 1, 1}, {3, 3, 3}).triangulated().refused_as<FacesCross>());
   // two tetrahedra of the stella octangula: only edges cross edges, exactly
   const auto tetrahedron = [](double s) {
-    Surface t{{{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}}, {{{0, 1, 2}, 0}, {{0, 2, 3}, 0}, {{0, 3, 1}, 0}, {{1, 3, 2}, 0}}};
+    Surface t{{{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}},
+              {{{0, 1, 2}, 0}, {{0, 2, 3}, 0}, {{0, 3, 1}, 0}, {{1, 3, 2}, 0}}};
     if (s < 0) t.reversed();
     return t;
   };

@@ -56,8 +56,11 @@ bool refused_as(const Section& section, const std::vector<Vec3>& axis, const Tun
 }
 
 TEST(TunnelTest, EverySectionHasItsAreaInEveryDirection) {
-  const std::vector<std::vector<Vec3>> axes{
-      north, {{0, 0, 0}, {30, 0, 0}}, {{5, 5, 5}, {-7, 12, 3}}, {{5e5, 4e6, 100}, {500020, 4000030, 95}}, {{1, 2, 3}, {4, 6, 50}}};
+  const std::vector<std::vector<Vec3>> axes{north,
+                                            {{0, 0, 0}, {30, 0, 0}},
+                                            {{5, 5, 5}, {-7, 12, 3}},
+                                            {{5e5, 4e6, 100}, {500020, 4000030, 95}},
+                                            {{1, 2, 3}, {4, 6, 50}}};
   for (const Case& c : cases()) {
     for (const auto& axis : axes) {
       SCOPED_TRACE(c.name);
@@ -114,7 +117,8 @@ TEST(TunnelTest, FacesCarryTheirNames) {
   EXPECT_EQ(round, (std::set<std::uint32_t>{0, 1, 2, 3, 4}));
 }
 
-// On any lattice whose pitch divides a nanometre's power of two the sides stay parallelograms: checked in integers of 2^-30 m.
+// On any lattice whose pitch divides a nanometre's power of two the sides stay parallelograms: checked in integers of
+// 2^-30 m.
 TEST(TunnelTest, SidesAreExactParallelogramsWhateverTheDirection) {
   for (const Case& c : cases()) {
     const auto tunnel = make_tunnel(c.section, {{500000.1, 4000000.7, 99.3}, {500020.123, 4000030.456, 95.77}}).value();
@@ -161,7 +165,8 @@ TEST(TunnelTest, ShaftsNeedAnUpDirection) {
 }
 
 TEST(TunnelTest, BendsAreMitred) {
-  // An L of two arms of 10 m: the mitre takes from one arm what it gives to the other, volume = area x length of the axis.
+  // An L of two arms of 10 m: the mitre takes from one arm what it gives to the other, volume = area x length of the
+  // axis.
   const std::vector<Vec3> bent{{0, 0, 0}, {10, 0, 0}, {10, 10, 0}};
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
@@ -185,7 +190,8 @@ TEST(TunnelTest, BendsAreMitred) {
 
 TEST(TunnelTest, PointsOnAStraightAxisAddNothing) {
   const auto plain = make_tunnel(CircleSection{metres(4)}, north).value();
-  const auto dotted = make_tunnel(CircleSection{metres(4)}, {{40, 0, 30}, {40, 10, 30}, {40, 33, 30}, {40, 80, 30}}).value();
+  const auto dotted =
+      make_tunnel(CircleSection{metres(4)}, {{40, 0, 30}, {40, 10, 30}, {40, 33, 30}, {40, 80, 30}}).value();
   EXPECT_TRUE(std::ranges::equal(plain.vertices(), dotted.vertices()));
   EXPECT_EQ(plain.faces().size(), dotted.faces().size());
 }

@@ -18,7 +18,8 @@ class FileTest : public ::testing::Test {
  protected:
   FileTest() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() / (std::string{"cleave_io_"} + info->name() + "_" + std::to_string(::getpid()));
+    folder_ = std::filesystem::temp_directory_path() /
+              (std::string{"cleave_io_"} + info->name() + "_" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder_);
   }
   ~FileTest() override { std::filesystem::remove_all(folder_); }

@@ -11,7 +11,9 @@
 
 namespace cleave::io::testing {
 
-inline std::filesystem::path data_file(std::string_view name) { return std::filesystem::path{CLEAVE_SOURCE_DIR} / "tests" / "data" / name; }
+inline std::filesystem::path data_file(std::string_view name) {
+  return std::filesystem::path{CLEAVE_SOURCE_DIR} / "tests" / "data" / name;
+}
 
 inline std::string bytes_of(std::string_view name) { return read_file(data_file(name)).value(); }
 

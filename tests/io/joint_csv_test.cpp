@@ -30,7 +30,8 @@ std::vector<ReadError> problems(std::string_view text, const JointCsvOptions& op
 TEST(JointCsvTest, ColumnsInAnyOrderAndEverySize) {
   const JointTable t = read(
       "\xEF\xBB\xBF# measured in spring\r\n"
-      "ID,Set,\"Easting\",northing,Elevation,Dip Direction,DIP,radius,side_a,side_b,rotation,friction,cohesion,remark\r\n"
+      "ID,Set,\"Easting\",northing,Elevation,Dip "
+      "Direction,DIP,radius,side_a,side_b,rotation,friction,cohesion,remark\r\n"
       "\r\n"
       "7,A,1,2,3,30,60,5,,,,25,0,\"a \"\"good\"\" one, visible\"\r\n"
       "8,\"B, wet\",1.5,-2,3e2,360,90,,4,2,10,,,\r\n"
@@ -44,7 +45,8 @@ TEST(JointCsvTest, ColumnsInAnyOrderAndEverySize) {
   EXPECT_EQ(t.rows[0].set, "A");
   EXPECT_EQ(t.rows[1].set, "B, wet");
   EXPECT_EQ(t.rows[1].plane.direction.degrees(), 0);  // 360 is 0
-  EXPECT_EQ(std::get<RectangleSize>(t.rows[1].size), (RectangleSize{metres(4), metres(2), geometry::InPlaneRotation::degrees(10)}));
+  EXPECT_EQ(std::get<RectangleSize>(t.rows[1].size),
+            (RectangleSize{metres(4), metres(2), geometry::InPlaneRotation::degrees(10)}));
   EXPECT_FALSE(t.rows[1].friction.has_value());
   EXPECT_TRUE(std::holds_alternative<Persistent>(t.rows[2].size));
   EXPECT_EQ(t.rows[2].cohesion, pascals(1e4));
@@ -79,8 +81,11 @@ TEST(JointCsvTest, AnglesOutsideAreErrorsUnlessWrapped) {
   }
   EXPECT_EQ(e[0].column, 2U);
   EXPECT_EQ(e[1].column, 1U);
-  const JointTable t = read(head + "45,364,0,0,0\n95,10,0,0,0\n-5,10,0,0,0\n45,-1,0,0,0\n442,0,0,0,0\n", {.wrap = true});
-  const auto plane = [&](std::size_t i) { return std::pair{t.rows[i].plane.dip.degrees(), t.rows[i].plane.direction.degrees()}; };
+  const JointTable t =
+      read(head + "45,364,0,0,0\n95,10,0,0,0\n-5,10,0,0,0\n45,-1,0,0,0\n442,0,0,0,0\n", {.wrap = true});
+  const auto plane = [&](std::size_t i) {
+    return std::pair{t.rows[i].plane.dip.degrees(), t.rows[i].plane.direction.degrees()};
+  };
   EXPECT_EQ(plane(0), (std::pair{45.0, 4.0}));
   EXPECT_EQ(plane(1), (std::pair{85.0, 190.0}));
   EXPECT_EQ(plane(2), (std::pair{5.0, 190.0}));
@@ -92,7 +97,8 @@ TEST(JointCsvTest, AnglesOutsideAreErrorsUnlessWrapped) {
 TEST(JointCsvTest, WrappingKeepsThePlane) {
   for (int dip = -400; dip <= 400; dip += 37) {
     for (int direction = -700; direction < 800; direction += 101) {
-      const JointTable t = read("dip,dd,x,y,z\n" + std::to_string(dip) + "," + std::to_string(direction) + ",0,0,0\n", {.wrap = true});
+      const JointTable t =
+          read("dip,dd,x,y,z\n" + std::to_string(dip) + "," + std::to_string(direction) + ",0,0,0\n", {.wrap = true});
       const geometry::Vec3 given = geometry::upward_normal({Dip::degrees(dip), DipDirection::degrees(direction)});
       EXPECT_NEAR(std::abs(dot(given, geometry::upward_normal(t.rows[0].plane))), 1, 1e-14);
       EXPECT_GE(t.rows[0].plane.dip.degrees(), 0);
@@ -119,7 +125,11 @@ TEST(JointCsvTest, HeadersAreRequiredAndJudged) {
   EXPECT_EQ(problems("").at(0).fault, ReadFault::empty);
   EXPECT_EQ(problems("# nothing\n\n").at(0).fault, ReadFault::empty);
   EXPECT_EQ(problems("dip,dd,x,y,z\n").at(0).fault, ReadFault::empty);
-  EXPECT_EQ(problems("\xFF\xFE" "d\0i\0p\0").at(0).fault, ReadFault::unknown_format);
+  EXPECT_EQ(problems("\xFF\xFE"
+                     "d\0i\0p\0")
+                .at(0)
+                .fault,
+            ReadFault::unknown_format);
 }
 
 TEST(JointCsvTest, RowsAreJudgedAndAllTold) {
@@ -144,6 +154,9 @@ TEST(JointCsvTest, RowsAreJudgedAndAllTold) {
   std::string many = "dip,dd,x,y,z\n";
   for (int i = 0; i < 100; ++i) many += "x,0,0,0,0\n";
   EXPECT_EQ(problems(many).size(), 20U);
+  std::string wide = "dip";
+  for (int i = 0; i < 100; ++i) wide += ",dip";
+  EXPECT_EQ(problems(wide + "\n").size(), 20U);
 }
 
 TEST(JointCsvTest, MeasuredOrientationsWithoutPositions) {
@@ -160,7 +173,8 @@ TEST(JointCsvTest, MeasuredOrientationsWithoutPositions) {
 TEST(JointCsvTest, TablesReadBackTheSame) {
   JointTable t = read(
       "dip,dd,x,y,z,radius,side_a,side_b,rotation,friction,cohesion,set,id\n"
-      "60.1,30,1,2,3,5,,,,25,,A,\n8,0.30000000000000004,1,2,3,,4,2,10,,1e5,\"B,\"\"x\"\"\",9\n8,9,1e-300,2,3,,,,,,,,\n");
+      "60.1,30,1,2,3,5,,,,25,,A,\n8,0.30000000000000004,1,2,3,,4,2,10,,1e5,\"B,\"\"x\"\"\",9\n8,9,1e-300,2,3,,,,,,,,"
+      "\n");
   JointTable back = read(write_joint_csv(t));
   for (JointTable* table : {&t, &back}) {
     for (JointRow& row : table->rows) row.line = 0;

@@ -16,8 +16,11 @@ MeshData without_lines(MeshData mesh) {
 }
 
 const MeshData& sample() {
-  static const MeshData mesh =
-      parse_obj("v 0.1 -1e-300 3\nv 1 0.3333333333333333 4e17\nv 2 2 2\nv 0 9 1\nf 1 2 3 4\ng b\nf 3 2 1\ng a\nf 1 2 3\ng b\nf 4 2 1\n", "a").value();
+  static const MeshData mesh = parse_obj(
+                                   "v 0.1 -1e-300 3\nv 1 0.3333333333333333 4e17\nv 2 2 2\nv 0 9 1\nf 1 2 3 4\ng b\nf "
+                                   "3 2 1\ng a\nf 1 2 3\ng b\nf 4 2 1\n",
+                                   "a")
+                                   .value();
   return mesh;
 }
 
@@ -36,8 +39,11 @@ TEST(MeshWriteTest, PlyReadsBackTheSameButForGroups) {
 
 TEST(MeshWriteTest, StlHoldsTheSameBody) {
   const MeshData wall = read_mesh(testing::data_file("masonry_meshes/ursula.obj")).value();
-  const MeshData box = parse_obj("v 0 0 0\nv 2 0 0\nv 0 3 0\nv 2 3 0\nv 0 0 4\nv 2 0 4\nv 0 3 4\nv 2 3 4\n"
-                                 "g side\nf 1 5 7 3\nf 2 4 8 6\nf 1 2 6 5\nf 3 7 8 4\ng cap\nf 1 3 4 2\nf 5 6 8 7\n", "a").value();
+  const MeshData box = parse_obj(
+                           "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 2 3 0\nv 0 0 4\nv 2 0 4\nv 0 3 4\nv 2 3 4\n"
+                           "g side\nf 1 5 7 3\nf 2 4 8 6\nf 1 2 6 5\nf 3 7 8 4\ng cap\nf 1 3 4 2\nf 5 6 8 7\n",
+                           "a")
+                           .value();
   EXPECT_DOUBLE_EQ(testing::volume_of(box), 24);
   const MeshData text = parse_stl(write_stl_text(box), "b").value();
   EXPECT_EQ(text.faces(), 12U);

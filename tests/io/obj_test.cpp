@@ -17,7 +17,9 @@ ReadError refused(std::string_view text) {
   return mesh ? ReadError{} : mesh.error();
 }
 
-std::vector<std::uint32_t> face(const MeshData& mesh, std::size_t f) { return {mesh.face(f).begin(), mesh.face(f).end()}; }
+std::vector<std::uint32_t> face(const MeshData& mesh, std::size_t f) {
+  return {mesh.face(f).begin(), mesh.face(f).end()};
+}
 
 TEST(ObjTest, FacesAreReadInEveryNotation) {
   const auto mesh = parse_obj(
@@ -44,7 +46,8 @@ TEST(ObjTest, FacesAreReadInEveryNotation) {
 }
 
 TEST(ObjTest, GroupsAreKeptInOrderOfTheirFaces) {
-  const auto mesh = parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no Mesh 0\ng unused\no B\nf 1 2 3\no Mesh 0\nf 1 2 3\nf 3 2 1\n", "a");
+  const auto mesh = parse_obj(
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no Mesh 0\ng unused\no B\nf 1 2 3\no Mesh 0\nf 1 2 3\nf 3 2 1\n", "a");
   ASSERT_TRUE(mesh.has_value());
   EXPECT_EQ(mesh->groups, (std::vector<std::string>{"", "B", "Mesh 0"}));
   EXPECT_EQ(mesh->group, (std::vector<std::uint32_t>{0, 1, 2, 2}));
@@ -76,7 +79,14 @@ TEST(ObjTest, FaultsNameTheLine) {
   expect("v 0 0 1,5\n", ReadFault::bad_number, 1);
   expect("v 0 0 +-1\n", ReadFault::bad_number, 1);
   expect("\n\nsolid cube\n", ReadFault::syntax, 3);
-  expect(v + "f" + [] { std::string s; for (int i = 0; i < 5000; ++i) s += " 1"; return s; }(), ReadFault::too_large, 4);
+  expect(
+      v + "f" +
+          [] {
+            std::string s;
+            for (int i = 0; i < 5000; ++i) s += " 1";
+            return s;
+          }(),
+      ReadFault::too_large, 4);
 }
 
 TEST(ObjTest, ShortFacesAreLeftToGeometry) {

@@ -10,7 +10,8 @@ namespace {
 
 const std::string header_end =
     "comment made by hand\n"
-    "element vertex 4\nproperty float x\nproperty uchar red\nproperty double y\nproperty list uchar short extra\nproperty int z\n"
+    "element vertex 4\nproperty float x\nproperty uchar red\nproperty double y\nproperty list uchar short "
+    "extra\nproperty int z\n"
     "element face 4\nproperty list uchar int vertex_index\nproperty float quality\nend_header\n";
 
 /// The same tetrahedron in any encoding; `put` appends a value of a type.
@@ -18,7 +19,8 @@ template <class Put>
 std::string body(Put&& put) {
   std::string out;
   const auto vertex = [&](double x, double y, double z) {
-    put(out, 'f', x), put(out, 'B', 7), put(out, 'd', y), put(out, 'B', 2), put(out, 'h', -1), put(out, 'h', 5), put(out, 'i', z);
+    put(out, 'f', x), put(out, 'B', 7), put(out, 'd', y), put(out, 'B', 2), put(out, 'h', -1), put(out, 'h', 5),
+        put(out, 'i', z);
   };
   vertex(0, 0, 0), vertex(1, 0, 0), vertex(0, 1, 0), vertex(0, 0, -1);
   for (const auto& [a, b, c] : {std::array{0, 1, 2}, std::array{0, 3, 1}, std::array{0, 2, 3}, std::array{1, 3, 2}}) {
@@ -27,7 +29,9 @@ std::string body(Put&& put) {
   return out;
 }
 
-void put_text(std::string& out, char, double value) { out += std::to_string(value) + (out.size() % 3 == 0 ? "\n" : " "); }
+void put_text(std::string& out, char, double value) {
+  out += std::to_string(value) + (out.size() % 3 == 0 ? "\n" : " ");
+}
 
 template <bool big>
 void put_binary(std::string& out, char type, double value) {
@@ -96,10 +100,12 @@ TEST(PlyTest, FaultsAreTyped) {
   EXPECT_EQ(fault_of(start + "element vertex 3\nproperty list float int x\n"), ReadFault::syntax);
   EXPECT_EQ(fault_of(start + vertices + vertices), ReadFault::syntax);
   EXPECT_EQ(fault_of(start + "element vertex 1\nproperty float x\nproperty float y\n" + faces), ReadFault::syntax);
-  EXPECT_EQ(fault_of(start + vertices + "element face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"),
+  EXPECT_EQ(fault_of(start + vertices +
+                     "element face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"),
             ReadFault::empty);
   // a promise of 4e9 vertices costs nothing when the bytes are not there
-  EXPECT_EQ(fault_of("ply\nformat binary_big_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\nabc"),
+  EXPECT_EQ(fault_of("ply\nformat binary_big_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float "
+                     "y\nproperty float z\nend_header\nabc"),
             ReadFault::truncated);
 }
 

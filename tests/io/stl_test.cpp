@@ -81,9 +81,11 @@ TEST(StlTest, TruncatedFilesAreRefused) {
 
 TEST(StlTest, TextMayHoldSeveralSolids) {
   const auto facet = [](std::string_view x) {
-    return "facet normal nan 0 0\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 " + std::string{x} + " 0\n endloop\nendfacet\n";
+    return "facet normal nan 0 0\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 " + std::string{x} +
+           " 0\n endloop\nendfacet\n";
   };
-  const auto mesh = parse_stl("SOLID a b\n" + facet("1") + "endsolid a b\nsolid\n" + facet("2") + facet("3") + "EndSolid\n", "a");
+  const auto mesh =
+      parse_stl("SOLID a b\n" + facet("1") + "endsolid a b\nsolid\n" + facet("2") + facet("3") + "EndSolid\n", "a");
   ASSERT_TRUE(mesh.has_value()) << describe(mesh.error());
   EXPECT_EQ(mesh->groups, (std::vector<std::string>{"a b", ""}));
   EXPECT_EQ(mesh->group, (std::vector<std::uint32_t>{0, 1, 1}));

@@ -9,6 +9,7 @@
 
 namespace cleave::oracle {
 
+using testing::IntegerPoint;
 using testing::IntegerPolygon;
 using testing::IntegerScene;
 using testing::IntegerSolid;
@@ -16,6 +17,12 @@ using testing::IntegerSolid;
 namespace {
 
 enum class Role : std::int64_t { joint, fixed, free };
+
+/// With excavations the box is cut one larger on all sides: what lies behind a side of the domain may be air.
+IntegerPoint around(const IntegerScene& scene, std::int32_t by) {
+  const std::int32_t d = scene.excavations.empty() ? 0 : by;
+  return (by < 0 ? scene.min : scene.max) + IntegerPoint{d, d, d};
+}
 
 /// One joint with its plane, ready to be asked.
 struct Facet {
@@ -27,7 +34,7 @@ struct Facet {
 class Cutter final {
  public:
   Cutter(const IntegerScene& scene, const OracleOptions& options)
-      : scene_{scene}, options_{options}, arrangement_{scene.min, scene.max} {
+      : scene_{scene}, options_{options}, arrangement_{around(scene, -1), around(scene, 1)} {
     for (const IntegerPolygon& joint : scene.joints)
       facets_.push_back({&joint, plane_of(joint), outline_planes(joint)});
   }
@@ -61,6 +68,8 @@ class Cutter final {
 void Cutter::partition() {
   for (const Facet& facet : facets_) arrangement_.insert(facet.plane);
   std::vector<const IntegerSolid*> solids;
+  const IntegerSolid box = testing::integer_box(scene_.min, scene_.max);
+  solids.push_back(&box);
   for (const IntegerSolid& solid : scene_.excavations) solids.push_back(&solid);
   if (scene_.domain) solids.push_back(&*scene_.domain);
   for (const IntegerSolid* solid : solids) {
@@ -99,12 +108,14 @@ void Cutter::pair_faces() {
 void Cutter::classify() {
   outside_.resize(arrangement_.cells().size());
   if (scene_.excavations.empty() && !scene_.domain) return;
+  const IntegerSolid domain = scene_.domain ? *scene_.domain : testing::integer_box(scene_.min, scene_.max);
   for (std::size_t c = 0; c < outside_.size(); ++c) {
     const HomogeneousPoint point = arrangement_.inside(arrangement_.cells()[c]);
-    if (scene_.domain && !contains(*scene_.domain, point)) {
-      outside_[c] = Role::fixed;
-    } else if (std::ranges::any_of(scene_.excavations, [&](const IntegerSolid& s) { return contains(s, point); })) {
+    // Air first: an excavation that ends on a side of the domain, or leaves it, frees what it touches.
+    if (std::ranges::any_of(scene_.excavations, [&](const IntegerSolid& s) { return contains(s, point); })) {
       outside_[c] = Role::free;
+    } else if (!contains(domain, point)) {
+      outside_[c] = Role::fixed;
     }
   }
 }

@@ -249,7 +249,7 @@ TEST(MotionTest, CountsOfModesOverAllSides) {
 TEST(MotionTest, ShareOfWedgesTheSignTestMisses) {
   Rng rng{10};
   int wedges = 0, missed = 0;
-  for (int trial = 0; trial < 40000; ++trial) {
+  for (int trial = 0; trial < 20000; ++trial) {
     const std::vector normals{random_direction(rng), random_direction(rng), random_direction(rng)};
     const Vec3 r = random_direction(rng);
     const Motion m = under(normals, r);
@@ -260,7 +260,7 @@ TEST(MotionTest, ShareOfWedgesTheSignTestMisses) {
   const double expected = 1 - 2 / std::numbers::pi;
   const double n = wedges;
   EXPECT_NEAR(missed / n, expected, 4 * std::sqrt(expected * (1 - expected) / n));
-  EXPECT_NEAR(n / 40000, 3.0 / 8, 4 * std::sqrt(3.0 / 8 * 5 / 8 / 40000));
+  EXPECT_NEAR(n / 20000, 3.0 / 8, 4 * std::sqrt(3.0 / 8 * 5 / 8 / 20000));
 }
 
 }  // namespace

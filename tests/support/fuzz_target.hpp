@@ -25,6 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 #define CLEAVE_UNCHECKED_END
 #endif
 
+// NOLINTBEGIN(bugprone-macro-parentheses): the macro's argument is a name
 // The one place where libFuzzer's pointer and length become a span.
 #define CLEAVE_FUZZ_TARGET(bytes)                                                     \
   static void cleave_fuzz_one(std::span<const std::uint8_t> bytes);                   \
@@ -35,3 +36,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }                                                                                   \
   CLEAVE_UNCHECKED_END                                                                \
   static void cleave_fuzz_one(std::span<const std::uint8_t> bytes)
+// NOLINTEND(bugprone-macro-parentheses)

@@ -13,7 +13,9 @@ namespace {
 using exact::Sign;
 using Corners = std::array<std::uint32_t, 3>;
 
-bool has(const Corners& triangle, std::uint32_t vertex) { return std::ranges::find(triangle, vertex) != triangle.end(); }
+bool has(const Corners& triangle, std::uint32_t vertex) {
+  return std::ranges::find(triangle, vertex) != triangle.end();
+}
 
 /// Does an edge of `s` that shares no vertex with `t` meet `t`?
 bool free_edge_meets(std::span<const Vec3> p, const Corners& s, const Corners& t) {
@@ -53,8 +55,8 @@ bool clash(std::span<const Vec3> p, const Corners& s, const Corners& t) {
 
 }  // namespace
 
-std::optional<std::pair<std::uint32_t, std::uint32_t>> first_crossing_faces(std::span<const Vec3> vertices,
-                                                                            std::span<const SurfaceTriangle> triangles) {
+std::optional<std::pair<std::uint32_t, std::uint32_t>> first_crossing_faces(
+    std::span<const Vec3> vertices, std::span<const SurfaceTriangle> triangles) {
   std::vector<Bounds> boxes;
   boxes.reserve(triangles.size());
   for (const SurfaceTriangle& t : triangles) {

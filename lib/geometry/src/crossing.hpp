@@ -16,8 +16,9 @@ struct SurfaceTriangle {
   std::uint32_t face;
 };
 
-/// Two faces, lowest numbers first, with triangles that have more in common than the vertices and edges they share: they cross, overlap
-/// or touch. Exact. Vertices at one place must have one number. Triangles of one face are not compared.
+/// Two faces, lowest numbers first, with triangles that have more in common than the vertices and edges they share:
+/// they cross, overlap or touch. Exact. Vertices at one place must have one number. Triangles of one face are not
+/// compared.
 [[nodiscard]] std::optional<std::pair<std::uint32_t, std::uint32_t>> first_crossing_faces(
     std::span<const Vec3> vertices, std::span<const SurfaceTriangle> triangles);
 

@@ -16,7 +16,8 @@ namespace {
 using Quad = std::array<std::uint32_t, 4>;
 
 /// Corners by bits, counter-clockwise from outside, in the order of the tags.
-constexpr std::array<Quad, 6> box_faces{{{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+constexpr std::array<Quad, 6> box_faces{
+    {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
 
 std::vector<std::string> box_tags() { return {"west", "east", "south", "north", "bottom", "top"}; }
 

@@ -20,7 +20,8 @@ NetPoint at(double trend, double radius) { return {radius * sin_degrees(trend), 
 double wrap_degrees(double degrees) noexcept {
   const double wrapped = std::fmod(degrees, 360.0);
   const double positive = wrapped < 0 ? wrapped + 360.0 : wrapped;
-  return positive >= 360.0 ? 0.0 : positive + 0.0;  // a tiny negative angle rounds up to 360; + 0.0 drops the sign of -0
+  return positive >= 360.0 ? 0.0
+                           : positive + 0.0;  // a tiny negative angle rounds up to 360; + 0.0 drops the sign of -0
 }
 
 double sin_degrees(double degrees) noexcept {
@@ -62,7 +63,9 @@ Attitude attitude_of(Vec3 normal) noexcept {
   return {Dip::degrees(std::atan2(horizontal, up.z) * to_degrees), DipDirection::degrees(azimuth_of(up.x, up.y))};
 }
 
-DipDirection dip_direction_of(Strike strike) noexcept { return DipDirection::degrees(wrap_degrees(strike.degrees() + 90)); }
+DipDirection dip_direction_of(Strike strike) noexcept {
+  return DipDirection::degrees(wrap_degrees(strike.degrees() + 90));
+}
 
 Strike strike_of(DipDirection direction) noexcept { return Strike::degrees(wrap_degrees(direction.degrees() - 90)); }
 

@@ -32,8 +32,8 @@ Vec3 furthest_from(Vec3 centre, const std::vector<Vec3>& points) {
   return *std::ranges::max_element(points, {}, [&](Vec3 p) { return dot(p - centre, p - centre); });
 }
 
-/// A normal that does not depend on the order of the corners: of the line between two far corners and the corner furthest off it.
-/// Its length is (length of that line) x (distance from it).
+/// A normal that does not depend on the order of the corners: of the line between two far corners and the corner
+/// furthest off it. Its length is (length of that line) x (distance from it).
 Vec3 spread_normal(const std::vector<Vec3>& corners) {
   const Vec3 a = furthest_from(corners.front(), corners);
   const Vec3 b = furthest_from(a, corners);
@@ -55,7 +55,8 @@ Vec3 area_vector(const std::vector<Vec3>& corners) {
   return sum;
 }
 
-/// Pairs of edges that meet where they may not; the pair of the lowest numbers. Sweep over the edges sorted by their left end.
+/// Pairs of edges that meet where they may not; the pair of the lowest numbers. Sweep over the edges sorted by their
+/// left end.
 std::optional<std::pair<std::size_t, std::size_t>> first_crossing(const std::vector<Vec2>& ring) {
   const std::size_t n = ring.size();
   const auto next = [n](std::size_t i) { return i + 1 == n ? 0 : i + 1; };

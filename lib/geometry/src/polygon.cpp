@@ -51,26 +51,31 @@ std::string describe(const PolygonError& error) {
   return std::visit(
       overloaded{
           [](TooFewCorners e) {
-            return fmt::format("a polygon needs at least three corners, this one has {}; add the missing corners", e.corners);
+            return fmt::format("a polygon needs at least three corners, this one has {}; add the missing corners",
+                               e.corners);
           },
           [](NonFiniteCorner e) {
             return fmt::format(
-                "corner {} is not a usable position (not a number, infinite, or beyond 1e12 m); correct its coordinates",
+                "corner {} is not a usable position (not a number, infinite, or beyond 1e12 m); correct its "
+                "coordinates",
                 e.corner);
           },
           [](ZeroArea) {
-            return std::string{"all corners lie on one line or in one point, so the polygon has no area; give at least three "
-                               "corners that are not on one line"};
+            return std::string{
+                "all corners lie on one line or in one point, so the polygon has no area; give at least three "
+                "corners that are not on one line"};
           },
           [](NotPlanar e) {
             return fmt::format(
-                "corner {} lies {:.3g} m off the best-fit plane, allowed is {:.3g} m; correct the corners, or set nonplanar = "
+                "corner {} lies {:.3g} m off the best-fit plane, allowed is {:.3g} m; correct the corners, or set "
+                "nonplanar = "
                 "\"triangulate\"",
                 e.corner, e.distance.si(), e.allowed.si());
           },
           [](SelfCrossing e) {
             return fmt::format(
-                "edges {} and {} cross, touch or overlap (edge i starts at corner i, counted from 0); list the corners in order "
+                "edges {} and {} cross, touch or overlap (edge i starts at corner i, counted from 0); list the corners "
+                "in order "
                 "around the outline",
                 e.first_edge, e.second_edge);
           },

@@ -22,7 +22,7 @@ Pair two_sum(double a, double b) noexcept {  // Knuth 1969; needs no order of a 
   return {sum, (a - a_virtual) + (b - b_virtual)};
 }
 
-Pair split(double a) noexcept {  // Veltkamp
+Pair split(double a) noexcept {             // Veltkamp
   constexpr double splitter = 134217729.0;  // 2^27 + 1
   const double c = splitter * a;
   const double high = c - (c - a);

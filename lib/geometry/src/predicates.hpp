@@ -5,16 +5,18 @@
 #include "cleave/exact/sign.hpp"
 #include "cleave/geometry/vec3.hpp"
 
-/// Exact orientation signs of points given as doubles, for the checks of polygons and meshes at the border (the cutter itself works
-/// on lattice points and has its own). A filter in double decides nearly all; expansions (Priest 1991, Shewchuk 1997) decide the rest.
-/// Exact for coordinates that `flushed` returns: at most 1e12 m, and 0 or at least 1e-60 m, so that no product over- or underflows.
+/// Exact orientation signs of points given as doubles, for the checks of polygons and meshes at the border (the cutter
+/// itself works on lattice points and has its own). A filter in double decides nearly all; expansions (Priest 1991,
+/// Shewchuk 1997) decide the rest. Exact for coordinates that `flushed` returns: at most 1e12 m, and 0 or at least
+/// 1e-60 m, so that no product over- or underflows.
 namespace cleave::geometry {
 
 /// Largest coordinate (m) that polygons and solids accept.
 inline constexpr double largest_coordinate = 1e12;
 
 [[nodiscard]] inline bool in_range(Vec3 p) noexcept {
-  return std::abs(p.x) <= largest_coordinate && std::abs(p.y) <= largest_coordinate && std::abs(p.z) <= largest_coordinate;
+  return std::abs(p.x) <= largest_coordinate && std::abs(p.y) <= largest_coordinate &&
+         std::abs(p.z) <= largest_coordinate;
 }
 
 [[nodiscard]] inline double flushed(double x) noexcept { return std::abs(x) < 1e-60 ? 0.0 : x; }

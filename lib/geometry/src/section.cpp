@@ -66,7 +66,8 @@ SectionOutline arched(double width, double wall, double rise, std::uint32_t segm
   const double half = width / 2;
   const double radius = (half * half + rise * rise) / (2 * rise);
   const bool half_circle = rise == half;
-  const double spread = half_circle ? 90.0 : std::atan2(half, radius - rise) * (180 / std::numbers::pi);  // half the arc
+  const double spread =
+      half_circle ? 90.0 : std::atan2(half, radius - rise) * (180 / std::numbers::pi);  // half the arc
   const double centre = wall + rise - radius;
   const auto n = std::max(2U, static_cast<std::uint32_t>(std::ceil(segments * spread / 90.0 - 1e-9)));
   SectionOutline outline;
@@ -111,49 +112,48 @@ Outcome polygon_outline(const PolygonSection& section) {
 
 Outcome outline_of(const Section& section, std::uint32_t segments) {
   if (segments < 2 || segments > 1024) return std::unexpected(BadSegments{segments});
-  return std::visit(
-      overloaded{
-          [&](const CircleSection& s) -> Outcome {
-            CLEAVE_CHECK(check({{"diameter", s.diameter}}));
-            return ellipse_outline(s.diameter.si() / 2, s.diameter.si() / 2, segments);
-          },
-          [&](const EllipseSection& s) -> Outcome {
-            CLEAVE_CHECK(check({{"width", s.width}, {"height", s.height}}));
-            return ellipse_outline(s.width.si() / 2, s.height.si() / 2, segments);
-          },
-          [&](const RectangleSection& s) -> Outcome {
-            CLEAVE_CHECK(check({{"width", s.width}, {"height", s.height}}));
-            const double u = s.width.si() / 2;
-            const double v = s.height.si() / 2;
-            return SectionOutline{{{-u, -v}, {u, -v}, {u, v}, {-u, v}},
-                                  {tunnel_floor, tunnel_wall, tunnel_crown, tunnel_wall}};
-          },
-          [&](const DShapeSection& s) -> Outcome {
-            CLEAVE_CHECK(check({{"width", s.width}, {"wall", s.wall, true}}));
-            return arched(s.width.si(), s.wall.si(), s.width.si() / 2, segments);
-          },
-          [&](const HorseshoeSection& s) -> Outcome {
-            CLEAVE_CHECK(check({{"width", s.width}, {"height", s.height}}));
-            const double wall = s.height.si() - s.width.si() / 2;
-            if (wall < 0) return std::unexpected(HorseshoeTooLow{s.width, s.height});
-            return arched(s.width.si(), wall, s.width.si() / 2, segments);
-          },
-          [&](const TrapezoidSection& s) -> Outcome {
-            CLEAVE_CHECK(check({{"width", s.width}, {"top_width", s.top_width}, {"height", s.height}}));
-            const double u = s.width.si() / 2;
-            const double t = s.top_width.si() / 2;
-            const double v = s.height.si() / 2;
-            return SectionOutline{{{-u, -v}, {u, -v}, {t, v}, {-t, v}},
-                                  {tunnel_floor, tunnel_wall, tunnel_crown, tunnel_wall}};
-          },
-          [&](const ArchSection& s) -> Outcome {
-            CLEAVE_CHECK(check({{"width", s.width}, {"wall", s.wall, true}, {"rise", s.rise}}));
-            if (s.rise.si() > s.width.si() / 2) return std::unexpected(ArchTooHigh{s.width, s.rise});
-            return arched(s.width.si(), s.wall.si(), s.rise.si(), segments);
-          },
-          [&](const PolygonSection& s) -> Outcome { return polygon_outline(s); },
-      },
-      section);
+  return std::visit(overloaded{
+                        [&](const CircleSection& s) -> Outcome {
+                          CLEAVE_CHECK(check({{"diameter", s.diameter}}));
+                          return ellipse_outline(s.diameter.si() / 2, s.diameter.si() / 2, segments);
+                        },
+                        [&](const EllipseSection& s) -> Outcome {
+                          CLEAVE_CHECK(check({{"width", s.width}, {"height", s.height}}));
+                          return ellipse_outline(s.width.si() / 2, s.height.si() / 2, segments);
+                        },
+                        [&](const RectangleSection& s) -> Outcome {
+                          CLEAVE_CHECK(check({{"width", s.width}, {"height", s.height}}));
+                          const double u = s.width.si() / 2;
+                          const double v = s.height.si() / 2;
+                          return SectionOutline{{{-u, -v}, {u, -v}, {u, v}, {-u, v}},
+                                                {tunnel_floor, tunnel_wall, tunnel_crown, tunnel_wall}};
+                        },
+                        [&](const DShapeSection& s) -> Outcome {
+                          CLEAVE_CHECK(check({{"width", s.width}, {"wall", s.wall, true}}));
+                          return arched(s.width.si(), s.wall.si(), s.width.si() / 2, segments);
+                        },
+                        [&](const HorseshoeSection& s) -> Outcome {
+                          CLEAVE_CHECK(check({{"width", s.width}, {"height", s.height}}));
+                          const double wall = s.height.si() - s.width.si() / 2;
+                          if (wall < 0) return std::unexpected(HorseshoeTooLow{s.width, s.height});
+                          return arched(s.width.si(), wall, s.width.si() / 2, segments);
+                        },
+                        [&](const TrapezoidSection& s) -> Outcome {
+                          CLEAVE_CHECK(check({{"width", s.width}, {"top_width", s.top_width}, {"height", s.height}}));
+                          const double u = s.width.si() / 2;
+                          const double t = s.top_width.si() / 2;
+                          const double v = s.height.si() / 2;
+                          return SectionOutline{{{-u, -v}, {u, -v}, {t, v}, {-t, v}},
+                                                {tunnel_floor, tunnel_wall, tunnel_crown, tunnel_wall}};
+                        },
+                        [&](const ArchSection& s) -> Outcome {
+                          CLEAVE_CHECK(check({{"width", s.width}, {"wall", s.wall, true}, {"rise", s.rise}}));
+                          if (s.rise.si() > s.width.si() / 2) return std::unexpected(ArchTooHigh{s.width, s.rise});
+                          return arched(s.width.si(), s.wall.si(), s.rise.si(), segments);
+                        },
+                        [&](const PolygonSection& s) -> Outcome { return polygon_outline(s); },
+                    },
+                    section);
 }
 
 }  // namespace cleave::geometry

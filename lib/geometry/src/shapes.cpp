@@ -80,9 +80,7 @@ std::expected<Polygon, ShapeError> rectangle(Vec3 centre, Attitude plane, Length
 std::string describe(const ShapeError& error) {
   return std::visit(
       overloaded{
-          [](const NonPositiveSize& e) {
-            return fmt::format("{} is {} m; it must be positive", e.what, e.value.si());
-          },
+          [](const NonPositiveSize& e) { return fmt::format("{} is {} m; it must be positive", e.what, e.value.si()); },
           [](TooFewSides e) { return fmt::format("a disc drawn with {} sides has no area; give at least 3", e.sides); },
           [](const PolygonError& e) { return describe(e); },
       },

@@ -24,7 +24,8 @@ std::expected<void, SolidError> check_face(const SolidFace& face, std::size_t nu
   for (const std::uint32_t v : face.corners) {
     if (v >= vertices) return std::unexpected(BadFace{number, FaceFault::index_out_of_range});
   }
-  if (face.tag >= std::max<std::size_t>(tags, 1)) return std::unexpected(BadFace{number, FaceFault::index_out_of_range});
+  if (face.tag >= std::max<std::size_t>(tags, 1))
+    return std::unexpected(BadFace{number, FaceFault::index_out_of_range});
   std::vector<std::uint32_t> sorted = face.corners;
   std::ranges::sort(sorted);
   if (std::ranges::adjacent_find(sorted) != sorted.end()) {

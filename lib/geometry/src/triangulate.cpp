@@ -32,7 +32,8 @@ class Clipper final {
     triangles.reserve(left_.size() - 2);
     while (left_.size() > 3) {
       const std::optional<std::size_t> ear = next_ear();
-      CLEAVE_ASSERT(ear.has_value());  // two-ears theorem (Meisters 1975); holds with flat corners, as no triangle here is flat
+      CLEAVE_ASSERT(
+          ear.has_value());  // two-ears theorem (Meisters 1975); holds with flat corners, as no triangle here is flat
       triangles.push_back(triangle(*ear));
       left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(*ear));
       start_ = *ear;

@@ -35,7 +35,8 @@ std::expected<Axis, TunnelError> axis_of(const std::vector<Vec3>& points) {
       const Vec3 step = points[i] - points[i - 1];
       if (!(norm(step) > 0)) return std::unexpected(ZeroLengthAxis{i - 1});
       const Vec3 along = normalized(step);
-      const bool goes_on = !axis.along.empty() && norm(cross(along, axis.along.back())) < 1e-12 && dot(along, axis.along.back()) > 0;
+      const bool goes_on =
+          !axis.along.empty() && norm(cross(along, axis.along.back())) < 1e-12 && dot(along, axis.along.back()) > 0;
       if (goes_on) {
         axis.points.back() = points[i];
         axis.given.back() = i;
@@ -63,7 +64,8 @@ Vec3 rounded(Vec3 p, double quantum) {
 }
 
 /// The ring of corners at each point of the axis, not yet rounded.
-std::expected<std::vector<Ring>, TunnelError> sweep(const Axis& axis, const SectionOutline& outline, Vec3 right, Vec3 up) {
+std::expected<std::vector<Ring>, TunnelError> sweep(const Axis& axis, const SectionOutline& outline, Vec3 right,
+                                                    Vec3 up) {
   std::vector<Ring> rings(1);
   for (const auto& [u, v] : outline.corners) rings[0].push_back(axis.points[0] + u * right + v * up);
   for (std::size_t s = 0; s < axis.along.size(); ++s) {
@@ -93,7 +95,8 @@ std::vector<Vec3> vertices_of(const std::vector<Ring>& rings, const Axis& axis) 
   if (axis.along.size() == 1) {
     const Vec3 whole = rounded(axis.points[1] - axis.points[0], quantum);
     const std::size_t n = rings[0].size();
-    for (std::size_t i = 0; i < n; ++i) vertices[n + i] = vertices[i] + whole;  // exact: both are multiples of the quantum
+    for (std::size_t i = 0; i < n; ++i)
+      vertices[n + i] = vertices[i] + whole;  // exact: both are multiples of the quantum
   }
   return vertices;
 }
@@ -147,32 +150,38 @@ std::string describe(const TunnelError& error) {
           },
           [](HorseshoeTooLow e) {
             return fmt::format(
-                "a horseshoe {} m wide is at least {} m high (half circle), this one is {} m; make it higher or narrower, or use "
+                "a horseshoe {} m wide is at least {} m high (half circle), this one is {} m; make it higher or "
+                "narrower, or use "
                 "shape = \"arch\"",
                 e.width.si(), e.width.si() / 2, e.height.si());
           },
           [](ArchTooHigh e) {
-            return fmt::format("an arch {} m wide rises at most {} m (half circle), this one {} m; lower the rise or raise the wall",
-                               e.width.si(), e.width.si() / 2, e.rise.si());
+            return fmt::format(
+                "an arch {} m wide rises at most {} m (half circle), this one {} m; lower the rise or raise the wall",
+                e.width.si(), e.width.si() / 2, e.rise.si());
           },
           [](BadSegments e) { return fmt::format("{} segments for a half circle; give 2 to 1024", e.segments); },
           [](const BadSection& e) { return fmt::format("the section's outline: {}", describe(e.reason)); },
           [](AxisTooShort e) { return fmt::format("the axis has {} points; give at least two", e.points); },
           [](BadAxisPoint e) {
             return fmt::format(
-                "point {} of the axis is not a usable position (not a number, infinite, or beyond 1e12 m); correct its coordinates",
+                "point {} of the axis is not a usable position (not a number, infinite, or beyond 1e12 m); correct its "
+                "coordinates",
                 e.point);
           },
           [](ZeroLengthAxis e) {
-            return fmt::format("points {} and {} of the axis are the same; remove one or correct it", e.segment, e.segment + 1);
+            return fmt::format("points {} and {} of the axis are the same; remove one or correct it", e.segment,
+                               e.segment + 1);
           },
           [](UpAlongAxis) {
             return std::string{
-                "the axis starts along the up direction, so the section cannot be placed; give up = [x, y, z] at an angle to the axis"};
+                "the axis starts along the up direction, so the section cannot be placed; give up = [x, y, z] at an "
+                "angle to the axis"};
           },
           [](BendTooSharp e) {
             return fmt::format(
-                "the section does not fit round the bend at point {} of the axis; make the bend wider, the segments longer, or "
+                "the section does not fit round the bend at point {} of the axis; make the bend wider, the segments "
+                "longer, or "
                 "the section smaller",
                 e.point);
           },

@@ -41,8 +41,8 @@ class CsvReader final {
       }
     }
     if (!has_header) {
-      return std::unexpected(ReadError{ReadFault::empty, std::string{lines_.file()}, 0, 0, "is empty",
-                                       "give a table with a header line"});
+      return std::unexpected(
+          ReadError{ReadFault::empty, std::string{lines_.file()}, 0, 0, "is empty", "give a table with a header line"});
     }
     return std::move(table_);
   }
@@ -74,7 +74,8 @@ class CsvReader final {
         CLEAVE_TRY(cell, take_quoted(line));
         line = left_trimmed(line);
         if (!line.empty() && line.front() != table_.separator) {
-          return std::unexpected(lines_.error(ReadFault::syntax, "text follows a closing quote", "double quotes inside quotes"));
+          return std::unexpected(
+              lines_.error(ReadFault::syntax, "text follows a closing quote", "double quotes inside quotes"));
         }
       } else {
         const std::string_view raw = line.substr(0, line.find(table_.separator));

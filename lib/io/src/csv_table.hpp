@@ -22,8 +22,8 @@ struct CsvTable {
   std::vector<Row> rows;
 };
 
-/// Comma or semicolon, found from the header (both outside quotes: an error). Quotes as in RFC 4180, also over line ends. Blank lines and
-/// lines that begin with # are skipped; so is a byte order mark.
+/// Comma or semicolon, found from the header (both outside quotes: an error). Quotes as in RFC 4180, also over line
+/// ends. Blank lines and lines that begin with # are skipped; so is a byte order mark.
 [[nodiscard]] std::expected<CsvTable, ReadError> parse_csv(std::string_view bytes, std::string_view name);
 
 }  // namespace cleave::io

@@ -24,7 +24,8 @@ std::expected<std::string, ReadError> read_file(const std::filesystem::path& pat
     return fail(ReadFault::cannot_open, "there is no such file", "check the name and the folder it is looked for in");
   }
   if (failure) {
-    return fail(ReadFault::cannot_open, fmt::format("cannot be opened ({})", failure.message()), "check the name and the permissions");
+    return fail(ReadFault::cannot_open, fmt::format("cannot be opened ({})", failure.message()),
+                "check the name and the permissions");
   }
   if (!std::filesystem::is_regular_file(status)) {
     return fail(ReadFault::not_a_file, "is not a regular file", "name a file, not a folder or a device");
@@ -32,7 +33,8 @@ std::expected<std::string, ReadError> read_file(const std::filesystem::path& pat
   const std::uintmax_t size = std::filesystem::file_size(path, failure);
   if (failure) return fail(ReadFault::cannot_open, "its size cannot be read", "check the permissions");
   if (size > largest_file) {
-    return fail(ReadFault::too_large, fmt::format("has {:.1f} GiB, allowed are 4", static_cast<double>(size) / (1U << 30U)),
+    return fail(ReadFault::too_large,
+                fmt::format("has {:.1f} GiB, allowed are 4", static_cast<double>(size) / (1U << 30U)),
                 "split it, or leave out what is far from the model");
   }
   std::ifstream stream{path, std::ios::binary};

@@ -20,7 +20,22 @@ namespace {
 
 constexpr std::size_t most_problems = 20;
 
-enum class Column : std::uint8_t { dip, dip_direction, strike, x, y, z, radius, side_a, side_b, rotation, friction, cohesion, set, id };
+enum class Column : std::uint8_t {
+  dip,
+  dip_direction,
+  strike,
+  x,
+  y,
+  z,
+  radius,
+  side_a,
+  side_b,
+  rotation,
+  friction,
+  cohesion,
+  set,
+  id
+};
 constexpr std::size_t column_count = 14;
 
 /// First the name we write, then what else is understood.
@@ -69,10 +84,13 @@ class TableReader final {
 
  private:
   void report(ReadFault fault, std::uint32_t line, std::size_t column, std::string what, std::string remedy) {
-    problems_.push_back({fault, std::string{file_}, line, static_cast<std::uint32_t>(column), std::move(what), std::move(remedy)});
+    if (problems_.size() >= most_problems) return;
+    problems_.push_back(
+        {fault, std::string{file_}, line, static_cast<std::uint32_t>(column), std::move(what), std::move(remedy)});
   }
 
-  // ---- header -----------------------------------------------------------------------------------------------------------
+  // ---- header
+  // -----------------------------------------------------------------------------------------------------------
 
   [[nodiscard]] bool has(Column column) const { return place_[index(column)].has_value(); }
 
@@ -87,7 +105,8 @@ class TableReader final {
     }
     for (std::size_t c = 0; c < csv_.header.size(); ++c) {
       const std::string& cell = csv_.header[c];
-      const auto found = std::ranges::find_if(known, [&](const Names& k) { return !cell.empty() && std::ranges::find(k.names, cell) != k.names.end(); });
+      const auto found = std::ranges::find_if(
+          known, [&](const Names& k) { return !cell.empty() && std::ranges::find(k.names, cell) != k.names.end(); });
       if (found == known.end()) {
         if (!cell.empty()) table_.notes.push_back(fmt::format("column {} is not used", shown(cell)));
         continue;
@@ -98,16 +117,20 @@ class TableReader final {
     }
     if (!has(Column::dip)) wrong("there is no column dip", "add it (degrees from horizontal)");
     if (has(Column::dip_direction) == has(Column::strike)) {
-      wrong(has(Column::strike) ? "there are both dip_direction and strike" : "there is no column dip_direction or strike",
+      wrong(has(Column::strike) ? "there are both dip_direction and strike"
+                                : "there is no column dip_direction or strike",
             "give one of them");
     }
     const int axes = int{has(Column::x)} + int{has(Column::y)} + int{has(Column::z)};
-    if (axes != 3 && (options_.need_position || axes != 0)) wrong("the columns x, y and z are not all there", "add the missing ones");
+    if (axes != 3 && (options_.need_position || axes != 0))
+      wrong("the columns x, y and z are not all there", "add the missing ones");
     if (has(Column::side_a) != has(Column::side_b)) wrong("of side_a and side_b one is missing", "give both");
-    if (has(Column::rotation) && !has(Column::side_a)) wrong("rotation goes with side_a and side_b", "add them, or remove rotation");
+    if (has(Column::rotation) && !has(Column::side_a))
+      wrong("rotation goes with side_a and side_b", "add them, or remove rotation");
   }
 
-  // ---- rows -------------------------------------------------------------------------------------------------------------
+  // ---- rows
+  // -------------------------------------------------------------------------------------------------------------
 
   [[nodiscard]] std::string_view cell(const CsvTable::Row& row, Column column) const {
     const std::optional<std::size_t> place = place_[index(column)];
@@ -119,11 +142,13 @@ class TableReader final {
     const std::string_view text = cell(row, column);
     if (text.empty()) return std::nullopt;
     std::string plain{text};
-    const bool comma = csv_.separator == ';' && std::ranges::count(plain, ',') == 1 && plain.find('.') == std::string::npos;
+    const bool comma =
+        csv_.separator == ';' && std::ranges::count(plain, ',') == 1 && plain.find('.') == std::string::npos;
     const bool point = plain.find('.') != std::string::npos;
     if (comma) std::ranges::replace(plain, ',', '.');
     if ((comma && seen_point_) || (point && seen_comma_)) {
-      problem(row, column, ReadFault::bad_number, fmt::format("{} {}: some numbers have a decimal comma, others a point", name_of(column), shown(text)),
+      problem(row, column, ReadFault::bad_number,
+              fmt::format("{} {}: some numbers have a decimal comma, others a point", name_of(column), shown(text)),
               "use one of them throughout");
       return std::nullopt;
     }
@@ -131,7 +156,8 @@ class TableReader final {
     seen_point_ = seen_point_ || point;
     const auto value = number_of(plain);
     if (!value) {
-      problem(row, column, ReadFault::bad_number, fmt::format("{}: {}", name_of(column), value.error()), "give a number");
+      problem(row, column, ReadFault::bad_number, fmt::format("{}: {}", name_of(column), value.error()),
+              "give a number");
       return std::nullopt;
     }
     return *value;
@@ -153,7 +179,8 @@ class TableReader final {
   std::optional<double> in_range(const CsvTable::Row& row, Column column, bool (*allowed)(double), const char* range) {
     const std::optional<double> value = number(row, column);
     if (!value || allowed(*value)) return value;
-    problem(row, column, ReadFault::out_of_range, fmt::format("{} is {}", name_of(column), *value), fmt::format("it must be {}", range));
+    problem(row, column, ReadFault::out_of_range, fmt::format("{} is {}", name_of(column), *value),
+            fmt::format("it must be {}", range));
     return std::nullopt;
   }
 
@@ -163,11 +190,12 @@ class TableReader final {
     double direction = required(row, bearing);
     if (!options_.wrap) {
       if (!(dip >= 0 && dip <= 90)) {
-        problem(row, Column::dip, ReadFault::out_of_range, fmt::format("dip is {}, outside 0..90", dip), "correct it, or set wrap = true");
+        problem(row, Column::dip, ReadFault::out_of_range, fmt::format("dip is {}, outside 0..90", dip),
+                "correct it, or set wrap = true");
       }
       if (!(direction >= 0 && direction <= 360)) {
-        problem(row, bearing, ReadFault::out_of_range, fmt::format("{} is {}, outside 0..360", name_of(bearing), direction),
-                "correct it, or set wrap = true");
+        problem(row, bearing, ReadFault::out_of_range,
+                fmt::format("{} is {}, outside 0..360", name_of(bearing), direction), "correct it, or set wrap = true");
       }
     }
     if (bearing == Column::strike) direction = geometry::wrap_degrees(direction) + 90;
@@ -192,10 +220,14 @@ class TableReader final {
     const bool filled_a = !cell(row, Column::side_a).empty();
     const bool filled_b = !cell(row, Column::side_b).empty();
     if (!cell(row, Column::radius).empty() && (filled_a || filled_b)) {
-      problem(row, Column::radius, ReadFault::syntax, "a joint has a radius or sides, not both", "leave one of them empty");
+      problem(row, Column::radius, ReadFault::syntax, "a joint has a radius or sides, not both",
+              "leave one of them empty");
     }
-    if (filled_a != filled_b) problem(row, filled_a ? Column::side_b : Column::side_a, ReadFault::syntax, "of side_a and side_b one is empty", "give both");
-    if (rotation && !filled_a) problem(row, Column::rotation, ReadFault::syntax, "a joint without sides has no rotation", "leave it empty");
+    if (filled_a != filled_b)
+      problem(row, filled_a ? Column::side_b : Column::side_a, ReadFault::syntax, "of side_a and side_b one is empty",
+              "give both");
+    if (rotation && !filled_a)
+      problem(row, Column::rotation, ReadFault::syntax, "a joint without sides has no rotation", "leave it empty");
     if (radius) return DiscSize{metres(*radius)};
     if (a && b) return RectangleSize{metres(*a), metres(*b), geometry::InPlaneRotation::degrees(rotation.value_or(0))};
     return Persistent{};
@@ -204,21 +236,31 @@ class TableReader final {
   void read_row(const CsvTable::Row& row) {
     const std::size_t before = problems_.size();
     const bool too_long = row.cells.size() > csv_.header.size() &&
-                          std::any_of(row.cells.begin() + static_cast<std::ptrdiff_t>(csv_.header.size()), row.cells.end(),
-                                      [](const std::string& c) { return !c.empty(); });
+                          std::any_of(row.cells.begin() + static_cast<std::ptrdiff_t>(csv_.header.size()),
+                                      row.cells.end(), [](const std::string& c) { return !c.empty(); });
     if (too_long || row.cells.size() < csv_.header.size()) {
-      report(ReadFault::syntax, row.line, 0, fmt::format("{} cells, the header has {}", row.cells.size(), csv_.header.size()),
-             csv_.separator == ',' ? "give every column; with decimal commas separate columns by semicolons" : "give every column");
+      report(ReadFault::syntax, row.line, 0,
+             fmt::format("{} cells, the header has {}", row.cells.size(), csv_.header.size()),
+             csv_.separator == ',' ? "give every column; with decimal commas separate columns by semicolons"
+                                   : "give every column");
       return;
     }
-    JointRow joint{.line = row.line, .plane = attitude(row), .position = {}, .size = size(row), .friction = {}, .cohesion = {}, .set = {}, .id = {}};
+    JointRow joint{.line = row.line,
+                   .plane = attitude(row),
+                   .position = {},
+                   .size = size(row),
+                   .friction = {},
+                   .cohesion = {},
+                   .set = {},
+                   .id = {}};
     if (has(Column::x)) {
       const double x = required(row, Column::x);
       const double y = required(row, Column::y);
       const double z = required(row, Column::z);
       joint.position = geometry::Vec3{x, y, z};
     }
-    const auto friction = in_range(row, Column::friction, [](double v) { return v >= 0 && v < 90; }, "in 0..90 (degrees), 90 excluded");
+    const auto friction =
+        in_range(row, Column::friction, [](double v) { return v >= 0 && v < 90; }, "in 0..90 (degrees), 90 excluded");
     const auto cohesion = in_range(row, Column::cohesion, [](double v) { return v >= 0; }, "0 or more (Pa)");
     if (friction) joint.friction = FrictionAngle::degrees(*friction);
     if (cohesion) joint.cohesion = pascals(*cohesion);
@@ -256,7 +298,8 @@ std::expected<JointTable, std::vector<ReadError>> parse_joint_csv(std::string_vi
   return TableReader{*csv, name, options}.run();
 }
 
-std::expected<JointTable, std::vector<ReadError>> read_joint_csv(const std::filesystem::path& path, const JointCsvOptions& options) {
+std::expected<JointTable, std::vector<ReadError>> read_joint_csv(const std::filesystem::path& path,
+                                                                 const JointCsvOptions& options) {
   const auto bytes = read_file(path);
   if (!bytes) return std::unexpected(std::vector{bytes.error()});
   return parse_joint_csv(*bytes, path.string(), options);
@@ -284,14 +327,17 @@ std::string write_joint_csv(const JointTable& table) {
   for (const JointRow& r : table.rows) {
     fmt::format_to(to, "{},{}", r.plane.dip.degrees(), r.plane.direction.degrees());
     if (position) {
-      if (r.position) fmt::format_to(to, ",{},{},{}", r.position->x, r.position->y, r.position->z);
-      else out += ",,,";
+      if (r.position)
+        fmt::format_to(to, ",{},{},{}", r.position->x, r.position->y, r.position->z);
+      else
+        out += ",,,";
     }
     std::visit(overloaded{
                    [&](Persistent) { out += std::string(std::size_t{disc} + 3 * std::size_t{rectangle}, ','); },
                    [&](DiscSize d) { fmt::format_to(to, ",{}{}", d.radius.si(), rectangle ? ",,," : ""); },
                    [&](const RectangleSize& s) {
-                     fmt::format_to(to, "{},{},{},{}", disc ? "," : "", s.side_a.si(), s.side_b.si(), s.rotation.degrees());
+                     fmt::format_to(to, "{},{},{},{}", disc ? "," : "", s.side_a.si(), s.side_b.si(),
+                                    s.rotation.degrees());
                    },
                },
                r.size);

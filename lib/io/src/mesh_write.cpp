@@ -100,7 +100,8 @@ std::string write_stl_text(const MeshData& mesh) {
 
 std::string describe(const FloatTooCoarse& error) {
   return fmt::format(
-      "binary STL holds float32 numbers, which step by {:.3g} m at these coordinates (the mesh is {:.6g} m wide); subtract an origin, or "
+      "binary STL holds float32 numbers, which step by {:.3g} m at these coordinates (the mesh is {:.6g} m wide); "
+      "subtract an origin, or "
       "write OBJ, PLY or text STL",
       error.step, error.extent);
 }

@@ -20,11 +20,12 @@ constexpr std::size_t most_corners = 4096;
 constexpr std::size_t most_items = 0xFFFFFFFE;
 
 /// Records of the format that say nothing about polygons.
-constexpr auto skipped = std::to_array<std::string_view>({
-    "bevel", "bmat",  "bsp",   "bzp",    "c_interp", "cdc",     "cdp",        "con",       "cstype",   "ctech", "curv",      "curv2",
-    "d_interp", "deg", "end",  "hole",   "l",        "lod",     "mg",         "mtllib",    "p",        "parm",  "res",       "s",
-    "scrv",  "shadow_obj", "sp", "stech", "step",    "surf",    "trace_obj",  "trim",      "usemap",   "usemtl", "vn",       "vp",
-    "vt",    "maplib", "call", "csh",    "xyzrgb",   "color",   "cvn",        "shadow",    "usemtllib"});
+constexpr auto skipped = std::to_array<std::string_view>(
+    {"bevel", "bmat",   "bsp",   "bzp",       "c_interp", "cdc",    "cdp",    "con",        "cstype",
+     "ctech", "curv",   "curv2", "d_interp",  "deg",      "end",    "hole",   "l",          "lod",
+     "mg",    "mtllib", "p",     "parm",      "res",      "s",      "scrv",   "shadow_obj", "sp",
+     "stech", "step",   "surf",  "trace_obj", "trim",     "usemap", "usemtl", "vn",         "vp",
+     "vt",    "maplib", "call",  "csh",       "xyzrgb",   "color",  "cvn",    "shadow",     "usemtllib"});
 
 class ObjReader final {
  public:
@@ -48,7 +49,8 @@ class ObjReader final {
       }
     }
     if (mesh_.faces() == 0) {
-      ReadError error = lines_.error(ReadFault::empty, "holds no f record, so no polygon", "give a file with v and f records");
+      ReadError error =
+          lines_.error(ReadFault::empty, "holds no f record, so no polygon", "give a file with v and f records");
       error.line = 0;
       return std::unexpected(std::move(error));
     }
@@ -102,7 +104,8 @@ class ObjReader final {
       return {};
     }
     if (std::ranges::find(skipped, keyword) != skipped.end()) return {};
-    return std::unexpected(lines_.error(ReadFault::syntax, fmt::format("{} is not a record of an OBJ file", shown(keyword)),
+    return std::unexpected(lines_.error(ReadFault::syntax,
+                                        fmt::format("{} is not a record of an OBJ file", shown(keyword)),
                                         "check that this is an OBJ file"));
   }
 
@@ -112,7 +115,8 @@ class ObjReader final {
     for (double& x : p) {
       const std::string_view word = take_word(line);
       if (word.empty()) {
-        return std::unexpected(lines_.error(ReadFault::syntax, "a v record has fewer than three numbers", "give x, y and z"));
+        return std::unexpected(
+            lines_.error(ReadFault::syntax, "a v record has fewer than three numbers", "give x, y and z"));
       }
       const auto value = number_of(word);
       if (!value) return std::unexpected(lines_.error(ReadFault::bad_number, value.error(), "correct the coordinate"));
@@ -130,9 +134,11 @@ class ObjReader final {
       if (corner >= mesh_.vertices.size()) ahead_.emplace_back(lines_.number(), corner);
     }
     const std::size_t count = mesh_.corners.size() - first;
-    if (count == 0) return std::unexpected(lines_.error(ReadFault::syntax, "an f record names no vertex", "name its corners"));
+    if (count == 0)
+      return std::unexpected(lines_.error(ReadFault::syntax, "an f record names no vertex", "name its corners"));
     if (count > most_corners) {
-      return std::unexpected(lines_.error(ReadFault::too_large, fmt::format("a face has {} corners, allowed are {}", count, most_corners),
+      return std::unexpected(lines_.error(ReadFault::too_large,
+                                          fmt::format("a face has {} corners, allowed are {}", count, most_corners),
                                           "split it into smaller polygons"));
     }
     if (mesh_.corners.size() >= most_items) return std::unexpected(too_many());
@@ -156,14 +162,17 @@ class ObjReader final {
     const auto count = static_cast<std::int64_t>(mesh_.vertices.size());
     if (value == 0 || value < -count || value > static_cast<std::int64_t>(most_items)) {
       return std::unexpected(lines_.error(ReadFault::out_of_range,
-                                          fmt::format("vertex {} does not exist, there are {} so far", value, count), renumber));
+                                          fmt::format("vertex {} does not exist, there are {} so far", value, count),
+                                          renumber));
     }
     return static_cast<std::uint32_t>(value > 0 ? value - 1 : count + value);
   }
 
   void enter_group(std::string_view name) {
-    while (name.ends_with('\\')) name = trimmed(name.substr(0, name.size() - 1));  // would continue the line when written again
-    const auto [at, is_new] = group_numbers_.try_emplace(std::string{name}, static_cast<std::uint32_t>(mesh_.groups.size()));
+    while (name.ends_with('\\'))
+      name = trimmed(name.substr(0, name.size() - 1));  // would continue the line when written again
+    const auto [at, is_new] =
+        group_numbers_.try_emplace(std::string{name}, static_cast<std::uint32_t>(mesh_.groups.size()));
     if (is_new) mesh_.groups.emplace_back(name);
     group_ = at->second;
   }

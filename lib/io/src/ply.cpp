@@ -22,10 +22,22 @@ constexpr std::uint64_t most_items = 0xFFFFFFFE;
 enum class Type : std::uint8_t { i8, u8, i16, u16, i32, u32, f32, f64 };
 
 std::optional<Type> type_named(std::string_view name) {
-  constexpr auto names = std::to_array<std::pair<std::string_view, Type>>(
-      {{"char", Type::i8},   {"int8", Type::i8},    {"uchar", Type::u8},   {"uint8", Type::u8},    {"short", Type::i16},  {"int16", Type::i16},
-       {"ushort", Type::u16}, {"uint16", Type::u16}, {"int", Type::i32},    {"int32", Type::i32},   {"uint", Type::u32},   {"uint32", Type::u32},
-       {"float", Type::f32}, {"float32", Type::f32}, {"double", Type::f64}, {"float64", Type::f64}});
+  constexpr auto names = std::to_array<std::pair<std::string_view, Type>>({{"char", Type::i8},
+                                                                           {"int8", Type::i8},
+                                                                           {"uchar", Type::u8},
+                                                                           {"uint8", Type::u8},
+                                                                           {"short", Type::i16},
+                                                                           {"int16", Type::i16},
+                                                                           {"ushort", Type::u16},
+                                                                           {"uint16", Type::u16},
+                                                                           {"int", Type::i32},
+                                                                           {"int32", Type::i32},
+                                                                           {"uint", Type::u32},
+                                                                           {"uint32", Type::u32},
+                                                                           {"float", Type::f32},
+                                                                           {"float32", Type::f32},
+                                                                           {"double", Type::f64},
+                                                                           {"float64", Type::f64}});
   for (const auto& [text, type] : names) {
     if (text == name) return type;
   }
@@ -91,7 +103,9 @@ class PlyReader final {
         has_faces = true;
         CLEAVE_CHECK(read_faces(element));
       } else {
-        CLEAVE_CHECK(for_each_row(element, [](std::size_t, std::span<const double>) {}, [](std::uint64_t) { return std::expected<void, ReadError>{}; }));
+        CLEAVE_CHECK(for_each_row(
+            element, [](std::size_t, std::span<const double>) {},
+            [](std::uint64_t) { return std::expected<void, ReadError>{}; }));
       }
     }
     if (!has_vertices || !has_faces || mesh_.faces() == 0) {
@@ -123,24 +137,30 @@ class PlyReader final {
   std::expected<void, ReadError> read_header() {
     std::string_view line;
     if (!lines_.next(line) || trimmed(line) != "ply") {
-      return std::unexpected(whole(ReadFault::unknown_format, "does not begin with \"ply\"", "check that this is a PLY file"));
+      return std::unexpected(
+          whole(ReadFault::unknown_format, "does not begin with \"ply\"", "check that this is a PLY file"));
     }
     std::optional<Encoding> encoding;
     while (lines_.next(line)) {
       const std::string_view keyword = take_word(line);
       if (keyword.empty() || keyword == "comment" || keyword == "obj_info") continue;
       if (keyword == "end_header") {
-        if (!encoding) return std::unexpected(lines_.error(ReadFault::syntax, "the header names no format", "add a format line"));
+        if (!encoding)
+          return std::unexpected(lines_.error(ReadFault::syntax, "the header names no format", "add a format line"));
         encoding_ = *encoding;
         return {};
       }
       if (keyword == "format") {
         const std::string_view name = take_word(line);
-        if (name == "ascii") encoding = Encoding::text;
-        else if (name == "binary_little_endian") encoding = Encoding::little;
-        else if (name == "binary_big_endian") encoding = Encoding::big;
+        if (name == "ascii")
+          encoding = Encoding::text;
+        else if (name == "binary_little_endian")
+          encoding = Encoding::little;
+        else if (name == "binary_big_endian")
+          encoding = Encoding::big;
         else {
-          return std::unexpected(lines_.error(ReadFault::unknown_format, fmt::format("format {} is not known", shown(name)),
+          return std::unexpected(lines_.error(ReadFault::unknown_format,
+                                              fmt::format("format {} is not known", shown(name)),
                                               "use ascii, binary_little_endian or binary_big_endian"));
         }
       } else if (keyword == "element") {
@@ -148,7 +168,8 @@ class PlyReader final {
       } else if (keyword == "property") {
         CLEAVE_CHECK(read_property(line));
       } else {
-        return std::unexpected(lines_.error(ReadFault::syntax, fmt::format("{} is not a line of a PLY header", shown(keyword)),
+        return std::unexpected(lines_.error(ReadFault::syntax,
+                                            fmt::format("{} is not a line of a PLY header", shown(keyword)),
                                             "check that this is a PLY file"));
       }
     }
@@ -161,12 +182,13 @@ class PlyReader final {
     const char* const end = std::to_address(digits.end());
     const auto [stop, failure] = std::from_chars(std::to_address(digits.begin()), end, element.count);
     if (digits.empty() || failure != std::errc{} || stop != end) {
-      return std::unexpected(lines_.error(ReadFault::bad_number, fmt::format("{} is not a count of elements", shown(digits)),
-                                          "give a whole number"));
+      return std::unexpected(lines_.error(
+          ReadFault::bad_number, fmt::format("{} is not a count of elements", shown(digits)), "give a whole number"));
     }
     for (const Element& other : elements_) {
       if (other.name == element.name) {
-        return std::unexpected(lines_.error(ReadFault::syntax, fmt::format("element {} comes twice", shown(element.name)), "remove one"));
+        return std::unexpected(
+            lines_.error(ReadFault::syntax, fmt::format("element {} comes twice", shown(element.name)), "remove one"));
       }
     }
     if (element.count > most_items) {
@@ -182,7 +204,8 @@ class PlyReader final {
                           "use char uchar short ushort int uint float double");
     };
     if (elements_.empty()) {
-      return std::unexpected(lines_.error(ReadFault::syntax, "a property comes before any element", "name its element first"));
+      return std::unexpected(
+          lines_.error(ReadFault::syntax, "a property comes before any element", "name its element first"));
     }
     std::string_view word = take_word(line);
     std::optional<Type> count;
@@ -206,7 +229,8 @@ class PlyReader final {
         if (!lines_.next(line_)) return std::unexpected(truncated());
       }
       auto value = number_of(word);
-      if (!value) return std::unexpected(lines_.error(ReadFault::bad_number, std::move(value).error(), "correct the number"));
+      if (!value)
+        return std::unexpected(lines_.error(ReadFault::bad_number, std::move(value).error(), "correct the number"));
       return *value;
     }
     const std::size_t size = size_of(type);
@@ -216,7 +240,8 @@ class PlyReader final {
     return value;
   }
 
-  /// Reads the rows of an element; each property's values go to `take(property, values)`, each whole row to `finish(row)`.
+  /// Reads the rows of an element; each property's values go to `take(property, values)`, each whole row to
+  /// `finish(row)`.
   template <class Take, class Finish>
   std::expected<void, ReadError> for_each_row(const Element& element, Take&& take, Finish&& finish) {
     if (element.properties.empty()) return {};
@@ -228,7 +253,8 @@ class PlyReader final {
         if (property.count) {
           CLEAVE_TRY(count, next_value(*property.count));
           if (!(count >= 0 && count <= 4294967295.0 && count == std::floor(count))) {
-            return std::unexpected(place(ReadFault::out_of_range, fmt::format("a list of {} has {} entries", property.name, count),
+            return std::unexpected(place(ReadFault::out_of_range,
+                                         fmt::format("a list of {} has {} entries", property.name, count),
                                          "give a whole number that is not negative"));
           }
         }
@@ -273,7 +299,8 @@ class PlyReader final {
         [&](std::uint64_t row) -> std::expected<void, ReadError> {
           mesh_.vertices.push_back({p[0], p[1], p[2]});
           if (geometry::is_finite(mesh_.vertices.back())) return {};
-          return std::unexpected(place(ReadFault::bad_number, fmt::format("vertex {} is not finite", row), "correct or remove it"));
+          return std::unexpected(
+              place(ReadFault::bad_number, fmt::format("vertex {} is not finite", row), "correct or remove it"));
         });
   }
 
@@ -284,7 +311,8 @@ class PlyReader final {
       if ((property.name == "vertex_indices" || property.name == "vertex_index") && property.count) list = p;
     }
     if (!list) {
-      return std::unexpected(whole(ReadFault::syntax, "its faces have no list vertex_indices or vertex_index", "add the property"));
+      return std::unexpected(
+          whole(ReadFault::syntax, "its faces have no list vertex_indices or vertex_index", "add the property"));
     }
     std::optional<ReadError> wrong;
     CLEAVE_CHECK(for_each_row(
@@ -298,7 +326,8 @@ class PlyReader final {
           }
           for (const double value : values) {
             if (!(value >= 0 && value <= static_cast<double>(most_items) && value == std::floor(value))) {
-              wrong = place(ReadFault::out_of_range, fmt::format("{} is not a vertex number", value), "vertices count from 0");
+              wrong = place(ReadFault::out_of_range, fmt::format("{} is not a vertex number", value),
+                            "vertices count from 0");
               return;
             }
             mesh_.corners.push_back(static_cast<std::uint32_t>(value));

@@ -35,8 +35,9 @@ std::expected<MeshData, ReadError> parse_binary(std::string_view bytes, std::str
   const std::uint64_t count = unsigned_at<4>(bytes.substr(80), std::endian::little);
   const std::uint64_t expected = header_size + triangle_size * count;
   if (bytes.size() < expected) {
-    return fail(ReadFault::truncated, fmt::format("says it has {} triangles, but the bytes end after {}", count,
-                                                  (bytes.size() - header_size) / triangle_size),
+    return fail(ReadFault::truncated,
+                fmt::format("says it has {} triangles, but the bytes end after {}", count,
+                            (bytes.size() - header_size) / triangle_size),
                 "get the whole file again");
   }
   const std::uint64_t extra = bytes.size() - expected;
@@ -60,7 +61,8 @@ std::expected<MeshData, ReadError> parse_binary(std::string_view bytes, std::str
       };
       corners[c] = {at(0), at(1), at(2)};
       if (!geometry::is_finite(corners[c])) {
-        return fail(ReadFault::bad_number, fmt::format("triangle {} has a coordinate that is not a finite number", t + 1),
+        return fail(ReadFault::bad_number,
+                    fmt::format("triangle {} has a coordinate that is not a finite number", t + 1),
                     "correct or remove the triangle");
       }
     }
@@ -123,7 +125,8 @@ class TextReader final {
   std::expected<double, ReadError> number() {
     CLEAVE_CHECK(need_word());
     auto value = number_of(word_);
-    if (!value) return std::unexpected(lines_.error(ReadFault::bad_number, std::move(value).error(), "correct the coordinate"));
+    if (!value)
+      return std::unexpected(lines_.error(ReadFault::bad_number, std::move(value).error(), "correct the coordinate"));
     return *value;
   }
 
@@ -142,7 +145,8 @@ class TextReader final {
   std::expected<void, ReadError> read_facet() {
     const std::uint32_t line = lines_.number();
     if (mesh_.faces() >= most_triangles) {
-      return std::unexpected(lines_.error(ReadFault::too_large, "there are more than 2^32 - 2 corners", "split the file"));
+      return std::unexpected(
+          lines_.error(ReadFault::too_large, "there are more than 2^32 - 2 corners", "split the file"));
     }
     CLEAVE_CHECK(expect("normal"));
     for (int i = 0; i < 3; ++i) CLEAVE_CHECK(need_word());  // often zero, wrong or "nan": never looked at
@@ -193,7 +197,8 @@ std::expected<MeshData, ReadError> parse_stl(std::string_view bytes, std::string
       has_header && bytes.size() == header_size + triangle_size * unsigned_at<4>(bytes.substr(80), std::endian::little);
   const std::string_view text = without_bom(bytes);
   if (!exact && reads_as_text(text)) return TextReader{text, name}.run();
-  if (!has_header) return fail(ReadFault::unknown_format, "is neither a text nor a binary STL file", "check what it is");
+  if (!has_header)
+    return fail(ReadFault::unknown_format, "is neither a text nor a binary STL file", "check what it is");
   return parse_binary(bytes, name);
 }
 

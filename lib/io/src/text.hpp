@@ -9,7 +9,9 @@
 
 namespace cleave::io {
 
-[[nodiscard]] constexpr bool is_blank(char c) noexcept { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+[[nodiscard]] constexpr bool is_blank(char c) noexcept {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
 [[nodiscard]] std::string_view trimmed(std::string_view text) noexcept;
 /// ASCII letters only, whatever the locale.
 [[nodiscard]] std::string lower(std::string_view text);

@@ -401,9 +401,10 @@ class Assembler {
           moment += six * (o + a + c);
         }
       }
-      volumes[static_cast<std::size_t>(found - shells.begin())] += part / 6;
-      volume += part / 6;
+      volumes[static_cast<std::size_t>(found - shells.begin())] += part;
+      volume += part;
     }
+    volume /= 6;
     const auto outer = std::ranges::max_element(volumes) - volumes.begin();
     std::swap(shells[0], shells[static_cast<std::size_t>(outer)]);
     block.shell_of_face.reserve(block.faces.size());
@@ -476,9 +477,9 @@ class Assembler {
       const Measure m = measure(h);
       const PlaneFace& face = arrangement_.faces[h / 2];
       const Edge& edge = graph_.edges[graph_.uses[arrangement_.loops[face.first_loop] / 2].edge];
-      volume += geometry::dot(point(edge.from), m.vector_area) / 3;
+      volume += geometry::dot(point(edge.from), m.vector_area);
     }
-    return volume;
+    return volume / 3;
   }
 
   const CutInput& input_;

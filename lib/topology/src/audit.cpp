@@ -167,9 +167,9 @@ BlockMeasure measure(const BlockComplex& complex, const Block& block) {
     }
     sum += area;
     size += geometry::norm(area);
-    volume += geometry::dot(complex.vertices()[face.loops[0][0]] - apex, area) / 3;
+    volume += geometry::dot(complex.vertices()[face.loops[0][0]] - apex, area);
   }
-  return {volume, size > 0 ? geometry::norm(sum) / size : 0};
+  return {volume / 3, size > 0 ? geometry::norm(sum) / size : 0};
 }
 
 std::uint64_t count_unpaired(const BlockComplex& complex) {

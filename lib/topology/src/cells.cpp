@@ -111,6 +111,9 @@ class CellFinder {
     Vec lo, hi;
     Index piece;
   };
+  struct Side {  ///< of a face of a piece
+    Index from, to;
+  };
 
   void nest() {
     if (pieces_.size() == 1) {
@@ -118,7 +121,7 @@ class CellFinder {
       return;
     }
     std::vector<Target> targets;
-    std::vector<std::vector<Index>> vertices_of(pieces_.size());
+    std::vector<std::vector<Side>> sides_of(pieces_.size());
     std::vector<Index> piece_number(faces_, none);
     for (Index k = 0; k < pieces_.size(); ++k) piece_number[pieces_[k].root] = k;
     for (Index f = 0; f < faces_; ++f) {
@@ -134,21 +137,21 @@ class CellFinder {
           target.hi[k] = std::max(target.hi[k], p[k]);
         }
         const Edge& edge = graph_.edges[graph_.uses[h / 2].edge];
-        vertices_of[target.piece].push_back(h % 2 == 0 ? edge.from : edge.to);
+        sides_of[target.piece].push_back(h % 2 == 0 ? Side{edge.from, edge.to} : Side{edge.to, edge.from});
         h = arrangement_.next[h];
       } while (h != start);
       targets.push_back(target);
     }
     for (Index k = 0; k < pieces_.size(); ++k) {
-      const Index beyond = facing(k, vertices_of[k], targets);
+      const Index beyond = facing(k, sides_of[k], targets);
       shells_.unite(pieces_[k].outside, beyond);
     }
   }
 
   /// The half-face of another piece that a ray from an extreme point of this piece, going out, meets first; the unbounded outside if none.
-  /// Directions in which anything is too close to call are given up for others; a contact in every direction (a piece whose corners all
-  /// touch the walls around it) is decided by the side on which the piece lies.
-  Index facing(Index piece, const std::vector<Index>& vertices, const std::vector<Target>& targets) {
+  /// Directions in which the ray passes too close to an edge to call are given up for others. A start that touches another piece's face is
+  /// no difficulty: pieces do not cross, so an edge of this one says on which side it lies there.
+  Index facing(Index piece, const std::vector<Side>& sides, const std::vector<Target>& targets) {
     std::uint64_t state = 0x9E3779B97F4A7C15U;
     const auto random = [&state] {
       state += 0x9E3779B97F4A7C15U;
@@ -157,13 +160,12 @@ class CellFinder {
       z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
       return static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-52 - 1.0;
     };
-    Index last_resort = unbounded();
-    for (int attempt = 0; attempt < 64; ++attempt) {
+    for (int attempt = 0; attempt < 1000; ++attempt) {
       Vec ray{};
       do {
         ray = {random(), random(), random()};
       } while (dot(ray, ray) > 1 || dot(ray, ray) < 0.1);
-      const Index start = *std::ranges::max_element(vertices, {}, [&](Index v) { return dot(positions_[v], ray); });
+      const Index start = std::ranges::max_element(sides, {}, [&](const Side& e) { return dot(positions_[e.from], ray); })->from;
       const Vec& from = positions_[start];
       double nearest = std::numeric_limits<double>::infinity();
       Index met = unbounded();
@@ -172,23 +174,31 @@ class CellFinder {
         if (target.piece == piece || misses(target, from, ray)) continue;
         const auto hit = shoot(target.face, from, ray);
         if (!hit) continue;
-        if (hit->unclear) {
-          unclear = true;
-          // Touching: the piece lies on the side of the face where the rest of it is.
-          const auto& n = prepared_.planes[arrangement_.faces[target.face].plane].approx();
-          double balance = 0;
-          for (const Index v : vertices) balance += n[0] * positions_[v][0] + n[1] * positions_[v][1] + n[2] * positions_[v][2] + n[3];
-          last_resort = 2 * target.face + (balance > 0 ? 0 : 1);
-          break;
-        }
+        unclear = hit->unclear;
+        if (unclear) break;
         if (hit->t < nearest) {
           nearest = hit->t;
-          met = 2 * target.face + (hit->from_positive ? 0 : 1);
+          const bool positive = hit->touching ? on_positive_side(target.face, sides, start) : hit->from_positive;
+          met = 2 * target.face + (positive ? 0 : 1);
         }
       }
       if (!unclear) return met;
     }
-    return last_resort;
+    return unbounded();
+  }
+
+  /// On which side of a face that it touches with the vertex `at` the piece lies: an edge from there that leaves the face's plane says
+  /// so, because pieces do not cross.
+  [[nodiscard]] bool on_positive_side(Index face, const std::vector<Side>& sides, Index at) const {
+    const auto& n = prepared_.planes[arrangement_.faces[face].plane].approx();
+    double most = 0;
+    for (const auto& [from, to] : sides) {
+      if (from != at && to != at) continue;
+      const Vec& p = positions_[from == at ? to : from];
+      const double height = n[0] * p[0] + n[1] * p[1] + n[2] * p[2] + n[3];
+      if (std::abs(height) > std::abs(most)) most = height;
+    }
+    return most > 0;
   }
 
   static constexpr double margin = 0x1p-34;
@@ -208,6 +218,7 @@ class CellFinder {
   struct Hit {
     double t;
     bool from_positive;
+    bool touching;
     bool unclear;
   };
   std::optional<Hit> shoot(Index f, const Vec& from, const Vec& ray) const {
@@ -215,7 +226,7 @@ class CellFinder {
     const auto& n = prepared_.planes[face.plane].approx();
     const double rate = n[0] * ray[0] + n[1] * ray[1] + n[2] * ray[2];
     const double height = n[0] * from[0] + n[1] * from[1] + n[2] * from[2] + n[3];
-    if (std::abs(rate) < 1e-4) return Hit{0, false, true};
+    if (std::abs(rate) < 1e-4) return Hit{0, false, false, true};
     const double t = -height / rate;
     if (t < -margin) return std::nullopt;
     const Vec p{from[0] + t * ray[0], from[1] + t * ray[1], from[2] + t * ray[2]};
@@ -235,15 +246,14 @@ class CellFinder {
         const double off = du * (p[v] - a[v]) - dv * (p[u] - a[u]);
         const double along = du * (p[u] - a[u]) + dv * (p[v] - a[v]);
         if (std::abs(off) <= margin * length && along >= -margin * length && along <= length * (length + margin)) {
-          return Hit{t, false, true};
+          return Hit{t, false, false, true};
         }
         if ((a[v] > p[v]) != (b[v] > p[v]) && (off > 0) == (dv > 0)) inside = !inside;
         h = g;
       } while (h != start);
     }
     if (!inside) return std::nullopt;
-    if (t < margin) return Hit{t, false, true};
-    return Hit{t, height > 0, false};
+    return Hit{t, height > 0, t < margin, false};
   }
 
   // ---- numbering and what is rock ------------------------------------------------------------------------------------

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -7,6 +8,7 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/triangulate.hpp"
 #include "detail/lattice_polygon.hpp"
 #include "detail/position.hpp"
 #include "detail/prepared.hpp"
@@ -37,7 +39,7 @@ struct PlaneKeyHash {
       mix(static_cast<std::uint64_t>(c));
       mix(static_cast<std::uint64_t>(c >> 64));
     }
-    mix(static_cast<std::uint64_t>(key.offset.convert_to<double>() * 0x1p-64));
+    mix(std::bit_cast<std::uint64_t>(key.offset.convert_to<double>()));
     return h;
   }
 };
@@ -100,6 +102,13 @@ class Builder {
       Facet facet = piece.facet;
       facet.first_edge = static_cast<Index>(out_.edges.size());
       for (const HalfSpace& edge : piece.pool_edges) out_.edges.push_back(edge);
+      if (facet.owner == Owner::joint) {
+        // A convex domain cuts its joints to size: what is outside is of no interest. (Excavations are kept whole: what is void is
+        // told by crossing closed surfaces.)
+        for (const HalfSpace& side : out_.clip) {
+          if (!safely_inside(piece, side)) out_.edges.push_back(side);
+        }
+      }
       for (const Plane& edge : piece.own_edges) {
         out_.edges.push_back({static_cast<Index>(out_.planes.size()), true});
         out_.planes.push_back(edge);
@@ -160,6 +169,14 @@ class Builder {
     pieces_.push_back(std::move(piece));
   }
 
+  [[nodiscard]] bool safely_inside(const Piece& piece, HalfSpace side) const {
+    const auto& n = out_.planes[side.plane].approx();
+    const double sense = side.inside_positive ? 1 : -1;
+    return !piece.corners.empty() && std::ranges::all_of(piece.corners, [&](const Vec& p) {
+      return sense * (n[0] * p[0] + n[1] * p[1] + n[2] * p[2] + n[3]) > 0x1p-34;
+    });
+  }
+
   Prepared& out_;
   std::unordered_map<PlaneKey, Index, PlaneKeyHash> numbers_;
   std::vector<Piece> pieces_;
@@ -173,10 +190,11 @@ Facet blank(Owner owner, Index owner_index, Index tag) {
           .first_edge = 0, .edge_count = 0, .first_corner = 0, .corner_count = 0, .lo = {}, .hi = {}};
 }
 
-double tetrahedra(const Vec& o, const Vec& a, const Vec& b, const Vec& c) {
+/// Six times the volume.
+double six_volumes(const Vec& o, const Vec& a, const Vec& b, const Vec& c) {
   const Vec u{a[0] - o[0], a[1] - o[1], a[2] - o[2]}, v{b[0] - o[0], b[1] - o[1], b[2] - o[2]},
       w{c[0] - o[0], c[1] - o[1], c[2] - o[2]};
-  return (u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0])) / 6;
+  return (u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0]));
 }
 
 Vec relative(const exact::Lattice& lattice, LatticePoint p) { return lattice.relative(p); }
@@ -237,12 +255,12 @@ std::expected<double, Index> add_half_spaces(const geometry::Solid& solid, std::
   double volume = 0;
   for (const auto& face : faces) {
     for (std::size_t i = 1; i + 1 < face.corners.size(); ++i) {
-      volume += tetrahedra(corners[0], corners[face.corners[0]], corners[face.corners[i]], corners[face.corners[i + 1]]);
+      volume += six_volumes(corners[0], corners[face.corners[0]], corners[face.corners[i]], corners[face.corners[i + 1]]);
     }
   }
   const double side = out.lattice.pitch() * 0x1p48;
   if (owner == Owner::domain) out.clip = inside;
-  return volume * side * side * side;
+  return volume * side * side * side / 6;
 }
 
 /// A general closed surface: faces that are exactly planar on the lattice stay whole, all others become triangles on their own corners, so
@@ -257,7 +275,7 @@ std::expected<double, Index> add_surface(const geometry::Solid& solid, std::span
     for (const std::uint32_t v : faces[f].corners) corners.push_back(sites[v]);
     const Facet facet = blank(owner, owner_index, faces[f].tag);
     const auto add_volume = [&](LatticePoint a, LatticePoint b, LatticePoint c) {
-      volume += tetrahedra(origin, relative(out.lattice, a), relative(out.lattice, b), relative(out.lattice, c));
+      volume += six_volumes(origin, relative(out.lattice, a), relative(out.lattice, b), relative(out.lattice, c));
     };
     auto polygon = make_lattice_polygon(corners);
     if (!polygon) {
@@ -272,17 +290,19 @@ std::expected<double, Index> add_surface(const geometry::Solid& solid, std::span
       if (!builder.add_polygon(*polygon, facet)) return std::unexpected(static_cast<Index>(f));
       continue;
     }
-    polygon->corners = corners;  // corners on a straight side stay: the neighbour may use them
-    const auto triangles = triangulate(*polygon);
-    if (triangles.size() + 2 != corners.size()) return std::unexpected(static_cast<Index>(f));
-    for (const auto& [a, b, c] : triangles) {
+    // The triangles that the solid was checked with; corners on a straight side stay, since the neighbour may use them.
+    std::vector<Vec3> exact_corners;
+    for (const std::uint32_t v : faces[f].corners) exact_corners.push_back(solid.vertices()[v]);
+    const auto triangles = geometry::triangulate(exact_corners);
+    if (!triangles || triangles->size() + 2 != corners.size()) return std::unexpected(static_cast<Index>(f));
+    for (const auto& [a, b, c] : *triangles) {
       const auto triangle = make_lattice_polygon({corners[a], corners[b], corners[c]});
       if (!triangle) return std::unexpected(static_cast<Index>(f));
       add_volume(corners[a], corners[b], corners[c]);
       if (!builder.add_polygon(*triangle, facet)) return std::unexpected(static_cast<Index>(f));
     }
   }
-  return volume;
+  return volume / 6;
 }
 
 struct Bounds {

@@ -136,9 +136,6 @@ Traces find_traces(const Prepared& prepared, Signs& signs) {
     }
     Clipper clipper{signs, p, q, line};
     if (!cut_by_edges(clipper, f, none) || !cut_by_edges(clipper, g, none)) return;
-    for (const HalfSpace& side : prepared.clip) {
-      if (!clipper.cut(side)) return;
-    }
     if (clipper.any()) add(p, q, clipper, trace);
   });
 
@@ -154,6 +151,7 @@ Traces find_traces(const Prepared& prepared, Signs& signs) {
       const Facet& f = facets[number];
       for (Index e = f.first_edge; e < f.first_edge + f.edge_count; ++e) {
         const HalfSpace edge = prepared.edges[e];
+        if (edge.plane == p || signs.plane(edge.plane).parallel_to(signs.plane(p))) continue;  // cuts all of it or nothing
         const Index a = std::min(p, edge.plane), b = std::max(p, edge.plane);
         const LineApprox line = exact::line_of(signs.plane(a), signs.plane(b));
         Clipper clipper{signs, a, b, line};

@@ -49,7 +49,7 @@ struct Prepared {
   std::vector<Vec> corners;  ///< approximate corners of facets, on the facet's plane, units of 2^48 sites
   std::vector<Facet> facets;
   std::vector<Index> facets_begin, facets_on;  ///< facets of each facet plane (CSR)
-  std::vector<HalfSpace> clip;                 ///< the domain's half-spaces when it is convex; else empty
+  std::vector<HalfSpace> clip;                 ///< the domain's half-spaces when it is convex; else empty; edges of joints already
   double domain_volume = 0;                    ///< m3
   double largest_snap = 0;                     ///< m
   std::uint64_t merged_planes = 0, adopted_edges = 0;

@@ -42,8 +42,8 @@ struct LineAttitude {
 [[nodiscard]] Vec3 dip_vector(Attitude plane) noexcept;
 /// (-cos a, sin a, 0): unit, horizontal, the strike by the right-hand rule. strike x dip vector = -(upward normal).
 [[nodiscard]] Vec3 strike_vector(DipDirection direction) noexcept;
-/// Inverse of `upward_normal` for a normal of any length and sense, not zero. Vertical planes: the dip direction the normal points
-/// to; horizontal ones: dip direction 0.
+/// Inverse of `upward_normal` for a normal of any length and sense, not zero. Vertical planes: the dip direction the
+/// normal points to; horizontal ones: dip direction 0.
 [[nodiscard]] Attitude attitude_of(Vec3 normal) noexcept;
 
 [[nodiscard]] DipDirection dip_direction_of(Strike strike) noexcept;
@@ -51,7 +51,8 @@ struct LineAttitude {
 
 /// (cos p sin t, cos p cos t, -sin p): unit.
 [[nodiscard]] Vec3 line_vector(LineAttitude line) noexcept;
-/// Inverse of `line_vector` for a vector of any length, not zero; keeps its sense (plunge < 0 points up). Vertical lines: trend 0.
+/// Inverse of `line_vector` for a vector of any length, not zero; keeps its sense (plunge < 0 points up). Vertical
+/// lines: trend 0.
 [[nodiscard]] LineAttitude line_attitude_of(Vec3 direction) noexcept;
 /// The downward normal of a plane: trend a + 180, plunge 90 - d.
 [[nodiscard]] LineAttitude pole_of(Attitude plane) noexcept;
@@ -66,8 +67,8 @@ enum class Net { equal_area, equal_angle };  ///< Schmidt, Wulff
 struct NetPoint {
   double x, y;
 };
-/// Lower hemisphere: equal area r = sqrt 2 sin(theta / 2), equal angle r = tan(theta / 2), theta = 90 - plunge. A line that points
-/// up is turned round.
+/// Lower hemisphere: equal area r = sqrt 2 sin(theta / 2), equal angle r = tan(theta / 2), theta = 90 - plunge. A line
+/// that points up is turned round.
 [[nodiscard]] NetPoint project(LineAttitude line, Net net) noexcept;
 [[nodiscard]] NetPoint project(Vec3 direction, Net net) noexcept;
 /// The plane's great circle as segments + 1 points, from its strike through its dip vector to the opposite strike.

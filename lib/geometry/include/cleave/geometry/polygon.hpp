@@ -25,7 +25,8 @@ struct NotPlanar {
   Length allowed;
 };
 struct SelfCrossing {
-  std::size_t first_edge, second_edge;  ///< edge i joins corners i and i + 1, numbered as given; they cross, touch or overlap
+  std::size_t first_edge,
+      second_edge;  ///< edge i joins corners i and i + 1, numbered as given; they cross, touch or overlap
 };
 using PolygonError = std::variant<TooFewCorners, NonFiniteCorner, ZeroArea, NotPlanar, SelfCrossing>;
 /// "what is wrong; what to do", in words for an engineer.
@@ -33,12 +34,13 @@ using PolygonError = std::variant<TooFewCorners, NonFiniteCorner, ZeroArea, NotP
 
 /// A simple planar polygon in space, convex or not, corners in metres.
 ///
-/// Invariant: at least three corners, no corner repeated in a row, finite, area > 0, no two edges cross or overlap, and every corner
-/// lies within max(1e-6 of its size, 8 ulp of its largest coordinate) of its plane.
+/// Invariant: at least three corners, no corner repeated in a row, finite, area > 0, no two edges cross or overlap, and
+/// every corner lies within max(1e-6 of its size, 8 ulp of its largest coordinate) of its plane.
 class Polygon final {
  public:
-  /// Corners in either sense. A corner equal to the one before it is dropped; coordinates below 1e-60 m become 0. Crossing and convexity
-  /// are decided by exact signs, seen along the dominant axis of the best-fit plane. "Size" is the diagonal of the bounding box.
+  /// Corners in either sense. A corner equal to the one before it is dropped; coordinates below 1e-60 m become 0.
+  /// Crossing and convexity are decided by exact signs, seen along the dominant axis of the best-fit plane. "Size" is
+  /// the diagonal of the bounding box.
   [[nodiscard]] static std::expected<Polygon, PolygonError> make(std::vector<Vec3> corners);
 
   [[nodiscard]] std::span<const Vec3> corners() const noexcept { return corners_; }

@@ -70,24 +70,27 @@ using SolidError = std::variant<NoFaces, BadVertex, BadFace, OpenEdge, NonManifo
 
 /// A closed polyhedral surface, one or several shells, faces outwards.
 ///
-/// Invariant: every edge is used by exactly two faces, once in each direction; each shell looks outwards, or inwards when it lies in
-/// another one (a cavity); volume > 0; two faces have nothing in common but vertices and edges they share. Vertices at one place
-/// count as shared. Faces of four and more corners may be bent: whoever cuts with it then uses the triangles of `triangulate`,
-/// the ones that were checked here.
+/// Invariant: every edge is used by exactly two faces, once in each direction; each shell looks outwards, or inwards
+/// when it lies in another one (a cavity); volume > 0; two faces have nothing in common but vertices and edges they
+/// share. Vertices at one place count as shared. Faces of four and more corners may be bent: whoever cuts with it then
+/// uses the triangles of `triangulate`, the ones that were checked here.
 class Solid final {
  public:
   /// The face tags index `tags`; without tags all must be 0. Of several faults the first found is told, looked for in
-  /// this order: vertices, corner lists, edges (lowest vertex numbers first), areas of faces, volume, crossings, shells. O(n log n).
+  /// this order: vertices, corner lists, edges (lowest vertex numbers first), areas of faces, volume, crossings,
+  /// shells. O(n log n).
   [[nodiscard]] static std::expected<Solid, SolidError> make(std::vector<Vec3> vertices, std::vector<SolidFace> faces,
                                                              std::vector<std::string> tags = {});
 
   [[nodiscard]] std::span<const Vec3> vertices() const noexcept { return vertices_; }
   [[nodiscard]] std::span<const SolidFace> faces() const noexcept { return faces_; }
   [[nodiscard]] std::span<const std::string> tags() const noexcept { return tags_; }
-  /// By the divergence theorem about the first vertex (bent faces: the fan about their first corner), compensated sum; > 0.
+  /// By the divergence theorem about the first vertex (bent faces: the fan about their first corner), compensated sum;
+  /// > 0.
   [[nodiscard]] Volume volume() const noexcept;
   /// True for a hexahedron or box whose six faces are meant as half-spaces: the cutter then takes the six planes
-  /// (each through three corners of its face) and their common inside, so a quad that is bent by rounding stays one face.
+  /// (each through three corners of its face) and their common inside, so a quad that is bent by rounding stays one
+  /// face.
   [[nodiscard]] bool from_half_spaces() const noexcept { return half_spaces_; }
   [[nodiscard]] Solid with_half_spaces() && {
     half_spaces_ = true;
@@ -103,13 +106,13 @@ class Solid final {
   bool half_spaces_ = false;
 };
 
-/// Axis-parallel box as half-spaces; tags west east south north bottom top (x-, x+, y-, y+, z-, z+) in this order, one face each; vertex
-/// bits 0, 1, 2 = x, y, z side. min < max in each axis, else NoVolume.
+/// Axis-parallel box as half-spaces; tags west east south north bottom top (x-, x+, y-, y+, z-, z+) in this order, one
+/// face each; vertex bits 0, 1, 2 = x, y, z side. min < max in each axis, else NoVolume.
 [[nodiscard]] std::expected<Solid, SolidError> make_box(Vec3 min, Vec3 max);
 
-/// Hexahedron on eight corners as half-spaces; bit 0, 1, 2 of the index = x, y, z side. Faces carry the box's tags by these bits,
-/// whatever way they look; an order of corners that mirrors the body is put right. The corners must make a convex body with planar
-/// faces (within the tolerance of Polygon); else BadFace, FaceNotPlanar, NotConvex or NoVolume.
+/// Hexahedron on eight corners as half-spaces; bit 0, 1, 2 of the index = x, y, z side. Faces carry the box's tags by
+/// these bits, whatever way they look; an order of corners that mirrors the body is put right. The corners must make a
+/// convex body with planar faces (within the tolerance of Polygon); else BadFace, FaceNotPlanar, NotConvex or NoVolume.
 [[nodiscard]] std::expected<Solid, SolidError> make_hexahedron(const std::array<Vec3, 8>& corners);
 
 }  // namespace cleave::geometry

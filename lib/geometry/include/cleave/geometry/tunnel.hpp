@@ -17,7 +17,8 @@
 /// Tunnels, shafts and caverns: a section swept along a polyline.
 namespace cleave::geometry {
 
-// ---- sections: looking along the axis, u to the right, v up ------------------------------------------------------------
+// ---- sections: looking along the axis, u to the right, v up
+// ------------------------------------------------------------
 
 /// Polygon of the same area as the circle; it reaches 0.16 % of the radius beyond it with the default 32 segments.
 struct CircleSection {
@@ -30,7 +31,8 @@ struct EllipseSection {
 struct RectangleSection {
   Length width, height;
 };
-/// Straight walls under a half circle of the section's width, given by the height of the walls; wall = 0 is a half disc.
+/// Straight walls under a half circle of the section's width, given by the height of the walls; wall = 0 is a half
+/// disc.
 struct DShapeSection {
   Length width, wall;
 };
@@ -42,26 +44,29 @@ struct HorseshoeSection {
 struct TrapezoidSection {
   Length width, top_width, height;  ///< width of the floor
 };
-/// Straight walls under a circular arc that rises `rise` above them; rise <= width / 2; the whole height is wall + rise.
+/// Straight walls under a circular arc that rises `rise` above them; rise <= width / 2; the whole height is wall +
+/// rise.
 struct ArchSection {
   Length width, wall, rise;
 };
-/// Any simple outline, (u, v) in metres in either sense; the axis runs through the centre of its bounding box, wherever (0, 0) is.
+/// Any simple outline, (u, v) in metres in either sense; the axis runs through the centre of its bounding box, wherever
+/// (0, 0) is.
 struct PolygonSection {
   std::vector<std::array<double, 2>> corners;
 };
-using Section = std::variant<CircleSection, EllipseSection, RectangleSection, DShapeSection, HorseshoeSection, TrapezoidSection,
-                             ArchSection, PolygonSection>;
+using Section = std::variant<CircleSection, EllipseSection, RectangleSection, DShapeSection, HorseshoeSection,
+                             TrapezoidSection, ArchSection, PolygonSection>;
 
 struct TunnelOptions {
-  /// Segments of a half circle (a whole circle has twice as many, an arc its share, at least two). Corners of arcs in D, horseshoe and arch
-  /// sections lie on the arc, so these sections are slightly smaller than the curved ones.
+  /// Segments of a half circle (a whole circle has twice as many, an arc its share, at least two). Corners of arcs in
+  /// D, horseshoe and arch sections lie on the arc, so these sections are slightly smaller than the curved ones.
   std::uint32_t segments = 16;
   /// Which way v points; needed where the axis is vertical. It need not be at right angles to the axis.
   std::optional<Vec3> up;
 };
 
-// ---- errors -------------------------------------------------------------------------------------------------------------
+// ---- errors
+// -------------------------------------------------------------------------------------------------------------
 
 struct NonPositiveDimension {
   std::string what;  ///< "width", "height", ...
@@ -97,29 +102,31 @@ struct BendTooSharp {  ///< the section does not fit round the bend, or the axis
 struct TunnelNotSolid {  ///< most often: the tunnel runs into itself
   SolidError reason;
 };
-using TunnelError = std::variant<NonPositiveDimension, HorseshoeTooLow, ArchTooHigh, BadSegments, BadSection, AxisTooShort,
-                                 BadAxisPoint, ZeroLengthAxis, UpAlongAxis, BendTooSharp, TunnelNotSolid>;
+using TunnelError = std::variant<NonPositiveDimension, HorseshoeTooLow, ArchTooHigh, BadSegments, BadSection,
+                                 AxisTooShort, BadAxisPoint, ZeroLengthAxis, UpAlongAxis, BendTooSharp, TunnelNotSolid>;
 /// "what is wrong; what to do", in words for an engineer. Points are numbered from 0.
 [[nodiscard]] std::string describe(const TunnelError& error);
 
-// ---- the solid ----------------------------------------------------------------------------------------------------------
+// ---- the solid
+// ----------------------------------------------------------------------------------------------------------
 
 /// The space a tunnel takes, with tags wall, floor, crown, start, end (in this order, all present).
 ///
-/// `axis`: at least two points (m), the polyline through the centres of the section's bounding box; caps at right angles to its first
-/// and last segment, mitre planes at the bends (the section keeps its true shape across every segment). Points on a straight line
-/// add nothing. u = axis x v points to the right. Corners are rounded to 2^-30 m (1 nm; coarser beyond 4,000 km), and
-/// the far corner of each side of a straight axis is the near corner plus exactly the same vector, so that sides stay exactly
-/// planar parallelograms on the cutter's lattice.
+/// `axis`: at least two points (m), the polyline through the centres of the section's bounding box; caps at right
+/// angles to its first and last segment, mitre planes at the bends (the section keeps its true shape across every
+/// segment). Points on a straight line add nothing. u = axis x v points to the right. Corners are rounded to 2^-30 m (1
+/// nm; coarser beyond 4,000 km), and the far corner of each side of a straight axis is the near corner plus exactly the
+/// same vector, so that sides stay exactly planar parallelograms on the cutter's lattice.
 [[nodiscard]] std::expected<Solid, TunnelError> make_tunnel(const Section& section, const std::vector<Vec3>& axis,
                                                             const TunnelOptions& options = {});
 
-/// The section's outline: (u, v) in m, counter-clockwise with u to the right and v up, centred on its bounding box, with the tag index of
-/// the side after each corner (0 wall, 1 floor, 2 crown).
+/// The section's outline: (u, v) in m, counter-clockwise with u to the right and v up, centred on its bounding box,
+/// with the tag index of the side after each corner (0 wall, 1 floor, 2 crown).
 struct SectionOutline {
   std::vector<std::array<double, 2>> corners;
   std::vector<std::uint32_t> tags;
 };
-[[nodiscard]] std::expected<SectionOutline, TunnelError> outline_of(const Section& section, std::uint32_t segments = 16);
+[[nodiscard]] std::expected<SectionOutline, TunnelError> outline_of(const Section& section,
+                                                                    std::uint32_t segments = 16);
 
 }  // namespace cleave::geometry

@@ -33,8 +33,8 @@ struct RectangleSize {
 
 /// One row of a table of joints.
 struct JointRow {
-  std::uint32_t line = 0;  ///< in the file, from 1
-  geometry::Attitude plane;  ///< as written: clockwise from the file's north
+  std::uint32_t line = 0;                  ///< in the file, from 1
+  geometry::Attitude plane;                ///< as written: clockwise from the file's north
   std::optional<geometry::Vec3> position;  ///< m; always present unless JointCsvOptions::need_position is false
   std::variant<Persistent, DiscSize, RectangleSize> size;
   std::optional<FrictionAngle> friction;
@@ -55,12 +55,13 @@ struct JointCsvOptions {
   bool need_position = true;
 };
 
-/// Joints from a table with a header. Columns in any order, in either case, blanks and hyphens as underscores: dip (dip_angle),
-/// dip_direction (dipdir, dip_dir, dd, azimuth) or strike (right-hand rule), x (easting), y (northing), z (elevation), radius |
-/// side_a, side_b, rotation | neither = persistent, set, friction (degrees), cohesion (Pa), id. Comma or semicolon, found from the
-/// header; quotes; decimal comma with semicolons when no number has a point; BOM, CRLF, blank lines and # lines are skipped.
-/// Up to 20 problems are collected.
-[[nodiscard]] std::expected<JointTable, std::vector<ReadError>> parse_joint_csv(std::string_view bytes, std::string_view name,
+/// Joints from a table with a header. Columns in any order, in either case, blanks and hyphens as underscores: dip
+/// (dip_angle), dip_direction (dipdir, dip_dir, dd, azimuth) or strike (right-hand rule), x (easting), y (northing), z
+/// (elevation), radius | side_a, side_b, rotation | neither = persistent, set, friction (degrees), cohesion (Pa), id.
+/// Comma or semicolon, found from the header; quotes; decimal comma with semicolons when no number has a point; BOM,
+/// CRLF, blank lines and # lines are skipped. Up to 20 problems are collected.
+[[nodiscard]] std::expected<JointTable, std::vector<ReadError>> parse_joint_csv(std::string_view bytes,
+                                                                                std::string_view name,
                                                                                 const JointCsvOptions& options = {});
 [[nodiscard]] std::expected<JointTable, std::vector<ReadError>> read_joint_csv(const std::filesystem::path& path,
                                                                                const JointCsvOptions& options = {});

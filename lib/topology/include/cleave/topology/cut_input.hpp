@@ -24,10 +24,10 @@ struct PersistentJoint {
 /// Everything the block cutter needs, in metres, validated piece by piece by the geometry types.
 struct CutInput {
   geometry::Solid domain;
-  std::vector<std::variant<Joint, PersistentJoint>> joints;  ///< JointId = index
-  std::vector<geometry::Solid> excavations;                  ///< in order; they may overlap each other and leave the domain
+  std::vector<std::variant<Joint, PersistentJoint>> joints = {};  ///< JointId = index
+  std::vector<geometry::Solid> excavations = {};                  ///< in order; they may overlap each other and leave the domain
   /// Domain faces (by tag index of the domain solid) that are free; all others are fixed.
-  std::vector<std::uint32_t> free_domain_tags;
+  std::vector<std::uint32_t> free_domain_tags = {};
   /// > 0: near-coincident planes are merged and joint edges within this distance of another joint adopt its plane.
   Length snap = metres(0);
 };

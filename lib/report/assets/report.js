@@ -1,0 +1,556 @@
+// The page's behaviour: sortable tables, and the 3D view when WebGL is there. Everything else works without this script.
+'use strict';
+(function () {
+  // ---- tables -----------------------------------------------------------------------------------------------------
+  const pickListeners = [];
+  document.querySelectorAll('table.sortable').forEach(function (table) {
+    const body = table.tBodies[0];
+    const headings = Array.from(table.tHead.rows[0].cells);
+    headings.forEach(function (heading, column) {
+      heading.tabIndex = 0;
+      const sort = function () {
+        const down = heading.getAttribute('aria-sort') === 'ascending';
+        headings.forEach(function (h) { h.removeAttribute('aria-sort'); });
+        heading.setAttribute('aria-sort', down ? 'descending' : 'ascending');
+        const value = function (row) {
+          const cell = row.cells[column];
+          const text = cell.dataset.v;
+          return text === undefined ? cell.textContent : text === 'inf' ? Infinity : Number(text);
+        };
+        const rows = Array.from(body.rows).map(function (row, i) { return { row: row, v: value(row), i: i }; });
+        rows.sort(function (a, b) { return (a.v < b.v ? -1 : a.v > b.v ? 1 : a.i - b.i) * (down ? -1 : 1); });
+        rows.forEach(function (r) { body.appendChild(r.row); });
+      };
+      heading.addEventListener('click', sort);
+      heading.addEventListener('keydown', function (e) { if (e.key === 'Enter' || e.key === ' ') { e.preventDefault(); sort(); } });
+    });
+    body.addEventListener('click', function (e) {
+      const row = e.target.closest('tr');
+      if (row) pickListeners.forEach(function (f) { f(Number(row.dataset.block)); });
+    });
+  });
+
+  const rowOf = new Map();
+  document.querySelectorAll('tr[data-block]').forEach(function (row) { rowOf.set(Number(row.dataset.block), row); });
+
+  // ---- 3D view ----------------------------------------------------------------------------------------------------
+  const holder = document.getElementById('scene');
+  const source = document.getElementById('data');
+  if (!holder || !source || typeof THREE === 'undefined') return;
+  const probe = document.createElement('canvas');
+  let context = null;
+  try { context = probe.getContext('webgl') || probe.getContext('experimental-webgl'); } catch (e) { context = null; }
+  if (!context) return;  // the still picture and a sentence stay
+
+  const data = JSON.parse(source.textContent);
+  const bytes = function (text) {
+    const raw = atob(text), out = new Uint8Array(raw.length);
+    for (let i = 0; i < raw.length; ++i) out[i] = raw.charCodeAt(i);
+    return out.buffer;
+  };
+  const packed = new Uint16Array(bytes(data.positions));
+  const triangles = new Uint32Array(bytes(data.triangles));
+  const faceBlock = new Uint32Array(bytes(data.faceBlock));
+  const faceRole = new Uint8Array(bytes(data.faceRole));
+  const faceTriangles = new Uint32Array(bytes(data.faceTriangles));
+  const blockId = new Uint32Array(bytes(data.id));
+  const batch = new Uint16Array(bytes(data.batch));
+  const mode = new Uint8Array(bytes(data.mode));
+  const factor = new Float32Array(bytes(data.factor));
+  const volume = new Float32Array(bytes(data.volume));
+  const faceCount = new Uint32Array(bytes(data.faces));
+  const blocks = blockId.length;
+  const modeNames = ['falling', 'lifting', 'sliding', 'wedge', 'stable', 'tapered'];
+
+  const points = new Float32Array(packed.length);
+  for (let i = 0; i < packed.length; ++i) points[i] = (packed[i] / 65535 - 0.5) * data.size[i % 3];
+  const extent = Math.hypot(data.size[0], data.size[1], data.size[2]) || 1;
+
+  const indexOf = new Map();
+  for (let b = 0; b < blocks; ++b) indexOf.set(blockId[b], b);
+  const firstFace = new Uint32Array(blocks + 1), firstTriangle = new Uint32Array(faceBlock.length + 1);
+  for (let f = 0; f < faceBlock.length; ++f) {
+    firstTriangle[f + 1] = firstTriangle[f] + faceTriangles[f];
+    firstFace[faceBlock[f] + 1] = f + 1;
+  }
+  for (let b = 1; b <= blocks; ++b) firstFace[b] = Math.max(firstFace[b], firstFace[b - 1]);
+  const centre = new Float32Array(3 * blocks);
+  for (let b = 0; b < blocks; ++b) {
+    const from = 3 * firstTriangle[firstFace[b]], to = 3 * firstTriangle[firstFace[b + 1]];
+    for (let k = 0; k < 3; ++k) {
+      let sum = 0;
+      for (let i = from; i < to; ++i) sum += points[3 * triangles[i] + k];
+      centre[3 * b + k] = to > from ? sum / (to - from) : 0;
+    }
+  }
+  const judged = batch.some(function (n) { return n > 0; });
+  const walls = faceRole.some(function (r) { return r === 3; });
+  const isWall = function (role) { return role === 3 || (role === 2 && judged); };
+
+  // ---- colours ----------------------------------------------------------------------------------------------------
+  const batchColours = ['#D55E00', '#E69F00', '#0072B2', '#56B4E9', '#009E73', '#CC79A7', '#B8A800', '#7A5195'];
+  const laterColour = '#7d8590', staysColour = '#8fb3a8';
+  const modeColours = ['#D55E00', '#CC79A7', '#0072B2', '#E69F00', '#8fb3a8', '#8fb3a8'];
+  const factorSteps = [
+    ['no strength: 0', '#7f2704', function (f) { return f <= 0; }],
+    ['below 0.5', '#d94801', function (f) { return f < 0.5; }],
+    ['0.5 to 1', '#fdae6b', function (f) { return f < 1; }],
+    ['1 to 1.5', '#9ecae1', function (f) { return f < 1.5; }],
+    ['1.5 and more', '#3182bd', function () { return true; }]];
+  const factorStep = function (f) { return factorSteps.findIndex(function (s) { return s[2](f); }); };
+  const css = function (name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); };
+
+  const movable = function (b) { return mode[b] < 4; };
+  const state = {
+    colourBy: 'batch', explode: 0, wallOpacity: 1, restOpacity: judged ? 0.05 : 1, axis: 'y', cut: 1, picked: -1,
+    batches: new Map(), modes: new Map()
+  };
+  const batchKey = function (b) { return batch[b] > 8 ? 9 : batch[b]; };
+  for (let b = 0; b < blocks; ++b) {
+    if (!movable(b)) continue;
+    const count = function (map, key, on) {
+      const entry = map.get(key) || { n: 0, on: on };
+      entry.n += 1;
+      map.set(key, entry);
+    };
+    count(state.batches, batchKey(b), batch[b] > 0);
+    count(state.modes, mode[b], true);
+  }
+  const shown = function (b) {
+    return movable(b) && state.batches.get(batchKey(b)).on && state.modes.get(mode[b]).on;
+  };
+  const colourOf = function (b) {
+    if (state.colourBy === 'mode') return modeColours[mode[b]];
+    if (state.colourBy === 'factor') return factorSteps[factorStep(factor[b])][1];
+    return batch[b] === 0 ? staysColour : batch[b] > 8 ? laterColour : batchColours[batch[b] - 1];
+  };
+
+  // ---- the scene --------------------------------------------------------------------------------------------------
+  let renderer;
+  try {
+    renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
+  } catch (e) {
+    return;
+  }
+  holder.classList.add('live');
+  renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+  renderer.localClippingEnabled = true;
+  renderer.domElement.tabIndex = 0;
+  renderer.domElement.setAttribute('role', 'img');
+  renderer.domElement.setAttribute('aria-label', 'Blocks in 3D; the table of key blocks below holds the same facts');
+  holder.prepend(renderer.domElement);
+  const printed = document.createElement('img');
+  printed.id = 'printed';
+  printed.alt = 'The 3D view as it was when printed';
+  holder.append(printed);
+
+  const scene = new THREE.Scene();
+  const camera = new THREE.PerspectiveCamera(32, 1, extent / 500, extent * 20);
+  camera.up.set(0, 0, 1);
+  scene.add(new THREE.HemisphereLight(0xffffff, 0xaab0b8, 0.8));
+  const lamp = new THREE.DirectionalLight(0xffffff, 0.42);
+  camera.add(lamp);
+  lamp.position.set(-0.6, 0.9, 1);
+  scene.add(camera);
+  const controls = new THREE.OrbitControls(camera, renderer.domElement);
+  controls.screenSpacePanning = true;
+  controls.enableKeys = false;
+
+  const section = new THREE.Plane(new THREE.Vector3(0, -1, 0), extent);
+  const lambert = function (options) {
+    return new THREE.MeshLambertMaterial(Object.assign({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide, polygonOffset: true,
+      polygonOffsetFactor: 1, polygonOffsetUnits: 1 }, options));
+  };
+  const layers = {
+    key: new THREE.Mesh(new THREE.BufferGeometry(), lambert({})),
+    wall: new THREE.Mesh(new THREE.BufferGeometry(), lambert({ clippingPlanes: [section] })),
+    rest: new THREE.Mesh(new THREE.BufferGeometry(), lambert({ clippingPlanes: [section] }))
+  };
+  const lines = {
+    key: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0x16191c })),
+    wall: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.55, clippingPlanes: [section] })),
+    rest: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.3, clippingPlanes: [section] })),
+    picked: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xffffff, depthTest: false }))
+  };
+  layers.wall.renderOrder = 1; layers.rest.renderOrder = 3; lines.picked.renderOrder = 9;
+  Object.values(layers).concat(Object.values(lines)).forEach(function (o) { o.frustumCulled = false; scene.add(o); });
+  const frame = new THREE.LineSegments(new THREE.EdgesGeometry(new THREE.BoxBufferGeometry(data.size[0], data.size[1], data.size[2])),
+    new THREE.LineBasicMaterial({ transparent: true, opacity: 0.5 }));
+  scene.add(frame);
+
+  const faceEdges = function (f, use) {
+    const from = firstTriangle[f], to = firstTriangle[f + 1];
+    if (to - from > 12) {
+      const seen = new Set();
+      for (let t = from; t < to; ++t) for (let k = 0; k < 3; ++k) seen.add(triangles[3 * t + k] * 4294967296 + triangles[3 * t + (k + 1) % 3]);
+      seen.forEach(function (e) {
+        const a = Math.floor(e / 4294967296), b = e % 4294967296;
+        if (!seen.has(b * 4294967296 + a)) use(a, b);
+      });
+      return;
+    }
+    for (let t = from; t < to; ++t) {
+      for (let k = 0; k < 3; ++k) {
+        const a = triangles[3 * t + k], b = triangles[3 * t + (k + 1) % 3];
+        let inner = false;
+        for (let u = from; u < to && !inner; ++u) {
+          for (let m = 0; m < 3; ++m) if (triangles[3 * u + m] === b && triangles[3 * u + (m + 1) % 3] === a) inner = true;
+        }
+        if (!inner) use(a, b);
+      }
+    }
+  };
+  const offset = [0, 0, 0];
+  const offsetOf = function (b) {
+    for (let k = 0; k < 3; ++k) offset[k] = (centre[3 * b + k] - focus[k]) * state.explode;
+    return offset;
+  };
+
+  // What is looked at: the excavation and the key blocks, else everything.
+  const focus = [0, 0, 0];
+  let reach = extent / 2;
+  (function () {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let f = 0; f < faceBlock.length; ++f) {
+      if (!(faceRole[f] === 3 || batch[faceBlock[f]] > 0)) continue;
+      for (let i = 3 * firstTriangle[f]; i < 3 * firstTriangle[f + 1]; ++i) {
+        for (let k = 0; k < 3; ++k) {
+          const v = points[3 * triangles[i] + k];
+          low[k] = Math.min(low[k], v); high[k] = Math.max(high[k], v);
+        }
+      }
+    }
+    if (low[0] > high[0]) return;
+    let sum = 0;
+    for (let k = 0; k < 3; ++k) { focus[k] = (low[k] + high[k]) / 2; sum += (high[k] - low[k]) * (high[k] - low[k]); }
+    reach = Math.max(Math.sqrt(sum) / 2, extent / 50);
+  })();
+
+  const restFace = function (f) {
+    if (state.explode > 0 || state.cut < 1) return true;
+    return faceRole[f] !== 0;
+  };
+  // The layer of a face, or null.
+  const layerOf = function (f) {
+    const b = faceBlock[f];
+    if (shown(b)) return 'key';
+    if (isWall(faceRole[f])) return state.wallOpacity > 0 ? 'wall' : null;
+    return state.restOpacity > 0 && restFace(f) ? 'rest' : null;
+  };
+
+  const blockOfTriangle = {};
+  const rebuild = function () {
+    const counts = { key: 0, wall: 0, rest: 0 };
+    const place = new Array(faceBlock.length);
+    for (let f = 0; f < faceBlock.length; ++f) {
+      place[f] = layerOf(f);
+      if (place[f]) counts[place[f]] += faceTriangles[f];
+    }
+    const wallColour = new THREE.Color(css('--wall')), restColour = new THREE.Color(css('--wall'));
+    const fill = {}, edges = { key: [], wall: [], rest: [] };
+    Object.keys(counts).forEach(function (name) {
+      fill[name] = { at: 0, position: new Float32Array(9 * counts[name]), normal: new Float32Array(9 * counts[name]), colour: new Uint8Array(9 * counts[name]) };
+      blockOfTriangle[name] = new Uint32Array(counts[name]);
+    });
+    const colour = new THREE.Color();
+    const drawRestEdges = state.restOpacity >= 0.2;
+    for (let f = 0; f < faceBlock.length; ++f) {
+      const name = place[f];
+      if (!name) continue;
+      const to = fill[name], b = faceBlock[f], move = offsetOf(b);
+      if (name === 'key') colour.set(colourOf(b)); else colour.copy(name === 'wall' ? wallColour : restColour);
+      // Neighbouring blocks of the rest differ a little, so that they can be told apart.
+      const tone = name === 'key' ? 1 : 0.9 + 0.1 * ((blockId[b] * 2654435761 >>> 8) % 97) / 97;
+      const r = Math.round(255 * colour.r * tone), g = Math.round(255 * colour.g * tone), bl = Math.round(255 * colour.b * tone);
+      for (let t = firstTriangle[f]; t < firstTriangle[f + 1]; ++t) {
+        const p = to.position, n = to.normal, o = 9 * to.at;
+        for (let k = 0; k < 3; ++k) {
+          const v = 3 * triangles[3 * t + k];
+          for (let c = 0; c < 3; ++c) p[o + 3 * k + c] = points[v + c] + move[c];
+          to.colour[o + 3 * k] = r; to.colour[o + 3 * k + 1] = g; to.colour[o + 3 * k + 2] = bl;
+        }
+        const ux = p[o + 3] - p[o], uy = p[o + 4] - p[o + 1], uz = p[o + 5] - p[o + 2];
+        const vx = p[o + 6] - p[o], vy = p[o + 7] - p[o + 1], vz = p[o + 8] - p[o + 2];
+        let x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+        const l = Math.hypot(x, y, z) || 1;
+        x /= l; y /= l; z /= l;
+        for (let k = 0; k < 3; ++k) { n[o + 3 * k] = x; n[o + 3 * k + 1] = y; n[o + 3 * k + 2] = z; }
+        blockOfTriangle[name][to.at++] = b;
+      }
+      if (name !== 'rest' || drawRestEdges) {
+        const list = edges[name];
+        faceEdges(f, function (i, j) {
+          list.push(points[3 * i] + move[0], points[3 * i + 1] + move[1], points[3 * i + 2] + move[2],
+            points[3 * j] + move[0], points[3 * j + 1] + move[1], points[3 * j + 2] + move[2]);
+        });
+      }
+    }
+    Object.keys(counts).forEach(function (name) {
+      const geometry = new THREE.BufferGeometry(), f = fill[name];
+      geometry.setAttribute('position', new THREE.BufferAttribute(f.position, 3));
+      geometry.setAttribute('normal', new THREE.BufferAttribute(f.normal, 3));
+      geometry.setAttribute('color', new THREE.BufferAttribute(f.colour, 3, true));
+      layers[name].geometry.dispose();
+      layers[name].geometry = geometry;
+      layers[name].visible = counts[name] > 0;
+      const wires = new THREE.BufferGeometry();
+      wires.setAttribute('position', new THREE.BufferAttribute(new Float32Array(edges[name]), 3));
+      lines[name].geometry.dispose();
+      lines[name].geometry = wires;
+      lines[name].visible = edges[name].length > 0;
+    });
+    const edgeColour = new THREE.Color(css('--edge'));
+    lines.wall.material.color.copy(edgeColour);
+    lines.rest.material.color.copy(edgeColour);
+    frame.material.color.copy(edgeColour);
+    style();
+    drawPicked();
+    render();
+  };
+
+  const style = function () {
+    [['wall', state.wallOpacity], ['rest', state.restOpacity]].forEach(function (pair) {
+      const material = layers[pair[0]].material;
+      material.opacity = pair[1];
+      material.transparent = pair[1] < 1;
+      material.depthWrite = pair[1] >= 1;
+      material.needsUpdate = true;
+    });
+    lines.rest.material.opacity = 0.6 * state.restOpacity;
+    lines.wall.material.opacity = 0.15 + 0.45 * state.wallOpacity;
+    const k = { x: 0, y: 1, z: 2 }[state.axis], half = data.size[k] / 2 * (1 + state.explode);
+    // From the side of the start view: south, east, above.
+    section.normal.set(k === 0 ? -1 : 0, k === 1 ? 1 : 0, k === 2 ? -1 : 0);
+    section.constant = state.cut >= 1 ? 100 * extent : half * (2 * state.cut - 1);
+    frame.visible = state.explode === 0;
+  };
+
+  const drawPicked = function () {
+    const list = [];
+    if (state.picked >= 0) {
+      const move = offsetOf(state.picked);
+      for (let f = firstFace[state.picked]; f < firstFace[state.picked + 1]; ++f) {
+        faceEdges(f, function (i, j) {
+          list.push(points[3 * i] + move[0], points[3 * i + 1] + move[1], points[3 * i + 2] + move[2],
+            points[3 * j] + move[0], points[3 * j + 1] + move[1], points[3 * j + 2] + move[2]);
+        });
+      }
+    }
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(list), 3));
+    lines.picked.geometry.dispose();
+    lines.picked.geometry = geometry;
+    lines.picked.visible = list.length > 0;
+    lines.picked.material.color.set(css('--ink'));
+  };
+
+  const compass = document.getElementById('compass');
+  const drawCompass = function () {
+    const arrows = [['E', new THREE.Vector3(1, 0, 0)], ['N', new THREE.Vector3(0, 1, 0)], ['up', new THREE.Vector3(0, 0, 1)]];
+    let text = '<svg viewBox="-42 -42 84 84">';
+    const turn = camera.matrixWorldInverse;
+    arrows.map(function (a) { return [a[0], a[1].transformDirection(turn)]; })
+      .sort(function (a, b) { return a[1].z - b[1].z; })
+      .forEach(function (a) {
+        const x = (26 * a[1].x).toFixed(1), y = (-26 * a[1].y).toFixed(1);
+        text += '<line x1="0" y1="0" x2="' + x + '" y2="' + y + '" stroke="' + css('--ink') + '" stroke-width="1.8" opacity="' + (a[1].z < -0.2 ? 0.4 : 1) + '"/>' +
+          '<text text-anchor="middle" x="' + (35 * a[1].x).toFixed(1) + '" y="' + (4 - 35 * a[1].y).toFixed(1) + '">' + a[0] + '</text>';
+      });
+    compass.innerHTML = text + '</svg>';
+  };
+
+  let pending = false;
+  const draw = function () {
+    pending = false;
+    renderer.render(scene, camera);
+    drawCompass();
+  };
+  const render = function () {
+    if (!pending) { pending = true; requestAnimationFrame(draw); }
+  };
+  const resize = function () {
+    const box = holder.getBoundingClientRect();
+    if (box.width < 2 || box.height < 2) return;
+    renderer.setSize(box.width, box.height, false);
+    camera.aspect = box.width / box.height;
+    camera.updateProjectionMatrix();
+    render();
+  };
+  const look = function (direction, target, radius) {
+    const d = new THREE.Vector3(direction[0], direction[1], direction[2]).normalize();
+    const narrow = Math.min(1, camera.aspect);
+    const distance = radius / Math.sin(camera.fov * Math.PI / 360) / narrow;
+    controls.target.set(target[0], target[1], target[2]);
+    camera.position.copy(controls.target).addScaledVector(d, distance * 0.86);
+    camera.lookAt(controls.target);
+    controls.update();
+    render();
+  };
+  const home = function () { look([0.62, -1, 0.55], focus, Math.max(reach, judged || walls ? 0 : extent / 2)); };
+
+  // ---- panel ------------------------------------------------------------------------------------------------------
+  const panel = document.getElementById('panel');
+  panel.hidden = false;
+  const make = function (tag, attributes, parent) {
+    const element = document.createElement(tag);
+    Object.keys(attributes || {}).forEach(function (k) {
+      if (k === 'text') element.textContent = attributes[k]; else element.setAttribute(k, attributes[k]);
+    });
+    if (parent) parent.append(element);
+    return element;
+  };
+  const fieldset = function (title) {
+    const f = make('fieldset', {}, panel);
+    make('legend', { text: title }, f);
+    return f;
+  };
+  const slider = function (parent, text, value, min, max, change) {
+    const label = make('label', { class: 'range' }, parent);
+    make('span', { text: text }, label);
+    const input = make('input', { type: 'range', min: min, max: max, step: (max - min) / 100, value: value, 'aria-label': text }, label);
+    input.addEventListener('input', function () { change(Number(input.value)); });
+    return input;
+  };
+  const legend = {};
+  if (state.batches.size > 0) {
+    const by = fieldset('Key blocks');
+    const label = make('label', {}, by);
+    make('span', { text: 'Colour by' }, label);
+    const select = make('select', { 'aria-label': 'Colour by' }, label);
+    [['batch', 'batch'], ['mode', 'mode'], ['factor', 'factor of safety']].forEach(function (o) { make('option', { value: o[0], text: o[1] }, select); });
+    select.addEventListener('change', function () { state.colourBy = select.value; swatches(); rebuild(); });
+    const list = function (title, map, names, colours) {
+      const field = fieldset(title);
+      const box = make('div', { class: 'list' }, field);
+      Array.from(map.keys()).sort(function (a, b) { return (a || 99) - (b || 99); }).forEach(function (key) {
+        const entry = map.get(key), line = make('label', {}, box);
+        const input = make('input', { type: 'checkbox' }, line);
+        input.checked = entry.on;
+        input.addEventListener('change', function () { entry.on = input.checked; rebuild(); });
+        make('i', { class: 'swatch', style: 'background:' + colours(key) }, line);
+        make('span', { text: names(key) }, line);
+        make('span', { class: 'n', text: String(entry.n) }, line);
+      });
+      return field;
+    };
+    legend.batch = list('Batch', state.batches, function (k) { return k === 0 ? 'no batch: stays' : k > 8 ? 'batch 9 and later' : 'batch ' + k; },
+      function (k) { return k === 0 ? staysColour : k > 8 ? laterColour : batchColours[k - 1]; });
+    legend.mode = list('Mode', state.modes, function (k) { return modeNames[k]; }, function (k) { return modeColours[k]; });
+    legend.factor = fieldset('Factor of safety');
+    factorSteps.forEach(function (s) {
+      const line = make('label', {}, legend.factor);
+      make('i', { class: 'swatch', style: 'background:' + s[1] }, line);
+      make('span', { text: s[0] }, line);
+    });
+  }
+  const swatches = function () {
+    Object.keys(legend).forEach(function (name) {
+      legend[name].querySelectorAll('.swatch').forEach(function (s) { s.style.display = name === state.colourBy ? '' : 'none'; });
+    });
+    if (legend.factor) legend.factor.style.display = state.colourBy === 'factor' ? '' : 'none';
+  };
+  swatches();
+  const view = fieldset('Rock');
+  if (faceRole.some(isWall)) slider(view, 'Walls', state.wallOpacity, 0, 1, function (v) {
+    const crossing = (v > 0) !== (state.wallOpacity > 0);
+    state.wallOpacity = v;
+    if (crossing) rebuild(); else { style(); render(); }
+  });
+  slider(view, 'The rest', state.restOpacity, 0, 1, function (v) {
+    const crossing = (v > 0) !== (state.restOpacity > 0) || (v >= 0.2) !== (state.restOpacity >= 0.2);
+    state.restOpacity = v;
+    if (crossing) rebuild(); else { style(); render(); }
+  });
+  slider(view, 'Explode', 0, 0, 1, function (v) { state.explode = v; rebuild(); });
+  const cutLine = make('label', { class: 'range' }, view);
+  make('span', { text: 'Cut along' }, cutLine);
+  const axis = make('select', { 'aria-label': 'Axis of the cut' }, cutLine);
+  [['y', 'y'], ['x', 'x'], ['z', 'z']].forEach(function (o) { make('option', { value: o[0], text: o[1] }, axis); });
+  const cut = make('input', { type: 'range', min: 0, max: 1, step: 0.01, value: 1, 'aria-label': 'Position of the cut' }, cutLine);
+  const change = function () {
+    const crossing = (Number(cut.value) < 1) !== (state.cut < 1);
+    state.axis = axis.value;
+    state.cut = Number(cut.value);
+    if (crossing) rebuild(); else { style(); render(); }
+  };
+  axis.addEventListener('change', change);
+  cut.addEventListener('input', change);
+  const buttons = make('div', { class: 'buttons' }, panel);
+  [['Start view', home],
+    ['Whole', function () { look([0.62, -1, 0.55], [0, 0, 0], extent / 2 * (1 + state.explode)); }],
+    ['Top', function () { look([0, -0.001, 1], focus, reach); }],
+    ['From south', function () { look([0, -1, 0], focus, reach); }],
+    ['From east', function () { look([1, 0, 0], focus, reach); }]].forEach(function (b) {
+    make('button', { type: 'button', text: b[0] }, buttons).addEventListener('click', b[1]);
+  });
+  const pickedBox = make('div', { id: 'picked', 'aria-live': 'polite' }, panel);
+
+  // ---- picking ----------------------------------------------------------------------------------------------------
+  const short = function (v) { return !isFinite(v) || v >= 1e9 ? '\u221e' : String(Number(v.toPrecision(4))); };
+  const pick = function (b, scroll) {
+    if (state.picked >= 0) {
+      const old = rowOf.get(blockId[state.picked]);
+      if (old) old.classList.remove('picked');
+    }
+    state.picked = b;
+    pickedBox.textContent = '';
+    if (b >= 0) {
+      const row = rowOf.get(blockId[b]);
+      if (row) {
+        row.classList.add('picked');
+        const box = row.closest('.scroll');
+        if (scroll && box) box.scrollTop = row.offsetTop - box.clientHeight / 2;
+      }
+      make('strong', { text: 'Block ' + blockId[b] }, pickedBox);
+      const list = make('dl', {}, pickedBox);
+      const fact = function (name, value) { make('dt', { text: name }, list); make('dd', { text: value }, list); };
+      if (row) {
+        const heads = row.closest('table').tHead.rows[0].cells;
+        for (let i = 1; i < heads.length; ++i) fact(heads[i].textContent, row.cells[i].textContent);
+      } else {
+        fact('Volume (m\u00b3)', short(volume[b]));
+        fact('Faces', String(faceCount[b]));
+        fact('State', mode[b] === 255 ? 'no free face, fixed, or not removable' : modeNames[mode[b]]);
+      }
+    } else {
+      make('span', { class: 'small', text: 'Click a block to see its figures.' }, pickedBox);
+    }
+    drawPicked();
+    render();
+  };
+  const caster = new THREE.Raycaster();
+  const down = { x: 0, y: 0 };
+  renderer.domElement.addEventListener('pointerdown', function (e) { down.x = e.clientX; down.y = e.clientY; });
+  renderer.domElement.addEventListener('pointerup', function (e) {
+    if (e.button !== 0 || Math.hypot(e.clientX - down.x, e.clientY - down.y) > 5) return;
+    const box = renderer.domElement.getBoundingClientRect();
+    caster.setFromCamera({ x: 2 * (e.clientX - box.left) / box.width - 1, y: 1 - 2 * (e.clientY - box.top) / box.height }, camera);
+    let best = null;
+    [['key', 0.01], ['wall', 0.3], ['rest', 0.3]].forEach(function (pair) {
+      const layer = layers[pair[0]];
+      if (!layer.visible || (pair[0] !== 'key' && layer.material.opacity < pair[1])) return;
+      caster.intersectObject(layer).forEach(function (hit) {
+        if (pair[0] !== 'key' && section.distanceToPoint(hit.point) < 0) return;
+        if (!best || hit.distance < best.distance) best = { distance: hit.distance, block: blockOfTriangle[pair[0]][hit.faceIndex] };
+      });
+    });
+    pick(best ? best.block : -1, true);
+  });
+  pickListeners.push(function (id) { if (indexOf.has(id)) pick(indexOf.get(id), false); });
+  pick(-1, false);
+
+  // ---- life -------------------------------------------------------------------------------------------------------
+  controls.addEventListener('change', render);
+  window.addEventListener('resize', resize);
+  window.addEventListener('beforeprint', function () {
+    renderer.render(scene, camera);
+    printed.src = renderer.domElement.toDataURL('image/png');
+  });
+  renderer.domElement.addEventListener('webglcontextlost', function (e) { e.preventDefault(); holder.classList.remove('live'); });
+  renderer.domElement.addEventListener('webglcontextrestored', function () { holder.classList.add('live'); rebuild(); });
+  const dark = window.matchMedia ? window.matchMedia('(prefers-color-scheme: dark)') : null;
+  if (dark && dark.addEventListener) dark.addEventListener('change', rebuild);
+  resize();
+  home();
+  rebuild();
+})();

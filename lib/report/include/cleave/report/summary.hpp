@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cleave/stability/result.hpp"
+#include "cleave/topology/audit.hpp"
+#include "cleave/topology/block_complex.hpp"
+
+namespace cleave::report {
+
+struct PlanRow {
+  std::string stage;  ///< "read", "draw", "cut", ...
+  bool run;
+  std::string why;
+};
+
+struct CostRow {
+  std::string stage;
+  double wall_s, cpu_s, peak_rss_mb;
+};
+
+struct CostTable {
+  double wall_s = 0, cpu_s = 0, peak_rss_mb = 0;
+  unsigned threads = 1;
+  std::vector<CostRow> stages;
+};
+
+struct InputFigures {
+  std::uint64_t joints = 0;
+  double lattice_pitch_m = 0;
+  double largest_snap_m = 0;
+  std::uint64_t merged_planes = 0;
+};
+
+/// What can be counted of the blocks themselves.
+struct BlockFigures {
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+  double domain_volume_m3 = 0;      ///< of the domain less what is excavated
+  std::uint64_t concave = 0;        ///< blocks that are not convex (a block with a hole or a cavity is not)
+  std::uint64_t with_holes = 0;     ///< blocks with a hole through them (genus > 0) or a face with a hole in it
+  std::uint64_t with_cavities = 0;  ///< blocks with more than one shell
+  std::uint64_t slivers = 0;
+  std::string hash;
+  double exact_share = 0;           ///< part of the cutter's predicate calls that needed exact numbers
+};
+
+struct BatchFigures {
+  std::uint32_t batch;
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+  std::array<std::uint64_t, 4> modes{};  ///< falling, lifting, sliding, wedge
+};
+
+struct KeyBlockFigures {
+  std::uint64_t count = 0;  ///< blocks that leave, in all batches
+  double volume_m3 = 0;
+  std::vector<BatchFigures> batches;
+  bool stopped_at_max_batches = false;
+};
+
+/// Everything of summary.json, as values.
+struct Summary {
+  std::string title;
+  std::uint64_t seed = 1;
+  std::string scene_sha256;
+  std::vector<PlanRow> plan;
+  CostTable cost;
+  InputFigures input;
+  std::optional<BlockFigures> blocks;  ///< none when the certificate did not pass
+  topology::Certificate certificate;
+  std::optional<KeyBlockFigures> key_blocks;
+};
+
+[[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);
+[[nodiscard]] KeyBlockFigures count_key_blocks(const stability::Analysis& analysis);
+
+/// summary.json; keys in the order of docs/summary.schema.json.
+[[nodiscard]] std::string summary_json(const Summary& summary);
+
+}  // namespace cleave::report

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+/// Files embedded at build time : embed.cmake writes the sources.
+namespace cleave::report::assets {
+
+/// In pieces: compilers limit the length of one literal.
+[[nodiscard]] std::span<const std::string_view> three();
+[[nodiscard]] std::span<const std::string_view> orbit_controls();
+[[nodiscard]] std::span<const std::string_view> style();
+[[nodiscard]] std::span<const std::string_view> script();
+
+}  // namespace cleave::report::assets

@@ -1,0 +1,73 @@
+#include "cleave/report/json.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "cleave/core/assert.hpp"
+#include "cleave/report/text.hpp"
+
+namespace cleave::report {
+
+void JsonWriter::separate() {
+  if (std::exchange(after_key_, false) || levels_.empty()) return;
+  if (!levels_.back().empty) out_ += ',';
+  levels_.back().empty = false;
+  out_ += '\n';
+  out_.append(2 * levels_.size(), ' ');
+}
+
+void JsonWriter::literal(std::string_view text) {
+  separate();
+  out_ += text;
+}
+
+void JsonWriter::begin_object() {
+  literal("{");
+  levels_.push_back({.array = false});
+}
+
+void JsonWriter::begin_array() {
+  literal("[");
+  levels_.push_back({.array = true});
+}
+
+void JsonWriter::close(char bracket) {
+  CLEAVE_ASSERT(!levels_.empty() && !after_key_ && levels_.back().array == (bracket == ']'));
+  const bool empty = levels_.back().empty;
+  levels_.pop_back();
+  if (!empty) {
+    out_ += '\n';
+    out_.append(2 * levels_.size(), ' ');
+  }
+  out_ += bracket;
+}
+
+void JsonWriter::end_object() { close('}'); }
+void JsonWriter::end_array() { close(']'); }
+
+void JsonWriter::key(std::string_view name) {
+  CLEAVE_ASSERT(!levels_.empty() && !levels_.back().array && !after_key_);
+  separate();
+  append_json_string(out_, name);
+  out_ += ": ";
+  after_key_ = true;
+}
+
+void JsonWriter::value(std::string_view text) {
+  separate();
+  append_json_string(out_, text);
+}
+
+void JsonWriter::value(double number) {
+  if (!std::isfinite(number)) return null();
+  separate();
+  append_number(out_, number);
+}
+
+std::string JsonWriter::finish() && {
+  CLEAVE_ASSERT(levels_.empty() && !after_key_);
+  out_ += '\n';
+  return std::move(out_);
+}
+
+}  // namespace cleave::report

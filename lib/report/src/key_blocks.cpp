@@ -1,0 +1,75 @@
+#include "cleave/report/key_blocks.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "cleave/report/text.hpp"
+
+namespace cleave::report {
+
+std::vector<topology::JointId> joints_of(const topology::BlockComplex& complex, topology::BlockId block) {
+  std::vector<topology::JointId> joints;
+  for (const topology::FaceId id : complex.blocks()[block].faces) {
+    const topology::Face& face = complex.faces()[id];
+    if (face.joint) joints.push_back(*face.joint);
+    for (const topology::Patch& patch : face.patches) {
+      if (patch.joint) joints.push_back(*patch.joint);
+    }
+  }
+  std::ranges::sort(joints);
+  const auto repeated = std::ranges::unique(joints);
+  joints.erase(repeated.begin(), repeated.end());
+  return joints;
+}
+
+namespace {
+
+// A block that nothing was passed to keeps its values.
+void append_transferred(std::string& out, const stability::Judgement& j) {
+  const stability::Transferred after = j.transferred.value_or(stability::Transferred{.mode = j.mode,
+                                                                                     .key = j.key,
+                                                                                     .direction = j.direction,
+                                                                                     .driving = j.driving,
+                                                                                     .resistance = j.resistance,
+                                                                                     .net = j.net,
+                                                                                     .factor_of_safety = j.factor_of_safety});
+  out += after.key ? ",1," : ",0,";
+  out += stability::name(after.mode);
+  for (const double value : {after.direction.x, after.direction.y, after.direction.z, after.net.si(), after.factor_of_safety,
+                             after.passed.si()}) {
+    out += ',';
+    append_number(out, value);
+  }
+}
+
+}  // namespace
+
+std::string key_blocks_csv(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
+  std::string out{key_blocks_header};
+  if (analysis.force_transfer) out += key_blocks_transferred_header;
+  out += '\n';
+  for (const stability::Judgement& j : analysis.judgements) {
+    if (!stability::moves(j.mode)) continue;
+    const topology::Block& block = complex.blocks()[j.block];
+    out += std::to_string(j.block.value()) + ',';
+    if (j.batch) out += std::to_string(*j.batch);
+    out += j.key ? ",1," : ",0,";
+    out += stability::name(j.mode);
+    for (const double value : {block.volume.si(), j.weight.si(), j.direction.x, j.direction.y, j.direction.z, j.net.si(),
+                               j.factor_of_safety}) {
+      out += ',';
+      append_number(out, value);
+    }
+    out += ',' + std::to_string(block.faces.size()) + ',';
+    bool first = true;
+    for (const topology::JointId joint : joints_of(complex, j.block)) {
+      if (!std::exchange(first, false)) out += ';';
+      out += std::to_string(joint.value());
+    }
+    if (analysis.force_transfer) append_transferred(out, j);
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace cleave::report

@@ -1,0 +1,53 @@
+#include "polygons.hpp"
+
+#include <algorithm>
+
+#include "cleave/report/triangulate.hpp"
+
+namespace cleave::report::detail {
+namespace {
+
+bool passes_a_vertex_twice(const std::vector<std::uint32_t>& loop) {
+  if (loop.size() <= 16) {
+    for (std::size_t i = 1; i < loop.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (loop[i] == loop[j]) return true;
+      }
+    }
+    return false;
+  }
+  auto sorted = loop;
+  std::ranges::sort(sorted);
+  return std::ranges::adjacent_find(sorted) != sorted.end();
+}
+
+}  // namespace
+
+std::vector<Polygon> surface_of(const topology::BlockComplex& complex, topology::BlockId block,
+                                std::span<const geometry::Vec3> points, bool triangles_only) {
+  std::vector<Polygon> polygons;
+  FaceLoops loops;
+  std::uint32_t number = 0;
+  for (const topology::FaceId id : complex.blocks()[block].faces) {
+    const topology::Face& face = complex.faces()[id];
+    loops.clear();
+    for (const auto& loop : face.loops) {
+      std::vector<std::uint32_t> corners;
+      corners.reserve(loop.size());
+      for (const topology::VertexId v : loop) corners.push_back(v.value());
+      loops.push_back(std::move(corners));
+    }
+    const bool simple = loops.size() == 1 && !passes_a_vertex_twice(loops.front());
+    if (simple && (!triangles_only || loops.front().size() == 3)) {
+      polygons.push_back({.corners = std::move(loops.front()), .outward = face.outward, .face = number});
+    } else {
+      for (const Triangle& t : triangulate(loops, points, face.outward)) {
+        polygons.push_back({.corners = {t[0], t[1], t[2]}, .outward = face.outward, .face = number});
+      }
+    }
+    ++number;
+  }
+  return polygons;
+}
+
+}  // namespace cleave::report::detail

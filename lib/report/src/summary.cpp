@@ -1,0 +1,168 @@
+#include "cleave/report/summary.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "cleave/report/json.hpp"
+#include "cleave/report/modes.hpp"
+
+namespace cleave::report {
+namespace {
+
+void write_plan(JsonWriter& json, const std::vector<PlanRow>& plan) {
+  json.key("plan");
+  json.begin_array();
+  for (const PlanRow& row : plan) {
+    json.begin_object();
+    json.member("stage", row.stage);
+    json.member("run", row.run);
+    json.member("why", row.why);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_cost(JsonWriter& json, const CostTable& cost) {
+  json.key("cost");
+  json.begin_object();
+  json.member("wall_s", cost.wall_s);
+  json.member("cpu_s", cost.cpu_s);
+  json.member("peak_rss_mb", cost.peak_rss_mb);
+  json.member("threads", cost.threads);
+  json.key("stages");
+  json.begin_array();
+  for (const CostRow& row : cost.stages) {
+    json.begin_object();
+    json.member("stage", row.stage);
+    json.member("wall_s", row.wall_s);
+    json.member("cpu_s", row.cpu_s);
+    json.member("peak_rss_mb", row.peak_rss_mb);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+}
+
+void write_input(JsonWriter& json, const InputFigures& input) {
+  json.key("input");
+  json.begin_object();
+  json.member("joints", input.joints);
+  json.member("lattice_pitch_m", input.lattice_pitch_m);
+  json.member("largest_snap_m", input.largest_snap_m);
+  json.member("merged_planes", input.merged_planes);
+  json.end_object();
+}
+
+void write_certificate(JsonWriter& json, const topology::Certificate& certificate) {
+  json.key("certificate");
+  json.begin_object();
+  json.member("passed", certificate.passed);
+  json.member("euler_violations", certificate.euler_violations);
+  json.member("open_shells", certificate.open_shells);
+  json.member("face_vector_max_relative", certificate.face_vector_max_relative);
+  json.member("unpaired_patches", certificate.unpaired_patches);
+  json.end_object();
+}
+
+void write_blocks(JsonWriter& json, const Summary& summary) {
+  json.key("blocks");
+  json.begin_object();
+  const auto figure = [&](std::string_view name, auto BlockFigures::*member) {
+    if (summary.blocks) {
+      json.member(name, *summary.blocks.*member);
+    } else {
+      json.key(name);
+      json.null();
+    }
+  };
+  figure("count", &BlockFigures::count);
+  json.member("volume_m3", summary.blocks ? summary.blocks->volume_m3 : summary.certificate.volume.si());
+  figure("domain_volume_m3", &BlockFigures::domain_volume_m3);
+  json.member("volume_relative_error", summary.certificate.volume_relative_error);
+  figure("concave", &BlockFigures::concave);
+  figure("with_holes", &BlockFigures::with_holes);
+  figure("with_cavities", &BlockFigures::with_cavities);
+  figure("slivers", &BlockFigures::slivers);
+  figure("hash", &BlockFigures::hash);
+  write_certificate(json, summary.certificate);
+  figure("exact_share", &BlockFigures::exact_share);
+  if (!summary.blocks) json.member("reason", "the certificate did not pass, so no block of this run is to be trusted");
+  json.end_object();
+}
+
+void write_key_blocks(JsonWriter& json, const KeyBlockFigures& figures) {
+  json.key("key_blocks");
+  json.begin_object();
+  json.member("count", figures.count);
+  json.member("volume_m3", figures.volume_m3);
+  json.key("batches");
+  json.begin_array();
+  for (const BatchFigures& batch : figures.batches) {
+    json.begin_object();
+    json.member("batch", batch.batch);
+    json.member("count", batch.count);
+    json.member("volume_m3", batch.volume_m3);
+    json.key("modes");
+    json.begin_object();
+    for (std::size_t i = 0; i < batch.modes.size(); ++i) json.member(stability::name(all_modes[i]), batch.modes[i]);
+    json.end_object();
+    json.end_object();
+  }
+  json.end_array();
+  json.member("stopped_at_max_batches", figures.stopped_at_max_batches);
+  json.end_object();
+}
+
+}  // namespace
+
+BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash) {
+  BlockFigures figures{.domain_volume_m3 = complex.rock_volume().si(), .hash = std::move(hash)};
+  figures.count = complex.blocks().size();
+  for (const topology::Block& block : complex.blocks()) {
+    figures.volume_m3 += block.volume.si();
+    figures.concave += block.convex ? 0U : 1U;
+    figures.with_holes += block.counts.genus > 0 || block.counts.loops > block.counts.faces ? 1U : 0U;
+    figures.with_cavities += block.counts.shells > 1 ? 1U : 0U;
+    figures.slivers += block.sliver ? 1U : 0U;
+  }
+  const topology::CutReport& report = complex.report();
+  if (report.predicate_calls > 0) {
+    figures.exact_share = static_cast<double>(report.predicate_exact) / static_cast<double>(report.predicate_calls);
+  }
+  return figures;
+}
+
+KeyBlockFigures count_key_blocks(const stability::Analysis& analysis) {
+  KeyBlockFigures figures{.batches = {}, .stopped_at_max_batches = analysis.stopped_at_max_batches};
+  for (const stability::Batch& batch : analysis.batches) {
+    BatchFigures row{.batch = batch.number, .count = batch.blocks.size(), .volume_m3 = batch.volume.si()};
+    for (const topology::BlockId block : batch.blocks) {
+      const auto judgement = std::ranges::lower_bound(analysis.judgements, block, {}, &stability::Judgement::block);
+      if (judgement == analysis.judgements.end() || judgement->block != block) continue;
+      if (stability::moves(judgement->mode)) ++row.modes[std::to_underlying(judgement->mode)];
+    }
+    figures.count += row.count;
+    figures.volume_m3 += row.volume_m3;
+    figures.batches.push_back(row);
+  }
+  return figures;
+}
+
+std::string summary_json(const Summary& summary) {
+  JsonWriter json;
+  json.begin_object();
+  json.member("cleave", CLEAVE_VERSION);
+  json.member("schema", 1U);
+  json.member("title", summary.title);
+  json.member("seed", summary.seed);
+  json.member("scene_sha256", summary.scene_sha256);
+  write_plan(json, summary.plan);
+  write_cost(json, summary.cost);
+  write_input(json, summary.input);
+  write_blocks(json, summary);
+  if (summary.key_blocks) write_key_blocks(json, *summary.key_blocks);
+  json.end_object();
+  return std::move(json).finish();
+}
+
+}  // namespace cleave::report

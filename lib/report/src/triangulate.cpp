@@ -1,0 +1,298 @@
+#include "cleave/report/triangulate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "exact_turn.hpp"
+
+namespace cleave::report {
+namespace {
+
+using detail::Point2;
+using detail::turn;
+
+// Seen from outside along the largest axis of the normal: a plain choice of two coordinates, nothing is rounded.
+Point2 seen(geometry::Vec3 p, geometry::Vec3 outward) {
+  const double x = std::abs(outward.x), y = std::abs(outward.y), z = std::abs(outward.z);
+  if (z >= x && z >= y) return outward.z > 0 ? Point2{p.x, p.y} : Point2{p.y, p.x};
+  if (x >= y) return outward.x > 0 ? Point2{p.y, p.z} : Point2{p.z, p.y};
+  return outward.y > 0 ? Point2{p.z, p.x} : Point2{p.x, p.z};
+}
+
+// A corner of the polygon that is being clipped: one passage of a loop through a vertex.
+struct Node {
+  std::uint32_t vertex;
+  Point2 at;
+  std::size_t previous, next;
+};
+
+class Clipper {
+ public:
+  Clipper(std::span<const std::vector<std::uint32_t>> loops, std::span<const geometry::Vec3> positions,
+          geometry::Vec3 outward) {
+    for (const auto& loop : loops) {
+      const std::size_t first = nodes_.size();
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        nodes_.push_back({.vertex = loop[i],
+                          .at = seen(positions[loop[i]], outward),
+                          .previous = first + (i + loop.size() - 1) % loop.size(),
+                          .next = first + (i + 1) % loop.size()});
+      }
+      firsts_.push_back(first);
+    }
+  }
+
+  std::vector<Triangle> run() {
+    join_holes();
+    clip();
+    return std::move(triangles_);
+  }
+
+ private:
+  // Does the direction from node `n` to `p` lead into the polygon there? (O'Rourke 1998, InCone, open cone)
+  bool opens_to(std::size_t n, Point2 p) const {
+    const Point2 a = nodes_[n].at, before = nodes_[nodes_[n].previous].at, after = nodes_[nodes_[n].next].at;
+    if (turn(before, a, after) > 0) return turn(before, a, p) > 0 && turn(a, after, p) > 0;
+    return turn(before, a, p) > 0 || turn(a, after, p) > 0;
+  }
+
+  static bool cross(Point2 a, Point2 b, Point2 c, Point2 d) {
+    const int c_side = turn(a, b, c), d_side = turn(a, b, d);
+    if (c_side == 0 && d_side == 0) return false;  // on one line: the corners in between are tested by `blocked`
+    return c_side * d_side <= 0 && turn(c, d, a) * turn(c, d, b) <= 0;
+  }
+
+  static bool between(Point2 a, Point2 b, Point2 p) {
+    return turn(a, b, p) == 0 && (a.u != b.u ? (a.u < p.u) != (b.u < p.u) : (a.v < p.v) != (b.v < p.v)) && p != a && p != b;
+  }
+
+  // Does anything stand between the nodes m and n? Edges that end in one of the two vertices do not count.
+  bool blocked(std::size_t m, std::size_t n) const {
+    const Node& a = nodes_[m];
+    const Node& b = nodes_[n];
+    for (const Node& c : nodes_) {
+      const Node& d = nodes_[c.next];
+      if (c.vertex != a.vertex && c.vertex != b.vertex && between(a.at, b.at, c.at)) return true;
+      if (c.vertex == a.vertex || c.vertex == b.vertex || d.vertex == a.vertex || d.vertex == b.vertex) continue;
+      if (cross(a.at, b.at, c.at, d.at)) return true;
+    }
+    return false;
+  }
+
+  // Joins the loop of node m to the polygon's node n by a bridge, walked once in each direction; by nothing when both are one vertex.
+  void join(std::size_t m, std::size_t n) {
+    const std::size_t m_before = nodes_[m].previous;
+    const std::size_t n_after = nodes_[n].next;
+    if (nodes_[m].vertex == nodes_[n].vertex) {
+      // Two passages of one vertex: ... n -> (rest of hole) -> m -> n_after ...
+      const std::size_t hole_after = nodes_[m].next;
+      link(n, hole_after);
+      link(m, n_after);
+      return;
+    }
+    const std::size_t m_twin = nodes_.size(), n_twin = m_twin + 1;
+    nodes_.push_back(nodes_[m]);
+    nodes_.push_back(nodes_[n]);
+    link(n, m);
+    link(m_before, m_twin);
+    link(m_twin, n_twin);
+    link(n_twin, n_after);
+  }
+
+  void link(std::size_t from, std::size_t to) {
+    nodes_[from].next = to;
+    nodes_[to].previous = from;
+  }
+
+  std::vector<std::size_t> ring(std::size_t first) const {
+    std::vector<std::size_t> nodes{first};
+    for (std::size_t n = nodes_[first].next; n != first; n = nodes_[n].next) nodes.push_back(n);
+    return nodes;
+  }
+
+  // The node of `outer` that is the same vertex as m and opens to the hole's two edges there.
+  std::optional<std::size_t> touching(const std::vector<std::size_t>& outer, std::size_t m) const {
+    for (const std::size_t n : outer) {
+      if (nodes_[n].vertex == nodes_[m].vertex && opens_to(n, nodes_[nodes_[m].next].at) &&
+          opens_to(n, nodes_[nodes_[m].previous].at)) {
+        return n;
+      }
+    }
+    return std::nullopt;
+  }
+
+  // Holes from right to left (Eberly 2002): the rightmost corner of a hole sees a corner of what is joined already.
+  void join_holes() {
+    struct Hole {
+      std::size_t first, rightmost;
+    };
+    std::vector<Hole> holes;
+    for (std::size_t loop = 1; loop < firsts_.size(); ++loop) {
+      const auto nodes = ring(firsts_[loop]);
+      const auto right = std::ranges::max_element(nodes, {}, [&](std::size_t n) {
+        return std::tuple{nodes_[n].at.u, nodes_[n].at.v};
+      });
+      holes.push_back({.first = firsts_[loop], .rightmost = *right});
+    }
+    std::ranges::stable_sort(holes, std::ranges::greater{}, [&](const Hole& h) {
+      return std::tuple{nodes_[h.rightmost].at.u, nodes_[h.rightmost].at.v};
+    });
+    for (const Hole& hole : holes) join_hole(hole.first, hole.rightmost);
+  }
+
+  void join_hole(std::size_t first, std::size_t rightmost) {
+    const auto outer = ring(firsts_.front());
+    for (const std::size_t m : ring(first)) {
+      if (const auto n = touching(outer, m)) return join(m, *n);
+    }
+    const Point2 from = nodes_[rightmost].at;
+    std::vector<std::pair<double, std::size_t>> nearest;
+    nearest.reserve(outer.size());
+    for (const std::size_t n : outer) {
+      const double du = nodes_[n].at.u - from.u, dv = nodes_[n].at.v - from.v;
+      nearest.emplace_back(du * du + dv * dv, n);
+    }
+    std::ranges::sort(nearest);
+    for (const auto& [distance, n] : nearest) {
+      if (opens_to(n, from) && opens_to(rightmost, nodes_[n].at) && !blocked(rightmost, n)) return join(rightmost, n);
+    }
+    // Only positions that were rounded into a crossing get here: any bridge keeps the edges paired.
+    join(rightmost, nearest.front().second);
+  }
+
+  enum class Demand { clean, flat, convex, any };
+
+  bool is_ear(std::size_t n, Demand demand) const {
+    if (demand == Demand::any) return true;
+    const std::size_t before = nodes_[n].previous, after = nodes_[n].next;
+    const Node &a = nodes_[before], &b = nodes_[n], &c = nodes_[after];
+    const int corner = turn(a.at, b.at, c.at);
+    if (demand == Demand::flat) return corner == 0;
+    if (corner <= 0) return false;
+    if (a.vertex == c.vertex) return false;
+    if (!opens_to(before, c.at) || !opens_to(after, a.at)) return false;
+    if (demand == Demand::convex) return true;
+    for (std::size_t k = nodes_[after].next; k != before; k = nodes_[k].next) {
+      const Node& p = nodes_[k];
+      if (p.vertex == a.vertex || p.vertex == b.vertex || p.vertex == c.vertex) continue;
+      if (turn(c.at, a.at, p.at) >= 0 && turn(a.at, b.at, p.at) >= 0 && turn(b.at, c.at, p.at) >= 0) return false;
+    }
+    return true;
+  }
+
+  void clip() {
+    std::size_t n = firsts_.front();
+    std::size_t left = ring(n).size();
+    Demand demand = Demand::clean;
+    std::size_t misses = 0;
+    while (left > 3) {
+      if (!is_ear(n, demand)) {
+        n = nodes_[n].next;
+        if (++misses < left) continue;
+        misses = 0;
+        demand = demand == Demand::clean ? Demand::flat : (demand == Demand::flat ? Demand::convex : Demand::any);
+        continue;
+      }
+      const std::size_t before = nodes_[n].previous, after = nodes_[n].next;
+      triangles_.push_back({nodes_[before].vertex, nodes_[n].vertex, nodes_[after].vertex});
+      link(before, after);
+      --left;
+      misses = 0;
+      demand = Demand::clean;
+      n = nodes_[after].next;  // not the neighbour: fans of slivers are avoided
+    }
+    triangles_.push_back({nodes_[nodes_[n].previous].vertex, nodes_[n].vertex, nodes_[nodes_[n].next].vertex});
+  }
+
+  std::vector<Node> nodes_;
+  std::vector<std::size_t> firsts_;
+  std::vector<Triangle> triangles_;
+};
+
+using Loop = std::vector<std::uint32_t>;
+using Region = std::vector<Loop>;  // [0] outline, then its holes; each passes a vertex once
+
+// Cuts a loop where it comes back to a vertex: a figure of eight becomes two loops.
+void append_simple(std::vector<Loop>& simple, const Loop& loop) {
+  Loop open;
+  for (const std::uint32_t vertex : loop) {
+    const auto earlier = std::ranges::find(open, vertex);
+    if (earlier != open.end()) {
+      if (open.end() - earlier > 2) simple.emplace_back(earlier, open.end());
+      open.erase(earlier, open.end());
+    }
+    open.push_back(vertex);
+  }
+  if (open.size() > 2) simple.push_back(std::move(open));
+}
+
+std::vector<Point2> seen(const Loop& loop, std::span<const geometry::Vec3> positions, geometry::Vec3 outward) {
+  std::vector<Point2> points;
+  for (const std::uint32_t vertex : loop) points.push_back(seen(positions[vertex], outward));
+  return points;
+}
+
+bool counter_clockwise(const std::vector<Point2>& loop) {
+  double twice_area = 0;
+  for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
+    twice_area += (loop[i].u - loop[0].u) * (loop[i + 1].v - loop[0].v) - (loop[i].v - loop[0].v) * (loop[i + 1].u - loop[0].u);
+  }
+  return twice_area >= 0;
+}
+
+bool inside(const std::vector<Point2>& outline, Point2 p) {
+  bool in = false;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Point2 a = outline[i], b = outline[(i + 1) % outline.size()];
+    if ((a.v > p.v) != (b.v > p.v) && (turn(a, b, p) > 0) == (b.v > a.v)) in = !in;
+  }
+  return in;
+}
+
+std::vector<Region> regions_of(std::span<const Loop> loops, std::span<const geometry::Vec3> positions, geometry::Vec3 outward) {
+  std::vector<Loop> simple;
+  for (const Loop& loop : loops) append_simple(simple, loop);
+  std::vector<Region> regions;
+  std::vector<Loop> holes;
+  for (std::size_t i = 0; i < simple.size(); ++i) {
+    // The outline of a face without holes is one whatever rounding made of it.
+    if (simple.size() == 1 || counter_clockwise(seen(simple[i], positions, outward))) {
+      regions.push_back({simple[i]});
+    } else {
+      holes.push_back(simple[i]);
+    }
+  }
+  if (regions.empty()) {
+    regions.push_back({holes.front()});
+    holes.erase(holes.begin());
+  }
+  for (Loop& hole : holes) {
+    std::size_t home = 0;
+    for (std::size_t r = 0; r < regions.size() && regions.size() > 1; ++r) {
+      const Loop& outline = regions[r].front();
+      const auto own = std::ranges::find_if(hole, [&](std::uint32_t v) { return std::ranges::find(outline, v) == outline.end(); });
+      if (own != hole.end() && inside(seen(outline, positions, outward), seen(positions[*own], outward))) home = r;
+    }
+    regions[home].push_back(std::move(hole));
+  }
+  return regions;
+}
+
+}  // namespace
+
+std::vector<Triangle> triangulate(std::span<const std::vector<std::uint32_t>> loops,
+                                  std::span<const geometry::Vec3> positions, geometry::Vec3 outward) {
+  std::vector<Region> regions = regions_of(loops, positions, outward);
+  std::vector<Triangle> triangles;
+  for (const Region& region : regions) {
+    const auto part = Clipper{region, positions, outward}.run();
+    triangles.insert(triangles.end(), part.begin(), part.end());
+  }
+  return triangles;
+}
+
+}  // namespace cleave::report

@@ -1,0 +1,186 @@
+#include "cleave/report/view3d.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "cleave/report/json.hpp"
+#include "cleave/report/text.hpp"
+#include "cleave/report/vtu.hpp"
+#include "polygons.hpp"
+
+namespace cleave::report {
+namespace {
+
+using geometry::Vec3;
+using topology::BlockComplex;
+using topology::BlockId;
+
+static_assert(std::endian::native == std::endian::little);
+
+template <class T>
+void member_base64(JsonWriter& json, std::string_view name, const std::vector<T>& values) {
+  std::string text;
+  append_base64(text, std::as_bytes(std::span{values}));
+  json.member(name, text);
+}
+
+void member_vector(JsonWriter& json, std::string_view name, Vec3 v) {
+  json.key(name);
+  json.begin_array();
+  for (const double c : {v.x, v.y, v.z}) json.value(c);
+  json.end_array();
+}
+
+// Key blocks come first: the view must show them whatever the budget.
+std::vector<BlockId> by_importance(const BlockComplex& complex, const stability::Analysis* analysis) {
+  std::vector<std::uint8_t> rank(complex.blocks().size(), 4);
+  for (const BlockId id : complex.blocks().ids()) {
+    const topology::Block& block = complex.blocks()[id];
+    if (block.fixed) rank[id.index()] = 3;
+    if (block.free) rank[id.index()] = 2;
+  }
+  if (analysis != nullptr) {
+    for (const stability::Judgement& j : analysis->judgements) rank[j.block.index()] = j.key ? 0 : 1;
+  }
+  std::vector<BlockId> order;
+  for (const BlockId id : complex.blocks().ids()) order.push_back(id);
+  std::ranges::stable_sort(order, {}, [&](BlockId id) { return rank[id.index()]; });
+  return order;
+}
+
+struct BlockColumns {
+  std::vector<std::uint32_t> id;
+  std::vector<std::uint16_t> batch;  // 0: stays
+  std::vector<std::uint8_t> mode;    // stability::Mode, or 255
+  std::vector<float> factor;         // -1: none, 1e9: infinite
+  std::vector<float> volume;
+  std::vector<std::uint32_t> faces;
+
+  void add(BlockId block, const topology::Block& facts, const stability::Judgement* judgement) {
+    id.push_back(block.value());
+    volume.push_back(static_cast<float>(facts.volume.si()));
+    faces.push_back(static_cast<std::uint32_t>(facts.faces.size()));
+    batch.push_back(judgement != nullptr && judgement->batch
+                        ? static_cast<std::uint16_t>(std::min<std::uint32_t>(*judgement->batch, 65535U))
+                        : std::uint16_t{0});
+    mode.push_back(judgement != nullptr ? std::to_underlying(judgement->mode) : mode_not_judged);
+    const double factor_of_safety = judgement != nullptr ? judgement->factor_of_safety : factor_when_unknown;
+    factor.push_back(static_cast<float>(std::isfinite(factor_of_safety) ? std::min(factor_of_safety, factor_when_infinite)
+                                                                         : factor_when_infinite));
+  }
+};
+
+struct FaceColumns {
+  std::vector<std::uint32_t> block;  // index into the blocks shown
+  std::vector<std::uint8_t> role;    // 0 joint, 1 fixed, 2 free domain side, 3 excavation
+  std::vector<std::uint32_t> triangles;
+};
+
+std::uint8_t role_code(const topology::Face& face) {
+  switch (face.role) {
+    case topology::Role::joint: return 0;
+    case topology::Role::fixed: return 1;
+    case topology::Role::free: return face.excavation ? 3 : 2;
+  }
+  std::unreachable();
+}
+
+}  // namespace
+
+std::size_t view_bytes(const BlockComplex& complex, BlockId block) {
+  std::size_t corners = 0, faces = 0, loops = 0;
+  for (const topology::FaceId id : complex.blocks()[block].faces) {
+    const topology::Face& face = complex.faces()[id];
+    ++faces;
+    loops += face.loops.size();
+    for (const auto& loop : face.loops) corners += loop.size();
+  }
+  const std::size_t triangles = corners + 2 * loops - 4 * faces;  // corners + 2 holes - 2 of each face, holes = loops - 1
+  // Points are shared by about three faces of a block; base64 makes four bytes of three.
+  return (12 * triangles + 2 * corners + 9 * faces + 19 + 11) * 4 / 3;
+}
+
+View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysis, std::size_t budget) {
+  View3d view{.json = {}, .total = complex.blocks().size()};
+  BlockColumns blocks;
+  FaceColumns faces;
+  std::vector<std::uint32_t> triangles;
+  constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> number(complex.vertices().size(), unused);
+  std::vector<Vec3> points;
+  std::size_t bytes = 0;
+  for (const BlockId id : by_importance(complex, analysis)) {
+    bytes += view_bytes(complex, id);
+    if (bytes > budget && view.shown > 0) break;
+    const stability::Judgement* judgement = nullptr;
+    if (analysis != nullptr) {
+      const auto found = std::ranges::lower_bound(analysis->judgements, id, {}, &stability::Judgement::block);
+      if (found != analysis->judgements.end() && found->block == id) judgement = std::to_address(found);
+    }
+    const topology::Block& block = complex.blocks()[id];
+    blocks.add(id, block, judgement);
+    const std::size_t first_face = faces.block.size();
+    for (const topology::FaceId face : block.faces) {
+      faces.block.push_back(static_cast<std::uint32_t>(view.shown));
+      faces.role.push_back(role_code(complex.faces()[face]));
+      faces.triangles.push_back(0);
+    }
+    for (const detail::Polygon& triangle : detail::surface_of(complex, id, complex.vertices().items(), true)) {
+      ++faces.triangles[first_face + triangle.face];
+      for (const std::uint32_t vertex : triangle.corners) {
+        if (number[vertex] == unused) {
+          number[vertex] = static_cast<std::uint32_t>(points.size());
+          points.push_back(complex.position(topology::VertexId{vertex}));
+        }
+        triangles.push_back(number[vertex]);
+      }
+    }
+    ++view.shown;
+  }
+
+  Vec3 low{}, high{};
+  if (!points.empty()) low = high = points.front();
+  for (const Vec3& p : points) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const Vec3 size = high - low;
+  std::vector<std::uint16_t> positions;
+  positions.reserve(3 * points.size());
+  const auto quantise = [](double value, double from, double extent) {
+    return static_cast<std::uint16_t>(extent > 0 ? std::lround((value - from) / extent * 65535) : 0);
+  };
+  for (const Vec3& p : points) {
+    positions.push_back(quantise(p.x, low.x, size.x));
+    positions.push_back(quantise(p.y, low.y, size.y));
+    positions.push_back(quantise(p.z, low.z, size.z));
+  }
+
+  JsonWriter json;
+  json.begin_object();
+  json.member("total", std::uint64_t{view.total});
+  member_vector(json, "low", low);
+  member_vector(json, "size", size);
+  member_base64(json, "positions", positions);
+  member_base64(json, "triangles", triangles);
+  member_base64(json, "faceBlock", faces.block);
+  member_base64(json, "faceRole", faces.role);
+  member_base64(json, "faceTriangles", faces.triangles);
+  member_base64(json, "id", blocks.id);
+  member_base64(json, "batch", blocks.batch);
+  member_base64(json, "mode", blocks.mode);
+  member_base64(json, "factor", blocks.factor);
+  member_base64(json, "volume", blocks.volume);
+  member_base64(json, "faces", blocks.faces);
+  json.end_object();
+  view.json = std::move(json).finish();
+  return view;
+}
+
+}  // namespace cleave::report

@@ -1,0 +1,119 @@
+#include "block_summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+#include <utility>
+#include <variant>
+
+#include "cleave/topology/audit.hpp"
+#include "cleave/topology/cut.hpp"
+#include "integer_scene_input.hpp"
+
+namespace cleave::testing {
+
+namespace {
+
+void sort_volumes(BlockSummary& summary) {
+  for (auto& entry : summary) std::ranges::sort(entry.second);
+}
+
+}  // namespace
+
+BlockSummary summary_of(const topology::BlockComplex& complex) {
+  BlockSummary out;
+  for (const topology::Block& b : complex.blocks()) {
+    const auto& c = b.counts;
+    out[{c.vertices, c.edges, c.faces, c.loops, c.shells, c.genus}].push_back(b.volume.si());
+  }
+  sort_volumes(out);
+  return out;
+}
+
+BlockSummary summary_of(const std::vector<oracle::OracleBlock>& blocks) {
+  BlockSummary out;
+  for (const oracle::OracleBlock& b : blocks) {
+    out[{b.vertices, b.edges, b.faces, b.loops, b.shells, b.genus}].push_back(b.volume.convert_to<double>());
+  }
+  sort_volumes(out);
+  return out;
+}
+
+std::string describe(const BlockSummary& summary) {
+  std::ostringstream out;
+  out.precision(12);
+  for (const auto& [counts, volumes] : summary) {
+    out << '(';
+    for (const std::uint32_t n : counts) out << ' ' << n;
+    out << " ):";
+    for (const double v : volumes) out << ' ' << v;
+    out << '\n';
+  }
+  return out.str();
+}
+
+bool agree(const BlockSummary& a, const BlockSummary& b) {
+  const auto near = [](double x, double y) { return std::abs(x - y) <= 1e-9 * std::max(x, y); };
+  return std::ranges::equal(a, b, [&](const auto& p, const auto& q) {
+    return p.first == q.first && std::ranges::equal(p.second, q.second, near);
+  });
+}
+
+FastCut fast_cut(const IntegerScene& scene) {
+  auto complex = topology::cut(to_cut_input(scene));
+  if (!complex) {
+    if (std::holds_alternative<topology::DomainSwallowed>(complex.error())) return {};
+    return {{}, "cut: " + topology::describe(complex.error())};
+  }
+  FastCut out{summary_of(*complex), {}};
+  const double rock = complex->rock_volume().si();
+  const auto audited = topology::audit(*std::move(complex));
+  std::ostringstream problem;
+  if (!audited) {
+    const topology::Certificate& c = audited.error();
+    problem << "audit: euler " << c.euler_violations << " open shells " << c.open_shells << " unpaired "
+            << c.unpaired_patches << " face vector " << c.face_vector_max_relative << " volume "
+            << c.volume_relative_error << '\n';
+  }
+  double sum = 0;
+  for (const auto& entry : out.summary) sum = std::accumulate(entry.second.begin(), entry.second.end(), sum);
+  if (std::abs(sum - rock) > 1e-9 * rock) problem << "blocks have " << sum << " m3 of " << rock << " m3 of rock\n";
+  out.problem = problem.str();
+  return out;
+}
+
+std::string difference_from_oracle(const IntegerScene& scene) {
+  const FastCut fast = fast_cut(scene);
+  const BlockSummary exact = summary_of(oracle::oracle_blocks(scene));
+  if (fast.problem.empty() && agree(fast.summary, exact)) return {};
+  return fast.problem + "cut\n" + describe(fast.summary) + "oracle\n" + describe(exact);
+}
+
+std::string broken_invariance(const IntegerScene& scene) {
+  const FastCut plain = fast_cut(scene);
+  if (!plain.problem.empty()) return plain.problem;
+  std::string problem;
+  const auto expect_same = [&](const char* what, const IntegerScene& other) {
+    const FastCut cut = fast_cut(other);
+    if (cut.problem.empty() && agree(cut.summary, plain.summary)) return;
+    problem += std::string{what} + ": " + cut.problem + "\nplain\n" + describe(plain.summary) + "changed\n" +
+               describe(cut.summary);
+  };
+  IntegerScene other = scene;
+  std::ranges::reverse(other.joints);
+  for (IntegerPolygon& joint : other.joints) std::ranges::rotate(joint, joint.begin() + 1);
+  expect_same("other order of joints and corners", other);
+  if (!scene.joints.empty()) {
+    other = scene;
+    other.joints.push_back(scene.joints.front());
+    std::ranges::reverse(other.joints.back());
+    expect_same("a joint twice", other);
+  }
+  expect_same("translated", translated(scene, {5, -7, 3}));
+  expect_same("axes rotated", axes_rotated(scene));
+  expect_same("axes swapped", axes_swapped(scene));
+  return problem;
+}
+
+}  // namespace cleave::testing

@@ -1,0 +1,118 @@
+#include "cleave/report/html.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <vector>
+
+#include "cleave/report/view3d.hpp"
+#include "hand_made.hpp"
+
+namespace cleave::report {
+namespace {
+
+using namespace testing;
+
+Page example(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
+  Page page;
+  page.summary.title = "Tunnel <script>alert(1)</script> & co";
+  page.summary.blocks = count_blocks(complex, "0123abcd");
+  page.summary.certificate.passed = true;
+  page.summary.key_blocks = count_key_blocks(analysis);
+  page.summary.plan = {{.stage = "cut", .run = true, .why = "always"}, {.stage = "contact", .run = false, .why = "no bodies"}};
+  page.summary.cost.stages = {{.stage = "cut", .wall_s = 0.5, .cpu_s = 0.4, .peak_rss_mb = 12}};
+  page.summary.input.joints = 2;
+  page.scene_file = "tunnel.toml";
+  page.notes = {"joint 7 lies outside the domain"};
+  page.sets = {{"A", 1}, {"B", 1}};
+  page.joints = {{{0.5, 0, 0.5}, 0}, {{0, 0.3, 0.8}, 1}};
+  page.complex = &complex;
+  page.analysis = &analysis;
+  return page;
+}
+
+struct Example {
+  topology::BlockComplex complex = grid(3);
+  stability::Analysis analysis{.judgements = {judgement(3, stability::Mode::falling, 1, 0), judgement(7, stability::Mode::sliding, 2, 0.7)},
+                               .batches = {{.number = 1, .blocks = {topology::BlockId{3U}}, .volume = cubic_metres(1)},
+                                           {.number = 2, .blocks = {topology::BlockId{7U}}, .volume = cubic_metres(1)}},
+                               .stopped_at_max_batches = false};
+};
+
+// No source of anything may lie outside the file.
+TEST(Html, AsksTheNetworkForNothing) {
+  const Example e;
+  const std::string html = report_html(example(e.complex, e.analysis));
+  const std::size_t code = html.find("<script>");
+  const std::string page = html.substr(0, code);
+  EXPECT_EQ(page.find("http://"), std::string::npos);
+  EXPECT_EQ(page.find("https://"), std::string::npos);
+  const std::regex source{"(src|href|srcset|data|action|poster)\\s*=\\s*[\"'](?!data:)"};
+  EXPECT_FALSE(std::regex_search(page, source));
+  EXPECT_EQ(html.find("@import"), std::string::npos);
+  EXPECT_EQ(html.find("url(http"), std::string::npos);
+  EXPECT_NE(html.find("default-src 'none'"), std::string::npos);  // and the browser would refuse
+}
+
+TEST(Html, UserTextIsEscaped) {
+  const Example e;
+  const std::string html = report_html(example(e.complex, e.analysis));
+  EXPECT_EQ(html.find("<script>alert(1)"), std::string::npos);
+  EXPECT_NE(html.find("Tunnel &lt;script&gt;alert(1)&lt;/script&gt; &amp; co"), std::string::npos);
+}
+
+TEST(Html, HoldsEverySectionAndTheSameBytesTwice) {
+  const Example e;
+  const Page page = example(e.complex, e.analysis);
+  const std::string html = report_html(page);
+  for (const char* id : {"id=\"view\"", "id=\"keys\"", "id=\"net\"", "id=\"blocks\"", "id=\"plan\"", "id=\"cost\"", "id=\"inputs\""}) {
+    EXPECT_NE(html.find(id), std::string::npos) << id;
+  }
+  EXPECT_NE(html.find("no bodies"), std::string::npos);
+  EXPECT_NE(html.find("joint 7 lies outside"), std::string::npos);
+  EXPECT_NE(html.find("REVISION=\"111\""), std::string::npos);
+  EXPECT_NE(html.find("OrbitControls"), std::string::npos);
+  EXPECT_EQ(html, report_html(page));
+}
+
+TEST(Html, WithoutBlocksThereIsStillAReport) {
+  Page page;
+  page.summary.title = "Failed";
+  page.summary.plan = {{.stage = "cut", .run = true, .why = "always"}};
+  const std::string html = report_html(page);
+  EXPECT_NE(html.find("not passed"), std::string::npos);
+  EXPECT_EQ(html.find("id=\"view\""), std::string::npos);
+  EXPECT_LT(html.size(), 100'000U);  // and three.js is left out
+}
+
+TEST(View3d, EstimateBoundsTheSize) {
+  for (const int n : {2, 6, 10}) {
+    const auto complex = grid(n);
+    std::size_t estimate = 0;
+    for (const topology::BlockId id : complex.blocks().ids()) estimate += view_bytes(complex, id);
+    const View3d view = pack_view(complex, nullptr, 1'000'000'000);
+    EXPECT_LE(view.json.size(), estimate + 2000);
+    EXPECT_GE(static_cast<double>(view.json.size()), 0.5 * static_cast<double>(estimate));
+    EXPECT_EQ(view.shown, view.total);
+  }
+}
+
+// 5,000 blocks of the usual shapes take a small part of the budget; a budget that does not hold all keeps the key blocks.
+TEST(View3d, BudgetKeepsWhatMoves) {
+  const Example e;
+  const View3d view = pack_view(e.complex, &e.analysis, 3 * view_bytes(e.complex, topology::BlockId{0U}));
+  EXPECT_EQ(view.shown, 3U);
+  EXPECT_EQ(view.total, 27U);
+  const auto json = nlohmann::json::parse(view.json);
+  EXPECT_EQ(json["id"], "AwAAAAcAAAAAAAAA");  // 3, 7, then 0
+  EXPECT_EQ(json["batch"], "AQACAAAA");
+  EXPECT_LT(view_bytes(e.complex, topology::BlockId{0U}) * 5000, view_budget_bytes / 2);
+}
+
+}  // namespace
+}  // namespace cleave::report
