@@ -303,6 +303,11 @@ Workload common_vertex(std::uint32_t m) {
   return w;
 }
 
+Workload rotated_common_vertex(std::uint32_t m) {
+  return mapped(common_vertex(m), "deg-vertex" + std::to_string(m) + "r",
+                [](Vec3 p) { return turned(p) + Vec3{0.1, 0.2, 0.3}; });
+}
+
 Workload slivers(std::uint32_t m, double angle) {
   SplitMix random{99};
   std::vector<double> at(m);
@@ -358,6 +363,38 @@ Workload ring() {
     for (const double at : {3.0, 5.0}) w.polygons.push_back(rectangle_across(axis, at, {3, 5}, {2.5, 5.5}));
   }
   return w;
+}
+
+std::optional<Workload> workload_named(std::string_view name) {
+  for (const auto& [prefix, make] :
+       {std::pair<std::string_view, Workload (*)(std::uint32_t)>{"grid-", grid},
+        {"gridr-", rotated_grid},
+        {"persist-", persistent},
+        {"rect-", rectangles},
+        {"disc-", discs}}) {
+    if (!name.starts_with(prefix)) continue;
+    const std::string digits{name.substr(prefix.size())};
+    const bool good = !digits.empty() && digits.size() < 7 && digits.find_first_not_of("0123456789") == std::string::npos;
+    if (!good || std::stoul(digits) == 0) return std::nullopt;
+    return make(static_cast<std::uint32_t>(std::stoul(digits)));
+  }
+  if (name == "deg-coplanar") return coplanar_squares();
+  if (name == "deg-coplanarr") return rotated_coplanar_squares();
+  if (name == "deg-fan12") return fan();
+  if (name == "deg-fan12r") return rotated_fan();
+  if (name == "deg-vertex8") return common_vertex(8);
+  if (name == "deg-vertex20") return common_vertex(20);
+  if (name == "deg-vertex8r") return rotated_common_vertex(8);
+  if (name == "deg-vertex20r") return rotated_common_vertex(20);
+  if (name == "deg-sliver10-1e-06") return slivers(10, 1e-6);
+  if (name == "deg-sliver10-1e-09") return slivers(10, 1e-9);
+  if (name == "deg-sliver10-1e-12") return slivers(10, 1e-12);
+  if (name == "deg-touch") return touching();
+  if (name == "deg-cavity") return cavities();
+  if (name == "deg-ring") return ring();
+  if (name == "deg-utm6") return far_rectangles(1e6, 1e6);
+  if (name == "deg-utm7") return far_rectangles(1e7, 1e7);
+  return std::nullopt;
 }
 
 topology::CutInput cut_input(const Workload& workload) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cleave/geometry/vec3.hpp"
@@ -37,11 +38,17 @@ struct Workload {
 [[nodiscard]] Workload fan();                       ///< 12 half-planes that share an edge, and a plane across: 24
 [[nodiscard]] Workload rotated_fan();               ///< the same with rounded coordinates
 [[nodiscard]] Workload common_vertex(std::uint32_t m);  ///< m planes through one point: m^2 - m + 2
+[[nodiscard]] Workload rotated_common_vertex(std::uint32_t m);  ///< the same, turned and moved, with rounded coordinates
 [[nodiscard]] Workload slivers(std::uint32_t m,
                                double angle);  ///< m planes, each turned by `angle` (rad) against the last
 [[nodiscard]] Workload touching();             ///< contacts exactly at an edge or a vertex: 4
 [[nodiscard]] Workload cavities();             ///< closed boxes, nested and touching: 6
 [[nodiscard]] Workload ring();                 ///< a closed square ring: 2, both with a handle
+
+/// By the published name: grid-N gridr-N persist-K rect-K disc-N deg-coplanar deg-coplanarr deg-fan12 deg-fan12r
+/// deg-vertex8 deg-vertex8r deg-vertex20 deg-vertex20r deg-sliver10-1e-06 (-09, -12) deg-touch deg-cavity deg-ring
+/// deg-utm6 deg-utm7. Empty for any other.
+[[nodiscard]] std::optional<Workload> workload_named(std::string_view name);
 
 /// What the cutter takes. Aborts where a polygon is refused: the scenes above are all good.
 [[nodiscard]] topology::CutInput cut_input(const Workload& workload);

@@ -9,6 +9,7 @@ TEST(LargeWorkloadsTest, Grids) {
   expect_known_count(grid(10));
   expect_known_count(grid(20));
   expect_known_count(rotated_grid(10));
+  expect_known_count(rotated_grid(20));
 }
 TEST(LargeWorkloadsTest, PersistentPlanes) {
   expect_known_count(persistent(13));

@@ -25,6 +25,7 @@ TEST(WorkloadsTest, CoplanarSquares) {
 TEST(WorkloadsTest, Fan) {
   expect_known_count(fan());
   expect_known_count(rotated_fan(), metres(1e-9));
+  expect_known_count(rotated_fan());
 }
 TEST(WorkloadsTest, ManyPlanesThroughOnePoint) {
   expect_known_count(common_vertex(8));

@@ -172,6 +172,75 @@ BlockMeasure measure(const BlockComplex& complex, const Block& block) {
   return {volume / 3, size > 0 ? geometry::norm(sum) / size : 0};
 }
 
+/// Does every stored measure, side and flag agree with the loops and the exact planes?
+class FitAuditor {
+ public:
+  explicit FitAuditor(const BlockComplex& complex)
+      : complex_{complex}, side_{complex.report().lattice_pitch_m * 0x1p48}, uses_(complex.faces().size(), 0) {
+    // Positions are good to 2^-43 of the lattice's extent.
+    tolerance_ = side_ * 0x1p-40;
+  }
+
+  [[nodiscard]] std::uint64_t misfits_of(BlockId b, double volume) {
+    const Block& block = complex_.blocks()[b];
+    std::uint64_t misfits = 0;
+    double surface = 0;
+    bool fixed = false, free = false;
+    for (const FaceId f : block.faces) {
+      const Face& face = complex_.faces()[f];
+      if (face.block != b || uses_[f.index()]++ != 0 || !fits(face)) ++misfits;
+      surface += face.area.si();
+      fixed = fixed || face.role == Role::fixed;
+      free = free || face.role == Role::free;
+    }
+    if (!equal(block.volume.si(), volume, surface) || block.fixed != fixed || block.free != free) ++misfits;
+    return misfits;
+  }
+  [[nodiscard]] std::uint64_t faces_without_block() const {
+    return static_cast<std::uint64_t>(std::ranges::count(uses_, 0));
+  }
+
+ private:
+  /// Two volumes (areas) may differ by what the rounding of corners does along a surface (perimeter).
+  [[nodiscard]] bool equal(double a, double b, double rim) const {
+    return std::abs(a - b) <= 1e-9 * std::abs(b) + tolerance_ * rim;
+  }
+
+  [[nodiscard]] bool fits(const Face& face) const {
+    const exact::Plane& plane = complex_.planes()[face.plane];
+    const auto n = plane.unit_normal();
+    const double sense = face.block_on_positive_side ? -1 : 1;
+    const Vec3 outward = sense * Vec3{n[0], n[1], n[2]};
+    if (!(geometry::norm(face.outward - outward) <= 1e-9)) return false;
+    const auto& q = plane.approx();
+    const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+    const Vec3 apex = complex_.vertices()[face.loops[0][0]];
+    Vec3 area{};
+    double perimeter = 0;
+    for (const auto& loop : face.loops) {
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const Vec3 a = complex_.vertices()[loop[i]], b = complex_.vertices()[loop[(i + 1) % loop.size()]];
+        const double height = (q[0] * a.x + q[1] * a.y + q[2] * a.z + q[3] * side_) / length;
+        if (!(std::abs(height) <= tolerance_)) return false;
+        area += 0.5 * geometry::cross(a - apex, b - apex);
+        perimeter += geometry::norm(b - a);
+      }
+    }
+    if (!equal(face.area.si(), geometry::dot(area, outward), perimeter)) return false;
+    const bool joint = face.role == Role::joint;
+    double patches = 0;
+    for (const Patch& patch : face.patches) {
+      if (patch.neighbour.has_value() != joint || patch.neighbour == face.block) return false;
+      patches += patch.area.si();
+    }
+    return joint || !face.patches.empty() ? equal(patches, face.area.si(), perimeter) : true;
+  }
+
+  const BlockComplex& complex_;
+  double side_, tolerance_;
+  std::vector<std::uint32_t> uses_;
+};
+
 std::uint64_t count_unpaired(const BlockComplex& complex) {
   struct Pair {
     std::uint32_t low, high, plane;
@@ -213,6 +282,7 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex) {
   };
   double volume = 0, compensation = 0;
   bool closures_hold = true;
+  FitAuditor fit{complex};
   for (const BlockId b : complex.blocks().ids()) {
     const Block& block = complex.blocks()[b];
     const BlockAuditor auditor{complex, block};
@@ -230,16 +300,21 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex) {
       closures_hold = false;
       offend(b);
     }
+    if (const std::uint64_t misfits = fit.misfits_of(b, m.volume); misfits != 0) {
+      certificate.misfits += misfits;
+      offend(b);
+    }
     const double y = m.volume - compensation, t = volume + y;  // Kahan's sum
     compensation = (t - volume) - y;
     volume = t;
   }
   certificate.unpaired_patches = count_unpaired(complex);
+  certificate.misfits += fit.faces_without_block();
   certificate.volume = cubic_metres(volume);
   const double rock = complex.rock_volume().si();
   certificate.volume_relative_error = rock > 0 ? std::abs(volume - rock) / rock : 1;
   certificate.passed = certificate.euler_violations == 0 && certificate.open_shells == 0 && certificate.unpaired_patches == 0 &&
-                       closures_hold && certificate.volume_relative_error <= 1e-10;
+                       certificate.misfits == 0 && closures_hold && certificate.volume_relative_error <= 1e-10;
   if (!certificate.passed) return std::unexpected(std::move(certificate));
   return AuditedComplex{std::move(complex), std::move(certificate)};
 }

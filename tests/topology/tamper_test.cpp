@@ -1,0 +1,246 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "complexes.hpp"
+#include "workloads.hpp"
+
+// The certificate must notice every way in which a block system can be wrong: a sound one is changed in one place.
+
+namespace cleave::testing {
+namespace {
+
+using topology::BlockComplex;
+using topology::BlockId;
+using topology::Face;
+using topology::FaceId;
+using topology::VertexId;
+using Data = BlockComplex::Data;
+
+/// 27 blocks; block systems with concave blocks, holes and cavities.
+std::vector<topology::CutInput> sound_scenes() {
+  auto grid = support::cut_input(support::workload_named("grid-3").value());
+  auto cavity = support::cut_input(support::workload_named("deg-cavity").value());
+  auto ring = support::cut_input(support::workload_named("deg-ring").value());
+  auto shaft = scene(box({0, 0, 0}, {4, 4, 4}), {rectangle(2, 2, {-1, -1}, {5, 5}), rectangle(1, 1.5, {-1, -1}, {5, 2})},
+                     {box({1, 1, -1}, {3, 3, 5})});
+  auto random = support::cut_input(support::workload_named("rect-13").value());
+  return {grid, cavity, ring, shaft, random};
+}
+
+void expect_noticed(const std::function<bool(Data&)>& change, const char* what) {
+  std::size_t changed = 0;
+  for (const auto& input : sound_scenes()) {
+    const BlockComplex sound = topology::cut(input).value();
+    ASSERT_TRUE(topology::audit(sound).has_value());
+    Data data = sound.data();
+    if (!change(data)) continue;
+    ++changed;
+    const auto audited = topology::audit(BlockComplex{std::move(data)});
+    EXPECT_FALSE(audited.has_value()) << what << ", scene of " << sound.blocks().size() << " blocks";
+    if (!audited) {
+      EXPECT_FALSE(audited.error().passed);
+    }
+  }
+  EXPECT_GE(changed, 1U) << what;
+}
+
+FaceId a_joint_face(const Data& data) {
+  for (const FaceId f : data.faces.ids()) {
+    if (data.faces[f].role == topology::Role::joint) return f;
+  }
+  return FaceId{0U};
+}
+
+TEST(Audit, NoticesALoopTurnedRound) {
+  expect_noticed(
+      [](Data& d) {
+        std::ranges::reverse(d.faces[a_joint_face(d)].loops[0]);
+        return true;
+      },
+      "a loop turned round");
+}
+
+TEST(Audit, NoticesAFaceOnTheWrongSide) {
+  expect_noticed(
+      [](Data& d) {
+        Face& face = d.faces[a_joint_face(d)];
+        face.block_on_positive_side = !face.block_on_positive_side;
+        return true;
+      },
+      "block on the other side of its plane");
+  expect_noticed(
+      [](Data& d) {
+        Face& face = d.faces[a_joint_face(d)];
+        face.outward = -face.outward;
+        return true;
+      },
+      "normal turned round");
+  expect_noticed(
+      [](Data& d) {
+        Face& face = d.faces[a_joint_face(d)];
+        face.block_on_positive_side = !face.block_on_positive_side;
+        face.outward = -face.outward;
+        for (auto& loop : face.loops) std::ranges::reverse(loop);
+        return true;
+      },
+      "the whole face turned round");
+}
+
+TEST(Audit, NoticesALostLoop) {
+  expect_noticed(
+      [](Data& d) {
+        for (Face& face : d.faces) {
+          if (face.loops.size() < 2) continue;
+          face.loops.pop_back();
+          return true;
+        }
+        return false;
+      },
+      "a hole lost");
+}
+
+TEST(Audit, NoticesALostFace) {
+  expect_noticed(
+      [](Data& d) {
+        auto& block = d.blocks[d.faces[a_joint_face(d)].block];
+        block.faces.pop_back();
+        block.shell_of_face.pop_back();
+        return true;
+      },
+      "a face lost");
+}
+
+TEST(Audit, NoticesALostCornerAndAMovedOne) {
+  expect_noticed(
+      [](Data& d) {
+        d.faces[a_joint_face(d)].loops[0].pop_back();
+        return true;
+      },
+      "a corner lost");
+  for (const double by : {1e-3, 1e-6}) {
+    expect_noticed(
+        [by](Data& d) {
+          for (std::size_t v = 0; v < d.vertices.size(); v += 7) {
+            auto copy = d;
+            copy.vertices[VertexId{v}] += Vec3{by, 2 * by, 3 * by};
+            if (topology::audit(BlockComplex{std::move(copy)})) {
+              ADD_FAILURE() << "vertex " << v << " moved by " << by;
+              return true;
+            }
+          }
+          d.vertices[VertexId{0U}] += Vec3{by, by, by};
+          return true;
+        },
+        "a vertex moved");
+  }
+}
+
+TEST(Audit, NoticesWrongCounts) {
+  using Member = std::uint32_t topology::EulerCounts::*;
+  for (const Member member : {&topology::EulerCounts::vertices, &topology::EulerCounts::edges, &topology::EulerCounts::faces,
+                              &topology::EulerCounts::loops, &topology::EulerCounts::shells, &topology::EulerCounts::genus}) {
+    expect_noticed(
+        [member](Data& d) {
+          ++(d.blocks[BlockId{0U}].counts.*member);
+          return true;
+        },
+        "a wrong count");
+  }
+}
+
+TEST(Audit, NoticesAWrongNeighbour) {
+  expect_noticed(
+      [](Data& d) {
+        if (d.blocks.size() < 3) return false;
+        Face& face = d.faces[a_joint_face(d)];
+        for (const BlockId b : d.blocks.ids()) {
+          if (b == face.block || b == face.patches[0].neighbour) continue;
+          face.patches[0].neighbour = b;
+          return true;
+        }
+        return false;
+      },
+      "a wrong neighbour");
+  expect_noticed(
+      [](Data& d) {
+        Face& face = d.faces[a_joint_face(d)];
+        face.patches[0].neighbour = face.block;
+        return true;
+      },
+      "a block that is its own neighbour");
+  expect_noticed(
+      [](Data& d) {
+        d.faces[a_joint_face(d)].patches.clear();
+        return true;
+      },
+      "patches lost");
+}
+
+TEST(Audit, NoticesWrongMeasures) {
+  expect_noticed(
+      [](Data& d) {
+        d.domain_volume = 1.000001 * d.domain_volume;
+        return true;
+      },
+      "the domain larger than its blocks");
+  expect_noticed(
+      [](Data& d) {
+        auto& block = d.blocks[BlockId{0U}];
+        block.volume = 1.000001 * block.volume;
+        return true;
+      },
+      "a wrong volume");
+  expect_noticed(
+      [](Data& d) {
+        Face& face = d.faces[a_joint_face(d)];
+        face.area = 1.000001 * face.area;
+        return true;
+      },
+      "a wrong area");
+  expect_noticed(
+      [](Data& d) {
+        Face& face = d.faces[a_joint_face(d)];
+        face.patches[0].area = 0.999 * face.patches[0].area;
+        return true;
+      },
+      "a wrong contact area");
+}
+
+TEST(Audit, NoticesFlagsThatAreNotThoseOfTheFaces) {
+  expect_noticed(
+      [](Data& d) {
+        auto& block = d.blocks[BlockId{0U}];
+        block.fixed = !block.fixed;
+        return true;
+      },
+      "fixed or not");
+  expect_noticed(
+      [](Data& d) {
+        auto& block = d.blocks[BlockId{0U}];
+        block.free = !block.free;
+        return true;
+      },
+      "free or not");
+}
+
+TEST(Audit, NoticesALostBlock) {
+  const BlockComplex sound = topology::cut(sound_scenes()[0]).value();
+  Data data = sound.data();
+  auto blocks = data.blocks.items();
+  blocks.pop_back();
+  data.blocks = IdVector<BlockId, topology::Block>{blocks};
+  EXPECT_FALSE(topology::audit(BlockComplex{std::move(data)}));
+}
+
+TEST(Audit, TellsTheOffender) {
+  Data data = topology::cut(sound_scenes()[0]).value().data();
+  std::ranges::reverse(data.faces[data.blocks[BlockId{5U}].faces[0]].loops[0]);
+  const auto audited = topology::audit(BlockComplex{std::move(data)});
+  ASSERT_FALSE(audited);
+  EXPECT_EQ(audited.error().open_shells, 1U);
+  EXPECT_EQ(audited.error().offenders, (std::vector{BlockId{5U}}));
+}
+
+}  // namespace
+}  // namespace cleave::testing
