@@ -1,5 +1,5 @@
-// Any bytes as a scene file: a scene or a list of problems, never a crash, whatever the text. No file is touched: the text may
-// bring one file along, behind a line "#file NAME", and all other names are refused.
+// Any bytes as a scene file: a scene or a list of problems, never a crash, whatever the text. No file is touched: the
+// text may bring one file along, behind a line "#file NAME", and all other names are refused.
 
 #include <cmath>
 #include <cstddef>

@@ -24,18 +24,23 @@ const std::string set = "[[joint_set]]\norientation = { dip = 30, dip_direction 
 INSTANTIATE_TEST_SUITE_P(
     Scene, BadSceneTest,
     testing::Values(
-        Bad{"Empty", "", "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network"},
+        Bad{"Empty", "",
+            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network"},
         Bad{"OnlyAComment", "# nothing\n",
             "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network"},
         Bad{"NotToml", "v 0 0 0\nf 1 2 3\n",
-            "s.toml:1: TOML: Error while parsing key-value pair: expected '=', saw '0'; mend the syntax: see https://toml.io"},
+            "s.toml:1: TOML: Error while parsing key-value pair: expected '=', saw '0'; mend the syntax: see "
+            "https://toml.io"},
         Bad{"Twice", with_box("seed = 1\n[domain]\n"),
-            "s.toml:4: TOML: Error while parsing table header: cannot redefine existing table 'domain'; mend the syntax: see "
+            "s.toml:4: TOML: Error while parsing table header: cannot redefine existing table 'domain'; mend the "
+            "syntax: see "
             "https://toml.io"},
         Bad{"NoDomain", "seed = 3\n",
-            "s.toml:1: domain: is missing; add [domain] with box = { min = [0, 0, 0], max = [80, 80, 60] }, corners or mesh"},
+            "s.toml:1: domain: is missing; add [domain] with box = { min = [0, 0, 0], max = [80, 80, 60] }, corners or "
+            "mesh"},
         Bad{"UnknownKey", "sead = 3\n" + std::string{box}, "s.toml:1: sead: unknown key; did you mean \"seed\"?"},
-        Bad{"UnknownSection", with_box("[stabillity]\n"), "s.toml:3: stabillity: unknown key; did you mean \"stability\"?"},
+        Bad{"UnknownSection", with_box("[stabillity]\n"),
+            "s.toml:3: stabillity: unknown key; did you mean \"stability\"?"},
         Bad{"UnknownInner", with_box("[stability]\nfree = [\"top\"]\ngravty = 9.81\n"),
             "s.toml:5: stability.gravty: unknown key; did you mean \"gravity\"?"},
         Bad{"LaterSection", with_box("[monte_carlo]\nrealizations = 10\n"),
@@ -47,36 +52,45 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"LaterModel", with_box(set + "size = 5\nmodel = \"veneziano\"\n"),
             "s.toml:7: joint_set[1].model: \"veneziano\" is not available in version 0.1; choose one of: baecher"},
         Bad{"LaterExcavation", with_box("[[excavation]]\nkind = \"benches\"\n"),
-            "s.toml:4: excavation[1].kind: \"benches\" is not available in version 0.1; choose one of: tunnel, mesh, polyhedron"},
+            "s.toml:4: excavation[1].kind: \"benches\" is not available in version 0.1; choose one of: tunnel, mesh, "
+            "polyhedron"},
         Bad{"WrongSchema", "schema = 2\n" + std::string{box},
             "s.toml:1: schema: is not a version that this program knows; write schema = 1"},
         Bad{"SeedIsText", "seed = \"x\"\n" + std::string{box},
             "s.toml:1: seed: is text but must be a whole number; give a whole number from 0 to 9223372036854775807"},
-        Bad{"NegativeSnap", "snap = -1e-3\n" + std::string{box}, "s.toml:1: snap: is -0.001; give a number from 0 to 1e+06 m"},
+        Bad{"NegativeSnap", "snap = -1e-3\n" + std::string{box},
+            "s.toml:1: snap: is -0.001; give a number from 0 to 1e+06 m"},
         Bad{"UnknownPolicy", "nonplanar = \"triangle\"\n" + std::string{box},
-            "s.toml:1: nonplanar: \"triangle\" is not known; did you mean \"triangulate\"? choose one of: refuse, triangulate"}),
+            "s.toml:1: nonplanar: \"triangle\" is not known; did you mean \"triangulate\"? choose one of: refuse, "
+            "triangulate"}),
     name_of_case);
 
 INSTANTIATE_TEST_SUITE_P(
     Domain, BadSceneTest,
     testing::Values(
         Bad{"ZeroVolume", "[domain]\nbox = { min = [0, 0, 5], max = [8, 8, 5] }\n",
-            "s.toml:2: domain.box: has zero volume: min z = 5, max z = 5; make every number of min smaller than that of max"},
+            "s.toml:2: domain.box: has zero volume: min z = 5, max z = 5; make every number of min smaller than that "
+            "of max"},
         Bad{"NegativeVolume", "[domain]\nbox = { min = [0, 9, 0], max = [8, 8, 5] }\n",
-            "s.toml:2: domain.box: has negative volume: min y = 9, max y = 8; make every number of min smaller than that of max"},
+            "s.toml:2: domain.box: has negative volume: min y = 9, max y = 8; make every number of min smaller than "
+            "that of max"},
         Bad{"NotANumber", "[domain]\nbox = { min = [0, nan, 0], max = [8, 8, 5] }\n",
-            "s.toml:2: domain.box.min: is nan, which is not a number to work with; give a number from -1e+09 to 1e+09 m"},
+            "s.toml:2: domain.box.min: is nan, which is not a number to work with; give a number from -1e+09 to 1e+09 "
+            "m"},
         Bad{"Infinite", "[domain]\nbox = { min = [0, 0, 0], max = [8, inf, 5] }\n",
-            "s.toml:2: domain.box.max: is inf, which is not a number to work with; give a number from -1e+09 to 1e+09 m"},
+            "s.toml:2: domain.box.max: is inf, which is not a number to work with; give a number from -1e+09 to 1e+09 "
+            "m"},
         Bad{"Enormous", "[domain]\nbox = { min = [0, 0, 0], max = [8, 1e300, 5] }\n",
             "s.toml:2: domain.box.max: is 1e+300; give a number from -1e+09 to 1e+09 m"},
         Bad{"TwoKinds", with_box("mesh = \"a.stl\"\n"),
             "s.toml:3: domain.mesh: stands beside \"box\"; give exactly one of: box, corners, mesh"},
         Bad{"NoKind", "[domain]\n", "s.toml:1: domain: holds none of: box, corners, mesh; give exactly one of them"},
         Bad{"SevenCorners", "[domain]\ncorners = [[0,0,0],[1,0,0],[0,1,0],[1,1,0],[0,0,1],[1,0,1],[0,1,1]]\n",
-            "s.toml:2: domain.corners: has 7 points but must have 8; list the corners by the bits x, y, z of their number: [min, min, "
+            "s.toml:2: domain.corners: has 7 points but must have 8; list the corners by the bits x, y, z of their "
+            "number: [min, min, "
             "min], [max, min, min], [min, max, min], ..."},
-        Bad{"MissingMesh", "[domain]\nmesh = \"pit.stl\"\n", "s.toml:2: domain.mesh: the file does not exist; check the name"},
+        Bad{"MissingMesh", "[domain]\nmesh = \"pit.stl\"\n",
+            "s.toml:2: domain.mesh: the file does not exist; check the name"},
         Bad{"MinMissing", "[domain]\nbox = { max = [1, 1, 1] }\n",
             "s.toml:2: domain.box.min: is missing; add min = [x, y, z]"}),
     name_of_case);
@@ -89,9 +103,11 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"FrictionOf90", with_box("[joints.default]\nfriction = 90\n"),
             "s.toml:4: joints.default.friction: is 90; give a number at least 0 and below 90 degrees"},
         Bad{"FrictionWithUnit", with_box("[joints.default]\nfriction = \"30 deg\"\n"),
-            "s.toml:4: joints.default.friction: is text but must be a number; write a bare number at least 0 and below 90 degrees, "
+            "s.toml:4: joints.default.friction: is text but must be a number; write a bare number at least 0 and below "
+            "90 degrees, "
             "without quotes and unit"},
-        Bad{"FrictionLawWithoutMax", with_box("[joints.default]\nfriction = { distribution = \"uniform\", min = 20 }\n"),
+        Bad{"FrictionLawWithoutMax",
+            with_box("[joints.default]\nfriction = { distribution = \"uniform\", min = 20 }\n"),
             "s.toml:4: joints.default.friction.max: is missing; add min and max, in degrees"},
         Bad{"FrictionLimitsSwapped",
             with_box("[joints.default]\nfriction = { distribution = \"uniform\", min = 30, max = 20 }\n"),
@@ -99,13 +115,15 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"NegativeCohesion", with_box("[joints.default]\ncohesion = -1\n"),
             "s.toml:4: joints.default.cohesion: is -1; give a number from 0 to 1e+15 Pa"},
         Bad{"FrictionWithoutSet", with_box("[joints]\nfriction = 30\n"),
-            "s.toml:4: joints.friction: is a whole number but must be a table of a joint set; put it under [joints.default]"},
+            "s.toml:4: joints.friction: is a whole number but must be a table of a joint set; put it under "
+            "[joints.default]"},
         Bad{"DensityZero", with_box("[rock]\ndensity = 0\n"),
             "s.toml:4: rock.density: is 0; give a number above 0 and at most 100000 kg/m3"},
         Bad{"DensityNegative", with_box("[rock]\ndensity = -2700\n"),
             "s.toml:4: rock.density: is -2700; give a number above 0 and at most 100000 kg/m3"},
         Bad{"FreeFaceMisspelt", with_box("[stability]\nfree = [\"topp\"]\n"),
-            "s.toml:4: stability.free: \"topp\" is no face of the domain; did you mean \"top\"? faces are: west, east, south, north, "
+            "s.toml:4: stability.free: \"topp\" is no face of the domain; did you mean \"top\"? faces are: west, east, "
+            "south, north, "
             "bottom, top"},
         Bad{"FreeIsText", with_box("[stability]\nfree = \"top\"\n"),
             "s.toml:4: stability.free: must be a list of texts; write [\"a\", \"b\"]"},
@@ -131,30 +149,39 @@ INSTANTIATE_TEST_SUITE_P(
             "s.toml:3: joint: is a table but must be a list of tables; write [[joint]], with double brackets"},
         Bad{"MissingFile", with_box("[[joint]]\nfile = \"a.obj\"\n"),
             "s.toml:4: joint[1].file: the file does not exist; check the name"},
-        Bad{"SecondJoint", with_box("[[joint]]\nplane = { through = [1, 1, 1], dip = 45, dip_direction = 0 }\n[[joint]]\nfile = 3\n"),
+        Bad{"SecondJoint",
+            with_box("[[joint]]\nplane = { through = [1, 1, 1], dip = 45, dip_direction = 0 }\n[[joint]]\nfile = 3\n"),
             "s.toml:6: joint[2].file: is a whole number but must be text; put it in double quotes"},
         Bad{"PointOfTwo", with_box(polygon + "[[0, 0, 0], [1, 0], [1, 1, 0]]\n"),
             "s.toml:4: joint[1].polygon[2]: has 2 entries but must have three; write [x, y, z]"},
         Bad{"SizeWithoutLaw", with_box(set + "size = { mean = 5 }\n"),
             "s.toml:6: joint_set[1].size.distribution: is missing; add distribution = \"constant\""},
         Bad{"SizeMissing", with_box(set),
-            "s.toml:3: joint_set[1].size: is missing; add size = { distribution = \"normal\", mean = 100, std = 30, min = 1, max = 300 }, "
+            "s.toml:3: joint_set[1].size: is missing; add size = { distribution = \"normal\", mean = 100, std = 30, "
+            "min = 1, max = 300 }, "
             "or \"persistent\""},
         Bad{"AspectOfDisc", with_box(set + "size = 5\nshape = \"disc\"\naspect = 2\n"),
-            "s.toml:8: joint_set[1].aspect: has no meaning for a shape with one size; remove it, or use the shape rectangle or ellipse"},
+            "s.toml:8: joint_set[1].aspect: has no meaning for a shape with one size; remove it, or use the shape "
+            "rectangle or ellipse"},
         Bad{"KappaOfUniform",
-            with_box("[[joint_set]]\norientation = { dip = 30, dip_direction = 30, distribution = \"uniform\", dip_range = 5, "
+            with_box("[[joint_set]]\norientation = { dip = 30, dip_direction = 30, distribution = \"uniform\", "
+                     "dip_range = 5, "
                      "dip_direction_range = 5, kappa = 3 }\nintensity = { count = 3 }\nsize = 5\n"),
-            "s.toml:4: joint_set[1].orientation.kappa: has no meaning for the distribution \"uniform\"; remove it, or set distribution "
+            "s.toml:4: joint_set[1].orientation.kappa: has no meaning for the distribution \"uniform\"; remove it, or "
+            "set distribution "
             "= \"fisher\""},
         Bad{"TwoIntensities",
-            with_box("[[joint_set]]\norientation = { dip = 30, dip_direction = 30 }\nintensity = { count = 3, p32 = 1 }\nsize = 5\n"),
-            "s.toml:5: joint_set[1].intensity.p32: stands beside \"count\"; give exactly one of: count, p32, p30, p10, spacing"},
+            with_box("[[joint_set]]\norientation = { dip = 30, dip_direction = 30 }\nintensity = { count = 3, p32 = 1 "
+                     "}\nsize = 5\n"),
+            "s.toml:5: joint_set[1].intensity.p32: stands beside \"count\"; give exactly one of: count, p32, p30, p10, "
+            "spacing"},
         Bad{"ShapeMisspelt", with_box(set + "size = 5\nshape = \"disk\"\n"),
-            "s.toml:7: joint_set[1].shape: \"disk\" is not known; did you mean \"disc\"? choose one of: rectangle, square, disc, ellipse, "
+            "s.toml:7: joint_set[1].shape: \"disk\" is not known; did you mean \"disc\"? choose one of: rectangle, "
+            "square, disc, ellipse, "
             "polygon"},
         Bad{"PolygonOfTwoSides", with_box(set + "size = 5\nshape = \"polygon(2)\"\n"),
-            "s.toml:7: joint_set[1].shape: \"polygon(2)\" is not known; write polygon(N), disc(N) or ellipse(N) with N from 3 to 256"}),
+            "s.toml:7: joint_set[1].shape: \"polygon(2)\" is not known; write polygon(N), disc(N) or ellipse(N) with N "
+            "from 3 to 256"}),
     name_of_case);
 
 INSTANTIATE_TEST_SUITE_P(
@@ -163,15 +190,18 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"NoKind", with_box("[[excavation]]\nname = \"t\"\n"),
             "s.toml:3: excavation[1].kind: is missing; add kind = \"...\""},
         Bad{"KeyOfAnotherShape",
-            with_box("[[excavation]]\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 2, width = 2 }\naxis = [[4, 0, 3], "
+            with_box("[[excavation]]\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 2, width = 2 "
+                     "}\naxis = [[4, 0, 3], "
                      "[4, 8, 3]]\n"),
             "s.toml:5: excavation[1].section.width: unknown key; known here: diameter, radius, shape, segments"},
         Bad{"NoAxis", with_box("[[excavation]]\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 2 }\n"),
             "s.toml:3: excavation[1].axis: is missing; add axis = [[x, y, z], [x, y, z]]"},
         Bad{"FaceOutOfRange",
-            with_box("[[excavation]]\nkind = \"polyhedron\"\nvertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]\nfaces = [[1, 3, 2], "
+            with_box("[[excavation]]\nkind = \"polyhedron\"\nvertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, "
+                     "1]]\nfaces = [[1, 3, 2], "
                      "[1, 2, 5]]\n"),
-            "s.toml:6: excavation[1].faces: face 2 is not a list of three or more vertex numbers from 1 to 4; write faces = [[1, 2, 3], "
+            "s.toml:6: excavation[1].faces: face 2 is not a list of three or more vertex numbers from 1 to 4; write "
+            "faces = [[1, 2, 3], "
             "...]"}),
     name_of_case);
 
@@ -191,11 +221,11 @@ TEST(BadSceneTest, AllMistakesAreToldInTheOrderOfTheFile) {
 TEST(BadSceneTest, PolygonsAreRefusedForTheirOwnReasons) {
   const auto told = [](std::string_view corners) { return error_of(with_box(polygon + std::string{corners} + "\n")); };
   const std::vector<std::string> messages{
-      told("[[0, 0, 0], [1, 0, 0]]"),                                            // two points
-      told("[[0, 0, 0], [1, 1, 1], [2, 2, 2]]"),                                 // on a line
-      told("[[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 0]]"),                      // self-crossing
-      told("[[1, 1, 1], [1, 1, 1], [1, 1, 1]]"),                                 // zero area
-      told("[[0, 0, 0], [4, 0, 0], [4, 4, 1], [0, 4, 0]]"),                      // not planar
+      told("[[0, 0, 0], [1, 0, 0]]"),                        // two points
+      told("[[0, 0, 0], [1, 1, 1], [2, 2, 2]]"),             // on a line
+      told("[[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 0]]"),  // self-crossing
+      told("[[1, 1, 1], [1, 1, 1], [1, 1, 1]]"),             // zero area
+      told("[[0, 0, 0], [4, 0, 0], [4, 4, 1], [0, 4, 0]]"),  // not planar
   };
   for (const std::string& message : messages) {
     EXPECT_TRUE(message.starts_with("s.toml:4: joint[1].polygon: ")) << message;

@@ -33,7 +33,8 @@ TEST(SceneTest, SmallestSceneHasTheDefaultsOfTheContract) {
 }
 
 TEST(SceneTest, PlanesFollowDipAndDipDirection) {
-  const Scene scene = scene_of(with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"A\"\n"));
+  const Scene scene =
+      scene_of(with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"A\"\n"));
   const auto& plane = plane_of(scene, 0);
   EXPECT_EQ(plane.through, (geometry::Vec3{4, 4, 3}));
   EXPECT_NEAR(plane.normal.x, -std::sqrt(0.75), 1e-15);
@@ -46,7 +47,8 @@ TEST(SceneTest, PlanesFollowDipAndDipDirection) {
 TEST(SceneTest, NorthTurnsDipDirections) {
   const auto with_north = [](std::string_view north, std::string_view direction) {
     return scene_of("north = " + std::string{north} + "\n" +
-                    with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = " + std::string{direction} + " }\n"));
+                    with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = " +
+                             std::string{direction} + " }\n"));
   };
   // True north 30 degrees clockwise of y: what dips to true north dips 30 degrees clockwise of y.
   EXPECT_EQ(plane_of(with_north("30", "0"), 0).normal, plane_of(with_north("0", "30"), 0).normal);
@@ -62,18 +64,21 @@ TEST(SceneTest, BentQuadsBecomeTrianglesOfOneJointWhenAsked) {
 }
 
 TEST(SceneTest, DiscsAreLeftOutOnlyAsANoteWhenOutside) {
-  const Scene scene = scene_of(with_box("[[joint]]\ndisc = { centre = [100, 4, 3], dip = 60, dip_direction = 270, radius = 2 }\n"
-                                        "[[joint]]\nplane = { through = [4, 4, 7], dip = 0, dip_direction = 0 }\n"
-                                        "[[joint]]\nplane = { through = [4, 4, 5], dip = 0, dip_direction = 0 }\n"));
+  const Scene scene =
+      scene_of(with_box("[[joint]]\ndisc = { centre = [100, 4, 3], dip = 60, dip_direction = 270, radius = 2 }\n"
+                        "[[joint]]\nplane = { through = [4, 4, 7], dip = 0, dip_direction = 0 }\n"
+                        "[[joint]]\nplane = { through = [4, 4, 5], dip = 0, dip_direction = 0 }\n"));
   EXPECT_EQ(scene.joints.size(), 3U);
   ASSERT_EQ(scene.notes.size(), 2U);
-  EXPECT_EQ(describe(scene.notes[0]), "s.toml:4: joint: lies wholly outside the domain; it cuts nothing and is left out");
+  EXPECT_EQ(describe(scene.notes[0]),
+            "s.toml:4: joint: lies wholly outside the domain; it cuts nothing and is left out");
   EXPECT_EQ(scene.notes[1].line, 6U);
 }
 
 TEST(SceneTest, EachFaceOfAnObjFileIsAJoint) {
-  const Scene scene = scene_of(with_box("[[joint]]\nfile = \"a/j.obj\"\nset = \"A\"\n"),
-                               {{"a/j.obj", "# soup\nv 0 0 3\nv 8 0 3\nv 8 8 3\nv 0 8 3\nf 1 2 3 4\nv 1 0 0\nv 1 8 0\nv 1 8 6\nf 5 6 7\n"}});
+  const Scene scene = scene_of(
+      with_box("[[joint]]\nfile = \"a/j.obj\"\nset = \"A\"\n"),
+      {{"a/j.obj", "# soup\nv 0 0 3\nv 8 0 3\nv 8 8 3\nv 0 8 3\nf 1 2 3 4\nv 1 0 0\nv 1 8 0\nv 1 8 6\nf 5 6 7\n"}});
   ASSERT_EQ(scene.joints.size(), 2U);
   EXPECT_EQ(polygons_of(scene, 0)[0].corners().size(), 4U);
   EXPECT_EQ(scene.joints[1].file, "a/j.obj");
@@ -92,7 +97,8 @@ TEST(SceneTest, FacesThatAreNoPolygonsAreToldByTheirLine) {
 TEST(SceneTest, RowsOfATableBecomePlanesDiscsAndRectangles) {
   const std::string table =
       "dip,dip_direction,x,y,z,radius,set,friction,cohesion\n60,270,4,4,3,5,A,35,1000\n30,90,1,1,1,,B,,\n";
-  const Scene scene = scene_of(with_box("[[joint]]\nfile = \"j.csv\"\n[joints.A]\nfriction = 20\n"), {{"j.csv", table}});
+  const Scene scene =
+      scene_of(with_box("[[joint]]\nfile = \"j.csv\"\n[joints.A]\nfriction = 20\n"), {{"j.csv", table}});
   ASSERT_EQ(scene.joints.size(), 2U);
   EXPECT_EQ(polygons_of(scene, 0)[0].corners().size(), 32U);
   EXPECT_EQ(scene.joints[0].own.friction, FrictionAngle::degrees(35));
@@ -113,8 +119,7 @@ TEST(SceneTest, DirectionsBeyond360NeedAWord) {
 }
 
 TEST(SceneTest, MeshesMustBeClosedAndOutwards) {
-  const std::string good =
-      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+  const std::string good = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
   EXPECT_NEAR(scene_of("[domain]\nmesh = \"d.obj\"\n", {{"d.obj", good}}).domain.volume().si(), 1.0 / 6, 1e-15);
   const std::string open = good.substr(0, good.rfind("f 1 4 3"));
   const std::string inside_out = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n";
@@ -136,10 +141,10 @@ TEST(SceneTest, UnknownEndingsAndTruncatedFilesAreRefused) {
 }
 
 TEST(SceneTest, PropertiesFallBackToDefault) {
-  const Scene scene = scene_of(with_box(
-      "[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"A\"\n"
-      "[[joint]]\nplane = { through = [4, 4, 2], dip = 60, dip_direction = 270 }\nset = \"B\"\n"
-      "[joints.B]\nfriction = 12\n[joints.default]\nfriction = 40\ncohesion = 5e3\n"));
+  const Scene scene =
+      scene_of(with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"A\"\n"
+                        "[[joint]]\nplane = { through = [4, 4, 2], dip = 60, dip_direction = 270 }\nset = \"B\"\n"
+                        "[joints.B]\nfriction = 12\n[joints.default]\nfriction = 40\ncohesion = 5e3\n"));
   const auto properties = [&](std::size_t joint) { return scene.sets[scene.joints[joint].set].properties; };
   EXPECT_EQ(properties(0).friction.mean, 40);
   EXPECT_EQ(properties(1).friction.mean, 12);
@@ -147,15 +152,18 @@ TEST(SceneTest, PropertiesFallBackToDefault) {
 }
 
 TEST(SceneTest, PropertiesOfNoJointAreNoted) {
-  const Scene scene = scene_of(with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"bedding\"\n"
-                                        "[joints.beding]\nfriction = 12\n"));
+  const Scene scene =
+      scene_of(with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"bedding\"\n"
+                        "[joints.beding]\nfriction = 12\n"));
   ASSERT_EQ(scene.notes.size(), 1U);
-  EXPECT_EQ(describe(scene.notes[0]), "s.toml:6: joints.beding: no joint belongs to this set; did you mean \"bedding\"?");
+  EXPECT_EQ(describe(scene.notes[0]),
+            "s.toml:6: joints.beding: no joint belongs to this set; did you mean \"bedding\"?");
 }
 
 TEST(SceneTest, FreeFacesAndGravity) {
-  const Scene scene = scene_of(with_box("[stability]\nfree = [\"top\", \"west\", \"top\"]\ngravity = 9.8\nseismic = [0.1, 0, 0]\n"
-                                        "partial = { friction = 1.25 }\n"));
+  const Scene scene =
+      scene_of(with_box("[stability]\nfree = [\"top\", \"west\", \"top\"]\ngravity = 9.8\nseismic = [0.1, 0, 0]\n"
+                        "partial = { friction = 1.25 }\n"));
   EXPECT_EQ(scene.free_domain_tags, (std::vector<std::uint32_t>{5, 0}));
   ASSERT_TRUE(scene.stability.has_value());
   EXPECT_EQ(scene.stability->gravity, (geometry::Vec3{0, 0, -9.8}));
@@ -201,16 +209,18 @@ TEST(PlanTest, SaysWhatIsLeftOutAndWhy) {
 
 TEST(PlanTest, FreeFacesOrExcavationsAskForStability) {
   EXPECT_TRUE(make_plan(scene_of(with_box("[stability]\nfree = [\"top\"]\n"))).runs(Stage::stability));
-  EXPECT_TRUE(make_plan(scene_of(with_box("[[excavation]]\nkind = \"polyhedron\"\nbox = { min = [1, 1, 1], max = [2, 2, 2] }\n")))
+  EXPECT_TRUE(make_plan(scene_of(with_box(
+                            "[[excavation]]\nkind = \"polyhedron\"\nbox = { min = [1, 1, 1], max = [2, 2, 2] }\n")))
                   .runs(Stage::stability));
   EXPECT_FALSE(make_plan(scene_of(with_box("[stability]\ngravity = 9.81\n"))).runs(Stage::stability));
 }
 
-const std::string random_sets =
-    with_box("[[joint_set]]\nname = \"A\"\norientation = { dip = 30, dip_direction = 30, distribution = \"fisher\", kappa = 20 }\n"
-             "size = { distribution = \"exponential\", mean = 5, min = 1, max = 10 }\nintensity = { count = 40 }\n"
-             "[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"A\"\n"
-             "[joints.A]\nfriction = { distribution = \"uniform\", min = 20, max = 30 }\n");
+const std::string random_sets = with_box(
+    "[[joint_set]]\nname = \"A\"\norientation = { dip = 30, dip_direction = 30, distribution = \"fisher\", kappa = 20 "
+    "}\n"
+    "size = { distribution = \"exponential\", mean = 5, min = 1, max = 10 }\nintensity = { count = 40 }\n"
+    "[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"A\"\n"
+    "[joints.A]\nfriction = { distribution = \"uniform\", min = 20, max = 30 }\n");
 
 TEST(DrawTest, EachJointHasItsOwnFriction) {
   const auto drawn = draw(scene_of(random_sets));
@@ -245,8 +255,9 @@ TEST(DrawTest, SameSeedSameJointsOtherSeedOthers) {
 
 TEST(FrictionLawTest, QuantilesRunFromMinToMaxAndHitTheMedian) {
   using Kind = FrictionLaw::Kind;
-  for (const FrictionLaw& law : {FrictionLaw{Kind::uniform, 0, 0, 20, 30}, FrictionLaw{Kind::normal, 25, 5, 20, 30},
-                                 FrictionLaw{Kind::lognormal, 25, 5, 10, 60}, FrictionLaw{Kind::exponential, 25, 0, 1, 80}}) {
+  for (const FrictionLaw& law :
+       {FrictionLaw{Kind::uniform, 0, 0, 20, 30}, FrictionLaw{Kind::normal, 25, 5, 20, 30},
+        FrictionLaw{Kind::lognormal, 25, 5, 10, 60}, FrictionLaw{Kind::exponential, 25, 0, 1, 80}}) {
     double before = 0;
     for (int i = 1; i < 1000; ++i) {
       const double x = law.quantile(i / 1000.0).degrees();

@@ -29,8 +29,8 @@ ExitCode plan_scene(const std::string& path) {
     text += fmt::format("  {:<12} {:<9} {}\n", name_of(stage.stage), stage.run ? "run" : "left out", stage.why);
   }
   const scene::SizeEstimate& size = plan.estimate;
-  text += fmt::format("estimated size: {:.0f} joints, {:.0f} to {:.2g} blocks, up to {:.0f} MB and {:.1f} s of CPU\n", size.joints,
-                      size.blocks_low, size.blocks_high, size.memory_mb, size.seconds);
+  text += fmt::format("estimated size: {:.0f} joints, {:.0f} to {:.2g} blocks, up to {:.0f} MB and {:.1f} s of CPU\n",
+                      size.joints, size.blocks_low, size.blocks_high, size.memory_mb, size.seconds);
   for (const scene::Problem& note : scene->notes) text += "note: " + describe(note) + "\n";
   say(text);
   return ExitCode::done;

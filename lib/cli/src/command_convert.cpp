@@ -26,7 +26,8 @@ bool is_mesh(const std::string& ending) { return ending == ".obj" || ending == "
 
 /// The bytes that `out` becomes.
 std::string text_of(const io::MeshData& mesh, const std::string& out) {
-  const std::array<std::string, 2> comments{"written by cleave 0.1.0", "unit as in the file it was converted from; z up; no offset"};
+  const std::array<std::string, 2> comments{"written by cleave 0.1.0",
+                                            "unit as in the file it was converted from; z up; no offset"};
   const std::string ending = ending_of(out);
   if (ending == ".obj") return io::write_obj(mesh, comments);
   if (ending == ".ply") return io::write_ply(mesh, comments);
@@ -41,10 +42,13 @@ ExitCode wrong(const std::string& message) {
 }  // namespace
 
 ExitCode convert_file(const std::string& in, const std::string& out) {
-  if (!is_mesh(ending_of(in))) return wrong(fmt::format("{}:1: IN: the ending is not known; give .obj, .stl or .ply", in));
-  if (!is_mesh(ending_of(out))) return wrong(fmt::format("{}:1: OUT: the ending is not known; give .obj, .stl or .ply", out));
+  if (!is_mesh(ending_of(in)))
+    return wrong(fmt::format("{}:1: IN: the ending is not known; give .obj, .stl or .ply", in));
+  if (!is_mesh(ending_of(out)))
+    return wrong(fmt::format("{}:1: OUT: the ending is not known; give .obj, .stl or .ply", out));
   std::error_code ignored;
-  if (std::filesystem::is_directory(out, ignored)) return wrong(fmt::format("{}:1: OUT: is a folder; name a file", out));
+  if (std::filesystem::is_directory(out, ignored))
+    return wrong(fmt::format("{}:1: OUT: is a folder; name a file", out));
   const auto mesh = io::read_mesh(in);
   if (!mesh) {
     const io::ReadError& error = mesh.error();

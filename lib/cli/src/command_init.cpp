@@ -9,7 +9,8 @@ ExitCode init_scene(const std::string& kind) {
     return ExitCode::done;
   }
   if (kind == "monte-carlo" || kind == "bodies") {
-    complain("cleave init: " + kind + ": is not available in version 0.1; choose one of: tunnel, slope, wedge, network");
+    complain("cleave init: " + kind +
+             ": is not available in version 0.1; choose one of: tunnel, slope, wedge, network");
   } else {
     complain("cleave init: \"" + kind + "\" is not known; choose one of: tunnel, slope, wedge, network");
   }

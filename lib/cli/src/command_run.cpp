@@ -21,7 +21,8 @@ namespace {
 using Written = std::expected<void, report::WriteError>;
 
 /// All files of a result; summary.json last, so that it holds what the others cost.
-Written write_result(scene::RunResult& result, const std::filesystem::path& folder, StageTimer& timer, Progress& progress) {
+Written write_result(scene::RunResult& result, const std::filesystem::path& folder, StageTimer& timer,
+                     Progress& progress) {
   const auto stage = [&](scene::Stage which, auto&& work) -> Written {
     progress.begin(name_of(which));
     auto done = timer.run(name_of(which), work);
@@ -77,7 +78,8 @@ ExitCode run_scene(const RunArguments& arguments) {
       say(text + fmt::format("result in {}\n", out->final_name().generic_string()));
     }
     if (result->complex) return ExitCode::done;
-    complain(fmt::format("{}:1: certificate: the block system did not pass its own check; please report this scene", arguments.scene));
+    complain(fmt::format("{}:1: certificate: the block system did not pass its own check; please report this scene",
+                         arguments.scene));
     return ExitCode::check_failed;
   }();
   interrupts.guarded([&] { out->discard(); });

@@ -32,7 +32,8 @@ std::string key_block_lines(const stability::Analysis& analysis) {
     count += batch.blocks.size();
     volume += batch.volume;
   }
-  std::string text = fmt::format("key blocks   {} in {} batches, volume {:.6g} m3\n", count, analysis.batches.size(), volume.si());
+  std::string text =
+      fmt::format("key blocks   {} in {} batches, volume {:.6g} m3\n", count, analysis.batches.size(), volume.si());
   constexpr std::size_t shown = 8;
   for (std::size_t i = 0; i < std::min(shown, analysis.batches.size()); ++i) {
     const stability::Batch& batch = analysis.batches[i];
@@ -52,8 +53,8 @@ std::string figures_of(const scene::RunResult& result) {
     text += certificate_line(result.complex.error());
   }
   if (result.analysis) text += key_block_lines(*result.analysis);
-  text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", result.cost.wall_s, result.cost.cpu_s,
-                      result.cost.peak_rss_mb, result.cost.threads);
+  text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", result.cost.wall_s,
+                      result.cost.cpu_s, result.cost.peak_rss_mb, result.cost.threads);
   return text;
 }
 
@@ -68,8 +69,8 @@ std::string log_of(const scene::RunResult& result) {
   }
   text += "\ncost\n";
   for (const scene::StageCost& cost : result.cost.stages) {
-    text += fmt::format("  {:<12} {:>10.3f} s {:>10.3f} s of CPU {:>8.0f} MB\n", name_of(cost.stage), cost.wall_s, cost.cpu_s,
-                        cost.peak_rss_mb);
+    text += fmt::format("  {:<12} {:>10.3f} s {:>10.3f} s of CPU {:>8.0f} MB\n", name_of(cost.stage), cost.wall_s,
+                        cost.cpu_s, cost.peak_rss_mb);
   }
   text += "\nresult\n" + figures_of(result);
   if (!result.notes.empty()) text += "\nnotes\n";

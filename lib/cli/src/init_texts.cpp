@@ -3,7 +3,8 @@
 namespace cleave::cli {
 namespace {
 
-constexpr std::string_view tunnel = R"toml(# A tunnel in fractured rock: three random joint sets, a horseshoe tunnel through the middle.
+constexpr std::string_view tunnel =
+    R"toml(# A tunnel in fractured rock: three random joint sets, a horseshoe tunnel through the middle.
 # Run it:  cleave run tunnel.toml -o out     then open out/report.html
 # SI units (metres, pascals, kg/m3), angles in degrees. x = east, y = north, z = up.
 schema = 1
@@ -51,7 +52,8 @@ gravity = 9.81                 # m/s2, downwards
 max_batches = 50
 )toml";
 
-constexpr std::string_view slope = R"toml(# A rock slope of 70 degrees, 20 m high, with two joint sets: which blocks can slide out of it?
+constexpr std::string_view slope =
+    R"toml(# A rock slope of 70 degrees, 20 m high, with two joint sets: which blocks can slide out of it?
 # Run it:  cleave run slope.toml -o out     then open out/report.html
 # SI units (metres, pascals, kg/m3), angles in degrees. x = east, y = north, z = up.
 schema = 1
@@ -99,7 +101,8 @@ free = ["top", "east"]         # all other sides of the domain are rock that sta
 seismic = [0, 0, 0]            # pseudo-static force / weight, for example [0.1, 0, 0]
 )toml";
 
-constexpr std::string_view wedge = R"toml(# One wedge between two joints on a slope: the textbook case with a known answer.
+constexpr std::string_view wedge =
+    R"toml(# One wedge between two joints on a slope: the textbook case with a known answer.
 # Joints 60/045 and 60/135, slope 70/090, friction 30 degrees: the wedge slides along their line, to the east at 50.8 degrees
 # down, with a factor of safety of (4 / sqrt 15) tan 30 = 0.596.
 # Run it:  cleave run wedge.toml -o out     then look at out/key_blocks.csv
@@ -132,7 +135,8 @@ density = 2700                 # kg/m3
 free = ["top", "east"]
 )toml";
 
-constexpr std::string_view network = R"toml(# A fracture network without an excavation: how many blocks does it cut, and how large are they?
+constexpr std::string_view network =
+    R"toml(# A fracture network without an excavation: how many blocks does it cut, and how large are they?
 # Run it:  cleave run network.toml -o out     then open out/report.html
 schema = 1
 title = "Network"

@@ -22,7 +22,8 @@ namespace {
 constexpr std::string_view bug_text =
     "cleave: this is a bug in cleave, not in your scene; please report it with the scene and the lines above\n";
 constexpr std::string_view memory_text =
-    "error: memory: there is not enough of it; close other programs, raise the memory limit or make the scene smaller\n";
+    "error: memory: there is not enough of it; close other programs, raise the memory limit or make the scene "
+    "smaller\n";
 
 void write_raw(std::string_view text) {
   // Nothing sensible can be done when even stderr is gone.
@@ -31,8 +32,8 @@ void write_raw(std::string_view text) {
 
 std::atomic<bool> out_of_memory{false};
 
-/// Ends by a signal of our own making (a failed assertion, std::terminate) or a crash become the exit code for bugs, unless it was
-/// memory that ran out where nothing may throw.
+/// Ends by a signal of our own making (a failed assertion, std::terminate) or a crash become the exit code for bugs,
+/// unless it was memory that ran out where nothing may throw.
 extern "C" void on_crash(int) {
   if (out_of_memory) {
     write_raw(memory_text);
@@ -62,10 +63,10 @@ void add_later_commands(CLI::App& app, std::function<ExitCode()>& chosen) {
     const char* name;
     const char* text;
   };
-  for (const Later& later : {Later{"merge", "merges Monte Carlo shards"},
-                             Later{"replay", "re-creates one realization exactly, as a full single run"},
-                             Later{"survey", "field data to joint-set statistics"},
-                             Later{"diff", "what differs between two results"}}) {
+  for (const Later& later :
+       {Later{"merge", "merges Monte Carlo shards"},
+        Later{"replay", "re-creates one realization exactly, as a full single run"},
+        Later{"survey", "field data to joint-set statistics"}, Later{"diff", "what differs between two results"}}) {
     CLI::App* command = app.add_subcommand(later.name, std::string{later.text} + " (not available in version 0.1)");
     command->allow_extras();
     command->callback([&chosen, name = std::string{later.name}] {
@@ -81,7 +82,9 @@ ExitCode run_program(int argc, char** argv) {
   CLI::App app{"Cuts rock into blocks by its joints, exactly, and finds the blocks that will move.", "cleave"};
   app.set_version_flag("--version", "cleave 0.1.0");
   app.require_subcommand(1);
-  app.footer("Exit codes: 0 done, 1 a bug in cleave, 2 the input is wrong, 3 the machine failed, 4 a check did not hold, 130 interrupted.");
+  app.footer(
+      "Exit codes: 0 done, 1 a bug in cleave, 2 the input is wrong, 3 the machine failed, 4 a check did not hold, 130 "
+      "interrupted.");
   std::function<ExitCode()> chosen;
 
   RunArguments run;
@@ -89,8 +92,10 @@ ExitCode run_program(int argc, char** argv) {
   std::string shard;
   CLI::App* run_command = app.add_subcommand("run", "runs a scene");
   run_command->add_option("scene", run.scene, "the scene file (TOML)")->required();
-  run_command->add_option("-o,--out", run.out, "folder for the result: new, empty, or a result of cleave (replaced)")->required();
-  run_command->add_option("--threads", run.threads, "threads to use; changes nothing but the time")->check(CLI::Range(1, 1024));
+  run_command->add_option("-o,--out", run.out, "folder for the result: new, empty, or a result of cleave (replaced)")
+      ->required();
+  run_command->add_option("--threads", run.threads, "threads to use; changes nothing but the time")
+      ->check(CLI::Range(1, 1024));
   run_command->add_option("--seed", run.seed, "instead of the scene's seed");
   run_command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
   run_command->add_option("--shard", shard, "part K/N of a Monte Carlo run (not available in version 0.1)");
@@ -106,7 +111,8 @@ ExitCode run_program(int argc, char** argv) {
   CLI::App* plan = app.add_subcommand("plan", "says what will run, what is left out and why; runs nothing");
   plan->add_option("scene", scene, "the scene file (TOML)")->required();
   plan->callback([&] { chosen = [&] { return plan_scene(scene); }; });
-  CLI::App* check = app.add_subcommand("check", "all problems of a scene, each with file, line, key and remedy; runs nothing");
+  CLI::App* check =
+      app.add_subcommand("check", "all problems of a scene, each with file, line, key and remedy; runs nothing");
   check->add_option("scene", scene, "the scene file (TOML)")->required();
   check->callback([&] { chosen = [&] { return check_scene(scene); }; });
 

@@ -24,7 +24,8 @@ OutError wrong(const fs::path& out, std::string_view what, std::string_view reme
   return {ExitCode::wrong_input, fmt::format("{}: {}; {}", out.generic_string(), what, remedy)};
 }
 OutError failed(const fs::path& out, std::string_view what, const std::error_code& reason, std::string_view remedy) {
-  return {ExitCode::machine_failed, fmt::format("{}: {} ({}); {}", out.generic_string(), what, reason.message(), remedy)};
+  return {ExitCode::machine_failed,
+          fmt::format("{}: {} ({}); {}", out.generic_string(), what, reason.message(), remedy)};
 }
 
 /// Whether summary.json is one of ours. Only its head is looked at: it is written whole or not at all.
@@ -50,8 +51,8 @@ std::expected<void, OutError> may_be_replaced(const fs::path& out) {
                                  "name a new or an empty folder with -o"));
   }
   if (any && !has_our_summary(out)) {
-    return std::unexpected(wrong(out, "the folder holds files but no finished result of cleave",
-                                 "name a new or an empty folder with -o"));
+    return std::unexpected(
+        wrong(out, "the folder holds files but no finished result of cleave", "name a new or an empty folder with -o"));
   }
   return {};
 }
@@ -76,7 +77,8 @@ std::expected<std::vector<fs::path>, OutError> make_parents(const fs::path& out,
       std::error_code ignored;
       fs::remove(*it, ignored);
     }
-    return std::unexpected(failed(out, "the folder above it cannot be made", reason, "check the path and its permissions"));
+    return std::unexpected(
+        failed(out, "the folder above it cannot be made", reason, "check the path and its permissions"));
   }
   return made;
 }
@@ -116,7 +118,8 @@ std::expected<OutFolder, OutError> OutFolder::prepare(const fs::path& out) {
   if (exists) {
     target = fs::canonical(out, reason);
     if (reason) return std::unexpected(wrong(out, "is a link to nothing", "name a folder"));
-    if (!fs::is_directory(target, reason)) return std::unexpected(wrong(out, "is not a folder", "name a new folder with -o"));
+    if (!fs::is_directory(target, reason))
+      return std::unexpected(wrong(out, "is not a folder", "name a new folder with -o"));
     if (auto allowed = may_be_replaced(target); !allowed) return std::unexpected(std::move(allowed).error());
   } else if (reason && itself.type() != fs::file_type::not_found) {
     return std::unexpected(failed(out, "cannot be looked at", reason, "check the path"));
@@ -130,9 +133,11 @@ std::expected<OutFolder, OutError> OutFolder::prepare(const fs::path& out) {
   const fs::path first = beside ? fs::path{target.string() + tag} : target / tag;
   if (fs::create_directory(first, reason)) return OutFolder{target, first, std::move(*made)};
   const std::error_code first_reason = reason;
-  if (exists && beside && fs::create_directory(target / tag, reason)) return OutFolder{target, target / tag, std::move(*made)};
+  if (exists && beside && fs::create_directory(target / tag, reason))
+    return OutFolder{target, target / tag, std::move(*made)};
   OutFolder nothing{target, {}, std::move(*made)};  // takes the folders above away again
-  return std::unexpected(failed(out, "cannot be written", first_reason ? first_reason : std::make_error_code(std::errc::file_exists),
+  return std::unexpected(failed(out, "cannot be written",
+                                first_reason ? first_reason : std::make_error_code(std::errc::file_exists),
                                 "check its permissions and the space left, or name another folder"));
 }
 
@@ -167,7 +172,8 @@ std::expected<void, OutError> OutFolder::publish_file_by_file() {
   for (const std::string_view old : result_files) fs::remove(final_ / old, reason);
   for (const fs::path& name : names) {
     fs::rename(temporary_ / name, final_ / name, reason);
-    if (reason) return std::unexpected(failed(final_, "the result cannot be put there", reason, "check its permissions"));
+    if (reason)
+      return std::unexpected(failed(final_, "the result cannot be put there", reason, "check its permissions"));
   }
   fs::remove(temporary_, reason);
   return {};

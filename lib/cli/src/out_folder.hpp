@@ -16,12 +16,13 @@ struct OutError {
 
 /// A result on its way: files go into a temporary folder, and `publish` gives that its final name in one step.
 ///
-/// Invariant: until `publish` succeeds nothing of ours stands under the final name, and what stood there is untouched. `discard` (also by the
-/// destructor) removes the temporary folder and folders made above it. Both may be called from another thread (an interrupt).
+/// Invariant: until `publish` succeeds nothing of ours stands under the final name, and what stood there is untouched.
+/// `discard` (also by the destructor) removes the temporary folder and folders made above it. Both may be called from
+/// another thread (an interrupt).
 class OutFolder final {
  public:
-  /// Looks at what stands at `out` (the policy of the contract) and makes the temporary folder: beside it, or inside it where the folder above
-  /// cannot be written or is another file system.
+  /// Looks at what stands at `out` (the policy of the contract) and makes the temporary folder: beside it, or inside it
+  /// where the folder above cannot be written or is another file system.
   [[nodiscard]] static std::expected<OutFolder, OutError> prepare(const std::filesystem::path& out);
 
   OutFolder(OutFolder&& other) noexcept;

@@ -14,8 +14,8 @@
 namespace cleave::scene {
 namespace {
 
-/// Streams of measured joints lie beyond those of any number of [[joint_set]]s, so that joints drawn and joints measured under one
-/// name do not share their friction.
+/// Streams of measured joints lie beyond those of any number of [[joint_set]]s, so that joints drawn and joints
+/// measured under one name do not share their friction.
 constexpr std::size_t measured_streams = std::size_t{1} << 23U;
 constexpr std::uint64_t single_realization = 0;
 
@@ -61,9 +61,9 @@ void add_measured(const Scene& scene, Drawn& drawn) {
   for (const MeasuredJoint& joint : scene.joints) {
     const JointProperties& properties = scene.sets[joint.set].properties;
     const std::uint32_t index = next[joint.set]++;
-    const FrictionAngle friction =
-        joint.own.friction ? *joint.own.friction
-                           : draw_friction(scene, joint.set, measured_streams + joint.set.index(), index);
+    const FrictionAngle friction = joint.own.friction
+                                       ? *joint.own.friction
+                                       : draw_friction(scene, joint.set, measured_streams + joint.set.index(), index);
     const Strength strength{friction, joint.own.cohesion.value_or(properties.cohesion), properties.tension};
     geometry::Vec3 normal;
     std::visit(overloaded{[&](const topology::Joint& polygons) {
@@ -75,8 +75,8 @@ void add_measured(const Scene& scene, Drawn& drawn) {
                             drawn.input.joints.emplace_back(plane);
                           }},
                joint.geometry);
-    drawn.joints.push_back(describe_joint(joint.set, JointOrigin::measured, fmt::format("{}:{}", joint.file, joint.line),
-                                          strength, normal));
+    drawn.joints.push_back(describe_joint(joint.set, JointOrigin::measured,
+                                          fmt::format("{}:{}", joint.file, joint.line), strength, normal));
     ++drawn.sets[joint.set].joints;
   }
 }
@@ -85,8 +85,8 @@ std::expected<void, Problem> add_random(const Scene& scene, std::size_t number, 
   const RandomSet& set = scene.joint_sets[number];
   auto sampled = dfn::sample(set.law, number, {box.min, box.max}, scene.seed, single_realization);
   if (!sampled) {
-    return std::unexpected(Problem{scene.shown, set.line, fmt::format("joint_set[{}]", number + 1),
-                                   describe(sampled.error()), ""});
+    return std::unexpected(
+        Problem{scene.shown, set.line, fmt::format("joint_set[{}]", number + 1), describe(sampled.error()), ""});
   }
   const NamedSet& named = scene.sets[set.set];
   for (dfn::SampledJoint& joint : *sampled) {
@@ -101,8 +101,8 @@ std::expected<void, Problem> add_random(const Scene& scene, std::size_t number, 
                             drawn.input.joints.emplace_back(topology::PersistentJoint{plane.through, plane.normal});
                           }},
                joint.shape);
-    drawn.joints.push_back(describe_joint(set.set, JointOrigin::drawn, fmt::format("{} #{}", named.name, joint.index + 1),
-                                          strength, joint.normal));
+    drawn.joints.push_back(describe_joint(set.set, JointOrigin::drawn,
+                                          fmt::format("{} #{}", named.name, joint.index + 1), strength, joint.normal));
     ++drawn.sets[set.set].joints;
   }
   return {};

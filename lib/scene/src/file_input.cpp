@@ -25,7 +25,8 @@ void report_read_error(Problems& problems, const io::ReadError& error) {
   problems.error_in(error.file, std::max(1U, error.line), key, error.what, error.remedy);
 }
 
-std::optional<io::MeshData> mesh_of(Context& context, const TableReader& owner, std::string_view key, const LoadedFile& loaded) {
+std::optional<io::MeshData> mesh_of(Context& context, const TableReader& owner, std::string_view key,
+                                    const LoadedFile& loaded) {
   const std::string ending = ending_of(loaded.shown);
   auto parsed = [&]() -> std::optional<std::expected<io::MeshData, io::ReadError>> {
     if (ending == "obj") return io::parse_obj(loaded.bytes, loaded.shown);
@@ -35,8 +36,9 @@ std::optional<io::MeshData> mesh_of(Context& context, const TableReader& owner, 
   }();
   if (!parsed) {
     const bool tables = key == "file" && owner.path().starts_with("joint");
-    owner.error(key, fmt::format("the ending of \"{}\" is not known", loaded.shown),
-                tables ? "give a file that ends in .obj, .csv, .stl or .ply" : "give a file that ends in .stl, .obj or .ply");
+    owner.error(
+        key, fmt::format("the ending of \"{}\" is not known", loaded.shown),
+        tables ? "give a file that ends in .obj, .csv, .stl or .ply" : "give a file that ends in .stl, .obj or .ply");
     return std::nullopt;
   }
   if (!*parsed) {
@@ -49,7 +51,8 @@ std::optional<io::MeshData> mesh_of(Context& context, const TableReader& owner, 
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) > rule::coordinate.high;
   });
   if (far) {
-    context.problems.error_in(loaded.shown, 1, "v", "a vertex lies further than 1e9 m from the origin", "check its numbers");
+    context.problems.error_in(loaded.shown, 1, "v", "a vertex lies further than 1e9 m from the origin",
+                              "check its numbers");
     return std::nullopt;
   }
   if (mesh.faces() == 0) {

@@ -21,12 +21,14 @@ namespace {
 using std::string_view;
 
 /// Each face one joint.
-void add_faces(Context& context, const io::MeshData& mesh, const std::string& shown, SetId set, std::vector<MeasuredJoint>& joints) {
+void add_faces(Context& context, const io::MeshData& mesh, const std::string& shown, SetId set,
+               std::vector<MeasuredJoint>& joints) {
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
     const std::uint32_t line = std::max(1U, mesh.lines[f]);
     auto shape = joint_of(mesh.corners_of(f), context.triangulate);
     if (!shape) {
-      context.problems.error_in(shown, line, fmt::format("f (face {})", f + 1), shape.error().what, shape.error().remedy);
+      context.problems.error_in(shown, line, fmt::format("f (face {})", f + 1), shape.error().what,
+                                shape.error().remedy);
       continue;
     }
     joints.push_back({.geometry = std::move(*shape), .set = set, .own = {}, .file = shown, .line = line});
@@ -34,7 +36,8 @@ void add_faces(Context& context, const io::MeshData& mesh, const std::string& sh
 }
 
 /// All faces one joint: a triangulated fault.
-void add_surface(Context& context, const io::MeshData& mesh, const std::string& shown, SetId set, std::vector<MeasuredJoint>& joints) {
+void add_surface(Context& context, const io::MeshData& mesh, const std::string& shown, SetId set,
+                 std::vector<MeasuredJoint>& joints) {
   topology::Joint surface;
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
     auto shape = joint_of(mesh.corners_of(f), context.triangulate);
@@ -53,30 +56,33 @@ using Geometry = std::variant<topology::Joint, topology::PersistentJoint>;
 
 std::expected<Geometry, std::string> geometry_of(const io::JointRow& row, const geometry::Attitude& attitude) {
   const geometry::Vec3 at = *row.position;  // parse_joint_csv was asked for it
-  const auto single = [](std::expected<geometry::Polygon, geometry::ShapeError> polygon) -> std::expected<Geometry, std::string> {
+  const auto single =
+      [](std::expected<geometry::Polygon, geometry::ShapeError> polygon) -> std::expected<Geometry, std::string> {
     if (!polygon) return std::unexpected(describe(polygon.error()));
     topology::Joint joint;
     joint.polygons.push_back(std::move(*polygon));
     return joint;
   };
-  return std::visit(overloaded{[&](const io::Persistent&) -> std::expected<Geometry, std::string> {
-                                 return topology::PersistentJoint{at, geometry::upward_normal(attitude)};
-                               },
-                               [&](const io::DiscSize& disc) { return single(geometry::disc(at, attitude, disc.radius)); },
-                               [&](const io::RectangleSize& sides) {
-                                 return single(geometry::rectangle(at, attitude, sides.side_a, sides.side_b, sides.rotation));
-                               }},
-                    row.size);
+  return std::visit(
+      overloaded{[&](const io::Persistent&) -> std::expected<Geometry, std::string> {
+                   return topology::PersistentJoint{at, geometry::upward_normal(attitude)};
+                 },
+                 [&](const io::DiscSize& disc) { return single(geometry::disc(at, attitude, disc.radius)); },
+                 [&](const io::RectangleSize& sides) {
+                   return single(geometry::rectangle(at, attitude, sides.side_a, sides.side_b, sides.rotation));
+                 }},
+      row.size);
 }
 
-void add_rows(Context& context, const io::JointTable& table, const std::string& shown, const std::optional<std::string>& set,
-              std::vector<MeasuredJoint>& joints) {
+void add_rows(Context& context, const io::JointTable& table, const std::string& shown,
+              const std::optional<std::string>& set, std::vector<MeasuredJoint>& joints) {
   for (const io::JointRow& row : table.rows) {
     const geometry::Attitude attitude{row.plane.dip, context.turned(row.plane.direction.degrees())};
     const geometry::Vec3 at = *row.position;
     const bool near = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) <= rule::coordinate.high;
     auto shape = near ? geometry_of(row, attitude)
-                      : std::expected<Geometry, std::string>{std::unexpect, "lies further than 1e9 m from the origin; check its numbers"};
+                      : std::expected<Geometry, std::string>{
+                            std::unexpect, "lies further than 1e9 m from the origin; check its numbers"};
     if (!shape) {
       context.problems.error_in(shown, row.line, "row", shape.error(), "");
       continue;

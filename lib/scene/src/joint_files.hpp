@@ -15,7 +15,8 @@ struct ShapeRefusal {
   std::string what, remedy;
 };
 /// A joint of one polygon; a bent one becomes triangles when that is wished.
-[[nodiscard]] std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3> corners, bool triangulate);
+[[nodiscard]] std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3> corners,
+                                                                    bool triangulate);
 
 /// The joints of the file that `joint` names: .obj one a face, .csv one a row, .stl and .ply one surface.
 void parse_joint_file(Context& context, const TableReader& joint, const std::optional<std::string>& set,

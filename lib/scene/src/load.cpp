@@ -17,10 +17,12 @@ std::expected<std::string, FileRefusal> read_whole(const std::filesystem::path& 
   std::error_code failed;
   const auto status = std::filesystem::status(path, failed);
   if (status.type() == std::filesystem::file_type::not_found) {
-    return std::unexpected(FileRefusal{"the file does not exist", "check the name; it is looked for at " + path.generic_string()});
+    return std::unexpected(
+        FileRefusal{"the file does not exist", "check the name; it is looked for at " + path.generic_string()});
   }
   if (failed || status.type() == std::filesystem::file_type::none) {
-    return std::unexpected(FileRefusal{fmt::format("the file cannot be looked at ({})", failed.message()), "check its folder's permissions"});
+    return std::unexpected(FileRefusal{fmt::format("the file cannot be looked at ({})", failed.message()),
+                                       "check its folder's permissions"});
   }
   if (status.type() == std::filesystem::file_type::directory) {
     return std::unexpected(FileRefusal{"is a folder", "name a file in it"});
@@ -31,15 +33,17 @@ std::expected<std::string, FileRefusal> read_whole(const std::filesystem::path& 
   const std::uintmax_t size = std::filesystem::file_size(path, failed);
   if (failed) return std::unexpected(FileRefusal{"the file's size cannot be read", "check its permissions"});
   if (size > largest) {
-    return std::unexpected(FileRefusal{fmt::format("the file has {} bytes, more than the {} allowed here", size, largest),
-                                       "check that it is the right file, or split it"});
+    return std::unexpected(
+        FileRefusal{fmt::format("the file has {} bytes, more than the {} allowed here", size, largest),
+                    "check that it is the right file, or split it"});
   }
   std::ifstream file{path, std::ios::binary};
   if (!file) return std::unexpected(FileRefusal{"the file cannot be opened", "check its permissions"});
   std::string bytes(static_cast<std::size_t>(size), '\0');
   file.read(bytes.data(), static_cast<std::streamsize>(size));
   if (static_cast<std::uintmax_t>(file.gcount()) != size) {
-    return std::unexpected(FileRefusal{"the file became shorter while it was read", "wait until it is written, then try again"});
+    return std::unexpected(
+        FileRefusal{"the file became shorter while it was read", "wait until it is written, then try again"});
   }
   return bytes;
 }

@@ -10,20 +10,22 @@
 namespace cleave::scene {
 namespace {
 
-/// Certainly outside: apart in the axes, or the whole domain on one side of a plane. (The cutter decides exactly; this is for `check`.)
+/// Certainly outside: apart in the axes, or the whole domain on one side of a plane. (The cutter decides exactly; this
+/// is for `check`.)
 bool outside(const MeasuredJoint& joint, const geometry::Solid& domain, const Box& box) {
-  return std::visit(
-      overloaded{[&](const topology::Joint& polygons) {
-                   return std::ranges::all_of(polygons.polygons, [&](const geometry::Polygon& polygon) {
-                     return apart(box_of(polygon.corners()), box);
-                   });
-                 },
-                 [&](const topology::PersistentJoint& plane) {
-                   const auto above = [&](geometry::Vec3 v) { return geometry::dot(plane.normal, v - plane.through) > 0; };
-                   const auto vertices = domain.vertices();
-                   return std::ranges::all_of(vertices, above) || std::ranges::none_of(vertices, above);
-                 }},
-      joint.geometry);
+  return std::visit(overloaded{[&](const topology::Joint& polygons) {
+                                 return std::ranges::all_of(polygons.polygons, [&](const geometry::Polygon& polygon) {
+                                   return apart(box_of(polygon.corners()), box);
+                                 });
+                               },
+                               [&](const topology::PersistentJoint& plane) {
+                                 const auto above = [&](geometry::Vec3 v) {
+                                   return geometry::dot(plane.normal, v - plane.through) > 0;
+                                 };
+                                 const auto vertices = domain.vertices();
+                                 return std::ranges::all_of(vertices, above) || std::ranges::none_of(vertices, above);
+                               }},
+                    joint.geometry);
 }
 
 }  // namespace
@@ -33,7 +35,8 @@ void find_notes(const Scene& scene, const TableReader& root) {
   const Box box = box_of(scene.domain);
   for (const MeasuredJoint& joint : scene.joints) {
     if (outside(joint, scene.domain, box)) {
-      problems.note_in(joint.file, joint.line, "joint", "lies wholly outside the domain", "it cuts nothing and is left out");
+      problems.note_in(joint.file, joint.line, "joint", "lies wholly outside the domain",
+                       "it cuts nothing and is left out");
     }
   }
   if (scene.joints.empty() && scene.joint_sets.empty()) {

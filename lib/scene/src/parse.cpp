@@ -13,8 +13,9 @@ namespace {
 
 using std::string_view;
 
-constexpr std::array<string_view, 13> root_keys{"schema", "title", "seed",  "snap",       "nonplanar", "north", "domain",
-                                                "joint",  "joint_set", "joints", "rock", "excavation", "stability"};
+constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
+                                                "north",  "domain",     "joint",    "joint_set", "joints",
+                                                "rock",   "excavation", "stability"};
 constexpr std::array<string_view, 1> more_root_keys{"output"};
 constexpr std::array<string_view, 6> later_sections{"support", "monte_carlo", "body", "load", "contact", "elastic"};
 
@@ -62,7 +63,8 @@ Header parse_header(const TableReader& root, Context& context, const std::string
 
 }  // namespace
 
-std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::string& shown, const ReadFile& read_file) {
+std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::string& shown,
+                                                 const ReadFile& read_file) {
   Problems problems{shown};
   auto tree = read_toml(text);
   if (!tree) {

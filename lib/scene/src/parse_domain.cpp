@@ -26,8 +26,8 @@ std::optional<geometry::Solid> parse_box(const TableReader& owner) {
     const auto [from, to] = sides[axis];
     if (from < to) continue;
     owner.error("box",
-                fmt::format("has {} volume: min {} = {}, max {} = {}", from == to ? "zero" : "negative", names[axis], from,
-                            names[axis], to),
+                fmt::format("has {} volume: min {} = {}, max {} = {}", from == to ? "zero" : "negative", names[axis],
+                            from, names[axis], to),
                 "make every number of min smaller than that of max");
     return std::nullopt;
   }
@@ -43,8 +43,9 @@ std::optional<geometry::Solid> parse_corners(const TableReader& owner) {
   const auto points = owner.points("corners");
   if (!points) return std::nullopt;
   if (points->size() != 8) {
-    owner.error("corners", fmt::format("has {} points but must have 8", points->size()),
-                "list the corners by the bits x, y, z of their number: [min, min, min], [max, min, min], [min, max, min], ...");
+    owner.error(
+        "corners", fmt::format("has {} points but must have 8", points->size()),
+        "list the corners by the bits x, y, z of their number: [min, min, min], [max, min, min], [min, max, min], ...");
     return std::nullopt;
   }
   std::array<geometry::Vec3, 8> corners;

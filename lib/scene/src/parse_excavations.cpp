@@ -99,7 +99,8 @@ std::optional<geometry::Section> parse_section(const TableReader& tunnel, geomet
   Keys known = keys_of[*shape];
   known.insert(known.end(), {"shape", "segments"});
   const TableReader section{*found, line, path, tunnel.problems(), known};
-  if (const auto segments = section.integer("segments", 2, 1024)) options.segments = static_cast<std::uint32_t>(*segments);
+  if (const auto segments = section.integer("segments", 2, 1024))
+    options.segments = static_cast<std::uint32_t>(*segments);
   if (*shape == 7) {
     auto outline = parse_outline(section);
     if (!outline) return std::nullopt;
@@ -128,11 +129,10 @@ std::optional<geometry::Section> parse_section(const TableReader& tunnel, geomet
 /// The key of a tunnel that an error is about.
 string_view key_of(const geometry::TunnelError& error) {
   if (std::holds_alternative<geometry::UpAlongAxis>(error)) return "up";
-  const bool axis = std::holds_alternative<geometry::AxisTooShort>(error) ||
-                    std::holds_alternative<geometry::BadAxisPoint>(error) ||
-                    std::holds_alternative<geometry::ZeroLengthAxis>(error) ||
-                    std::holds_alternative<geometry::BendTooSharp>(error) ||
-                    std::holds_alternative<geometry::TunnelNotSolid>(error);
+  const bool axis =
+      std::holds_alternative<geometry::AxisTooShort>(error) || std::holds_alternative<geometry::BadAxisPoint>(error) ||
+      std::holds_alternative<geometry::ZeroLengthAxis>(error) ||
+      std::holds_alternative<geometry::BendTooSharp>(error) || std::holds_alternative<geometry::TunnelNotSolid>(error);
   return axis ? "axis" : "section";
 }
 
@@ -157,13 +157,16 @@ std::optional<geometry::Solid> parse_faces(const TableReader& owner) {
   const auto vertices = owner.points("vertices");
   const TomlEntry* entry = owner.find("faces");
   if (entry == nullptr) {
-    owner.missing("faces", "add faces = [[1, 2, 3], ...]: numbers of vertices from 1, counter-clockwise seen from outside");
+    owner.missing("faces",
+                  "add faces = [[1, 2, 3], ...]: numbers of vertices from 1, counter-clockwise seen from outside");
     return std::nullopt;
   }
   if (!vertices) return std::nullopt;
   const auto bad = [&](std::size_t face) {
-    owner.error("faces", fmt::format("face {} is not a list of three or more vertex numbers from 1 to {}", face, vertices->size()),
-                "write faces = [[1, 2, 3], ...]");
+    owner.error(
+        "faces",
+        fmt::format("face {} is not a list of three or more vertex numbers from 1 to {}", face, vertices->size()),
+        "write faces = [[1, 2, 3], ...]");
     return std::nullopt;
   };
   const auto* array = std::get_if<TomlArray>(&entry->node.value);
@@ -175,7 +178,8 @@ std::optional<geometry::Solid> parse_faces(const TableReader& owner) {
     geometry::SolidFace face;
     for (const TomlNode& item : numbers->items) {
       const auto* number = std::get_if<std::int64_t>(&item.value);
-      if (number == nullptr || *number < 1 || static_cast<std::uint64_t>(*number) > vertices->size()) return bad(faces.size() + 1);
+      if (number == nullptr || *number < 1 || static_cast<std::uint64_t>(*number) > vertices->size())
+        return bad(faces.size() + 1);
       face.corners.push_back(static_cast<std::uint32_t>(*number - 1));
     }
     faces.push_back(std::move(face));
@@ -195,11 +199,13 @@ std::optional<geometry::Solid> parse_polyhedron(const TableReader& owner) {
   return parse_faces(owner);
 }
 
-std::optional<Excavation> parse_excavation(Context& context, const TomlTable& table, std::uint32_t line, std::size_t number) {
+std::optional<Excavation> parse_excavation(Context& context, const TomlTable& table, std::uint32_t line,
+                                           std::size_t number) {
   constexpr std::array<string_view, 3> kinds{"tunnel", "mesh", "polyhedron"};
   constexpr std::array<string_view, 2> later{"slope", "benches"};
   using Keys = std::vector<string_view>;
-  const std::array<Keys, 3> keys_of{Keys{"section", "axis", "up"}, Keys{"file"}, Keys{"box", "corners", "vertices", "faces"}};
+  const std::array<Keys, 3> keys_of{Keys{"section", "axis", "up"}, Keys{"file"},
+                                    Keys{"box", "corners", "vertices", "faces"}};
   const std::string path = fmt::format("excavation[{}]", number);
   std::optional<std::size_t> kind;
   {

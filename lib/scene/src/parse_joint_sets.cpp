@@ -13,7 +13,7 @@ namespace {
 
 using std::string_view;
 
-constexpr std::array<string_view, 11> set_keys{"name",   "model",    "orientation", "shape",     "size",        "size_2",
+constexpr std::array<string_view, 11> set_keys{"name",   "model",    "orientation", "shape",     "size", "size_2",
                                                "aspect", "rotation", "sides",       "intensity", "set"};
 constexpr std::array<string_view, 1> set_keys_later{"terminate_at"};
 
@@ -31,7 +31,8 @@ std::optional<dfn::OrientationLaw> parse_orientation(const Context& context, con
   constexpr std::array<string_view, 4> laws{"fisher", "uniform", "normal", "constant"};
   constexpr std::array<string_view, 1> later{"bootstrap"};
   if (!set.has("orientation")) {
-    set.missing("orientation", "add orientation = { dip = 30, dip_direction = 30, distribution = \"fisher\", kappa = 40 }");
+    set.missing("orientation",
+                "add orientation = { dip = 30, dip_direction = 30, distribution = \"fisher\", kappa = 40 }");
     return std::nullopt;
   }
   const TomlTable* found = set.table("orientation");
@@ -41,7 +42,8 @@ std::optional<dfn::OrientationLaw> parse_orientation(const Context& context, con
   const TableReader table{*found, set.line_of("orientation"), set.path_of("orientation"), set.problems(), keys};
   const auto dip = table.need_number("dip", rule::dip);
   const auto direction = table.need_number("dip_direction", rule::dip_direction);
-  const auto law = table.has("distribution") ? table.choice("distribution", laws, later) : std::optional<std::size_t>{3};
+  const auto law =
+      table.has("distribution") ? table.choice("distribution", laws, later) : std::optional<std::size_t>{3};
   if (!law) return std::nullopt;
 
   constexpr std::array<std::pair<string_view, std::size_t>, 5> own{
@@ -124,10 +126,10 @@ std::optional<dfn::SizeLaw> parse_size(const TableReader& set, string_view key) 
   }
   auto law = dfn::SizeLaw::make(spec);
   if (law) return std::move(*law);
-  const std::string detail = std::visit(
-      overloaded{[](const dfn::MissingParameter& e) { return "." + e.key; },
-                 [](const dfn::BadParameter& e) { return "." + e.key; }, [](const dfn::EmptyRange&) { return std::string{}; }},
-      law.error());
+  const std::string detail = std::visit(overloaded{[](const dfn::MissingParameter& e) { return "." + e.key; },
+                                                   [](const dfn::BadParameter& e) { return "." + e.key; },
+                                                   [](const dfn::EmptyRange&) { return std::string{}; }},
+                                        law.error());
   const string_view name = detail.empty() ? string_view{} : string_view{detail}.substr(1);
   const auto* table = std::get_if<TomlTable>(&entry->node.value);
   std::uint32_t line = entry->line;
@@ -166,7 +168,8 @@ std::optional<dfn::RotationLaw> parse_rotation(const TableReader& set) {
     return dfn::UniformRotation{dfn::Rotation::degrees(*from), dfn::Rotation::degrees(*to)};
   }
   const auto mean = table.need_number("mean", rule::turn);
-  if (*law == 2) return mean ? std::optional<dfn::RotationLaw>{dfn::FixedRotation{dfn::Rotation::degrees(*mean)}} : std::nullopt;
+  if (*law == 2)
+    return mean ? std::optional<dfn::RotationLaw>{dfn::FixedRotation{dfn::Rotation::degrees(*mean)}} : std::nullopt;
   const auto std = table.need_number("std", spread);
   if (!mean || !std) return std::nullopt;
   return dfn::NormalRotation{dfn::Rotation::degrees(*mean), dfn::Rotation::degrees(*std)};
@@ -258,10 +261,13 @@ std::optional<dfn::Shape> parse_shape(const TableReader& set) {
   const auto word = parse_shape_word(set);
   const auto second = parse_second(set);
   if (!set.has("size")) {
-    set.missing("size", "add size = { distribution = \"normal\", mean = 100, std = 30, min = 1, max = 300 }, or \"persistent\"");
+    set.missing(
+        "size",
+        "add size = { distribution = \"normal\", mean = 100, std = 30, min = 1, max = 300 }, or \"persistent\"");
     return std::nullopt;
   }
-  if (const auto* text = std::get_if<std::string>(&set.find("size")->node.value); text != nullptr && *text == "persistent") {
+  if (const auto* text = std::get_if<std::string>(&set.find("size")->node.value);
+      text != nullptr && *text == "persistent") {
     for (const string_view key : {"shape", "size_2", "aspect", "rotation", "sides"}) {
       if (set.has(key)) set.note(key, "has no meaning for persistent joints", "remove it");
     }
@@ -314,8 +320,8 @@ void parse_joint_sets(Context& context, const TableReader& root, std::vector<Ran
   const auto found = root.tables("joint_set");
   for (std::size_t i = 0; i < found.size(); ++i) {
     const auto* table = std::get_if<TomlTable>(&found[i]->value);
-    const TableReader set{*table, found[i]->line, fmt::format("joint_set[{}]", i + 1), context.problems, set_keys,
-                          set_keys_later};
+    const TableReader set{*table,           found[i]->line, fmt::format("joint_set[{}]", i + 1),
+                          context.problems, set_keys,       set_keys_later};
     parse_joint_set(context, set, joint_sets);
   }
 }

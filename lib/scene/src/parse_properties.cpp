@@ -49,7 +49,8 @@ std::optional<FrictionLaw> parse_friction(const TableReader& owner, string_view 
   const std::size_t before = owner.problems().errors();
   const TableReader table{*owner.table(key), entry->line, owner.path_of(key), owner.problems(), keys};
   if (!table.has("distribution")) {
-    table.missing("distribution", "add distribution = \"uniform\" (with min and max) or \"normal\" (with mean and std)");
+    table.missing("distribution",
+                  "add distribution = \"uniform\" (with min and max) or \"normal\" (with mean and std)");
     return std::nullopt;
   }
   const auto law = table.choice("distribution", laws, later);
@@ -83,7 +84,8 @@ std::optional<FrictionLaw> parse_friction(const TableReader& owner, string_view 
   }
   // A law that lies almost wholly outside its limits would put every draw on a limit.
   if (with_std && (result.mean < result.min - 5 * result.std || result.mean > result.max + 5 * result.std)) {
-    table.error("mean", fmt::format("is {}, more than 5 std outside of min..max", result.mean), "move the limits or the mean");
+    table.error("mean", fmt::format("is {}, more than 5 std outside of min..max", result.mean),
+                "move the limits or the mean");
     return std::nullopt;
   }
   return result;
@@ -99,7 +101,8 @@ void parse_properties(Context& context, const TableReader& root) {
     const auto* table = std::get_if<TomlTable>(&entry.node.value);
     if (table == nullptr) {
       const bool property = std::ranges::find(keys, entry.key) != keys.end();
-      context.problems.error(entry.line, path, fmt::format("is {} but must be a table of a joint set", kind_of(entry.node)),
+      context.problems.error(entry.line, path,
+                             fmt::format("is {} but must be a table of a joint set", kind_of(entry.node)),
                              property ? "put it under [joints.default]" : "write [joints.NAME] with the name of a set");
       continue;
     }

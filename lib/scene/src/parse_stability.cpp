@@ -41,7 +41,8 @@ PartialFactors parse_partial(const TableReader& stability) {
   if (found == nullptr) return factors;
   constexpr std::array<string_view, 3> keys{"friction", "cohesion", "weight"};
   constexpr NumberRule factor{0, true, 100, false, ""};
-  const TableReader table{*found, stability.line_of("partial"), stability.path_of("partial"), stability.problems(), keys};
+  const TableReader table{*found, stability.line_of("partial"), stability.path_of("partial"), stability.problems(),
+                          keys};
   factors.friction = table.number("friction", factor).value_or(1);
   factors.cohesion = table.number("cohesion", factor).value_or(1);
   factors.weight = table.number("weight", factor).value_or(1);

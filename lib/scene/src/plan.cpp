@@ -36,7 +36,8 @@ std::string why_write(const OutputSettings& output, bool stability) {
   return files;
 }
 
-/// Joints, and a bracket of the number of blocks: at least 1; at most what so many planes through the whole domain would make.
+/// Joints, and a bracket of the number of blocks: at least 1; at most what so many planes through the whole domain
+/// would make.
 SizeEstimate estimate(const Scene& scene) {
   SizeEstimate size;
   size.joints = static_cast<double>(scene.joints.size());
@@ -45,7 +46,8 @@ SizeEstimate estimate(const Scene& scene) {
   const double n = size.joints;
   // Cells of n random planes in a convex body: 1 + n + p2 C(n,2) + p3 C(n,3), with p2, p3 of isotropic planes in a
   // cube (Santalo 1976) as a round figure.
-  size.blocks_high = 1 + n + 0.52 * n * std::max(0.0, n - 1) / 2 + 0.116 * n * std::max(0.0, n - 1) * std::max(0.0, n - 2) / 6;
+  size.blocks_high =
+      1 + n + 0.52 * n * std::max(0.0, n - 1) / 2 + 0.116 * n * std::max(0.0, n - 1) * std::max(0.0, n - 2) / 6;
   const double likely = std::min(size.blocks_high, 1e7);
   size.memory_mb = 20 + 0.002 * n + 0.012 * likely;
   size.seconds = 0.05 + 1e-4 * n + 1.2e-4 * likely;
@@ -72,7 +74,8 @@ std::string_view name_of(Stage stage) noexcept {
 }
 
 bool Plan::runs(Stage stage) const noexcept {
-  return std::ranges::any_of(stages, [&](const PlannedStage& planned) { return planned.stage == stage && planned.run; });
+  return std::ranges::any_of(stages,
+                             [&](const PlannedStage& planned) { return planned.stage == stage && planned.run; });
 }
 
 Plan make_plan(const Scene& scene) {
@@ -84,14 +87,19 @@ Plan make_plan(const Scene& scene) {
   for (const Stage stage : all_stages) {
     switch (stage) {
       case Stage::read:
-        add(stage, true, scene.files.empty() ? "the scene" : "the scene and " + count_of(scene.files.size(), "file", "files"));
+        add(stage, true,
+            scene.files.empty() ? "the scene" : "the scene and " + count_of(scene.files.size(), "file", "files"));
         break;
       case Stage::draw:
-        add(stage, drawn, drawn ? count_of(scene.joint_sets.size(), "random joint set", "random joint sets") : "no [[joint_set]]");
+        add(stage, drawn,
+            drawn ? count_of(scene.joint_sets.size(), "random joint set", "random joint sets") : "no [[joint_set]]");
         break;
       case Stage::cut:
-        add(stage, true, given == 0 && !drawn ? "no joints: the domain less the excavations" : drawn && given == 0
-                ? "the drawn joints" : count_of(given, "given joint", "given joints") + (drawn ? " and the drawn ones" : ""));
+        add(stage, true,
+            given == 0 && !drawn ? "no joints: the domain less the excavations"
+            : drawn && given == 0
+                ? "the drawn joints"
+                : count_of(given, "given joint", "given joints") + (drawn ? " and the drawn ones" : ""));
         break;
       case Stage::audit: add(stage, true, "every block system is certified"); break;
       case Stage::stability: add(stage, stability, why_stability(scene)); break;

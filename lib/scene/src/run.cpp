@@ -18,26 +18,26 @@ namespace {
 Problem problem_of(const topology::CutError& error, const Scene& scene, const Drawn& drawn) {
   const std::string what = describe(error);
   const auto whole = [&] { return Problem{scene.shown, 1, "scene", what, ""}; };
-  return std::visit(
-      overloaded{[&](const topology::JointCollapsed& e) {
-                   if (e.joint.index() < scene.joints.size()) {
-                     const MeasuredJoint& joint = scene.joints[e.joint.index()];
-                     return Problem{joint.file, joint.line, "joint", what, ""};
-                   }
-                   const JointInfo& info = drawn.joints[e.joint];
-                   return Problem{scene.shown, 1, fmt::format("joint_set {}", info.source), what, ""};
-                 },
-                 [&](const topology::SolidCollapsed& e) {
-                   if (!e.excavation) return Problem{scene.shown, 1, "domain", what, ""};
-                   return Problem{scene.shown, scene.excavations[*e.excavation].line,
-                                  fmt::format("excavation[{}]", *e.excavation + 1), what, ""};
-                 },
-                 [&](const topology::DomainSwallowed&) {
-                   const std::uint32_t line = scene.excavations.empty() ? 1 : scene.excavations.front().line;
-                   return Problem{scene.shown, line, "excavation", what, ""};
-                 },
-                 [&](const topology::TooLarge&) { return whole(); }},
-      error);
+  return std::visit(overloaded{[&](const topology::JointCollapsed& e) {
+                                 if (e.joint.index() < scene.joints.size()) {
+                                   const MeasuredJoint& joint = scene.joints[e.joint.index()];
+                                   return Problem{joint.file, joint.line, "joint", what, ""};
+                                 }
+                                 const JointInfo& info = drawn.joints[e.joint];
+                                 return Problem{scene.shown, 1, fmt::format("joint_set {}", info.source), what, ""};
+                               },
+                               [&](const topology::SolidCollapsed& e) {
+                                 if (!e.excavation) return Problem{scene.shown, 1, "domain", what, ""};
+                                 return Problem{scene.shown, scene.excavations[*e.excavation].line,
+                                                fmt::format("excavation[{}]", *e.excavation + 1), what, ""};
+                               },
+                               [&](const topology::DomainSwallowed&) {
+                                 const std::uint32_t line =
+                                     scene.excavations.empty() ? 1 : scene.excavations.front().line;
+                                 return Problem{scene.shown, line, "excavation", what, ""};
+                               },
+                               [&](const topology::TooLarge&) { return whole(); }},
+                    error);
 }
 
 /// All of it was checked when the scene was parsed, so none of the factories can refuse.
@@ -50,18 +50,19 @@ stability::Analysis judge(const Scene& scene, const Drawn& drawn, const Stabilit
   };
   const auto rock = stability::RockMass::make(scene.rock.density);
   const auto loads = stability::Loads::make(wanted.gravity, wanted.seismic);
-  const auto partial = stability::PartialFactors::make(wanted.partial.friction, wanted.partial.cohesion, wanted.partial.weight);
+  const auto partial =
+      stability::PartialFactors::make(wanted.partial.friction, wanted.partial.cohesion, wanted.partial.weight);
   CLEAVE_ASSERT(rock.has_value() && loads.has_value() && partial.has_value());
   stability::StrengthTable strengths{strength_of({FrictionAngle::degrees(0), pascals(0), pascals(0)})};
   for (const topology::JointId joint : drawn.joints.ids()) {
     strengths.set(joint, strength_of(drawn.joints[joint].strength));
   }
   return stability::analyse(complex, {.rock = *rock,
-                           .strengths = std::move(strengths),
-                           .loads = *loads,
-                           .partial = *partial,
-                           .force_transfer = wanted.force_transfer,
-                           .max_batches = wanted.max_batches});
+                                      .strengths = std::move(strengths),
+                                      .loads = *loads,
+                                      .partial = *partial,
+                                      .force_transfer = wanted.force_transfer,
+                                      .max_batches = wanted.max_batches});
 }
 
 void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::vector<std::string>& notes) {
@@ -69,7 +70,8 @@ void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::v
     notes.push_back(fmt::format("{} of {} joints lie outside the rock and cut nothing", report.joints_outside, joints));
   }
   if (!report.dangling.empty()) {
-    notes.push_back(fmt::format("{} of {} joints end inside the rock and part no two blocks", report.dangling.size(), joints));
+    notes.push_back(
+        fmt::format("{} of {} joints end inside the rock and part no two blocks", report.dangling.size(), joints));
   }
 }
 
@@ -82,7 +84,8 @@ std::optional<Stage> stage_named(std::string_view name) {
 
 RunCost cost_of(const StageTimer& timer, unsigned threads) {
   const cleave::StageCost total = timer.total();
-  RunCost cost{.wall_s = total.wall_s, .cpu_s = total.cpu_s, .peak_rss_mb = total.peak_rss_mb, .threads = threads, .stages = {}};
+  RunCost cost{
+      .wall_s = total.wall_s, .cpu_s = total.cpu_s, .peak_rss_mb = total.peak_rss_mb, .threads = threads, .stages = {}};
   for (const cleave::StageCost& booked : timer.stages()) {
     if (const auto stage = stage_named(booked.stage)) {
       cost.stages.push_back({*stage, booked.wall_s, booked.cpu_s, booked.peak_rss_mb});
@@ -127,7 +130,8 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   for (const Problem& note : scene.notes) notes.push_back(describe(note));
   add_cut_notes(report, drawn->joints.size(), notes);
   if (analysis && analysis->stopped_at_max_batches) {
-    notes.push_back(fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
+    notes.push_back(
+        fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
   }
   std::vector<ExcavationInfo> excavations;
   for (const Excavation& excavation : scene.excavations) excavations.push_back({excavation.name, excavation.stage});

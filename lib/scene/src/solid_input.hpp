@@ -13,6 +13,7 @@ namespace cleave::scene {
 /// corners = [8 points] of `owner`.
 [[nodiscard]] std::optional<geometry::Solid> parse_corners(const TableReader& owner);
 /// A closed surface in the file named under `key`: .stl .obj .ply by its ending.
-[[nodiscard]] std::optional<geometry::Solid> parse_mesh(Context& context, const TableReader& owner, std::string_view key);
+[[nodiscard]] std::optional<geometry::Solid> parse_mesh(Context& context, const TableReader& owner,
+                                                        std::string_view key);
 
 }  // namespace cleave::scene

@@ -88,8 +88,8 @@ bool NumberRule::accepts(double v) const noexcept {
 
 std::string NumberRule::words() const {
   if (!low_open && !high_open) return fmt::format("from {:g} to {:g}{}", low, high, unit);
-  return fmt::format("{} {:g} and {} {:g}{}", low_open ? "above" : "at least", low, high_open ? "below" : "at most", high,
-                     unit);
+  return fmt::format("{} {:g} and {} {:g}{}", low_open ? "above" : "at least", low, high_open ? "below" : "at most",
+                     high, unit);
 }
 
 TableReader::TableReader(const TomlTable& table, std::uint32_t line, std::string path, Problems& problems,
@@ -105,8 +105,7 @@ TableReader::TableReader(const TomlTable& table, std::uint32_t line, std::string
     all.insert(all.end(), later.begin(), later.end());
     const auto guess = nearest(entry.key, all);
     problems.error(entry.line, path_of(entry.key), "unknown key",
-                   guess ? fmt::format("did you mean \"{}\"?", *guess)
-                         : fmt::format("known here: {}", list_of(known)));
+                   guess ? fmt::format("did you mean \"{}\"?", *guess) : fmt::format("known here: {}", list_of(known)));
   }
 }
 
@@ -137,7 +136,8 @@ const TomlEntry* TableReader::one_of(std::span<const std::string_view> keys) con
     const TomlEntry* entry = find(key);
     if (entry == nullptr) continue;
     if (found != nullptr) {
-      error(key, fmt::format("stands beside \"{}\"", found->key), fmt::format("give exactly one of: {}", list_of(keys)));
+      error(key, fmt::format("stands beside \"{}\"", found->key),
+            fmt::format("give exactly one of: {}", list_of(keys)));
       return nullptr;
     }
     found = entry;
@@ -178,8 +178,7 @@ std::optional<geometry::Vec3> TableReader::vec3_of(const TomlNode& node, const s
                                                    const NumberRule& rule) const {
   const auto* array = std::get_if<TomlArray>(&node.value);
   if (array == nullptr) {
-    problems_->error(node.line, path, fmt::format("is {} but must be three numbers", kind_of(node)),
-                     "write [x, y, z]");
+    problems_->error(node.line, path, fmt::format("is {} but must be three numbers", kind_of(node)), "write [x, y, z]");
     return std::nullopt;
   }
   if (array->items.size() != 3) {
@@ -224,7 +223,8 @@ std::optional<bool> TableReader::boolean(std::string_view key) const {
   const TomlEntry* entry = find(key);
   if (entry == nullptr) return std::nullopt;
   if (const auto* value = std::get_if<bool>(&entry->node.value)) return *value;
-  error(key, fmt::format("is {} but must be true or false", kind_of(entry->node)), "write true or false, without quotes");
+  error(key, fmt::format("is {} but must be true or false", kind_of(entry->node)),
+        "write true or false, without quotes");
   return std::nullopt;
 }
 
@@ -324,7 +324,8 @@ std::optional<std::size_t> TableReader::choice(std::string_view key, std::span<c
     return static_cast<std::size_t>(it - choices.begin());
   }
   if (std::ranges::find(later, *word) != later.end()) {
-    error(key, fmt::format("{} {}", quoted(*word), not_available()), fmt::format("choose one of: {}", list_of(choices)));
+    error(key, fmt::format("{} {}", quoted(*word), not_available()),
+          fmt::format("choose one of: {}", list_of(choices)));
     return std::nullopt;
   }
   std::vector<std::string_view> all{choices.begin(), choices.end()};

@@ -62,8 +62,8 @@ inline constexpr NumberRule ratio{-1e3, false, 1e3, false, ""};
 inline constexpr NumberRule any{-1e15, false, 1e15, false, ""};
 }  // namespace rule
 
-/// Typed access to one table: each function reports what is wrong under the key's full path and line, and returns empty. The
-/// constructor reports every key that is neither known nor promised for a later version.
+/// Typed access to one table: each function reports what is wrong under the key's full path and line, and returns
+/// empty. The constructor reports every key that is neither known nor promised for a later version.
 class TableReader final {
  public:
   TableReader(const TomlTable& table, std::uint32_t line, std::string path, Problems& problems,

@@ -27,10 +27,10 @@ struct Drawn {
 
 /// Draws, cuts, audits and judges. `timer` books the stages (the caller has booked `read`); `progress` shows them.
 ///
-/// Errors are what only these stages can see in a scene: a joint too small for the lattice, excavations that leave no rock, more
-/// joints than can be drawn. A certificate that does not pass is a result, not an error.
-[[nodiscard]] std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options, StageTimer& timer,
-                                                                 Progress& progress);
+/// Errors are what only these stages can see in a scene: a joint too small for the lattice, excavations that leave no
+/// rock, more joints than can be drawn. A certificate that does not pass is a result, not an error.
+[[nodiscard]] std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options,
+                                                                 StageTimer& timer, Progress& progress);
 
 /// The timer's bookings as they stand in a result.
 [[nodiscard]] RunCost cost_of(const StageTimer& timer, unsigned threads);
