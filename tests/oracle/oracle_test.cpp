@@ -287,7 +287,7 @@ testing::Choose choose_from(std::mt19937_64& bits) {  // no std:: distribution: 
 
 TEST(OracleTest, BothWaysToCutAgreeOnRandomScenes) {
   std::mt19937_64 bits{20240301};
-  const int count = testing::trials(400, 60);
+  const int count = testing::trials(240, 40);
   int several = 0, shells = 0, genus = 0, with_holes = 0, small = 0;
   for (int trial = 0; trial < count; ++trial) {
     SCOPED_TRACE(trial);

@@ -112,6 +112,13 @@ TEST(Cells, CavitiesAreCutOpen) {
   expect_good(with_cavities({{{0.1, 0.3, 0.7}, {1.1, 2.2, 3.3}}, {{5.1, 5.7, 0.9}, {9.3, 9.9, 9.1}}}), 2 + 2);
 }
 
+// Cavities that touch each other at a vertex and along edges: there four faces of one block meet.
+TEST(Cells, CavitiesThatTouch) {
+  expect_good(with_cavities({{{2, 2, 2}, {4, 4, 4}}, {{4, 4, 4}, {6, 6, 6}}}), 3 + 2);  // at a vertex: one plane each
+  expect_good(with_cavities({{{2, 2, 2}, {4, 4, 4}}, {{4, 4, 2}, {6, 6, 4}}}), 2 + 2);  // along an edge
+  expect_good(with_cavities({{{2, 2, 2}, {4, 4, 4}}, {{4, 4, 2}, {6, 6, 4}}, {{6, 2, 2}, {8, 4, 4}}}), 2 + 3);
+}
+
 TEST(Cells, SameBlocksSameCells) {
   const auto complex = box_with_shafts({{1, 1, 2, 2}, {2, 2, 3, 3}}, 0, {24, 36, 14, 16, 1, 1});
   EXPECT_EQ(make_cells(complex).face_stream, make_cells(complex).face_stream);

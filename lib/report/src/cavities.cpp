@@ -2,124 +2,160 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <limits>
+#include <map>
 #include <utility>
-#include <vector>
 
-#include "cleave/geometry/solid.hpp"
-#include "cleave/topology/cut.hpp"
-#include "polygons.hpp"
+#include "disjoint_sets.hpp"
+#include "plane_split.hpp"
 
 namespace cleave::report::detail {
 namespace {
 
 using geometry::Vec3;
-using topology::Block;
-using topology::BlockComplex;
-using topology::BlockId;
+using Surface = std::vector<Polygon>;
 
 constexpr std::array<double Vec3::*, 3> axes{&Vec3::x, &Vec3::y, &Vec3::z};
 
-struct Extent {
-  Vec3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
-           std::numeric_limits<double>::infinity()};
-  Vec3 high = -low;
-
-  void include(Vec3 p) {
-    for (const auto axis : axes) {
-      low.*axis = std::min(low.*axis, p.*axis);
-      high.*axis = std::max(high.*axis, p.*axis);
+// The parts of a surface that hang together by edges, in the order of their first polygons.
+std::vector<Surface> shells_of(const Surface& polygons) {
+  DisjointSets shells{polygons.size()};
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> first_use;
+  for (std::size_t p = 0; p < polygons.size(); ++p) {
+    const auto& corners = polygons[p].corners;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const auto edge = std::minmax(corners[i], corners[(i + 1) % corners.size()]);
+      shells.join(first_use.try_emplace(edge, p).first->second, p);
     }
   }
+  std::map<std::size_t, Surface> by_root;  // a root is the smallest member
+  for (std::size_t p = 0; p < polygons.size(); ++p) by_root[shells.find(p)].push_back(polygons[p]);
+  std::vector<Surface> out;
+  for (auto& [root, surface] : by_root) out.push_back(std::move(surface));
+  return out;
+}
+
+struct Interval {
+  double low, high;
 };
 
-std::vector<Extent> cavity_extents(const BlockComplex& complex, const Block& block) {
-  std::vector<Extent> extents(block.counts.shells - 1);
-  for (std::size_t i = 0; i < block.faces.size(); ++i) {
-    if (block.shell_of_face[i] == 0) continue;
-    for (const topology::VertexId v : complex.faces()[block.faces[i]].loops.front()) {
-      extents[block.shell_of_face[i] - 1].include(complex.vertices()[v]);
+Interval extent(const Surface& surface, double Vec3::*axis, std::span<const Vec3> points) {
+  Interval range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const Polygon& polygon : surface) {
+    for (const std::uint32_t corner : polygon.corners) {
+      range.low = std::min(range.low, points[corner].*axis);
+      range.high = std::max(range.high, points[corner].*axis);
     }
   }
-  return extents;
+  return range;
 }
 
-// The fewest positions along an axis that meet every cavity inside (interval stabbing, greedy by upper ends), each in the middle
-// of what is common to its cavities.
-std::vector<double> stabs(std::vector<Extent> extents, double Vec3::*axis) {
-  std::ranges::sort(extents, {}, [&](const Extent& e) { return std::pair{e.high.*axis, e.low.*axis}; });
-  std::vector<double> positions;
-  for (std::size_t i = 0; i < extents.size();) {
-    const double high = extents[i].high.*axis;
-    double low = extents[i].low.*axis;
-    std::size_t end = i;
-    std::vector<Extent> rest;
-    for (; end < extents.size(); ++end) {
-      if (extents[end].low.*axis < high) {
-        low = std::max(low, extents[end].low.*axis);
+// The fewest open intervals that meet every cavity (greedy by upper ends), each common to its cavities.
+std::vector<Interval> stabs(std::vector<Interval> cavities) {
+  std::ranges::sort(cavities, {}, [](const Interval& i) { return std::pair{i.high, i.low}; });
+  std::vector<Interval> out;
+  while (!cavities.empty()) {
+    Interval common = cavities.front();
+    std::vector<Interval> rest;
+    for (const Interval& i : cavities) {
+      if (i.low < common.high) {
+        common.low = std::max(common.low, i.low);
       } else {
-        rest.push_back(extents[end]);
+        rest.push_back(i);
       }
     }
-    positions.push_back(low + (high - low) / 2);
-    extents = std::move(rest);
-    i = 0;
+    out.push_back(common);
+    cavities = std::move(rest);
   }
-  return positions;
+  return out;
 }
 
-std::optional<geometry::Solid> as_solid(const BlockComplex& complex, BlockId block) {
-  std::vector<Vec3> points = complex.vertices().items();
-  auto polygons = surface_of(complex, block, points, true);
-  separate_pinches(polygons, points);
-  // Only the block's own points, numbered in order of first use.
-  std::vector<std::uint32_t> number(points.size(), std::numeric_limits<std::uint32_t>::max());
-  std::vector<Vec3> vertices;
-  std::vector<geometry::SolidFace> faces;
-  for (const Polygon& polygon : polygons) {
-    geometry::SolidFace face;
-    for (const std::uint32_t point : polygon.corners) {
-      if (number[point] == std::numeric_limits<std::uint32_t>::max()) {
-        number[point] = static_cast<std::uint32_t>(vertices.size());
-        vertices.push_back(points[point]);
-      }
-      face.corners.push_back(number[point]);
+// The middle of the widest gap between the points' coordinates within the interval: as far as can be from all of them.
+std::optional<double> clear_position(Interval within, const std::vector<double>& sorted) {
+  const auto begin = std::ranges::lower_bound(sorted, within.low);
+  const auto end = std::ranges::upper_bound(sorted, within.high);
+  double best = 0, width = 0;
+  for (auto at = begin; at != end && std::next(at) != end; ++at) {
+    const double gap = *std::next(at) - *at;
+    const double middle = *at + gap / 2;
+    if (gap > width && middle > *at && middle < *std::next(at)) {
+      width = gap;
+      best = middle;
     }
-    faces.push_back(std::move(face));
   }
-  auto solid = geometry::Solid::make(std::move(vertices), std::move(faces), {"block"});
-  if (!solid) return std::nullopt;
-  return *std::move(solid);
+  if (width == 0) return std::nullopt;
+  return best;
+}
+
+std::vector<double> positions(const std::vector<Surface>& cavities, const Surface& whole, double Vec3::*axis,
+                              std::span<const Vec3> points) {
+  std::vector<Interval> extents;
+  for (const Surface& cavity : cavities) extents.push_back(extent(cavity, axis, points));
+  std::vector<double> coordinates;
+  for (const Polygon& polygon : whole) {
+    for (const std::uint32_t corner : polygon.corners) coordinates.push_back(points[corner].*axis);
+  }
+  std::ranges::sort(coordinates);
+  std::vector<double> out;
+  for (const Interval& stab : stabs(std::move(extents))) {
+    if (const auto position = clear_position(stab, coordinates)) out.push_back(*position);
+  }
+  return out;
+}
+
+// Cuts by all positions; cavities that are left (there should be none) stay in their part.
+std::vector<Surface> cut_at(Surface whole, double Vec3::*axis, const std::vector<double>& at, std::vector<Vec3>& points) {
+  std::vector<Surface> parts;
+  for (const double position : at) {  // ascending: what lies below is done
+    auto [lower, upper] = split(whole, axis, position, points);
+    if (!lower.empty()) parts.push_back(std::move(lower));
+    whole = std::move(upper);
+  }
+  if (!whole.empty()) parts.push_back(std::move(whole));
+  return parts;
 }
 
 }  // namespace
 
-std::optional<BlockComplex> cut_through_cavities(const BlockComplex& complex, BlockId block) {
-  auto solid = as_solid(complex, block);
-  if (!solid) return std::nullopt;
-  const auto extents = cavity_extents(complex, complex.blocks()[block]);
+double volume_of(std::span<const Polygon> polygons, std::span<const Vec3> points) {
+  if (polygons.empty()) return 0;
+  const Vec3 o = points[polygons.front().corners.front()];
+  double six_volumes = 0;
+  for (const Polygon& polygon : polygons) {
+    const auto& c = polygon.corners;
+    for (std::size_t i = 1; i + 1 < c.size(); ++i) {
+      six_volumes += dot(points[c[0]] - o, cross(points[c[i]] - o, points[c[i + 1]] - o));
+    }
+  }
+  return six_volumes / 6;
+}
+
+std::optional<std::vector<Surface>> cut_through_cavities(Surface triangles, std::vector<Vec3>& points) {
+  // Flat scraps without volume, left where a plane meets two faces that touch, are no cells.
+  const double nothing = 1e-14 * volume_of(triangles, points);
+  std::vector<Surface> cavities;
+  for (Surface& shell : shells_of(triangles)) {
+    if (volume_of(shell, points) < 0) cavities.push_back(std::move(shell));
+  }
   double Vec3::*best = axes.front();
-  std::vector<double> positions = stabs(extents, best);
+  std::vector<double> at = positions(cavities, triangles, best, points);
   for (const auto axis : axes) {
-    if (auto fewer = stabs(extents, axis); fewer.size() < positions.size()) {
-      positions = std::move(fewer);
+    if (auto other = positions(cavities, triangles, axis, points); other.size() < at.size()) {
+      at = std::move(other);
       best = axis;
     }
   }
-  topology::CutInput input{.domain = *std::move(solid), .joints = {}, .excavations = {}, .free_domain_tags = {}};
-  for (const double position : positions) {
-    topology::PersistentJoint plane;
-    plane.through = extents.front().low;
-    plane.through.*best = position;
-    plane.normal.*best = 1.0;
-    input.joints.emplace_back(plane);
+  std::ranges::sort(at);
+  std::vector<Surface> cells;
+  for (Surface& part : cut_at(std::move(triangles), best, at, points)) {
+    separate_pinches(part, points);
+    for (Surface& shell : shells_of(part)) {
+      const double volume = volume_of(shell, points);
+      if (volume < -nothing) return std::nullopt;
+      if (volume > nothing) cells.push_back(std::move(shell));
+    }
   }
-  auto pieces = topology::cut(input);
-  if (!pieces) return std::nullopt;
-  const auto has_cavity = [](const Block& piece) { return piece.counts.shells > 1; };
-  if (std::ranges::any_of(pieces->blocks(), has_cavity)) return std::nullopt;
-  return *std::move(pieces);
+  return cells;
 }
 
 }  // namespace cleave::report::detail

@@ -1,7 +1,6 @@
 #include "cleave/report/cells.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 #include "cavities.hpp"
@@ -33,18 +32,18 @@ void append_cell(Cells& cells, const std::vector<detail::Polygon>& polygons, Blo
   cells.volume.push_back(volume.si());
 }
 
-// Numbers the piece's vertices behind the points there are.
-void append_pieces(Cells& cells, const BlockComplex& pieces, Vec3 origin, BlockId block) {
-  const std::size_t base = cells.points.size();
-  for (const topology::VertexId v : pieces.vertices().ids()) cells.points.push_back(origin + pieces.position(v));
-  for (const BlockId piece : pieces.blocks().ids()) {
-    auto polygons = detail::surface_of(pieces, piece, pieces.vertices().items(), false);
-    for (detail::Polygon& polygon : polygons) {
-      for (std::uint32_t& point : polygon.corners) point += static_cast<std::uint32_t>(base);
-    }
-    detail::separate_pinches(polygons, cells.points);
-    append_cell(cells, polygons, block, pieces.blocks()[piece].volume);
+// The block cut open through its cavities; false when that did not work out.
+bool append_parts(Cells& cells, const BlockComplex& complex, BlockId block) {
+  const std::size_t before = cells.points.size();
+  auto triangles = detail::surface_of(complex, block, complex.vertices().items(), true);
+  detail::separate_pinches(triangles, cells.points);
+  const auto parts = detail::cut_through_cavities(std::move(triangles), cells.points);
+  if (!parts) {
+    cells.points.resize(before);
+    return false;
   }
+  for (const auto& part : *parts) append_cell(cells, part, block, cubic_metres(detail::volume_of(part, cells.points)));
+  return true;
 }
 
 }  // namespace
@@ -56,10 +55,7 @@ Cells make_cells(const BlockComplex& complex) {
   for (const BlockId id : complex.blocks().ids()) {
     const topology::Block& block = complex.blocks()[id];
     if (block.counts.shells > 1) {
-      if (const auto pieces = detail::cut_through_cavities(complex, id)) {
-        append_pieces(cells, *pieces, complex.origin(), id);
-        continue;
-      }
+      if (append_parts(cells, complex, id)) continue;
       cells.with_cavities.push_back(id);
     }
     auto polygons = detail::surface_of(complex, id, complex.vertices().items(), false);

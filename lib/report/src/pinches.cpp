@@ -1,10 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
+#include "disjoint_sets.hpp"
 #include "polygons.hpp"
 
 namespace cleave::report::detail {
@@ -94,22 +95,6 @@ std::vector<std::pair<Use, Use>> pair_up(std::vector<Use> group, const std::vect
   return pairs;
 }
 
-class Fans {
- public:
-  explicit Fans(std::size_t corners) : parent_(corners) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::size_t i, std::size_t j) {
-    const std::size_t a = find(i), b = find(j);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
 bool has_pinched_edge(const std::vector<Use>& uses) {
   for (std::size_t i = 2; i < uses.size(); ++i) {
     if (same_edge(uses[i - 2], uses[i])) return true;
@@ -117,10 +102,35 @@ bool has_pinched_edge(const std::vector<Use>& uses) {
   return false;
 }
 
+std::vector<Use> first_pinched_edge(const std::vector<Use>& uses) {
+  for (std::size_t i = 2; i < uses.size(); ++i) {
+    if (!same_edge(uses[i - 2], uses[i])) continue;
+    std::vector<Use> group;
+    std::ranges::copy_if(uses, std::back_inserter(group), [&](const Use& u) { return same_edge(u, uses[i]); });
+    return group;
+  }
+  return {};
+}
+
+// Puts a point into the middle of an edge of a polygon; a triangle is cut in two and stays triangles, the second one goes to `more`.
+void insert(std::vector<Polygon>& polygons, std::vector<Polygon>& more, const Use& use, std::uint32_t point) {
+  Polygon& polygon = polygons[use.polygon];
+  auto& corners = polygon.corners;
+  const std::uint32_t from = use.forward ? use.low : use.high;
+  const auto at = static_cast<std::size_t>(std::ranges::find(corners, from) - corners.begin());
+  if (corners.size() != 3) {
+    corners.insert(corners.begin() + static_cast<std::ptrdiff_t>(at) + 1, point);
+    return;
+  }
+  const std::uint32_t to = corners[(at + 1) % 3], third = corners[(at + 2) % 3];
+  more.push_back({.corners = {point, to, third}, .outward = polygon.outward, .face = polygon.face});
+  corners = {from, point, third};
+}
+
 // The polygons with a point of its own for every fan at the ends of pinched edges.
 std::vector<Polygon> with_doubled_points(std::vector<Polygon> polygons, const std::vector<Use>& uses,
                                          std::vector<Vec3>& points, Through through) {
-  Fans fans{uses.size()};
+  DisjointSets fans{uses.size()};
   std::vector<std::uint32_t> pinched;
   for (std::size_t i = 0; i < uses.size();) {
     std::size_t end = i;
@@ -153,7 +163,7 @@ std::vector<Polygon> with_doubled_points(std::vector<Polygon> polygons, const st
 }  // namespace
 
 void separate_pinches(std::vector<Polygon>& polygons, std::vector<Vec3>& points) {
-  const auto uses = uses_of(polygons);
+  auto uses = uses_of(polygons);
   if (!has_pinched_edge(uses)) return;
   const std::size_t before = points.size();
   for (const Through through : {Through::rock, Through::space}) {
@@ -163,6 +173,19 @@ void separate_pinches(std::vector<Polygon>& polygons, std::vector<Vec3>& points)
       return;
     }
     points.resize(before);
+  }
+  // Both ends of some edge are one fan each however its uses are paired: each pair gets a middle point of its own.
+  polygons = with_doubled_points(std::move(polygons), uses, points, Through::rock);
+  for (uses = uses_of(polygons); has_pinched_edge(uses); uses = uses_of(polygons)) {
+    const auto group = first_pinched_edge(uses);
+    const Vec3 middle = points[group.front().low] + 0.5 * (points[group.front().high] - points[group.front().low]);
+    std::vector<Polygon> halves;
+    for (const auto& [a, b] : pair_up(group, polygons, points, Through::rock)) {
+      const auto point = static_cast<std::uint32_t>(points.size());
+      points.push_back(middle);
+      for (const Use& use : {a, b}) insert(polygons, halves, use, point);
+    }
+    polygons.insert(polygons.end(), halves.begin(), halves.end());
   }
 }
 

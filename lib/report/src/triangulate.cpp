@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -70,14 +71,14 @@ class Clipper {
     return turn(a, b, p) == 0 && (a.u != b.u ? (a.u < p.u) != (b.u < p.u) : (a.v < p.v) != (b.v < p.v)) && p != a && p != b;
   }
 
-  // Does anything stand between the nodes m and n? Edges that end in one of the two vertices do not count.
+  // Does anything stand between the nodes m and n? Edges that end in one of the two places do not count.
   bool blocked(std::size_t m, std::size_t n) const {
     const Node& a = nodes_[m];
     const Node& b = nodes_[n];
     for (const Node& c : nodes_) {
       const Node& d = nodes_[c.next];
-      if (c.vertex != a.vertex && c.vertex != b.vertex && between(a.at, b.at, c.at)) return true;
-      if (c.vertex == a.vertex || c.vertex == b.vertex || d.vertex == a.vertex || d.vertex == b.vertex) continue;
+      if (between(a.at, b.at, c.at)) return true;
+      if (c.at == a.at || c.at == b.at || d.at == a.at || d.at == b.at) continue;
       if (cross(a.at, b.at, c.at, d.at)) return true;
     }
     return false;
@@ -114,10 +115,10 @@ class Clipper {
     return nodes;
   }
 
-  // The node of `outer` that is the same vertex as m and opens to the hole's two edges there.
+  // The node of `outer` in the same place as m (the same vertex, or a double of it) that opens to the hole's two edges there.
   std::optional<std::size_t> touching(const std::vector<std::size_t>& outer, std::size_t m) const {
     for (const std::size_t n : outer) {
-      if (nodes_[n].vertex == nodes_[m].vertex && opens_to(n, nodes_[nodes_[m].next].at) &&
+      if (nodes_[n].at == nodes_[m].at && opens_to(n, nodes_[nodes_[m].next].at) &&
           opens_to(n, nodes_[nodes_[m].previous].at)) {
         return n;
       }
@@ -173,12 +174,12 @@ class Clipper {
     const int corner = turn(a.at, b.at, c.at);
     if (demand == Demand::flat) return corner == 0;
     if (corner <= 0) return false;
-    if (a.vertex == c.vertex) return false;
+    if (a.at == c.at) return false;
     if (!opens_to(before, c.at) || !opens_to(after, a.at)) return false;
     if (demand == Demand::convex) return true;
     for (std::size_t k = nodes_[after].next; k != before; k = nodes_[k].next) {
       const Node& p = nodes_[k];
-      if (p.vertex == a.vertex || p.vertex == b.vertex || p.vertex == c.vertex) continue;
+      if (p.at == a.at || p.at == b.at || p.at == c.at) continue;
       if (turn(c.at, a.at, p.at) >= 0 && turn(a.at, b.at, p.at) >= 0 && turn(b.at, c.at, p.at) >= 0) return false;
     }
     return true;
@@ -236,12 +237,12 @@ std::vector<Point2> seen(const Loop& loop, std::span<const geometry::Vec3> posit
   return points;
 }
 
-bool counter_clockwise(const std::vector<Point2>& loop) {
-  double twice_area = 0;
+double twice_area(const std::vector<Point2>& loop) {
+  double sum = 0;
   for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
-    twice_area += (loop[i].u - loop[0].u) * (loop[i + 1].v - loop[0].v) - (loop[i].v - loop[0].v) * (loop[i + 1].u - loop[0].u);
+    sum += (loop[i].u - loop[0].u) * (loop[i + 1].v - loop[0].v) - (loop[i].v - loop[0].v) * (loop[i + 1].u - loop[0].u);
   }
-  return twice_area >= 0;
+  return sum;
 }
 
 bool inside(const std::vector<Point2>& outline, Point2 p) {
@@ -260,7 +261,7 @@ std::vector<Region> regions_of(std::span<const Loop> loops, std::span<const geom
   std::vector<Loop> holes;
   for (std::size_t i = 0; i < simple.size(); ++i) {
     // The outline of a face without holes is one whatever rounding made of it.
-    if (simple.size() == 1 || counter_clockwise(seen(simple[i], positions, outward))) {
+    if (simple.size() == 1 || twice_area(seen(simple[i], positions, outward)) >= 0) {
       regions.push_back({simple[i]});
     } else {
       holes.push_back(simple[i]);
@@ -271,11 +272,17 @@ std::vector<Region> regions_of(std::span<const Loop> loops, std::span<const geom
     holes.erase(holes.begin());
   }
   for (Loop& hole : holes) {
+    // The smallest outline around it: there may be islands in holes.
     std::size_t home = 0;
+    double smallest = std::numeric_limits<double>::infinity();
     for (std::size_t r = 0; r < regions.size() && regions.size() > 1; ++r) {
-      const Loop& outline = regions[r].front();
-      const auto own = std::ranges::find_if(hole, [&](std::uint32_t v) { return std::ranges::find(outline, v) == outline.end(); });
-      if (own != hole.end() && inside(seen(outline, positions, outward), seen(positions[*own], outward))) home = r;
+      const auto around = seen(regions[r].front(), positions, outward);
+      // By majority: single corners may lie on the outline.
+      std::ptrdiff_t votes = 0;
+      for (const Point2 p : seen(hole, positions, outward)) votes += std::ranges::find(around, p) == around.end() ? (inside(around, p) ? 1 : -1) : 0;
+      if (votes <= 0 || twice_area(around) >= smallest) continue;
+      smallest = twice_area(around);
+      home = r;
     }
     regions[home].push_back(std::move(hole));
   }

@@ -33,7 +33,8 @@ std::array<Int128, 3> cross(LatticePoint u, LatticePoint v) {
           product(u.x, v.y) - product(u.y, v.x)};
 }
 
-/// A lattice direction close to the plane's normal, at most 2^46 long in each component.
+}  // namespace
+
 LatticePoint direction_along(const exact::Plane& plane) {
   const auto& n = plane.normal();
   constexpr Int128 limit = Int128{1} << 46;
@@ -44,8 +45,6 @@ LatticePoint direction_along(const exact::Plane& plane) {
   const auto scaled = [](double c) { return static_cast<std::int64_t>(std::nearbyint(std::ldexp(c, 46))); };
   return {scaled(unit[0]), scaled(unit[1]), scaled(unit[2])};
 }
-
-}  // namespace
 
 Sign turn(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint along) noexcept {
   const LatticePoint u = b - a;

@@ -413,6 +413,7 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
       const auto& persistent = std::get<PersistentJoint>(input.joints[j]);
       const auto plane = persistent_plane(persistent, lattice);
       if (!plane) return std::unexpected(CutError{collapsed});
+      snapper.remember(*plane);
       // Bounded by a box well around the domain, so that its outline means something where other joints share its plane.
       const LatticePoint lo = lattice.snap(domain.lo[0], domain.lo[1], domain.lo[2]);
       const LatticePoint hi = lattice.snap(domain.hi[0], domain.hi[1], domain.hi[2]);

@@ -89,6 +89,11 @@ void Snapper::remember(const LatticePolygon& polygon) {
   if (active()) surfaces_.push_back(polygon);
 }
 
+void Snapper::remember(const Plane& persistent) {
+  // No corners: it goes on for ever.
+  if (active()) surfaces_.push_back({persistent, direction_along(persistent), {}, true, true});
+}
+
 void Snapper::merge_plane(LatticePolygon& polygon) {
   for (const LatticePolygon& earlier : surfaces_) {
     if (earlier.plane.coincides_with(polygon.plane)) break;
@@ -111,6 +116,7 @@ bool Snapper::near_polygon(const LatticePolygon& polygon, LatticePoint p) const 
   // Within the distance of the plane, and not outside any side by more than the distance (convex polygons; for others the test is against
   // the sides' planes of the whole outline and so asks for a little more).
   if (distance_sites(polygon.plane, p) > distance_sites_) return false;
+  if (polygon.corners.empty()) return true;  // persistent
   const std::size_t count = polygon.corners.size();
   if (!polygon.convex) {
     bool inside = false;

@@ -27,6 +27,9 @@ struct LatticePolygon {
 [[nodiscard]] std::optional<LatticePolygon> make_lattice_polygon(std::vector<exact::LatticePoint> corners,
                                                                  std::span<const std::size_t> preferred = {});
 
+/// A lattice direction close to the plane's normal, at most 2^46 long in each component; the normal itself where it is small enough.
+[[nodiscard]] exact::LatticePoint direction_along(const exact::Plane& plane);
+
 /// Sign of the turn a -> b -> c seen against `along`: positive = left.
 [[nodiscard]] exact::Sign turn(exact::LatticePoint a, exact::LatticePoint b, exact::LatticePoint c,
                                exact::LatticePoint along) noexcept;

@@ -28,6 +28,7 @@ class Snapper final {
   [[nodiscard]] std::vector<std::size_t> shared_corners(std::span<const exact::LatticePoint> sites) const;
   /// A surface that later polygons may snap to.
   void remember(const LatticePolygon& polygon);
+  void remember(const exact::Plane& persistent);
   void merge_plane(LatticePolygon& polygon);
   /// For each side of the polygon (corner i to i + 1) the half-space it ends on, if any.
   [[nodiscard]] std::vector<std::optional<HalfSpace>> adopt_edges(

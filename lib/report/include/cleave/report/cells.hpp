@@ -14,10 +14,10 @@ namespace cleave::report {
 ///
 /// Made from the complex alone:
 /// - a face with holes, or whose outline passes a vertex twice, is cut into triangles on its own vertices;
-/// - a block with cavities is cut by planes through them into several cells of the same block (`topology::cut` again, so
-///   exactly; their volumes add up to the block's to rounding);
-/// - where a block touches itself along an edge the points of that edge are doubled, so that each edge of a cell is used
-///   exactly twice, once in each direction.
+/// - a block with cavities is cut by axis-parallel planes through them into several cells of the same block; their volumes add up to the
+///   block's to rounding;
+/// - where a block touches itself along an edge the points of that edge are doubled (or each pair of faces gets a middle point of
+///   its own), so that each edge of a cell is used exactly twice, once in each direction.
 /// Cells are in the order of the blocks. Several cells share the points of the complex.
 struct Cells {
   std::vector<geometry::Vec3> points;      ///< m, absolute coordinates
@@ -28,7 +28,7 @@ struct Cells {
   std::vector<std::int64_t> ends;          ///< per cell: index one past its last entry in `connectivity`
   std::vector<topology::BlockId> block;    ///< per cell
   std::vector<double> volume;              ///< m3, of the cell
-  /// Blocks with cavities that could not be cut (their walls are too fine for it): one cell with several shells.
+  /// Blocks with cavities that could not be cut (a cavity without height): one cell with several shells. None is known.
   std::vector<topology::BlockId> with_cavities;
 
   [[nodiscard]] std::size_t size() const noexcept { return block.size(); }

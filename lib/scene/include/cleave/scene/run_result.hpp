@@ -47,9 +47,9 @@ enum class JointOrigin : std::uint8_t { measured, drawn };
 struct JointInfo {
   SetId set;
   JointOrigin origin;
-  std::string source;      ///< "joints.obj:120", "scene.toml:14"; for drawn joints "A #7" (set, number from 1)
+  std::string source;  ///< "joints.obj:120", "scene.toml:14"; for drawn joints "A #7" (set, number from 1)
   Strength strength;
-  geometry::Vec3 normal;   ///< upward unit normal (z >= 0); of the first polygon when the joint has several
+  geometry::Vec3 normal;  ///< upward unit normal (z >= 0); of the first polygon when the joint has several
   Dip dip;
   DipDirection dip_direction;  ///< clockwise from +y
 };
@@ -64,23 +64,28 @@ struct ExcavationInfo {
   std::uint32_t stage = 1;
 };
 
-/// Everything that is known at the end of `scene::run`, and all that the writers need: they take it by const reference and compute
-/// nothing but layout from it. How it is filled:
-/// - after a finished run `complex` holds the audited block system; when the certificate did not pass it holds that certificate, and
-///   `analysis` is empty: summary.json is written all the same (certificate.passed = false) and the program ends with 4;
-/// - `analysis` is present exactly when plan.runs(Stage::stability) and the certificate passed. Sections of stages that did not run are
+/// Everything that is known at the end of `scene::run`, and all that the writers need: they take it by const reference
+/// and compute nothing but layout from it. How it is filled:
+/// - after a finished run `complex` holds the audited block system; when the certificate did not pass it holds that
+/// certificate, and
+///   `analysis` is empty: summary.json is written all the same (certificate.passed = false) and the program ends with
+///   4;
+/// - `analysis` is present exactly when plan.runs(Stage::stability) and the certificate passed. Sections of stages that
+/// did not run are
 ///   absent from summary.json;
-/// - free faces of the complex index `excavations` by topology::Face::excavation; faces of role joint index `joints` by their JointId;
+/// - free faces of the complex index `excavations` by topology::Face::excavation; faces of role joint index `joints` by
+/// their JointId;
 /// - `cost` covers read .. stability when `run` returns. The program adds `write` (VTU, CSV) and `report` (HTML) as
-///   it does them, and writes summary.json last, so that all costs are in it but its own few milliseconds. report.html shows the
-///   costs known when it is written.
+///   it does them, and writes summary.json last, so that all costs are in it but its own few milliseconds. report.html
+///   shows the costs known when it is written.
 struct RunResult {
   std::string title;
   std::uint64_t seed = 1;
   std::string scene_file;    ///< name without folder
   std::string scene_sha256;  ///< of the scene file's bytes, hex
   std::vector<InputFile> files;
-  double north = 0;          ///< degrees from +y to true north, clockwise: add nothing to dip directions, turn only the north arrow
+  double north =
+      0;  ///< degrees from +y to true north, clockwise: add nothing to dip directions, turn only the north arrow
 
   Plan plan;
   RunCost cost;
@@ -88,16 +93,16 @@ struct RunResult {
   Rock rock;
   std::optional<StabilitySettings> stability;
 
-  topology::CutInput input;                              ///< domain, joints and excavations as cut, for drawing
-  IdVector<SetId, SetInfo> sets;                         ///< only sets with at least one joint have `joints` > 0
-  IdVector<topology::JointId, JointInfo> joints;         ///< as many as input.joints, same order
-  std::vector<ExcavationInfo> excavations;               ///< as many as input.excavations, same order
+  topology::CutInput input;                       ///< domain, joints and excavations as cut, for drawing
+  IdVector<SetId, SetInfo> sets;                  ///< only sets with at least one joint have `joints` > 0
+  IdVector<topology::JointId, JointInfo> joints;  ///< as many as input.joints, same order
+  std::vector<ExcavationInfo> excavations;        ///< as many as input.excavations, same order
 
   std::expected<topology::AuditedComplex, topology::Certificate> complex;
-  std::string block_hash;                                ///< topology::canonical_hash; empty when the certificate failed
+  std::string block_hash;  ///< topology::canonical_hash; empty when the certificate failed
   std::optional<stability::Analysis> analysis;
 
-  std::vector<std::string> notes;                        ///< what a user should know: joints outside the domain, what was left out
+  std::vector<std::string> notes;  ///< what a user should know: joints outside the domain, what was left out
 };
 
 }  // namespace cleave::scene

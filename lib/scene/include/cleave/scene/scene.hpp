@@ -14,9 +14,9 @@
 #include "cleave/scene/problem.hpp"
 #include "cleave/topology/cut_input.hpp"
 
-/// A validated scene: what `scene::parse` makes of a TOML file and the files it names. Past this border nothing is re-checked.
-/// Units: metres, degrees (in their own types), Pa, kg/m3, m/s2. Dip directions are already turned by `north`, so
-/// they count clockwise from +y.
+/// A validated scene: what `scene::parse` makes of a TOML file and the files it names. Past this border nothing is
+/// re-checked. Units: metres, degrees (in their own types), Pa, kg/m3, m/s2. Dip directions are already turned by
+/// `north`, so they count clockwise from +y.
 namespace cleave::scene {
 
 using SetId = Id<struct JointSetTag>;  ///< a joint set by name; index into Scene::sets
@@ -58,7 +58,8 @@ struct MeasuredJoint {
   std::variant<topology::Joint, topology::PersistentJoint> geometry;
   SetId set;
   OwnStrength own;
-  std::string source;  ///< where it stands: "joints.obj:120" or "scene.toml:14"
+  std::string file;  ///< where it stands: a joint file or the scene file, as messages name it
+  std::uint32_t line;
 };
 
 /// A [[joint_set]]: joints drawn at random. Its number in Scene::joint_sets is the `set_index` of dfn::sample.
@@ -72,15 +73,22 @@ struct Excavation {
   std::string name;
   std::uint32_t stage = 1;
   geometry::Solid solid;
+  std::uint32_t line;  ///< in the scene file
 };
 
 struct Rock {
   Density density = kilograms_per_cubic_metre(2700);
 };
 
+/// A design standard's partial factors: tan(friction) and cohesion are divided, weight is multiplied.
+struct PartialFactors {
+  double friction = 1, cohesion = 1, weight = 1;
+};
+
 struct StabilitySettings {
   geometry::Vec3 gravity{0, 0, -9.81};  ///< m/s2
   geometry::Vec3 seismic{0, 0, 0};      ///< force / weight, in the direction the rock is pushed
+  PartialFactors partial = {};
   bool force_transfer = true;
   std::uint32_t max_batches = 50;
 };
@@ -102,7 +110,7 @@ struct Scene {
   std::string title;
   std::uint64_t seed = 1;
   Length snap;
-  double north = 0;             ///< degrees from y to true north, clockwise; only for display: orientations are turned already
+  double north = 0;  ///< degrees from y to true north, clockwise; only for display: orientations are turned already
 
   geometry::Solid domain;
   std::vector<std::uint32_t> free_domain_tags;  ///< tag indices of `domain` that are free
@@ -110,14 +118,16 @@ struct Scene {
   std::vector<MeasuredJoint> joints;            ///< in scene order; they get the first JointIds
   std::vector<RandomSet> joint_sets;            ///< in scene order; their joints follow
   Rock rock;
-  std::vector<Excavation> excavations;          ///< in scene order
-  std::optional<StabilitySettings> stability;   ///< empty: the scene has no [stability] and no free face
+  std::vector<Excavation> excavations;         ///< in scene order
+  std::optional<StabilitySettings> stability;  ///< empty: the scene has no [stability] and no free face
   OutputSettings output;
 
-  std::string file_name;  ///< the scene file's name without its folder
+  std::string shown;      ///< how messages name the scene file
+  std::string file_name;  ///< the same without its folder
   std::string sha256;     ///< of the scene file's bytes
   std::vector<InputFile> files;
-  std::vector<Problem> notes;  ///< worth knowing, not wrong: a joint outside the domain, properties of a set without joints
+  std::vector<Problem>
+      notes;  ///< worth knowing, not wrong: a joint outside the domain, properties of a set without joints
 };
 
 }  // namespace cleave::scene

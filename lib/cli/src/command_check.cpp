@@ -1,0 +1,39 @@
+#include <fmt/format.h>
+
+#include "cleave/scene/parse.hpp"
+#include "cleave/scene/plan.hpp"
+#include "commands.hpp"
+#include "problems.hpp"
+
+namespace cleave::cli {
+
+ExitCode report_problems(const std::vector<scene::Problem>& problems) {
+  for (const scene::Problem& problem : problems) complain(describe(problem));
+  return ExitCode::wrong_input;
+}
+
+ExitCode check_scene(const std::string& path) {
+  const auto scene = scene::load(path);
+  if (!scene) return report_problems(scene.error());
+  for (const scene::Problem& note : scene->notes) say("note: " + describe(note) + "\n");
+  say(fmt::format("{}: no error found\n", path));
+  return ExitCode::done;
+}
+
+ExitCode plan_scene(const std::string& path) {
+  const auto scene = scene::load(path);
+  if (!scene) return report_problems(scene.error());
+  const scene::Plan plan = make_plan(*scene);
+  std::string text = fmt::format("plan of {} ({})\n", path, scene->title);
+  for (const scene::PlannedStage& stage : plan.stages) {
+    text += fmt::format("  {:<12} {:<9} {}\n", name_of(stage.stage), stage.run ? "run" : "left out", stage.why);
+  }
+  const scene::SizeEstimate& size = plan.estimate;
+  text += fmt::format("estimated size: {:.0f} joints, {:.0f} to {:.2g} blocks, up to {:.0f} MB and {:.1f} s of CPU\n",
+                      size.joints, size.blocks_low, size.blocks_high, size.memory_mb, size.seconds);
+  for (const scene::Problem& note : scene->notes) text += "note: " + describe(note) + "\n";
+  say(text);
+  return ExitCode::done;
+}
+
+}  // namespace cleave::cli

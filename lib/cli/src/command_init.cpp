@@ -1,0 +1,20 @@
+#include "commands.hpp"
+#include "init_texts.hpp"
+
+namespace cleave::cli {
+
+ExitCode init_scene(const std::string& kind) {
+  if (const auto text = init_text(kind)) {
+    say(std::string{*text});
+    return ExitCode::done;
+  }
+  if (kind == "monte-carlo" || kind == "bodies") {
+    complain("cleave init: " + kind +
+             ": is not available in version 0.1; choose one of: tunnel, slope, wedge, network");
+  } else {
+    complain("cleave init: \"" + kind + "\" is not known; choose one of: tunnel, slope, wedge, network");
+  }
+  return ExitCode::wrong_input;
+}
+
+}  // namespace cleave::cli

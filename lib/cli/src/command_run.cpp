@@ -1,0 +1,90 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/report/write.hpp"
+#include "cleave/scene/parse.hpp"
+#include "cleave/scene/run.hpp"
+#include "commands.hpp"
+#include "figures.hpp"
+#include "interrupt.hpp"
+#include "out_folder.hpp"
+#include "problems.hpp"
+
+namespace cleave::cli {
+namespace {
+
+using Written = std::expected<void, report::WriteError>;
+
+/// All files of a result; summary.json last, so that it holds what the others cost.
+Written write_result(scene::RunResult& result, const std::filesystem::path& folder, StageTimer& timer,
+                     Progress& progress) {
+  const auto stage = [&](scene::Stage which, auto&& work) -> Written {
+    progress.begin(name_of(which));
+    auto done = timer.run(name_of(which), work);
+    result.cost = scene::cost_of(timer, result.cost.threads);
+    return done;
+  };
+  auto written = stage(scene::Stage::write, [&]() -> Written {
+    if (auto vtu = report::write_blocks_vtu(result, folder); !vtu) return vtu;
+    return report::write_key_blocks_csv(result, folder);
+  });
+  if (written && result.plan.runs(scene::Stage::report)) {
+    written = stage(scene::Stage::report, [&] { return report::write_report_html(result, folder); });
+  }
+  progress.end();
+  if (written) written = report::write_file(folder / "log.txt", log_of(result));
+  if (written) written = report::write_summary_json(result, folder);
+  return written;
+}
+
+}  // namespace
+
+ExitCode run_scene(const RunArguments& arguments) {
+  InterruptWatch interrupts;  // before any other thread
+  StageTimer timer;
+  Progress progress{progress_style_of_stderr(arguments.quiet)};
+
+  progress.begin("read");
+  auto scene = timer.run("read", [&] { return scene::load(arguments.scene); });
+  progress.end();
+  if (!scene) return report_problems(scene.error());
+  if (arguments.seed) scene->seed = *arguments.seed;
+
+  auto out = OutFolder::prepare(arguments.out);
+  if (!out) {
+    complain(out.error().message);
+    return out.error().code;
+  }
+  interrupts.on_interrupt([&] { out->discard(); });
+  const ExitCode end = [&] {
+    auto result = scene::run(*scene, {.threads = arguments.threads}, timer, progress);
+    if (!result) return report_problems(result.error());
+    if (auto written = write_result(*result, out->folder(), timer, progress); !written) {
+      complain(describe(written.error()));
+      return ExitCode::machine_failed;
+    }
+    if (auto published = interrupts.guarded([&] { return out->publish(); }); !published) {
+      complain(published.error().message);
+      return published.error().code;
+    }
+    if (!arguments.quiet) {
+      std::string text = figures_of(*result);
+      for (const std::string& note : result->notes) text += "note: " + note + "\n";
+      say(text + fmt::format("result in {}\n", out->final_name().generic_string()));
+    }
+    if (result->complex) return ExitCode::done;
+    complain(fmt::format("{}:1: certificate: the block system did not pass its own check; please report this scene",
+                         arguments.scene));
+    return ExitCode::check_failed;
+  }();
+  interrupts.guarded([&] { out->discard(); });
+  interrupts.on_interrupt({});
+  return end;
+}
+
+}  // namespace cleave::cli

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "exit_code.hpp"
+
+/// The commands of the program; each prints what it has to say and returns how the program ends.
+namespace cleave::cli {
+
+struct RunArguments {
+  std::string scene;
+  std::string out;
+  unsigned threads = 1;
+  std::optional<std::uint64_t> seed;
+  bool quiet = false;
+};
+[[nodiscard]] ExitCode run_scene(const RunArguments& arguments);
+
+[[nodiscard]] ExitCode plan_scene(const std::string& scene);
+[[nodiscard]] ExitCode check_scene(const std::string& scene);
+[[nodiscard]] ExitCode init_scene(const std::string& kind);
+[[nodiscard]] ExitCode convert_file(const std::string& in, const std::string& out);
+
+/// "error: WHAT" on stderr.
+void complain(const std::string& what);
+/// Prints to stdout; the program's end tells when that failed.
+void say(const std::string& text);
+
+}  // namespace cleave::cli

@@ -1,0 +1,81 @@
+#include "figures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace cleave::cli {
+namespace {
+
+std::string block_lines(const topology::AuditedComplex& audited) {
+  const topology::BlockComplex& complex = audited.complex();
+  const topology::Certificate& certificate = audited.certificate();
+  const auto concave = std::ranges::count_if(complex.blocks(), [](const topology::Block& b) { return !b.convex; });
+  const auto slivers = std::ranges::count_if(complex.blocks(), [](const topology::Block& b) { return b.sliver; });
+  return fmt::format(
+      "blocks       {} ({} concave, {} slivers), volume {:.6g} m3\n"
+      "certificate  passed: volume error {:.1e}, face vectors {:.1e}\n",
+      complex.blocks().size(), concave, slivers, certificate.volume.si(), certificate.volume_relative_error,
+      certificate.face_vector_max_relative);
+}
+
+std::string certificate_line(const topology::Certificate& c) {
+  return fmt::format(
+      "certificate  DID NOT PASS: {} Euler violations, {} open shells, {} unpaired patches, volume error {:.1e}\n",
+      c.euler_violations, c.open_shells, c.unpaired_patches, c.volume_relative_error);
+}
+
+std::string key_block_lines(const stability::Analysis& analysis) {
+  std::size_t count = 0;
+  Volume volume;
+  for (const stability::Batch& batch : analysis.batches) {
+    count += batch.blocks.size();
+    volume += batch.volume;
+  }
+  std::string text =
+      fmt::format("key blocks   {} in {} batches, volume {:.6g} m3\n", count, analysis.batches.size(), volume.si());
+  constexpr std::size_t shown = 8;
+  for (std::size_t i = 0; i < std::min(shown, analysis.batches.size()); ++i) {
+    const stability::Batch& batch = analysis.batches[i];
+    text += fmt::format("  batch {:<4}  {} blocks, {:.6g} m3\n", batch.number, batch.blocks.size(), batch.volume.si());
+  }
+  if (analysis.batches.size() > shown) text += fmt::format("  and {} more batches\n", analysis.batches.size() - shown);
+  return text;
+}
+
+}  // namespace
+
+std::string figures_of(const scene::RunResult& result) {
+  std::string text = fmt::format("{}\njoints       {}, seed {}\n", result.title, result.joints.size(), result.seed);
+  if (result.complex) {
+    text += block_lines(*result.complex);
+  } else {
+    text += certificate_line(result.complex.error());
+  }
+  if (result.analysis) text += key_block_lines(*result.analysis);
+  text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", result.cost.wall_s,
+                      result.cost.cpu_s, result.cost.peak_rss_mb, result.cost.threads);
+  return text;
+}
+
+std::string log_of(const scene::RunResult& result) {
+  std::string text = fmt::format("cleave 0.1.0\nscene {} (sha256 {})\n", result.scene_file, result.scene_sha256);
+  for (const scene::InputFile& file : result.files) {
+    text += fmt::format("file {} ({} bytes, sha256 {})\n", file.name, file.bytes, file.sha256);
+  }
+  text += "\nplan\n";
+  for (const scene::PlannedStage& stage : result.plan.stages) {
+    text += fmt::format("  {:<12} {:<9} {}\n", name_of(stage.stage), stage.run ? "run" : "left out", stage.why);
+  }
+  text += "\ncost\n";
+  for (const scene::StageCost& cost : result.cost.stages) {
+    text += fmt::format("  {:<12} {:>10.3f} s {:>10.3f} s of CPU {:>8.0f} MB\n", name_of(cost.stage), cost.wall_s,
+                        cost.cpu_s, cost.peak_rss_mb);
+  }
+  text += "\nresult\n" + figures_of(result);
+  if (!result.notes.empty()) text += "\nnotes\n";
+  for (const std::string& note : result.notes) text += "  " + note + "\n";
+  return text;
+}
+
+}  // namespace cleave::cli

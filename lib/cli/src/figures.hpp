@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "cleave/scene/run_result.hpp"
+
+namespace cleave::cli {
+
+/// The key figures of a run, a few lines for people.
+[[nodiscard]] std::string figures_of(const scene::RunResult& result);
+
+/// log.txt: what ran, why, at what cost, with the notes and the key figures.
+[[nodiscard]] std::string log_of(const scene::RunResult& result);
+
+}  // namespace cleave::cli

@@ -1,0 +1,185 @@
+#include "init_texts.hpp"
+
+namespace cleave::cli {
+namespace {
+
+constexpr std::string_view tunnel =
+    R"toml(# A tunnel in fractured rock: three random joint sets, a horseshoe tunnel through the middle.
+# Run it:  cleave run tunnel.toml -o out     then open out/report.html
+# SI units (metres, pascals, kg/m3), angles in degrees. x = east, y = north, z = up.
+schema = 1
+title = "Tunnel"
+seed = 1                       # another seed gives another network of the same statistics
+
+[domain]
+box = { min = [0, 0, 0], max = [40, 40, 30] }
+
+[[joint_set]]
+name = "A"
+model = "baecher"              # centres, orientations and sizes independent of each other
+orientation = { dip = 30, dip_direction = 30, distribution = "uniform", dip_range = 15, dip_direction_range = 15 }
+shape = "rectangle"            # or square, disc, ellipse, polygon(6)
+size = { distribution = "normal", mean = 50, std = 15, min = 1, max = 150 }   # m, both sides drawn from it
+intensity = { count = 10 }     # or p32 = 0.1 (m2 of joint in a m3 of rock), p30, p10, spacing
+
+[[joint_set]]
+name = "B"
+orientation = { dip = 45, dip_direction = 150, distribution = "fisher", kappa = 40 }
+size = { distribution = "exponential", mean = 40, min = 5, max = 120 }
+intensity = { count = 10 }
+
+[[joint_set]]
+name = "C"
+orientation = { dip = 60, dip_direction = 270, distribution = "fisher", kappa = 40 }
+size = { distribution = "exponential", mean = 40, min = 5, max = 120 }
+intensity = { count = 10 }
+
+[joints.default]               # [joints.A] for one set alone
+friction = { distribution = "uniform", min = 20, max = 30 }   # degrees, one value a joint; or just a number
+cohesion = 0                   # Pa
+
+[rock]
+density = 2700                 # kg/m3
+
+[[excavation]]
+name = "tunnel"
+kind = "tunnel"
+section = { shape = "horseshoe", width = 8, height = 8 }
+axis = [[20, 0, 15], [20, 40, 15]]   # through the middle of the section
+
+[stability]
+gravity = 9.81                 # m/s2, downwards
+max_batches = 50
+)toml";
+
+constexpr std::string_view slope =
+    R"toml(# A rock slope of 70 degrees, 20 m high, with two joint sets: which blocks can slide out of it?
+# Run it:  cleave run slope.toml -o out     then open out/report.html
+# SI units (metres, pascals, kg/m3), angles in degrees. x = east, y = north, z = up.
+schema = 1
+title = "Slope"
+seed = 1
+
+[domain]
+# Eight corners; bit 0, 1, 2 of a corner's number = its x, y, z side. The east side leans back by 20 / tan 70 = 7.279405 m.
+corners = [
+  [0, 0, 0], [40, 0, 0], [0, 40, 0], [40, 40, 0],
+  [0, 0, 20], [32.720595, 0, 20], [0, 40, 20], [32.720595, 40, 20],
+]
+
+[[joint_set]]
+name = "bedding"
+orientation = { dip = 40, dip_direction = 80, distribution = "fisher", kappa = 100 }
+shape = "rectangle"
+size = { distribution = "constant", mean = 60 }
+intensity = { spacing = 4 }    # metres along the set's normal
+
+[[joint_set]]
+name = "cross"
+orientation = { dip = 75, dip_direction = 180, distribution = "fisher", kappa = 60 }
+shape = "disc"
+size = { distribution = "lognormal", mean = 30, std = 10, min = 2, max = 80 }   # diameter
+intensity = { p32 = 0.15 }
+
+[[joint]]                      # one joint that was measured
+plane = { through = [25, 20, 0], dip = 80, dip_direction = 260 }
+set = "fault"
+
+[joints.default]
+friction = 30
+cohesion = 0
+
+[joints.fault]
+friction = 18
+cohesion = 2e3                 # Pa
+
+[rock]
+density = 2600
+
+[stability]
+free = ["top", "east"]         # all other sides of the domain are rock that stays
+seismic = [0, 0, 0]            # pseudo-static force / weight, for example [0.1, 0, 0]
+)toml";
+
+constexpr std::string_view wedge =
+    R"toml(# One wedge between two joints on a slope: the textbook case with a known answer.
+# Joints 60/045 and 60/135, slope 70/090, friction 30 degrees: the wedge slides along their line, to the east at 50.8 degrees
+# down, with a factor of safety of (4 / sqrt 15) tan 30 = 0.596.
+# Run it:  cleave run wedge.toml -o out     then look at out/key_blocks.csv
+schema = 1
+title = "Wedge on a slope"
+
+[domain]
+# A block of 10 m height; the east side is the slope: it leans back by 10 / tan 70 = 3.639702 m.
+corners = [
+  [0, 0, 0], [20, 0, 0], [0, 20, 0], [20, 20, 0],
+  [0, 0, 10], [16.360298, 0, 10], [0, 20, 10], [16.360298, 20, 10],
+]
+
+[[joint]]
+plane = { through = [19.5, 10, 1], dip = 60, dip_direction = 45 }
+set = "north-east"
+
+[[joint]]
+plane = { through = [19.5, 10, 1], dip = 60, dip_direction = 135 }
+set = "south-east"
+
+[joints.default]
+friction = 30                  # degrees
+cohesion = 0                   # Pa
+
+[rock]
+density = 2700                 # kg/m3
+
+[stability]
+free = ["top", "east"]
+)toml";
+
+constexpr std::string_view network =
+    R"toml(# A fracture network without an excavation: how many blocks does it cut, and how large are they?
+# Run it:  cleave run network.toml -o out     then open out/report.html
+schema = 1
+title = "Network"
+seed = 1
+
+[domain]
+box = { min = [0, 0, 0], max = [50, 50, 50] }
+
+[[joint_set]]
+name = "A"
+orientation = { dip = 80, dip_direction = 90, distribution = "fisher", kappa = 30 }
+shape = "disc"
+size = { distribution = "exponential", mean = 30, min = 2, max = 100 }   # diameter, metres
+intensity = { p32 = 0.2 }      # m2 of joint in a m3 of rock
+
+[[joint_set]]
+name = "B"
+orientation = { dip = 85, dip_direction = 0, distribution = "fisher", kappa = 30 }
+shape = "disc"
+size = { distribution = "exponential", mean = 30, min = 2, max = 100 }
+intensity = { p32 = 0.2 }
+
+[[joint_set]]
+name = "C"
+orientation = { dip = 5, dip_direction = 0, distribution = "fisher", kappa = 30 }
+shape = "rectangle"
+size = { distribution = "power", exponent = 2.5, min = 10, max = 100 }
+intensity = { p32 = 0.2 }
+
+# Joints from a file instead: each face of an OBJ file is one joint, each row of a CSV file one disc, rectangle or plane.
+# [[joint]]
+# file = "joints.obj"
+# set = "measured"
+)toml";
+
+}  // namespace
+
+std::optional<std::string_view> init_text(std::string_view kind) noexcept {
+  if (kind == "tunnel") return tunnel;
+  if (kind == "slope") return slope;
+  if (kind == "wedge") return wedge;
+  if (kind == "network") return network;
+  return std::nullopt;
+}
+
+}  // namespace cleave::cli

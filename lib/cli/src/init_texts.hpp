@@ -1,0 +1,11 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+namespace cleave::cli {
+
+/// The scene that `cleave init KIND` prints; empty for other kinds.
+[[nodiscard]] std::optional<std::string_view> init_text(std::string_view kind) noexcept;
+
+}  // namespace cleave::cli

@@ -1,0 +1,48 @@
+#include "interrupt.hpp"
+
+#include <signal.h>
+#include <time.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+#include "exit_code.hpp"
+
+namespace cleave::cli {
+namespace {
+
+sigset_t ending_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGTERM);
+  return set;
+}
+
+}  // namespace
+
+InterruptWatch::InterruptWatch() {
+  const sigset_t set = ending_signals();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  thread_ = std::jthread{[this](const std::stop_token& stop) { watch(stop); }};
+}
+
+void InterruptWatch::on_interrupt(std::function<void()> clean_up) {
+  const std::scoped_lock lock{mutex_};
+  clean_up_ = std::move(clean_up);
+}
+
+void InterruptWatch::watch(const std::stop_token& stop) {
+  const sigset_t set = ending_signals();
+  const timespec pause{.tv_sec = 0, .tv_nsec = 50'000'000};
+  while (!stop.stop_requested()) {
+    if (sigtimedwait(&set, nullptr, &pause) < 0) continue;
+    const std::scoped_lock lock{mutex_};
+    if (clean_up_) clean_up_();
+    std::fputs("\ncleave: interrupted; nothing was written\n", stderr);
+    std::_Exit(static_cast<int>(ExitCode::interrupted));
+  }
+}
+
+}  // namespace cleave::cli

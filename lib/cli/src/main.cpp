@@ -1,0 +1,163 @@
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <functional>
+#include <new>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "commands.hpp"
+
+namespace cleave::cli {
+namespace {
+
+constexpr std::string_view bug_text =
+    "cleave: this is a bug in cleave, not in your scene; please report it with the scene and the lines above\n";
+constexpr std::string_view memory_text =
+    "error: memory: there is not enough of it; close other programs, raise the memory limit or make the scene "
+    "smaller\n";
+
+void write_raw(std::string_view text) {
+  // Nothing sensible can be done when even stderr is gone.
+  [[maybe_unused]] const auto ignored = ::write(STDERR_FILENO, text.data(), text.size());
+}
+
+std::atomic<bool> out_of_memory{false};
+
+/// Ends by a signal of our own making (a failed assertion, std::terminate) or a crash become the exit code for bugs,
+/// unless it was memory that ran out where nothing may throw.
+extern "C" void on_crash(int) {
+  if (out_of_memory) {
+    write_raw(memory_text);
+    std::_Exit(static_cast<int>(ExitCode::machine_failed));
+  }
+  write_raw(bug_text);
+  std::_Exit(static_cast<int>(ExitCode::bug));
+}
+
+void on_no_memory() {
+  out_of_memory = true;
+  throw std::bad_alloc{};
+}
+
+void watch_for_crashes() {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) ::signal(number, on_crash);
+#endif
+  std::set_new_handler(on_no_memory);
+}
+
+unsigned threads_of_machine() { return std::max(1U, std::thread::hardware_concurrency()); }
+
+/// Commands of the contract that this version does not have yet: known, so that the message can say so.
+void add_later_commands(CLI::App& app, std::function<ExitCode()>& chosen) {
+  struct Later {
+    const char* name;
+    const char* text;
+  };
+  for (const Later& later :
+       {Later{"merge", "merges Monte Carlo shards"},
+        Later{"replay", "re-creates one realization exactly, as a full single run"},
+        Later{"survey", "field data to joint-set statistics"}, Later{"diff", "what differs between two results"}}) {
+    CLI::App* command = app.add_subcommand(later.name, std::string{later.text} + " (not available in version 0.1)");
+    command->allow_extras();
+    command->callback([&chosen, name = std::string{later.name}] {
+      chosen = [name] {
+        complain("cleave " + name + ": is not available in version 0.1; see cleave --help for what is");
+        return ExitCode::wrong_input;
+      };
+    });
+  }
+}
+
+ExitCode run_program(int argc, char** argv) {
+  CLI::App app{"Cuts rock into blocks by its joints, exactly, and finds the blocks that will move.", "cleave"};
+  app.set_version_flag("--version", "cleave 0.1.0");
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done, 1 a bug in cleave, 2 the input is wrong, 3 the machine failed, 4 a check did not hold, 130 "
+      "interrupted.");
+  std::function<ExitCode()> chosen;
+
+  RunArguments run;
+  run.threads = threads_of_machine();
+  std::string shard;
+  CLI::App* run_command = app.add_subcommand("run", "runs a scene");
+  run_command->add_option("scene", run.scene, "the scene file (TOML)")->required();
+  run_command->add_option("-o,--out", run.out, "folder for the result: new, empty, or a result of cleave (replaced)")
+      ->required();
+  run_command->add_option("--threads", run.threads, "threads to use; changes nothing but the time")
+      ->check(CLI::Range(1, 1024));
+  run_command->add_option("--seed", run.seed, "instead of the scene's seed");
+  run_command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
+  run_command->add_option("--shard", shard, "part K/N of a Monte Carlo run (not available in version 0.1)");
+  run_command->callback([&] {
+    chosen = [&] {
+      if (shard.empty()) return run_scene(run);
+      complain("cleave run: --shard: is not available in version 0.1; run the scene without it");
+      return ExitCode::wrong_input;
+    };
+  });
+
+  std::string scene;
+  CLI::App* plan = app.add_subcommand("plan", "says what will run, what is left out and why; runs nothing");
+  plan->add_option("scene", scene, "the scene file (TOML)")->required();
+  plan->callback([&] { chosen = [&] { return plan_scene(scene); }; });
+  CLI::App* check =
+      app.add_subcommand("check", "all problems of a scene, each with file, line, key and remedy; runs nothing");
+  check->add_option("scene", scene, "the scene file (TOML)")->required();
+  check->callback([&] { chosen = [&] { return check_scene(scene); }; });
+
+  std::string kind;
+  CLI::App* init = app.add_subcommand("init", "prints a commented scene to start from");
+  init->add_option("kind", kind, "tunnel, slope, wedge or network")->required();
+  init->callback([&] { chosen = [&] { return init_scene(kind); }; });
+
+  std::string in, out;
+  CLI::App* convert = app.add_subcommand("convert", "between file formats, by their endings");
+  convert->add_option("in", in, "file to read: .obj .stl .ply")->required();
+  convert->add_option("out", out, "file to write: .obj .stl .ply")->required();
+  convert->callback([&] { chosen = [&] { return convert_file(in, out); }; });
+  add_later_commands(app, chosen);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // --help, --version
+    return static_cast<ExitCode>(app.exit(asked));
+  } catch (const CLI::ParseError& error) {
+    complain(std::string{"cleave: "} + error.what() + "; see cleave --help");
+    return ExitCode::wrong_input;
+  }
+  return chosen();
+}
+
+}  // namespace
+}  // namespace cleave::cli
+
+int main(int argc, char** argv) {
+  using namespace cleave::cli;
+  watch_for_crashes();
+  ExitCode end = ExitCode::bug;
+  try {
+    end = run_program(argc, argv);
+  } catch (const std::bad_alloc&) {
+    write_raw(memory_text);
+    end = ExitCode::machine_failed;
+  } catch (const std::exception& error) {
+    complain(error.what());
+    write_raw(bug_text);
+  }
+  if (std::fflush(stdout) != 0 && end == ExitCode::done) {
+    complain("stdout: cannot be written; check the space left");
+    end = ExitCode::machine_failed;
+  }
+  return static_cast<int>(end);
+}

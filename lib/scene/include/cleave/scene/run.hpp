@@ -1,0 +1,38 @@
+#pragma once
+
+#include <expected>
+#include <vector>
+
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/scene/problem.hpp"
+#include "cleave/scene/run_result.hpp"
+#include "cleave/scene/scene.hpp"
+
+namespace cleave::scene {
+
+struct RunOptions {
+  unsigned threads = 1;  ///< at least 1; changes nothing but the time
+};
+
+/// Everything that goes into the cutter, and what each joint is.
+struct Drawn {
+  topology::CutInput input;
+  IdVector<SetId, SetInfo> sets;
+  IdVector<topology::JointId, JointInfo> joints;
+};
+
+/// Draws the random joints and one friction angle a joint. A pure function of the scene (with its seed).
+[[nodiscard]] std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene);
+
+/// Draws, cuts, audits and judges. `timer` books the stages (the caller has booked `read`); `progress` shows them.
+///
+/// Errors are what only these stages can see in a scene: a joint too small for the lattice, excavations that leave no
+/// rock, more joints than can be drawn. A certificate that does not pass is a result, not an error.
+[[nodiscard]] std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options,
+                                                                 StageTimer& timer, Progress& progress);
+
+/// The timer's bookings as they stand in a result.
+[[nodiscard]] RunCost cost_of(const StageTimer& timer, unsigned threads);
+
+}  // namespace cleave::scene

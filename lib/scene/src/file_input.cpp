@@ -1,0 +1,76 @@
+#include "file_input.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "solid_input.hpp"
+
+namespace cleave::scene {
+
+std::string ending_of(std::string_view name) {
+  const std::size_t dot = name.find_last_of('.');
+  if (dot == std::string_view::npos || name.find('/', dot) != std::string_view::npos) return {};
+  std::string ending{name.substr(dot + 1)};
+  for (char& c : ending) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return ending;
+}
+
+void report_read_error(Problems& problems, const io::ReadError& error) {
+  const std::string key = error.column == 0 ? "file" : fmt::format("column {}", error.column);
+  problems.error_in(error.file, std::max(1U, error.line), key, error.what, error.remedy);
+}
+
+std::optional<io::MeshData> mesh_of(Context& context, const TableReader& owner, std::string_view key,
+                                    const LoadedFile& loaded) {
+  const std::string ending = ending_of(loaded.shown);
+  auto parsed = [&]() -> std::optional<std::expected<io::MeshData, io::ReadError>> {
+    if (ending == "obj") return io::parse_obj(loaded.bytes, loaded.shown);
+    if (ending == "stl") return io::parse_stl(loaded.bytes, loaded.shown);
+    if (ending == "ply") return io::parse_ply(loaded.bytes, loaded.shown);
+    return std::nullopt;
+  }();
+  if (!parsed) {
+    const bool tables = key == "file" && owner.path().starts_with("joint");
+    owner.error(
+        key, fmt::format("the ending of \"{}\" is not known", loaded.shown),
+        tables ? "give a file that ends in .obj, .csv, .stl or .ply" : "give a file that ends in .stl, .obj or .ply");
+    return std::nullopt;
+  }
+  if (!*parsed) {
+    report_read_error(context.problems, parsed->error());
+    return std::nullopt;
+  }
+  const io::MeshData& mesh = **parsed;
+  for (const std::string& note : mesh.notes) context.problems.note_in(loaded.shown, 1, "file", note, "");
+  const bool far = std::ranges::any_of(mesh.vertices, [](geometry::Vec3 v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) > rule::coordinate.high;
+  });
+  if (far) {
+    context.problems.error_in(loaded.shown, 1, "v", "a vertex lies further than 1e9 m from the origin",
+                              "check its numbers");
+    return std::nullopt;
+  }
+  if (mesh.faces() == 0) {
+    context.problems.error_in(loaded.shown, 1, "file", "holds no faces", "check that it is the right file");
+    return std::nullopt;
+  }
+  return std::move(**parsed);
+}
+
+std::optional<geometry::Solid> parse_mesh(Context& context, const TableReader& owner, std::string_view key) {
+  const auto loaded = context.file(owner, key);
+  if (!loaded) return std::nullopt;
+  const auto mesh = mesh_of(context, owner, key, *loaded);
+  if (!mesh) return std::nullopt;
+  auto solid = io::solid_of(*mesh);
+  if (solid) return std::move(*solid);
+  owner.error(key, fmt::format("{}: {}", loaded->shown, describe(solid.error())), "");
+  return std::nullopt;
+}
+
+}  // namespace cleave::scene

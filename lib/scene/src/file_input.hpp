@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "cleave/io/mesh.hpp"
+#include "cleave/io/read_error.hpp"
+#include "context.hpp"
+
+namespace cleave::scene {
+
+/// "obj" of "a/b.OBJ"; empty when there is none.
+[[nodiscard]] std::string ending_of(std::string_view name);
+
+/// The faces in a file that is already read: .obj .stl .ply by its ending; reports what is wrong.
+[[nodiscard]] std::optional<io::MeshData> mesh_of(Context& context, const TableReader& owner, std::string_view key,
+                                                  const LoadedFile& loaded);
+
+void report_read_error(Problems& problems, const io::ReadError& error);
+
+}  // namespace cleave::scene

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <expected>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cleave/geometry/vec3.hpp"
+#include "cleave/topology/cut_input.hpp"
+#include "context.hpp"
+
+namespace cleave::scene {
+
+struct ShapeRefusal {
+  std::string what, remedy;
+};
+/// A joint of one polygon; a bent one becomes triangles when that is wished.
+[[nodiscard]] std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3> corners,
+                                                                    bool triangulate);
+
+/// The joints of the file that `joint` names: .obj one a face, .csv one a row, .stl and .ply one surface.
+void parse_joint_file(Context& context, const TableReader& joint, const std::optional<std::string>& set,
+                      std::vector<MeasuredJoint>& joints);
+
+}  // namespace cleave::scene

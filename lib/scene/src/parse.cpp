@@ -1,0 +1,122 @@
+#include "cleave/scene/parse.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+
+#include "cleave/core/sha256.hpp"
+#include "context.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using std::string_view;
+
+constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
+                                                "north",  "domain",     "joint",    "joint_set", "joints",
+                                                "rock",   "excavation", "stability"};
+constexpr std::array<string_view, 1> more_root_keys{"output"};
+constexpr std::array<string_view, 6> later_sections{"support", "monte_carlo", "body", "load", "contact", "elastic"};
+
+std::string stem_of(const std::string& shown) {
+  const std::size_t slash = shown.find_last_of('/');
+  return slash == std::string::npos ? shown : shown.substr(slash + 1);
+}
+
+/// Sections of later versions are named as such and taken out, so that the rest is still checked.
+TomlTable without_later_sections(TomlTable table, Problems& problems) {
+  std::erase_if(table.entries, [&](const TomlEntry& entry) {
+    for (const string_view section : later_sections) {
+      if (entry.key != section) continue;
+      problems.error(entry.line, entry.key, not_available(), "remove the section");
+      return true;
+    }
+    return false;
+  });
+  return table;
+}
+
+struct Header {
+  std::string title;
+  std::uint64_t seed = 1;
+  Length snap;
+};
+
+Header parse_header(const TableReader& root, Context& context, const std::string& shown) {
+  Header header;
+  constexpr std::array<string_view, 2> policies{"refuse", "triangulate"};
+  constexpr NumberRule snap_rule{0, false, 1e6, false, " m"};
+  if (const TomlEntry* schema = root.find("schema")) {
+    const auto* number = std::get_if<std::int64_t>(&schema->node.value);
+    if (number == nullptr || *number != 1) {
+      root.error("schema", "is not a version that this program knows", "write schema = 1");
+    }
+  }
+  header.title = root.text("title").value_or(stem_of(shown));
+  if (const auto seed = root.integer("seed", 0, INT64_MAX)) header.seed = static_cast<std::uint64_t>(*seed);
+  if (const auto snap = root.number("snap", snap_rule)) header.snap = metres(*snap);
+  if (const auto policy = root.choice("nonplanar", policies)) context.triangulate = *policy == 1;
+  if (const auto north = root.number("north", rule::turn)) context.north = *north;
+  return header;
+}
+
+}  // namespace
+
+std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::string& shown,
+                                                 const ReadFile& read_file) {
+  Problems problems{shown};
+  auto tree = read_toml(text);
+  if (!tree) {
+    problems.error(tree.error().line, "TOML", tree.error().what, "mend the syntax: see https://toml.io");
+    return std::unexpected(std::move(problems).take_errors());
+  }
+  if (tree->entries.empty()) {
+    problems.error(1, "domain", "the file is empty", "start from one of: cleave init tunnel, slope, wedge, network");
+    return std::unexpected(std::move(problems).take_errors());
+  }
+  const TomlTable table = without_later_sections(std::move(*tree), problems);
+  std::vector<string_view> known{root_keys.begin(), root_keys.end()};
+  known.insert(known.end(), more_root_keys.begin(), more_root_keys.end());
+  const TableReader root{table, 1, "", problems, known};
+
+  Context context{.problems = problems, .read_file = read_file};
+  static_cast<void>(context.set_named("default"));
+  const Header header = parse_header(root, context, shown);
+  std::optional<geometry::Solid> domain = parse_domain(context, root);
+  std::vector<MeasuredJoint> joints;
+  parse_joints(context, root, joints);
+  std::vector<RandomSet> joint_sets;
+  parse_joint_sets(context, root, joint_sets);
+  parse_properties(context, root);
+  const Rock rock = parse_rock(root);
+  std::vector<Excavation> excavations;
+  parse_excavations(context, root, excavations);
+  ParsedStability stability = parse_stability(root, domain, root.has("excavation") && !excavations.empty());
+  const OutputSettings output = parse_output(root);
+  if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
+
+  Scene scene{.title = header.title,
+              .seed = header.seed,
+              .snap = header.snap,
+              .north = context.north,
+              .domain = std::move(*domain),
+              .free_domain_tags = std::move(stability.free_domain_tags),
+              .sets = std::move(context.sets),
+              .joints = std::move(joints),
+              .joint_sets = std::move(joint_sets),
+              .rock = rock,
+              .excavations = std::move(excavations),
+              .stability = stability.settings,
+              .output = output,
+              .shown = shown,
+              .file_name = stem_of(shown),
+              .sha256 = sha256_hex(text),
+              .files = std::move(context.files),
+              .notes = {}};
+  find_notes(scene, root);
+  scene.notes = std::move(problems).take_notes();
+  return scene;
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/orientation.hpp"
+#include "cleave/geometry/shapes.hpp"
+#include "context.hpp"
+#include "joint_files.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using std::string_view;
+
+std::optional<geometry::Attitude> parse_attitude(const Context& context, const TableReader& table) {
+  const auto dip = table.need_number("dip", rule::dip);
+  const auto direction = table.need_number("dip_direction", rule::dip_direction);
+  if (!dip || !direction) return std::nullopt;
+  return geometry::Attitude{Dip::degrees(*dip), context.turned(*direction)};
+}
+
+using Geometry = std::variant<topology::Joint, topology::PersistentJoint>;
+
+std::optional<Geometry> parse_plane(const Context& context, const TableReader& joint) {
+  constexpr std::array<string_view, 3> keys{"through", "dip", "dip_direction"};
+  const TomlTable* found = joint.table("plane");
+  if (found == nullptr) return std::nullopt;
+  const TableReader table{*found, joint.line_of("plane"), joint.path_of("plane"), joint.problems(), keys};
+  const auto through = table.need_vec3("through", rule::coordinate);
+  const auto attitude = parse_attitude(context, table);
+  if (!through || !attitude) return std::nullopt;
+  return topology::PersistentJoint{*through, geometry::upward_normal(*attitude)};
+}
+
+std::optional<Geometry> parse_disc(const Context& context, const TableReader& joint) {
+  constexpr std::array<string_view, 5> keys{"centre", "dip", "dip_direction", "radius", "sides"};
+  const TomlTable* found = joint.table("disc");
+  if (found == nullptr) return std::nullopt;
+  const TableReader table{*found, joint.line_of("disc"), joint.path_of("disc"), joint.problems(), keys};
+  const auto centre = table.need_vec3("centre", rule::coordinate);
+  const auto attitude = parse_attitude(context, table);
+  const auto radius = table.need_number("radius", rule::length);
+  const std::int64_t sides = table.has("sides") ? table.integer("sides", 3, 1024).value_or(0) : 32;
+  if (!centre || !attitude || !radius || sides == 0) return std::nullopt;
+  auto polygon = geometry::disc(*centre, *attitude, metres(*radius), static_cast<std::uint32_t>(sides));
+  if (!polygon) {
+    joint.error("disc", describe(polygon.error()), "");
+    return std::nullopt;
+  }
+  topology::Joint result;
+  result.polygons.push_back(std::move(*polygon));
+  return result;
+}
+
+std::optional<Geometry> parse_polygon(const Context& context, const TableReader& joint) {
+  auto corners = joint.points("polygon");
+  if (!corners) return std::nullopt;
+  auto shape = joint_of(std::move(*corners), context.triangulate);
+  if (shape) return std::move(*shape);
+  joint.error("polygon", shape.error().what, shape.error().remedy);
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3> corners, bool triangulate) {
+  topology::Joint joint;
+  auto polygon = geometry::Polygon::make(corners);
+  if (polygon) {
+    joint.polygons.push_back(std::move(*polygon));
+    return joint;
+  }
+  const bool bent = std::holds_alternative<geometry::NotPlanar>(polygon.error());
+  if (bent && triangulate) {
+    auto triangles = geometry::Polygon::triangulated(std::move(corners));
+    if (triangles) {
+      joint.polygons = std::move(*triangles);
+      return joint;
+    }
+    return std::unexpected(ShapeRefusal{describe(triangles.error()), ""});
+  }
+  return std::unexpected(ShapeRefusal{describe(polygon.error()), bent ? "or set nonplanar = \"triangulate\"" : ""});
+}
+
+void parse_joints(Context& context, const TableReader& root, std::vector<MeasuredJoint>& joints) {
+  constexpr std::array<string_view, 6> keys{"file", "plane", "disc", "polygon", "set", "wrap"};
+  constexpr std::array<string_view, 4> kinds{"file", "plane", "disc", "polygon"};
+  const auto found = root.tables("joint");
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const auto* table = std::get_if<TomlTable>(&found[i]->value);
+    const TableReader joint{*table, found[i]->line, fmt::format("joint[{}]", i + 1), context.problems, keys};
+    const auto set = joint.text("set");
+    const TomlEntry* kind = joint.one_of(kinds);
+    if (kind == nullptr) continue;
+    if (joint.has("wrap") && kind->key != "file") joint.error("wrap", "has a meaning for files only", "remove it");
+    if (kind->key == "file") {
+      parse_joint_file(context, joint, set, joints);
+      continue;
+    }
+    auto geometry = kind->key == "plane"  ? parse_plane(context, joint)
+                    : kind->key == "disc" ? parse_disc(context, joint)
+                                          : parse_polygon(context, joint);
+    if (!geometry) continue;
+    joints.push_back({.geometry = std::move(*geometry),
+                      .set = context.set_named(set.value_or("default")),
+                      .own = {},
+                      .file = context.problems.file(),
+                      .line = kind->line});
+  }
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,156 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include "context.hpp"
+#include "nearest.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using std::string_view;
+using Kind = FrictionLaw::Kind;
+
+/// What a [joints.NAME] states; what it does not state comes from [joints.default].
+struct Stated {
+  std::optional<FrictionLaw> friction;
+  std::optional<double> cohesion, tension;
+};
+
+Stated parse_one(const TableReader& table) {
+  return {parse_friction(table, "friction"), table.number("cohesion", rule::stress),
+          table.number("tension", rule::stress)};
+}
+
+JointProperties with(JointProperties base, const Stated& stated) {
+  if (stated.friction) base.friction = *stated.friction;
+  if (stated.cohesion) base.cohesion = pascals(*stated.cohesion);
+  if (stated.tension) base.tension = pascals(*stated.tension);
+  return base;
+}
+
+}  // namespace
+
+std::optional<FrictionLaw> parse_friction(const TableReader& owner, string_view key) {
+  const TomlEntry* entry = owner.find(key);
+  if (entry == nullptr) return std::nullopt;
+  if (!std::holds_alternative<TomlTable>(entry->node.value)) {
+    const auto value = owner.number(key, rule::friction);
+    if (!value) return std::nullopt;
+    return FrictionLaw{.kind = Kind::constant, .mean = *value};
+  }
+  constexpr std::array<string_view, 5> keys{"distribution", "mean", "std", "min", "max"};
+  constexpr std::array<string_view, 5> laws{"uniform", "normal", "lognormal", "exponential", "constant"};
+  constexpr std::array<string_view, 2> later{"gamma", "power"};
+  constexpr std::array<Kind, 5> kinds{Kind::uniform, Kind::normal, Kind::lognormal, Kind::exponential, Kind::constant};
+  const std::size_t before = owner.problems().errors();
+  const TableReader table{*owner.table(key), entry->line, owner.path_of(key), owner.problems(), keys};
+  if (!table.has("distribution")) {
+    table.missing("distribution",
+                  "add distribution = \"uniform\" (with min and max) or \"normal\" (with mean and std)");
+    return std::nullopt;
+  }
+  const auto law = table.choice("distribution", laws, later);
+  if (!law) return std::nullopt;
+  FrictionLaw result;
+  result.kind = kinds[*law];
+  const bool uniform = result.kind == Kind::uniform;
+  const bool with_std = result.kind == Kind::normal || result.kind == Kind::lognormal;
+  if (uniform && (!table.has("min") || !table.has("max"))) {
+    table.missing(table.has("min") ? "max" : "min", "add min and max, in degrees");
+  }
+  const auto low = table.number("min", rule::friction);
+  const auto high = table.number("max", rule::friction);
+  const auto mean = uniform ? table.number("mean", rule::friction) : table.need_number("mean", rule::friction);
+  const auto std = with_std ? table.need_number("std", rule::friction) : table.number("std", rule::friction);
+  if (uniform && mean) table.error("mean", "has no meaning for the distribution \"uniform\"", "remove it");
+  if (!with_std && std) table.error("std", "has no meaning for this distribution", "remove it");
+  if (owner.problems().errors() != before) return std::nullopt;
+  result.mean = mean.value_or(result.mean);
+  result.std = std.value_or(0.0);
+  result.min = low.value_or(result.min);
+  result.max = high.value_or(result.max);
+  if (result.min > result.max) {
+    table.error("min", fmt::format("is {}, above max = {}", result.min, result.max), "swap them");
+    return std::nullopt;
+  }
+  const bool positive = result.kind == Kind::lognormal || result.kind == Kind::exponential;
+  if (positive && result.mean <= 0) {
+    table.error("mean", "is 0", "give a mean above 0 degrees");
+    return std::nullopt;
+  }
+  // A law that lies almost wholly outside its limits would put every draw on a limit.
+  if (with_std && (result.mean < result.min - 5 * result.std || result.mean > result.max + 5 * result.std)) {
+    table.error("mean", fmt::format("is {}, more than 5 std outside of min..max", result.mean),
+                "move the limits or the mean");
+    return std::nullopt;
+  }
+  return result;
+}
+
+void parse_properties(Context& context, const TableReader& root) {
+  constexpr std::array<string_view, 3> keys{"friction", "cohesion", "tension"};
+  const TomlTable* found = root.table("joints");
+  if (found == nullptr) return;
+  std::vector<std::pair<std::string, Stated>> stated;
+  for (const TomlEntry& entry : found->entries) {
+    const std::string path = "joints." + entry.key;
+    const auto* table = std::get_if<TomlTable>(&entry.node.value);
+    if (table == nullptr) {
+      const bool property = std::ranges::find(keys, entry.key) != keys.end();
+      context.problems.error(entry.line, path,
+                             fmt::format("is {} but must be a table of a joint set", kind_of(entry.node)),
+                             property ? "put it under [joints.default]" : "write [joints.NAME] with the name of a set");
+      continue;
+    }
+    stated.emplace_back(entry.key, parse_one(TableReader{*table, entry.line, path, context.problems, keys}));
+  }
+  JointProperties base;
+  for (const auto& [name, properties] : stated) {
+    if (name == "default") base = with(base, properties);
+  }
+  std::vector<string_view> names;
+  for (const SetId id : context.sets.ids()) {
+    context.sets[id].properties = base;
+    names.emplace_back(context.sets[id].name);
+  }
+  for (const auto& [name, properties] : stated) {
+    if (name == "default") continue;
+    bool used = false;
+    for (const SetId id : context.sets.ids()) {
+      if (context.sets[id].name != name) continue;
+      context.sets[id].properties = with(base, properties);
+      used = true;
+    }
+    if (used) continue;
+    const auto guess = nearest(name, names);
+    const auto entry = std::ranges::find(found->entries, name, &TomlEntry::key);
+    context.problems.note(entry->line, "joints." + name, "no joint belongs to this set",
+                          guess ? fmt::format("did you mean \"{}\"?", *guess) : "remove it, or name a set so");
+  }
+}
+
+Rock parse_rock(const TableReader& root) {
+  Rock rock;
+  const TomlTable* found = root.table("rock");
+  if (found == nullptr) return rock;
+  constexpr std::array<string_view, 3> keys{"density", "young", "poisson"};
+  constexpr NumberRule young{0, true, 1e15, false, " Pa"};
+  constexpr NumberRule poisson{-1, true, 0.5, true, ""};
+  const TableReader table{*found, root.line_of("rock"), "rock", root.problems(), keys};
+  if (const auto density = table.number("density", rule::density)) {
+    rock.density = kilograms_per_cubic_metre(*density);
+    if (*density < 100) {
+      table.note("density", fmt::format("is only {} kg/m3", *density), "give kg/m3, not t/m3: rock has 2000 to 3300");
+    }
+  }
+  // Only elastic bodies use these two, and this version has none: they are checked and then not needed.
+  static_cast<void>(table.number("young", young));
+  static_cast<void>(table.number("poisson", poisson));
+  return rock;
+}
+
+}  // namespace cleave::scene

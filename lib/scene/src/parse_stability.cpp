@@ -1,0 +1,98 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "context.hpp"
+#include "nearest.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using std::string_view;
+
+std::vector<std::uint32_t> parse_free(const TableReader& table, const std::optional<geometry::Solid>& domain) {
+  std::vector<std::uint32_t> tags;
+  const auto names = table.texts("free");
+  if (!names || !domain) return tags;
+  std::vector<string_view> known{domain->tags().begin(), domain->tags().end()};
+  for (const std::string& name : *names) {
+    const auto it = std::ranges::find(known, name);
+    if (it == known.end()) {
+      const auto guess = nearest(name, known);
+      std::string all;
+      for (const string_view word : known) all += (all.empty() ? "" : ", ") + std::string{word};
+      table.error("free", fmt::format("\"{}\" is no face of the domain", name.substr(0, 60)),
+                  known.empty() ? "only a box or corners have faces with names: remove it"
+                                : (guess ? fmt::format("did you mean \"{}\"? ", *guess) : std::string{}) +
+                                      fmt::format("faces are: {}", all));
+      continue;
+    }
+    const auto tag = static_cast<std::uint32_t>(it - known.begin());
+    if (std::ranges::find(tags, tag) == tags.end()) tags.push_back(tag);
+  }
+  return tags;
+}
+
+PartialFactors parse_partial(const TableReader& stability) {
+  PartialFactors factors;
+  const TomlTable* found = stability.table("partial");
+  if (found == nullptr) return factors;
+  constexpr std::array<string_view, 3> keys{"friction", "cohesion", "weight"};
+  constexpr NumberRule factor{0, true, 100, false, ""};
+  const TableReader table{*found, stability.line_of("partial"), stability.path_of("partial"), stability.problems(),
+                          keys};
+  factors.friction = table.number("friction", factor).value_or(1);
+  factors.cohesion = table.number("cohesion", factor).value_or(1);
+  factors.weight = table.number("weight", factor).value_or(1);
+  return factors;
+}
+
+}  // namespace
+
+ParsedStability parse_stability(const TableReader& root, const std::optional<geometry::Solid>& domain,
+                                bool has_excavations) {
+  constexpr std::array<string_view, 6> keys{"free", "gravity", "seismic", "partial", "force_transfer", "max_batches"};
+  constexpr std::array<string_view, 3> later{"target", "water", "surcharge"};
+  ParsedStability result;
+  StabilitySettings settings;
+  const TomlTable* found = root.table("stability");
+  if (found != nullptr) {
+    const TableReader table{*found, root.line_of("stability"), "stability", root.problems(), keys, later};
+    result.free_domain_tags = parse_free(table, domain);
+    if (const TomlEntry* gravity = table.find("gravity")) {
+      constexpr NumberRule strength{0, false, 1e3, false, " m/s2"};
+      if (std::holds_alternative<TomlArray>(gravity->node.value)) {
+        if (const auto vector = table.vec3("gravity", rule::acceleration)) settings.gravity = *vector;
+      } else if (const auto value = table.number("gravity", strength)) {
+        settings.gravity = {0, 0, -*value};
+      }
+    }
+    if (const auto seismic = table.vec3("seismic", rule::ratio)) settings.seismic = *seismic;
+    settings.partial = parse_partial(table);
+    if (const auto transfer = table.boolean("force_transfer")) settings.force_transfer = *transfer;
+    if (const auto most = table.integer("max_batches", 1, 1'000'000)) {
+      settings.max_batches = static_cast<std::uint32_t>(*most);
+    }
+  }
+  // Without anything free no block can move, so there is nothing to judge, [stability] or not.
+  if (has_excavations || !result.free_domain_tags.empty()) result.settings = settings;
+  return result;
+}
+
+OutputSettings parse_output(const TableReader& root) {
+  constexpr std::array<string_view, 4> keys{"vtu", "report", "csv", "exports"};
+  OutputSettings output;
+  const TomlTable* found = root.table("output");
+  if (found == nullptr) return output;
+  const TableReader table{*found, root.line_of("output"), "output", root.problems(), keys};
+  output.vtu = table.boolean("vtu").value_or(output.vtu);
+  output.csv = table.boolean("csv").value_or(output.csv);
+  output.report = table.boolean("report").value_or(output.report);
+  const auto exports = table.texts("exports");
+  if (exports && !exports->empty()) table.error("exports", not_available(), "remove it");
+  return output;
+}
+
+}  // namespace cleave::scene

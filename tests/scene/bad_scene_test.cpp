@@ -1,0 +1,252 @@
+#include <gtest/gtest.h>
+
+#include "parse_support.hpp"
+
+// Every kind of wrong scene gets its file, line, key, what is wrong and what to do.
+namespace cleave::scene::test {
+namespace {
+
+struct Bad {
+  std::string_view name;
+  std::string text;
+  std::string_view message;  ///< the whole of it
+};
+
+class BadSceneTest : public testing::TestWithParam<Bad> {};
+
+TEST_P(BadSceneTest, IsToldWithLineKeyAndRemedy) { EXPECT_EQ(error_of(GetParam().text), GetParam().message); }
+
+std::string name_of_case(const testing::TestParamInfo<Bad>& bad) { return std::string{bad.param.name}; }
+
+const std::string polygon = "[[joint]]\npolygon = ";
+const std::string set = "[[joint_set]]\norientation = { dip = 30, dip_direction = 30 }\nintensity = { count = 3 }\n";
+
+INSTANTIATE_TEST_SUITE_P(
+    Scene, BadSceneTest,
+    testing::Values(
+        Bad{"Empty", "",
+            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network"},
+        Bad{"OnlyAComment", "# nothing\n",
+            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network"},
+        Bad{"NotToml", "v 0 0 0\nf 1 2 3\n",
+            "s.toml:1: TOML: Error while parsing key-value pair: expected '=', saw '0'; mend the syntax: see "
+            "https://toml.io"},
+        Bad{"Twice", with_box("seed = 1\n[domain]\n"),
+            "s.toml:4: TOML: Error while parsing table header: cannot redefine existing table 'domain'; mend the "
+            "syntax: see "
+            "https://toml.io"},
+        Bad{"NoDomain", "seed = 3\n",
+            "s.toml:1: domain: is missing; add [domain] with box = { min = [0, 0, 0], max = [80, 80, 60] }, corners or "
+            "mesh"},
+        Bad{"UnknownKey", "sead = 3\n" + std::string{box}, "s.toml:1: sead: unknown key; did you mean \"seed\"?"},
+        Bad{"UnknownSection", with_box("[stabillity]\n"),
+            "s.toml:3: stabillity: unknown key; did you mean \"stability\"?"},
+        Bad{"UnknownInner", with_box("[stability]\nfree = [\"top\"]\ngravty = 9.81\n"),
+            "s.toml:5: stability.gravty: unknown key; did you mean \"gravity\"?"},
+        Bad{"LaterSection", with_box("[monte_carlo]\nrealizations = 10\n"),
+            "s.toml:3: monte_carlo: is not available in version 0.1; remove the section"},
+        Bad{"LaterBodies", with_box("[[body]]\nname = \"a\"\n"),
+            "s.toml:3: body: is not available in version 0.1; remove the section"},
+        Bad{"LaterKey", with_box("[stability]\nwater = { table = 20.0 }\n"),
+            "s.toml:4: stability.water: is not available in version 0.1; remove it"},
+        Bad{"LaterModel", with_box(set + "size = 5\nmodel = \"veneziano\"\n"),
+            "s.toml:7: joint_set[1].model: \"veneziano\" is not available in version 0.1; choose one of: baecher"},
+        Bad{"LaterExcavation", with_box("[[excavation]]\nkind = \"benches\"\n"),
+            "s.toml:4: excavation[1].kind: \"benches\" is not available in version 0.1; choose one of: tunnel, mesh, "
+            "polyhedron"},
+        Bad{"WrongSchema", "schema = 2\n" + std::string{box},
+            "s.toml:1: schema: is not a version that this program knows; write schema = 1"},
+        Bad{"SeedIsText", "seed = \"x\"\n" + std::string{box},
+            "s.toml:1: seed: is text but must be a whole number; give a whole number from 0 to 9223372036854775807"},
+        Bad{"NegativeSnap", "snap = -1e-3\n" + std::string{box},
+            "s.toml:1: snap: is -0.001; give a number from 0 to 1e+06 m"},
+        Bad{"UnknownPolicy", "nonplanar = \"triangle\"\n" + std::string{box},
+            "s.toml:1: nonplanar: \"triangle\" is not known; did you mean \"triangulate\"? choose one of: refuse, "
+            "triangulate"}),
+    name_of_case);
+
+INSTANTIATE_TEST_SUITE_P(
+    Domain, BadSceneTest,
+    testing::Values(
+        Bad{"ZeroVolume", "[domain]\nbox = { min = [0, 0, 5], max = [8, 8, 5] }\n",
+            "s.toml:2: domain.box: has zero volume: min z = 5, max z = 5; make every number of min smaller than that "
+            "of max"},
+        Bad{"NegativeVolume", "[domain]\nbox = { min = [0, 9, 0], max = [8, 8, 5] }\n",
+            "s.toml:2: domain.box: has negative volume: min y = 9, max y = 8; make every number of min smaller than "
+            "that of max"},
+        Bad{"NotANumber", "[domain]\nbox = { min = [0, nan, 0], max = [8, 8, 5] }\n",
+            "s.toml:2: domain.box.min: is nan, which is not a number to work with; give a number from -1e+09 to 1e+09 "
+            "m"},
+        Bad{"Infinite", "[domain]\nbox = { min = [0, 0, 0], max = [8, inf, 5] }\n",
+            "s.toml:2: domain.box.max: is inf, which is not a number to work with; give a number from -1e+09 to 1e+09 "
+            "m"},
+        Bad{"Enormous", "[domain]\nbox = { min = [0, 0, 0], max = [8, 1e300, 5] }\n",
+            "s.toml:2: domain.box.max: is 1e+300; give a number from -1e+09 to 1e+09 m"},
+        Bad{"TwoKinds", with_box("mesh = \"a.stl\"\n"),
+            "s.toml:3: domain.mesh: stands beside \"box\"; give exactly one of: box, corners, mesh"},
+        Bad{"NoKind", "[domain]\n", "s.toml:1: domain: holds none of: box, corners, mesh; give exactly one of them"},
+        Bad{"SevenCorners", "[domain]\ncorners = [[0,0,0],[1,0,0],[0,1,0],[1,1,0],[0,0,1],[1,0,1],[0,1,1]]\n",
+            "s.toml:2: domain.corners: has 7 points but must have 8; list the corners by the bits x, y, z of their "
+            "number: [min, min, "
+            "min], [max, min, min], [min, max, min], ..."},
+        Bad{"MissingMesh", "[domain]\nmesh = \"pit.stl\"\n",
+            "s.toml:2: domain.mesh: the file does not exist; check the name"},
+        Bad{"MinMissing", "[domain]\nbox = { max = [1, 1, 1] }\n",
+            "s.toml:2: domain.box.min: is missing; add min = [x, y, z]"}),
+    name_of_case);
+
+INSTANTIATE_TEST_SUITE_P(
+    Strength, BadSceneTest,
+    testing::Values(
+        Bad{"NegativeFriction", with_box("[joints.default]\nfriction = -5\n"),
+            "s.toml:4: joints.default.friction: is -5; give a number at least 0 and below 90 degrees"},
+        Bad{"FrictionOf90", with_box("[joints.default]\nfriction = 90\n"),
+            "s.toml:4: joints.default.friction: is 90; give a number at least 0 and below 90 degrees"},
+        Bad{"FrictionWithUnit", with_box("[joints.default]\nfriction = \"30 deg\"\n"),
+            "s.toml:4: joints.default.friction: is text but must be a number; write a bare number at least 0 and below "
+            "90 degrees, "
+            "without quotes and unit"},
+        Bad{"FrictionLawWithoutMax",
+            with_box("[joints.default]\nfriction = { distribution = \"uniform\", min = 20 }\n"),
+            "s.toml:4: joints.default.friction.max: is missing; add min and max, in degrees"},
+        Bad{"FrictionLimitsSwapped",
+            with_box("[joints.default]\nfriction = { distribution = \"uniform\", min = 30, max = 20 }\n"),
+            "s.toml:4: joints.default.friction.min: is 30, above max = 20; swap them"},
+        Bad{"NegativeCohesion", with_box("[joints.default]\ncohesion = -1\n"),
+            "s.toml:4: joints.default.cohesion: is -1; give a number from 0 to 1e+15 Pa"},
+        Bad{"FrictionWithoutSet", with_box("[joints]\nfriction = 30\n"),
+            "s.toml:4: joints.friction: is a whole number but must be a table of a joint set; put it under "
+            "[joints.default]"},
+        Bad{"DensityZero", with_box("[rock]\ndensity = 0\n"),
+            "s.toml:4: rock.density: is 0; give a number above 0 and at most 100000 kg/m3"},
+        Bad{"DensityNegative", with_box("[rock]\ndensity = -2700\n"),
+            "s.toml:4: rock.density: is -2700; give a number above 0 and at most 100000 kg/m3"},
+        Bad{"FreeFaceMisspelt", with_box("[stability]\nfree = [\"topp\"]\n"),
+            "s.toml:4: stability.free: \"topp\" is no face of the domain; did you mean \"top\"? faces are: west, east, "
+            "south, north, "
+            "bottom, top"},
+        Bad{"FreeIsText", with_box("[stability]\nfree = \"top\"\n"),
+            "s.toml:4: stability.free: must be a list of texts; write [\"a\", \"b\"]"},
+        Bad{"BatchesZero", with_box("[stability]\nmax_batches = 0\n"),
+            "s.toml:4: stability.max_batches: is 0; give a whole number from 1 to 1000000"},
+        Bad{"OutputIsText", with_box("[output]\nvtu = \"yes\"\n"),
+            "s.toml:4: output.vtu: is text but must be true or false; write true or false, without quotes"}),
+    name_of_case);
+
+INSTANTIATE_TEST_SUITE_P(
+    Joints, BadSceneTest,
+    testing::Values(
+        Bad{"DipOver90", with_box("[[joint]]\nplane = { through = [1, 1, 1], dip = 95, dip_direction = 0 }\n"),
+            "s.toml:4: joint[1].plane.dip: is 95; give a number from 0 to 90 degrees"},
+        Bad{"DirectionOf442", with_box("[[joint]]\nplane = { through = [1, 1, 1], dip = 45, dip_direction = 442 }\n"),
+            "s.toml:4: joint[1].plane.dip_direction: is 442; give a number from 0 to 360 degrees"},
+        Bad{"RadiusZero",
+            with_box("[[joint]]\ndisc = { centre = [1, 1, 1], dip = 45, dip_direction = 0, radius = 0 }\n"),
+            "s.toml:4: joint[1].disc.radius: is 0; give a number above 0 and at most 1e+09 m"},
+        Bad{"NoShape", with_box("[[joint]]\nset = \"A\"\n"),
+            "s.toml:3: joint[1]: holds none of: file, plane, disc, polygon; give exactly one of them"},
+        Bad{"SingleBrackets", with_box("[joint]\nfile = \"a.obj\"\n"),
+            "s.toml:3: joint: is a table but must be a list of tables; write [[joint]], with double brackets"},
+        Bad{"MissingFile", with_box("[[joint]]\nfile = \"a.obj\"\n"),
+            "s.toml:4: joint[1].file: the file does not exist; check the name"},
+        Bad{"SecondJoint",
+            with_box("[[joint]]\nplane = { through = [1, 1, 1], dip = 45, dip_direction = 0 }\n[[joint]]\nfile = 3\n"),
+            "s.toml:6: joint[2].file: is a whole number but must be text; put it in double quotes"},
+        Bad{"PointOfTwo", with_box(polygon + "[[0, 0, 0], [1, 0], [1, 1, 0]]\n"),
+            "s.toml:4: joint[1].polygon[2]: has 2 entries but must have three; write [x, y, z]"},
+        Bad{"SizeWithoutLaw", with_box(set + "size = { mean = 5 }\n"),
+            "s.toml:6: joint_set[1].size.distribution: is missing; add distribution = \"constant\""},
+        Bad{"SizeMissing", with_box(set),
+            "s.toml:3: joint_set[1].size: is missing; add size = { distribution = \"normal\", mean = 100, std = 30, "
+            "min = 1, max = 300 }, "
+            "or \"persistent\""},
+        Bad{"AspectOfDisc", with_box(set + "size = 5\nshape = \"disc\"\naspect = 2\n"),
+            "s.toml:8: joint_set[1].aspect: has no meaning for a shape with one size; remove it, or use the shape "
+            "rectangle or ellipse"},
+        Bad{"KappaOfUniform",
+            with_box("[[joint_set]]\norientation = { dip = 30, dip_direction = 30, distribution = \"uniform\", "
+                     "dip_range = 5, "
+                     "dip_direction_range = 5, kappa = 3 }\nintensity = { count = 3 }\nsize = 5\n"),
+            "s.toml:4: joint_set[1].orientation.kappa: has no meaning for the distribution \"uniform\"; remove it, or "
+            "set distribution "
+            "= \"fisher\""},
+        Bad{"TwoIntensities",
+            with_box("[[joint_set]]\norientation = { dip = 30, dip_direction = 30 }\nintensity = { count = 3, p32 = 1 "
+                     "}\nsize = 5\n"),
+            "s.toml:5: joint_set[1].intensity.p32: stands beside \"count\"; give exactly one of: count, p32, p30, p10, "
+            "spacing"},
+        Bad{"ShapeMisspelt", with_box(set + "size = 5\nshape = \"disk\"\n"),
+            "s.toml:7: joint_set[1].shape: \"disk\" is not known; did you mean \"disc\"? choose one of: rectangle, "
+            "square, disc, ellipse, "
+            "polygon"},
+        Bad{"PolygonOfTwoSides", with_box(set + "size = 5\nshape = \"polygon(2)\"\n"),
+            "s.toml:7: joint_set[1].shape: \"polygon(2)\" is not known; write polygon(N), disc(N) or ellipse(N) with N "
+            "from 3 to 256"}),
+    name_of_case);
+
+INSTANTIATE_TEST_SUITE_P(
+    Excavations, BadSceneTest,
+    testing::Values(
+        Bad{"NoKind", with_box("[[excavation]]\nname = \"t\"\n"),
+            "s.toml:3: excavation[1].kind: is missing; add kind = \"...\""},
+        Bad{"KeyOfAnotherShape",
+            with_box("[[excavation]]\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 2, width = 2 "
+                     "}\naxis = [[4, 0, 3], "
+                     "[4, 8, 3]]\n"),
+            "s.toml:5: excavation[1].section.width: unknown key; known here: diameter, radius, shape, segments"},
+        Bad{"NoAxis", with_box("[[excavation]]\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 2 }\n"),
+            "s.toml:3: excavation[1].axis: is missing; add axis = [[x, y, z], [x, y, z]]"},
+        Bad{"FaceOutOfRange",
+            with_box("[[excavation]]\nkind = \"polyhedron\"\nvertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, "
+                     "1]]\nfaces = [[1, 3, 2], "
+                     "[1, 2, 5]]\n"),
+            "s.toml:6: excavation[1].faces: face 2 is not a list of three or more vertex numbers from 1 to 4; write "
+            "faces = [[1, 2, 3], "
+            "...]"}),
+    name_of_case);
+
+TEST(BadSceneTest, AllMistakesAreToldInTheOrderOfTheFile) {
+  const auto lines = errors_of(
+      "sead = 1\n[domain]\nbox = { min = [0, 0, 0], max = [8, 8, 0] }\n[rock]\ndensity = 0\n[joints.A]\nfriction = -1\n"
+      "cohesion = -2\n[stability]\nmax_batches = -1\n");
+  ASSERT_EQ(lines.size(), 6U);
+  EXPECT_TRUE(lines[0].starts_with("s.toml:1: sead: ")) << lines[0];
+  EXPECT_TRUE(lines[1].starts_with("s.toml:3: domain.box: ")) << lines[1];
+  EXPECT_TRUE(lines[2].starts_with("s.toml:5: rock.density: ")) << lines[2];
+  EXPECT_TRUE(lines[3].starts_with("s.toml:7: joints.A.friction: ")) << lines[3];
+  EXPECT_TRUE(lines[4].starts_with("s.toml:8: joints.A.cohesion: ")) << lines[4];
+  EXPECT_TRUE(lines[5].starts_with("s.toml:10: stability.max_batches: ")) << lines[5];
+}
+
+TEST(BadSceneTest, PolygonsAreRefusedForTheirOwnReasons) {
+  const auto told = [](std::string_view corners) { return error_of(with_box(polygon + std::string{corners} + "\n")); };
+  const std::vector<std::string> messages{
+      told("[[0, 0, 0], [1, 0, 0]]"),                        // two points
+      told("[[0, 0, 0], [1, 1, 1], [2, 2, 2]]"),             // on a line
+      told("[[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 0]]"),  // self-crossing
+      told("[[1, 1, 1], [1, 1, 1], [1, 1, 1]]"),             // zero area
+      told("[[0, 0, 0], [4, 0, 0], [4, 4, 1], [0, 4, 0]]"),  // not planar
+  };
+  for (const std::string& message : messages) {
+    EXPECT_TRUE(message.starts_with("s.toml:4: joint[1].polygon: ")) << message;
+    EXPECT_NE(message.find(';'), std::string::npos) << message;  // a remedy
+  }
+  EXPECT_NE(messages[4].find("triangulate"), std::string::npos) << messages[4];
+}
+
+TEST(BadSceneTest, ManyMistakesAreCountedNotPrinted) {
+  std::string text{box};
+  for (int i = 0; i < 1000; ++i) text += "[[joint]]\nset = 3\n";
+  const auto lines = errors_of(text);
+  ASSERT_EQ(lines.size(), 201U);
+  EXPECT_NE(lines.back().find("1800 more errors are not shown"), std::string::npos) << lines.back();
+}
+
+TEST(BadSceneTest, ControlBytesDoNotReachTheTerminal) {
+  const std::string message = error_of(with_box("\"a\\u001b[31m\" = 1\n"));
+  EXPECT_EQ(message.find('\x1b'), std::string::npos);
+  EXPECT_NE(message.find("\\x1b"), std::string::npos) << message;
+}
+
+}  // namespace
+}  // namespace cleave::scene::test

@@ -1,0 +1,280 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cleave/scene/plan.hpp"
+#include "cleave/scene/run.hpp"
+#include "parse_support.hpp"
+
+namespace cleave::scene::test {
+namespace {
+
+const topology::PersistentJoint& plane_of(const Scene& scene, std::size_t joint) {
+  return std::get<topology::PersistentJoint>(scene.joints.at(joint).geometry);
+}
+std::span<const geometry::Polygon> polygons_of(const Scene& scene, std::size_t joint) {
+  return std::get<topology::Joint>(scene.joints.at(joint).geometry).polygons;
+}
+
+TEST(SceneTest, SmallestSceneHasTheDefaultsOfTheContract) {
+  const Scene scene = scene_of(box);
+  EXPECT_EQ(scene.title, "s.toml");
+  EXPECT_EQ(scene.seed, 1U);
+  EXPECT_EQ(scene.snap, metres(0));
+  EXPECT_DOUBLE_EQ(scene.domain.volume().si(), 384);
+  EXPECT_TRUE(scene.joints.empty());
+  EXPECT_FALSE(scene.stability.has_value());
+  EXPECT_EQ(scene.rock.density, kilograms_per_cubic_metre(2700));
+  EXPECT_TRUE(scene.output.vtu && scene.output.csv && scene.output.report);
+  ASSERT_EQ(scene.notes.size(), 1U);
+  EXPECT_EQ(describe(scene.notes[0]),
+            "s.toml:1: joint: there are no joints; the rock stays one block unless excavations part it");
+}
+
+TEST(SceneTest, PlanesFollowDipAndDipDirection) {
+  const Scene scene =
+      scene_of(with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"A\"\n"));
+  const auto& plane = plane_of(scene, 0);
+  EXPECT_EQ(plane.through, (geometry::Vec3{4, 4, 3}));
+  EXPECT_NEAR(plane.normal.x, -std::sqrt(0.75), 1e-15);
+  EXPECT_EQ(plane.normal.y, 0.0);
+  EXPECT_NEAR(plane.normal.z, 0.5, 1e-15);
+  EXPECT_EQ(scene.sets[scene.joints[0].set].name, "A");
+  EXPECT_EQ(scene.joints[0].line, 4U);
+}
+
+TEST(SceneTest, NorthTurnsDipDirections) {
+  const auto with_north = [](std::string_view north, std::string_view direction) {
+    return scene_of("north = " + std::string{north} + "\n" +
+                    with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = " +
+                             std::string{direction} + " }\n"));
+  };
+  // True north 30 degrees clockwise of y: what dips to true north dips 30 degrees clockwise of y.
+  EXPECT_EQ(plane_of(with_north("30", "0"), 0).normal, plane_of(with_north("0", "30"), 0).normal);
+  EXPECT_EQ(plane_of(with_north("-40", "10"), 0).normal, plane_of(with_north("0", "330"), 0).normal);
+  EXPECT_NE(plane_of(with_north("30", "0"), 0).normal, plane_of(with_north("0", "0"), 0).normal);
+}
+
+TEST(SceneTest, BentQuadsBecomeTrianglesOfOneJointWhenAsked) {
+  const Scene scene = scene_of("nonplanar = \"triangulate\"\n" +
+                               with_box("[[joint]]\npolygon = [[0, 0, 0], [4, 0, 0], [4, 4, 1], [0, 4, 0]]\n"));
+  ASSERT_EQ(scene.joints.size(), 1U);
+  EXPECT_EQ(polygons_of(scene, 0).size(), 2U);
+}
+
+TEST(SceneTest, DiscsAreLeftOutOnlyAsANoteWhenOutside) {
+  const Scene scene =
+      scene_of(with_box("[[joint]]\ndisc = { centre = [100, 4, 3], dip = 60, dip_direction = 270, radius = 2 }\n"
+                        "[[joint]]\nplane = { through = [4, 4, 7], dip = 0, dip_direction = 0 }\n"
+                        "[[joint]]\nplane = { through = [4, 4, 5], dip = 0, dip_direction = 0 }\n"));
+  EXPECT_EQ(scene.joints.size(), 3U);
+  ASSERT_EQ(scene.notes.size(), 2U);
+  EXPECT_EQ(describe(scene.notes[0]),
+            "s.toml:4: joint: lies wholly outside the domain; it cuts nothing and is left out");
+  EXPECT_EQ(scene.notes[1].line, 6U);
+}
+
+TEST(SceneTest, EachFaceOfAnObjFileIsAJoint) {
+  const Scene scene = scene_of(
+      with_box("[[joint]]\nfile = \"a/j.obj\"\nset = \"A\"\n"),
+      {{"a/j.obj", "# soup\nv 0 0 3\nv 8 0 3\nv 8 8 3\nv 0 8 3\nf 1 2 3 4\nv 1 0 0\nv 1 8 0\nv 1 8 6\nf 5 6 7\n"}});
+  ASSERT_EQ(scene.joints.size(), 2U);
+  EXPECT_EQ(polygons_of(scene, 0)[0].corners().size(), 4U);
+  EXPECT_EQ(scene.joints[1].file, "a/j.obj");
+  EXPECT_EQ(scene.joints[1].line, 10U);
+  ASSERT_EQ(scene.files.size(), 1U);
+  EXPECT_EQ(scene.files[0].name, "a/j.obj");
+}
+
+TEST(SceneTest, FacesThatAreNoPolygonsAreToldByTheirLine) {
+  const std::string message = error_of(with_box("[[joint]]\nfile = \"j.obj\"\n"),
+                                       {{"j.obj", "v 0 0 3\nv 8 0 3\nv 8 8 3\nv 0 8 4\nf 1 2 3\nf 1 2 3 4\n"}});
+  EXPECT_TRUE(message.starts_with("j.obj:6: f (face 2): ")) << message;
+  EXPECT_NE(message.find("triangulate"), std::string::npos) << message;
+}
+
+TEST(SceneTest, RowsOfATableBecomePlanesDiscsAndRectangles) {
+  const std::string table =
+      "dip,dip_direction,x,y,z,radius,set,friction,cohesion\n60,270,4,4,3,5,A,35,1000\n30,90,1,1,1,,B,,\n";
+  const Scene scene =
+      scene_of(with_box("[[joint]]\nfile = \"j.csv\"\n[joints.A]\nfriction = 20\n"), {{"j.csv", table}});
+  ASSERT_EQ(scene.joints.size(), 2U);
+  EXPECT_EQ(polygons_of(scene, 0)[0].corners().size(), 32U);
+  EXPECT_EQ(scene.joints[0].own.friction, FrictionAngle::degrees(35));
+  EXPECT_EQ(scene.joints[0].own.cohesion, pascals(1000));
+  EXPECT_EQ(scene.sets[scene.joints[1].set].name, "B");
+  EXPECT_NEAR(plane_of(scene, 1).normal.x, 0.5, 1e-15);
+  EXPECT_EQ(scene.joints[1].line, 3U);
+}
+
+TEST(SceneTest, DirectionsBeyond360NeedAWord) {
+  const Files files{{"j.csv", "dip,dip_direction,x,y,z\n45,442,1,1,1\n"}};
+  const std::string message = error_of(with_box("[[joint]]\nfile = \"j.csv\"\n"), files);
+  EXPECT_TRUE(message.starts_with("j.csv:2: ")) << message;
+  EXPECT_NE(message.find("442"), std::string::npos) << message;
+  const Scene scene = scene_of(with_box("[[joint]]\nfile = \"j.csv\"\nwrap = true\n"), files);
+  const Scene same = scene_of(with_box("[[joint]]\nplane = { through = [1, 1, 1], dip = 45, dip_direction = 82 }\n"));
+  EXPECT_EQ(plane_of(scene, 0).normal, plane_of(same, 0).normal);
+}
+
+TEST(SceneTest, MeshesMustBeClosedAndOutwards) {
+  const std::string good = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+  EXPECT_NEAR(scene_of("[domain]\nmesh = \"d.obj\"\n", {{"d.obj", good}}).domain.volume().si(), 1.0 / 6, 1e-15);
+  const std::string open = good.substr(0, good.rfind("f 1 4 3"));
+  const std::string inside_out = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n";
+  const std::string twice = good + "f 1 4 3\n";
+  for (const std::string& mesh : {open, inside_out, twice}) {
+    const std::string message = error_of("[domain]\nmesh = \"d.obj\"\n", {{"d.obj", mesh}});
+    EXPECT_TRUE(message.starts_with("s.toml:2: domain.mesh: d.obj: ")) << message;
+    EXPECT_NE(message.find(';'), std::string::npos) << message;
+  }
+}
+
+TEST(SceneTest, UnknownEndingsAndTruncatedFilesAreRefused) {
+  EXPECT_EQ(error_of("[domain]\nmesh = \"d.dxf\"\n", {{"d.dxf", "0\n"}}),
+            "s.toml:2: domain.mesh: the ending of \"d.dxf\" is not known; give a file that ends in .stl, .obj or .ply");
+  const std::string cut = error_of(with_box("[[joint]]\nfile = \"j.obj\"\n"), {{"j.obj", "v 0 0 3\nv 8 0 3\nv 8 8"}});
+  EXPECT_TRUE(cut.starts_with("j.obj:3: ")) << cut;
+  const std::string empty = error_of(with_box("[[joint]]\nfile = \"j.obj\"\n"), {{"j.obj", ""}});
+  EXPECT_TRUE(empty.starts_with("j.obj:1: ")) << empty;
+}
+
+TEST(SceneTest, PropertiesFallBackToDefault) {
+  const Scene scene =
+      scene_of(with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"A\"\n"
+                        "[[joint]]\nplane = { through = [4, 4, 2], dip = 60, dip_direction = 270 }\nset = \"B\"\n"
+                        "[joints.B]\nfriction = 12\n[joints.default]\nfriction = 40\ncohesion = 5e3\n"));
+  const auto properties = [&](std::size_t joint) { return scene.sets[scene.joints[joint].set].properties; };
+  EXPECT_EQ(properties(0).friction.mean, 40);
+  EXPECT_EQ(properties(1).friction.mean, 12);
+  EXPECT_EQ(properties(1).cohesion, pascals(5e3));
+}
+
+TEST(SceneTest, PropertiesOfNoJointAreNoted) {
+  const Scene scene =
+      scene_of(with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"bedding\"\n"
+                        "[joints.beding]\nfriction = 12\n"));
+  ASSERT_EQ(scene.notes.size(), 1U);
+  EXPECT_EQ(describe(scene.notes[0]),
+            "s.toml:6: joints.beding: no joint belongs to this set; did you mean \"bedding\"?");
+}
+
+TEST(SceneTest, FreeFacesAndGravity) {
+  const Scene scene =
+      scene_of(with_box("[stability]\nfree = [\"top\", \"west\", \"top\"]\ngravity = 9.8\nseismic = [0.1, 0, 0]\n"
+                        "partial = { friction = 1.25 }\n"));
+  EXPECT_EQ(scene.free_domain_tags, (std::vector<std::uint32_t>{5, 0}));
+  ASSERT_TRUE(scene.stability.has_value());
+  EXPECT_EQ(scene.stability->gravity, (geometry::Vec3{0, 0, -9.8}));
+  EXPECT_EQ(scene.stability->partial.friction, 1.25);
+  EXPECT_EQ(scene.stability->partial.weight, 1.0);
+}
+
+TEST(SceneTest, TunnelsHaveTheVolumeOfTheirSection) {
+  const auto volume = [](std::string_view section) {
+    const Scene scene = scene_of(with_box("[[excavation]]\nkind = \"tunnel\"\nsection = " + std::string{section} +
+                                          "\naxis = [[4, 0, 3], [4, 8, 3]]\n"));
+    return scene.excavations.at(0).solid.volume().si() / 8;
+  };
+  constexpr double pi = 3.14159265358979323846;
+  EXPECT_NEAR(volume("{ shape = \"rectangle\", width = 2, height = 3 }"), 6, 1e-6);
+  EXPECT_NEAR(volume("{ shape = \"circle\", diameter = 2 }"), pi, 1e-6);
+  EXPECT_NEAR(volume("{ shape = \"circle\", radius = 1 }"), pi, 1e-6);
+  EXPECT_NEAR(volume("{ shape = \"ellipse\", width = 2, height = 4 }"), 2 * pi, 1e-6);
+  EXPECT_NEAR(volume("{ shape = \"trapezoid\", width = 4, top_width = 2, height = 3 }"), 9, 1e-6);
+  // A half circle in chords is a little smaller: by (pi/n)^2/6 of its area for n segments.
+  EXPECT_NEAR(volume("{ shape = \"horseshoe\", width = 2, height = 3, segments = 512 }"), 4 + pi / 2, 1e-4);
+  EXPECT_NEAR(volume("{ shape = \"d_shape\", width = 2, wall = 2, segments = 512 }"), 4 + pi / 2, 1e-4);
+  EXPECT_NEAR(volume("{ shape = \"d_shape\", width = 2, height = 3, segments = 512 }"), 4 + pi / 2, 1e-4);
+  EXPECT_NEAR(volume("{ shape = \"arch\", width = 2, height = 3, rise = 1, segments = 512 }"), 4 + pi / 2, 1e-4);
+  EXPECT_NEAR(volume("{ shape = \"polygon\", corners = [[0, 0], [2, 0], [0, 2]] }"), 2, 1e-6);
+}
+
+TEST(SceneTest, NestedValuesDoNotOverflowTheStack) {
+  std::string text = "a = ";
+  for (int i = 0; i < 100'000; ++i) text += "[";
+  EXPECT_TRUE(errors_of(text).front().starts_with("s.toml:1: TOML: ")) << errors_of(text).front();
+}
+
+TEST(PlanTest, SaysWhatIsLeftOutAndWhy) {
+  const Plan plan = make_plan(scene_of(box));
+  ASSERT_EQ(plan.stages.size(), all_stages.size());
+  for (std::size_t i = 0; i < all_stages.size(); ++i) EXPECT_EQ(plan.stages[i].stage, all_stages[i]);
+  EXPECT_TRUE(plan.runs(Stage::cut) && plan.runs(Stage::audit) && plan.runs(Stage::write) && plan.runs(Stage::report));
+  EXPECT_FALSE(plan.runs(Stage::draw) || plan.runs(Stage::stability) || plan.runs(Stage::monte_carlo));
+  const auto stability = std::ranges::find(plan.stages, Stage::stability, &PlannedStage::stage);
+  EXPECT_EQ(stability->why, "no excavation and no free face");
+}
+
+TEST(PlanTest, FreeFacesOrExcavationsAskForStability) {
+  EXPECT_TRUE(make_plan(scene_of(with_box("[stability]\nfree = [\"top\"]\n"))).runs(Stage::stability));
+  EXPECT_TRUE(make_plan(scene_of(with_box(
+                            "[[excavation]]\nkind = \"polyhedron\"\nbox = { min = [1, 1, 1], max = [2, 2, 2] }\n")))
+                  .runs(Stage::stability));
+  EXPECT_FALSE(make_plan(scene_of(with_box("[stability]\ngravity = 9.81\n"))).runs(Stage::stability));
+}
+
+const std::string random_sets = with_box(
+    "[[joint_set]]\nname = \"A\"\norientation = { dip = 30, dip_direction = 30, distribution = \"fisher\", kappa = 20 "
+    "}\n"
+    "size = { distribution = \"exponential\", mean = 5, min = 1, max = 10 }\nintensity = { count = 40 }\n"
+    "[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"A\"\n"
+    "[joints.A]\nfriction = { distribution = \"uniform\", min = 20, max = 30 }\n");
+
+TEST(DrawTest, EachJointHasItsOwnFriction) {
+  const auto drawn = draw(scene_of(random_sets));
+  ASSERT_TRUE(drawn.has_value());
+  ASSERT_EQ(drawn->joints.size(), 41U);
+  ASSERT_EQ(drawn->input.joints.size(), 41U);
+  std::vector<double> friction;
+  for (const JointInfo& joint : drawn->joints) friction.push_back(joint.strength.friction.degrees());
+  EXPECT_EQ(drawn->joints.items()[0].origin, JointOrigin::measured);
+  EXPECT_EQ(drawn->joints.items()[1].source, "A #1");
+  std::ranges::sort(friction);
+  EXPECT_GT(friction.front(), 20);
+  EXPECT_LT(friction.back(), 30);
+  EXPECT_EQ(std::ranges::adjacent_find(friction), friction.end());
+  EXPECT_GT(friction.back() - friction.front(), 6);
+}
+
+TEST(DrawTest, SameSeedSameJointsOtherSeedOthers) {
+  Scene scene = scene_of(random_sets);
+  const auto first = draw(scene), second = draw(scene);
+  scene.seed = 2;
+  const auto other = draw(scene);
+  ASSERT_TRUE(first && second && other);
+  std::size_t equal = 0;
+  for (const topology::JointId joint : first->joints.ids()) {
+    EXPECT_EQ(first->joints[joint].strength.friction, second->joints[joint].strength.friction);
+    EXPECT_EQ(first->joints[joint].normal, second->joints[joint].normal);
+    equal += first->joints[joint].normal == other->joints[joint].normal ? 1U : 0U;
+  }
+  EXPECT_EQ(equal, 1U);  // the measured one
+}
+
+TEST(FrictionLawTest, QuantilesRunFromMinToMaxAndHitTheMedian) {
+  using Kind = FrictionLaw::Kind;
+  for (const FrictionLaw& law :
+       {FrictionLaw{Kind::uniform, 0, 0, 20, 30}, FrictionLaw{Kind::normal, 25, 5, 20, 30},
+        FrictionLaw{Kind::lognormal, 25, 5, 10, 60}, FrictionLaw{Kind::exponential, 25, 0, 1, 80}}) {
+    double before = 0;
+    for (int i = 1; i < 1000; ++i) {
+      const double x = law.quantile(i / 1000.0).degrees();
+      EXPECT_GE(x, before);
+      EXPECT_GE(x, law.min);
+      EXPECT_LE(x, law.max);
+      before = x;
+    }
+    EXPECT_NEAR(law.quantile(1e-12).degrees(), law.min, 1e-6);
+    EXPECT_NEAR(law.quantile(1 - 1e-12).degrees(), law.max, 1e-4);
+  }
+  EXPECT_NEAR((FrictionLaw{Kind::normal, 25, 5, 20, 30}.quantile(0.5).degrees()), 25, 1e-12);
+  // exp(mu) with mu = ln m - sigma^2 / 2.
+  EXPECT_NEAR((FrictionLaw{Kind::lognormal, 25, 5, 0, 89}.quantile(0.5).degrees()), 25 / std::sqrt(1.04), 1e-6);
+  EXPECT_NEAR((FrictionLaw{Kind::exponential, 25, 0, 0, 89}.quantile(0.5).degrees()),
+              -25 * std::log(1 - 0.5 * (1 - std::exp(-89.0 / 25))), 1e-12);
+}
+
+}  // namespace
+}  // namespace cleave::scene::test
