@@ -14,70 +14,15 @@ namespace {
 using exact::line_of;
 using exact::meet;
 using Real = boost::multiprecision::cpp_bin_float_100;
-using Four = std::array<Plane, 4>;
-
-/// Planes of all kinds: general, with small coefficients, through one point, through one point but for one site.
-Four planes_of_kind(RandomPlanes& random, int kind) {
-  const auto any = [&] { return random.plane(whole_lattice); };
-  const auto small = [&] { return random.plane(1); };
-  switch (kind) {
-    case 0: return {any(), any(), any(), any()};
-    case 1: return {small(), small(), small(), small()};
-    case 2: {
-      const LatticePoint a = random.point(whole_lattice / 2);
-      const auto p = [&] { return random.plane_through(a, whole_lattice / 2); };
-      return {p(), p(), p(), p()};
-    }
-    case 3: {
-      const LatticePoint a = random.point(whole_lattice / 2);
-      const auto p = [&] { return random.plane_through(a, whole_lattice / 2); };
-      return {p(), p(), p(), random.plane_through(a + random.point(1), whole_lattice / 2)};
-    }
-    default: {  // nearly parallel: three planes of nearly equal corners
-      const LatticePoint a = random.point(whole_lattice / 2), b = random.point(whole_lattice / 2), c = random.point(whole_lattice / 2);
-      const auto p = [&] { return Plane::through(a + random.point(2), b + random.point(2), c + random.point(2)).value(); };
-      return {p(), p(), p(), p()};
-    }
-  }
-}
-
 TEST(Predicates, ExactSignsAreThoseOfTheDeterminants) {
   RandomPlanes random{10};
-  for (int i = 0; i < 5000; ++i) {
+  for (int i = 0; i < 2000; ++i) {
     const auto [p, q, r, s] = planes_of_kind(random, i % 5);
     EXPECT_EQ(det3_exact(p, q, r), sign(det3(p, q, r)));
     if (det3(p, q, r) == 0) continue;
     EXPECT_EQ(side_exact(p, q, r, s), side_reference(p, q, r, s));
     EXPECT_EQ(side_exact(p, q, r, s), sign(det4(p, q, r, s)) * sign(det3(p, q, r)));
   }
-}
-
-TEST(Predicates, FilterAgreesWithTheIntegers) {
-  RandomPlanes random{11};
-  std::array<int, 5> decided{}, zeros{};
-  for (int i = 0; i < 100'000; ++i) {
-    const int kind = i % 5;
-    const auto [p, q, r, s] = planes_of_kind(random, kind);
-    const auto point = meet(line_of(p, q), r);
-    const Sign det3_sign = det3_exact(p, q, r);
-    if (const auto filtered = det3_filtered(point)) {
-      ASSERT_EQ(*filtered, det3_sign);
-    }
-    EXPECT_EQ(orientation(p, q, r), det3_sign);
-    if (det3_sign == Sign::zero) continue;
-    const Sign side = side_exact(p, q, r, s);
-    if (side == Sign::zero) ++zeros.at(static_cast<std::size_t>(kind));
-    if (const auto filtered = side_filtered(point, s)) {
-      ASSERT_EQ(*filtered, side);
-      ++decided.at(static_cast<std::size_t>(kind));
-    }
-  }
-  EXPECT_GT(decided[0], 19'800) << "of 20,000 general ones";
-  EXPECT_GT(zeros[1], 1000);
-  EXPECT_EQ(decided[2], 0) << "zero is never decided by rounding";
-  EXPECT_GT(zeros[2], 19'000);
-  EXPECT_LT(decided[3], 200) << "one site off is beyond doubles";
-  EXPECT_LT(zeros[3], 10'000);
 }
 
 /// The approximate determinant less the exact one, in the filter's units; the largest seen.
@@ -89,7 +34,7 @@ TEST(Predicates, ErrorBoundsHold) {
     for (const exact::Int128 n : p.normal()) most = std::max(most, std::abs(static_cast<double>(n)));
     return std::ilogb(most);
   };
-  for (int i = 0; i < 20'000; ++i) {
+  for (int i = 0; i < 5000; ++i) {
     const auto [p, q, r, s] = planes_of_kind(random, i % 5);
     const int e = exponent(p) + exponent(q) + exponent(r);
     const auto point = meet(line_of(p, q), r);

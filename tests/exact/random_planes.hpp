@@ -43,4 +43,31 @@ class RandomPlanes final {
 
 inline constexpr std::int64_t whole_lattice = std::int64_t{1} << 47;
 
+using Four = std::array<Plane, 4>;
+
+/// Planes of all kinds: general, with small coefficients, through one point, through one point but for one site.
+inline Four planes_of_kind(RandomPlanes& random, int kind) {
+  const auto any = [&] { return random.plane(whole_lattice); };
+  const auto small = [&] { return random.plane(1); };
+  switch (kind) {
+    case 0: return {any(), any(), any(), any()};
+    case 1: return {small(), small(), small(), small()};
+    case 2: {
+      const LatticePoint a = random.point(whole_lattice / 2);
+      const auto p = [&] { return random.plane_through(a, whole_lattice / 2); };
+      return {p(), p(), p(), p()};
+    }
+    case 3: {
+      const LatticePoint a = random.point(whole_lattice / 2);
+      const auto p = [&] { return random.plane_through(a, whole_lattice / 2); };
+      return {p(), p(), p(), random.plane_through(a + random.point(1), whole_lattice / 2)};
+    }
+    default: {  // nearly parallel: three planes of nearly equal corners
+      const LatticePoint a = random.point(whole_lattice / 2), b = random.point(whole_lattice / 2), c = random.point(whole_lattice / 2);
+      const auto p = [&] { return Plane::through(a + random.point(2), b + random.point(2), c + random.point(2)).value(); };
+      return {p(), p(), p(), p()};
+    }
+  }
+}
+
 }  // namespace cleave::testing
