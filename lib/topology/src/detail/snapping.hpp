@@ -15,9 +15,10 @@
 
 namespace cleave::topology::detail {
 
-/// The only tolerance of the cutter, at its border: with a snapping distance > 0, corners closer than it become one lattice
-/// site, a polygon all of whose corners lie that close to an earlier polygon's plane takes that plane, and a joint's side that lies that close to
-/// another polygon ends on that polygon's plane. With distance 0 it only rounds to the lattice. What was moved is recorded.
+/// The only tolerance of the cutter, at its border: with a snapping distance > 0, corners closer than it become one
+/// lattice site, a polygon all of whose corners lie that close to an earlier polygon's plane takes that plane, and a
+/// joint's side that lies that close to another polygon ends on that polygon's plane. With distance 0 it only rounds to
+/// the lattice. What was moved is recorded.
 class Snapper final {
  public:
   Snapper(const exact::Lattice& lattice, double distance_m);
