@@ -35,7 +35,7 @@ class ByteSource final {
   [[nodiscard]] std::int64_t between(std::int64_t lo, std::int64_t hi) noexcept {
     CLEAVE_ASSERT(lo <= hi);
     const std::uint64_t last = static_cast<std::uint64_t>(hi) - static_cast<std::uint64_t>(lo);
-    const std::uint64_t value = bits((static_cast<std::size_t>(std::bit_width(last)) + 7) / 8);
+    const std::uint64_t value = bits((std::size_t{64} - static_cast<std::size_t>(std::countl_zero(last)) + 7) / 8);
     const std::uint64_t offset = last == UINT64_MAX ? value : value % (last + 1);
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(lo) + offset);
   }

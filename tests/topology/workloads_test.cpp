@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
+#include <map>
 #include <string>
 
 #include "cleave/core/sha256.hpp"
@@ -116,6 +118,48 @@ TEST(LastBitsOfTheCoordinates, AddOnlySlivers) {
     const auto thick = std::ranges::count_if(audited.complex().blocks(), [](const topology::Block& b) { return !b.sliver; });
     EXPECT_EQ(static_cast<std::uint64_t>(thick), workload.blocks) << name;
   }
+}
+
+std::uint64_t choose(std::uint64_t n, std::uint64_t k) {
+  std::uint64_t value = 1;
+  for (std::uint64_t i = 0; i < k; ++i) value = value * (n - i) / (i + 1);
+  return value;
+}
+
+/// Blocks of m planes near one point: each plane contains the middle of its first corner and the opposite one on the lattice, and k
+/// planes with one middle have C(k - 1, 3) blocks less than in general position (theory: |mu| of a point of k planes is C(k - 1, 2)).
+std::uint64_t blocks_by_middles(const support::Workload& workload, double reach) {
+  const exact::Lattice lattice = exact::Lattice::covering({-reach, -reach, -reach}, {reach, reach, reach});
+  std::map<std::array<std::int64_t, 3>, std::uint64_t> planes_with;
+  for (const auto& corners : workload.polygons) {
+    const auto site = [&](Vec3 p) { return lattice.snap(p.x, p.y, p.z); };
+    const exact::LatticePoint sum = site(corners[0]) + site(corners[2]);
+    ++planes_with[{sum.x, sum.y, sum.z}];
+  }
+  const std::uint64_t m = workload.polygons.size();
+  std::uint64_t blocks = 1 + m + choose(m, 2) + choose(m, 3);
+  for (const auto& [middle, k] : planes_with) blocks -= choose(k - 1, 3);
+  return blocks;
+}
+
+TEST(LastBitsOfTheCoordinates, ExplainTheCountsOfPlanesThroughAVertex) {
+  std::size_t general = 0;
+  for (const auto* name : {"deg-vertex8r", "deg-vertex20r"}) {
+    const support::Workload workload = support::workload_named(name).value();
+    EXPECT_EQ(blocks_by_middles(workload, 4.0 - 1e-3), count_blocks(support::cut_input(workload))) << name;
+    // Joints far outside make the lattice coarser and cut nothing.
+    for (const double reach : {6.0, 12.0, 24.0, 48.0, 96.0, 192.0}) {
+      auto input = support::cut_input(workload);
+      for (const double at : {-reach, reach}) input.joints.emplace_back(rectangle(0, at, {-reach, -reach}, {reach, reach}));
+      const std::uint64_t expected = blocks_by_middles(workload, reach);
+      const auto audited = certified(input);
+      EXPECT_EQ(audited.complex().blocks().size(), expected) << name << ", reach " << reach;
+      const auto thick = std::ranges::count_if(audited.complex().blocks(), [](const topology::Block& b) { return !b.sliver; });
+      EXPECT_EQ(static_cast<std::uint64_t>(thick), workload.blocks) << name << ", reach " << reach;
+      if (expected == 93 || expected == 1351) ++general;
+    }
+  }
+  EXPECT_LT(general, 6U) << "most lattices make some four planes meet in a point";
 }
 
 }  // namespace
