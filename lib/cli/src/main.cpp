@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -48,10 +49,19 @@ void on_no_memory() {
   throw std::bad_alloc{};
 }
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define CLEAVE_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define CLEAVE_SANITIZED 1
+#endif
+#endif
+
 void watch_for_crashes() {
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef CLEAVE_SANITIZED  // a sanitizer tells more about a crash than we can
   for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) ::signal(number, on_crash);
 #endif
+  ::signal(SIGXFSZ, SIG_IGN);  // a file size limit is then a failed write like a full disk
   std::set_new_handler(on_no_memory);
 }
 
@@ -96,11 +106,14 @@ ExitCode run_program(int argc, char** argv) {
       ->required();
   run_command->add_option("--threads", run.threads, "threads to use; changes nothing but the time")
       ->check(CLI::Range(1, 1024));
-  run_command->add_option("--seed", run.seed, "instead of the scene's seed");
+  std::int64_t seed = 0;
+  CLI::Option* seed_option = run_command->add_option("--seed", seed, "instead of the scene's seed")
+                                 ->check(CLI::Range(std::int64_t{0}, INT64_MAX));
   run_command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
   run_command->add_option("--shard", shard, "part K/N of a Monte Carlo run (not available in version 0.1)");
   run_command->callback([&] {
-    chosen = [&] {
+    chosen = [&, seed_option] {
+      if (seed_option->count() > 0) run.seed = static_cast<std::uint64_t>(seed);
       if (shard.empty()) return run_scene(run);
       complain("cleave run: --shard: is not available in version 0.1; run the scene without it");
       return ExitCode::wrong_input;

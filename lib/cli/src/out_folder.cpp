@@ -21,11 +21,11 @@ constexpr std::array<std::string_view, 5> result_files{"summary.json", "blocks.v
                                                        "log.txt"};
 
 OutError wrong(const fs::path& out, std::string_view what, std::string_view remedy) {
-  return {ExitCode::wrong_input, fmt::format("{}: {}; {}", out.generic_string(), what, remedy)};
+  return {ExitCode::wrong_input, fmt::format("{}:1: -o: {}; {}", out.generic_string(), what, remedy)};
 }
 OutError failed(const fs::path& out, std::string_view what, const std::error_code& reason, std::string_view remedy) {
   return {ExitCode::machine_failed,
-          fmt::format("{}: {} ({}); {}", out.generic_string(), what, reason.message(), remedy)};
+          fmt::format("{}:1: -o: {} ({}); {}", out.generic_string(), what, reason.message(), remedy)};
 }
 
 /// Whether summary.json is one of ours. Only its head is looked at: it is written whole or not at all.
@@ -37,9 +37,9 @@ bool has_our_summary(const fs::path& folder) {
   return text.find("\"cleave\"") != std::string_view::npos;
 }
 
-std::expected<void, OutError> may_be_replaced(const fs::path& out) {
+std::expected<void, OutError> may_be_replaced(const fs::path& folder, const fs::path& out) {
   std::error_code reason;
-  fs::directory_iterator entries{out, reason};
+  fs::directory_iterator entries{folder, reason};
   if (reason) return std::unexpected(failed(out, "the folder cannot be read", reason, "check its permissions"));
   bool any = false;
   for (; entries != fs::directory_iterator{}; entries.increment(reason)) {
@@ -50,7 +50,7 @@ std::expected<void, OutError> may_be_replaced(const fs::path& out) {
     return std::unexpected(wrong(out, fmt::format("the folder holds \"{}\", which is not from cleave", name),
                                  "name a new or an empty folder with -o"));
   }
-  if (any && !has_our_summary(out)) {
+  if (any && !has_our_summary(folder)) {
     return std::unexpected(
         wrong(out, "the folder holds files but no finished result of cleave", "name a new or an empty folder with -o"));
   }
@@ -120,7 +120,7 @@ std::expected<OutFolder, OutError> OutFolder::prepare(const fs::path& out) {
     if (reason) return std::unexpected(wrong(out, "is a link to nothing", "name a folder"));
     if (!fs::is_directory(target, reason))
       return std::unexpected(wrong(out, "is not a folder", "name a new folder with -o"));
-    if (auto allowed = may_be_replaced(target); !allowed) return std::unexpected(std::move(allowed).error());
+    if (auto allowed = may_be_replaced(target, out); !allowed) return std::unexpected(std::move(allowed).error());
   } else if (reason && itself.type() != fs::file_type::not_found) {
     return std::unexpected(failed(out, "cannot be looked at", reason, "check the path"));
   }
@@ -188,7 +188,7 @@ std::expected<void, OutError> OutFolder::publish() {
   }
   if (fs::exists(final_, reason)) {
     // What came into the folder while we worked is not ours to take away.
-    if (auto allowed = may_be_replaced(final_); !allowed) return allowed;
+    if (auto allowed = may_be_replaced(final_, final_); !allowed) return allowed;
     reason = replace_folder(temporary_, final_);
   } else {
     fs::rename(temporary_, final_, reason);

@@ -114,15 +114,15 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return std::unexpected(std::vector{problem_of(cut.error(), scene, *drawn)});
   }
   const topology::CutReport report = cut->report();
-  auto complex = stage(Stage::audit, [&] { return topology::audit(*std::move(cut)); });
-
   std::string hash;
+  auto complex = stage(Stage::audit, [&] {
+    auto audited = topology::audit(*std::move(cut));
+    if (audited) hash = topology::canonical_hash(audited->complex());
+    return audited;
+  });
   std::optional<stability::Analysis> analysis;
-  if (complex) {
-    hash = topology::canonical_hash(complex->complex());
-    if (scene.stability) {
-      analysis = stage(Stage::stability, [&] { return judge(scene, *drawn, *scene.stability, *complex); });
-    }
+  if (complex && scene.stability) {
+    analysis = stage(Stage::stability, [&] { return judge(scene, *drawn, *scene.stability, *complex); });
   }
   progress.end();
 

@@ -1,0 +1,143 @@
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "program.hpp"
+
+namespace cleave::cli::test {
+namespace {
+
+using CommandsTest = ProgramTest;
+
+TEST_F(CommandsTest, VersionAndHelp) {
+  const Ended version = cleave("--version");
+  EXPECT_EQ(version.code, 0);
+  EXPECT_EQ(version.out, "cleave 0.1.0\n");
+  const Ended help = cleave("--help");
+  EXPECT_EQ(help.code, 0);
+  for (const std::string_view command :
+       {"run", "plan", "check", "merge", "replay", "survey", "init", "diff", "convert"}) {
+    EXPECT_NE(help.out.find(command), std::string::npos) << command;
+    EXPECT_EQ(cleave(std::string{command} + " --help").code, 0) << command;
+  }
+}
+
+TEST_F(CommandsTest, WrongCallsAreWrongInput) {
+  write("s.toml", small_scene);
+  for (const std::string call :
+       {"", "rum s.toml", "run", "run s.toml", "run s.toml -o", "run s.toml -o out --threads 0",
+        "run s.toml -o out --threads x", "run s.toml -o out --seed -1", "run s.toml -o out --seed 1.5",
+        "run s.toml -o out --what", "check", "init", "init castle", "init monte-carlo", "run s.toml -o out --shard 1/3",
+        "merge a b -o c", "replay out --realization 3", "survey d.toml -o out", "diff a b"}) {
+    const Ended ended = cleave(call);
+    EXPECT_EQ(ended.code, 2) << call;
+    EXPECT_TRUE(ended.err.starts_with("error: ")) << call << ": " << ended.err;
+    EXPECT_EQ(ended.out, "") << call;
+  }
+  EXPECT_EQ(names(), (std::vector<std::string>{"s.toml"}));
+}
+
+TEST_F(CommandsTest, ScenesOfInitPassCheckAndRun) {
+  for (const std::string kind : {"tunnel", "slope", "wedge", "network"}) {
+    ASSERT_EQ(shell("cleave init " + kind + " > " + kind + ".toml").code, 0);
+    const Ended check = cleave("check " + kind + ".toml");
+    EXPECT_EQ(check.code, 0) << check.err;
+    EXPECT_EQ(check.out, kind + ".toml: no error found\n");
+    EXPECT_EQ(cleave("run " + kind + ".toml --quiet -o out").code, 0) << kind;
+  }
+}
+
+TEST_F(CommandsTest, PlanNamesEveryStageAndWritesNothing) {
+  write("s.toml", small_scene);
+  const Ended plan = cleave("plan s.toml");
+  EXPECT_EQ(plan.code, 0);
+  for (const std::string_view stage : {"read", "draw", "cut", "audit", "stability", "write", "report"}) {
+    EXPECT_TRUE(std::regex_search(plan.out, std::regex{"\n  " + std::string{stage} + " +run "})) << stage << plan.out;
+  }
+  for (const std::string_view stage : {"support", "monte_carlo", "elastic", "contact"}) {
+    EXPECT_TRUE(std::regex_search(plan.out, std::regex{"\n  " + std::string{stage} + " +left out +no "}))
+        << stage << plan.out;
+  }
+  EXPECT_NE(plan.out.find("estimated size: 12 joints"), std::string::npos) << plan.out;
+  EXPECT_EQ(names(), (std::vector<std::string>{"s.toml"}));
+}
+
+TEST_F(CommandsTest, RunWritesAWholeResult) {
+  write("s.toml", small_scene);
+  const Ended run = cleave("run s.toml -o out --threads 2");
+  ASSERT_EQ(run.code, 0) << run.err;
+  for (const std::string_view file : {"summary.json", "blocks.vtu", "key_blocks.csv", "report.html", "log.txt"}) {
+    EXPECT_FALSE(text_of(path("out") / file).empty()) << file;
+  }
+  EXPECT_EQ(names(), (std::vector<std::string>{"out", "s.toml"}));
+  const auto summary = nlohmann::json::parse(read("out/summary.json"));
+  EXPECT_EQ(summary["cleave"], "0.1.0");
+  EXPECT_EQ(summary["title"], "small");
+  EXPECT_EQ(summary["input"]["joints"], 12);
+  EXPECT_EQ(summary["cost"]["threads"], 2);
+  EXPECT_TRUE(summary["blocks"]["certificate"]["passed"]);
+  EXPECT_TRUE(summary.contains("key_blocks"));
+  std::vector<std::string> planned, booked;
+  for (const auto& stage : summary["plan"]) planned.push_back(stage["stage"]);
+  for (const auto& stage : summary["cost"]["stages"]) booked.push_back(stage["stage"]);
+  EXPECT_EQ(planned, (std::vector<std::string>{"read", "draw", "cut", "audit", "stability", "support", "monte_carlo",
+                                               "elastic", "contact", "write", "report"}));
+  EXPECT_EQ(booked, (std::vector<std::string>{"read", "draw", "cut", "audit", "stability", "write", "report"}));
+}
+
+TEST_F(CommandsTest, QuietSaysNothing) {
+  write("s.toml", small_scene);
+  const Ended run = cleave("run s.toml -o out --quiet");
+  EXPECT_EQ(run.code, 0);
+  EXPECT_EQ(run.out + run.err, "");
+}
+
+TEST_F(CommandsTest, HashFollowsTheSeedAndNothingElse) {
+  write("s.toml", small_scene);
+  const auto hash = [&](const std::string& options) {
+    EXPECT_EQ(cleave("run s.toml --quiet -o out " + options).code, 0);
+    return nlohmann::json::parse(read("out/summary.json"))["blocks"]["hash"].get<std::string>();
+  };
+  const std::string first = hash("--threads 1");
+  EXPECT_EQ(hash("--threads 2"), first);
+  EXPECT_EQ(hash("--threads 3 --seed 1"), first);
+  EXPECT_NE(hash("--seed 2"), first);
+}
+
+TEST_F(CommandsTest, OutputSettingsLeaveFilesOut) {
+  write("s.toml", std::string{small_scene} + "[output]\nvtu = false\ncsv = false\nreport = false\n");
+  ASSERT_EQ(cleave("run s.toml --quiet -o out").code, 0);
+  EXPECT_TRUE(exists("out/summary.json") && exists("out/log.txt"));
+  EXPECT_FALSE(exists("out/blocks.vtu") || exists("out/key_blocks.csv") || exists("out/report.html"));
+}
+
+TEST_F(CommandsTest, StabilityIsAbsentWhenNothingIsFree) {
+  write("s.toml", "[domain]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n");
+  ASSERT_EQ(cleave("run s.toml --quiet -o out").code, 0);
+  EXPECT_FALSE(exists("out/key_blocks.csv"));
+  const auto summary = nlohmann::json::parse(read("out/summary.json"));
+  EXPECT_FALSE(summary.contains("key_blocks"));
+  EXPECT_EQ(summary["blocks"]["count"], 1);
+}
+
+TEST_F(CommandsTest, ConvertGoesRound) {
+  write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  for (const std::string call : {"a.obj b.ply", "b.ply c.stl", "c.stl d.obj"})
+    EXPECT_EQ(cleave("convert " + call).code, 0) << call;
+  // STL keeps no shared vertices; the four faces survive all the same.
+  write("s.toml", "[domain]\nmesh = \"d.obj\"\n");
+  EXPECT_EQ(cleave("run s.toml --quiet -o out").code, 0);
+  EXPECT_NEAR(nlohmann::json::parse(read("out/summary.json"))["blocks"]["volume_m3"].get<double>(), 1.0 / 6, 1e-12);
+}
+
+TEST_F(CommandsTest, ConvertRefusesWhatItCannotDo) {
+  write("a.obj", "v 0 0 0\nf 1 2 3\n");
+  for (const std::string call : {"a.obj b.ply", "none.obj b.ply", "a.txt b.ply", "a.obj b.dxf"}) {
+    const Ended ended = cleave("convert " + call);
+    EXPECT_EQ(ended.code, 2) << call;
+    EXPECT_TRUE(ended.err.starts_with("error: ")) << ended.err;
+  }
+  EXPECT_EQ(names(), (std::vector<std::string>{"a.obj"}));
+}
+
+}  // namespace
+}  // namespace cleave::cli::test

@@ -1,0 +1,58 @@
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+
+namespace cleave::cli::test {
+namespace {
+
+class ExamplesTest : public ProgramTest {
+ protected:
+  [[nodiscard]] nlohmann::json result_of(const std::string& name) const {
+    const std::string scene = std::string{CLEAVE_SOURCE_DIR} + "/examples/" + name + "/" + name + ".toml";
+    const Ended run = cleave("run '" + scene + "' --quiet -o " + name);
+    EXPECT_EQ(run.code, 0) << run.err;
+    const auto result = nlohmann::json::parse(read(name + "/summary.json"));
+    EXPECT_TRUE(result["blocks"]["certificate"]["passed"]);
+    EXPECT_LE(result["blocks"]["volume_relative_error"].get<double>(), 1e-12);
+    return result;
+  }
+};
+
+TEST_F(ExamplesTest, BerreCase2Has22Blocks) { EXPECT_EQ(result_of("berre_case2")["blocks"]["count"], 22); }
+
+TEST_F(ExamplesTest, FourUserRectanglesMakeFiveBlocks) {
+  EXPECT_EQ(result_of("dfnworks_4_user_rects")["blocks"]["count"], 5);
+}
+
+// Volumes of the pieces add up over 5e12 m3 at coordinates of 7.5e6 m; the count was found by this program and is kept.
+TEST_F(ExamplesTest, HamersleyIsCutAtUtmCoordinates) {
+  const auto result = result_of("hamersley");
+  EXPECT_EQ(result["blocks"]["count"], 12);
+  EXPECT_FALSE(result.contains("key_blocks"));
+}
+
+// Fu (2014), 4.5.1: direction (0.632456, 0, -0.774597), factor of safety (4 / sqrt 15) tan 30.
+TEST_F(ExamplesTest, WedgeOnASlopeHasItsKnownFactorOfSafety) {
+  const auto result = result_of("wedge_slope");
+  EXPECT_EQ(result["blocks"]["count"], 4);
+  EXPECT_EQ(result["key_blocks"]["count"], 1);
+  EXPECT_EQ(result["key_blocks"]["batches"][0]["modes"]["wedge"], 1);
+  const std::string table = read("wedge_slope/key_blocks.csv");
+  const std::string row = table.substr(table.find('\n') + 1);
+  EXPECT_NE(row.find(",1,1,wedge,"), std::string::npos) << row;
+  EXPECT_NE(row.find(",0.6324555320336"), std::string::npos) << row;
+  EXPECT_NE(row.find(",-0.774596669241"), std::string::npos) << row;
+  EXPECT_NE(row.find(",0.59628479399"), std::string::npos) << row;
+}
+
+TEST_F(ExamplesTest, TunnelHasKeyBlocksAndAnotherSeedIsAnotherNetwork) {
+  const auto result = result_of("tunnel");
+  EXPECT_GE(result["blocks"]["count"].get<int>(), 500);
+  EXPECT_GE(result["key_blocks"]["batches"].size(), 2U);
+  const std::string scene = std::string{CLEAVE_SOURCE_DIR} + "/examples/tunnel/tunnel.toml";
+  ASSERT_EQ(cleave("run '" + scene + "' --quiet --seed 2 -o other").code, 0);
+  EXPECT_NE(nlohmann::json::parse(read("other/summary.json"))["blocks"]["hash"], result["blocks"]["hash"]);
+}
+
+}  // namespace
+}  // namespace cleave::cli::test
