@@ -336,6 +336,34 @@ struct Bounds {
   }
 };
 
+/// Sites that are corners of more than one polygon.
+class SharedSites {
+ public:
+  void add(std::span<const LatticePoint> sites) {
+    for (const LatticePoint& s : sites) ++uses_[s];
+  }
+  [[nodiscard]] std::vector<std::size_t> among(std::span<const LatticePoint> sites) const {
+    std::vector<std::size_t> shared;
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+      if (uses_.at(sites[i]) > 1) shared.push_back(i);
+    }
+    return shared;
+  }
+
+ private:
+  struct Hash {
+    std::size_t operator()(const LatticePoint& p) const noexcept {
+      std::uint64_t h = 0x9E3779B97F4A7C15U;
+      for (const std::int64_t c : {p.x, p.y, p.z}) {
+        h = (h ^ static_cast<std::uint64_t>(c)) * 0xFF51AFD7ED558CCDU;
+        h ^= h >> 32U;
+      }
+      return h;
+    }
+  };
+  std::unordered_map<LatticePoint, std::uint32_t, Hash> uses_;
+};
+
 /// The plane of a persistent joint: lattice vectors that depend on the orientation alone, so equal orientations are
 /// exactly parallel.
 std::optional<Plane> persistent_plane(const PersistentJoint& joint, const exact::Lattice& lattice) {
@@ -407,7 +435,14 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
   }
 
   // Joints: first all polygons on the lattice (with corners, then planes snapped), then their facets (with edges
-  // snapped).
+  // snapped). Corners that two polygons share are the first choice for what fixes their planes: edges that were meant
+  // to be shared then are.
+  SharedSites shared;
+  for (const auto& entry : input.joints) {
+    if (const auto* joint = std::get_if<Joint>(&entry)) {
+      for (const auto& polygon : joint->polygons) shared.add(sites_of(polygon.corners()));
+    }
+  }
   struct JointPolygon {
     Index joint;
     LatticePolygon polygon;
@@ -420,8 +455,8 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
       for (const auto& polygon : joint->polygons) {
         for (const Vec3& v : polygon.corners()) own.add(v);
         auto sites = sites_of(polygon.corners());
-        const auto shared = snapper.shared_corners(sites);
-        auto made = make_lattice_polygon(std::move(sites), shared);
+        const auto preferred = shared.among(sites);
+        auto made = make_lattice_polygon(std::move(sites), preferred);
         if (!made) return std::unexpected(CutError{collapsed});
         polygons.push_back({static_cast<Index>(j), std::move(*made)});
       }

@@ -37,14 +37,14 @@ LatticePoint Snapper::site(geometry::Vec3 p) {
       return static_cast<std::int64_t>(std::floor(static_cast<double>(c) / size));
     };
     const Cell home{cell_of(site.x), cell_of(site.y), cell_of(site.z)};
-    Known* found = nullptr;
+    const LatticePoint* found = nullptr;
     for (std::int64_t i = -1; i <= 1 && found == nullptr; ++i) {
       for (std::int64_t j = -1; j <= 1 && found == nullptr; ++j) {
         for (std::int64_t k = -1; k <= 1 && found == nullptr; ++k) {
           const auto entry = cells_.find(Cell{home[0] + i, home[1] + j, home[2] + k});
           if (entry == cells_.end()) continue;
-          for (Known& known : entry->second) {
-            if (length(difference(known.site, site)) <= distance_sites_) {
+          for (const LatticePoint& known : entry->second) {
+            if (length(difference(known, site)) <= distance_sites_) {
               found = &known;
               break;
             }
@@ -53,32 +53,14 @@ LatticePoint Snapper::site(geometry::Vec3 p) {
       }
     }
     if (found != nullptr) {
-      ++found->uses;
-      site = found->site;
+      site = *found;
     } else {
-      cells_[home].push_back({site, 1});
+      cells_[home].push_back(site);
     }
   }
   const auto [x, y, z] = lattice_.position(site);
   largest_move_ = std::max({largest_move_, std::abs(x - p.x), std::abs(y - p.y), std::abs(z - p.z)});
   return site;
-}
-
-std::vector<std::size_t> Snapper::shared_corners(std::span<const LatticePoint> sites) const {
-  std::vector<std::size_t> shared;
-  if (!active()) return shared;
-  const double size = std::max(distance_sites_, 1.0);
-  const auto cell_of = [&](std::int64_t c) {
-    return static_cast<std::int64_t>(std::floor(static_cast<double>(c) / size));
-  };
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    const auto entry = cells_.find(Cell{cell_of(sites[i].x), cell_of(sites[i].y), cell_of(sites[i].z)});
-    if (entry == cells_.end()) continue;
-    for (const Known& known : entry->second) {
-      if (known.site == sites[i] && known.uses > 1) shared.push_back(i);
-    }
-  }
-  return shared;
 }
 
 double Snapper::distance_sites(const Plane& plane, LatticePoint p) const {

@@ -25,8 +25,6 @@ class Snapper final {
 
   [[nodiscard]] bool active() const noexcept { return distance_ > 0; }
   [[nodiscard]] exact::LatticePoint site(geometry::Vec3 p);
-  /// Which of the sites were given before (by another polygon): these should fix a polygon's plane.
-  [[nodiscard]] std::vector<std::size_t> shared_corners(std::span<const exact::LatticePoint> sites) const;
   /// A surface that later polygons may snap to.
   void remember(const LatticePolygon& polygon);
   void remember(const exact::Plane& persistent);
@@ -44,17 +42,13 @@ class Snapper final {
   struct CellHash {
     std::size_t operator()(const Cell& cell) const noexcept;
   };
-  struct Known {
-    exact::LatticePoint site;
-    std::uint32_t uses;
-  };
   [[nodiscard]] double distance_sites(const exact::Plane& plane, exact::LatticePoint p) const;
   [[nodiscard]] bool near_polygon(const LatticePolygon& polygon, exact::LatticePoint p) const;
 
   exact::Lattice lattice_;
-  double distance_;        ///< m
-  double distance_sites_;  ///< lattice sites
-  std::unordered_map<Cell, std::vector<Known>, CellHash> cells_;
+  double distance_;                                                             ///< m
+  double distance_sites_;                                                       ///< lattice sites
+  std::unordered_map<Cell, std::vector<exact::LatticePoint>, CellHash> cells_;  ///< sites given so far
   std::vector<LatticePolygon> surfaces_;
   double largest_move_ = 0;
   std::uint64_t merged_planes_ = 0, adopted_edges_ = 0;
