@@ -202,6 +202,10 @@ TEST(SceneTest, TextsThatAreAlmostTomlAreToldAsSuch) {
   EXPECT_EQ(scene_of("title = \"Stollen S\u00fcd\"\n" + std::string{box}).title, "Stollen S\u00fcd");
 }
 
+TEST(SceneTest, KeysWithoutLettersHaveAName) {
+  EXPECT_TRUE(error_of("'' = ''\n" + std::string{box}).starts_with("s.toml:1: \"\": unknown key; "));
+}
+
 TEST(SceneTest, NestedValuesDoNotOverflowTheStack) {
   std::string text = "a = ";
   for (int i = 0; i < 100'000; ++i) text += "[";
