@@ -67,7 +67,11 @@ void cut_and_audit(benchmark::State& state, Workload (*make)(std::uint32_t)) {
 // NOLINTBEGIN(cppcoreguidelines-interfaces-global-init): registration is Google Benchmark's way
 BENCHMARK_CAPTURE(cut_and_audit, grid, support::grid)->Arg(10)->Arg(20)->Arg(40)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(cut_and_audit, gridr, support::rotated_grid)->Arg(20)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(cut_and_audit, persist, support::persistent)->Arg(13)->Arg(26)->Arg(39)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(cut_and_audit, persist, support::persistent)
+    ->Arg(13)
+    ->Arg(26)
+    ->Arg(39)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(cut_and_audit, rect, support::rectangles)->Arg(13)->Arg(50)->Arg(100)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(cut_and_audit, disc, support::discs)->Arg(1000)->Arg(5000)->Unit(benchmark::kMillisecond);
 // NOLINTEND(cppcoreguidelines-interfaces-global-init)

@@ -41,7 +41,8 @@ class Points final {
 
  private:
   LatticePoint point(std::int64_t reach) {
-    const auto x = source_.between(-reach, reach), y = source_.between(-reach, reach), z = source_.between(-reach, reach);
+    const auto x = source_.between(-reach, reach), y = source_.between(-reach, reach),
+               z = source_.between(-reach, reach);
     return {x, y, z};
   }
   support::ByteSource& source_;

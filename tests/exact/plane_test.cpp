@@ -39,8 +39,10 @@ TEST(Plane, IsTheSameThroughAnyOfItsPoints) {
   EXPECT_EQ(p.flipped().flipped(), p);
   EXPECT_TRUE(p.coincides_with(p.flipped()));
   EXPECT_FALSE(p == p.flipped());
-  EXPECT_TRUE(p.parallel_to(Plane::through(a + LatticePoint{0, 0, 1}, b + LatticePoint{0, 0, 1}, c + LatticePoint{0, 0, 1}).value()));
-  EXPECT_FALSE(p.coincides_with(Plane::through(a + LatticePoint{0, 0, 1}, b + LatticePoint{0, 0, 1}, c + LatticePoint{0, 0, 1}).value()));
+  EXPECT_TRUE(p.parallel_to(
+      Plane::through(a + LatticePoint{0, 0, 1}, b + LatticePoint{0, 0, 1}, c + LatticePoint{0, 0, 1}).value()));
+  EXPECT_FALSE(p.coincides_with(
+      Plane::through(a + LatticePoint{0, 0, 1}, b + LatticePoint{0, 0, 1}, c + LatticePoint{0, 0, 1}).value()));
 }
 
 TEST(Plane, DoesNotExistThroughPointsOnALine) {

@@ -11,8 +11,8 @@ using exact::LatticePoint;
 using exact::Plane;
 using exact::Sign;
 
-/// Lattice points and planes for the tests of signs: spread over the whole lattice, or huddled so that they often coincide,
-/// are parallel or share a point.
+/// Lattice points and planes for the tests of signs: spread over the whole lattice, or huddled so that they often
+/// coincide, are parallel or share a point.
 class RandomPlanes final {
  public:
   explicit RandomPlanes(std::uint32_t key) : rng_{StreamKey{.seed = 3, .realization = key, .purpose = 5, .index = 0}} {}
@@ -63,8 +63,11 @@ inline Four planes_of_kind(RandomPlanes& random, int kind) {
       return {p(), p(), p(), random.plane_through(a + random.point(1), whole_lattice / 2)};
     }
     default: {  // nearly parallel: three planes of nearly equal corners
-      const LatticePoint a = random.point(whole_lattice / 2), b = random.point(whole_lattice / 2), c = random.point(whole_lattice / 2);
-      const auto p = [&] { return Plane::through(a + random.point(2), b + random.point(2), c + random.point(2)).value(); };
+      const LatticePoint a = random.point(whole_lattice / 2), b = random.point(whole_lattice / 2),
+                         c = random.point(whole_lattice / 2);
+      const auto p = [&] {
+        return Plane::through(a + random.point(2), b + random.point(2), c + random.point(2)).value();
+      };
       return {p(), p(), p(), p()};
     }
   }

@@ -17,8 +17,8 @@ struct Facts {
   std::size_t shells = 0;
 };
 
-// Walks a cell's faces: each edge exactly twice in opposite senses, no corner twice in a face; returns the volume by the divergence theorem
-// about the cell's first point.
+// Walks a cell's faces: each edge exactly twice in opposite senses, no corner twice in a face; returns the volume by
+// the divergence theorem about the cell's first point.
 double expect_closed(const Cells& cells, std::size_t cell) {
   const auto stream = cells.faces_of(cell);
   std::map<std::pair<std::int64_t, std::int64_t>, int> uses;
@@ -107,7 +107,9 @@ topology::BlockComplex with_cavities(const std::vector<std::pair<Vec3, Vec3>>& v
 TEST(Cells, CavitiesAreCutOpen) {
   expect_good(with_cavities({{{4, 4, 4}, {6, 6, 6}}}), 2 + 1);
   // Three voids over one another, and one beside them: two planes meet them all.
-  expect_good(with_cavities({{{1, 1, 1}, {2, 3, 2}}, {{1, 1, 3}, {2, 3, 4}}, {{1, 1, 5}, {2, 3, 6}}, {{7, 7, 7}, {8, 8, 8}}}), 3 + 4);
+  expect_good(
+      with_cavities({{{1, 1, 1}, {2, 3, 2}}, {{1, 1, 3}, {2, 3, 4}}, {{1, 1, 5}, {2, 3, 6}}, {{7, 7, 7}, {8, 8, 8}}}),
+      3 + 4);
   // Voids of awkward size, so that nothing is a round number.
   expect_good(with_cavities({{{0.1, 0.3, 0.7}, {1.1, 2.2, 3.3}}, {{5.1, 5.7, 0.9}, {9.3, 9.9, 9.1}}}), 2 + 2);
 }

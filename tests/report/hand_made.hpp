@@ -90,7 +90,8 @@ class HandMade {
 
  private:
   topology::VertexId vertex(Vec3 p) {
-    const auto [found, added] = known_.try_emplace(std::tuple{p.x, p.y, p.z}, static_cast<std::uint32_t>(known_.size()));
+    const auto [found, added] =
+        known_.try_emplace(std::tuple{p.x, p.y, p.z}, static_cast<std::uint32_t>(known_.size()));
     if (added) data_.vertices.push_back(p);
     return topology::VertexId{found->second};
   }
@@ -102,9 +103,10 @@ class HandMade {
 inline std::vector<FaceSpec> box_faces(Vec3 lo, Vec3 hi, Role role = Role::fixed) {
   const auto p = [&](int x, int y, int z) { return Vec3{x ? hi.x : lo.x, y ? hi.y : lo.y, z ? hi.z : lo.z}; };
   std::vector<FaceSpec> faces;
-  for (const Loop& loop : {Loop{p(0, 0, 0), p(0, 0, 1), p(0, 1, 1), p(0, 1, 0)}, Loop{p(1, 0, 0), p(1, 1, 0), p(1, 1, 1), p(1, 0, 1)},
-                           Loop{p(0, 0, 0), p(1, 0, 0), p(1, 0, 1), p(0, 0, 1)}, Loop{p(0, 1, 0), p(0, 1, 1), p(1, 1, 1), p(1, 1, 0)},
-                           Loop{p(0, 0, 0), p(0, 1, 0), p(1, 1, 0), p(1, 0, 0)}, Loop{p(0, 0, 1), p(1, 0, 1), p(1, 1, 1), p(0, 1, 1)}}) {
+  for (const Loop& loop :
+       {Loop{p(0, 0, 0), p(0, 0, 1), p(0, 1, 1), p(0, 1, 0)}, Loop{p(1, 0, 0), p(1, 1, 0), p(1, 1, 1), p(1, 0, 1)},
+        Loop{p(0, 0, 0), p(1, 0, 0), p(1, 0, 1), p(0, 0, 1)}, Loop{p(0, 1, 0), p(0, 1, 1), p(1, 1, 1), p(1, 1, 0)},
+        Loop{p(0, 0, 0), p(0, 1, 0), p(1, 1, 0), p(1, 0, 0)}, Loop{p(0, 0, 1), p(1, 0, 1), p(1, 1, 1), p(0, 1, 1)}}) {
     faces.push_back({.loops = {loop}, .role = role});
   }
   return faces;
@@ -144,14 +146,16 @@ inline topology::BlockComplex grid(int n, Vec3 origin = {}) {
 struct Shaft {
   double x0, y0, x1, y1;
 };
-inline topology::BlockComplex box_with_shafts(const std::vector<Shaft>& shafts, double bottom, topology::EulerCounts counts) {
+inline topology::BlockComplex box_with_shafts(const std::vector<Shaft>& shafts, double bottom,
+                                              topology::EulerCounts counts) {
   HandMade made;
   auto faces = box_faces({0, 0, 0}, {4, 4, 4});
   for (const Shaft& s : shafts) {
     auto walls = void_faces({s.x0, s.y0, bottom}, {s.x1, s.y1, 4}, 0);
     const Loop floor = walls[4].loops.front(), lid = walls[5].loops.front();
     for (std::size_t side = 0; side < 4; ++side) faces.push_back(walls[side]);
-    // The lid seen from inside the rock is counter-clockwise from below, so clockwise from above: a hole of the top face.
+    // The lid seen from inside the rock is counter-clockwise from below, so clockwise from above: a hole of the top
+    // face.
     faces[5].loops.push_back(lid);
     if (bottom > 0) {
       faces.push_back(walls[4]);
@@ -163,7 +167,8 @@ inline topology::BlockComplex box_with_shafts(const std::vector<Shaft>& shafts, 
   return std::move(made).complex();
 }
 
-inline stability::Judgement judgement(std::uint32_t block, stability::Mode mode, std::optional<std::uint32_t> batch, double factor) {
+inline stability::Judgement judgement(std::uint32_t block, stability::Mode mode, std::optional<std::uint32_t> batch,
+                                      double factor) {
   return {.block = topology::BlockId{block},
           .mode = mode,
           .key = batch.has_value(),

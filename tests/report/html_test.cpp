@@ -24,7 +24,8 @@ Page example(const topology::BlockComplex& complex, const stability::Analysis& a
   page.summary.blocks = count_blocks(complex, "0123abcd");
   page.summary.certificate.passed = true;
   page.summary.key_blocks = count_key_blocks(analysis);
-  page.summary.plan = {{.stage = "cut", .run = true, .why = "always"}, {.stage = "contact", .run = false, .why = "no bodies"}};
+  page.summary.plan = {{.stage = "cut", .run = true, .why = "always"},
+                       {.stage = "contact", .run = false, .why = "no bodies"}};
   page.summary.cost.stages = {{.stage = "cut", .wall_s = 0.5, .cpu_s = 0.4, .peak_rss_mb = 12}};
   page.summary.input.joints = 2;
   page.scene_file = "tunnel.toml";
@@ -38,10 +39,11 @@ Page example(const topology::BlockComplex& complex, const stability::Analysis& a
 
 struct Example {
   topology::BlockComplex complex = grid(3);
-  stability::Analysis analysis{.judgements = {judgement(3, stability::Mode::falling, 1, 0), judgement(7, stability::Mode::sliding, 2, 0.7)},
-                               .batches = {{.number = 1, .blocks = {topology::BlockId{3U}}, .volume = cubic_metres(1)},
-                                           {.number = 2, .blocks = {topology::BlockId{7U}}, .volume = cubic_metres(1)}},
-                               .stopped_at_max_batches = false};
+  stability::Analysis analysis{
+      .judgements = {judgement(3, stability::Mode::falling, 1, 0), judgement(7, stability::Mode::sliding, 2, 0.7)},
+      .batches = {{.number = 1, .blocks = {topology::BlockId{3U}}, .volume = cubic_metres(1)},
+                  {.number = 2, .blocks = {topology::BlockId{7U}}, .volume = cubic_metres(1)}},
+      .stopped_at_max_batches = false};
 };
 
 // No source of anything may lie outside the file.
@@ -70,7 +72,8 @@ TEST(Html, HoldsEverySectionAndTheSameBytesTwice) {
   const Example e;
   const Page page = example(e.complex, e.analysis);
   const std::string html = report_html(page);
-  for (const char* id : {"id=\"view\"", "id=\"keys\"", "id=\"net\"", "id=\"blocks\"", "id=\"plan\"", "id=\"cost\"", "id=\"inputs\""}) {
+  for (const char* id :
+       {"id=\"view\"", "id=\"keys\"", "id=\"net\"", "id=\"blocks\"", "id=\"plan\"", "id=\"cost\"", "id=\"inputs\""}) {
     EXPECT_NE(html.find(id), std::string::npos) << id;
   }
   EXPECT_NE(html.find("no bodies"), std::string::npos);
@@ -102,7 +105,8 @@ TEST(View3d, EstimateBoundsTheSize) {
   }
 }
 
-// 5,000 blocks of the usual shapes take a small part of the budget; a budget that does not hold all keeps the key blocks.
+// 5,000 blocks of the usual shapes take a small part of the budget; a budget that does not hold all keeps the key
+// blocks.
 TEST(View3d, BudgetKeepsWhatMoves) {
   const Example e;
   const View3d view = pack_view(e.complex, &e.analysis, 3 * view_bytes(e.complex, topology::BlockId{0U}));

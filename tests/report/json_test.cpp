@@ -27,7 +27,8 @@ TEST(Json, KeepsTheOrderOfKeysAndWritesNoNan) {
   json.end_object();
   const std::string text = std::move(json).finish();
   EXPECT_EQ(text,
-            "{\n  \"z\": 0.1,\n  \"a\": null,\n  \"m\": null,\n  \"text\": \"\\u003cé\\\">\",\n  \"flag\": true,\n  \"count\": 7,\n"
+            "{\n  \"z\": 0.1,\n  \"a\": null,\n  \"m\": null,\n  \"text\": \"\\u003cé\\\">\",\n  \"flag\": true,\n  "
+            "\"count\": 7,\n"
             "  \"list\": [\n    1,\n    {}\n  ]\n}\n");
   const auto back = nlohmann::json::parse(text);
   EXPECT_EQ(back["text"], "<é\">");

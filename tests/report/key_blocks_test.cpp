@@ -13,7 +13,8 @@ using namespace testing;
 
 TEST(KeyBlocksCsv, HeaderIsTheContracts) {
   EXPECT_EQ(key_blocks_csv(grid(1), {}),
-            "block,batch,key,mode,volume_m3,weight_n,direction_x,direction_y,direction_z,net_force_n,factor_of_safety,faces,joints\n");
+            "block,batch,key,mode,volume_m3,weight_n,direction_x,direction_y,direction_z,net_force_n,factor_of_safety,"
+            "faces,joints\n");
 }
 
 TEST(KeyBlocksCsv, RowsAreTheRemovableBlocksThatWouldMoveWithoutFriction) {
@@ -25,7 +26,8 @@ TEST(KeyBlocksCsv, RowsAreTheRemovableBlocksThatWouldMoveWithoutFriction) {
   for (int i = 0; i < 5; ++i) made.block(faces, box_counts, true);
   const auto complex = std::move(made).complex();
   stability::Analysis analysis;
-  analysis.judgements = {judgement(0, stability::Mode::falling, 1, 0), judgement(1, stability::Mode::stable, std::nullopt, 5),
+  analysis.judgements = {judgement(0, stability::Mode::falling, 1, 0),
+                         judgement(1, stability::Mode::stable, std::nullopt, 5),
                          judgement(2, stability::Mode::tapered, std::nullopt, 5),
                          judgement(3, stability::Mode::wedge, std::nullopt, std::numeric_limits<double>::infinity()),
                          judgement(4, stability::Mode::lifting, 2, 0.1)};
@@ -39,7 +41,8 @@ TEST(KeyBlocksCsv, RowsAreTheRemovableBlocksThatWouldMoveWithoutFriction) {
 TEST(KeyBlocksCsv, ColumnsAfterForceTransferFollow) {
   stability::Analysis analysis;
   analysis.force_transfer = true;
-  analysis.judgements = {judgement(0, stability::Mode::sliding, 1, 0.5), judgement(1, stability::Mode::wedge, std::nullopt, 2)};
+  analysis.judgements = {judgement(0, stability::Mode::sliding, 1, 0.5),
+                         judgement(1, stability::Mode::wedge, std::nullopt, 2)};
   analysis.judgements[0].transferred = stability::Transferred{.mode = stability::Mode::wedge,
                                                               .key = true,
                                                               .direction = {1, 0, 0},
@@ -47,11 +50,13 @@ TEST(KeyBlocksCsv, ColumnsAfterForceTransferFollow) {
                                                               .factor_of_safety = 0.25,
                                                               .passed = newtons(900)};
   const std::string csv = key_blocks_csv(grid(2), analysis);
-  EXPECT_EQ(csv, std::string{key_blocks_header} +
-                     ",key_transferred,mode_transferred,direction_x_transferred,direction_y_transferred,direction_z_transferred,"
-                     "net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred\n"
-                     "0,1,1,sliding,1,1000,0,0,-1,800,0.5,6,7,1,wedge,1,0,0,900,0.25,900\n"
-                     "1,,0,wedge,1,1000,0,0,-1,800,2,6,7,0,wedge,0,0,-1,800,2,0\n");
+  EXPECT_EQ(
+      csv,
+      std::string{key_blocks_header} +
+          ",key_transferred,mode_transferred,direction_x_transferred,direction_y_transferred,direction_z_transferred,"
+          "net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred\n"
+          "0,1,1,sliding,1,1000,0,0,-1,800,0.5,6,7,1,wedge,1,0,0,900,0.25,900\n"
+          "1,,0,wedge,1,1000,0,0,-1,800,2,6,7,0,wedge,0,0,-1,800,2,0\n");
 }
 
 }  // namespace

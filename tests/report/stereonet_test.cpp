@@ -50,7 +50,8 @@ TEST(Stereonet, PolesLieOppositeToTheDipDirection) {
   EXPECT_NEAR(turned.x, pole.x, 1e-15);
 }
 
-// In the equal-angle net a great circle is a circle of radius 1/cos(dip) about (tan(dip), 0) turned to the side away from the dip.
+// In the equal-angle net a great circle is a circle of radius 1/cos(dip) about (tan(dip), 0) turned to the side away
+// from the dip.
 TEST(Stereonet, GreatCirclesAreCirclesInTheEqualAngleNet) {
   const double dip = 50, direction = 130;
   const Vec3 towards = line(direction, 0);

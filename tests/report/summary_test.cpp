@@ -24,32 +24,42 @@ Summary example() {
   s.title = "Tunnel \"A\"";
   s.seed = 18446744073709551615U;
   s.scene_sha256 = "00ff";
-  s.plan = {{.stage = "cut", .run = true, .why = "asked for"}, {.stage = "stability", .run = false, .why = "nothing is free"}};
-  s.cost = {.wall_s = 1.5, .cpu_s = 2.5, .peak_rss_mb = 100, .threads = 2, .stages = {{.stage = "cut", .wall_s = 1, .cpu_s = 2, .peak_rss_mb = 90}}};
+  s.plan = {{.stage = "cut", .run = true, .why = "asked for"},
+            {.stage = "stability", .run = false, .why = "nothing is free"}};
+  s.cost = {.wall_s = 1.5,
+            .cpu_s = 2.5,
+            .peak_rss_mb = 100,
+            .threads = 2,
+            .stages = {{.stage = "cut", .wall_s = 1, .cpu_s = 2, .peak_rss_mb = 90}}};
   s.input = {.joints = 3, .lattice_pitch_m = 0x1p-41, .largest_snap_m = 1e-13, .merged_planes = 0};
   s.blocks = BlockFigures{.count = 8, .volume_m3 = 8, .domain_volume_m3 = 8, .hash = "abc", .exact_share = 0.25};
   s.certificate.passed = true;
   s.certificate.volume_relative_error = 1e-16;
-  s.key_blocks = KeyBlockFigures{.count = 2, .volume_m3 = 2, .batches = {{.batch = 1, .count = 2, .volume_m3 = 2, .modes = {1, 0, 0, 1}}}};
+  s.key_blocks = KeyBlockFigures{
+      .count = 2, .volume_m3 = 2, .batches = {{.batch = 1, .count = 2, .volume_m3 = 2, .modes = {1, 0, 0, 1}}}};
   return s;
 }
 
 TEST(SummaryJson, KeysAndTheirOrderAreTheContracts) {
   const Json json = Json::parse(summary_json(example()));
-  EXPECT_EQ(keys(json), (std::vector<std::string>{"cleave", "schema", "title", "seed", "scene_sha256", "plan", "cost", "input",
-                                                  "blocks", "key_blocks"}));
+  EXPECT_EQ(keys(json), (std::vector<std::string>{"cleave", "schema", "title", "seed", "scene_sha256", "plan", "cost",
+                                                  "input", "blocks", "key_blocks"}));
   EXPECT_EQ(keys(json["plan"][0]), (std::vector<std::string>{"stage", "run", "why"}));
   EXPECT_EQ(keys(json["cost"]), (std::vector<std::string>{"wall_s", "cpu_s", "peak_rss_mb", "threads", "stages"}));
   EXPECT_EQ(keys(json["cost"]["stages"][0]), (std::vector<std::string>{"stage", "wall_s", "cpu_s", "peak_rss_mb"}));
-  EXPECT_EQ(keys(json["input"]), (std::vector<std::string>{"joints", "lattice_pitch_m", "largest_snap_m", "merged_planes"}));
+  EXPECT_EQ(keys(json["input"]),
+            (std::vector<std::string>{"joints", "lattice_pitch_m", "largest_snap_m", "merged_planes"}));
   EXPECT_EQ(keys(json["blocks"]),
-            (std::vector<std::string>{"count", "volume_m3", "domain_volume_m3", "volume_relative_error", "concave", "with_holes",
-                                      "with_cavities", "slivers", "hash", "certificate", "exact_share"}));
+            (std::vector<std::string>{"count", "volume_m3", "domain_volume_m3", "volume_relative_error", "concave",
+                                      "with_holes", "with_cavities", "slivers", "hash", "certificate", "exact_share"}));
   EXPECT_EQ(keys(json["blocks"]["certificate"]),
-            (std::vector<std::string>{"passed", "euler_violations", "open_shells", "face_vector_max_relative", "unpaired_patches"}));
-  EXPECT_EQ(keys(json["key_blocks"]), (std::vector<std::string>{"count", "volume_m3", "batches", "stopped_at_max_batches"}));
+            (std::vector<std::string>{"passed", "euler_violations", "open_shells", "face_vector_max_relative",
+                                      "unpaired_patches"}));
+  EXPECT_EQ(keys(json["key_blocks"]),
+            (std::vector<std::string>{"count", "volume_m3", "batches", "stopped_at_max_batches"}));
   EXPECT_EQ(keys(json["key_blocks"]["batches"][0]), (std::vector<std::string>{"batch", "count", "volume_m3", "modes"}));
-  EXPECT_EQ(keys(json["key_blocks"]["batches"][0]["modes"]), (std::vector<std::string>{"falling", "lifting", "sliding", "wedge"}));
+  EXPECT_EQ(keys(json["key_blocks"]["batches"][0]["modes"]),
+            (std::vector<std::string>{"falling", "lifting", "sliding", "wedge"}));
   EXPECT_EQ(json["schema"], 1);
   EXPECT_EQ(json["seed"], 18446744073709551615U);
   EXPECT_EQ(json["input"]["lattice_pitch_m"], 0x1p-41);
@@ -71,16 +81,19 @@ TEST(SummaryJson, WithoutACertificateNoFigureOfTheBlocksIsGiven) {
 void expect_valid(const Json& schema, const Json& value, const std::string& where) {
   if (schema.contains("type")) {
     const auto is = [&](const std::string& type) {
-      return (type == "object" && value.is_object()) || (type == "array" && value.is_array()) || (type == "string" && value.is_string()) ||
-             (type == "boolean" && value.is_boolean()) || (type == "null" && value.is_null()) ||
-             (type == "integer" && value.is_number_integer()) || (type == "number" && value.is_number());
+      return (type == "object" && value.is_object()) || (type == "array" && value.is_array()) ||
+             (type == "string" && value.is_string()) || (type == "boolean" && value.is_boolean()) ||
+             (type == "null" && value.is_null()) || (type == "integer" && value.is_number_integer()) ||
+             (type == "number" && value.is_number());
     };
     bool any = false;
-    for (const Json& type : schema["type"].is_array() ? schema["type"] : Json::array({schema["type"]})) any |= is(type.get<std::string>());
+    for (const Json& type : schema["type"].is_array() ? schema["type"] : Json::array({schema["type"]}))
+      any |= is(type.get<std::string>());
     EXPECT_TRUE(any) << where;
   }
   if (schema.contains("required") && value.is_object()) {
-    for (const Json& key : schema["required"]) EXPECT_TRUE(value.contains(key.get<std::string>())) << where << '.' << key;
+    for (const Json& key : schema["required"])
+      EXPECT_TRUE(value.contains(key.get<std::string>())) << where << '.' << key;
   }
   if (value.is_object()) {
     for (const auto& item : value.items()) {
@@ -131,9 +144,11 @@ TEST(Summary, CountsShapes) {
 TEST(Summary, CountsModesByBatch) {
   stability::Analysis analysis;
   analysis.judgements = {judgement(0, stability::Mode::falling, 1, 0), judgement(2, stability::Mode::wedge, 1, 0.5),
-                         judgement(4, stability::Mode::sliding, std::nullopt, 2), judgement(5, stability::Mode::sliding, 2, 0.5)};
-  analysis.batches = {{.number = 1, .blocks = {topology::BlockId{0U}, topology::BlockId{2U}}, .volume = cubic_metres(2)},
-                      {.number = 2, .blocks = {topology::BlockId{5U}}, .volume = cubic_metres(1)}};
+                         judgement(4, stability::Mode::sliding, std::nullopt, 2),
+                         judgement(5, stability::Mode::sliding, 2, 0.5)};
+  analysis.batches = {
+      {.number = 1, .blocks = {topology::BlockId{0U}, topology::BlockId{2U}}, .volume = cubic_metres(2)},
+      {.number = 2, .blocks = {topology::BlockId{5U}}, .volume = cubic_metres(1)}};
   const KeyBlockFigures figures = count_key_blocks(analysis);
   EXPECT_EQ(figures.count, 3U);
   EXPECT_EQ(figures.volume_m3, 3.0);

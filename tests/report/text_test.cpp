@@ -42,12 +42,12 @@ TEST(Text, EscapesCannotBreakOutOfTheirContext) {
 // Test vectors of RFC 4648, section 10.
 TEST(Text, Base64) {
   const std::array<std::pair<std::string_view, std::string_view>, 7> cases{{{"", ""},
-                                                                          {"f", "Zg=="},
-                                                                          {"fo", "Zm8="},
-                                                                          {"foo", "Zm9v"},
-                                                                          {"foob", "Zm9vYg=="},
-                                                                          {"fooba", "Zm9vYmE="},
-                                                                          {"foobar", "Zm9vYmFy"}}};
+                                                                            {"f", "Zg=="},
+                                                                            {"fo", "Zm8="},
+                                                                            {"foo", "Zm9v"},
+                                                                            {"foob", "Zm9vYg=="},
+                                                                            {"fooba", "Zm9vYmE="},
+                                                                            {"foobar", "Zm9vYmFy"}}};
   for (const auto& [plain, coded] : cases) {
     std::string out;
     append_base64(out, std::as_bytes(std::span{plain}));

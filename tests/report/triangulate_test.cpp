@@ -36,11 +36,13 @@ struct Face {
 
 double area_along(const Face& face, std::span<const std::uint32_t> ids) {
   Vec3 sum{};
-  for (std::size_t i = 0; i < ids.size(); ++i) sum += 0.5 * cross(face.points[ids[i]], face.points[ids[(i + 1) % ids.size()]]);
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    sum += 0.5 * cross(face.points[ids[i]], face.points[ids[(i + 1) % ids.size()]]);
   return dot(sum, normalized(face.outward));
 }
 
-// Every loop edge once in its own direction, every other edge once in both: then the triangles close up like the face itself.
+// Every loop edge once in its own direction, every other edge once in both: then the triangles close up like the face
+// itself.
 void expect_closes(const Face& face, const std::vector<Triangle>& triangles) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
   for (const Triangle& t : triangles) {
@@ -137,7 +139,8 @@ TEST(Triangulate, RandomFacesInSpace) {
   for (int trial = 0; trial < 400; ++trial) {
     SCOPED_TRACE(trial);
     const Vec3 normal = normalized(Vec3{uniform() - 0.5, uniform() - 0.5, uniform() - 0.5});
-    const Vec3 u = normalized(cross(normal, std::abs(normal.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})), v = cross(normal, u);
+    const Vec3 u = normalized(cross(normal, std::abs(normal.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})),
+               v = cross(normal, u);
     Face face;
     face.outward = normal;
     const auto star = [&](double cx, double cy, double radius, bool clockwise) {

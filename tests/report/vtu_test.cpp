@@ -54,7 +54,8 @@ TEST(Vtu, UnitCube) {
   EXPECT_EQ(read_array<std::int64_t>(vtu, "Int64", "offsets"), (std::vector<std::int64_t>{8}));
   EXPECT_EQ(read_array<std::int64_t>(vtu, "Int64", "faceoffsets"), (std::vector<std::int64_t>{31}));
   EXPECT_EQ(read_array<std::uint8_t>(vtu, "UInt8", "types"), (std::vector<std::uint8_t>{42}));
-  EXPECT_EQ(read_array<std::int64_t>(vtu, "Int64", "connectivity"), (std::vector<std::int64_t>{0, 1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_EQ(read_array<std::int64_t>(vtu, "Int64", "connectivity"),
+            (std::vector<std::int64_t>{0, 1, 2, 3, 4, 5, 6, 7}));
   EXPECT_EQ(read_array<double>(vtu, "Float64", "volume"), (std::vector<double>{1}));
   EXPECT_EQ(read_array<double>(vtu, "Float64", "Points").size(), 24U);
   const auto faces = read_array<std::int64_t>(vtu, "Int64", "faces");
@@ -69,11 +70,15 @@ TEST(Vtu, AnalysisIsSpreadOverTheCellsOfABlock) {
   analysis.judgements = {judgement(1, stability::Mode::wedge, 2, 0.5),
                          judgement(3, stability::Mode::sliding, std::nullopt, std::numeric_limits<double>::infinity())};
   const std::string vtu = blocks_vtu(make_cells(grid(2)), &analysis, {});
-  EXPECT_EQ(read_array<std::int32_t>(vtu, "Int32", "batch"), (std::vector<std::int32_t>{-1, 2, -1, -1, -1, -1, -1, -1}));
-  EXPECT_EQ(read_array<std::uint8_t>(vtu, "UInt8", "mode"), (std::vector<std::uint8_t>{255, 3, 255, 2, 255, 255, 255, 255}));
+  EXPECT_EQ(read_array<std::int32_t>(vtu, "Int32", "batch"),
+            (std::vector<std::int32_t>{-1, 2, -1, -1, -1, -1, -1, -1}));
+  EXPECT_EQ(read_array<std::uint8_t>(vtu, "UInt8", "mode"),
+            (std::vector<std::uint8_t>{255, 3, 255, 2, 255, 255, 255, 255}));
   EXPECT_EQ(read_array<std::uint8_t>(vtu, "UInt8", "key"), (std::vector<std::uint8_t>{0, 1, 0, 0, 0, 0, 0, 0}));
-  EXPECT_EQ(read_array<double>(vtu, "Float64", "factor_of_safety"), (std::vector<double>{-1, 0.5, -1, 1e9, -1, -1, -1, -1}));
-  EXPECT_EQ(read_array<std::uint8_t>(vtu, "UInt8", "factor_known"), (std::vector<std::uint8_t>{0, 1, 0, 2, 0, 0, 0, 0}));
+  EXPECT_EQ(read_array<double>(vtu, "Float64", "factor_of_safety"),
+            (std::vector<double>{-1, 0.5, -1, 1e9, -1, -1, -1, -1}));
+  EXPECT_EQ(read_array<std::uint8_t>(vtu, "UInt8", "factor_known"),
+            (std::vector<std::uint8_t>{0, 1, 0, 2, 0, 0, 0, 0}));
   EXPECT_EQ(read_array<std::int64_t>(vtu, "Int64", "block"), (std::vector<std::int64_t>{0, 1, 2, 3, 4, 5, 6, 7}));
 }
 

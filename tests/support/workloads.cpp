@@ -366,15 +366,15 @@ Workload ring() {
 }
 
 std::optional<Workload> workload_named(std::string_view name) {
-  for (const auto& [prefix, make] :
-       {std::pair<std::string_view, Workload (*)(std::uint32_t)>{"grid-", grid},
-        {"gridr-", rotated_grid},
-        {"persist-", persistent},
-        {"rect-", rectangles},
-        {"disc-", discs}}) {
+  for (const auto& [prefix, make] : {std::pair<std::string_view, Workload (*)(std::uint32_t)>{"grid-", grid},
+                                     {"gridr-", rotated_grid},
+                                     {"persist-", persistent},
+                                     {"rect-", rectangles},
+                                     {"disc-", discs}}) {
     if (!name.starts_with(prefix)) continue;
     const std::string digits{name.substr(prefix.size())};
-    const bool good = !digits.empty() && digits.size() < 7 && digits.find_first_not_of("0123456789") == std::string::npos;
+    const bool good =
+        !digits.empty() && digits.size() < 7 && digits.find_first_not_of("0123456789") == std::string::npos;
     if (!good || std::stoul(digits) == 0) return std::nullopt;
     return make(static_cast<std::uint32_t>(std::stoul(digits)));
   }

@@ -38,7 +38,8 @@ struct Workload {
 [[nodiscard]] Workload fan();                       ///< 12 half-planes that share an edge, and a plane across: 24
 [[nodiscard]] Workload rotated_fan();               ///< the same with rounded coordinates
 [[nodiscard]] Workload common_vertex(std::uint32_t m);  ///< m planes through one point: m^2 - m + 2
-[[nodiscard]] Workload rotated_common_vertex(std::uint32_t m);  ///< the same, turned and moved, with rounded coordinates
+[[nodiscard]] Workload rotated_common_vertex(
+    std::uint32_t m);  ///< the same, turned and moved, with rounded coordinates
 [[nodiscard]] Workload slivers(std::uint32_t m,
                                double angle);  ///< m planes, each turned by `angle` (rad) against the last
 [[nodiscard]] Workload touching();             ///< contacts exactly at an edge or a vertex: 4

@@ -50,9 +50,7 @@ inline void add_closed_box(topology::CutInput& input, Vec3 lo, Vec3 hi) {
 inline topology::AuditedComplex certified(const topology::CutInput& input) {
   return topology::audit(topology::cut(input).value()).value();
 }
-inline std::size_t count_blocks(const topology::CutInput& input) {
-  return certified(input).complex().blocks().size();
-}
+inline std::size_t count_blocks(const topology::CutInput& input) { return certified(input).complex().blocks().size(); }
 inline std::string hash_of(const topology::CutInput& input) { return canonical_hash(certified(input).complex()); }
 
 /// Smallest first.

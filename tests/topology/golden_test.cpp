@@ -16,8 +16,8 @@ namespace {
 
 std::map<std::string, std::string> current() {
   std::map<std::string, std::string> out;
-  for (const char* name : {"deg-cavity", "deg-coplanar", "deg-fan12", "deg-fan12r", "deg-ring", "deg-sliver10-1e-06", "deg-touch",
-                           "deg-utm7", "deg-vertex20r", "grid-6", "gridr-6", "persist-13", "rect-13"}) {
+  for (const char* name : {"deg-cavity", "deg-coplanar", "deg-fan12", "deg-fan12r", "deg-ring", "deg-sliver10-1e-06",
+                           "deg-touch", "deg-utm7", "deg-vertex20r", "grid-6", "gridr-6", "persist-13", "rect-13"}) {
     out[name] = canonical_hash(topology::cut(support::cut_input(support::workload_named(name).value())).value());
   }
   auto tunnel = support::cut_input(support::workload_named("rect-13").value());

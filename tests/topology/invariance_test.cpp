@@ -27,7 +27,8 @@ std::vector<std::array<unsigned, 6>> counts(const topology::CutInput& input) {
   return out;
 }
 
-constexpr std::array names{"rect-13", "gridr-4", "persist-8", "deg-cavity", "deg-ring", "deg-touch", "deg-coplanar", "deg-fan12"};
+constexpr std::array names{"rect-13",  "gridr-4",   "persist-8",    "deg-cavity",
+                           "deg-ring", "deg-touch", "deg-coplanar", "deg-fan12"};
 
 TEST(Invariance, OrderAndRepetitionOfTheJoints) {
   for (const char* name : names) {
@@ -36,7 +37,8 @@ TEST(Invariance, OrderAndRepetitionOfTheJoints) {
     auto other = workload;
     std::ranges::reverse(other.polygons);
     EXPECT_EQ(hash_of(support::cut_input(other)), reference) << name << ", backwards";
-    std::ranges::rotate(other.polygons, other.polygons.begin() + static_cast<std::ptrdiff_t>(other.polygons.size() / 3));
+    std::ranges::rotate(other.polygons,
+                        other.polygons.begin() + static_cast<std::ptrdiff_t>(other.polygons.size() / 3));
     EXPECT_EQ(hash_of(support::cut_input(other)), reference) << name << ", rotated";
     other = workload;
     other.polygons.insert(other.polygons.end(), workload.polygons.begin(), workload.polygons.end());
@@ -60,7 +62,8 @@ TEST(Invariance, ExactScaling) {
     const support::Workload workload = support::workload_named(name).value();
     const auto reference = hash_of(support::cut_input(workload));
     for (const double factor : {0x1p-10, 0x1p10, 0x1p30}) {
-      EXPECT_EQ(hash_of(support::cut_input(mapped(workload, [&](Vec3 p) { return factor * p; }))), reference) << name << " x " << factor;
+      EXPECT_EQ(hash_of(support::cut_input(mapped(workload, [&](Vec3 p) { return factor * p; }))), reference)
+          << name << " x " << factor;
     }
   }
 }
@@ -77,7 +80,8 @@ TEST(Invariance, ScalingByAThousand) {
       ASSERT_EQ(found.size(), reference_volumes.size());
       const double whole = factor * factor * factor;
       for (std::size_t i = 0; i < found.size(); ++i) {
-        EXPECT_NEAR(found[i], whole * reference_volumes[i], whole * (1e-12 * reference_volumes.back() + 1e-9 * reference_volumes[i]));
+        EXPECT_NEAR(found[i], whole * reference_volumes[i],
+                    whole * (1e-12 * reference_volumes.back() + 1e-9 * reference_volumes[i]));
       }
     }
   }
@@ -103,7 +107,9 @@ TEST(Invariance, ExactTranslation) {
   for (const char* name : {"grid-4", "deg-cavity", "deg-ring", "deg-touch", "deg-coplanar"}) {
     const support::Workload workload = support::workload_named(name).value();
     const auto reference = shapes(support::cut_input(workload));
-    EXPECT_EQ(shapes(support::cut_input(mapped(workload, [](Vec3 p) { return p + Vec3{0x1p20, -0x1p21, 0x1p19}; }))), reference) << name;
+    EXPECT_EQ(shapes(support::cut_input(mapped(workload, [](Vec3 p) { return p + Vec3{0x1p20, -0x1p21, 0x1p19}; }))),
+              reference)
+        << name;
   }
 }
 
@@ -111,9 +117,12 @@ TEST(Invariance, AxesTurnedAndSwapped) {
   for (const char* name : names) {
     const support::Workload workload = support::workload_named(name).value();
     const auto reference = counts(support::cut_input(workload));
-    EXPECT_EQ(counts(support::cut_input(mapped(workload, [](Vec3 p) { return Vec3{p.y, p.z, p.x}; }))), reference) << name;
-    EXPECT_EQ(counts(support::cut_input(mapped(workload, [](Vec3 p) { return Vec3{p.y, p.x, p.z}; }))), reference) << name;
-    EXPECT_EQ(counts(support::cut_input(mapped(workload, [](Vec3 p) { return Vec3{-p.x, p.y, p.z}; }))), reference) << name;
+    EXPECT_EQ(counts(support::cut_input(mapped(workload, [](Vec3 p) { return Vec3{p.y, p.z, p.x}; }))), reference)
+        << name;
+    EXPECT_EQ(counts(support::cut_input(mapped(workload, [](Vec3 p) { return Vec3{p.y, p.x, p.z}; }))), reference)
+        << name;
+    EXPECT_EQ(counts(support::cut_input(mapped(workload, [](Vec3 p) { return Vec3{-p.x, p.y, p.z}; }))), reference)
+        << name;
   }
 }
 

@@ -26,7 +26,8 @@ void add_coordinate_planes(topology::CutInput& input) {
 /// x + s y + t z = d for the four choices of signs.
 void add_octahedral(topology::CutInput& input, double d) {
   for (const double s : {1.0, -1.0}) {
-    for (const double t : {1.0, -1.0}) input.joints.emplace_back(parallelogram({d, 0, 0}, {8, -8 * s, 0}, {0, 8 * s, -8 * t}));
+    for (const double t : {1.0, -1.0})
+      input.joints.emplace_back(parallelogram({d, 0, 0}, {8, -8 * s, 0}, {0, 8 * s, -8 * t}));
   }
 }
 void expect_equal_volumes(const topology::CutInput& input, std::size_t count, double volume) {
@@ -109,15 +110,17 @@ TEST(BerreCase3, ClosesNoBlock) {
 
 // dfnWorks, example 4_user_rects: parameters of Hyman et al. (2015), Comput. Geosci. 84:10-19.
 TEST(FourUserRectangles, MakeFiveBlocks) {
-  const auto found = volumes(scene(box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}),
-                                   {rectangle(2, 0, {-1, -0.6}, {0.2, 0.6}), rectangle(0, 0, {-1, -0.65}, {1, 0.65}),
-                                    rectangle(2, 0.2, {-0.2, -0.6}, {1, 0.6}), rectangle(2, -0.2, {-0.2, -0.6}, {1, 0.6})}));
+  const auto found =
+      volumes(scene(box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}),
+                    {rectangle(2, 0, {-1, -0.6}, {0.2, 0.6}), rectangle(0, 0, {-1, -0.65}, {1, 0.65}),
+                     rectangle(2, 0.2, {-0.2, -0.6}, {1, 0.6}), rectangle(2, -0.2, {-0.2, -0.6}, {1, 0.6})}));
   const std::vector<double> expected{0.15, 0.15, 0.2, 0.25, 0.25};
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], expected[i], 1e-13);
 }
 
-// ---- Planes in general position: blocks = 1 + planes + pair lines + triple points that meet the body ----------------------
+// ---- Planes in general position: blocks = 1 + planes + pair lines + triple points that meet the body
+// ----------------------
 
 struct RandomPlane {
   Vec3 through, normal;
@@ -129,7 +132,8 @@ std::vector<RandomPlane> random_planes(std::size_t count, std::uint32_t key, dou
   while (planes.size() < count) {
     const Vec3 through{coordinate(spread), coordinate(spread), coordinate(spread)};
     const Vec3 normal{coordinate(1), coordinate(1), coordinate(1)};
-    if (geometry::norm(normal) > 0.1 && geometry::norm(normal) <= 1) planes.push_back({through, geometry::normalized(normal)});
+    if (geometry::norm(normal) > 0.1 && geometry::norm(normal) <= 1)
+      planes.push_back({through, geometry::normalized(normal)});
   }
   return planes;
 }
@@ -155,7 +159,8 @@ Flats count_flats(const std::vector<RandomPlane>& planes) {
       out.margin = std::min(out.margin, std::abs(hi - lo));
       for (std::size_t k = 0; k < j; ++k) {
         const Vec3 l = planes[k].normal;
-        const Vec3 x = (a * cross(m, l) + b * cross(l, n) + dot(l, planes[k].through) * cross(n, m)) / dot(n, cross(m, l));
+        const Vec3 x =
+            (a * cross(m, l) + b * cross(l, n) + dot(l, planes[k].through) * cross(n, m)) / dot(n, cross(m, l));
         const double reach = std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)});
         if (reach < 1) ++out.triples;
         out.margin = std::min(out.margin, std::abs(reach - 1));
@@ -212,7 +217,8 @@ TEST(PersistentJoints, OfOneOrientationAreExactlyParallel) {
   // Ten planes with one skew normal: layers, whatever their spacing.
   auto input = scene(box({0, 0, 0}, {10, 10, 10}));
   const Vec3 normal = geometry::normalized({0.3, -0.7, 0.64});
-  for (int i = 0; i < 10; ++i) input.joints.emplace_back(topology::PersistentJoint{{5, 5, 3 + 0.4 * i + 1e-9 * i * i}, normal});
+  for (int i = 0; i < 10; ++i)
+    input.joints.emplace_back(topology::PersistentJoint{{5, 5, 3 + 0.4 * i + 1e-9 * i * i}, normal});
   EXPECT_EQ(count_blocks(input), 11U);
 }
 

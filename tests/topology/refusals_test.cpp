@@ -12,10 +12,10 @@ using topology::JointId;
 geometry::Solid cube() { return box({0, 0, 0}, {4, 4, 4}); }
 
 TEST(Report, NamesJointsOutsideAndDanglingOnes) {
-  const auto audited = certified(scene(cube(), {rectangle(2, 2, {-1, -1}, {5, 5}),     // cuts
-                                                rectangle(2, 9, {-1, -1}, {5, 5}),     // above the domain
-                                                rectangle(2, 1, {1, 1}, {2, 2}),       // in the middle of a block
-                                                rectangle(0, -3, {-1, -1}, {5, 5})})); // west of the domain
+  const auto audited = certified(scene(cube(), {rectangle(2, 2, {-1, -1}, {5, 5}),      // cuts
+                                                rectangle(2, 9, {-1, -1}, {5, 5}),      // above the domain
+                                                rectangle(2, 1, {1, 1}, {2, 2}),        // in the middle of a block
+                                                rectangle(0, -3, {-1, -1}, {5, 5})}));  // west of the domain
   const auto& report = audited.complex().report();
   EXPECT_EQ(audited.complex().blocks().size(), 2U);
   EXPECT_EQ(report.joints_outside, 2U);
@@ -46,7 +46,8 @@ TEST(Report, PitchIsAPowerOfTwoAndFine) {
 
 TEST(Refusals, AJointTooSmallForTheLattice) {
   const double d = 1e-17;
-  const auto input = scene(cube(), {rectangle(2, 2, {-1, -1}, {5, 5}), joint({{0, 0, 0}, {d, 0, 0}, {d, d, 0}, {0, d, 0}})});
+  const auto input =
+      scene(cube(), {rectangle(2, 2, {-1, -1}, {5, 5}), joint({{0, 0, 0}, {d, 0, 0}, {d, d, 0}, {0, d, 0}})});
   const auto complex = topology::cut(input);
   ASSERT_FALSE(complex);
   const auto* error = std::get_if<topology::JointCollapsed>(&complex.error());

@@ -3,7 +3,8 @@
 #include "complexes.hpp"
 #include "workloads.hpp"
 
-// Small scenes with known vertices, edges, faces, loops, shells, genus and volume of every block. Domain: a cube of side 4.
+// Small scenes with known vertices, edges, faces, loops, shells, genus and volume of every block. Domain: a cube of
+// side 4.
 
 namespace cleave::testing {
 namespace {
@@ -94,7 +95,8 @@ TEST(Scenes, RingOfJoints) {
 TEST(Scenes, BoxesThatTouchAlongAnEdgeAndAtAVertex) {
   const auto found = shapes(support::cut_input(support::workload_named("deg-cavity").value()));
   ASSERT_EQ(found.size(), 6U);
-  EXPECT_EQ((Shapes{found.begin(), found.begin() + 4}), (Shapes{{cuboid, 0.125}, {cuboid, 1}, {cuboid, 1}, {cuboid, 1}}));
+  EXPECT_EQ((Shapes{found.begin(), found.begin() + 4}),
+            (Shapes{{cuboid, 0.125}, {cuboid, 1}, {cuboid, 1}, {cuboid, 1}}));
   EXPECT_EQ(found[4], (Shape{{16, 24, 12, 12, 2, 0}, 26}));
   EXPECT_NEAR(found[5].volume, 512 - 27 - 2.125, 1e-9);
 }
@@ -110,13 +112,15 @@ TEST(Excavations, TunnelsThatMeet) {
   const auto along_y = [](double from, double z) { return box({1.5, from, z - 0.5}, {2.5, 5, z + 0.5}); };
   EXPECT_EQ(shapes(excavated({along_x(2), along_y(-1, 2)})), (Shapes{{{32, 48, 16, 20, 1, 3}, 57}})) << "cross";
   EXPECT_EQ(shapes(excavated({along_x(2), along_y(2, 2)})), (Shapes{{{24, 36, 13, 16, 1, 2}, 58.5}})) << "T";
-  EXPECT_EQ(shapes(excavated({along_x(2), along_y(2.5, 2)})), (Shapes{{{24, 36, 13, 16, 1, 2}, 58.5}})) << "T, wall to wall";
+  EXPECT_EQ(shapes(excavated({along_x(2), along_y(2.5, 2)})), (Shapes{{{24, 36, 13, 16, 1, 2}, 58.5}}))
+      << "T, wall to wall";
   EXPECT_EQ(shapes(excavated({along_x(1), along_y(-1, 3)})), (Shapes{{{24, 36, 14, 18, 1, 2}, 56}})) << "two levels";
 }
 
 TEST(Excavations, TrenchAndShaftsThatTouch) {
   EXPECT_EQ(shapes(excavated({box({-1, 1.5, -1}, {5, 2.5, 1})})), (Shapes{{{16, 24, 10, 10, 1, 0}, 60}}));
-  EXPECT_EQ(shapes(excavated({box({1, 1, -1}, {2, 2, 5}), box({2, 2, -1}, {3, 3, 5})})), (Shapes{{{24, 36, 14, 16, 1, 1}, 56}}))
+  EXPECT_EQ(shapes(excavated({box({1, 1, -1}, {2, 2, 5}), box({2, 2, -1}, {3, 3, 5})})),
+            (Shapes{{{24, 36, 14, 16, 1, 1}, 56}}))
       << "two shafts that touch along a vertical edge";
 }
 
@@ -155,7 +159,8 @@ TEST(Excavations, MakeFreeFacesAndWinOverJoints) {
 TEST(Excavations, EqualOnesAreOne) {
   const auto shaft = box({1, 1, -1}, {3, 3, 5});
   EXPECT_EQ(shapes(excavated({shaft, shaft})), (Shapes{{{16, 24, 10, 12, 1, 1}, 48}}));
-  EXPECT_EQ(shapes(excavated({shaft, box({1, 1, 1}, {2, 3, 2})})), (Shapes{{{16, 24, 10, 12, 1, 1}, 48}})) << "one in another";
+  EXPECT_EQ(shapes(excavated({shaft, box({1, 1, 1}, {2, 3, 2})})), (Shapes{{{16, 24, 10, 12, 1, 1}, 48}}))
+      << "one in another";
 }
 
 TEST(Excavations, MayCutTheRockApart) {

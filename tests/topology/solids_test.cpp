@@ -38,7 +38,8 @@ Solid fork() { return prism({{0, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1,
 
 constexpr std::array<std::array<std::uint32_t, 4>, 6> box_faces{
     {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-void append_box(std::vector<Vec3>& vertices, std::vector<SolidFace>& faces, Vec3 lo, Vec3 hi, bool inwards, bool triangles) {
+void append_box(std::vector<Vec3>& vertices, std::vector<SolidFace>& faces, Vec3 lo, Vec3 hi, bool inwards,
+                bool triangles) {
   const auto first = static_cast<std::uint32_t>(vertices.size());
   for (unsigned i = 0; i < 8; ++i) {
     vertices.push_back({(i & 1U) != 0 ? hi.x : lo.x, (i & 2U) != 0 ? hi.y : lo.y, (i & 4U) != 0 ? hi.z : lo.z});
@@ -79,10 +80,10 @@ Solid square_ring() {
   std::vector<SolidFace> faces;
   for (std::uint32_t i = 0; i < 4; ++i) {
     const std::uint32_t j = (i + 1) % 4;
-    faces.push_back({.corners = {i, j, 8 + j, 8 + i}});                // outer wall
-    faces.push_back({.corners = {4 + j, 4 + i, 12 + i, 12 + j}});      // inner wall
-    faces.push_back({.corners = {8 + i, 8 + j, 12 + j, 12 + i}});      // top
-    faces.push_back({.corners = {j, i, 4 + i, 4 + j}});                // bottom
+    faces.push_back({.corners = {i, j, 8 + j, 8 + i}});            // outer wall
+    faces.push_back({.corners = {4 + j, 4 + i, 12 + i, 12 + j}});  // inner wall
+    faces.push_back({.corners = {8 + i, 8 + j, 12 + j, 12 + i}});  // top
+    faces.push_back({.corners = {j, i, 4 + i, 4 + j}});            // bottom
   }
   return Solid::make(vertices, faces).value();
 }
@@ -109,7 +110,8 @@ TEST(DomainAsAMesh, FacesOfTheUncutBodyAreMerged) {
 TEST(ConcaveDomain, LPrism) {
   constexpr std::array<unsigned, 6> l{12, 18, 8, 8, 1, 0};
   EXPECT_EQ(shapes(scene(l_prism(), {rectangle(2, 0.5, {-1, -1}, {3, 3})})), (Shapes{{l, 1.5}, {l, 1.5}}));
-  EXPECT_EQ(shapes(scene(l_prism(), {rectangle(0, 1, {-1, -1}, {3, 3})})), (Shapes{{cuboid, 1}, {{10, 15, 7, 7, 1, 0}, 2}}))
+  EXPECT_EQ(shapes(scene(l_prism(), {rectangle(0, 1, {-1, -1}, {3, 3})})),
+            (Shapes{{cuboid, 1}, {{10, 15, 7, 7, 1, 0}, 2}}))
       << "the joint runs on in a side of the domain: half of that side of the block is joint, half is fixed";
   EXPECT_EQ(shapes(scene(l_prism(), {rectangle(0, 1, {-1, -1}, {3, 3}), rectangle(1, 1, {-1, -1}, {3, 3})})),
             Shapes(3, {cuboid, 1}));
@@ -141,7 +143,8 @@ TEST(ConcaveDomain, CavityOfTheDomain) {
 TEST(ConcaveDomain, SquareRing) {
   constexpr std::array<unsigned, 6> u_shape{16, 24, 10, 10, 1, 0};
   EXPECT_EQ(shapes(scene(square_ring(), {rectangle(1, 1.5, {-1, -1}, {4, 2})})), (Shapes{{u_shape, 4}, {u_shape, 4}}));
-  EXPECT_EQ(shapes(scene(square_ring(), {rectangle(1, 1.5, {-1, -1}, {1.5, 2})})), (Shapes{{{16, 24, 10, 12, 1, 1}, 8}}))
+  EXPECT_EQ(shapes(scene(square_ring(), {rectangle(1, 1.5, {-1, -1}, {1.5, 2})})),
+            (Shapes{{{16, 24, 10, 12, 1, 1}, 8}}))
       << "one cut opens the ring but makes no second block";
   EXPECT_EQ(shapes(scene(square_ring(), {rectangle(2, 0.25, {-1, -1}, {4, 4})})),
             (Shapes{{{16, 24, 10, 12, 1, 1}, 2}, {{16, 24, 10, 12, 1, 1}, 6}}));

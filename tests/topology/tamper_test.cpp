@@ -22,8 +22,9 @@ std::vector<topology::CutInput> sound_scenes() {
   auto grid = support::cut_input(support::workload_named("grid-3").value());
   auto cavity = support::cut_input(support::workload_named("deg-cavity").value());
   auto ring = support::cut_input(support::workload_named("deg-ring").value());
-  auto shaft = scene(box({0, 0, 0}, {4, 4, 4}), {rectangle(2, 2, {-1, -1}, {5, 5}), rectangle(1, 1.5, {-1, -1}, {5, 2})},
-                     {box({1, 1, -1}, {3, 3, 5})});
+  auto shaft =
+      scene(box({0, 0, 0}, {4, 4, 4}), {rectangle(2, 2, {-1, -1}, {5, 5}), rectangle(1, 1.5, {-1, -1}, {5, 2})},
+            {box({1, 1, -1}, {3, 3, 5})});
   auto random = support::cut_input(support::workload_named("rect-13").value());
   return {grid, cavity, ring, shaft, random};
 }
@@ -138,8 +139,9 @@ TEST(Audit, NoticesALostCornerAndAMovedOne) {
 
 TEST(Audit, NoticesWrongCounts) {
   using Member = std::uint32_t topology::EulerCounts::*;
-  for (const Member member : {&topology::EulerCounts::vertices, &topology::EulerCounts::edges, &topology::EulerCounts::faces,
-                              &topology::EulerCounts::loops, &topology::EulerCounts::shells, &topology::EulerCounts::genus}) {
+  for (const Member member :
+       {&topology::EulerCounts::vertices, &topology::EulerCounts::edges, &topology::EulerCounts::faces,
+        &topology::EulerCounts::loops, &topology::EulerCounts::shells, &topology::EulerCounts::genus}) {
     expect_noticed(
         [member](Data& d) {
           ++(d.blocks[BlockId{0U}].counts.*member);

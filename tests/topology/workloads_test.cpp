@@ -95,9 +95,10 @@ struct Case {
 };
 std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
 
-// Scenes whose count hangs on the last bits of the coordinates: planes that are meant to meet in one point (or nearly coincide) and do
-// so only up to rounding. Other exact programs count 93 and 1351 blocks for the planes through the given doubles; we count the
-// blocks of the planes through the nearest lattice points. docs/degenerate-counts.md explains and measures it.
+// Scenes whose count hangs on the last bits of the coordinates: planes that are meant to meet in one point (or nearly
+// coincide) and do so only up to rounding. Other exact programs count 93 and 1351 blocks for the planes through the
+// given doubles; we count the blocks of the planes through the nearest lattice points. docs/degenerate-counts.md
+// explains and measures it.
 class LastBits : public ::testing::TestWithParam<Case> {};
 
 TEST_P(LastBits, AreCountedForTheLattice) {
@@ -115,7 +116,8 @@ TEST(LastBitsOfTheCoordinates, AddOnlySlivers) {
   for (const auto* name : {"deg-vertex8r", "deg-vertex20r", "deg-vertex8", "deg-vertex20"}) {
     const support::Workload workload = support::workload_named(name).value();
     const auto audited = certified(support::cut_input(workload));
-    const auto thick = std::ranges::count_if(audited.complex().blocks(), [](const topology::Block& b) { return !b.sliver; });
+    const auto thick =
+        std::ranges::count_if(audited.complex().blocks(), [](const topology::Block& b) { return !b.sliver; });
     EXPECT_EQ(static_cast<std::uint64_t>(thick), workload.blocks) << name;
   }
 }
@@ -126,8 +128,9 @@ std::uint64_t choose(std::uint64_t n, std::uint64_t k) {
   return value;
 }
 
-/// Blocks of m planes near one point: each plane contains the middle of its first corner and the opposite one on the lattice, and k
-/// planes with one middle have C(k - 1, 3) blocks less than in general position (theory: |mu| of a point of k planes is C(k - 1, 2)).
+/// Blocks of m planes near one point: each plane contains the middle of its first corner and the opposite one on the
+/// lattice, and k planes with one middle have C(k - 1, 3) blocks less than in general position (theory: |mu| of a point
+/// of k planes is C(k - 1, 2)).
 std::uint64_t blocks_by_middles(const support::Workload& workload, double reach) {
   const exact::Lattice lattice = exact::Lattice::covering({-reach, -reach, -reach}, {reach, reach, reach});
   std::map<std::array<std::int64_t, 3>, std::uint64_t> planes_with;
@@ -150,11 +153,13 @@ TEST(LastBitsOfTheCoordinates, ExplainTheCountsOfPlanesThroughAVertex) {
     // Joints far outside make the lattice coarser and cut nothing.
     for (const double reach : {6.0, 12.0, 24.0, 48.0, 96.0, 192.0}) {
       auto input = support::cut_input(workload);
-      for (const double at : {-reach, reach}) input.joints.emplace_back(rectangle(0, at, {-reach, -reach}, {reach, reach}));
+      for (const double at : {-reach, reach})
+        input.joints.emplace_back(rectangle(0, at, {-reach, -reach}, {reach, reach}));
       const std::uint64_t expected = blocks_by_middles(workload, reach);
       const auto audited = certified(input);
       EXPECT_EQ(audited.complex().blocks().size(), expected) << name << ", reach " << reach;
-      const auto thick = std::ranges::count_if(audited.complex().blocks(), [](const topology::Block& b) { return !b.sliver; });
+      const auto thick =
+          std::ranges::count_if(audited.complex().blocks(), [](const topology::Block& b) { return !b.sliver; });
       EXPECT_EQ(static_cast<std::uint64_t>(thick), workload.blocks) << name << ", reach " << reach;
       if (expected == 93 || expected == 1351) ++general;
     }

@@ -39,7 +39,7 @@ struct Interval {
   double low, high;
 };
 
-Interval extent(const Surface& surface, double Vec3::*axis, std::span<const Vec3> points) {
+Interval extent(const Surface& surface, double Vec3::* axis, std::span<const Vec3> points) {
   Interval range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const Polygon& polygon : surface) {
     for (const std::uint32_t corner : polygon.corners) {
@@ -87,7 +87,7 @@ std::optional<double> clear_position(Interval within, const std::vector<double>&
   return best;
 }
 
-std::vector<double> positions(const std::vector<Surface>& cavities, const Surface& whole, double Vec3::*axis,
+std::vector<double> positions(const std::vector<Surface>& cavities, const Surface& whole, double Vec3::* axis,
                               std::span<const Vec3> points) {
   std::vector<Interval> extents;
   for (const Surface& cavity : cavities) extents.push_back(extent(cavity, axis, points));
@@ -104,7 +104,8 @@ std::vector<double> positions(const std::vector<Surface>& cavities, const Surfac
 }
 
 // Cuts by all positions; cavities that are left (there should be none) stay in their part.
-std::vector<Surface> cut_at(Surface whole, double Vec3::*axis, const std::vector<double>& at, std::vector<Vec3>& points) {
+std::vector<Surface> cut_at(Surface whole, double Vec3::* axis, const std::vector<double>& at,
+                            std::vector<Vec3>& points) {
   std::vector<Surface> parts;
   for (const double position : at) {  // ascending: what lies below is done
     auto [lower, upper] = split(whole, axis, position, points);
@@ -137,7 +138,7 @@ std::optional<std::vector<Surface>> cut_through_cavities(Surface triangles, std:
   for (Surface& shell : shells_of(triangles)) {
     if (volume_of(shell, points) < 0) cavities.push_back(std::move(shell));
   }
-  double Vec3::*best = axes.front();
+  double Vec3::* best = axes.front();
   std::vector<double> at = positions(cavities, triangles, best, points);
   for (const auto axis : axes) {
     if (auto other = positions(cavities, triangles, axis, points); other.size() < at.size()) {

@@ -21,8 +21,8 @@ std::string text(double x, double y, std::string_view anchor, std::string_view c
 
 std::string power_of_ten(int exponent) {
   if (exponent >= -3 && exponent <= 5) return display(std::pow(10.0, exponent));
-  return "10<tspan dy=\"-6\" font-size=\"11\">" + std::string{exponent < 0 ? "−" : ""} + std::to_string(std::abs(exponent)) +
-         "</tspan>";
+  return "10<tspan dy=\"-6\" font-size=\"11\">" + std::string{exponent < 0 ? "−" : ""} +
+         std::to_string(std::abs(exponent)) + "</tspan>";
 }
 
 }  // namespace
@@ -38,7 +38,9 @@ std::string size_curve(std::vector<double> volumes) {
     return left + (right - left) * (std::max(std::log10(volume), static_cast<double>(low)) - low) / (high - low);
   };
   const auto y_at = [&](double share) { return bottom - (bottom - top) * share; };
-  std::string out = "<svg viewBox=\"0 0 520 300\" role=\"img\" aria-label=\"Share of blocks and of rock volume in blocks smaller than a given volume\">";
+  std::string out =
+      "<svg viewBox=\"0 0 520 300\" role=\"img\" aria-label=\"Share of blocks and of rock volume in blocks smaller "
+      "than a given volume\">";
   const int step = (high - low + 6) / 7;
   for (int e = low; e <= high; e += step) {
     const double x = x_at(std::pow(10.0, e));
@@ -74,13 +76,15 @@ std::string batch_bars(std::span<const BatchFigures> batches) {
   double largest = 0;
   for (const BatchFigures& batch : batches) largest = std::max(largest, batch.volume_m3);
   const double height = row * static_cast<double>(batches.size()) + 20;
-  std::string out = "<svg viewBox=\"0 0 520 " + fixed(height) + "\" role=\"img\" aria-label=\"Key block volume by batch\">";
+  std::string out =
+      "<svg viewBox=\"0 0 520 " + fixed(height) + "\" role=\"img\" aria-label=\"Key block volume by batch\">";
   double y = 10;
   for (const BatchFigures& batch : batches) {
     const double width = largest > 0 ? (right - left) * batch.volume_m3 / largest : 0;
     out += text(left - 10, y + row * 0.65, "end", "batch " + std::to_string(batch.batch));
-    out += "<rect x=\"" + fixed(left) + "\" y=\"" + fixed(y + row * 0.12) + "\" width=\"" + fixed(std::max(width, 1.5)) +
-           "\" height=\"" + fixed(row * 0.72) + "\" rx=\"2\" fill=\"" + batch_colour(batch.batch) + "\"/>";
+    out += "<rect x=\"" + fixed(left) + "\" y=\"" + fixed(y + row * 0.12) + "\" width=\"" +
+           fixed(std::max(width, 1.5)) + "\" height=\"" + fixed(row * 0.72) + "\" rx=\"2\" fill=\"" +
+           batch_colour(batch.batch) + "\"/>";
     out += text(left + width + 8, y + row * 0.65, "start", display(batch.volume_m3) + " m³");
     y += row;
   }

@@ -14,7 +14,8 @@
 namespace cleave::report {
 namespace {
 
-std::string card(std::string_view label, const std::string& figure, const std::string& below, std::string_view kind = "") {
+std::string card(std::string_view label, const std::string& figure, const std::string& below,
+                 std::string_view kind = "") {
   std::string out = "<div class=\"card ";
   out += kind;
   out += "\"><span class=\"label\">";
@@ -30,10 +31,11 @@ std::string cards(const Page& page) {
   }
   if (s.key_blocks) {
     const auto& k = *s.key_blocks;
-    out += card("Key blocks", display_count(k.count),
-                display(k.volume_m3) + " m³ in " + std::to_string(k.batches.size()) +
-                    (k.batches.size() == 1 ? " batch" : " batches") + (k.stopped_at_max_batches ? ", stopped there" : ""),
-                k.count > 0 ? "warn" : "");
+    out +=
+        card("Key blocks", display_count(k.count),
+             display(k.volume_m3) + " m³ in " + std::to_string(k.batches.size()) +
+                 (k.batches.size() == 1 ? " batch" : " batches") + (k.stopped_at_max_batches ? ", stopped there" : ""),
+             k.count > 0 ? "warn" : "");
   }
   out += card("Joints", display_count(s.input.joints),
               "moved by at most " + display(s.input.largest_snap_m, 2) + " m onto the lattice");
@@ -49,11 +51,16 @@ std::string view_section(const Page& page, std::string& view_json) {
   if (page.complex == nullptr) return {};
   const View3d view = pack_view(*page.complex, page.analysis, view_budget_bytes);
   view_json = view.json;
-  std::string out = "<section id=\"view\"><h2>Blocks in three dimensions</h2>\n<div class=\"stage\">\n<div id=\"scene\">";
+  std::string out =
+      "<section id=\"view\"><h2>Blocks in three dimensions</h2>\n<div class=\"stage\">\n<div id=\"scene\">";
   out += "<div id=\"still\">" + still_picture(*page.complex, page.analysis) + "</div>";
-  out += "<p id=\"no3d\">The still picture is shown: this browser gives no WebGL (or runs no scripts), which the 3D view needs.</p>";
-  out += "<div id=\"compass\" aria-hidden=\"true\"></div><p id=\"hint\">Drag to turn, wheel or two fingers to zoom, right button to shift; "
-         "click a block to see its figures.</p></div>\n<div id=\"panel\" hidden></div>\n</div>\n";
+  out +=
+      "<p id=\"no3d\">The still picture is shown: this browser gives no WebGL (or runs no scripts), which the 3D view "
+      "needs.</p>";
+  out +=
+      "<div id=\"compass\" aria-hidden=\"true\"></div><p id=\"hint\">Drag to turn, wheel or two fingers to zoom, right "
+      "button to shift; "
+      "click a block to see its figures.</p></div>\n<div id=\"panel\" hidden></div>\n</div>\n";
   if (view.shown < view.total) {
     out += "<p class=\"note\">The view holds " + display_count(view.shown) + " of " + display_count(view.total) +
            " blocks: key blocks and those near free faces first. All blocks are in blocks.vtu.</p>\n";
@@ -85,7 +92,8 @@ std::string key_block_rows(const Page& page) {
     const topology::Block& block = page.complex->blocks()[j.block];
     out += "<tr data-block=\"" + std::to_string(j.block.value()) + "\"" + (j.key ? "" : " class=\"stays\"") + ">";
     cell(out, j.block.value(), std::to_string(j.block.value()));
-    const std::string swatch = j.batch ? "<i class=\"swatch\" style=\"background:" + batch_colour(*j.batch) + "\"></i>" : "";
+    const std::string swatch =
+        j.batch ? "<i class=\"swatch\" style=\"background:" + batch_colour(*j.batch) + "\"></i>" : "";
     cell(out, j.batch ? *j.batch : 1e9, swatch + (j.batch ? std::to_string(*j.batch) : (j.key ? "later" : "stays")));
     out += "<td>";
     out += stability::name(j.mode);
@@ -118,14 +126,20 @@ std::string key_blocks_section(const Page& page) {
   if (figures.stopped_at_max_batches) {
     out += "<p class=\"note\">Stopped at the scene's largest number of batches: more blocks may follow.</p>\n";
   }
-  if (!figures.batches.empty()) out += "<figure class=\"half\">" + batch_bars(figures.batches) + "<figcaption>Volume that leaves, by batch. "
-         "All blocks of a batch leave together; what they held up leaves in the next.</figcaption></figure>\n";
+  if (!figures.batches.empty())
+    out += "<figure class=\"half\">" + batch_bars(figures.batches) +
+           "<figcaption>Volume that leaves, by batch. "
+           "All blocks of a batch leave together; what they held up leaves in the next.</figcaption></figure>\n";
   const std::string rows = key_block_rows(page);
   if (rows.empty()) return out + "<p>No removable block would move, even without friction.</p></section>\n";
-  out += "<p class=\"small\">Every removable block that would move without friction; those that friction and cohesion hold are marked “stays”. "
-         "Click a heading to sort, a row to find the block in the view. Directions are trend / plunge, downwards positive.</p>\n"
-         "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Block</th><th>Batch</th><th>Mode</th><th>Volume (m³)</th>"
-         "<th>Weight (kN)</th><th>Direction</th><th>Net force (kN)</th><th>Factor of safety</th>";
+  out +=
+      "<p class=\"small\">Every removable block that would move without friction; those that friction and cohesion "
+      "hold are marked “stays”. "
+      "Click a heading to sort, a row to find the block in the view. Directions are trend / plunge, downwards "
+      "positive.</p>\n"
+      "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Block</th><th>Batch</th><th>Mode</th><th>Volume "
+      "(m³)</th>"
+      "<th>Weight (kN)</th><th>Direction</th><th>Net force (kN)</th><th>Factor of safety</th>";
   if (page.analysis->force_transfer) out += "<th>Net force, transferred (kN)</th><th>Factor, transferred</th>";
   out += "<th>Faces</th><th class=\"wide\">Joints</th></tr></thead><tbody>\n";
   return out + rows + "</tbody></table></div></section>\n";
@@ -142,26 +156,33 @@ std::string set_rows(const Page& page) {
     const MeanPole mean = mean_of(normals);
     out += "<tr><td><svg class=\"mark\" viewBox=\"0 0 16 16\">" + set_marker(set, 8, 8, 5) + "</svg>" +
            escape_xml(page.sets[set].name) + "</td><td>" + display_count(normals.size()) + "</td><td>" +
-           display(std::round(mean.dip_degrees * 10) / 10) + "° / " + display(std::round(mean.dip_direction_degrees * 10) / 10) +
-           "°</td><td>" + (normals.size() > 1 ? display(mean.kappa, 3) : "–") + "</td></tr>\n";
+           display(std::round(mean.dip_degrees * 10) / 10) + "° / " +
+           display(std::round(mean.dip_direction_degrees * 10) / 10) + "°</td><td>" +
+           (normals.size() > 1 ? display(mean.kappa, 3) : "–") + "</td></tr>\n";
   }
   return out;
 }
 
 std::string stereonet_section(const Page& page) {
   if (page.joints.empty()) return {};
-  std::string out = "<section id=\"net\"><h2>Joints</h2>\n<div class=\"columns\"><figure class=\"net\">\n"
-                    "<div class=\"choice\"><input type=\"radio\" name=\"net\" id=\"net-area\" checked><label for=\"net-area\">equal area</label>"
-                    "<input type=\"radio\" name=\"net\" id=\"net-angle\"><label for=\"net-angle\">equal angle</label>\n";
+  std::string out =
+      "<section id=\"net\"><h2>Joints</h2>\n<div class=\"columns\"><figure class=\"net\">\n"
+      "<div class=\"choice\"><input type=\"radio\" name=\"net\" id=\"net-area\" checked><label for=\"net-area\">equal "
+      "area</label>"
+      "<input type=\"radio\" name=\"net\" id=\"net-angle\"><label for=\"net-angle\">equal angle</label>\n";
   out += "<div class=\"area\">" + stereonet_svg(page.joints, page.sets, Net::equal_area, page.north) + "</div>";
-  out += "<div class=\"angle\">" + stereonet_svg(page.joints, page.sets, Net::equal_angle, page.north) + "</div></div>\n";
-  out += "<figcaption>Poles of joints, lower hemisphere; large marks and great circles: means of the sets. Inner circles: dips of 30° and 60°.";
+  out +=
+      "<div class=\"angle\">" + stereonet_svg(page.joints, page.sets, Net::equal_angle, page.north) + "</div></div>\n";
+  out +=
+      "<figcaption>Poles of joints, lower hemisphere; large marks and great circles: means of the sets. Inner circles: "
+      "dips of 30° and 60°.";
   if (page.joints.size() > max_plotted_poles) {
     const std::size_t step = (page.joints.size() + max_plotted_poles - 1) / max_plotted_poles;
     out += " One in " + std::to_string(step) + " poles is drawn; the means use all.";
   }
-  out += "</figcaption></figure>\n<div><table><thead><tr><th>Set</th><th>Joints</th><th>Mean dip / dip direction</th>"
-         "<th>Concentration κ</th></tr></thead><tbody>\n";
+  out +=
+      "</figcaption></figure>\n<div><table><thead><tr><th>Set</th><th>Joints</th><th>Mean dip / dip direction</th>"
+      "<th>Concentration κ</th></tr></thead><tbody>\n";
   return out + set_rows(page) + "</tbody></table></div></div></section>\n";
 }
 
@@ -176,7 +197,9 @@ std::string blocks_section(const Page& page) {
     line += name;
     return line + "</th><td>" + value + "</td></tr>\n";
   };
-  std::string out = "<section id=\"blocks\"><h2>Block system and certificate</h2>\n<div class=\"columns\"><div><table class=\"facts\"><tbody>\n";
+  std::string out =
+      "<section id=\"blocks\"><h2>Block system and certificate</h2>\n<div class=\"columns\"><div><table "
+      "class=\"facts\"><tbody>\n";
   out += row("Blocks", display_count(b.count));
   out += row("Not convex", display_count(b.concave));
   out += row("With holes", display_count(b.with_holes));
@@ -192,12 +215,16 @@ std::string blocks_section(const Page& page) {
   out += row("Decisions that needed exact numbers", display(100 * b.exact_share, 3) + " %");
   out += row("Hash of the block system", "<code>" + escape_xml(b.hash) + "</code>");
   out += "</tbody></table></div>\n<figure>" + size_curve(std::move(volumes));
-  return out + "<figcaption>Share of the <span class=\"key-a\">number of blocks</span> and of the <span class=\"key-b\">rock volume</span> "
-               "in blocks smaller than V.</figcaption></figure></div></section>\n";
+  return out +
+         "<figcaption>Share of the <span class=\"key-a\">number of blocks</span> and of the <span class=\"key-b\">rock "
+         "volume</span> "
+         "in blocks smaller than V.</figcaption></figure></div></section>\n";
 }
 
 std::string plan_section(const Summary& summary) {
-  std::string out = "<section id=\"plan\"><h2>What ran, what was left out, and why</h2>\n<table><thead><tr><th>Stage</th><th></th><th class=\"wide\">Why</th></tr></thead><tbody>\n";
+  std::string out =
+      "<section id=\"plan\"><h2>What ran, what was left out, and "
+      "why</h2>\n<table><thead><tr><th>Stage</th><th></th><th class=\"wide\">Why</th></tr></thead><tbody>\n";
   for (const PlanRow& row : summary.plan) {
     out += "<tr" + std::string{row.run ? "" : " class=\"off\""} + "><td>" + escape_xml(row.stage) + "</td><td>" +
            (row.run ? "ran" : "left out") + "</td><td class=\"wide\">" + escape_xml(row.why) + "</td></tr>\n";
@@ -208,15 +235,19 @@ std::string plan_section(const Summary& summary) {
 std::string cost_section(const CostTable& cost) {
   double longest = 0;
   for (const CostRow& row : cost.stages) longest = std::max(longest, row.wall_s);
-  std::string out = "<section id=\"cost\"><h2>Cost by stage</h2>\n<table><thead><tr><th>Stage</th><th>Wall (s)</th><th class=\"bar\"></th><th>CPU (s)</th>"
-                    "<th>Peak memory (MB)</th></tr></thead><tbody>\n";
+  std::string out =
+      "<section id=\"cost\"><h2>Cost by stage</h2>\n<table><thead><tr><th>Stage</th><th>Wall (s)</th><th "
+      "class=\"bar\"></th><th>CPU (s)</th>"
+      "<th>Peak memory (MB)</th></tr></thead><tbody>\n";
   for (const CostRow& row : cost.stages) {
     const double share = longest > 0 ? 100 * row.wall_s / longest : 0;
-    out += "<tr><td>" + escape_xml(row.stage) + "</td><td>" + display(row.wall_s, 3) + "</td><td class=\"bar\"><i style=\"width:" +
-           number(std::round(share * 10) / 10) + "%\"></i></td><td>" + display(row.cpu_s, 3) + "</td><td>" +
-           display(row.peak_rss_mb, 4) + "</td></tr>\n";
+    out += "<tr><td>" + escape_xml(row.stage) + "</td><td>" + display(row.wall_s, 3) +
+           "</td><td class=\"bar\"><i style=\"width:" + number(std::round(share * 10) / 10) + "%\"></i></td><td>" +
+           display(row.cpu_s, 3) + "</td><td>" + display(row.peak_rss_mb, 4) + "</td></tr>\n";
   }
-  return out + "</tbody></table>\n<p class=\"small\">Up to the writing of this page; summary.json has the rest.</p></section>\n";
+  return out +
+         "</tbody></table>\n<p class=\"small\">Up to the writing of this page; summary.json has the "
+         "rest.</p></section>\n";
 }
 
 std::string inputs_section(const Page& page) {
@@ -229,7 +260,8 @@ std::string inputs_section(const Page& page) {
   std::string out = "<section id=\"inputs\"><h2>Inputs</h2>\n<table class=\"facts\"><tbody>\n";
   out += row("Scene", escape_xml(page.scene_file) + " <code>" + escape_xml(s.scene_sha256) + "</code>");
   for (const FileRow& file : page.files) {
-    out += row("File", escape_xml(file.name) + ", " + display_count(file.bytes) + " bytes <code>" + escape_xml(file.sha256) + "</code>");
+    out += row("File", escape_xml(file.name) + ", " + display_count(file.bytes) + " bytes <code>" +
+                           escape_xml(file.sha256) + "</code>");
   }
   out += row("Seed", std::to_string(s.seed));
   out += row("Joints", display_count(s.input.joints));
@@ -257,15 +289,17 @@ void append(std::string& out, std::span<const std::string_view> pieces) {
 
 std::string report_html(const Page& page) {
   const std::string title = escape_xml(page.summary.title.empty() ? "cleave report" : page.summary.title);
-  std::string out = "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-                    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n"
-                    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data: blob:; "
-                    "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n"
-                    "<link rel=\"icon\" href=\"data:,\">\n<title>";
+  std::string out =
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" "
+      "content=\"light dark\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data: blob:; "
+      "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n"
+      "<link rel=\"icon\" href=\"data:,\">\n<title>";
   out += title + "</title>\n<style>\n";
   append(out, assets::style());
-  out += "</style>\n</head>\n<body>\n<header><p class=\"kicker\">cleave " CLEAVE_VERSION "</p><h1>" + title + "</h1>\n<p class=\"sub\">" +
-         escape_xml(page.scene_file) + " · seed " + std::to_string(page.summary.seed) +
+  out += "</style>\n</head>\n<body>\n<header><p class=\"kicker\">cleave " CLEAVE_VERSION "</p><h1>" + title +
+         "</h1>\n<p class=\"sub\">" + escape_xml(page.scene_file) + " · seed " + std::to_string(page.summary.seed) +
          " · lengths in metres, x east, y north, z up; dip directions clockwise from +y</p></header>\n<main>\n";
   std::string view_json;
   out += cards(page);
@@ -276,7 +310,8 @@ std::string report_html(const Page& page) {
   out += plan_section(page.summary);
   out += cost_section(page.summary.cost);
   out += inputs_section(page);
-  out += "</main>\n<footer>Made by cleave " CLEAVE_VERSION ". The 3D view uses three.js (MIT licence, the three.js authors).</footer>\n";
+  out += "</main>\n<footer>Made by cleave " CLEAVE_VERSION
+         ". The 3D view uses three.js (MIT licence, the three.js authors).</footer>\n";
   if (!view_json.empty()) {
     out += "<script type=\"application/json\" id=\"data\">\n" + view_json + "</script>\n<script>\n";
     append(out, assets::three());

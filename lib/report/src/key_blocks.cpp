@@ -26,17 +26,18 @@ namespace {
 
 // A block that nothing was passed to keeps its values.
 void append_transferred(std::string& out, const stability::Judgement& j) {
-  const stability::Transferred after = j.transferred.value_or(stability::Transferred{.mode = j.mode,
-                                                                                     .key = j.key,
-                                                                                     .direction = j.direction,
-                                                                                     .driving = j.driving,
-                                                                                     .resistance = j.resistance,
-                                                                                     .net = j.net,
-                                                                                     .factor_of_safety = j.factor_of_safety});
+  const stability::Transferred after =
+      j.transferred.value_or(stability::Transferred{.mode = j.mode,
+                                                    .key = j.key,
+                                                    .direction = j.direction,
+                                                    .driving = j.driving,
+                                                    .resistance = j.resistance,
+                                                    .net = j.net,
+                                                    .factor_of_safety = j.factor_of_safety});
   out += after.key ? ",1," : ",0,";
   out += stability::name(after.mode);
-  for (const double value : {after.direction.x, after.direction.y, after.direction.z, after.net.si(), after.factor_of_safety,
-                             after.passed.si()}) {
+  for (const double value : {after.direction.x, after.direction.y, after.direction.z, after.net.si(),
+                             after.factor_of_safety, after.passed.si()}) {
     out += ',';
     append_number(out, value);
   }
@@ -55,8 +56,8 @@ std::string key_blocks_csv(const topology::BlockComplex& complex, const stabilit
     if (j.batch) out += std::to_string(*j.batch);
     out += j.key ? ",1," : ",0,";
     out += stability::name(j.mode);
-    for (const double value : {block.volume.si(), j.weight.si(), j.direction.x, j.direction.y, j.direction.z, j.net.si(),
-                               j.factor_of_safety}) {
+    for (const double value : {block.volume.si(), j.weight.si(), j.direction.x, j.direction.y, j.direction.z,
+                               j.net.si(), j.factor_of_safety}) {
       out += ',';
       append_number(out, value);
     }

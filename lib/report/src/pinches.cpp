@@ -69,9 +69,7 @@ std::vector<std::pair<Use, Use>> pair_up(std::vector<Use> group, const std::vect
   // By angle about the edge. Turning on from a backward use leads into the rock, from a forward one out of it.
   const Vec3 edge = points[group.front().high] - points[group.front().low];
   const Vec3 along = normalized(edge);
-  const auto into_face = [&](const Use& u) {
-    return cross(polygons[u.polygon].outward, u.forward ? along : -along);
-  };
+  const auto into_face = [&](const Use& u) { return cross(polygons[u.polygon].outward, u.forward ? along : -along); };
   const Vec3 zero = into_face(group.front()), right = cross(along, zero);
   std::vector<std::pair<double, Use>> turned;
   for (const Use& u : group) turned.emplace_back(std::atan2(dot(into_face(u), right), dot(into_face(u), zero)), u);
@@ -112,7 +110,8 @@ std::vector<Use> first_pinched_edge(const std::vector<Use>& uses) {
   return {};
 }
 
-// Puts a point into the middle of an edge of a polygon; a triangle is cut in two and stays triangles, the second one goes to `more`.
+// Puts a point into the middle of an edge of a polygon; a triangle is cut in two and stays triangles, the second one
+// goes to `more`.
 void insert(std::vector<Polygon>& polygons, std::vector<Polygon>& more, const Use& use, std::uint32_t point) {
   Polygon& polygon = polygons[use.polygon];
   auto& corners = polygon.corners;
@@ -135,7 +134,8 @@ std::vector<Polygon> with_doubled_points(std::vector<Polygon> polygons, const st
   for (std::size_t i = 0; i < uses.size();) {
     std::size_t end = i;
     while (end < uses.size() && same_edge(uses[end], uses[i])) ++end;
-    std::vector<Use> group(uses.begin() + static_cast<std::ptrdiff_t>(i), uses.begin() + static_cast<std::ptrdiff_t>(end));
+    std::vector<Use> group(uses.begin() + static_cast<std::ptrdiff_t>(i),
+                           uses.begin() + static_cast<std::ptrdiff_t>(end));
     if (group.size() > 2) pinched.insert(pinched.end(), {group.front().low, group.front().high});
     for (const auto& [a, b] : pair_up(std::move(group), polygons, points, through)) {
       fans.join(a.corner, b.next_corner);

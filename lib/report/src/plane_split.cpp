@@ -13,17 +13,20 @@ using geometry::Vec3;
 
 class Splitter {
  public:
-  Splitter(double Vec3::*axis, double position, std::vector<Vec3>& points) : axis_{axis}, position_{position}, points_{points} {}
+  Splitter(double Vec3::* axis, double position, std::vector<Vec3>& points)
+      : axis_{axis}, position_{position}, points_{points} {}
 
   void add(const Polygon& triangle) {
-    const std::array<bool, 3> above{is_above(triangle.corners[0]), is_above(triangle.corners[1]), is_above(triangle.corners[2])};
+    const std::array<bool, 3> above{is_above(triangle.corners[0]), is_above(triangle.corners[1]),
+                                    is_above(triangle.corners[2])};
     if (above[0] == above[1] && above[1] == above[2]) {
       half(above[0]).push_back(triangle);
       return;
     }
     // Corner a is alone on its side.
     const std::size_t alone = above[1] == above[2] ? 0 : (above[0] == above[2] ? 1 : 2);
-    const std::uint32_t a = triangle.corners[alone], b = triangle.corners[(alone + 1) % 3], c = triangle.corners[(alone + 2) % 3];
+    const std::uint32_t a = triangle.corners[alone], b = triangle.corners[(alone + 1) % 3],
+                        c = triangle.corners[(alone + 2) % 3];
     const std::uint32_t p = cut_point(a, b), q = cut_point(a, c);
     const auto piece = [&](bool upper, std::vector<std::uint32_t> corners) {
       half(upper).push_back({.corners = std::move(corners), .outward = triangle.outward, .face = triangle.face});
@@ -84,7 +87,7 @@ class Splitter {
     return loops;
   }
 
-  double Vec3::*axis_;
+  double Vec3::* axis_;
   double position_;
   std::vector<Vec3>& points_;
   std::vector<Polygon> lower_, upper_;
@@ -95,7 +98,7 @@ class Splitter {
 
 }  // namespace
 
-std::pair<std::vector<Polygon>, std::vector<Polygon>> split(const std::vector<Polygon>& triangles, double Vec3::*axis,
+std::pair<std::vector<Polygon>, std::vector<Polygon>> split(const std::vector<Polygon>& triangles, double Vec3::* axis,
                                                             double position, std::vector<Vec3>& points) {
   Splitter splitter{axis, position, points};
   for (const Polygon& triangle : triangles) splitter.add(triangle);

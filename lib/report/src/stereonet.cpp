@@ -166,7 +166,8 @@ std::string set_marker(std::size_t set, double x, double y, double r) {
              fixed(-2.4 * r) + "z\" " + fill + "/>";
     default:
       return "<path d=\"M" + fixed(x) + ',' + fixed(y - 1.4 * r) + 'l' + fixed(1.3 * r) + ',' + fixed(1.4 * r) + 'l' +
-             fixed(-1.3 * r) + ',' + fixed(1.4 * r) + 'l' + fixed(-1.3 * r) + ',' + fixed(-1.4 * r) + "z\" " + fill + "/>";
+             fixed(-1.3 * r) + ',' + fixed(1.4 * r) + 'l' + fixed(-1.3 * r) + ',' + fixed(-1.4 * r) + "z\" " + fill +
+             "/>";
   }
 }
 

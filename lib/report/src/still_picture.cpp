@@ -45,7 +45,8 @@ std::vector<std::uint32_t> batches_of(const BlockComplex& complex, const stabili
 std::vector<Patch> visible(const BlockComplex& complex, const stability::Analysis* analysis, const Camera& eye,
                            std::size_t max_polygons) {
   const auto batches = batches_of(complex, analysis);
-  const bool any_excavation = std::ranges::any_of(complex.faces(), [](const topology::Face& f) { return f.excavation.has_value(); });
+  const bool any_excavation =
+      std::ranges::any_of(complex.faces(), [](const topology::Face& f) { return f.excavation.has_value(); });
   std::vector<Patch> patches;
   for (const topology::FaceId id : complex.faces().ids()) {
     const topology::Face& face = complex.faces()[id];
@@ -62,7 +63,8 @@ std::vector<Patch> visible(const BlockComplex& complex, const stability::Analysi
     }
   }
   if (patches.size() > max_polygons) {
-    std::ranges::stable_sort(patches, std::ranges::greater{}, [](const Patch& p) { return std::pair{p.batch > 0, p.area}; });
+    std::ranges::stable_sort(patches, std::ranges::greater{},
+                             [](const Patch& p) { return std::pair{p.batch > 0, p.area}; });
     patches.erase(patches.begin() + static_cast<std::ptrdiff_t>(max_polygons), patches.end());
     std::ranges::sort(patches, {}, &Patch::face);
   }
@@ -106,8 +108,9 @@ std::string still_picture(const BlockComplex& complex, const stability::Analysis
   if (patches.empty()) return {};
   const double scale = 940 / std::max({right - left, (bottom - top) * 1.5, 1e-300});
   const double height = (bottom - top) * scale + 60;
-  std::string out = "<svg viewBox=\"0 0 1000 " + fixed(height) +
-                    "\" role=\"img\" aria-label=\"Key blocks and excavation, parallel view from the south-east and above\">";
+  std::string out =
+      "<svg viewBox=\"0 0 1000 " + fixed(height) +
+      "\" role=\"img\" aria-label=\"Key blocks and excavation, parallel view from the south-east and above\">";
   const double shift = (1000 - (right - left) * scale) / 2;
   for (const Patch& patch : patches) {
     const topology::Face& face = complex.faces()[patch.face];
@@ -123,8 +126,8 @@ std::string still_picture(const BlockComplex& complex, const stability::Analysis
     }
     out += "\"";
     if (patch.batch > 0) {
-      out += " style=\"fill:color-mix(in srgb," + batch_colour(patch.batch) + ' ' + std::to_string(shade(face.outward)) +
-             "%,#000)\" fill=\"" + batch_colour(patch.batch) + "\"";
+      out += " style=\"fill:color-mix(in srgb," + batch_colour(patch.batch) + ' ' +
+             std::to_string(shade(face.outward)) + "%,#000)\" fill=\"" + batch_colour(patch.batch) + "\"";
     }
     out += "/>";
   }

@@ -67,7 +67,7 @@ void write_certificate(JsonWriter& json, const topology::Certificate& certificat
 void write_blocks(JsonWriter& json, const Summary& summary) {
   json.key("blocks");
   json.begin_object();
-  const auto figure = [&](std::string_view name, auto BlockFigures::*member) {
+  const auto figure = [&](std::string_view name, auto BlockFigures::* member) {
     if (summary.blocks) {
       json.member(name, *summary.blocks.*member);
     } else {

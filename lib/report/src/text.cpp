@@ -80,7 +80,8 @@ std::string display(double value, int digits) {
   const double magnitude = std::abs(value);
   std::string body;
   if (magnitude >= 1e9 || magnitude < 1e-4) {
-    const auto end = std::to_chars(buffer.begin(), buffer.end(), magnitude, std::chars_format::scientific, digits - 1).ptr;
+    const auto end =
+        std::to_chars(buffer.begin(), buffer.end(), magnitude, std::chars_format::scientific, digits - 1).ptr;
     body.assign(buffer.begin(), end);
     const std::size_t e = body.find('e');
     std::string mantissa = body.substr(0, e);

@@ -68,7 +68,8 @@ class Clipper {
   }
 
   static bool between(Point2 a, Point2 b, Point2 p) {
-    return turn(a, b, p) == 0 && (a.u != b.u ? (a.u < p.u) != (b.u < p.u) : (a.v < p.v) != (b.v < p.v)) && p != a && p != b;
+    return turn(a, b, p) == 0 && (a.u != b.u ? (a.u < p.u) != (b.u < p.u) : (a.v < p.v) != (b.v < p.v)) && p != a &&
+           p != b;
   }
 
   // Does anything stand between the nodes m and n? Edges that end in one of the two places do not count.
@@ -84,7 +85,8 @@ class Clipper {
     return false;
   }
 
-  // Joins the loop of node m to the polygon's node n by a bridge, walked once in each direction; by nothing when both are one vertex.
+  // Joins the loop of node m to the polygon's node n by a bridge, walked once in each direction; by nothing when both
+  // are one vertex.
   void join(std::size_t m, std::size_t n) {
     const std::size_t m_before = nodes_[m].previous;
     const std::size_t n_after = nodes_[n].next;
@@ -115,7 +117,8 @@ class Clipper {
     return nodes;
   }
 
-  // The node of `outer` in the same place as m (the same vertex, or a double of it) that opens to the hole's two edges there.
+  // The node of `outer` in the same place as m (the same vertex, or a double of it) that opens to the hole's two edges
+  // there.
   std::optional<std::size_t> touching(const std::vector<std::size_t>& outer, std::size_t m) const {
     for (const std::size_t n : outer) {
       if (nodes_[n].at == nodes_[m].at && opens_to(n, nodes_[nodes_[m].next].at) &&
@@ -134,9 +137,8 @@ class Clipper {
     std::vector<Hole> holes;
     for (std::size_t loop = 1; loop < firsts_.size(); ++loop) {
       const auto nodes = ring(firsts_[loop]);
-      const auto right = std::ranges::max_element(nodes, {}, [&](std::size_t n) {
-        return std::tuple{nodes_[n].at.u, nodes_[n].at.v};
-      });
+      const auto right = std::ranges::max_element(
+          nodes, {}, [&](std::size_t n) { return std::tuple{nodes_[n].at.u, nodes_[n].at.v}; });
       holes.push_back({.first = firsts_[loop], .rightmost = *right});
     }
     std::ranges::stable_sort(holes, std::ranges::greater{}, [&](const Hole& h) {
@@ -240,7 +242,8 @@ std::vector<Point2> seen(const Loop& loop, std::span<const geometry::Vec3> posit
 double twice_area(const std::vector<Point2>& loop) {
   double sum = 0;
   for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
-    sum += (loop[i].u - loop[0].u) * (loop[i + 1].v - loop[0].v) - (loop[i].v - loop[0].v) * (loop[i + 1].u - loop[0].u);
+    sum +=
+        (loop[i].u - loop[0].u) * (loop[i + 1].v - loop[0].v) - (loop[i].v - loop[0].v) * (loop[i + 1].u - loop[0].u);
   }
   return sum;
 }
@@ -254,7 +257,8 @@ bool inside(const std::vector<Point2>& outline, Point2 p) {
   return in;
 }
 
-std::vector<Region> regions_of(std::span<const Loop> loops, std::span<const geometry::Vec3> positions, geometry::Vec3 outward) {
+std::vector<Region> regions_of(std::span<const Loop> loops, std::span<const geometry::Vec3> positions,
+                               geometry::Vec3 outward) {
   std::vector<Loop> simple;
   for (const Loop& loop : loops) append_simple(simple, loop);
   std::vector<Region> regions;
@@ -279,7 +283,8 @@ std::vector<Region> regions_of(std::span<const Loop> loops, std::span<const geom
       const auto around = seen(regions[r].front(), positions, outward);
       // By majority: single corners may lie on the outline.
       std::ptrdiff_t votes = 0;
-      for (const Point2 p : seen(hole, positions, outward)) votes += std::ranges::find(around, p) == around.end() ? (inside(around, p) ? 1 : -1) : 0;
+      for (const Point2 p : seen(hole, positions, outward))
+        votes += std::ranges::find(around, p) == around.end() ? (inside(around, p) ? 1 : -1) : 0;
       if (votes <= 0 || twice_area(around) >= smallest) continue;
       smallest = twice_area(around);
       home = r;

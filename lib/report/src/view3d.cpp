@@ -71,8 +71,8 @@ struct BlockColumns {
                         : std::uint16_t{0});
     mode.push_back(judgement != nullptr ? std::to_underlying(judgement->mode) : mode_not_judged);
     const double factor_of_safety = judgement != nullptr ? judgement->factor_of_safety : factor_when_unknown;
-    factor.push_back(static_cast<float>(std::isfinite(factor_of_safety) ? std::min(factor_of_safety, factor_when_infinite)
-                                                                         : factor_when_infinite));
+    factor.push_back(static_cast<float>(
+        std::isfinite(factor_of_safety) ? std::min(factor_of_safety, factor_when_infinite) : factor_when_infinite));
   }
 };
 
@@ -101,7 +101,8 @@ std::size_t view_bytes(const BlockComplex& complex, BlockId block) {
     loops += face.loops.size();
     for (const auto& loop : face.loops) corners += loop.size();
   }
-  const std::size_t triangles = corners + 2 * loops - 4 * faces;  // corners + 2 holes - 2 of each face, holes = loops - 1
+  const std::size_t triangles =
+      corners + 2 * loops - 4 * faces;  // corners + 2 holes - 2 of each face, holes = loops - 1
   // Points are shared by about three faces of a block; base64 makes four bytes of three.
   return (12 * triangles + 2 * corners + 9 * faces + 19 + 11) * 4 / 3;
 }

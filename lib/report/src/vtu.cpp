@@ -88,7 +88,7 @@ void append_analysis(std::string& out, const Cells& cells, const stability::Anal
       row.factor_known = std::isinf(j.factor_of_safety) ? 2 : 1;
     }
   }
-  const auto column = [&]<class T>(std::string_view name, T Row::*member) {
+  const auto column = [&]<class T>(std::string_view name, T Row::* member) {
     std::vector<T> values;
     values.reserve(cells.size());
     for (const topology::BlockId b : cells.block) values.push_back(rows[b.index()].*member);
@@ -111,15 +111,19 @@ void append_analysis(std::string& out, const Cells& cells, const stability::Anal
 
 std::string blocks_vtu(const Cells& cells, const stability::Analysis* analysis, const VtuText& text) {
   std::string out;
-  out.reserve(11 * (3 * cells.points.size() + cells.face_stream.size() + cells.connectivity.size() + 5 * cells.size()) + 4096);
+  out.reserve(11 * (3 * cells.points.size() + cells.face_stream.size() + cells.connectivity.size() + 5 * cells.size()) +
+              4096);
   // Two hyphens may not stand in a comment.
   std::string title = escape_xml(text.title);
   for (std::size_t i; (i = title.find("--")) != std::string::npos;) title.replace(i, 2, "- -");
   out += "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   out += "<!-- cleave " CLEAVE_VERSION "; scene: " + title +
-         "; metres, x east, y north, z up, no offset subtracted; `block` counts from 0. A block with cavities is several cells of one"
+         "; metres, x east, y north, z up, no offset subtracted; `block` counts from 0. A block with cavities is "
+         "several cells of one"
          " `block`. factor_of_safety: 1e9 = infinite, -1 = none (see factor_known) -->\n";
-  out += "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n";
+  out +=
+      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n<UnstructuredGrid>\n";
   out += "<FieldData>\n";
   append_strings(out, "title", {text.title});
   append_strings(out, "scene_file", {text.scene_file});

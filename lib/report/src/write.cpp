@@ -60,7 +60,9 @@ Summary summarize(const scene::RunResult& result) {
 
 std::string loads_of(const scene::RunResult& result) {
   const scene::StabilitySettings& s = *result.stability;
-  const auto vector = [](geometry::Vec3 v) { return "(" + display(v.x) + ", " + display(v.y) + ", " + display(v.z) + ")"; };
+  const auto vector = [](geometry::Vec3 v) {
+    return "(" + display(v.x) + ", " + display(v.y) + ", " + display(v.z) + ")";
+  };
   std::string out = "rock of " + display(result.rock.density.si()) + " kg/m³, gravity " + vector(s.gravity) + " m/s²";
   if (norm(s.seismic) > 0) out += ", seismic force / weight " + vector(s.seismic);
   return out;

@@ -74,20 +74,21 @@ std::expected<void, WriteError> write_file(const fs::path& path, std::string_vie
 }
 
 std::string describe(const WriteError& error) {
-  return std::visit(
-      overloaded{
-          [](const CannotCreate& e) {
-            return e.path.string() + ": cannot be created (" + e.reason +
-                   "); choose a folder that you may write to, and move away what stands in its place";
-          },
-          [](const NoSpace& e) {
-            return e.path.string() + ": no room left to write it (" + e.reason + "); free some space or choose another disk";
-          },
-          [](const CannotWrite& e) {
-            return e.path.string() + ": cannot be written (" + e.reason + "); check the disk, or choose another one";
-          },
-      },
-      error);
+  return std::visit(overloaded{
+                        [](const CannotCreate& e) {
+                          return e.path.string() + ": cannot be created (" + e.reason +
+                                 "); choose a folder that you may write to, and move away what stands in its place";
+                        },
+                        [](const NoSpace& e) {
+                          return e.path.string() + ": no room left to write it (" + e.reason +
+                                 "); free some space or choose another disk";
+                        },
+                        [](const CannotWrite& e) {
+                          return e.path.string() + ": cannot be written (" + e.reason +
+                                 "); check the disk, or choose another one";
+                        },
+                    },
+                    error);
 }
 
 }  // namespace cleave::report

@@ -110,7 +110,8 @@ class Arranger {
     auto next = begin;
     for (Index u = 0; u < graph_.uses.size(); ++u) uses[next[plane_of(graph_.uses[u])]++] = u;
     for (Index plane = 0; plane < prepared_.facet_planes; ++plane) {
-      const std::span<const Index> own = std::span{uses}.subspan(begin[plane], begin[plane + std::size_t{1}] - begin[plane]);
+      const std::span<const Index> own =
+          std::span{uses}.subspan(begin[plane], begin[plane + std::size_t{1}] - begin[plane]);
       if (!own.empty()) in_plane(PlaneView{plane, own});
     }
     return std::move(out_);
@@ -171,7 +172,8 @@ class Arranger {
     std::ranges::sort(spokes, [](const Spoke& a, const Spoke& b) {
       return a.vertex < b.vertex || (a.vertex == b.vertex && a.direction < b.direction);
     });
-    // A half-edge that arrives at a vertex goes on along the spoke just clockwise of its own twin: its face stays on the left.
+    // A half-edge that arrives at a vertex goes on along the spoke just clockwise of its own twin: its face stays on
+    // the left.
     for (std::size_t first = 0; first < spokes.size();) {
       std::size_t last = first;
       while (last < spokes.size() && spokes[last].vertex == spokes[first].vertex) ++last;
@@ -190,7 +192,8 @@ class Arranger {
       for (const Index start : {2 * use, 2 * use + 1}) {
         if (loop_of_[start] != none) continue;
         const Index number = static_cast<Index>(loops_.size());
-        // Total turning in steps of half a turn / n: + 2 n round a face, - 2 n round a hole. Turning back at a free end is to the right.
+        // Total turning in steps of half a turn / n: + 2 n round a face, - 2 n round a hole. Turning back at a free end
+        // is to the right.
         std::int64_t turning = 0;
         Index h = start;
         do {
@@ -206,7 +209,8 @@ class Arranger {
     }
   }
 
-  /// Which facets lie under each face. With a single convex facet all bounded faces are covered, because everything drawn lies in it.
+  /// Which facets lie under each face. With a single convex facet all bounded faces are covered, because everything
+  /// drawn lies in it.
   void cover(const PlaneView& view, Index first_face) {
     const Index facets_first = prepared_.facets_begin[view.plane];
     if (traces_.with_outlines[view.plane] == 0) {
@@ -239,7 +243,8 @@ class Arranger {
         const Index use = h / 2;
         for (auto mark = std::ranges::lower_bound(graph_.outlines, use, {}, &OutlineMark::use);
              mark != graph_.outlines.end() && mark->use == use; ++mark) {
-          // The half-edge's left is `face`; what the facet has on the forward half-edge's left is ours if h is the forward one.
+          // The half-edge's left is `face`; what the facet has on the forward half-edge's left is ours if h is the
+          // forward one.
           const bool enters = mark->facet_on_left != (h == 2 * use);
           if (enters) {
             set.push_back(mark->facet);

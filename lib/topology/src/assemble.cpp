@@ -27,8 +27,13 @@ class Assembler {
  public:
   Assembler(const CutInput& input, const Prepared& prepared, const Graph& graph, const Arrangement& arrangement,
             const Cells& cells, const std::vector<Vec>& positions)
-      : input_{input}, prepared_{prepared}, graph_{graph}, arrangement_{arrangement}, cells_{cells},
-        faces_{static_cast<Index>(arrangement.faces.size())}, merged_{2 * std::size_t{faces_}},
+      : input_{input},
+        prepared_{prepared},
+        graph_{graph},
+        arrangement_{arrangement},
+        cells_{cells},
+        faces_{static_cast<Index>(arrangement.faces.size())},
+        merged_{2 * std::size_t{faces_}},
         shells_{2 * std::size_t{faces_}} {
     const double side = prepared.lattice.pitch() * 0x1p48;
     points_.reserve(positions.size());
@@ -56,8 +61,8 @@ class Assembler {
     const Index h = half_face_of(flank);
     return h == none ? none : block_of_[h];
   }
-  /// The vertex where the flank ends when its face is walked round counter-clockwise seen from outside the block. A block on the
-  /// negative side sees the plane's normal as its outward normal and goes with the half-edge.
+  /// The vertex where the flank ends when its face is walked round counter-clockwise seen from outside the block. A
+  /// block on the negative side sees the plane's normal as its outward normal and goes with the half-edge.
   [[nodiscard]] Index head(Index flank) const {
     const Index h = flank / 2;
     const Edge& edge = graph_.edges[graph_.uses[h / 2].edge];
@@ -127,7 +132,9 @@ class Assembler {
       } else {
         CLEAVE_ASSERT(domain != nullptr);
         nature.tag = domain->tag;
-        nature.role = std::ranges::find(input_.free_domain_tags, domain->tag) != input_.free_domain_tags.end() ? Role::free : Role::fixed;
+        nature.role = std::ranges::find(input_.free_domain_tags, domain->tag) != input_.free_domain_tags.end()
+                          ? Role::free
+                          : Role::fixed;
       }
     }
   }
@@ -157,8 +164,8 @@ class Assembler {
     return link_[flank] != none && block_of_flank(flank) != none && !internal(flank);
   }
 
-  /// A vertex with two straight edges of one line is no vertex of the block. Counts the fans of each block (a vertex where the
-  /// boundary pinches counts once a fan) and its edges.
+  /// A vertex with two straight edges of one line is no vertex of the block. Counts the fans of each block (a vertex
+  /// where the boundary pinches counts once a fan) and its edges.
   void drop_straight_vertices() {
     vertex_count_.assign(block_count_, 0);
     edge_flanks_.assign(block_count_, 0);
@@ -190,7 +197,8 @@ class Assembler {
     }
   }
 
-  // ---- faces ---------------------------------------------------------------------------------------------------------
+  // ---- faces
+  // ---------------------------------------------------------------------------------------------------------
 
   [[nodiscard]] Vec3 point(Index vertex) const { return points_[vertex]; }
 
@@ -282,9 +290,11 @@ class Assembler {
       area += m.vector_area;
       moment += m.moment;
       const Index beyond = block_of_[h ^ 1U];
-      const auto neighbour = nature.role == Role::joint && beyond != none ? std::optional{BlockId{beyond}} : std::nullopt;
+      const auto neighbour =
+          nature.role == Role::joint && beyond != none ? std::optional{BlockId{beyond}} : std::nullopt;
       const auto joint = nature_[h].joint == none ? std::nullopt : std::optional{JointId{nature_[h].joint}};
-      auto patch = std::ranges::find_if(face.patches, [&](const Patch& p) { return p.neighbour == neighbour && p.joint == joint; });
+      auto patch = std::ranges::find_if(face.patches,
+                                        [&](const Patch& p) { return p.neighbour == neighbour && p.joint == joint; });
       if (patch == face.patches.end()) {
         face.patches.push_back({joint, neighbour, {}, {}});
         patch = face.patches.end() - 1;
@@ -329,8 +339,8 @@ class Assembler {
     do {
       in_loop_[flank] = 1;
       const Index next = following(flank);
-      // Seen from the positive side directions grow counter-clockwise; a block there is looked at from the other side and its
-      // faces are walked backwards, which changes the sense of each turn.
+      // Seen from the positive side directions grow counter-clockwise; a block there is looked at from the other side
+      // and its faces are walked backwards, which changes the sense of each turn.
       const Index from = arrangement_.direction[flank / 2], to = arrangement_.direction[next / 2];
       const Index step = (to + 2 * half - from) % (2 * half);
       const std::int64_t left = step < half ? std::int64_t{step} : std::int64_t{step} - 2 * std::int64_t{half};
@@ -342,7 +352,8 @@ class Assembler {
     if (turning > 0 && face.loops.size() > 1) std::swap(face.loops.front(), face.loops.back());
   }
 
-  // ---- blocks ----------------------------------------------------------------------------------------------------------
+  // ---- blocks
+  // ----------------------------------------------------------------------------------------------------------
 
   void finish_blocks() {
     find_reflex_edges();
@@ -409,15 +420,19 @@ class Assembler {
     std::swap(shells[0], shells[static_cast<std::size_t>(outer)]);
     block.shell_of_face.reserve(block.faces.size());
     for (const FaceId f : block.faces) {
-      block.shell_of_face.push_back(static_cast<std::uint32_t>(std::ranges::find(shells, face_shell_[f.index()]) - shells.begin()));
+      block.shell_of_face.push_back(
+          static_cast<std::uint32_t>(std::ranges::find(shells, face_shell_[f.index()]) - shells.begin()));
     }
     block.volume = cubic_metres(volume);
     block.centroid = out_.origin + apex + (volume > 0 ? moment / (24 * volume) : Vec3{});
     const std::int64_t v = vertex_count_[b], e = edge_flanks_[b] / 2, f = static_cast<std::int64_t>(block.faces.size()),
                        l = loops_of_block_[b], s = static_cast<std::int64_t>(shells.size());
     const std::int64_t twice_genus = 2 * s - (v - e + f - (l - f));
-    block.counts = {static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(e), static_cast<std::uint32_t>(f),
-                    static_cast<std::uint32_t>(l), static_cast<std::uint32_t>(s),
+    block.counts = {static_cast<std::uint32_t>(v),
+                    static_cast<std::uint32_t>(e),
+                    static_cast<std::uint32_t>(f),
+                    static_cast<std::uint32_t>(l),
+                    static_cast<std::uint32_t>(s),
                     twice_genus < 0 || twice_genus % 2 != 0 ? UINT32_MAX : static_cast<std::uint32_t>(twice_genus / 2)};
     block.convex = block.convex && s == 1;
     block.thickness = metres(thickness(block));
@@ -450,8 +465,8 @@ class Assembler {
   }
 
   void finish_report() {
-    out_.planes = IdVector<PlaneId, exact::Plane>{
-        std::vector<exact::Plane>(prepared_.planes.begin(), prepared_.planes.begin() + static_cast<std::ptrdiff_t>(prepared_.facet_planes))};
+    out_.planes = IdVector<PlaneId, exact::Plane>{std::vector<exact::Plane>(
+        prepared_.planes.begin(), prepared_.planes.begin() + static_cast<std::ptrdiff_t>(prepared_.facet_planes))};
     out_.domain_volume = cubic_metres(prepared_.domain_volume);
     out_.excavated_volume = cubic_metres(void_volume());
     CutReport& report = out_.report;
@@ -462,7 +477,8 @@ class Assembler {
     report.joints_outside = prepared_.outside.size();
     for (const Index j : prepared_.outside) report.outside.emplace_back(j);
     for (Index j = 0; j < prepared_.joint_count; ++j) {
-      if (joint_used_[j] == 0 && std::ranges::find(prepared_.outside, j) == prepared_.outside.end()) report.dangling.emplace_back(j);
+      if (joint_used_[j] == 0 && std::ranges::find(prepared_.outside, j) == prepared_.outside.end())
+        report.dangling.emplace_back(j);
     }
   }
 

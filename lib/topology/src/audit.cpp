@@ -89,8 +89,8 @@ class BlockAuditor {
   }
 
  private:
-  /// Each side needs one in the opposite direction. Where the boundary touches itself along an edge there are several: the partner of
-  /// a face is then the next one met when turning from it through the inside of the block.
+  /// Each side needs one in the opposite direction. Where the boundary touches itself along an edge there are several:
+  /// the partner of a face is then the next one met when turning from it through the inside of the block.
   bool pair_sides() {
     std::vector<std::uint32_t> order(sides_.size());
     std::iota(order.begin(), order.end(), 0U);
@@ -104,7 +104,9 @@ class BlockAuditor {
     for (std::size_t first = 0; first < order.size();) {
       std::size_t last = first;
       while (last < order.size() && key(order[last]) == key(order[first])) ++last;
-      if (!pair_group({order.begin() + static_cast<std::ptrdiff_t>(first), order.begin() + static_cast<std::ptrdiff_t>(last)})) return false;
+      if (!pair_group(
+              {order.begin() + static_cast<std::ptrdiff_t>(first), order.begin() + static_cast<std::ptrdiff_t>(last)}))
+        return false;
       first = last;
     }
     return true;
@@ -112,14 +114,16 @@ class BlockAuditor {
 
   bool pair_group(std::vector<std::uint32_t> group) {
     const auto forward = [&](std::uint32_t s) { return sides_[s].from < sides_[s].to; };
-    if (group.size() % 2 != 0 || static_cast<std::size_t>(std::ranges::count_if(group, forward)) * 2 != group.size()) return false;
+    if (group.size() % 2 != 0 || static_cast<std::size_t>(std::ranges::count_if(group, forward)) * 2 != group.size())
+      return false;
     if (group.size() == 2) {
       sides_[group[0]].partner = group[1];
       sides_[group[1]].partner = group[0];
       return true;
     }
     const Side& any = sides_[group[0]];
-    const Vec3 a = complex_.vertices()[VertexId{std::min(any.from, any.to)}], b = complex_.vertices()[VertexId{std::max(any.from, any.to)}];
+    const Vec3 a = complex_.vertices()[VertexId{std::min(any.from, any.to)}],
+               b = complex_.vertices()[VertexId{std::max(any.from, any.to)}];
     const Vec3 axis = geometry::normalized(b - a);
     const Vec3 e1 = geometry::normalized(geometry::cross(axis, std::abs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
     const Vec3 e2 = geometry::cross(axis, e1);
@@ -162,7 +166,8 @@ BlockMeasure measure(const BlockComplex& complex, const Block& block) {
     Vec3 area{};
     for (const auto& loop : face.loops) {
       for (std::size_t i = 0; i < loop.size(); ++i) {
-        area += 0.5 * geometry::cross(complex.vertices()[loop[i]] - apex, complex.vertices()[loop[(i + 1) % loop.size()]] - apex);
+        area += 0.5 * geometry::cross(complex.vertices()[loop[i]] - apex,
+                                      complex.vertices()[loop[(i + 1) % loop.size()]] - apex);
       }
     }
     sum += area;
@@ -252,7 +257,8 @@ std::uint64_t count_unpaired(const BlockComplex& complex) {
     for (const Patch& patch : face.patches) {
       if (!patch.neighbour) continue;
       const std::uint32_t a = face.block.value(), b = patch.neighbour->value();
-      pairs.push_back({std::min(a, b), std::max(a, b), face.plane.value(), a < b ? patch.area.si() : -patch.area.si(), patch.area.si()});
+      pairs.push_back({std::min(a, b), std::max(a, b), face.plane.value(), a < b ? patch.area.si() : -patch.area.si(),
+                       patch.area.si()});
     }
   }
   const auto key = [](const Pair& p) { return std::array{p.low, p.high, p.plane}; };
@@ -313,8 +319,9 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex) {
   certificate.volume = cubic_metres(volume);
   const double rock = complex.rock_volume().si();
   certificate.volume_relative_error = rock > 0 ? std::abs(volume - rock) / rock : 1;
-  certificate.passed = certificate.euler_violations == 0 && certificate.open_shells == 0 && certificate.unpaired_patches == 0 &&
-                       certificate.misfits == 0 && closures_hold && certificate.volume_relative_error <= 1e-10;
+  certificate.passed = certificate.euler_violations == 0 && certificate.open_shells == 0 &&
+                       certificate.unpaired_patches == 0 && certificate.misfits == 0 && closures_hold &&
+                       certificate.volume_relative_error <= 1e-10;
   if (!certificate.passed) return std::unexpected(std::move(certificate));
   return AuditedComplex{std::move(complex), std::move(certificate)};
 }
@@ -330,7 +337,9 @@ std::string canonical_hash(const BlockComplex& complex) {
   };
   // A coarse grid of 2^-16 of the scene, shifted so that round coordinates do not lie on its borders.
   const double cell = complex.report().lattice_pitch_m * 0x1p30;
-  const auto rounded = [&](double x) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x / cell + 0.381966011250105))); };
+  const auto rounded = [&](double x) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x / cell + 0.381966011250105)));
+  };
   std::vector<std::uint64_t> digests;
   std::vector<std::uint64_t> corners;
   for (const Block& block : complex.blocks()) {

@@ -19,9 +19,15 @@ Vec cross(const Vec& a, const Vec& b) {
 
 class CellFinder {
  public:
-  CellFinder(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement, const std::vector<Vec>& positions)
-      : prepared_{prepared}, graph_{graph}, arrangement_{arrangement}, positions_{positions},
-        faces_{static_cast<Index>(arrangement.faces.size())}, shells_{2 * std::size_t{faces_} + 1}, connected_{faces_} {}
+  CellFinder(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement,
+             const std::vector<Vec>& positions)
+      : prepared_{prepared},
+        graph_{graph},
+        arrangement_{arrangement},
+        positions_{positions},
+        faces_{static_cast<Index>(arrangement.faces.size())},
+        shells_{2 * std::size_t{faces_} + 1},
+        connected_{faces_} {}
 
   Cells run() {
     find_shells();
@@ -148,9 +154,10 @@ class CellFinder {
     }
   }
 
-  /// The half-face of another piece that a ray from an extreme point of this piece, going out, meets first; the unbounded outside if none.
-  /// Directions in which the ray passes too close to an edge to call are given up for others. A start that touches another piece's face is
-  /// no difficulty: pieces do not cross, so an edge of this one says on which side it lies there.
+  /// The half-face of another piece that a ray from an extreme point of this piece, going out, meets first; the
+  /// unbounded outside if none. Directions in which the ray passes too close to an edge to call are given up for
+  /// others. A start that touches another piece's face is no difficulty: pieces do not cross, so an edge of this one
+  /// says on which side it lies there.
   Index facing(Index piece, const std::vector<Side>& sides, const std::vector<Target>& targets) {
     std::uint64_t state = 0x9E3779B97F4A7C15U;
     const auto random = [&state] {
@@ -165,7 +172,8 @@ class CellFinder {
       do {
         ray = {random(), random(), random()};
       } while (dot(ray, ray) > 1 || dot(ray, ray) < 0.1);
-      const Index start = std::ranges::max_element(sides, {}, [&](const Side& e) { return dot(positions_[e.from], ray); })->from;
+      const Index start =
+          std::ranges::max_element(sides, {}, [&](const Side& e) { return dot(positions_[e.from], ray); })->from;
       const Vec& from = positions_[start];
       double nearest = std::numeric_limits<double>::infinity();
       Index met = unbounded();
@@ -187,8 +195,8 @@ class CellFinder {
     return unbounded();
   }
 
-  /// On which side of a face that it touches with the vertex `at` the piece lies: an edge from there that leaves the face's plane says
-  /// so, because pieces do not cross.
+  /// On which side of a face that it touches with the vertex `at` the piece lies: an edge from there that leaves the
+  /// face's plane says so, because pieces do not cross.
   [[nodiscard]] bool on_positive_side(Index face, const std::vector<Side>& sides, Index at) const {
     const auto& n = prepared_.planes[arrangement_.faces[face].plane].approx();
     double most = 0;
@@ -256,7 +264,8 @@ class CellFinder {
     return Hit{t, height > 0, t < margin, false};
   }
 
-  // ---- numbering and what is rock ------------------------------------------------------------------------------------
+  // ---- numbering and what is rock
+  // ------------------------------------------------------------------------------------
 
   Cells number_cells() {
     Cells cells;

@@ -60,8 +60,8 @@ class Finder {
   }
 
  private:
-  /// Which interval is looked at in which plane. Traces count in the lower of their planes: a vertex of three planes is found in
-  /// the lowest one. Where outlines are drawn every trace is needed.
+  /// Which interval is looked at in which plane. Traces count in the lower of their planes: a vertex of three planes is
+  /// found in the lowest one. Where outlines are drawn every trace is needed.
   template <class Visit>
   void for_each_drawing(Visit&& visit) const {
     for (Index k = 0; k < traces_.intervals.size(); ++k) {

@@ -13,19 +13,26 @@ std::string describe(const CutError& error) {
   return std::visit(
       overloaded{
           [](const JointCollapsed& e) {
-            return fmt::format("joint {} is too small for this scene: its corners fall on one line of the lattice of {} m; leave "
-                               "it out or cut a smaller domain",
-                               e.joint.value(), e.pitch.si());
+            return fmt::format(
+                "joint {} is too small for this scene: its corners fall on one line of the lattice of {} m; leave "
+                "it out or cut a smaller domain",
+                e.joint.value(), e.pitch.si());
           },
           [](const SolidCollapsed& e) {
-            const std::string what = e.excavation ? fmt::format("excavation {}", *e.excavation) : std::string{"the domain"};
-            return fmt::format("face {} of {} is too small or too bent for the lattice of {} m; merge its corners or give it as triangles",
-                               e.face, what, e.pitch.si());
+            const std::string what =
+                e.excavation ? fmt::format("excavation {}", *e.excavation) : std::string{"the domain"};
+            return fmt::format(
+                "face {} of {} is too small or too bent for the lattice of {} m; merge its corners or give it as "
+                "triangles",
+                e.face, what, e.pitch.si());
           },
           [](const DomainSwallowed&) {
-            return std::string{"the excavations leave no rock of the domain; make the domain larger or an excavation smaller"};
+            return std::string{
+                "the excavations leave no rock of the domain; make the domain larger or an excavation smaller"};
           },
-          [](const TooLarge& e) { return fmt::format("the scene has more than 2^31 {}; split it or use fewer joints", e.what); },
+          [](const TooLarge& e) {
+            return fmt::format("the scene has more than 2^31 {}; split it or use fewer joints", e.what);
+          },
       },
       error);
 }

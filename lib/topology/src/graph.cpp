@@ -19,7 +19,10 @@ double dot(const std::array<double, 3>& a, const std::array<double, 3>& b) {
 class GraphBuilder {
  public:
   GraphBuilder(const Prepared& prepared, const Traces& traces, Signs& signs)
-      : prepared_{prepared}, traces_{traces}, signs_{signs}, crossings_{find_crossings(prepared, traces, signs)},
+      : prepared_{prepared},
+        traces_{traces},
+        signs_{signs},
+        crossings_{find_crossings(prepared, traces, signs)},
         same_point_{crossings_.vertices.size()} {}
 
   Graph run() {
@@ -87,9 +90,11 @@ class GraphBuilder {
       CLEAVE_ASSERT(sense != Sign::zero);
       items.push_back({dot(v.approx.x, line.approx.m) / v.approx.w, on.vertex, on.transversal, sense});
     }
-    std::ranges::sort(items, [](const Item& a, const Item& b) { return a.t < b.t || (!(b.t < a.t) && a.vertex < b.vertex); });
+    std::ranges::sort(items,
+                      [](const Item& a, const Item& b) { return a.t < b.t || (!(b.t < a.t) && a.vertex < b.vertex); });
     bool in_order = true;
-    for (std::size_t i = 1; i < items.size() && in_order; ++i) in_order = compare(items[i - 1], items[i]) != Sign::positive;
+    for (std::size_t i = 1; i < items.size() && in_order; ++i)
+      in_order = compare(items[i - 1], items[i]) != Sign::positive;
     if (!in_order) {
       std::ranges::stable_sort(items, [&](const Item& a, const Item& b) { return compare(a, b) == Sign::negative; });
     }
@@ -195,7 +200,8 @@ class GraphBuilder {
         if (outline) {
           // The left of direction d in plane P is n x d; with d = + (nP x nE) that is the negative side of E.
           const Index own = prepared_.facets[interval.outline_of].plane;
-          on_left = signs_.same_sense(own, interval.edge_plane, main.approx, main.p, main.q) != interval.inside_positive;
+          on_left =
+              signs_.same_sense(own, interval.edge_plane, main.approx, main.p, main.q) != interval.inside_positive;
         }
         for (std::ptrdiff_t s = first; s < last; ++s) {
           const auto segment = static_cast<std::size_t>(s - base);
@@ -211,7 +217,8 @@ class GraphBuilder {
     const Index first_slot = static_cast<Index>(graph_.slots.size());
     graph_.lines.push_back({main.p, main.q, main.approx, first_slot, static_cast<Index>(members.size())});
     for (const auto& [plane, transversal] : members) {
-      graph_.slots.push_back({plane, 0, transversal, signs_.same_sense(plane, transversal, main.approx, main.p, main.q)});
+      graph_.slots.push_back(
+          {plane, 0, transversal, signs_.same_sense(plane, transversal, main.approx, main.p, main.q)});
     }
     order_around(first_slot, members.size());
 
@@ -225,7 +232,8 @@ class GraphBuilder {
         if (drawn_[s * members.size() + m] == 0) continue;
         const Index use = static_cast<Index>(graph_.uses.size());
         graph_.uses.push_back({static_cast<Index>(graph_.edges.size()), static_cast<Index>(first_slot + m)});
-        for (; mark != outline_marks.end() && mark->segment == static_cast<std::ptrdiff_t>(s) && mark->slot == m; ++mark) {
+        for (; mark != outline_marks.end() && mark->segment == static_cast<std::ptrdiff_t>(s) && mark->slot == m;
+             ++mark) {
           graph_.outlines.push_back({use, mark->facet, mark->facet_on_left});
         }
       }
@@ -236,7 +244,8 @@ class GraphBuilder {
     }
   }
 
-  /// Places of the left half-planes around the line's direction: the angle of n x d is the angle of n turned by 90 degrees.
+  /// Places of the left half-planes around the line's direction: the angle of n x d is the angle of n turned by 90
+  /// degrees.
   void order_around(Index first_slot, std::size_t count) {
     const auto slot = [&](std::size_t k) -> Slot& { return graph_.slots[first_slot + k]; };
     // Sign of d . (n_i x n_j): both planes contain the line, so the cross product is parallel to its direction d.
@@ -284,7 +293,8 @@ std::vector<Vec> positions_of(const Prepared& prepared, const Graph& graph) {
   std::vector<Vec> positions;
   positions.reserve(graph.vertices.size());
   for (const Vertex& v : graph.vertices) {
-    positions.push_back(meet_position(v.approx, prepared.planes[v.planes[0]], prepared.planes[v.planes[1]], prepared.planes[v.planes[2]]));
+    positions.push_back(meet_position(v.approx, prepared.planes[v.planes[0]], prepared.planes[v.planes[1]],
+                                      prepared.planes[v.planes[2]]));
   }
   return positions;
 }

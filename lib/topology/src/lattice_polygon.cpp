@@ -52,8 +52,8 @@ Sign turn(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint along) no
   const auto p = as_double(u);
   const auto q = as_double(v);
   const auto w = as_double(along);
-  const std::array<double, 6> terms{p[1] * q[2] * w[0], -p[2] * q[1] * w[0], p[2] * q[0] * w[1],
-                                    -p[0] * q[2] * w[1], p[0] * q[1] * w[2], -p[1] * q[0] * w[2]};
+  const std::array<double, 6> terms{p[1] * q[2] * w[0],  -p[2] * q[1] * w[0], p[2] * q[0] * w[1],
+                                    -p[0] * q[2] * w[1], p[0] * q[1] * w[2],  -p[1] * q[0] * w[2]};
   double sum = 0, magnitude = 0;
   for (const double t : terms) {
     sum += t;
@@ -80,7 +80,8 @@ std::optional<LatticePolygon> make_lattice_polygon(std::vector<LatticePoint> cor
 
   std::vector<std::size_t> order(corners.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_partition(order, [&](std::size_t i) { return std::ranges::find(preferred, i) != preferred.end(); });
+  std::ranges::stable_partition(order,
+                                [&](std::size_t i) { return std::ranges::find(preferred, i) != preferred.end(); });
   const auto pick = [&](std::size_t count, auto&& measure) {
     std::size_t best = order[0];
     double most = 0;
@@ -95,7 +96,8 @@ std::optional<LatticePolygon> make_lattice_polygon(std::vector<LatticePoint> cor
   const LatticePoint first = corners[order[0]];
   const std::size_t second_pool = preferred.size() >= 2 ? preferred.size() : corners.size();
   std::size_t second = pick(second_pool, [&](LatticePoint c) { return squared_length(c - first); });
-  if (corners[second] == first) second = pick(corners.size(), [&](LatticePoint c) { return squared_length(c - first); });
+  if (corners[second] == first)
+    second = pick(corners.size(), [&](LatticePoint c) { return squared_length(c - first); });
   const auto span = corners[second] - first;
   const std::size_t third_pool = preferred.size() >= 3 ? preferred.size() : corners.size();
   std::size_t third = pick(third_pool, [&](LatticePoint c) { return squared_area(span, c - first); });
@@ -108,7 +110,8 @@ std::optional<LatticePolygon> make_lattice_polygon(std::vector<LatticePoint> cor
 
   const auto area = vector_area();
   const auto& n = plane->normal();
-  const Sign sense = exact::sign_of<Wide>(Wide{n[0]} * Wide{area[0]} + Wide{n[1]} * Wide{area[1]} + Wide{n[2]} * Wide{area[2]});
+  const Sign sense =
+      exact::sign_of<Wide>(Wide{n[0]} * Wide{area[0]} + Wide{n[1]} * Wide{area[1]} + Wide{n[2]} * Wide{area[2]});
   if (sense == Sign::zero) return std::nullopt;
   LatticePolygon polygon{sense == Sign::positive ? *plane : plane->flipped(), {}, {}, true, true};
   polygon.along = direction_along(polygon.plane);
@@ -162,7 +165,9 @@ std::vector<std::array<std::size_t, 3>> triangulate(const LatticePolygon& polygo
     if (k == count) {
       // No ear: flat remainders are dropped corner by corner, anything else crosses itself.
       k = 0;
-      while (k < count && turn(p[ring[(k + count - 1) % count]], p[ring[k]], p[ring[(k + 1) % count]], along) != Sign::zero) ++k;
+      while (k < count &&
+             turn(p[ring[(k + count - 1) % count]], p[ring[k]], p[ring[(k + 1) % count]], along) != Sign::zero)
+        ++k;
       if (k == count) return {};
     } else {
       triangles.push_back({ring[(k + count - 1) % count], ring[k], ring[(k + 1) % count]});

@@ -26,8 +26,8 @@ std::vector<Index> link_around_edges(const Graph& graph, const Arrangement& arra
     std::ranges::sort(halves, {}, &Half::place);
     for (std::size_t i = 0; i < halves.size(); ++i) {
       const Index h = halves[i].half_edge, g = halves[(i + 1) % halves.size()].half_edge;
-      // Turning counter-clockwise about the edge leaves a left half on its positive side and arrives at one on its negative side;
-      // for right halves it is the other way round.
+      // Turning counter-clockwise about the edge leaves a left half on its positive side and arrives at one on its
+      // negative side; for right halves it is the other way round.
       const Index leaving = 2 * h + (h % 2), arriving = 2 * g + 1 - (g % 2);
       link[leaving] = arriving;
       link[arriving] = leaving;

@@ -45,9 +45,13 @@ struct Piece {
 
 class Nesting {
  public:
-  Nesting(const PlaneView& view, const std::vector<Index>& loop_of,
-          const Arrangement& arrangement, const Graph& graph, Signs& signs)
-      : plane_{view.plane}, loop_of_{loop_of}, arrangement_{arrangement}, graph_{graph}, signs_{signs},
+  Nesting(const PlaneView& view, const std::vector<Index>& loop_of, const Arrangement& arrangement, const Graph& graph,
+          Signs& signs)
+      : plane_{view.plane},
+        loop_of_{loop_of},
+        arrangement_{arrangement},
+        graph_{graph},
+        signs_{signs},
         half_{arrangement.half_turn[view.plane]} {}
 
   /// The loop of `ring` whose left side holds the start of half-edge `from`: the first edge of `ring` met along the
@@ -160,7 +164,8 @@ std::vector<Index> nest_loops(const PlaneView& view, const std::vector<Loop>& lo
   }
   // All holders of one piece lie inside one another: the innermost has the most holders itself.
   for (Index inner = 0; inner < pieces.size(); ++inner) {
-    const auto innermost = std::ranges::max_element(holders[inner], {}, [&](const Holder& h) { return holders[h.piece].size(); });
+    const auto innermost =
+        std::ranges::max_element(holders[inner], {}, [&](const Holder& h) { return holders[h.piece].size(); });
     if (innermost != holders[inner].end()) parent[pieces[inner].outside] = innermost->loop;
   }
   return parent;

@@ -34,7 +34,10 @@ struct PlaneKey {
 struct PlaneKeyHash {
   std::size_t operator()(const PlaneKey& key) const noexcept {
     std::uint64_t h = 0x9E3779B97F4A7C15U;
-    const auto mix = [&h](std::uint64_t v) { h = (h ^ v) * 0xFF51AFD7ED558CCDU; h ^= h >> 32U; };
+    const auto mix = [&h](std::uint64_t v) {
+      h = (h ^ v) * 0xFF51AFD7ED558CCDU;
+      h ^= h >> 32U;
+    };
     for (const exact::Int128 c : key.normal) {
       mix(static_cast<std::uint64_t>(c));
       mix(static_cast<std::uint64_t>(c >> 64));
@@ -103,8 +106,8 @@ class Builder {
       facet.first_edge = static_cast<Index>(out_.edges.size());
       for (const HalfSpace& edge : piece.pool_edges) out_.edges.push_back(edge);
       if (facet.owner == Owner::joint) {
-        // A convex domain cuts its joints to size: what is outside is of no interest. (Excavations are kept whole: what is void is
-        // told by crossing closed surfaces.)
+        // A convex domain cuts its joints to size: what is outside is of no interest. (Excavations are kept whole: what
+        // is void is told by crossing closed surfaces.)
         for (const HalfSpace& side : out_.clip) {
           if (!safely_inside(piece, side)) out_.edges.push_back(side);
         }
@@ -155,7 +158,8 @@ class Builder {
       }
       piece.corners.push_back(projected);
     }
-    // An adopted edge may move the outline by up to the snapping distance: corners are no longer safe for quick rejection.
+    // An adopted edge may move the outline by up to the snapping distance: corners are no longer safe for quick
+    // rejection.
     const bool moved = !piece.pool_edges.empty();
     double margin = box_margin;
     if (moved) {
@@ -186,8 +190,17 @@ class Builder {
 };
 
 Facet blank(Owner owner, Index owner_index, Index tag) {
-  return {.plane = 0, .owner = owner, .outward_positive = true, .owner_index = owner_index, .tag = tag,
-          .first_edge = 0, .edge_count = 0, .first_corner = 0, .corner_count = 0, .lo = {}, .hi = {}};
+  return {.plane = 0,
+          .owner = owner,
+          .outward_positive = true,
+          .owner_index = owner_index,
+          .tag = tag,
+          .first_edge = 0,
+          .edge_count = 0,
+          .first_corner = 0,
+          .corner_count = 0,
+          .lo = {},
+          .hi = {}};
 }
 
 /// Six times the volume.
@@ -222,7 +235,8 @@ std::expected<double, Index> add_half_spaces(const geometry::Solid& solid, std::
   }
   const auto neighbours = [&](std::size_t a, std::size_t b) {  // share an edge
     std::size_t common = 0;
-    for (const std::uint32_t v : faces[a].corners) common += static_cast<std::size_t>(std::ranges::count(faces[b].corners, v));
+    for (const std::uint32_t v : faces[a].corners)
+      common += static_cast<std::size_t>(std::ranges::count(faces[b].corners, v));
     return a != b && common >= 2;
   };
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -255,7 +269,8 @@ std::expected<double, Index> add_half_spaces(const geometry::Solid& solid, std::
   double volume = 0;
   for (const auto& face : faces) {
     for (std::size_t i = 1; i + 1 < face.corners.size(); ++i) {
-      volume += six_volumes(corners[0], corners[face.corners[0]], corners[face.corners[i]], corners[face.corners[i + 1]]);
+      volume +=
+          six_volumes(corners[0], corners[face.corners[0]], corners[face.corners[i]], corners[face.corners[i + 1]]);
     }
   }
   const double side = out.lattice.pitch() * 0x1p48;
@@ -263,8 +278,8 @@ std::expected<double, Index> add_half_spaces(const geometry::Solid& solid, std::
   return volume * side * side * side / 6;
 }
 
-/// A general closed surface: faces that are exactly planar on the lattice stay whole, all others become triangles on their own corners, so
-/// that it stays closed. Returns its volume, or the face that has collapsed.
+/// A general closed surface: faces that are exactly planar on the lattice stay whole, all others become triangles on
+/// their own corners, so that it stays closed. Returns its volume, or the face that has collapsed.
 std::expected<double, Index> add_surface(const geometry::Solid& solid, std::span<const LatticePoint> sites,
                                          Builder& builder, const Prepared& out, Owner owner, Index owner_index) {
   double volume = 0;
@@ -279,9 +294,10 @@ std::expected<double, Index> add_surface(const geometry::Solid& solid, std::span
     };
     auto polygon = make_lattice_polygon(corners);
     if (!polygon) {
-      // A face that the lattice has flattened to a line or point bounds nothing, if its neighbours still close over it: only a
-      // triangle with two equal corners does so for certain.
-      const bool vanished = corners.size() == 3 && (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]);
+      // A face that the lattice has flattened to a line or point bounds nothing, if its neighbours still close over it:
+      // only a triangle with two equal corners does so for certain.
+      const bool vanished =
+          corners.size() == 3 && (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]);
       if (vanished) continue;
       return std::unexpected(static_cast<Index>(f));
     }
@@ -320,7 +336,36 @@ struct Bounds {
   }
 };
 
-/// The plane of a persistent joint: lattice vectors that depend on the orientation alone, so equal orientations are exactly parallel.
+/// Sites that are corners of more than one polygon.
+class SharedSites {
+ public:
+  void add(std::span<const LatticePoint> sites) {
+    for (const LatticePoint& s : sites) ++uses_[s];
+  }
+  [[nodiscard]] std::vector<std::size_t> among(std::span<const LatticePoint> sites) const {
+    std::vector<std::size_t> shared;
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+      if (uses_.at(sites[i]) > 1) shared.push_back(i);
+    }
+    return shared;
+  }
+
+ private:
+  struct Hash {
+    std::size_t operator()(const LatticePoint& p) const noexcept {
+      std::uint64_t h = 0x9E3779B97F4A7C15U;
+      for (const std::int64_t c : {p.x, p.y, p.z}) {
+        h = (h ^ static_cast<std::uint64_t>(c)) * 0xFF51AFD7ED558CCDU;
+        h ^= h >> 32U;
+      }
+      return h;
+    }
+  };
+  std::unordered_map<LatticePoint, std::uint32_t, Hash> uses_;
+};
+
+/// The plane of a persistent joint: lattice vectors that depend on the orientation alone, so equal orientations are
+/// exactly parallel.
 std::optional<Plane> persistent_plane(const PersistentJoint& joint, const exact::Lattice& lattice) {
   const Vec3 n = geometry::normalized(joint.normal);
   const Vec3 helper = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
@@ -384,11 +429,20 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
   out.domain_volume = *domain_volume;
   for (std::size_t e = 0; e < input.excavations.size(); ++e) {
     if (const auto volume = add_solid(input.excavations[e], Owner::excavation, static_cast<Index>(e)); !volume) {
-      return std::unexpected(CutError{SolidCollapsed{static_cast<std::uint32_t>(e), volume.error(), metres(lattice.pitch())}});
+      return std::unexpected(
+          CutError{SolidCollapsed{static_cast<std::uint32_t>(e), volume.error(), metres(lattice.pitch())}});
     }
   }
 
-  // Joints: first all polygons on the lattice (with corners, then planes snapped), then their facets (with edges snapped).
+  // Joints: first all polygons on the lattice (with corners, then planes snapped), then their facets (with edges
+  // snapped). Corners that two polygons share are the first choice for what fixes their planes: edges that were meant
+  // to be shared then are.
+  SharedSites shared;
+  for (const auto& entry : input.joints) {
+    if (const auto* joint = std::get_if<Joint>(&entry)) {
+      for (const auto& polygon : joint->polygons) shared.add(sites_of(polygon.corners()));
+    }
+  }
   struct JointPolygon {
     Index joint;
     LatticePolygon polygon;
@@ -401,8 +455,8 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
       for (const auto& polygon : joint->polygons) {
         for (const Vec3& v : polygon.corners()) own.add(v);
         auto sites = sites_of(polygon.corners());
-        const auto shared = snapper.shared_corners(sites);
-        auto made = make_lattice_polygon(std::move(sites), shared);
+        const auto preferred = shared.among(sites);
+        auto made = make_lattice_polygon(std::move(sites), preferred);
         if (!made) return std::unexpected(CutError{collapsed});
         polygons.push_back({static_cast<Index>(j), std::move(*made)});
       }
@@ -414,7 +468,8 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
       const auto plane = persistent_plane(persistent, lattice);
       if (!plane) return std::unexpected(CutError{collapsed});
       snapper.remember(*plane);
-      // Bounded by a box well around the domain, so that its outline means something where other joints share its plane.
+      // Bounded by a box well around the domain, so that its outline means something where other joints share its
+      // plane.
       const LatticePoint lo = lattice.snap(domain.lo[0], domain.lo[1], domain.lo[2]);
       const LatticePoint hi = lattice.snap(domain.hi[0], domain.hi[1], domain.hi[2]);
       constexpr std::int64_t margin = 1 << 20;
@@ -423,7 +478,8 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
       piece.facet.plane = number;
       const LatticePoint x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
       const LatticePoint a{lo.x - margin, lo.y - margin, lo.z - margin}, b{hi.x + margin, hi.y + margin, hi.z + margin};
-      const std::array<std::array<LatticePoint, 3>, 6> sides{{{a, y, z}, {b, z, y}, {a, z, x}, {b, x, z}, {a, x, y}, {b, y, x}}};
+      const std::array<std::array<LatticePoint, 3>, 6> sides{
+          {{a, y, z}, {b, z, y}, {a, z, x}, {b, x, z}, {a, x, y}, {b, y, x}}};
       for (const auto& [site, u, v] : sides) {
         const Plane side = Plane::spanned(site, u, v).value();
         if (!side.parallel_to(*plane)) piece.own_edges.push_back(side);

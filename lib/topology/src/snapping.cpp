@@ -33,16 +33,18 @@ LatticePoint Snapper::site(geometry::Vec3 p) {
   LatticePoint site = lattice_.snap(p.x, p.y, p.z);
   if (active()) {
     const double size = std::max(distance_sites_, 1.0);
-    const auto cell_of = [&](std::int64_t c) { return static_cast<std::int64_t>(std::floor(static_cast<double>(c) / size)); };
+    const auto cell_of = [&](std::int64_t c) {
+      return static_cast<std::int64_t>(std::floor(static_cast<double>(c) / size));
+    };
     const Cell home{cell_of(site.x), cell_of(site.y), cell_of(site.z)};
-    Known* found = nullptr;
+    const LatticePoint* found = nullptr;
     for (std::int64_t i = -1; i <= 1 && found == nullptr; ++i) {
       for (std::int64_t j = -1; j <= 1 && found == nullptr; ++j) {
         for (std::int64_t k = -1; k <= 1 && found == nullptr; ++k) {
           const auto entry = cells_.find(Cell{home[0] + i, home[1] + j, home[2] + k});
           if (entry == cells_.end()) continue;
-          for (Known& known : entry->second) {
-            if (length(difference(known.site, site)) <= distance_sites_) {
+          for (const LatticePoint& known : entry->second) {
+            if (length(difference(known, site)) <= distance_sites_) {
               found = &known;
               break;
             }
@@ -51,30 +53,14 @@ LatticePoint Snapper::site(geometry::Vec3 p) {
       }
     }
     if (found != nullptr) {
-      ++found->uses;
-      site = found->site;
+      site = *found;
     } else {
-      cells_[home].push_back({site, 1});
+      cells_[home].push_back(site);
     }
   }
   const auto [x, y, z] = lattice_.position(site);
   largest_move_ = std::max({largest_move_, std::abs(x - p.x), std::abs(y - p.y), std::abs(z - p.z)});
   return site;
-}
-
-std::vector<std::size_t> Snapper::shared_corners(std::span<const LatticePoint> sites) const {
-  std::vector<std::size_t> shared;
-  if (!active()) return shared;
-  const double size = std::max(distance_sites_, 1.0);
-  const auto cell_of = [&](std::int64_t c) { return static_cast<std::int64_t>(std::floor(static_cast<double>(c) / size)); };
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    const auto entry = cells_.find(Cell{cell_of(sites[i].x), cell_of(sites[i].y), cell_of(sites[i].z)});
-    if (entry == cells_.end()) continue;
-    for (const Known& known : entry->second) {
-      if (known.site == sites[i] && known.uses > 1) shared.push_back(i);
-    }
-  }
-  return shared;
 }
 
 double Snapper::distance_sites(const Plane& plane, LatticePoint p) const {
@@ -113,8 +99,8 @@ void Snapper::merge_plane(LatticePolygon& polygon) {
 }
 
 bool Snapper::near_polygon(const LatticePolygon& polygon, LatticePoint p) const {
-  // Within the distance of the plane, and not outside any side by more than the distance (convex polygons; for others the test is against
-  // the sides' planes of the whole outline and so asks for a little more).
+  // Within the distance of the plane, and not outside any side by more than the distance (convex polygons; for others
+  // the test is against the sides' planes of the whole outline and so asks for a little more).
   if (distance_sites(polygon.plane, p) > distance_sites_) return false;
   if (polygon.corners.empty()) return true;  // persistent
   const std::size_t count = polygon.corners.size();
@@ -123,13 +109,15 @@ bool Snapper::near_polygon(const LatticePolygon& polygon, LatticePoint p) const 
     for (const auto& [a, b, c] : triangulate(polygon)) {
       const auto& q = polygon.corners;
       using enum exact::Sign;
-      inside = inside || (turn(q[a], q[b], p, polygon.along) != negative && turn(q[b], q[c], p, polygon.along) != negative &&
-                          turn(q[c], q[a], p, polygon.along) != negative);
+      inside =
+          inside || (turn(q[a], q[b], p, polygon.along) != negative && turn(q[b], q[c], p, polygon.along) != negative &&
+                     turn(q[c], q[a], p, polygon.along) != negative);
     }
     return inside;
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const auto side = Plane::spanned(polygon.corners[i], polygon.along, polygon.corners[(i + 1) % count] - polygon.corners[i]);
+    const auto side =
+        Plane::spanned(polygon.corners[i], polygon.along, polygon.corners[(i + 1) % count] - polygon.corners[i]);
     if (side && side->side_of(p) == exact::Sign::negative && distance_sites(*side, p) > distance_sites_) return false;
   }
   return true;

@@ -70,7 +70,8 @@ void for_each_candidate(const Prepared& prepared, Visit&& visit) {
     const Facet& f = facets[order[i]];
     for (std::size_t j = i + 1; j < order.size() && facets[order[j]].lo[0] <= f.hi[0]; ++j) {
       const Facet& g = facets[order[j]];
-      if (f.plane == g.plane || f.lo[1] > g.hi[1] || g.lo[1] > f.hi[1] || f.lo[2] > g.hi[2] || g.lo[2] > f.hi[2]) continue;
+      if (f.plane == g.plane || f.lo[1] > g.hi[1] || g.lo[1] > f.hi[1] || f.lo[2] > g.hi[2] || g.lo[2] > f.hi[2])
+        continue;
       visit(order[i], order[j]);
     }
   }
@@ -130,8 +131,8 @@ Traces find_traces(const Prepared& prepared, Signs& signs) {
     if (apart(prepared, f, signs.plane(g.plane)) || apart(prepared, g, signs.plane(f.plane))) return;
     const LineApprox line = exact::line_of(signs.plane(p), signs.plane(q));
     constexpr double parallel_bound = 0x1p-46;  // > 48 u, the error of the direction's components
-    if (std::abs(line.m[0]) < parallel_bound && std::abs(line.m[1]) < parallel_bound && std::abs(line.m[2]) < parallel_bound &&
-        signs.plane(p).parallel_to(signs.plane(q))) {
+    if (std::abs(line.m[0]) < parallel_bound && std::abs(line.m[1]) < parallel_bound &&
+        std::abs(line.m[2]) < parallel_bound && signs.plane(p).parallel_to(signs.plane(q))) {
       return;
     }
     Clipper clipper{signs, p, q, line};
@@ -151,7 +152,8 @@ Traces find_traces(const Prepared& prepared, Signs& signs) {
       const Facet& f = facets[number];
       for (Index e = f.first_edge; e < f.first_edge + f.edge_count; ++e) {
         const HalfSpace edge = prepared.edges[e];
-        if (edge.plane == p || signs.plane(edge.plane).parallel_to(signs.plane(p))) continue;  // cuts all of it or nothing
+        if (edge.plane == p || signs.plane(edge.plane).parallel_to(signs.plane(p)))
+          continue;  // cuts all of it or nothing
         const Index a = std::min(p, edge.plane), b = std::max(p, edge.plane);
         const LineApprox line = exact::line_of(signs.plane(a), signs.plane(b));
         Clipper clipper{signs, a, b, line};
@@ -167,9 +169,8 @@ Traces find_traces(const Prepared& prepared, Signs& signs) {
 
   std::vector<Index> order(raw.size());
   std::iota(order.begin(), order.end(), Index{0});
-  std::ranges::stable_sort(order, [&](Index a, Index b) {
-    return raw[a].p < raw[b].p || (raw[a].p == raw[b].p && raw[a].q < raw[b].q);
-  });
+  std::ranges::stable_sort(
+      order, [&](Index a, Index b) { return raw[a].p < raw[b].p || (raw[a].p == raw[b].p && raw[a].q < raw[b].q); });
   out.intervals.reserve(raw.size());
   for (const Index r : order) {
     if (out.lines.empty() || out.lines.back().p != raw[r].p || out.lines.back().q != raw[r].q) {

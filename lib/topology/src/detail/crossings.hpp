@@ -18,7 +18,7 @@ struct OnLine {
 struct Crossings {
   std::vector<Vertex> vertices;  ///< one point may occur several times, with other planes
   std::vector<OnLine> on_lines;
-  UnionFind coaxial;             ///< of lines
+  UnionFind coaxial;  ///< of lines
 };
 [[nodiscard]] Crossings find_crossings(const Prepared& prepared, const Traces& traces, Signs& signs);
 

@@ -11,8 +11,8 @@
 
 /// Stage 1 of the cutter: the input on the lattice, as distinct planes and convex facets on them.
 ///
-/// Inside the cutter plain indices are used (planes, facets, lines, edges, half-edges are renumbered and packed all the time); strong
-/// ids begin at the BlockComplex.
+/// Inside the cutter plain indices are used (planes, facets, lines, edges, half-edges are renumbered and packed all the
+/// time); strong ids begin at the BlockComplex.
 namespace cleave::topology::detail {
 
 using Index = std::uint32_t;
@@ -32,9 +32,9 @@ enum class Owner : std::uint8_t { joint, domain, excavation };
 struct Facet {
   Index plane;
   Owner owner;
-  bool outward_positive;  ///< solids: the outward normal is the plane's normal
-  Index owner_index;      ///< joint, or excavation
-  Index tag;              ///< face tag of the solid
+  bool outward_positive;             ///< solids: the outward normal is the plane's normal
+  Index owner_index;                 ///< joint, or excavation
+  Index tag;                         ///< face tag of the solid
   Index first_edge, edge_count;      ///< into Prepared::edges
   Index first_corner, corner_count;  ///< into Prepared::corners; none for half-space solids
   Vec lo, hi;                        ///< bounding box in units of 2^48 sites, grown so that it is safe
@@ -43,17 +43,18 @@ struct Facet {
 struct Prepared {
   explicit Prepared(const exact::Lattice& l) noexcept : lattice{l} {}
   exact::Lattice lattice;
-  std::vector<exact::Plane> planes;  ///< [0, facet_planes) distinct, first non-zero normal component positive; then edge planes
+  std::vector<exact::Plane>
+      planes;  ///< [0, facet_planes) distinct, first non-zero normal component positive; then edge planes
   Index facet_planes = 0;
   std::vector<HalfSpace> edges;
   std::vector<Vec> corners;  ///< approximate corners of facets, on the facet's plane, units of 2^48 sites
   std::vector<Facet> facets;
   std::vector<Index> facets_begin, facets_on;  ///< facets of each facet plane (CSR)
-  std::vector<HalfSpace> clip;                 ///< the domain's half-spaces when it is convex; else empty; edges of joints already
-  double domain_volume = 0;                    ///< m3
-  double largest_snap = 0;                     ///< m
+  std::vector<HalfSpace> clip;  ///< the domain's half-spaces when it is convex; else empty; edges of joints already
+  double domain_volume = 0;     ///< m3
+  double largest_snap = 0;      ///< m
   std::uint64_t merged_planes = 0, adopted_edges = 0;
-  std::vector<Index> outside;                  ///< joints whose box misses the domain's
+  std::vector<Index> outside;  ///< joints whose box misses the domain's
   Index joint_count = 0, excavation_count = 0;
 };
 

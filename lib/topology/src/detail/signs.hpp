@@ -27,7 +27,8 @@ class Signs final {
   [[nodiscard]] exact::Sign det3(Index p, Index q, Index r) noexcept {
     return det3(exact::meet(exact::line_of(planes_[p], planes_[q]), planes_[r]), p, q, r);
   }
-  /// Side of plane s on which the meet of p, q, r lies; `point` is its approximation. The three planes must meet in one point.
+  /// Side of plane s on which the meet of p, q, r lies; `point` is its approximation. The three planes must meet in one
+  /// point.
   [[nodiscard]] exact::Sign side(const exact::PointApprox& point, Index p, Index q, Index r, Index s) noexcept {
     if (s == p || s == q || s == r) return exact::Sign::zero;
     ++calls_;
@@ -49,7 +50,8 @@ class Signs final {
   }
 
   /// Of two parallel lines, the meets of p, q and of r, s: do nP x nQ and nR x nS have the same sense?
-  [[nodiscard]] bool same_sense(const exact::LineApprox& a, Index p, Index q, const exact::LineApprox& b, Index r, Index s) noexcept {
+  [[nodiscard]] bool same_sense(const exact::LineApprox& a, Index p, Index q, const exact::LineApprox& b, Index r,
+                                Index s) noexcept {
     if (p == r && q == s) return true;
     ++calls_;
     std::size_t axis = 0;

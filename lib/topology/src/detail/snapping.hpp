@@ -15,17 +15,16 @@
 
 namespace cleave::topology::detail {
 
-/// The only tolerance of the cutter, at its border: with a snapping distance > 0, corners closer than it become one lattice
-/// site, a polygon all of whose corners lie that close to an earlier polygon's plane takes that plane, and a joint's side that lies that close to
-/// another polygon ends on that polygon's plane. With distance 0 it only rounds to the lattice. What was moved is recorded.
+/// The only tolerance of the cutter, at its border: with a snapping distance > 0, corners closer than it become one
+/// lattice site, a polygon all of whose corners lie that close to an earlier polygon's plane takes that plane, and a
+/// joint's side that lies that close to another polygon ends on that polygon's plane. With distance 0 it only rounds to
+/// the lattice. What was moved is recorded.
 class Snapper final {
  public:
   Snapper(const exact::Lattice& lattice, double distance_m);
 
   [[nodiscard]] bool active() const noexcept { return distance_ > 0; }
   [[nodiscard]] exact::LatticePoint site(geometry::Vec3 p);
-  /// Which of the sites were given before (by another polygon): these should fix a polygon's plane.
-  [[nodiscard]] std::vector<std::size_t> shared_corners(std::span<const exact::LatticePoint> sites) const;
   /// A surface that later polygons may snap to.
   void remember(const LatticePolygon& polygon);
   void remember(const exact::Plane& persistent);
@@ -43,17 +42,13 @@ class Snapper final {
   struct CellHash {
     std::size_t operator()(const Cell& cell) const noexcept;
   };
-  struct Known {
-    exact::LatticePoint site;
-    std::uint32_t uses;
-  };
   [[nodiscard]] double distance_sites(const exact::Plane& plane, exact::LatticePoint p) const;
   [[nodiscard]] bool near_polygon(const LatticePolygon& polygon, exact::LatticePoint p) const;
 
   exact::Lattice lattice_;
-  double distance_;        ///< m
-  double distance_sites_;  ///< lattice sites
-  std::unordered_map<Cell, std::vector<Known>, CellHash> cells_;
+  double distance_;                                                             ///< m
+  double distance_sites_;                                                       ///< lattice sites
+  std::unordered_map<Cell, std::vector<exact::LatticePoint>, CellHash> cells_;  ///< sites given so far
   std::vector<LatticePolygon> surfaces_;
   double largest_move_ = 0;
   std::uint64_t merged_planes_ = 0, adopted_edges_ = 0;

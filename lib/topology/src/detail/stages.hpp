@@ -22,17 +22,17 @@ struct Line {
 /// A closed piece of a line: the trace of a facet on another, or a side of a facet (outline).
 struct Interval {
   Index line;
-  HalfSpace lower, upper;   ///< it ends where the line leaves these; in the order of the line's direction
-  Index outline_of;         ///< the facet whose side this is; `none` for traces
-  bool inside_positive;     ///< outlines: the facet lies on the positive side of its edge plane
-  Index edge_plane;         ///< outlines: the edge plane
+  HalfSpace lower, upper;          ///< it ends where the line leaves these; in the order of the line's direction
+  Index outline_of;                ///< the facet whose side this is; `none` for traces
+  bool inside_positive;            ///< outlines: the facet lies on the positive side of its edge plane
+  Index edge_plane;                ///< outlines: the edge plane
   std::array<double, 3> from, to;  ///< positions of the ends, units of 2^48 sites
 };
 
 struct Traces {
-  std::vector<Line> lines;           ///< sorted by (p, q)
-  std::vector<Index> lines_begin;    ///< first line of each plane p (CSR over all planes)
-  std::vector<Interval> intervals;   ///< sorted by line
+  std::vector<Line> lines;                  ///< sorted by (p, q)
+  std::vector<Index> lines_begin;           ///< first line of each plane p (CSR over all planes)
+  std::vector<Interval> intervals;          ///< sorted by line
   std::vector<std::uint8_t> with_outlines;  ///< facet planes whose faces may be only partly covered
   [[nodiscard]] Index find_line(Index p, Index q) const;
 };
@@ -47,7 +47,7 @@ struct Vertex {
 
 /// A line of space with all facet planes that contain it.
 struct LineClass {
-  Index p, q;                    ///< two planes that span it; its direction is nP x nQ
+  Index p, q;  ///< two planes that span it; its direction is nP x nQ
   exact::LineApprox approx;
   Index first_slot, slot_count;  ///< into Graph::slots
 };
@@ -81,7 +81,7 @@ struct Graph {
   std::vector<LineClass> lines;
   std::vector<Slot> slots;
   std::vector<Edge> edges;
-  std::vector<Use> uses;  ///< uses of one edge are neighbours
+  std::vector<Use> uses;              ///< uses of one edge are neighbours
   std::vector<OutlineMark> outlines;  ///< sorted by use
 };
 [[nodiscard]] Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs);
@@ -100,7 +100,7 @@ struct Arrangement {
   std::vector<Index> half_turn;  ///< n of each facet plane
   std::vector<Index> face;       ///< of each half-edge: the face on its left, `none` where no facet is
   std::vector<PlaneFace> faces;
-  std::vector<Index> loops;      ///< a half-edge of each loop
+  std::vector<Index> loops;  ///< a half-edge of each loop
   std::vector<Index> covers;
 };
 [[nodiscard]] Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph& graph,
@@ -112,7 +112,7 @@ struct Arrangement {
 struct Cells {
   std::vector<Index> of_half_face;
   Index count = 0;
-  std::vector<std::uint8_t> rock;      ///< of each cell: inside the domain and in no excavation
+  std::vector<std::uint8_t> rock;  ///< of each cell: inside the domain and in no excavation
   std::vector<std::uint8_t> in_domain;
 };
 [[nodiscard]] Cells find_cells(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement,
@@ -121,9 +121,9 @@ struct Cells {
 /// Positions of all vertices, units of 2^48 sites.
 [[nodiscard]] std::vector<Vec> positions_of(const Prepared& prepared, const Graph& graph);
 
-/// A flank is a half-edge with a side of its face: 2 h for the side the plane's normal points to, 2 h + 1 for the other. For each flank the
-/// one met first when turning around the edge from that side: both look into the same cell. `none` where there is no face.
-/// Only faces for which `present` holds count.
+/// A flank is a half-edge with a side of its face: 2 h for the side the plane's normal points to, 2 h + 1 for the
+/// other. For each flank the one met first when turning around the edge from that side: both look into the same cell.
+/// `none` where there is no face. Only faces for which `present` holds count.
 [[nodiscard]] std::vector<Index> link_around_edges(const Graph& graph, const Arrangement& arrangement,
                                                    const std::vector<std::uint8_t>& present);
 

@@ -20,8 +20,8 @@ struct LatticePoint {
 /// Integer lattice around a scene's own origin: position = origin + pitch * site, pitch a power of two.
 class Lattice final {
  public:
-  /// Covers the box [lo, hi] (m, finite, lo <= hi): pitch = the power of two for which the half extent is at most 2^46 sites,
-  /// origin = the box's centre rounded to a coarse power of two. Symmetric boxes about 0 keep their symmetry.
+  /// Covers the box [lo, hi] (m, finite, lo <= hi): pitch = the power of two for which the half extent is at most 2^46
+  /// sites, origin = the box's centre rounded to a coarse power of two. Symmetric boxes about 0 keep their symmetry.
   [[nodiscard]] static Lattice covering(const std::array<double, 3>& lo, const std::array<double, 3>& hi) noexcept;
 
   [[nodiscard]] double pitch() const noexcept { return pitch_; }

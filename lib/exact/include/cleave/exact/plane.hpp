@@ -18,7 +18,8 @@ class Plane final {
  public:
   /// a, b, c turn counter-clockwise seen from the positive side. Empty when they lie on one line.
   [[nodiscard]] static std::optional<Plane> through(LatticePoint a, LatticePoint b, LatticePoint c) noexcept;
-  /// Through `a` with the directions `u` and `v` (|components| <= 2^48); the positive side is that of u x v. Empty when parallel.
+  /// Through `a` with the directions `u` and `v` (|components| <= 2^48); the positive side is that of u x v. Empty when
+  /// parallel.
   [[nodiscard]] static std::optional<Plane> spanned(LatticePoint a, LatticePoint u, LatticePoint v) noexcept;
 
   [[nodiscard]] const std::array<Int128, 3>& normal() const noexcept { return normal_; }

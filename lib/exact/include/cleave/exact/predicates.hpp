@@ -9,7 +9,8 @@
 ///
 /// A point is the meet of three planes P, Q, R in homogeneous form: with m = nP x nQ and w = dP nQ - dQ nP,
 ///     x = nR x w - dR m,   W = m . nR   (the point is x / W),
-/// and a plane S has the value nS . x + dS W = det4(P, Q, R, S) there, so that its side is the sign of that times the sign of W.
+/// and a plane S has the value nS . x + dS W = det4(P, Q, R, S) there, so that its side is the sign of that times the
+/// sign of W.
 ///
 /// First stage: doubles with a static error bound. u = 2^-53. Coefficients obey |n_i| < 2 (relative error 2u) and
 /// |d| <= 3 (4u), because sites are at most 2^47 and positions are in units of 2^48. Products and sums then give
@@ -61,8 +62,8 @@ struct PointApprox {
 }
 [[nodiscard]] Sign det3_exact(const Plane& p, const Plane& q, const Plane& r) noexcept;
 
-/// Side of S on which the meet of P, Q, R lies. Laws: zero iff the four planes share a point (or direction); turning P, Q, R
-/// round or swapping two of them changes nothing; flipping S swaps the sides; zero when S is one of P, Q, R.
+/// Side of S on which the meet of P, Q, R lies. Laws: zero iff the four planes share a point (or direction); turning P,
+/// Q, R round or swapping two of them changes nothing; flipping S swaps the sides; zero when S is one of P, Q, R.
 [[nodiscard]] inline std::optional<Sign> side_filtered(const PointApprox& point, const Plane& s) noexcept {
   const auto& n = s.approx();
   const double value = (n[0] * point.x[0] + n[1] * point.x[1] + n[2] * point.x[2]) + n[3] * point.w;
@@ -86,8 +87,8 @@ struct ExactPoint {
 [[nodiscard]] ExactLine exact_line(const Plane& p, const Plane& q) noexcept;
 [[nodiscard]] ExactPoint exact_meet(const ExactLine& line, const Plane& r) noexcept;
 
-/// Where P and Q's line runs parallel to S (their det3 is zero): the side of S on which the line lies, zero when it lies in S.
-/// Precondition: P and Q are not parallel.
+/// Where P and Q's line runs parallel to S (their det3 is zero): the side of S on which the line lies, zero when it
+/// lies in S. Precondition: P and Q are not parallel.
 [[nodiscard]] Sign side_of_parallel_line(const Plane& p, const Plane& q, const Plane& s) noexcept;
 
 }  // namespace cleave::exact

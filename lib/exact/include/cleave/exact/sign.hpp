@@ -4,7 +4,8 @@
 
 namespace cleave::exact {
 
-/// The sign of an exact expression; zero is an ordinary answer. "Not decided yet" is std::optional<Sign>, a different type.
+/// The sign of an exact expression; zero is an ordinary answer. "Not decided yet" is std::optional<Sign>, a different
+/// type.
 enum class Sign : std::int8_t { negative = -1, zero = 0, positive = 1 };
 
 [[nodiscard]] constexpr Sign operator-(Sign s) noexcept { return static_cast<Sign>(-static_cast<int>(s)); }

@@ -10,18 +10,22 @@
 
 namespace cleave::report {
 
-/// The block system as closed polyhedra with one shell and simple faces without holes each, as VTK, DEM programs and meshers want them.
+/// The block system as closed polyhedra with one shell and simple faces without holes each, as VTK, DEM programs and
+/// meshers want them.
 ///
 /// Made from the complex alone:
 /// - a face with holes, or whose outline passes a vertex twice, is cut into triangles on its own vertices;
-/// - a block with cavities is cut by axis-parallel planes through them into several cells of the same block; their volumes add up to the
+/// - a block with cavities is cut by axis-parallel planes through them into several cells of the same block; their
+/// volumes add up to the
 ///   block's to rounding;
-/// - where a block touches itself along an edge the points of that edge are doubled (or each pair of faces gets a middle point of
+/// - where a block touches itself along an edge the points of that edge are doubled (or each pair of faces gets a
+/// middle point of
 ///   its own), so that each edge of a cell is used exactly twice, once in each direction.
 /// Cells are in the order of the blocks. Several cells share the points of the complex.
 struct Cells {
-  std::vector<geometry::Vec3> points;      ///< m, absolute coordinates
-  /// Per cell: number of faces, then for each face its number of points and the points, counter-clockwise seen from outside.
+  std::vector<geometry::Vec3> points;  ///< m, absolute coordinates
+  /// Per cell: number of faces, then for each face its number of points and the points, counter-clockwise seen from
+  /// outside.
   std::vector<std::int64_t> face_stream;
   std::vector<std::int64_t> face_ends;     ///< per cell: index one past its last entry in `face_stream`
   std::vector<std::int64_t> connectivity;  ///< per cell: its distinct points, ascending

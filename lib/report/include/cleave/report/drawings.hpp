@@ -15,8 +15,8 @@ namespace cleave::report {
 /// Colour of a batch (from 1), differing for colour-blind readers; batches from 9 on share one.
 [[nodiscard]] std::string batch_colour(std::uint32_t batch);
 
-/// Parallel view from the south-east and above: key blocks by batch, the excavation's walls with the block traces; without key blocks
-/// the outside of the block system. At most `max_polygons`, the largest ones.
+/// Parallel view from the south-east and above: key blocks by batch, the excavation's walls with the block traces;
+/// without key blocks the outside of the block system. At most `max_polygons`, the largest ones.
 [[nodiscard]] std::string still_picture(const topology::BlockComplex& complex, const stability::Analysis* analysis,
                                         std::size_t max_polygons = 4000);
 

@@ -13,8 +13,8 @@
 
 namespace cleave::report {
 
-/// Text that report.html may hold for the 3D view, by the number of blocks: 25 MB for 5,000 blocks and more, less for fewer. What does not fit
-/// is left out of the picture, never out of the figures, and the page says so.
+/// Text that report.html may hold for the 3D view, by the number of blocks: 25 MB for 5,000 blocks and more, less for
+/// fewer. What does not fit is left out of the picture, never out of the figures, and the page says so.
 inline constexpr std::size_t view_budget_bytes = 20'000'000;
 
 struct FileRow {
@@ -22,18 +22,18 @@ struct FileRow {
   std::uint64_t bytes;
 };
 
-/// Everything of report.html, as values. The pointers are observers and may be null: no blocks (the certificate did not pass), no
-/// stability stage.
+/// Everything of report.html, as values. The pointers are observers and may be null: no blocks (the certificate did not
+/// pass), no stability stage.
 struct Page {
   Summary summary;
   std::string scene_file;
   std::vector<FileRow> files;
   std::vector<std::string> notes;
-  double north = 0;                     ///< degrees from +y, clockwise
-  std::vector<NetSet> sets;             ///< by set number
+  double north = 0;          ///< degrees from +y, clockwise
+  std::vector<NetSet> sets;  ///< by set number
   std::vector<Pole> joints;
-  std::vector<std::string> excavations; ///< names
-  std::optional<std::string> loads;     ///< one sentence on gravity, seismic load and rock density
+  std::vector<std::string> excavations;  ///< names
+  std::optional<std::string> loads;      ///< one sentence on gravity, seismic load and rock density
   const topology::BlockComplex* complex = nullptr;
   const stability::Analysis* analysis = nullptr;
 };

@@ -10,17 +10,20 @@
 namespace cleave::report {
 
 inline constexpr std::string_view key_blocks_header =
-    "block,batch,key,mode,volume_m3,weight_n,direction_x,direction_y,direction_z,net_force_n,factor_of_safety,faces,joints";
-/// Follows when force transfer ran: the same block with the forces that later batches pass to it, and what it passes on (N).
+    "block,batch,key,mode,volume_m3,weight_n,direction_x,direction_y,direction_z,net_force_n,factor_of_safety,faces,"
+    "joints";
+/// Follows when force transfer ran: the same block with the forces that later batches pass to it, and what it passes on
+/// (N).
 inline constexpr std::string_view key_blocks_transferred_header =
     ",key_transferred,mode_transferred,direction_x_transferred,direction_y_transferred,direction_z_transferred,"
     "net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred";
 
 /// key_blocks.csv: one row for every removable block that would move without friction, in order of the block's number.
 ///
-/// block: number from 0, as in blocks.vtu. batch: from 1, empty for a block that stays. key: 1 when unstable. direction: unit
-/// vector of first motion. factor_of_safety: `inf` when nothing drives the block. faces: how many faces the block has. joints: numbers
-/// (from 0, in the order of the scene) of the joints it touches, ascending, joined by `;`. LF line ends.
+/// block: number from 0, as in blocks.vtu. batch: from 1, empty for a block that stays. key: 1 when unstable.
+/// direction: unit vector of first motion. factor_of_safety: `inf` when nothing drives the block. faces: how many faces
+/// the block has. joints: numbers (from 0, in the order of the scene) of the joints it touches, ascending, joined by
+/// `;`. LF line ends.
 [[nodiscard]] std::string key_blocks_csv(const topology::BlockComplex& complex, const stability::Analysis& analysis);
 
 /// Numbers of the joints that bound a block, ascending.

@@ -33,7 +33,8 @@ struct Pole {
 struct MeanPole {
   geometry::Vec3 normal;  ///< unit, z >= 0
   double dip_degrees, dip_direction_degrees;
-  double kappa;           ///< Fisher's concentration (N - 1)/(N - R), axes turned to the mean's side; infinite for N = 1 or parallel ones
+  double kappa;  ///< Fisher's concentration (N - 1)/(N - R), axes turned to the mean's side; infinite for N = 1 or
+                 ///< parallel ones
   std::size_t count;
 };
 /// `poles` must not be empty.
@@ -46,9 +47,10 @@ struct NetSet {
 
 inline constexpr std::size_t max_plotted_poles = 1500;
 
-/// An inline SVG: rim, grid, poles by set and great circles of the sets' means. Only every k-th pole is drawn when there
-/// are more than max_plotted_poles. `north` (degrees from +y, clockwise) turns the north mark only.
-[[nodiscard]] std::string stereonet_svg(std::span<const Pole> poles, std::span<const NetSet> sets, Net net, double north);
+/// An inline SVG: rim, grid, poles by set and great circles of the sets' means. Only every k-th pole is drawn when
+/// there are more than max_plotted_poles. `north` (degrees from +y, clockwise) turns the north mark only.
+[[nodiscard]] std::string stereonet_svg(std::span<const Pole> poles, std::span<const NetSet> sets, Net net,
+                                        double north);
 
 /// Colours of sets (in order; they repeat), chosen to differ for colour-blind readers; markers differ too.
 [[nodiscard]] std::string set_colour(std::size_t set);

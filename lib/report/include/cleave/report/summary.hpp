@@ -46,7 +46,7 @@ struct BlockFigures {
   std::uint64_t with_cavities = 0;  ///< blocks with more than one shell
   std::uint64_t slivers = 0;
   std::string hash;
-  double exact_share = 0;           ///< part of the cutter's predicate calls that needed exact numbers
+  double exact_share = 0;  ///< part of the cutter's predicate calls that needed exact numbers
 };
 
 struct BatchFigures {

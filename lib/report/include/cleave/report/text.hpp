@@ -14,17 +14,18 @@ namespace cleave::report {
 void append_number(std::string& out, double value);
 [[nodiscard]] std::string number(double value);
 
-/// For people: `digits` significant digits, no trailing zeros, thin spaces between groups of three ("12 345.6"); "∞" for inf.
+/// For people: `digits` significant digits, no trailing zeros, thin spaces between groups of three ("12 345.6"); "∞"
+/// for inf.
 [[nodiscard]] std::string display(double value, int digits = 4);
 /// Whole numbers for people: "22 782".
 [[nodiscard]] std::string display_count(std::uint64_t value);
 
-/// A JSON string with its quotes. Control characters, quotes and backslashes are escaped; "<" too, so that the text may stand
-/// inside an HTML script element. Bytes that are not UTF-8 become U+FFFD.
+/// A JSON string with its quotes. Control characters, quotes and backslashes are escaped; "<" too, so that the text may
+/// stand inside an HTML script element. Bytes that are not UTF-8 become U+FFFD.
 void append_json_string(std::string& out, std::string_view text);
 
-/// & < > " ' as entities, so that the text may stand between tags and in attributes; control characters but tab and line feed
-/// and bytes that are not UTF-8 become U+FFFD.
+/// & < > " ' as entities, so that the text may stand between tags and in attributes; control characters but tab and
+/// line feed and bytes that are not UTF-8 become U+FFFD.
 [[nodiscard]] std::string escape_xml(std::string_view text);
 
 /// One field of a CSV row: quoted when it holds a comma, a quote or a line end.

@@ -10,8 +10,8 @@
 
 namespace cleave::report {
 
-/// What the 3D view of report.html shows, packed: positions in 16 bits an axis over the view's box (1.2 mm for 80 m), triangles by
-/// index, one record a face and a block; all as base64 in one JSON object.
+/// What the 3D view of report.html shows, packed: positions in 16 bits an axis over the view's box (1.2 mm for 80 m),
+/// triangles by index, one record a face and a block; all as base64 in one JSON object.
 struct View3d {
   std::string json;
   std::size_t shown = 0;  ///< blocks in the view; the others would not fit the budget and lie farthest from what moves
@@ -21,8 +21,9 @@ struct View3d {
 /// About how many bytes of text a block adds to the view.
 [[nodiscard]] std::size_t view_bytes(const topology::BlockComplex& complex, topology::BlockId block);
 
-/// Packs at most `budget` bytes: key blocks first, then judged blocks, blocks with a free face, blocks at the domain's sides, the rest;
-/// each group in the order of block numbers. `analysis` may be null.
-[[nodiscard]] View3d pack_view(const topology::BlockComplex& complex, const stability::Analysis* analysis, std::size_t budget);
+/// Packs at most `budget` bytes: key blocks first, then judged blocks, blocks with a free face, blocks at the domain's
+/// sides, the rest; each group in the order of block numbers. `analysis` may be null.
+[[nodiscard]] View3d pack_view(const topology::BlockComplex& complex, const stability::Analysis* analysis,
+                               std::size_t budget);
 
 }  // namespace cleave::report

@@ -27,18 +27,23 @@ using WriteError = std::variant<CannotCreate, NoSpace, CannotWrite>;
 /// "PATH: what is wrong; what to do".
 [[nodiscard]] std::string describe(const WriteError& error);
 
-/// Writes `content` beside `path` under a temporary name (PATH.part), flushes it to the disk and renames it. After an error nothing
-/// new stands under either name; what stood under `path` before is untouched.
+/// Writes `content` beside `path` under a temporary name (PATH.part), flushes it to the disk and renames it. After an
+/// error nothing new stands under either name; what stood under `path` before is untouched.
 [[nodiscard]] std::expected<void, WriteError> write_file(const std::filesystem::path& path, std::string_view content);
 
-/// The single writers, so that a program can time them; each writes one file into `folder`, which must exist. Files that
-/// the scene does not ask for, or whose stage did not run, are skipped without an error.
-[[nodiscard]] std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result, const std::filesystem::path& folder);
-[[nodiscard]] std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result, const std::filesystem::path& folder);
-[[nodiscard]] std::expected<void, WriteError> write_report_html(const scene::RunResult& result, const std::filesystem::path& folder);
-[[nodiscard]] std::expected<void, WriteError> write_summary_json(const scene::RunResult& result, const std::filesystem::path& folder);
+/// The single writers, so that a program can time them; each writes one file into `folder`, which must exist. Files
+/// that the scene does not ask for, or whose stage did not run, are skipped without an error.
+[[nodiscard]] std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result,
+                                                               const std::filesystem::path& folder);
+[[nodiscard]] std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result,
+                                                                   const std::filesystem::path& folder);
+[[nodiscard]] std::expected<void, WriteError> write_report_html(const scene::RunResult& result,
+                                                                const std::filesystem::path& folder);
+[[nodiscard]] std::expected<void, WriteError> write_summary_json(const scene::RunResult& result,
+                                                                 const std::filesystem::path& folder);
 
 /// All of them, summary.json last, so that a folder with a summary is whole. Makes `folder` when it is missing.
-[[nodiscard]] std::expected<void, WriteError> write_all(const scene::RunResult& result, const std::filesystem::path& folder);
+[[nodiscard]] std::expected<void, WriteError> write_all(const scene::RunResult& result,
+                                                        const std::filesystem::path& folder);
 
 }  // namespace cleave::report

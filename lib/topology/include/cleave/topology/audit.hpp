@@ -13,19 +13,20 @@ namespace cleave::topology {
 /// The proof that comes with every block system; recomputed from the complex alone, not taken from the cutter.
 struct Certificate {
   bool passed = false;
-  std::uint64_t euler_violations = 0;       ///< blocks with an odd or negative genus, or (B1) broken
-  std::uint64_t open_shells = 0;            ///< shells with an edge not used once in each direction
-  std::uint64_t unpaired_patches = 0;       ///< joint patches whose area is not matched by the neighbour's
-  /// Faces whose corners leave their plane, that look the wrong way, belong to no one block, or whose areas do not add up; blocks whose
-  /// stored volume or flags are not those of their faces.
+  std::uint64_t euler_violations = 0;  ///< blocks with an odd or negative genus, or (B1) broken
+  std::uint64_t open_shells = 0;       ///< shells with an edge not used once in each direction
+  std::uint64_t unpaired_patches = 0;  ///< joint patches whose area is not matched by the neighbour's
+  /// Faces whose corners leave their plane, that look the wrong way, belong to no one block, or whose areas do not add
+  /// up; blocks whose stored volume or flags are not those of their faces.
   std::uint64_t misfits = 0;
-  double face_vector_max_relative = 0;      ///< max over blocks of |sum A_f| / sum |A_f|
-  double volume_relative_error = 0;         ///< |sum of blocks - rock volume| / rock volume
-  Volume volume;                            ///< sum of blocks
-  std::vector<BlockId> offenders;           ///< at most 20
+  double face_vector_max_relative = 0;  ///< max over blocks of |sum A_f| / sum |A_f|
+  double volume_relative_error = 0;     ///< |sum of blocks - rock volume| / rock volume
+  Volume volume;                        ///< sum of blocks
+  std::vector<BlockId> offenders;       ///< at most 20
 };
 
-/// A block system whose certificate passed. Has no constructor but `audit`: key-block code cannot be handed an unchecked cut.
+/// A block system whose certificate passed. Has no constructor but `audit`: key-block code cannot be handed an
+/// unchecked cut.
 class AuditedComplex final {
  public:
   [[nodiscard]] const BlockComplex& complex() const noexcept { return complex_; }
@@ -39,12 +40,12 @@ class AuditedComplex final {
   Certificate certificate_;
 };
 
-/// Checks closed shells, Euler-Poincare (B1), face-vector sums, paired patches, that every face fits its plane, and the volume balance. The error is the certificate
-/// that did not pass.
+/// Checks closed shells, Euler-Poincare (B1), face-vector sums, paired patches, that every face fits its plane, and the
+/// volume balance. The error is the certificate that did not pass.
 [[nodiscard]] std::expected<AuditedComplex, Certificate> audit(BlockComplex complex);
 
-/// Order-independent hash of the block system (counts and positions rounded exactly on a coarse grid): equal for every thread count,
-/// compiler and optimisation level, and for every order of the joints.
+/// Order-independent hash of the block system (counts and positions rounded exactly on a coarse grid): equal for every
+/// thread count, compiler and optimisation level, and for every order of the joints.
 [[nodiscard]] std::string canonical_hash(const BlockComplex& complex);
 
 }  // namespace cleave::topology

@@ -23,30 +23,32 @@ enum class Role : std::uint8_t {
 
 /// A part of a face with one joint and one neighbour.
 struct Patch {
-  std::optional<JointId> joint;        ///< none on free and fixed faces
-  std::optional<BlockId> neighbour;    ///< none on free and fixed faces
+  std::optional<JointId> joint;      ///< none on free and fixed faces
+  std::optional<BlockId> neighbour;  ///< none on free and fixed faces
   Area area;
-  geometry::Vec3 centroid;             ///< m, absolute coordinates
+  geometry::Vec3 centroid;  ///< m, absolute coordinates
 };
 
-/// A flat face of one block: coplanar pieces of the same role that touch along edges are one face. Where several coplanar joints
-/// (or excavations) make up one face, `joint`, `excavation` and `tag` are those of its first piece; the patches have the joint of each part.
+/// A flat face of one block: coplanar pieces of the same role that touch along edges are one face. Where several
+/// coplanar joints (or excavations) make up one face, `joint`, `excavation` and `tag` are those of its first piece; the
+/// patches have the joint of each part.
 struct Face {
   BlockId block;
   PlaneId plane;
   /// True when the plane's coefficient normal points INTO the block (the block lies on the plane's positive side).
   bool block_on_positive_side;
   Role role;
-  std::optional<JointId> joint;        ///< the joint of role joint
+  std::optional<JointId> joint;  ///< the joint of role joint
   /// Index into CutInput::excavations for free faces made by an excavation; none for free domain sides.
   std::optional<std::uint32_t> excavation;
   /// Tag index of the domain solid (or of the excavation) for free and fixed faces.
   std::optional<std::uint32_t> tag;
-  geometry::Vec3 outward;              ///< unit normal out of the block (the theory's m; n = -m points in)
+  geometry::Vec3 outward;  ///< unit normal out of the block (the theory's m; n = -m points in)
   Area area;
-  geometry::Vec3 centroid;             ///< m, absolute
-  std::vector<std::vector<VertexId>> loops;  ///< [0] outer, counter-clockwise seen from outside; then holes, clockwise. A loop may pass a vertex twice (pinch).
-  std::vector<Patch> patches;          ///< areas add up to `area`
+  geometry::Vec3 centroid;                   ///< m, absolute
+  std::vector<std::vector<VertexId>> loops;  ///< [0] outer, counter-clockwise seen from outside; then holes, clockwise.
+                                             ///< A loop may pass a vertex twice (pinch).
+  std::vector<Patch> patches;                ///< areas add up to `area`
 };
 
 /// Numbers of formula (B1) of Euler-Poincare for one block: V - E + F - (L - F) - 2 (S - G) = 0.
@@ -67,20 +69,20 @@ struct Block {
   bool free;                ///< has a face of Role::free
   /// Smallest width over the face normals (m): distance between the face's plane and the farthest vertex.
   Length thickness;
-  bool sliver;              ///< thickness below 1e-6 of the domain's extent
+  bool sliver;  ///< thickness below 1e-6 of the domain's extent
 };
 
 /// Facts about the run of the cutter.
 struct CutReport {
   double lattice_pitch_m = 0;
   double largest_snap_m = 0;
-  std::uint64_t merged_planes = 0;      ///< by `snap`
-  std::uint64_t adopted_edges = 0;      ///< by `snap`
-  std::uint64_t joints_outside = 0;     ///< joints that do not meet the domain
-  std::vector<JointId> outside;         ///< which
-  std::vector<JointId> dangling;        ///< joints no piece of which separates two blocks
+  std::uint64_t merged_planes = 0;   ///< by `snap`
+  std::uint64_t adopted_edges = 0;   ///< by `snap`
+  std::uint64_t joints_outside = 0;  ///< joints that do not meet the domain
+  std::vector<JointId> outside;      ///< which
+  std::vector<JointId> dangling;     ///< joints no piece of which separates two blocks
   std::uint64_t predicate_calls = 0;
-  std::uint64_t predicate_exact = 0;    ///< of those, how many the filter could not decide
+  std::uint64_t predicate_exact = 0;  ///< of those, how many the filter could not decide
 };
 
 /// The blocks a scene falls into. Immutable; made by `cut`. Not yet checked: `audit` turns it into an AuditedComplex.
@@ -91,9 +93,10 @@ class BlockComplex final {
     geometry::Vec3 origin;                        ///< m; add it to get absolute coordinates
     IdVector<FaceId, Face> faces;
     IdVector<BlockId, Block> blocks;
-    IdVector<PlaneId, exact::Plane> planes;       ///< exact coefficients in lattice units; normals point to the positive side
-    Volume domain_volume;                         ///< of the domain solid
-    Volume excavated_volume;                      ///< of the part of the domain that is void
+    IdVector<PlaneId, exact::Plane>
+        planes;               ///< exact coefficients in lattice units; normals point to the positive side
+    Volume domain_volume;     ///< of the domain solid
+    Volume excavated_volume;  ///< of the part of the domain that is void
     CutReport report;
   };
   explicit BlockComplex(Data data) : data_{std::move(data)} {}

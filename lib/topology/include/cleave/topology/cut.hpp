@@ -30,8 +30,8 @@ struct CutOptions {
   unsigned threads = 1;
 };
 
-/// Cuts the domain into blocks: the connected parts of the domain less the excavations and the joints. Exact: every combinatorial
-/// decision is the sign of a determinant of integers. No joint, no excavation: one block.
+/// Cuts the domain into blocks: the connected parts of the domain less the excavations and the joints. Exact: every
+/// combinatorial decision is the sign of a determinant of integers. No joint, no excavation: one block.
 [[nodiscard]] std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOptions& options = {});
 
 }  // namespace cleave::topology

@@ -10,7 +10,8 @@
 
 namespace cleave::topology {
 
-/// One joint (discontinuity): a polygon, or several that make one surface (a triangulated fault, a triangulated bent quad).
+/// One joint (discontinuity): a polygon, or several that make one surface (a triangulated fault, a triangulated bent
+/// quad).
 struct Joint {
   std::vector<geometry::Polygon> polygons;
 };
@@ -25,7 +26,7 @@ struct PersistentJoint {
 struct CutInput {
   geometry::Solid domain;
   std::vector<std::variant<Joint, PersistentJoint>> joints = {};  ///< JointId = index
-  std::vector<geometry::Solid> excavations = {};                  ///< in order; they may overlap each other and leave the domain
+  std::vector<geometry::Solid> excavations = {};  ///< in order; they may overlap each other and leave the domain
   /// Domain faces (by tag index of the domain solid) that are free; all others are fixed.
   std::vector<std::uint32_t> free_domain_tags = {};
   /// > 0: near-coincident planes are merged and joint edges within this distance of another joint adopt its plane.
