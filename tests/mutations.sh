@@ -4,6 +4,7 @@
 #
 #   tests/mutations.sh [PATTERN]      only the mutations whose name matches (grep -E)
 #
+# Stored hashes do not count: they notice every change, right or wrong.
 # The copy is kept in build/mutations, so that a second run compiles only what a mutation touches.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -11,16 +12,6 @@ work=$root/build/mutations
 copy=$work/source
 pattern=${1:-.}
 mkdir -p "$copy"
-
-# Files keep their dates, so that nothing is compiled again without need.
-for part in CMakeLists.txt lib tests fuzz; do
-  if [[ -d $root/$part ]]; then
-    mkdir -p "$copy/$part"
-    cp -a -u "$root/$part/." "$copy/$part/"
-  else
-    cp -a -u "$root/$part" "$copy/$part"
-  fi
-done
 
 python3 - "$copy" "$work" "$root" "$pattern" <<'PYTHON'
 import os, re, subprocess, sys
@@ -46,12 +37,22 @@ def run(command, **more):
 def restore(path):
     source = os.path.join(root, path)
     target = os.path.join(copy, path)
-    text = open(source).read()
-    if open(target).read() != text:
-        open(target, "w").write(text)
+    content = open(source, "rb").read()
+    os.makedirs(os.path.dirname(target), exist_ok=True)
+    if not os.path.exists(target) or open(target, "rb").read() != content:
+        open(target, "wb").write(content)
 
-for path in {m[1] for m in mutations}:
+# Only what differs is written, so that nothing else is compiled again.
+wanted = {"CMakeLists.txt"}
+for part in ("lib", "tests", "fuzz"):
+    for folder, _, files in os.walk(os.path.join(root, part)):
+        wanted |= {os.path.relpath(os.path.join(folder, f), root) for f in files}
+for path in sorted(wanted):
     restore(path)
+for folder, _, files in os.walk(copy):
+    for f in files:
+        if os.path.relpath(os.path.join(folder, f), copy) not in wanted:
+            os.remove(os.path.join(folder, f))
 configured = run(["cmake", "-G", "Ninja", "-S", copy, "-B", build, "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1",
                   "-DCLEAVE_WERROR=OFF", "-DCLEAVE_EXAMPLES=OFF", "-DCMAKE_CXX_COMPILER=g++-12"])
 if configured.returncode:
@@ -64,7 +65,8 @@ def verdict(programs):
     """What noticed: the program and its first failing test; nothing when all pass."""
     for program in programs:
         try:
-            ran = run([os.path.join(build, "bin", program), "--gtest_fail_fast", "--gtest_brief=1"], timeout=600)
+            ran = run([os.path.join(build, "bin", program), "--gtest_fail_fast", "--gtest_brief=1",
+                       "--gtest_filter=-GoldenHashes.*"], timeout=600)
         except subprocess.TimeoutExpired:
             return program + ": does not end"
         if ran.returncode:

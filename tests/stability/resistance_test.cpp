@@ -156,6 +156,7 @@ TEST(ResistanceTest, CohesionAndTension) {
   const double t = 100 * std::sin(radians(40));
   Settings with = settings({strength(0, 2), strength(0, 1), strength(0, 11)});
   EXPECT_NEAR(judge_one(walls, with).resistance.si(), 6, 1e-12);
+  EXPECT_FALSE(judge_one(walls, with).resistance_max.has_value()) << "the wall that is brushed adds nothing either way";
   with.parallel_contact = true;
   EXPECT_NEAR(judge_one(walls, with).resistance.si(), 11, 1e-12);
   const Judgement torn = judge_one(walls, settings({strength(0, 0, 1000), strength(0, 0, 1000), strength(0, 0, 4)}));

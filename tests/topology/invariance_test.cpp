@@ -27,8 +27,8 @@ std::vector<std::array<unsigned, 6>> counts(const topology::CutInput& input) {
   return out;
 }
 
-constexpr std::array names{"rect-13",  "gridr-4",   "persist-8",    "deg-cavity",
-                           "deg-ring", "deg-touch", "deg-coplanar", "deg-fan12"};
+constexpr std::array names{"rect-13",   "gridr-4",      "persist-8", "deg-cavity", "deg-ring",
+                           "deg-touch", "deg-coplanar", "deg-fan12", "deg-fan12r"};
 
 TEST(Invariance, OrderAndRepetitionOfTheJoints) {
   for (const char* name : names) {

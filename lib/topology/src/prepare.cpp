@@ -3,7 +3,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <unordered_map>
+#include <utility>
 
 #include "cleave/core/assert.hpp"
 #include "cleave/core/expected.hpp"
@@ -336,11 +338,17 @@ struct Bounds {
   }
 };
 
-/// Sites that are corners of more than one polygon.
+/// Sites that are corners of more than one polygon. A polygon given twice counts once: repeating a joint changes
+/// nothing.
 class SharedSites {
  public:
-  void add(std::span<const LatticePoint> sites) {
-    for (const LatticePoint& s : sites) ++uses_[s];
+  void add(std::vector<LatticePoint> sites) {
+    std::ranges::sort(sites);
+    const auto repeated = std::ranges::unique(sites);
+    sites.erase(repeated.begin(), repeated.end());
+    const auto [polygon, first] = seen_.insert(std::move(sites));
+    if (!first) return;
+    for (const LatticePoint& s : *polygon) ++uses_[s];
   }
   [[nodiscard]] std::vector<std::size_t> among(std::span<const LatticePoint> sites) const {
     std::vector<std::size_t> shared;
@@ -362,6 +370,7 @@ class SharedSites {
     }
   };
   std::unordered_map<LatticePoint, std::uint32_t, Hash> uses_;
+  std::set<std::vector<LatticePoint>> seen_;
 };
 
 /// The plane of a persistent joint: lattice vectors that depend on the orientation alone, so equal orientations are
