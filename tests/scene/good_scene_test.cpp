@@ -191,6 +191,21 @@ TEST(SceneTest, TunnelsHaveTheVolumeOfTheirSection) {
   EXPECT_NEAR(volume("{ shape = \"polygon\", corners = [[0, 0], [2, 0], [0, 2]] }"), 2, 1e-6);
 }
 
+// Each of these once broke an assumption inside the TOML library (decision 11).
+TEST(SceneTest, TextsThatAreAlmostTomlAreToldAsSuch) {
+  for (const std::string_view text :
+       {"\u00e9t\u00e9 = 1\n", "[do\u01e8main]\n", "a = [0,}\n", "a = [[0, 0], [\u00e9]]\n", "a = }\n"}) {
+    const auto lines = errors_of(text);
+    ASSERT_EQ(lines.size(), 1U) << text;
+    EXPECT_TRUE(lines[0].starts_with("s.toml:1: TOML: ")) << lines[0];
+  }
+  EXPECT_EQ(scene_of("title = \"Stollen S\u00fcd\"\n" + std::string{box}).title, "Stollen S\u00fcd");
+}
+
+TEST(SceneTest, KeysWithoutLettersHaveAName) {
+  EXPECT_TRUE(error_of("'' = ''\n" + std::string{box}).starts_with("s.toml:1: \"\": unknown key; "));
+}
+
 TEST(SceneTest, NestedValuesDoNotOverflowTheStack) {
   std::string text = "a = ";
   for (int i = 0; i < 100'000; ++i) text += "[";

@@ -110,7 +110,8 @@ TableReader::TableReader(const TomlTable& table, std::uint32_t line, std::string
 }
 
 std::string TableReader::path_of(std::string_view key) const {
-  return path_.empty() ? std::string{key} : fmt::format("{}.{}", path_, key);
+  const std::string_view shown = key.empty() ? std::string_view{"\"\""} : key;  // TOML allows a key without letters
+  return path_.empty() ? std::string{shown} : fmt::format("{}.{}", path_, shown);
 }
 std::uint32_t TableReader::line_of(std::string_view key) const {
   const TomlEntry* entry = find(key);
