@@ -66,9 +66,15 @@ std::vector<std::pair<Use, Use>> pair_up(std::vector<Use> group, const std::vect
     i = 0;
   }
   if (group.empty()) return pairs;
+  if (group.size() == 2) {
+    pairs.emplace_back(group[0], group[1]);
+    return pairs;
+  }
   // By angle about the edge. Turning on from a backward use leads into the rock, from a forward one out of it.
   const Vec3 edge = points[group.front().high] - points[group.front().low];
-  const Vec3 along = normalized(edge);
+  // An edge may be shorter than doubles can tell: then any direction serves, the points fall together whatever the
+  // pairs.
+  const Vec3 along = norm(edge) > 0 ? normalized(edge) : Vec3{0, 0, 1};
   const auto into_face = [&](const Use& u) { return cross(polygons[u.polygon].outward, u.forward ? along : -along); };
   const Vec3 zero = into_face(group.front()), right = cross(along, zero);
   std::vector<std::pair<double, Use>> turned;

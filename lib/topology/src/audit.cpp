@@ -124,7 +124,9 @@ class BlockAuditor {
     const Side& any = sides_[group[0]];
     const Vec3 a = complex_.vertices()[VertexId{std::min(any.from, any.to)}],
                b = complex_.vertices()[VertexId{std::max(any.from, any.to)}];
-    const Vec3 axis = geometry::normalized(b - a);
+    // An edge shorter than doubles can tell has no direction; any will do to go on, at worst the certificate does not
+    // pass.
+    const Vec3 axis = b == a ? Vec3{0, 0, 1} : geometry::normalized(b - a);
     const Vec3 e1 = geometry::normalized(geometry::cross(axis, std::abs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
     const Vec3 e2 = geometry::cross(axis, e1);
     std::vector<std::pair<double, std::uint32_t>> around;
