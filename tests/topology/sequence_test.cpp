@@ -74,7 +74,7 @@ TEST(SequentialCut, WhatFallsLeavesRoomWithFreeFaces) {
   const BlockId fallen{static_cast<std::size_t>(found - all.begin())};
   std::set<BlockId> neighbours;
   for (const topology::FaceId f : found->faces) {
-    for (const topology::Patch& patch : whole.complex.faces()[f].patches) {
+    for (const topology::Patch& patch : whole.complex.patches(whole.complex.faces()[f])) {
       if (patch.neighbour) neighbours.insert(*patch.neighbour);
     }
   }
