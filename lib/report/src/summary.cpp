@@ -163,6 +163,18 @@ void write_sequence(JsonWriter& json, const SequenceFigures& sequence) {
   json.end_object();
 }
 
+void write_dangling(JsonWriter& json, const DanglingFigures& dangling) {
+  json.key("dangling");
+  json.begin_object();
+  json.member("pieces", dangling.pieces);
+  json.member("area_m2", dangling.area_m2);
+  json.member("free_edges", dangling.free_edges);
+  json.member("free_edge_length_m", dangling.free_edge_length_m);
+  json.member("joints", dangling.joints);
+  json.member("isolated_joints", dangling.isolated_joints);
+  json.end_object();
+}
+
 }  // namespace
 
 BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash) {
@@ -211,6 +223,7 @@ std::string summary_json(const Summary& summary) {
   write_input(json, summary.input);
   write_blocks(json, summary);
   if (summary.key_blocks) write_key_blocks(json, *summary.key_blocks);
+  if (summary.dangling) write_dangling(json, *summary.dangling);
   if (summary.sequence) write_sequence(json, *summary.sequence);
   json.end_object();
   return std::move(json).finish();

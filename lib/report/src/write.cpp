@@ -5,6 +5,7 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/report/cells.hpp"
+#include "cleave/report/dangling.hpp"
 #include "cleave/report/html.hpp"
 #include "cleave/report/key_blocks.hpp"
 #include "cleave/report/summary.hpp"
@@ -84,6 +85,14 @@ Summary summarize(const scene::RunResult& result) {
     summary.input.merged_planes = report.merged_planes;
     summary.blocks = count_blocks(*complex, result.block_hash);
     summary.certificate = result.complex->certificate();
+    if (const auto& dangling = complex->data().dangling) {
+      summary.dangling = {.pieces = dangling->pieces.size(),
+                          .area_m2 = dangling->area.si(),
+                          .free_edges = dangling->free_edges,
+                          .free_edge_length_m = dangling->free_edge_length.si(),
+                          .joints = dangling->joints,
+                          .isolated_joints = dangling->isolated_joints};
+    }
   } else {
     summary.certificate = result.complex.error();
   }
@@ -142,6 +151,13 @@ std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result,
   return {};
 }
 
+std::expected<void, WriteError> write_dangling(const scene::RunResult& result, const fs::path& folder) {
+  const auto* complex = complex_of(result);
+  if (complex == nullptr || !complex->data().dangling) return {};
+  if (result.output.vtu) CLEAVE_CHECK(write_file(folder / "dangling.vtu", dangling_vtu(*complex, result.title)));
+  return write_file(folder / "dangling.obj", dangling_obj(*complex, result.title));
+}
+
 std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result, const fs::path& folder) {
   const auto* complex = complex_of(result);
   if (!result.output.csv || complex == nullptr || !result.analysis) return {};
@@ -162,6 +178,7 @@ std::expected<void, WriteError> write_all(const scene::RunResult& result, const 
   fs::create_directories(folder, error);
   if (error) return std::unexpected(CannotCreate{folder, error.message()});
   CLEAVE_CHECK(write_blocks_vtu(result, folder));
+  CLEAVE_CHECK(write_dangling(result, folder));
   CLEAVE_CHECK(write_key_blocks_csv(result, folder));
   CLEAVE_CHECK(write_report_html(result, folder));
   return write_summary_json(result, folder);

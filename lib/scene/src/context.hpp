@@ -19,6 +19,7 @@ struct Context {
   bool triangulate = false;  ///< nonplanar = "triangulate"
   IdVector<SetId, NamedSet> sets{};
   std::vector<InputFile> files{};
+  std::vector<topology::Termination> terminations{};
 
   /// The set of that name, made when new.
   [[nodiscard]] SetId set_named(const std::string& name);

@@ -111,6 +111,7 @@ void parse_joint_file(Context& context, const TableReader& joint, const std::opt
       return;
     }
     for (const std::string& note : table->notes) context.problems.note_in(loaded->shown, 1, "header", note, "");
+    if (joint.has("surface")) joint.error("surface", "has a meaning for meshes only", "remove it");
     add_rows(context, *table, loaded->shown, set, joints);
     return;
   }
@@ -118,7 +119,8 @@ void parse_joint_file(Context& context, const TableReader& joint, const std::opt
   const auto mesh = mesh_of(context, joint, "file", *loaded);
   if (!mesh) return;
   const SetId id = context.set_named(set.value_or("default"));
-  if (ending == "obj") {
+  const bool surface = joint.boolean("surface").value_or(ending != "obj");
+  if (!surface) {
     add_faces(context, *mesh, loaded->shown, id, joints);
   } else {
     add_surface(context, *mesh, loaded->shown, id, joints);

@@ -549,6 +549,10 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
     }
   }
   if (snapper.active()) {
+    std::vector<const LatticePolygon*> all;
+    all.reserve(polygons.size());
+    for (const auto& entry : polygons) all.push_back(&entry.polygon);
+    snapper.begin_merging(all);
     for (auto& entry : polygons) snapper.merge_plane(entry.polygon);
   }
   for (auto& [joint, polygon, holes] : polygons) {

@@ -63,6 +63,16 @@ struct KeyBlockFigures {
   bool stopped_at_max_batches = false;
 };
 
+/// Parts of joints that bound no block, where the scene keeps them.
+struct DanglingFigures {
+  std::uint64_t pieces = 0;
+  double area_m2 = 0;
+  std::uint64_t free_edges = 0;
+  double free_edge_length_m = 0;
+  std::uint64_t joints = 0;
+  std::uint64_t isolated_joints = 0;
+};
+
 /// One stage of a sequential excavation.
 struct StageFigures {
   std::uint32_t stage = 1;
@@ -101,6 +111,7 @@ struct Summary {
   topology::Certificate certificate;
   std::optional<KeyBlockFigures> key_blocks;
   std::optional<SequenceFigures> sequence;
+  std::optional<DanglingFigures> dangling;
 };
 
 [[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);

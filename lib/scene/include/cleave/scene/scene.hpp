@@ -61,6 +61,8 @@ struct MeasuredJoint {
   OwnStrength own;
   std::string file;  ///< where it stands: a joint file or the scene file, as messages name it
   std::uint32_t line;
+  std::string name = {};                  ///< for `ends_on` of others; may be empty
+  std::vector<std::string> ends_on = {};  ///< names of the joints it ends on
 };
 
 /// A [[joint_set]]: joints drawn at random. Its number in Scene::joint_sets is the `set_index` of dfn::sample.
@@ -117,6 +119,8 @@ struct Scene {
   std::vector<std::uint32_t> free_domain_tags;  ///< tag indices of `domain` that are free
   IdVector<SetId, NamedSet> sets;               ///< in order of first mention; [0] is "default"
   std::vector<MeasuredJoint> joints;            ///< in scene order; they get the first JointIds
+  std::vector<topology::Termination> terminations;  ///< of measured joints
+  bool keep_dangling = false;
   std::vector<RandomSet> joint_sets;            ///< in scene order; their joints follow
   Rock rock;
   std::vector<Excavation> excavations;         ///< in scene order
