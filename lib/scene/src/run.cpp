@@ -36,6 +36,7 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                                      scene.excavations.empty() ? 1 : scene.excavations.front().line;
                                  return Problem{scene.shown, line, "excavation", what, ""};
                                },
+                               [&](const topology::WindowOutside&) { return whole(); },
                                [&](const topology::TooLarge&) { return whole(); }},
                     error);
 }
