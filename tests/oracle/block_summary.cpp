@@ -136,7 +136,7 @@ std::vector<SeenBlock> seen_blocks(const topology::BlockComplex& complex, const 
       const topology::Face& face = complex.faces()[f];
       if (face.role == topology::Role::joint) seen.figures[4] += face.area.si();
       if (face.role == topology::Role::free) seen.figures[5] += face.area.si();
-      for (const auto& loop : face.loops) {
+      for (const auto& loop : complex.loops(face)) {
         for (const topology::VertexId v : loop) {
           const geometry::Vec3 p = complex.position(v);
           seen.strictly_inside = seen.strictly_inside && p.x > window.min.x && p.x < window.max.x &&
