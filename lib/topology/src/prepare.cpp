@@ -504,7 +504,8 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
     const LatticePoint lo = clamped(input.window->min), hi = clamped(input.window->max);
     if (!builder.add_window(lo, hi)) return std::unexpected(CutError{WindowOutside{}});
     const LatticePoint size = hi - lo;
-    out.domain_volume = static_cast<double>(size.x) * lattice.pitch() * (static_cast<double>(size.y) * lattice.pitch()) *
+    out.domain_volume = static_cast<double>(size.x) * lattice.pitch() *
+                        (static_cast<double>(size.y) * lattice.pitch()) *
                         (static_cast<double>(size.z) * lattice.pitch());
   }
 

@@ -53,7 +53,7 @@ struct Prepared {
   std::vector<HalfSpace> clip;  ///< half-spaces of the window and of a convex domain; edges of joints already
   double domain_volume = 0;     ///< m3; of the window when there is one
   bool windowed = false;
-  double largest_snap = 0;      ///< m
+  double largest_snap = 0;  ///< m
   std::uint64_t merged_planes = 0, adopted_edges = 0;
   std::vector<Index> outside;  ///< joints whose box misses the domain's
   Index joint_count = 0, excavation_count = 0;

@@ -17,9 +17,9 @@ namespace cleave::topology {
 
 /// What lies behind a face of a block.
 enum class Role : std::uint8_t {
-  joint,  ///< another block, across a joint
-  fixed,  ///< a domain side that is not free: rock that never moves
-  free,   ///< air: an excavation, or a domain side named free
+  joint,   ///< another block, across a joint
+  fixed,   ///< a domain side that is not free: rock that never moves
+  free,    ///< air: an excavation, or a domain side named free
   window,  ///< the edge of the part that was cut (CutInput::window): what lies behind it was not looked at
 };
 
