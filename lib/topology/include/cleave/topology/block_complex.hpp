@@ -85,6 +85,7 @@ struct CutReport {
   std::uint64_t joints_outside = 0;  ///< joints that do not meet the domain
   std::vector<JointId> outside;      ///< which
   std::vector<JointId> dangling;     ///< joints no piece of which separates two blocks
+  std::uint64_t intersections = 0;   ///< pairs of facets (of joints and solids) that meet in a segment or a point
   std::uint64_t predicate_calls = 0;
   std::uint64_t predicate_exact = 0;  ///< of those, how many the filter could not decide
 };
