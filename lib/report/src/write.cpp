@@ -1,5 +1,6 @@
 #include "cleave/report/write.hpp"
 
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "cleave/report/summary.hpp"
 #include "cleave/report/text.hpp"
 #include "cleave/report/vtu.hpp"
+#include "cleave/scene/run.hpp"
 
 namespace cleave::report {
 namespace {
@@ -85,6 +87,17 @@ Summary summarize(const scene::RunResult& result) {
     summary.input.merged_planes = report.merged_planes;
     summary.blocks = count_blocks(*complex, result.block_hash);
     summary.certificate = result.complex->certificate();
+    if (result.micro_blocks.policy != scene::MicroBlockPolicy::keep) {
+      MicroBlockFigures figures;
+      figures.policy = result.micro_blocks.policy == scene::MicroBlockPolicy::report ? "report" : "exclude";
+      for (const topology::BlockId id : scene::micro_blocks(*complex, result.micro_blocks)) {
+        const topology::Block& block = complex->blocks()[id];
+        figures.thinnest_m = figures.count == 0 ? block.thickness.si() : std::min(figures.thinnest_m, block.thickness.si());
+        figures.volume_m3 += block.volume.si();
+        ++figures.count;
+      }
+      summary.micro_blocks = std::move(figures);
+    }
     if (const auto& dangling = complex->data().dangling) {
       summary.dangling = {.pieces = dangling->pieces.size(),
                           .area_m2 = dangling->area.si(),
@@ -96,7 +109,17 @@ Summary summarize(const scene::RunResult& result) {
   } else {
     summary.certificate = result.complex.error();
   }
-  if (const auto* analysis = analysis_of(result)) summary.key_blocks = count_key_blocks(*analysis);
+  if (const auto* analysis = analysis_of(result)) {
+    summary.key_blocks = count_key_blocks(*analysis);
+    summary.key_blocks->hash = result.key_block_hash;
+  }
+  if (result.window) {
+    const scene::WindowInfo& w = *result.window;
+    summary.window = WindowFigures{.min = {w.min.x, w.min.y, w.min.z},
+                                   .max = {w.max.x, w.max.y, w.max.z},
+                                   .rounds = w.rounds,
+                                   .truncated = w.truncated};
+  }
   if (result.sequence) summary.sequence = figures_of(*result.sequence);
   return summary;
 }

@@ -46,6 +46,7 @@ struct ParsedStability {
 /// Stages of the excavations and [sequence]; empty when all are of one stage.
 [[nodiscard]] std::optional<SequenceSettings> parse_sequence(const TableReader& root,
                                                              const std::vector<Excavation>& excavations);
+[[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
 [[nodiscard]] OutputSettings parse_output(const TableReader& root);
 
 /// Adds notes on a scene that is not wrong: joints outside the domain, no joints at all, strengths that nobody stated.

@@ -16,7 +16,7 @@ using std::string_view;
 constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
                                                 "north",  "domain",     "joint",    "joint_set", "joints",
                                                 "rock",   "excavation", "stability"};
-constexpr std::array<string_view, 3> more_root_keys{"output", "sequence", "keep_dangling"};
+constexpr std::array<string_view, 4> more_root_keys{"output", "sequence", "keep_dangling", "micro_blocks"};
 constexpr std::array<string_view, 6> later_sections{"support", "monte_carlo", "body", "load", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
@@ -96,6 +96,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   parse_excavations(context, root, domain, excavations);
   ParsedStability stability = parse_stability(root, domain, root.has("excavation") && !excavations.empty());
   std::optional<SequenceSettings> sequence = parse_sequence(root, excavations);
+  const MicroBlocks micro_blocks = parse_micro_blocks(root);
   const OutputSettings output = parse_output(root);
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 
@@ -114,6 +115,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .excavations = std::move(excavations),
               .stability = stability.settings,
               .sequence = std::move(sequence),
+              .micro_blocks = micro_blocks,
               .output = output,
               .shown = shown,
               .file_name = stem_of(shown),

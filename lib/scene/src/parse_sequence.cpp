@@ -79,4 +79,17 @@ std::optional<SequenceSettings> parse_sequence(const TableReader& root, const st
   return settings;
 }
 
+MicroBlocks parse_micro_blocks(const TableReader& root) {
+  MicroBlocks limits;
+  const TomlTable* found = root.table("micro_blocks");
+  if (found == nullptr) return limits;
+  constexpr std::array<string_view, 3> keys{"policy", "thickness", "volume"};
+  constexpr std::array<string_view, 3> policies{"keep", "report", "exclude"};
+  const TableReader table{*found, root.line_of("micro_blocks"), "micro_blocks", root.problems(), keys};
+  if (const auto policy = table.choice("policy", policies)) limits.policy = static_cast<MicroBlockPolicy>(*policy);
+  if (const auto thickness = table.number("thickness", rule::length)) limits.thickness = metres(*thickness);
+  if (const auto volume = table.number("volume", rule::length)) limits.volume = cubic_metres(*volume);
+  return limits;
+}
+
 }  // namespace cleave::scene

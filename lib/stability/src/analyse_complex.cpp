@@ -22,12 +22,13 @@ class Batches final {
       const topology::Block& block = complex().blocks()[id];
       if (block.free && !block.fixed) changed.push_back(id);
     }
+    if (!model_.settings().left_out.empty()) changed = without_left_out(std::move(changed));
     for (std::uint32_t batch = 1; !changed.empty(); ++batch) {
       std::vector<BlockId> leaving;
       for (const BlockId id : changed) {
         if (judge_block(id, batch)) leaving.push_back(id);
       }
-      if (leaving.empty()) break;
+      if (!analysis_.undecided.empty() || leaving.empty()) break;
       if (batch > model_.settings().max_batches) {
         analysis_.stopped_at_max_batches = true;
         break;
@@ -37,7 +38,7 @@ class Batches final {
     for (auto& judgement : judgements_) {
       if (judgement) analysis_.judgements.push_back(*std::move(judgement));
     }
-    if (model_.settings().force_transfer) transfer_forces(model_, analysis_);
+    if (model_.settings().force_transfer && analysis_.undecided.empty()) transfer_forces(model_, analysis_);
     return std::move(analysis_);
   }
 
@@ -50,8 +51,13 @@ class Batches final {
     const Contacts contacts = model_.contacts(id, batch);
     if (!contacts.exposed) return false;  // face-vector closure: all its joint faces together leave no direction
     const std::uint8_t dimension = contacts.cone.dimension();
+    // Faces that are not known can only take directions away.
     if (dimension == 0 || (model_.settings().strict && dimension < 3)) return false;
     const topology::Block& block = complex().blocks()[id];
+    if (block.truncated) {
+      analysis_.undecided.push_back(id);
+      return false;
+    }
     const Verdict verdict = judge(contacts, model_.applied_forces(block), model_.settings());
     analysis_.equilibrium_residual = std::max(analysis_.equilibrium_residual, verdict.residual);
 
@@ -74,6 +80,22 @@ class Batches final {
     judgement.tie = verdict.tie;
     judgements_[id] = std::move(judgement);
     return verdict.key;
+  }
+
+  /// Takes out what is left out, before the first batch: what it leaned on is exposed there.
+  std::vector<BlockId> without_left_out(std::vector<BlockId> judged) {
+    for (const BlockId id : model_.settings().left_out) model_.remove(id, 0);
+    for (const BlockId id : model_.settings().left_out) {
+      for (const topology::FaceId face : complex().blocks()[id].faces) {
+        for (const topology::Patch& patch : complex().patches(complex().faces()[face])) {
+          if (patch.neighbour && !complex().blocks()[*patch.neighbour].fixed) judged.push_back(*patch.neighbour);
+        }
+      }
+    }
+    std::erase_if(judged, [&](BlockId id) { return model_.removed_in(id) != Model::stays; });
+    std::ranges::sort(judged);
+    judged.erase(std::ranges::unique(judged).begin(), judged.end());
+    return judged;
   }
 
   /// Takes a batch out; returns the blocks whose contacts changed, in order of id.

@@ -96,10 +96,25 @@ struct StabilitySettings {
   std::uint32_t max_batches = 50;
 };
 
+enum class MicroBlockPolicy : std::uint8_t {
+  keep,    ///< as all others, and nothing is said
+  report,  ///< as all others; counted
+  exclude  ///< counted, and left out of stability: not judged, and holding nothing
+};
+/// [micro_blocks]: blocks thinner or smaller than a limit; without limits those thinner than 1e-6 of the domain
+/// (topology::Block::sliver).
+struct MicroBlocks {
+  MicroBlockPolicy policy = MicroBlockPolicy::report;
+  std::optional<Length> thickness;
+  std::optional<Volume> volume;
+};
+
 struct OutputSettings {
   bool vtu = true;     ///< blocks.vtu
   bool csv = true;     ///< key_blocks.csv
   bool report = true;  ///< report.html
+  /// blocks = "key": only key blocks are asked for, so only the rock near free faces is cut.
+  bool only_key_blocks = false;
 };
 
 /// A file that the scene names, as read.
@@ -126,6 +141,7 @@ struct Scene {
   std::vector<Excavation> excavations;         ///< in scene order
   std::optional<StabilitySettings> stability;  ///< empty: the scene has no [stability] and no free face
   std::optional<SequenceSettings> sequence;    ///< empty: all excavations are of one stage
+  MicroBlocks micro_blocks;
   OutputSettings output;
 
   std::string shown;      ///< how messages name the scene file

@@ -26,6 +26,8 @@ struct Settings {
   bool parallel_contact = false;
   bool force_transfer = true;
   std::uint32_t max_batches = 50;
+  /// Blocks that count as gone from the start (micro-blocks): not judged, in no batch, and holding nothing.
+  std::vector<topology::BlockId> left_out = {};
 };
 
 /// Key blocks of the complex in batches, after Goodman & Shi (1985) with the mode found as the projection of the
