@@ -32,7 +32,7 @@ std::string scene_text(double scale, std::uint64_t seed) {
   const std::vector<std::pair<int, int>> orientations{{30, 30}, {45, 150}, {60, 270}};
   for (std::size_t set = 0; set < orientations.size(); ++set) {
     text += fmt::format(
-        "[[joint_set]]\nname = \"{}\"\nshape = \"rectangle\"\nintensity = {{ p32 = 0.24 }}\n"
+        "[[joint_set]]\nname = \"{}\"\nshape = \"rectangle\"\nintensity = {{ p32 = 0.195 }}\n"
         "orientation = {{ dip = {}, dip_direction = {}, distribution = \"uniform\", dip_range = 20, "
         "dip_direction_range = 20 }}\n"
         "size = {{ distribution = \"normal\", mean = 100, std = 30, min = 1, max = 300 }}\n",
