@@ -35,7 +35,8 @@ Eigen::Index ix(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 DenseMatrix dense(const MatrixXd& m) {
   DenseMatrix out{static_cast<std::size_t>(m.rows()), static_cast<std::size_t>(m.cols()), {}};
-  out.values.assign(m.data(), m.data() + m.size());
+  const auto flat = m.reshaped();
+  out.values.assign(flat.begin(), flat.end());
   return out;
 }
 
