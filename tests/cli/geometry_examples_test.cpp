@@ -41,7 +41,8 @@ double half_disc(double r, int n) { return 0.5 * n * r * r * std::sin(std::numbe
 TEST_F(GeometryExamples, CrossingTunnelsAreOneBlock) {
   const auto result = result_of("crossing_tunnels");
   EXPECT_EQ(result["blocks"]["count"], 1);
-  // Over the 6 m of the rectangle's width the horseshoe is 10 m wide where the rectangle lies (z 15 to 19, walls 15 to 20).
+  // Over the 6 m of the rectangle's width the horseshoe is 10 m wide where the rectangle lies (z 15 to 19, walls 15 to
+  // 20).
   const double horseshoe = 60 * (50 + half_disc(5, 16)), rectangle = 60 * 24, shared = 10 * 24;
   EXPECT_NEAR(result["blocks"]["volume_m3"].get<double>(), 60 * 60 * 40 - horseshoe - rectangle + shared, 1e-4);
 }
@@ -132,8 +133,8 @@ TEST_F(GeometryExamples, OpenPitIsTakenOutBenchByBench) {
   }
 }
 
-// The order of the scene's own stages is the first of 4! = 24; after the last stage the rock is that of the whole tunnel
-// but for what has fallen.
+// The order of the scene's own stages is the first of 4! = 24; after the last stage the rock is that of the whole
+// tunnel but for what has fallen.
 TEST_F(GeometryExamples, SequentialTunnelComparesAllOrders) {
   const auto result = result_of("sequential_tunnel");
   const auto& sequence = result["sequence"];

@@ -28,13 +28,17 @@ constexpr std::string_view hole = "holes = [[[2, 2, 3], [4, 2, 3], [3, 4, 3]]]\n
 TEST(JointKeys, Holes) {
   EXPECT_EQ(blocks_of(std::string{level}), 2U);
   EXPECT_EQ(blocks_of(std::string{level} + std::string{hole}), 1U);
-  const auto wrong = [&](std::string_view holes) { return error_of(with_box(std::string{level} + std::string{holes})); };
-  EXPECT_EQ(wrong("holes = [[[2, 2, 3], [4, 2, 3], [3, 9, 3]]]\n"),
-            "s.toml:5: joint[1].holes: hole 1 does not lie wholly inside the polygon; a hole may not touch its outline");
+  const auto wrong = [&](std::string_view holes) {
+    return error_of(with_box(std::string{level} + std::string{holes}));
+  };
+  EXPECT_EQ(
+      wrong("holes = [[[2, 2, 3], [4, 2, 3], [3, 9, 3]]]\n"),
+      "s.toml:5: joint[1].holes: hole 1 does not lie wholly inside the polygon; a hole may not touch its outline");
   EXPECT_EQ(wrong("holes = [[[2, 2, 3], [4, 2, 3], [3, 4, 3]], [[3, 2.5, 3], [6, 3, 3], [6, 4, 3]]]\n"),
             "s.toml:5: joint[1].holes: hole 2 meets another hole; join them to one outline");
-  EXPECT_EQ(wrong("holes = [[[2, 2, 3], [4, 2, 3], [3, 4, 3.1]]]\n"),
-            "s.toml:5: joint[1].holes: hole 1 lies up to 0.1 m off the polygon's plane; move its corners into the plane");
+  EXPECT_EQ(
+      wrong("holes = [[[2, 2, 3], [4, 2, 3], [3, 4, 3.1]]]\n"),
+      "s.toml:5: joint[1].holes: hole 1 lies up to 0.1 m off the polygon's plane; move its corners into the plane");
   EXPECT_EQ(wrong("holes = [[2, 2, 3]]\n").substr(0, 24), "s.toml:5: joint[1].holes");
 }
 
@@ -46,7 +50,8 @@ TEST(JointKeys, EndsOn) {
   EXPECT_EQ(blocks_of(upright + "ends_on = [\"bed\"]\n" + flat), 3U) << "names may come later";
   EXPECT_EQ(error_of(with_box(upright + "ends_on = [\"bad\"]\n" + flat)),
             "s.toml:4: joint.ends_on: no joint has the name \"bad\"; give a joint that name, or remove it");
-  EXPECT_EQ(error_of(with_box(flat + flat)), "s.toml:7: joint[2].name: \"bed\" is the name of another joint; choose another");
+  EXPECT_EQ(error_of(with_box(flat + flat)),
+            "s.toml:7: joint[2].name: \"bed\" is the name of another joint; choose another");
   const Scene through = scene_of(with_box(
       flat + "[[joint]]\nplane = { through = [4, 4, 3], dip = 90, dip_direction = 90 }\nends_on = [\"bed\"]\n"));
   StageTimer timer;
@@ -58,14 +63,14 @@ TEST(JointKeys, EndsOn) {
 }
 
 TEST(JointKeys, ASurfaceOfAnObjFile) {
-  const Files files{{"fault.obj",
-                     "v -1 -1 2\nv 4 -1 4\nv 9 -1 2\nv -1 9 2\nv 4 9 4\nv 9 9 2\nf 1 2 5 4\nf 2 3 6 5\n"}};
+  const Files files{{"fault.obj", "v -1 -1 2\nv 4 -1 4\nv 9 -1 2\nv -1 9 2\nv 4 9 4\nv 9 9 2\nf 1 2 5 4\nf 2 3 6 5\n"}};
   const std::string file = "[[joint]]\nfile = \"fault.obj\"\n";
   EXPECT_EQ(scene_of(with_box(file), files).joints.size(), 2U);
   EXPECT_EQ(scene_of(with_box(file + "surface = true\n"), files).joints.size(), 1U);
   EXPECT_EQ(blocks_of(file + "surface = true\n", files), 2U);
-  EXPECT_EQ(error_of(with_box("[[joint]]\nplane = { through = [4, 4, 5], dip = 90, dip_direction = 90 }\nsurface = true\n")),
-            "s.toml:5: joint[1].surface: has a meaning for files only; remove it");
+  EXPECT_EQ(
+      error_of(with_box("[[joint]]\nplane = { through = [4, 4, 5], dip = 90, dip_direction = 90 }\nsurface = true\n")),
+      "s.toml:5: joint[1].surface: has a meaning for files only; remove it");
 }
 
 TEST(JointKeys, KeepDangling) {

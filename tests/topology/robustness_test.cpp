@@ -43,9 +43,9 @@ class Elsewhere : public ::testing::TestWithParam<Change> {};
 
 // Rounding may part what met in a point, or join it: that makes or unmakes slivers only.
 TEST_P(Elsewhere, TheSameBlocksButForSlivers) {
-  for (const char* name : {"deg-cavity", "deg-coplanar", "deg-coplanarr", "deg-fan12", "deg-fan12r", "deg-ring",
-                           "deg-touch", "deg-utm6", "deg-utm7", "deg-vertex20", "deg-vertex20r", "deg-vertex8",
-                           "deg-vertex8r"}) {
+  for (const char* name :
+       {"deg-cavity", "deg-coplanar", "deg-coplanarr", "deg-fan12", "deg-fan12r", "deg-ring", "deg-touch", "deg-utm6",
+        "deg-utm7", "deg-vertex20", "deg-vertex20r", "deg-vertex8", "deg-vertex8r"}) {
     EXPECT_EQ(thick(changed(name, GetParam())), thick(changed(name, {"", 1, 0}))) << name;
   }
 }
@@ -113,8 +113,7 @@ TEST(Robustness, AFaultOfAHundredThousandTriangles) {
 
 TEST(SharedEdges, JointsFromEveryEdgeOfATunnel) {
   // One joint from each edge of a circular tunnel (32 sides) straight outwards: as many blocks as edges.
-  const auto tunnel =
-      geometry::make_tunnel(geometry::CircleSection{metres(6)}, {{10, 0, 10}, {10, 20, 10}}).value();
+  const auto tunnel = geometry::make_tunnel(geometry::CircleSection{metres(6)}, {{10, 0, 10}, {10, 20, 10}}).value();
   auto input = scene(box({0, 0, 0}, {20, 20, 20}), {}, {tunnel});
   std::set<std::pair<double, double>> edges;
   for (const Vec3& v : tunnel.vertices()) edges.insert({v.x, v.z});

@@ -166,9 +166,7 @@ std::string compare_plans(const Json& a, const Json& b) {
 
 /// Blocks have the same numbers in both when the block systems are the same; else they are known by their volumes.
 std::string compare_key_blocks(const Result& a, const Result& b, bool same_blocks) {
-  const auto identity = [&](const KeyRow& row) {
-    return same_blocks ? row.block : fmt::format("{:.9e}", row.volume);
-  };
+  const auto identity = [&](const KeyRow& row) { return same_blocks ? row.block : fmt::format("{:.9e}", row.volume); };
   std::multimap<std::string, const KeyRow*> waiting;
   for (const KeyRow& row : b.rows) waiting.emplace(identity(row), &row);
   constexpr std::size_t shown_rows = 20;

@@ -73,10 +73,9 @@ void add_later_commands(CLI::App& app, std::function<ExitCode()>& chosen) {
     const char* name;
     const char* text;
   };
-  for (const Later& later :
-       {Later{"merge", "merges Monte Carlo shards"},
-        Later{"replay", "re-creates one realization exactly, as a full single run"},
-        Later{"survey", "field data to joint-set statistics"}}) {
+  for (const Later& later : {Later{"merge", "merges Monte Carlo shards"},
+                             Later{"replay", "re-creates one realization exactly, as a full single run"},
+                             Later{"survey", "field data to joint-set statistics"}}) {
     CLI::App* command = app.add_subcommand(later.name, std::string{later.text} + " (not available in version 0.1)");
     command->allow_extras();
     command->callback([&chosen, name = std::string{later.name}] {

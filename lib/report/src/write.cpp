@@ -92,7 +92,8 @@ Summary summarize(const scene::RunResult& result) {
       figures.policy = result.micro_blocks.policy == scene::MicroBlockPolicy::report ? "report" : "exclude";
       for (const topology::BlockId id : scene::micro_blocks(*complex, result.micro_blocks)) {
         const topology::Block& block = complex->blocks()[id];
-        figures.thinnest_m = figures.count == 0 ? block.thickness.si() : std::min(figures.thinnest_m, block.thickness.si());
+        figures.thinnest_m =
+            figures.count == 0 ? block.thickness.si() : std::min(figures.thinnest_m, block.thickness.si());
         figures.volume_m3 += block.volume.si();
         ++figures.count;
       }

@@ -75,8 +75,8 @@ bool parse_holes(const TableReader& joint, topology::Joint& shape) {
     const auto* outline = std::get_if<TomlArray>(&list->items[h].value);
     std::vector<geometry::Vec3> corners;
     for (std::size_t i = 0; outline != nullptr && i < outline->items.size(); ++i) {
-      const auto corner = joint.vec3_of(outline->items[i], fmt::format("{}[{}][{}]", joint.path_of("holes"), h + 1, i + 1),
-                                        rule::coordinate);
+      const auto corner = joint.vec3_of(
+          outline->items[i], fmt::format("{}[{}][{}]", joint.path_of("holes"), h + 1, i + 1), rule::coordinate);
       if (!corner) return false;
       corners.push_back(*corner);
     }
@@ -110,13 +110,15 @@ void resolve_terminations(Context& context, const std::vector<MeasuredJoint>& jo
         context.problems.error_in(joints[j].file, joints[j].line, "joint.ends_on", std::move(what), std::move(remedy));
       };
       if (at == joints.end()) {
-        problem(fmt::format("no joint has the name \"{}\"", name.substr(0, 60)), "give a joint that name, or remove it");
+        problem(fmt::format("no joint has the name \"{}\"", name.substr(0, 60)),
+                "give a joint that name, or remove it");
         continue;
       }
       const auto* surface = std::get_if<topology::Joint>(&at->geometry);
       if (surface != nullptr && surface->polygons.size() != 1) {
-        problem(fmt::format("joint \"{}\" is not flat", name.substr(0, 60)),
-                "end it on a plane, a disc or a polygon; what passes a curved joint and bounds no block is dropped anyway");
+        problem(
+            fmt::format("joint \"{}\" is not flat", name.substr(0, 60)),
+            "end it on a plane, a disc or a polygon; what passes a curved joint and bounds no block is dropped anyway");
         continue;
       }
       const auto index = static_cast<std::size_t>(at - joints.begin());

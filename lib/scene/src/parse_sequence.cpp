@@ -14,17 +14,15 @@ using std::string_view;
 /// More stages than this would make more orders than anyone compares: 7! = 5040.
 constexpr std::size_t most_permuted = 6;
 
-std::string list_of(const std::vector<std::uint32_t>& stages) {
-  return fmt::format("[{}]", fmt::join(stages, ", "));
-}
+std::string list_of(const std::vector<std::uint32_t>& stages) { return fmt::format("[{}]", fmt::join(stages, ", ")); }
 
 void parse_orders(const TableReader& table, SequenceSettings& settings) {
   const TomlEntry* entry = table.find("compare_orders");
   if (entry == nullptr) return;
   const auto bad = [&](std::string what) {
     table.error("compare_orders", std::move(what),
-                fmt::format("write \"all\", or a list of orders of the stages {} such as [{}]", list_of(settings.stages),
-                            list_of(settings.stages)));
+                fmt::format("write \"all\", or a list of orders of the stages {} such as [{}]",
+                            list_of(settings.stages), list_of(settings.stages)));
   };
   if (const auto* word = std::get_if<std::string>(&entry->node.value)) {
     if (*word != "all") return bad(fmt::format("is \"{}\"", word->substr(0, 60)));

@@ -30,7 +30,8 @@ std::string describe(const CutError& error) {
           },
           [](const TerminationUndecided& e) {
             return fmt::format(
-                "joint {} ends on joint {}, but which part of it is meant is not clear: its middle lies on that joint's "
+                "joint {} ends on joint {}, but which part of it is meant is not clear: its middle lies on that "
+                "joint's "
                 "plane, or that joint is not flat; end it on another joint or move its middle",
                 e.joint.value(), e.at.value());
           },

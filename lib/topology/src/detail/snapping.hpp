@@ -18,10 +18,10 @@
 namespace cleave::topology::detail {
 
 /// The only tolerance of the cutter, at its border: with a snapping distance > 0, corners closer than it become one
-/// lattice site, a polygon all of whose corners lie that close to the plane of an earlier polygon near it takes that plane,
-/// and a joint's side that lies that close to another polygon ends on that polygon's plane. Polygons are near each other
-/// when their boxes, grown by the distance, meet; a tree over the boxes finds them, so the cost is O(n log n) where few do. With distance 0 it only rounds to
-/// the lattice. What was moved is recorded.
+/// lattice site, a polygon all of whose corners lie that close to the plane of an earlier polygon near it takes that
+/// plane, and a joint's side that lies that close to another polygon ends on that polygon's plane. Polygons are near
+/// each other when their boxes, grown by the distance, meet; a tree over the boxes finds them, so the cost is O(n log
+/// n) where few do. With distance 0 it only rounds to the lattice. What was moved is recorded.
 class Snapper final {
  public:
   Snapper(const exact::Lattice& lattice, double distance_m);
@@ -58,9 +58,9 @@ class Snapper final {
   double distance_;                                                             ///< m
   double distance_sites_;                                                       ///< lattice sites
   std::unordered_map<Cell, std::vector<exact::LatticePoint>, CellHash> cells_;  ///< sites given so far
-  std::vector<LatticePolygon> surfaces_;     ///< solids, persistent joints, then polygons as their planes are settled
-  std::vector<std::size_t> persistent_;      ///< which of them have no end
-  std::vector<std::size_t> boxed_;           ///< which surface each box is of
+  std::vector<LatticePolygon> surfaces_;  ///< solids, persistent joints, then polygons as their planes are settled
+  std::vector<std::size_t> persistent_;   ///< which of them have no end
+  std::vector<std::size_t> boxed_;        ///< which surface each box is of
   std::vector<geometry::Bounds> boxes_;
   std::unique_ptr<geometry::BoxTree> tree_;  ///< over `boxes_`
   double largest_move_ = 0;

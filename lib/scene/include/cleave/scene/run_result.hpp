@@ -116,7 +116,7 @@ struct RunResult {
   /// all are out and no block has left before.
   std::optional<SequenceResult> sequence;
 
-  MicroBlocks micro_blocks;        ///< the scene's policy
+  MicroBlocks micro_blocks;  ///< the scene's policy
 
   std::vector<std::string> notes;  ///< what a user should know: joints outside the domain, what was left out
 };

@@ -131,12 +131,12 @@ struct Scene {
   double north = 0;  ///< degrees from y to true north, clockwise; only for display: orientations are turned already
 
   geometry::Solid domain;
-  std::vector<std::uint32_t> free_domain_tags;  ///< tag indices of `domain` that are free
-  IdVector<SetId, NamedSet> sets;               ///< in order of first mention; [0] is "default"
-  std::vector<MeasuredJoint> joints;            ///< in scene order; they get the first JointIds
+  std::vector<std::uint32_t> free_domain_tags;      ///< tag indices of `domain` that are free
+  IdVector<SetId, NamedSet> sets;                   ///< in order of first mention; [0] is "default"
+  std::vector<MeasuredJoint> joints;                ///< in scene order; they get the first JointIds
   std::vector<topology::Termination> terminations;  ///< of measured joints
   bool keep_dangling = false;
-  std::vector<RandomSet> joint_sets;            ///< in scene order; their joints follow
+  std::vector<RandomSet> joint_sets;  ///< in scene order; their joints follow
   Rock rock;
   std::vector<Excavation> excavations;         ///< in scene order
   std::optional<StabilitySettings> stability;  ///< empty: the scene has no [stability] and no free face

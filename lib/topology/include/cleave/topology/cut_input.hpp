@@ -16,8 +16,8 @@ namespace cleave::topology {
 /// quad).
 struct Joint {
   std::vector<geometry::Polygon> polygons;
-  /// Holes of each polygon, in its plane (within the tolerance of Polygon), inside it and apart from each other; as many
-  /// entries as polygons, or fewer where the rest has none.
+  /// Holes of each polygon, in its plane (within the tolerance of Polygon), inside it and apart from each other; as
+  /// many entries as polygons, or fewer where the rest has none.
   std::vector<std::vector<geometry::Polygon>> holes = {};
 };
 
