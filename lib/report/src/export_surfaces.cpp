@@ -48,8 +48,8 @@ Exported blocks_ply(const Cells& cells, std::string_view title) {
   std::string faces;
   std::size_t count = 0;
   for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-    for (const CellFace& face : convex_faces_of_cell(cells, cell)) {
-      faces += std::to_string(face.size());
+    for (const auto& face : triangles_of_cell(cells, cell)) {
+      faces += '3';
       for (const std::uint32_t point : face) faces += ' ' + std::to_string(point);
       faces += ' ' + std::to_string(cells.block[cell].value()) + '\n';
       ++count;

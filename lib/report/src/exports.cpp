@@ -1,8 +1,10 @@
 #include "cleave/report/exports.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
+#include "cleave/scene/scene.hpp"
 #include "export_writers.hpp"
 
 namespace cleave::report {
@@ -18,6 +20,7 @@ constexpr std::array<ExportName, 8> names{{
     {ExportFormat::nmm3d, "nmm3d", ".nmm3d"},
     {ExportFormat::dda, "dda", ".dda"},
 }};
+static_assert(std::ranges::equal(names, scene::known_exports, {}, &ExportName::name));
 
 }  // namespace
 

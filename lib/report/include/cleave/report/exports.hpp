@@ -15,7 +15,7 @@ namespace cleave::report {
 
 enum class ExportFormat : std::uint8_t {
   obj,        ///< Wavefront OBJ: a group a cell, convex polygons and triangles
-  ply,        ///< PLY, ascii: a property `block` a face
+  ply,        ///< PLY, ascii: triangles with a property `block`
   stl,        ///< STL, text: a solid a cell, triangles
   threedec,   ///< 3DEC 7 and 9 commands: convex parts, joined to blocks. Experimental
   threedec5,  ///< 3DEC 5 and before. Experimental
