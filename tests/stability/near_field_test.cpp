@@ -52,6 +52,7 @@ using Row = std::tuple<std::uint32_t, double, double, double, double, double>;
 std::vector<Row> rows(const topology::BlockComplex& complex, const Analysis& analysis) {
   std::vector<Row> out;
   for (const Judgement& j : analysis.judgements) {
+    if (!j.key) continue;
     const topology::Block& block = complex.blocks()[j.block];
     out.emplace_back(j.batch.value_or(0), block.centroid.x, block.centroid.y, block.centroid.z, j.net.si(),
                      j.transferred ? j.transferred->net.si() : 0.0);
