@@ -69,7 +69,7 @@ std::vector<topology::BlockId> leaving(const Analysis& analysis) {
 TEST(NearFieldTest, GivesTheKeyBlocksOfTheWholeScene) {
   unsigned windows = 0, grown = 0, found = 0;
   const auto settings = weak_rock();
-  const int scenes = testing::trials(12, 4);
+  const int scenes = testing::trials(12, 8);
   for (int trial = 0; trial < scenes; ++trial) {
     const auto seed = static_cast<std::uint64_t>(trial);
     const auto input = network(seed, 90 + 15 * seed, trial % 2 == 0 ? 30 : 18, trial % 4 < 2);
