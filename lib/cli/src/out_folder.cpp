@@ -179,10 +179,11 @@ std::expected<void, OutError> OutFolder::publish_file_by_file() {
   // The summary says that a result is whole: the old one goes first, the new one comes last.
   std::ranges::sort(names, {}, [](const fs::path& name) { return std::pair{name == "summary.json", name.string()}; });
   fs::remove(final_ / "summary.json", reason);
-  for (const std::string_view old : result_files) fs::remove(final_ / old, reason);
-  for (const report::ExportName& format : report::export_names()) {
-    fs::remove(final_ / ("blocks" + std::string{format.ending}), reason);
+  std::vector<fs::path> old;
+  for (const auto& entry : fs::directory_iterator{final_, reason}) {
+    if (is_result_file(entry.path().filename().string())) old.push_back(entry.path());
   }
+  for (const fs::path& file : old) fs::remove(file, reason);
   for (const fs::path& name : names) {
     fs::rename(temporary_ / name, final_ / name, reason);
     if (reason)
