@@ -106,7 +106,10 @@ std::error_code replace_folder(const fs::path& fresh, const fs::path& old) {
 
 }  // namespace
 
-bool is_result_file(const std::string& name) { return std::ranges::find(result_files, name) != result_files.end(); }
+bool is_result_file(const std::string& name) {
+  return std::ranges::find(result_files, name) != result_files.end() ||
+         (name.starts_with("blocks_stage_") && name.ends_with(".vtu"));
+}
 
 std::expected<OutFolder, OutError> OutFolder::prepare(const fs::path& out) {
   std::error_code reason;

@@ -113,6 +113,56 @@ void write_key_blocks(JsonWriter& json, const KeyBlockFigures& figures) {
   json.end_object();
 }
 
+void write_order(JsonWriter& json, const OrderFigures& order) {
+  json.begin_object();
+  json.key("stages");
+  json.begin_array();
+  for (const std::uint32_t stage : order.stages) json.value(stage);
+  json.end_array();
+  json.member("key_block_count", order.count);
+  json.member("key_block_volume_m3", order.volume_m3);
+  json.key("new_count");
+  json.begin_array();
+  for (const std::uint64_t count : order.new_count) json.value(count);
+  json.end_array();
+  json.key("new_volume_m3");
+  json.begin_array();
+  for (const double volume : order.new_volume_m3) json.value(volume);
+  json.end_array();
+  json.end_object();
+}
+
+void write_sequence(JsonWriter& json, const SequenceFigures& sequence) {
+  json.key("sequence");
+  json.begin_object();
+  json.member("fallen", sequence.fallen);
+  json.key("stages");
+  json.begin_array();
+  for (const StageFigures& stage : sequence.stages) {
+    json.begin_object();
+    json.member("stage", stage.stage);
+    json.key("excavations");
+    json.begin_array();
+    for (const std::string& name : stage.excavations) json.value(name);
+    json.end_array();
+    json.member("certificate_passed", stage.passed);
+    json.member("block_count", stage.blocks);
+    json.member("block_volume_m3", stage.volume_m3);
+    json.member("hash", stage.hash);
+    write_key_blocks(json, stage.key_blocks);
+    json.member("new_key_block_count", stage.new_count);
+    json.member("new_key_block_volume_m3", stage.new_volume_m3);
+    json.end_object();
+  }
+  json.end_array();
+  json.key("orders");
+  json.begin_array();
+  for (const OrderFigures& order : sequence.orders) write_order(json, order);
+  json.end_array();
+  json.member("best_order", std::uint64_t{sequence.best});
+  json.end_object();
+}
+
 }  // namespace
 
 BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash) {
@@ -161,6 +211,7 @@ std::string summary_json(const Summary& summary) {
   write_input(json, summary.input);
   write_blocks(json, summary);
   if (summary.key_blocks) write_key_blocks(json, *summary.key_blocks);
+  if (summary.sequence) write_sequence(json, *summary.sequence);
   json.end_object();
   return std::move(json).finish();
 }

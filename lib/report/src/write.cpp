@@ -24,6 +24,39 @@ const topology::BlockComplex* complex_of(const scene::RunResult& result) {
   return result.complex ? &result.complex->complex() : nullptr;
 }
 
+SequenceFigures figures_of(const scene::SequenceResult& sequence) {
+  SequenceFigures figures{.fallen = sequence.fallen == scene::Fallen::stay_out ? "stay_out" : "put_back",
+                          .stages = {},
+                          .orders = {},
+                          .best = sequence.best};
+  for (const scene::StageResult& stage : sequence.stages) {
+    StageFigures row;
+    row.stage = stage.stage;
+    row.excavations = stage.excavations;
+    row.hash = stage.block_hash;
+    row.new_count = stage.new_key_blocks;
+    row.new_volume_m3 = stage.new_key_volume.si();
+    if (stage.complex && !*stage.complex) row.passed = false;
+    if (stage.complex && *stage.complex) {
+      const BlockFigures blocks = count_blocks((*stage.complex)->complex(), {});
+      row.blocks = blocks.count;
+      row.volume_m3 = blocks.volume_m3;
+    }
+    if (stage.analysis) row.key_blocks = count_key_blocks(*stage.analysis);
+    figures.stages.push_back(std::move(row));
+  }
+  for (const scene::OrderResult& order : sequence.orders) {
+    OrderFigures row{.stages = order.stages,
+                     .new_count = order.new_key_blocks,
+                     .new_volume_m3 = {},
+                     .count = order.key_blocks,
+                     .volume_m3 = order.key_volume.si()};
+    for (const Volume volume : order.new_key_volume) row.new_volume_m3.push_back(volume.si());
+    figures.orders.push_back(std::move(row));
+  }
+  return figures;
+}
+
 Summary summarize(const scene::RunResult& result) {
   Summary summary;
   summary.title = result.title;
@@ -55,6 +88,7 @@ Summary summarize(const scene::RunResult& result) {
     summary.certificate = result.complex.error();
   }
   if (const auto* analysis = analysis_of(result)) summary.key_blocks = count_key_blocks(*analysis);
+  if (result.sequence) summary.sequence = figures_of(*result.sequence);
   return summary;
 }
 
@@ -93,8 +127,19 @@ Page page_of(const scene::RunResult& result) {
 std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result, const fs::path& folder) {
   const auto* complex = complex_of(result);
   if (!result.output.vtu || complex == nullptr) return {};
-  return write_file(folder / "blocks.vtu", blocks_vtu(make_cells(*complex), analysis_of(result),
-                                                      {.title = result.title, .scene_file = result.scene_file}));
+  VtuText text{.title = result.title, .scene_file = result.scene_file, .stage_of_block = {}};
+  if (result.sequence) text.stage_of_block = result.sequence->stage_of_block;
+  CLEAVE_CHECK(write_file(folder / "blocks.vtu", blocks_vtu(make_cells(*complex), analysis_of(result), text)));
+  if (!result.sequence) return {};
+  for (const scene::StageResult& stage : result.sequence->stages) {
+    if (!stage.complex || !*stage.complex) continue;
+    const topology::BlockComplex& state = (*stage.complex)->complex();
+    const std::vector<std::int32_t> number(state.blocks().size(), static_cast<std::int32_t>(stage.stage));
+    text.stage_of_block = number;
+    CLEAVE_CHECK(write_file(folder / ("blocks_stage_" + std::to_string(stage.stage) + ".vtu"),
+                            blocks_vtu(make_cells(state), stage.analysis ? &*stage.analysis : nullptr, text)));
+  }
+  return {};
 }
 
 std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result, const fs::path& folder) {

@@ -16,7 +16,7 @@ using std::string_view;
 constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
                                                 "north",  "domain",     "joint",    "joint_set", "joints",
                                                 "rock",   "excavation", "stability"};
-constexpr std::array<string_view, 1> more_root_keys{"output"};
+constexpr std::array<string_view, 2> more_root_keys{"output", "sequence"};
 constexpr std::array<string_view, 6> later_sections{"support", "monte_carlo", "body", "load", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
@@ -91,8 +91,9 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   parse_properties(context, root);
   const Rock rock = parse_rock(root);
   std::vector<Excavation> excavations;
-  parse_excavations(context, root, excavations);
+  parse_excavations(context, root, domain, excavations);
   ParsedStability stability = parse_stability(root, domain, root.has("excavation") && !excavations.empty());
+  std::optional<SequenceSettings> sequence = parse_sequence(root, excavations);
   const OutputSettings output = parse_output(root);
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 
@@ -108,6 +109,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .rock = rock,
               .excavations = std::move(excavations),
               .stability = stability.settings,
+              .sequence = std::move(sequence),
               .output = output,
               .shown = shown,
               .file_name = stem_of(shown),

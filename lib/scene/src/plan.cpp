@@ -25,6 +25,10 @@ std::string why_stability(const Scene& scene) {
     why += count_of(scene.free_domain_tags.size(), "free face", "free faces");
     why += " of the domain";
   }
+  if (scene.sequence) {
+    why += fmt::format(" in {} stages", scene.sequence->stages.size());
+    if (!scene.sequence->orders.empty()) why += fmt::format(", {} orders", scene.sequence->orders.size() + 1);
+  }
   why += scene.stability->force_transfer ? "; with force transfer" : "; without force transfer";
   return why;
 }

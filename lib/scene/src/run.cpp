@@ -8,9 +8,11 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/topology/cut.hpp"
+#include "cleave/topology/sequence.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -30,6 +32,10 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                                  if (!e.excavation) return Problem{scene.shown, 1, "domain", what, ""};
                                  return Problem{scene.shown, scene.excavations[*e.excavation].line,
                                                 fmt::format("excavation[{}]", *e.excavation + 1), what, ""};
+                               },
+                               [&](const topology::TerminationUndecided& e) {
+                                 const MeasuredJoint& joint = scene.joints[e.joint.index()];
+                                 return Problem{joint.file, joint.line, "joint.ends_on", what, ""};
                                },
                                [&](const topology::DomainSwallowed&) {
                                  const std::uint32_t line =
@@ -75,6 +81,17 @@ void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::v
   }
 }
 
+SequenceResult sequence_of(const Scene& scene, const topology::SequentialCut& cut,
+                           const topology::StageBlocks& final_state, const Judge& judge) {
+  std::vector<std::uint32_t> stages;
+  std::vector<std::string> names;
+  for (const Excavation& excavation : scene.excavations) {
+    stages.push_back(excavation.stage);
+    names.push_back(excavation.name);
+  }
+  return run_sequence(cut, final_state, *scene.sequence, stages, names, judge);
+}
+
 std::optional<Stage> stage_named(std::string_view name) {
   const auto it = std::ranges::find(all_stages, name, [](Stage stage) { return name_of(stage); });
   return it == all_stages.end() ? std::nullopt : std::optional{*it};
@@ -108,7 +125,15 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return std::unexpected(std::move(drawn).error());
   }
 
-  auto cut = stage(Stage::cut, [&] { return topology::cut(drawn->input, {.threads = options.threads}); });
+  std::optional<topology::SequentialCut> in_stages;
+  std::optional<topology::StageBlocks> final_state;
+  auto cut = stage(Stage::cut, [&]() -> std::expected<topology::BlockComplex, topology::CutError> {
+    if (!scene.sequence) return topology::cut(drawn->input, {.threads = options.threads});
+    CLEAVE_TRY(in_stages, topology::SequentialCut::make(drawn->input, {.threads = options.threads}));
+    CLEAVE_TRY(final_state,
+               in_stages->blocks({.excavated = std::vector<std::uint8_t>(scene.excavations.size(), 1), .fallen = {}}));
+    return final_state->complex;
+  });
   if (!cut) {
     progress.end();
     return std::unexpected(std::vector{problem_of(cut.error(), scene, *drawn)});
@@ -121,8 +146,15 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return audited;
   });
   std::optional<stability::Analysis> analysis;
+  std::optional<SequenceResult> sequence;
   if (complex && scene.stability) {
-    analysis = stage(Stage::stability, [&] { return judge(scene, *drawn, *scene.stability, *complex); });
+    const Judge judged = [&](const topology::AuditedComplex& state) {
+      return judge(scene, *drawn, *scene.stability, state);
+    };
+    analysis = stage(Stage::stability, [&] {
+      if (in_stages && final_state) sequence = sequence_of(scene, *in_stages, *final_state, judged);
+      return judged(*complex);
+    });
   }
   progress.end();
 
@@ -153,6 +185,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .complex = std::move(complex),
                    .block_hash = std::move(hash),
                    .analysis = std::move(analysis),
+                   .sequence = std::move(sequence),
                    .notes = std::move(notes)};
 }
 

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "cleave/core/assert.hpp"
+#include "detail/dangling.hpp"
 #include "detail/union_find.hpp"
 
 namespace cleave::topology::detail {
@@ -26,12 +27,13 @@ struct Measure {
 class Assembler {
  public:
   Assembler(const CutInput& input, const Prepared& prepared, const Graph& graph, const Arrangement& arrangement,
-            const Cells& cells, const std::vector<Vec>& positions)
+            const Cells& cells, const std::vector<Vec>& positions, const std::vector<std::uint8_t>* excavated)
       : input_{input},
         prepared_{prepared},
         graph_{graph},
         arrangement_{arrangement},
         cells_{cells},
+        excavated_{excavated},
         faces_{static_cast<Index>(arrangement.faces.size())},
         merged_{2 * std::size_t{faces_}},
         shells_{2 * std::size_t{faces_}} {
@@ -48,6 +50,10 @@ class Assembler {
     make_faces();
     finish_blocks();
     finish_report();
+    if (prepared_.keep_dangling) {
+      out_.dangling = find_dangling(prepared_, graph_, arrangement_, block_of_, points_,
+                                    [this](Index vertex) { return vertex_id(vertex); });
+    }
     return std::move(out_);
   }
 
@@ -112,6 +118,7 @@ class Assembler {
             if (domain == nullptr) domain = &facet;
             break;
           case Owner::excavation:
+            if (excavated_ != nullptr && (*excavated_)[facet.owner_index] == 0) break;
             if (excavation == nullptr || facet.owner_index < excavation->owner_index) excavation = &facet;
             break;
         }
@@ -129,8 +136,10 @@ class Assembler {
         nature.role = Role::free;
         nature.excavation = excavation->owner_index;
         nature.tag = excavation->tag;
+      } else if (domain == nullptr) {
+        CLEAVE_ASSERT(excavated_ != nullptr);
+        nature.role = Role::free;  // on rock that has fallen
       } else {
-        CLEAVE_ASSERT(domain != nullptr);
         nature.tag = domain->tag;
         nature.role = std::ranges::find(input_.free_domain_tags, domain->tag) != input_.free_domain_tags.end()
                           ? Role::free
@@ -517,6 +526,7 @@ class Assembler {
   const Graph& graph_;
   const Arrangement& arrangement_;
   const Cells& cells_;
+  const std::vector<std::uint8_t>* excavated_;
   Index faces_;
   UnionFind merged_, shells_;
   std::vector<Vec3> points_;
@@ -532,8 +542,9 @@ class Assembler {
 }  // namespace
 
 BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
-                            const Arrangement& arrangement, const Cells& cells, const std::vector<Vec>& positions) {
-  return Assembler{input, prepared, graph, arrangement, cells, positions}.run();
+                            const Arrangement& arrangement, const Cells& cells, const std::vector<Vec>& positions,
+                            const std::vector<std::uint8_t>* excavated) {
+  return Assembler{input, prepared, graph, arrangement, cells, positions, excavated}.run();
 }
 
 }  // namespace cleave::topology::detail

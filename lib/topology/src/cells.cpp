@@ -314,11 +314,16 @@ class CellFinder {
     }
     cells.rock.assign(cells.count, 0);
     cells.in_domain.assign(cells.count, 0);
+    cells.excavated_by.reserve(cells.count * (solids - 1));
     for (Index c = 0; c < cells.count; ++c) {
       CLEAVE_ASSERT(known[c] != 0);
       cells.in_domain[c] = winding[c * solids] > 0 ? 1 : 0;
       bool excavated = false;
-      for (std::size_t s = 1; s < solids; ++s) excavated = excavated || winding[c * solids + s] > 0;
+      for (std::size_t s = 1; s < solids; ++s) {
+        const bool inside = winding[c * solids + s] > 0;
+        cells.excavated_by.push_back(inside ? 1 : 0);
+        excavated = excavated || inside;
+      }
       cells.rock[c] = cells.in_domain[c] != 0 && !excavated ? 1 : 0;
     }
     return cells;

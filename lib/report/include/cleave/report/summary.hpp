@@ -63,6 +63,32 @@ struct KeyBlockFigures {
   bool stopped_at_max_batches = false;
 };
 
+/// One stage of a sequential excavation.
+struct StageFigures {
+  std::uint32_t stage = 1;
+  std::vector<std::string> excavations;
+  bool passed = true;  ///< the certificate of this state
+  std::uint64_t blocks = 0;
+  double volume_m3 = 0;
+  std::string hash;
+  KeyBlockFigures key_blocks;
+  std::uint64_t new_count = 0;  ///< without those that left in earlier stages
+  double new_volume_m3 = 0;
+};
+struct OrderFigures {
+  std::vector<std::uint32_t> stages;
+  std::vector<std::uint64_t> new_count;
+  std::vector<double> new_volume_m3;
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+};
+struct SequenceFigures {
+  std::string fallen;  ///< "stay_out" or "put_back"
+  std::vector<StageFigures> stages;
+  std::vector<OrderFigures> orders;
+  std::size_t best = 0;
+};
+
 /// Everything of summary.json, as values.
 struct Summary {
   std::string title;
@@ -74,6 +100,7 @@ struct Summary {
   std::optional<BlockFigures> blocks;  ///< none when the certificate did not pass
   topology::Certificate certificate;
   std::optional<KeyBlockFigures> key_blocks;
+  std::optional<SequenceFigures> sequence;
 };
 
 [[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);

@@ -101,6 +101,9 @@ struct RunResult {
   std::expected<topology::AuditedComplex, topology::Certificate> complex;
   std::string block_hash;  ///< topology::canonical_hash; empty when the certificate failed
   std::optional<stability::Analysis> analysis;
+  /// Stage by stage, where excavations have different stages; `complex` and `analysis` then are those of the rock when
+  /// all are out and no block has left before.
+  std::optional<SequenceResult> sequence;
 
   std::vector<std::string> notes;  ///< what a user should know: joints outside the domain, what was left out
 };

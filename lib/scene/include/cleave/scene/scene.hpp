@@ -12,6 +12,7 @@
 #include "cleave/geometry/solid.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene/problem.hpp"
+#include "cleave/scene/sequence.hpp"
 #include "cleave/topology/cut_input.hpp"
 
 /// A validated scene: what `scene::parse` makes of a TOML file and the files it names. Past this border nothing is
@@ -120,6 +121,7 @@ struct Scene {
   Rock rock;
   std::vector<Excavation> excavations;         ///< in scene order
   std::optional<StabilitySettings> stability;  ///< empty: the scene has no [stability] and no free face
+  std::optional<SequenceSettings> sequence;    ///< empty: all excavations are of one stage
   OutputSettings output;
 
   std::string shown;      ///< how messages name the scene file

@@ -19,11 +19,14 @@ struct SolidCollapsed {  ///< a face of the domain (no excavation index) or of a
   std::uint32_t face;
   Length pitch;
 };
+struct TerminationUndecided {  ///< a joint ends on another whose plane passes through its middle, or is no one plane
+  JointId joint, at;
+};
 struct DomainSwallowed {};  ///< the excavations leave no rock
 struct TooLarge {           ///< more than 2^31 vertices, edges or faces
   std::string what;
 };
-using CutError = std::variant<JointCollapsed, SolidCollapsed, DomainSwallowed, TooLarge>;
+using CutError = std::variant<JointCollapsed, SolidCollapsed, TerminationUndecided, DomainSwallowed, TooLarge>;
 [[nodiscard]] std::string describe(const CutError& error);
 
 struct CutOptions {
