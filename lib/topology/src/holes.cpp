@@ -22,8 +22,7 @@ bool in_the_way(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint d, 
                        static_cast<double>(u.z) * static_cast<double>(v.z);
     return dot > 0;
   }
-  const Sign c1 = turn(a, b, c, along), d1 = turn(a, b, d, along), a1 = turn(c, d, a, along),
-             b1 = turn(c, d, b, along);
+  const Sign c1 = turn(a, b, c, along), d1 = turn(a, b, d, along), a1 = turn(c, d, a, along), b1 = turn(c, d, b, along);
   const auto apart = [](Sign x, Sign y) { return x == y && x != Sign::zero; };
   if (apart(c1, d1) || apart(a1, b1)) return false;
   if (c1 == Sign::zero && d1 == Sign::zero) {  // on one line: ends between ends?
@@ -111,7 +110,8 @@ std::vector<std::array<LatticePoint, 3>> triangulate_with_holes(const LatticePol
   LatticePolygon whole = polygon;
   whole.corners = std::move(ring);
   std::vector<std::array<LatticePoint, 3>> out;
-  for (const auto& [a, b, c] : triangulate(whole)) out.push_back({whole.corners[a], whole.corners[b], whole.corners[c]});
+  for (const auto& [a, b, c] : triangulate(whole))
+    out.push_back({whole.corners[a], whole.corners[b], whole.corners[c]});
   return out;
 }
 

@@ -7,8 +7,8 @@
 
 namespace cleave::topology::detail {
 
-/// Triangles of a polygon with holes, all in its plane, counter-clockwise about its normal. Corners of the holes count as
-/// moved onto the plane along `polygon.along`, like its own. Empty when an outline crosses another or itself.
+/// Triangles of a polygon with holes, all in its plane, counter-clockwise about its normal. Corners of the holes count
+/// as moved onto the plane along `polygon.along`, like its own. Empty when an outline crosses another or itself.
 [[nodiscard]] std::vector<std::array<exact::LatticePoint, 3>> triangulate_with_holes(
     const LatticePolygon& polygon, std::vector<std::vector<exact::LatticePoint>> holes);
 
