@@ -51,15 +51,14 @@ TEST(PlaneCut, UprightPlaneTakesTheSideItDipsTo) {
 TEST(ProfileCut, VolumeIsAreaTimesStrike) {
   // East: level 5 to x = 10, up to 15 at x = 20, level beyond; the roof and the sides grow by 1 % of the diagonal.
   const double margin = 0.01 * std::sqrt(40.0 * 40 + 30 * 30 + 20 * 20);
-  const auto solid =
-      make_profile_cut({{0, 0}, DipDirection::degrees(90), {{10, 5}, {20, 15}}}, reach).value();
+  const auto solid = make_profile_cut({{0, 0}, DipDirection::degrees(90), {{10, 5}, {20, 15}}}, reach).value();
   const double roof = 20 + margin;
   const double area = (10 + margin) * (roof - 5) + 10 * (roof - 10) + (20 + margin) * (roof - 15);
   EXPECT_NEAR(solid.volume().si(), area * (30 + 2 * margin), 1e-4);
-  EXPECT_EQ(std::get<BadProfile>(
-                make_profile_cut({{0, 0}, DipDirection::degrees(90), {{10, 5}, {10, 15}}}, reach).error())
-                .point,
-            1U);
+  EXPECT_EQ(
+      std::get<BadProfile>(make_profile_cut({{0, 0}, DipDirection::degrees(90), {{10, 5}, {10, 15}}}, reach).error())
+          .point,
+      1U);
 }
 
 TEST(Benches, VolumeOfARectangularPit) {

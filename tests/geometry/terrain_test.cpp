@@ -32,7 +32,8 @@ std::size_t faces_with(const Solid& solid, std::string_view tag) {
 
 TEST(Terrain, GridBecomesABodyWithFourSides) {
   const std::array values{3.0, 4.0, 5.0, 2.0, 6.0, 1.0, 2.5, 3.5, 4.5};
-  const auto ground = ground_of({.columns = 3, .rows = 3, .x = 500000, .y = 7e6, .step_x = 10, .step_y = 5, .values = values});
+  const auto ground =
+      ground_of({.columns = 3, .rows = 3, .x = 500000, .y = 7e6, .step_x = 10, .step_y = 5, .values = values});
   EXPECT_EQ(ground.triangles.size(), 8U);
   EXPECT_EQ(ground.vertices[0], (Vec3{500000, 7e6 + 10, 3})) << "north-west first";
   const auto below = close_ground(ground, -10).value();

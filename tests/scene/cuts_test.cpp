@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "cleave/scene/plan.hpp"
@@ -26,24 +27,24 @@ std::size_t blocks_of(const RunResult& result) { return result.complex.value().c
 
 TEST(Cuts, PlaneSlope) {
   // Above the plane through the middle of the box, 45 degrees to the east: half of the box.
-  const auto result = run_of(with_box(
-      "[[excavation]]\nkind = \"slope\"\nplane = { through = [4, 4, 3], dip = 30, dip_direction = 57 }\n"));
+  const auto result = run_of(
+      with_box("[[excavation]]\nkind = \"slope\"\nplane = { through = [4, 4, 3], dip = 30, dip_direction = 57 }\n"));
   EXPECT_NEAR(rock_of(result), 192, 1e-6);
   EXPECT_EQ(blocks_of(result), 1U);
 }
 
 TEST(Cuts, ProfileSlope) {
   // 2 m high to x = 2, a face up to 4 m at x = 3, a berm to x = 5, a face up to 6 m at x = 7: 8 x section.
-  const auto result = run_of(with_box(
-      "[[excavation]]\nkind = \"slope\"\nprofile = { origin = [0, 4], direction = 90, points = [[2, 2], [3, 4], [5, 4], "
-      "[7, 6]] }\n"));
+  const auto result =
+      run_of(with_box("[[excavation]]\nkind = \"slope\"\nprofile = { origin = [0, 4], direction = 90, points = [[2, "
+                      "2], [3, 4], [5, 4], "
+                      "[7, 6]] }\n"));
   EXPECT_NEAR(rock_of(result), 8 * (2 * 2 + 3 + 2 * 4 + 2 * 5 + 6), 1e-6);
 }
 
 TEST(Cuts, SurfaceSlopeFromAGrid) {
   const Files files{{"dem.asc", "ncols 2\nnrows 2\nxllcenter -1\nyllcenter -1\ncellsize 10\n1 5\n1 5\n"}};
-  const auto result =
-      run_of(with_box("[[excavation]]\nkind = \"slope\"\nsurface = { file = \"dem.asc\" }\n"), files);
+  const auto result = run_of(with_box("[[excavation]]\nkind = \"slope\"\nsurface = { file = \"dem.asc\" }\n"), files);
   // z = 1 + 0.4 (x + 1): over x = 0 .. 8, never above 6.
   EXPECT_NEAR(rock_of(result), 8 * 8 * (1 + 0.4 * 5), 1e-6);
 }
@@ -77,24 +78,27 @@ TEST(Cuts, TerrainDomain) {
   // The peak stands on six of the eight triangles (diagonals from south-west to north-east): 6 x 2 m2 x 2 m / 3.
   EXPECT_NEAR(rock_of(result), 16 * 4 + 8, 1e-9);
   EXPECT_EQ(blocks_of(result), 2U);
-  const auto part = run_of(
-      "[domain]\nterrain = { file = \"dem.asc\", base = -1, window = [[0, 0], [2, 2]] }\n", files);
+  const auto part = run_of("[domain]\nterrain = { file = \"dem.asc\", base = -1, window = [[0, 0], [2, 2]] }\n", files);
   EXPECT_NEAR(rock_of(part), 4 * 4 + 2 * 2.0 * 2 / 3, 1e-9);
   const auto thin = run_of("[domain]\nterrain = { file = \"dem.asc\", base = -1, every = 2 }\n", files);
   EXPECT_NEAR(rock_of(thin), 16 * 4, 1e-9);
 }
 
 TEST(Cuts, WhatIsWrongWithThem) {
-  EXPECT_EQ(error_of(with_box("[[excavation]]\nkind = \"slope\"\nplane = { through = [4, 4, 9], dip = 0, dip_direction = 0 }\n")),
-            "s.toml:5: excavation[1].plane: lies above the whole domain and takes nothing out; check its point and dip");
-  EXPECT_EQ(error_of(with_box("[[excavation]]\nkind = \"benches\"\nplan = [[1, 1], [7, 1], [7, 7], [1, 7]]\nheight = 2\n"
-                              "width = 1\nangle = 60\ncount = 3\n")),
-            "s.toml:5: excavation[1].plan: the pit closes at bench 2; give fewer benches, steeper faces, narrower berms or "
-            "a larger plan");
-  EXPECT_EQ(error_of("[domain]\nterrain = { file = \"dem.asc\", base = 3 }\n",
-                     {{"dem.asc", "ncols 2\nnrows 2\nxllcenter 0\nyllcenter 0\ncellsize 2\n3 3 3 4\n"}}),
-            "s.toml:2: domain.terrain.base: the level 3 m that closes the body lies within the ground, which reaches from "
-            "3 to 4 m; give one below or above all of it");
+  EXPECT_EQ(
+      error_of(
+          with_box("[[excavation]]\nkind = \"slope\"\nplane = { through = [4, 4, 9], dip = 0, dip_direction = 0 }\n")),
+      "s.toml:5: excavation[1].plane: lies above the whole domain and takes nothing out; check its point and dip");
+  EXPECT_EQ(
+      error_of(with_box("[[excavation]]\nkind = \"benches\"\nplan = [[1, 1], [7, 1], [7, 7], [1, 7]]\nheight = 2\n"
+                        "width = 1\nangle = 60\ncount = 3\n")),
+      "s.toml:5: excavation[1].plan: the pit closes at bench 2; give fewer benches, steeper faces, narrower berms or "
+      "a larger plan");
+  EXPECT_EQ(
+      error_of("[domain]\nterrain = { file = \"dem.asc\", base = 3 }\n",
+               {{"dem.asc", "ncols 2\nnrows 2\nxllcenter 0\nyllcenter 0\ncellsize 2\n3 3 3 4\n"}}),
+      "s.toml:2: domain.terrain.base: the level 3 m that closes the body lies within the ground, which reaches from "
+      "3 to 4 m; give one below or above all of it");
   EXPECT_EQ(error_of(with_box("[sequence]\n")),
             "s.toml:3: sequence: asks for excavation in stages, but all excavations are of one stage; give the "
             "excavations different `stage` numbers, or remove the section");
@@ -146,12 +150,39 @@ TEST(Sequence, BlocksPutBackAreThoseOfTheWholeExcavation) {
   EXPECT_GT(marked, 0U);
 }
 
+// A prism over a room, cut into a thin plate below and the rest above: with the plate left out the rest is undercut
+// from the start and leaves in the first batch.
+TEST(MicroBlocks, LeftOutBlocksHoldNothing) {
+  const std::string prism = std::string{two_stages} +
+                            "[[joint]]\nplane = { through = [4, 4, 2.001], dip = 0, dip_direction = 0 }\n"
+                            "[output]\nvtu = false\n";
+  const auto micro_of = [&](const std::string& more) {
+    const auto result = run_of(with_box(prism + more));
+    return std::pair{micro_blocks(result.complex.value().complex(), result.micro_blocks).size(),
+                     result.analysis->batches.size()};
+  };
+  EXPECT_EQ(micro_of("").first, 0U) << "1 mm is no sliver of a box of 8 m";
+  const auto [reported, batches] = micro_of("[micro_blocks]\nthickness = 0.01\n");
+  EXPECT_GT(reported, 0U);
+  const auto [excluded, fewer] = micro_of("[micro_blocks]\npolicy = \"exclude\"\nthickness = 0.01\n");
+  EXPECT_EQ(excluded, reported);
+  EXPECT_LE(fewer, batches);
+  const auto result = run_of(with_box(prism + "[micro_blocks]\npolicy = \"exclude\"\nthickness = 0.01\n"));
+  const auto out = micro_blocks(result.complex.value().complex(), result.micro_blocks);
+  for (const auto& judgement : result.analysis->judgements) {
+    EXPECT_EQ(std::ranges::count(out, judgement.block), 0) << "a block that is left out is not judged";
+  }
+  EXPECT_GT(result.analysis->judgements.size(), 0U);
+  EXPECT_EQ(error_of(with_box("[micro_blocks]\npolicy = \"drop\"\n")),
+            "s.toml:4: micro_blocks.policy: \"drop\" is not known; choose one of: keep, report, exclude");
+}
+
 TEST(Sequence, WhatIsWrongWithOrders) {
   EXPECT_EQ(error_of(with_box(std::string{two_stages} + "[sequence]\ncompare_orders = [[2, 2]]\n")),
             "s.toml:26: sequence.compare_orders: order 1 does not name every stage once; write \"all\", or a list of "
             "orders of the stages [2, 5] such as [[2, 5]]");
   EXPECT_EQ(error_of(with_box(std::string{two_stages} + "[sequence]\nfallen = \"gone\"\n")),
-            "s.toml:26: sequence.fallen: \"gone\" is not one of: stay_out, put_back");
+            "s.toml:26: sequence.fallen: \"gone\" is not known; choose one of: stay_out, put_back");
 }
 
 }  // namespace

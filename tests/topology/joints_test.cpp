@@ -49,7 +49,8 @@ TEST(Holes, SeveralHolesOfAnyShape) {
 
 TEST(Holes, TurnedOutOfTheAxes) {
   // The same in a plane through no lattice direction; the hole is plugged by a polygon with the same corners.
-  const Vec3 u = geometry::normalized(Vec3{0.7, 0.2, -0.3}), v = geometry::normalized(geometry::cross(u, {0.1, 0.9, 0.5}));
+  const Vec3 u = geometry::normalized(Vec3{0.7, 0.2, -0.3}),
+             v = geometry::normalized(geometry::cross(u, {0.1, 0.9, 0.5}));
   const auto at = [&](double a, double b) { return Vec3{2.03, 1.97, 2.01} + a * u + b * v; };
   const auto ring = [&](double r, int n) {
     std::vector<Vec3> corners;

@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 5> result_files{"summary.json", "blocks.vtu", "key_blocks.csv", "report.html",
-                                                       "log.txt"};
+constexpr std::array<std::string_view, 7> result_files{"summary.json",   "blocks.vtu",  "dangling.vtu", "dangling.obj",
+                                                       "key_blocks.csv", "report.html", "log.txt"};
 
 OutError wrong(const fs::path& out, std::string_view what, std::string_view remedy) {
   return {ExitCode::wrong_input, fmt::format("{}:1: -o: {}; {}", out.generic_string(), what, remedy)};

@@ -186,8 +186,8 @@ std::expected<std::vector<Solid>, SlopeError> make_benches(const BenchCut& cut, 
     const std::vector<Point> upper = inset(plan, k * (run + cut.width.si())),
                              lower = inset(plan, k * (run + cut.width.si()) + run);
     if (!sound(plan, upper) || !sound(plan, lower)) return std::unexpected(BenchCloses{k + 1});
-    auto bench = frustum(upper, cut.top - k * cut.height.si(), lower, cut.top - (k + 1) * cut.height.si(),
-                         polygon->convex());
+    auto bench =
+        frustum(upper, cut.top - k * cut.height.si(), lower, cut.top - (k + 1) * cut.height.si(), polygon->convex());
     if (!bench) return std::unexpected(std::move(bench).error());
     solids.push_back(std::move(*bench));
   }

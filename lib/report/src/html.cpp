@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "assets.hpp"
-#include "stages_section.hpp"
 #include "cleave/report/drawings.hpp"
 #include "cleave/report/key_blocks.hpp"
 #include "cleave/report/text.hpp"
 #include "cleave/report/view3d.hpp"
+#include "stages_section.hpp"
 
 namespace cleave::report {
 namespace {

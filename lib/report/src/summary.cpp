@@ -86,6 +86,21 @@ void write_blocks(JsonWriter& json, const Summary& summary) {
   figure("hash", &BlockFigures::hash);
   write_certificate(json, summary.certificate);
   figure("exact_share", &BlockFigures::exact_share);
+  if (summary.window) {
+    json.key("window");
+    json.begin_object();
+    const auto corner = [&](std::string_view name, const std::array<double, 3>& values) {
+      json.key(name);
+      json.begin_array();
+      for (const double v : values) json.value(v);
+      json.end_array();
+    };
+    corner("min", summary.window->min);
+    corner("max", summary.window->max);
+    json.member("rounds", summary.window->rounds);
+    json.member("truncated", summary.window->truncated);
+    json.end_object();
+  }
   if (!summary.blocks) json.member("reason", "the certificate did not pass, so no block of this run is to be trusted");
   json.end_object();
 }
@@ -110,6 +125,7 @@ void write_key_blocks(JsonWriter& json, const KeyBlockFigures& figures) {
   }
   json.end_array();
   json.member("stopped_at_max_batches", figures.stopped_at_max_batches);
+  json.member("hash", figures.hash);
   json.end_object();
 }
 
@@ -163,6 +179,28 @@ void write_sequence(JsonWriter& json, const SequenceFigures& sequence) {
   json.end_object();
 }
 
+void write_micro_blocks(JsonWriter& json, const MicroBlockFigures& micro) {
+  json.key("micro_blocks");
+  json.begin_object();
+  json.member("policy", micro.policy);
+  json.member("count", micro.count);
+  json.member("volume_m3", micro.volume_m3);
+  json.member("thinnest_m", micro.thinnest_m);
+  json.end_object();
+}
+
+void write_dangling(JsonWriter& json, const DanglingFigures& dangling) {
+  json.key("dangling");
+  json.begin_object();
+  json.member("pieces", dangling.pieces);
+  json.member("area_m2", dangling.area_m2);
+  json.member("free_edges", dangling.free_edges);
+  json.member("free_edge_length_m", dangling.free_edge_length_m);
+  json.member("joints", dangling.joints);
+  json.member("isolated_joints", dangling.isolated_joints);
+  json.end_object();
+}
+
 }  // namespace
 
 BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash) {
@@ -183,7 +221,7 @@ BlockFigures count_blocks(const topology::BlockComplex& complex, std::string has
 }
 
 KeyBlockFigures count_key_blocks(const stability::Analysis& analysis) {
-  KeyBlockFigures figures{.batches = {}, .stopped_at_max_batches = analysis.stopped_at_max_batches};
+  KeyBlockFigures figures{.batches = {}, .stopped_at_max_batches = analysis.stopped_at_max_batches, .hash = {}};
   for (const stability::Batch& batch : analysis.batches) {
     BatchFigures row{.batch = batch.number, .count = batch.blocks.size(), .volume_m3 = batch.volume.si()};
     for (const topology::BlockId block : batch.blocks) {
@@ -211,6 +249,8 @@ std::string summary_json(const Summary& summary) {
   write_input(json, summary.input);
   write_blocks(json, summary);
   if (summary.key_blocks) write_key_blocks(json, *summary.key_blocks);
+  if (summary.micro_blocks) write_micro_blocks(json, *summary.micro_blocks);
+  if (summary.dangling) write_dangling(json, *summary.dangling);
   if (summary.sequence) write_sequence(json, *summary.sequence);
   json.end_object();
   return std::move(json).finish();

@@ -1,15 +1,18 @@
 #include "cleave/report/write.hpp"
 
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
 #include "cleave/report/cells.hpp"
+#include "cleave/report/dangling.hpp"
 #include "cleave/report/html.hpp"
 #include "cleave/report/key_blocks.hpp"
 #include "cleave/report/summary.hpp"
 #include "cleave/report/text.hpp"
 #include "cleave/report/vtu.hpp"
+#include "cleave/scene/run.hpp"
 
 namespace cleave::report {
 namespace {
@@ -84,10 +87,40 @@ Summary summarize(const scene::RunResult& result) {
     summary.input.merged_planes = report.merged_planes;
     summary.blocks = count_blocks(*complex, result.block_hash);
     summary.certificate = result.complex->certificate();
+    if (result.micro_blocks.policy != scene::MicroBlockPolicy::keep) {
+      MicroBlockFigures figures;
+      figures.policy = result.micro_blocks.policy == scene::MicroBlockPolicy::report ? "report" : "exclude";
+      for (const topology::BlockId id : scene::micro_blocks(*complex, result.micro_blocks)) {
+        const topology::Block& block = complex->blocks()[id];
+        figures.thinnest_m =
+            figures.count == 0 ? block.thickness.si() : std::min(figures.thinnest_m, block.thickness.si());
+        figures.volume_m3 += block.volume.si();
+        ++figures.count;
+      }
+      summary.micro_blocks = std::move(figures);
+    }
+    if (const auto& dangling = complex->data().dangling) {
+      summary.dangling = {.pieces = dangling->pieces.size(),
+                          .area_m2 = dangling->area.si(),
+                          .free_edges = dangling->free_edges,
+                          .free_edge_length_m = dangling->free_edge_length.si(),
+                          .joints = dangling->joints,
+                          .isolated_joints = dangling->isolated_joints};
+    }
   } else {
     summary.certificate = result.complex.error();
   }
-  if (const auto* analysis = analysis_of(result)) summary.key_blocks = count_key_blocks(*analysis);
+  if (const auto* analysis = analysis_of(result)) {
+    summary.key_blocks = count_key_blocks(*analysis);
+    summary.key_blocks->hash = result.key_block_hash;
+  }
+  if (result.window) {
+    const scene::WindowInfo& w = *result.window;
+    summary.window = WindowFigures{.min = {w.min.x, w.min.y, w.min.z},
+                                   .max = {w.max.x, w.max.y, w.max.z},
+                                   .rounds = w.rounds,
+                                   .truncated = w.truncated};
+  }
   if (result.sequence) summary.sequence = figures_of(*result.sequence);
   return summary;
 }
@@ -142,6 +175,13 @@ std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result,
   return {};
 }
 
+std::expected<void, WriteError> write_dangling(const scene::RunResult& result, const fs::path& folder) {
+  const auto* complex = complex_of(result);
+  if (complex == nullptr || !complex->data().dangling) return {};
+  if (result.output.vtu) CLEAVE_CHECK(write_file(folder / "dangling.vtu", dangling_vtu(*complex, result.title)));
+  return write_file(folder / "dangling.obj", dangling_obj(*complex, result.title));
+}
+
 std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result, const fs::path& folder) {
   const auto* complex = complex_of(result);
   if (!result.output.csv || complex == nullptr || !result.analysis) return {};
@@ -162,6 +202,7 @@ std::expected<void, WriteError> write_all(const scene::RunResult& result, const 
   fs::create_directories(folder, error);
   if (error) return std::unexpected(CannotCreate{folder, error.message()});
   CLEAVE_CHECK(write_blocks_vtu(result, folder));
+  CLEAVE_CHECK(write_dangling(result, folder));
   CLEAVE_CHECK(write_key_blocks_csv(result, folder));
   CLEAVE_CHECK(write_report_html(result, folder));
   return write_summary_json(result, folder);

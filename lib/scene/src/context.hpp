@@ -19,6 +19,7 @@ struct Context {
   bool triangulate = false;  ///< nonplanar = "triangulate"
   IdVector<SetId, NamedSet> sets{};
   std::vector<InputFile> files{};
+  std::vector<topology::Termination> terminations{};
 
   /// The set of that name, made when new.
   [[nodiscard]] SetId set_named(const std::string& name);
@@ -45,6 +46,7 @@ struct ParsedStability {
 /// Stages of the excavations and [sequence]; empty when all are of one stage.
 [[nodiscard]] std::optional<SequenceSettings> parse_sequence(const TableReader& root,
                                                              const std::vector<Excavation>& excavations);
+[[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
 [[nodiscard]] OutputSettings parse_output(const TableReader& root);
 
 /// Adds notes on a scene that is not wrong: joints outside the domain, no joints at all, strengths that nobody stated.

@@ -57,8 +57,7 @@ std::optional<geometry::Solid> parse_plane_cut(const Context& context, const Tab
   const auto dip = table.need_number("dip", rule::dip);
   const auto direction = table.need_number("dip_direction", rule::dip_direction);
   if (!through || !dip || !direction) return std::nullopt;
-  auto solid =
-      geometry::make_plane_cut({*through, {Dip::degrees(*dip), context.turned(*direction)}}, reach_of(domain));
+  auto solid = geometry::make_plane_cut({*through, {Dip::degrees(*dip), context.turned(*direction)}}, reach_of(domain));
   if (solid) return std::move(*solid);
   slope.error("plane", describe(solid.error()), "");
   return std::nullopt;

@@ -205,10 +205,9 @@ std::vector<Excavation> parse_excavation(Context& context, const TomlTable& tabl
   enum Kind : std::size_t { tunnel, slope, benches, mesh, polyhedron };
   constexpr std::array<string_view, 5> kinds{"tunnel", "slope", "benches", "mesh", "polyhedron"};
   using Keys = std::vector<string_view>;
-  const std::array<Keys, 5> keys_of{
-      Keys{"section", "axis", "up"}, Keys{"plane", "profile", "surface"},
-      Keys{"plan", "top", "height", "width", "angle", "count", "stage_each"}, Keys{"file"},
-      Keys{"box", "corners", "vertices", "faces"}};
+  const std::array<Keys, 5> keys_of{Keys{"section", "axis", "up"}, Keys{"plane", "profile", "surface"},
+                                    Keys{"plan", "top", "height", "width", "angle", "count", "stage_each"},
+                                    Keys{"file"}, Keys{"box", "corners", "vertices", "faces"}};
   const std::string path = fmt::format("excavation[{}]", number);
   std::optional<std::size_t> kind;
   {
@@ -245,19 +244,19 @@ std::vector<Excavation> parse_excavation(Context& context, const TomlTable& tabl
   }
   std::vector<Excavation> excavations;
   // The room above the first bench belongs to it.
-  const std::size_t above =
-      *kind == benches && !solids.empty() && static_cast<std::int64_t>(solids.size()) > *reader.integer("count", 1, 1000)
-          ? 1
-          : 0;
+  const std::size_t above = *kind == benches && !solids.empty() &&
+                                    static_cast<std::int64_t>(solids.size()) > *reader.integer("count", 1, 1000)
+                                ? 1
+                                : 0;
   for (std::size_t i = 0; i < solids.size(); ++i) {
     const std::size_t bench = i < above ? 0 : i - above;
     std::string shown = name.value_or(path);
     if (*kind == benches) shown += i < above ? " above" : fmt::format(" bench {}", bench + 1);
-    excavations.push_back({.name = std::move(shown),
-                           .stage = static_cast<std::uint32_t>(stage.value_or(1)) +
-                                    (each ? static_cast<std::uint32_t>(bench) : 0U),
-                           .solid = std::move(solids[i]),
-                           .line = line});
+    excavations.push_back(
+        {.name = std::move(shown),
+         .stage = static_cast<std::uint32_t>(stage.value_or(1)) + (each ? static_cast<std::uint32_t>(bench) : 0U),
+         .solid = std::move(solids[i]),
+         .line = line});
   }
   return excavations;
 }

@@ -14,17 +14,15 @@ using std::string_view;
 /// More stages than this would make more orders than anyone compares: 7! = 5040.
 constexpr std::size_t most_permuted = 6;
 
-std::string list_of(const std::vector<std::uint32_t>& stages) {
-  return fmt::format("[{}]", fmt::join(stages, ", "));
-}
+std::string list_of(const std::vector<std::uint32_t>& stages) { return fmt::format("[{}]", fmt::join(stages, ", ")); }
 
 void parse_orders(const TableReader& table, SequenceSettings& settings) {
   const TomlEntry* entry = table.find("compare_orders");
   if (entry == nullptr) return;
   const auto bad = [&](std::string what) {
     table.error("compare_orders", std::move(what),
-                fmt::format("write \"all\", or a list of orders of the stages {} such as [{}]", list_of(settings.stages),
-                            list_of(settings.stages)));
+                fmt::format("write \"all\", or a list of orders of the stages {} such as [{}]",
+                            list_of(settings.stages), list_of(settings.stages)));
   };
   if (const auto* word = std::get_if<std::string>(&entry->node.value)) {
     if (*word != "all") return bad(fmt::format("is \"{}\"", word->substr(0, 60)));
@@ -77,6 +75,19 @@ std::optional<SequenceSettings> parse_sequence(const TableReader& root, const st
   }
   if (settings.stages.size() < 2) return std::nullopt;
   return settings;
+}
+
+MicroBlocks parse_micro_blocks(const TableReader& root) {
+  MicroBlocks limits;
+  const TomlTable* found = root.table("micro_blocks");
+  if (found == nullptr) return limits;
+  constexpr std::array<string_view, 3> keys{"policy", "thickness", "volume"};
+  constexpr std::array<string_view, 3> policies{"keep", "report", "exclude"};
+  const TableReader table{*found, root.line_of("micro_blocks"), "micro_blocks", root.problems(), keys};
+  if (const auto policy = table.choice("policy", policies)) limits.policy = static_cast<MicroBlockPolicy>(*policy);
+  if (const auto thickness = table.number("thickness", rule::length)) limits.thickness = metres(*thickness);
+  if (const auto volume = table.number("volume", rule::length)) limits.volume = cubic_metres(*volume);
+  return limits;
 }
 
 }  // namespace cleave::scene

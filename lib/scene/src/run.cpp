@@ -11,6 +11,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/stability/analyse.hpp"
+#include "cleave/stability/near_field.hpp"
 #include "cleave/topology/cut.hpp"
 #include "cleave/topology/sequence.hpp"
 
@@ -42,13 +43,13 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                                      scene.excavations.empty() ? 1 : scene.excavations.front().line;
                                  return Problem{scene.shown, line, "excavation", what, ""};
                                },
+                               [&](const topology::WindowOutside&) { return whole(); },
                                [&](const topology::TooLarge&) { return whole(); }},
                     error);
 }
 
 /// All of it was checked when the scene was parsed, so none of the factories can refuse.
-stability::Analysis judge(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
-                          const topology::AuditedComplex& complex) {
+stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted) {
   const auto strength_of = [](const Strength& s) {
     auto made = stability::JointStrength::make(s.friction, s.cohesion, s.tension);
     CLEAVE_ASSERT(made.has_value());
@@ -59,16 +60,18 @@ stability::Analysis judge(const Scene& scene, const Drawn& drawn, const Stabilit
   const auto partial =
       stability::PartialFactors::make(wanted.partial.friction, wanted.partial.cohesion, wanted.partial.weight);
   CLEAVE_ASSERT(rock.has_value() && loads.has_value() && partial.has_value());
-  stability::StrengthTable strengths{strength_of({FrictionAngle::degrees(0), pascals(0), pascals(0)})};
+  const Strength nothing{FrictionAngle::degrees(0), pascals(0), pascals(0)};
+  stability::StrengthTable strengths{
+      strength_of(drawn.joints.empty() ? nothing : drawn.joints[topology::JointId{0U}].strength)};
   for (const topology::JointId joint : drawn.joints.ids()) {
     strengths.set(joint, strength_of(drawn.joints[joint].strength));
   }
-  return stability::analyse(complex, {.rock = *rock,
-                                      .strengths = std::move(strengths),
-                                      .loads = *loads,
-                                      .partial = *partial,
-                                      .force_transfer = wanted.force_transfer,
-                                      .max_batches = wanted.max_batches});
+  return {.rock = *rock,
+          .strengths = std::move(strengths),
+          .loads = *loads,
+          .partial = *partial,
+          .force_transfer = wanted.force_transfer,
+          .max_batches = wanted.max_batches};
 }
 
 void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::vector<std::string>& notes) {
@@ -79,6 +82,40 @@ void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::v
     notes.push_back(
         fmt::format("{} of {} joints end inside the rock and part no two blocks", report.dangling.size(), joints));
   }
+}
+
+void add_micro_note(const topology::BlockComplex& complex, const MicroBlocks& limits, std::vector<std::string>& notes) {
+  if (limits.policy == MicroBlockPolicy::keep) return;
+  const auto found = micro_blocks(complex, limits);
+  if (found.empty()) return;
+  double volume = 0;
+  for (const topology::BlockId b : found) volume += complex.blocks()[b].volume.si();
+  notes.push_back(fmt::format("{} of {} blocks are micro-blocks ({:.3g} m3 in all){}", found.size(),
+                              complex.blocks().size(), volume,
+                              limits.policy == MicroBlockPolicy::exclude ? ": left out of stability" : ""));
+}
+
+std::optional<Stage> stage_named(std::string_view name) {
+  const auto it = std::ranges::find(all_stages, name, [](Stage stage) { return name_of(stage); });
+  return it == all_stages.end() ? std::nullopt : std::optional{*it};
+}
+
+/// The blocks and what is known of them. `window` when only the rock near free faces was cut.
+struct System {
+  std::expected<topology::AuditedComplex, topology::Certificate> complex;
+  topology::CutReport report;
+  std::optional<stability::Analysis> analysis;
+  std::string hash, key_hash;
+  std::optional<WindowInfo> window;
+  std::optional<SequenceResult> sequence = {};
+};
+
+std::string hash_of_key_blocks(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
+  std::vector<topology::BlockId> leaving;
+  for (const stability::Batch& batch : analysis.batches) {
+    leaving.insert(leaving.end(), batch.blocks.begin(), batch.blocks.end());
+  }
+  return topology::canonical_hash(complex, leaving);
 }
 
 SequenceResult sequence_of(const Scene& scene, const topology::SequentialCut& cut,
@@ -92,12 +129,92 @@ SequenceResult sequence_of(const Scene& scene, const topology::SequentialCut& cu
   return run_sequence(cut, final_state, *scene.sequence, stages, names, judge);
 }
 
-std::optional<Stage> stage_named(std::string_view name) {
-  const auto it = std::ranges::find(all_stages, name, [](Stage stage) { return name_of(stage); });
-  return it == all_stages.end() ? std::nullopt : std::optional{*it};
+std::expected<System, topology::CutError> cut_all(const Scene& scene, const Drawn& drawn, const RunOptions& options,
+                                                  StageTimer& timer, Progress& progress) {
+  const auto stage = [&](Stage which, auto&& work) {
+    progress.begin(name_of(which));
+    return timer.run(name_of(which), work);
+  };
+  std::optional<topology::SequentialCut> in_stages;
+  std::optional<topology::StageBlocks> final_state;
+  auto cut = stage(Stage::cut, [&]() -> std::expected<topology::BlockComplex, topology::CutError> {
+    if (!scene.sequence) return topology::cut(drawn.input, {.threads = options.threads});
+    CLEAVE_TRY(in_stages, topology::SequentialCut::make(drawn.input, {.threads = options.threads}));
+    CLEAVE_TRY(final_state,
+               in_stages->blocks({.excavated = std::vector<std::uint8_t>(scene.excavations.size(), 1), .fallen = {}}));
+    return final_state->complex;
+  });
+  if (!cut) return std::unexpected(std::move(cut).error());
+  topology::CutReport report = cut->report();
+  std::string hash;
+  auto complex = stage(Stage::audit, [&] {
+    auto audited = topology::audit(*std::move(cut));
+    if (audited) hash = topology::canonical_hash(audited->complex());
+    return audited;
+  });
+  System system{std::move(complex), std::move(report), {}, std::move(hash), {}, {}};
+  if (system.complex && scene.stability) {
+    const Judge judge = [&](const topology::AuditedComplex& complex_of_state) {
+      stability::Settings settings = settings_of(scene, drawn, *scene.stability);
+      if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
+        settings.left_out = micro_blocks(complex_of_state.complex(), scene.micro_blocks);
+      }
+      return stability::analyse(complex_of_state, settings);
+    };
+    system.analysis = stage(Stage::stability, [&] {
+      if (in_stages && final_state) system.sequence = sequence_of(scene, *in_stages, *final_state, judge);
+      return judge(*system.complex);
+    });
+    system.key_hash = hash_of_key_blocks(system.complex->complex(), *system.analysis);
+  }
+  return system;
+}
+
+std::expected<System, topology::CutError> cut_near_free_faces(const Scene& scene, const Drawn& drawn,
+                                                              const RunOptions& options, StageTimer& timer,
+                                                              Progress& progress) {
+  progress.begin(name_of(Stage::cut));
+  auto near = stability::analyse_near_field(drawn.input, settings_of(scene, drawn, *scene.stability),
+                                            {.threads = options.threads}, timer);
+  if (!near) {
+    if (auto* error = std::get_if<topology::CutError>(&near.error())) return std::unexpected(std::move(*error));
+    return System{std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}, {}, {}, {}, {}};
+  }
+  const topology::BlockComplex& complex = near->complex.complex();
+  System system{near->complex, complex.report(), near->analysis, topology::canonical_hash(complex), {}, {}};
+  system.key_hash = hash_of_key_blocks(complex, near->analysis);
+  if (near->window) {
+    system.window = WindowInfo{
+        .min = near->window->min,
+        .max = near->window->max,
+        .rounds = near->rounds,
+        .truncated = static_cast<std::uint64_t>(std::ranges::count_if(complex.blocks(), &topology::Block::truncated))};
+  }
+  return system;
+}
+
+std::string note_on(const WindowInfo& window) {
+  return fmt::format(
+      "only key blocks were asked for: of the rock only the box from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, "
+      "{:.6g}) "
+      "was cut; {} of its blocks go on outside it and are shown as far as it goes",
+      window.min.x, window.min.y, window.min.z, window.max.x, window.max.y, window.max.z, window.truncated);
 }
 
 }  // namespace
+
+std::vector<topology::BlockId> micro_blocks(const topology::BlockComplex& complex, const MicroBlocks& limits) {
+  std::vector<topology::BlockId> found;
+  for (const topology::BlockId id : complex.blocks().ids()) {
+    const topology::Block& block = complex.blocks()[id];
+    const bool micro = limits.thickness || limits.volume
+                           ? (limits.thickness && block.thickness.si() < limits.thickness->si()) ||
+                                 (limits.volume && block.volume.si() < limits.volume->si())
+                           : block.sliver;
+    if (micro) found.push_back(id);
+  }
+  return found;
+}
 
 RunCost cost_of(const StageTimer& timer, unsigned threads) {
   const cleave::StageCost total = timer.total();
@@ -105,6 +222,13 @@ RunCost cost_of(const StageTimer& timer, unsigned threads) {
       .wall_s = total.wall_s, .cpu_s = total.cpu_s, .peak_rss_mb = total.peak_rss_mb, .threads = threads, .stages = {}};
   for (const cleave::StageCost& booked : timer.stages()) {
     if (const auto stage = stage_named(booked.stage)) {
+      const auto earlier = std::ranges::find(cost.stages, *stage, &StageCost::stage);
+      if (earlier != cost.stages.end()) {  // several windows were cut
+        earlier->wall_s += booked.wall_s;
+        earlier->cpu_s += booked.cpu_s;
+        earlier->peak_rss_mb = std::max(earlier->peak_rss_mb, booked.peak_rss_mb);
+        continue;
+      }
       cost.stages.push_back({*stage, booked.wall_s, booked.cpu_s, booked.peak_rss_mb});
     }
   }
@@ -125,42 +249,25 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return std::unexpected(std::move(drawn).error());
   }
 
-  std::optional<topology::SequentialCut> in_stages;
-  std::optional<topology::StageBlocks> final_state;
-  auto cut = stage(Stage::cut, [&]() -> std::expected<topology::BlockComplex, topology::CutError> {
-    if (!scene.sequence) return topology::cut(drawn->input, {.threads = options.threads});
-    CLEAVE_TRY(in_stages, topology::SequentialCut::make(drawn->input, {.threads = options.threads}));
-    CLEAVE_TRY(final_state,
-               in_stages->blocks({.excavated = std::vector<std::uint8_t>(scene.excavations.size(), 1), .fallen = {}}));
-    return final_state->complex;
-  });
-  if (!cut) {
+  auto made = scene.output.only_key_blocks && scene.stability && !scene.sequence
+                  ? cut_near_free_faces(scene, *drawn, options, timer, progress)
+                  : cut_all(scene, *drawn, options, timer, progress);
+  if (!made) {
     progress.end();
-    return std::unexpected(std::vector{problem_of(cut.error(), scene, *drawn)});
+    return std::unexpected(std::vector{problem_of(made.error(), scene, *drawn)});
   }
-  const topology::CutReport report = cut->report();
-  std::string hash;
-  auto complex = stage(Stage::audit, [&] {
-    auto audited = topology::audit(*std::move(cut));
-    if (audited) hash = topology::canonical_hash(audited->complex());
-    return audited;
-  });
-  std::optional<stability::Analysis> analysis;
-  std::optional<SequenceResult> sequence;
-  if (complex && scene.stability) {
-    const Judge judged = [&](const topology::AuditedComplex& state) {
-      return judge(scene, *drawn, *scene.stability, state);
-    };
-    analysis = stage(Stage::stability, [&] {
-      if (in_stages && final_state) sequence = sequence_of(scene, *in_stages, *final_state, judged);
-      return judged(*complex);
-    });
-  }
+  System& system = *made;
+  auto& analysis = system.analysis;
   progress.end();
 
   std::vector<std::string> notes;
   for (const Problem& note : scene.notes) notes.push_back(describe(note));
-  add_cut_notes(report, drawn->joints.size(), notes);
+  if (system.window) {
+    notes.push_back(note_on(*system.window));
+  } else {
+    add_cut_notes(system.report, drawn->joints.size(), notes);
+  }
+  if (system.complex) add_micro_note(system.complex->complex(), scene.micro_blocks, notes);
   if (analysis && analysis->stopped_at_max_batches) {
     notes.push_back(
         fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
@@ -182,10 +289,13 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .sets = std::move(drawn->sets),
                    .joints = std::move(drawn->joints),
                    .excavations = std::move(excavations),
-                   .complex = std::move(complex),
-                   .block_hash = std::move(hash),
+                   .complex = std::move(system.complex),
+                   .block_hash = std::move(system.hash),
+                   .key_block_hash = std::move(system.key_hash),
+                   .window = system.window,
                    .analysis = std::move(analysis),
-                   .sequence = std::move(sequence),
+                   .sequence = std::move(system.sequence),
+                   .micro_blocks = scene.micro_blocks,
                    .notes = std::move(notes)};
 }
 

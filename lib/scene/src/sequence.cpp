@@ -96,8 +96,8 @@ SequenceResult run_sequence(const topology::SequentialCut& cut, const topology::
                         .stage_of_block = std::vector<std::int32_t>(final_state.complex.blocks().size(), -1)};
   Sequencer sequencer{cut, settings, stage_of_excavation, judge};
 
-  result.orders.push_back(sequencer.walk(
-      settings.stages, [&](std::uint32_t stage, const topology::WorkState& state, const auto& account) {
+  result.orders.push_back(
+      sequencer.walk(settings.stages, [&](std::uint32_t stage, const topology::WorkState& state, const auto& account) {
         Step step = sequencer.step(state);
         StageResult row{.stage = stage,
                         .excavations = {},

@@ -65,7 +65,7 @@ double extent_of_domain(const CutInput& input) {
 std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, MadeBlocks& out) {
   const std::size_t blocks = parts.begin.size() - 1;
   std::vector<Index> flank_place(parts.links.to.size(), none);
-  const Block empty{{}, {}, {}, {}, true, false, false, {}, false};
+  const Block empty{{}, {}, {}, {}, true, false, false, {}, false, false};
   std::vector<Block> made(blocks, empty);
   const std::size_t shares = std::min(std::max<std::size_t>(blocks / 256, 1), threads.count());
   std::vector<std::size_t> share_begin(shares + 1, blocks);

@@ -253,7 +253,7 @@ class FitAuditor {
     const Vec3 apex = complex_.vertices()[complex_.loops(complex_.faces()[block.faces[0]])[0][0]];
     Vec3 sum{};
     double size = 0, surface = 0;
-    bool fixed = false, free = false;
+    bool fixed = false, free = false, truncated = false;
     for (const FaceId f : block.faces) {
       const Face& face = complex_.faces()[f];
       Vec3 area{};
@@ -266,10 +266,14 @@ class FitAuditor {
       surface += face.area.si();
       fixed = fixed || face.role == Role::fixed;
       free = free || face.role == Role::free;
+      truncated = truncated || face.role == Role::window;
     }
     out.volume /= 3;
     out.closure = size > 0 ? geometry::norm(sum) / size : 0;
-    if (!equal(block.volume.si(), out.volume, surface) || block.fixed != fixed || block.free != free) ++out.misfits;
+    if (!equal(block.volume.si(), out.volume, surface) || block.fixed != fixed || block.free != free ||
+        block.truncated != truncated) {
+      ++out.misfits;
+    }
     return out;
   }
   /// Faces that are not among those of the block they name.
@@ -471,6 +475,13 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned 
 }
 
 std::string canonical_hash(const BlockComplex& complex) {
+  std::vector<BlockId> all;
+  all.reserve(complex.blocks().size());
+  for (const BlockId id : complex.blocks().ids()) all.push_back(id);
+  return canonical_hash(complex, all);
+}
+
+std::string canonical_hash(const BlockComplex& complex, std::span<const BlockId> blocks) {
   const auto mix = [](std::uint64_t h, std::uint64_t v) {
     h ^= v + 0x9E3779B97F4A7C15U + (h << 6U) + (h >> 2U);
     h ^= h >> 30U;
@@ -486,7 +497,8 @@ std::string canonical_hash(const BlockComplex& complex) {
   };
   std::vector<std::uint64_t> digests;
   std::vector<std::uint64_t> corners;
-  for (const Block& block : complex.blocks()) {
+  for (const BlockId id : blocks) {
+    const Block& block = complex.blocks()[id];
     corners.clear();
     for (const FaceId f : block.faces) {
       const Face& face = complex.faces()[f];

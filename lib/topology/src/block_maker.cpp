@@ -23,6 +23,7 @@ Nature BlockParts::nature(Index half_face) const {
       case Owner::domain:
         if (domain == nullptr) domain = &facet;
         break;
+      case Owner::window: break;
       case Owner::excavation:
         if (excavated != nullptr && (*excavated)[facet.owner_index] == 0) break;
         if (excavation == nullptr || facet.owner_index < excavation->owner_index) excavation = &facet;
@@ -36,7 +37,8 @@ Nature BlockParts::nature(Index half_face) const {
     nature.excavation = excavation->owner_index;
     nature.tag = excavation->tag;
   } else if (domain == nullptr) {
-    CLEAVE_ASSERT(excavated != nullptr);  // on rock that has fallen
+    CLEAVE_ASSERT(excavated != nullptr || prepared.windowed);
+    if (prepared.windowed) nature.role = Role::window;  // else on rock that has fallen: free
   } else {
     nature.tag = domain->tag;
     const auto& free = input.free_domain_tags;
@@ -74,11 +76,12 @@ Block BlockMaker::make(Index block) {
   count_vertices();
 
   const FaceId first{out_.faces.size()};
-  Block made{{first, faces}, {}, {}, {}, true, false, false, {}, false};
+  Block made{{first, faces}, {}, {}, {}, true, false, false, {}, false, false};
   for (Index face = 0; face < faces; ++face) {
     add_face(face, block);
     const Face& added = out_.faces.back();
     made.fixed = made.fixed || added.role == Role::fixed;
+    made.truncated = made.truncated || added.role == Role::window;
     made.free = made.free || added.role == Role::free;
     made.convex = made.convex && added.hole_count == 0;
   }

@@ -296,7 +296,9 @@ class CellFinder {
     for (Index h = 0; h < 2 * faces_; ++h) {
       if (cells.of_half_face[h] != none) half_faces[begin[cells.of_half_face[h] + std::size_t{1}]++] = h;
     }
-    const std::size_t solids = 1 + std::size_t{prepared_.excavation_count};
+    // Solid 0 is the domain, then come the excavations, then the window.
+    const std::size_t excavations = prepared_.excavation_count;
+    const std::size_t solids = 2 + excavations;
     std::vector<std::int32_t> winding(cells.count * solids, 0);
     std::vector<std::uint8_t> known(cells.count, 0);
     std::vector<Index> queue{0};
@@ -314,7 +316,9 @@ class CellFinder {
         for (Index c = face.first_cover; c < face.first_cover + face.cover_count; ++c) {
           const Facet& facet = prepared_.facets[arrangement_.covers[c]];
           if (facet.owner == Owner::joint) continue;
-          const std::size_t solid = facet.owner == Owner::domain ? 0 : 1 + std::size_t{facet.owner_index};
+          const std::size_t solid = facet.owner == Owner::domain       ? 0
+                                    : facet.owner == Owner::excavation ? 1 + std::size_t{facet.owner_index}
+                                                                       : 1 + excavations;
           winding[beyond * solids + solid] += facet.outward_positive == here_positive ? 1 : -1;
         }
         queue.push_back(beyond);
@@ -325,14 +329,16 @@ class CellFinder {
     cells.excavated_by.reserve(cells.count * (solids - 1));
     for (Index c = 0; c < cells.count; ++c) {
       CLEAVE_ASSERT(known[c] != 0);
-      cells.in_domain[c] = winding[c * solids] > 0 ? 1 : 0;
+      const bool seen = !prepared_.windowed || winding[c * solids + 1 + excavations] > 0;
+      const bool in_domain = winding[c * solids] > 0;
+      cells.in_domain[c] = (prepared_.windowed ? seen : in_domain) ? 1 : 0;
       bool excavated = false;
-      for (std::size_t s = 1; s < solids; ++s) {
+      for (std::size_t s = 1; s <= excavations; ++s) {
         const bool inside = winding[c * solids + s] > 0;
         cells.excavated_by.push_back(inside ? 1 : 0);
         excavated = excavated || inside;
       }
-      cells.rock[c] = cells.in_domain[c] != 0 && !excavated ? 1 : 0;
+      cells.rock[c] = seen && in_domain && !excavated ? 1 : 0;
     }
     return cells;
   }

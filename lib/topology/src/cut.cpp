@@ -39,6 +39,9 @@ std::string describe(const CutError& error) {
             return std::string{
                 "the excavations leave no rock of the domain; make the domain larger or an excavation smaller"};
           },
+          [](const WindowOutside&) {
+            return std::string{"the window misses the domain; give one that has a part of the domain in it"};
+          },
           [](const TooLarge& e) {
             return fmt::format("the scene has more than 2^31 {}; split it or use fewer joints", e.what);
           },

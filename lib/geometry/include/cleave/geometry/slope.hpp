@@ -26,8 +26,8 @@ struct PlaneCut {
   Vec3 through;
   Attitude plane;
 };
-/// All above a profile that is the same along its strike: points (s, z), s in m from `origin` along `direction`, growing.
-/// Beyond its ends the ground goes on level.
+/// All above a profile that is the same along its strike: points (s, z), s in m from `origin` along `direction`,
+/// growing. Beyond its ends the ground goes on level.
 struct ProfileCut {
   std::array<double, 2> origin;  ///< x, y
   DipDirection direction;

@@ -61,6 +61,31 @@ struct KeyBlockFigures {
   double volume_m3 = 0;
   std::vector<BatchFigures> batches;
   bool stopped_at_max_batches = false;
+  std::string hash = {};  ///< of the blocks that leave
+};
+
+/// When only the rock near free faces was cut.
+struct WindowFigures {
+  std::array<double, 3> min, max;
+  std::uint64_t rounds = 1, truncated = 0;
+};
+
+/// [micro_blocks] of the scene, where it does not keep silent about them.
+struct MicroBlockFigures {
+  std::string policy;  ///< "report" or "exclude"
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+  double thinnest_m = 0;  ///< 0 when there are none
+};
+
+/// Parts of joints that bound no block, where the scene keeps them.
+struct DanglingFigures {
+  std::uint64_t pieces = 0;
+  double area_m2 = 0;
+  std::uint64_t free_edges = 0;
+  double free_edge_length_m = 0;
+  std::uint64_t joints = 0;
+  std::uint64_t isolated_joints = 0;
 };
 
 /// One stage of a sequential excavation.
@@ -99,8 +124,11 @@ struct Summary {
   InputFigures input;
   std::optional<BlockFigures> blocks;  ///< none when the certificate did not pass
   topology::Certificate certificate;
+  std::optional<WindowFigures> window;
   std::optional<KeyBlockFigures> key_blocks;
   std::optional<SequenceFigures> sequence;
+  std::optional<DanglingFigures> dangling;
+  std::optional<MicroBlockFigures> micro_blocks;
 };
 
 [[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);

@@ -35,6 +35,9 @@ using WriteError = std::variant<CannotCreate, NoSpace, CannotWrite>;
 /// that the scene does not ask for, or whose stage did not run, are skipped without an error.
 [[nodiscard]] std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result,
                                                                const std::filesystem::path& folder);
+/// dangling.vtu and dangling.obj, where the scene keeps what dangles.
+[[nodiscard]] std::expected<void, WriteError> write_dangling(const scene::RunResult& result,
+                                                             const std::filesystem::path& folder);
 [[nodiscard]] std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result,
                                                                    const std::filesystem::path& folder);
 [[nodiscard]] std::expected<void, WriteError> write_report_html(const scene::RunResult& result,

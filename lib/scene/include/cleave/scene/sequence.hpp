@@ -64,7 +64,8 @@ struct SequenceResult {
 using Judge = std::function<stability::Analysis(const topology::AuditedComplex&)>;
 
 /// Takes the excavations out in the order of their stages and judges the rock after each; then in every order to be
-/// compared. `stage_of_excavation` has an entry an excavation of the cut, `final_state` are the blocks when all are out.
+/// compared. `stage_of_excavation` has an entry an excavation of the cut, `final_state` are the blocks when all are
+/// out.
 [[nodiscard]] SequenceResult run_sequence(const topology::SequentialCut& cut, const topology::StageBlocks& final_state,
                                           const SequenceSettings& settings,
                                           const std::vector<std::uint32_t>& stage_of_excavation,

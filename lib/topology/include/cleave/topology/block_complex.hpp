@@ -17,9 +17,10 @@ namespace cleave::topology {
 
 /// What lies behind a face of a block.
 enum class Role : std::uint8_t {
-  joint,  ///< another block, across a joint
-  fixed,  ///< a domain side that is not free: rock that never moves
-  free,   ///< air: an excavation, or a domain side named free
+  joint,   ///< another block, across a joint
+  fixed,   ///< a domain side that is not free: rock that never moves
+  free,    ///< air: an excavation, or a domain side named free
+  window,  ///< the edge of the part that was cut (CutInput::window): what lies behind it was not looked at
 };
 
 /// A part of a face with one joint and one neighbour.
@@ -71,6 +72,8 @@ struct Block {
   /// Smallest width over the face normals (m): distance between the face's plane and the farthest vertex.
   Length thickness;
   bool sliver;  ///< thickness below 1e-6 of the domain's extent
+  /// Has a face of Role::window: only a part of the block is known, and it may go on as another part elsewhere.
+  bool truncated = false;
 };
 
 /// A flat part of a joint that has the same block on both sides: a dangling end, a membrane, an isolated joint.

@@ -23,10 +23,12 @@ struct TerminationUndecided {  ///< a joint ends on another whose plane passes t
   JointId joint, at;
 };
 struct DomainSwallowed {};  ///< the excavations leave no rock
+struct WindowOutside {};    ///< the window and the domain's box have no volume in common
 struct TooLarge {           ///< more than 2^31 vertices, edges or faces
   std::string what;
 };
-using CutError = std::variant<JointCollapsed, SolidCollapsed, TerminationUndecided, DomainSwallowed, TooLarge>;
+using CutError =
+    std::variant<JointCollapsed, SolidCollapsed, TerminationUndecided, DomainSwallowed, WindowOutside, TooLarge>;
 [[nodiscard]] std::string describe(const CutError& error);
 
 struct CutOptions {

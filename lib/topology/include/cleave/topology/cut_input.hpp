@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -15,8 +16,8 @@ namespace cleave::topology {
 /// quad).
 struct Joint {
   std::vector<geometry::Polygon> polygons;
-  /// Holes of each polygon, in its plane (within the tolerance of Polygon), inside it and apart from each other; as many
-  /// entries as polygons, or fewer where the rest has none.
+  /// Holes of each polygon, in its plane (within the tolerance of Polygon), inside it and apart from each other; as
+  /// many entries as polygons, or fewer where the rest has none.
   std::vector<std::vector<geometry::Polygon>> holes = {};
 };
 
@@ -33,6 +34,11 @@ struct PersistentJoint {
   geometry::Vec3 normal;
 };
 
+/// An axis-parallel box, m.
+struct Window {
+  geometry::Vec3 min, max;  ///< min < max in each component
+};
+
 /// Everything the block cutter needs, in metres, validated piece by piece by the geometry types.
 struct CutInput {
   geometry::Solid domain;
@@ -45,6 +51,9 @@ struct CutInput {
   std::vector<Termination> terminations = {};
   /// Keeps the parts of joints that part no two blocks (BlockComplex::Data::dangling). The blocks are the same.
   bool keep_dangling = false;
+  /// Only what lies in this box is cut, on the lattice of the whole scene: blocks that do not reach the window's sides
+  /// are those of the whole scene, with the same corners; the others are marked truncated.
+  std::optional<Window> window = {};
 };
 
 }  // namespace cleave::topology
