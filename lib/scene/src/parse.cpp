@@ -16,8 +16,8 @@ using std::string_view;
 constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
                                                 "north",  "domain",     "joint",    "joint_set", "joints",
                                                 "rock",   "excavation", "stability"};
-constexpr std::array<string_view, 1> more_root_keys{"output"};
-constexpr std::array<string_view, 6> later_sections{"support", "monte_carlo", "body", "load", "contact", "elastic"};
+constexpr std::array<string_view, 2> more_root_keys{"output", "monte_carlo"};
+constexpr std::array<string_view, 5> later_sections{"support", "body", "load", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
   const std::size_t slash = shown.find_last_of('/');
@@ -94,6 +94,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   parse_excavations(context, root, excavations);
   ParsedStability stability = parse_stability(root, domain, root.has("excavation") && !excavations.empty());
   const OutputSettings output = parse_output(root);
+  std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 
   Scene scene{.title = header.title,
@@ -109,6 +110,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .excavations = std::move(excavations),
               .stability = stability.settings,
               .output = output,
+              .monte_carlo = std::move(monte_carlo),
               .shown = shown,
               .file_name = stem_of(shown),
               .sha256 = sha256_hex(text),

@@ -230,6 +230,8 @@ std::optional<Excavation> parse_excavation(Context& context, const TomlTable& ta
   return Excavation{.name = name.value_or(path),
                     .stage = static_cast<std::uint32_t>(stage.value_or(1)),
                     .solid = std::move(*solid),
+                    .axis = *kind == 0 ? reader.points("axis").value_or(std::vector<geometry::Vec3>{})
+                                       : std::vector<geometry::Vec3>{},
                     .line = line};
 }
 

@@ -9,11 +9,15 @@
 
 #include "cleave/core/assert.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/core/rng.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/topology/cut.hpp"
 
 namespace cleave::scene {
 namespace {
+
+/// A stream of the whole scene, not of a joint set: its purpose lies beyond those of core's Draw.
+constexpr auto seismic_factor = static_cast<Draw>(64);
 
 Problem problem_of(const topology::CutError& error, const Scene& scene, const Drawn& drawn) {
   const std::string what = describe(error);
@@ -40,9 +44,20 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                     error);
 }
 
+/// The stability settings of one realization: what is random of them is drawn.
+StabilitySettings loads_of(const Scene& scene, std::uint64_t realization) {
+  StabilitySettings settings = *scene.stability;
+  if (scene.monte_carlo) {
+    Rng rng{{.seed = scene.seed, .realization = realization, .purpose = stream_purpose(0, seismic_factor), .index = 0}};
+    settings.seismic = scene.monte_carlo->seismic_factor.quantile(rng.uniform()) * settings.seismic;
+  }
+  return settings;
+}
+
 /// All of it was checked when the scene was parsed, so none of the factories can refuse.
-stability::Analysis judge(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
+stability::Analysis judge(const Scene& scene, const Drawn& drawn, std::uint64_t realization,
                           const topology::AuditedComplex& complex) {
+  const StabilitySettings wanted = loads_of(scene, realization);
   const auto strength_of = [](const Strength& s) {
     auto made = stability::JointStrength::make(s.friction, s.cohesion, s.tension);
     CLEAVE_ASSERT(made.has_value());
@@ -94,6 +109,20 @@ RunCost cost_of(const StageTimer& timer, unsigned threads) {
   return cost;
 }
 
+std::expected<Realized, std::vector<Problem>> realize(const Scene& scene, std::uint64_t realization) {
+  auto drawn = draw(scene, realization);
+  if (!drawn) return std::unexpected(std::move(drawn).error());
+  // Only the neighbourhood of free faces matters for key blocks: a cutter that grows the block system from there goes
+  // in here, with the whole system kept for scenes that ask for counts of blocks.
+  auto cut = topology::cut(drawn->input, {.threads = 1});
+  if (!cut) return std::unexpected(std::vector{problem_of(cut.error(), scene, *drawn)});
+  Realized realized{*std::move(drawn), topology::audit(*std::move(cut)), std::nullopt};
+  if (realized.complex && scene.stability) {
+    realized.analysis = judge(scene, realized.drawn, realization, *realized.complex);
+  }
+  return realized;
+}
+
 std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options, StageTimer& timer,
                                                    Progress& progress) {
   Plan plan = make_plan(scene);
@@ -102,7 +131,8 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return timer.run(name_of(which), work);
   };
 
-  auto drawn = plan.runs(Stage::draw) ? stage(Stage::draw, [&] { return draw(scene); }) : draw(scene);
+  auto drawn = plan.runs(Stage::draw) ? stage(Stage::draw, [&] { return draw(scene, options.realization); })
+                                       : draw(scene, options.realization);
   if (!drawn) {
     progress.end();
     return std::unexpected(std::move(drawn).error());
@@ -122,7 +152,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   });
   std::optional<stability::Analysis> analysis;
   if (complex && scene.stability) {
-    analysis = stage(Stage::stability, [&] { return judge(scene, *drawn, *scene.stability, *complex); });
+    analysis = stage(Stage::stability, [&] { return judge(scene, *drawn, options.realization, *complex); });
   }
   progress.end();
 
