@@ -31,7 +31,7 @@ Contacts Model::contacts(topology::BlockId id, std::uint32_t batch) {
     double weighted = 0;
     double smallest = std::numeric_limits<double>::infinity();
     bool held = false;
-    for (const topology::Patch& patch : face.patches) {
+    for (const topology::Patch& patch : complex_->patches(face)) {
       if (!patch.neighbour) continue;
       if (!present(*patch.neighbour, batch)) {
         exposed = true;
