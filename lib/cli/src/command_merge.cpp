@@ -145,7 +145,7 @@ ExitCode merge_results(const std::vector<std::string>& folders, const std::strin
     if (!file) return std::unexpected(file.error());
     Parts readers{parts};
     for (std::uint64_t k = 0; k < wanted; ++k) {
-      const auto record = readers.next(static_cast<std::size_t>(k % of));
+      const auto record = readers.next(k % of);
       if (!record || record->realization != k) return std::unexpected(stochastic::Unreadable{k / of + 3});
       if (k < file->records()) continue;  // an earlier merge was interrupted
       if (auto written = file->append(*record); !written) return std::unexpected(written.error());

@@ -44,8 +44,8 @@ std::string figures_text(const report::MonteCarloPage& page) {
 }
 
 std::string log_text(const report::MonteCarloPage& page) {
-  std::string text = fmt::format("cleave {}\nscene {} (sha256 {})\n\nplan\n", version, page.scene_file,
-                                 page.summary.scene_sha256);
+  std::string text =
+      fmt::format("cleave {}\nscene {} (sha256 {})\n\nplan\n", version, page.scene_file, page.summary.scene_sha256);
   for (const auto& row : page.summary.plan) {
     text += fmt::format("  {:<12} {:<9} {}\n", row.stage, row.run ? "run" : "left out", row.why);
   }
@@ -68,9 +68,10 @@ ExitCode end_of(const scene::MonteCarloResult& result, const std::string& scene)
     return ExitCode::check_failed;
   }
   if (result.stopped_by == scene::StoppedBy::max) {
-    complain(fmt::format("{}:1: monte_carlo.stop: the stated precision is not reached after {} realizations; raise max "
-                         "or relative_half_width",
-                         scene, f.realizations));
+    complain(
+        fmt::format("{}:1: monte_carlo.stop: the stated precision is not reached after {} realizations; raise max "
+                    "or relative_half_width",
+                    scene, f.realizations));
     return ExitCode::check_failed;
   }
   return ExitCode::done;
@@ -93,8 +94,8 @@ ExitCode publish_monte_carlo(const scene::Scene& scene, scene::MonteCarloResult 
   if (scene.output.report) files.push_back({"report.html", report::monte_carlo_html(page)});
   files.push_back({"log.txt", log_text(page)});
   files.push_back({"summary.json", report::monte_carlo_json(page)});
-  auto published = interrupts != nullptr ? interrupts->guarded([&] { return folder.publish(files); })
-                                         : folder.publish(files);
+  auto published =
+      interrupts != nullptr ? interrupts->guarded([&] { return folder.publish(files); }) : folder.publish(files);
   if (!published) {
     complain(published.error().message);
     return published.error().code;
@@ -126,25 +127,24 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
     complain(copies.error().message);
     return copies.error().code;
   }
-  const std::string header = header_of({.version = version,
-                                        .scene_sha256 = scene_and_files_sha256(scene),
-                                        .seed = scene.seed,
-                                        .shard = arguments.shard});
+  const std::string header = header_of(stochastic::RunIdentity{
+      .version = version, .scene_sha256 = scene_and_files_sha256(scene), .seed = scene.seed, .shard = arguments.shard});
   auto folder = MonteCarloFolder::prepare(arguments.out, header);
   if (!folder) {
     complain(folder.error().message);
     return folder.error().code;
   }
   std::atomic<std::uint64_t> kept{0};
-  interrupts.on_interrupt([&] {
-    std::fputs(fmt::format("\ncleave: {} realizations are kept in {}; the same command goes on from there\n",
-                           kept.load(), folder->folder().generic_string())
-                   .c_str(),
-               stderr);
-  }, "interrupted");
-  const std::string quantity = ensemble_options_of(scene).stability
-                                   ? ensemble_options_of(scene).running_quantity
-                                   : std::string{"block_count"};
+  interrupts.on_interrupt(
+      [&] {
+        std::fputs(fmt::format("\ncleave: {} realizations are kept in {}; the same command goes on from there\n",
+                               kept.load(), folder->folder().generic_string())
+                       .c_str(),
+                   stderr);
+      },
+      "interrupted");
+  const std::string quantity =
+      ensemble_options_of(scene).stability ? ensemble_options_of(scene).running_quantity : std::string{"block_count"};
   progress.begin("monte_carlo", settings.realizations / arguments.shard.of);
   std::uint64_t shown = 0;
   const scene::MonteCarloWatch watch{[&](const stochastic::Ensemble& ensemble, std::uint64_t done, std::uint64_t) {

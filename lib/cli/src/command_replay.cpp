@@ -21,7 +21,8 @@ ExitCode replay_realization(const ReplayArguments& arguments) {
   if (!scene) return report_problems(scene.error());
   std::error_code ignored;
   const fs::path result{arguments.result};
-  const fs::path records = fs::exists(result / records_name, ignored) ? result / records_name : result / unfinished_name;
+  const fs::path records =
+      fs::exists(result / records_name, ignored) ? result / records_name : result / unfinished_name;
   std::optional<stochastic::Record> stored;
   auto identity = stochastic::read_records(records, [&](const stochastic::Record& record, std::string_view) {
     if (record.realization == arguments.realization) stored = record;
@@ -41,8 +42,8 @@ ExitCode replay_realization(const ReplayArguments& arguments) {
   }
   scene->seed = identity->seed;
   scene->title += fmt::format(" (realization {})", arguments.realization);
-  const std::string out = arguments.out.value_or(
-      (result / fmt::format("realization_{}", arguments.realization)).string());
+  const std::string out =
+      arguments.out.value_or((result / fmt::format("realization_{}", arguments.realization)).string());
   auto folder = OutFolder::prepare(out);
   if (!folder) {
     complain(folder.error().message);
@@ -68,9 +69,10 @@ ExitCode replay_realization(const ReplayArguments& arguments) {
                                      same ? "is reproduced to the last digit" : "is NOT reproduced"));
     end = write_and_publish(*run, *folder, timer, progress, interrupts, {arguments.result, arguments.quiet});
     if (end == ExitCode::done && !same) {
-      complain(fmt::format("{}:1: realizations.csv: the record of realization {} is not reproduced; was it made by "
-                           "another build of cleave?",
-                           arguments.result, arguments.realization));
+      complain(
+          fmt::format("{}:1: realizations.csv: the record of realization {} is not reproduced; was it made by "
+                      "another build of cleave?",
+                      arguments.result, arguments.realization));
       end = ExitCode::check_failed;
     }
   }

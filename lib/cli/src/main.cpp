@@ -126,7 +126,8 @@ ExitCode run_program(int argc, char** argv) {
   CLI::Option* seed_option = run_command->add_option("--seed", seed, "instead of the scene's seed")
                                  ->check(CLI::Range(std::int64_t{0}, INT64_MAX));
   run_command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
-  run_command->add_option("--shard", shard, "part K/N of a Monte Carlo run, K from 1; merge the parts with cleave merge");
+  run_command->add_option("--shard", shard,
+                          "part K/N of a Monte Carlo run, K from 1; merge the parts with cleave merge");
   run_command->callback([&] {
     chosen = [&, seed_option] {
       if (seed_option->count() > 0) run.seed = static_cast<std::uint64_t>(seed);

@@ -128,8 +128,8 @@ std::expected<std::vector<MonteCarloFolder::File>, OutError> scene_copies(const 
     problem = add(named.is_absolute() ? named : beside / named, copy_name(i), scene.files[i].sha256);
   }
   if (!problem.empty()) {
-    return std::unexpected(OutError{ExitCode::wrong_input,
-                                    fmt::format("{}:1: scene: {}; restore it, or begin again", path, problem)});
+    return std::unexpected(
+        OutError{ExitCode::wrong_input, fmt::format("{}:1: scene: {}; restore it, or begin again", path, problem)});
   }
   return copies;
 }
@@ -138,20 +138,22 @@ std::expected<scene::Scene, std::vector<scene::Problem>> load_copied_scene(const
   const std::string shown = (result / "scene.toml").generic_string();
   auto text = bytes_of(result / "scene.toml");
   if (!text) {
-    return std::unexpected(std::vector{scene::Problem{
-        result.generic_string(), 1, "OUT", "is no Monte Carlo result: it holds no scene.toml",
-        "name the folder of a finished run of a scene with [monte_carlo]"}});
+    return std::unexpected(std::vector{
+        scene::Problem{result.generic_string(), 1, "OUT", "is no Monte Carlo result: it holds no scene.toml",
+                       "name the folder of a finished run of a scene with [monte_carlo]"}});
   }
   // Files are asked for in the order in which the scene names them first: that of their copies.
   std::vector<std::string> names;
-  return scene::parse(*text, shown, [&](const std::string& name) -> std::expected<scene::LoadedFile, scene::FileRefusal> {
-    const auto known = std::ranges::find(names, name);
-    const auto number = static_cast<std::size_t>(known - names.begin());
-    if (known == names.end()) names.push_back(name);
-    auto bytes = bytes_of(result / copy_name(number));
-    if (!bytes) return std::unexpected(scene::FileRefusal{bytes.error(), "the result is not whole: run the scene again"});
-    return scene::LoadedFile{*std::move(bytes), name};
-  });
+  return scene::parse(
+      *text, shown, [&](const std::string& name) -> std::expected<scene::LoadedFile, scene::FileRefusal> {
+        const auto known = std::ranges::find(names, name);
+        const auto number = static_cast<std::size_t>(known - names.begin());
+        if (known == names.end()) names.push_back(name);
+        auto bytes = bytes_of(result / copy_name(number));
+        if (!bytes)
+          return std::unexpected(scene::FileRefusal{bytes.error(), "the result is not whole: run the scene again"});
+        return scene::LoadedFile{*std::move(bytes), name};
+      });
 }
 
 }  // namespace cleave::cli

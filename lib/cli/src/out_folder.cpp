@@ -17,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 8> result_files{
-    "summary.json", "blocks.vtu",       "key_blocks.csv",        "report.html",
-    "log.txt",      "realizations.csv", "realizations.csv.part", "scene.toml"};
+constexpr std::array<std::string_view, 8> result_files{"summary.json",          "blocks.vtu", "key_blocks.csv",
+                                                       "report.html",           "log.txt",    "realizations.csv",
+                                                       "realizations.csv.part", "scene.toml"};
 
 OutError wrong(const fs::path& out, std::string_view what, std::string_view remedy) {
   return {ExitCode::wrong_input, fmt::format("{}:1: -o: {}; {}", out.generic_string(), what, remedy)};

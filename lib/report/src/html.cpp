@@ -304,9 +304,7 @@ std::string page_begin(const std::string& title, const std::string& sub) {
          "</h1>\n<p class=\"sub\">" + sub + "</p></header>\n<main>\n";
 }
 
-std::string page_end() {
-  return "</main>\n<footer>Made by cleave " CLEAVE_VERSION ".</footer>\n</body>\n</html>\n";
-}
+std::string page_end() { return "</main>\n<footer>Made by cleave " CLEAVE_VERSION ".</footer>\n</body>\n</html>\n"; }
 
 std::string key_figure(std::string_view label, const std::string& figure, const std::string& below,
                        std::string_view kind) {
@@ -319,9 +317,9 @@ std::string cost_part(const CostTable& cost) { return cost_section(cost); }
 
 std::string report_html(const Page& page) {
   const std::string title = escape_xml(page.summary.title.empty() ? "cleave report" : page.summary.title);
-  std::string out = detail::page_begin(
-      title, escape_xml(page.scene_file) + " · seed " + std::to_string(page.summary.seed) +
-                 " · lengths in metres, x east, y north, z up; dip directions clockwise from +y");
+  std::string out =
+      detail::page_begin(title, escape_xml(page.scene_file) + " · seed " + std::to_string(page.summary.seed) +
+                                    " · lengths in metres, x east, y north, z up; dip directions clockwise from +y");
   std::string view_json;
   out += cards(page);
   out += view_section(page, view_json);

@@ -130,9 +130,9 @@ void write_section(JsonWriter& json, const MonteCarloPage& page) {
   json.member("realizations", f.realizations);
   json.member("seed", page.summary.seed);
   json.member("stopped_by", name_of(page.result.stopped_by));
-  json.member("status", f.failures > 0                                           ? "incomplete"
+  json.member("status", f.failures > 0                                    ? "incomplete"
                         : page.result.stopped_by == scene::StoppedBy::max ? "not converged"
-                                                                                 : "done");
+                                                                          : "done");
   if (!page.stop_quantity.empty()) json.member("interval_kind", "sequential, fixed looks");
   json.key("shard");
   json.begin_object();
@@ -201,8 +201,7 @@ Summary monte_carlo_summary(const scene::Scene& scene, const scene::RunCost& cos
   return summary;
 }
 
-MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost& cost,
-                                scene::MonteCarloResult result) {
+MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost& cost, scene::MonteCarloResult result) {
   MonteCarloPage page{.summary = monte_carlo_summary(scene, cost),
                       .result = std::move(result),
                       .scene_file = scene.file_name,

@@ -33,10 +33,9 @@ std::string cards(const MonteCarloPage& page) {
   const Figures& f = page.result.figures;
   std::string out = "<section class=\"cards\" aria-label=\"Key figures\">\n";
   out += detail::key_figure("Realizations", display_count(f.realizations),
-                            page.result.stopped_by == scene::StoppedBy::max ? "stated precision not reached"
-                            : page.result.stopped_by == scene::StoppedBy::precision
-                                ? "stopped at the stated precision"
-                                : "as many as asked for",
+                            page.result.stopped_by == scene::StoppedBy::max         ? "stated precision not reached"
+                            : page.result.stopped_by == scene::StoppedBy::precision ? "stopped at the stated precision"
+                                                                                    : "as many as asked for",
                             page.result.stopped_by == scene::StoppedBy::max || f.failures > 0 ? "warn" : "good");
   const auto add = [&](std::string_view label, std::string_view name, std::string_view unit) {
     if (const Estimate* e = find(f, name)) {
@@ -90,7 +89,8 @@ std::string size_figure(const Figures& f) {
   plot.line(all);
   plot.line(first, "line-b");
   return "<figure>" + std::move(plot).svg() +
-         "<figcaption>Share of key blocks smaller than V, by number: <span class=\"key-a\">all batches</span> (band: two "
+         "<figcaption>Share of key blocks smaller than V, by number: <span class=\"key-a\">all batches</span> (band: "
+         "two "
          "standard errors over realizations) and <span class=\"key-b\">first batch</span>.</figcaption></figure>\n";
 }
 
@@ -118,7 +118,8 @@ std::string exceedance_figure(const Figures& f) {
   }
   plot.line(line);
   return "<figure>" + std::move(plot).svg() +
-         "<figcaption>Probability that the largest key block of a realization exceeds v, with exact (Clopper–Pearson) " +
+         "<figcaption>Probability that the largest key block of a realization exceeds v, with exact "
+         "(Clopper–Pearson) " +
          percent(f.confidence) + " intervals.</figcaption></figure>\n";
 }
 
@@ -131,8 +132,7 @@ std::string chainage_figure(const MonteCarloPage& page) {
     double high = 0;
     for (const auto& i : e.by_chainage_interval) high = std::max(high, i.high);
     Plot plot{Axis{0, *page.tunnel_length_m, false, "chainage (m)"},
-              detail::from_zero(high, "P(key block above " + display(e.volume_m3) + " m³)"),
-              "Probability by chainage"};
+              detail::from_zero(high, "P(key block above " + display(e.volume_m3) + " m³)"), "Probability by chainage"};
     const double part = *page.tunnel_length_m / static_cast<double>(e.by_chainage.size());
     for (std::size_t i = 0; i < e.by_chainage.size(); ++i) {
       const double from = part * static_cast<double>(i);
@@ -149,7 +149,8 @@ std::string estimates_table(const Figures& f) {
   std::string out =
       "<section id=\"estimates\"><h2>Estimates</h2>\n<p class=\"small\">The sample size is the number of realizations, "
       "not of blocks. “ratio”: sum over all realizations over sum over all realizations, delta method.</p>\n"
-      "<div class=\"scroll\"><table><thead><tr><th class=\"wide\">Quantity</th><th>Mean</th><th>Standard error</th><th>" +
+      "<div class=\"scroll\"><table><thead><tr><th class=\"wide\">Quantity</th><th>Mean</th><th>Standard "
+      "error</th><th>" +
       percent(f.confidence) +
       " interval</th><th>Standard deviation</th><th>Smallest … largest</th><th>Kind</th></tr></thead><tbody>\n";
   for (const Estimate& e : f.estimates) {
@@ -171,7 +172,8 @@ std::string probability_table(const Figures& f) {
   if (f.exceedances.empty()) return {};
   std::string out =
       "<section id=\"probability\"><h2>Probability of large key blocks</h2>\n<table><thead><tr><th>Volume above "
-      "(m³)</th><th>Realizations with one</th><th>Probability</th><th>Exact interval</th><th>Mean number</th><th>Number "
+      "(m³)</th><th>Realizations with one</th><th>Probability</th><th>Exact interval</th><th>Mean "
+      "number</th><th>Number "
       "per metre of tunnel</th></tr></thead><tbody>\n";
   for (const auto& e : f.exceedances) {
     out += "<tr><td>" + display(e.volume_m3) + "</td><td>" + display_count(e.realizations) + "</td><td>" +
@@ -186,8 +188,10 @@ std::string probability_table(const Figures& f) {
 std::string quantile_table(const Figures& f) {
   if (f.quantiles.empty()) return {};
   std::string out =
-      "<section id=\"quantiles\"><h2>Quantiles</h2>\n<p class=\"small\">By order statistics: no law is assumed.</p><div "
-      "class=\"scroll\"><table><thead><tr><th class=\"wide\">Quantity</th><th>p</th><th>Value</th><th>Interval</th></tr>"
+      "<section id=\"quantiles\"><h2>Quantiles</h2>\n<p class=\"small\">By order statistics: no law is "
+      "assumed.</p><div "
+      "class=\"scroll\"><table><thead><tr><th "
+      "class=\"wide\">Quantity</th><th>p</th><th>Value</th><th>Interval</th></tr>"
       "</thead><tbody>\n";
   for (const auto& q : f.quantiles) {
     out += "<tr><td class=\"wide\">" + escape_xml(words(q.name)) + "</td><td>" + percent(q.p) + "</td><td>" +
@@ -201,7 +205,8 @@ std::string quantile_table(const Figures& f) {
 std::string extremes_section(const Figures& f) {
   if (f.worst.empty()) return {};
   std::string out =
-      "<section id=\"extremes\"><h2>Worst and best realizations</h2>\n<p class=\"small\">Scenes to look at, not bounds: "
+      "<section id=\"extremes\"><h2>Worst and best realizations</h2>\n<p class=\"small\">Scenes to look at, not "
+      "bounds: "
       "<code>cleave replay OUT --realization K</code> makes any of them again as a full run.</p>\n<table><thead><tr>"
       "<th>Worst</th><th>Key-block volume (m³)</th><th>Key blocks</th><th>Best</th><th>Key-block volume "
       "(m³)</th><th>Key blocks</th></tr></thead><tbody>\n";
@@ -230,8 +235,7 @@ std::string inputs_section(const MonteCarloPage& page) {
     return line + "</th><td class=\"wide\">" + value + "</td></tr>\n";
   };
   std::string out = "<section id=\"inputs\"><h2>Inputs</h2>\n<table class=\"facts\"><tbody>\n";
-  out += row("Scene",
-             escape_xml(page.scene_file) + " <code>" + escape_xml(page.summary.scene_sha256) + "</code>");
+  out += row("Scene", escape_xml(page.scene_file) + " <code>" + escape_xml(page.summary.scene_sha256) + "</code>");
   for (const FileRow& file : page.files) {
     out += row("File", escape_xml(file.name) + " <code>" + escape_xml(file.sha256) + "</code>");
   }
@@ -250,8 +254,8 @@ std::string monte_carlo_html(const MonteCarloPage& page) {
     shard = " · part " + std::to_string(page.result.shard.number) + " of " + std::to_string(page.result.shard.of) +
             ": merge all parts before you use the figures";
   }
-  std::string out = detail::page_begin(title, escape_xml(page.scene_file) + " · Monte Carlo, seed " +
-                                                  std::to_string(page.summary.seed) + shard);
+  std::string out = detail::page_begin(
+      title, escape_xml(page.scene_file) + " · Monte Carlo, seed " + std::to_string(page.summary.seed) + shard);
   out += cards(page);
   const std::string figures = running_figure(f) + size_figure(f) + exceedance_figure(f) + chainage_figure(page);
   if (!figures.empty()) {

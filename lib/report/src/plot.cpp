@@ -20,9 +20,9 @@ std::string text(double x, double y, std::string_view anchor, std::string_view c
 }
 
 double share(const Axis& axis, double v) {
-  const double s = axis.log ? (std::log(std::max(v, axis.low)) - std::log(axis.low)) /
-                                  (std::log(axis.high) - std::log(axis.low))
-                            : (v - axis.low) / (axis.high - axis.low);
+  const double s =
+      axis.log ? (std::log(std::max(v, axis.low)) - std::log(axis.low)) / (std::log(axis.high) - std::log(axis.low))
+               : (v - axis.low) / (axis.high - axis.low);
   return std::clamp(s, 0.0, 1.0);
 }
 
@@ -88,10 +88,8 @@ void Plot::line(const std::vector<PlotPoint>& points, std::string_view style) {
   if (points.empty()) return;
   out_ += "<path class=\"";
   out_ += style;
-  out_ += "\" d=\"" +
-          path_of(
-              points, [&](double v) { return at_x(v); }, [&](double v) { return at_y(v); }, false) +
-          "\"/>";
+  out_ +=
+      "\" d=\"" + path_of(points, [&](double v) { return at_x(v); }, [&](double v) { return at_y(v); }, false) + "\"/>";
 }
 
 void Plot::band(const std::vector<PlotPoint>& low, const std::vector<PlotPoint>& high) {

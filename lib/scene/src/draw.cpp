@@ -23,7 +23,8 @@ constexpr std::size_t measured_streams = std::size_t{1} << 23U;
 Strength draw_strength(const Scene& scene, std::uint64_t realization, SetId set, std::size_t stream,
                        std::uint32_t index) {
   const auto uniform = [&](Draw what) {
-    return Rng{{.seed = scene.seed, .realization = realization, .purpose = stream_purpose(stream, what), .index = index}}
+    return Rng{
+        {.seed = scene.seed, .realization = realization, .purpose = stream_purpose(stream, what), .index = index}}
         .uniform();
   };
   const JointProperties& properties = scene.sets[set].properties;
@@ -70,8 +71,7 @@ void add_measured(const Scene& scene, std::uint64_t realization, Drawn& drawn) {
   IdVector<SetId, std::uint32_t> next{scene.sets.size(), 0U};
   for (const MeasuredJoint& joint : scene.joints) {
     const std::uint32_t index = next[joint.set]++;
-    Strength strength =
-        draw_strength(scene, realization, joint.set, measured_streams + joint.set.index(), index);
+    Strength strength = draw_strength(scene, realization, joint.set, measured_streams + joint.set.index(), index);
     strength.friction = joint.own.friction.value_or(strength.friction);
     strength.cohesion = joint.own.cohesion.value_or(strength.cohesion);
     geometry::Vec3 normal;
@@ -133,7 +133,8 @@ std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene, std::uint64_
   std::vector<Problem> problems;
   const Box box = box_of(scene.domain);
   for (std::size_t number = 0; number < scene.joint_sets.size(); ++number) {
-    if (auto added = add_random(scene, realization, number, box, drawn); !added) problems.push_back(std::move(added).error());
+    if (auto added = add_random(scene, realization, number, box, drawn); !added)
+      problems.push_back(std::move(added).error());
   }
   if (!problems.empty()) return std::unexpected(std::move(problems));
   return drawn;

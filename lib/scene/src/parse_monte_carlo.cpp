@@ -69,7 +69,7 @@ std::vector<double> parse_volumes(const TableReader& table, std::vector<double> 
 }  // namespace
 
 std::optional<MonteCarloSettings> parse_monte_carlo(const TableReader& root) {
-  constexpr std::array<string_view, 6> keys{"realizations", "stop",          "confidence",
+  constexpr std::array<string_view, 6> keys{"realizations", "stop",           "confidence",
                                             "volumes",      "chainage_parts", "seismic_factor"};
   const TomlTable* found = root.table("monte_carlo");
   if (found == nullptr) return std::nullopt;
@@ -84,8 +84,7 @@ std::optional<MonteCarloSettings> parse_monte_carlo(const TableReader& root) {
       settings.confidence = settings.stop->confidence;
     }
   } else if (length != nullptr) {
-    settings.realizations =
-        static_cast<std::uint64_t>(table.integer("realizations", 1, most_realizations).value_or(1));
+    settings.realizations = static_cast<std::uint64_t>(table.integer("realizations", 1, most_realizations).value_or(1));
   }
   settings.confidence = table.number("confidence", confidence_rule).value_or(settings.confidence);
   settings.volumes = parse_volumes(table, settings.volumes);

@@ -73,7 +73,8 @@ std::optional<Law> parse_law(const TableReader& owner, string_view key, const Nu
     return std::nullopt;
   }
   // A law that lies almost wholly outside its limits would put every draw on a limit.
-  if (with_std && ((law.min && *law.mean < *law.min - 5 * *law.std) || (law.max && *law.mean > *law.max + 5 * *law.std))) {
+  if (with_std &&
+      ((law.min && *law.mean < *law.min - 5 * *law.std) || (law.max && *law.mean > *law.max + 5 * *law.std))) {
     table.error("mean", fmt::format("is {}, more than 5 std outside of min..max", *law.mean),
                 "move the limits or the mean");
     return std::nullopt;

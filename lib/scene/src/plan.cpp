@@ -106,11 +106,11 @@ Plan make_plan(const Scene& scene) {
       case Stage::support: add(stage, false, "no [support]"); break;
       case Stage::monte_carlo:
         add(stage, scene.monte_carlo.has_value(),
-            !scene.monte_carlo        ? "no [monte_carlo]: one run"
-            : scene.monte_carlo->stop ? fmt::format("up to {} realizations, until {} is known to {:.3g} %",
-                                                    scene.monte_carlo->realizations, scene.monte_carlo->stop->quantity,
-                                                    100 * scene.monte_carlo->stop->relative_half_width)
-                                      : fmt::format("{} realizations", scene.monte_carlo->realizations));
+            !scene.monte_carlo ? "no [monte_carlo]: one run"
+            : scene.monte_carlo->stop
+                ? fmt::format("up to {} realizations, until {} is known to {:.3g} %", scene.monte_carlo->realizations,
+                              scene.monte_carlo->stop->quantity, 100 * scene.monte_carlo->stop->relative_half_width)
+                : fmt::format("{} realizations", scene.monte_carlo->realizations));
         break;
       case Stage::elastic: add(stage, false, "no [[body]]"); break;
       case Stage::contact: add(stage, false, "no [[body]]"); break;

@@ -132,7 +132,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   };
 
   auto drawn = plan.runs(Stage::draw) ? stage(Stage::draw, [&] { return draw(scene, options.realization); })
-                                       : draw(scene, options.realization);
+                                      : draw(scene, options.realization);
   if (!drawn) {
     progress.end();
     return std::unexpected(std::move(drawn).error());

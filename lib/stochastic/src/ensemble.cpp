@@ -244,8 +244,7 @@ void Ensemble::add_estimates(Figures& figures) const {
     if ((ratios()[i].stability && !options_.stability) || !ratios_[i].has_ratio()) continue;
     const PairMoments& pair = ratios_[i];
     const double r = pair.ratio(), se = pair.ratio_standard_error();
-    const Interval t =
-        pair.count() >= 2 ? t_interval(r, se, pair.count(), options_.confidence) : Interval{r, r};
+    const Interval t = pair.count() >= 2 ? t_interval(r, se, pair.count(), options_.confidence) : Interval{r, r};
     figures.estimates.push_back({.name = std::string{ratios()[i].name},
                                  .method = Method::ratio,
                                  .realizations = pair.count(),
@@ -303,9 +302,10 @@ void Ensemble::add_exceedances(Figures& figures) const {
 void Ensemble::add_notes(Figures& figures) const {
   for (const Estimate& e : figures.estimates) {
     if (!e.optimistic || e.name.ends_with("_per_metre")) continue;
-    figures.notes.push_back(fmt::format(
-        "{}: heavy tail (skewness {:.1f} over {} realizations): its interval is optimistic, it covers less than it says",
-        e.name, e.skewness, e.realizations));
+    figures.notes.push_back(
+        fmt::format("{}: heavy tail (skewness {:.1f} over {} realizations): its interval is optimistic, it covers less "
+                    "than it says",
+                    e.name, e.skewness, e.realizations));
   }
   if (figures.failures > 0) {
     figures.notes.push_back(

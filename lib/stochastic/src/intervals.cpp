@@ -13,8 +13,7 @@ namespace cleave::stochastic {
 
 Interval t_interval(double mean, double standard_error, std::uint64_t n, double confidence) {
   CLEAVE_ASSERT(n >= 2);
-  const double half =
-      special::student_t_quantile(0.5 + confidence / 2, static_cast<double>(n - 1)) * standard_error;
+  const double half = special::student_t_quantile(0.5 + confidence / 2, static_cast<double>(n - 1)) * standard_error;
   return {mean - half, mean + half};
 }
 

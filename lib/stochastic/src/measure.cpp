@@ -73,7 +73,7 @@ class Measuring final {
 
   [[nodiscard]] bool was_free(const Face& face, std::uint32_t batch) const {
     if (face.role == Role::free) return true;
-    return std::ranges::any_of(face.patches, [&](const topology::Patch& patch) {
+    return std::ranges::any_of(complex_.patches(face), [&](const topology::Patch& patch) {
       return patch.neighbour && left_[*patch.neighbour] < batch;
     });
   }
@@ -98,7 +98,7 @@ class Measuring final {
 
   [[nodiscard]] bool beside_fixed(const Block& block) const {
     return std::ranges::any_of(block.faces, [&](const topology::FaceId id) {
-      return std::ranges::any_of(complex_.faces()[id].patches, [&](const topology::Patch& patch) {
+      return std::ranges::any_of(complex_.patches(complex_.faces()[id]), [&](const topology::Patch& patch) {
         return patch.neighbour && complex_.blocks()[*patch.neighbour].fixed;
       });
     });

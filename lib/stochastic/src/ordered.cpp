@@ -18,19 +18,18 @@ void run_ordered(std::uint64_t first, std::uint64_t end, std::uint64_t step, Thr
   std::uint64_t next = first;
   std::atomic<bool> enough{false};
   using Commit = std::function<bool()>;
-  const auto source = tbb::make_filter<void, std::uint64_t>(
-      tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) -> std::uint64_t {
-        if (next >= end || enough) {
-          control.stop();
-          return 0;
-        }
-        const std::uint64_t item = next;
-        next += step;
-        return item;
-      });
-  const auto work = tbb::make_filter<std::uint64_t, Commit>(tbb::filter_mode::parallel, [&](std::uint64_t item) {
-    return enough ? Commit{} : make(item);
-  });
+  const auto source = tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order,
+                                                            [&](tbb::flow_control& control) -> std::uint64_t {
+                                                              if (next >= end || enough) {
+                                                                control.stop();
+                                                                return 0;
+                                                              }
+                                                              const std::uint64_t item = next;
+                                                              next += step;
+                                                              return item;
+                                                            });
+  const auto work = tbb::make_filter<std::uint64_t, Commit>(
+      tbb::filter_mode::parallel, [&](std::uint64_t item) { return enough ? Commit{} : make(item); });
   const auto sink = tbb::make_filter<Commit, void>(tbb::filter_mode::serial_in_order, [&](const Commit& commit) {
     if (!commit || enough) return;
     if (!commit()) enough = true;

@@ -153,11 +153,14 @@ std::string describe(const RecordFileError& error) {
   return std::visit(
       overloaded{
           [](const OtherRun& e) {
-            return fmt::format("holds an unfinished Monte Carlo run of another scene, seed, shard or version (\"{}\", not "
-                               "\"{}\"); name another folder, or remove this one",
-                               e.found.substr(0, 300), e.wanted);
+            return fmt::format(
+                "holds an unfinished Monte Carlo run of another scene, seed, shard or version (\"{}\", not "
+                "\"{}\"); name another folder, or remove this one",
+                e.found.substr(0, 300), e.wanted);
           },
-          [](InUse) { return std::string{"another cleave is at work in it; wait for its end, or name another folder"}; },
+          [](InUse) {
+            return std::string{"another cleave is at work in it; wait for its end, or name another folder"};
+          },
           [](const Unreadable& e) {
             return fmt::format("line {} is not what cleave wrote; restore the file or run again", e.line);
           },

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cleave/report/html.hpp"
 #include "cleave/report/summary.hpp"
 #include "cleave/scene/monte_carlo.hpp"
+#include "cleave/scene/run_result.hpp"
 
 namespace cleave::report {
 

@@ -113,12 +113,12 @@ struct StabilitySettings {
 
 /// [monte_carlo]: many realizations instead of one run.
 struct MonteCarloSettings {
-  std::uint64_t realizations = 0;         ///< fixed number, or the largest one of `stop`
-  std::optional<stochastic::Stop> stop;   ///< empty: exactly `realizations`
-  double confidence = 0.95;               ///< of all intervals
+  std::uint64_t realizations = 0;                   ///< fixed number, or the largest one of `stop`
+  std::optional<stochastic::Stop> stop;             ///< empty: exactly `realizations`
+  double confidence = 0.95;                         ///< of all intervals
   std::vector<double> volumes = {0.1, 1, 10, 100};  ///< m3: probabilities of a key block above each
-  std::uint32_t chainage_parts = 20;      ///< along the axis of the first tunnel
-  NumberLaw seismic_factor;               ///< multiplies stability.seismic, drawn once a realization
+  std::uint32_t chainage_parts = 20;                ///< along the axis of the first tunnel
+  NumberLaw seismic_factor;                         ///< multiplies stability.seismic, drawn once a realization
 };
 
 struct OutputSettings {

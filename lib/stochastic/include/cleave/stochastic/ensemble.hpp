@@ -26,8 +26,8 @@ struct Quantity {
 [[nodiscard]] const Quantity* quantity_named(std::string_view word);
 
 enum class Method : std::uint8_t {
-  mean,         ///< over realizations, with Student's t
-  ratio,        ///< sum over all realizations / sum over all realizations, delta method, Student's t
+  mean,            ///< over realizations, with Student's t
+  ratio,           ///< sum over all realizations / sum over all realizations, delta method, Student's t
   mean_of_ratios,  ///< over the realizations whose denominator is not 0
 };
 [[nodiscard]] std::string_view name_of(Method method) noexcept;
@@ -53,7 +53,7 @@ struct Exceedance {
   double volume_m3 = 0;
   std::uint64_t realizations = 0;  ///< with such a block
   double probability = 0;
-  Interval interval;  ///< Clopper-Pearson
+  Interval interval;                             ///< Clopper-Pearson
   double number = 0, number_standard_error = 0;  ///< mean number of such blocks a realization
   std::optional<double> per_metre, per_metre_standard_error;
   /// Per part of the axis: P(a key block above the volume has its centroid there), with its interval.
@@ -87,7 +87,7 @@ struct Figures {
   std::vector<SizePoint> sizes, first_sizes;
   std::string running_quantity;
   std::vector<RunningPoint> running;
-  std::vector<Extreme> worst, best;  ///< by key-block volume, at most 5 each
+  std::vector<Extreme> worst, best;   ///< by key-block volume, at most 5 each
   std::vector<std::uint64_t> failed;  ///< realizations that could not be done, at most 1000 listed
   std::uint64_t failures = 0;
   std::uint64_t stopped_at_max_batches = 0;

@@ -24,7 +24,7 @@ struct Ranks {
 [[nodiscard]] std::uint64_t wilks_size(std::uint64_t k, double p, double confidence);
 /// Bias-corrected accelerated bootstrap interval of the mean (Efron 1987), `resamples` resamples of the values keyed by
 /// `seed`. Needs 3 values or more that are not all equal.
-[[nodiscard]] std::optional<Interval> bca_mean(std::span<const double> values, double confidence, std::uint32_t resamples,
-                                               std::uint64_t seed);
+[[nodiscard]] std::optional<Interval> bca_mean(std::span<const double> values, double confidence,
+                                               std::uint32_t resamples, std::uint64_t seed);
 
 }  // namespace cleave::stochastic

@@ -12,9 +12,9 @@ namespace cleave::stochastic {
 
 /// What is asked of every realization besides the counts.
 struct Questions {
-  std::vector<double> volumes_m3;            ///< count key blocks above each
-  std::vector<geometry::Vec3> axis;          ///< polyline of the tunnel that chainage runs along; empty: none
-  std::uint32_t chainage_parts = 0;          ///< equal parts of the axis
+  std::vector<double> volumes_m3;    ///< count key blocks above each
+  std::vector<geometry::Vec3> axis;  ///< polyline of the tunnel that chainage runs along; empty: none
+  std::uint32_t chainage_parts = 0;  ///< equal parts of the axis
 };
 
 /// Length of a polyline, m.

@@ -11,7 +11,7 @@ class Moments final {
   void add(double x) noexcept;
   [[nodiscard]] std::uint64_t count() const noexcept { return n_; }
   [[nodiscard]] double mean() const noexcept { return mean_; }
-  [[nodiscard]] double variance() const noexcept;        ///< m2/(n - 1); 0 for n < 2
+  [[nodiscard]] double variance() const noexcept;  ///< m2/(n - 1); 0 for n < 2
   [[nodiscard]] double std() const noexcept;
   [[nodiscard]] double standard_error() const noexcept;  ///< of the mean
   [[nodiscard]] double skewness() const noexcept;        ///< sqrt(n) m3/m2^(3/2); 0 without spread

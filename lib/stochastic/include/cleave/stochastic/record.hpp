@@ -72,8 +72,8 @@ struct Record {
   std::uint64_t surface_blocks_fixed = 0;  ///< of those, with a fixed face: they cannot move (domain too small?)
   double key_beside_fixed_m3 = 0;          ///< volume of key blocks with a neighbour that has a fixed face
   Tally all, first;
-  std::vector<std::uint64_t> above;   ///< key blocks above each of the volumes asked for
-  std::vector<double> chainage_m3;    ///< largest key block in each part of the axis; empty without a tunnel
+  std::vector<std::uint64_t> above;  ///< key blocks above each of the volumes asked for
+  std::vector<double> chainage_m3;   ///< largest key block in each part of the axis; empty without a tunnel
   friend bool operator==(const Record&, const Record&) = default;
 };
 
