@@ -86,6 +86,21 @@ void write_blocks(JsonWriter& json, const Summary& summary) {
   figure("hash", &BlockFigures::hash);
   write_certificate(json, summary.certificate);
   figure("exact_share", &BlockFigures::exact_share);
+  if (summary.window) {
+    json.key("window");
+    json.begin_object();
+    const auto corner = [&](std::string_view name, const std::array<double, 3>& values) {
+      json.key(name);
+      json.begin_array();
+      for (const double v : values) json.value(v);
+      json.end_array();
+    };
+    corner("min", summary.window->min);
+    corner("max", summary.window->max);
+    json.member("rounds", summary.window->rounds);
+    json.member("truncated", summary.window->truncated);
+    json.end_object();
+  }
   if (!summary.blocks) json.member("reason", "the certificate did not pass, so no block of this run is to be trusted");
   json.end_object();
 }
@@ -110,6 +125,7 @@ void write_key_blocks(JsonWriter& json, const KeyBlockFigures& figures) {
   }
   json.end_array();
   json.member("stopped_at_max_batches", figures.stopped_at_max_batches);
+  json.member("hash", figures.hash);
   json.end_object();
 }
 
@@ -133,7 +149,7 @@ BlockFigures count_blocks(const topology::BlockComplex& complex, std::string has
 }
 
 KeyBlockFigures count_key_blocks(const stability::Analysis& analysis) {
-  KeyBlockFigures figures{.batches = {}, .stopped_at_max_batches = analysis.stopped_at_max_batches};
+  KeyBlockFigures figures{.batches = {}, .stopped_at_max_batches = analysis.stopped_at_max_batches, .hash = {}};
   for (const stability::Batch& batch : analysis.batches) {
     BatchFigures row{.batch = batch.number, .count = batch.blocks.size(), .volume_m3 = batch.volume.si()};
     for (const topology::BlockId block : batch.blocks) {

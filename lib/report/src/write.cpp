@@ -54,7 +54,17 @@ Summary summarize(const scene::RunResult& result) {
   } else {
     summary.certificate = result.complex.error();
   }
-  if (const auto* analysis = analysis_of(result)) summary.key_blocks = count_key_blocks(*analysis);
+  if (const auto* analysis = analysis_of(result)) {
+    summary.key_blocks = count_key_blocks(*analysis);
+    summary.key_blocks->hash = result.key_block_hash;
+  }
+  if (result.window) {
+    const scene::WindowInfo& w = *result.window;
+    summary.window = WindowFigures{.min = {w.min.x, w.min.y, w.min.z},
+                                   .max = {w.max.x, w.max.y, w.max.z},
+                                   .rounds = w.rounds,
+                                   .truncated = w.truncated};
+  }
   return summary;
 }
 

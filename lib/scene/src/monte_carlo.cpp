@@ -50,6 +50,7 @@ stochastic::Questions questions_of(const Scene& scene) {
 stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
   const stochastic::Questions questions = questions_of(scene);
   stochastic::EnsembleOptions options{.stability = scene.stability.has_value(),
+                                      .whole_system = !(scene.output.only_key_blocks && scene.stability),
                                       .confidence = scene.monte_carlo ? scene.monte_carlo->confidence : 0.95,
                                       .volumes_m3 = questions.volumes_m3,
                                       .tunnel_length_m = {},

@@ -100,6 +100,10 @@ Plan make_plan(const Scene& scene) {
             : drawn && given == 0
                 ? "the drawn joints"
                 : count_of(given, "given joint", "given joints") + (drawn ? " and the drawn ones" : ""));
+        if (scene.output.only_key_blocks) {
+          plan.stages.back().why += stability ? "; only near free faces, as only key blocks are asked for"
+                                              : "; all of the rock, as there is no free face to start from";
+        }
         break;
       case Stage::audit: add(stage, true, "every block system is certified"); break;
       case Stage::stability: add(stage, stability, why_stability(scene)); break;

@@ -11,6 +11,7 @@
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
 #include "cleave/stability/analyse.hpp"
+#include "cleave/stability/near_field.hpp"
 #include "cleave/topology/cut.hpp"
 
 namespace cleave::scene {
@@ -40,6 +41,7 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                                      scene.excavations.empty() ? 1 : scene.excavations.front().line;
                                  return Problem{scene.shown, line, "excavation", what, ""};
                                },
+                               [&](const topology::WindowOutside&) { return whole(); },
                                [&](const topology::TooLarge&) { return whole(); }},
                     error);
 }
@@ -55,8 +57,7 @@ StabilitySettings loads_of(const Scene& scene, std::uint64_t realization) {
 }
 
 /// All of it was checked when the scene was parsed, so none of the factories can refuse.
-stability::Analysis judge(const Scene& scene, const Drawn& drawn, std::uint64_t realization,
-                          const topology::AuditedComplex& complex) {
+stability::Settings settings_of(const Scene& scene, const Drawn& drawn, std::uint64_t realization) {
   const StabilitySettings wanted = loads_of(scene, realization);
   const auto strength_of = [](const Strength& s) {
     auto made = stability::JointStrength::make(s.friction, s.cohesion, s.tension);
@@ -72,12 +73,12 @@ stability::Analysis judge(const Scene& scene, const Drawn& drawn, std::uint64_t 
   for (const topology::JointId joint : drawn.joints.ids()) {
     strengths.set(joint, strength_of(drawn.joints[joint].strength));
   }
-  return stability::analyse(complex, {.rock = *rock,
-                                      .strengths = std::move(strengths),
-                                      .loads = *loads,
-                                      .partial = *partial,
-                                      .force_transfer = wanted.force_transfer,
-                                      .max_batches = wanted.max_batches});
+  return {.rock = *rock,
+          .strengths = std::move(strengths),
+          .loads = *loads,
+          .partial = *partial,
+          .force_transfer = wanted.force_transfer,
+          .max_batches = wanted.max_batches};
 }
 
 void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::vector<std::string>& notes) {
@@ -95,6 +96,79 @@ std::optional<Stage> stage_named(std::string_view name) {
   return it == all_stages.end() ? std::nullopt : std::optional{*it};
 }
 
+/// The blocks and what is known of them. `window` when only the rock near free faces was cut.
+struct System {
+  std::expected<topology::AuditedComplex, topology::Certificate> complex;
+  topology::CutReport report;
+  std::optional<stability::Analysis> analysis;
+  std::string hash, key_hash;
+  std::optional<WindowInfo> window;
+};
+
+std::string hash_of_key_blocks(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
+  std::vector<topology::BlockId> leaving;
+  for (const stability::Batch& batch : analysis.batches) {
+    leaving.insert(leaving.end(), batch.blocks.begin(), batch.blocks.end());
+  }
+  return topology::canonical_hash(complex, leaving);
+}
+
+std::expected<System, topology::CutError> cut_all(const Scene& scene, const Drawn& drawn, const RunOptions& options,
+                                                  StageTimer& timer, Progress& progress) {
+  const auto stage = [&](Stage which, auto&& work) {
+    progress.begin(name_of(which));
+    return timer.run(name_of(which), work);
+  };
+  auto cut = stage(Stage::cut, [&] { return topology::cut(drawn.input, {.threads = options.threads}); });
+  if (!cut) return std::unexpected(std::move(cut).error());
+  topology::CutReport report = cut->report();
+  std::string hash;
+  auto complex = stage(Stage::audit, [&] {
+    auto audited = topology::audit(*std::move(cut));
+    if (audited) hash = topology::canonical_hash(audited->complex());
+    return audited;
+  });
+  System system{std::move(complex), std::move(report), {}, std::move(hash), {}, {}};
+  if (system.complex && scene.stability) {
+    system.analysis = stage(Stage::stability, [&] {
+      return stability::analyse(*system.complex, settings_of(scene, drawn, options.realization));
+    });
+    system.key_hash = hash_of_key_blocks(system.complex->complex(), *system.analysis);
+  }
+  return system;
+}
+
+std::expected<System, topology::CutError> cut_near_free_faces(const Scene& scene, const Drawn& drawn,
+                                                              const RunOptions& options, StageTimer& timer,
+                                                              Progress& progress) {
+  progress.begin(name_of(Stage::cut));
+  auto near = stability::analyse_near_field(drawn.input, settings_of(scene, drawn, options.realization),
+                                            {.threads = options.threads}, timer);
+  if (!near) {
+    if (auto* error = std::get_if<topology::CutError>(&near.error())) return std::unexpected(std::move(*error));
+    return System{std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}, {}, {}, {}, {}};
+  }
+  const topology::BlockComplex& complex = near->complex.complex();
+  System system{near->complex, complex.report(), near->analysis, topology::canonical_hash(complex), {}, {}};
+  system.key_hash = hash_of_key_blocks(complex, near->analysis);
+  if (near->window) {
+    system.window = WindowInfo{
+        .min = near->window->min,
+        .max = near->window->max,
+        .rounds = near->rounds,
+        .truncated = static_cast<std::uint64_t>(std::ranges::count_if(complex.blocks(), &topology::Block::truncated))};
+  }
+  return system;
+}
+
+std::string note_on(const WindowInfo& window) {
+  return fmt::format(
+      "only key blocks were asked for: of the rock only the box from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, "
+      "{:.6g}) "
+      "was cut; {} of its blocks go on outside it and are shown as far as it goes",
+      window.min.x, window.min.y, window.min.z, window.max.x, window.max.y, window.max.z, window.truncated);
+}
+
 }  // namespace
 
 RunCost cost_of(const StageTimer& timer, unsigned threads) {
@@ -103,6 +177,13 @@ RunCost cost_of(const StageTimer& timer, unsigned threads) {
       .wall_s = total.wall_s, .cpu_s = total.cpu_s, .peak_rss_mb = total.peak_rss_mb, .threads = threads, .stages = {}};
   for (const cleave::StageCost& booked : timer.stages()) {
     if (const auto stage = stage_named(booked.stage)) {
+      const auto earlier = std::ranges::find(cost.stages, *stage, &StageCost::stage);
+      if (earlier != cost.stages.end()) {  // several windows were cut
+        earlier->wall_s += booked.wall_s;
+        earlier->cpu_s += booked.cpu_s;
+        earlier->peak_rss_mb = std::max(earlier->peak_rss_mb, booked.peak_rss_mb);
+        continue;
+      }
       cost.stages.push_back({*stage, booked.wall_s, booked.cpu_s, booked.peak_rss_mb});
     }
   }
@@ -112,13 +193,21 @@ RunCost cost_of(const StageTimer& timer, unsigned threads) {
 std::expected<Realized, std::vector<Problem>> realize(const Scene& scene, std::uint64_t realization) {
   auto drawn = draw(scene, realization);
   if (!drawn) return std::unexpected(std::move(drawn).error());
-  // Only the neighbourhood of free faces matters for key blocks: a cutter that grows the block system from there goes
-  // in here, with the whole system kept for scenes that ask for counts of blocks.
+  if (scene.output.only_key_blocks && scene.stability) {
+    StageTimer timer;
+    auto near =
+        stability::analyse_near_field(drawn->input, settings_of(scene, *drawn, realization), {.threads = 1}, timer);
+    if (near) return Realized{*std::move(drawn), std::move(near->complex), std::move(near->analysis)};
+    if (auto* error = std::get_if<topology::CutError>(&near.error())) {
+      return std::unexpected(std::vector{problem_of(*error, scene, *drawn)});
+    }
+    return Realized{*std::move(drawn), std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}};
+  }
   auto cut = topology::cut(drawn->input, {.threads = 1});
   if (!cut) return std::unexpected(std::vector{problem_of(cut.error(), scene, *drawn)});
   Realized realized{*std::move(drawn), topology::audit(*std::move(cut)), std::nullopt};
   if (realized.complex && scene.stability) {
-    realized.analysis = judge(scene, realized.drawn, realization, *realized.complex);
+    realized.analysis = stability::analyse(*realized.complex, settings_of(scene, realized.drawn, realization));
   }
   return realized;
 }
@@ -138,27 +227,24 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return std::unexpected(std::move(drawn).error());
   }
 
-  auto cut = stage(Stage::cut, [&] { return topology::cut(drawn->input, {.threads = options.threads}); });
-  if (!cut) {
+  auto made = scene.output.only_key_blocks && scene.stability
+                  ? cut_near_free_faces(scene, *drawn, options, timer, progress)
+                  : cut_all(scene, *drawn, options, timer, progress);
+  if (!made) {
     progress.end();
-    return std::unexpected(std::vector{problem_of(cut.error(), scene, *drawn)});
+    return std::unexpected(std::vector{problem_of(made.error(), scene, *drawn)});
   }
-  const topology::CutReport report = cut->report();
-  std::string hash;
-  auto complex = stage(Stage::audit, [&] {
-    auto audited = topology::audit(*std::move(cut));
-    if (audited) hash = topology::canonical_hash(audited->complex());
-    return audited;
-  });
-  std::optional<stability::Analysis> analysis;
-  if (complex && scene.stability) {
-    analysis = stage(Stage::stability, [&] { return judge(scene, *drawn, options.realization, *complex); });
-  }
+  System& system = *made;
+  auto& analysis = system.analysis;
   progress.end();
 
   std::vector<std::string> notes;
   for (const Problem& note : scene.notes) notes.push_back(describe(note));
-  add_cut_notes(report, drawn->joints.size(), notes);
+  if (system.window) {
+    notes.push_back(note_on(*system.window));
+  } else {
+    add_cut_notes(system.report, drawn->joints.size(), notes);
+  }
   if (analysis && analysis->stopped_at_max_batches) {
     notes.push_back(
         fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
@@ -180,8 +266,10 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .sets = std::move(drawn->sets),
                    .joints = std::move(drawn->joints),
                    .excavations = std::move(excavations),
-                   .complex = std::move(complex),
-                   .block_hash = std::move(hash),
+                   .complex = std::move(system.complex),
+                   .block_hash = std::move(system.hash),
+                   .key_block_hash = std::move(system.key_hash),
+                   .window = system.window,
                    .analysis = std::move(analysis),
                    .notes = std::move(notes)};
 }

@@ -27,7 +27,7 @@ class Batches final {
       for (const BlockId id : changed) {
         if (judge_block(id, batch)) leaving.push_back(id);
       }
-      if (leaving.empty()) break;
+      if (!analysis_.undecided.empty() || leaving.empty()) break;
       if (batch > model_.settings().max_batches) {
         analysis_.stopped_at_max_batches = true;
         break;
@@ -37,7 +37,7 @@ class Batches final {
     for (auto& judgement : judgements_) {
       if (judgement) analysis_.judgements.push_back(*std::move(judgement));
     }
-    if (model_.settings().force_transfer) transfer_forces(model_, analysis_);
+    if (model_.settings().force_transfer && analysis_.undecided.empty()) transfer_forces(model_, analysis_);
     return std::move(analysis_);
   }
 
@@ -50,8 +50,13 @@ class Batches final {
     const Contacts contacts = model_.contacts(id, batch);
     if (!contacts.exposed) return false;  // face-vector closure: all its joint faces together leave no direction
     const std::uint8_t dimension = contacts.cone.dimension();
+    // Faces that are not known can only take directions away.
     if (dimension == 0 || (model_.settings().strict && dimension < 3)) return false;
     const topology::Block& block = complex().blocks()[id];
+    if (block.truncated) {
+      analysis_.undecided.push_back(id);
+      return false;
+    }
     const Verdict verdict = judge(contacts, model_.applied_forces(block), model_.settings());
     analysis_.equilibrium_residual = std::max(analysis_.equilibrium_residual, verdict.residual);
 

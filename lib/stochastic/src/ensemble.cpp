@@ -52,22 +52,21 @@ std::vector<SizePoint> size_points(const std::vector<PairMoments>& below) {
 
 const std::vector<Quantity>& quantities() {
   static const std::vector<Quantity> all{
-      {"key_block_volume_m3", [](const Record& r) { return r.all.volume_m3; }, true, true},
-      {"key_block_count", [](const Record& r) { return number(r.all.count); }, true, true},
-      {"key_block_largest_m3", [](const Record& r) { return r.all.largest_m3; }, true, true},
-      {"support_force_n", [](const Record& r) { return r.all.support_n; }, true, true},
-      {"support_force_transferred_n", [](const Record& r) { return r.all.support_transferred_n; }, true, false},
-      {"first_batch_volume_m3", [](const Record& r) { return r.first.volume_m3; }, true, true},
-      {"first_batch_count", [](const Record& r) { return number(r.first.count); }, true, true},
-      {"first_batch_largest_m3", [](const Record& r) { return r.first.largest_m3; }, true, true},
-      {"first_batch_support_force_n", [](const Record& r) { return r.first.support_n; }, true, false},
-      {"first_batch_support_force_transferred_n", [](const Record& r) { return r.first.support_transferred_n; }, true,
-       false},
-      {"batches", [](const Record& r) { return static_cast<double>(r.batches); }, true, false},
-      {"block_count", [](const Record& r) { return number(r.blocks); }, false, true},
-      {"block_mean_volume_m3", [](const Record& r) { return r.rock_m3 / number(r.blocks); }, false, false},
-      {"concave_block_count", [](const Record& r) { return number(r.concave_blocks); }, false, false},
-      {"joint_count", [](const Record& r) { return number(r.joints); }, false, false},
+      {"key_block_volume_m3", [](const Record& r) { return r.all.volume_m3; }, true, false, true},
+      {"key_block_count", [](const Record& r) { return number(r.all.count); }, true, false, true},
+      {"key_block_largest_m3", [](const Record& r) { return r.all.largest_m3; }, true, false, true},
+      {"support_force_n", [](const Record& r) { return r.all.support_n; }, true, false, true},
+      {"support_force_transferred_n", [](const Record& r) { return r.all.support_transferred_n; }, true, false, false},
+      {"first_batch_volume_m3", [](const Record& r) { return r.first.volume_m3; }, true, false, true},
+      {"first_batch_count", [](const Record& r) { return number(r.first.count); }, true, false, true},
+      {"first_batch_largest_m3", [](const Record& r) { return r.first.largest_m3; }, true, false, true},
+      {"first_batch_support_force_n", [](const Record& r) { return r.first.support_n; }, true, false, false},
+      {"first_batch_support_force_transferred_n", [](const Record& r) { return r.first.support_transferred_n; }, true, false, false},
+      {"batches", [](const Record& r) { return static_cast<double>(r.batches); }, true, false, false},
+      {"block_count", [](const Record& r) { return number(r.blocks); }, false, true, true},
+      {"block_mean_volume_m3", [](const Record& r) { return r.rock_m3 / number(r.blocks); }, false, true, false},
+      {"concave_block_count", [](const Record& r) { return number(r.concave_blocks); }, false, true, false},
+      {"joint_count", [](const Record& r) { return number(r.joints); }, false, false, false},
   };
   return all;
 }
@@ -97,35 +96,35 @@ const std::vector<Ensemble::Ratio>& Ensemble::ratios() {
   static const auto all_count = [](const Record& r) { return number(r.all.count); };
   static const auto first_count = [](const Record& r) { return number(r.first.count); };
   static const std::vector<Ratio> list{
-      {"key_block_mean_volume_m3", [](const Record& r) { return r.all.volume_m3; }, all_count, true},
-      {"support_force_per_block_n", [](const Record& r) { return r.all.support_n; }, all_count, true},
+      {"key_block_mean_volume_m3", [](const Record& r) { return r.all.volume_m3; }, all_count, true, false},
+      {"support_force_per_block_n", [](const Record& r) { return r.all.support_n; }, all_count, true, false},
       {"support_force_transferred_per_block_n", [](const Record& r) { return r.all.support_transferred_n; }, all_count,
-       true},
-      {"share_falling", [](const Record& r) { return number(r.all.modes[0]); }, all_count, true},
-      {"share_lifting", [](const Record& r) { return number(r.all.modes[1]); }, all_count, true},
-      {"share_sliding", [](const Record& r) { return number(r.all.modes[2]); }, all_count, true},
-      {"share_wedge", [](const Record& r) { return number(r.all.modes[3]); }, all_count, true},
-      {"share_tetrahedral", [](const Record& r) { return number(r.all.shapes[0]); }, all_count, true},
-      {"share_pentahedral", [](const Record& r) { return number(r.all.shapes[1]); }, all_count, true},
-      {"share_hexahedral", [](const Record& r) { return number(r.all.shapes[2]); }, all_count, true},
-      {"share_higher", [](const Record& r) { return number(r.all.shapes[3]); }, all_count, true},
-      {"share_other", [](const Record& r) { return number(r.all.shapes[4]); }, all_count, true},
-      {"share_concave", [](const Record& r) { return number(r.all.concave); }, all_count, true},
-      {"sphericity", [](const Record& r) { return r.all.sphericity_sum; }, all_count, true},
-      {"first_batch_mean_volume_m3", [](const Record& r) { return r.first.volume_m3; }, first_count, true},
-      {"first_batch_support_force_per_block_n", [](const Record& r) { return r.first.support_n; }, first_count, true},
-      {"first_batch_share_falling", [](const Record& r) { return number(r.first.modes[0]); }, first_count, true},
-      {"first_batch_share_lifting", [](const Record& r) { return number(r.first.modes[1]); }, first_count, true},
-      {"first_batch_share_sliding", [](const Record& r) { return number(r.first.modes[2]); }, first_count, true},
-      {"first_batch_share_wedge", [](const Record& r) { return number(r.first.modes[3]); }, first_count, true},
-      {"first_batch_share_tetrahedral", [](const Record& r) { return number(r.first.shapes[0]); }, first_count, true},
-      {"first_batch_share_pentahedral", [](const Record& r) { return number(r.first.shapes[1]); }, first_count, true},
+       true, false},
+      {"share_falling", [](const Record& r) { return number(r.all.modes[0]); }, all_count, true, false},
+      {"share_lifting", [](const Record& r) { return number(r.all.modes[1]); }, all_count, true, false},
+      {"share_sliding", [](const Record& r) { return number(r.all.modes[2]); }, all_count, true, false},
+      {"share_wedge", [](const Record& r) { return number(r.all.modes[3]); }, all_count, true, false},
+      {"share_tetrahedral", [](const Record& r) { return number(r.all.shapes[0]); }, all_count, true, false},
+      {"share_pentahedral", [](const Record& r) { return number(r.all.shapes[1]); }, all_count, true, false},
+      {"share_hexahedral", [](const Record& r) { return number(r.all.shapes[2]); }, all_count, true, false},
+      {"share_higher", [](const Record& r) { return number(r.all.shapes[3]); }, all_count, true, false},
+      {"share_other", [](const Record& r) { return number(r.all.shapes[4]); }, all_count, true, false},
+      {"share_concave", [](const Record& r) { return number(r.all.concave); }, all_count, true, false},
+      {"sphericity", [](const Record& r) { return r.all.sphericity_sum; }, all_count, true, false},
+      {"first_batch_mean_volume_m3", [](const Record& r) { return r.first.volume_m3; }, first_count, true, false},
+      {"first_batch_support_force_per_block_n", [](const Record& r) { return r.first.support_n; }, first_count, true, false},
+      {"first_batch_share_falling", [](const Record& r) { return number(r.first.modes[0]); }, first_count, true, false},
+      {"first_batch_share_lifting", [](const Record& r) { return number(r.first.modes[1]); }, first_count, true, false},
+      {"first_batch_share_sliding", [](const Record& r) { return number(r.first.modes[2]); }, first_count, true, false},
+      {"first_batch_share_wedge", [](const Record& r) { return number(r.first.modes[3]); }, first_count, true, false},
+      {"first_batch_share_tetrahedral", [](const Record& r) { return number(r.first.shapes[0]); }, first_count, true, false},
+      {"first_batch_share_pentahedral", [](const Record& r) { return number(r.first.shapes[1]); }, first_count, true, false},
       {"first_batch_share_other",
        [](const Record& r) { return number(r.first.shapes[2] + r.first.shapes[3] + r.first.shapes[4]); }, first_count,
-       true},
-      {"first_batch_sphericity", [](const Record& r) { return r.first.sphericity_sum; }, first_count, true},
+       true, false},
+      {"first_batch_sphericity", [](const Record& r) { return r.first.sphericity_sum; }, first_count, true, false},
       {"concave_block_share", [](const Record& r) { return number(r.concave_blocks); },
-       [](const Record& r) { return number(r.blocks); }, false},
+       [](const Record& r) { return number(r.blocks); }, false, true},
   };
   return list;
 }
@@ -156,7 +155,7 @@ void Ensemble::add(const Record& record, std::string_view line) {
   ++counted_;
   for (std::size_t i = 0; i < quantities().size(); ++i) {
     const Quantity& q = quantities()[i];
-    if (q.stability && !options_.stability) continue;
+    if (!has(q.stability, q.whole_system)) continue;
     const double value = q.of(record);
     moments_[i].add(value);
     if (q.quantiles) values_[i].push_back(value);
@@ -221,7 +220,7 @@ void Ensemble::add_estimates(Figures& figures) const {
   };
   for (std::size_t i = 0; i < quantities().size(); ++i) {
     const Quantity& q = quantities()[i];
-    if (q.stability && !options_.stability) continue;
+    if (!has(q.stability, q.whole_system)) continue;
     Estimate e = estimate(std::string{q.name}, moments_[i], Method::mean);
     if (e.optimistic && q.quantiles) e.bootstrap = bca_mean(values_[i], options_.confidence, resamples, options_.seed);
     figures.estimates.push_back(std::move(e));
@@ -241,7 +240,7 @@ void Ensemble::add_estimates(Figures& figures) const {
         estimate("key_block_mean_volume_per_realization_m3", mean_volume_per_realization_, Method::mean_of_ratios));
   }
   for (std::size_t i = 0; i < ratios().size(); ++i) {
-    if ((ratios()[i].stability && !options_.stability) || !ratios_[i].has_ratio()) continue;
+    if (!has(ratios()[i].stability, ratios()[i].whole_system) || !ratios_[i].has_ratio()) continue;
     const PairMoments& pair = ratios_[i];
     const double r = pair.ratio(), se = pair.ratio_standard_error();
     const Interval t = pair.count() >= 2 ? t_interval(r, se, pair.count(), options_.confidence) : Interval{r, r};

@@ -74,6 +74,7 @@ class Builder {
 
   /// Facets of one polygon: itself when convex, its triangles when not. False when it crosses itself on the lattice.
   bool add_polygon(const LatticePolygon& polygon, Facet facet, std::span<const std::optional<HalfSpace>> adopted = {}) {
+    if (facet.owner == Owner::joint && misses_window(polygon.corners)) return true;
     const auto [plane, same] = add_plane(polygon.plane);
     facet.plane = plane;
     facet.outward_positive = same;  // corners turn counter-clockwise seen from outside
@@ -132,7 +133,58 @@ class Builder {
     for (Index f = 0; f < out_.facets.size(); ++f) out_.facets_on[next[out_.facets[f].plane]++] = f;
   }
 
+  /// The sides of the window, which clip the joints. False when it is flat on the lattice.
+  bool add_window(LatticePoint lo, LatticePoint hi) {
+    if (lo.x >= hi.x || lo.y >= hi.y || lo.z >= hi.z) return false;
+    const LatticePoint x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+    const std::array<std::array<LatticePoint, 3>, 6> sides{
+        {{lo, y, z}, {hi, z, y}, {lo, z, x}, {hi, x, z}, {lo, x, y}, {hi, y, x}}};  // positive inside
+    std::array<HalfSpace, 6> inside{};
+    for (std::size_t s = 0; s < 6; ++s) {
+      const auto [plane, same] = add_plane(Plane::spanned(sides[s][0], sides[s][1], sides[s][2]).value());
+      inside[s] = {plane, same};
+    }
+    for (std::size_t s = 0; s < 6; ++s) {
+      Piece piece{{}, {}, {}, {}};
+      piece.facet.plane = inside[s].plane;
+      piece.facet.owner = Owner::window;
+      piece.facet.outward_positive = !inside[s].inside_positive;
+      piece.facet.lo = window_lo_ = grown(lo, -box_margin);
+      piece.facet.hi = window_hi_ = grown(hi, box_margin);
+      for (std::size_t t = 0; t < 6; ++t) {
+        if (t / 2 != s / 2) piece.pool_edges.push_back(inside[t]);
+      }
+      add_piece(std::move(piece));
+    }
+    out_.windowed = true;
+    out_.clip.insert(out_.clip.end(), inside.begin(), inside.end());
+    return true;
+  }
+
  private:
+  static Vec grown(LatticePoint p, double by) {
+    return {static_cast<double>(p.x) * unit + by, static_cast<double>(p.y) * unit + by,
+            static_cast<double>(p.z) * unit + by};
+  }
+
+  [[nodiscard]] bool misses_window(std::span<const LatticePoint> corners) const {
+    if (!out_.windowed) return false;
+    Vec lo{1, 1, 1}, hi{-1, -1, -1};
+    for (const LatticePoint& p : corners) {
+      const Vec c = grown(p, 0);
+      for (std::size_t k = 0; k < 3; ++k) {
+        lo[k] = std::min(lo[k], c[k]);
+        hi[k] = std::max(hi[k], c[k]);
+      }
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      // Corners lie off their plane by up to the planarity tolerance.
+      const double margin = 2 * adoption_margin_ + 0x1p-16 * (hi[k] - lo[k]) + 0x1p-20;
+      if (hi[k] + margin < window_lo_[k] || lo[k] - margin > window_hi_[k]) return true;
+    }
+    return false;
+  }
+
   void add_convex(std::span<const LatticePoint> corners, const LatticePolygon& polygon, const Facet& facet,
                   std::span<const std::optional<HalfSpace>> adopted) {
     Piece piece{facet, {}, {}, {}};
@@ -186,6 +238,7 @@ class Builder {
   Prepared& out_;
   std::unordered_map<PlaneKey, Index, PlaneKeyHash> numbers_;
   std::vector<Piece> pieces_;
+  Vec window_lo_{}, window_hi_{};
 
  public:
   double adoption_margin_ = box_margin;
@@ -441,6 +494,19 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
       return std::unexpected(
           CutError{SolidCollapsed{static_cast<std::uint32_t>(e), volume.error(), metres(lattice.pitch())}});
     }
+  }
+
+  if (input.window) {
+    const auto clamped = [&](Vec3 p) {
+      return lattice.snap(std::clamp(p.x, domain.lo[0], domain.hi[0]), std::clamp(p.y, domain.lo[1], domain.hi[1]),
+                          std::clamp(p.z, domain.lo[2], domain.hi[2]));
+    };
+    const LatticePoint lo = clamped(input.window->min), hi = clamped(input.window->max);
+    if (!builder.add_window(lo, hi)) return std::unexpected(CutError{WindowOutside{}});
+    const LatticePoint size = hi - lo;
+    out.domain_volume = static_cast<double>(size.x) * lattice.pitch() *
+                        (static_cast<double>(size.y) * lattice.pitch()) *
+                        (static_cast<double>(size.z) * lattice.pitch());
   }
 
   // Joints: first all polygons on the lattice (with corners, then planes snapped), then their facets (with edges

@@ -62,6 +62,13 @@ struct KeyBlockFigures {
   double volume_m3 = 0;
   std::vector<BatchFigures> batches;
   bool stopped_at_max_batches = false;
+  std::string hash = {};  ///< of the blocks that leave
+};
+
+/// When only the rock near free faces was cut.
+struct WindowFigures {
+  std::array<double, 3> min, max;
+  std::uint64_t rounds = 1, truncated = 0;
 };
 
 /// Everything of summary.json, as values.
@@ -74,6 +81,7 @@ struct Summary {
   InputFigures input;
   std::optional<BlockFigures> blocks;  ///< none when the certificate did not pass
   topology::Certificate certificate;
+  std::optional<WindowFigures> window;
   std::optional<KeyBlockFigures> key_blocks;
 };
 

@@ -59,6 +59,13 @@ struct SetInfo {
   std::uint64_t joints = 0;
 };
 
+/// The part of the rock that was cut when only key blocks were asked for.
+struct WindowInfo {
+  geometry::Vec3 min, max;      ///< m
+  unsigned rounds = 1;          ///< how many windows were cut before this one was large enough
+  std::uint64_t truncated = 0;  ///< blocks that go on outside it
+};
+
 struct ExcavationInfo {
   std::string name;
   std::uint32_t stage = 1;
@@ -100,6 +107,10 @@ struct RunResult {
 
   std::expected<topology::AuditedComplex, topology::Certificate> complex;
   std::string block_hash;  ///< topology::canonical_hash; empty when the certificate failed
+  /// The same of the blocks of all batches: equal whether all the rock was cut or only that near free faces; empty
+  /// without analysis.
+  std::string key_block_hash;
+  std::optional<WindowInfo> window;  ///< when not all the rock was cut
   std::optional<stability::Analysis> analysis;
 
   std::vector<std::string> notes;  ///< what a user should know: joints outside the domain, what was left out

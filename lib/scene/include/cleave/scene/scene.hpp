@@ -125,6 +125,8 @@ struct OutputSettings {
   bool vtu = true;     ///< blocks.vtu
   bool csv = true;     ///< key_blocks.csv
   bool report = true;  ///< report.html
+  /// blocks = "key": only key blocks are asked for, so only the rock near free faces is cut.
+  bool only_key_blocks = false;
 };
 
 /// A file that the scene names, as read.

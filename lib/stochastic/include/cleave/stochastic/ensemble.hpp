@@ -19,7 +19,8 @@ struct Quantity {
   std::string_view name;
   double (*of)(const Record&);
   bool stability;  ///< needs the stability stage
-  bool quantiles;  ///< its values are kept (8 bytes a realization) for order statistics
+  bool whole_system;  ///< needs all blocks
+  bool quantiles;     ///< its values are kept (8 bytes a realization) for order statistics
 };
 [[nodiscard]] const std::vector<Quantity>& quantities();
 /// The quantity of a scene's word: with or without its unit ("key_block_volume", "key_block_volume_m3").
@@ -99,6 +100,7 @@ struct Figures {
 
 struct EnsembleOptions {
   bool stability = true;
+  bool whole_system = true;  ///< all blocks were cut: they can be counted
   double confidence = 0.95;
   std::vector<double> volumes_m3;
   std::optional<double> tunnel_length_m;
@@ -123,8 +125,11 @@ class Ensemble final {
     std::string_view name;
     double (*top)(const Record&);
     double (*bottom)(const Record&);
-    bool stability;
+    bool stability, whole_system;
   };
+  [[nodiscard]] bool has(bool stability, bool whole_system) const {
+    return (options_.stability || !stability) && (options_.whole_system || !whole_system);
+  }
   static const std::vector<Ratio>& ratios();
   void add_estimates(Figures& figures) const;
   void add_quantiles(Figures& figures) const;
