@@ -62,8 +62,15 @@ INSTANTIATE_TEST_SUITE_P(
             "s.toml:3: body: is not available in version 0.1; remove the section"},
         Bad{"LaterKey", with_box("[stability]\nwater = { table = 20.0 }\n"),
             "s.toml:4: stability.water: is not available in version 0.1; remove it"},
-        Bad{"LaterModel", with_box(set + "size = 5\nmodel = \"veneziano\"\n"),
-            "s.toml:7: joint_set[1].model: \"veneziano\" is not available in version 0.1; choose one of: baecher"},
+        Bad{"UnknownModel", with_box(set + "size = 5\nmodel = \"venetian\"\n"),
+            "s.toml:7: joint_set[1].model: \"venetian\" is not known; did you mean \"veneziano\"?"},
+        Bad{"KeyOfAnotherModel", with_box(set + "size = 5\nmodel = \"veneziano\"\nterminate_at = [\"B\"]\n"),
+            "s.toml:8: joint_set[1].terminate_at: has no meaning for the model \"veneziano\"; remove it, or take "
+            "another "
+            "model"},
+        Bad{"TerminatesAtNothing", with_box(set + "size = 5\nterminate_at = [\"B\"]\n"),
+            "s.toml:7: joint_set[1].terminate_at: \"B\" is no earlier [[joint_set]]; name a set that stands above this "
+            "one: younger joints end at older ones"},
         Bad{"LaterExcavation", with_box("[[excavation]]\nkind = \"benches\"\n"),
             "s.toml:4: excavation[1].kind: \"benches\" is not available in version 0.1; choose one of: tunnel, mesh, "
             "polyhedron"},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "bounds.hpp"
@@ -90,14 +91,23 @@ void add_measured(const Scene& scene, std::uint64_t realization, Drawn& drawn) {
   }
 }
 
+/// The joints of the sets so far; kept only when a later set ends at them.
+using SampledSets = std::vector<std::vector<dfn::SampledJoint>>;
+
 std::expected<void, Problem> add_random(const Scene& scene, std::uint64_t realization, std::size_t number,
-                                        const Box& box, Drawn& drawn) {
+                                        const Box& box, SampledSets& kept, Drawn& drawn) {
   const RandomSet& set = scene.joint_sets[number];
-  auto sampled = dfn::sample(set.law, number, {box.min, box.max}, scene.seed, realization);
+  std::vector<std::span<const dfn::SampledJoint>> older;
+  for (const std::size_t earlier : dfn::terminates_at(set.law)) older.emplace_back(kept[earlier]);
+  auto sampled = dfn::sample(set.law, number, {box.min, box.max}, scene.seed, realization, older);
   if (!sampled) {
     return std::unexpected(
         Problem{scene.shown, set.line, fmt::format("joint_set[{}]", number + 1), describe(sampled.error()), ""});
   }
+  const auto ends_here = [&](const RandomSet& later) {
+    return std::ranges::find(dfn::terminates_at(later.law), number) != dfn::terminates_at(later.law).end();
+  };
+  if (std::ranges::any_of(scene.joint_sets, ends_here)) kept[number] = *sampled;
   const NamedSet& named = scene.sets[set.set];
   for (dfn::SampledJoint& joint : *sampled) {
     const Strength strength = draw_strength(scene, realization, set.set, number, joint.index);
@@ -105,6 +115,9 @@ std::expected<void, Problem> add_random(const Scene& scene, std::uint64_t realiz
                             topology::Joint shape;
                             shape.polygons.push_back(std::move(polygon));
                             drawn.input.joints.emplace_back(std::move(shape));
+                          },
+                          [&](std::vector<geometry::Polygon>& polygons) {
+                            drawn.input.joints.emplace_back(topology::Joint{std::move(polygons)});
                           },
                           [&](const dfn::InfinitePlane& plane) {
                             drawn.input.joints.emplace_back(topology::PersistentJoint{plane.through, plane.normal});
@@ -132,8 +145,9 @@ std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene, std::uint64_
   add_measured(scene, realization, drawn);
   std::vector<Problem> problems;
   const Box box = box_of(scene.domain);
+  SampledSets kept(scene.joint_sets.size());
   for (std::size_t number = 0; number < scene.joint_sets.size(); ++number) {
-    if (auto added = add_random(scene, realization, number, box, drawn); !added)
+    if (auto added = add_random(scene, realization, number, box, kept, drawn); !added)
       problems.push_back(std::move(added).error());
   }
   if (!problems.empty()) return std::unexpected(std::move(problems));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cleave/core/sha256.hpp"
+#include "cleave/stochastic/ensemble.hpp"
 #include "context.hpp"
 
 namespace cleave::scene {
@@ -95,6 +96,18 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   ParsedStability stability = parse_stability(root, domain, root.has("excavation") && !excavations.empty());
   const OutputSettings output = parse_output(root);
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
+  if (monte_carlo && monte_carlo->stop) {
+    const auto* quantity = stochastic::quantity_named(monte_carlo->stop->quantity);
+    if (quantity->stability && !stability.settings) {
+      problems.error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
+                     "asks for key blocks, but nothing is free",
+                     "add an excavation or stability.free, or take block_count");
+    }
+    if (quantity->whole_system && output.only_key_blocks && stability.settings) {
+      problems.error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
+                     "counts all blocks, but only key blocks are cut", "set output.blocks = \"all\"");
+    }
+  }
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 
   Scene scene{.title = header.title,

@@ -18,7 +18,7 @@ namespace cleave::stochastic {
 struct Quantity {
   std::string_view name;
   double (*of)(const Record&);
-  bool stability;  ///< needs the stability stage
+  bool stability;     ///< needs the stability stage
   bool whole_system;  ///< needs all blocks
   bool quantiles;     ///< its values are kept (8 bytes a realization) for order statistics
 };
