@@ -250,8 +250,8 @@ std::expected<JointSet, JointSetError> JointSet::make(JointSetSpec spec) {
   std::visit([](auto& law) { law.dip_direction = DipDirection::degrees(reduced(law.dip_direction.degrees())); },
              spec.orientation);
   const double share = share_of(spec);
-  JointSet set{std::move(spec)};
-  set.area_share_ = share;
+  std::expected<JointSet, JointSetError> set{JointSet{std::move(spec)}};
+  set->area_share_ = share;
   return set;
 }
 

@@ -39,8 +39,18 @@ std::vector<CellFace> cube(Vec3 centre, double half) {
   return faces;
 }
 
-/// Keeps the part of a convex cell where dot(n, x) <= offset; the new face leads to `neighbour`.
-void clip(std::vector<CellFace>& faces, Vec3 n, double offset, std::size_t neighbour) {
+double reach_of(const std::vector<CellFace>& faces, Vec3 seed) {
+  double reach = 0;
+  for (const CellFace& face : faces) {
+    for (const Vec3 p : face.corners) reach = std::max(reach, norm(p - seed));
+  }
+  return reach;
+}
+
+/// Keeps the part of a convex cell where dot(n, x) <= offset; the new face leads to `neighbour`. False: nothing changed.
+bool clip(std::vector<CellFace>& faces, Vec3 n, double offset, std::size_t neighbour) {
+  const auto beyond = [&](Vec3 p) { return dot(n, p) > offset; };
+  if (std::ranges::none_of(faces, [&](const CellFace& f) { return std::ranges::any_of(f.corners, beyond); })) return false;
   std::vector<CellFace> kept;
   std::vector<Vec3> cut;
   for (const CellFace& face : faces) {
@@ -74,6 +84,7 @@ void clip(std::vector<CellFace>& faces, Vec3 n, double offset, std::size_t neigh
     if (corners.size() >= 3) kept.push_back({neighbour, std::move(corners)});
   }
   faces = std::move(kept);
+  return true;
 }
 
 /// Seeds sorted into boxes of about the mean cell size.
@@ -129,17 +140,13 @@ class SeedGrid final {
 
 std::vector<CellFace> voronoi_cell(const std::vector<Vec3>& seeds, const SeedGrid& grid, std::size_t i) {
   std::vector<CellFace> faces = cube(seeds[i], 8 * grid.size());
-  for (int ring = 0; ring < grid.rings(); ++ring) {
-    double reach = 0;
-    for (const CellFace& face : faces) {
-      for (const Vec3 p : face.corners) reach = std::max(reach, norm(p - seeds[i]));
-    }
-    if ((ring - 1) * grid.size() > 2 * reach) break;
+  double reach = reach_of(faces, seeds[i]);
+  for (int ring = 0; ring <= grid.rings() && (ring - 1) * grid.size() <= 2 * reach; ++ring) {
     for (const std::size_t j : grid.ring(seeds[i], ring)) {
       if (j == i) continue;
       const Vec3 d = seeds[j] - seeds[i];
       if (norm(d) > 2 * reach) break;
-      clip(faces, d, dot(d, (seeds[i] + seeds[j]) / 2), j);
+      if (clip(faces, d, dot(d, (seeds[i] + seeds[j]) / 2), j)) reach = reach_of(faces, seeds[i]);
     }
   }
   return faces;
@@ -206,7 +213,14 @@ std::vector<SampledJoint> mosaic(const JointSet& set, const DomainBox& domain, c
   };
   std::vector<SampledJoint> joints;
   Rng marks = streams.of(Draw::termination, 0);
+  // A cell that reaches into the domain has its seed within three sizes of it (an empty ball of that radius: e^-113).
+  const auto far = [&](Vec3 p) {
+    const double by = 3 * size;
+    return p.x < domain.min.x - by || p.y < domain.min.y - by || p.z < domain.min.z - by || p.x > domain.max.x + by ||
+           p.y > domain.max.y + by || p.z > domain.max.z + by;
+  };
   for (std::size_t i = 0; i < seeds.size(); ++i) {
+    if (far(seeds[i])) continue;
     for (const CellFace& face : voronoi_cell(seeds, grid, i)) {
       if (face.neighbour == outside || face.neighbour < i) continue;
       const bool joint = marks.uniform() < model.share;
