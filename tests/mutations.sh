@@ -14,7 +14,7 @@ pattern=${1:-.}
 mkdir -p "$copy"
 
 python3 - "$copy" "$work" "$root" "$pattern" <<'PYTHON'
-import os, re, subprocess, sys
+import os, re, shutil, subprocess, sys
 
 copy, work, root, pattern = sys.argv[1:]
 build = os.path.join(work, "build")
@@ -44,7 +44,7 @@ def restore(path):
 
 # Only what differs is written, so that nothing else is compiled again.
 wanted = {"CMakeLists.txt"}
-for part in ("lib", "tests", "fuzz"):
+for part in ("lib", "tests", "fuzz", "bench"):
     for folder, _, files in os.walk(os.path.join(root, part)):
         wanted |= {os.path.relpath(os.path.join(folder, f), root) for f in files}
 for path in sorted(wanted):
@@ -54,7 +54,8 @@ for folder, _, files in os.walk(copy):
         if os.path.relpath(os.path.join(folder, f), copy) not in wanted:
             os.remove(os.path.join(folder, f))
 configured = run(["cmake", "-G", "Ninja", "-S", copy, "-B", build, "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1",
-                  "-DCLEAVE_WERROR=OFF", "-DCLEAVE_EXAMPLES=OFF", "-DCMAKE_CXX_COMPILER=g++-12"])
+                  "-DCLEAVE_WERROR=OFF", "-DCLEAVE_EXAMPLES=OFF", "-DCMAKE_CXX_COMPILER=g++-12"]
+                 + (["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []))
 if configured.returncode:
     sys.exit(configured.stdout + "error: cannot configure " + build)
 

@@ -138,6 +138,8 @@ bool NearField::grow(const topology::BlockComplex& complex, std::span<const topo
 std::expected<NearKeyBlocks, NearError> analyse_near_field(const topology::CutInput& input, const Settings& settings,
                                                            const topology::CutOptions& options, StageTimer& timer) {
   topology::CutInput part = input;
+  Settings only_key = settings;
+  only_key.only_key_blocks = true;
   std::optional<NearField> near = NearField::around_free_faces(input);
   for (unsigned round = 1;; ++round) {
     part.window = near ? std::optional{near->window()} : std::nullopt;
@@ -145,7 +147,7 @@ std::expected<NearKeyBlocks, NearError> analyse_near_field(const topology::CutIn
     if (!cut) return std::unexpected(NearError{std::move(cut).error()});
     auto audited = timer.run("audit", [&] { return topology::audit(*std::move(cut)); });
     if (!audited) return std::unexpected(NearError{std::move(audited).error()});
-    Analysis analysis = timer.run("stability", [&] { return analyse(*audited, settings); });
+    Analysis analysis = timer.run("stability", [&] { return analyse(*audited, only_key); });
     if (analysis.undecided.empty()) {
       return NearKeyBlocks{*std::move(audited), std::move(analysis), part.window, round};
     }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -62,6 +63,14 @@ std::expected<JointStrength, StrengthError> JointStrength::make(FrictionAngle fr
 void StrengthTable::set(topology::JointId joint, JointStrength strength) {
   if (by_joint_.size() <= joint.index()) by_joint_.resize(joint.index() + 1);
   by_joint_[joint.index()] = strength;
+}
+
+double StrengthTable::least_tan_friction() const noexcept {
+  double least = fallback_.tan_friction();
+  for (const auto& strength : by_joint_) {
+    if (strength) least = std::min(least, strength->tan_friction());
+  }
+  return least;
 }
 
 const JointStrength& StrengthTable::of(std::optional<topology::JointId> joint) const noexcept {

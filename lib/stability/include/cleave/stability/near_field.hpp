@@ -45,7 +45,8 @@ struct NearKeyBlocks {
 using NearError = std::variant<topology::CutError, topology::Certificate>;
 
 /// Batches, key blocks and what moves them are those of `analyse` on the whole scene (block numbers are not): cost goes
-/// with the free surface, not with the volume. Books its work under "cut", "audit" and "stability".
+/// with the free surface, not with the volume. Of the blocks that would move but for friction only those that lie in
+/// the window as a whole are listed. Books its work under "cut", "audit" and "stability".
 [[nodiscard]] std::expected<NearKeyBlocks, NearError> analyse_near_field(const topology::CutInput& input,
                                                                          const Settings& settings,
                                                                          const topology::CutOptions& options,

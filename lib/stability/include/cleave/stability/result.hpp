@@ -90,7 +90,7 @@ struct Analysis {
   bool stopped_at_max_batches = false;
   bool force_transfer = false;
   /// Blocks of which only a part was cut (topology::Block::truncated) and of which that part does not tell whether they
-  /// may move, in the first state where there is one: the analysis stopped there, and needs a larger window.
+  /// move. When there is one, nothing else of the analysis holds, and a larger window is needed.
   std::vector<topology::BlockId> undecided = {};
   /// Largest |r + sum N n - s| over the sum of the applied forces, both before and after transfer: rounding of the
   /// statics.

@@ -66,6 +66,8 @@ class StrengthTable final {
   explicit StrengthTable(JointStrength fallback) : fallback_{fallback} {}
   void set(topology::JointId joint, JointStrength strength);
   [[nodiscard]] const JointStrength& of(std::optional<topology::JointId> joint) const noexcept;
+  /// The smallest of all strengths in the table, the one for all others included.
+  [[nodiscard]] double least_tan_friction() const noexcept;
 
  private:
   JointStrength fallback_;

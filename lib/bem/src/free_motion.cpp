@@ -1,0 +1,256 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "block_build.hpp"
+#include "cleave/bem/motion.hpp"
+#include "cleave/core/assert.hpp"
+
+namespace cleave::bem {
+namespace {
+Eigen::Index ix(std::size_t i) { return static_cast<Eigen::Index>(i); }
+}  // namespace
+
+FreeMotion::FreeMotion(const BlockOperator& block, Setup setup) : block_{&block}, setup_{std::move(setup)} {
+  CLEAVE_ASSERT(setup_.step > 0);
+  if (setup_.modes > 0) modes_ = free_modes(block, setup_.modes);
+  const std::size_t nm = modes_.eigenvalues.size();
+  const std::size_t n = 3 + nm;
+  q_.assign(n, 0.0);
+  v_.assign(n, 0.0);
+  v_[0] = setup_.velocity.x;
+  v_[1] = setup_.velocity.y;
+  v_[2] = setup_.spin;
+  q_[0] = block.centroid().x;
+  q_[1] = block.centroid().y;
+  // Centrifugal load of a unit spin: phi^T M X; the position field is linear and the operator knows it exactly.
+  centrifugal_.assign(nm, 0.0);
+  if (nm > 0) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(ix(block.freedoms()));
+    for (std::size_t i = 0; i < block.mesh().nodes.size(); ++i) {
+      x(ix(2 * i)) = block.mesh().nodes[i].x.x;
+      x(ix(2 * i + 1)) = block.mesh().nodes[i].x.y;
+    }
+    const Eigen::VectorXd c = view(modes_.shapes).transpose() * (view(block.mass_matrix()) * x);
+    centrifugal_.assign(c.begin(), c.end());
+  }
+  for (const Pin& pin : setup_.pins) {
+    std::vector<double> rx(nm, 0.0), ry(nm, 0.0);
+    const Element& e = block.mesh().elements[pin.place.element];
+    const auto s = shape(block.mesh().order, pin.place.s);
+    for (std::size_t a = 0; a < block.mesh().per_element(); ++a) {
+      for (std::size_t k = 0; k < nm; ++k) {
+        rx[k] += s[a] * modes_.shapes(2 * e.node[a], k);
+        ry[k] += s[a] * modes_.shapes(2 * e.node[a] + 1, k);
+      }
+    }
+    pin_shapes_.push_back(std::move(rx));
+    pin_shapes_.push_back(std::move(ry));
+  }
+  pin_force_.assign(2 * setup_.pins.size(), 0.0);
+  // Accelerations and pin forces at the start: M a - J^T l = f, J a = -(J' v).
+  const std::size_t nc = pin_force_.size();
+  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(ix(n + nc), ix(n + nc));
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(ix(n + nc));
+  const auto f = loads_at(0, q_, v_[2]);
+  for (std::size_t i = 0; i < n; ++i) {
+    m(ix(i), ix(i)) = i < 2 ? block.mass() : (i == 2 ? block.inertia() : 1.0);
+    b(ix(i)) = f[i];
+  }
+  for (std::size_t p = 0; p < setup_.pins.size(); ++p) {
+    const Element& e = block.mesh().elements[setup_.pins[p].place.element];
+    const Vec2 r = e.at(setup_.pins[p].place.s);
+    const Vec2 t = turned_left(r);
+    for (std::size_t c = 0; c < 2; ++c) {
+      const auto row = ix(n + 2 * p + c);
+      m(row, ix(c)) = 1;
+      m(row, 2) = c == 0 ? t.x : t.y;
+      for (std::size_t k = 0; k < nm; ++k) m(row, ix(3 + k)) = pin_shapes_[2 * p + c][k];
+      b(row) = v_[2] * v_[2] * (c == 0 ? r.x : r.y);
+    }
+  }
+  m.topRightCorner(ix(n), ix(nc)) = -m.bottomLeftCorner(ix(nc), ix(n)).transpose();
+  const Eigen::VectorXd s = m.partialPivLu().solve(b);
+  a_.assign(s.begin(), s.begin() + static_cast<std::ptrdiff_t>(n));
+  for (std::size_t c = 0; c < nc; ++c) pin_force_[c] = s(ix(n + c));
+  pull_.assign(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t c = 0; c < nc; ++c) pull_[i] += m(ix(n + c), ix(i)) * pin_force_[c];
+  }
+}
+
+std::vector<double> FreeMotion::loads_at(double time, const std::vector<double>& q, double spin) const {
+  const std::size_t nm = modes_.eigenvalues.size();
+  std::vector<double> f(3 + nm, 0.0);
+  f[0] = block_->mass() * setup_.gravity.x;
+  f[1] = block_->mass() * setup_.gravity.y;
+  for (std::size_t k = 0; k < nm; ++k) f[3 + k] = spin * spin * centrifugal_[k];
+  const double angle = q[2];
+  for (const TimedLoad& load : setup_.loads) {
+    const double factor = load.factor(time);
+    if (factor == 0) continue;
+    for (std::size_t i = 0; i < block_->mesh().nodes.size(); ++i) {
+      const Vec2 given = factor * Vec2{load.forces[2 * i], load.forces[2 * i + 1]};
+      if (given == Vec2{}) continue;
+      const Vec2 own = load.follows ? given : rotated(given, -angle);
+      const Vec2 world = load.follows ? rotated(given, angle) : given;
+      f[0] += world.x;
+      f[1] += world.y;
+      Vec2 x = block_->mesh().nodes[i].x;
+      for (std::size_t k = 0; k < nm; ++k) {
+        const Vec2 shape{modes_.shapes(2 * i, k), modes_.shapes(2 * i + 1, k)};
+        x += q[3 + k] * shape;
+        f[3 + k] += dot(shape, own);
+      }
+      f[2] += cross(x, own);
+    }
+  }
+  return f;
+}
+
+std::expected<void, MotionError> FreeMotion::advance() {
+  const std::size_t nm = modes_.eigenvalues.size();
+  const std::size_t n = 3 + nm;
+  const std::size_t nc = pin_force_.size();
+  const double h = setup_.step;
+  const AlphaNumbers g = numbers_of(setup_.scheme);
+  const double now = time();
+  const auto mass_of = [&](std::size_t i) { return i < 2 ? block_->mass() : (i == 2 ? block_->inertia() : 1.0); };
+  const auto stiffness_of = [&](std::size_t i) { return i < 3 ? 0.0 : modes_.eigenvalues[i - 3]; };
+  const auto drag_of = [&](std::size_t i) {
+    if (i < 3) return 0.0;
+    const double l = modes_.eigenvalues[i - 3];
+    return setup_.damping.alpha + setup_.damping.beta * l + 2 * setup_.damping.share * std::sqrt(l);
+  };
+  const std::vector<double> f0 = loads_at(now, q_, v_[2]);
+  std::vector<double> a = a_, q(n), v(n);
+  std::vector<double> force = pin_force_;
+  std::vector<double> residual(n + nc), pull(n, 0.0);
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd right(ix(n + nc));
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(ix(nc), ix(n));
+  const double weight = block_->mass() * (norm(setup_.gravity) + norm({a_[0], a_[1]})) + 1e-300;
+  constexpr std::size_t most = 30;
+  for (std::size_t pass = 0;; ++pass) {
+    for (std::size_t i = 0; i < n; ++i) {
+      q[i] = q_[i] + h * v_[i] + h * h * ((0.5 - g.beta) * a_[i] + g.beta * a[i]);
+      v[i] = v_[i] + h * ((1 - g.gamma) * a_[i] + g.gamma * a[i]);
+    }
+    const std::vector<double> f1 = loads_at(now + h, q, v[2]);
+    std::ranges::fill(pull, 0.0);
+    double gap = 0;
+    for (std::size_t p = 0; p < setup_.pins.size(); ++p) {
+      const Element& e = block_->mesh().elements[setup_.pins[p].place.element];
+      Vec2 r = e.at(setup_.pins[p].place.s);
+      for (std::size_t k = 0; k < nm; ++k) r += q[3 + k] * Vec2{pin_shapes_[2 * p][k], pin_shapes_[2 * p + 1][k]};
+      const Vec2 world = rotated(r, q[2]);
+      const Vec2 turned = turned_left(world);
+      const Vec2 miss = Vec2{q[0], q[1]} + world - setup_.pins[p].anchor;
+      gap = std::max(gap, norm(miss));
+      jacobian(ix(2 * p), 0) = jacobian(ix(2 * p + 1), 1) = 1;
+      jacobian(ix(2 * p), 2) = turned.x;
+      jacobian(ix(2 * p + 1), 2) = turned.y;
+      for (std::size_t k = 0; k < nm; ++k) {
+        const Vec2 d = rotated({pin_shapes_[2 * p][k], pin_shapes_[2 * p + 1][k]}, q[2]);
+        jacobian(ix(2 * p), ix(3 + k)) = d.x;
+        jacobian(ix(2 * p + 1), ix(3 + k)) = d.y;
+      }
+      right(ix(n + 2 * p)) = -miss.x / (g.beta * h * h);
+      right(ix(n + 2 * p + 1)) = -miss.y / (g.beta * h * h);
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t c = 0; c < nc; ++c) pull[i] += jacobian(ix(c), ix(i)) * force[c];
+    }
+    double worst = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double inertial = mass_of(i) * ((1 - g.am) * a[i] + g.am * a_[i]);
+      const double elastic = stiffness_of(i) * ((1 - g.af) * q[i] + g.af * q_[i]) * (i < 3 ? 0.0 : 1.0);
+      const double drag = drag_of(i) * ((1 - g.af) * v[i] + g.af * v_[i]);
+      right(ix(i)) = -(inertial + elastic + drag - (1 - g.af) * (f1[i] + pull[i]) - g.af * (f0[i] + pull_[i]));
+      const double scale = weight + std::abs(inertial) + std::abs(elastic);
+      worst = std::max(worst, std::abs(right(ix(i))) / scale);
+    }
+    most_iterations_ = std::max(most_iterations_, pass);
+    const double size = std::sqrt(block_->area()) + norm({q[0], q[1]});
+    if (pass > 0 && worst < 1e-11 && gap < 1e-14 * size + 1e-300) break;
+    if (pass >= most) {
+      // Rounding may stop it a little above: accept what is as good as the arithmetic.
+      if (worst < 1e-8 && gap < 1e-12 * size) break;
+      return std::unexpected(NotConverged{now + h, worst});
+    }
+    if (nc == 0) {
+      for (std::size_t i = 0; i < n; ++i) {
+        const double d =
+            (1 - g.am) * mass_of(i) + (1 - g.af) * (h * h * g.beta * stiffness_of(i) + h * g.gamma * drag_of(i));
+        a[i] += right(ix(i)) / d;
+      }
+      continue;
+    }
+    if (matrix.rows() == 0) matrix.resize(ix(n + nc), ix(n + nc));
+    matrix.setZero();
+    for (std::size_t i = 0; i < n; ++i) {
+      matrix(ix(i), ix(i)) =
+          (1 - g.am) * mass_of(i) + (1 - g.af) * (h * h * g.beta * stiffness_of(i) + h * g.gamma * drag_of(i));
+    }
+    matrix.topRightCorner(ix(n), ix(nc)) = -(1 - g.af) * jacobian.transpose();
+    matrix.bottomLeftCorner(ix(nc), ix(n)) = jacobian;
+    const Eigen::VectorXd d = matrix.partialPivLu().solve(right);
+    for (std::size_t i = 0; i < n; ++i) a[i] += d(ix(i));
+    for (std::size_t c = 0; c < nc; ++c) force[c] += d(ix(n + c));
+  }
+  q_ = std::move(q);
+  v_ = std::move(v);
+  a_ = std::move(a);
+  pin_force_ = std::move(force);
+  pull_ = std::move(pull);
+  ++steps_;
+  return {};
+}
+
+Vec2 FreeMotion::centroid() const noexcept { return {q_[0], q_[1]}; }
+
+Vec2 FreeMotion::position(BoundaryPlace place) const {
+  const Element& e = block_->mesh().elements[place.element];
+  Vec2 x = e.at(place.s);
+  const auto s = shape(block_->mesh().order, place.s);
+  for (std::size_t a = 0; a < block_->mesh().per_element(); ++a) {
+    for (std::size_t k = 0; k < modes_.eigenvalues.size(); ++k) {
+      x += (s[a] * q_[3 + k]) * Vec2{modes_.shapes(2 * e.node[a], k), modes_.shapes(2 * e.node[a] + 1, k)};
+    }
+  }
+  return centroid() + rotated(x, q_[2]);
+}
+
+std::vector<double> FreeMotion::deformation() const {
+  std::vector<double> out(block_->freedoms(), 0.0);
+  for (std::size_t k = 0; k < modes_.eigenvalues.size(); ++k) {
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += q_[3 + k] * modes_.shapes(i, k);
+  }
+  return out;
+}
+
+double FreeMotion::relative_deformation() const {
+  double largest = 0;
+  const auto u = deformation();
+  for (std::size_t i = 0; i < block_->boundary_freedoms(); i += 2) largest = std::max(largest, norm({u[i], u[i + 1]}));
+  return largest / std::sqrt(block_->area());
+}
+
+Energy FreeMotion::energy() const {
+  Energy e;
+  e.kinetic = 0.5 * block_->mass() * (v_[0] * v_[0] + v_[1] * v_[1]) + 0.5 * block_->inertia() * v_[2] * v_[2];
+  for (std::size_t k = 0; k < modes_.eigenvalues.size(); ++k) {
+    e.kinetic += 0.5 * v_[3 + k] * v_[3 + k];
+    e.elastic += 0.5 * modes_.eigenvalues[k] * q_[3 + k] * q_[3 + k];
+  }
+  e.gravity = -block_->mass() * dot(setup_.gravity, centroid());
+  return e;
+}
+
+Vec2 FreeMotion::momentum() const noexcept { return block_->mass() * Vec2{v_[0], v_[1]}; }
+
+double FreeMotion::angular_momentum() const noexcept {
+  return block_->inertia() * v_[2] + cross(Vec2{q_[0], q_[1]}, momentum());
+}
+
+}  // namespace cleave::bem
