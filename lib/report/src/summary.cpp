@@ -236,9 +236,7 @@ KeyBlockFigures count_key_blocks(const stability::Analysis& analysis) {
   return figures;
 }
 
-std::string summary_json(const Summary& summary) {
-  JsonWriter json;
-  json.begin_object();
+void write_summary_head(JsonWriter& json, const Summary& summary) {
   json.member("cleave", CLEAVE_VERSION);
   json.member("schema", 1U);
   json.member("title", summary.title);
@@ -246,6 +244,12 @@ std::string summary_json(const Summary& summary) {
   json.member("scene_sha256", summary.scene_sha256);
   write_plan(json, summary.plan);
   write_cost(json, summary.cost);
+}
+
+std::string summary_json(const Summary& summary) {
+  JsonWriter json;
+  json.begin_object();
+  write_summary_head(json, summary);
   write_input(json, summary.input);
   write_blocks(json, summary);
   if (summary.key_blocks) write_key_blocks(json, *summary.key_blocks);

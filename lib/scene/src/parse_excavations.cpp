@@ -256,6 +256,8 @@ std::vector<Excavation> parse_excavation(Context& context, const TomlTable& tabl
         {.name = std::move(shown),
          .stage = static_cast<std::uint32_t>(stage.value_or(1)) + (each ? static_cast<std::uint32_t>(bench) : 0U),
          .solid = std::move(solids[i]),
+         .axis = *kind == tunnel ? reader.points("axis").value_or(std::vector<geometry::Vec3>{})
+                                 : std::vector<geometry::Vec3>{},
          .line = line});
   }
   return excavations;

@@ -114,7 +114,14 @@ Plan make_plan(const Scene& scene) {
       case Stage::audit: add(stage, true, "every block system is certified"); break;
       case Stage::stability: add(stage, stability, why_stability(scene)); break;
       case Stage::support: add(stage, false, "no [support]"); break;
-      case Stage::monte_carlo: add(stage, false, "no [monte_carlo]: one run"); break;
+      case Stage::monte_carlo:
+        add(stage, scene.monte_carlo.has_value(),
+            !scene.monte_carlo ? "no [monte_carlo]: one run"
+            : scene.monte_carlo->stop
+                ? fmt::format("up to {} realizations, until {} is known to {:.3g} %", scene.monte_carlo->realizations,
+                              scene.monte_carlo->stop->quantity, 100 * scene.monte_carlo->stop->relative_half_width)
+                : fmt::format("{} realizations", scene.monte_carlo->realizations));
+        break;
       case Stage::elastic: add(stage, false, "no [[body]]"); break;
       case Stage::contact: add(stage, false, "no [[body]]"); break;
       case Stage::write: add(stage, true, why_write(scene.output, stability)); break;
@@ -124,6 +131,7 @@ Plan make_plan(const Scene& scene) {
     }
   }
   plan.estimate = estimate(scene);
+  if (scene.monte_carlo) plan.estimate.seconds *= static_cast<double>(scene.monte_carlo->realizations);
   return plan;
 }
 

@@ -10,6 +10,7 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/core/rng.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/stability/near_field.hpp"
 #include "cleave/topology/cut.hpp"
@@ -17,6 +18,9 @@
 
 namespace cleave::scene {
 namespace {
+
+/// A stream of the whole scene, not of a joint set: its purpose lies beyond those of core's Draw.
+constexpr auto seismic_factor = static_cast<Draw>(64);
 
 Problem problem_of(const topology::CutError& error, const Scene& scene, const Drawn& drawn) {
   const std::string what = describe(error);
@@ -48,8 +52,19 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                     error);
 }
 
+/// The stability settings of one realization: what is random of them is drawn.
+StabilitySettings loads_of(const Scene& scene, std::uint64_t realization) {
+  StabilitySettings settings = *scene.stability;
+  if (scene.monte_carlo) {
+    Rng rng{{.seed = scene.seed, .realization = realization, .purpose = stream_purpose(0, seismic_factor), .index = 0}};
+    settings.seismic = scene.monte_carlo->seismic_factor.quantile(rng.uniform()) * settings.seismic;
+  }
+  return settings;
+}
+
 /// All of it was checked when the scene was parsed, so none of the factories can refuse.
-stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted) {
+stability::Settings settings_of(const Scene& scene, const Drawn& drawn, std::uint64_t realization) {
+  const StabilitySettings wanted = loads_of(scene, realization);
   const auto strength_of = [](const Strength& s) {
     auto made = stability::JointStrength::make(s.friction, s.cohesion, s.tension);
     CLEAVE_ASSERT(made.has_value());
@@ -155,7 +170,7 @@ std::expected<System, topology::CutError> cut_all(const Scene& scene, const Draw
   System system{std::move(complex), std::move(report), {}, std::move(hash), {}, {}};
   if (system.complex && scene.stability) {
     const Judge judge = [&](const topology::AuditedComplex& complex_of_state) {
-      stability::Settings settings = settings_of(scene, drawn, *scene.stability);
+      stability::Settings settings = settings_of(scene, drawn, options.realization);
       if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
         settings.left_out = micro_blocks(complex_of_state.complex(), scene.micro_blocks);
       }
@@ -174,7 +189,7 @@ std::expected<System, topology::CutError> cut_near_free_faces(const Scene& scene
                                                               const RunOptions& options, StageTimer& timer,
                                                               Progress& progress) {
   progress.begin(name_of(Stage::cut));
-  auto near = stability::analyse_near_field(drawn.input, settings_of(scene, drawn, *scene.stability),
+  auto near = stability::analyse_near_field(drawn.input, settings_of(scene, drawn, options.realization),
                                             {.threads = options.threads}, timer);
   if (!near) {
     if (auto* error = std::get_if<topology::CutError>(&near.error())) return std::unexpected(std::move(*error));
@@ -235,6 +250,28 @@ RunCost cost_of(const StageTimer& timer, unsigned threads) {
   return cost;
 }
 
+std::expected<Realized, std::vector<Problem>> realize(const Scene& scene, std::uint64_t realization) {
+  auto drawn = draw(scene, realization);
+  if (!drawn) return std::unexpected(std::move(drawn).error());
+  if (scene.output.only_key_blocks && scene.stability) {
+    StageTimer timer;
+    auto near =
+        stability::analyse_near_field(drawn->input, settings_of(scene, *drawn, realization), {.threads = 1}, timer);
+    if (near) return Realized{*std::move(drawn), std::move(near->complex), std::move(near->analysis)};
+    if (auto* error = std::get_if<topology::CutError>(&near.error())) {
+      return std::unexpected(std::vector{problem_of(*error, scene, *drawn)});
+    }
+    return Realized{*std::move(drawn), std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}};
+  }
+  auto cut = topology::cut(drawn->input, {.threads = 1});
+  if (!cut) return std::unexpected(std::vector{problem_of(cut.error(), scene, *drawn)});
+  Realized realized{*std::move(drawn), topology::audit(*std::move(cut)), std::nullopt};
+  if (realized.complex && scene.stability) {
+    realized.analysis = stability::analyse(*realized.complex, settings_of(scene, realized.drawn, realization));
+  }
+  return realized;
+}
+
 std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options, StageTimer& timer,
                                                    Progress& progress) {
   Plan plan = make_plan(scene);
@@ -243,7 +280,8 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return timer.run(name_of(which), work);
   };
 
-  auto drawn = plan.runs(Stage::draw) ? stage(Stage::draw, [&] { return draw(scene); }) : draw(scene);
+  auto drawn = plan.runs(Stage::draw) ? stage(Stage::draw, [&] { return draw(scene, options.realization); })
+                                      : draw(scene, options.realization);
   if (!drawn) {
     progress.end();
     return std::unexpected(std::move(drawn).error());

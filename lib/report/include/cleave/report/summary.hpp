@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cleave/report/json.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/block_complex.hpp"
@@ -134,6 +135,8 @@ struct Summary {
 [[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);
 [[nodiscard]] KeyBlockFigures count_key_blocks(const stability::Analysis& analysis);
 
+/// The head of summary.json: title, seed, plan and cost.
+void write_summary_head(JsonWriter& json, const Summary& summary);
 /// summary.json; keys in the order of docs/summary.schema.json.
 [[nodiscard]] std::string summary_json(const Summary& summary);
 

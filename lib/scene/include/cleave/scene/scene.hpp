@@ -15,6 +15,7 @@
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene/problem.hpp"
 #include "cleave/scene/sequence.hpp"
+#include "cleave/stochastic/stopping.hpp"
 #include "cleave/topology/cut_input.hpp"
 
 /// A validated scene: what `scene::parse` makes of a TOML file and the files it names. Past this border nothing is
@@ -38,11 +39,27 @@ struct FrictionLaw {
   [[nodiscard]] FrictionAngle quantile(double u) const;
 };
 
+/// Cohesion or tension of the joints of one set, Pa: one value drawn per joint, by the same laws.
+struct StressLaw {
+  FrictionLaw::Kind kind = FrictionLaw::Kind::constant;
+  double mean = 0, std = 0, min = 0, max = 1e15;
+  [[nodiscard]] Stress quantile(double u) const;
+};
+
+/// A number drawn once a realization (a factor on the seismic coefficient), by the same laws.
+struct NumberLaw {
+  FrictionLaw::Kind kind = FrictionLaw::Kind::constant;
+  double mean = 1, std = 0, min = 0, max = 1e3;
+  [[nodiscard]] double quantile(double u) const;
+};
+
 /// Properties of the joints of one set ([joints.NAME], or [joints.default]).
 struct JointProperties {
   FrictionLaw friction;
-  Stress cohesion;
-  Stress tension;
+  StressLaw cohesion;
+  StressLaw tension;
+  /// Correlation of the normal scores of a joint's friction and cohesion (Gaussian copula), -1..1.
+  double friction_cohesion = 0;
 };
 
 struct NamedSet {
@@ -78,7 +95,8 @@ struct Excavation {
   std::string name;
   std::uint32_t stage = 1;
   geometry::Solid solid;
-  std::uint32_t line;  ///< in the scene file
+  std::vector<geometry::Vec3> axis;  ///< of a tunnel; else empty
+  std::uint32_t line;                ///< in the scene file
 };
 
 struct Rock {
@@ -109,6 +127,16 @@ struct MicroBlocks {
   MicroBlockPolicy policy = MicroBlockPolicy::report;
   std::optional<Length> thickness;
   std::optional<Volume> volume;
+};
+
+/// [monte_carlo]: many realizations instead of one run.
+struct MonteCarloSettings {
+  std::uint64_t realizations = 0;                   ///< fixed number, or the largest one of `stop`
+  std::optional<stochastic::Stop> stop;             ///< empty: exactly `realizations`
+  double confidence = 0.95;                         ///< of all intervals
+  std::vector<double> volumes = {0.1, 1, 10, 100};  ///< m3: probabilities of a key block above each
+  std::uint32_t chainage_parts = 20;                ///< along the axis of the first tunnel
+  NumberLaw seismic_factor;                         ///< multiplies stability.seismic, drawn once a realization
 };
 
 struct OutputSettings {
@@ -150,6 +178,7 @@ struct Scene {
   std::optional<SequenceSettings> sequence;    ///< empty: all excavations are of one stage
   MicroBlocks micro_blocks;
   OutputSettings output;
+  std::optional<MonteCarloSettings> monte_carlo;
 
   std::string shown;      ///< how messages name the scene file
   std::string file_name;  ///< the same without its folder
