@@ -73,4 +73,31 @@ std::string key_blocks_csv(const topology::BlockComplex& complex, const stabilit
   return out;
 }
 
+std::string load_cases_csv(const topology::BlockComplex& complex, std::span<const NamedAnalysis> cases) {
+  std::string out{"case,block,batch,key,mode,volume_m3,direction_x,direction_y,direction_z,net_force_n,factor_of_safety\n"};
+  for (const NamedAnalysis& load : cases) {
+    for (const stability::Judgement& j : load.analysis->judgements) {
+      if (!stability::moves(j.mode)) continue;
+      // A name with a comma, a quote or a line end would break the row.
+      std::string name{load.name};
+      if (name.find_first_of(",\"\n\r") != std::string::npos) {
+        std::string quoted = "\"";
+        for (const char c : name) quoted += c == '"' ? std::string{"\"\""} : std::string{c};
+        name = quoted + '"';
+      }
+      out += name + ',' + std::to_string(j.block.value()) + ',';
+      if (j.batch) out += std::to_string(*j.batch);
+      out += j.key ? ",1," : ",0,";
+      out += stability::name(j.mode);
+      for (const double value : {complex.blocks()[j.block].volume.si(), j.direction.x, j.direction.y, j.direction.z,
+                                 j.net.si(), j.factor_of_safety}) {
+        out += ',';
+        append_number(out, value);
+      }
+      out += '\n';
+    }
+  }
+  return out;
+}
+
 }  // namespace cleave::report

@@ -90,9 +90,7 @@ void write_blocks(JsonWriter& json, const Summary& summary) {
   json.end_object();
 }
 
-void write_key_blocks(JsonWriter& json, const KeyBlockFigures& figures) {
-  json.key("key_blocks");
-  json.begin_object();
+void write_figures(JsonWriter& json, const KeyBlockFigures& figures) {
   json.member("count", figures.count);
   json.member("volume_m3", figures.volume_m3);
   json.key("batches");
@@ -110,6 +108,26 @@ void write_key_blocks(JsonWriter& json, const KeyBlockFigures& figures) {
   }
   json.end_array();
   json.member("stopped_at_max_batches", figures.stopped_at_max_batches);
+  json.member("lowest_factor_of_safety", figures.lowest_factor_of_safety);  // null: no block has a finite one
+  json.member("equilibrium_residual", figures.equilibrium_residual);
+  if (figures.below_target) json.member("below_target", *figures.below_target);
+}
+
+void write_key_blocks(JsonWriter& json, const Summary& summary) {
+  json.key("key_blocks");
+  json.begin_object();
+  write_figures(json, *summary.key_blocks);
+  if (!summary.load_cases.empty()) {
+    json.key("load_cases");
+    json.begin_array();
+    for (const CaseFigures& load : summary.load_cases) {
+      json.begin_object();
+      json.member("name", load.name);
+      write_figures(json, load.figures);
+      json.end_object();
+    }
+    json.end_array();
+  }
   json.end_object();
 }
 
@@ -132,8 +150,20 @@ BlockFigures count_blocks(const topology::BlockComplex& complex, std::string has
   return figures;
 }
 
-KeyBlockFigures count_key_blocks(const stability::Analysis& analysis) {
-  KeyBlockFigures figures{.batches = {}, .stopped_at_max_batches = analysis.stopped_at_max_batches};
+bool below(const stability::Judgement& judgement, const TargetFactors& target) {
+  const bool free = judgement.mode == stability::Mode::falling || judgement.mode == stability::Mode::lifting;
+  return stability::moves(judgement.mode) && judgement.factor_of_safety < (free ? target.falling : target.sliding);
+}
+
+KeyBlockFigures count_key_blocks(const stability::Analysis& analysis, const std::optional<TargetFactors>& target) {
+  KeyBlockFigures figures{.batches = {},
+                          .stopped_at_max_batches = analysis.stopped_at_max_batches,
+                          .equilibrium_residual = analysis.equilibrium_residual};
+  if (target) figures.below_target = 0;
+  for (const stability::Judgement& judgement : analysis.judgements) {
+    figures.lowest_factor_of_safety = std::min(figures.lowest_factor_of_safety, judgement.factor_of_safety);
+    if (target && below(judgement, *target)) ++*figures.below_target;
+  }
   for (const stability::Batch& batch : analysis.batches) {
     BatchFigures row{.batch = batch.number, .count = batch.blocks.size(), .volume_m3 = batch.volume.si()};
     for (const topology::BlockId block : batch.blocks) {
@@ -160,7 +190,7 @@ std::string summary_json(const Summary& summary) {
   write_cost(json, summary.cost);
   write_input(json, summary.input);
   write_blocks(json, summary);
-  if (summary.key_blocks) write_key_blocks(json, *summary.key_blocks);
+  if (summary.key_blocks) write_key_blocks(json, summary);
   json.end_object();
   return std::move(json).finish();
 }

@@ -54,7 +54,14 @@ Summary summarize(const scene::RunResult& result) {
   } else {
     summary.certificate = result.complex.error();
   }
-  if (const auto* analysis = analysis_of(result)) summary.key_blocks = count_key_blocks(*analysis);
+  std::optional<TargetFactors> target;
+  if (result.stability && result.stability->target) {
+    target = {result.stability->target->falling, result.stability->target->sliding};
+  }
+  if (const auto* analysis = analysis_of(result)) summary.key_blocks = count_key_blocks(*analysis, target);
+  for (const scene::CaseResult& load : result.load_cases) {
+    summary.load_cases.push_back({.name = load.name, .figures = count_key_blocks(load.analysis, target)});
+  }
   return summary;
 }
 
@@ -65,6 +72,15 @@ std::string loads_of(const scene::RunResult& result) {
   };
   std::string out = "rock of " + display(result.rock.density.si()) + " kg/m³, gravity " + vector(s.gravity) + " m/s²";
   if (norm(s.seismic) > 0) out += ", seismic force / weight " + vector(s.seismic);
+  if (s.loads.water) out += ", water table at " + display(s.loads.water->level) + " m";
+  if (!s.loads.pressures.empty()) out += ", water pressure by joint set";
+  const auto count = [&](std::size_t n, std::string_view what) {
+    if (n > 0) out += ", " + std::to_string(n) + " " + std::string{what} + (n == 1 ? "" : "s");
+  };
+  count(s.loads.surcharges.size(), "surcharge");
+  count(s.loads.points.size(), "point force");
+  count(s.loads.lines.size(), "line force");
+  count(s.cases.size(), "more load case");
   return out;
 }
 
@@ -100,6 +116,11 @@ std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result,
 std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result, const fs::path& folder) {
   const auto* complex = complex_of(result);
   if (!result.output.csv || complex == nullptr || !result.analysis) return {};
+  if (!result.load_cases.empty()) {
+    std::vector<NamedAnalysis> cases{{"base", &*result.analysis}};
+    for (const scene::CaseResult& load : result.load_cases) cases.push_back({load.name, &load.analysis});
+    CLEAVE_CHECK(write_file(folder / "load_cases.csv", load_cases_csv(*complex, cases)));
+  }
   return write_file(folder / "key_blocks.csv", key_blocks_csv(*complex, *result.analysis));
 }
 

@@ -64,7 +64,11 @@ void add_measured(const Scene& scene, Drawn& drawn) {
     const FrictionAngle friction = joint.own.friction
                                        ? *joint.own.friction
                                        : draw_friction(scene, joint.set, measured_streams + joint.set.index(), index);
-    const Strength strength{friction, joint.own.cohesion.value_or(properties.cohesion), properties.tension};
+    const Strength strength{friction,
+                            joint.own.cohesion.value_or(properties.cohesion),
+                            joint.own.tension.value_or(properties.tension),
+                            joint.own.cohesion ? 0 : properties.jrc,
+                            properties.jcs};
     geometry::Vec3 normal;
     std::visit(overloaded{[&](const topology::Joint& polygons) {
                             normal = geometry::normalized(area_vector(polygons.polygons.front()));
@@ -91,7 +95,7 @@ std::expected<void, Problem> add_random(const Scene& scene, std::size_t number, 
   const NamedSet& named = scene.sets[set.set];
   for (dfn::SampledJoint& joint : *sampled) {
     const Strength strength{draw_friction(scene, set.set, number, joint.index), named.properties.cohesion,
-                            named.properties.tension};
+                            named.properties.tension, named.properties.jrc, named.properties.jcs};
     std::visit(overloaded{[&](geometry::Polygon& polygon) {
                             topology::Joint shape;
                             shape.polygons.push_back(std::move(polygon));

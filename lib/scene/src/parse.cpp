@@ -16,8 +16,8 @@ using std::string_view;
 constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
                                                 "north",  "domain",     "joint",    "joint_set", "joints",
                                                 "rock",   "excavation", "stability"};
-constexpr std::array<string_view, 1> more_root_keys{"output"};
-constexpr std::array<string_view, 6> later_sections{"support", "monte_carlo", "body", "load", "contact", "elastic"};
+constexpr std::array<string_view, 2> more_root_keys{"output", "load"};
+constexpr std::array<string_view, 5> later_sections{"support", "monte_carlo", "body", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
   const std::size_t slash = shown.find_last_of('/');
@@ -92,7 +92,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   const Rock rock = parse_rock(root);
   std::vector<Excavation> excavations;
   parse_excavations(context, root, excavations);
-  ParsedStability stability = parse_stability(root, domain, root.has("excavation") && !excavations.empty());
+  ParsedStability stability = parse_stability(context, root, domain, excavations);
   const OutputSettings output = parse_output(root);
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 

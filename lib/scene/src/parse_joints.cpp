@@ -64,6 +64,21 @@ std::optional<Geometry> parse_polygon(const Context& context, const TableReader&
   return std::nullopt;
 }
 
+/// Strength of this joint alone. A file's rows state theirs in columns.
+OwnStrength parse_own_strength(const TableReader& joint, bool is_file) {
+  OwnStrength own;
+  for (const string_view key : {"friction", "cohesion", "tension"}) {
+    if (is_file && joint.has(key)) {
+      joint.error(key, "belongs to a single joint, not to a file", "write it under [joints.NAME], or as a column of the file");
+      return own;
+    }
+  }
+  if (const auto friction = joint.number("friction", rule::friction)) own.friction = FrictionAngle::degrees(*friction);
+  if (const auto cohesion = joint.number("cohesion", rule::stress)) own.cohesion = pascals(*cohesion);
+  if (const auto tension = joint.number("tension", rule::stress)) own.tension = pascals(*tension);
+  return own;
+}
+
 }  // namespace
 
 std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3> corners, bool triangulate) {
@@ -86,7 +101,8 @@ std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3
 }
 
 void parse_joints(Context& context, const TableReader& root, std::vector<MeasuredJoint>& joints) {
-  constexpr std::array<string_view, 6> keys{"file", "plane", "disc", "polygon", "set", "wrap"};
+  constexpr std::array<string_view, 9> keys{"file", "plane", "disc",     "polygon", "set",
+                                            "wrap", "friction", "cohesion", "tension"};
   constexpr std::array<string_view, 4> kinds{"file", "plane", "disc", "polygon"};
   const auto found = root.tables("joint");
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -96,6 +112,7 @@ void parse_joints(Context& context, const TableReader& root, std::vector<Measure
     const TomlEntry* kind = joint.one_of(kinds);
     if (kind == nullptr) continue;
     if (joint.has("wrap") && kind->key != "file") joint.error("wrap", "has a meaning for files only", "remove it");
+    const OwnStrength own = parse_own_strength(joint, kind->key == "file");
     if (kind->key == "file") {
       parse_joint_file(context, joint, set, joints);
       continue;
@@ -106,7 +123,7 @@ void parse_joints(Context& context, const TableReader& root, std::vector<Measure
     if (!geometry) continue;
     joints.push_back({.geometry = std::move(*geometry),
                       .set = context.set_named(set.value_or("default")),
-                      .own = {},
+                      .own = own,
                       .file = context.problems.file(),
                       .line = kind->line});
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -17,18 +18,41 @@ using Kind = FrictionLaw::Kind;
 /// What a [joints.NAME] states; what it does not state comes from [joints.default].
 struct Stated {
   std::optional<FrictionLaw> friction;
-  std::optional<double> cohesion, tension;
+  std::optional<double> cohesion, tension, jrc, jcs;
 };
 
 Stated parse_one(const TableReader& table) {
-  return {parse_friction(table, "friction"), table.number("cohesion", rule::stress),
-          table.number("tension", rule::stress)};
+  constexpr NumberRule roughness{0, true, 20, false, ""};
+  constexpr NumberRule wall{0, true, 1e15, false, " Pa"};
+  Stated stated{parse_friction(table, "friction"), table.number("cohesion", rule::stress),
+                table.number("tension", rule::stress), table.number("jrc", roughness), table.number("jcs", wall)};
+  if (table.has("jrc") != table.has("jcs")) {
+    table.missing(table.has("jrc") ? "jcs" : "jrc", "Barton-Bandis needs both: jrc = 8, jcs = 50e6");
+  }
+  if (stated.jrc && stated.cohesion.value_or(0) > 0) {
+    table.error("cohesion", "has no meaning beside jrc and jcs", "remove one of them");
+  }
+  if (stated.friction && stated.friction->kind == Kind::constant && stated.cohesion && stated.tension) {
+    const double tangent = std::tan(FrictionAngle::degrees(stated.friction->mean).radians());
+    if (*stated.tension * tangent > *stated.cohesion) {
+      table.note("tension", fmt::format("is above cohesion / tan(friction) = {:.6g} Pa, the apex of the Mohr-Coulomb line",
+                                        tangent > 0 ? *stated.cohesion / tangent : 0.0),
+                 "it is used as given; check it");
+    }
+  }
+  return stated;
 }
 
 JointProperties with(JointProperties base, const Stated& stated) {
   if (stated.friction) base.friction = *stated.friction;
   if (stated.cohesion) base.cohesion = pascals(*stated.cohesion);
   if (stated.tension) base.tension = pascals(*stated.tension);
+  if (stated.cohesion) base.jrc = 0;  // a straight law of its own
+  if (stated.jrc && stated.jcs) {
+    base.jrc = *stated.jrc;
+    base.jcs = pascals(*stated.jcs);
+    base.cohesion = pascals(0);
+  }
   return base;
 }
 
@@ -92,7 +116,7 @@ std::optional<FrictionLaw> parse_friction(const TableReader& owner, string_view 
 }
 
 void parse_properties(Context& context, const TableReader& root) {
-  constexpr std::array<string_view, 3> keys{"friction", "cohesion", "tension"};
+  constexpr std::array<string_view, 5> keys{"friction", "cohesion", "tension", "jrc", "jcs"};
   const TomlTable* found = root.table("joints");
   if (found == nullptr) return;
   std::vector<std::pair<std::string, Stated>> stated;

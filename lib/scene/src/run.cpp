@@ -11,6 +11,7 @@
 #include "cleave/core/overloaded.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/topology/cut.hpp"
+#include "judge.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -38,31 +39,6 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                                },
                                [&](const topology::TooLarge&) { return whole(); }},
                     error);
-}
-
-/// All of it was checked when the scene was parsed, so none of the factories can refuse.
-stability::Analysis judge(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
-                          const topology::AuditedComplex& complex) {
-  const auto strength_of = [](const Strength& s) {
-    auto made = stability::JointStrength::make(s.friction, s.cohesion, s.tension);
-    CLEAVE_ASSERT(made.has_value());
-    return *made;
-  };
-  const auto rock = stability::RockMass::make(scene.rock.density);
-  const auto loads = stability::Loads::make(wanted.gravity, wanted.seismic);
-  const auto partial =
-      stability::PartialFactors::make(wanted.partial.friction, wanted.partial.cohesion, wanted.partial.weight);
-  CLEAVE_ASSERT(rock.has_value() && loads.has_value() && partial.has_value());
-  stability::StrengthTable strengths{strength_of({FrictionAngle::degrees(0), pascals(0), pascals(0)})};
-  for (const topology::JointId joint : drawn.joints.ids()) {
-    strengths.set(joint, strength_of(drawn.joints[joint].strength));
-  }
-  return stability::analyse(complex, {.rock = *rock,
-                                      .strengths = std::move(strengths),
-                                      .loads = *loads,
-                                      .partial = *partial,
-                                      .force_transfer = wanted.force_transfer,
-                                      .max_batches = wanted.max_batches});
 }
 
 void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::vector<std::string>& notes) {
@@ -121,8 +97,19 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return audited;
   });
   std::optional<stability::Analysis> analysis;
+  std::vector<CaseResult> cases;
   if (complex && scene.stability) {
-    analysis = stage(Stage::stability, [&] { return judge(scene, *drawn, *scene.stability, *complex); });
+    if (auto misplaced = misplaced_loads(scene, *drawn, *scene.stability, complex->complex()); !misplaced.empty()) {
+      progress.end();
+      return std::unexpected(std::move(misplaced));
+    }
+    stage(Stage::stability, [&] {
+      const StabilitySettings& wanted = *scene.stability;
+      analysis = stability::analyse(*complex, settings_of(scene, *drawn, wanted, wanted.loads));
+      for (const LoadCase& load : wanted.cases) {
+        cases.push_back({load.name, stability::analyse(*complex, settings_of(scene, *drawn, wanted, load.loads))});
+      }
+    });
   }
   progress.end();
 
@@ -153,6 +140,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .complex = std::move(complex),
                    .block_hash = std::move(hash),
                    .analysis = std::move(analysis),
+                   .load_cases = std::move(cases),
                    .notes = std::move(notes)};
 }
 

@@ -52,7 +52,7 @@ class Batches final {
     const std::uint8_t dimension = contacts.cone.dimension();
     if (dimension == 0 || (model_.settings().strict && dimension < 3)) return false;
     const topology::Block& block = complex().blocks()[id];
-    const Verdict verdict = judge(contacts, model_.applied_forces(block), model_.settings());
+    const Verdict verdict = judge(contacts, model_.applied_forces(id, batch), model_.settings());
     analysis_.equilibrium_residual = std::max(analysis_.equilibrium_residual, verdict.residual);
 
     Judgement judgement{.block = id};

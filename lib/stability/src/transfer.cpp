@@ -63,7 +63,7 @@ void transfer_forces(Model& model, Analysis& analysis) {
   for (const Batch& batch : analysis.batches | std::views::reverse) {
     for (const BlockId id : batch.blocks) {
       const Received incoming = received[id];
-      Resultant resultant = model.applied_forces(model.complex().blocks()[id]);
+      Resultant resultant = model.applied_forces(id, batch.number);
       resultant.add(incoming.force, incoming.scale);
       const Verdict verdict = judge(model.contacts(id, batch.number), resultant, model.settings());
       analysis.equilibrium_residual = std::max(analysis.equilibrium_residual, verdict.residual);

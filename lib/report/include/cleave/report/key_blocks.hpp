@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,13 @@ inline constexpr std::string_view key_blocks_transferred_header =
 /// the block has. joints: numbers (from 0, in the order of the scene) of the joints it touches, ascending, joined by
 /// `;`. LF line ends.
 [[nodiscard]] std::string key_blocks_csv(const topology::BlockComplex& complex, const stability::Analysis& analysis);
+
+struct NamedAnalysis {
+  std::string_view name;
+  const stability::Analysis* analysis;  ///< not null
+};
+/// load_cases.csv: the rows of key_blocks.csv (fewer columns) of every named load case, the base case first.
+[[nodiscard]] std::string load_cases_csv(const topology::BlockComplex& complex, std::span<const NamedAnalysis> cases);
 
 /// Numbers of the joints that bound a block, ascending.
 [[nodiscard]] std::vector<topology::JointId> joints_of(const topology::BlockComplex& complex, topology::BlockId block);

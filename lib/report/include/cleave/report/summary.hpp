@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -61,6 +62,14 @@ struct KeyBlockFigures {
   double volume_m3 = 0;
   std::vector<BatchFigures> batches;
   bool stopped_at_max_batches = false;
+  double lowest_factor_of_safety = std::numeric_limits<double>::infinity();  ///< of the blocks judged
+  std::optional<std::uint64_t> below_target = {};  ///< judged blocks below the scene's target, where it has one
+  double equilibrium_residual = 0;                 ///< largest, relative; statics and force transfer
+};
+
+struct CaseFigures {
+  std::string name;
+  KeyBlockFigures figures;
 };
 
 /// Everything of summary.json, as values.
@@ -74,10 +83,17 @@ struct Summary {
   std::optional<BlockFigures> blocks;  ///< none when the certificate did not pass
   topology::Certificate certificate;
   std::optional<KeyBlockFigures> key_blocks;
+  std::vector<CaseFigures> load_cases;  ///< of [[load]]
 };
 
 [[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);
-[[nodiscard]] KeyBlockFigures count_key_blocks(const stability::Analysis& analysis);
+struct TargetFactors {
+  double falling, sliding;
+};
+[[nodiscard]] KeyBlockFigures count_key_blocks(const stability::Analysis& analysis,
+                                               const std::optional<TargetFactors>& target = {});
+/// Whether a judged block has less than its target.
+[[nodiscard]] bool below(const stability::Judgement& judgement, const TargetFactors& target);
 
 /// summary.json; keys in the order of docs/summary.schema.json.
 [[nodiscard]] std::string summary_json(const Summary& summary);

@@ -39,6 +39,14 @@ struct Strength {
   FrictionAngle friction;
   Stress cohesion;
   Stress tension;
+  double jrc = 0;  ///< > 0: Barton-Bandis, friction is the residual angle
+  Stress jcs = {};
+};
+
+/// The blocks judged under one named load case.
+struct CaseResult {
+  std::string name;
+  stability::Analysis analysis;
 };
 
 enum class JointOrigin : std::uint8_t { measured, drawn };
@@ -101,6 +109,7 @@ struct RunResult {
   std::expected<topology::AuditedComplex, topology::Certificate> complex;
   std::string block_hash;  ///< topology::canonical_hash; empty when the certificate failed
   std::optional<stability::Analysis> analysis;
+  std::vector<CaseResult> load_cases;  ///< of [[load]], in scene order; the base case is `analysis`
 
   std::vector<std::string> notes;  ///< what a user should know: joints outside the domain, what was left out
 };

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "cleave/geometry/solid.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene/problem.hpp"
+#include "cleave/stability/actions.hpp"
+#include "cleave/stability/analyse.hpp"
 #include "cleave/topology/cut_input.hpp"
 
 /// A validated scene: what `scene::parse` makes of a TOML file and the files it names. Past this border nothing is
@@ -40,6 +43,8 @@ struct JointProperties {
   FrictionLaw friction;
   Stress cohesion;
   Stress tension;
+  double jrc = 0;  ///< > 0: Barton-Bandis, `friction` is then the residual angle
+  Stress jcs = {};
 };
 
 struct NamedSet {
@@ -47,10 +52,11 @@ struct NamedSet {
   JointProperties properties;
 };
 
-/// The strength that a row of a joint file states for itself (CSV columns friction, cohesion).
+/// The strength that a joint states for itself (keys of [[joint]], CSV columns friction and cohesion).
 struct OwnStrength {
   std::optional<FrictionAngle> friction;
   std::optional<Stress> cohesion;
+  std::optional<Stress> tension = {};
 };
 
 /// A joint that is given, not drawn.
@@ -85,12 +91,41 @@ struct PartialFactors {
   double friction = 1, cohesion = 1, weight = 1;
 };
 
+/// What acts on the rock beside gravity.
+struct LoadSet {
+  geometry::Vec3 seismic{0, 0, 0};  ///< force / weight, in the direction the rock is pushed
+  std::optional<stability::WaterTable> water = {};
+  std::vector<std::pair<SetId, double>> pressures = {};  ///< Pa, mean water pressure in the joints of a set
+  std::vector<stability::Surcharge> surcharges = {};
+  std::vector<stability::PointForce> points = {};
+  std::vector<stability::LineForce> lines = {};
+  std::uint32_t line = 1;  ///< in the scene file
+};
+
+/// A [[load]]: the loads of [stability] and its own, judged apart.
+struct LoadCase {
+  std::string name;
+  LoadSet loads;
+};
+
+/// Required factors of safety.
+struct Targets {
+  double falling = 1.5;  ///< also of lifting
+  double sliding = 1.3;  ///< also of wedges
+};
+
 struct StabilitySettings {
   geometry::Vec3 gravity{0, 0, -9.81};  ///< m/s2
   geometry::Vec3 seismic{0, 0, 0};      ///< force / weight, in the direction the rock is pushed
   PartialFactors partial = {};
   bool force_transfer = true;
   std::uint32_t max_batches = 50;
+  LoadSet loads = {};                       ///< of the base case, seismic included
+  std::vector<LoadCase> cases = {};         ///< in scene order
+  std::optional<Targets> target = {};
+  bool strict = false;                      ///< wedged slots (cone without interior) do not count as removable
+  bool parallel_contact = false;            ///< cohesion on brushed faces too
+  stability::GroupFriction group_friction = stability::GroupFriction::area_mean;
 };
 
 struct OutputSettings {

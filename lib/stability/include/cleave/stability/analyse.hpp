@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "cleave/stability/actions.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/stability/strength.hpp"
 #include "cleave/topology/audit.hpp"
@@ -26,6 +27,8 @@ struct Settings {
   bool parallel_contact = false;
   bool force_transfer = true;
   std::uint32_t max_batches = 50;
+  /// Water and loads on free faces.
+  Actions actions = {};
 };
 
 /// Key blocks of the complex in batches, after Goodman & Shi (1985) with the mode found as the projection of the
