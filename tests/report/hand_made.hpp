@@ -41,8 +41,7 @@ class HandMade {
 
   topology::BlockId block(const std::vector<FaceSpec>& faces, topology::EulerCounts counts, bool convex = false) {
     const topology::BlockId id{data_.blocks.size()};
-    topology::Block block{.faces = {},
-                          .shell_of_face = {},
+    topology::Block block{.faces = {topology::FaceId{data_.faces.size()}, static_cast<std::uint32_t>(faces.size())},
                           .counts = counts,
                           .volume = {},
                           .centroid = {},
@@ -62,27 +61,26 @@ class HandMade {
                           .plane = topology::PlaneId{0U},
                           .block_on_positive_side = false,
                           .role = spec.role,
+                          .shell = spec.shell,
                           .joint = std::nullopt,
                           .excavation = spec.excavation,
                           .tag = std::nullopt,
                           .outward = normalized(area),
                           .area = square_metres(norm(area)),
-                          .centroid = data_.origin + spec.loops.front().front(),
-                          .loops = {},
-                          .patches = {}};
+                          .centroid = data_.origin + spec.loops.front().front()};
       if (spec.joint) face.joint = topology::JointId{*spec.joint};
+      std::vector<std::vector<topology::VertexId>> loops;
       for (const Loop& loop : spec.loops) {
-        std::vector<topology::VertexId> ids;
-        for (const Vec3 p : loop) ids.push_back(vertex(p));
-        face.loops.push_back(std::move(ids));
+        loops.emplace_back();
+        for (const Vec3 p : loop) loops.back().push_back(vertex(p));
       }
-      block.faces.push_back(data_.faces.push_back(std::move(face)));
-      block.shell_of_face.push_back(spec.shell);
+      data_.set_loops(face, loops);
+      data_.faces.push_back(face);
     }
     block.volume = cubic_metres(volume);
     block.centroid = data_.origin + o;
     data_.domain_volume += block.volume;
-    return data_.blocks.push_back(std::move(block));
+    return data_.blocks.push_back(block);
   }
 
   topology::CutReport& report() { return data_.report; }
@@ -114,7 +112,7 @@ inline std::vector<FaceSpec> box_faces(Vec3 lo, Vec3 hi, Role role = Role::fixed
 
 inline constexpr topology::EulerCounts box_counts{8, 12, 6, 6, 1, 0};
 
-/// Walls of a void box, seen from the rock around it; `shell` as in Block::shell_of_face.
+/// Walls of a void box, seen from the rock around it; `shell` as in Face::shell.
 inline std::vector<FaceSpec> void_faces(Vec3 lo, Vec3 hi, std::uint32_t shell) {
   auto faces = box_faces(lo, hi, Role::joint);
   for (FaceSpec& face : faces) {

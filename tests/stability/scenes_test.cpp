@@ -229,7 +229,7 @@ TEST(ScenesTest, LawsOnRandomRock) {
       // No motion into rock that is still there; downhill; not more force than weight.
       for (const topology::FaceId id : blocks[j.block].faces) {
         const topology::Face& face = complex.complex().faces()[id];
-        for (const topology::Patch& patch : face.patches) {
+        for (const topology::Patch& patch : complex.complex().patches(face)) {
           if (!patch.neighbour) continue;
           if (batch_of[patch.neighbour->index()] >= j.batch.value_or(UINT32_MAX)) {
             EXPECT_LE(dot(face.outward, j.direction), 1e-12);

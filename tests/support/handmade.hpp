@@ -58,7 +58,6 @@ class Complex final {
  public:
   topology::BlockId block(double volume) {
     return data_.blocks.push_back(topology::Block{.faces = {},
-                                                  .shell_of_face = {},
                                                   .counts = {},
                                                   .volume = cubic_metres(volume),
                                                   .centroid = {},
@@ -92,7 +91,17 @@ class Complex final {
     face(first, plane_id, false, topology::Role::joint, {patch(joint, block, first_area)});
     face(second, plane_id, false, topology::Role::joint, {patch(joint, block, second_area)});
   }
-  [[nodiscard]] topology::BlockComplex build() const { return topology::BlockComplex{data_}; }
+  [[nodiscard]] topology::BlockComplex build() const {
+    auto data = data_;
+    for (const topology::BlockId b : data.blocks.ids()) {
+      const topology::FaceId first{data.faces.size()};
+      for (const auto& [face, patches] : faces_) {
+        if (face.block == b) data.set_patches(data.faces[data.faces.push_back(face)], patches);
+      }
+      data.blocks[b].faces = {first, static_cast<std::uint32_t>(data.faces.size() - first.index())};
+    }
+    return topology::BlockComplex{std::move(data)};
+  }
 
  private:
   static topology::Patch patch(std::uint32_t joint, topology::BlockId neighbour, double area) {
@@ -106,21 +115,20 @@ class Complex final {
     const std::array<double, 3> n = data_.planes[plane].unit_normal();
     const double sense = positive ? -1 : 1;
     const auto joint = patches.empty() ? std::nullopt : patches.front().joint;
-    const auto id = data_.faces.push_back(topology::Face{.block = block,
-                                                         .plane = plane,
-                                                         .block_on_positive_side = positive,
-                                                         .role = role,
-                                                         .joint = joint,
-                                                         .excavation = std::nullopt,
-                                                         .tag = std::nullopt,
-                                                         .outward = sense * Vec3{n[0], n[1], n[2]},
-                                                         .area = area,
-                                                         .centroid = {},
-                                                         .loops = {},
-                                                         .patches = std::move(patches)});
-    data_.blocks[block].faces.push_back(id);
-    data_.blocks[block].shell_of_face.push_back(0);
+    faces_.emplace_back(topology::Face{.block = block,
+                                       .plane = plane,
+                                       .block_on_positive_side = positive,
+                                       .role = role,
+                                       .shell = 0,
+                                       .joint = joint,
+                                       .excavation = std::nullopt,
+                                       .tag = std::nullopt,
+                                       .outward = sense * Vec3{n[0], n[1], n[2]},
+                                       .area = area,
+                                       .centroid = {}},
+                        std::move(patches));
   }
+  std::vector<std::pair<topology::Face, std::vector<topology::Patch>>> faces_;
   topology::BlockComplex::Data data_;
 };
 

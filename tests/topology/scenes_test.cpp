@@ -75,9 +75,10 @@ TEST(Scenes, ACavityIsTheSecondShell) {
   add_closed_box(input, {1, 1, 1}, {3, 3, 3});
   const auto audited = certified(input);
   for (const topology::Block& block : audited.complex().blocks()) {
-    for (std::size_t k = 0; k < block.faces.size(); ++k) {
-      const bool outer = audited.complex().faces()[block.faces[k]].role == topology::Role::fixed;
-      EXPECT_EQ(block.shell_of_face[k], outer || block.counts.shells == 1 ? 0U : 1U);
+    for (const topology::FaceId f : block.faces) {
+      const topology::Face& face = audited.complex().faces()[f];
+      const bool outer = face.role == topology::Role::fixed;
+      EXPECT_EQ(face.shell, outer || block.counts.shells == 1 ? 0U : 1U);
     }
     EXPECT_EQ(block.convex, block.counts.shells == 1);
   }
@@ -145,7 +146,7 @@ TEST(Excavations, MakeFreeFacesAndWinOverJoints) {
       case topology::Role::free:
         free += face.area.si();
         EXPECT_NE(face.excavation.has_value(), face.tag == 5U && face.outward.z > 0.5);
-        EXPECT_TRUE(face.patches.empty() || !face.patches[0].neighbour);
+        EXPECT_TRUE(audited.complex().patches(face).empty() || !audited.complex().patches(face)[0].neighbour);
         break;
       case topology::Role::fixed: fixed += face.area.si(); break;
       case topology::Role::joint: joint_area += face.area.si(); break;

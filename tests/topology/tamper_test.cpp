@@ -53,10 +53,18 @@ FaceId a_joint_face(const Data& data) {
   return FaceId{0U};
 }
 
+using Loops = std::vector<std::vector<VertexId>>;
+void change_loops(Data& data, FaceId f, const std::function<void(Loops&)>& change) {
+  Loops loops;
+  for (const auto loop : data.loops(data.faces[f])) loops.emplace_back(loop.begin(), loop.end());
+  change(loops);
+  data.set_loops(data.faces[f], loops);
+}
+
 TEST(Audit, NoticesALoopTurnedRound) {
   expect_noticed(
       [](Data& d) {
-        std::ranges::reverse(d.faces[a_joint_face(d)].loops[0]);
+        change_loops(d, a_joint_face(d), [](Loops& loops) { std::ranges::reverse(loops[0]); });
         return true;
       },
       "a loop turned round");
@@ -82,7 +90,9 @@ TEST(Audit, NoticesAFaceOnTheWrongSide) {
         Face& face = d.faces[a_joint_face(d)];
         face.block_on_positive_side = !face.block_on_positive_side;
         face.outward = -face.outward;
-        for (auto& loop : face.loops) std::ranges::reverse(loop);
+        change_loops(d, a_joint_face(d), [](Loops& loops) {
+          for (auto& loop : loops) std::ranges::reverse(loop);
+        });
         return true;
       },
       "the whole face turned round");
@@ -91,9 +101,9 @@ TEST(Audit, NoticesAFaceOnTheWrongSide) {
 TEST(Audit, NoticesALostLoop) {
   expect_noticed(
       [](Data& d) {
-        for (Face& face : d.faces) {
-          if (face.loops.size() < 2) continue;
-          face.loops.pop_back();
+        for (const FaceId f : d.faces.ids()) {
+          if (d.loops(d.faces[f]).size() < 2) continue;
+          change_loops(d, f, [](Loops& loops) { loops.pop_back(); });
           return true;
         }
         return false;
@@ -105,8 +115,7 @@ TEST(Audit, NoticesALostFace) {
   expect_noticed(
       [](Data& d) {
         auto& block = d.blocks[d.faces[a_joint_face(d)].block];
-        block.faces.pop_back();
-        block.shell_of_face.pop_back();
+        block.faces = {block.faces.front(), static_cast<std::uint32_t>(block.faces.size() - 1)};
         return true;
       },
       "a face lost");
@@ -115,7 +124,7 @@ TEST(Audit, NoticesALostFace) {
 TEST(Audit, NoticesALostCornerAndAMovedOne) {
   expect_noticed(
       [](Data& d) {
-        d.faces[a_joint_face(d)].loops[0].pop_back();
+        change_loops(d, a_joint_face(d), [](Loops& loops) { loops[0].pop_back(); });
         return true;
       },
       "a corner lost");
@@ -157,8 +166,9 @@ TEST(Audit, NoticesAWrongNeighbour) {
         if (d.blocks.size() < 3) return false;
         Face& face = d.faces[a_joint_face(d)];
         for (const BlockId b : d.blocks.ids()) {
-          if (b == face.block || b == face.patches[0].neighbour) continue;
-          face.patches[0].neighbour = b;
+          topology::Patch& patch = d.patches[face.first_patch];
+          if (b == face.block || b == patch.neighbour) continue;
+          patch.neighbour = b;
           return true;
         }
         return false;
@@ -167,13 +177,13 @@ TEST(Audit, NoticesAWrongNeighbour) {
   expect_noticed(
       [](Data& d) {
         Face& face = d.faces[a_joint_face(d)];
-        face.patches[0].neighbour = face.block;
+        d.patches[face.first_patch].neighbour = face.block;
         return true;
       },
       "a block that is its own neighbour");
   expect_noticed(
       [](Data& d) {
-        d.faces[a_joint_face(d)].patches.clear();
+        d.faces[a_joint_face(d)].patch_count = 0;
         return true;
       },
       "patches lost");
@@ -203,7 +213,7 @@ TEST(Audit, NoticesWrongMeasures) {
   expect_noticed(
       [](Data& d) {
         Face& face = d.faces[a_joint_face(d)];
-        face.patches[0].area = 0.999 * face.patches[0].area;
+        d.patches[face.first_patch].area = 0.999 * d.patches[face.first_patch].area;
         return true;
       },
       "a wrong contact area");
@@ -237,7 +247,7 @@ TEST(Audit, NoticesALostBlock) {
 
 TEST(Audit, TellsTheOffender) {
   Data data = topology::cut(sound_scenes()[0]).value().data();
-  std::ranges::reverse(data.faces[data.blocks[BlockId{5U}].faces[0]].loops[0]);
+  change_loops(data, data.blocks[BlockId{5U}].faces[0], [](Loops& loops) { std::ranges::reverse(loops[0]); });
   const auto audited = topology::audit(BlockComplex{std::move(data)});
   ASSERT_FALSE(audited);
   EXPECT_EQ(audited.error().open_shells, 1U);

@@ -12,7 +12,7 @@ std::vector<topology::JointId> joints_of(const topology::BlockComplex& complex, 
   for (const topology::FaceId id : complex.blocks()[block].faces) {
     const topology::Face& face = complex.faces()[id];
     if (face.joint) joints.push_back(*face.joint);
-    for (const topology::Patch& patch : face.patches) {
+    for (const topology::Patch& patch : complex.patches(face)) {
       if (patch.joint) joints.push_back(*patch.joint);
     }
   }

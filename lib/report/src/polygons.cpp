@@ -31,7 +31,7 @@ std::vector<Polygon> surface_of(const topology::BlockComplex& complex, topology:
   for (const topology::FaceId id : complex.blocks()[block].faces) {
     const topology::Face& face = complex.faces()[id];
     loops.clear();
-    for (const auto& loop : face.loops) {
+    for (const auto& loop : complex.loops(face)) {
       std::vector<std::uint32_t> corners;
       corners.reserve(loop.size());
       for (const topology::VertexId v : loop) corners.push_back(v.value());

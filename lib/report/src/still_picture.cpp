@@ -97,7 +97,7 @@ std::string still_picture(const BlockComplex& complex, const stability::Analysis
     return std::pair{dot(p, eye.right), -dot(p, eye.up)};
   };
   for (const Patch& patch : patches) {
-    for (const topology::VertexId v : complex.faces()[patch.face].loops.front()) {
+    for (const topology::VertexId v : complex.loops(complex.faces()[patch.face]).front()) {
       const auto [x, y] = at(v);
       left = std::min(left, x);
       right = std::max(right, x);
@@ -117,7 +117,7 @@ std::string still_picture(const BlockComplex& complex, const stability::Analysis
     out += "<path class=\"";
     out += patch.batch > 0 ? "pic-key" : (patch.seen_through ? "pic-near" : "pic-wall");
     out += "\" d=\"";
-    for (const auto& loop : face.loops) {
+    for (const auto& loop : complex.loops(face)) {
       for (std::size_t i = 0; i < loop.size(); ++i) {
         const auto [x, y] = at(loop[i]);
         out += (i == 0 ? 'M' : 'L') + fixed((x - left) * scale + shift) + ',' + fixed((y - top) * scale + 30);

@@ -98,8 +98,8 @@ std::size_t view_bytes(const BlockComplex& complex, BlockId block) {
   for (const topology::FaceId id : complex.blocks()[block].faces) {
     const topology::Face& face = complex.faces()[id];
     ++faces;
-    loops += face.loops.size();
-    for (const auto& loop : face.loops) corners += loop.size();
+    loops += complex.loops(face).size();
+    corners += face.corner_count;
   }
   const std::size_t triangles =
       corners + 2 * loops - 4 * faces;  // corners + 2 holes - 2 of each face, holes = loops - 1

@@ -87,7 +87,7 @@ class Batches final {
     std::vector<BlockId> changed;
     for (const BlockId id : leaving) {
       for (const topology::FaceId face : complex().blocks()[id].faces) {
-        for (const topology::Patch& patch : complex().faces()[face].patches) {
+        for (const topology::Patch& patch : complex().patches(complex().faces()[face])) {
           if (!patch.neighbour) continue;
           const bool there = model_.removed_in(*patch.neighbour) == Model::stays;
           if (there && !complex().blocks()[*patch.neighbour].fixed) changed.push_back(*patch.neighbour);

@@ -48,7 +48,7 @@ Contacts Model::contacts(topology::BlockId id, std::uint32_t batch) {
     contact.smallest = settings.group_friction == GroupFriction::smallest;
     contact.divisor = settings.partial.friction();
     bool held = false;
-    for (const topology::Patch& patch : face.patches) {
+    for (const topology::Patch& patch : complex_->patches(face)) {
       if (!patch.neighbour) continue;
       if (!present(*patch.neighbour, batch)) {
         exposed = true;

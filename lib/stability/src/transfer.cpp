@@ -43,7 +43,7 @@ std::vector<Push> effective_faces(Model& model, BlockId block, std::uint32_t bat
     if (face.role != topology::Role::joint) continue;
     const double cosine = -geometry::dot(direction, model.inward(face).unit());
     if (!(cosine > pushes)) continue;
-    for (const topology::Patch& patch : face.patches) {
+    for (const topology::Patch& patch : model.complex().patches(face)) {
       if (!patch.neighbour || model.present(*patch.neighbour, batch)) continue;
       const double ratio = shear_ratio(cosine, model.settings().strengths.of(patch.joint), model.settings());
       pushed.push_back({*patch.neighbour, patch.area.si() * cosine, ratio});

@@ -252,7 +252,7 @@ class Assembler {
     std::ranges::stable_sort(order, [&](Index a, Index b) {
       return block_of_[a] < block_of_[b] || (block_of_[a] == block_of_[b] && root[a] < root[b]);
     });
-    blocks_.assign(block_count_, Block{{}, {}, {}, {}, {}, true, false, false, {}, false});
+    blocks_.assign(block_count_, Block{{}, {}, {}, {}, true, false, false, {}, false});
     loops_of_block_.assign(block_count_, 0);
     face_shell_.clear();
     in_loop_.assign(link_.size(), 0);
@@ -275,14 +275,15 @@ class Assembler {
               .plane = PlaneId{plane_face.plane},
               .block_on_positive_side = positive,
               .role = nature.role,
+              .shell = 0,
               .joint = nature.joint == none ? std::nullopt : std::optional{JointId{nature.joint}},
               .excavation = nature.excavation == none ? std::nullopt : std::optional{nature.excavation},
               .tag = nature.tag == none ? std::nullopt : std::optional{nature.tag},
               .outward = positive ? Vec3{-n[0], -n[1], -n[2]} : Vec3{n[0], n[1], n[2]},
               .area = {},
-              .centroid = {},
-              .loops = {},
-              .patches = {}};
+              .centroid = {}};
+    face.first_patch = static_cast<Index>(out_.patches.size());
+    const auto own_patches = [&] { return std::span{out_.patches}.subspan(face.first_patch); };
     Vec3 area{}, moment{};
     for (const Index h : half_faces) {
       const Measure m = measure(h);
@@ -293,16 +294,17 @@ class Assembler {
       const auto neighbour =
           nature.role == Role::joint && beyond != none ? std::optional{BlockId{beyond}} : std::nullopt;
       const auto joint = nature_[h].joint == none ? std::nullopt : std::optional{JointId{nature_[h].joint}};
-      auto patch = std::ranges::find_if(face.patches,
+      auto patch = std::ranges::find_if(out_.patches.begin() + face.first_patch, out_.patches.end(),
                                         [&](const Patch& p) { return p.neighbour == neighbour && p.joint == joint; });
-      if (patch == face.patches.end()) {
-        face.patches.push_back({joint, neighbour, {}, {}});
-        patch = face.patches.end() - 1;
+      if (patch == out_.patches.end()) {
+        out_.patches.push_back({joint, neighbour, {}, {}});
+        patch = out_.patches.end() - 1;
       }
       patch->area += square_metres(size);
       patch->centroid += (1.0 / 3) * m.moment;
     }
-    for (Patch& patch : face.patches) {
+    face.patch_count = static_cast<Index>(out_.patches.size()) - face.first_patch;
+    for (Patch& patch : own_patches()) {
       patch.centroid = out_.origin + (patch.area.si() > 0 ? patch.centroid / patch.area.si() : Vec3{});
     }
     const double size = geometry::norm(area);
@@ -310,6 +312,8 @@ class Assembler {
     face.centroid = out_.origin + (size > 0 ? moment / (3 * size) : Vec3{});
 
     // Loops, the outer one first: it turns once round to the left.
+    face.first_corner = static_cast<Index>(out_.corners.size());
+    face.first_hole = static_cast<Index>(out_.hole_starts.size());
     const Index half = arrangement_.half_turn[plane_face.plane];
     for (const Index h : half_faces) {
       const PlaneFace& part = arrangement_.faces[h / 2];
@@ -323,17 +327,20 @@ class Assembler {
         } while (e != begin);
       }
     }
-    loops_of_block_[block] += static_cast<Index>(face.loops.size());
+    loops_of_block_[block] += 1 + face.hole_count;
     Block& owner = blocks_[block];
     owner.fixed = owner.fixed || nature.role == Role::fixed;
     owner.free = owner.free || nature.role == Role::free;
-    owner.convex = owner.convex && face.loops.size() == 1;
-    owner.faces.push_back(out_.faces.push_back(std::move(face)));
+    owner.convex = owner.convex && face.hole_count == 0;
+    const FaceId id = out_.faces.push_back(face);
+    owner.faces = owner.faces.empty() ? FaceRange{id, 1}
+                                      : FaceRange{owner.faces.front(), static_cast<Index>(owner.faces.size() + 1)};
     face_shell_.push_back(shells_.find(first));
   }
 
   void walk_loop(Index start, Index half, Face& face) {
-    std::vector<VertexId> corners;
+    const auto begin = static_cast<std::ptrdiff_t>(out_.corners.size());
+    if (face.corner_count > 0) out_.hole_starts.push_back(face.corner_count);
     std::int64_t turning = 0;
     Index flank = start;
     do {
@@ -345,11 +352,20 @@ class Assembler {
       const Index step = (to + 2 * half - from) % (2 * half);
       const std::int64_t left = step < half ? std::int64_t{step} : std::int64_t{step} - 2 * std::int64_t{half};
       turning += flank % 2 == 1 ? left : -left;
-      if (dropped_[flank] == 0) corners.push_back(vertex_id(head(flank)));
+      if (dropped_[flank] == 0) out_.corners.push_back(vertex_id(head(flank)));
       flank = next;
     } while (flank != start);
-    face.loops.push_back(std::move(corners));
-    if (turning > 0 && face.loops.size() > 1) std::swap(face.loops.front(), face.loops.back());
+    const auto added = static_cast<Index>(out_.corners.size()) - static_cast<Index>(begin);
+    if (face.corner_count > 0) {
+      ++face.hole_count;
+      if (turning > 0) {  // the outer loop goes first
+        std::rotate(out_.corners.begin() + face.first_corner, out_.corners.begin() + begin, out_.corners.end());
+        const std::span<Index> starts = std::span{out_.hole_starts}.subspan(face.first_hole);
+        for (std::size_t k = starts.size(); k-- > 1;) starts[k] = starts[k - 1] + added;
+        starts[0] = added;
+      }
+    }
+    face.corner_count += added;
   }
 
   // ---- blocks
@@ -387,7 +403,7 @@ class Assembler {
   void finish_block(Index b, double extent) {
     Block& block = blocks_[b];
     CLEAVE_ASSERT(!block.faces.empty());
-    const Vec3 apex = out_.vertices[out_.faces[block.faces[0]].loops[0][0]];
+    const Vec3 apex = out_.vertices[out_.corners[out_.faces[block.faces[0]].first_corner]];
     // Shells in order of their first face; their volumes tell which one is outside.
     std::vector<Index> shells;
     std::vector<double> volumes;
@@ -403,8 +419,8 @@ class Assembler {
       }
       double part = 0;
       const Face& face = out_.faces[f];
-      const Vec3 o = out_.vertices[face.loops[0][0]] - apex;
-      for (const auto& loop : face.loops) {
+      const Vec3 o = out_.vertices[out_.corners[face.first_corner]] - apex;
+      for (const auto loop : out_.loops(face)) {
         for (std::size_t i = 0; i < loop.size(); ++i) {
           const Vec3 a = out_.vertices[loop[i]] - apex, c = out_.vertices[loop[(i + 1) % loop.size()]] - apex;
           const double six = geometry::dot(o, geometry::cross(a, c));
@@ -418,10 +434,9 @@ class Assembler {
     volume /= 6;
     const auto outer = std::ranges::max_element(volumes) - volumes.begin();
     std::swap(shells[0], shells[static_cast<std::size_t>(outer)]);
-    block.shell_of_face.reserve(block.faces.size());
     for (const FaceId f : block.faces) {
-      block.shell_of_face.push_back(
-          static_cast<std::uint32_t>(std::ranges::find(shells, face_shell_[f.index()]) - shells.begin()));
+      out_.faces[f].shell =
+          static_cast<std::uint32_t>(std::ranges::find(shells, face_shell_[f.index()]) - shells.begin());
     }
     block.volume = cubic_metres(volume);
     block.centroid = out_.origin + apex + (volume > 0 ? moment / (24 * volume) : Vec3{});
@@ -441,7 +456,7 @@ class Assembler {
 
   /// Smallest width across the largest faces: a thin block is thin across a large face.
   [[nodiscard]] double thickness(const Block& block) const {
-    std::vector<FaceId> faces = block.faces;
+    std::vector<FaceId> faces{block.faces.begin(), block.faces.end()};
     const std::size_t looked_at = std::min<std::size_t>(8, faces.size());
     std::ranges::partial_sort(faces, faces.begin() + static_cast<std::ptrdiff_t>(looked_at), [&](FaceId a, FaceId b) {
       return out_.faces[a].area > out_.faces[b].area || (out_.faces[a].area == out_.faces[b].area && a < b);
@@ -451,12 +466,11 @@ class Assembler {
       const Vec3 n = out_.faces[faces[k]].outward;
       double lo = std::numeric_limits<double>::infinity(), hi = -lo;
       for (const FaceId f : block.faces) {
-        for (const auto& loop : out_.faces[f].loops) {
-          for (const VertexId v : loop) {
-            const double h = geometry::dot(n, out_.vertices[v] - out_.vertices[out_.faces[faces[k]].loops[0][0]]);
-            lo = std::min(lo, h);
-            hi = std::max(hi, h);
-          }
+        for (const VertexId v : out_.loops(out_.faces[f]).all_corners()) {
+          const double h =
+              geometry::dot(n, out_.vertices[v] - out_.vertices[out_.corners[out_.faces[faces[k]].first_corner]]);
+          lo = std::min(lo, h);
+          hi = std::max(hi, h);
         }
       }
       least = std::min(least, hi - lo);

@@ -27,7 +27,7 @@ class BlockAuditor {
  public:
   BlockAuditor(const BlockComplex& complex, const Block& block) : complex_{complex}, block_{block} {
     for (std::uint32_t f = 0; f < block.faces.size(); ++f) {
-      for (const auto& loop : complex.faces()[block.faces[f]].loops) {
+      for (const auto loop : complex.loops(complex.faces()[block.faces[f]])) {
         const auto first = static_cast<std::uint32_t>(sides_.size());
         const auto count = static_cast<std::uint32_t>(loop.size());
         for (std::uint32_t i = 0; i < count; ++i) {
@@ -60,7 +60,8 @@ class BlockAuditor {
     };
     std::map<std::uint32_t, Sum> shells;
     for (std::uint32_t f = 0; f < block_.faces.size(); ++f) {
-      shells[find(f)].faces_less_loops += 2 - static_cast<std::int64_t>(complex_.faces()[block_.faces[f]].loops.size());
+      shells[find(f)].faces_less_loops +=
+          2 - static_cast<std::int64_t>(complex_.loops(complex_.faces()[block_.faces[f]]).size());
     }
     // Fans: turning round a vertex from face to face; a pinched vertex has several.
     std::vector<std::uint8_t> seen(sides_.size(), 0);
@@ -160,13 +161,13 @@ struct BlockMeasure {
   double volume, closure;
 };
 BlockMeasure measure(const BlockComplex& complex, const Block& block) {
-  const Vec3 apex = complex.vertices()[complex.faces()[block.faces[0]].loops[0][0]];
+  const Vec3 apex = complex.vertices()[complex.loops(complex.faces()[block.faces[0]])[0][0]];
   Vec3 sum{};
   double size = 0, volume = 0;
   for (const FaceId f : block.faces) {
     const Face& face = complex.faces()[f];
     Vec3 area{};
-    for (const auto& loop : face.loops) {
+    for (const auto loop : complex.loops(face)) {
       for (std::size_t i = 0; i < loop.size(); ++i) {
         area += 0.5 * geometry::cross(complex.vertices()[loop[i]] - apex,
                                       complex.vertices()[loop[(i + 1) % loop.size()]] - apex);
@@ -174,7 +175,7 @@ BlockMeasure measure(const BlockComplex& complex, const Block& block) {
     }
     sum += area;
     size += geometry::norm(area);
-    volume += geometry::dot(complex.vertices()[face.loops[0][0]] - apex, area);
+    volume += geometry::dot(complex.vertices()[complex.loops(face)[0][0]] - apex, area);
   }
   return {volume / 3, size > 0 ? geometry::norm(sum) / size : 0};
 }
@@ -221,10 +222,10 @@ class FitAuditor {
     if (!(geometry::norm(face.outward - outward) <= 1e-9)) return false;
     const auto& q = plane.approx();
     const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
-    const Vec3 apex = complex_.vertices()[face.loops[0][0]];
+    const Vec3 apex = complex_.vertices()[complex_.loops(face)[0][0]];
     Vec3 area{};
     double perimeter = 0;
-    for (const auto& loop : face.loops) {
+    for (const auto loop : complex_.loops(face)) {
       for (std::size_t i = 0; i < loop.size(); ++i) {
         const Vec3 a = complex_.vertices()[loop[i]], b = complex_.vertices()[loop[(i + 1) % loop.size()]];
         const double height = (q[0] * a.x + q[1] * a.y + q[2] * a.z + q[3] * side_) / length;
@@ -236,11 +237,11 @@ class FitAuditor {
     if (!equal(face.area.si(), geometry::dot(area, outward), perimeter)) return false;
     const bool joint = face.role == Role::joint;
     double patches = 0;
-    for (const Patch& patch : face.patches) {
+    for (const Patch& patch : complex_.patches(face)) {
       if (patch.neighbour.has_value() != joint || patch.neighbour == face.block) return false;
       patches += patch.area.si();
     }
-    return joint || !face.patches.empty() ? equal(patches, face.area.si(), perimeter) : true;
+    return joint || !complex_.patches(face).empty() ? equal(patches, face.area.si(), perimeter) : true;
   }
 
   const BlockComplex& complex_;
@@ -256,7 +257,7 @@ std::uint64_t count_unpaired(const BlockComplex& complex) {
   };
   std::vector<Pair> pairs;
   for (const Face& face : complex.faces()) {
-    for (const Patch& patch : face.patches) {
+    for (const Patch& patch : complex.patches(face)) {
       if (!patch.neighbour) continue;
       const std::uint32_t a = face.block.value(), b = patch.neighbour->value();
       pairs.push_back({std::min(a, b), std::max(a, b), face.plane.value(), a < b ? patch.area.si() : -patch.area.si(),
@@ -349,14 +350,14 @@ std::string canonical_hash(const BlockComplex& complex) {
     for (const FaceId f : block.faces) {
       const Face& face = complex.faces()[f];
       std::size_t size = 0;
-      for (const auto& loop : face.loops) {
+      for (const auto loop : complex.loops(face)) {
         size += loop.size();
         for (const VertexId v : loop) {
           const Vec3& p = complex.vertices()[v];
           corners.push_back(mix(mix(rounded(p.x), rounded(p.y)), rounded(p.z)));
         }
       }
-      corners.push_back(mix(mix(static_cast<std::uint64_t>(face.role), size), face.loops.size()));
+      corners.push_back(mix(mix(static_cast<std::uint64_t>(face.role), size), complex.loops(face).size()));
     }
     std::ranges::sort(corners);
     const EulerCounts& c = block.counts;

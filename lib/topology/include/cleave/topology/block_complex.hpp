@@ -11,6 +11,7 @@
 #include "cleave/exact/plane.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/topology/ids.hpp"
+#include "cleave/topology/ranges.hpp"
 
 namespace cleave::topology {
 
@@ -31,13 +32,15 @@ struct Patch {
 
 /// A flat face of one block: coplanar pieces of the same role that touch along edges are one face. Where several
 /// coplanar joints (or excavations) make up one face, `joint`, `excavation` and `tag` are those of its first piece; the
-/// patches have the joint of each part.
+/// patches have the joint of each part. Loops and patches lie in flat arrays of the complex: `BlockComplex::loops` and
+/// `BlockComplex::patches` give them.
 struct Face {
   BlockId block;
   PlaneId plane;
   /// True when the plane's coefficient normal points INTO the block (the block lies on the plane's positive side).
   bool block_on_positive_side;
   Role role;
+  std::uint32_t shell;           ///< of its block: 0 = outer, others are walls of cavities
   std::optional<JointId> joint;  ///< the joint of role joint
   /// Index into CutInput::excavations for free faces made by an excavation; none for free domain sides.
   std::optional<std::uint32_t> excavation;
@@ -45,10 +48,10 @@ struct Face {
   std::optional<std::uint32_t> tag;
   geometry::Vec3 outward;  ///< unit normal out of the block (the theory's m; n = -m points in)
   Area area;
-  geometry::Vec3 centroid;                   ///< m, absolute
-  std::vector<std::vector<VertexId>> loops;  ///< [0] outer, counter-clockwise seen from outside; then holes, clockwise.
-                                             ///< A loop may pass a vertex twice (pinch).
-  std::vector<Patch> patches;                ///< areas add up to `area`
+  geometry::Vec3 centroid;                           ///< m, absolute
+  std::uint32_t first_corner = 0, corner_count = 0;  ///< corners of all loops, into Data::corners
+  std::uint32_t first_hole = 0, hole_count = 0;      ///< into Data::hole_starts
+  std::uint32_t first_patch = 0, patch_count = 0;    ///< into Data::patches
 };
 
 /// Numbers of formula (B1) of Euler-Poincare for one block: V - E + F - (L - F) - 2 (S - G) = 0.
@@ -58,9 +61,7 @@ struct EulerCounts {
 };
 
 struct Block {
-  std::vector<FaceId> faces;
-  /// Shell number (0 = outer) of each entry of `faces`; shells > 0 are walls of cavities.
-  std::vector<std::uint32_t> shell_of_face;
+  FaceRange faces;
   EulerCounts counts;
   Volume volume;
   geometry::Vec3 centroid;  ///< m, absolute
@@ -92,12 +93,26 @@ class BlockComplex final {
     IdVector<VertexId, geometry::Vec3> vertices;  ///< m, relative to `origin`
     geometry::Vec3 origin;                        ///< m; add it to get absolute coordinates
     IdVector<FaceId, Face> faces;
+    std::vector<VertexId> corners;           ///< of the loops of all faces
+    std::vector<std::uint32_t> hole_starts;  ///< where each hole begins, counted from its face's first corner
+    std::vector<Patch> patches;              ///< of all faces
     IdVector<BlockId, Block> blocks;
     IdVector<PlaneId, exact::Plane>
         planes;               ///< exact coefficients in lattice units; normals point to the positive side
     Volume domain_volume;     ///< of the domain solid
     Volume excavated_volume;  ///< of the part of the domain that is void
     CutReport report;
+
+    [[nodiscard]] LoopRange loops(const Face& face) const {
+      const std::span<const VertexId> own = std::span{corners}.subspan(face.first_corner, face.corner_count);
+      return {own, std::span{hole_starts}.subspan(face.first_hole, face.hole_count)};
+    }
+    [[nodiscard]] std::span<const Patch> patches_of(const Face& face) const {
+      return std::span{patches}.subspan(face.first_patch, face.patch_count);
+    }
+    /// Gives the face other loops or patches, put behind all that there are: for block systems written down by hand.
+    void set_loops(Face& face, const std::vector<std::vector<VertexId>>& loops);
+    void set_patches(Face& face, std::span<const Patch> own);
   };
   explicit BlockComplex(Data data) : data_{std::move(data)} {}
 
@@ -105,6 +120,11 @@ class BlockComplex final {
   [[nodiscard]] geometry::Vec3 origin() const noexcept { return data_.origin; }
   [[nodiscard]] geometry::Vec3 position(VertexId v) const { return data_.origin + data_.vertices[v]; }
   [[nodiscard]] const IdVector<FaceId, Face>& faces() const noexcept { return data_.faces; }
+  /// Loops of a face: [0] outer, counter-clockwise seen from outside; then holes, clockwise. A loop may pass a vertex
+  /// twice (pinch).
+  [[nodiscard]] LoopRange loops(const Face& face) const { return data_.loops(face); }
+  /// Patches of a face; their areas add up to its area.
+  [[nodiscard]] std::span<const Patch> patches(const Face& face) const { return data_.patches_of(face); }
   [[nodiscard]] const IdVector<BlockId, Block>& blocks() const noexcept { return data_.blocks; }
   [[nodiscard]] const IdVector<PlaneId, exact::Plane>& planes() const noexcept { return data_.planes; }
   /// Volume of the domain less what is excavated.
