@@ -70,7 +70,7 @@ TEST(LoadsSceneTest, CasesAddUpToTheBaseCase) {
 TEST(LoadsSceneTest, EveryCaseIsJudged) {
   const Scene scene = scene_of(rock);
   StageTimer timer;
-  Progress progress{Progress::Style::none};
+  Progress progress{ProgressStyle::quiet};
   const auto result = run(scene, {}, timer, progress);
   ASSERT_TRUE(result.has_value());
   ASSERT_EQ(result->load_cases.size(), 2U);
@@ -84,12 +84,13 @@ TEST(LoadsSceneTest, ForcesOffTheRockAreRefused) {
   const Scene scene = scene_of(with_box(
       "[stability]\nfree = [\"top\"]\npoint = [{ at = [1, 1, 5], force = [0, 0, -1] }]\n[[load]]\nname = \"a\"\n"));
   StageTimer timer;
-  Progress progress{Progress::Style::none};
+  Progress progress{ProgressStyle::quiet};
   const auto result = run(scene, {}, timer, progress);
   ASSERT_FALSE(result.has_value());
   ASSERT_EQ(result.error().size(), 1U);
-  EXPECT_EQ(describe(result.error()[0]),
-            "s.toml:3: stability.point[1]: lies 1 m off the nearest free face; forces act on free faces: move it onto one");
+  EXPECT_EQ(
+      describe(result.error()[0]),
+      "s.toml:3: stability.point[1]: lies 1 m off the nearest free face; forces act on free faces: move it onto one");
 }
 
 TEST(LoadsSceneTest, MistakesAreToldByKey) {

@@ -74,7 +74,8 @@ std::string key_blocks_csv(const topology::BlockComplex& complex, const stabilit
 }
 
 std::string load_cases_csv(const topology::BlockComplex& complex, std::span<const NamedAnalysis> cases) {
-  std::string out{"case,block,batch,key,mode,volume_m3,direction_x,direction_y,direction_z,net_force_n,factor_of_safety\n"};
+  std::string out{
+      "case,block,batch,key,mode,volume_m3,direction_x,direction_y,direction_z,net_force_n,factor_of_safety\n"};
   for (const NamedAnalysis& load : cases) {
     for (const stability::Judgement& j : load.analysis->judgements) {
       if (!stability::moves(j.mode)) continue;

@@ -95,7 +95,8 @@ Contacts Model::contacts(topology::BlockId id, std::uint32_t batch) {
   for (Contact& group : result.groups) {
     if (group.straight_area > 0 || group.curved.empty()) {
       const bool least = group.smallest || !(group.straight_area > 0);
-      group.tan_friction = (least ? group.tan_least : group.tan_sum / group.straight_area) / settings.partial.friction();
+      group.tan_friction =
+          (least ? group.tan_least : group.tan_sum / group.straight_area) / settings.partial.friction();
     }
     group.cohesion /= settings.partial.cohesion();
     group.tension /= settings.partial.cohesion();

@@ -28,7 +28,7 @@ Moments over_fan(const Convex& polygon, Q q) {
 
 std::vector<SignedTriangle> fan(const topology::BlockComplex& complex, const topology::Face& face) {
   std::vector<SignedTriangle> triangles;
-  for (const auto& loop : face.loops) {
+  for (const auto& loop : complex.loops(face)) {
     for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
       const Vec3 a = complex.position(loop[0]), b = complex.position(loop[i]), c = complex.position(loop[i + 1]);
       const double turn = geometry::dot(geometry::cross(b - a, c - a), face.outward);

@@ -21,11 +21,10 @@ using topology::FaceId;
 
 bool lies_on(const Face& face, const FreeSurface& surface) {
   if (face.role != topology::Role::free) return false;
-  return std::visit(
-      overloaded{[](AnyFreeFace) { return true; },
-                 [&](DomainSide side) { return !face.excavation && face.tag == side.tag; },
-                 [&](ExcavationWall wall) { return face.excavation == wall.excavation; }},
-      surface);
+  return std::visit(overloaded{[](AnyFreeFace) { return true; },
+                               [&](DomainSide side) { return !face.excavation && face.tag == side.tag; },
+                               [&](ExcavationWall wall) { return face.excavation == wall.excavation; }},
+                    surface);
 }
 
 /// The plane's two axes that see the face largest, so that "inside" is asked in two dimensions.
@@ -43,7 +42,7 @@ bool inside(const BlockComplex& complex, const Face& face, Vec3 x) {
   const Flattened flat{face.outward};
   const double pu = flat.u(x), pv = flat.v(x);
   bool odd = false;
-  for (const auto& loop : face.loops) {
+  for (const auto& loop : complex.loops(face)) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
       Vec3 a = complex.position(loop[i]), b = complex.position(loop[(i + 1) % loop.size()]);
       if ((flat.v(a) > pv) == (flat.v(b) > pv)) continue;
@@ -63,14 +62,14 @@ double distance_to_segment(Vec3 x, Vec3 a, Vec3 b) {
 }
 
 double distance(const BlockComplex& complex, const Face& face, Vec3 x) {
-  if (face.loops.empty()) return std::numeric_limits<double>::infinity();
+  if (face.corner_count == 0) return std::numeric_limits<double>::infinity();
   const double off = dot(x - face.centroid, face.outward);
   if (inside(complex, face, x - off * face.outward)) return std::abs(off);
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& loop : face.loops) {
+  for (const auto& loop : complex.loops(face)) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
-      least = std::min(least, distance_to_segment(x, complex.position(loop[i]),
-                                                  complex.position(loop[(i + 1) % loop.size()])));
+      least = std::min(
+          least, distance_to_segment(x, complex.position(loop[i]), complex.position(loop[(i + 1) % loop.size()])));
     }
   }
   return least;
@@ -109,7 +108,7 @@ std::vector<Piece> pieces_of(const BlockComplex& complex, const LineForce& line)
   const Vec3 along = line.to - line.from;
   for (const FaceId id : complex.faces().ids()) {
     const Face& face = complex.faces()[id];
-    if (face.role != topology::Role::free || face.loops.empty()) continue;
+    if (face.role != topology::Role::free || face.corner_count == 0) continue;
     const double a = dot(line.from - face.centroid, face.outward), b = dot(line.to - face.centroid, face.outward);
     if (std::min(std::abs(a), std::abs(b)) > reach && (a > 0) == (b > 0)) continue;
     candidates.push_back({id, std::max(std::abs(a), std::abs(b))});
@@ -118,7 +117,7 @@ std::vector<Piece> pieces_of(const BlockComplex& complex, const LineForce& line)
       for (const double side : {-reach, reach}) breaks.push_back((side - a) / (b - a));
     }
     const Vec3 across = cross(face.outward, along);
-    for (const auto& loop : face.loops) {
+    for (const auto& loop : complex.loops(face)) {
       for (std::size_t i = 0; i < loop.size(); ++i) {
         const Vec3 p = complex.position(loop[i]), q = complex.position(loop[(i + 1) % loop.size()]);
         const double dp = dot(across, p - line.from), dq = dot(across, q - line.from);

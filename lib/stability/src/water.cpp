@@ -70,7 +70,7 @@ ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 
     }
     if (face.role != topology::Role::joint) continue;
     std::vector<const Patch*> hydrostatic;
-    for (const Patch& patch : face.patches) {
+    for (const Patch& patch : complex.patches(face)) {
       if (!patch.neighbour) continue;
       if (!there(*patch.neighbour)) {
         if (table && spec.water->on_free_faces) hydrostatic.push_back(&patch);
@@ -83,7 +83,7 @@ ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 
       }
     }
     if (!table || hydrostatic.empty()) continue;
-    if (hydrostatic.size() == face.patches.size()) {
+    if (hydrostatic.size() == complex.patches(face).size()) {
       push(face, over_face(complex, face, *table));
       continue;
     }
@@ -97,7 +97,7 @@ ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 
       for (const Patch* patch : hydrostatic) {
         if (patch->neighbour == neighbour) wanted += patch->area.si();
       }
-      for (const Patch& patch : face.patches) {
+      for (const Patch& patch : complex.patches(face)) {
         if (patch.neighbour == neighbour) all += patch.area.si();
       }
       if (all > 0) push(face, (wanted / all) * over_contact(complex, face, neighbour, *table));
