@@ -35,15 +35,17 @@ Direction Model::inward(const topology::Face& face) {
   return face.block_on_positive_side ? *known : known->opposite();
 }
 
-Contacts Model::contacts(topology::BlockId id, std::uint32_t batch) {
+Contacts Model::contacts(topology::BlockId id, std::uint32_t batch) { return contacts_of({&id, 1}, batch); }
+
+Contacts Model::contacts_of(std::span<const topology::BlockId> members, std::uint32_t batch) {
   const Settings& settings = *settings_;
   std::vector<Direction> rows;
   std::vector<Contact> faces;
   bool exposed = false;
-  for (const topology::FaceId face_id : complex_->blocks()[id].faces) {
+  const auto add_face = [&](topology::FaceId face_id) {
     const topology::Face& face = complex_->faces()[face_id];
     exposed = exposed || face.role == topology::Role::free;
-    if (face.role != topology::Role::joint) continue;
+    if (face.role != topology::Role::joint) return;
     Contact contact{.face = face_id};
     contact.smallest = settings.group_friction == GroupFriction::smallest;
     contact.divisor = settings.partial.friction();
@@ -54,6 +56,7 @@ Contacts Model::contacts(topology::BlockId id, std::uint32_t batch) {
         exposed = true;
         continue;
       }
+      if (members.size() > 1 && std::ranges::binary_search(members, *patch.neighbour)) continue;
       held = true;
       const JointStrength& strength = settings.strengths.of(patch.joint);
       const double area = patch.area.si();
@@ -68,9 +71,12 @@ Contacts Model::contacts(topology::BlockId id, std::uint32_t batch) {
       contact.tan_sum += strength.tan_friction() * area;
       contact.tan_least = std::min(contact.tan_least, strength.tan_friction());
     }
-    if (!held) continue;
+    if (!held) return;
     rows.push_back(inward(face));
     faces.push_back(std::move(contact));
+  };
+  for (const topology::BlockId id : members) {
+    for (const topology::FaceId face_id : complex_->blocks()[id].faces) add_face(face_id);
   }
 
   Contacts result{.cone = Cone{rows}, .groups = {}, .exposed = exposed};

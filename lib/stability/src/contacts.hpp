@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "cleave/core/id.hpp"
@@ -60,6 +61,8 @@ class Model final {
   /// Inward normal of a face.
   [[nodiscard]] Direction inward(const topology::Face& face);
   [[nodiscard]] Contacts contacts(topology::BlockId block, std::uint32_t batch);
+  /// Blocks taken as one body: faces between members are no contacts. `members` ascending.
+  [[nodiscard]] Contacts contacts_of(std::span<const topology::BlockId> members, std::uint32_t batch);
   /// Weight, seismic force, water as the joints stand while batch `batch` is judged, and loads on free faces.
   [[nodiscard]] Resultant applied_forces(topology::BlockId block, std::uint32_t batch) const;
   /// The same without weight and seismic force, with moments about the block's centroid.

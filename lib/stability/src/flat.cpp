@@ -1,5 +1,6 @@
 #include "flat.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -24,7 +25,34 @@ Moments over_fan(const Convex& polygon, Q q) {
   return sum;
 }
 
+
+/// The plane's two axes that see the face largest, so that "inside" is asked in two dimensions.
+struct Flattened {
+  bool drop_x, drop_y;
+  explicit Flattened(Vec3 n)
+      : drop_x{std::abs(n.x) >= std::abs(n.y) && std::abs(n.x) >= std::abs(n.z)},
+        drop_y{!drop_x && std::abs(n.y) >= std::abs(n.z)} {}
+  [[nodiscard]] double u(Vec3 x) const { return drop_x ? x.y : x.x; }
+  [[nodiscard]] double v(Vec3 x) const { return drop_x || drop_y ? x.z : x.y; }
+};
+
 }  // namespace
+
+bool contains(const topology::BlockComplex& complex, const topology::Face& face, Vec3 x) {
+  const Flattened flat{face.outward};
+  const double pu = flat.u(x), pv = flat.v(x);
+  bool odd = false;
+  for (const auto& loop : complex.loops(face)) {
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      Vec3 a = complex.position(loop[i]), b = complex.position(loop[(i + 1) % loop.size()]);
+      if ((flat.v(a) > pv) == (flat.v(b) > pv)) continue;
+      if (flat.v(a) > flat.v(b)) std::swap(a, b);  // same arithmetic from both sides of the edge
+      const double at = flat.u(a) + (pv - flat.v(a)) / (flat.v(b) - flat.v(a)) * (flat.u(b) - flat.u(a));
+      if (pu < at) odd = !odd;
+    }
+  }
+  return odd;
+}
 
 std::vector<SignedTriangle> fan(const topology::BlockComplex& complex, const topology::Face& face) {
   std::vector<SignedTriangle> triangles;

@@ -23,6 +23,10 @@ struct SignedTriangle {
 /// The face as a signed sum of triangles, corners turning around `face.outward`. Empty for a face without loops.
 [[nodiscard]] std::vector<SignedTriangle> fan(const topology::BlockComplex& complex, const topology::Face& face);
 
+/// Whether a point of the face's plane lies in the face: even-odd with half-open edges, so that a point on an edge of two
+/// coplanar faces lies in exactly one of them.
+[[nodiscard]] bool contains(const topology::BlockComplex& complex, const topology::Face& face, geometry::Vec3 x);
+
 /// The part of a convex polygon where normal.x <= offset.
 [[nodiscard]] Convex clipped(const Convex& polygon, geometry::Vec3 normal, double offset);
 /// The overlap of two triangles of one plane.

@@ -27,33 +27,6 @@ bool lies_on(const Face& face, const FreeSurface& surface) {
                     surface);
 }
 
-/// The plane's two axes that see the face largest, so that "inside" is asked in two dimensions.
-struct Flattened {
-  bool drop_x, drop_y;
-  explicit Flattened(Vec3 n)
-      : drop_x{std::abs(n.x) >= std::abs(n.y) && std::abs(n.x) >= std::abs(n.z)},
-        drop_y{!drop_x && std::abs(n.y) >= std::abs(n.z)} {}
-  [[nodiscard]] double u(Vec3 x) const { return drop_x ? x.y : x.x; }
-  [[nodiscard]] double v(Vec3 x) const { return drop_x || drop_y ? x.z : x.y; }
-};
-
-/// Even-odd with half-open edges: a point on an edge shared by two coplanar faces lies in exactly one of them.
-bool inside(const BlockComplex& complex, const Face& face, Vec3 x) {
-  const Flattened flat{face.outward};
-  const double pu = flat.u(x), pv = flat.v(x);
-  bool odd = false;
-  for (const auto& loop : complex.loops(face)) {
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      Vec3 a = complex.position(loop[i]), b = complex.position(loop[(i + 1) % loop.size()]);
-      if ((flat.v(a) > pv) == (flat.v(b) > pv)) continue;
-      if (flat.v(a) > flat.v(b)) std::swap(a, b);  // same arithmetic from both sides of the edge
-      const double at = flat.u(a) + (pv - flat.v(a)) / (flat.v(b) - flat.v(a)) * (flat.u(b) - flat.u(a));
-      if (pu < at) odd = !odd;
-    }
-  }
-  return odd;
-}
-
 double distance_to_segment(Vec3 x, Vec3 a, Vec3 b) {
   const Vec3 along = b - a;
   const double length = dot(along, along);
@@ -64,7 +37,7 @@ double distance_to_segment(Vec3 x, Vec3 a, Vec3 b) {
 double distance(const BlockComplex& complex, const Face& face, Vec3 x) {
   if (face.corner_count == 0) return std::numeric_limits<double>::infinity();
   const double off = dot(x - face.centroid, face.outward);
-  if (inside(complex, face, x - off * face.outward)) return std::abs(off);
+  if (contains(complex, face, x - off * face.outward)) return std::abs(off);
   double least = std::numeric_limits<double>::infinity();
   for (const auto& loop : complex.loops(face)) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -139,7 +112,7 @@ std::vector<Piece> pieces_of(const BlockComplex& complex, const LineForce& line)
       const Face& face = complex.faces()[candidate.face];
       const double off = dot(middle - face.centroid, face.outward);
       if (std::abs(off) > least || (best && std::abs(off) == least)) continue;
-      if (!inside(complex, face, middle - off * face.outward)) continue;
+      if (!contains(complex, face, middle - off * face.outward)) continue;
       best = candidate.face;
       least = std::abs(off);
     }

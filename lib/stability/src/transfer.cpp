@@ -86,6 +86,7 @@ void transfer_forces(Model& model, Analysis& analysis) {
             const double share = push.weight / total;
             received[push.onto].force += verdict.net * share * verdict.direction;
             received[push.onto].scale += share * resultant.scale();
+            result.passes.push_back({push.onto, verdict.net * share * verdict.direction});
             result.shear_ratio = std::max(result.shear_ratio, push.shear_ratio);
           }
         }
