@@ -110,6 +110,35 @@ TEST_F(CommandsTest, OutputSettingsLeaveFilesOut) {
   EXPECT_FALSE(exists("out/blocks.vtu") || exists("out/key_blocks.csv") || exists("out/report.html"));
 }
 
+// Only key blocks asked for: less is cut, and what is asked for is the same.
+TEST_F(CommandsTest, KeyBlocksAloneAreThoseOfTheWholeScene) {
+  const std::string scene =
+      "schema = 1\nseed = 5\n[domain]\nbox = { min = [0, 0, 0], max = [60, 60, 60] }\n"
+      "[[joint_set]]\nname = \"A\"\norientation = { dip = 30, dip_direction = 30, distribution = \"fisher\", kappa = "
+      "80 }\n"
+      "shape = \"rectangle\"\nsize = { distribution = \"constant\", mean = 60 }\nintensity = { count = 14 }\n"
+      "[[joint_set]]\nname = \"B\"\norientation = { dip = 80, dip_direction = 120, distribution = \"fisher\", kappa = "
+      "80 }\n"
+      "shape = \"rectangle\"\nsize = { distribution = \"constant\", mean = 60 }\nintensity = { count = 14 }\n"
+      "[[joint_set]]\nname = \"C\"\norientation = { dip = 75, dip_direction = 250, distribution = \"fisher\", kappa = "
+      "80 }\n"
+      "shape = \"rectangle\"\nsize = { distribution = \"constant\", mean = 60 }\nintensity = { count = 14 }\n"
+      "[joints.default]\nfriction = 20\n"
+      "[[excavation]]\nname = \"tunnel\"\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 8 }\n"
+      "axis = [[30, 0, 30], [30, 60, 30]]\n";
+  write("all.toml", scene);
+  write("key.toml", scene + "[output]\nblocks = \"key\"\n");
+  ASSERT_EQ(cleave("run --quiet all.toml -o all").code, 0);
+  ASSERT_EQ(cleave("run --quiet key.toml -o key").code, 0);
+  const std::string all = read("all/summary.json"), key = read("key/summary.json");
+  const auto key_blocks = [](const std::string& text) { return text.substr(text.find("\"key_blocks\"")); };
+  EXPECT_EQ(key_blocks(all), key_blocks(key));
+  EXPECT_NE(all.find("\"hash\""), std::string::npos);
+  EXPECT_EQ(all.find("\"window\""), std::string::npos);
+  EXPECT_NE(key.find("\"window\""), std::string::npos);
+  EXPECT_NE(cleave("plan key.toml").out.find("only near free faces"), std::string::npos);
+}
+
 TEST_F(CommandsTest, StabilityIsAbsentWhenNothingIsFree) {
   write("s.toml", "[domain]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n");
   ASSERT_EQ(cleave("run s.toml --quiet -o out").code, 0);

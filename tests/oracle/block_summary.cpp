@@ -116,4 +116,80 @@ std::string broken_invariance(const IntegerScene& scene) {
   return problem;
 }
 
+namespace {
+
+struct SeenBlock {
+  Counts counts;
+  std::array<double, 6> figures;  ///< volume, centroid, joint area, free area
+  bool whole, strictly_inside;
+};
+
+std::vector<SeenBlock> seen_blocks(const topology::BlockComplex& complex, const topology::Window& window) {
+  std::vector<SeenBlock> out;
+  for (const topology::Block& b : complex.blocks()) {
+    const auto& c = b.counts;
+    SeenBlock seen{{c.vertices, c.edges, c.faces, c.loops, c.shells, c.genus},
+                   {b.volume.si(), b.centroid.x, b.centroid.y, b.centroid.z, 0, 0},
+                   !b.truncated,
+                   true};
+    for (const topology::FaceId f : b.faces) {
+      const topology::Face& face = complex.faces()[f];
+      if (face.role == topology::Role::joint) seen.figures[4] += face.area.si();
+      if (face.role == topology::Role::free) seen.figures[5] += face.area.si();
+      for (const auto& loop : complex.loops(face)) {
+        for (const topology::VertexId v : loop) {
+          const geometry::Vec3 p = complex.position(v);
+          seen.strictly_inside = seen.strictly_inside && p.x > window.min.x && p.x < window.max.x &&
+                                 p.y > window.min.y && p.y < window.max.y && p.z > window.min.z && p.z < window.max.z;
+        }
+      }
+    }
+    out.push_back(seen);
+  }
+  return out;
+}
+
+bool same(const SeenBlock& a, const SeenBlock& b) {
+  bool equal = a.counts == b.counts;
+  for (std::size_t k = 0; k < a.figures.size(); ++k) equal = equal && std::abs(a.figures[k] - b.figures[k]) < 1e-7;
+  return equal;
+}
+
+}  // namespace
+
+std::string broken_window(const IntegerScene& scene) {
+  const auto whole = topology::cut(to_cut_input(scene));
+  if (!whole) return {};
+  const geometry::Vec3 lo = to_position(scene.min), hi = to_position(scene.max), middle = 0.5 * (lo + hi);
+  const geometry::Vec3 part = 0.25 * (hi - lo);
+  std::string problem;
+  for (const topology::Window& window :
+       {topology::Window{lo, hi}, topology::Window{lo - part, middle}, topology::Window{middle - part, middle + part},
+        topology::Window{{middle.x - part.x, lo.y, lo.z + 0.3}, {middle.x + 1, hi.y, hi.z - 0.7}}}) {
+    auto input = to_cut_input(scene);
+    input.window = window;
+    auto cut = topology::cut(input);
+    if (!cut) {
+      if (!std::holds_alternative<topology::DomainSwallowed>(cut.error())) problem += topology::describe(cut.error());
+      continue;
+    }
+    const auto audited = topology::audit(*std::move(cut));
+    if (!audited) {
+      problem += "the certificate of a window did not pass\n";
+      continue;
+    }
+    const auto expected = seen_blocks(*whole, window), found = seen_blocks(audited->complex(), window);
+    for (const SeenBlock& block : found) {
+      if (block.whole && std::ranges::none_of(expected, [&](const SeenBlock& e) { return same(e, block); }))
+        problem += "a whole block of the window is none of the scene's\n";
+    }
+    for (const SeenBlock& block : expected) {
+      if (block.strictly_inside &&
+          std::ranges::none_of(found, [&](const SeenBlock& f) { return f.whole && same(f, block); }))
+        problem += "a block inside the window was not found whole\n";
+    }
+  }
+  return problem;
+}
+
 }  // namespace cleave::testing

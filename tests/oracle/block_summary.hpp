@@ -36,6 +36,10 @@ struct FastCut {
 /// Cuts the scene in ways that must not matter (order, repetition, translation, axes); empty when they do not.
 [[nodiscard]] std::string broken_invariance(const IntegerScene& scene);
 
+/// Cuts only what lies in some windows; empty when the blocks found whole there are those of the whole scene, and none
+/// is missing.
+[[nodiscard]] std::string broken_window(const IntegerScene& scene);
+
 /// Drops joints and excavations one by one as long as `fails` stays true.
 template <class Fails>
 [[nodiscard]] IntegerScene minimised(IntegerScene scene, const Fails& fails) {

@@ -53,6 +53,10 @@ TEST(CompareTest, WhatMustNotMatterDoesNotMatterToExcavations) {
   expect_none(broken_invariance, 5, trials(600, 40), {.max_joints = 6, .max_excavations = 2});
 }
 
+TEST(CompareTest, WindowsShowTheBlocksOfTheWholeScene) {
+  expect_none(broken_window, 6, trials(500, 40), {.max_joints = 8, .max_excavations = 2});
+}
+
 // The comparison itself must see a fault: a wrong count or volume on either side.
 TEST(CompareTest, SummariesThatDifferDoNotAgree) {
   const BlockSummary one{{{8, 12, 6, 6, 1, 0}, {1.0, 2.0}}};

@@ -131,9 +131,58 @@ TEST(SceneTest, MeshesMustBeClosedAndOutwards) {
   }
 }
 
+TEST(SceneTest, DrawingsHoldSurfacesAndPolygons) {
+  // two 3DFACEs of one layer are one surface; a closed polyline is a joint of its own
+  const std::string dxf =
+      "0\nSECTION\n2\nENTITIES\n"
+      "0\n3DFACE\n8\nFAULT\n10\n0\n20\n0\n30\n3\n11\n8\n21\n0\n31\n3\n12\n8\n22\n8\n32\n3\n"
+      "0\n3DFACE\n8\nFAULT\n10\n0\n20\n0\n30\n3\n11\n8\n21\n8\n31\n3\n12\n0\n22\n8\n32\n4\n"
+      "0\nLWPOLYLINE\n8\n0\n90\n3\n70\n1\n38\n1\n10\n0\n20\n0\n10\n8\n20\n0\n10\n0\n20\n8\n"
+      "0\nENDSEC\n0\nEOF\n";
+  const Scene scene = scene_of(with_box("[[joint]]\nfile = \"j.dxf\"\n"), {{"j.dxf", dxf}});
+  ASSERT_EQ(scene.joints.size(), 2U);
+  EXPECT_EQ(polygons_of(scene, 0).size(), 1U);
+  EXPECT_EQ(scene.sets[scene.joints[0].set].name, "default");
+  EXPECT_EQ(polygons_of(scene, 1).size(), 2U);
+  EXPECT_EQ(scene.sets[scene.joints[1].set].name, "FAULT");
+  EXPECT_EQ(scene.joints[1].line, 6U);
+  const Scene named = scene_of(with_box("[[joint]]\nfile = \"j.dxf\"\nset = \"A\"\n"), {{"j.dxf", dxf}});
+  EXPECT_EQ(named.sets[named.joints[1].set].name, "A");
+  const std::string cut =
+      error_of(with_box("[[joint]]\nfile = \"j.dxf\"\n"), {{"j.dxf", dxf.substr(0, dxf.size() / 2)}});
+  EXPECT_TRUE(cut.starts_with("j.dxf:")) << cut;
+}
+
+TEST(SceneTest, ObjectsOfATSurfAreSurfaces) {
+  const std::string object =
+      "GOCAD TSurf 1\nHEADER {name:f1}\nTFACE\nVRTX 1 0 0 0\nVRTX 2 1 0 0\nVRTX 3 0 1 0\nVRTX 4 0 0 1\n"
+      "TRGL 1 3 2\nTRGL 1 2 4\nTRGL 2 3 4\nTRGL 1 4 3\nEND\n";
+  const Scene scene = scene_of(with_box("[[joint]]\nfile = \"j.ts\"\n"), {{"j.ts", object + object}});
+  ASSERT_EQ(scene.joints.size(), 2U);
+  EXPECT_EQ(polygons_of(scene, 1).size(), 4U);
+  EXPECT_EQ(scene.sets[scene.joints[1].set].name, "f1");
+  EXPECT_NEAR(scene_of("[domain]\nmesh = \"d.ts\"\n", {{"d.ts", object}}).domain.volume().si(), 1.0 / 6, 1e-15);
+}
+
+TEST(SceneTest, FracturesOfFracManAreJoints) {
+  const std::string fab =
+      "BEGIN FORMAT\nFormat = Ascii\nLength_Unit = Meter\nXAxis = East\nNo_Properties = 0\nEND FORMAT\n"
+      "BEGIN SETS\nSet1 = \"steep\"\nEND SETS\n"
+      "BEGIN FRACTURE\n1 4 1\n1 0 0 3\n2 8 0 3\n3 8 8 3\n4 0 8 3\n0 0 0 1\n"
+      "2 4 1\n1 0 0 1\n2 8 0 1\n3 8 8 1\n4 0 8 9\n0 0 0 1\nEND FRACTURE\n";
+  const std::string refused = error_of(with_box("[[joint]]\nfile = \"j.fab\"\n"), {{"j.fab", fab}});
+  EXPECT_TRUE(refused.starts_with("j.fab:17: face 2: ")) << refused;
+  const Scene scene =
+      scene_of("nonplanar = \"triangulate\"\n" + with_box("[[joint]]\nfile = \"j.fab\"\n"), {{"j.fab", fab}});
+  ASSERT_EQ(scene.joints.size(), 2U);
+  EXPECT_EQ(scene.sets[scene.joints[0].set].name, "steep");
+  EXPECT_EQ(polygons_of(scene, 1).size(), 2U);
+}
+
 TEST(SceneTest, UnknownEndingsAndTruncatedFilesAreRefused) {
-  EXPECT_EQ(error_of("[domain]\nmesh = \"d.dxf\"\n", {{"d.dxf", "0\n"}}),
-            "s.toml:2: domain.mesh: the ending of \"d.dxf\" is not known; give a file that ends in .stl, .obj or .ply");
+  EXPECT_EQ(error_of("[domain]\nmesh = \"d.txt\"\n", {{"d.txt", "0\n"}}),
+            "s.toml:2: domain.mesh: the ending of \"d.txt\" is not known; give a file that ends in .stl, .obj, .ply, "
+            ".dxf or .ts");
   const std::string cut = error_of(with_box("[[joint]]\nfile = \"j.obj\"\n"), {{"j.obj", "v 0 0 3\nv 8 0 3\nv 8 8"}});
   EXPECT_TRUE(cut.starts_with("j.obj:3: ")) << cut;
   const std::string empty = error_of(with_box("[[joint]]\nfile = \"j.obj\"\n"), {{"j.obj", ""}});

@@ -8,13 +8,13 @@
 #include <numbers>
 #include <vector>
 
+#include "analyse_complex.hpp"
 #include "cleave/core/rng.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/geometry/solid.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/cut.hpp"
-#include "analyse_complex.hpp"
 #include "handmade.hpp"
 #include "statics.hpp"
 #include "surface_loads.hpp"
@@ -54,13 +54,15 @@ topology::CutInput random_rock(std::uint64_t seed) {
                            .excavations = {box({3, -1, 4}, {6, 11, 7})},
                            .free_domain_tags = {5}};
   const auto vec = [&](double low, double high) {
-    return Vec3{low + (high - low) * rng.uniform(), low + (high - low) * rng.uniform(), low + (high - low) * rng.uniform()};
+    return Vec3{low + (high - low) * rng.uniform(), low + (high - low) * rng.uniform(),
+                low + (high - low) * rng.uniform()};
   };
   for (int i = 0; i < 5; ++i) input.joints.emplace_back(topology::PersistentJoint{vec(1, 9), normalized(vec(-1, 1))});
   for (int i = 0; i < 8; ++i) {
     const Vec3 c = vec(0, 10), n = normalized(vec(-1, 1)), u = normalized(cross(n, {0.3, 0.5, 0.7})), v = cross(n, u);
     input.joints.emplace_back(topology::Joint{
-        {geometry::Polygon::make({c + 4 * u + 4 * v, c - 4 * u + 4 * v, c - 4 * u - 4 * v, c + 4 * u - 4 * v}).value()}});
+        {geometry::Polygon::make({c + 4 * u + 4 * v, c - 4 * u + 4 * v, c - 4 * u - 4 * v, c + 4 * u - 4 * v})
+             .value()}});
   }
   return input;
 }
@@ -109,9 +111,11 @@ TEST(WaterTest, LiftIsTheVolumeBelowTheTable) {
   }
 }
 
-// Half of a wall's neighbours are gone, and the table crosses what is left: the overlap of the two blocks' faces counts.
+// Half of a wall's neighbours are gone, and the table crosses what is left: the overlap of the two blocks' faces
+// counts.
 TEST(WaterTest, OnlyContactsThatStandCarryWater) {
-  topology::CutInput input{.domain = box({0, 0, 0}, {4, 2, 2}), .joints = {}, .excavations = {}, .free_domain_tags = {5}};
+  topology::CutInput input{
+      .domain = box({0, 0, 0}, {4, 2, 2}), .joints = {}, .excavations = {}, .free_domain_tags = {5}};
   input.joints.emplace_back(topology::PersistentJoint{{2, 0, 0}, {1, 0, 0}});
   input.joints.emplace_back(topology::Joint{
       {geometry::Polygon::make({Vec3{2, 1, -1}, Vec3{5, 1, -1}, Vec3{5, 1, 3}, Vec3{2, 1, 3}}).value()}});
@@ -203,7 +207,8 @@ double wedge_factor(bool crack, double phi1, double phi2, double u) {
   const Vec3 n1 = upward(45, 105), n2 = upward(70, 235), n3 = upward(12, 195), n4 = upward(65, 185);
   const auto rising = [](Vec3 v) { return v.z > 0 ? v : -v; };
   Vec3 on_crest;  // the toe, where planes 1, 2 and the face meet, is the origin
-  topology::CutInput input{.domain = box({0, 0, 0}, {1, 1, 1}), .joints = {}, .excavations = {}, .free_domain_tags = {1}};
+  topology::CutInput input{
+      .domain = box({0, 0, 0}, {1, 1, 1}), .joints = {}, .excavations = {}, .free_domain_tags = {1}};
   input.joints.emplace_back(topology::PersistentJoint{{}, n1});
   input.joints.emplace_back(topology::PersistentJoint{{}, n2});
   if (crack) {
@@ -248,7 +253,8 @@ TEST(WaterTest, HoekAndBrayWedgeFromItsGeometry) {
 
 struct Ground {
   topology::AuditedComplex complex = audited([] {
-    topology::CutInput input{.domain = box({0, 0, 0}, {10, 10, 4}), .joints = {}, .excavations = {}, .free_domain_tags = {5}};
+    topology::CutInput input{
+        .domain = box({0, 0, 0}, {10, 10, 4}), .joints = {}, .excavations = {}, .free_domain_tags = {5}};
     input.joints.emplace_back(topology::PersistentJoint{{3, 0, 0}, {1, 0, 0}});
     input.joints.emplace_back(topology::PersistentJoint{{7, 0, 0}, {1, 0, 0}});
     return input;
@@ -264,12 +270,11 @@ struct Ground {
 
 TEST(SurfaceLoadTest, SurchargeOnTheAreaInsideTheBox) {
   const Ground ground;
-  const Actions load = actions({.surcharges = {{.on = DomainSide{5},
-                                                .within = Box{{1, 2, 3}, {5, 6, 5}},
-                                                .traction = {0, 100, 0},
-                                                .pressure = 50}}});
-  EXPECT_LT(norm(ground.at(load, 1.5).force - Vec3{0, 800, -400}), 1e-9);   // x 1..3, y 2..6
-  EXPECT_LT(norm(ground.at(load, 5).force - Vec3{0, 800, -400}), 1e-9);     // x 3..5
+  const Actions load = actions(
+      {.surcharges = {
+           {.on = DomainSide{5}, .within = Box{{1, 2, 3}, {5, 6, 5}}, .traction = {0, 100, 0}, .pressure = 50}}});
+  EXPECT_LT(norm(ground.at(load, 1.5).force - Vec3{0, 800, -400}), 1e-9);  // x 1..3, y 2..6
+  EXPECT_LT(norm(ground.at(load, 5).force - Vec3{0, 800, -400}), 1e-9);    // x 3..5
   EXPECT_LT(norm(ground.at(load, 8.5).force), 1e-12);
   const Vec3 arm = Vec3{4, 4, 4} - Vec3{5, 5, 2};
   EXPECT_LT(norm(ground.at(load, 5).moment - cross(arm, Vec3{0, 800, -400})), 1e-9);
@@ -332,7 +337,8 @@ TEST(BartonBandisTest, SharesAPlaneWithAStraightJoint) {
   const double mean = (3 * std::tan(radians(20)) + std::tan(radians(30 + 10 * std::log10(100e6 / stress)))) / 4;
   EXPECT_NEAR(analyse_complex(hand.build(), with).judgements.at(0).factor_of_safety, mean / 1.25, 1e-12);
   with.group_friction = GroupFriction::smallest;
-  EXPECT_NEAR(analyse_complex(hand.build(), with).judgements.at(0).factor_of_safety, std::tan(radians(20)) / 1.25, 1e-12);
+  EXPECT_NEAR(analyse_complex(hand.build(), with).judgements.at(0).factor_of_safety, std::tan(radians(20)) / 1.25,
+              1e-12);
 }
 
 }  // namespace

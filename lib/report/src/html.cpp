@@ -10,6 +10,7 @@
 #include "cleave/report/key_blocks.hpp"
 #include "cleave/report/text.hpp"
 #include "cleave/report/view3d.hpp"
+#include "html_stability.hpp"
 
 namespace cleave::report {
 namespace {
@@ -305,6 +306,8 @@ std::string report_html(const Page& page) {
   out += cards(page);
   out += view_section(page, view_json);
   out += key_blocks_section(page);
+  out += why_section(page);
+  out += support_section(page);
   out += stereonet_section(page);
   out += blocks_section(page);
   out += plan_section(page.summary);

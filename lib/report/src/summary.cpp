@@ -86,6 +86,21 @@ void write_blocks(JsonWriter& json, const Summary& summary) {
   figure("hash", &BlockFigures::hash);
   write_certificate(json, summary.certificate);
   figure("exact_share", &BlockFigures::exact_share);
+  if (summary.window) {
+    json.key("window");
+    json.begin_object();
+    const auto corner = [&](std::string_view name, const std::array<double, 3>& values) {
+      json.key(name);
+      json.begin_array();
+      for (const double v : values) json.value(v);
+      json.end_array();
+    };
+    corner("min", summary.window->min);
+    corner("max", summary.window->max);
+    json.member("rounds", summary.window->rounds);
+    json.member("truncated", summary.window->truncated);
+    json.end_object();
+  }
   if (!summary.blocks) json.member("reason", "the certificate did not pass, so no block of this run is to be trusted");
   json.end_object();
 }
@@ -117,6 +132,7 @@ void write_key_blocks(JsonWriter& json, const Summary& summary) {
   json.key("key_blocks");
   json.begin_object();
   write_figures(json, *summary.key_blocks);
+  json.member("hash", summary.key_blocks->hash);
   if (!summary.load_cases.empty()) {
     json.key("load_cases");
     json.begin_array();
@@ -124,6 +140,42 @@ void write_key_blocks(JsonWriter& json, const Summary& summary) {
       json.begin_object();
       json.member("name", load.name);
       write_figures(json, load.figures);
+      json.end_object();
+    }
+    json.end_array();
+  }
+  json.end_object();
+}
+
+void write_support(JsonWriter& json, const SupportFigures& f) {
+  json.key("support");
+  json.begin_object();
+  json.member("passes", f.passes);
+  json.member("blocks", f.blocks);
+  json.member("held_by_bolts", f.held_by_bolts);
+  json.member("held_by_shotcrete", f.held_by_shotcrete);
+  json.member("not_held", f.not_held);
+  json.member("bolts", f.bolts);
+  json.member("spot_bolts", f.spot_bolts);
+  json.member("bolts_used", f.bolts_used);
+  json.member("bolts_redundant", f.bolts_redundant);
+  json.member("bolts_too_short", f.bolts_too_short);
+  json.member("combined_blocks", f.combined);
+  json.member("combined_failing", f.combined_failing);
+  json.member("required_force_n", f.required_force_n);
+  if (f.required_force_n_per_metre) json.member("required_force_n_per_metre", *f.required_force_n_per_metre);
+  json.member("largest_required_pressure_pa", f.largest_required_pressure_pa);
+  json.member("missing_force_n", f.missing_force_n);
+  if (!f.designs.empty()) {
+    json.key("designs");
+    json.begin_array();
+    for (const DesignFigures& d : f.designs) {
+      json.begin_object();
+      json.member("length_m", d.length_m);
+      json.member("found", d.found);
+      json.member("spacing_scale", d.scale);
+      json.member("bolts", d.bolts);
+      json.member("cost", d.cost);
       json.end_object();
     }
     json.end_array();
@@ -158,7 +210,8 @@ bool below(const stability::Judgement& judgement, const TargetFactors& target) {
 KeyBlockFigures count_key_blocks(const stability::Analysis& analysis, const std::optional<TargetFactors>& target) {
   KeyBlockFigures figures{.batches = {},
                           .stopped_at_max_batches = analysis.stopped_at_max_batches,
-                          .equilibrium_residual = analysis.equilibrium_residual};
+                          .equilibrium_residual = analysis.equilibrium_residual,
+                          .hash = {}};
   if (target) figures.below_target = 0;
   for (const stability::Judgement& judgement : analysis.judgements) {
     figures.lowest_factor_of_safety = std::min(figures.lowest_factor_of_safety, judgement.factor_of_safety);
@@ -178,6 +231,30 @@ KeyBlockFigures count_key_blocks(const stability::Analysis& analysis, const std:
   return figures;
 }
 
+SupportFigures count_support(const stability::SupportResult& support) {
+  SupportFigures f;
+  f.passes = support.passes();
+  f.blocks = support.blocks.size();
+  f.bolts = support.bolts.size();
+  f.spot_bolts = support.spot_bolts;
+  for (const stability::SupportedBlock& b : support.blocks) {
+    f.held_by_bolts += b.held == stability::Held::bolts ? 1U : 0U;
+    f.held_by_shotcrete += b.held == stability::Held::shotcrete ? 1U : 0U;
+    f.not_held += b.held == stability::Held::not_held ? 1U : 0U;
+    f.required_force_n += b.required_force;
+    f.missing_force_n += b.missing_force;
+    f.largest_required_pressure_pa = std::max(f.largest_required_pressure_pa, b.required_pressure);
+  }
+  for (const stability::BoltResult& bolt : support.bolts) {
+    f.bolts_used += bolt.status == stability::BoltStatus::holds ? 1U : 0U;
+    f.bolts_redundant += bolt.status == stability::BoltStatus::redundant ? 1U : 0U;
+    f.bolts_too_short += bolt.status == stability::BoltStatus::too_short ? 1U : 0U;
+  }
+  f.combined = support.combined.size();
+  for (const stability::CombinedBlock& b : support.combined) f.combined_failing += b.passes ? 0U : 1U;
+  return f;
+}
+
 std::string summary_json(const Summary& summary) {
   JsonWriter json;
   json.begin_object();
@@ -191,6 +268,7 @@ std::string summary_json(const Summary& summary) {
   write_input(json, summary.input);
   write_blocks(json, summary);
   if (summary.key_blocks) write_key_blocks(json, summary);
+  if (summary.support) write_support(json, *summary.support);
   json.end_object();
   return std::move(json).finish();
 }

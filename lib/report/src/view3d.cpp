@@ -85,7 +85,8 @@ struct FaceColumns {
 std::uint8_t role_code(const topology::Face& face) {
   switch (face.role) {
     case topology::Role::joint: return 0;
-    case topology::Role::fixed: return 1;
+    case topology::Role::fixed:
+    case topology::Role::window: return 1;
     case topology::Role::free: return face.excavation ? 3 : 2;
   }
   std::unreachable();

@@ -1,5 +1,6 @@
 #include "cleave/report/write.hpp"
 
+#include <cmath>
 #include <system_error>
 #include <utility>
 
@@ -58,9 +59,28 @@ Summary summarize(const scene::RunResult& result) {
   if (result.stability && result.stability->target) {
     target = {result.stability->target->falling, result.stability->target->sliding};
   }
-  if (const auto* analysis = analysis_of(result)) summary.key_blocks = count_key_blocks(*analysis, target);
+  if (const auto* analysis = analysis_of(result)) {
+    summary.key_blocks = count_key_blocks(*analysis, target);
+    summary.key_blocks->hash = result.key_block_hash;
+  }
   for (const scene::CaseResult& load : result.load_cases) {
     summary.load_cases.push_back({.name = load.name, .figures = count_key_blocks(load.analysis, target)});
+  }
+  if (result.window) {
+    const scene::WindowInfo& w = *result.window;
+    summary.window = WindowFigures{.min = {w.min.x, w.min.y, w.min.z},
+                                   .max = {w.max.x, w.max.y, w.max.z},
+                                   .rounds = w.rounds,
+                                   .truncated = w.truncated};
+  }
+  if (result.support) {
+    summary.support = count_support(*result.support);
+    if (result.tunnel_length > 0) {
+      summary.support->required_force_n_per_metre = summary.support->required_force_n / result.tunnel_length;
+    }
+    for (const scene::DesignResult& d : result.designs) {
+      summary.support->designs.push_back({d.length, d.found, d.scale, d.bolts, d.cost});
+    }
   }
   return summary;
 }
@@ -101,6 +121,11 @@ Page page_of(const scene::RunResult& result) {
   if (result.stability) page.loads = loads_of(result);
   page.complex = complex_of(result);
   page.analysis = analysis_of(result);
+  page.support = result.support ? &*result.support : nullptr;
+  page.sensitivity = result.sensitivity;
+  for (const topology::JointId joint : result.joints.ids()) {
+    page.tan_friction.push_back(std::tan(result.joints[joint].strength.friction.radians()));
+  }
   return page;
 }
 
@@ -116,12 +141,16 @@ std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result,
 std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result, const fs::path& folder) {
   const auto* complex = complex_of(result);
   if (!result.output.csv || complex == nullptr || !result.analysis) return {};
+  const stability::SupportResult* support = result.support ? &*result.support : nullptr;
+  if (support != nullptr) {
+    CLEAVE_CHECK(write_file(folder / "bolts.csv", bolts_csv(*support, result.bolt_groups)));
+  }
   if (!result.load_cases.empty()) {
     std::vector<NamedAnalysis> cases{{"base", &*result.analysis}};
     for (const scene::CaseResult& load : result.load_cases) cases.push_back({load.name, &load.analysis});
     CLEAVE_CHECK(write_file(folder / "load_cases.csv", load_cases_csv(*complex, cases)));
   }
-  return write_file(folder / "key_blocks.csv", key_blocks_csv(*complex, *result.analysis));
+  return write_file(folder / "key_blocks.csv", key_blocks_csv(*complex, *result.analysis, support));
 }
 
 std::expected<void, WriteError> write_report_html(const scene::RunResult& result, const fs::path& folder) {

@@ -50,6 +50,9 @@ struct ParsedStability {
 [[nodiscard]] std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader& root,
                                                      const std::optional<geometry::Solid>& domain,
                                                      const std::vector<Excavation>& excavations, const LoadSet& base);
+[[nodiscard]] std::optional<SupportSettings> parse_support(const TableReader& root,
+                                                           const std::vector<Excavation>& excavations,
+                                                           const std::optional<StabilitySettings>& stability);
 [[nodiscard]] OutputSettings parse_output(const TableReader& root);
 
 /// Adds notes on a scene that is not wrong: joints outside the domain, no joints at all, strengths that nobody stated.

@@ -64,10 +64,8 @@ void add_measured(const Scene& scene, Drawn& drawn) {
     const FrictionAngle friction = joint.own.friction
                                        ? *joint.own.friction
                                        : draw_friction(scene, joint.set, measured_streams + joint.set.index(), index);
-    const Strength strength{friction,
-                            joint.own.cohesion.value_or(properties.cohesion),
-                            joint.own.tension.value_or(properties.tension),
-                            joint.own.cohesion ? 0 : properties.jrc,
+    const Strength strength{friction, joint.own.cohesion.value_or(properties.cohesion),
+                            joint.own.tension.value_or(properties.tension), joint.own.cohesion ? 0 : properties.jrc,
                             properties.jcs};
     geometry::Vec3 normal;
     std::visit(overloaded{[&](const topology::Joint& polygons) {

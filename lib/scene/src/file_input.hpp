@@ -6,6 +6,7 @@
 
 #include "cleave/io/mesh.hpp"
 #include "cleave/io/read_error.hpp"
+#include "cleave/io/surfaces.hpp"
 #include "context.hpp"
 
 namespace cleave::scene {
@@ -13,7 +14,12 @@ namespace cleave::scene {
 /// "obj" of "a/b.OBJ"; empty when there is none.
 [[nodiscard]] std::string ending_of(std::string_view name);
 
-/// The faces in a file that is already read: .obj .stl .ply by its ending; reports what is wrong.
+/// True for the endings of files that hold polygons and surfaces: .dxf .ts .fab.
+[[nodiscard]] bool is_surfaces(std::string_view ending);
+/// What such a file holds, when it is already read; reports what is wrong.
+[[nodiscard]] std::optional<io::Surfaces> surfaces_of(Context& context, const LoadedFile& loaded);
+
+/// The faces in a file that is already read: .obj .stl .ply .dxf .ts by its ending; reports what is wrong.
 [[nodiscard]] std::optional<io::MeshData> mesh_of(Context& context, const TableReader& owner, std::string_view key,
                                                   const LoadedFile& loaded);
 

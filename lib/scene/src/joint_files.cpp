@@ -20,36 +20,56 @@ namespace {
 
 using std::string_view;
 
-/// Each face one joint.
-void add_faces(Context& context, const io::MeshData& mesh, const std::string& shown, SetId set,
+/// A polygon for each face that is one; what is wrong with the others is reported.
+std::optional<topology::Joint> joint_of_face(Context& context, const io::MeshData& mesh, std::size_t f,
+                                             const std::string& shown) {
+  auto shape = joint_of(mesh.corners_of(f), context.triangulate);
+  if (shape) return std::move(*shape);
+  const std::string key = ending_of(shown) == "obj" ? fmt::format("f (face {})", f + 1) : fmt::format("face {}", f + 1);
+  context.problems.error_in(shown, std::max(1U, mesh.lines[f]), key, shape.error().what, shape.error().remedy);
+  return std::nullopt;
+}
+
+/// Each face one joint, of the set that `set_of` gives for its group.
+template <class SetOf>
+void add_faces(Context& context, const io::MeshData& mesh, const std::string& shown, SetOf&& set_of,
                std::vector<MeasuredJoint>& joints) {
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
-    const std::uint32_t line = std::max(1U, mesh.lines[f]);
-    auto shape = joint_of(mesh.corners_of(f), context.triangulate);
-    if (!shape) {
-      context.problems.error_in(shown, line, fmt::format("f (face {})", f + 1), shape.error().what,
-                                shape.error().remedy);
-      continue;
-    }
-    joints.push_back({.geometry = std::move(*shape), .set = set, .own = {}, .file = shown, .line = line});
+    auto shape = joint_of_face(context, mesh, f, shown);
+    if (!shape) continue;
+    joints.push_back({.geometry = std::move(*shape),
+                      .set = set_of(mesh.group[f]),
+                      .own = {},
+                      .file = shown,
+                      .line = std::max(1U, mesh.lines[f])});
   }
 }
 
-/// All faces one joint: a triangulated fault.
-void add_surface(Context& context, const io::MeshData& mesh, const std::string& shown, SetId set,
-                 std::vector<MeasuredJoint>& joints) {
-  topology::Joint surface;
+/// The faces of each group one joint: a triangulated fault.
+template <class SetOf>
+void add_surfaces(Context& context, const io::MeshData& mesh, const std::string& shown, SetOf&& set_of,
+                  std::vector<MeasuredJoint>& joints) {
+  std::vector<topology::Joint> surfaces(mesh.groups.size());
+  std::vector<std::uint32_t> lines(mesh.groups.size(), 0);
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
-    auto shape = joint_of(mesh.corners_of(f), context.triangulate);
-    if (!shape) {
-      context.problems.error_in(shown, std::max(1U, mesh.lines[f]), fmt::format("face {}", f + 1), shape.error().what,
-                                shape.error().remedy);
-      continue;
-    }
-    std::ranges::move(shape->polygons, std::back_inserter(surface.polygons));
+    auto shape = joint_of_face(context, mesh, f, shown);
+    if (!shape) continue;
+    const std::uint32_t g = mesh.group[f];
+    if (surfaces[g].polygons.empty()) lines[g] = std::max(1U, mesh.lines[f]);
+    std::ranges::move(shape->polygons, std::back_inserter(surfaces[g].polygons));
   }
-  if (surface.polygons.empty()) return;
-  joints.push_back({.geometry = std::move(surface), .set = set, .own = {}, .file = shown, .line = 1});
+  for (std::uint32_t g = 0; g < surfaces.size(); ++g) {
+    if (surfaces[g].polygons.empty()) continue;
+    joints.push_back(
+        {.geometry = std::move(surfaces[g]), .set = set_of(g), .own = {}, .file = shown, .line = lines[g]});
+  }
+}
+
+/// All faces in one group.
+io::MeshData ungrouped(io::MeshData mesh) {
+  std::ranges::fill(mesh.group, 0U);
+  mesh.groups = {""};
+  return mesh;
 }
 
 using Geometry = std::variant<topology::Joint, topology::PersistentJoint>;
@@ -115,13 +135,28 @@ void parse_joint_file(Context& context, const TableReader& joint, const std::opt
     return;
   }
   if (wrap) joint.error("wrap", "has a meaning for CSV files only", "remove it");
+  if (is_surfaces(ending)) {
+    const auto surfaces = surfaces_of(context, *loaded);
+    if (!surfaces) return;
+    const auto set_among = [&](const std::vector<std::string>& groups) {
+      return [&context, &set, &groups](std::uint32_t group) {
+        const std::string& own = groups[group];
+        // "0" is the layer of what nobody put on a layer
+        return context.set_named(set ? *set : own.empty() || own == "0" ? std::string{"default"} : own);
+      };
+    };
+    add_faces(context, surfaces->polygons, loaded->shown, set_among(surfaces->polygons.groups), joints);
+    add_surfaces(context, surfaces->surfaces, loaded->shown, set_among(surfaces->surfaces.groups), joints);
+    return;
+  }
   const auto mesh = mesh_of(context, joint, "file", *loaded);
   if (!mesh) return;
   const SetId id = context.set_named(set.value_or("default"));
+  const auto one_set = [id](std::uint32_t) { return id; };
   if (ending == "obj") {
-    add_faces(context, *mesh, loaded->shown, id, joints);
+    add_faces(context, *mesh, loaded->shown, one_set, joints);
   } else {
-    add_surface(context, *mesh, loaded->shown, id, joints);
+    add_surfaces(context, ungrouped(*mesh), loaded->shown, one_set, joints);
   }
 }
 

@@ -18,7 +18,8 @@ struct ShapeRefusal {
 [[nodiscard]] std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3> corners,
                                                                     bool triangulate);
 
-/// The joints of the file that `joint` names: .obj one a face, .csv one a row, .stl and .ply one surface.
+/// The joints of the file that `joint` names: .obj one a face, .csv one a row, .stl and .ply one surface; .dxf, .ts and
+/// .fab what io::Surfaces says, of the set that the layer, object or set of the file is called when `set` is empty.
 void parse_joint_file(Context& context, const TableReader& joint, const std::optional<std::string>& set,
                       std::vector<MeasuredJoint>& joints);
 

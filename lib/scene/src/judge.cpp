@@ -44,7 +44,9 @@ stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const St
   const auto partial =
       stability::PartialFactors::make(wanted.partial.friction, wanted.partial.cohesion, wanted.partial.weight);
   CLEAVE_ASSERT(rock.has_value() && body.has_value() && partial.has_value());
-  stability::StrengthTable strengths{strength_of({FrictionAngle::degrees(0), pascals(0), pascals(0)})};
+  const Strength nothing{FrictionAngle::degrees(0), pascals(0), pascals(0)};
+  stability::StrengthTable strengths{
+      strength_of(drawn.joints.empty() ? nothing : drawn.joints[topology::JointId{0U}].strength)};
   for (const topology::JointId joint : drawn.joints.ids()) {
     strengths.set(joint, strength_of(drawn.joints[joint].strength));
   }

@@ -16,4 +16,23 @@ namespace cleave::scene {
                                                    const StabilitySettings& wanted,
                                                    const topology::BlockComplex& complex);
 
+/// Nothing but weight and seismic force acts, and nothing but the base case is asked for.
+[[nodiscard]] bool only_weights(const Scene& scene);
+
+/// m, of all tunnels.
+[[nodiscard]] double tunnel_length(const Scene& scene);
+
+/// What is judged beside the base case.
+struct JudgedMore {
+  std::vector<CaseResult> cases;
+  std::optional<stability::SupportResult> support;
+  std::vector<DesignResult> designs;
+  std::vector<stability::Sensitivity> sensitivity;
+};
+void judge_cases(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex, JudgedMore& more);
+void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
+                   const stability::Analysis& analysis, JudgedMore& more);
+void judge_sensitivity(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
+                       const stability::Analysis& analysis, JudgedMore& more);
+
 }  // namespace cleave::scene

@@ -16,8 +16,8 @@ using std::string_view;
 constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
                                                 "north",  "domain",     "joint",    "joint_set", "joints",
                                                 "rock",   "excavation", "stability"};
-constexpr std::array<string_view, 2> more_root_keys{"output", "load"};
-constexpr std::array<string_view, 5> later_sections{"support", "monte_carlo", "body", "contact", "elastic"};
+constexpr std::array<string_view, 3> more_root_keys{"output", "load", "support"};
+constexpr std::array<string_view, 4> later_sections{"monte_carlo", "body", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
   const std::size_t slash = shown.find_last_of('/');
@@ -93,6 +93,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   std::vector<Excavation> excavations;
   parse_excavations(context, root, excavations);
   ParsedStability stability = parse_stability(context, root, domain, excavations);
+  std::optional<SupportSettings> support = parse_support(root, excavations, stability.settings);
   const OutputSettings output = parse_output(root);
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 
@@ -107,6 +108,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .joint_sets = std::move(joint_sets),
               .rock = rock,
               .excavations = std::move(excavations),
+              .support = std::move(support),
               .stability = stability.settings,
               .output = output,
               .shown = shown,

@@ -136,7 +136,7 @@ string_view key_of(const geometry::TunnelError& error) {
   return axis ? "axis" : "section";
 }
 
-std::optional<geometry::Solid> parse_tunnel(const TableReader& tunnel) {
+std::optional<geometry::Solid> parse_tunnel(const TableReader& tunnel, std::optional<TunnelLine>& line) {
   geometry::TunnelOptions options;
   const auto section = parse_section(tunnel, options);
   if (!tunnel.has("axis")) tunnel.missing("axis", "add axis = [[x, y, z], [x, y, z]]");
@@ -147,7 +147,12 @@ std::optional<geometry::Solid> parse_tunnel(const TableReader& tunnel) {
   }
   if (!section || !axis) return std::nullopt;
   auto solid = geometry::make_tunnel(*section, *axis, options);
-  if (solid) return std::move(*solid);
+  if (solid) {
+    if (auto outline = geometry::outline_of(*section, options.segments)) {
+      line = {*axis, options.up.value_or(geometry::Vec3{0, 0, 1}), std::move(outline->corners)};
+    }
+    return std::move(*solid);
+  }
   tunnel.error(key_of(solid.error()), describe(solid.error()), "");
   return std::nullopt;
 }
@@ -223,14 +228,16 @@ std::optional<Excavation> parse_excavation(Context& context, const TomlTable& ta
   const TableReader reader{table, line, path, context.problems, known};
   const auto name = reader.text("name");
   const auto stage = reader.integer("stage", 1, 10'000);
-  std::optional<geometry::Solid> solid = *kind == 0   ? parse_tunnel(reader)
+  std::optional<TunnelLine> tunnel;
+  std::optional<geometry::Solid> solid = *kind == 0   ? parse_tunnel(reader, tunnel)
                                          : *kind == 1 ? parse_mesh(context, reader, "file")
                                                       : parse_polyhedron(reader);
   if (!solid) return std::nullopt;
   return Excavation{.name = name.value_or(path),
                     .stage = static_cast<std::uint32_t>(stage.value_or(1)),
                     .solid = std::move(*solid),
-                    .line = line};
+                    .line = line,
+                    .tunnel = std::move(tunnel)};
 }
 
 }  // namespace

@@ -69,7 +69,8 @@ OwnStrength parse_own_strength(const TableReader& joint, bool is_file) {
   OwnStrength own;
   for (const string_view key : {"friction", "cohesion", "tension"}) {
     if (is_file && joint.has(key)) {
-      joint.error(key, "belongs to a single joint, not to a file", "write it under [joints.NAME], or as a column of the file");
+      joint.error(key, "belongs to a single joint, not to a file",
+                  "write it under [joints.NAME], or as a column of the file");
       return own;
     }
   }
@@ -101,7 +102,7 @@ std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3
 }
 
 void parse_joints(Context& context, const TableReader& root, std::vector<MeasuredJoint>& joints) {
-  constexpr std::array<string_view, 9> keys{"file", "plane", "disc",     "polygon", "set",
+  constexpr std::array<string_view, 9> keys{"file", "plane",    "disc",     "polygon", "set",
                                             "wrap", "friction", "cohesion", "tension"};
   constexpr std::array<string_view, 4> kinds{"file", "plane", "disc", "polygon"};
   const auto found = root.tables("joint");

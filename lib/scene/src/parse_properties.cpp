@@ -35,8 +35,9 @@ Stated parse_one(const TableReader& table) {
   if (stated.friction && stated.friction->kind == Kind::constant && stated.cohesion && stated.tension) {
     const double tangent = std::tan(FrictionAngle::degrees(stated.friction->mean).radians());
     if (*stated.tension * tangent > *stated.cohesion) {
-      table.note("tension", fmt::format("is above cohesion / tan(friction) = {:.6g} Pa, the apex of the Mohr-Coulomb line",
-                                        tangent > 0 ? *stated.cohesion / tangent : 0.0),
+      table.note("tension",
+                 fmt::format("is above cohesion / tan(friction) = {:.6g} Pa, the apex of the Mohr-Coulomb line",
+                             tangent > 0 ? *stated.cohesion / tangent : 0.0),
                  "it is used as given; check it");
     }
   }

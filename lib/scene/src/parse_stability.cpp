@@ -66,10 +66,9 @@ std::optional<Targets> parse_target(const TableReader& stability) {
 ParsedStability parse_stability(const Context& context, const TableReader& root,
                                 const std::optional<geometry::Solid>& domain,
                                 const std::vector<Excavation>& excavations) {
-  constexpr std::array<string_view, 14> keys{"free",           "gravity",     "seismic",   "partial",
-                                             "force_transfer", "max_batches", "target",    "water",
-                                             "surcharge",      "point",       "line",      "strict",
-                                             "parallel_contact", "group_friction"};
+  constexpr std::array<string_view, 14> keys{
+      "free",  "gravity",   "seismic", "partial", "force_transfer", "max_batches",      "target",
+      "water", "surcharge", "point",   "line",    "strict",         "parallel_contact", "group_friction"};
   constexpr std::array<string_view, 2> frictions{"area_mean", "smallest"};
   ParsedStability result;
   StabilitySettings settings;
@@ -106,7 +105,7 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
 }
 
 OutputSettings parse_output(const TableReader& root) {
-  constexpr std::array<string_view, 4> keys{"vtu", "report", "csv", "exports"};
+  constexpr std::array<string_view, 5> keys{"vtu", "report", "csv", "exports", "blocks"};
   OutputSettings output;
   const TomlTable* found = root.table("output");
   if (found == nullptr) return output;
@@ -114,6 +113,10 @@ OutputSettings parse_output(const TableReader& root) {
   output.vtu = table.boolean("vtu").value_or(output.vtu);
   output.csv = table.boolean("csv").value_or(output.csv);
   output.report = table.boolean("report").value_or(output.report);
+  if (table.has("blocks")) {
+    constexpr std::array<string_view, 2> extents{"all", "key"};
+    output.only_key_blocks = table.choice("blocks", extents) == std::size_t{1};
+  }
   const auto exports = table.texts("exports");
   if (exports && !exports->empty()) table.error("exports", not_available(), "remove it");
   return output;

@@ -10,6 +10,7 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/stability/analyse.hpp"
+#include "cleave/stability/near_field.hpp"
 #include "cleave/topology/cut.hpp"
 #include "judge.hpp"
 
@@ -37,6 +38,7 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                                      scene.excavations.empty() ? 1 : scene.excavations.front().line;
                                  return Problem{scene.shown, line, "excavation", what, ""};
                                },
+                               [&](const topology::WindowOutside&) { return whole(); },
                                [&](const topology::TooLarge&) { return whole(); }},
                     error);
 }
@@ -56,6 +58,80 @@ std::optional<Stage> stage_named(std::string_view name) {
   return it == all_stages.end() ? std::nullopt : std::optional{*it};
 }
 
+/// The blocks and what is known of them. `window` when only the rock near free faces was cut.
+struct System {
+  std::expected<topology::AuditedComplex, topology::Certificate> complex;
+  topology::CutReport report;
+  std::optional<stability::Analysis> analysis;
+  std::string hash, key_hash;
+  std::optional<WindowInfo> window;
+};
+
+std::string hash_of_key_blocks(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
+  std::vector<topology::BlockId> leaving;
+  for (const stability::Batch& batch : analysis.batches) {
+    leaving.insert(leaving.end(), batch.blocks.begin(), batch.blocks.end());
+  }
+  return topology::canonical_hash(complex, leaving);
+}
+
+std::expected<System, topology::CutError> cut_all(const Scene& scene, const Drawn& drawn, const RunOptions& options,
+                                                  StageTimer& timer, Progress& progress) {
+  const auto stage = [&](Stage which, auto&& work) {
+    progress.begin(name_of(which));
+    return timer.run(name_of(which), work);
+  };
+  auto cut = stage(Stage::cut, [&] { return topology::cut(drawn.input, {.threads = options.threads}); });
+  if (!cut) return std::unexpected(std::move(cut).error());
+  topology::CutReport report = cut->report();
+  std::string hash;
+  auto complex = stage(Stage::audit, [&] {
+    auto audited = topology::audit(*std::move(cut));
+    if (audited) hash = topology::canonical_hash(audited->complex());
+    return audited;
+  });
+  System system{std::move(complex), std::move(report), {}, std::move(hash), {}, {}};
+  if (system.complex && scene.stability) {
+    system.analysis = stage(Stage::stability, [&] {
+      return stability::analyse(*system.complex, settings_of(scene, drawn, *scene.stability, scene.stability->loads));
+    });
+    system.key_hash = hash_of_key_blocks(system.complex->complex(), *system.analysis);
+  }
+  return system;
+}
+
+std::expected<System, topology::CutError> cut_near_free_faces(const Scene& scene, const Drawn& drawn,
+                                                              const RunOptions& options, StageTimer& timer,
+                                                              Progress& progress) {
+  progress.begin(name_of(Stage::cut));
+  auto near =
+      stability::analyse_near_field(drawn.input, settings_of(scene, drawn, *scene.stability, scene.stability->loads),
+                                    {.threads = options.threads}, timer);
+  if (!near) {
+    if (auto* error = std::get_if<topology::CutError>(&near.error())) return std::unexpected(std::move(*error));
+    return System{std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}, {}, {}, {}, {}};
+  }
+  const topology::BlockComplex& complex = near->complex.complex();
+  System system{near->complex, complex.report(), near->analysis, topology::canonical_hash(complex), {}, {}};
+  system.key_hash = hash_of_key_blocks(complex, near->analysis);
+  if (near->window) {
+    system.window = WindowInfo{
+        .min = near->window->min,
+        .max = near->window->max,
+        .rounds = near->rounds,
+        .truncated = static_cast<std::uint64_t>(std::ranges::count_if(complex.blocks(), &topology::Block::truncated))};
+  }
+  return system;
+}
+
+std::string note_on(const WindowInfo& window) {
+  return fmt::format(
+      "only key blocks were asked for: of the rock only the box from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, "
+      "{:.6g}) "
+      "was cut; {} of its blocks go on outside it and are shown as far as it goes",
+      window.min.x, window.min.y, window.min.z, window.max.x, window.max.y, window.max.z, window.truncated);
+}
+
 }  // namespace
 
 RunCost cost_of(const StageTimer& timer, unsigned threads) {
@@ -64,6 +140,13 @@ RunCost cost_of(const StageTimer& timer, unsigned threads) {
       .wall_s = total.wall_s, .cpu_s = total.cpu_s, .peak_rss_mb = total.peak_rss_mb, .threads = threads, .stages = {}};
   for (const cleave::StageCost& booked : timer.stages()) {
     if (const auto stage = stage_named(booked.stage)) {
+      const auto earlier = std::ranges::find(cost.stages, *stage, &StageCost::stage);
+      if (earlier != cost.stages.end()) {  // several windows were cut
+        earlier->wall_s += booked.wall_s;
+        earlier->cpu_s += booked.cpu_s;
+        earlier->peak_rss_mb = std::max(earlier->peak_rss_mb, booked.peak_rss_mb);
+        continue;
+      }
       cost.stages.push_back({*stage, booked.wall_s, booked.cpu_s, booked.peak_rss_mb});
     }
   }
@@ -84,41 +167,56 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return std::unexpected(std::move(drawn).error());
   }
 
-  auto cut = stage(Stage::cut, [&] { return topology::cut(drawn->input, {.threads = options.threads}); });
-  if (!cut) {
+  // The neighbourhood of free faces is enough for weights alone: other loads, cases and bolts see all of the rock.
+  auto made = scene.output.only_key_blocks && scene.stability && only_weights(scene)
+                  ? cut_near_free_faces(scene, *drawn, options, timer, progress)
+                  : cut_all(scene, *drawn, options, timer, progress);
+  if (!made) {
     progress.end();
-    return std::unexpected(std::vector{problem_of(cut.error(), scene, *drawn)});
+    return std::unexpected(std::vector{problem_of(made.error(), scene, *drawn)});
   }
-  const topology::CutReport report = cut->report();
-  std::string hash;
-  auto complex = stage(Stage::audit, [&] {
-    auto audited = topology::audit(*std::move(cut));
-    if (audited) hash = topology::canonical_hash(audited->complex());
-    return audited;
-  });
-  std::optional<stability::Analysis> analysis;
-  std::vector<CaseResult> cases;
-  if (complex && scene.stability) {
-    if (auto misplaced = misplaced_loads(scene, *drawn, *scene.stability, complex->complex()); !misplaced.empty()) {
+  System& system = *made;
+  auto& analysis = system.analysis;
+  JudgedMore more;
+  if (analysis) {
+    if (auto misplaced = misplaced_loads(scene, *drawn, *scene.stability, system.complex->complex());
+        !misplaced.empty()) {
       progress.end();
       return std::unexpected(std::move(misplaced));
     }
-    stage(Stage::stability, [&] {
-      const StabilitySettings& wanted = *scene.stability;
-      analysis = stability::analyse(*complex, settings_of(scene, *drawn, wanted, wanted.loads));
-      for (const LoadCase& load : wanted.cases) {
-        cases.push_back({load.name, stability::analyse(*complex, settings_of(scene, *drawn, wanted, load.loads))});
-      }
-    });
+    if (!scene.stability->cases.empty()) {
+      stage(Stage::stability, [&] { judge_cases(scene, *drawn, *system.complex, more); });
+    }
+    if (scene.support) stage(Stage::support, [&] { judge_support(scene, *drawn, *system.complex, *analysis, more); });
+    judge_sensitivity(scene, *drawn, *system.complex, *analysis, more);
   }
   progress.end();
 
   std::vector<std::string> notes;
   for (const Problem& note : scene.notes) notes.push_back(describe(note));
-  add_cut_notes(report, drawn->joints.size(), notes);
+  if (system.window) {
+    notes.push_back(note_on(*system.window));
+  } else {
+    add_cut_notes(system.report, drawn->joints.size(), notes);
+  }
   if (analysis && analysis->stopped_at_max_batches) {
     notes.push_back(
         fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
+  }
+  if (scene.output.only_key_blocks && scene.stability && !only_weights(scene)) {
+    notes.push_back("all the rock was cut: with water, loads on free faces, load cases or support it is needed");
+  }
+  if (more.support && !more.support->passes()) {
+    notes.push_back(
+        "the support does not reach the required factors of safety: see bolts.csv and the columns of key_blocks.csv");
+  }
+  for (const CaseResult& load : more.cases) {
+    std::size_t leaving = 0, base = 0;
+    for (const stability::Batch& batch : load.analysis.batches) leaving += batch.blocks.size();
+    for (const stability::Batch& batch : analysis->batches) base += batch.blocks.size();
+    if (leaving != base) {
+      notes.push_back(fmt::format("load case {}: {} key blocks, {} in the base case", load.name, leaving, base));
+    }
   }
   std::vector<ExcavationInfo> excavations;
   for (const Excavation& excavation : scene.excavations) excavations.push_back({excavation.name, excavation.stage});
@@ -137,10 +235,17 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .sets = std::move(drawn->sets),
                    .joints = std::move(drawn->joints),
                    .excavations = std::move(excavations),
-                   .complex = std::move(complex),
-                   .block_hash = std::move(hash),
+                   .complex = std::move(system.complex),
+                   .block_hash = std::move(system.hash),
+                   .key_block_hash = std::move(system.key_hash),
+                   .window = system.window,
                    .analysis = std::move(analysis),
-                   .load_cases = std::move(cases),
+                   .support = std::move(more.support),
+                   .bolt_groups = scene.support ? scene.support->groups : std::vector<std::string>{},
+                   .designs = std::move(more.designs),
+                   .tunnel_length = tunnel_length(scene),
+                   .sensitivity = std::move(more.sensitivity),
+                   .load_cases = std::move(more.cases),
                    .notes = std::move(notes)};
 }
 

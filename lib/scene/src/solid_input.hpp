@@ -12,7 +12,7 @@ namespace cleave::scene {
 [[nodiscard]] std::optional<geometry::Solid> parse_box(const TableReader& owner);
 /// corners = [8 points] of `owner`.
 [[nodiscard]] std::optional<geometry::Solid> parse_corners(const TableReader& owner);
-/// A closed surface in the file named under `key`: .stl .obj .ply by its ending.
+/// A closed surface in the file named under `key`: .stl .obj .ply .dxf .ts by its ending.
 [[nodiscard]] std::optional<geometry::Solid> parse_mesh(Context& context, const TableReader& owner,
                                                         std::string_view key);
 

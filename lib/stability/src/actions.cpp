@@ -30,7 +30,8 @@ std::expected<Actions, BadAction> Actions::make(ActionSpec spec) {
     if (!geometry::is_finite(s.traction) || !std::isfinite(s.pressure)) return bad(which, "is not finite; give Pa");
     if (!s.within) continue;
     if (!geometry::is_finite(s.within->min) || !geometry::is_finite(s.within->max) ||
-        !(s.within->min.x < s.within->max.x && s.within->min.y < s.within->max.y && s.within->min.z < s.within->max.z)) {
+        !(s.within->min.x < s.within->max.x && s.within->min.y < s.within->max.y &&
+          s.within->min.z < s.within->max.z)) {
       return bad(which, "its box is empty; min must be below max on each axis");
     }
   }

@@ -14,7 +14,9 @@ using topology::BlockId;
 class Batches final {
  public:
   Batches(const topology::BlockComplex& complex, const Settings& settings)
-      : model_{complex, settings}, judgements_(complex.blocks().size(), std::nullopt) {}
+      : model_{complex, settings},
+        least_tan_{settings.strengths.least_tan_friction() / settings.partial.friction()},
+        judgements_(complex.blocks().size(), std::nullopt) {}
 
   Analysis run() {
     std::vector<BlockId> changed;
@@ -34,10 +36,13 @@ class Batches final {
       }
       changed = remove(std::move(leaving), batch);
     }
+    // An undecided block was taken to stay, to see at once which others are undecided.
+    std::ranges::sort(analysis_.undecided);
+    analysis_.undecided.erase(std::ranges::unique(analysis_.undecided).begin(), analysis_.undecided.end());
     for (auto& judgement : judgements_) {
       if (judgement) analysis_.judgements.push_back(*std::move(judgement));
     }
-    if (model_.settings().force_transfer) transfer_forces(model_, analysis_);
+    if (model_.settings().force_transfer && analysis_.undecided.empty()) transfer_forces(model_, analysis_);
     return std::move(analysis_);
   }
 
@@ -50,8 +55,13 @@ class Batches final {
     const Contacts contacts = model_.contacts(id, batch);
     if (!contacts.exposed) return false;  // face-vector closure: all its joint faces together leave no direction
     const std::uint8_t dimension = contacts.cone.dimension();
+    // Faces that are not known can only take directions away.
     if (dimension == 0 || (model_.settings().strict && dimension < 3)) return false;
     const topology::Block& block = complex().blocks()[id];
+    if (block.truncated) {
+      if (!stays_for_certain(contacts, model_.applied_forces(id, batch))) analysis_.undecided.push_back(id);
+      return false;
+    }
     const Verdict verdict = judge(contacts, model_.applied_forces(id, batch), model_.settings());
     analysis_.equilibrium_residual = std::max(analysis_.equilibrium_residual, verdict.residual);
 
@@ -74,6 +84,18 @@ class Batches final {
     judgement.tie = verdict.tie;
     judgements_[id] = std::move(judgement);
     return verdict.key;
+  }
+
+  /// Whether a block known in part stays whatever its other faces are. Its body forces have the direction of `r`. More
+  /// faces make the cone smaller, so the projection s of r on it shorter and the reactions, r - s in sum, larger: with
+  /// |s| <= tan(least friction) |r - s| now, friction holds it then.
+  [[nodiscard]] bool stays_for_certain(const Contacts& contacts, const Resultant& r) const {
+    const Motion motion = project(contacts.cone, r);
+    if (motion.tie) return false;
+    if (motion.kind == MotionKind::none || motion.kind == MotionKind::held) return true;
+    if (!model_.settings().only_key_blocks) return false;
+    const double driving = geometry::dot(motion.s, motion.s), all = geometry::dot(r.newtons(), r.newtons());
+    return driving < 0.999999 * least_tan_ * least_tan_ * (all - driving);
   }
 
   /// Takes a batch out; returns the blocks whose contacts changed, in order of id.
@@ -101,6 +123,7 @@ class Batches final {
   }
 
   Model model_;
+  double least_tan_;
   IdVector<BlockId, std::optional<Judgement>> judgements_;
   Analysis analysis_;
 };

@@ -16,21 +16,21 @@ namespace cleave::stability {
 
 /// What the faces of one group (same inward normal) offer together, N and m2, partial factors applied.
 struct Contact {
-  topology::FaceId face;    ///< the first one
-  double area = 0;          ///< of the patches still in contact
-  double tan_friction = 0;  ///< area-weighted mean, or the smallest; of the parts that are not curved
+  topology::FaceId face;     ///< the first one
+  double area = 0;           ///< of the patches still in contact
+  double tan_friction = 0;   ///< area-weighted mean, or the smallest; of the parts that are not curved
   double straight_area = 0;  ///< m2 that `tan_friction` stands for
-  double cohesion = 0;      ///< sum c A, N
-  double tension = 0;       ///< sum sigma_t A, N
+  double cohesion = 0;       ///< sum c A, N
+  double tension = 0;        ///< sum sigma_t A, N
   struct Curved {
     double area;
     JointStrength strength;
   };
-  double tan_sum = 0;                                              ///< sum tan(friction) A of the straight parts
-  double tan_least = std::numeric_limits<double>::infinity();      ///< of the straight parts
-  std::vector<Curved> curved = {};  ///< parts whose friction depends on the normal stress
-  bool smallest = false;            ///< the smallest friction of the parts, not their mean
-  double divisor = 1;               ///< partial factor on tan(friction) of curved parts
+  double tan_sum = 0;                                          ///< sum tan(friction) A of the straight parts
+  double tan_least = std::numeric_limits<double>::infinity();  ///< of the straight parts
+  std::vector<Curved> curved = {};                             ///< parts whose friction depends on the normal stress
+  bool smallest = false;                                       ///< the smallest friction of the parts, not their mean
+  double divisor = 1;                                          ///< partial factor on tan(friction) of curved parts
 
   /// tan(friction) of the group when it presses with `reaction` N, spread evenly over its area.
   [[nodiscard]] double tan_at(double reaction) const;

@@ -25,7 +25,6 @@ Moments over_fan(const Convex& polygon, Q q) {
   return sum;
 }
 
-
 /// The plane's two axes that see the face largest, so that "inside" is asked in two dimensions.
 struct Flattened {
   bool drop_x, drop_y;

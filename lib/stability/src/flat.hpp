@@ -23,8 +23,8 @@ struct SignedTriangle {
 /// The face as a signed sum of triangles, corners turning around `face.outward`. Empty for a face without loops.
 [[nodiscard]] std::vector<SignedTriangle> fan(const topology::BlockComplex& complex, const topology::Face& face);
 
-/// Whether a point of the face's plane lies in the face: even-odd with half-open edges, so that a point on an edge of two
-/// coplanar faces lies in exactly one of them.
+/// Whether a point of the face's plane lies in the face: even-odd with half-open edges, so that a point on an edge of
+/// two coplanar faces lies in exactly one of them.
 [[nodiscard]] bool contains(const topology::BlockComplex& complex, const topology::Face& face, geometry::Vec3 x);
 
 /// The part of a convex polygon where normal.x <= offset.
@@ -47,9 +47,9 @@ struct Moments {
 
 /// p = a (b - up.x) where that is positive, 0 elsewhere.
 struct LinearPressure {
-  double slope;        ///< Pa/m
-  double level;        ///< m
-  geometry::Vec3 up;   ///< unit
+  double slope;       ///< Pa/m
+  double level;       ///< m
+  geometry::Vec3 up;  ///< unit
   [[nodiscard]] double at(geometry::Vec3 x) const noexcept { return slope * (level - geometry::dot(up, x)); }
 };
 /// Over the part of the polygon below the level; exact, the pressure being linear there.

@@ -91,6 +91,14 @@ void StrengthTable::set(topology::JointId joint, JointStrength strength) {
   by_joint_[joint.index()] = strength;
 }
 
+double StrengthTable::least_tan_friction() const noexcept {
+  double least = fallback_.tan_friction();
+  for (const auto& strength : by_joint_) {
+    if (strength) least = std::min(least, strength->tan_friction());
+  }
+  return least;
+}
+
 const JointStrength& StrengthTable::of(std::optional<topology::JointId> joint) const noexcept {
   if (!joint || joint->index() >= by_joint_.size()) return fallback_;
   const auto& entry = by_joint_[joint->index()];

@@ -127,7 +127,7 @@ Vec3 best_direction(const Body& body) {
 }
 
 struct Grip {
-  double gripped = 0;  ///< m in the block
+  double gripped = 0;          ///< m in the block
   double first = 0, last = 0;  ///< m from the collar: where the bolt enters it first and leaves it last
   bool collar = false;
   double behind = 0;  ///< m in rock beyond it
@@ -299,7 +299,8 @@ class Check final {
     const Body& body = bodies_[i];
     const auto look = [&] {
       const Vec3 force = bolt_force(entry.block, entry.bolts);
-      entry.factor_with_bolts = entry.bolts > 0 ? fixed_mode_factor(body, force, plan_->active) : entry.factor_of_safety;
+      entry.factor_with_bolts =
+          entry.bolts > 0 ? fixed_mode_factor(body, force, plan_->active) : entry.factor_of_safety;
       const Least least = entry.bolts > 0 ? least_share(body, force, *settings_, 1) : Least{};
       entry.mobilised = std::isfinite(least.share) ? least.share : 2;
       entry.mode_held = std::isfinite(least.share) ? least.mode : entry.mode;
@@ -316,7 +317,8 @@ class Check final {
     };
     look();
     if (plan_->shotcrete) shotcrete(entry);
-    if (entry.held == Held::not_held && plan_->spot && entry.free_area >= plan_->spot_area) place_spot_bolts(entry, look);
+    if (entry.held == Held::not_held && plan_->spot && entry.free_area >= plan_->spot_area)
+      place_spot_bolts(entry, look);
     if (entry.held == Held::not_held && entry.factor_with_shotcrete >= entry.target &&
         entry.free_area < plan_->spot_area) {
       entry.held = Held::shotcrete;
@@ -367,8 +369,7 @@ class Check final {
     const double lack = body.target * body.bare.driving - body.bare.resistance.least;
     const double net = std::max(entry.net_force, lack / body.target);
     entry.factor_with_shotcrete = net > 0 ? hold / net : infinite;
-    entry.needed_thickness =
-        perimeter > 0 ? entry.target * net / (perimeter * layer.shear_strength) : infinite;
+    entry.needed_thickness = perimeter > 0 ? entry.target * net / (perimeter * layer.shear_strength) : infinite;
   }
 
   template <class Look>
@@ -389,8 +390,8 @@ class Check final {
       }
     }
     if (dot(direction, body.bare.direction) >= 0) return;
-    const Vec3 u = geometry::normalized(
-        std::abs(largest->outward.z) < 0.9 ? cross(largest->outward, {0, 0, 1}) : cross(largest->outward, {1, 0, 0}));
+    const Vec3 u = geometry::normalized(std::abs(largest->outward.z) < 0.9 ? cross(largest->outward, {0, 0, 1})
+                                                                           : cross(largest->outward, {1, 0, 0}));
     const Vec3 v = cross(largest->outward, u);
     double u0 = infinite, u1 = -infinite, v0 = infinite, v1 = -infinite;
     for (const auto& loop : complex_->loops(*largest)) {
@@ -412,8 +413,9 @@ class Check final {
     };
     std::uint32_t placed = 0;
     for (std::uint32_t i = 0; i < 400 && placed < plan_->spot->most && entry.held == Held::not_held; ++i) {
-      const Vec3 x = i == 0 ? largest->centroid
-                            : largest->centroid + (u0 + halton(i, 2) * (u1 - u0)) * u + (v0 + halton(i, 3) * (v1 - v0)) * v;
+      const Vec3 x =
+          i == 0 ? largest->centroid
+                 : largest->centroid + (u0 + halton(i, 2) * (u1 - u0)) * u + (v0 + halton(i, 3) * (v1 - v0)) * v;
       if (!contains(*complex_, *largest, x)) continue;
       const Bolt bolt{.collar = x, .direction = direction, .length = plan_->spot->length, .type = plan_->spot->type};
       BoltResult trial{.bolt = bolt, .spot = true, .pierced = paths_.path(bolt)};

@@ -111,6 +111,7 @@ class Assembler {
           case Owner::domain:
             if (domain == nullptr) domain = &facet;
             break;
+          case Owner::window: break;
           case Owner::excavation:
             if (excavation == nullptr || facet.owner_index < excavation->owner_index) excavation = &facet;
             break;
@@ -129,8 +130,10 @@ class Assembler {
         nature.role = Role::free;
         nature.excavation = excavation->owner_index;
         nature.tag = excavation->tag;
+      } else if (domain == nullptr) {
+        CLEAVE_ASSERT(prepared_.windowed);
+        nature.role = Role::window;
       } else {
-        CLEAVE_ASSERT(domain != nullptr);
         nature.tag = domain->tag;
         nature.role = std::ranges::find(input_.free_domain_tags, domain->tag) != input_.free_domain_tags.end()
                           ? Role::free
@@ -252,7 +255,7 @@ class Assembler {
     std::ranges::stable_sort(order, [&](Index a, Index b) {
       return block_of_[a] < block_of_[b] || (block_of_[a] == block_of_[b] && root[a] < root[b]);
     });
-    blocks_.assign(block_count_, Block{{}, {}, {}, {}, true, false, false, {}, false});
+    blocks_.assign(block_count_, Block{{}, {}, {}, {}, true, false, false, {}, false, false});
     loops_of_block_.assign(block_count_, 0);
     face_shell_.clear();
     in_loop_.assign(link_.size(), 0);
@@ -330,6 +333,7 @@ class Assembler {
     loops_of_block_[block] += 1 + face.hole_count;
     Block& owner = blocks_[block];
     owner.fixed = owner.fixed || nature.role == Role::fixed;
+    owner.truncated = owner.truncated || nature.role == Role::window;
     owner.free = owner.free || nature.role == Role::free;
     owner.convex = owner.convex && face.hole_count == 0;
     const FaceId id = out_.faces.push_back(face);

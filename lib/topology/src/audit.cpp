@@ -193,15 +193,19 @@ class FitAuditor {
     const Block& block = complex_.blocks()[b];
     std::uint64_t misfits = 0;
     double surface = 0;
-    bool fixed = false, free = false;
+    bool fixed = false, free = false, truncated = false;
     for (const FaceId f : block.faces) {
       const Face& face = complex_.faces()[f];
       if (face.block != b || uses_[f.index()]++ != 0 || !fits(face)) ++misfits;
       surface += face.area.si();
       fixed = fixed || face.role == Role::fixed;
+      truncated = truncated || face.role == Role::window;
       free = free || face.role == Role::free;
     }
-    if (!equal(block.volume.si(), volume, surface) || block.fixed != fixed || block.free != free) ++misfits;
+    if (!equal(block.volume.si(), volume, surface) || block.fixed != fixed || block.free != free ||
+        block.truncated != truncated) {
+      ++misfits;
+    }
     return misfits;
   }
   [[nodiscard]] std::uint64_t faces_without_block() const {
@@ -330,6 +334,13 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex) {
 }
 
 std::string canonical_hash(const BlockComplex& complex) {
+  std::vector<BlockId> all;
+  all.reserve(complex.blocks().size());
+  for (const BlockId id : complex.blocks().ids()) all.push_back(id);
+  return canonical_hash(complex, all);
+}
+
+std::string canonical_hash(const BlockComplex& complex, std::span<const BlockId> blocks) {
   const auto mix = [](std::uint64_t h, std::uint64_t v) {
     h ^= v + 0x9E3779B97F4A7C15U + (h << 6U) + (h >> 2U);
     h ^= h >> 30U;
@@ -345,7 +356,8 @@ std::string canonical_hash(const BlockComplex& complex) {
   };
   std::vector<std::uint64_t> digests;
   std::vector<std::uint64_t> corners;
-  for (const Block& block : complex.blocks()) {
+  for (const BlockId id : blocks) {
+    const Block& block = complex.blocks()[id];
     corners.clear();
     for (const FaceId f : block.faces) {
       const Face& face = complex.faces()[f];

@@ -289,7 +289,9 @@ class CellFinder {
       faces_of[a].push_back(f);
       faces_of[b].push_back(f);
     }
-    const std::size_t solids = 1 + std::size_t{prepared_.excavation_count};
+    // Solid 0 is the domain, then come the excavations, then the window.
+    const std::size_t excavations = prepared_.excavation_count;
+    const std::size_t solids = 2 + excavations;
     std::vector<std::int32_t> winding(cells.count * solids, 0);
     std::vector<std::uint8_t> known(cells.count, 0);
     std::vector<Index> queue{0};
@@ -306,7 +308,9 @@ class CellFinder {
         for (Index c = face.first_cover; c < face.first_cover + face.cover_count; ++c) {
           const Facet& facet = prepared_.facets[arrangement_.covers[c]];
           if (facet.owner == Owner::joint) continue;
-          const std::size_t solid = facet.owner == Owner::domain ? 0 : 1 + std::size_t{facet.owner_index};
+          const std::size_t solid = facet.owner == Owner::domain       ? 0
+                                    : facet.owner == Owner::excavation ? 1 + std::size_t{facet.owner_index}
+                                                                       : 1 + excavations;
           winding[beyond * solids + solid] += facet.outward_positive == here_positive ? 1 : -1;
         }
         queue.push_back(beyond);
@@ -316,10 +320,12 @@ class CellFinder {
     cells.in_domain.assign(cells.count, 0);
     for (Index c = 0; c < cells.count; ++c) {
       CLEAVE_ASSERT(known[c] != 0);
-      cells.in_domain[c] = winding[c * solids] > 0 ? 1 : 0;
+      const bool seen = !prepared_.windowed || winding[c * solids + 1 + excavations] > 0;
+      const bool in_domain = winding[c * solids] > 0;
+      cells.in_domain[c] = (prepared_.windowed ? seen : in_domain) ? 1 : 0;
       bool excavated = false;
-      for (std::size_t s = 1; s < solids; ++s) excavated = excavated || winding[c * solids + s] > 0;
-      cells.rock[c] = cells.in_domain[c] != 0 && !excavated ? 1 : 0;
+      for (std::size_t s = 1; s <= excavations; ++s) excavated = excavated || winding[c * solids + s] > 0;
+      cells.rock[c] = seen && in_domain && !excavated ? 1 : 0;
     }
     return cells;
   }

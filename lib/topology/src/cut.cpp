@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "detail/assemble.hpp"
@@ -30,6 +32,9 @@ std::string describe(const CutError& error) {
             return std::string{
                 "the excavations leave no rock of the domain; make the domain larger or an excavation smaller"};
           },
+          [](const WindowOutside&) {
+            return std::string{"the window misses the domain; give one that has a part of the domain in it"};
+          },
           [](const TooLarge& e) {
             return fmt::format("the scene has more than 2^31 {}; split it or use fewer joints", e.what);
           },
@@ -50,6 +55,8 @@ std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOption
   const Cells cells = find_cells(prepared, graph, arrangement, positions);
   BlockComplex::Data data = assemble(input, prepared, graph, arrangement, cells, positions);
   if (data.blocks.empty()) return std::unexpected(CutError{DomainSwallowed{}});
+  data.report.intersections = static_cast<std::uint64_t>(
+      std::ranges::count(traces.intervals, none, [](const Interval& interval) { return interval.outline_of; }));
   data.report.predicate_calls = signs.calls();
   data.report.predicate_exact = signs.exact_calls();
   return BlockComplex{std::move(data)};

@@ -74,6 +74,7 @@ class Builder {
 
   /// Facets of one polygon: itself when convex, its triangles when not. False when it crosses itself on the lattice.
   bool add_polygon(const LatticePolygon& polygon, Facet facet, std::span<const std::optional<HalfSpace>> adopted = {}) {
+    if (facet.owner == Owner::joint && misses_window(polygon.corners)) return true;  // seen only after snapping
     const auto [plane, same] = add_plane(polygon.plane);
     facet.plane = plane;
     facet.outward_positive = same;  // corners turn counter-clockwise seen from outside
@@ -132,7 +133,58 @@ class Builder {
     for (Index f = 0; f < out_.facets.size(); ++f) out_.facets_on[next[out_.facets[f].plane]++] = f;
   }
 
+  /// The sides of the window, which clip the joints. False when it is flat on the lattice.
+  bool add_window(LatticePoint lo, LatticePoint hi) {
+    if (lo.x >= hi.x || lo.y >= hi.y || lo.z >= hi.z) return false;
+    const LatticePoint x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+    const std::array<std::array<LatticePoint, 3>, 6> sides{
+        {{lo, y, z}, {hi, z, y}, {lo, z, x}, {hi, x, z}, {lo, x, y}, {hi, y, x}}};  // positive inside
+    std::array<HalfSpace, 6> inside{};
+    for (std::size_t s = 0; s < 6; ++s) {
+      const auto [plane, same] = add_plane(Plane::spanned(sides[s][0], sides[s][1], sides[s][2]).value());
+      inside[s] = {plane, same};
+    }
+    for (std::size_t s = 0; s < 6; ++s) {
+      Piece piece{{}, {}, {}, {}};
+      piece.facet.plane = inside[s].plane;
+      piece.facet.owner = Owner::window;
+      piece.facet.outward_positive = !inside[s].inside_positive;
+      piece.facet.lo = window_lo_ = grown(lo, -box_margin);
+      piece.facet.hi = window_hi_ = grown(hi, box_margin);
+      for (std::size_t t = 0; t < 6; ++t) {
+        if (t / 2 != s / 2) piece.pool_edges.push_back(inside[t]);
+      }
+      add_piece(std::move(piece));
+    }
+    out_.windowed = true;
+    out_.clip.insert(out_.clip.end(), inside.begin(), inside.end());
+    return true;
+  }
+
  private:
+  static Vec grown(LatticePoint p, double by) {
+    return {static_cast<double>(p.x) * unit + by, static_cast<double>(p.y) * unit + by,
+            static_cast<double>(p.z) * unit + by};
+  }
+
+  [[nodiscard]] bool misses_window(std::span<const LatticePoint> corners) const {
+    if (!out_.windowed) return false;
+    Vec lo{1, 1, 1}, hi{-1, -1, -1};
+    for (const LatticePoint& p : corners) {
+      const Vec c = grown(p, 0);
+      for (std::size_t k = 0; k < 3; ++k) {
+        lo[k] = std::min(lo[k], c[k]);
+        hi[k] = std::max(hi[k], c[k]);
+      }
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      // Corners lie off their plane by up to the planarity tolerance.
+      const double margin = 2 * adoption_margin_ + 0x1p-16 * (hi[k] - lo[k]) + 0x1p-20;
+      if (hi[k] + margin < window_lo_[k] || lo[k] - margin > window_hi_[k]) return true;
+    }
+    return false;
+  }
+
   void add_convex(std::span<const LatticePoint> corners, const LatticePolygon& polygon, const Facet& facet,
                   std::span<const std::optional<HalfSpace>> adopted) {
     Piece piece{facet, {}, {}, {}};
@@ -186,6 +238,7 @@ class Builder {
   Prepared& out_;
   std::unordered_map<PlaneKey, Index, PlaneKeyHash> numbers_;
   std::vector<Piece> pieces_;
+  Vec window_lo_{}, window_hi_{};
 
  public:
   double adoption_margin_ = box_margin;
@@ -338,6 +391,20 @@ struct Bounds {
   }
 };
 
+/// Apart by more than a polygon's corners leave its plane.
+bool far_apart(const Bounds& polygon, const Bounds& region, double pitch) {
+  double size = 0, farthest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    size += polygon.hi[k] - polygon.lo[k];
+    farthest = std::max({farthest, std::abs(polygon.lo[k]), std::abs(polygon.hi[k])});
+  }
+  const double margin = 1e-5 * size + 1e-13 * farthest + 16 * pitch;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (polygon.lo[k] - margin > region.hi[k] || polygon.hi[k] + margin < region.lo[k]) return true;
+  }
+  return false;
+}
+
 /// Sites that are corners of more than one polygon. A polygon given twice counts once: repeating a joint changes
 /// nothing.
 class SharedSites {
@@ -346,31 +413,38 @@ class SharedSites {
     std::ranges::sort(sites);
     const auto repeated = std::ranges::unique(sites);
     sites.erase(repeated.begin(), repeated.end());
-    const auto [polygon, first] = seen_.insert(std::move(sites));
-    if (!first) return;
-    for (const LatticePoint& s : *polygon) ++uses_[s];
+    begin_.push_back(sites_.size());
+    sites_.insert(sites_.end(), sites.begin(), sites.end());
   }
+  void finish() {
+    begin_.push_back(sites_.size());
+    std::vector<std::span<const LatticePoint>> polygons;
+    for (std::size_t i = 0; i + 1 < begin_.size(); ++i) {
+      polygons.push_back(std::span{sites_}.subspan(begin_[i], begin_[i + 1] - begin_[i]));
+    }
+    std::ranges::sort(polygons, [](auto a, auto b) { return std::ranges::lexicographical_compare(a, b); });
+    const auto repeated = std::ranges::unique(polygons, [](auto a, auto b) { return std::ranges::equal(a, b); });
+    polygons.erase(repeated.begin(), repeated.end());
+    std::vector<LatticePoint> uses;
+    for (const auto polygon : polygons) uses.insert(uses.end(), polygon.begin(), polygon.end());
+    std::ranges::sort(uses);
+    sites_.clear();
+    for (std::size_t i = 1; i < uses.size(); ++i) {
+      if (uses[i] == uses[i - 1] && (sites_.empty() || sites_.back() != uses[i])) sites_.push_back(uses[i]);
+    }
+  }
+  /// After `finish`: which of these are shared.
   [[nodiscard]] std::vector<std::size_t> among(std::span<const LatticePoint> sites) const {
     std::vector<std::size_t> shared;
     for (std::size_t i = 0; i < sites.size(); ++i) {
-      if (uses_.at(sites[i]) > 1) shared.push_back(i);
+      if (std::ranges::binary_search(sites_, sites[i])) shared.push_back(i);
     }
     return shared;
   }
 
  private:
-  struct Hash {
-    std::size_t operator()(const LatticePoint& p) const noexcept {
-      std::uint64_t h = 0x9E3779B97F4A7C15U;
-      for (const std::int64_t c : {p.x, p.y, p.z}) {
-        h = (h ^ static_cast<std::uint64_t>(c)) * 0xFF51AFD7ED558CCDU;
-        h ^= h >> 32U;
-      }
-      return h;
-    }
-  };
-  std::unordered_map<LatticePoint, std::uint32_t, Hash> uses_;
-  std::set<std::vector<LatticePoint>> seen_;
+  std::vector<LatticePoint> sites_;
+  std::vector<std::size_t> begin_;
 };
 
 /// The plane of a persistent joint: lattice vectors that depend on the orientation alone, so equal orientations are
@@ -443,6 +517,28 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
     }
   }
 
+  Bounds region = domain;  // what is outside it cuts nothing
+  if (input.window) {
+    const auto clamped = [&](Vec3 p) {
+      return lattice.snap(std::clamp(p.x, domain.lo[0], domain.hi[0]), std::clamp(p.y, domain.lo[1], domain.hi[1]),
+                          std::clamp(p.z, domain.lo[2], domain.hi[2]));
+    };
+    const LatticePoint lo = clamped(input.window->min), hi = clamped(input.window->max);
+    if (!builder.add_window(lo, hi)) return std::unexpected(CutError{WindowOutside{}});
+    const Vec3 window_min = input.window->min, window_max = input.window->max;
+    const auto narrow = [&](std::size_t k, double from, double to) {
+      region.lo[k] = std::max(region.lo[k], from);
+      region.hi[k] = std::min(region.hi[k], to);
+    };
+    narrow(0, window_min.x, window_max.x);
+    narrow(1, window_min.y, window_max.y);
+    narrow(2, window_min.z, window_max.z);
+    const LatticePoint size = hi - lo;
+    out.domain_volume = static_cast<double>(size.x) * lattice.pitch() *
+                        (static_cast<double>(size.y) * lattice.pitch()) *
+                        (static_cast<double>(size.z) * lattice.pitch());
+  }
+
   // Joints: first all polygons on the lattice (with corners, then planes snapped), then their facets (with edges
   // snapped). Corners that two polygons share are the first choice for what fixes their planes: edges that were meant
   // to be shared then are.
@@ -452,6 +548,7 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
       for (const auto& polygon : joint->polygons) shared.add(sites_of(polygon.corners()));
     }
   }
+  shared.finish();
   struct JointPolygon {
     Index joint;
     LatticePolygon polygon;
@@ -462,7 +559,12 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
     if (const auto* joint = std::get_if<Joint>(&input.joints[j])) {
       Bounds own;
       for (const auto& polygon : joint->polygons) {
-        for (const Vec3& v : polygon.corners()) own.add(v);
+        Bounds box;
+        for (const Vec3& v : polygon.corners()) {
+          own.add(v);
+          box.add(v);
+        }
+        if (!snapper.active() && far_apart(box, region, lattice.pitch())) continue;  // cuts nothing
         auto sites = sites_of(polygon.corners());
         const auto preferred = shared.among(sites);
         auto made = make_lattice_polygon(std::move(sites), preferred);

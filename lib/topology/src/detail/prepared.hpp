@@ -25,7 +25,7 @@ struct HalfSpace {
   bool inside_positive;
 };
 
-enum class Owner : std::uint8_t { joint, domain, excavation };
+enum class Owner : std::uint8_t { joint, domain, excavation, window };
 
 /// A convex flat piece of a joint or of a solid's surface: the part of its plane inside all its edge half-spaces.
 /// Edge planes pass through two corners on the lattice along one common direction that is close to the plane's normal.
@@ -50,9 +50,10 @@ struct Prepared {
   std::vector<Vec> corners;  ///< approximate corners of facets, on the facet's plane, units of 2^48 sites
   std::vector<Facet> facets;
   std::vector<Index> facets_begin, facets_on;  ///< facets of each facet plane (CSR)
-  std::vector<HalfSpace> clip;  ///< the domain's half-spaces when it is convex; else empty; edges of joints already
-  double domain_volume = 0;     ///< m3
-  double largest_snap = 0;      ///< m
+  std::vector<HalfSpace> clip;  ///< half-spaces of the window and of a convex domain; edges of joints already
+  double domain_volume = 0;     ///< m3; of the window when there is one
+  bool windowed = false;
+  double largest_snap = 0;  ///< m
   std::uint64_t merged_planes = 0, adopted_edges = 0;
   std::vector<Index> outside;  ///< joints whose box misses the domain's
   Index joint_count = 0, excavation_count = 0;

@@ -12,6 +12,8 @@
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene/scene.hpp"
 #include "cleave/stability/result.hpp"
+#include "cleave/stability/sensitivity.hpp"
+#include "cleave/stability/support.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/cut_input.hpp"
 #include "cleave/topology/ids.hpp"
@@ -49,6 +51,15 @@ struct CaseResult {
   stability::Analysis analysis;
 };
 
+/// What the search for a pattern found for one length of bolt.
+struct DesignResult {
+  double length;
+  bool found = false;
+  double scale = 0;  ///< on the scene's spacings
+  std::size_t bolts = 0;
+  double cost = 0;
+};
+
 enum class JointOrigin : std::uint8_t { measured, drawn };
 
 /// A joint as it went into the cutter; its polygon(s) or plane are RunResult::input.joints[id.index()].
@@ -65,6 +76,13 @@ struct JointInfo {
 struct SetInfo {
   std::string name;
   std::uint64_t joints = 0;
+};
+
+/// The part of the rock that was cut when only key blocks were asked for.
+struct WindowInfo {
+  geometry::Vec3 min, max;      ///< m
+  unsigned rounds = 1;          ///< how many windows were cut before this one was large enough
+  std::uint64_t truncated = 0;  ///< blocks that go on outside it
 };
 
 struct ExcavationInfo {
@@ -108,8 +126,17 @@ struct RunResult {
 
   std::expected<topology::AuditedComplex, topology::Certificate> complex;
   std::string block_hash;  ///< topology::canonical_hash; empty when the certificate failed
+  /// The same of the blocks of all batches: equal whether all the rock was cut or only that near free faces; empty
+  /// without analysis.
+  std::string key_block_hash;
+  std::optional<WindowInfo> window;  ///< when not all the rock was cut
   std::optional<stability::Analysis> analysis;
-  std::vector<CaseResult> load_cases;  ///< of [[load]], in scene order; the base case is `analysis`
+  std::optional<stability::SupportResult> support;
+  std::vector<std::string> bolt_groups;  ///< names, by Bolt::group
+  std::vector<DesignResult> designs;
+  double tunnel_length = 0;                         ///< m, of all tunnels
+  std::vector<stability::Sensitivity> sensitivity;  ///< of the blocks of the first batch
+  std::vector<CaseResult> load_cases;               ///< of [[load]], in scene order; the base case is `analysis`
 
   std::vector<std::string> notes;  ///< what a user should know: joints outside the domain, what was left out
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -15,6 +16,8 @@
 #include "cleave/scene/problem.hpp"
 #include "cleave/stability/actions.hpp"
 #include "cleave/stability/analyse.hpp"
+#include "cleave/stability/bolt_patterns.hpp"
+#include "cleave/stability/support.hpp"
 #include "cleave/topology/cut_input.hpp"
 
 /// A validated scene: what `scene::parse` makes of a TOML file and the files it names. Past this border nothing is
@@ -75,11 +78,19 @@ struct RandomSet {
   std::uint32_t line;  ///< in the scene file
 };
 
+/// Where a tunnel's walls are, for bolt patterns.
+struct TunnelLine {
+  std::vector<geometry::Vec3> axis;
+  geometry::Vec3 up;
+  std::vector<std::array<double, 2>> outline;  ///< (u, v) in m, counter-clockwise
+};
+
 struct Excavation {
   std::string name;
   std::uint32_t stage = 1;
   geometry::Solid solid;
   std::uint32_t line;  ///< in the scene file
+  std::optional<TunnelLine> tunnel = {};
 };
 
 struct Rock {
@@ -120,18 +131,37 @@ struct StabilitySettings {
   PartialFactors partial = {};
   bool force_transfer = true;
   std::uint32_t max_batches = 50;
-  LoadSet loads = {};                       ///< of the base case, seismic included
-  std::vector<LoadCase> cases = {};         ///< in scene order
+  LoadSet loads = {};                ///< of the base case, seismic included
+  std::vector<LoadCase> cases = {};  ///< in scene order
   std::optional<Targets> target = {};
-  bool strict = false;                      ///< wedged slots (cone without interior) do not count as removable
-  bool parallel_contact = false;            ///< cohesion on brushed faces too
+  bool strict = false;            ///< wedged slots (cone without interior) do not count as removable
+  bool parallel_contact = false;  ///< cohesion on brushed faces too
   stability::GroupFriction group_friction = stability::GroupFriction::area_mean;
+};
+
+/// Search for spacing and length of the patterns (design of [support]).
+struct DesignSettings {
+  std::vector<double> lengths;         ///< m
+  double tightest = 0.25, widest = 4;  ///< factors on the scene's spacings
+  std::uint32_t phases = 4;            ///< offsets of the pattern that must all pass
+  double cost_per_bolt = 0, cost_per_metre = 1;
+};
+
+struct SupportSettings {
+  stability::SupportPlan plan;      ///< with all bolts of the patterns
+  std::vector<std::string> groups;  ///< names, by group number
+  std::vector<std::variant<stability::RingPattern, stability::GridPattern>> patterns;
+  std::vector<stability::Bolt> single;  ///< given one by one
+  std::optional<DesignSettings> design;
+  std::uint32_t line = 1;
 };
 
 struct OutputSettings {
   bool vtu = true;     ///< blocks.vtu
   bool csv = true;     ///< key_blocks.csv
   bool report = true;  ///< report.html
+  /// blocks = "key": only key blocks are asked for, so only the rock near free faces is cut.
+  bool only_key_blocks = false;
 };
 
 /// A file that the scene names, as read.
@@ -153,7 +183,8 @@ struct Scene {
   std::vector<MeasuredJoint> joints;            ///< in scene order; they get the first JointIds
   std::vector<RandomSet> joint_sets;            ///< in scene order; their joints follow
   Rock rock;
-  std::vector<Excavation> excavations;         ///< in scene order
+  std::vector<Excavation> excavations;  ///< in scene order
+  std::optional<SupportSettings> support;
   std::optional<StabilitySettings> stability;  ///< empty: the scene has no [stability] and no free face
   OutputSettings output;
 

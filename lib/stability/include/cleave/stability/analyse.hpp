@@ -27,6 +27,9 @@ struct Settings {
   bool parallel_contact = false;
   bool force_transfer = true;
   std::uint32_t max_batches = 50;
+  /// Of a block that is known in part only (topology::Block::truncated) it is enough to know that it is no key block;
+  /// otherwise it must be known not to move without friction either.
+  bool only_key_blocks = false;
   /// Water and loads on free faces.
   Actions actions = {};
 };

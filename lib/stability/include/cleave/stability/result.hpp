@@ -55,7 +55,7 @@ struct Transferred {
   /// without cohesion cannot carry the force in line.
   double shear_ratio = 0;
   bool tie = false;
-  std::vector<Passed> passes = {};    ///< what it passes on, by face
+  std::vector<Passed> passes = {};      ///< what it passes on, by face
   std::vector<Pressing> pressing = {};  ///< under the forces received
   double lost = 0;                      ///< N of net force that no option of the transfer could pass on
 };
@@ -98,6 +98,9 @@ struct Analysis {
   /// Unstable blocks are left (key, without batch): they would have left in the next batch.
   bool stopped_at_max_batches = false;
   bool force_transfer = false;
+  /// Blocks of which only a part was cut (topology::Block::truncated) and of which that part does not tell whether they
+  /// move. When there is one, nothing else of the analysis holds, and a larger window is needed.
+  std::vector<topology::BlockId> undecided = {};
   /// Largest |r + sum N n - s| over the sum of the applied forces, both before and after transfer: rounding of the
   /// statics.
   double equilibrium_residual = 0;

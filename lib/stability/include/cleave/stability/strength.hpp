@@ -39,15 +39,16 @@ struct BadPartialFactor {
   std::string which;  ///< friction, cohesion or weight
   double value;       ///< not > 0, or not finite
 };
-using StrengthError =
-    std::variant<FrictionOutOfRange, BadCohesion, BadTension, BadRoughness, BadDensity, BadGravity, BadSeismic, BadPartialFactor>;
+using StrengthError = std::variant<FrictionOutOfRange, BadCohesion, BadTension, BadRoughness, BadDensity, BadGravity,
+                                   BadSeismic, BadPartialFactor>;
 /// "what is wrong; what to do", in words for an engineer.
 [[nodiscard]] std::string describe(const StrengthError& error);
 
 /// Strength of a joint: Mohr-Coulomb, or the curved law of Barton and Bandis (1982),
 ///   tau = sigma_n tan(residual + JRC log10(JCS / sigma_n)),
 /// with the angle kept between residual and 70 degrees (Barton and Choubey 1977: no extrapolation to low stress).
-/// Tension is the strength of a joint that opens (cut-off). Invariant: friction in [0, 90) degrees; the rest >= 0, finite.
+/// Tension is the strength of a joint that opens (cut-off). Invariant: friction in [0, 90) degrees; the rest >= 0,
+/// finite.
 class JointStrength final {
  public:
   [[nodiscard]] static std::expected<JointStrength, StrengthError> make(FrictionAngle friction,
@@ -83,6 +84,8 @@ class StrengthTable final {
   explicit StrengthTable(JointStrength fallback) : fallback_{fallback} {}
   void set(topology::JointId joint, JointStrength strength);
   [[nodiscard]] const JointStrength& of(std::optional<topology::JointId> joint) const noexcept;
+  /// The smallest of all strengths in the table, the one for all others included.
+  [[nodiscard]] double least_tan_friction() const noexcept;
 
  private:
   JointStrength fallback_;

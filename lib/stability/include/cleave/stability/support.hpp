@@ -37,8 +37,8 @@ struct Shotcrete {
 
 struct SpotBolts {
   BoltType type;
-  double length = 0;         ///< m
-  std::uint32_t most = 20;   ///< per block
+  double length = 0;        ///< m
+  std::uint32_t most = 20;  ///< per block
 };
 
 struct SupportPlan {
@@ -99,19 +99,19 @@ struct SupportedBlock {
   double mobilised = 0;              ///< least share of the bolts that holds it at the target; 2 when all do not
   Mode mode_held = Mode::stable;     ///< at that share
   Held held = Held::not_held;
-  std::uint32_t bolts = 0;  ///< that act on it
-  double free_area = 0;     ///< m2
-  double required_force = 0;          ///< N: least single force that reaches the target without other support
+  std::uint32_t bolts = 0;                 ///< that act on it
+  double free_area = 0;                    ///< m2
+  double required_force = 0;               ///< N: least single force that reaches the target without other support
   geometry::Vec3 required_direction = {};  ///< unit, of that force
-  double required_pressure = 0;       ///< Pa on its free faces that reaches the target; inf when none does
-  double missing_force = 0;           ///< N beyond the bolts, 0 when held
-  double needed_thickness = 0;        ///< m of shotcrete; 0 without shotcrete
+  double required_pressure = 0;            ///< Pa on its free faces that reaches the target; inf when none does
+  double missing_force = 0;                ///< N beyond the bolts, 0 when held
+  double needed_thickness = 0;             ///< m of shotcrete; 0 without shotcrete
 };
 
 /// Blocks stitched together by bolts, tested as one body (step 2).
 struct CombinedBlock {
   std::vector<topology::BlockId> members = {};
-  bool immovable = false;     ///< a member is fixed
+  bool immovable = false;  ///< a member is fixed
   bool removable = false;
   Mode mode = Mode::stable;
   double target = 1;
@@ -123,8 +123,8 @@ struct CombinedBlock {
 };
 
 struct SupportResult {
-  std::vector<SupportedBlock> blocks = {};  ///< in order of id
-  std::vector<BoltResult> bolts = {};       ///< plan order, then spot bolts
+  std::vector<SupportedBlock> blocks = {};   ///< in order of id
+  std::vector<BoltResult> bolts = {};        ///< plan order, then spot bolts
   std::vector<CombinedBlock> combined = {};  ///< two members and more, by lowest id
   std::size_t spot_bolts = 0;
   [[nodiscard]] bool passes() const noexcept;

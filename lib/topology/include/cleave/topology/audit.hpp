@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <expected>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,5 +48,7 @@ class AuditedComplex final {
 /// Order-independent hash of the block system (counts and positions rounded exactly on a coarse grid): equal for every
 /// thread count, compiler and optimisation level, and for every order of the joints.
 [[nodiscard]] std::string canonical_hash(const BlockComplex& complex);
+/// The same of some of its blocks: equal for a block found in a window and in the whole scene.
+[[nodiscard]] std::string canonical_hash(const BlockComplex& complex, std::span<const BlockId> blocks);
 
 }  // namespace cleave::topology

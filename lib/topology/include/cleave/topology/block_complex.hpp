@@ -17,9 +17,10 @@ namespace cleave::topology {
 
 /// What lies behind a face of a block.
 enum class Role : std::uint8_t {
-  joint,  ///< another block, across a joint
-  fixed,  ///< a domain side that is not free: rock that never moves
-  free,   ///< air: an excavation, or a domain side named free
+  joint,   ///< another block, across a joint
+  fixed,   ///< a domain side that is not free: rock that never moves
+  free,    ///< air: an excavation, or a domain side named free
+  window,  ///< the edge of the part that was cut (CutInput::window): what lies behind it was not looked at
 };
 
 /// A part of a face with one joint and one neighbour.
@@ -71,6 +72,8 @@ struct Block {
   /// Smallest width over the face normals (m): distance between the face's plane and the farthest vertex.
   Length thickness;
   bool sliver;  ///< thickness below 1e-6 of the domain's extent
+  /// Has a face of Role::window: only a part of the block is known, and it may go on as another part elsewhere.
+  bool truncated = false;
 };
 
 /// Facts about the run of the cutter.
@@ -82,6 +85,7 @@ struct CutReport {
   std::uint64_t joints_outside = 0;  ///< joints that do not meet the domain
   std::vector<JointId> outside;      ///< which
   std::vector<JointId> dangling;     ///< joints no piece of which separates two blocks
+  std::uint64_t intersections = 0;   ///< pairs of facets (of joints and solids) that meet in a segment or a point
   std::uint64_t predicate_calls = 0;
   std::uint64_t predicate_exact = 0;  ///< of those, how many the filter could not decide
 };

@@ -20,10 +20,11 @@ struct SolidCollapsed {  ///< a face of the domain (no excavation index) or of a
   Length pitch;
 };
 struct DomainSwallowed {};  ///< the excavations leave no rock
+struct WindowOutside {};    ///< the window and the domain's box have no volume in common
 struct TooLarge {           ///< more than 2^31 vertices, edges or faces
   std::string what;
 };
-using CutError = std::variant<JointCollapsed, SolidCollapsed, DomainSwallowed, TooLarge>;
+using CutError = std::variant<JointCollapsed, SolidCollapsed, DomainSwallowed, WindowOutside, TooLarge>;
 [[nodiscard]] std::string describe(const CutError& error);
 
 struct CutOptions {

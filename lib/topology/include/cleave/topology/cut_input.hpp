@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -22,6 +23,11 @@ struct PersistentJoint {
   geometry::Vec3 normal;
 };
 
+/// An axis-parallel box, m.
+struct Window {
+  geometry::Vec3 min, max;  ///< min < max in each component
+};
+
 /// Everything the block cutter needs, in metres, validated piece by piece by the geometry types.
 struct CutInput {
   geometry::Solid domain;
@@ -31,6 +37,9 @@ struct CutInput {
   std::vector<std::uint32_t> free_domain_tags = {};
   /// > 0: near-coincident planes are merged and joint edges within this distance of another joint adopt its plane.
   Length snap = metres(0);
+  /// Only what lies in this box is cut, on the lattice of the whole scene: blocks that do not reach the window's sides
+  /// are those of the whole scene, with the same corners; the others are marked truncated.
+  std::optional<Window> window = {};
 };
 
 }  // namespace cleave::topology

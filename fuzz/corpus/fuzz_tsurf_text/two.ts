@@ -1,0 +1,13 @@
+GOCAD VSet 1
+HEADER {name:p}
+VRTX 1 0 0 0
+END
+GOCAD TSurf 1
+HEADER{name:q}
+AXIS_UNIT "ft" "ft" "ft"
+ZPOSITIVE Depth
+VRTX 1 0 0 1
+VRTX 2 1 0 2
+VRTX 3 0 1 3
+TRGL 1 2 3
+END

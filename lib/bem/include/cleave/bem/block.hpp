@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <expected>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "cleave/bem/dense.hpp"
+#include "cleave/bem/problem.hpp"
+
+namespace cleave::bem {
+
+struct BlockOptions {
+  MeshSize mesh;
+  /// Gauss points of the outer integral on an element. 12: symmetric to 1e-7; 28: to rounding.
+  std::size_t outer_points = 12;
+  /// Inner shape functions: edge distances times polynomials of degree below this. Only convex polygons without holes
+  /// have them; others get none.
+  std::size_t bubbles = 3;
+  bool mass = true;  ///< false: stiffness only
+  double integration = 1e-11;
+  unsigned threads = 1;
+};
+
+struct BlockFailed {
+  std::string check;  ///< which of the checks of a build did not hold
+  double value;
+};
+struct BlockNeedsDensity {};
+using BlockError = std::variant<OutlineError, BlockFailed, BlockNeedsDensity>;
+[[nodiscard]] std::string describe(const BlockError& error);
+
+/// A point load on the boundary as nodal weights.
+struct BoundaryPlace {
+  std::size_t element = 0;
+  double s = 0;
+};
+
+/// Stiffness and mass of one elastic body in its own frame, symmetric by construction.
+///
+/// Stiffness: symmetric Galerkin boundary elements (Sirtori 1979; Bonnet, Maier and Polizzotto 1998), K = D + B^T V^-1
+/// B with displacement continuous and traction broken between elements, then made exact on rigid motions, constant
+/// strain and pure bending. Mass: of the static extension of the boundary displacement into the body, plus bubbles.
+/// Eigenvalues are real and not negative, so every time step of every usual scheme is stable.
+///
+/// Freedoms: x, y of each boundary node, then the bubbles'. Frame: origin at the centroid, axes as given.
+class BlockOperator final {
+ public:
+  /// Loops are checked (and turned) first. All of K R = 0, K U = F, the three zero eigenvalues, mass and inertia are
+  /// verified before an operator is returned.
+  [[nodiscard]] static std::expected<BlockOperator, BlockError> make(const std::vector<Loop>& loops,
+                                                                     const Material& material,
+                                                                     const BlockOptions& options);
+
+  [[nodiscard]] const Mesh& mesh() const noexcept { return mesh_; }  ///< metres, in the body's frame
+  [[nodiscard]] Vec2 centroid() const noexcept { return centroid_; }
+  [[nodiscard]] double mass() const noexcept { return mass_; }        ///< kg/m
+  [[nodiscard]] double inertia() const noexcept { return inertia_; }  ///< kg m, about the centroid
+  [[nodiscard]] double area() const noexcept { return area_; }
+  [[nodiscard]] std::size_t freedoms() const noexcept { return stiffness_.rows; }
+  [[nodiscard]] std::size_t boundary_freedoms() const noexcept { return 2 * mesh_.nodes.size(); }
+  [[nodiscard]] const DenseMatrix& stiffness() const noexcept { return stiffness_; }
+  [[nodiscard]] const DenseMatrix& mass_matrix() const noexcept { return mass_matrix_; }
+  /// Element-wise traction (Pa) of boundary displacements: rows element, local node, component.
+  [[nodiscard]] const DenseMatrix& traction_of() const noexcept { return traction_of_; }
+  [[nodiscard]] const Material& material() const noexcept { return material_; }
+  /// Nodal forces (N/m) of element-wise tractions (Pa).
+  [[nodiscard]] std::vector<double> forces_of(const std::vector<std::array<Vec2, 3>>& tractions) const;
+  /// Nodal forces of a uniform acceleration field a (loads density * a): M times the rigid translation.
+  [[nodiscard]] std::vector<double> forces_of_acceleration(Vec2 a) const;
+  /// Nearest boundary point to x (body frame).
+  [[nodiscard]] BoundaryPlace place(Vec2 x) const;
+  /// Nodal forces of a point force.
+  void add_point_force(BoundaryPlace at, Vec2 force, std::vector<double>& forces) const;
+  [[nodiscard]] Vec2 displacement_at(BoundaryPlace at, const std::vector<double>& freedoms) const;
+
+ private:
+  explicit BlockOperator(Material material) : material_{material} {}
+  Mesh mesh_;
+  Vec2 centroid_;
+  double mass_ = 0, inertia_ = 0, area_ = 0;
+  Material material_;
+  DenseMatrix stiffness_, mass_matrix_, traction_of_;
+};
+
+/// Natural vibrations: phi^T M phi = 1, eigenvalues ascending, rad^2/s^2.
+struct Modes {
+  std::vector<double> eigenvalues;
+  DenseMatrix shapes;  ///< freedoms x modes
+};
+
+/// Elastic modes of the free body, the three rigid motions left out; at most `most` (0: all).
+[[nodiscard]] Modes free_modes(const BlockOperator& block, std::size_t most = 0);
+
+/// One linear constraint: freedoms of a boundary node along a direction held.
+struct HeldFreedom {
+  std::size_t node;
+  Vec2 direction;
+};
+/// Springs on nodes, N/m per metre.
+struct NodeSpring {
+  std::size_t node;
+  Vec2 direction;
+  double stiffness;
+};
+/// Modes of the supported body (some may be rigid and zero when supports leave motions free); empty `held` and
+/// `springs`: with the three rigid modes in front.
+[[nodiscard]] Modes supported_modes(const BlockOperator& block, const std::vector<HeldFreedom>& held,
+                                    const std::vector<NodeSpring>& springs = {});
+
+/// Static displacement under nodal forces with held freedoms; free bodies get the part without rigid motion.
+[[nodiscard]] std::vector<double> static_displacement(const BlockOperator& block, const std::vector<HeldFreedom>& held,
+                                                      const std::vector<double>& forces,
+                                                      const std::vector<NodeSpring>& springs = {});
+
+}  // namespace cleave::bem

@@ -1,0 +1,148 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <expected>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "cleave/bem/problem.hpp"
+
+namespace cleave::bem {
+
+/// Regions, loops, sides and forces count from 0.
+struct BadOutline {
+  std::size_t region;
+  OutlineError why;
+};
+struct UnknownCondition {
+  std::size_t region, loop, side;
+};
+/// The supports leave these rigid motions free ("translation along (0, 1)", "rotation about (2, 3)").
+struct FreeMotions {
+  std::vector<std::string> motions;
+};
+struct UnbondedSide {
+  std::size_t region, loop, side;
+};
+/// Two sides give different displacements to the corner they share.
+struct TornCorner {
+  std::size_t region;
+  Vec2 at;
+  double gap;  ///< m
+};
+struct ForceOffBoundary {
+  std::size_t force;
+  double distance;  ///< m from the nearest side
+};
+struct ForceOnSupport {
+  std::size_t force;
+};
+struct NotInBalance {
+  Vec2 missing;  ///< N/m3 of body force that the in-situ stress does not carry
+};
+struct AboveSurface {
+  std::size_t region, loop;
+};
+struct TooManyUnknowns {
+  std::size_t unknowns;
+  double needed_mb;
+};
+struct SingularSystem {
+  double condition;
+};
+using SolveError = std::variant<BadOutline, UnknownCondition, FreeMotions, UnbondedSide, TornCorner, ForceOffBoundary,
+                                ForceOnSupport, NotInBalance, AboveSurface, TooManyUnknowns, SingularSystem>;
+[[nodiscard]] std::string describe(const SolveError& error);
+
+/// Displacement and stress that carry the body loads, without looking at the boundary (in the scaled frame).
+struct Particular {
+  double mu = 1, nu = 0.25;
+  Vec2 body;                    ///< constant body force
+  double spin = 0;              ///< rho omega^2
+  double twist = 0;             ///< rho alpha
+  Sym2 initial, initial_slope;  ///< stress before loading, linear in y
+
+  [[nodiscard]] Vec2 displacement(Vec2 x) const noexcept;
+  [[nodiscard]] Sym2 stress(Vec2 x) const noexcept;  ///< with the initial stress
+  [[nodiscard]] Sym2 initial_at(Vec2 x) const noexcept { return initial + x.y * initial_slope; }
+};
+
+struct BoundaryPoint {
+  Vec2 x;  ///< m
+  Vec2 normal;
+  Vec2 displacement;  ///< m
+  Vec2 traction;      ///< Pa
+  Sym2 stress;        ///< Pa
+};
+
+/// How good a solution is.
+struct Diagnostics {
+  std::size_t elements = 0;
+  std::size_t unknowns = 0;
+  double condition = 0;  ///< estimate in the 1-norm
+  double residual = 0;   ///< |Ax - b| / (|A||x| + |b|), largest row
+  double imbalance =
+      0;              ///< |sum of all forces| / sum of their magnitudes: discretisation, collocation does not conserve
+  double energy = 0;  ///< half the work of boundary tractions and displacements, J/m (without body loads)
+};
+
+/// The solution of a static problem: values on the boundary, and by quadrature everywhere.
+class Solution final {
+ public:
+  struct RegionPart {
+    Material material;
+    std::vector<Loop> loops;
+    Mesh mesh;  ///< in the scaled frame
+    Particular particular;
+    std::vector<Vec2> displacement;             ///< nodes, m
+    std::vector<std::array<Vec2, 3>> traction;  ///< elements, Pa
+    std::vector<Vec2> u_part;                   ///< scaled, without the particular solution
+    std::vector<std::array<Vec2, 3>> t_part;
+  };
+
+  [[nodiscard]] const Diagnostics& diagnostics() const noexcept { return diagnostics_; }
+  [[nodiscard]] const std::vector<RegionPart>& regions() const noexcept { return regions_; }
+  /// The region that holds the point; empty when none does.
+  [[nodiscard]] std::optional<std::size_t> region_at(Vec2 x) const;
+  /// Node position in m.
+  [[nodiscard]] Vec2 node(std::size_t region, std::size_t node) const;
+  [[nodiscard]] BoundaryPoint boundary(std::size_t region, std::size_t element, double s) const;
+  /// Inside or on the boundary of a region. Closer to the boundary than an element the linear field of the nearest
+  /// boundary point is taken out first, which keeps the error bounded up to the boundary.
+  [[nodiscard]] Vec2 displacement(std::size_t region, Vec2 x) const;
+  [[nodiscard]] Sym2 stress(std::size_t region, Vec2 x) const;
+  /// Largest nodal displacement, m.
+  [[nodiscard]] double largest_displacement() const noexcept;
+  [[nodiscard]] Extent extent() const noexcept { return extent_; }
+
+ private:
+  friend struct SolutionMaker;
+  std::vector<RegionPart> regions_;
+  Diagnostics diagnostics_;
+  Extent extent_ = Extent::bounded;
+  std::optional<double> surface_;  // scaled
+  Vec2 origin_;
+  double scale_ = 1;
+  double mu_ = 1;
+  double integration_ = 1e-10;
+};
+
+/// Direct collocation (Rizzo 1967), dense LU. O(n^2) memory and O(n^3) time in the boundary unknowns.
+[[nodiscard]] std::expected<Solution, SolveError> solve(const Problem& problem, const Options& options);
+
+/// A solution with an estimate of its error from meshes of n and 2n elements.
+struct Refined {
+  Solution solution;
+  double error = 0;  ///< relative, of displacement: difference to the mesh before over the largest displacement
+  std::size_t meshes = 0;
+  bool reached = false;
+};
+/// Doubles all element counts until the displacements at the nodes of the first mesh change by less than `tolerance`
+/// (relative), at most `most_meshes` times.
+[[nodiscard]] std::expected<Refined, SolveError> solve_to(const Problem& problem, Options options, double tolerance,
+                                                          std::size_t most_meshes = 6);
+
+}  // namespace cleave::bem

@@ -1,0 +1,253 @@
+#include "cleave/bem/block.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include "block_build.hpp"
+#include "cleave/core/overloaded.hpp"
+#include "domain_rule.hpp"
+#include "fmt/format.h"
+#include "gauss.hpp"
+
+namespace cleave::bem {
+
+std::string describe(const BlockError& error) {
+  return std::visit(
+      overloaded{[](const OutlineError& e) { return describe(e); },
+                 [](const BlockFailed& e) {
+                   return fmt::format(
+                       "the elastic operator of the body failed its check of {} ({:.2e}); use more "
+                       "elements or a less extreme shape",
+                       e.check, e.value);
+                 },
+                 [](const BlockNeedsDensity&) { return std::string{"a moving body needs a density above 0"}; }},
+      error);
+}
+
+namespace {
+
+using Eigen::MatrixXd;
+
+Eigen::Index ix(std::size_t i) { return static_cast<Eigen::Index>(i); }
+
+DenseMatrix dense(const MatrixXd& m) {
+  DenseMatrix out{static_cast<std::size_t>(m.rows()), static_cast<std::size_t>(m.cols()), {}};
+  const auto flat = m.reshaped();
+  out.values.assign(flat.begin(), flat.end());
+  return out;
+}
+
+}  // namespace
+
+Eigen::Map<const MatrixXd> view(const DenseMatrix& m) { return {m.values.data(), ix(m.rows), ix(m.columns)}; }
+
+std::expected<BlockOperator, BlockError> BlockOperator::make(const std::vector<Loop>& loops, const Material& material,
+                                                             const BlockOptions& options) {
+  auto checked = check_loops(loops, false);
+  if (!checked) return std::unexpected(BlockError{checked.error()});
+  if (options.mass && !(material.density() > 0)) return std::unexpected(BlockError{BlockNeedsDensity{}});
+  const AreaMoments area = area_moments(checked->loops);
+  BlockOperator block{material};
+  block.centroid_ = area.centroid;
+  block.mesh_ = make_mesh(checked->loops, options.mesh, area.centroid, 1);
+  // Curved elements are quadratic: mass and inertia are those of what they enclose.
+  const AreaMoments meshed = area_moments(block.mesh_);
+  block.area_ = meshed.area;
+  block.mass_ = material.density() * meshed.area;
+  block.inertia_ = material.density() * meshed.polar;
+  GalerkinStiffness k = galerkin_stiffness(block.mesh_, {material.mu(), material.nu()}, options);
+  if (!(k.check <= 1e-9)) return std::unexpected(BlockError{BlockFailed{"exact fields", k.check}});
+  const auto n = k.stiffness.rows();
+  if (!options.mass) {
+    block.stiffness_ = dense(k.stiffness);
+    block.traction_of_ = dense(k.traction_of);
+    return block;
+  }
+  BlockMass m = block_mass(block.mesh_, checked->loops, area.centroid, material, k.traction_of, options);
+  const auto all = m.mass.rows();
+  MatrixXd stiffness = MatrixXd::Zero(all, all);
+  stiffness.topLeftCorner(n, n) = k.stiffness;
+  stiffness.bottomRightCorner(all - n, all - n) = m.bubble_stiffness;
+  // Mass and inertia of the operator are those of the outline.
+  MatrixXd rigid = MatrixXd::Zero(all, 3);
+  for (std::size_t i = 0; i < block.mesh_.nodes.size(); ++i) {
+    const Vec2 x = block.mesh_.nodes[i].x;
+    rigid(ix(2 * i), 0) = rigid(ix(2 * i + 1), 1) = 1;
+    rigid(ix(2 * i), 2) = -x.y;
+    rigid(ix(2 * i + 1), 2) = x.x;
+  }
+  const Eigen::Matrix3d r = rigid.transpose() * m.mass * rigid;
+  const double off = std::max({std::abs(r(0, 0) / block.mass_ - 1), std::abs(r(1, 1) / block.mass_ - 1),
+                               std::abs(r(2, 2) / block.inertia_ - 1)});
+  if (!(off < 1e-5)) return std::unexpected(BlockError{BlockFailed{"mass and inertia", off}});
+  block.stiffness_ = dense(stiffness);
+  block.mass_matrix_ = dense(m.mass);
+  block.traction_of_ = dense(k.traction_of);
+  return block;
+}
+
+std::vector<double> BlockOperator::forces_of(const std::vector<std::array<Vec2, 3>>& tractions) const {
+  std::vector<double> f(freedoms(), 0.0);
+  const GaussRule& rule = gauss(8);
+  for (std::size_t e = 0; e < mesh_.elements.size(); ++e) {
+    const Element& element = mesh_.elements[e];
+    for (std::size_t g = 0; g < rule.s.size(); ++g) {
+      const auto n = shape(mesh_.order, rule.s[g]);
+      Vec2 t;
+      for (std::size_t a = 0; a < mesh_.per_element(); ++a) t += n[a] * tractions[e][a];
+      const double w = rule.w[g] * norm(element.derivative(rule.s[g]));
+      for (std::size_t a = 0; a < mesh_.per_element(); ++a) {
+        f[2 * element.node[a]] += w * n[a] * t.x;
+        f[2 * element.node[a] + 1] += w * n[a] * t.y;
+      }
+    }
+  }
+  return f;
+}
+
+std::vector<double> BlockOperator::forces_of_acceleration(Vec2 a) const {
+  Eigen::VectorXd r = Eigen::VectorXd::Zero(ix(freedoms()));
+  for (std::size_t i = 0; i < mesh_.nodes.size(); ++i) {
+    r(ix(2 * i)) = a.x;
+    r(ix(2 * i + 1)) = a.y;
+  }
+  const Eigen::VectorXd f = view(mass_matrix_) * r;
+  return {f.begin(), f.end()};
+}
+
+BoundaryPlace BlockOperator::place(Vec2 x) const {
+  BoundaryPlace best;
+  double closest = 1e300;
+  for (std::size_t e = 0; e < mesh_.elements.size(); ++e) {
+    const Element& element = mesh_.elements[e];
+    double s = std::clamp(dot(x - element.c0, element.c1) / dot(element.c1, element.c1), -1.0, 1.0);
+    for (int pass = 0; pass < 20 && element.curved; ++pass) {
+      const Vec2 t = element.derivative(s);
+      s = std::clamp(s + dot(x - element.at(s), t) / dot(t, t), -1.0, 1.0);
+    }
+    if (const double d = norm(element.at(s) - x); d < closest) {
+      closest = d;
+      best = {e, s};
+    }
+  }
+  return best;
+}
+
+void BlockOperator::add_point_force(BoundaryPlace at, Vec2 force, std::vector<double>& forces) const {
+  const auto n = shape(mesh_.order, at.s);
+  for (std::size_t a = 0; a < mesh_.per_element(); ++a) {
+    forces[2 * mesh_.elements[at.element].node[a]] += n[a] * force.x;
+    forces[2 * mesh_.elements[at.element].node[a] + 1] += n[a] * force.y;
+  }
+}
+
+Vec2 BlockOperator::displacement_at(BoundaryPlace at, const std::vector<double>& u) const {
+  const auto n = shape(mesh_.order, at.s);
+  Vec2 out;
+  for (std::size_t a = 0; a < mesh_.per_element(); ++a) {
+    const std::size_t i = mesh_.elements[at.element].node[a];
+    out += n[a] * Vec2{u[2 * i], u[2 * i + 1]};
+  }
+  return out;
+}
+
+namespace {
+
+/// Orthonormal basis of the freedoms that are left, as columns.
+MatrixXd left_free(const BlockOperator& block, const std::vector<HeldFreedom>& held) {
+  std::vector<std::vector<Vec2>> directions(block.mesh().nodes.size());
+  for (const HeldFreedom& h : held) {
+    Vec2 d = h.direction;
+    for (const Vec2 e : directions[h.node]) d -= dot(d, e) * e;
+    if (norm(d) > 1e-6) directions[h.node].push_back(d / norm(d));
+  }
+  std::vector<std::pair<std::size_t, Vec2>> columns;
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    if (directions[i].empty()) {
+      columns.emplace_back(i, Vec2{1, 0});
+      columns.emplace_back(i, Vec2{0, 1});
+    } else if (directions[i].size() == 1) {
+      columns.emplace_back(i, turned_left(directions[i].front()));
+    }
+  }
+  const std::size_t inner = block.freedoms() - block.boundary_freedoms();
+  MatrixXd z = MatrixXd::Zero(ix(block.freedoms()), ix(columns.size() + inner));
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    z(ix(2 * columns[k].first), ix(k)) = columns[k].second.x;
+    z(ix(2 * columns[k].first + 1), ix(k)) = columns[k].second.y;
+  }
+  for (std::size_t k = 0; k < inner; ++k) z(ix(block.boundary_freedoms() + k), ix(columns.size() + k)) = 1;
+  return z;
+}
+
+MatrixXd sprung(const BlockOperator& block, const std::vector<NodeSpring>& springs) {
+  MatrixXd k = view(block.stiffness());
+  for (const NodeSpring& s : springs) {
+    const auto i = ix(2 * s.node);
+    k(i, i) += s.stiffness * s.direction.x * s.direction.x;
+    k(i + 1, i) += s.stiffness * s.direction.x * s.direction.y;
+    k(i, i + 1) += s.stiffness * s.direction.x * s.direction.y;
+    k(i + 1, i + 1) += s.stiffness * s.direction.y * s.direction.y;
+  }
+  return k;
+}
+
+}  // namespace
+
+Modes supported_modes(const BlockOperator& block, const std::vector<HeldFreedom>& held,
+                      const std::vector<NodeSpring>& springs) {
+  const MatrixXd z = left_free(block, held);
+  const MatrixXd k = z.transpose() * sprung(block, springs) * z;
+  const MatrixXd m = z.transpose() * view(block.mass_matrix()) * z;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver{k, m};
+  const Eigen::VectorXd& l = solver.eigenvalues();
+  Modes out{{l.begin(), l.end()}, dense(z * solver.eigenvectors())};
+  // What is zero up to rounding is zero: a rigid motion.
+  for (double& value : out.eigenvalues) {
+    if (value < 1e-9 * out.eigenvalues[std::min<std::size_t>(3, out.eigenvalues.size() - 1)]) value = 0;
+  }
+  return out;
+}
+
+Modes free_modes(const BlockOperator& block, std::size_t most) {
+  const Modes all = supported_modes(block, {});
+  const std::size_t count = all.eigenvalues.size() - 3;
+  const std::size_t kept = most == 0 ? count : std::min(most, count);
+  const auto first = static_cast<std::ptrdiff_t>(3);
+  const auto last = static_cast<std::ptrdiff_t>(3 + kept);
+  return {{all.eigenvalues.begin() + first, all.eigenvalues.begin() + last},
+          dense(view(all.shapes).middleCols(3, ix(kept)))};
+}
+
+std::vector<double> static_displacement(const BlockOperator& block, const std::vector<HeldFreedom>& held,
+                                        const std::vector<double>& forces, const std::vector<NodeSpring>& springs) {
+  const Eigen::Map<const Eigen::VectorXd> f{forces.data(), ix(forces.size())};
+  const MatrixXd z = left_free(block, held);
+  MatrixXd k = z.transpose() * sprung(block, springs) * z;
+  Eigen::VectorXd b = z.transpose() * f;
+  if (held.empty() && springs.empty()) {
+    // Bordered by the rigid motions.
+    const auto n = k.rows();
+    MatrixXd a = MatrixXd::Zero(n + 3, n + 3);
+    a.topLeftCorner(n, n) = k;
+    const double scale = k.diagonal().cwiseAbs().maxCoeff();
+    for (std::size_t i = 0; i < block.mesh().nodes.size(); ++i) {
+      const Vec2 x = block.mesh().nodes[i].x;
+      a(ix(2 * i), n) = a(ix(2 * i + 1), n + 1) = scale;
+      a(ix(2 * i), n + 2) = -scale * x.y;
+      a(ix(2 * i + 1), n + 2) = scale * x.x;
+    }
+    a.bottomLeftCorner(3, n) = a.topRightCorner(n, 3).transpose();
+    b.conservativeResize(n + 3);
+    b.tail(3).setZero();
+    const Eigen::VectorXd u = a.partialPivLu().solve(b).head(n);
+    return {u.begin(), u.end()};
+  }
+  const Eigen::VectorXd u = z * k.ldlt().solve(b);
+  return {u.begin(), u.end()};
+}
+
+}  // namespace cleave::bem

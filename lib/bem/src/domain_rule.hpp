@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "cleave/bem/mesh.hpp"
+
+namespace cleave::bem {
+
+struct DomainPoint {
+  Vec2 x;
+  double w;  ///< area
+};
+
+/// Quadrature over the inside of a mesh of any shape, holes and curved elements included: horizontal slabs between
+/// corners (and the highest and lowest points of curved elements), in each slab strips between the sides it crosses,
+/// n x n Gauss points a strip.
+[[nodiscard]] std::vector<DomainPoint> domain_rule(const Mesh& mesh, std::size_t n);
+
+/// Area, centroid and second moment of what the elements enclose (curved ones are quadratic, not arcs).
+[[nodiscard]] AreaMoments area_moments(const Mesh& mesh);
+
+}  // namespace cleave::bem
