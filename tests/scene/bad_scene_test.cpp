@@ -60,8 +60,6 @@ INSTANTIATE_TEST_SUITE_P(
             "s.toml:4: joints.default.cohesion.std: is missing; add std"},
         Bad{"LaterBodies", with_box("[[body]]\nname = \"a\"\n"),
             "s.toml:3: body: is not available in version 0.1; remove the section"},
-        Bad{"LaterKey", with_box("[stability]\nwater = { table = 20.0 }\n"),
-            "s.toml:4: stability.water: is not available in version 0.1; remove it"},
         Bad{"UnknownModel", with_box(set + "size = 5\nmodel = \"venetian\"\n"),
             "s.toml:7: joint_set[1].model: \"venetian\" is not known; did you mean \"veneziano\"?"},
         Bad{"KeyOfAnotherModel", with_box(set + "size = 5\nmodel = \"veneziano\"\nterminate_at = [\"B\"]\n"),

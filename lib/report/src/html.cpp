@@ -11,6 +11,7 @@
 #include "cleave/report/text.hpp"
 #include "cleave/report/view3d.hpp"
 #include "html_parts.hpp"
+#include "html_stability.hpp"
 #include "stages_section.hpp"
 
 namespace cleave::report {
@@ -325,6 +326,8 @@ std::string report_html(const Page& page) {
   out += cards(page);
   out += view_section(page, view_json);
   out += key_blocks_section(page);
+  out += why_section(page);
+  out += support_section(page);
   if (page.summary.sequence) out += stages_section(*page.summary.sequence);
   out += stereonet_section(page);
   out += blocks_section(page);

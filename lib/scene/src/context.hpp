@@ -41,8 +41,20 @@ struct ParsedStability {
   std::optional<StabilitySettings> settings;
   std::vector<std::uint32_t> free_domain_tags;
 };
-[[nodiscard]] ParsedStability parse_stability(const TableReader& root, const std::optional<geometry::Solid>& domain,
-                                              bool has_excavations);
+[[nodiscard]] ParsedStability parse_stability(const Context& context, const TableReader& root,
+                                              const std::optional<geometry::Solid>& domain,
+                                              const std::vector<Excavation>& excavations);
+/// Keys seismic, water, surcharge, point and line of [stability] or of one [[load]].
+[[nodiscard]] LoadSet parse_load_set(const Context& context, const TableReader& table,
+                                     const std::optional<geometry::Solid>& domain,
+                                     const std::vector<Excavation>& excavations);
+/// The [[load]] tables, each with the loads of `base`.
+[[nodiscard]] std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader& root,
+                                                     const std::optional<geometry::Solid>& domain,
+                                                     const std::vector<Excavation>& excavations, const LoadSet& base);
+[[nodiscard]] std::optional<SupportSettings> parse_support(const TableReader& root,
+                                                           const std::vector<Excavation>& excavations,
+                                                           const std::optional<StabilitySettings>& stability);
 /// Stages of the excavations and [sequence]; empty when all are of one stage.
 [[nodiscard]] std::optional<SequenceSettings> parse_sequence(const TableReader& root,
                                                              const std::vector<Excavation>& excavations);

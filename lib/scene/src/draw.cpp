@@ -36,7 +36,7 @@ Strength draw_strength(const Scene& scene, std::uint64_t realization, SetId set,
     cohesion = std::clamp(0.5 * std::erfc(-score / std::numbers::sqrt2), 0x1p-53, 1 - 0x1p-53);
   }
   return {properties.friction.quantile(friction), properties.cohesion.quantile(cohesion),
-          properties.tension.quantile(uniform(Draw::tension))};
+          properties.tension.quantile(uniform(Draw::tension)), properties.jrc, properties.jcs};
 }
 
 geometry::Vec3 upward(geometry::Vec3 n) {
@@ -75,6 +75,8 @@ void add_measured(const Scene& scene, std::uint64_t realization, Drawn& drawn) {
     Strength strength = draw_strength(scene, realization, joint.set, measured_streams + joint.set.index(), index);
     strength.friction = joint.own.friction.value_or(strength.friction);
     strength.cohesion = joint.own.cohesion.value_or(strength.cohesion);
+    strength.tension = joint.own.tension.value_or(strength.tension);
+    if (joint.own.cohesion) strength.jrc = 0;  // a straight law of its own
     geometry::Vec3 normal;
     std::visit(overloaded{[&](const topology::Joint& polygons) {
                             normal = geometry::normalized(area_vector(polygons.polygons.front()));

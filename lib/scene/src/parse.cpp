@@ -17,8 +17,9 @@ using std::string_view;
 constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
                                                 "north",  "domain",     "joint",    "joint_set", "joints",
                                                 "rock",   "excavation", "stability"};
-constexpr std::array<string_view, 5> more_root_keys{"output", "sequence", "keep_dangling", "micro_blocks", "monte_carlo"};
-constexpr std::array<string_view, 5> later_sections{"support", "body", "load", "contact", "elastic"};
+constexpr std::array<string_view, 7> more_root_keys{"output",       "sequence",    "keep_dangling", "micro_blocks",
+                                                    "monte_carlo", "load", "support"};
+constexpr std::array<string_view, 3> later_sections{"body", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
   const std::size_t slash = shown.find_last_of('/');
@@ -95,14 +96,15 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   const Rock rock = parse_rock(root);
   std::vector<Excavation> excavations;
   parse_excavations(context, root, domain, excavations);
-  ParsedStability stability = parse_stability(root, domain, root.has("excavation") && !excavations.empty());
+  ParsedStability stability = parse_stability(context, root, domain, excavations);
+  std::optional<SupportSettings> support = parse_support(root, excavations, stability.settings);
+  OutputSettings output = parse_output(root);
   std::optional<SequenceSettings> sequence = parse_sequence(root, excavations);
   const MicroBlocks micro_blocks = parse_micro_blocks(root);
   // What is asked for of all the rock needs all the rock.
   if (sequence || header.keep_dangling || micro_blocks.policy == MicroBlockPolicy::exclude) {
     output.only_key_blocks = false;
   }
-  OutputSettings output = parse_output(root);
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
   if (monte_carlo && monte_carlo->stop) {
     const auto* quantity = stochastic::quantity_named(monte_carlo->stop->quantity);
@@ -131,6 +133,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .joint_sets = std::move(joint_sets),
               .rock = rock,
               .excavations = std::move(excavations),
+              .support = std::move(support),
               .stability = stability.settings,
               .sequence = std::move(sequence),
               .micro_blocks = micro_blocks,

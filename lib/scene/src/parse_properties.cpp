@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -18,7 +19,7 @@ using Kind = FrictionLaw::Kind;
 struct Stated {
   std::optional<FrictionLaw> friction;
   std::optional<StressLaw> cohesion, tension;
-  std::optional<double> correlation;
+  std::optional<double> correlation, jrc, jcs;
 };
 
 /// A law as it is written, whatever it is of.
@@ -97,9 +98,31 @@ std::optional<Own> own_law(const std::optional<Law>& law) {
 
 Stated parse_one(const TableReader& table) {
   constexpr NumberRule correlation{-1, false, 1, false, ""};
-  return {parse_friction(table, "friction"), own_law<StressLaw>(parse_law(table, "cohesion", rule::stress)),
-          own_law<StressLaw>(parse_law(table, "tension", rule::stress)),
-          table.number("friction_cohesion_correlation", correlation)};
+  constexpr NumberRule roughness{0, true, 20, false, ""};
+  constexpr NumberRule wall{0, true, 1e15, false, " Pa"};
+  Stated stated{parse_friction(table, "friction"),
+                own_law<StressLaw>(parse_law(table, "cohesion", rule::stress)),
+                own_law<StressLaw>(parse_law(table, "tension", rule::stress)),
+                table.number("friction_cohesion_correlation", correlation),
+                table.number("jrc", roughness),
+                table.number("jcs", wall)};
+  if (table.has("jrc") != table.has("jcs")) {
+    table.missing(table.has("jrc") ? "jcs" : "jrc", "Barton-Bandis needs both: jrc = 8, jcs = 50e6");
+  }
+  const auto constant = [](const auto& law) { return law && law->kind == Kind::constant; };
+  if (stated.jrc && stated.cohesion && !(constant(stated.cohesion) && stated.cohesion->mean == 0)) {
+    table.error("cohesion", "has no meaning beside jrc and jcs", "remove one of them");
+  }
+  if (constant(stated.friction) && constant(stated.cohesion) && constant(stated.tension)) {
+    const double tangent = std::tan(FrictionAngle::degrees(stated.friction->mean).radians());
+    if (stated.tension->mean * tangent > stated.cohesion->mean) {
+      table.note("tension",
+                 fmt::format("is above cohesion / tan(friction) = {:.6g} Pa, the apex of the Mohr-Coulomb line",
+                             tangent > 0 ? stated.cohesion->mean / tangent : 0.0),
+                 "it is used as given; check it");
+    }
+  }
+  return stated;
 }
 
 JointProperties with(JointProperties base, const Stated& stated) {
@@ -107,6 +130,12 @@ JointProperties with(JointProperties base, const Stated& stated) {
   if (stated.cohesion) base.cohesion = *stated.cohesion;
   if (stated.tension) base.tension = *stated.tension;
   if (stated.correlation) base.friction_cohesion = *stated.correlation;
+  if (stated.cohesion) base.jrc = 0;  // a straight law of its own
+  if (stated.jrc && stated.jcs) {
+    base.jrc = *stated.jrc;
+    base.jcs = pascals(*stated.jcs);
+    base.cohesion = StressLaw{};
+  }
   return base;
 }
 
@@ -121,7 +150,8 @@ std::optional<NumberLaw> parse_number_law(const TableReader& owner, string_view 
 }
 
 void parse_properties(Context& context, const TableReader& root) {
-  constexpr std::array<string_view, 4> keys{"friction", "cohesion", "tension", "friction_cohesion_correlation"};
+  constexpr std::array<string_view, 6> keys{"friction", "cohesion", "tension", "friction_cohesion_correlation",
+                                            "jrc",      "jcs"};
   const TomlTable* found = root.table("joints");
   if (found == nullptr) return;
   std::vector<std::pair<std::string, Stated>> stated;
