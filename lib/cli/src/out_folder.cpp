@@ -12,6 +12,8 @@
 #include <system_error>
 #include <utility>
 
+#include "cleave/report/exports.hpp"
+
 namespace cleave::cli {
 namespace {
 
@@ -19,6 +21,11 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 5> result_files{"summary.json", "blocks.vtu", "key_blocks.csv", "report.html",
                                                        "log.txt"};
+bool is_export(std::string_view name) {
+  return std::ranges::any_of(report::export_names(), [&](const report::ExportName& format) {
+    return name == "blocks" + std::string{format.ending};
+  });
+}
 
 OutError wrong(const fs::path& out, std::string_view what, std::string_view remedy) {
   return {ExitCode::wrong_input, fmt::format("{}:1: -o: {}; {}", out.generic_string(), what, remedy)};
@@ -106,7 +113,9 @@ std::error_code replace_folder(const fs::path& fresh, const fs::path& old) {
 
 }  // namespace
 
-bool is_result_file(const std::string& name) { return std::ranges::find(result_files, name) != result_files.end(); }
+bool is_result_file(const std::string& name) {
+  return std::ranges::find(result_files, name) != result_files.end() || is_export(name);
+}
 
 std::expected<OutFolder, OutError> OutFolder::prepare(const fs::path& out) {
   std::error_code reason;
@@ -170,6 +179,9 @@ std::expected<void, OutError> OutFolder::publish_file_by_file() {
   std::ranges::sort(names, {}, [](const fs::path& name) { return std::pair{name == "summary.json", name.string()}; });
   fs::remove(final_ / "summary.json", reason);
   for (const std::string_view old : result_files) fs::remove(final_ / old, reason);
+  for (const report::ExportName& format : report::export_names()) {
+    fs::remove(final_ / ("blocks" + std::string{format.ending}), reason);
+  }
   for (const fs::path& name : names) {
     fs::rename(temporary_ / name, final_ / name, reason);
     if (reason)

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "cleave/scene/run_result.hpp"
 
@@ -35,6 +36,10 @@ using WriteError = std::variant<CannotCreate, NoSpace, CannotWrite>;
 /// that the scene does not ask for, or whose stage did not run, are skipped without an error.
 [[nodiscard]] std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result,
                                                                const std::filesystem::path& folder);
+/// One file for each format in [output] exports, named blocks with the format's ending; what the user should know about
+/// them comes back.
+[[nodiscard]] std::expected<std::vector<std::string>, WriteError> write_exports(const scene::RunResult& result,
+                                                                                const std::filesystem::path& folder);
 [[nodiscard]] std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result,
                                                                    const std::filesystem::path& folder);
 [[nodiscard]] std::expected<void, WriteError> write_report_html(const scene::RunResult& result,
