@@ -219,7 +219,11 @@ void write_sequence(JsonWriter& json, const SequenceFigures& sequence) {
     json.member("block_count", stage.blocks);
     json.member("block_volume_m3", stage.volume_m3);
     json.member("hash", stage.hash);
-    write_key_blocks(json, stage.key_blocks);
+    json.key("key_blocks");
+    json.begin_object();
+    write_figures(json, stage.key_blocks);
+    json.member("hash", stage.key_blocks.hash);
+    json.end_object();
     json.member("new_key_block_count", stage.new_count);
     json.member("new_key_block_volume_m3", stage.new_volume_m3);
     json.end_object();
