@@ -158,6 +158,37 @@ TEST_F(CommandsTest, ConvertGoesRound) {
   EXPECT_NEAR(nlohmann::json::parse(read("out/summary.json"))["blocks"]["volume_m3"].get<double>(), 1.0 / 6, 1e-12);
 }
 
+TEST_F(CommandsTest, ConvertMakesBlocksOfClosedFaces) {
+  const std::string box =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"
+      "g stone\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n";
+  write("open.obj", box);
+  write("box.obj", box + "f 2 4 8 6\n");
+  write("d.csv", "dip,dip_direction,x,y,z,radius,set\n60,90,0,0,0,5,A\n");
+  for (const std::string out : {"b.vtu", "b.k", "b.3ddat", "b.3dec", "b.nmm3d", "b.dda"}) {
+    EXPECT_EQ(cleave("convert box.obj " + out).code, 0) << out;
+    const Ended ended = cleave("convert open.obj no." + out);
+    EXPECT_EQ(ended.code, 2) << out;
+    EXPECT_TRUE(ended.err.starts_with("error: open.obj:10: group \"stone\": is no block: ")) << ended.err;
+  }
+  EXPECT_EQ(cleave("convert b.vtu again.obj").code, 0);
+  EXPECT_NE(read("again.obj").find("g block_0\n"), std::string::npos);
+  EXPECT_EQ(cleave("convert d.csv d.obj").code, 0);
+  EXPECT_NE(read("d.obj").find("g A\n"), std::string::npos);
+  write("p.csv", "dip,dip_direction,x,y,z\n60,90,0,0,0\n");
+  EXPECT_EQ(cleave("convert p.csv p.obj").code, 2);
+}
+
+TEST_F(CommandsTest, ResultsWithExportsAreReplaced) {
+  write("s.toml", std::string{small_scene} + "\n[output]\nreport = false\nexports = [\"obj\", \"nmm3d\"]\n");
+  EXPECT_EQ(cleave("run s.toml --quiet -o out").code, 0);
+  EXPECT_FALSE(read("out/blocks.obj").empty());
+  EXPECT_FALSE(read("out/blocks.nmm3d").empty());
+  const Ended again = cleave("run s.toml --quiet -o out");
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(cleave("convert out c.obj").code, 0);
+}
+
 TEST_F(CommandsTest, ConvertRefusesWhatItCannotDo) {
   write("a.obj", "v 0 0 0\nf 1 2 3\n");
   for (const std::string call : {"a.obj b.ply", "none.obj b.ply", "a.txt b.ply", "a.obj b.dxf"}) {

@@ -157,5 +157,14 @@ TEST_F(GeometryExamples, SequentialTunnelComparesAllOrders) {
   EXPECT_GE(last, result["blocks"]["volume_m3"].get<double>() - fallen);
 }
 
+// Fu (2014), figures 3-12, 3-22 a and b, 3-23 a and b: the numbers of blocks stated there, within 5 %.
+TEST_F(GeometryExamples, RockMassesHaveTheirStatedSizes) {
+  expect_size("rock_mass", 3166);
+  expect_size("complex_slope", 107);
+  expect_size("half_pit", 838);
+  expect_size("cuboid_three_sets", 8261);
+  expect_size("slope_four_sets", 7522);
+}
+
 }  // namespace
 }  // namespace cleave::cli::test

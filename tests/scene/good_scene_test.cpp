@@ -131,6 +131,13 @@ TEST(SceneTest, MeshesMustBeClosedAndOutwards) {
   }
 }
 
+TEST(SceneTest, ExportsAreNamesOfFormats) {
+  const Scene scene = scene_of(with_box("[output]\nexports = [\"obj\", \"3dec\", \"obj\"]\n"));
+  EXPECT_EQ(scene.output.exports, (std::vector<std::string>{"obj", "3dec"}));
+  const std::string message = error_of(with_box("[output]\nexports = [\"lsdyn\"]\n"));
+  EXPECT_TRUE(message.starts_with("s.toml:4: output.exports: \"lsdyn\" is not known; did you mean lsdyna?")) << message;
+}
+
 TEST(SceneTest, DrawingsHoldSurfacesAndPolygons) {
   // two 3DFACEs of one layer are one surface; a closed polyline is a joint of its own
   const std::string dxf =

@@ -2,36 +2,76 @@
 
 #include <algorithm>
 #include <array>
+#include <expected>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <system_error>
 
-#include "cleave/io/mesh.hpp"
+#include "cleave/core/expected.hpp"
+#include "cleave/core/overloaded.hpp"
 #include "cleave/io/mesh_write.hpp"
+#include "cleave/report/exports.hpp"
+#include "cleave/report/vtu.hpp"
 #include "cleave/report/write.hpp"
 #include "commands.hpp"
+#include "convert_input.hpp"
 
 namespace cleave::cli {
 namespace {
 
-std::string ending_of(const std::string& path) {
-  std::string ending = std::filesystem::path{path}.extension().string();
-  for (char& c : ending) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return ending;
-}
-
 bool is_mesh(const std::string& ending) { return ending == ".obj" || ending == ".stl" || ending == ".ply"; }
 
-/// The bytes that `out` becomes.
-std::string text_of(const io::MeshData& mesh, const std::string& out) {
+std::optional<report::ExportFormat> format_of(const std::string& ending) {
+  const auto names = report::export_names();
+  const auto found = std::ranges::find(names, ending, &report::ExportName::ending);
+  return found == names.end() ? std::nullopt : std::optional{found->format};
+}
+
+struct Converted {
+  std::string bytes;
+  std::string summary;  ///< what was written, in words
+  std::vector<std::string> notes;
+};
+
+Converted faces_as(const io::MeshData& mesh, const std::string& ending) {
   const std::array<std::string, 2> comments{"written by cleave 0.1.0",
                                             "unit as in the file it was converted from; z up; no offset"};
+  Converted result;
+  result.bytes = ending == ".obj"   ? io::write_obj(mesh, comments)
+                 : ending == ".ply" ? io::write_ply(mesh, comments)
+                                    : io::write_stl_text(mesh);
+  result.summary = fmt::format("{} faces, {} vertices", mesh.faces(), mesh.vertices.size());
+  return result;
+}
+
+Converted blocks_as(const report::Cells& cells, const std::string& ending, const std::string& title) {
+  Converted result;
+  if (const auto format = format_of(ending)) {
+    auto exported = report::export_blocks(cells, *format, title);
+    result.bytes = std::move(exported.bytes);
+    result.notes = std::move(exported.notes);
+  } else {
+    result.bytes = report::blocks_vtu(cells, nullptr, {.title = title, .scene_file = {}});
+  }
+  std::vector<topology::BlockId> blocks = cells.block;
+  std::ranges::sort(blocks);
+  const auto repeated = std::ranges::unique(blocks);
+  const std::size_t count = blocks.size() - repeated.size();
+  result.summary = fmt::format("{} blocks in {} cells, {} vertices", count, cells.size(), cells.points.size());
+  return result;
+}
+
+std::expected<Converted, std::string> convert(const ConvertInput& input, const std::string& in,
+                                              const std::string& out) {
   const std::string ending = ending_of(out);
-  if (ending == ".obj") return io::write_obj(mesh, comments);
-  if (ending == ".ply") return io::write_ply(mesh, comments);
-  return io::write_stl_text(mesh);
+  const std::string title = std::filesystem::path{in}.filename().string();
+  if (const auto* mesh = std::get_if<io::MeshData>(&input.content)) {
+    if (is_mesh(ending)) return faces_as(*mesh, ending);
+    CLEAVE_TRY(const report::Cells cells, blocks_of(*mesh, in));
+    return blocks_as(cells, ending, title);
+  }
+  return blocks_as(*std::get_if<report::Cells>(&input.content), ending, title);
 }
 
 ExitCode wrong(const std::string& message) {
@@ -41,25 +81,35 @@ ExitCode wrong(const std::string& message) {
 
 }  // namespace
 
+std::string ending_of(const std::string& path) {
+  std::string ending = std::filesystem::path{path}.extension().string();
+  for (char& c : ending) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return ending;
+}
+
 ExitCode convert_file(const std::string& in, const std::string& out) {
-  if (!is_mesh(ending_of(in)))
-    return wrong(fmt::format("{}:1: IN: the ending is not known; give .obj, .stl or .ply", in));
-  if (!is_mesh(ending_of(out)))
-    return wrong(fmt::format("{}:1: OUT: the ending is not known; give .obj, .stl or .ply", out));
+  const std::string ending = ending_of(out);
+  if (ending != ".vtu" && !format_of(ending)) {
+    std::string known = ".vtu";
+    for (const report::ExportName& name : report::export_names()) known += fmt::format(" {}", name.ending);
+    return wrong(fmt::format("{}:1: OUT: the ending is not known; give one of {}", out, known));
+  }
   std::error_code ignored;
   if (std::filesystem::is_directory(out, ignored))
     return wrong(fmt::format("{}:1: OUT: is a folder; name a file", out));
-  const auto mesh = io::read_mesh(in);
-  if (!mesh) {
-    const io::ReadError& error = mesh.error();
-    return wrong(fmt::format("{}:{}: file: {}; {}", error.file, std::max(1U, error.line), error.what, error.remedy));
-  }
-  for (const std::string& note : mesh->notes) say("note: " + in + ": " + note + "\n");
-  if (const auto written = report::write_file(out, text_of(*mesh, out)); !written) {
+  const auto input = read_convert_input(in);
+  if (!input) return wrong(input.error());
+  for (const std::string& note : input->notes) say("note: " + in + ": " + note + "\n");
+  const auto converted = convert(*input, in, out);
+  if (!converted) return wrong(converted.error());
+  for (const std::string& note : converted->notes) say("note: " + out + ": " + note + "\n");
+  if (const auto written = report::write_file(out, converted->bytes); !written) {
     complain(describe(written.error()));
     return ExitCode::machine_failed;
   }
-  say(fmt::format("{}: {} faces, {} vertices\n", out, mesh->faces(), mesh->vertices.size()));
+  say(fmt::format("{}: {}\n", out, converted->summary));
   return ExitCode::done;
 }
 

@@ -26,6 +26,9 @@ struct RunArguments {
 [[nodiscard]] ExitCode diff_results(const std::string& first, const std::string& second);
 [[nodiscard]] ExitCode convert_file(const std::string& in, const std::string& out);
 
+/// ".obj" of "a/b.OBJ"; empty when there is none.
+[[nodiscard]] std::string ending_of(const std::string& path);
+
 /// "error: WHAT" on stderr.
 void complain(const std::string& what);
 /// Prints to stdout; the program's end tells when that failed.

@@ -135,8 +135,8 @@ ExitCode run_program(int argc, char** argv) {
 
   std::string in, out;
   CLI::App* convert = app.add_subcommand("convert", "between file formats, by their endings");
-  convert->add_option("in", in, "file to read: .obj .stl .ply")->required();
-  convert->add_option("out", out, "file to write: .obj .stl .ply")->required();
+  convert->add_option("in", in, "result folder or file to read: .vtu .obj .stl .ply .dxf .ts .fab .csv")->required();
+  convert->add_option("out", out, "file to write: .vtu .obj .ply .stl .3ddat .3dec .k .nmm3d .dda")->required();
   convert->callback([&] { chosen = [&] { return convert_file(in, out); }; });
   CLI::App* diff = app.add_subcommand("diff", "what differs between two results: plan, counts, volumes, key blocks");
   std::string first, second;

@@ -12,6 +12,8 @@
 #include <system_error>
 #include <utility>
 
+#include "cleave/report/exports.hpp"
+
 namespace cleave::cli {
 namespace {
 
@@ -19,6 +21,11 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 7> result_files{"summary.json",   "blocks.vtu",  "dangling.vtu", "dangling.obj",
                                                        "key_blocks.csv", "report.html", "log.txt"};
+bool is_export(std::string_view name) {
+  return std::ranges::any_of(report::export_names(), [&](const report::ExportName& format) {
+    return name == "blocks" + std::string{format.ending};
+  });
+}
 
 OutError wrong(const fs::path& out, std::string_view what, std::string_view remedy) {
   return {ExitCode::wrong_input, fmt::format("{}:1: -o: {}; {}", out.generic_string(), what, remedy)};
@@ -107,7 +114,7 @@ std::error_code replace_folder(const fs::path& fresh, const fs::path& old) {
 }  // namespace
 
 bool is_result_file(const std::string& name) {
-  return std::ranges::find(result_files, name) != result_files.end() ||
+  return std::ranges::find(result_files, name) != result_files.end() || is_export(name) ||
          (name.starts_with("blocks_stage_") && name.ends_with(".vtu"));
 }
 
@@ -172,7 +179,11 @@ std::expected<void, OutError> OutFolder::publish_file_by_file() {
   // The summary says that a result is whole: the old one goes first, the new one comes last.
   std::ranges::sort(names, {}, [](const fs::path& name) { return std::pair{name == "summary.json", name.string()}; });
   fs::remove(final_ / "summary.json", reason);
-  for (const std::string_view old : result_files) fs::remove(final_ / old, reason);
+  std::vector<fs::path> old;
+  for (const auto& entry : fs::directory_iterator{final_, reason}) {
+    if (is_result_file(entry.path().filename().string())) old.push_back(entry.path());
+  }
+  for (const fs::path& file : old) fs::remove(file, reason);
   for (const fs::path& name : names) {
     fs::rename(temporary_ / name, final_ / name, reason);
     if (reason)

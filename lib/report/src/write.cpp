@@ -1,12 +1,14 @@
 #include "cleave/report/write.hpp"
 
 #include <algorithm>
+#include <string>
 #include <system_error>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
 #include "cleave/report/cells.hpp"
 #include "cleave/report/dangling.hpp"
+#include "cleave/report/exports.hpp"
 #include "cleave/report/html.hpp"
 #include "cleave/report/key_blocks.hpp"
 #include "cleave/report/summary.hpp"
@@ -182,6 +184,22 @@ std::expected<void, WriteError> write_dangling(const scene::RunResult& result, c
   return write_file(folder / "dangling.obj", dangling_obj(*complex, result.title));
 }
 
+std::expected<std::vector<std::string>, WriteError> write_exports(const scene::RunResult& result,
+                                                                  const fs::path& folder) {
+  std::vector<std::string> notes;
+  const auto* complex = complex_of(result);
+  if (result.output.exports.empty() || complex == nullptr) return notes;
+  const Cells cells = make_cells(*complex);
+  for (const ExportName& name : export_names()) {
+    if (std::ranges::find(result.output.exports, name.name) == result.output.exports.end()) continue;
+    const std::string file = "blocks" + std::string{name.ending};
+    const Exported exported = export_blocks(cells, name.format, result.title);
+    CLEAVE_CHECK(write_file(folder / file, exported.bytes));
+    for (const std::string& note : exported.notes) notes.push_back(file + ": " + note);
+  }
+  return notes;
+}
+
 std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result, const fs::path& folder) {
   const auto* complex = complex_of(result);
   if (!result.output.csv || complex == nullptr || !result.analysis) return {};
@@ -203,6 +221,7 @@ std::expected<void, WriteError> write_all(const scene::RunResult& result, const 
   if (error) return std::unexpected(CannotCreate{folder, error.message()});
   CLEAVE_CHECK(write_blocks_vtu(result, folder));
   CLEAVE_CHECK(write_dangling(result, folder));
+  CLEAVE_CHECK(write_exports(result, folder));
   CLEAVE_CHECK(write_key_blocks_csv(result, folder));
   CLEAVE_CHECK(write_report_html(result, folder));
   return write_summary_json(result, folder);

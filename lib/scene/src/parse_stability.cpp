@@ -94,8 +94,15 @@ OutputSettings parse_output(const TableReader& root) {
     constexpr std::array<string_view, 2> extents{"all", "key"};
     output.only_key_blocks = table.choice("blocks", extents) == std::size_t{1};
   }
-  const auto exports = table.texts("exports");
-  if (exports && !exports->empty()) table.error("exports", not_available(), "remove it");
+  for (const std::string& name : table.texts("exports").value_or(std::vector<std::string>{})) {
+    if (std::ranges::find(known_exports, name) == known_exports.end()) {
+      table.error("exports", fmt::format("\"{}\" is not known", name),
+                  fmt::format("did you mean {}? There are {}", nearest(name, known_exports).value_or("obj"),
+                              fmt::join(known_exports, ", ")));
+    } else if (std::ranges::find(output.exports, name) == output.exports.end()) {
+      output.exports.push_back(name);
+    }
+  }
   return output;
 }
 

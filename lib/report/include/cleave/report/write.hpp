@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "cleave/scene/run_result.hpp"
 
@@ -38,6 +39,10 @@ using WriteError = std::variant<CannotCreate, NoSpace, CannotWrite>;
 /// dangling.vtu and dangling.obj, where the scene keeps what dangles.
 [[nodiscard]] std::expected<void, WriteError> write_dangling(const scene::RunResult& result,
                                                              const std::filesystem::path& folder);
+/// One file for each format in [output] exports, named blocks with the format's ending; what the user should know about
+/// them comes back.
+[[nodiscard]] std::expected<std::vector<std::string>, WriteError> write_exports(const scene::RunResult& result,
+                                                                                const std::filesystem::path& folder);
 [[nodiscard]] std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result,
                                                                    const std::filesystem::path& folder);
 [[nodiscard]] std::expected<void, WriteError> write_report_html(const scene::RunResult& result,

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -110,12 +112,17 @@ struct MicroBlocks {
 };
 
 struct OutputSettings {
-  bool vtu = true;     ///< blocks.vtu
-  bool csv = true;     ///< key_blocks.csv
-  bool report = true;  ///< report.html
+  bool vtu = true;                        ///< blocks.vtu
+  bool csv = true;                        ///< key_blocks.csv
+  bool report = true;                     ///< report.html
+  std::vector<std::string> exports = {};  ///< among known_exports, each once: blocks.obj and so on
   /// blocks = "key": only key blocks are asked for, so only the rock near free faces is cut.
   bool only_key_blocks = false;
 };
+
+/// What [output] exports may name; docs/formats.md has the files.
+inline constexpr std::array<std::string_view, 8> known_exports{"obj",   "ply",    "stl",   "3dec",
+                                                               "3dec5", "lsdyna", "nmm3d", "dda"};
 
 /// A file that the scene names, as read.
 struct InputFile {

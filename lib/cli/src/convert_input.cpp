@@ -1,0 +1,201 @@
+#include "convert_input.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "cleave/core/expected.hpp"
+#include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/shapes.hpp"
+#include "cleave/io/file.hpp"
+#include "cleave/io/joint_csv.hpp"
+#include "cleave/io/polyhedra.hpp"
+#include "cleave/io/surfaces.hpp"
+#include "commands.hpp"
+
+namespace cleave::cli {
+namespace {
+
+using geometry::Vec3;
+
+std::string message_of(const io::ReadError& error) {
+  return fmt::format("{}:{}: file: {}; {}", error.file, std::max(1U, error.line), error.what, error.remedy);
+}
+
+/// Adds a cell from its faces; its volume by the divergence theorem about its first corner.
+void add_cell(report::Cells& cells, std::span<const std::int64_t> stream, std::uint32_t block) {
+  const std::size_t first = cells.connectivity.size();
+  const Vec3 origin = cells.points[static_cast<std::size_t>(stream[2])];
+  double six_volumes = 0;
+  std::size_t at = 1;
+  for (std::int64_t f = 0; f < stream[0]; ++f) {
+    const auto count = static_cast<std::size_t>(stream[at]);
+    const auto face = stream.subspan(at + 1, count);
+    const auto place = [&](std::size_t i) { return cells.points[static_cast<std::size_t>(face[i])] - origin; };
+    for (std::size_t i = 1; i + 1 < count; ++i) six_volumes += dot(place(0), cross(place(i), place(i + 1)));
+    cells.connectivity.insert(cells.connectivity.end(), face.begin(), face.end());
+    at += count + 1;
+  }
+  cells.face_stream.insert(cells.face_stream.end(), stream.begin(), stream.end());
+  cells.face_ends.push_back(static_cast<std::int64_t>(cells.face_stream.size()));
+  const auto begin = cells.connectivity.begin() + static_cast<std::ptrdiff_t>(first);
+  std::sort(begin, cells.connectivity.end());
+  cells.connectivity.erase(std::unique(begin, cells.connectivity.end()), cells.connectivity.end());
+  cells.ends.push_back(static_cast<std::int64_t>(cells.connectivity.size()));
+  cells.block.push_back(topology::BlockId{block});
+  cells.volume.push_back(six_volumes / 6);
+}
+
+report::Cells cells_of(const io::Polyhedra& polyhedra) {
+  report::Cells cells;
+  cells.points = polyhedra.points;
+  std::size_t begin = 0;
+  for (std::size_t c = 0; c < polyhedra.size(); ++c) {
+    const auto end = static_cast<std::size_t>(polyhedra.face_ends[c]);
+    add_cell(cells, std::span{polyhedra.face_stream}.subspan(begin, end - begin), polyhedra.block[c]);
+    begin = end;
+  }
+  return cells;
+}
+
+/// Both parts of a drawing as one mesh.
+io::MeshData joined(io::Surfaces surfaces) {
+  io::MeshData mesh = std::move(surfaces.surfaces);
+  const io::MeshData& more = surfaces.polygons;
+  const auto points = static_cast<std::uint32_t>(mesh.vertices.size());
+  const auto groups = static_cast<std::uint32_t>(mesh.groups.size());
+  const auto corners = static_cast<std::uint32_t>(mesh.corners.size());
+  mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
+  for (const std::uint32_t corner : more.corners) mesh.corners.push_back(points + corner);
+  for (const std::uint32_t end : more.ends) mesh.ends.push_back(corners + end);
+  for (const std::uint32_t group : more.group) mesh.group.push_back(groups + group);
+  mesh.groups.insert(mesh.groups.end(), more.groups.begin(), more.groups.end());
+  mesh.lines.insert(mesh.lines.end(), more.lines.begin(), more.lines.end());
+  mesh.notes = std::move(surfaces.notes);
+  return mesh;
+}
+
+using Mesh = std::expected<io::MeshData, std::string>;
+
+Mesh mesh_of_table(const std::string& bytes, const std::string& in) {
+  const auto table = io::parse_joint_csv(bytes, in);
+  if (!table) return std::unexpected(message_of(table.error().front()));
+  io::MeshData mesh;
+  mesh.notes = table->notes;
+  for (const io::JointRow& row : table->rows) {
+    const auto fail = [&](const std::string& what) {
+      return std::unexpected(fmt::format("{}:{}: row: {}", in, row.line, what));
+    };
+    using Polygon = std::expected<geometry::Polygon, geometry::ShapeError>;
+    const auto polygon = std::visit(
+        overloaded{[](const io::Persistent&) -> std::optional<Polygon> { return std::nullopt; },
+                   [&](const io::DiscSize& disc) -> std::optional<Polygon> {
+                     return geometry::disc(*row.position, row.plane, disc.radius);
+                   },
+                   [&](const io::RectangleSize& sides) -> std::optional<Polygon> {
+                     return geometry::rectangle(*row.position, row.plane, sides.side_a, sides.side_b, sides.rotation);
+                   }},
+        row.size);
+    if (!polygon) return fail("a persistent joint has no outline; give its radius, or side_a and side_b");
+    if (!*polygon) return fail(describe(polygon->error()));
+    auto group = std::ranges::find(mesh.groups, row.set);
+    if (group == mesh.groups.end()) group = mesh.groups.insert(group, row.set);
+    for (const Vec3& corner : (*polygon)->corners()) {
+      mesh.corners.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
+      mesh.vertices.push_back(corner);
+    }
+    mesh.ends.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+    mesh.group.push_back(static_cast<std::uint32_t>(group - mesh.groups.begin()));
+    mesh.lines.push_back(row.line);
+  }
+  return mesh;
+}
+
+template <class Parsed>
+Mesh checked(Parsed parsed) {
+  if (!parsed) return std::unexpected(message_of(parsed.error()));
+  if constexpr (std::is_same_v<typename Parsed::value_type, io::Surfaces>) {
+    return joined(std::move(*parsed));
+  } else {
+    return std::move(*parsed);
+  }
+}
+
+/// Nothing when the ending is not known.
+std::optional<Mesh> mesh_of_file(const std::string& ending, const std::string& bytes, const std::string& in) {
+  if (ending == ".obj") return checked(io::parse_obj(bytes, in));
+  if (ending == ".stl") return checked(io::parse_stl(bytes, in));
+  if (ending == ".ply") return checked(io::parse_ply(bytes, in));
+  if (ending == ".dxf") return checked(io::parse_dxf(bytes, in));
+  if (ending == ".ts") return checked(io::parse_tsurf(bytes, in));
+  if (ending == ".fab") return checked(io::parse_fab(bytes, in));
+  if (ending == ".csv") return mesh_of_table(bytes, in);
+  return std::nullopt;
+}
+
+constexpr const char* known_endings = "give a result folder, .vtu, .obj, .stl, .ply, .dxf, .ts, .fab or .csv";
+
+}  // namespace
+
+std::expected<ConvertInput, std::string> read_convert_input(const std::string& in) {
+  std::error_code ignored;
+  const bool is_folder = std::filesystem::is_directory(in, ignored);
+  const std::string file = is_folder ? (std::filesystem::path{in} / "blocks.vtu").generic_string() : in;
+  const std::string ending = ending_of(file);
+  constexpr std::string_view endings = " .vtu .obj .stl .ply .dxf .ts .fab .csv ";
+  if (ending.empty() || endings.find(" " + ending + " ") == std::string_view::npos) {
+    return std::unexpected(fmt::format("{}:1: IN: the ending is not known; {}", in, known_endings));
+  }
+  const auto bytes = io::read_file(file);
+  if (!bytes) return std::unexpected(message_of(bytes.error()));
+  if (ending == ".vtu") {
+    const auto polyhedra = io::parse_vtu(*bytes, file);
+    if (!polyhedra) return std::unexpected(message_of(polyhedra.error()));
+    return ConvertInput{cells_of(*polyhedra), {}};
+  }
+  auto mesh = mesh_of_file(ending, *bytes, file);
+  if (!mesh || !*mesh) return std::unexpected(mesh ? mesh->error() : std::string{known_endings});
+  std::vector<std::string> notes = std::exchange((*mesh)->notes, {});
+  return ConvertInput{std::move(**mesh), std::move(notes)};
+}
+
+std::expected<report::Cells, std::string> blocks_of(const io::MeshData& mesh, const std::string& in) {
+  std::vector<std::vector<std::size_t>> faces_of_group(mesh.groups.size());
+  for (std::size_t f = 0; f < mesh.faces(); ++f) faces_of_group[mesh.group[f]].push_back(f);
+  report::Cells cells;
+  for (std::uint32_t group = 0; group < mesh.groups.size(); ++group) {
+    if (faces_of_group[group].empty()) continue;
+    io::MeshData part;
+    part.groups = {mesh.groups[group]};
+    for (const std::size_t f : faces_of_group[group]) {
+      for (const std::uint32_t corner : mesh.face(f)) {
+        part.corners.push_back(static_cast<std::uint32_t>(part.vertices.size()));
+        part.vertices.push_back(mesh.vertices[corner]);
+      }
+      part.ends.push_back(static_cast<std::uint32_t>(part.corners.size()));
+      part.group.push_back(0);
+      part.lines.push_back(mesh.lines[f]);
+    }
+    const auto solid = io::solid_of(part);  // welds corners at one place
+    if (!solid) {
+      return std::unexpected(fmt::format("{}:{}: group \"{}\": is no block: {}", in, std::max(1U, part.lines[0]),
+                                         mesh.groups[group], describe(solid.error())));
+    }
+    const auto first = static_cast<std::int64_t>(cells.points.size());
+    cells.points.insert(cells.points.end(), solid->vertices().begin(), solid->vertices().end());
+    std::vector<std::int64_t> stream{static_cast<std::int64_t>(solid->faces().size())};
+    for (const geometry::SolidFace& face : solid->faces()) {
+      stream.push_back(static_cast<std::int64_t>(face.corners.size()));
+      for (const std::uint32_t corner : face.corners) stream.push_back(first + corner);
+    }
+    add_cell(cells, stream, group);
+  }
+  return cells;
+}
+
+}  // namespace cleave::cli

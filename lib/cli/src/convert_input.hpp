@@ -1,0 +1,25 @@
+#pragma once
+
+#include <expected>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "cleave/io/mesh.hpp"
+#include "cleave/report/cells.hpp"
+
+namespace cleave::cli {
+
+/// What `cleave convert` has read: faces, or blocks.
+struct ConvertInput {
+  std::variant<io::MeshData, report::Cells> content;
+  std::vector<std::string> notes;
+};
+
+/// Reads IN: a folder of results, its blocks.vtu, or a file of faces or joints, by its ending. The error is the whole
+/// message "FILE:LINE: KEY: what; remedy".
+[[nodiscard]] std::expected<ConvertInput, std::string> read_convert_input(const std::string& in);
+
+/// Each group of the mesh as a block, when all are closed; else what is wrong.
+[[nodiscard]] std::expected<report::Cells, std::string> blocks_of(const io::MeshData& mesh, const std::string& in);
+}  // namespace cleave::cli

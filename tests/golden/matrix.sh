@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# Golden hashes over {gcc, clang} x {-O0, -O3, ASan} x {1, 2, 7 threads}: builds the program six times under build/matrix and
+# runs the scenes below; every cell of the matrix must print the same blocks.hash (and key_blocks.count). On demand: takes
+# half an hour on two cores without ccache.
+#
+# usage: tests/golden/matrix.sh [SCENE.toml...]      (default: examples/*/*.toml and tests/formats/scenes)
+set -euo pipefail
+root=$(dirname -- "$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")")
+build=$root/build/matrix
+jobs=${JOBS:-$(nproc)}
+scenes=("$@")
+((${#scenes[@]})) || scenes=("$root"/examples/*/*.toml "$root"/tests/formats/scenes/*.toml)
+
+# name, compiler, flags, sanitizers
+variants=(
+  "gcc-O0|g++-12|-O0|"
+  "gcc-O3|g++-12|-O3 -DNDEBUG|"
+  "gcc-asan|g++-12|-O1 -g1|address,undefined"
+  "clang-O0|clang++-19|-O0|"
+  "clang-O3|clang++-19|-O3 -DNDEBUG|"
+  "clang-asan|clang++-19|-O1 -g1|address,undefined"
+)
+launcher=()
+command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+
+hash_of() { # SCENE OUT THREADS PROGRAM
+  local summary=$2/summary.json
+  "$4" run "$1" -o "$2" --quiet --threads "$3" >/dev/null 2>"$2.err" || { echo "FAILED($?)"; return; }
+  sed -n 's/.*"hash": *"\([0-9a-f]*\)".*/\1/p' "$summary" | tr '\n' ' '
+}
+
+failed=0
+declare -A first
+for variant in "${variants[@]}"; do
+  IFS='|' read -r name compiler flags sanitize <<<"$variant"
+  cmake -G Ninja -S "$root" -B "$build/$name" -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_COMPILER="$compiler" \
+    -DCMAKE_CXX_FLAGS="$flags" -DCLEAVE_SANITIZE="$sanitize" -DCLEAVE_TESTS=OFF -DCLEAVE_EXAMPLES=OFF \
+    ${launcher[@]+"${launcher[@]}"} >"$build-$name.log" 2>&1 || { echo "$name: cannot be configured, see $build-$name.log"; exit 1; }
+  ninja -C "$build/$name" -j "$jobs" cleave >>"$build-$name.log" 2>&1 || { echo "$name: cannot be built, see $build-$name.log"; exit 1; }
+  for scene in "${scenes[@]}"; do
+    for threads in 1 2 7; do
+      out=$build/out-$name
+      rm -rf "$out"
+      hash=$(hash_of "$scene" "$out" "$threads" "$build/$name/bin/cleave")
+      key=${scene#"$root"/}
+      : "${first[$key]:=$hash}"
+      if [[ $hash != "${first[$key]}" || $hash == *FAILED* || -z $hash ]]; then
+        printf 'DIFFERS %-40s %-11s %s threads: %s, expected %s\n' "$key" "$name" "$threads" "$hash" "${first[$key]}"
+        failed=$((failed + 1))
+      fi
+    done
+  done
+  printf '%-11s done\n' "$name"
+done
+for key in "${!first[@]}"; do printf '%-45s %s\n' "$key" "${first[$key]}"; done | sort
+((failed == 0)) || { echo "$failed cells differ"; exit 1; }
+echo "all ${#variants[@]} builds x 3 thread counts agree on ${#first[@]} scenes"
