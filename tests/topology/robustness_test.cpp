@@ -61,7 +61,7 @@ TEST_P(Elsewhere, SliversAreCertified) {
 INSTANTIATE_TEST_SUITE_P(Robustness, Elsewhere,
                          ::testing::Values(Change{"far", 1, 1e7}, Change{"small", 1e-3, 0}, Change{"large", 1e3, 0},
                                            Change{"smallAndFar", 1e-3, 1e7}, Change{"largeAndFar", 1e3, 1e7}),
-                         [](const auto& info) { return std::string{info.param.name}; });
+                         [](const auto& change) { return std::string{change.param.name}; });
 
 // m planes in general directions through one point of the domain: m^2 - m + 2 blocks.
 TEST(Robustness, FiftyPlanesThroughOnePoint) {
