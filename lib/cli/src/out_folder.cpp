@@ -19,8 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 5> result_files{"summary.json", "blocks.vtu", "key_blocks.csv", "report.html",
-                                                       "log.txt"};
+constexpr std::array<std::string_view, 10> result_files{
+    "summary.json", "blocks.vtu", "dangling.vtu",     "dangling.obj",          "key_blocks.csv",
+    "report.html",  "log.txt",    "realizations.csv", "realizations.csv.part", "scene.toml"};
 bool is_export(std::string_view name) {
   return std::ranges::any_of(report::export_names(), [&](const report::ExportName& format) {
     return name == "blocks" + std::string{format.ending};
@@ -53,7 +54,7 @@ std::expected<void, OutError> may_be_replaced(const fs::path& folder, const fs::
     if (reason) return std::unexpected(failed(out, "the folder cannot be read", reason, "check its permissions"));
     any = true;
     const std::string name = entries->path().filename().string();
-    if (is_result_file(name) && entries->is_regular_file(reason)) continue;
+    if (is_result_entry(*entries)) continue;
     return std::unexpected(wrong(out, fmt::format("the folder holds \"{}\", which is not from cleave", name),
                                  "name a new or an empty folder with -o"));
   }
@@ -114,7 +115,21 @@ std::error_code replace_folder(const fs::path& fresh, const fs::path& old) {
 }  // namespace
 
 bool is_result_file(const std::string& name) {
-  return std::ranges::find(result_files, name) != result_files.end() || is_export(name);
+  if (std::ranges::find(result_files, name) != result_files.end() || is_export(name)) return true;
+  if (name.starts_with("blocks_stage_") && name.ends_with(".vtu")) return true;
+  constexpr std::string_view copy = "scene_file_";
+  return name.starts_with(copy) && name.size() > copy.size() &&
+         name.find_first_not_of("0123456789", copy.size()) == std::string::npos;
+}
+
+bool is_result_entry(const fs::directory_entry& entry) {
+  std::error_code reason;
+  const std::string name = entry.path().filename().string();
+  if (is_result_file(name)) return entry.is_regular_file(reason);
+  constexpr std::string_view replay = "realization_";
+  return name.starts_with(replay) && name.size() > replay.size() &&
+         name.find_first_not_of("0123456789", replay.size()) == std::string::npos && entry.is_directory(reason) &&
+         (has_our_summary(entry.path()) || fs::is_empty(entry.path(), reason));
 }
 
 std::expected<OutFolder, OutError> OutFolder::prepare(const fs::path& out) {
@@ -178,10 +193,11 @@ std::expected<void, OutError> OutFolder::publish_file_by_file() {
   // The summary says that a result is whole: the old one goes first, the new one comes last.
   std::ranges::sort(names, {}, [](const fs::path& name) { return std::pair{name == "summary.json", name.string()}; });
   fs::remove(final_ / "summary.json", reason);
-  for (const std::string_view old : result_files) fs::remove(final_ / old, reason);
-  for (const report::ExportName& format : report::export_names()) {
-    fs::remove(final_ / ("blocks" + std::string{format.ending}), reason);
+  std::vector<fs::path> old;
+  for (const auto& entry : fs::directory_iterator{final_, reason}) {
+    if (is_result_entry(entry)) old.push_back(entry.path());
   }
+  for (const fs::path& path : old) fs::remove_all(path, reason);
   for (const fs::path& name : names) {
     fs::rename(temporary_ / name, final_ / name, reason);
     if (reason)

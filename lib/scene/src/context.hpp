@@ -19,6 +19,7 @@ struct Context {
   bool triangulate = false;  ///< nonplanar = "triangulate"
   IdVector<SetId, NamedSet> sets{};
   std::vector<InputFile> files{};
+  std::vector<topology::Termination> terminations{};
 
   /// The set of that name, made when new.
   [[nodiscard]] SetId set_named(const std::string& name);
@@ -34,13 +35,30 @@ void parse_joints(Context& context, const TableReader& root, std::vector<Measure
 void parse_joint_sets(Context& context, const TableReader& root, std::vector<RandomSet>& joint_sets);
 void parse_properties(Context& context, const TableReader& root);
 [[nodiscard]] Rock parse_rock(const TableReader& root);
-void parse_excavations(Context& context, const TableReader& root, std::vector<Excavation>& excavations);
+void parse_excavations(Context& context, const TableReader& root, const std::optional<geometry::Solid>& domain,
+                       std::vector<Excavation>& excavations);
 struct ParsedStability {
   std::optional<StabilitySettings> settings;
   std::vector<std::uint32_t> free_domain_tags;
 };
-[[nodiscard]] ParsedStability parse_stability(const TableReader& root, const std::optional<geometry::Solid>& domain,
-                                              bool has_excavations);
+[[nodiscard]] ParsedStability parse_stability(const Context& context, const TableReader& root,
+                                              const std::optional<geometry::Solid>& domain,
+                                              const std::vector<Excavation>& excavations);
+/// Keys seismic, water, surcharge, point and line of [stability] or of one [[load]].
+[[nodiscard]] LoadSet parse_load_set(const Context& context, const TableReader& table,
+                                     const std::optional<geometry::Solid>& domain,
+                                     const std::vector<Excavation>& excavations);
+/// The [[load]] tables, each with the loads of `base`.
+[[nodiscard]] std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader& root,
+                                                     const std::optional<geometry::Solid>& domain,
+                                                     const std::vector<Excavation>& excavations, const LoadSet& base);
+[[nodiscard]] std::optional<SupportSettings> parse_support(const TableReader& root,
+                                                           const std::vector<Excavation>& excavations,
+                                                           const std::optional<StabilitySettings>& stability);
+/// Stages of the excavations and [sequence]; empty when all are of one stage.
+[[nodiscard]] std::optional<SequenceSettings> parse_sequence(const TableReader& root,
+                                                             const std::vector<Excavation>& excavations);
+[[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
 [[nodiscard]] OutputSettings parse_output(const TableReader& root);
 
 /// Adds notes on a scene that is not wrong: joints outside the domain, no joints at all, strengths that nobody stated.
@@ -48,5 +66,10 @@ void find_notes(const Scene& scene, const TableReader& root);
 
 /// Friction as a number of degrees or a distribution table.
 [[nodiscard]] std::optional<FrictionLaw> parse_friction(const TableReader& table, std::string_view key);
+/// A number or a distribution table of numbers that `allowed` accepts.
+[[nodiscard]] std::optional<NumberLaw> parse_number_law(const TableReader& table, std::string_view key,
+                                                        const NumberRule& allowed);
+/// [monte_carlo]; empty when the scene has none.
+[[nodiscard]] std::optional<MonteCarloSettings> parse_monte_carlo(const TableReader& root);
 
 }  // namespace cleave::scene

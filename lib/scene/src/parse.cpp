@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cleave/core/sha256.hpp"
+#include "cleave/stochastic/ensemble.hpp"
 #include "context.hpp"
 
 namespace cleave::scene {
@@ -16,8 +17,9 @@ using std::string_view;
 constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
                                                 "north",  "domain",     "joint",    "joint_set", "joints",
                                                 "rock",   "excavation", "stability"};
-constexpr std::array<string_view, 1> more_root_keys{"output"};
-constexpr std::array<string_view, 6> later_sections{"support", "monte_carlo", "body", "load", "contact", "elastic"};
+constexpr std::array<string_view, 7> more_root_keys{"output",       "sequence",    "keep_dangling", "micro_blocks",
+                                                    "monte_carlo", "load", "support"};
+constexpr std::array<string_view, 3> later_sections{"body", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
   const std::size_t slash = shown.find_last_of('/');
@@ -41,6 +43,7 @@ struct Header {
   std::string title;
   std::uint64_t seed = 1;
   Length snap;
+  bool keep_dangling = false;
 };
 
 Header parse_header(const TableReader& root, Context& context, const std::string& shown) {
@@ -56,6 +59,7 @@ Header parse_header(const TableReader& root, Context& context, const std::string
   header.title = root.text("title").value_or(stem_of(shown));
   if (const auto seed = root.integer("seed", 0, INT64_MAX)) header.seed = static_cast<std::uint64_t>(*seed);
   if (const auto snap = root.number("snap", snap_rule)) header.snap = metres(*snap);
+  header.keep_dangling = root.boolean("keep_dangling").value_or(false);
   if (const auto policy = root.choice("nonplanar", policies)) context.triangulate = *policy == 1;
   if (const auto north = root.number("north", rule::turn)) context.north = *north;
   return header;
@@ -91,9 +95,29 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   parse_properties(context, root);
   const Rock rock = parse_rock(root);
   std::vector<Excavation> excavations;
-  parse_excavations(context, root, excavations);
-  ParsedStability stability = parse_stability(root, domain, root.has("excavation") && !excavations.empty());
-  const OutputSettings output = parse_output(root);
+  parse_excavations(context, root, domain, excavations);
+  ParsedStability stability = parse_stability(context, root, domain, excavations);
+  std::optional<SupportSettings> support = parse_support(root, excavations, stability.settings);
+  OutputSettings output = parse_output(root);
+  std::optional<SequenceSettings> sequence = parse_sequence(root, excavations);
+  const MicroBlocks micro_blocks = parse_micro_blocks(root);
+  // What is asked for of all the rock needs all the rock.
+  if (sequence || header.keep_dangling || micro_blocks.policy == MicroBlockPolicy::exclude) {
+    output.only_key_blocks = false;
+  }
+  std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
+  if (monte_carlo && monte_carlo->stop) {
+    const auto* quantity = stochastic::quantity_named(monte_carlo->stop->quantity);
+    if (quantity->stability && !stability.settings) {
+      problems.error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
+                     "asks for key blocks, but nothing is free",
+                     "add an excavation or stability.free, or take block_count");
+    }
+    if (quantity->whole_system && output.only_key_blocks && stability.settings) {
+      problems.error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
+                     "counts all blocks, but only key blocks are cut", "set output.blocks = \"all\"");
+    }
+  }
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 
   Scene scene{.title = header.title,
@@ -104,11 +128,17 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .free_domain_tags = std::move(stability.free_domain_tags),
               .sets = std::move(context.sets),
               .joints = std::move(joints),
+              .terminations = std::move(context.terminations),
+              .keep_dangling = header.keep_dangling,
               .joint_sets = std::move(joint_sets),
               .rock = rock,
               .excavations = std::move(excavations),
+              .support = std::move(support),
               .stability = stability.settings,
+              .sequence = std::move(sequence),
+              .micro_blocks = micro_blocks,
               .output = output,
+              .monte_carlo = std::move(monte_carlo),
               .shown = shown,
               .file_name = stem_of(shown),
               .sha256 = sha256_hex(text),

@@ -8,13 +8,20 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/core/rng.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/stability/near_field.hpp"
 #include "cleave/topology/cut.hpp"
+#include "cleave/topology/sequence.hpp"
+#include "judge.hpp"
 
 namespace cleave::scene {
 namespace {
+
+/// A stream of the whole scene, not of a joint set: its purpose lies beyond those of core's Draw.
+constexpr auto seismic_factor = static_cast<Draw>(64);
 
 Problem problem_of(const topology::CutError& error, const Scene& scene, const Drawn& drawn) {
   const std::string what = describe(error);
@@ -32,6 +39,10 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                                  return Problem{scene.shown, scene.excavations[*e.excavation].line,
                                                 fmt::format("excavation[{}]", *e.excavation + 1), what, ""};
                                },
+                               [&](const topology::TerminationUndecided& e) {
+                                 const MeasuredJoint& joint = scene.joints[e.joint.index()];
+                                 return Problem{joint.file, joint.line, "joint.ends_on", what, ""};
+                               },
                                [&](const topology::DomainSwallowed&) {
                                  const std::uint32_t line =
                                      scene.excavations.empty() ? 1 : scene.excavations.front().line;
@@ -42,30 +53,14 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                     error);
 }
 
-/// All of it was checked when the scene was parsed, so none of the factories can refuse.
-stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted) {
-  const auto strength_of = [](const Strength& s) {
-    auto made = stability::JointStrength::make(s.friction, s.cohesion, s.tension);
-    CLEAVE_ASSERT(made.has_value());
-    return *made;
-  };
-  const auto rock = stability::RockMass::make(scene.rock.density);
-  const auto loads = stability::Loads::make(wanted.gravity, wanted.seismic);
-  const auto partial =
-      stability::PartialFactors::make(wanted.partial.friction, wanted.partial.cohesion, wanted.partial.weight);
-  CLEAVE_ASSERT(rock.has_value() && loads.has_value() && partial.has_value());
-  const Strength nothing{FrictionAngle::degrees(0), pascals(0), pascals(0)};
-  stability::StrengthTable strengths{
-      strength_of(drawn.joints.empty() ? nothing : drawn.joints[topology::JointId{0U}].strength)};
-  for (const topology::JointId joint : drawn.joints.ids()) {
-    strengths.set(joint, strength_of(drawn.joints[joint].strength));
+/// The settings of one realization: what is random of the loads is drawn.
+stability::Settings settings_of(const Scene& scene, const Drawn& drawn, std::uint64_t realization) {
+  LoadSet loads = scene.stability->loads;
+  if (scene.monte_carlo) {
+    Rng rng{{.seed = scene.seed, .realization = realization, .purpose = stream_purpose(0, seismic_factor), .index = 0}};
+    loads.seismic = scene.monte_carlo->seismic_factor.quantile(rng.uniform()) * loads.seismic;
   }
-  return {.rock = *rock,
-          .strengths = std::move(strengths),
-          .loads = *loads,
-          .partial = *partial,
-          .force_transfer = wanted.force_transfer,
-          .max_batches = wanted.max_batches};
+  return settings_of(scene, drawn, *scene.stability, loads);
 }
 
 void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::vector<std::string>& notes) {
@@ -76,6 +71,17 @@ void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::v
     notes.push_back(
         fmt::format("{} of {} joints end inside the rock and part no two blocks", report.dangling.size(), joints));
   }
+}
+
+void add_micro_note(const topology::BlockComplex& complex, const MicroBlocks& limits, std::vector<std::string>& notes) {
+  if (limits.policy == MicroBlockPolicy::keep) return;
+  const auto found = micro_blocks(complex, limits);
+  if (found.empty()) return;
+  double volume = 0;
+  for (const topology::BlockId b : found) volume += complex.blocks()[b].volume.si();
+  notes.push_back(fmt::format("{} of {} blocks are micro-blocks ({:.3g} m3 in all){}", found.size(),
+                              complex.blocks().size(), volume,
+                              limits.policy == MicroBlockPolicy::exclude ? ": left out of stability" : ""));
 }
 
 std::optional<Stage> stage_named(std::string_view name) {
@@ -90,6 +96,7 @@ struct System {
   std::optional<stability::Analysis> analysis;
   std::string hash, key_hash;
   std::optional<WindowInfo> window;
+  std::optional<SequenceResult> sequence = {};
 };
 
 std::string hash_of_key_blocks(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
@@ -100,13 +107,32 @@ std::string hash_of_key_blocks(const topology::BlockComplex& complex, const stab
   return topology::canonical_hash(complex, leaving);
 }
 
+SequenceResult sequence_of(const Scene& scene, const topology::SequentialCut& cut,
+                           const topology::StageBlocks& final_state, const Judge& judge) {
+  std::vector<std::uint32_t> stages;
+  std::vector<std::string> names;
+  for (const Excavation& excavation : scene.excavations) {
+    stages.push_back(excavation.stage);
+    names.push_back(excavation.name);
+  }
+  return run_sequence(cut, final_state, *scene.sequence, stages, names, judge);
+}
+
 std::expected<System, topology::CutError> cut_all(const Scene& scene, const Drawn& drawn, const RunOptions& options,
                                                   StageTimer& timer, Progress& progress) {
   const auto stage = [&](Stage which, auto&& work) {
     progress.begin(name_of(which));
     return timer.run(name_of(which), work);
   };
-  auto cut = stage(Stage::cut, [&] { return topology::cut(drawn.input, {.threads = options.threads}); });
+  std::optional<topology::SequentialCut> in_stages;
+  std::optional<topology::StageBlocks> final_state;
+  auto cut = stage(Stage::cut, [&]() -> std::expected<topology::BlockComplex, topology::CutError> {
+    if (!scene.sequence) return topology::cut(drawn.input, {.threads = options.threads});
+    CLEAVE_TRY(in_stages, topology::SequentialCut::make(drawn.input, {.threads = options.threads}));
+    CLEAVE_TRY(final_state,
+               in_stages->blocks({.excavated = std::vector<std::uint8_t>(scene.excavations.size(), 1), .fallen = {}}));
+    return final_state->complex;
+  });
   if (!cut) return std::unexpected(std::move(cut).error());
   topology::CutReport report = cut->report();
   std::string hash;
@@ -117,8 +143,16 @@ std::expected<System, topology::CutError> cut_all(const Scene& scene, const Draw
   });
   System system{std::move(complex), std::move(report), {}, std::move(hash), {}, {}};
   if (system.complex && scene.stability) {
+    const Judge judge = [&](const topology::AuditedComplex& complex_of_state) {
+      stability::Settings settings = settings_of(scene, drawn, options.realization);
+      if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
+        settings.left_out = micro_blocks(complex_of_state.complex(), scene.micro_blocks);
+      }
+      return stability::analyse(complex_of_state, settings);
+    };
     system.analysis = stage(Stage::stability, [&] {
-      return stability::analyse(*system.complex, settings_of(scene, drawn, *scene.stability));
+      if (in_stages && final_state) system.sequence = sequence_of(scene, *in_stages, *final_state, judge);
+      return judge(*system.complex);
     });
     system.key_hash = hash_of_key_blocks(system.complex->complex(), *system.analysis);
   }
@@ -129,7 +163,7 @@ std::expected<System, topology::CutError> cut_near_free_faces(const Scene& scene
                                                               const RunOptions& options, StageTimer& timer,
                                                               Progress& progress) {
   progress.begin(name_of(Stage::cut));
-  auto near = stability::analyse_near_field(drawn.input, settings_of(scene, drawn, *scene.stability),
+  auto near = stability::analyse_near_field(drawn.input, settings_of(scene, drawn, options.realization),
                                             {.threads = options.threads}, timer);
   if (!near) {
     if (auto* error = std::get_if<topology::CutError>(&near.error())) return std::unexpected(std::move(*error));
@@ -158,6 +192,19 @@ std::string note_on(const WindowInfo& window) {
 
 }  // namespace
 
+std::vector<topology::BlockId> micro_blocks(const topology::BlockComplex& complex, const MicroBlocks& limits) {
+  std::vector<topology::BlockId> found;
+  for (const topology::BlockId id : complex.blocks().ids()) {
+    const topology::Block& block = complex.blocks()[id];
+    const bool micro = limits.thickness || limits.volume
+                           ? (limits.thickness && block.thickness.si() < limits.thickness->si()) ||
+                                 (limits.volume && block.volume.si() < limits.volume->si())
+                           : block.sliver;
+    if (micro) found.push_back(id);
+  }
+  return found;
+}
+
 RunCost cost_of(const StageTimer& timer, unsigned threads) {
   const cleave::StageCost total = timer.total();
   RunCost cost{
@@ -177,6 +224,28 @@ RunCost cost_of(const StageTimer& timer, unsigned threads) {
   return cost;
 }
 
+std::expected<Realized, std::vector<Problem>> realize(const Scene& scene, std::uint64_t realization) {
+  auto drawn = draw(scene, realization);
+  if (!drawn) return std::unexpected(std::move(drawn).error());
+  if (scene.output.only_key_blocks && scene.stability && only_weights(scene)) {
+    StageTimer timer;
+    auto near =
+        stability::analyse_near_field(drawn->input, settings_of(scene, *drawn, realization), {.threads = 1}, timer);
+    if (near) return Realized{*std::move(drawn), std::move(near->complex), std::move(near->analysis)};
+    if (auto* error = std::get_if<topology::CutError>(&near.error())) {
+      return std::unexpected(std::vector{problem_of(*error, scene, *drawn)});
+    }
+    return Realized{*std::move(drawn), std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}};
+  }
+  auto cut = topology::cut(drawn->input, {.threads = 1});
+  if (!cut) return std::unexpected(std::vector{problem_of(cut.error(), scene, *drawn)});
+  Realized realized{*std::move(drawn), topology::audit(*std::move(cut)), std::nullopt};
+  if (realized.complex && scene.stability) {
+    realized.analysis = stability::analyse(*realized.complex, settings_of(scene, realized.drawn, realization));
+  }
+  return realized;
+}
+
 std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options, StageTimer& timer,
                                                    Progress& progress) {
   Plan plan = make_plan(scene);
@@ -185,13 +254,15 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return timer.run(name_of(which), work);
   };
 
-  auto drawn = plan.runs(Stage::draw) ? stage(Stage::draw, [&] { return draw(scene); }) : draw(scene);
+  auto drawn = plan.runs(Stage::draw) ? stage(Stage::draw, [&] { return draw(scene, options.realization); })
+                                      : draw(scene, options.realization);
   if (!drawn) {
     progress.end();
     return std::unexpected(std::move(drawn).error());
   }
 
-  auto made = scene.output.only_key_blocks && scene.stability
+  // The neighbourhood of free faces is enough for weights alone: other loads, cases and bolts see all of the rock.
+  auto made = scene.output.only_key_blocks && scene.stability && !scene.sequence && only_weights(scene)
                   ? cut_near_free_faces(scene, *drawn, options, timer, progress)
                   : cut_all(scene, *drawn, options, timer, progress);
   if (!made) {
@@ -200,6 +271,19 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   }
   System& system = *made;
   auto& analysis = system.analysis;
+  JudgedMore more;
+  if (analysis) {
+    if (auto misplaced = misplaced_loads(scene, *drawn, *scene.stability, system.complex->complex());
+        !misplaced.empty()) {
+      progress.end();
+      return std::unexpected(std::move(misplaced));
+    }
+    if (!scene.stability->cases.empty()) {
+      stage(Stage::stability, [&] { judge_cases(scene, *drawn, *system.complex, more); });
+    }
+    if (scene.support) stage(Stage::support, [&] { judge_support(scene, *drawn, *system.complex, *analysis, more); });
+    judge_sensitivity(scene, *drawn, *system.complex, *analysis, more);
+  }
   progress.end();
 
   std::vector<std::string> notes;
@@ -209,9 +293,25 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   } else {
     add_cut_notes(system.report, drawn->joints.size(), notes);
   }
+  if (system.complex) add_micro_note(system.complex->complex(), scene.micro_blocks, notes);
   if (analysis && analysis->stopped_at_max_batches) {
     notes.push_back(
         fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
+  }
+  if (scene.output.only_key_blocks && scene.stability && !only_weights(scene)) {
+    notes.push_back("all the rock was cut: with water, loads on free faces, load cases or support it is needed");
+  }
+  if (more.support && !more.support->passes()) {
+    notes.push_back(
+        "the support does not reach the required factors of safety: see bolts.csv and the columns of key_blocks.csv");
+  }
+  for (const CaseResult& load : more.cases) {
+    std::size_t leaving = 0, base = 0;
+    for (const stability::Batch& batch : load.analysis.batches) leaving += batch.blocks.size();
+    for (const stability::Batch& batch : analysis->batches) base += batch.blocks.size();
+    if (leaving != base) {
+      notes.push_back(fmt::format("load case {}: {} key blocks, {} in the base case", load.name, leaving, base));
+    }
   }
   std::vector<ExcavationInfo> excavations;
   for (const Excavation& excavation : scene.excavations) excavations.push_back({excavation.name, excavation.stage});
@@ -235,6 +335,14 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .key_block_hash = std::move(system.key_hash),
                    .window = system.window,
                    .analysis = std::move(analysis),
+                   .sequence = std::move(system.sequence),
+                   .micro_blocks = scene.micro_blocks,
+                   .support = std::move(more.support),
+                   .bolt_groups = scene.support ? scene.support->groups : std::vector<std::string>{},
+                   .designs = std::move(more.designs),
+                   .tunnel_length = tunnel_length(scene),
+                   .sensitivity = std::move(more.sensitivity),
+                   .load_cases = std::move(more.cases),
                    .notes = std::move(notes)};
 }
 

@@ -2,11 +2,14 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "cleave/report/json.hpp"
 #include "cleave/stability/result.hpp"
+#include "cleave/stability/support.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/block_complex.hpp"
 
@@ -61,13 +64,83 @@ struct KeyBlockFigures {
   double volume_m3 = 0;
   std::vector<BatchFigures> batches;
   bool stopped_at_max_batches = false;
-  std::string hash = {};  ///< of the blocks that leave
+  double lowest_factor_of_safety = std::numeric_limits<double>::infinity();  ///< of the blocks judged
+  std::optional<std::uint64_t> below_target = {};  ///< judged blocks below the scene's target, where it has one
+  double equilibrium_residual = 0;                 ///< largest, relative; statics and force transfer
+  std::string hash = {};                           ///< of the blocks that leave
+};
+
+struct CaseFigures {
+  std::string name;
+  KeyBlockFigures figures;
 };
 
 /// When only the rock near free faces was cut.
 struct WindowFigures {
   std::array<double, 3> min, max;
   std::uint64_t rounds = 1, truncated = 0;
+};
+
+/// [micro_blocks] of the scene, where it does not keep silent about them.
+struct MicroBlockFigures {
+  std::string policy;  ///< "report" or "exclude"
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+  double thinnest_m = 0;  ///< 0 when there are none
+};
+
+/// Parts of joints that bound no block, where the scene keeps them.
+struct DanglingFigures {
+  std::uint64_t pieces = 0;
+  double area_m2 = 0;
+  std::uint64_t free_edges = 0;
+  double free_edge_length_m = 0;
+  std::uint64_t joints = 0;
+  std::uint64_t isolated_joints = 0;
+};
+
+/// One stage of a sequential excavation.
+struct StageFigures {
+  std::uint32_t stage = 1;
+  std::vector<std::string> excavations;
+  bool passed = true;  ///< the certificate of this state
+  std::uint64_t blocks = 0;
+  double volume_m3 = 0;
+  std::string hash;
+  KeyBlockFigures key_blocks;
+  std::uint64_t new_count = 0;  ///< without those that left in earlier stages
+  double new_volume_m3 = 0;
+};
+struct OrderFigures {
+  std::vector<std::uint32_t> stages;
+  std::vector<std::uint64_t> new_count;
+  std::vector<double> new_volume_m3;
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+};
+struct SequenceFigures {
+  std::string fallen;  ///< "stay_out" or "put_back"
+  std::vector<StageFigures> stages;
+  std::vector<OrderFigures> orders;
+  std::size_t best = 0;
+};
+
+struct DesignFigures {
+  double length_m;
+  bool found;
+  double scale;  ///< of the scene's spacings
+  std::uint64_t bolts;
+  double cost;
+};
+
+struct SupportFigures {
+  bool passes = false;
+  std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, not_held = 0;
+  std::uint64_t bolts = 0, spot_bolts = 0, bolts_used = 0, bolts_redundant = 0, bolts_too_short = 0;
+  std::uint64_t combined = 0, combined_failing = 0;
+  double required_force_n = 0, largest_required_pressure_pa = 0, missing_force_n = 0;
+  std::optional<double> required_force_n_per_metre = {};  ///< of tunnel, where there is one
+  std::vector<DesignFigures> designs = {};
 };
 
 /// Everything of summary.json, as values.
@@ -82,11 +155,26 @@ struct Summary {
   topology::Certificate certificate;
   std::optional<WindowFigures> window;
   std::optional<KeyBlockFigures> key_blocks;
+  std::optional<SequenceFigures> sequence;
+  std::optional<DanglingFigures> dangling;
+  std::optional<MicroBlockFigures> micro_blocks;
+  std::vector<CaseFigures> load_cases;  ///< of [[load]]
+  std::optional<SupportFigures> support;
 };
 
 [[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);
-[[nodiscard]] KeyBlockFigures count_key_blocks(const stability::Analysis& analysis);
+struct TargetFactors {
+  double falling, sliding;
+};
+[[nodiscard]] KeyBlockFigures count_key_blocks(const stability::Analysis& analysis,
+                                               const std::optional<TargetFactors>& target = {});
+/// Whether a judged block has less than its target.
+[[nodiscard]] bool below(const stability::Judgement& judgement, const TargetFactors& target);
 
+[[nodiscard]] SupportFigures count_support(const stability::SupportResult& support);
+
+/// The head of summary.json: title, seed, plan and cost.
+void write_summary_head(JsonWriter& json, const Summary& summary);
 /// summary.json; keys in the order of docs/summary.schema.json.
 [[nodiscard]] std::string summary_json(const Summary& summary);
 
