@@ -51,9 +51,6 @@ INSTANTIATE_TEST_SUITE_P(
             "s.toml:4: stability.water: is not available in version 0.1; remove it"},
         Bad{"LaterModel", with_box(set + "size = 5\nmodel = \"veneziano\"\n"),
             "s.toml:7: joint_set[1].model: \"veneziano\" is not available in version 0.1; choose one of: baecher"},
-        Bad{"LaterExcavation", with_box("[[excavation]]\nkind = \"benches\"\n"),
-            "s.toml:4: excavation[1].kind: \"benches\" is not available in version 0.1; choose one of: tunnel, mesh, "
-            "polyhedron"},
         Bad{"WrongSchema", "schema = 2\n" + std::string{box},
             "s.toml:1: schema: is not a version that this program knows; write schema = 1"},
         Bad{"SeedIsText", "seed = \"x\"\n" + std::string{box},

@@ -32,6 +32,7 @@ Written write_result(scene::RunResult& result, const std::filesystem::path& fold
   };
   auto written = stage(scene::Stage::write, [&]() -> Written {
     if (auto vtu = report::write_blocks_vtu(result, folder); !vtu) return vtu;
+    if (auto dangling = report::write_dangling(result, folder); !dangling) return dangling;
     auto notes = report::write_exports(result, folder);
     if (!notes) return std::unexpected(std::move(notes).error());
     for (std::string& note : *notes) result.notes.push_back(std::move(note));

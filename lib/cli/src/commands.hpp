@@ -22,6 +22,8 @@ struct RunArguments {
 [[nodiscard]] ExitCode plan_scene(const std::string& scene);
 [[nodiscard]] ExitCode check_scene(const std::string& scene);
 [[nodiscard]] ExitCode init_scene(const std::string& kind);
+/// Prints what differs between two finished results: scene, plan, counts, volumes, key blocks; not what they cost.
+[[nodiscard]] ExitCode diff_results(const std::string& first, const std::string& second);
 [[nodiscard]] ExitCode convert_file(const std::string& in, const std::string& out);
 
 /// ".obj" of "a/b.OBJ"; empty when there is none.

@@ -73,10 +73,9 @@ void add_later_commands(CLI::App& app, std::function<ExitCode()>& chosen) {
     const char* name;
     const char* text;
   };
-  for (const Later& later :
-       {Later{"merge", "merges Monte Carlo shards"},
-        Later{"replay", "re-creates one realization exactly, as a full single run"},
-        Later{"survey", "field data to joint-set statistics"}, Later{"diff", "what differs between two results"}}) {
+  for (const Later& later : {Later{"merge", "merges Monte Carlo shards"},
+                             Later{"replay", "re-creates one realization exactly, as a full single run"},
+                             Later{"survey", "field data to joint-set statistics"}}) {
     CLI::App* command = app.add_subcommand(later.name, std::string{later.text} + " (not available in version 0.1)");
     command->allow_extras();
     command->callback([&chosen, name = std::string{later.name}] {
@@ -139,6 +138,11 @@ ExitCode run_program(int argc, char** argv) {
   convert->add_option("in", in, "result folder or file to read: .vtu .obj .stl .ply .dxf .ts .fab .csv")->required();
   convert->add_option("out", out, "file to write: .vtu .obj .ply .stl .3ddat .3dec .k .nmm3d .dda")->required();
   convert->callback([&] { chosen = [&] { return convert_file(in, out); }; });
+  CLI::App* diff = app.add_subcommand("diff", "what differs between two results: plan, counts, volumes, key blocks");
+  std::string first, second;
+  diff->add_option("out1", first, "folder of a finished run")->required();
+  diff->add_option("out2", second, "folder of another")->required();
+  diff->callback([&] { chosen = [&] { return diff_results(first, second); }; });
   add_later_commands(app, chosen);
 
   try {

@@ -19,8 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 8> result_files{"summary.json", "blocks.vtu", "key_blocks.csv", "report.html",
-                                                       "log.txt",      "bodies.vtu", "bodies.pvd",     "points.csv"};
+constexpr std::array<std::string_view, 10> result_files{"summary.json",   "blocks.vtu",  "dangling.vtu", "dangling.obj",
+                                                        "key_blocks.csv", "report.html", "log.txt",      "bodies.vtu",
+                                                        "bodies.pvd",     "points.csv"};
 /// One time of a moving scene: bodies_0000.vtu and on.
 bool is_frame(std::string_view name) {
   if (!name.starts_with("bodies_") || !name.ends_with(".vtu")) return false;
@@ -120,7 +121,8 @@ std::error_code replace_folder(const fs::path& fresh, const fs::path& old) {
 }  // namespace
 
 bool is_result_file(const std::string& name) {
-  return std::ranges::find(result_files, name) != result_files.end() || is_export(name);
+  return std::ranges::find(result_files, name) != result_files.end() || is_export(name) ||
+         (name.starts_with("blocks_stage_") && name.ends_with(".vtu"));
 }
 
 std::expected<OutFolder, OutError> OutFolder::prepare(const fs::path& out) {
@@ -184,10 +186,11 @@ std::expected<void, OutError> OutFolder::publish_file_by_file() {
   // The summary says that a result is whole: the old one goes first, the new one comes last.
   std::ranges::sort(names, {}, [](const fs::path& name) { return std::pair{name == "summary.json", name.string()}; });
   fs::remove(final_ / "summary.json", reason);
-  for (const std::string_view old : result_files) fs::remove(final_ / old, reason);
-  for (const report::ExportName& format : report::export_names()) {
-    fs::remove(final_ / ("blocks" + std::string{format.ending}), reason);
+  std::vector<fs::path> old;
+  for (const auto& entry : fs::directory_iterator{final_, reason}) {
+    if (is_result_file(entry.path().filename().string())) old.push_back(entry.path());
   }
+  for (const fs::path& file : old) fs::remove(file, reason);
   for (const fs::path& name : names) {
     fs::rename(temporary_ / name, final_ / name, reason);
     if (reason)

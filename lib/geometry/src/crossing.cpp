@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "box_tree.hpp"
+#include "cleave/geometry/box_tree.hpp"
 #include "predicates.hpp"
 
 namespace cleave::geometry {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "box_tree.hpp"
+#include "cleave/geometry/box_tree.hpp"
 
 namespace cleave::geometry {
 namespace {

@@ -10,6 +10,7 @@
 #include "cleave/report/key_blocks.hpp"
 #include "cleave/report/text.hpp"
 #include "cleave/report/view3d.hpp"
+#include "stages_section.hpp"
 
 namespace cleave::report {
 namespace {
@@ -305,6 +306,7 @@ std::string report_html(const Page& page) {
   out += cards(page);
   out += view_section(page, view_json);
   out += key_blocks_section(page);
+  if (page.summary.sequence) out += stages_section(*page.summary.sequence);
   out += stereonet_section(page);
   out += blocks_section(page);
   out += plan_section(page.summary);

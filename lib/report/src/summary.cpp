@@ -129,6 +129,78 @@ void write_key_blocks(JsonWriter& json, const KeyBlockFigures& figures) {
   json.end_object();
 }
 
+void write_order(JsonWriter& json, const OrderFigures& order) {
+  json.begin_object();
+  json.key("stages");
+  json.begin_array();
+  for (const std::uint32_t stage : order.stages) json.value(stage);
+  json.end_array();
+  json.member("key_block_count", order.count);
+  json.member("key_block_volume_m3", order.volume_m3);
+  json.key("new_count");
+  json.begin_array();
+  for (const std::uint64_t count : order.new_count) json.value(count);
+  json.end_array();
+  json.key("new_volume_m3");
+  json.begin_array();
+  for (const double volume : order.new_volume_m3) json.value(volume);
+  json.end_array();
+  json.end_object();
+}
+
+void write_sequence(JsonWriter& json, const SequenceFigures& sequence) {
+  json.key("sequence");
+  json.begin_object();
+  json.member("fallen", sequence.fallen);
+  json.key("stages");
+  json.begin_array();
+  for (const StageFigures& stage : sequence.stages) {
+    json.begin_object();
+    json.member("stage", stage.stage);
+    json.key("excavations");
+    json.begin_array();
+    for (const std::string& name : stage.excavations) json.value(name);
+    json.end_array();
+    json.member("certificate_passed", stage.passed);
+    json.member("block_count", stage.blocks);
+    json.member("block_volume_m3", stage.volume_m3);
+    json.member("hash", stage.hash);
+    write_key_blocks(json, stage.key_blocks);
+    json.member("new_key_block_count", stage.new_count);
+    json.member("new_key_block_volume_m3", stage.new_volume_m3);
+    json.end_object();
+  }
+  json.end_array();
+  json.key("orders");
+  json.begin_array();
+  for (const OrderFigures& order : sequence.orders) write_order(json, order);
+  json.end_array();
+  json.member("best_order", std::uint64_t{sequence.best});
+  json.end_object();
+}
+
+void write_micro_blocks(JsonWriter& json, const MicroBlockFigures& micro) {
+  json.key("micro_blocks");
+  json.begin_object();
+  json.member("policy", micro.policy);
+  json.member("count", micro.count);
+  json.member("volume_m3", micro.volume_m3);
+  json.member("thinnest_m", micro.thinnest_m);
+  json.end_object();
+}
+
+void write_dangling(JsonWriter& json, const DanglingFigures& dangling) {
+  json.key("dangling");
+  json.begin_object();
+  json.member("pieces", dangling.pieces);
+  json.member("area_m2", dangling.area_m2);
+  json.member("free_edges", dangling.free_edges);
+  json.member("free_edge_length_m", dangling.free_edge_length_m);
+  json.member("joints", dangling.joints);
+  json.member("isolated_joints", dangling.isolated_joints);
+  json.end_object();
+}
+
 }  // namespace
 
 BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash) {
@@ -177,6 +249,9 @@ std::string summary_json(const Summary& summary) {
   write_input(json, summary.input);
   write_blocks(json, summary);
   if (summary.key_blocks) write_key_blocks(json, *summary.key_blocks);
+  if (summary.micro_blocks) write_micro_blocks(json, *summary.micro_blocks);
+  if (summary.dangling) write_dangling(json, *summary.dangling);
+  if (summary.sequence) write_sequence(json, *summary.sequence);
   json.end_object();
   return std::move(json).finish();
 }

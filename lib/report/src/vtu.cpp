@@ -148,6 +148,12 @@ std::string blocks_vtu(const Cells& cells, const stability::Analysis* analysis, 
   for (const topology::BlockId b : cells.block) blocks.push_back(b.value());
   append_array(out, "block", blocks);
   append_array(out, "volume", cells.volume);
+  if (!text.stage_of_block.empty()) {
+    std::vector<std::int32_t> stages;
+    stages.reserve(cells.size());
+    for (const topology::BlockId b : cells.block) stages.push_back(text.stage_of_block[b.index()]);
+    append_array(out, "stage", stages);
+  }
   if (analysis != nullptr) append_analysis(out, cells, *analysis);
   out += "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
   return out;

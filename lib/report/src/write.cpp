@@ -7,12 +7,14 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/report/cells.hpp"
+#include "cleave/report/dangling.hpp"
 #include "cleave/report/exports.hpp"
 #include "cleave/report/html.hpp"
 #include "cleave/report/key_blocks.hpp"
 #include "cleave/report/summary.hpp"
 #include "cleave/report/text.hpp"
 #include "cleave/report/vtu.hpp"
+#include "cleave/scene/run.hpp"
 
 namespace cleave::report {
 namespace {
@@ -25,6 +27,39 @@ const stability::Analysis* analysis_of(const scene::RunResult& result) {
 
 const topology::BlockComplex* complex_of(const scene::RunResult& result) {
   return result.complex ? &result.complex->complex() : nullptr;
+}
+
+SequenceFigures figures_of(const scene::SequenceResult& sequence) {
+  SequenceFigures figures{.fallen = sequence.fallen == scene::Fallen::stay_out ? "stay_out" : "put_back",
+                          .stages = {},
+                          .orders = {},
+                          .best = sequence.best};
+  for (const scene::StageResult& stage : sequence.stages) {
+    StageFigures row;
+    row.stage = stage.stage;
+    row.excavations = stage.excavations;
+    row.hash = stage.block_hash;
+    row.new_count = stage.new_key_blocks;
+    row.new_volume_m3 = stage.new_key_volume.si();
+    if (stage.complex && !*stage.complex) row.passed = false;
+    if (stage.complex && *stage.complex) {
+      const BlockFigures blocks = count_blocks((*stage.complex)->complex(), {});
+      row.blocks = blocks.count;
+      row.volume_m3 = blocks.volume_m3;
+    }
+    if (stage.analysis) row.key_blocks = count_key_blocks(*stage.analysis);
+    figures.stages.push_back(std::move(row));
+  }
+  for (const scene::OrderResult& order : sequence.orders) {
+    OrderFigures row{.stages = order.stages,
+                     .new_count = order.new_key_blocks,
+                     .new_volume_m3 = {},
+                     .count = order.key_blocks,
+                     .volume_m3 = order.key_volume.si()};
+    for (const Volume volume : order.new_key_volume) row.new_volume_m3.push_back(volume.si());
+    figures.orders.push_back(std::move(row));
+  }
+  return figures;
 }
 
 Summary summarize(const scene::RunResult& result) {
@@ -54,6 +89,26 @@ Summary summarize(const scene::RunResult& result) {
     summary.input.merged_planes = report.merged_planes;
     summary.blocks = count_blocks(*complex, result.block_hash);
     summary.certificate = result.complex->certificate();
+    if (result.micro_blocks.policy != scene::MicroBlockPolicy::keep) {
+      MicroBlockFigures figures;
+      figures.policy = result.micro_blocks.policy == scene::MicroBlockPolicy::report ? "report" : "exclude";
+      for (const topology::BlockId id : scene::micro_blocks(*complex, result.micro_blocks)) {
+        const topology::Block& block = complex->blocks()[id];
+        figures.thinnest_m =
+            figures.count == 0 ? block.thickness.si() : std::min(figures.thinnest_m, block.thickness.si());
+        figures.volume_m3 += block.volume.si();
+        ++figures.count;
+      }
+      summary.micro_blocks = std::move(figures);
+    }
+    if (const auto& dangling = complex->data().dangling) {
+      summary.dangling = {.pieces = dangling->pieces.size(),
+                          .area_m2 = dangling->area.si(),
+                          .free_edges = dangling->free_edges,
+                          .free_edge_length_m = dangling->free_edge_length.si(),
+                          .joints = dangling->joints,
+                          .isolated_joints = dangling->isolated_joints};
+    }
   } else {
     summary.certificate = result.complex.error();
   }
@@ -68,6 +123,7 @@ Summary summarize(const scene::RunResult& result) {
                                    .rounds = w.rounds,
                                    .truncated = w.truncated};
   }
+  if (result.sequence) summary.sequence = figures_of(*result.sequence);
   return summary;
 }
 
@@ -106,8 +162,26 @@ Page page_of(const scene::RunResult& result) {
 std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result, const fs::path& folder) {
   const auto* complex = complex_of(result);
   if (!result.output.vtu || complex == nullptr) return {};
-  return write_file(folder / "blocks.vtu", blocks_vtu(make_cells(*complex), analysis_of(result),
-                                                      {.title = result.title, .scene_file = result.scene_file}));
+  VtuText text{.title = result.title, .scene_file = result.scene_file, .stage_of_block = {}};
+  if (result.sequence) text.stage_of_block = result.sequence->stage_of_block;
+  CLEAVE_CHECK(write_file(folder / "blocks.vtu", blocks_vtu(make_cells(*complex), analysis_of(result), text)));
+  if (!result.sequence) return {};
+  for (const scene::StageResult& stage : result.sequence->stages) {
+    if (!stage.complex || !*stage.complex) continue;
+    const topology::BlockComplex& state = (*stage.complex)->complex();
+    const std::vector<std::int32_t> number(state.blocks().size(), static_cast<std::int32_t>(stage.stage));
+    text.stage_of_block = number;
+    CLEAVE_CHECK(write_file(folder / ("blocks_stage_" + std::to_string(stage.stage) + ".vtu"),
+                            blocks_vtu(make_cells(state), stage.analysis ? &*stage.analysis : nullptr, text)));
+  }
+  return {};
+}
+
+std::expected<void, WriteError> write_dangling(const scene::RunResult& result, const fs::path& folder) {
+  const auto* complex = complex_of(result);
+  if (complex == nullptr || !complex->data().dangling) return {};
+  if (result.output.vtu) CLEAVE_CHECK(write_file(folder / "dangling.vtu", dangling_vtu(*complex, result.title)));
+  return write_file(folder / "dangling.obj", dangling_obj(*complex, result.title));
 }
 
 std::expected<std::vector<std::string>, WriteError> write_exports(const scene::RunResult& result,
@@ -146,6 +220,7 @@ std::expected<void, WriteError> write_all(const scene::RunResult& result, const 
   fs::create_directories(folder, error);
   if (error) return std::unexpected(CannotCreate{folder, error.message()});
   CLEAVE_CHECK(write_blocks_vtu(result, folder));
+  CLEAVE_CHECK(write_dangling(result, folder));
   CLEAVE_CHECK(write_exports(result, folder));
   CLEAVE_CHECK(write_key_blocks_csv(result, folder));
   CLEAVE_CHECK(write_report_html(result, folder));

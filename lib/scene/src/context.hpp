@@ -19,6 +19,7 @@ struct Context {
   bool triangulate = false;  ///< nonplanar = "triangulate"
   IdVector<SetId, NamedSet> sets{};
   std::vector<InputFile> files{};
+  std::vector<topology::Termination> terminations{};
 
   /// The set of that name, made when new.
   [[nodiscard]] SetId set_named(const std::string& name);
@@ -34,13 +35,18 @@ void parse_joints(Context& context, const TableReader& root, std::vector<Measure
 void parse_joint_sets(Context& context, const TableReader& root, std::vector<RandomSet>& joint_sets);
 void parse_properties(Context& context, const TableReader& root);
 [[nodiscard]] Rock parse_rock(const TableReader& root);
-void parse_excavations(Context& context, const TableReader& root, std::vector<Excavation>& excavations);
+void parse_excavations(Context& context, const TableReader& root, const std::optional<geometry::Solid>& domain,
+                       std::vector<Excavation>& excavations);
 struct ParsedStability {
   std::optional<StabilitySettings> settings;
   std::vector<std::uint32_t> free_domain_tags;
 };
 [[nodiscard]] ParsedStability parse_stability(const TableReader& root, const std::optional<geometry::Solid>& domain,
                                               bool has_excavations);
+/// Stages of the excavations and [sequence]; empty when all are of one stage.
+[[nodiscard]] std::optional<SequenceSettings> parse_sequence(const TableReader& root,
+                                                             const std::vector<Excavation>& excavations);
+[[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
 [[nodiscard]] OutputSettings parse_output(const TableReader& root);
 
 /// Adds notes on a scene that is not wrong: joints outside the domain, no joints at all, strengths that nobody stated.

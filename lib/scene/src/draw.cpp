@@ -115,7 +115,9 @@ std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene) {
                         .joints = {},
                         .excavations = {},
                         .free_domain_tags = scene.free_domain_tags,
-                        .snap = scene.snap},
+                        .snap = scene.snap,
+                        .terminations = scene.terminations,
+                        .keep_dangling = scene.keep_dangling},
               .sets = {},
               .joints = {}};
   for (const NamedSet& set : scene.sets) drawn.sets.push_back({set.name, 0});

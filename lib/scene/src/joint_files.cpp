@@ -131,6 +131,7 @@ void parse_joint_file(Context& context, const TableReader& joint, const std::opt
       return;
     }
     for (const std::string& note : table->notes) context.problems.note_in(loaded->shown, 1, "header", note, "");
+    if (joint.has("surface")) joint.error("surface", "has a meaning for meshes only", "remove it");
     add_rows(context, *table, loaded->shown, set, joints);
     return;
   }
@@ -152,8 +153,9 @@ void parse_joint_file(Context& context, const TableReader& joint, const std::opt
   const auto mesh = mesh_of(context, joint, "file", *loaded);
   if (!mesh) return;
   const SetId id = context.set_named(set.value_or("default"));
+  const bool surface = joint.boolean("surface").value_or(ending != "obj");
   const auto one_set = [id](std::uint32_t) { return id; };
-  if (ending == "obj") {
+  if (!surface) {
     add_faces(context, *mesh, loaded->shown, one_set, joints);
   } else {
     add_surfaces(context, ungrouped(*mesh), loaded->shown, one_set, joints);

@@ -56,12 +56,6 @@ void find_notes(const Scene& scene, const TableReader& root) {
   if (!root.has("rock")) {
     problems.note(1, "rock", "no density is given: 2700 kg/m3 is taken", "add [rock] with density");
   }
-  for (const Excavation& excavation : scene.excavations) {
-    if (excavation.stage == 1) continue;
-    problems.note(excavation.line, "excavation.stage", "stages are not told apart in version 0.1",
-                  "all excavations are taken out together");
-    break;
-  }
 }
 
 }  // namespace cleave::scene

@@ -16,7 +16,7 @@ using std::string_view;
 constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
                                                 "north",  "domain",     "joint",    "joint_set", "joints",
                                                 "rock",   "excavation", "stability"};
-constexpr std::array<string_view, 1> more_root_keys{"output"};
+constexpr std::array<string_view, 4> more_root_keys{"output", "sequence", "keep_dangling", "micro_blocks"};
 constexpr std::array<string_view, 6> later_sections{"support", "monte_carlo", "body", "load", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
@@ -41,6 +41,7 @@ struct Header {
   std::string title;
   std::uint64_t seed = 1;
   Length snap;
+  bool keep_dangling = false;
 };
 
 Header parse_header(const TableReader& root, Context& context, const std::string& shown) {
@@ -56,6 +57,7 @@ Header parse_header(const TableReader& root, Context& context, const std::string
   header.title = root.text("title").value_or(stem_of(shown));
   if (const auto seed = root.integer("seed", 0, INT64_MAX)) header.seed = static_cast<std::uint64_t>(*seed);
   if (const auto snap = root.number("snap", snap_rule)) header.snap = metres(*snap);
+  header.keep_dangling = root.boolean("keep_dangling").value_or(false);
   if (const auto policy = root.choice("nonplanar", policies)) context.triangulate = *policy == 1;
   if (const auto north = root.number("north", rule::turn)) context.north = *north;
   return header;
@@ -91,8 +93,10 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   parse_properties(context, root);
   const Rock rock = parse_rock(root);
   std::vector<Excavation> excavations;
-  parse_excavations(context, root, excavations);
+  parse_excavations(context, root, domain, excavations);
   ParsedStability stability = parse_stability(root, domain, root.has("excavation") && !excavations.empty());
+  std::optional<SequenceSettings> sequence = parse_sequence(root, excavations);
+  const MicroBlocks micro_blocks = parse_micro_blocks(root);
   const OutputSettings output = parse_output(root);
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 
@@ -104,10 +108,14 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .free_domain_tags = std::move(stability.free_domain_tags),
               .sets = std::move(context.sets),
               .joints = std::move(joints),
+              .terminations = std::move(context.terminations),
+              .keep_dangling = header.keep_dangling,
               .joint_sets = std::move(joint_sets),
               .rock = rock,
               .excavations = std::move(excavations),
               .stability = stability.settings,
+              .sequence = std::move(sequence),
+              .micro_blocks = micro_blocks,
               .output = output,
               .shown = shown,
               .file_name = stem_of(shown),

@@ -59,9 +59,9 @@ std::optional<geometry::Solid> parse_corners(const TableReader& owner) {
 }
 
 std::optional<geometry::Solid> parse_domain(Context& context, const TableReader& root) {
-  constexpr std::array<string_view, 3> keys{"box", "corners", "mesh"};
+  constexpr std::array<string_view, 4> keys{"box", "corners", "mesh", "terrain"};
   if (!root.has("domain")) {
-    root.missing("domain", "add [domain] with box = { min = [0, 0, 0], max = [80, 80, 60] }, corners or mesh");
+    root.missing("domain", "add [domain] with box = { min = [0, 0, 0], max = [80, 80, 60] }, corners, mesh or terrain");
     return std::nullopt;
   }
   const TomlTable* found = root.table("domain");
@@ -71,6 +71,7 @@ std::optional<geometry::Solid> parse_domain(Context& context, const TableReader&
   if (kind == nullptr) return std::nullopt;
   if (kind->key == "box") return parse_box(domain);
   if (kind->key == "corners") return parse_corners(domain);
+  if (kind->key == "terrain") return parse_terrain(context, domain);
   return parse_mesh(context, domain, "mesh");
 }
 

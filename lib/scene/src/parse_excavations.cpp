@@ -199,13 +199,15 @@ std::optional<geometry::Solid> parse_polyhedron(const TableReader& owner) {
   return parse_faces(owner);
 }
 
-std::optional<Excavation> parse_excavation(Context& context, const TomlTable& table, std::uint32_t line,
-                                           std::size_t number) {
-  constexpr std::array<string_view, 3> kinds{"tunnel", "mesh", "polyhedron"};
-  constexpr std::array<string_view, 2> later{"slope", "benches"};
+/// What one [[excavation]] takes out: one solid, or one a bench.
+std::vector<Excavation> parse_excavation(Context& context, const TomlTable& table, std::uint32_t line,
+                                         std::size_t number, const std::optional<geometry::Solid>& domain) {
+  enum Kind : std::size_t { tunnel, slope, benches, mesh, polyhedron };
+  constexpr std::array<string_view, 5> kinds{"tunnel", "slope", "benches", "mesh", "polyhedron"};
   using Keys = std::vector<string_view>;
-  const std::array<Keys, 3> keys_of{Keys{"section", "axis", "up"}, Keys{"file"},
-                                    Keys{"box", "corners", "vertices", "faces"}};
+  const std::array<Keys, 5> keys_of{Keys{"section", "axis", "up"}, Keys{"plane", "profile", "surface"},
+                                    Keys{"plan", "top", "height", "width", "angle", "count", "stage_each"},
+                                    Keys{"file"}, Keys{"box", "corners", "vertices", "faces"}};
   const std::string path = fmt::format("excavation[{}]", number);
   std::optional<std::size_t> kind;
   {
@@ -215,32 +217,60 @@ std::optional<Excavation> parse_excavation(Context& context, const TomlTable& ta
     }
     constexpr std::array<string_view, 1> kind_key{"kind"};
     const TableReader reader{only, line, path, context.problems, kind_key};
-    if (reader.need_text("kind")) kind = reader.choice("kind", kinds, later);
+    if (reader.need_text("kind")) kind = reader.choice("kind", kinds);
   }
-  if (!kind) return std::nullopt;
+  if (!kind) return {};
   Keys known = keys_of[*kind];
   known.insert(known.end(), {"name", "kind", "stage"});
   const TableReader reader{table, line, path, context.problems, known};
   const auto name = reader.text("name");
   const auto stage = reader.integer("stage", 1, 10'000);
-  std::optional<geometry::Solid> solid = *kind == 0   ? parse_tunnel(reader)
-                                         : *kind == 1 ? parse_mesh(context, reader, "file")
-                                                      : parse_polyhedron(reader);
-  if (!solid) return std::nullopt;
-  return Excavation{.name = name.value_or(path),
-                    .stage = static_cast<std::uint32_t>(stage.value_or(1)),
-                    .solid = std::move(*solid),
-                    .line = line};
+  const bool each = reader.boolean("stage_each").value_or(false);
+  std::vector<geometry::Solid> solids;
+  const auto add = [&](std::optional<geometry::Solid> solid) {
+    if (solid) solids.push_back(std::move(*solid));
+  };
+  // A cut from above is as large as the domain, so without a domain there is nothing to say about it.
+  switch (static_cast<Kind>(*kind)) {
+    case tunnel: add(parse_tunnel(reader)); break;
+    case slope:
+      if (domain) add(parse_slope(context, reader, *domain));
+      break;
+    case benches:
+      if (domain) solids = parse_benches(reader, *domain).value_or(std::vector<geometry::Solid>{});
+      break;
+    case mesh: add(parse_mesh(context, reader, "file")); break;
+    case polyhedron: add(parse_polyhedron(reader)); break;
+  }
+  std::vector<Excavation> excavations;
+  // The room above the first bench belongs to it.
+  const std::size_t above = *kind == benches && !solids.empty() &&
+                                    static_cast<std::int64_t>(solids.size()) > *reader.integer("count", 1, 1000)
+                                ? 1
+                                : 0;
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    const std::size_t bench = i < above ? 0 : i - above;
+    std::string shown = name.value_or(path);
+    if (*kind == benches) shown += i < above ? " above" : fmt::format(" bench {}", bench + 1);
+    excavations.push_back(
+        {.name = std::move(shown),
+         .stage = static_cast<std::uint32_t>(stage.value_or(1)) + (each ? static_cast<std::uint32_t>(bench) : 0U),
+         .solid = std::move(solids[i]),
+         .line = line});
+  }
+  return excavations;
 }
 
 }  // namespace
 
-void parse_excavations(Context& context, const TableReader& root, std::vector<Excavation>& excavations) {
+void parse_excavations(Context& context, const TableReader& root, const std::optional<geometry::Solid>& domain,
+                       std::vector<Excavation>& excavations) {
   const auto found = root.tables("excavation");
   for (std::size_t i = 0; i < found.size(); ++i) {
     const auto* table = std::get_if<TomlTable>(&found[i]->value);
-    auto excavation = parse_excavation(context, *table, found[i]->line, i + 1);
-    if (excavation) excavations.push_back(std::move(*excavation));
+    for (Excavation& excavation : parse_excavation(context, *table, found[i]->line, i + 1, domain)) {
+      excavations.push_back(std::move(excavation));
+    }
   }
 }
 

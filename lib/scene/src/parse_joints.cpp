@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <utility>
 
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/orientation.hpp"
+#include "cleave/geometry/polygon_holes.hpp"
 #include "cleave/geometry/shapes.hpp"
 #include "context.hpp"
 #include "joint_files.hpp"
@@ -55,13 +57,78 @@ std::optional<Geometry> parse_disc(const Context& context, const TableReader& jo
   return result;
 }
 
+/// holes = [[[x, y, z], ...], ...] of a polygon.
+bool parse_holes(const TableReader& joint, topology::Joint& shape) {
+  const TomlEntry* entry = joint.find("holes");
+  if (entry == nullptr) return true;
+  const auto bad = [&](std::string what, std::string remedy) {
+    joint.error("holes", std::move(what), std::move(remedy));
+    return false;
+  };
+  const auto* list = std::get_if<TomlArray>(&entry->node.value);
+  if (list == nullptr) {
+    return bad("is not a list of outlines", "write holes = [[[x, y, z], [x, y, z], ...], ...]");
+  }
+  if (shape.polygons.size() != 1) return bad("has a meaning for flat polygons only", "give the surface as triangles");
+  std::vector<geometry::Polygon> holes;
+  for (std::size_t h = 0; h < list->items.size(); ++h) {
+    const auto* outline = std::get_if<TomlArray>(&list->items[h].value);
+    std::vector<geometry::Vec3> corners;
+    for (std::size_t i = 0; outline != nullptr && i < outline->items.size(); ++i) {
+      const auto corner = joint.vec3_of(
+          outline->items[i], fmt::format("{}[{}][{}]", joint.path_of("holes"), h + 1, i + 1), rule::coordinate);
+      if (!corner) return false;
+      corners.push_back(*corner);
+    }
+    auto polygon = geometry::Polygon::make(std::move(corners));
+    if (!polygon) return bad(fmt::format("hole {}: {}", h + 1, describe(polygon.error())), "");
+    holes.push_back(std::move(*polygon));
+  }
+  if (const auto fault = geometry::check_holes(shape.polygons.front(), holes)) return bad(describe(*fault), "");
+  shape.holes.push_back(std::move(holes));
+  return true;
+}
+
 std::optional<Geometry> parse_polygon(const Context& context, const TableReader& joint) {
   auto corners = joint.points("polygon");
   if (!corners) return std::nullopt;
   auto shape = joint_of(std::move(*corners), context.triangulate);
-  if (shape) return std::move(*shape);
-  joint.error("polygon", shape.error().what, shape.error().remedy);
-  return std::nullopt;
+  if (!shape) {
+    joint.error("polygon", shape.error().what, shape.error().remedy);
+    return std::nullopt;
+  }
+  if (!parse_holes(joint, *shape)) return std::nullopt;
+  return std::move(*shape);
+}
+
+/// ends_on of all joints, once all names are known.
+void resolve_terminations(Context& context, const std::vector<MeasuredJoint>& joints) {
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    for (const std::string& name : joints[j].ends_on) {
+      const auto at = std::ranges::find(joints, name, &MeasuredJoint::name);
+      const auto problem = [&](std::string what, std::string remedy) {
+        context.problems.error_in(joints[j].file, joints[j].line, "joint.ends_on", std::move(what), std::move(remedy));
+      };
+      if (at == joints.end()) {
+        problem(fmt::format("no joint has the name \"{}\"", name.substr(0, 60)),
+                "give a joint that name, or remove it");
+        continue;
+      }
+      const auto* surface = std::get_if<topology::Joint>(&at->geometry);
+      if (surface != nullptr && surface->polygons.size() != 1) {
+        problem(
+            fmt::format("joint \"{}\" is not flat", name.substr(0, 60)),
+            "end it on a plane, a disc or a polygon; what passes a curved joint and bounds no block is dropped anyway");
+        continue;
+      }
+      const auto index = static_cast<std::size_t>(at - joints.begin());
+      if (index == j) {
+        problem("names the joint itself", "remove it");
+        continue;
+      }
+      context.terminations.push_back({topology::JointId{j}, topology::JointId{index}});
+    }
+  }
 }
 
 }  // namespace
@@ -86,30 +153,47 @@ std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3
 }
 
 void parse_joints(Context& context, const TableReader& root, std::vector<MeasuredJoint>& joints) {
-  constexpr std::array<string_view, 6> keys{"file", "plane", "disc", "polygon", "set", "wrap"};
+  constexpr std::array<string_view, 10> keys{"file", "plane",   "disc", "polygon", "holes",
+                                             "set",  "surface", "wrap", "name",    "ends_on"};
   constexpr std::array<string_view, 4> kinds{"file", "plane", "disc", "polygon"};
   const auto found = root.tables("joint");
   for (std::size_t i = 0; i < found.size(); ++i) {
     const auto* table = std::get_if<TomlTable>(&found[i]->value);
     const TableReader joint{*table, found[i]->line, fmt::format("joint[{}]", i + 1), context.problems, keys};
     const auto set = joint.text("set");
+    const auto name = joint.text("name");
+    const auto ends_on = joint.texts("ends_on").value_or(std::vector<std::string>{});
     const TomlEntry* kind = joint.one_of(kinds);
     if (kind == nullptr) continue;
-    if (joint.has("wrap") && kind->key != "file") joint.error("wrap", "has a meaning for files only", "remove it");
+    for (const string_view key : {"wrap", "surface"}) {
+      if (joint.has(key) && kind->key != "file") joint.error(key, "has a meaning for files only", "remove it");
+    }
+    if (joint.has("holes") && kind->key != "polygon") {
+      joint.error("holes", "has a meaning for polygons only", "remove it");
+    }
+    if (name && kind->key == "file") joint.error("name", "has a meaning for a single joint only", "remove it");
+    if (name && std::ranges::find(joints, *name, &MeasuredJoint::name) != joints.end()) {
+      joint.error("name", fmt::format("\"{}\" is the name of another joint", name->substr(0, 60)), "choose another");
+    }
+    const std::size_t before = joints.size();
     if (kind->key == "file") {
       parse_joint_file(context, joint, set, joints);
-      continue;
+    } else {
+      auto geometry = kind->key == "plane"  ? parse_plane(context, joint)
+                      : kind->key == "disc" ? parse_disc(context, joint)
+                                            : parse_polygon(context, joint);
+      if (!geometry) continue;
+      joints.push_back({.geometry = std::move(*geometry),
+                        .set = context.set_named(set.value_or("default")),
+                        .own = {},
+                        .file = context.problems.file(),
+                        .line = kind->line,
+                        .name = name.value_or(std::string{}),
+                        .ends_on = {}});
     }
-    auto geometry = kind->key == "plane"  ? parse_plane(context, joint)
-                    : kind->key == "disc" ? parse_disc(context, joint)
-                                          : parse_polygon(context, joint);
-    if (!geometry) continue;
-    joints.push_back({.geometry = std::move(*geometry),
-                      .set = context.set_named(set.value_or("default")),
-                      .own = {},
-                      .file = context.problems.file(),
-                      .line = kind->line});
+    for (std::size_t j = before; j < joints.size(); ++j) joints[j].ends_on = ends_on;
   }
+  resolve_terminations(context, joints);
 }
 
 }  // namespace cleave::scene

@@ -25,6 +25,10 @@ std::string why_stability(const Scene& scene) {
     why += count_of(scene.free_domain_tags.size(), "free face", "free faces");
     why += " of the domain";
   }
+  if (scene.sequence) {
+    why += fmt::format(" in {} stages", scene.sequence->stages.size());
+    if (!scene.sequence->orders.empty()) why += fmt::format(", {} orders", scene.sequence->orders.size() + 1);
+  }
   why += scene.stability->force_transfer ? "; with force transfer" : "; without force transfer";
   return why;
 }
@@ -102,8 +106,9 @@ Plan make_plan(const Scene& scene) {
                 ? "the drawn joints"
                 : count_of(given, "given joint", "given joints") + (drawn ? " and the drawn ones" : ""));
         if (scene.output.only_key_blocks) {
-          plan.stages.back().why += stability ? "; only near free faces, as only key blocks are asked for"
-                                              : "; all of the rock, as there is no free face to start from";
+          plan.stages.back().why += !stability       ? "; all of the rock, as there is no free face to start from"
+                                    : scene.sequence ? "; all of the rock, as it is taken out in stages"
+                                                     : "; only near free faces, as only key blocks are asked for";
         }
         break;
       case Stage::audit: add(stage, true, "every block system is certified"); break;

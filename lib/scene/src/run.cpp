@@ -8,10 +8,12 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/stability/near_field.hpp"
 #include "cleave/topology/cut.hpp"
+#include "cleave/topology/sequence.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -31,6 +33,10 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                                  if (!e.excavation) return Problem{scene.shown, 1, "domain", what, ""};
                                  return Problem{scene.shown, scene.excavations[*e.excavation].line,
                                                 fmt::format("excavation[{}]", *e.excavation + 1), what, ""};
+                               },
+                               [&](const topology::TerminationUndecided& e) {
+                                 const MeasuredJoint& joint = scene.joints[e.joint.index()];
+                                 return Problem{joint.file, joint.line, "joint.ends_on", what, ""};
                                },
                                [&](const topology::DomainSwallowed&) {
                                  const std::uint32_t line =
@@ -78,6 +84,17 @@ void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::v
   }
 }
 
+void add_micro_note(const topology::BlockComplex& complex, const MicroBlocks& limits, std::vector<std::string>& notes) {
+  if (limits.policy == MicroBlockPolicy::keep) return;
+  const auto found = micro_blocks(complex, limits);
+  if (found.empty()) return;
+  double volume = 0;
+  for (const topology::BlockId b : found) volume += complex.blocks()[b].volume.si();
+  notes.push_back(fmt::format("{} of {} blocks are micro-blocks ({:.3g} m3 in all){}", found.size(),
+                              complex.blocks().size(), volume,
+                              limits.policy == MicroBlockPolicy::exclude ? ": left out of stability" : ""));
+}
+
 std::optional<Stage> stage_named(std::string_view name) {
   const auto it = std::ranges::find(all_stages, name, [](Stage stage) { return name_of(stage); });
   return it == all_stages.end() ? std::nullopt : std::optional{*it};
@@ -90,6 +107,7 @@ struct System {
   std::optional<stability::Analysis> analysis;
   std::string hash, key_hash;
   std::optional<WindowInfo> window;
+  std::optional<SequenceResult> sequence = {};
 };
 
 std::string hash_of_key_blocks(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
@@ -100,13 +118,32 @@ std::string hash_of_key_blocks(const topology::BlockComplex& complex, const stab
   return topology::canonical_hash(complex, leaving);
 }
 
+SequenceResult sequence_of(const Scene& scene, const topology::SequentialCut& cut,
+                           const topology::StageBlocks& final_state, const Judge& judge) {
+  std::vector<std::uint32_t> stages;
+  std::vector<std::string> names;
+  for (const Excavation& excavation : scene.excavations) {
+    stages.push_back(excavation.stage);
+    names.push_back(excavation.name);
+  }
+  return run_sequence(cut, final_state, *scene.sequence, stages, names, judge);
+}
+
 std::expected<System, topology::CutError> cut_all(const Scene& scene, const Drawn& drawn, const RunOptions& options,
                                                   StageTimer& timer, Progress& progress) {
   const auto stage = [&](Stage which, auto&& work) {
     progress.begin(name_of(which));
     return timer.run(name_of(which), work);
   };
-  auto cut = stage(Stage::cut, [&] { return topology::cut(drawn.input, {.threads = options.threads}); });
+  std::optional<topology::SequentialCut> in_stages;
+  std::optional<topology::StageBlocks> final_state;
+  auto cut = stage(Stage::cut, [&]() -> std::expected<topology::BlockComplex, topology::CutError> {
+    if (!scene.sequence) return topology::cut(drawn.input, {.threads = options.threads});
+    CLEAVE_TRY(in_stages, topology::SequentialCut::make(drawn.input, {.threads = options.threads}));
+    CLEAVE_TRY(final_state,
+               in_stages->blocks({.excavated = std::vector<std::uint8_t>(scene.excavations.size(), 1), .fallen = {}}));
+    return final_state->complex;
+  });
   if (!cut) return std::unexpected(std::move(cut).error());
   topology::CutReport report = cut->report();
   std::string hash;
@@ -117,8 +154,16 @@ std::expected<System, topology::CutError> cut_all(const Scene& scene, const Draw
   });
   System system{std::move(complex), std::move(report), {}, std::move(hash), {}, {}};
   if (system.complex && scene.stability) {
+    const Judge judge = [&](const topology::AuditedComplex& complex_of_state) {
+      stability::Settings settings = settings_of(scene, drawn, *scene.stability);
+      if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
+        settings.left_out = micro_blocks(complex_of_state.complex(), scene.micro_blocks);
+      }
+      return stability::analyse(complex_of_state, settings);
+    };
     system.analysis = stage(Stage::stability, [&] {
-      return stability::analyse(*system.complex, settings_of(scene, drawn, *scene.stability));
+      if (in_stages && final_state) system.sequence = sequence_of(scene, *in_stages, *final_state, judge);
+      return judge(*system.complex);
     });
     system.key_hash = hash_of_key_blocks(system.complex->complex(), *system.analysis);
   }
@@ -158,6 +203,19 @@ std::string note_on(const WindowInfo& window) {
 
 }  // namespace
 
+std::vector<topology::BlockId> micro_blocks(const topology::BlockComplex& complex, const MicroBlocks& limits) {
+  std::vector<topology::BlockId> found;
+  for (const topology::BlockId id : complex.blocks().ids()) {
+    const topology::Block& block = complex.blocks()[id];
+    const bool micro = limits.thickness || limits.volume
+                           ? (limits.thickness && block.thickness.si() < limits.thickness->si()) ||
+                                 (limits.volume && block.volume.si() < limits.volume->si())
+                           : block.sliver;
+    if (micro) found.push_back(id);
+  }
+  return found;
+}
+
 RunCost cost_of(const StageTimer& timer, unsigned threads) {
   const cleave::StageCost total = timer.total();
   RunCost cost{
@@ -191,7 +249,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return std::unexpected(std::move(drawn).error());
   }
 
-  auto made = scene.output.only_key_blocks && scene.stability
+  auto made = scene.output.only_key_blocks && scene.stability && !scene.sequence
                   ? cut_near_free_faces(scene, *drawn, options, timer, progress)
                   : cut_all(scene, *drawn, options, timer, progress);
   if (!made) {
@@ -209,6 +267,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   } else {
     add_cut_notes(system.report, drawn->joints.size(), notes);
   }
+  if (system.complex) add_micro_note(system.complex->complex(), scene.micro_blocks, notes);
   if (analysis && analysis->stopped_at_max_batches) {
     notes.push_back(
         fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
@@ -235,6 +294,8 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .key_block_hash = std::move(system.key_hash),
                    .window = system.window,
                    .analysis = std::move(analysis),
+                   .sequence = std::move(system.sequence),
+                   .micro_blocks = scene.micro_blocks,
                    .notes = std::move(notes)};
 }
 

@@ -16,4 +16,13 @@ namespace cleave::scene {
 [[nodiscard]] std::optional<geometry::Solid> parse_mesh(Context& context, const TableReader& owner,
                                                         std::string_view key);
 
+/// terrain = { file = "..", base = .. } of `owner`: the body below a ground surface.
+[[nodiscard]] std::optional<geometry::Solid> parse_terrain(Context& context, const TableReader& owner);
+/// All above a plane, a profile or a surface.
+[[nodiscard]] std::optional<geometry::Solid> parse_slope(Context& context, const TableReader& slope,
+                                                         const geometry::Solid& domain);
+/// One solid a bench, the room above the first one before them where the domain reaches higher.
+[[nodiscard]] std::optional<std::vector<geometry::Solid>> parse_benches(const TableReader& table,
+                                                                        const geometry::Solid& domain);
+
 }  // namespace cleave::scene

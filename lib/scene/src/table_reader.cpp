@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t most_errors = 200;
 
 /// Long values are cut: a message is for reading.
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 60;
   if (text.size() <= longest) return fmt::format("\"{}\"", text);
   return fmt::format("\"{}...\"", text.substr(0, longest));
@@ -325,14 +325,14 @@ std::optional<std::size_t> TableReader::choice(std::string_view key, std::span<c
     return static_cast<std::size_t>(it - choices.begin());
   }
   if (std::ranges::find(later, *word) != later.end()) {
-    error(key, fmt::format("{} {}", quoted(*word), not_available()),
+    error(key, fmt::format("{} {}", in_quotes(*word), not_available()),
           fmt::format("choose one of: {}", list_of(choices)));
     return std::nullopt;
   }
   std::vector<std::string_view> all{choices.begin(), choices.end()};
   all.insert(all.end(), later.begin(), later.end());
   const auto guess = nearest(*word, all);
-  error(key, fmt::format("{} is not known", quoted(*word)),
+  error(key, fmt::format("{} is not known", in_quotes(*word)),
         (guess ? fmt::format("did you mean \"{}\"? ", *guess) : std::string{}) +
             fmt::format("choose one of: {}", list_of(choices)));
   return std::nullopt;

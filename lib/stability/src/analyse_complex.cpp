@@ -24,6 +24,7 @@ class Batches final {
       const topology::Block& block = complex().blocks()[id];
       if (block.free && !block.fixed) changed.push_back(id);
     }
+    if (!model_.settings().left_out.empty()) changed = without_left_out(std::move(changed));
     for (std::uint32_t batch = 1; !changed.empty(); ++batch) {
       std::vector<BlockId> leaving;
       for (const BlockId id : changed) {
@@ -84,6 +85,22 @@ class Batches final {
     judgement.tie = verdict.tie;
     judgements_[id] = std::move(judgement);
     return verdict.key;
+  }
+
+  /// Takes out what is left out, before the first batch: what it leaned on is exposed there.
+  std::vector<BlockId> without_left_out(std::vector<BlockId> judged) {
+    for (const BlockId id : model_.settings().left_out) model_.remove(id, 0);
+    for (const BlockId id : model_.settings().left_out) {
+      for (const topology::FaceId face : complex().blocks()[id].faces) {
+        for (const topology::Patch& patch : complex().patches(complex().faces()[face])) {
+          if (patch.neighbour && !complex().blocks()[*patch.neighbour].fixed) judged.push_back(*patch.neighbour);
+        }
+      }
+    }
+    std::erase_if(judged, [&](BlockId id) { return model_.removed_in(id) != Model::stays; });
+    std::ranges::sort(judged);
+    judged.erase(std::ranges::unique(judged).begin(), judged.end());
+    return judged;
   }
 
   /// Whether a block known in part stays whatever its other faces are. Its body forces have the direction of `r`. More

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "cleave/core/assert.hpp"
+#include "detail/dangling.hpp"
 #include "detail/union_find.hpp"
 
 namespace cleave::topology::detail {
@@ -26,12 +27,13 @@ struct Measure {
 class Assembler {
  public:
   Assembler(const CutInput& input, const Prepared& prepared, const Graph& graph, const Arrangement& arrangement,
-            const Cells& cells, const std::vector<Vec>& positions)
+            const Cells& cells, const std::vector<Vec>& positions, const std::vector<std::uint8_t>* excavated)
       : input_{input},
         prepared_{prepared},
         graph_{graph},
         arrangement_{arrangement},
         cells_{cells},
+        excavated_{excavated},
         faces_{static_cast<Index>(arrangement.faces.size())},
         merged_{2 * std::size_t{faces_}},
         shells_{2 * std::size_t{faces_}} {
@@ -48,6 +50,10 @@ class Assembler {
     make_faces();
     finish_blocks();
     finish_report();
+    if (prepared_.keep_dangling) {
+      out_.dangling = find_dangling(prepared_, graph_, arrangement_, block_of_, points_,
+                                    [this](Index vertex) { return vertex_id(vertex); });
+    }
     return std::move(out_);
   }
 
@@ -113,6 +119,7 @@ class Assembler {
             break;
           case Owner::window: break;
           case Owner::excavation:
+            if (excavated_ != nullptr && (*excavated_)[facet.owner_index] == 0) break;
             if (excavation == nullptr || facet.owner_index < excavation->owner_index) excavation = &facet;
             break;
         }
@@ -131,8 +138,8 @@ class Assembler {
         nature.excavation = excavation->owner_index;
         nature.tag = excavation->tag;
       } else if (domain == nullptr) {
-        CLEAVE_ASSERT(prepared_.windowed);
-        nature.role = Role::window;
+        CLEAVE_ASSERT(excavated_ != nullptr || prepared_.windowed);
+        nature.role = prepared_.windowed ? Role::window : Role::free;  // the latter: on rock that has fallen
       } else {
         nature.tag = domain->tag;
         nature.role = std::ranges::find(input_.free_domain_tags, domain->tag) != input_.free_domain_tags.end()
@@ -521,6 +528,7 @@ class Assembler {
   const Graph& graph_;
   const Arrangement& arrangement_;
   const Cells& cells_;
+  const std::vector<std::uint8_t>* excavated_;
   Index faces_;
   UnionFind merged_, shells_;
   std::vector<Vec3> points_;
@@ -536,8 +544,9 @@ class Assembler {
 }  // namespace
 
 BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
-                            const Arrangement& arrangement, const Cells& cells, const std::vector<Vec>& positions) {
-  return Assembler{input, prepared, graph, arrangement, cells, positions}.run();
+                            const Arrangement& arrangement, const Cells& cells, const std::vector<Vec>& positions,
+                            const std::vector<std::uint8_t>* excavated) {
+  return Assembler{input, prepared, graph, arrangement, cells, positions, excavated}.run();
 }
 
 }  // namespace cleave::topology::detail

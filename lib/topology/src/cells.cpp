@@ -318,13 +318,18 @@ class CellFinder {
     }
     cells.rock.assign(cells.count, 0);
     cells.in_domain.assign(cells.count, 0);
+    cells.excavated_by.reserve(cells.count * (solids - 1));
     for (Index c = 0; c < cells.count; ++c) {
       CLEAVE_ASSERT(known[c] != 0);
       const bool seen = !prepared_.windowed || winding[c * solids + 1 + excavations] > 0;
       const bool in_domain = winding[c * solids] > 0;
       cells.in_domain[c] = (prepared_.windowed ? seen : in_domain) ? 1 : 0;
       bool excavated = false;
-      for (std::size_t s = 1; s <= excavations; ++s) excavated = excavated || winding[c * solids + s] > 0;
+      for (std::size_t s = 1; s <= excavations; ++s) {
+        const bool inside = winding[c * solids + s] > 0;
+        cells.excavated_by.push_back(inside ? 1 : 0);
+        excavated = excavated || inside;
+      }
       cells.rock[c] = seen && in_domain && !excavated ? 1 : 0;
     }
     return cells;

@@ -28,6 +28,13 @@ std::string describe(const CutError& error) {
                 "triangles",
                 e.face, what, e.pitch.si());
           },
+          [](const TerminationUndecided& e) {
+            return fmt::format(
+                "joint {} ends on joint {}, but which part of it is meant is not clear: its middle lies on that "
+                "joint's "
+                "plane, or that joint is not flat; end it on another joint or move its middle",
+                e.joint.value(), e.at.value());
+          },
           [](const DomainSwallowed&) {
             return std::string{
                 "the excavations leave no rock of the domain; make the domain larger or an excavation smaller"};

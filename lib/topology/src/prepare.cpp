@@ -11,6 +11,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/triangulate.hpp"
+#include "detail/holes.hpp"
 #include "detail/lattice_polygon.hpp"
 #include "detail/position.hpp"
 #include "detail/prepared.hpp"
@@ -97,6 +98,32 @@ class Builder {
       add_convex(corners, polygon, facet, adopted.empty() ? std::span<const std::optional<HalfSpace>>{} : sides);
     }
     return true;
+  }
+
+  /// Facets of a polygon with holes: triangles. False when outlines cross.
+  bool add_with_holes(const LatticePolygon& polygon, std::vector<std::vector<LatticePoint>> holes, Facet facet) {
+    const auto [plane, same] = add_plane(polygon.plane);
+    facet.plane = plane;
+    facet.outward_positive = same;
+    const auto triangles = triangulate_with_holes(polygon, std::move(holes));
+    for (const auto& corners : triangles) add_convex(corners, polygon, facet, {});
+    return !triangles.empty();
+  }
+
+  /// The one plane of all pieces of a joint; none where they have several.
+  [[nodiscard]] std::optional<Index> plane_of_joint(Index joint) const {
+    std::optional<Index> plane;
+    for (const Piece& piece : pieces_) {
+      if (piece.facet.owner != Owner::joint || piece.facet.owner_index != joint) continue;
+      if (plane && *plane != piece.facet.plane) return std::nullopt;
+      plane = piece.facet.plane;
+    }
+    return plane;
+  }
+  void cut_off(Index joint, HalfSpace keep) {
+    for (Piece& piece : pieces_) {
+      if (piece.facet.owner == Owner::joint && piece.facet.owner_index == joint) piece.pool_edges.push_back(keep);
+    }
   }
 
   void add_piece(Piece piece) { pieces_.push_back(std::move(piece)); }
@@ -461,6 +488,23 @@ std::optional<Plane> persistent_plane(const PersistentJoint& joint, const exact:
   return Plane::spanned(lattice.snap(joint.through.x, joint.through.y, joint.through.z), site(u), site(v));
 }
 
+/// The point that tells which part of a joint is kept.
+LatticePoint middle_of(const std::variant<Joint, PersistentJoint>& joint, const exact::Lattice& lattice) {
+  Vec3 middle{};
+  if (const auto* polygons = std::get_if<Joint>(&joint)) {
+    double count = 0;
+    for (const auto& polygon : polygons->polygons) {
+      for (const Vec3& v : polygon.corners()) {
+        ++count;
+        middle += (v - middle) / count;
+      }
+    }
+  } else {
+    middle = std::get<PersistentJoint>(joint).through;
+  }
+  return lattice.snap(middle.x, middle.y, middle.z);
+}
+
 }  // namespace
 
 std::expected<Prepared, CutError> prepare(const CutInput& input) {
@@ -552,24 +596,33 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
   struct JointPolygon {
     Index joint;
     LatticePolygon polygon;
+    std::vector<std::vector<LatticePoint>> holes;
   };
   std::vector<JointPolygon> polygons;
+  const auto ended_on = [&](std::size_t j) {  // its plane is needed wherever it lies
+    return std::ranges::find(input.terminations, JointId{j}, &Termination::at) != input.terminations.end();
+  };
   for (std::size_t j = 0; j < input.joints.size(); ++j) {
     const JointCollapsed collapsed{JointId{j}, metres(lattice.pitch())};
     if (const auto* joint = std::get_if<Joint>(&input.joints[j])) {
       Bounds own;
-      for (const auto& polygon : joint->polygons) {
+      for (std::size_t k = 0; k < joint->polygons.size(); ++k) {
+        const auto& polygon = joint->polygons[k];
         Bounds box;
         for (const Vec3& v : polygon.corners()) {
           own.add(v);
           box.add(v);
         }
-        if (!snapper.active() && far_apart(box, region, lattice.pitch())) continue;  // cuts nothing
+        if (!snapper.active() && !ended_on(j) && far_apart(box, region, lattice.pitch())) continue;  // cuts nothing
         auto sites = sites_of(polygon.corners());
         const auto preferred = shared.among(sites);
         auto made = make_lattice_polygon(std::move(sites), preferred);
         if (!made) return std::unexpected(CutError{collapsed});
-        polygons.push_back({static_cast<Index>(j), std::move(*made)});
+        std::vector<std::vector<LatticePoint>> holes;
+        if (k < joint->holes.size()) {
+          for (const auto& hole : joint->holes[k]) holes.push_back(sites_of(hole.corners()));
+        }
+        polygons.push_back({static_cast<Index>(j), std::move(*made), std::move(holes)});
       }
       bool apart = joint->polygons.empty();
       for (std::size_t k = 0; k < 3; ++k) apart = apart || own.hi[k] < domain.lo[k] || own.lo[k] > domain.hi[k];
@@ -601,17 +654,35 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
     }
   }
   if (snapper.active()) {
+    std::vector<const LatticePolygon*> all;
+    all.reserve(polygons.size());
+    for (const auto& entry : polygons) all.push_back(&entry.polygon);
+    snapper.begin_merging(all);
     for (auto& entry : polygons) snapper.merge_plane(entry.polygon);
   }
-  for (auto& [joint, polygon] : polygons) {
+  for (auto& [joint, polygon, holes] : polygons) {
+    const JointCollapsed collapsed{JointId{joint}, metres(lattice.pitch())};
+    if (!holes.empty()) {
+      if (!builder.add_with_holes(polygon, std::move(holes), blank(Owner::joint, joint, 0))) {
+        return std::unexpected(CutError{collapsed});
+      }
+      continue;
+    }
     std::vector<std::optional<HalfSpace>> adopted;
     if (snapper.active()) {
       adopted = snapper.adopt_edges(polygon, [&](const Plane& plane) { return builder.add_plane(plane); });
     }
     if (!builder.add_polygon(polygon, blank(Owner::joint, joint, 0), adopted)) {
-      return std::unexpected(CutError{JointCollapsed{JointId{joint}, metres(lattice.pitch())}});
+      return std::unexpected(CutError{collapsed});
     }
   }
+  for (const auto& [joint, at] : input.terminations) {
+    const auto plane = builder.plane_of_joint(at.value());
+    const Sign side = plane ? out.planes[*plane].side_of(middle_of(input.joints[joint.index()], lattice)) : Sign::zero;
+    if (side == Sign::zero) return std::unexpected(CutError{TerminationUndecided{joint, at}});
+    builder.cut_off(joint.value(), {*plane, side == Sign::positive});
+  }
+  out.keep_dangling = input.keep_dangling;
   builder.finish();
   out.largest_snap = snapper.largest_move();
   out.merged_planes = snapper.merged_planes();

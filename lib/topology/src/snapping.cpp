@@ -1,6 +1,7 @@
 #include "detail/snapping.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace cleave::topology::detail {
@@ -77,11 +78,45 @@ void Snapper::remember(const LatticePolygon& polygon) {
 
 void Snapper::remember(const Plane& persistent) {
   // No corners: it goes on for ever.
-  if (active()) surfaces_.push_back({persistent, direction_along(persistent), {}, true, true});
+  if (!active()) return;
+  persistent_.push_back(surfaces_.size());
+  surfaces_.push_back({persistent, direction_along(persistent), {}, true, true});
+}
+
+geometry::Bounds Snapper::bounds_of(std::span<const LatticePoint> corners) const {
+  const auto position = [](LatticePoint p) {
+    return geometry::Vec3{static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
+  };
+  geometry::Bounds box = geometry::Bounds::of(position(corners.front()));
+  for (const LatticePoint c : corners) box.grow(geometry::Bounds::of(position(c)));
+  const geometry::Vec3 margin{distance_sites_ + 1, distance_sites_ + 1, distance_sites_ + 1};
+  return {box.lo - margin, box.hi + margin};
+}
+
+void Snapper::begin_merging(std::span<const LatticePolygon* const> polygons) {
+  const auto add = [&](std::size_t number, const LatticePolygon& polygon) {
+    boxed_.push_back(number);
+    boxes_.push_back(bounds_of(polygon.corners));
+  };
+  for (std::size_t k = 0; k < surfaces_.size(); ++k) {
+    if (!surfaces_[k].corners.empty()) add(k, surfaces_[k]);
+  }
+  for (std::size_t k = 0; k < polygons.size(); ++k) add(surfaces_.size() + k, *polygons[k]);
+  tree_ = std::make_unique<geometry::BoxTree>(boxes_);
+}
+
+std::vector<std::size_t> Snapper::near(const geometry::Bounds& box) const {
+  std::vector<std::size_t> found = persistent_;
+  tree_->overlapping(box, [&](std::uint32_t k) {
+    if (boxed_[k] < surfaces_.size()) found.push_back(boxed_[k]);
+  });
+  std::ranges::sort(found);
+  return found;
 }
 
 void Snapper::merge_plane(LatticePolygon& polygon) {
-  for (const LatticePolygon& earlier : surfaces_) {
+  for (const std::size_t k : near(bounds_of(polygon.corners))) {
+    const LatticePolygon& earlier = surfaces_[k];
     if (earlier.plane.coincides_with(polygon.plane)) break;
     double furthest = 0;
     for (const LatticePoint c : polygon.corners) furthest = std::max(furthest, distance_sites(earlier.plane, c));
@@ -130,7 +165,8 @@ std::vector<std::optional<HalfSpace>> Snapper::adopt_edges(
   const auto own = polygon.plane.unit_normal();
   for (std::size_t i = 0; i < count; ++i) {
     const LatticePoint a = polygon.corners[i], b = polygon.corners[(i + 1) % count];
-    for (const LatticePolygon& other : surfaces_) {
+    for (const std::size_t k : near(bounds_of(std::array{a, b}))) {
+      const LatticePolygon& other = surfaces_[k];
       if (!near_polygon(other, a) || !near_polygon(other, b)) continue;
       const auto n = other.plane.unit_normal();
       const std::array<double, 3> across{own[1] * n[2] - own[2] * n[1], own[2] * n[0] - own[0] * n[2],

@@ -145,7 +145,8 @@ Traces find_traces(const Prepared& prepared, Signs& signs) {
   out.with_outlines.assign(prepared.facet_planes, 0);
   for (Index p = 0; p < prepared.facet_planes; ++p) {
     const Index first = prepared.facets_begin[p], last = prepared.facets_begin[p + std::size_t{1}];
-    if (last - first < 2) continue;
+    const bool joint = prepared.facets[prepared.facets_on[first]].owner == Owner::joint;
+    if (last - first < 2 && !(prepared.keep_dangling && joint)) continue;
     out.with_outlines[p] = 1;
     for (Index k = first; k < last; ++k) {
       const Index number = prepared.facets_on[k];

@@ -4,9 +4,11 @@
 
 namespace cleave::topology::detail {
 
-/// Last stage: faces, loops, counts and measures of each block, from the cells.
+/// Last stage: faces, loops, counts and measures of each block, from the cells. `excavated` says of each excavation
+/// whether it is out; without it all are. A face on rock that left otherwise is free, without excavation and tag.
 [[nodiscard]] BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
                                           const Arrangement& arrangement, const Cells& cells,
-                                          const std::vector<Vec>& positions);
+                                          const std::vector<Vec>& positions,
+                                          const std::vector<std::uint8_t>* excavated = nullptr);
 
 }  // namespace cleave::topology::detail

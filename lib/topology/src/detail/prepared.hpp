@@ -57,6 +57,7 @@ struct Prepared {
   std::uint64_t merged_planes = 0, adopted_edges = 0;
   std::vector<Index> outside;  ///< joints whose box misses the domain's
   Index joint_count = 0, excavation_count = 0;
+  bool keep_dangling = false;  ///< draw the outlines of all joints
 };
 
 [[nodiscard]] std::expected<Prepared, CutError> prepare(const CutInput& input);

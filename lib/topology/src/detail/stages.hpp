@@ -114,6 +114,7 @@ struct Cells {
   Index count = 0;
   std::vector<std::uint8_t> rock;  ///< of each cell: inside the domain and in no excavation
   std::vector<std::uint8_t> in_domain;
+  std::vector<std::uint8_t> excavated_by;  ///< count x excavations: whether the cell lies in the excavation
 };
 [[nodiscard]] Cells find_cells(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement,
                                const std::vector<Vec>& positions);

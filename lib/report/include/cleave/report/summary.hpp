@@ -70,6 +70,50 @@ struct WindowFigures {
   std::uint64_t rounds = 1, truncated = 0;
 };
 
+/// [micro_blocks] of the scene, where it does not keep silent about them.
+struct MicroBlockFigures {
+  std::string policy;  ///< "report" or "exclude"
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+  double thinnest_m = 0;  ///< 0 when there are none
+};
+
+/// Parts of joints that bound no block, where the scene keeps them.
+struct DanglingFigures {
+  std::uint64_t pieces = 0;
+  double area_m2 = 0;
+  std::uint64_t free_edges = 0;
+  double free_edge_length_m = 0;
+  std::uint64_t joints = 0;
+  std::uint64_t isolated_joints = 0;
+};
+
+/// One stage of a sequential excavation.
+struct StageFigures {
+  std::uint32_t stage = 1;
+  std::vector<std::string> excavations;
+  bool passed = true;  ///< the certificate of this state
+  std::uint64_t blocks = 0;
+  double volume_m3 = 0;
+  std::string hash;
+  KeyBlockFigures key_blocks;
+  std::uint64_t new_count = 0;  ///< without those that left in earlier stages
+  double new_volume_m3 = 0;
+};
+struct OrderFigures {
+  std::vector<std::uint32_t> stages;
+  std::vector<std::uint64_t> new_count;
+  std::vector<double> new_volume_m3;
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+};
+struct SequenceFigures {
+  std::string fallen;  ///< "stay_out" or "put_back"
+  std::vector<StageFigures> stages;
+  std::vector<OrderFigures> orders;
+  std::size_t best = 0;
+};
+
 /// Everything of summary.json, as values.
 struct Summary {
   std::string title;
@@ -82,6 +126,9 @@ struct Summary {
   topology::Certificate certificate;
   std::optional<WindowFigures> window;
   std::optional<KeyBlockFigures> key_blocks;
+  std::optional<SequenceFigures> sequence;
+  std::optional<DanglingFigures> dangling;
+  std::optional<MicroBlockFigures> micro_blocks;
 };
 
 [[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);

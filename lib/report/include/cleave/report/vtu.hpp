@@ -19,6 +19,8 @@ inline constexpr double factor_when_unknown = -1;
 struct VtuText {
   std::string title;  ///< of the scene
   std::string scene_file;
+  /// Sequential excavation: a number a block for the cell array `stage`; empty: no such array.
+  std::span<const std::int32_t> stage_of_block = {};
 };
 
 /// blocks.vtu: polyhedra in the layout that every VTK reads (faces + faceoffsets), all arrays base64 inline, so the
@@ -27,7 +29,8 @@ struct VtuText {
 /// Cell arrays: block (Int64, index from 0), volume (Float64, m3, of the cell), batch (Int32, -1: stays), mode (UInt8,
 /// see mode_not_judged; names in the field data array mode_names), key (UInt8), factor_of_safety (Float64) with
 /// factor_known (UInt8), net_force (Float64 x 3, N, along the first motion; against it for blocks that hold). Values
-/// are those before force transfer. All but block and volume are absent when `analysis` is null.
+/// are those before force transfer. All but block and volume are absent when `analysis` is null. stage (Int32):
+/// in blocks.vtu the first stage in which a part of the block left, -1 when it stays; in blocks_stage_K.vtu K.
 [[nodiscard]] std::string blocks_vtu(const Cells& cells, const stability::Analysis* analysis, const VtuText& text);
 
 }  // namespace cleave::report

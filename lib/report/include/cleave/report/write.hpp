@@ -36,6 +36,9 @@ using WriteError = std::variant<CannotCreate, NoSpace, CannotWrite>;
 /// that the scene does not ask for, or whose stage did not run, are skipped without an error.
 [[nodiscard]] std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result,
                                                                const std::filesystem::path& folder);
+/// dangling.vtu and dangling.obj, where the scene keeps what dangles.
+[[nodiscard]] std::expected<void, WriteError> write_dangling(const scene::RunResult& result,
+                                                             const std::filesystem::path& folder);
 /// One file for each format in [output] exports, named blocks with the format's ending; what the user should know about
 /// them comes back.
 [[nodiscard]] std::expected<std::vector<std::string>, WriteError> write_exports(const scene::RunResult& result,

@@ -32,6 +32,10 @@ struct Drawn {
 [[nodiscard]] std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options,
                                                                  StageTimer& timer, Progress& progress);
 
+/// The blocks that [micro_blocks] is about, in order.
+[[nodiscard]] std::vector<topology::BlockId> micro_blocks(const topology::BlockComplex& complex,
+                                                          const MicroBlocks& limits);
+
 /// The timer's bookings as they stand in a result.
 [[nodiscard]] RunCost cost_of(const StageTimer& timer, unsigned threads);
 

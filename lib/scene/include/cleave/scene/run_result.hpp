@@ -112,6 +112,11 @@ struct RunResult {
   std::string key_block_hash;
   std::optional<WindowInfo> window;  ///< when not all the rock was cut
   std::optional<stability::Analysis> analysis;
+  /// Stage by stage, where excavations have different stages; `complex` and `analysis` then are those of the rock when
+  /// all are out and no block has left before.
+  std::optional<SequenceResult> sequence;
+
+  MicroBlocks micro_blocks;  ///< the scene's policy
 
   std::vector<std::string> notes;  ///< what a user should know: joints outside the domain, what was left out
 };

@@ -14,6 +14,7 @@
 #include "cleave/geometry/solid.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene/problem.hpp"
+#include "cleave/scene/sequence.hpp"
 #include "cleave/topology/cut_input.hpp"
 
 /// A validated scene: what `scene::parse` makes of a TOML file and the files it names. Past this border nothing is
@@ -62,6 +63,8 @@ struct MeasuredJoint {
   OwnStrength own;
   std::string file;  ///< where it stands: a joint file or the scene file, as messages name it
   std::uint32_t line;
+  std::string name = {};                  ///< for `ends_on` of others; may be empty
+  std::vector<std::string> ends_on = {};  ///< names of the joints it ends on
 };
 
 /// A [[joint_set]]: joints drawn at random. Its number in Scene::joint_sets is the `set_index` of dfn::sample.
@@ -95,6 +98,19 @@ struct StabilitySettings {
   std::uint32_t max_batches = 50;
 };
 
+enum class MicroBlockPolicy : std::uint8_t {
+  keep,    ///< as all others, and nothing is said
+  report,  ///< as all others; counted
+  exclude  ///< counted, and left out of stability: not judged, and holding nothing
+};
+/// [micro_blocks]: blocks thinner or smaller than a limit; without limits those thinner than 1e-6 of the domain
+/// (topology::Block::sliver).
+struct MicroBlocks {
+  MicroBlockPolicy policy = MicroBlockPolicy::report;
+  std::optional<Length> thickness;
+  std::optional<Volume> volume;
+};
+
 struct OutputSettings {
   bool vtu = true;                        ///< blocks.vtu
   bool csv = true;                        ///< key_blocks.csv
@@ -122,13 +138,17 @@ struct Scene {
   double north = 0;  ///< degrees from y to true north, clockwise; only for display: orientations are turned already
 
   geometry::Solid domain;
-  std::vector<std::uint32_t> free_domain_tags;  ///< tag indices of `domain` that are free
-  IdVector<SetId, NamedSet> sets;               ///< in order of first mention; [0] is "default"
-  std::vector<MeasuredJoint> joints;            ///< in scene order; they get the first JointIds
-  std::vector<RandomSet> joint_sets;            ///< in scene order; their joints follow
+  std::vector<std::uint32_t> free_domain_tags;      ///< tag indices of `domain` that are free
+  IdVector<SetId, NamedSet> sets;                   ///< in order of first mention; [0] is "default"
+  std::vector<MeasuredJoint> joints;                ///< in scene order; they get the first JointIds
+  std::vector<topology::Termination> terminations;  ///< of measured joints
+  bool keep_dangling = false;
+  std::vector<RandomSet> joint_sets;  ///< in scene order; their joints follow
   Rock rock;
   std::vector<Excavation> excavations;         ///< in scene order
   std::optional<StabilitySettings> stability;  ///< empty: the scene has no [stability] and no free face
+  std::optional<SequenceSettings> sequence;    ///< empty: all excavations are of one stage
+  MicroBlocks micro_blocks;
   OutputSettings output;
 
   std::string shown;      ///< how messages name the scene file

@@ -26,6 +26,8 @@ struct Settings {
   bool parallel_contact = false;
   bool force_transfer = true;
   std::uint32_t max_batches = 50;
+  /// Blocks that count as gone from the start (micro-blocks): not judged, in no batch, and holding nothing.
+  std::vector<topology::BlockId> left_out = {};
   /// Of a block that is known in part only (topology::Block::truncated) it is enough to know that it is no key block;
   /// otherwise it must be known not to move without friction either.
   bool only_key_blocks = false;

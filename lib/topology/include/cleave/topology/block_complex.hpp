@@ -76,6 +76,25 @@ struct Block {
   bool truncated = false;
 };
 
+/// A flat part of a joint that has the same block on both sides: a dangling end, a membrane, an isolated joint.
+struct DanglingPiece {
+  JointId joint;
+  BlockId block;  ///< the block it lies in
+  PlaneId plane;
+  Area area;
+  std::vector<std::vector<VertexId>> loops;  ///< [0] outer, counter-clockwise about the plane's normal; then holes
+  bool isolated;                             ///< nothing of its joint meets another joint or a face
+};
+
+/// What CutInput::keep_dangling keeps. An edge ends freely where no other face is around it: a crack tip in the rock.
+struct Dangling {
+  std::vector<DanglingPiece> pieces;
+  Area area;
+  std::uint64_t free_edges = 0;
+  Length free_edge_length;
+  std::uint64_t joints = 0, isolated_joints = 0;  ///< with at least one piece; of those, isolated
+};
+
 /// Facts about the run of the cutter.
 struct CutReport {
   double lattice_pitch_m = 0;
@@ -106,6 +125,7 @@ class BlockComplex final {
     Volume domain_volume;     ///< of the domain solid
     Volume excavated_volume;  ///< of the part of the domain that is void
     CutReport report;
+    std::optional<Dangling> dangling = {};  ///< when asked for
 
     [[nodiscard]] LoopRange loops(const Face& face) const {
       const std::span<const VertexId> own = std::span{corners}.subspan(face.first_corner, face.corner_count);

@@ -19,12 +19,16 @@ struct SolidCollapsed {  ///< a face of the domain (no excavation index) or of a
   std::uint32_t face;
   Length pitch;
 };
+struct TerminationUndecided {  ///< a joint ends on another whose plane passes through its middle, or is no one plane
+  JointId joint, at;
+};
 struct DomainSwallowed {};  ///< the excavations leave no rock
 struct WindowOutside {};    ///< the window and the domain's box have no volume in common
 struct TooLarge {           ///< more than 2^31 vertices, edges or faces
   std::string what;
 };
-using CutError = std::variant<JointCollapsed, SolidCollapsed, DomainSwallowed, WindowOutside, TooLarge>;
+using CutError =
+    std::variant<JointCollapsed, SolidCollapsed, TerminationUndecided, DomainSwallowed, WindowOutside, TooLarge>;
 [[nodiscard]] std::string describe(const CutError& error);
 
 struct CutOptions {

@@ -8,6 +8,7 @@
 #include "cleave/core/quantity.hpp"
 #include "cleave/geometry/polygon.hpp"
 #include "cleave/geometry/solid.hpp"
+#include "cleave/topology/ids.hpp"
 
 namespace cleave::topology {
 
@@ -15,6 +16,16 @@ namespace cleave::topology {
 /// quad).
 struct Joint {
   std::vector<geometry::Polygon> polygons;
+  /// Holes of each polygon, in its plane (within the tolerance of Polygon), inside it and apart from each other; as
+  /// many entries as polygons, or fewer where the rest has none.
+  std::vector<std::vector<geometry::Polygon>> holes = {};
+};
+
+/// `joint` ends on `at`: the part of it beyond the plane of `at` is taken away, exactly. What stays is the part that
+/// holds its middle (for a persistent joint: the point it goes through). The plane counts, however far `at` itself
+/// reaches.
+struct Termination {
+  JointId joint, at;
 };
 
 /// A persistent joint is given as a plane through a point with a unit normal; it cuts the whole domain.
@@ -37,6 +48,9 @@ struct CutInput {
   std::vector<std::uint32_t> free_domain_tags = {};
   /// > 0: near-coincident planes are merged and joint edges within this distance of another joint adopt its plane.
   Length snap = metres(0);
+  std::vector<Termination> terminations = {};
+  /// Keeps the parts of joints that part no two blocks (BlockComplex::Data::dangling). The blocks are the same.
+  bool keep_dangling = false;
   /// Only what lies in this box is cut, on the lattice of the whole scene: blocks that do not reach the window's sides
   /// are those of the whole scene, with the same corners; the others are marked truncated.
   std::optional<Window> window = {};

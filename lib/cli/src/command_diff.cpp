@@ -1,0 +1,253 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "commands.hpp"
+
+namespace cleave::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+/// A row of key_blocks.csv.
+struct KeyRow {
+  std::string block, mode, key, batch;
+  double volume = 0;
+  std::string factor;
+};
+
+struct Result {
+  std::string name;
+  Json summary;
+  std::vector<KeyRow> rows;
+};
+
+std::optional<std::string> text_of(const fs::path& path) {
+  std::error_code reason;
+  if (!fs::is_regular_file(path, reason)) return std::nullopt;
+  std::ifstream file{path, std::ios::binary};
+  if (!file) return std::nullopt;
+  std::string text{std::istreambuf_iterator<char>{file}, std::istreambuf_iterator<char>{}};
+  if (file.bad()) return std::nullopt;
+  return text;
+}
+
+std::vector<std::string> split(std::string_view line) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') {
+      quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      fields.emplace_back();
+    } else if (c != '\r') {
+      fields.back() += c;
+    }
+  }
+  return fields;
+}
+
+std::vector<KeyRow> key_rows(std::string_view csv) {
+  std::vector<KeyRow> rows;
+  std::map<std::string, std::size_t, std::less<>> column;
+  while (!csv.empty()) {
+    const std::size_t end = std::min(csv.find('\n'), csv.size());
+    const auto fields = split(csv.substr(0, end));
+    csv.remove_prefix(std::min(end + 1, csv.size()));
+    if (column.empty()) {
+      for (std::size_t i = 0; i < fields.size(); ++i) column.emplace(fields[i], i);
+      continue;
+    }
+    const auto field = [&](std::string_view name) {
+      const auto at = column.find(name);
+      return at == column.end() || at->second >= fields.size() ? std::string{} : fields[at->second];
+    };
+    KeyRow row{field("block"), field("mode"), field("key"), field("batch"), 0, field("factor_of_safety")};
+    row.volume = std::strtod(field("volume_m3").c_str(), nullptr);
+    if (!row.block.empty()) rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::optional<Result> read_result(const std::string& name) {
+  const fs::path folder{name};
+  const auto refuse = [&](const std::string& what) {
+    complain(fmt::format("{}:1: OUT: {}; name the folder of a finished run of cleave", name, what));
+    return std::nullopt;
+  };
+  const auto text = text_of(folder / "summary.json");
+  if (!text) return refuse("holds no summary.json that can be read");
+  Result result{name, Json::parse(*text, nullptr, false), {}};
+  if (result.summary.is_discarded() || !result.summary.is_object() || !result.summary.contains("cleave")) {
+    return refuse("summary.json is not one of cleave");
+  }
+  if (const auto csv = text_of(folder / "key_blocks.csv")) result.rows = key_rows(*csv);
+  return result;
+}
+
+const Json& member(const Json& object, std::string_view key) {
+  static const Json nothing;
+  const auto at = object.find(key);
+  return at == object.end() ? nothing : *at;
+}
+
+std::string shown(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+
+/// One line a difference, by path. Numbers with the change; costs are not compared.
+void compare(const std::string& path, const Json& a, const Json& b, std::vector<std::string>& lines) {
+  if (a == b) return;
+  if (a.is_object() && b.is_object()) {
+    for (const auto& [key, value] : a.items()) {
+      const std::string inner = path.empty() ? key : path + "." + key;
+      if (b.contains(key)) {
+        compare(inner, value, b.at(key), lines);
+      } else {
+        lines.push_back(fmt::format("  {:<44} only in the first", inner));
+      }
+    }
+    for (const auto& [key, value] : b.items()) {
+      if (!a.contains(key)) {
+        lines.push_back(fmt::format("  {:<44} only in the second", path.empty() ? key : path + "." + key));
+      }
+    }
+    return;
+  }
+  if (a.is_array() && b.is_array()) {
+    const std::size_t common = std::min(a.size(), b.size());
+    for (std::size_t i = 0; i < common; ++i) compare(fmt::format("{}[{}]", path, i + 1), a[i], b[i], lines);
+    if (a.size() != b.size()) {
+      lines.push_back(fmt::format("  {:<44} {} entries -> {}", path, a.size(), b.size()));
+    }
+    return;
+  }
+  if (a.is_number() && b.is_number()) {
+    const double x = a.get<double>(), y = b.get<double>();
+    const std::string share = x != 0 ? fmt::format(", {:+.3g} %", 100 * (y - x) / std::abs(x)) : std::string{};
+    lines.push_back(fmt::format("  {:<44} {} -> {} ({:+.6g}{})", path, a.dump(), b.dump(), y - x, share));
+    return;
+  }
+  lines.push_back(fmt::format("  {:<44} {} -> {}", path, shown(a), shown(b)));
+}
+
+std::string compare_plans(const Json& a, const Json& b) {
+  const auto entries = [](const Json& plan) {
+    std::map<std::string, std::pair<bool, std::string>> out;
+    if (!plan.is_array()) return out;
+    for (const Json& row : plan) {
+      if (row.is_object() && row.contains("stage")) {
+        out[shown(row["stage"])] = {member(row, "run") == true, shown(member(row, "why"))};
+      }
+    }
+    return out;
+  };
+  std::string text;
+  const auto first = entries(a), second = entries(b);
+  for (const auto& [stage, left] : first) {
+    const auto at = second.find(stage);
+    if (at == second.end() || at->second == left) continue;
+    const auto said = [](const std::pair<bool, std::string>& p) {
+      return fmt::format("{} ({})", p.first ? "runs" : "left out", p.second);
+    };
+    text += fmt::format("  {:<12} {} -> {}\n", stage, said(left), said(at->second));
+  }
+  return text;
+}
+
+/// Blocks have the same numbers in both when the block systems are the same; else they are known by their volumes.
+std::string compare_key_blocks(const Result& a, const Result& b, bool same_blocks) {
+  const auto identity = [&](const KeyRow& row) { return same_blocks ? row.block : fmt::format("{:.9e}", row.volume); };
+  std::multimap<std::string, const KeyRow*> waiting;
+  for (const KeyRow& row : b.rows) waiting.emplace(identity(row), &row);
+  constexpr std::size_t shown_rows = 20;
+  std::vector<std::string> gone, come, changed;
+  const auto line = [](const KeyRow& row) {
+    return fmt::format("    block {}, {:.6g} m3, {}, batch {}, factor of safety {}\n", row.block, row.volume, row.mode,
+                       row.batch.empty() ? "none (stays)" : row.batch, row.factor);
+  };
+  for (const KeyRow& row : a.rows) {
+    const auto at = waiting.find(identity(row));
+    if (at == waiting.end()) {
+      gone.push_back(line(row));
+      continue;
+    }
+    const KeyRow& other = *at->second;
+    waiting.erase(at);
+    if (row.mode == other.mode && row.key == other.key && row.batch == other.batch && row.factor == other.factor) {
+      continue;
+    }
+    changed.push_back(fmt::format("    block {}, {:.6g} m3: {}, batch {}, factor {} -> {}, batch {}, factor {}\n",
+                                  row.block, row.volume, row.mode, row.batch.empty() ? "none" : row.batch, row.factor,
+                                  other.mode, other.batch.empty() ? "none" : other.batch, other.factor));
+  }
+  for (const KeyRow& row : b.rows) {
+    const bool left = std::ranges::any_of(waiting, [&](const auto& entry) { return entry.second == &row; });
+    if (left) come.push_back(line(row));
+  }
+  std::string text;
+  const auto list = [&](std::string_view what, const std::vector<std::string>& lines) {
+    if (lines.empty()) return;
+    text += fmt::format("  {} ({}):\n", what, lines.size());
+    for (std::size_t i = 0; i < std::min(shown_rows, lines.size()); ++i) text += lines[i];
+    if (lines.size() > shown_rows) text += fmt::format("    and {} more\n", lines.size() - shown_rows);
+  };
+  list("only in the first", gone);
+  list("only in the second", come);
+  list("changed", changed);
+  return text;
+}
+
+}  // namespace
+
+ExitCode diff_results(const std::string& first, const std::string& second) {
+  const auto a = read_result(first), b = read_result(second);
+  if (!a || !b) return ExitCode::wrong_input;
+  std::string text = fmt::format("first   {}\nsecond  {}\n", first, second);
+  bool differ = false;
+  const auto section = [&](std::string_view title, const std::string& lines) {
+    if (lines.empty()) return;
+    differ = true;
+    text += fmt::format("{}\n{}", title, lines);
+  };
+  const auto figures = [&](std::string_view title, std::initializer_list<std::string_view> keys) {
+    std::string lines;
+    for (const std::string_view key : keys) {
+      std::vector<std::string> found;
+      const Json &x = member(a->summary, key), &y = member(b->summary, key);
+      if (x.is_null() != y.is_null()) {
+        found.push_back(fmt::format("  {:<44} only in the {}", key, y.is_null() ? "first" : "second"));
+      } else {
+        compare(std::string{key}, x, y, found);
+      }
+      for (const std::string& line : found) lines += line + "\n";
+    }
+    section(title, lines);
+  };
+  figures("scene", {"cleave", "schema", "title", "seed", "scene_sha256", "input"});
+  section("plan", compare_plans(member(a->summary, "plan"), member(b->summary, "plan")));
+  figures("blocks", {"blocks", "dangling"});
+  figures("key blocks", {"key_blocks"});
+  const Json &left = member(a->summary, "blocks"), &right = member(b->summary, "blocks");
+  const bool same = left.is_object() && right.is_object() && member(left, "hash").is_string() &&
+                    member(left, "hash") == member(right, "hash");
+  section(same ? "key blocks, one by one" : "key blocks, one by one (told by their volumes: the block systems differ)",
+          compare_key_blocks(*a, *b, same));
+  figures("stages", {"sequence"});
+  figures("support", {"support"});
+  figures("other results", {"monte_carlo", "elastic", "contact"});
+  if (!differ) text += "no difference in scene, plan, counts, volumes and key blocks\n";
+  say(text);
+  return ExitCode::done;
+}
+
+}  // namespace cleave::cli

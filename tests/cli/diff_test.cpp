@@ -1,0 +1,68 @@
+#include "program.hpp"
+
+namespace cleave::cli::test {
+namespace {
+
+class DiffTest : public ProgramTest {
+ protected:
+  void run(const std::string& name, const std::string& more) const {
+    write(name + ".toml",
+          "title = \"wedge\"\n[domain]\nbox = { min = [0, 0, 0], max = [8, 8, 6] }\n"
+          "[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 90 }\n"
+          "[[joint]]\nplane = { through = [4, 4, 3.1], dip = 60, dip_direction = 270 }\n"
+          "[[joint]]\nplane = { through = [4, 3, 3], dip = 90, dip_direction = 0 }\n"
+          "[[joint]]\nplane = { through = [4, 5, 3], dip = 90, dip_direction = 0 }\n"
+          "[[excavation]]\nkind = \"polyhedron\"\nbox = { min = [2, 0, 1], max = [6, 8, 2] }\n" +
+              more);
+    ASSERT_EQ(cleave("run " + name + ".toml --quiet -o " + name).code, 0);
+  }
+};
+
+TEST_F(DiffTest, TheSameResultHasNoDifference) {
+  run("a", "");
+  run("b", "");
+  const Ended same = cleave("diff a b");
+  EXPECT_EQ(same.code, 0) << same.err;
+  EXPECT_EQ(same.out, "first   a\nsecond  b\nno difference in scene, plan, counts, volumes and key blocks\n");
+}
+
+TEST_F(DiffTest, StrengthChangesKeyBlocksOneByOne) {
+  run("weak", "[joints.default]\nfriction = 10\n");
+  run("strong", "[joints.default]\nfriction = 80\n");
+  const Ended ended = cleave("diff weak strong");
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_NE(ended.out.find("scene_sha256"), std::string::npos) << ended.out;
+  EXPECT_EQ(ended.out.find("\nblocks\n"), std::string::npos) << "the block systems are the same\n" << ended.out;
+  EXPECT_NE(ended.out.find("\nkey blocks\n  key_blocks.count "), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("\nkey blocks, one by one\n  changed ("), std::string::npos) << ended.out;
+}
+
+TEST_F(DiffTest, AnotherBlockSystem) {
+  run("four", "");
+  run("five", "[[joint]]\nplane = { through = [1, 4, 3], dip = 90, dip_direction = 90 }\n[output]\nreport = false\n");
+  const Ended ended = cleave("diff four five");
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_NE(ended.out.find("  input.joints                                 4 -> 5 (+1, +25 %)\n"), std::string::npos)
+      << ended.out;
+  EXPECT_NE(ended.out.find("\nplan\n"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("\n  report       runs (report.html) -> left out (output.report = false)\n"),
+            std::string::npos)
+      << ended.out;
+  EXPECT_NE(ended.out.find("\nblocks\n  blocks.count "), std::string::npos) << ended.out;
+}
+
+TEST_F(DiffTest, WhatIsNoResultIsRefused) {
+  run("a", "");
+  fs::create_directories(path("empty"));
+  fs::create_directories(path("other"));
+  write("other/summary.json", "{ \"name\": 1 }");
+  for (const std::string wrong : {"empty", "other", "missing", "a.toml"}) {
+    const Ended ended = cleave("diff a " + wrong);
+    EXPECT_EQ(ended.code, 2) << wrong;
+    EXPECT_TRUE(ended.err.starts_with("error: " + wrong + ":1: OUT: ")) << ended.err;
+    EXPECT_EQ(ended.out, "");
+  }
+}
+
+}  // namespace
+}  // namespace cleave::cli::test

@@ -1,0 +1,170 @@
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+
+#include "program.hpp"
+
+// The scenes of examples/ that show one geometry each: counts and volumes, from the scene file to summary.json.
+
+namespace cleave::cli::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class GeometryExamples : public ProgramTest {
+ protected:
+  [[nodiscard]] static std::string file(const std::string& name, const std::string& of) {
+    return std::string{CLEAVE_SOURCE_DIR} + "/examples/" + name + "/" + of;
+  }
+  [[nodiscard]] Json result_of(const std::string& name) const {
+    const Ended run = cleave("run '" + file(name, name + ".toml") + "' --quiet -o " + name);
+    EXPECT_EQ(run.code, 0) << run.err;
+    const auto result = Json::parse(read(name + "/summary.json"));
+    EXPECT_TRUE(result["blocks"]["certificate"]["passed"]);
+    EXPECT_LE(result["blocks"]["volume_relative_error"].get<double>(), 1e-12);
+    return result;
+  }
+  /// Within 5 % of the stated number of blocks.
+  void expect_size(const std::string& name, int stated) const {
+    const auto result = result_of(name);
+    EXPECT_NEAR(result["blocks"]["count"].get<int>(), stated, 0.05 * stated);
+    RecordProperty(name + "_blocks", result["blocks"]["count"].get<int>());
+    RecordProperty(name + "_concave", result["blocks"]["concave"].get<int>());
+  }
+};
+
+/// Area of a half disc of n chords whose corners lie on the arc of radius r.
+double half_disc(double r, int n) { return 0.5 * n * r * r * std::sin(std::numbers::pi / n); }
+
+TEST_F(GeometryExamples, CrossingTunnelsAreOneBlock) {
+  const auto result = result_of("crossing_tunnels");
+  EXPECT_EQ(result["blocks"]["count"], 1);
+  // Over the 6 m of the rectangle's width the horseshoe is 10 m wide where the rectangle lies (z 15 to 19, walls 15 to
+  // 20).
+  const double horseshoe = 60 * (50 + half_disc(5, 16)), rectangle = 60 * 24, shared = 10 * 24;
+  EXPECT_NEAR(result["blocks"]["volume_m3"].get<double>(), 60 * 60 * 40 - horseshoe - rectangle + shared, 1e-4);
+}
+
+TEST_F(GeometryExamples, CavernIsOneBlockWithACavity) {
+  const auto result = result_of("cavern");
+  EXPECT_EQ(result["blocks"]["count"], 1);
+  EXPECT_EQ(result["blocks"]["with_cavities"], 1);
+  EXPECT_EQ(result["blocks"]["with_holes"], 1);
+  EXPECT_NEAR(result["blocks"]["volume_m3"].get<double>(), 463330, 1);
+}
+
+TEST_F(GeometryExamples, MineShaftsAndGreatWallAreOneBlockEach) {
+  EXPECT_EQ(result_of("mine_shafts")["blocks"]["count"], 1);
+  const auto wall = result_of("great_wall");
+  EXPECT_EQ(wall["blocks"]["count"], 1);
+  EXPECT_EQ(wall["blocks"]["with_holes"], 1);
+  // 44 x 6 x 14 less what the boxes and the gate take (the sum of disjoint parts; the gate's arch has 16 chords a half
+  // circle of radius 2).
+  const double gate = 6 * (4 * 3 + half_disc(2, 16));
+  const double walkway = 4 * 2 * (17 + 17), above = 6 * 3 * (17 + 17), crenels = 8 * 1.5 * 1 * 1;
+  const double room = 6 * 3 * 3, doors = 2 * 2 * 2 * 2, window = 2 * 1.5 * 1.5, hatch = 2 * 2 * 2;
+  EXPECT_NEAR(wall["blocks"]["volume_m3"].get<double>(),
+              44 * 6 * 14 - gate - walkway - above - crenels - room - doors - window - hatch, 1e-6);
+}
+
+// Fu (2014), figure 3-19: two blocks.
+TEST_F(GeometryExamples, NineTunnelsAndACurvedFaultMakeTwoBlocks) {
+  const auto result = result_of("nine_tunnels");
+  EXPECT_EQ(result["input"]["joints"], 1);
+  EXPECT_EQ(result["blocks"]["count"], 2);
+  EXPECT_EQ(result["blocks"]["with_holes"], 2);
+}
+
+TEST_F(GeometryExamples, CurvedTunnelHasKeyBlocks) {
+  const auto result = result_of("curved_tunnel");
+  EXPECT_GT(result["blocks"]["count"].get<int>(), 100);
+  EXPECT_TRUE(result.contains("key_blocks"));
+}
+
+// Fu (2014), figure 3-22 c: 136 bricks; 17 x 4 voussoirs and 2 x 34 bricks of the walls.
+TEST_F(GeometryExamples, MasonryBridgeHas136Bricks) {
+  const auto result = result_of("masonry_bridge");
+  EXPECT_EQ(result["blocks"]["count"], 136);
+  EXPECT_EQ(result["blocks"]["slivers"], 0);
+}
+
+TEST_F(GeometryExamples, DamAndFoundation) {
+  const auto result = result_of("dam");
+  // Four monoliths, and the foundation: 1 + 3 planes + 2 lines (the two parallel planes each meet the third inside).
+  EXPECT_EQ(result["blocks"]["count"], 4 + 6);
+}
+
+TEST_F(GeometryExamples, HillsideHasTheVolumeOfItsGrid) {
+  const auto result = result_of("hillside");
+  EXPECT_EQ(result["blocks"]["count"], 13);
+  // Prisms under the triangles of the grid, cells parted from south-west to north-east; less the tunnel (120 m long).
+  std::istringstream grid{text_of(file("hillside", "hill.asc"))};
+  std::string word;
+  for (int i = 0; i < 12; ++i) grid >> word;
+  std::array<std::array<double, 25>, 25> z{};
+  for (auto& row : z) {
+    for (double& value : row) grid >> value;
+  }
+  double rock = 0;
+  for (std::size_t r = 0; r + 1 < 25; ++r) {
+    for (std::size_t c = 0; c + 1 < 25; ++c) {
+      const double nw = z[r][c], ne = z[r][c + 1], sw = z[r + 1][c], se = z[r + 1][c + 1];
+      rock += 12.5 * ((sw + se + ne) / 3 + 20) + 12.5 * ((sw + ne + nw) / 3 + 20);
+    }
+  }
+  const double tunnel = 120 * (9 * 3.5 + half_disc(4.5, 16));
+  const double left = result["blocks"]["volume_m3"].get<double>();
+  EXPECT_NEAR(left, rock - tunnel, 1e-9 * rock);
+}
+
+TEST_F(GeometryExamples, OpenPitIsTakenOutBenchByBench) {
+  const auto result = result_of("open_pit");
+  ASSERT_EQ(result["sequence"]["stages"].size(), 4U);
+  double rock = 80.0 * 80 * 60;
+  for (const auto& stage : result["sequence"]["stages"]) {
+    EXPECT_TRUE(stage["certificate_passed"]);
+    EXPECT_LT(stage["block_volume_m3"].get<double>(), rock);
+    rock = stage["block_volume_m3"].get<double>();
+  }
+  for (const char* stage : {"1", "2", "3", "4"}) {
+    EXPECT_TRUE(exists(std::string{"open_pit/blocks_stage_"} + stage + ".vtu"));
+  }
+}
+
+// The order of the scene's own stages is the first of 4! = 24; after the last stage the rock is that of the whole
+// tunnel but for what has fallen.
+TEST_F(GeometryExamples, SequentialTunnelComparesAllOrders) {
+  const auto result = result_of("sequential_tunnel");
+  const auto& sequence = result["sequence"];
+  ASSERT_EQ(sequence["orders"].size(), 24U);
+  EXPECT_EQ(sequence["orders"][0]["stages"], (Json{1, 2, 3, 4}));
+  double least = 1e300;
+  for (const auto& order : sequence["orders"]) {
+    double sum = 0;
+    for (const auto& volume : order["new_volume_m3"]) sum += volume.get<double>();
+    EXPECT_NEAR(order["key_block_volume_m3"].get<double>(), sum, 1e-9 * sum);
+    least = std::min(least, sum);
+  }
+  EXPECT_NEAR(sequence["orders"][sequence["best_order"].get<std::size_t>()]["key_block_volume_m3"].get<double>(), least,
+              1e-9 * least);
+  double fallen = 0;
+  for (const auto& stage : sequence["stages"]) fallen += stage["new_key_block_volume_m3"].get<double>();
+  // The rock of the last stage is that of the whole tunnel less what has fallen before and lay outside it.
+  const double last = sequence["stages"][3]["block_volume_m3"].get<double>();
+  EXPECT_LE(last, result["blocks"]["volume_m3"].get<double>());
+  EXPECT_GE(last, result["blocks"]["volume_m3"].get<double>() - fallen);
+}
+
+// Fu (2014), figures 3-12, 3-22 a and b, 3-23 a and b: the numbers of blocks stated there, within 5 %.
+TEST_F(GeometryExamples, RockMassesHaveTheirStatedSizes) {
+  expect_size("rock_mass", 3166);
+  expect_size("complex_slope", 107);
+  expect_size("half_pit", 838);
+  expect_size("cuboid_three_sets", 8261);
+  expect_size("slope_four_sets", 7522);
+}
+
+}  // namespace
+}  // namespace cleave::cli::test

@@ -1,0 +1,85 @@
+#include <gtest/gtest.h>
+
+#include "cleave/scene/run.hpp"
+#include "parse_support.hpp"
+
+// Keys of [[joint]] beyond its shape: holes, ends_on, surface; and keep_dangling. Domain: 8 x 8 x 6 m.
+
+namespace cleave::scene::test {
+namespace {
+
+RunResult run_of(const std::string& text, const Files& files = {}) {
+  const Scene scene = scene_of(text, files);
+  StageTimer timer;
+  Progress progress{ProgressStyle::quiet};
+  auto result = run(scene, {.threads = 1}, timer, progress);
+  if (!result) {
+    for (const Problem& problem : result.error()) ADD_FAILURE() << describe(problem);
+  }
+  return std::move(result).value();
+}
+std::size_t blocks_of(const std::string& text, const Files& files = {}) {
+  return run_of(with_box(text), files).complex.value().complex().blocks().size();
+}
+
+constexpr std::string_view level = "[[joint]]\npolygon = [[-1, -1, 3], [9, -1, 3], [9, 9, 3], [-1, 9, 3]]\n";
+constexpr std::string_view hole = "holes = [[[2, 2, 3], [4, 2, 3], [3, 4, 3]]]\n";
+
+TEST(JointKeys, Holes) {
+  EXPECT_EQ(blocks_of(std::string{level}), 2U);
+  EXPECT_EQ(blocks_of(std::string{level} + std::string{hole}), 1U);
+  const auto wrong = [&](std::string_view holes) {
+    return error_of(with_box(std::string{level} + std::string{holes}));
+  };
+  EXPECT_EQ(
+      wrong("holes = [[[2, 2, 3], [4, 2, 3], [3, 9, 3]]]\n"),
+      "s.toml:5: joint[1].holes: hole 1 does not lie wholly inside the polygon; a hole may not touch its outline");
+  EXPECT_EQ(wrong("holes = [[[2, 2, 3], [4, 2, 3], [3, 4, 3]], [[3, 2.5, 3], [6, 3, 3], [6, 4, 3]]]\n"),
+            "s.toml:5: joint[1].holes: hole 2 meets another hole; join them to one outline");
+  EXPECT_EQ(
+      wrong("holes = [[[2, 2, 3], [4, 2, 3], [3, 4, 3.1]]]\n"),
+      "s.toml:5: joint[1].holes: hole 1 lies up to 0.1 m off the polygon's plane; move its corners into the plane");
+  EXPECT_EQ(wrong("holes = [[2, 2, 3]]\n").substr(0, 24), "s.toml:5: joint[1].holes");
+}
+
+TEST(JointKeys, EndsOn) {
+  const std::string flat = "[[joint]]\nname = \"bed\"\nplane = { through = [4, 4, 3], dip = 0, dip_direction = 0 }\n";
+  const std::string upright = "[[joint]]\nplane = { through = [4, 4, 5], dip = 90, dip_direction = 90 }\n";
+  EXPECT_EQ(blocks_of(flat + upright), 4U);
+  EXPECT_EQ(blocks_of(flat + upright + "ends_on = [\"bed\"]\n"), 3U);
+  EXPECT_EQ(blocks_of(upright + "ends_on = [\"bed\"]\n" + flat), 3U) << "names may come later";
+  EXPECT_EQ(error_of(with_box(upright + "ends_on = [\"bad\"]\n" + flat)),
+            "s.toml:4: joint.ends_on: no joint has the name \"bad\"; give a joint that name, or remove it");
+  EXPECT_EQ(error_of(with_box(flat + flat)),
+            "s.toml:7: joint[2].name: \"bed\" is the name of another joint; choose another");
+  const Scene through = scene_of(with_box(
+      flat + "[[joint]]\nplane = { through = [4, 4, 3], dip = 90, dip_direction = 90 }\nends_on = [\"bed\"]\n"));
+  StageTimer timer;
+  Progress progress{ProgressStyle::quiet};
+  const auto refused = run(through, {.threads = 1}, timer, progress);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().front().line, 7U);
+  EXPECT_EQ(refused.error().front().key, "joint.ends_on");
+}
+
+TEST(JointKeys, ASurfaceOfAnObjFile) {
+  const Files files{{"fault.obj", "v -1 -1 2\nv 4 -1 4\nv 9 -1 2\nv -1 9 2\nv 4 9 4\nv 9 9 2\nf 1 2 5 4\nf 2 3 6 5\n"}};
+  const std::string file = "[[joint]]\nfile = \"fault.obj\"\n";
+  EXPECT_EQ(scene_of(with_box(file), files).joints.size(), 2U);
+  EXPECT_EQ(scene_of(with_box(file + "surface = true\n"), files).joints.size(), 1U);
+  EXPECT_EQ(blocks_of(file + "surface = true\n", files), 2U);
+  EXPECT_EQ(
+      error_of(with_box("[[joint]]\nplane = { through = [4, 4, 5], dip = 90, dip_direction = 90 }\nsurface = true\n")),
+      "s.toml:5: joint[1].surface: has a meaning for files only; remove it");
+}
+
+TEST(JointKeys, KeepDangling) {
+  const std::string stub = "[[joint]]\npolygon = [[-1, -1, 3], [3, -1, 3], [3, 9, 3], [-1, 9, 3]]\n";
+  EXPECT_FALSE(run_of(with_box(stub)).complex.value().complex().data().dangling.has_value());
+  const auto kept = run_of("keep_dangling = true\n" + with_box(stub));
+  ASSERT_TRUE(kept.complex.value().complex().data().dangling.has_value());
+  EXPECT_DOUBLE_EQ(kept.complex.value().complex().data().dangling->area.si(), 24);
+}
+
+}  // namespace
+}  // namespace cleave::scene::test
