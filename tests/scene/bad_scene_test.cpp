@@ -98,8 +98,9 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"Enormous", "[domain]\nbox = { min = [0, 0, 0], max = [8, 1e300, 5] }\n",
             "s.toml:2: domain.box.max: is 1e+300; give a number from -1e+09 to 1e+09 m"},
         Bad{"TwoKinds", with_box("mesh = \"a.stl\"\n"),
-            "s.toml:3: domain.mesh: stands beside \"box\"; give exactly one of: box, corners, mesh"},
-        Bad{"NoKind", "[domain]\n", "s.toml:1: domain: holds none of: box, corners, mesh; give exactly one of them"},
+            "s.toml:3: domain.mesh: stands beside \"box\"; give exactly one of: box, corners, mesh, terrain"},
+        Bad{"NoKind", "[domain]\n",
+            "s.toml:1: domain: holds none of: box, corners, mesh, terrain; give exactly one of them"},
         Bad{"SevenCorners", "[domain]\ncorners = [[0,0,0],[1,0,0],[0,1,0],[1,1,0],[0,0,1],[1,0,1],[0,1,1]]\n",
             "s.toml:2: domain.corners: has 7 points but must have 8; list the corners by the bits x, y, z of their "
             "number: [min, min, "
