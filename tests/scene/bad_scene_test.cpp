@@ -25,9 +25,9 @@ INSTANTIATE_TEST_SUITE_P(
     Scene, BadSceneTest,
     testing::Values(
         Bad{"Empty", "",
-            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network"},
+            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network, bodies"},
         Bad{"OnlyAComment", "# nothing\n",
-            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network"},
+            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network, bodies"},
         Bad{"NotToml", "v 0 0 0\nf 1 2 3\n",
             "s.toml:1: TOML: Error while parsing key-value pair: expected '=', saw '0'; mend the syntax: see "
             "https://toml.io"},

@@ -15,6 +15,7 @@
 #include "interrupt.hpp"
 #include "out_folder.hpp"
 #include "problems.hpp"
+#include "run_bodies.hpp"
 #include "write_result.hpp"
 
 namespace cleave::cli {
@@ -77,6 +78,14 @@ ExitCode run_scene(const RunArguments& arguments) {
   Progress progress{progress_style_of_stderr(arguments.quiet)};
 
   progress.begin("read");
+  const auto bodies = timer.run("read", [&] { return scene::load_bodies(arguments.scene); });
+  if (bodies) {
+    progress.end();
+    if (!*bodies) return report_problems(bodies->error());
+    scene::BodiesScene asked = **bodies;
+    if (arguments.seed) asked.seed = *arguments.seed;
+    return run_bodies(arguments, asked, timer, progress, interrupts);
+  }
   auto scene = timer.run("read", [&] { return scene::load(arguments.scene); });
   progress.end();
   if (!scene) return report_problems(scene.error());

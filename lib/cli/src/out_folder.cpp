@@ -19,13 +19,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 10> result_files{
-    "summary.json", "blocks.vtu", "dangling.vtu",     "dangling.obj",          "key_blocks.csv",
-    "report.html",  "log.txt",    "realizations.csv", "realizations.csv.part", "scene.toml"};
+constexpr std::array<std::string_view, 15> result_files{
+    "summary.json", "blocks.vtu",       "dangling.vtu",          "dangling.obj", "key_blocks.csv",
+    "bolts.csv",    "load_cases.csv",   "report.html",           "log.txt",      "bodies.vtu",
+    "bodies.pvd",   "realizations.csv", "realizations.csv.part", "scene.toml",   "points.csv"};
+/// One time of a moving scene: bodies_0000.vtu and on.
+bool is_frame(std::string_view name) {
+  if (!name.starts_with("bodies_") || !name.ends_with(".vtu")) return false;
+  const std::string_view digits = name.substr(7, name.size() - 11);
+  return digits.size() >= 4 && std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; });
+}
 bool is_export(std::string_view name) {
-  return std::ranges::any_of(report::export_names(), [&](const report::ExportName& format) {
-    return name == "blocks" + std::string{format.ending};
-  });
+  return is_frame(name) || std::ranges::any_of(report::export_names(), [&](const report::ExportName& format) {
+           return name == "blocks" + std::string{format.ending};
+         });
 }
 
 OutError wrong(const fs::path& out, std::string_view what, std::string_view remedy) {

@@ -225,6 +225,13 @@ std::string bodies_summary_json(const scene::BodiesResult& result) {
   }
   json.end_array();
   json.end_object();
+  json.key("input");
+  json.begin_object();
+  json.member("joints", 0U);
+  json.member("lattice_pitch_m", 0.0);
+  json.member("largest_snap_m", 0.0);
+  json.member("merged_planes", 0U);
+  json.end_object();
   json.key("elastic");
   json.begin_object();
   json.member("status", result.converged ? "converged" : "stopped");

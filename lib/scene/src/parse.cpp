@@ -76,7 +76,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
     return std::unexpected(std::move(problems).take_errors());
   }
   if (tree->entries.empty()) {
-    problems.error(1, "domain", "the file is empty", "start from one of: cleave init tunnel, slope, wedge, network");
+    problems.error(1, "domain", "the file is empty", "start from one of: cleave init tunnel, slope, wedge, network, bodies");
     return std::unexpected(std::move(problems).take_errors());
   }
   const TomlTable table = without_later_sections(std::move(*tree), problems);

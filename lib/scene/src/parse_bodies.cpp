@@ -407,6 +407,13 @@ void parse_body(const TableReader& body, const Defaults& defaults, bem::PlaneSta
       for (bem::Side& side : loop) side.elements = static_cast<std::size_t>(*elements);
     }
   }
+  const double grading = body.number("grading", {1, false, 6, false, ""}).value_or(moving ? 1 : 2);
+  for (bem::Loop& loop : spec.region.loops) {
+    // Stress is singular at corners: elements get shorter towards them.
+    for (bem::Side& side : loop) {
+      if (!side.through) side.grade_start = side.grade_end = grading;
+    }
+  }
   if (!moving) put_loads(spec);
   bodies.push_back(std::move(spec));
 }
@@ -546,9 +553,9 @@ std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, 
     }
     parse_time(elastic, scene);
   }
-  constexpr std::array<string_view, 17> body_keys{"name",  "outline", "circle",  "arcs",    "holes",   "round_holes",
+  constexpr std::array<string_view, 18> body_keys{"name",  "outline", "circle",  "arcs",    "holes",   "round_holes",
                                                   "young", "poisson", "density", "support", "load",    "velocity",
-                                                  "spin",  "extent",  "surface", "in_situ", "elements"};
+                                                  "spin",  "extent",  "surface", "in_situ", "grading", "elements"};
   const auto found = root.tables("body");
   for (std::size_t i = 0; i < found.size(); ++i) {
     const auto body = reader(*found[i], fmt::format("body[{}]", i + 1), problems, body_keys);
