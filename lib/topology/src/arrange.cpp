@@ -96,6 +96,7 @@ class Arranger {
       : prepared_{prepared}, traces_{traces}, graph_{graph}, positions_{positions}, signs_{signs} {
     const std::size_t half_edges = 2 * graph.uses.size();
     out_.next.assign(half_edges, none);
+    out_.start.assign(half_edges, none);
     out_.direction.assign(half_edges, 0);
     out_.face.assign(half_edges, none);
     out_.half_turn.assign(prepared.facet_planes, 0);
@@ -166,6 +167,8 @@ class Arranger {
       const Index back = (forward + half) % (2 * half);
       out_.direction[2 * use] = forward;
       out_.direction[2 * use + 1] = back;
+      out_.start[2 * use] = edge.from;
+      out_.start[2 * use + 1] = edge.to;
       spokes.push_back({edge.from, forward, 2 * use});
       spokes.push_back({edge.to, back, 2 * use + 1});
     }

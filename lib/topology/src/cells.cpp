@@ -12,22 +12,18 @@ namespace cleave::topology::detail {
 namespace {
 
 double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec minus(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vec cross(const Vec& a, const Vec& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 class CellFinder {
  public:
   CellFinder(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement,
-             const std::vector<Vec>& positions)
+             const std::vector<Vec>& positions, const std::vector<FaceMeasure>& measures, ThreadLimit threads)
       : prepared_{prepared},
         graph_{graph},
         arrangement_{arrangement},
         positions_{positions},
+        measures_{measures},
         faces_{static_cast<Index>(arrangement.faces.size())},
-        shells_{2 * std::size_t{faces_} + 1},
-        connected_{faces_} {}
+        threads_{threads} {}
 
   Cells run() {
     find_shells();
@@ -37,77 +33,88 @@ class CellFinder {
   }
 
  private:
-  /// The unbounded outside of everything, as one more member of the shells' sets.
-  [[nodiscard]] Index unbounded() const { return 2 * faces_; }
+  /// The unbounded outside of everything, as one more shell.
+  [[nodiscard]] Index unbounded() const { return shell_count_; }
   [[nodiscard]] bool covered(Index f) const { return arrangement_.faces[f].cover_count != 0; }
 
-  [[nodiscard]] const Vec& start_of(Index half_edge) const {
-    const Edge& edge = graph_.edges[graph_.uses[half_edge / 2].edge];
-    return positions_[half_edge % 2 == 0 ? edge.from : edge.to];
-  }
+  [[nodiscard]] const Vec& start_of(Index half_edge) const { return positions_[arrangement_.start[half_edge]]; }
 
+  /// Numbers the shells in the order of their first half-faces.
   void find_shells() {
     std::vector<std::uint8_t> present(faces_);
     for (Index f = 0; f < faces_; ++f) present[f] = covered(f) ? 1 : 0;
-    const auto link = link_around_edges(graph_, arrangement_, present);
-    for (Index flank = 0; flank < link.size(); ++flank) {
-      if (link[flank] == none) continue;
-      const Index a = arrangement_.face[flank / 2], b = arrangement_.face[link[flank] / 2];
-      shells_.unite(2 * a + flank % 2, 2 * b + link[flank] % 2);
-      connected_.unite(a, b);
+    links_ = link_around_edges(graph_, arrangement_, present, threads_);
+    UnionFind half_faces{2 * std::size_t{faces_}};
+    for (Index flank = 0; flank < links_.to.size(); ++flank) {
+      const Index other = links_.to[flank];
+      if (other == none || other < flank) continue;
+      half_faces.unite(2 * arrangement_.face[flank / 2] + flank % 2, 2 * arrangement_.face[other / 2] + other % 2);
+    }
+    shell_of_.assign(2 * std::size_t{faces_}, none);
+    for (Index h = 0; h < 2 * faces_; ++h) {
+      if (present[h / 2] == 0) continue;
+      const Index root = half_faces.find(h);
+      shell_of_[h] = root == h ? shell_count_++ : shell_of_[root];
     }
   }
 
   /// Of each connected piece the one shell that looks outwards: its volume is negative and the largest in size.
   void find_outsides() {
-    std::vector<double> volume(2 * std::size_t{faces_}, 0), area(2 * std::size_t{faces_}, 0);
+    std::vector<double> volume(shell_count_, 0), error(shell_count_, 0);
+    UnionFind connected{shell_count_};
+    Index plane = none;
+    std::array<double, 3> n{};
     for (Index f = 0; f < faces_; ++f) {
       if (!covered(f)) continue;
       const PlaneFace& face = arrangement_.faces[f];
-      const Vec apex = start_of(arrangement_.loops[face.first_loop]);
-      Vec sum{};
-      double size = 0;
-      for (Index l = face.first_loop; l < face.first_loop + face.loop_count; ++l) {
-        const Index start = arrangement_.loops[l];
-        Index h = start;
-        do {
-          const Index g = arrangement_.next[h];
-          const Vec part = cross(minus(start_of(h), apex), minus(start_of(g), apex));
-          for (std::size_t k = 0; k < 3; ++k) sum[k] += part[k];
-          size += std::abs(part[0]) + std::abs(part[1]) + std::abs(part[2]);
-          h = g;
-        } while (h != start);
+      if (face.plane != plane) {
+        plane = face.plane;
+        n = prepared_.planes[plane].unit_normal();
       }
-      const double part = dot(apex, sum);
-      const Index positive = shells_.find(2 * f), negative = shells_.find(2 * f + 1);
+      const FaceMeasure& measure = measures_[f];
+      const double part = measure.area * dot(n, start_of(arrangement_.loops[face.first_loop]));
+      const double size = std::abs(measure.area) + measure.perimeter;
+      const Index positive = shell_of_[2 * f], negative = shell_of_[2 * f + 1];
       volume[positive] -= part;
       volume[negative] += part;
-      area[positive] += size;
-      area[negative] += size;
+      error[positive] += size;
+      error[negative] += size;
+      connected.unite(positive, negative);
     }
-    std::vector<std::vector<Index>> shells_of(faces_);
-    for (Index h = 0; h < 2 * faces_; ++h) {
-      if (covered(h / 2) && shells_.find(h) == h) shells_of[connected_.find(h / 2)].push_back(h);
+    piece_of_shell_.assign(shell_count_, none);
+    std::vector<std::uint8_t> several;
+    for (Index shell = 0; shell < shell_count_; ++shell) {
+      const Index root = connected.find(shell);
+      if (root == shell) {
+        piece_of_shell_[shell] = static_cast<Index>(outside_.size());
+        outside_.push_back(shell);
+        several.push_back(0);
+        continue;
+      }
+      const Index piece = piece_of_shell_[shell] = piece_of_shell_[root];
+      several[piece] = 1;
+      if (volume[shell] < volume[outside_[piece]]) outside_[piece] = shell;
     }
-    for (Index piece = 0; piece < faces_; ++piece) {
-      const auto& shells = shells_of[piece];
-      if (shells.empty()) continue;
-      Index outside = *std::ranges::min_element(shells, {}, [&](Index s) { return volume[s]; });
-      // Positions are good to 2^-43; an area error of that size times the area bounds the volume's error.
-      if (shells.size() > 1 && volume[outside] > -(area[outside] * 0x1p-40)) outside = exact_outside(shells);
-      pieces_.push_back({piece, outside});
+    // Positions are good to 2^-43: so are the height of each face, and the area along its rim.
+    for (Index piece = 0; piece < outside_.size(); ++piece) {
+      if (several[piece] != 0 && volume[outside_[piece]] > -(error[outside_[piece]] * 0x1p-39)) {
+        outside_[piece] = exact_outside(piece);
+      }
     }
   }
 
-  Index exact_outside(const std::vector<Index>& shells) {
-    for (const Index shell : shells) {
+  Index exact_outside(Index piece) {
+    Index first = none;
+    for (Index shell = 0; shell < shell_count_; ++shell) {
+      if (piece_of_shell_[shell] != piece) continue;
+      if (first == none) first = shell;
       std::vector<Index> half_faces;
       for (Index h = 0; h < 2 * faces_; ++h) {
-        if (covered(h / 2) && shells_.find(h) == shell) half_faces.push_back(h);
+        if (shell_of_[h] == shell) half_faces.push_back(h);
       }
       if (exact_volume_sign(prepared_, graph_, arrangement_, half_faces) == exact::Sign::negative) return shell;
     }
-    return shells.front();  // flat piece: all its shells are empty, any will do
+    return first;  // flat piece: all its shells are empty, any will do
   }
 
   // ---- which cell holds each connected piece -----------------------------------------------------------------------
@@ -122,17 +129,13 @@ class CellFinder {
   };
 
   void nest() {
-    if (pieces_.size() == 1) {
-      shells_.unite(pieces_[0].outside, unbounded());
-      return;
-    }
+    beyond_.assign(outside_.size(), unbounded());
+    if (outside_.size() == 1) return;
     std::vector<Target> targets;
-    std::vector<std::vector<Side>> sides_of(pieces_.size());
-    std::vector<Index> piece_number(faces_, none);
-    for (Index k = 0; k < pieces_.size(); ++k) piece_number[pieces_[k].root] = k;
+    std::vector<std::vector<Side>> sides_of(outside_.size());
     for (Index f = 0; f < faces_; ++f) {
       if (!covered(f)) continue;
-      Target target{f, {1, 1, 1}, {-1, -1, -1}, piece_number[connected_.find(f)]};
+      Target target{f, {1, 1, 1}, {-1, -1, -1}, piece_of_shell_[shell_of_[2 * f]]};
       const PlaneFace& face = arrangement_.faces[f];
       const Index start = arrangement_.loops[face.first_loop];
       Index h = start;
@@ -142,23 +145,22 @@ class CellFinder {
           target.lo[k] = std::min(target.lo[k], p[k]);
           target.hi[k] = std::max(target.hi[k], p[k]);
         }
-        const Edge& edge = graph_.edges[graph_.uses[h / 2].edge];
-        sides_of[target.piece].push_back(h % 2 == 0 ? Side{edge.from, edge.to} : Side{edge.to, edge.from});
+        sides_of[target.piece].push_back({arrangement_.start[h], arrangement_.start[h ^ 1U]});
         h = arrangement_.next[h];
       } while (h != start);
       targets.push_back(target);
     }
-    for (Index k = 0; k < pieces_.size(); ++k) {
-      const Index beyond = facing(k, sides_of[k], targets);
-      shells_.unite(pieces_[k].outside, beyond);
-    }
+    parallel_for(outside_.size(), threads_, [&](std::size_t piece) {
+      const auto met = facing(static_cast<Index>(piece), sides_of[piece], targets);
+      if (met) beyond_[piece] = shell_of_[*met];
+    });
   }
 
-  /// The half-face of another piece that a ray from an extreme point of this piece, going out, meets first; the
-  /// unbounded outside if none. Directions in which the ray passes too close to an edge to call are given up for
+  /// The half-face of another piece that a ray from an extreme point of this piece, going out, meets first; empty
+  /// for the unbounded outside. Directions in which the ray passes too close to an edge to call are given up for
   /// others. A start that touches another piece's face is no difficulty: pieces do not cross, so an edge of this one
   /// says on which side it lies there.
-  Index facing(Index piece, const std::vector<Side>& sides, const std::vector<Target>& targets) {
+  std::optional<Index> facing(Index piece, const std::vector<Side>& sides, const std::vector<Target>& targets) const {
     std::uint64_t state = 0x9E3779B97F4A7C15U;
     const auto random = [&state] {
       state += 0x9E3779B97F4A7C15U;
@@ -176,7 +178,7 @@ class CellFinder {
           std::ranges::max_element(sides, {}, [&](const Side& e) { return dot(positions_[e.from], ray); })->from;
       const Vec& from = positions_[start];
       double nearest = std::numeric_limits<double>::infinity();
-      Index met = unbounded();
+      std::optional<Index> met;
       bool unclear = false;
       for (const Target& target : targets) {
         if (target.piece == piece || misses(target, from, ray)) continue;
@@ -192,7 +194,7 @@ class CellFinder {
       }
       if (!unclear) return met;
     }
-    return unbounded();
+    return std::nullopt;
   }
 
   /// On which side of a face that it touches with the vertex `at` the piece lies: an edge from there that leaves the
@@ -264,30 +266,35 @@ class CellFinder {
     return Hit{t, height > 0, t < margin, false};
   }
 
-  // ---- numbering and what is rock
-  // ------------------------------------------------------------------------------------
+  // ---- numbering and what is rock -----------------------------------------------------------------------------------
 
   Cells number_cells() {
+    UnionFind joined{shell_count_ + std::size_t{1}};
+    for (std::size_t piece = 0; piece < outside_.size(); ++piece) joined.unite(outside_[piece], beyond_[piece]);
     Cells cells;
-    cells.of_half_face.assign(2 * std::size_t{faces_}, none);
-    std::vector<Index> number(2 * std::size_t{faces_} + 1, none);
-    number[shells_.find(unbounded())] = 0;
+    std::vector<Index> number(shell_count_ + std::size_t{1}, none);
+    number[joined.find(unbounded())] = 0;
     cells.count = 1;
-    for (Index h = 0; h < 2 * faces_; ++h) {
-      if (!covered(h / 2)) continue;
-      const Index root = shells_.find(h);
+    for (Index shell = 0; shell < shell_count_; ++shell) {
+      const Index root = joined.find(shell);
       if (number[root] == none) number[root] = cells.count++;
-      cells.of_half_face[h] = number[root];
+      number[shell] = number[root];
     }
+    cells.of_half_face = std::move(shell_of_);
+    for (Index& cell : cells.of_half_face) {
+      if (cell != none) cell = number[cell];
+    }
+    cells.links = std::move(links_);
 
     // Windings of the domain and the excavations, flooded from the outside.
-    std::vector<std::vector<Index>> faces_of(cells.count);
-    for (Index f = 0; f < faces_; ++f) {
-      if (!covered(f)) continue;
-      const Index a = cells.of_half_face[2 * f], b = cells.of_half_face[2 * f + 1];
-      if (a == b) continue;
-      faces_of[a].push_back(f);
-      faces_of[b].push_back(f);
+    std::vector<Index> begin(cells.count + std::size_t{2}, 0);  // half-faces of each cell (CSR)
+    for (const Index cell : cells.of_half_face) {
+      if (cell != none) ++begin[cell + std::size_t{2}];
+    }
+    for (std::size_t c = 2; c < begin.size(); ++c) begin[c] += begin[c - 1];
+    std::vector<Index> half_faces(begin.back());
+    for (Index h = 0; h < 2 * faces_; ++h) {
+      if (cells.of_half_face[h] != none) half_faces[begin[cells.of_half_face[h] + std::size_t{1}]++] = h;
     }
     // Solid 0 is the domain, then come the excavations, then the window.
     const std::size_t excavations = prepared_.excavation_count;
@@ -298,9 +305,10 @@ class CellFinder {
     known[0] = 1;
     for (std::size_t at = 0; at < queue.size(); ++at) {
       const Index cell = queue[at];
-      for (const Index f : faces_of[cell]) {
-        const bool here_positive = cells.of_half_face[2 * f] == cell;
-        const Index beyond = cells.of_half_face[2 * f + (here_positive ? 1 : 0)];
+      for (Index k = begin[cell]; k < begin[cell + std::size_t{1}]; ++k) {
+        const Index f = half_faces[k] / 2;
+        const bool here_positive = half_faces[k] % 2 == 0;
+        const Index beyond = cells.of_half_face[half_faces[k] ^ 1U];
         if (known[beyond] != 0) continue;
         known[beyond] = 1;
         for (std::size_t s = 0; s < solids; ++s) winding[beyond * solids + s] = winding[cell * solids + s];
@@ -335,25 +343,26 @@ class CellFinder {
     return cells;
   }
 
-  struct PieceOutside {
-    Index root, outside;
-  };
-
   const Prepared& prepared_;
   const Graph& graph_;
   const Arrangement& arrangement_;
   const std::vector<Vec>& positions_;
+  const std::vector<FaceMeasure>& measures_;
   Index faces_;
-  UnionFind shells_;
-  UnionFind connected_;
-  std::vector<PieceOutside> pieces_;
+  ThreadLimit threads_;
+  Links links_;
+  Index shell_count_ = 0;
+  std::vector<Index> shell_of_;  ///< of each half-face
+  std::vector<Index> piece_of_shell_;
+  std::vector<Index> outside_;  ///< of each connected piece: the shell that looks outwards
+  std::vector<Index> beyond_;   ///< of each connected piece: the shell of another piece that it faces, or unbounded()
 };
 
 }  // namespace
 
 Cells find_cells(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement,
-                 const std::vector<Vec>& positions) {
-  return CellFinder{prepared, graph, arrangement, positions}.run();
+                 const std::vector<Vec>& positions, const std::vector<FaceMeasure>& measures, ThreadLimit threads) {
+  return CellFinder{prepared, graph, arrangement, positions, measures, threads}.run();
 }
 
 }  // namespace cleave::topology::detail

@@ -49,18 +49,20 @@ std::string describe(const CutError& error) {
       error);
 }
 
-std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOptions&) {
+std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOptions& options) {
   using namespace detail;
+  const ThreadLimit threads{std::max(1U, options.threads)};
   CLEAVE_TRY(const Prepared prepared, prepare(input));
   Signs signs{prepared.planes};
   constexpr std::size_t limit = std::size_t{1} << 29U;
   const Traces traces = find_traces(prepared, signs);
   const Graph graph = build_graph(prepared, traces, signs);
   if (graph.uses.size() > limit) return std::unexpected(CutError{TooLarge{"edges"}});
-  const std::vector<Vec> positions = positions_of(prepared, graph);
+  const std::vector<Vec> positions = positions_of(prepared, graph, threads);
   const Arrangement arrangement = arrange(prepared, traces, graph, positions, signs);
-  const Cells cells = find_cells(prepared, graph, arrangement, positions);
-  BlockComplex::Data data = assemble(input, prepared, graph, arrangement, cells, positions);
+  const std::vector<FaceMeasure> measures = measure_faces(prepared, arrangement, positions, threads);
+  const Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);
+  BlockComplex::Data data = assemble(input, prepared, graph, arrangement, cells, positions, measures, threads, nullptr);
   if (data.blocks.empty()) return std::unexpected(CutError{DomainSwallowed{}});
   data.report.intersections = static_cast<std::uint64_t>(
       std::ranges::count(traces.intervals, none, [](const Interval& interval) { return interval.outline_of; }));

@@ -3,6 +3,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "detail/crossings.hpp"
+#include "detail/pieces.hpp"
 #include "detail/position.hpp"
 #include "detail/stages.hpp"
 
@@ -289,13 +290,15 @@ Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs) 
   return GraphBuilder{prepared, traces, signs}.run();
 }
 
-std::vector<Vec> positions_of(const Prepared& prepared, const Graph& graph) {
-  std::vector<Vec> positions;
-  positions.reserve(graph.vertices.size());
-  for (const Vertex& v : graph.vertices) {
-    positions.push_back(meet_position(v.approx, prepared.planes[v.planes[0]], prepared.planes[v.planes[1]],
-                                      prepared.planes[v.planes[2]]));
-  }
+std::vector<Vec> positions_of(const Prepared& prepared, const Graph& graph, ThreadLimit threads) {
+  std::vector<Vec> positions(graph.vertices.size());
+  in_pieces(positions.size(), 4096, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      const Vertex& v = graph.vertices[k];
+      positions[k] = meet_position(v.approx, prepared.planes[v.planes[0]], prepared.planes[v.planes[1]],
+                                   prepared.planes[v.planes[2]]);
+    }
+  });
   return positions;
 }
 

@@ -91,7 +91,7 @@ std::vector<std::array<LatticePoint, 3>> triangulate_with_holes(const LatticePol
   while (!holes.empty()) {
     bool joined = false;
     for (std::size_t h = 0; h < holes.size() && !joined; ++h) {
-      for (std::size_t i = 0; i < holes[h].size() && !joined; ++i) {
+      for (std::size_t i = 0; !joined && i < holes[h].size(); ++i) {
         for (std::size_t k = 0; k < ring.size() && !joined; ++k) {
           const LatticePoint from = ring[k], to = holes[h][i];
           if (from == to || !inwards(ring, k, to, along) || blocked(from, to, ring, along)) continue;

@@ -18,6 +18,7 @@ struct SequentialCut::Parts {
   Graph graph;
   std::vector<Vec> positions;
   Arrangement arrangement;
+  std::vector<FaceMeasure> measures;
   Cells cells;
   std::uint64_t predicate_calls, predicate_exact;
 };
@@ -27,24 +28,27 @@ SequentialCut::SequentialCut(SequentialCut&&) noexcept = default;
 SequentialCut& SequentialCut::operator=(SequentialCut&&) noexcept = default;
 SequentialCut::~SequentialCut() = default;
 
-std::expected<SequentialCut, CutError> SequentialCut::make(CutInput input, const CutOptions&) {
+std::expected<SequentialCut, CutError> SequentialCut::make(CutInput input, const CutOptions& options) {
+  const ThreadLimit threads{std::max(1U, options.threads)};
   CLEAVE_TRY(Prepared prepared, prepare(input));
   Signs signs{prepared.planes};
   const Traces traces = find_traces(prepared, signs);
   Graph graph = build_graph(prepared, traces, signs);
   if (graph.uses.size() > (std::size_t{1} << 29U)) return std::unexpected(CutError{TooLarge{"edges"}});
-  std::vector<Vec> positions = positions_of(prepared, graph);
+  std::vector<Vec> positions = positions_of(prepared, graph, threads);
   Arrangement arrangement = arrange(prepared, traces, graph, positions, signs);
-  Cells cells = find_cells(prepared, graph, arrangement, positions);
-  return SequentialCut{std::make_unique<const Parts>(Parts{std::move(input), std::move(prepared), std::move(graph),
-                                                           std::move(positions), std::move(arrangement),
-                                                           std::move(cells), signs.calls(), signs.exact_calls()})};
+  std::vector<FaceMeasure> measures = measure_faces(prepared, arrangement, positions, threads);
+  Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);
+  cells.links = {};  // the blocks of each stage make their own
+  return SequentialCut{std::make_unique<const Parts>(
+      Parts{std::move(input), std::move(prepared), std::move(graph), std::move(positions), std::move(arrangement),
+            std::move(measures), std::move(cells), signs.calls(), signs.exact_calls()})};
 }
 
 std::size_t SequentialCut::cells() const noexcept { return parts_->cells.count; }
 
 std::expected<StageBlocks, CutError> SequentialCut::blocks(const WorkState& state) const {
-  const auto& [input, prepared, graph, positions, arrangement, cells, calls, exact] = *parts_;
+  const auto& [input, prepared, graph, positions, arrangement, measures, cells, calls, exact] = *parts_;
   CLEAVE_ASSERT(state.excavated.size() == prepared.excavation_count);
   std::vector<std::uint8_t> rock(cells.count, 0);
   for (Index c = 0; c < cells.count; ++c) {
@@ -82,7 +86,8 @@ std::expected<StageBlocks, CutError> SequentialCut::blocks(const WorkState& stat
   now.of_half_face.reserve(cells.of_half_face.size());
   for (const Index cell : cells.of_half_face) now.of_half_face.push_back(cell == none ? none : number[cell]);
 
-  BlockComplex::Data data = assemble(input, prepared, graph, arrangement, now, positions, &state.excavated);
+  BlockComplex::Data data =
+      assemble(input, prepared, graph, arrangement, now, positions, measures, ThreadLimit::one(), &state.excavated);
   if (data.blocks.empty()) return std::unexpected(CutError{DomainSwallowed{}});
   data.report.predicate_calls = calls;
   data.report.predicate_exact = exact;

@@ -8,7 +8,7 @@ namespace cleave::topology::detail {
 /// whether it is out; without it all are. A face on rock that left otherwise is free, without excavation and tag.
 [[nodiscard]] BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
                                           const Arrangement& arrangement, const Cells& cells,
-                                          const std::vector<Vec>& positions,
-                                          const std::vector<std::uint8_t>* excavated = nullptr);
+                                          const std::vector<Vec>& positions, const std::vector<FaceMeasure>& measures,
+                                          ThreadLimit threads, const std::vector<std::uint8_t>* excavated = nullptr);
 
 }  // namespace cleave::topology::detail

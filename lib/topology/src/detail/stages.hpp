@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "cleave/core/parallel.hpp"
 #include "cleave/exact/predicates.hpp"
+#include "cleave/geometry/vec3.hpp"
 #include "detail/prepared.hpp"
 #include "detail/signs.hpp"
 
@@ -96,6 +98,7 @@ struct PlaneFace {
 
 struct Arrangement {
   std::vector<Index> next;       ///< of each half-edge: the next one of its loop
+  std::vector<Index> start;      ///< of each half-edge: the vertex it starts from
   std::vector<Index> direction;  ///< of each half-edge: rank of its direction in its plane, 0 .. 2 n - 1
   std::vector<Index> half_turn;  ///< n of each facet plane
   std::vector<Index> face;       ///< of each half-edge: the face on its left, `none` where no facet is
@@ -106,7 +109,30 @@ struct Arrangement {
 [[nodiscard]] Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph& graph,
                                   const std::vector<Vec>& positions, Signs& signs);
 
+/// Measures of one plane face: area (units^2), perimeter (at least; units), and three times the first moment of area
+/// about the start of its first loop (units^3); a unit is 2^48 sites.
+struct FaceMeasure {
+  double area, perimeter;
+  geometry::Vec3 moment3;
+};
+[[nodiscard]] std::vector<FaceMeasure> measure_faces(const Prepared& prepared, const Arrangement& arrangement,
+                                                     const std::vector<Vec>& positions, ThreadLimit threads);
+
 // ---- Stage 6: cells -------------------------------------------------------------------------------------------------
+
+/// A flank is a half-edge with a side of its face: 2 h for the side the plane's normal points to, 2 h + 1 for the
+/// other.
+struct Links {
+  /// Of each flank: the one met first when turning around the edge from that side; both look into the same cell. `none`
+  /// where there is no face.
+  std::vector<Index> to;
+  /// Of each flank from which the turning goes counter-clockwise about the edge (2 h + h % 2): whether the two faces
+  /// make an angle of more than half a turn.
+  std::vector<std::uint8_t> reflex;
+};
+/// Only faces for which `present` holds count.
+[[nodiscard]] Links link_around_edges(const Graph& graph, const Arrangement& arrangement,
+                                      const std::vector<std::uint8_t>& present, ThreadLimit threads);
 
 /// Half-face 2 f looks to the positive side of its plane, 2 f + 1 to the negative side.
 struct Cells {
@@ -114,18 +140,14 @@ struct Cells {
   Index count = 0;
   std::vector<std::uint8_t> rock;  ///< of each cell: inside the domain and in no excavation
   std::vector<std::uint8_t> in_domain;
+  Links links;                             ///< of all covered faces; may be left empty
   std::vector<std::uint8_t> excavated_by;  ///< count x excavations: whether the cell lies in the excavation
 };
 [[nodiscard]] Cells find_cells(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement,
-                               const std::vector<Vec>& positions);
+                               const std::vector<Vec>& positions, const std::vector<FaceMeasure>& measures,
+                               ThreadLimit threads);
 
 /// Positions of all vertices, units of 2^48 sites.
-[[nodiscard]] std::vector<Vec> positions_of(const Prepared& prepared, const Graph& graph);
-
-/// A flank is a half-edge with a side of its face: 2 h for the side the plane's normal points to, 2 h + 1 for the
-/// other. For each flank the one met first when turning around the edge from that side: both look into the same cell.
-/// `none` where there is no face. Only faces for which `present` holds count.
-[[nodiscard]] std::vector<Index> link_around_edges(const Graph& graph, const Arrangement& arrangement,
-                                                   const std::vector<std::uint8_t>& present);
+[[nodiscard]] std::vector<Vec> positions_of(const Prepared& prepared, const Graph& graph, ThreadLimit threads);
 
 }  // namespace cleave::topology::detail

@@ -34,7 +34,7 @@ class AuditedComplex final {
   [[nodiscard]] const Certificate& certificate() const noexcept { return certificate_; }
 
  private:
-  friend std::expected<AuditedComplex, Certificate> audit(BlockComplex complex);
+  friend std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned threads);
   AuditedComplex(BlockComplex complex, Certificate certificate)
       : complex_{std::move(complex)}, certificate_{std::move(certificate)} {}
   BlockComplex complex_;
@@ -42,8 +42,9 @@ class AuditedComplex final {
 };
 
 /// Checks closed shells, Euler-Poincare (B1), face-vector sums, paired patches, that every face fits its plane, and the
-/// volume balance. The error is the certificate that did not pass.
-[[nodiscard]] std::expected<AuditedComplex, Certificate> audit(BlockComplex complex);
+/// volume balance. The error is the certificate that did not pass. It does not depend on
+/// the number of threads.
+[[nodiscard]] std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned threads = 1);
 
 /// Order-independent hash of the block system (counts and positions rounded exactly on a coarse grid): equal for every
 /// thread count, compiler and optimisation level, and for every order of the joints.

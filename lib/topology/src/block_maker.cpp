@@ -1,0 +1,425 @@
+#include "detail/block_maker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "cleave/core/assert.hpp"
+
+namespace cleave::topology::detail {
+
+using geometry::Vec3;
+
+Nature BlockParts::nature(Index half_face) const {
+  const PlaneFace& face = arrangement.faces[half_face / 2];
+  Nature nature;
+  const Facet* domain = nullptr;
+  const Facet* excavation = nullptr;
+  for (Index c = face.first_cover; c < face.first_cover + face.cover_count; ++c) {
+    const Facet& facet = prepared.facets[arrangement.covers[c]];
+    switch (facet.owner) {
+      case Owner::joint: nature.joint = std::min(nature.joint, facet.owner_index); break;
+      case Owner::domain:
+        if (domain == nullptr) domain = &facet;
+        break;
+      case Owner::window: break;
+      case Owner::excavation:
+        if (excavated != nullptr && (*excavated)[facet.owner_index] == 0) break;
+        if (excavation == nullptr || facet.owner_index < excavation->owner_index) excavation = &facet;
+        break;
+    }
+  }
+  if (block_of[half_face ^ 1U] != none) return nature;
+  nature.joint = none;
+  nature.role = Role::free;
+  if (excavation != nullptr) {
+    nature.excavation = excavation->owner_index;
+    nature.tag = excavation->tag;
+  } else if (domain == nullptr) {
+    CLEAVE_ASSERT(excavated != nullptr || prepared.windowed);
+    if (prepared.windowed) nature.role = Role::window;  // else on rock that has fallen: free
+  } else {
+    nature.tag = domain->tag;
+    const auto& free = input.free_domain_tags;
+    if (std::ranges::find(free, domain->tag) == free.end()) nature.role = Role::fixed;
+  }
+  return nature;
+}
+
+bool BlockMaker::internal(Index flank) const {
+  if (parts_.links.to[flank] != (flank ^ 2U)) return false;  // the other half-edge of the same use, same side
+  const Index a = 2 * parts_.arrangement.face[flank / 2] + flank % 2;
+  const Index b = 2 * parts_.arrangement.face[(flank / 2) ^ 1U] + flank % 2;
+  if (a == b) return true;
+  const bool a_joint = parts_.block_of[a ^ 1U] != none, b_joint = parts_.block_of[b ^ 1U] != none;
+  if (a_joint || b_joint) return a_joint == b_joint;
+  return parts_.nature(a).role == parts_.nature(b).role;
+}
+
+Block BlockMaker::make(Index block) {
+  const std::span half_faces = std::span{parts_.half_faces}.subspan(
+      parts_.begin[block], parts_.begin[block + std::size_t{1}] - parts_.begin[block]);
+  CLEAVE_ASSERT(!half_faces.empty());
+  group_faces(half_faces);
+  sides_.clear();
+  loops_.clear();
+  loops_begin_.clear();
+  const auto faces = static_cast<Index>(face_begin_.size() - 1);
+  for (Index face = 0; face < faces; ++face) {
+    loops_begin_.push_back(static_cast<Index>(loops_.size()));
+    for (Index k = face_begin_[face]; k < face_begin_[face + 1]; ++k) walk_loops(members_[k], face);
+  }
+  loops_begin_.push_back(static_cast<Index>(loops_.size()));
+  pair_sides();
+  find_shells();
+  count_vertices();
+
+  const FaceId first{out_.faces.size()};
+  Block made{{first, faces}, {}, {}, {}, true, false, false, {}, false, false};
+  for (Index face = 0; face < faces; ++face) {
+    add_face(face, block);
+    const Face& added = out_.faces.back();
+    made.fixed = made.fixed || added.role == Role::fixed;
+    made.truncated = made.truncated || added.role == Role::window;
+    made.free = made.free || added.role == Role::free;
+    made.convex = made.convex && added.hole_count == 0;
+  }
+  measure(made, first);
+  made.convex = made.convex && shell_count_ == 1 && !has_reflex_edge();
+  const std::int64_t v = vertex_count_, e = edge_sides_ / 2, f = faces, l = static_cast<std::int64_t>(loops_.size()),
+                     s = shell_count_;
+  const std::int64_t twice_genus = 2 * s - (v - e + f - (l - f));
+  const bool sound = twice_genus >= 0 && twice_genus % 2 == 0;
+  made.counts = {vertex_count_, edge_sides_ / 2,
+                 faces,         static_cast<std::uint32_t>(loops_.size()),
+                 shell_count_,  sound ? static_cast<std::uint32_t>(twice_genus / 2) : UINT32_MAX};
+  made.thickness = metres(thickness(first) * parts_.scale);
+  made.sliver = made.thickness.si() < parts_.sliver_below;
+  return made;
+}
+
+/// Half-faces that go straight on into one another are one face; faces in the order of their first half-faces.
+void BlockMaker::group_faces(std::span<const Index> half_faces) {
+  const auto count = static_cast<Index>(half_faces.size());
+  group_.resize(count);
+  std::iota(group_.begin(), group_.end(), Index{0});
+  const auto find = [&](Index k) {
+    while (group_[k] != k) k = group_[k] = group_[group_[k]];
+    return k;
+  };
+  bool merged = false;
+  for (Index k = 0; k < count; ++k) {
+    const Index side = half_faces[k] % 2;
+    const PlaneFace& face = parts_.arrangement.faces[half_faces[k] / 2];
+    for (Index l = face.first_loop; l < face.first_loop + face.loop_count; ++l) {
+      const Index start = parts_.arrangement.loops[l];
+      Index h = start;
+      do {
+        const Index flank = 2 * h + side;
+        if (parts_.links.to[flank] == (flank ^ 2U) && internal(flank)) {
+          const Index other = 2 * parts_.arrangement.face[h ^ 1U] + side;
+          if (other < half_faces[k]) {
+            const auto at = std::ranges::lower_bound(half_faces, other);
+            const Index a = find(static_cast<Index>(at - half_faces.begin())), b = find(k);
+            group_[std::max(a, b)] = std::min(a, b);
+            merged = true;
+          }
+        }
+        h = parts_.arrangement.next[h];
+      } while (h != start);
+    }
+  }
+  members_.assign(half_faces.begin(), half_faces.end());
+  face_begin_.clear();
+  if (!merged) {
+    for (Index k = 0; k <= count; ++k) face_begin_.push_back(k);
+    return;
+  }
+  // Number of each half-face's face, then half-faces by face.
+  Index faces = 0;
+  std::vector<Index> number(count);
+  for (Index k = 0; k < count; ++k) {
+    const Index root = find(k);
+    number[k] = root == k ? faces++ : number[root];
+  }
+  face_begin_.assign(faces + std::size_t{1}, 0);
+  for (const Index n : number) ++face_begin_[n + std::size_t{1}];
+  for (std::size_t f = 1; f < face_begin_.size(); ++f) face_begin_[f] += face_begin_[f - 1];
+  auto next = face_begin_;
+  for (Index k = 0; k < count; ++k) members_[next[number[k]]++] = half_faces[k];
+}
+
+void BlockMaker::walk_loops(Index half_face, Index face) {
+  const PlaneFace& part = parts_.arrangement.faces[half_face / 2];
+  for (Index l = part.first_loop; l < part.first_loop + part.loop_count; ++l) {
+    const Index start = parts_.arrangement.loops[l];
+    Index h = start;
+    do {
+      const Index flank = 2 * h + half_face % 2;
+      if (place_[flank] == none && !internal(flank)) walk_loop(flank, face);
+      h = parts_.arrangement.next[h];
+    } while (h != start);
+  }
+}
+
+void BlockMaker::walk_loop(Index start, Index face) {
+  const auto first = static_cast<Index>(sides_.size());
+  const Index side = start % 2;
+  // A block on the negative side sees the plane's normal as its outward normal and goes with the half-edges; one on the
+  // positive side goes the other way round.
+  Index flank = start;
+  do {
+    const auto at = static_cast<Index>(sides_.size());
+    place_[flank] = at;
+    Index h = flank / 2;
+    sides_.push_back({flank, parts_.arrangement.start[side == 1 ? h ^ 1U : h], at + 1, none, face, false});
+    h = parts_.arrangement.next[h];
+    while (internal(2 * h + side)) h = parts_.arrangement.next[h ^ 1U];
+    flank = 2 * h + side;
+  } while (flank != start);
+  const auto count = static_cast<Index>(sides_.size()) - first;
+  if (side == 1) {
+    sides_.back().next = first;
+  } else {
+    std::reverse(sides_.begin() + first, sides_.end());
+    for (Index k = first; k < first + count; ++k) {
+      place_[sides_[k].flank] = k;
+      sides_[k].next = k + 1 < first + count ? k + 1 : first;
+    }
+  }
+  loops_.push_back({first, count});
+}
+
+void BlockMaker::pair_sides() {
+  for (Side& side : sides_) side.partner = place_[parts_.links.to[side.flank]];
+}
+
+void BlockMaker::find_shells() {
+  const auto faces = static_cast<Index>(face_begin_.size() - 1);
+  shell_.resize(faces);
+  std::iota(shell_.begin(), shell_.end(), Index{0});
+  const auto find = [&](Index f) {
+    while (shell_[f] != f) f = shell_[f] = shell_[shell_[f]];
+    return f;
+  };
+  Index joined = 0;
+  for (const Side& side : sides_) {
+    const Index a = find(side.face), b = find(sides_[side.partner].face);
+    if (a == b) continue;
+    shell_[std::max(a, b)] = std::min(a, b);
+    if (++joined + 1 == faces) break;
+  }
+  shell_count_ = faces - joined;
+  if (shell_count_ == 1) {
+    std::ranges::fill(shell_, Index{0});
+    return;
+  }
+  for (Index f = 0; f < faces; ++f) shell_[f] = find(f);
+  Index number = 0;  // roots are the first faces of their shells
+  for (Index f = 0; f < faces; ++f) shell_[f] = shell_[f] == f ? number++ : shell_[shell_[f]];
+}
+
+/// A vertex with two straight edges of one line is no vertex of the block. A vertex where the boundary pinches counts
+/// once a fan.
+void BlockMaker::count_vertices() {
+  vertex_count_ = 0;
+  edge_sides_ = static_cast<Index>(sides_.size());
+  corners_.clear();
+  seen_.assign(sides_.size(), 0);
+  const auto line_of = [&](Index side) {
+    return parts_.graph.edges[parts_.graph.uses[sides_[side].flank / 4].edge].line;
+  };
+  for (Index side = 0; side < sides_.size(); ++side) {
+    if (seen_[side] != 0) continue;
+    Index size = 0, at = side;
+    do {
+      seen_[at] = 1;
+      ++size;
+      at = sides_[sides_[at].next].partner;
+    } while (at != side);
+    if (size == 2) {
+      const Index out = sides_[side].next, other = sides_[out].partner;
+      if (line_of(side) == line_of(out) && line_of(other) == line_of(sides_[other].next)) {
+        sides_[side].dropped = sides_[other].dropped = true;
+        edge_sides_ -= 2;  // two edges become one
+        continue;
+      }
+    }
+    ++vertex_count_;
+    corners_.push_back(sides_[side].head);
+  }
+}
+
+void BlockMaker::add_face(Index face, Index block) {
+  const std::span members = std::span{members_}.subspan(face_begin_[face], face_begin_[face + 1] - face_begin_[face]);
+  const Index first = members.front();
+  const PlaneFace& plane_face = parts_.arrangement.faces[first / 2];
+  const Vec3 normal = parts_.normals[plane_face.plane];
+  const bool positive = first % 2 == 0;
+  const Nature nature = parts_.nature(first);
+  Face made{.block = BlockId{block},
+            .plane = PlaneId{plane_face.plane},
+            .block_on_positive_side = positive,
+            .role = nature.role,
+            .shell = shell_[face],
+            .joint = nature.joint == none ? std::nullopt : std::optional{JointId{nature.joint}},
+            .excavation = nature.excavation == none ? std::nullopt : std::optional{nature.excavation},
+            .tag = nature.tag == none ? std::nullopt : std::optional{nature.tag},
+            .outward = positive ? -normal : normal,
+            .area = {},
+            .centroid = {}};
+  made.first_patch = static_cast<Index>(out_.patches.size());
+  // Areas and moments about the start of the first half-face; in units first.
+  const auto apex_of = [&](Index half_face) {
+    const PlaneFace& f = parts_.arrangement.faces[half_face / 2];
+    return parts_.position(parts_.arrangement.start[parts_.arrangement.loops[f.first_loop]]);
+  };
+  const Vec3 apex = apex_of(first);
+  const auto centre = [&](Vec3 moment, double area) {
+    return area > 0 ? parts_.origin + parts_.scale * (apex + moment / area) : parts_.origin;
+  };
+  double area = 0;
+  Vec3 moment{};
+  for (const Index h : members) {
+    const FaceMeasure& m = parts_.measures[h / 2];
+    const Vec3 own = h == first ? m.moment3 / 3 : m.moment3 / 3 + m.area * (apex_of(h) - apex);
+    area += m.area;
+    moment += own;
+    const Index beyond = parts_.block_of[h ^ 1U];
+    const auto neighbour = nature.role == Role::joint && beyond != none ? std::optional{BlockId{beyond}} : std::nullopt;
+    const Index joint_number = h == first ? nature.joint : parts_.nature(h).joint;
+    const auto joint = joint_number == none ? std::nullopt : std::optional{JointId{joint_number}};
+    auto patch = std::ranges::find_if(out_.patches.begin() + made.first_patch, out_.patches.end(),
+                                      [&](const Patch& p) { return p.neighbour == neighbour && p.joint == joint; });
+    if (patch == out_.patches.end()) {
+      out_.patches.push_back({joint, neighbour, {}, {}});
+      patch = out_.patches.end() - 1;
+    }
+    patch->area += square_metres(std::abs(m.area));  // slivers may seem to turn the other way in doubles
+    patch->centroid += own;
+  }
+  const double square = parts_.scale * parts_.scale;
+  for (Patch& patch : std::span{out_.patches}.subspan(made.first_patch)) {
+    patch.centroid = centre(patch.centroid, patch.area.si());
+    patch.area = square * patch.area;
+  }
+  made.patch_count = static_cast<Index>(out_.patches.size()) - made.first_patch;
+  made.area = square_metres(square * std::abs(area));
+  made.centroid = centre(moment, area);
+  add_loops(face, made);
+  out_.faces.push_back(made);
+}
+
+/// The outer loop first: it turns once round to the left.
+void BlockMaker::add_loops(Index face, Face& made) {
+  const std::span loops = std::span{loops_}.subspan(loops_begin_[face], loops_begin_[face + 1] - loops_begin_[face]);
+  made.first_corner = static_cast<Index>(out_.corners.size());
+  made.first_hole = static_cast<Index>(out_.hole_starts.size());
+  if (loops.size() > 1) {
+    const auto outer =
+        std::ranges::find_if(loops, [&](const Loop& loop) { return turns_left(loop, made.plane.value()); });
+    if (outer != loops.end()) std::swap(*loops.begin(), *outer);
+  }
+  for (const Loop& loop : loops) {
+    const auto before = static_cast<Index>(out_.corners.size()) - made.first_corner;
+    if (before > 0) out_.hole_starts.push_back(before);
+    for (Index k = loop.first; k < loop.first + loop.count; ++k) {
+      if (!sides_[k].dropped) out_.corners.push_back(sides_[k].head);
+    }
+  }
+  made.corner_count = static_cast<Index>(out_.corners.size()) - made.first_corner;
+  made.hole_count = static_cast<Index>(out_.hole_starts.size()) - made.first_hole;
+}
+
+/// Seen from outside the block.
+bool BlockMaker::turns_left(const Loop& loop, Index plane) const {
+  const Index half = parts_.arrangement.half_turn[plane];
+  std::int64_t turning = 0;
+  for (Index k = loop.first; k < loop.first + loop.count; ++k) {
+    const Index flank = sides_[k].flank;
+    const Index from = parts_.arrangement.direction[flank / 2];
+    const Index to = parts_.arrangement.direction[sides_[sides_[k].next].flank / 2];
+    // Directions grow counter-clockwise seen from the positive side; a block there is looked at from the other side and
+    // its faces are walked backwards, which changes the sense of each turn.
+    const Index step = (to + 2 * half - from) % (2 * half);
+    const std::int64_t left = step < half ? std::int64_t{step} : std::int64_t{step} - 2 * std::int64_t{half};
+    turning += flank % 2 == 1 ? left : -left;
+  }
+  return turning > 0;
+}
+
+bool BlockMaker::has_reflex_edge() const {
+  return std::ranges::any_of(sides_, [&](const Side& side) { return parts_.links.reflex[side.flank] != 0; });
+}
+
+/// Volume and centroid from the cones over the faces; the shell that holds the others becomes number 0.
+void BlockMaker::measure(Block& block, FaceId first) {
+  const auto half_faces = std::span{members_};
+  const auto apex_of = [&](Index half_face) {
+    const PlaneFace& f = parts_.arrangement.faces[half_face / 2];
+    return parts_.position(parts_.arrangement.start[parts_.arrangement.loops[f.first_loop]]);
+  };
+  const Vec3 apex = apex_of(half_faces.front());
+  shell_volumes_.assign(shell_count_, 0);
+  Vec3 moment{};
+  double volume = 0;
+  const auto faces = static_cast<Index>(face_begin_.size() - 1);
+  for (Index face = 0; face < faces; ++face) {
+    for (Index k = face_begin_[face]; k < face_begin_[face + 1]; ++k) {
+      const Index h = half_faces[k];
+      const FaceMeasure& m = parts_.measures[h / 2];
+      const Vec3 from = apex_of(h) - apex;
+      const double along = geometry::dot(parts_.normals[parts_.arrangement.faces[h / 2].plane], from);
+      const double height = h % 2 == 0 ? -along : along;
+      const double part = m.area * height;  // three volumes, exact where coordinates are round
+      volume += part;
+      moment += (height / 4) * (m.area * from + m.moment3 / 3);
+      shell_volumes_[shell_[face]] += part;
+    }
+  }
+  if (shell_count_ > 1) {
+    const auto outer = static_cast<Index>(std::ranges::max_element(shell_volumes_) - shell_volumes_.begin());
+    for (Index face = 0; face < faces; ++face) {
+      Index& shell = out_.faces[first.index() + face].shell;
+      if (shell == outer) {
+        shell = 0;
+      } else if (shell == 0) {
+        shell = outer;
+      }
+    }
+  }
+  volume /= 3;
+  block.volume = cubic_metres(volume * parts_.scale * parts_.scale * parts_.scale);
+  block.centroid = parts_.origin + parts_.scale * (apex + (volume > 0 ? moment / volume : Vec3{}));
+}
+
+/// Smallest width across the largest faces (in units): a thin block is thin across a large face.
+double BlockMaker::thickness(FaceId first) {
+  constexpr Index most = 8;
+  const auto faces = static_cast<Index>(face_begin_.size() - 1);
+  by_area_.resize(faces);
+  std::iota(by_area_.begin(), by_area_.end(), Index{0});
+  const auto face = [&](Index k) -> const Face& { return out_.faces[first.index() + k]; };
+  if (faces > most) {
+    std::ranges::nth_element(by_area_, by_area_.begin() + most, [&](Index a, Index b) {
+      return face(a).area > face(b).area || (face(a).area == face(b).area && a < b);
+    });
+  }
+  double least = std::numeric_limits<double>::infinity();
+  for (Index k = 0; k < std::min(most, faces); ++k) {
+    const Vec3 n = face(by_area_[k]).outward;
+    const Vec3 base = parts_.position(out_.corners[face(by_area_[k]).first_corner]);
+    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+    for (const Index v : corners_) {
+      const double h = geometry::dot(n, parts_.position(v) - base);
+      lo = std::min(lo, h);
+      hi = std::max(hi, h);
+      if (hi - lo >= least) break;
+    }
+    least = std::min(least, hi - lo);
+  }
+  return least;
+}
+
+}  // namespace cleave::topology::detail

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "detail/stages.hpp"
+
+namespace cleave::topology::detail {
+
+/// What a half-face is to its block.
+struct Nature {
+  Role role = Role::joint;
+  Index joint = none, excavation = none, tag = none;
+};
+
+/// All that is known before blocks are made one by one, in any order.
+struct BlockParts {
+  const Prepared& prepared;
+  const Graph& graph;
+  const Arrangement& arrangement;
+  const std::vector<Vec>& positions;
+  const std::vector<FaceMeasure>& measures;
+  const CutInput& input;
+  const std::vector<std::uint8_t>* excavated;  ///< of each excavation: whether it is out; null: all are
+  std::vector<geometry::Vec3> normals;         ///< unit normal of each facet plane
+  std::vector<Index> block_of;                 ///< of each half-face; none where there is no rock
+  std::vector<std::uint8_t> present;           ///< of each face: it has different blocks on its sides
+  Links links;                                 ///< between the present faces
+  std::vector<Index> begin, half_faces;        ///< half-faces of each block in order (CSR)
+  double scale = 0;                            ///< m of a unit, a power of two
+  double sliver_below = 0;                     ///< m
+  geometry::Vec3 origin;                       ///< m
+
+  [[nodiscard]] Nature nature(Index half_face) const;
+  [[nodiscard]] geometry::Vec3 position(Index vertex) const {
+    const Vec& p = positions[vertex];
+    return {p[0], p[1], p[2]};
+  }
+};
+
+/// Faces of neighbouring blocks; corners are vertices of the graph still.
+struct MadeBlocks {
+  std::vector<Face> faces;
+  std::vector<Index> corners, hole_starts;
+  std::vector<Patch> patches;
+};
+
+/// Makes blocks one by one and adds their faces to a MadeBlocks.
+class BlockMaker final {
+ public:
+  /// `flank_place` (one entry a flank) is shared by all makers: each writes only to the flanks of its own blocks.
+  BlockMaker(const BlockParts& parts, std::vector<Index>& flank_place, MadeBlocks& out)
+      : parts_{parts}, place_{flank_place}, out_{out} {}
+
+  [[nodiscard]] Block make(Index block);
+
+ private:
+  /// One side of a merged face of the block, in the order in which the loops are walked (counter-clockwise seen from
+  /// outside the block).
+  struct Side {
+    Index flank;
+    Index head;     ///< the vertex where it ends
+    Index next;     ///< the side after it in its loop
+    Index partner;  ///< the side of the face met next around the edge, inside the block
+    Index face;     ///< of the block
+    bool dropped;   ///< its head is a straight vertex, no corner
+  };
+  struct Loop {
+    Index first, count;
+  };
+
+  void group_faces(std::span<const Index> half_faces);
+  void walk_loops(Index half_face, Index face);
+  void walk_loop(Index start, Index face);
+  void pair_sides();
+  void count_vertices();
+  void find_shells();
+  void add_face(Index face, Index block);
+  void add_loops(Index face, Face& made);
+  [[nodiscard]] bool turns_left(const Loop& loop, Index plane) const;
+  [[nodiscard]] bool has_reflex_edge() const;
+  void measure(Block& block, FaceId first);
+  [[nodiscard]] double thickness(FaceId first);
+  /// A flank whose face goes straight on beyond the edge, in one role: inside a merged face.
+  [[nodiscard]] bool internal(Index flank) const;
+
+  const BlockParts& parts_;
+  std::vector<Index>& place_;
+  MadeBlocks& out_;
+
+  std::vector<Index> members_;     ///< half-faces of the block by face
+  std::vector<Index> face_begin_;  ///< first member of each face
+  std::vector<Index> group_;       ///< of each half-face: its face (while grouping: union-find)
+  std::vector<Side> sides_;
+  std::vector<Loop> loops_;
+  std::vector<Index> loops_begin_;  ///< first loop of each face
+  std::vector<Index> shell_;        ///< of each face
+  std::vector<Index> corners_;      ///< vertices of the block
+  std::vector<std::uint8_t> seen_;
+  std::vector<double> shell_volumes_;
+  std::vector<Index> by_area_;
+  Index vertex_count_ = 0, edge_sides_ = 0, shell_count_ = 0;
+};
+
+}  // namespace cleave::topology::detail
