@@ -1,6 +1,7 @@
 /// Small lattice scenes, degenerate on purpose, through the cutter and its certificate. The blocks fill the rock, do
 /// not depend on the order of joints and corners, on repeated joints, on the place in space or the names of the axes;
-/// and with few joints they are those of the oracle, exactly.
+/// a window shows the
+/// blocks of the whole scene; and with few joints they are those of the oracle, exactly.
 
 #include <cstdint>
 #include <cstdio>
@@ -20,6 +21,7 @@ CLEAVE_FUZZ_TARGET(bytes) {
   cleave::support::keep_readable(
       [&] { return scene_to_toml(scene, "found by fuzz_cut"); });  // before the cut may abort
   std::string problem = broken_invariance(scene);
+  if (problem.empty()) problem = broken_window(scene);
   if (problem.empty() && scene.joints.size() <= 5) problem = difference_from_oracle(scene);
   if (problem.empty()) return;
   const std::string text = scene_to_toml(scene, problem);

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "program.hpp"
@@ -52,6 +54,21 @@ TEST_F(ExamplesTest, TunnelHasKeyBlocksAndAnotherSeedIsAnotherNetwork) {
   const std::string scene = std::string{CLEAVE_SOURCE_DIR} + "/examples/tunnel/tunnel.toml";
   ASSERT_EQ(cleave("run '" + scene + "' --quiet --seed 2 -o other").code, 0);
   EXPECT_NE(nlohmann::json::parse(read("other/summary.json"))["blocks"]["hash"], result["blocks"]["hash"]);
+}
+
+// Fu (2014), 4.5.2: 288 bolts. Every block that needs support is listed with what holds it, every bolt with its state.
+TEST_F(ExamplesTest, TunnelSupportIsCheckedInTwoSteps) {
+  const auto result = result_of("tunnel_support");
+  const auto& support = result["support"];
+  EXPECT_EQ(support["bolts"].get<int>() - support["spot_bolts"].get<int>(), 288);
+  EXPECT_GT(support["blocks"].get<int>(), 0);
+  EXPECT_EQ(support["blocks"].get<int>(), support["held_by_bolts"].get<int>() +
+                                              support["held_by_shotcrete"].get<int>() + support["not_held"].get<int>());
+  EXPECT_GT(support["required_force_n_per_metre"].get<double>(), 0);
+  const std::string bolts = read("tunnel_support/bolts.csv");
+  EXPECT_EQ(std::count(bolts.begin(), bolts.end(), '\n'), support["bolts"].get<int>() + 1);
+  const std::string table = read("tunnel_support/key_blocks.csv");
+  EXPECT_NE(table.substr(0, table.find('\n')).find("factor_of_safety_supported"), std::string::npos);
 }
 
 }  // namespace

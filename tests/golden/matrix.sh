@@ -11,14 +11,14 @@ jobs=${JOBS:-$(nproc)}
 scenes=("$@")
 ((${#scenes[@]})) || scenes=("$root"/examples/*/*.toml "$root"/tests/formats/scenes/*.toml)
 
-# name, compiler, flags, sanitizers
+# name, compiler, build type (Release is -O3), flags when it is Debug, sanitizers
 variants=(
-  "gcc-O0|g++-12|-O0|"
-  "gcc-O3|g++-12|-O3 -DNDEBUG|"
-  "gcc-asan|g++-12|-O1 -g1|address,undefined"
-  "clang-O0|clang++-19|-O0|"
-  "clang-O3|clang++-19|-O3 -DNDEBUG|"
-  "clang-asan|clang++-19|-O1 -g1|address,undefined"
+  "gcc-O0|g++-12|Debug|-O0|"
+  "gcc-O3|g++-12|Release|-O0|"
+  "gcc-asan|g++-12|Debug|-O1|address,undefined"
+  "clang-O0|clang++-19|Debug|-O0|"
+  "clang-O3|clang++-19|Release|-O0|"
+  "clang-asan|clang++-19|Debug|-O1|address,undefined"
 )
 launcher=()
 command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
@@ -32,9 +32,9 @@ hash_of() { # SCENE OUT THREADS PROGRAM
 failed=0
 declare -A first
 for variant in "${variants[@]}"; do
-  IFS='|' read -r name compiler flags sanitize <<<"$variant"
-  cmake -G Ninja -S "$root" -B "$build/$name" -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_COMPILER="$compiler" \
-    -DCMAKE_CXX_FLAGS="$flags" -DCLEAVE_SANITIZE="$sanitize" -DCLEAVE_TESTS=OFF -DCLEAVE_EXAMPLES=OFF \
+  IFS='|' read -r name compiler type flags sanitize <<<"$variant"
+  cmake -G Ninja -S "$root" -B "$build/$name" -DCMAKE_BUILD_TYPE="$type" -DCMAKE_CXX_COMPILER="$compiler" \
+    -DCMAKE_CXX_FLAGS_DEBUG="$flags" -DCLEAVE_SANITIZE="$sanitize" -DCLEAVE_TESTS=OFF -DCLEAVE_EXAMPLES=OFF \
     ${launcher[@]+"${launcher[@]}"} >"$build-$name.log" 2>&1 || { echo "$name: cannot be configured, see $build-$name.log"; exit 1; }
   ninja -C "$build/$name" -j "$jobs" cleave >>"$build-$name.log" 2>&1 || { echo "$name: cannot be built, see $build-$name.log"; exit 1; }
   for scene in "${scenes[@]}"; do

@@ -179,10 +179,10 @@ TEST(MicroBlocks, LeftOutBlocksHoldNothing) {
 
 TEST(Sequence, WhatIsWrongWithOrders) {
   EXPECT_EQ(error_of(with_box(std::string{two_stages} + "[sequence]\ncompare_orders = [[2, 2]]\n")),
-            "s.toml:26: sequence.compare_orders: order 1 does not name every stage once; write \"all\", or a list of "
+            "s.toml:24: sequence.compare_orders: order 1 does not name every stage once; write \"all\", or a list of "
             "orders of the stages [2, 5] such as [[2, 5]]");
   EXPECT_EQ(error_of(with_box(std::string{two_stages} + "[sequence]\nfallen = \"gone\"\n")),
-            "s.toml:26: sequence.fallen: \"gone\" is not known; choose one of: stay_out, put_back");
+            "s.toml:24: sequence.fallen: \"gone\" is not known; choose one of: stay_out, put_back");
 }
 
 }  // namespace

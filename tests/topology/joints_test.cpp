@@ -61,9 +61,15 @@ TEST(Holes, TurnedOutOfTheAxes) {
   };
   const topology::Joint level{{ring(9, 7)}, {{ring(1, 9)}}};
   EXPECT_EQ(count_blocks(scene(cube(), {level})), 1U);
-  EXPECT_EQ(count_blocks(scene(cube(), {level, topology::Joint{{ring(1, 9)}}})), 2U);
-  EXPECT_EQ(count_blocks(scene(cube(), {level, topology::Joint{{ring(1.5, 9)}}})), 2U);
-  EXPECT_EQ(count_blocks(scene(cube(), {level, topology::Joint{{ring(0.9, 9)}}})), 1U);
+  // A plug drawn in the same plane lies in another one by rounding; `snap` gives it the plane of the first.
+  const auto plugged = [&](double radius) {
+    auto input = scene(cube(), {level, topology::Joint{{ring(radius, 9)}}});
+    input.snap = metres(1e-9);
+    return count_blocks(input);
+  };
+  EXPECT_EQ(plugged(1), 2U);
+  EXPECT_EQ(plugged(1.5), 2U);
+  EXPECT_EQ(plugged(0.9), 1U);
 }
 
 TEST(Terminations, TheFarPartIsTakenAway) {
@@ -157,9 +163,12 @@ TEST(Dangling, MembraneAndJointInACavity) {
   input.joints.emplace_back(rectangle(2, 4, {3, 3}, {5, 5}));
   input.keep_dangling = true;
   const auto complex = certified(input).complex();
-  ASSERT_EQ(complex.data().dangling->pieces.size(), 1U);
-  EXPECT_DOUBLE_EQ(area_of(*complex.data().dangling), 4);
-  EXPECT_EQ(complex.data().dangling->free_edges, 0U);
+  double membrane = 0;
+  for (const auto& piece : complex.data().dangling->pieces) {
+    if (piece.joint == id(input.joints.size() - 1)) membrane += piece.area.si();
+    EXPECT_FALSE(piece.isolated);
+  }
+  EXPECT_DOUBLE_EQ(membrane, 4);
 }
 
 class DanglingWorkloads : public ::testing::TestWithParam<const char*> {};

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "cleave/scene/bodies.hpp"
 #include "cleave/scene/parse.hpp"
 #include "cleave/scene/plan.hpp"
 #include "commands.hpp"
@@ -12,7 +13,30 @@ ExitCode report_problems(const std::vector<scene::Problem>& problems) {
   return ExitCode::wrong_input;
 }
 
+namespace {
+
+std::string stages_of(const scene::Plan& plan) {
+  std::string text;
+  for (const scene::PlannedStage& stage : plan.stages) {
+    text += fmt::format("  {:<12} {:<9} {}\n", name_of(stage.stage), stage.run ? "run" : "left out", stage.why);
+  }
+  return text;
+}
+
+std::string notes_of(const std::vector<scene::Problem>& notes) {
+  std::string text;
+  for (const scene::Problem& note : notes) text += "note: " + describe(note) + "\n";
+  return text;
+}
+
+}  // namespace
+
 ExitCode check_scene(const std::string& path) {
+  if (const auto bodies = scene::load_bodies(path)) {
+    if (!*bodies) return report_problems(bodies->error());
+    say(notes_of((*bodies)->notes) + fmt::format("{}: no error found\n", path));
+    return ExitCode::done;
+  }
   const auto scene = scene::load(path);
   if (!scene) return report_problems(scene.error());
   for (const scene::Problem& note : scene->notes) say("note: " + describe(note) + "\n");
@@ -21,6 +45,15 @@ ExitCode check_scene(const std::string& path) {
 }
 
 ExitCode plan_scene(const std::string& path) {
+  if (const auto bodies = scene::load_bodies(path)) {
+    if (!*bodies) return report_problems(bodies->error());
+    const scene::Plan plan = make_plan(**bodies);
+    say(fmt::format("plan of {} ({})\n", path, (*bodies)->title) + stages_of(plan) +
+        fmt::format("estimated size: {} bodies, up to {:.0f} MB and {:.1f} s of CPU\n", (*bodies)->bodies.size(),
+                    plan.estimate.memory_mb, plan.estimate.seconds) +
+        notes_of((*bodies)->notes));
+    return ExitCode::done;
+  }
   const auto scene = scene::load(path);
   if (!scene) return report_problems(scene.error());
   const scene::Plan plan = make_plan(*scene);

@@ -8,11 +8,11 @@ ExitCode init_scene(const std::string& kind) {
     say(std::string{*text});
     return ExitCode::done;
   }
-  if (kind == "monte-carlo" || kind == "bodies") {
+  if (kind == "monte-carlo") {
     complain("cleave init: " + kind +
-             ": is not available in version 0.1; choose one of: tunnel, slope, wedge, network");
+             ": is not available in version 0.1; choose one of: tunnel, slope, wedge, network, bodies");
   } else {
-    complain("cleave init: \"" + kind + "\" is not known; choose one of: tunnel, slope, wedge, network");
+    complain("cleave init: \"" + kind + "\" is not known; choose one of: tunnel, slope, wedge, network, bodies");
   }
   return ExitCode::wrong_input;
 }

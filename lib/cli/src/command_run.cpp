@@ -9,11 +9,14 @@
 #include "cleave/report/write.hpp"
 #include "cleave/scene/parse.hpp"
 #include "cleave/scene/run.hpp"
+#include "command_monte_carlo.hpp"
 #include "commands.hpp"
 #include "figures.hpp"
 #include "interrupt.hpp"
 #include "out_folder.hpp"
 #include "problems.hpp"
+#include "run_bodies.hpp"
+#include "write_result.hpp"
 
 namespace cleave::cli {
 namespace {
@@ -48,16 +51,50 @@ Written write_result(scene::RunResult& result, const std::filesystem::path& fold
 
 }  // namespace
 
+ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer& timer, Progress& progress,
+                           InterruptWatch& interrupts, const Saying& saying) {
+  if (auto written = write_result(result, out.folder(), timer, progress); !written) {
+    complain(describe(written.error()));
+    return ExitCode::machine_failed;
+  }
+  if (auto published = interrupts.guarded([&] { return out.publish(); }); !published) {
+    complain(published.error().message);
+    return published.error().code;
+  }
+  if (!saying.quiet) {
+    std::string text = figures_of(result);
+    for (const std::string& note : result.notes) text += "note: " + note + "\n";
+    say(text + fmt::format("result in {}\n", out.final_name().generic_string()));
+  }
+  if (result.complex) return ExitCode::done;
+  complain(fmt::format("{}:1: certificate: the block system did not pass its own check; please report this scene",
+                       saying.scene));
+  return ExitCode::check_failed;
+}
+
 ExitCode run_scene(const RunArguments& arguments) {
   InterruptWatch interrupts;  // before any other thread
   StageTimer timer;
   Progress progress{progress_style_of_stderr(arguments.quiet)};
 
   progress.begin("read");
+  const auto bodies = timer.run("read", [&] { return scene::load_bodies(arguments.scene); });
+  if (bodies) {
+    progress.end();
+    if (!*bodies) return report_problems(bodies->error());
+    scene::BodiesScene asked = **bodies;
+    if (arguments.seed) asked.seed = *arguments.seed;
+    return run_bodies(arguments, asked, timer, progress, interrupts);
+  }
   auto scene = timer.run("read", [&] { return scene::load(arguments.scene); });
   progress.end();
   if (!scene) return report_problems(scene.error());
   if (arguments.seed) scene->seed = *arguments.seed;
+  if (scene->monte_carlo) return run_monte_carlo_scene(*scene, arguments, timer, progress, interrupts);
+  if (arguments.sharded) {
+    complain(fmt::format("{}:1: --shard: the scene has no [monte_carlo]; run it without --shard", arguments.scene));
+    return ExitCode::wrong_input;
+  }
 
   auto out = OutFolder::prepare(arguments.out);
   if (!out) {
@@ -68,23 +105,7 @@ ExitCode run_scene(const RunArguments& arguments) {
   const ExitCode end = [&] {
     auto result = scene::run(*scene, {.threads = arguments.threads}, timer, progress);
     if (!result) return report_problems(result.error());
-    if (auto written = write_result(*result, out->folder(), timer, progress); !written) {
-      complain(describe(written.error()));
-      return ExitCode::machine_failed;
-    }
-    if (auto published = interrupts.guarded([&] { return out->publish(); }); !published) {
-      complain(published.error().message);
-      return published.error().code;
-    }
-    if (!arguments.quiet) {
-      std::string text = figures_of(*result);
-      for (const std::string& note : result->notes) text += "note: " + note + "\n";
-      say(text + fmt::format("result in {}\n", out->final_name().generic_string()));
-    }
-    if (result->complex) return ExitCode::done;
-    complain(fmt::format("{}:1: certificate: the block system did not pass its own check; please report this scene",
-                         arguments.scene));
-    return ExitCode::check_failed;
+    return write_and_publish(*result, *out, timer, progress, interrupts, {arguments.scene, arguments.quiet});
   }();
   interrupts.guarded([&] { out->discard(); });
   interrupts.on_interrupt({});

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cleave/stochastic/record_file.hpp"
 #include "exit_code.hpp"
 
 /// The commands of the program; each prints what it has to say and returns how the program ends.
@@ -16,9 +17,21 @@ struct RunArguments {
   unsigned threads = 1;
   std::optional<std::uint64_t> seed;
   bool quiet = false;
+  stochastic::Shard shard;
+  bool sharded = false;  ///< --shard was given
 };
 [[nodiscard]] ExitCode run_scene(const RunArguments& arguments);
 
+/// Merges the finished shards of one Monte Carlo run.
+[[nodiscard]] ExitCode merge_results(const std::vector<std::string>& folders, const std::string& out, bool quiet);
+struct ReplayArguments {
+  std::string result;
+  std::uint64_t realization = 0;
+  std::optional<std::string> out;  ///< else RESULT/realization_K
+  unsigned threads = 1;
+  bool quiet = false;
+};
+[[nodiscard]] ExitCode replay_realization(const ReplayArguments& arguments);
 [[nodiscard]] ExitCode plan_scene(const std::string& scene);
 [[nodiscard]] ExitCode check_scene(const std::string& scene);
 [[nodiscard]] ExitCode init_scene(const std::string& kind);

@@ -172,6 +172,42 @@ intensity = { p32 = 0.2 }
 # set = "measured"
 )toml";
 
+constexpr std::string_view bodies =
+    R"toml(# Plane elastic bodies by boundary elements. x to the right, y up, metres; forces per metre of thickness.
+# Run it: cleave run SCENE.toml -o OUT
+schema = 1
+title = "Loaded bracket"
+
+[rock]
+density = 2700                 # kg/m3
+young = 60e9                   # Pa
+poisson = 0.25
+
+[elastic]
+plane = "strain"               # or "stress"
+gravity = 9.81                 # m/s2 downwards, or [x, y]
+# order = "quadratic"          # constant, linear
+# element = 0.2                # longest element, metres
+tolerance = 1e-3               # refine until displacements change by less (relative)
+points = [ { name = "tip", at = [4, 1] }, { name = "middle", at = [2, 0.5] } ]
+
+# With this table the scene moves: bodies vibrate, fall or swing.
+# [elastic.time]
+# end = 0.1                    # s
+# step = 1e-4                  # s
+# scheme = "generalized_alpha" # newmark, houbolt, backward_euler
+# rho = 0.8                    # radius at infinite frequency
+# damping = { share = 0.02 }   # of critical, in every mode
+
+[[body]]
+name = "bracket"
+outline = [[0, 0], [4, 0], [4, 1], [0, 1]]            # anticlockwise; side 1 runs from the first corner to the second
+round_holes = [ { centre = [1, 0.5], radius = 0.2 } ]
+support = [ { side = 4, kind = "fixed" } ]            # roller symmetry spring displacement bonded pin
+load = [ { side = 3, pressure = 1e5 },                # Pa on the top
+         { side = 2, traction = [0, -2e5] } ]         # Pa; a point force: { at = [4, 0.5], force = [0, -2e5] }, N per metre
+)toml";
+
 }  // namespace
 
 std::optional<std::string_view> init_text(std::string_view kind) noexcept {
@@ -179,6 +215,7 @@ std::optional<std::string_view> init_text(std::string_view kind) noexcept {
   if (kind == "slope") return slope;
   if (kind == "wedge") return wedge;
   if (kind == "network") return network;
+  if (kind == "bodies") return bodies;
   return std::nullopt;
 }
 

@@ -28,8 +28,9 @@ InterruptWatch::InterruptWatch() {
   thread_ = std::jthread{[this](const std::stop_token& stop) { watch(stop); }};
 }
 
-void InterruptWatch::on_interrupt(std::function<void()> clean_up) {
+void InterruptWatch::on_interrupt(std::function<void()> clean_up, std::string what) {
   const std::scoped_lock lock{mutex_};
+  what_ = std::move(what);
   clean_up_ = std::move(clean_up);
 }
 
@@ -40,7 +41,7 @@ void InterruptWatch::watch(const std::stop_token& stop) {
     if (sigtimedwait(&set, nullptr, &pause) < 0) continue;
     const std::scoped_lock lock{mutex_};
     if (clean_up_) clean_up_();
-    std::fputs("\ncleave: interrupted; nothing was written\n", stderr);
+    std::fputs(("\ncleave: " + what_ + "\n").c_str(), stderr);
     std::_Exit(static_cast<int>(ExitCode::interrupted));
   }
 }

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 
 namespace cleave::cli {
@@ -17,7 +18,8 @@ class InterruptWatch final {
   InterruptWatch& operator=(const InterruptWatch&) = delete;
 
   /// What to do before leaving; called while `guarded` work waits. Replaces what was set before.
-  void on_interrupt(std::function<void()> clean_up);
+  /// `what` is said on stderr afterwards.
+  void on_interrupt(std::function<void()> clean_up, std::string what = "interrupted; nothing was written");
   /// Runs `work` so that an interrupt comes wholly before or wholly after it.
   template <class Work>
   decltype(auto) guarded(Work&& work) {
@@ -29,6 +31,7 @@ class InterruptWatch final {
   void watch(const std::stop_token& stop);
   std::mutex mutex_;
   std::function<void()> clean_up_;
+  std::string what_ = "interrupted; nothing was written";
   std::jthread thread_;
 };
 

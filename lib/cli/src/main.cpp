@@ -4,14 +4,18 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
+#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -73,9 +77,7 @@ void add_later_commands(CLI::App& app, std::function<ExitCode()>& chosen) {
     const char* name;
     const char* text;
   };
-  for (const Later& later : {Later{"merge", "merges Monte Carlo shards"},
-                             Later{"replay", "re-creates one realization exactly, as a full single run"},
-                             Later{"survey", "field data to joint-set statistics"}}) {
+  for (const Later& later : {Later{"survey", "field data to joint-set statistics"}}) {
     CLI::App* command = app.add_subcommand(later.name, std::string{later.text} + " (not available in version 0.1)");
     command->allow_extras();
     command->callback([&chosen, name = std::string{later.name}] {
@@ -85,6 +87,20 @@ void add_later_commands(CLI::App& app, std::function<ExitCode()>& chosen) {
       };
     });
   }
+}
+
+/// "K/N" with 1 <= K <= N.
+std::optional<stochastic::Shard> shard_of(const std::string& text) {
+  stochastic::Shard shard;
+  const char* const end = std::to_address(text.end());
+  const auto [slash, bad] = std::from_chars(std::to_address(text.begin()), end, shard.number);
+  if (bad != std::errc{} || slash == end || *slash != '/') return std::nullopt;
+  const std::size_t after = static_cast<std::size_t>(slash - text.data()) + 1;
+  const std::string rest = text.substr(after);
+  const char* const stop = std::to_address(rest.end());
+  const auto [last, wrong] = std::from_chars(std::to_address(rest.begin()), stop, shard.of);
+  if (wrong != std::errc{} || last != stop || shard.number < 1 || shard.number > shard.of) return std::nullopt;
+  return shard;
 }
 
 ExitCode run_program(int argc, char** argv) {
@@ -109,15 +125,41 @@ ExitCode run_program(int argc, char** argv) {
   CLI::Option* seed_option = run_command->add_option("--seed", seed, "instead of the scene's seed")
                                  ->check(CLI::Range(std::int64_t{0}, INT64_MAX));
   run_command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
-  run_command->add_option("--shard", shard, "part K/N of a Monte Carlo run (not available in version 0.1)");
+  run_command->add_option("--shard", shard,
+                          "part K/N of a Monte Carlo run, K from 1; merge the parts with cleave merge");
   run_command->callback([&] {
     chosen = [&, seed_option] {
       if (seed_option->count() > 0) run.seed = static_cast<std::uint64_t>(seed);
       if (shard.empty()) return run_scene(run);
-      complain("cleave run: --shard: is not available in version 0.1; run the scene without it");
+      if (const auto part = shard_of(shard)) {
+        run.shard = *part;
+        run.sharded = true;
+        return run_scene(run);
+      }
+      complain("cleave run: --shard: \"" + shard + "\" is not K/N with K from 1 to N; write --shard 1/3");
       return ExitCode::wrong_input;
     };
   });
+
+  std::vector<std::string> parts;
+  std::string merged;
+  bool merge_quiet = false;
+  CLI::App* merge = app.add_subcommand("merge", "merges the parts of a Monte Carlo run (cleave run --shard K/N)");
+  merge->add_option("parts", parts, "folders of all parts")->required();
+  merge->add_option("-o,--out", merged, "folder for the whole result")->required();
+  merge->add_flag("--quiet", merge_quiet, "errors only");
+  merge->callback([&] { chosen = [&] { return merge_results(parts, merged, merge_quiet); }; });
+
+  ReplayArguments replay;
+  replay.threads = threads_of_machine();
+  CLI::App* replay_command =
+      app.add_subcommand("replay", "re-creates one realization of a Monte Carlo run exactly, as a full single run");
+  replay_command->add_option("result", replay.result, "folder of the Monte Carlo run")->required();
+  replay_command->add_option("--realization", replay.realization, "its number, from 0")->required();
+  replay_command->add_option("-o,--out", replay.out, "folder for the result instead of RESULT/realization_K");
+  replay_command->add_option("--threads", replay.threads, "threads to use")->check(CLI::Range(1, 1024));
+  replay_command->add_flag("--quiet", replay.quiet, "no progress and no figures, errors only");
+  replay_command->callback([&] { chosen = [&] { return replay_realization(replay); }; });
 
   std::string scene;
   CLI::App* plan = app.add_subcommand("plan", "says what will run, what is left out and why; runs nothing");

@@ -19,12 +19,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 7> result_files{"summary.json",   "blocks.vtu",  "dangling.vtu", "dangling.obj",
-                                                       "key_blocks.csv", "report.html", "log.txt"};
+constexpr std::array<std::string_view, 15> result_files{
+    "summary.json", "blocks.vtu",       "dangling.vtu",          "dangling.obj", "key_blocks.csv",
+    "bolts.csv",    "load_cases.csv",   "report.html",           "log.txt",      "bodies.vtu",
+    "bodies.pvd",   "realizations.csv", "realizations.csv.part", "scene.toml",   "points.csv"};
+/// One time of a moving scene: bodies_0000.vtu and on.
+bool is_frame(std::string_view name) {
+  if (!name.starts_with("bodies_") || !name.ends_with(".vtu")) return false;
+  const std::string_view digits = name.substr(7, name.size() - 11);
+  return digits.size() >= 4 && std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; });
+}
 bool is_export(std::string_view name) {
-  return std::ranges::any_of(report::export_names(), [&](const report::ExportName& format) {
-    return name == "blocks" + std::string{format.ending};
-  });
+  return is_frame(name) || std::ranges::any_of(report::export_names(), [&](const report::ExportName& format) {
+           return name == "blocks" + std::string{format.ending};
+         });
 }
 
 OutError wrong(const fs::path& out, std::string_view what, std::string_view remedy) {
@@ -53,7 +61,7 @@ std::expected<void, OutError> may_be_replaced(const fs::path& folder, const fs::
     if (reason) return std::unexpected(failed(out, "the folder cannot be read", reason, "check its permissions"));
     any = true;
     const std::string name = entries->path().filename().string();
-    if (is_result_file(name) && entries->is_regular_file(reason)) continue;
+    if (is_result_entry(*entries)) continue;
     return std::unexpected(wrong(out, fmt::format("the folder holds \"{}\", which is not from cleave", name),
                                  "name a new or an empty folder with -o"));
   }
@@ -114,8 +122,21 @@ std::error_code replace_folder(const fs::path& fresh, const fs::path& old) {
 }  // namespace
 
 bool is_result_file(const std::string& name) {
-  return std::ranges::find(result_files, name) != result_files.end() || is_export(name) ||
-         (name.starts_with("blocks_stage_") && name.ends_with(".vtu"));
+  if (std::ranges::find(result_files, name) != result_files.end() || is_export(name)) return true;
+  if (name.starts_with("blocks_stage_") && name.ends_with(".vtu")) return true;
+  constexpr std::string_view copy = "scene_file_";
+  return name.starts_with(copy) && name.size() > copy.size() &&
+         name.find_first_not_of("0123456789", copy.size()) == std::string::npos;
+}
+
+bool is_result_entry(const fs::directory_entry& entry) {
+  std::error_code reason;
+  const std::string name = entry.path().filename().string();
+  if (is_result_file(name)) return entry.is_regular_file(reason);
+  constexpr std::string_view replay = "realization_";
+  return name.starts_with(replay) && name.size() > replay.size() &&
+         name.find_first_not_of("0123456789", replay.size()) == std::string::npos && entry.is_directory(reason) &&
+         (has_our_summary(entry.path()) || fs::is_empty(entry.path(), reason));
 }
 
 std::expected<OutFolder, OutError> OutFolder::prepare(const fs::path& out) {
@@ -181,9 +202,9 @@ std::expected<void, OutError> OutFolder::publish_file_by_file() {
   fs::remove(final_ / "summary.json", reason);
   std::vector<fs::path> old;
   for (const auto& entry : fs::directory_iterator{final_, reason}) {
-    if (is_result_file(entry.path().filename().string())) old.push_back(entry.path());
+    if (is_result_entry(entry)) old.push_back(entry.path());
   }
-  for (const fs::path& file : old) fs::remove(file, reason);
+  for (const fs::path& path : old) fs::remove_all(path, reason);
   for (const fs::path& name : names) {
     fs::rename(temporary_ / name, final_ / name, reason);
     if (reason)

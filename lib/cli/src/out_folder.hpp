@@ -50,5 +50,7 @@ class OutFolder final {
 
 /// True for the names of files that cleave writes into a result.
 [[nodiscard]] bool is_result_file(const std::string& name);
+/// True for such a file, and for a folder realization_K that holds a result (of cleave replay).
+[[nodiscard]] bool is_result_entry(const std::filesystem::directory_entry& entry);
 
 }  // namespace cleave::cli

@@ -53,6 +53,9 @@ void check_orientation(Check& check, const OrientationLaw& law) {
             check.range("orientation.dip_direction_std", l.dip_direction_std.degrees(), 0, 360,
                         "give 0 to 360 degrees");
           },
+          [&](const BootstrapOrientation& l) {
+            if (l.jitter) check.range("orientation.jitter", *l.jitter, 0, 1e12, "give a kappa of 0 to 1e12");
+          },
       },
       law);
 }
@@ -114,6 +117,117 @@ void check_intensity(Check& check, const Intensity& intensity) {
              intensity);
 }
 
+void check_share(Check& check, double share) {
+  check.positive("share", share, 1, "give a probability above 0 and at most 1");
+}
+
+void check_model(Check& check, const Model& model) {
+  std::visit(overloaded{
+                 [](const Baecher&) {},
+                 [&](const EnhancedBaecher& m) {
+                   check.range("probability", m.probability, 0, 1, "give a probability from 0 to 1");
+                 },
+                 [&](const Veneziano& m) { check_share(check, m.share); },
+                 [&](const Dershowitz& m) { check_share(check, m.share); },
+                 [&](const Mosaic& m) { check_share(check, m.share); },
+                 [&](const Hierarchical& m) {
+                   for (const double f : m.share) check.range("share", f, 0, 1, "give probabilities from 0 to 1");
+                 },
+                 [&](const Mit& m) {
+                   check_share(check, m.share);
+                   check.range("min_angle", m.min_angle, 0, 60, "give 0 to 60 degrees");
+                   check.range("max_elongation", m.max_elongation, 1.2, 1e6, "give a ratio from 1.2");
+                   check.range("min_corners", m.min_corners, 3, 8, "give 3 to 8 corners");
+                   check.range("shift", m.shift, 0, 1e9, "give a length from 0 m");
+                   if (m.turn_kappa) check.range("turn_kappa", *m.turn_kappa, 0, 1e12, "give 0 to 1e12");
+                   for (const Zone& z : m.zones) check.range("zones", z.probability, 0, 1, "give 0 to 1");
+                 },
+                 [&](const Orthogonal& m) {
+                   check.positive("gap_variation", m.gap_variation, 10, "give a ratio above 0 and at most 10");
+                 },
+             },
+             model);
+}
+
+/// What a model cannot do together with the rest.
+std::optional<ModelMismatch> mismatch(const JointSetSpec& spec) {
+  const bool persistent = std::holds_alternative<Persistent>(spec.shape);
+  const bool p30 = std::holds_alternative<P30>(spec.intensity);
+  const auto wants_size = [&](const char* name) -> std::optional<ModelMismatch> {
+    if (!persistent) return std::nullopt;
+    return ModelMismatch{"size", std::string{"the model \""} + name + "\" needs joints of a size",
+                         "give shape and size, or the model \"baecher\" for persistent joints"};
+  };
+  const auto wants_planes = [&](const char* name) -> std::optional<ModelMismatch> {
+    if (!p30) return std::nullopt;
+    return ModelMismatch{"intensity", std::string{"the model \""} + name + "\" has no centres per volume",
+                         "give p32, p10, spacing or count (of planes)"};
+  };
+  return std::visit(
+      overloaded{
+          [](const Baecher&) { return std::optional<ModelMismatch>{}; },
+          [&](const EnhancedBaecher&) { return wants_size("enhanced_baecher"); },
+          [&](const Veneziano&) {
+            auto e = wants_size("veneziano");
+            return e ? e : wants_planes("veneziano");
+          },
+          [&](const Dershowitz&) { return wants_planes("dershowitz"); },
+          [&](const Mosaic&) -> std::optional<ModelMismatch> {
+            if (std::holds_alternative<P32>(spec.intensity) || std::holds_alternative<Count>(spec.intensity)) {
+              return std::nullopt;
+            }
+            return ModelMismatch{"intensity", "the model \"mosaic\" has faces of all directions",
+                                 "give p32, or count (of seeds in the domain)"};
+          },
+          [&](const Hierarchical&) { return wants_planes("hierarchical"); },
+          [&](const Mit&) {
+            auto e = wants_size("mit");
+            return e ? e : wants_planes("mit");
+          },
+          [&](const Orthogonal& m) -> std::optional<ModelMismatch> {
+            if (auto e = wants_planes("orthogonal")) return e;
+            if (!persistent && !std::holds_alternative<Rectangle>(spec.shape)) {
+              return ModelMismatch{"shape", "the model \"orthogonal\" lays rectangles or whole planes",
+                                   "write shape = \"rectangle\" with bridge, or size = \"persistent\""};
+            }
+            if (!persistent && !m.bridge) {
+              return ModelMismatch{"bridge", "is missing: the rows of rectangles need gaps",
+                                   "add bridge = 2 (metres) or a law, or size = \"persistent\""};
+            }
+            if (std::holds_alternative<Count>(spec.intensity)) {
+              return ModelMismatch{"intensity", "the model \"orthogonal\" has a spacing, no count",
+                                   "give spacing, p10 or p32"};
+            }
+            return std::nullopt;
+          },
+      },
+      spec.model);
+}
+
+double share_of(const JointSetSpec& spec) {
+  return std::visit(overloaded{
+                        [](const Baecher&) { return 1.0; },
+                        [](const EnhancedBaecher&) { return 1.0; },
+                        [](const Veneziano& m) { return m.share; },
+                        [](const Dershowitz& m) { return m.share; },
+                        [](const Mosaic& m) { return m.share; },
+                        [](const Hierarchical&) { return 1.0; },
+                        [](const Mit& m) { return m.share * good_shape_share(m); },
+                        [&](const Orthogonal& m) {
+                          // Persistence along each in-plane axis: joint over joint and bridge.
+                          const auto* shape = std::get_if<Rectangle>(&spec.shape);
+                          if (shape == nullptr || !m.bridge) return 1.0;
+                          const double side = shape->size.moment(1), gap = m.bridge->moment(1);
+                          const double second = std::visit(overloaded{[&](IndependentSize) { return side; },
+                                                                      [&](AspectRatio r) { return side / r.ratio; },
+                                                                      [](const SizeLaw& law) { return law.moment(1); }},
+                                                           shape->second);
+                          return side / (side + gap) * second / (second + gap);
+                        },
+                    },
+                    spec.model);
+}
+
 double reduced(double degrees) {
   const double r = std::fmod(degrees, 360);
   return r < 0 ? r + 360 : r;
@@ -127,13 +241,18 @@ std::expected<JointSet, JointSetError> JointSet::make(JointSetSpec spec) {
   check_shape(check, spec.shape);
   check_rotation(check, spec.rotation);
   check_intensity(check, spec.intensity);
+  check_model(check, spec.model);
   if (check.error()) return std::unexpected(*check.error());
   if (std::holds_alternative<Persistent>(spec.shape) && std::holds_alternative<P30>(spec.intensity)) {
     return std::unexpected(NoCentres{});
   }
+  if (auto wrong = mismatch(spec)) return std::unexpected(*std::move(wrong));
   std::visit([](auto& law) { law.dip_direction = DipDirection::degrees(reduced(law.dip_direction.degrees())); },
              spec.orientation);
-  return JointSet{std::move(spec)};
+  const double share = share_of(spec);
+  std::expected<JointSet, JointSetError> set{JointSet{std::move(spec)}};
+  set->area_share_ = share;
+  return set;
 }
 
 geometry::Vec3 JointSet::mean_normal() const noexcept { return detail::mean_frame(spec_.orientation).normal; }
@@ -174,6 +293,7 @@ std::string describe(const JointSetError& error) {
   return std::visit(
       overloaded{
           [](const BadValue& e) { return fmt::format("{}: {} is out of range; {}", e.key, e.value, e.remedy); },
+          [](const ModelMismatch& e) { return fmt::format("{}: {}; {}", e.key, e.what, e.remedy); },
           [](NoCentres) {
             return std::string{"intensity.p30: persistent joints have no centres; give p32, p10, spacing or count"};
           },

@@ -11,6 +11,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
+#include "cleave/core/special.hpp"
 
 namespace cleave::dfn {
 namespace {
@@ -107,6 +108,18 @@ std::expected<SizeLaw, SizeError> SizeLaw::make(const SizeSpec& spec) {
       truncate_normal((std::log(law.min_) - law.a_) / law.b_, (std::log(law.max_) - law.a_) / law.b_);
       break;
     }
+    case SizeDistribution::gamma: {
+      CLEAVE_TRY(const double mean, positive(spec.mean, "mean"));
+      CLEAVE_TRY(const double std, not_negative(spec.std, "std"));
+      if (std < 1e-6 * mean) return as_constant(mean);
+      law.a_ = mean * mean / (std * std);
+      law.b_ = std * std / mean;
+      law.below_ = special::gamma_below(law.a_, law.min_ / law.b_);
+      law.above_ = std::isinf(law.max_) ? 0 : special::gamma_above(law.a_, law.max_ / law.b_);
+      law.mass_ = law.below_ < 0.5 ? (1 - law.below_) - law.above_
+                                   : special::gamma_above(law.a_, law.min_ / law.b_) - law.above_;
+      break;
+    }
     case SizeDistribution::power: {
       if (!spec.exponent) return std::unexpected(MissingParameter{"exponent"});
       law.a_ = *spec.exponent;
@@ -133,6 +146,10 @@ Length SizeLaw::quantile(double u) const noexcept {
     case SizeDistribution::normal: return within(a_ + b_ * standard());
     case SizeDistribution::exponential: return within(min_ - a_ * std::log1p(u * std::expm1(-(max_ - min_) / a_)));
     case SizeDistribution::lognormal: return within(std::exp(a_ + b_ * standard()));
+    case SizeDistribution::gamma: {
+      const double low = below_ + u * mass_, high = above_ + (1 - u) * mass_;
+      return within(b_ * (low < high ? special::gamma_below_inverse(a_, low) : special::gamma_above_inverse(a_, high)));
+    }
     case SizeDistribution::power: return within(min_ * std::exp(-std::log1p(u * (std::pow(min_ / max_, a_) - 1)) / a_));
   }
   std::unreachable();
@@ -164,6 +181,13 @@ double SizeLaw::moment(int k) const noexcept {
       const double a = (std::log(min_) - a_) / b_, b = (std::log(max_) - a_) / b_;
       return std::exp(k * a_ + shift * shift / 2) * normal_between(a - shift, b - shift) / mass_;
     }
+    case SizeDistribution::gamma: {
+      const double from = min_ / b_, to = max_ / b_, shape = a_ + k;
+      const double between = std::isinf(to) ? special::gamma_above(shape, from)
+                             : from > shape ? special::gamma_above(shape, from) - special::gamma_above(shape, to)
+                                            : special::gamma_below(shape, to) - special::gamma_below(shape, from);
+      return std::pow(b_, k) * (k == 1 ? a_ : a_ * (a_ + 1)) * between / mass_;
+    }
     case SizeDistribution::power: {
       const double ratio = min_ / max_;
       const double scale = std::pow(min_, k) * a_ / (1 - std::pow(ratio, a_));
@@ -176,6 +200,38 @@ double SizeLaw::moment(int k) const noexcept {
 }
 
 double SizeLaw::kept_share() const noexcept { return mass_; }
+
+BootstrapOrientation BootstrapOrientation::make(std::vector<geometry::Vec3> normals, std::vector<double> weights,
+                                                std::optional<double> jitter) {
+  CLEAVE_ASSERT(!normals.empty() && normals.size() == weights.size());
+  double sum = 0;
+  for (double& weight : weights) {
+    CLEAVE_ASSERT(weight > 0 && std::isfinite(weight));
+    sum += weight;
+    weight = sum;
+  }
+  // Mean axis: turned to one side, summed, until no axis changes its side.
+  geometry::Vec3 mean = normals.front();
+  for (int round = 0; round < 100; ++round) {
+    geometry::Vec3 next;
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      const double weight = (weights[i] - (i > 0 ? weights[i - 1] : 0)) / sum;
+      next += (dot(normals[i], mean) < 0 ? -weight : weight) * normals[i];
+    }
+    next = norm(next) > 0 ? normalized(next) : mean;
+    const bool same = norm(next - mean) < 1e-14;
+    mean = next;
+    if (same) break;
+  }
+  if (mean.z < 0) mean = -mean;
+  for (double& weight : weights) weight /= sum;
+  weights.back() = 1;
+  constexpr double degrees = 180 / std::numbers::pi;
+  double direction = std::atan2(mean.x, mean.y) * degrees;
+  if (direction < 0) direction += 360;
+  return {Dip::degrees(std::atan2(std::hypot(mean.x, mean.y), mean.z) * degrees), DipDirection::degrees(direction),
+          std::move(normals), std::move(weights), jitter};
+}
 
 Length SizeLaw::largest() const noexcept { return std::isinf(max_) ? quantile(1 - 1e-6) : metres(max_); }
 

@@ -1,5 +1,6 @@
 #include "orientation.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <variant>
@@ -23,17 +24,34 @@ Frame frame_of_normal(Vec3 normal, Vec3 strike_if_flat) {
   return {normal, Vec3{-normal.y, normal.x, 0} / steepness};
 }
 
-Frame fisher(const FisherOrientation& law, double u, double v) {
-  const Frame mean = frame_of(law.dip.degrees(), law.dip_direction.degrees());
+Frame about(const Frame& mean, double kappa, double u, double v) {
   // 1 - cos t, so that small angles keep their digits.
-  const double versine = law.kappa > 0 ? -std::log1p(u * std::expm1(-2 * law.kappa)) / law.kappa : 2 * u;
+  const double versine = kappa > 0 ? -std::log1p(u * std::expm1(-2 * kappa)) / kappa : 2 * u;
   const double sine = std::sqrt(versine * (2 - versine));
   const double azimuth = 2 * std::numbers::pi * v;
   const Vec3 across = std::cos(azimuth) * mean.strike + std::sin(azimuth) * cross(mean.normal, mean.strike);
   return frame_of_normal(normalized((1 - versine) * mean.normal + sine * across), mean.strike);
 }
 
+Frame fisher(const FisherOrientation& law, double u, double v) {
+  return about(frame_of(law.dip.degrees(), law.dip_direction.degrees()), law.kappa, u, v);
+}
+
+/// u chooses the normal; what is left of it within its step turns it, with v.
+Frame bootstrap(const BootstrapOrientation& law, double u, double v) {
+  const auto at = static_cast<std::size_t>(std::ranges::upper_bound(law.cumulative, u) - law.cumulative.begin());
+  const std::size_t i = std::min(at, law.normals.size() - 1);
+  const double from = i > 0 ? law.cumulative[i - 1] : 0;
+  const Frame mean = frame_of_normal(law.normals[i], {-1, 0, 0});
+  if (!law.jitter) return mean;
+  return about(mean, *law.jitter, std::clamp((u - from) / (law.cumulative[i] - from), 0x1p-53, 1 - 0x1p-53), v);
+}
+
 }  // namespace
+
+Frame turned_by_fisher(geometry::Vec3 normal, double kappa, double u, double v) noexcept {
+  return about(frame_of_normal(normal, {-1, 0, 0}), kappa, u, v);
+}
 
 Frame frame_of(double dip, double dip_direction) noexcept {
   dip = std::remainder(dip, 360);  // [-180, 180]
@@ -61,6 +79,7 @@ Frame draw(const OrientationLaw& law, double u, double v) noexcept {
                                           l.dip_direction.degrees() + (2 * v - 1) * l.dip_direction_range.degrees());
                         },
                         [&](const FisherOrientation& l) { return fisher(l, u, v); },
+                        [&](const BootstrapOrientation& l) { return bootstrap(l, u, v); },
                         [&](const NormalOrientation& l) {
                           return frame_of(
                               l.dip.degrees() + normal_quantile(u) * l.dip_std.degrees(),

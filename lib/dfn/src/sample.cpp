@@ -11,6 +11,7 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
+#include "models.hpp"
 #include "orientation.hpp"
 #include "poisson.hpp"
 #include "shape.hpp"
@@ -24,7 +25,15 @@ namespace {
 
 constexpr double most_joints = 1e7;  // of one set: some gigabytes
 
-bool is_persistent(const JointSet& set) { return std::holds_alternative<Persistent>(set.spec().shape); }
+/// Models whose joints lie on planes through the whole domain.
+bool on_planes_model(const JointSet& set) {
+  const Model& model = set.spec().model;
+  return std::holds_alternative<Veneziano>(model) || std::holds_alternative<Dershowitz>(model) ||
+         std::holds_alternative<Hierarchical>(model) || std::holds_alternative<Mit>(model);
+}
+bool is_persistent(const JointSet& set) {
+  return std::holds_alternative<Persistent>(set.spec().shape) || on_planes_model(set);
+}
 
 Vec3 sides(const DomainBox& box) { return box.max - box.min; }
 double volume(const DomainBox& box) {
@@ -46,11 +55,12 @@ Region region_of(const JointSet& set, const DomainBox& domain) {
     return {domain, 0, static_cast<double>(count->joints), true};
   }
   const double p32 = set.expected_p32(volume(domain));
+  if (!(p32 > 0)) return {domain, 0, 0, true};
   if (is_persistent(set)) {
     // A plane with normal n meets the ball when its offset along n is within the radius: area per volume is offsets per
     // length.
     const double radius = norm(sides(domain)) / 2;
-    return {domain, radius, 2 * radius * p32, false};
+    return {domain, radius, 2 * radius * p32 / set.area_share(), false};
   }
   const DomainBox box = grown(domain, set.reach());
   return {box, 0, p32 / set.mean_area() * volume(box), false};
@@ -183,13 +193,53 @@ std::expected<std::vector<SampledJoint>, SampleError> Sampler::run() {
 
 std::expected<std::vector<SampledJoint>, SampleError> sample(const JointSet& set, std::size_t set_index,
                                                              const DomainBox& domain, std::uint64_t seed,
-                                                             std::uint64_t realization) {
+                                                             std::uint64_t realization,
+                                                             std::span<const std::span<const SampledJoint>> older) {
   CLEAVE_ASSERT(is_finite(domain.min) && is_finite(domain.max));
   CLEAVE_ASSERT(domain.min.x < domain.max.x && domain.min.y < domain.max.y && domain.min.z < domain.max.z);
-  return Sampler{set, set_index, domain, seed, realization}.run();
+  const detail::SetStreams streams{seed, realization, set_index};
+  if (std::holds_alternative<Mosaic>(set.spec().model) || std::holds_alternative<Orthogonal>(set.spec().model)) {
+    const double expected = expected_draws(set, domain);
+    if (!(expected <= most_joints)) return std::unexpected(TooManyJoints{expected, most_joints});
+    return std::holds_alternative<Mosaic>(set.spec().model) ? detail::mosaic(set, domain, streams)
+                                                            : detail::orthogonal(set, domain, streams);
+  }
+  auto joints = Sampler{set, set_index, domain, seed, realization}.run();
+  if (!joints) return joints;
+  if (on_planes_model(set)) return detail::on_planes(set, *joints, older, domain, streams);
+  if (const auto* enhanced = std::get_if<EnhancedBaecher>(&set.spec().model)) {
+    detail::terminate(*joints, older, enhanced->probability, streams);
+  }
+  return joints;
 }
 
-double expected_draws(const JointSet& set, const DomainBox& domain) noexcept { return region_of(set, domain).joints; }
+std::span<const std::size_t> terminates_at(const JointSet& set) noexcept {
+  if (const auto* enhanced = std::get_if<EnhancedBaecher>(&set.spec().model)) return enhanced->terminate_at;
+  if (const auto* hierarchical = std::get_if<Hierarchical>(&set.spec().model)) return hierarchical->terminate_at;
+  return {};
+}
+
+double expected_draws(const JointSet& set, const DomainBox& domain) noexcept {
+  const double p32 = set.expected_p32(volume(domain));
+  if (const auto* mosaic = std::get_if<Mosaic>(&set.spec().model)) {
+    // About 7.8 faces a cell of the grown box.
+    const auto* count = std::get_if<Count>(&set.spec().intensity);
+    const double density = count != nullptr ? static_cast<double>(count->joints) / volume(domain)
+                                            : std::pow(p32 / mosaic->share / 2.91, 3);
+    return density > 0 ? 7.8 * density * volume(grown(domain, 4 * std::cbrt(1 / density))) : 0;
+  }
+  if (std::holds_alternative<Orthogonal>(set.spec().model)) {
+    const double planes = norm(sides(domain)) * p32 / set.area_share();
+    return set.mean_area() > 0 ? p32 * volume(domain) / set.mean_area() + planes : planes;
+  }
+  const double planes = region_of(set, domain).joints;
+  if (!on_planes_model(set)) return planes;
+  // Joints on the planes: by their mean area; Dershowitz 16/(pi S^2).
+  const double area = std::holds_alternative<Dershowitz>(set.spec().model) && p32 > 0
+                          ? 16 / (std::numbers::pi * p32 * p32)
+                          : set.mean_area();
+  return area > 0 ? std::max(planes, p32 * volume(domain) / area) : planes;
+}
 
 std::string describe(const SampleError& error) {
   return std::visit(

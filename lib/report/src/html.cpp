@@ -10,6 +10,8 @@
 #include "cleave/report/key_blocks.hpp"
 #include "cleave/report/text.hpp"
 #include "cleave/report/view3d.hpp"
+#include "html_parts.hpp"
+#include "html_stability.hpp"
 #include "stages_section.hpp"
 
 namespace cleave::report {
@@ -288,8 +290,9 @@ void append(std::string& out, std::span<const std::string_view> pieces) {
 
 }  // namespace
 
-std::string report_html(const Page& page) {
-  const std::string title = escape_xml(page.summary.title.empty() ? "cleave report" : page.summary.title);
+namespace detail {
+
+std::string page_begin(const std::string& title, const std::string& sub) {
   std::string out =
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" "
@@ -299,13 +302,32 @@ std::string report_html(const Page& page) {
       "<link rel=\"icon\" href=\"data:,\">\n<title>";
   out += title + "</title>\n<style>\n";
   append(out, assets::style());
-  out += "</style>\n</head>\n<body>\n<header><p class=\"kicker\">cleave " CLEAVE_VERSION "</p><h1>" + title +
-         "</h1>\n<p class=\"sub\">" + escape_xml(page.scene_file) + " · seed " + std::to_string(page.summary.seed) +
-         " · lengths in metres, x east, y north, z up; dip directions clockwise from +y</p></header>\n<main>\n";
+  return out + "</style>\n</head>\n<body>\n<header><p class=\"kicker\">cleave " CLEAVE_VERSION "</p><h1>" + title +
+         "</h1>\n<p class=\"sub\">" + sub + "</p></header>\n<main>\n";
+}
+
+std::string page_end() { return "</main>\n<footer>Made by cleave " CLEAVE_VERSION ".</footer>\n</body>\n</html>\n"; }
+
+std::string key_figure(std::string_view label, const std::string& figure, const std::string& below,
+                       std::string_view kind) {
+  return card(label, figure, below, kind);
+}
+std::string plan_part(const Summary& summary) { return plan_section(summary); }
+std::string cost_part(const CostTable& cost) { return cost_section(cost); }
+
+}  // namespace detail
+
+std::string report_html(const Page& page) {
+  const std::string title = escape_xml(page.summary.title.empty() ? "cleave report" : page.summary.title);
+  std::string out =
+      detail::page_begin(title, escape_xml(page.scene_file) + " · seed " + std::to_string(page.summary.seed) +
+                                    " · lengths in metres, x east, y north, z up; dip directions clockwise from +y");
   std::string view_json;
   out += cards(page);
   out += view_section(page, view_json);
   out += key_blocks_section(page);
+  out += why_section(page);
+  out += support_section(page);
   if (page.summary.sequence) out += stages_section(*page.summary.sequence);
   out += stereonet_section(page);
   out += blocks_section(page);

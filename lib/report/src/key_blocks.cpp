@@ -43,11 +43,70 @@ void append_transferred(std::string& out, const stability::Judgement& j) {
   }
 }
 
+void append_supported(std::string& out, const stability::Judgement& j, const stability::SupportResult& support) {
+  const auto found = std::ranges::lower_bound(support.blocks, j.block, {}, &stability::SupportedBlock::block);
+  const bool listed = found != support.blocks.end() && found->block == j.block;
+  if (!listed) {
+    // Of a later batch: it stays when the first one is held. Otherwise it needs nothing.
+    out += j.batch && *j.batch > 1 ? ",held by earlier batches,0,0," : ",none needed,0,0,";
+    append_number(out, j.factor_of_safety);
+    out += ",0,0,0";
+    return;
+  }
+  out += ',';
+  out += stability::name(found->held);
+  out += ',' + std::to_string(found->bolts);
+  const double factor =
+      found->held == stability::Held::shotcrete ? found->factor_with_shotcrete : found->factor_with_bolts;
+  for (const double value :
+       {found->mobilised, factor, found->missing_force, found->required_force, found->required_pressure}) {
+    out += ',';
+    append_number(out, value);
+  }
+}
+
 }  // namespace
 
-std::string key_blocks_csv(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
+std::string bolts_csv(const stability::SupportResult& support, std::span<const std::string> groups) {
+  std::string out{
+      "bolt,pattern,x,y,z,direction_x,direction_y,direction_z,length_m,status,limit,serves,capacity_n,used_n,blocks\n"};
+  for (std::size_t i = 0; i < support.bolts.size(); ++i) {
+    const stability::BoltResult& b = support.bolts[i];
+    std::string group = b.spot ? "spot" : b.bolt.group < groups.size() ? groups[b.bolt.group] : "";
+    std::ranges::replace_if(group, [](char c) { return c == ',' || c == '"' || c == '\n' || c == '\r'; }, ' ');
+    out += std::to_string(i) + ',' + group;
+    for (const double value : {b.bolt.collar.x, b.bolt.collar.y, b.bolt.collar.z, b.bolt.direction.x,
+                               b.bolt.direction.y, b.bolt.direction.z, b.bolt.length}) {
+      out += ',';
+      append_number(out, value);
+    }
+    out += ',';
+    out += stability::name(b.status);
+    out += ',';
+    if (b.capacity > 0) out += stability::name(b.limit);
+    out += ',';
+    if (b.serves) out += std::to_string(b.serves->value());
+    for (const double value : {b.capacity, b.used}) {
+      out += ',';
+      append_number(out, value);
+    }
+    out += ',';
+    for (std::size_t k = 0; k < b.pierced.size(); ++k) {
+      out += (k == 0 ? "" : ";") + std::to_string(b.pierced[k].block.value()) + ':';
+      append_number(out, b.pierced[k].from);
+      out += '-';
+      append_number(out, b.pierced[k].to);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+std::string key_blocks_csv(const topology::BlockComplex& complex, const stability::Analysis& analysis,
+                           const stability::SupportResult* support) {
   std::string out{key_blocks_header};
   if (analysis.force_transfer) out += key_blocks_transferred_header;
+  if (support != nullptr) out += key_blocks_supported_header;
   out += '\n';
   for (const stability::Judgement& j : analysis.judgements) {
     if (!stability::moves(j.mode)) continue;
@@ -68,7 +127,36 @@ std::string key_blocks_csv(const topology::BlockComplex& complex, const stabilit
       out += std::to_string(joint.value());
     }
     if (analysis.force_transfer) append_transferred(out, j);
+    if (support != nullptr) append_supported(out, j, *support);
     out += '\n';
+  }
+  return out;
+}
+
+std::string load_cases_csv(const topology::BlockComplex& complex, std::span<const NamedAnalysis> cases) {
+  std::string out{
+      "case,block,batch,key,mode,volume_m3,direction_x,direction_y,direction_z,net_force_n,factor_of_safety\n"};
+  for (const NamedAnalysis& load : cases) {
+    for (const stability::Judgement& j : load.analysis->judgements) {
+      if (!stability::moves(j.mode)) continue;
+      // A name with a comma, a quote or a line end would break the row.
+      std::string name{load.name};
+      if (name.find_first_of(",\"\n\r") != std::string::npos) {
+        std::string quoted = "\"";
+        for (const char c : name) quoted += c == '"' ? std::string{"\"\""} : std::string{c};
+        name = quoted + '"';
+      }
+      out += name + ',' + std::to_string(j.block.value()) + ',';
+      if (j.batch) out += std::to_string(*j.batch);
+      out += j.key ? ",1," : ",0,";
+      out += stability::name(j.mode);
+      for (const double value : {complex.blocks()[j.block].volume.si(), j.direction.x, j.direction.y, j.direction.z,
+                                 j.net.si(), j.factor_of_safety}) {
+        out += ',';
+        append_number(out, value);
+      }
+      out += '\n';
+    }
   }
   return out;
 }

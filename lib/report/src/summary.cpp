@@ -105,9 +105,7 @@ void write_blocks(JsonWriter& json, const Summary& summary) {
   json.end_object();
 }
 
-void write_key_blocks(JsonWriter& json, const KeyBlockFigures& figures) {
-  json.key("key_blocks");
-  json.begin_object();
+void write_figures(JsonWriter& json, const KeyBlockFigures& figures) {
   json.member("count", figures.count);
   json.member("volume_m3", figures.volume_m3);
   json.key("batches");
@@ -125,7 +123,63 @@ void write_key_blocks(JsonWriter& json, const KeyBlockFigures& figures) {
   }
   json.end_array();
   json.member("stopped_at_max_batches", figures.stopped_at_max_batches);
-  json.member("hash", figures.hash);
+  json.member("lowest_factor_of_safety", figures.lowest_factor_of_safety);  // null: no block has a finite one
+  json.member("equilibrium_residual", figures.equilibrium_residual);
+  if (figures.below_target) json.member("below_target", *figures.below_target);
+}
+
+void write_key_blocks(JsonWriter& json, const Summary& summary) {
+  json.key("key_blocks");
+  json.begin_object();
+  write_figures(json, *summary.key_blocks);
+  json.member("hash", summary.key_blocks->hash);
+  if (!summary.load_cases.empty()) {
+    json.key("load_cases");
+    json.begin_array();
+    for (const CaseFigures& load : summary.load_cases) {
+      json.begin_object();
+      json.member("name", load.name);
+      write_figures(json, load.figures);
+      json.end_object();
+    }
+    json.end_array();
+  }
+  json.end_object();
+}
+
+void write_support(JsonWriter& json, const SupportFigures& f) {
+  json.key("support");
+  json.begin_object();
+  json.member("passes", f.passes);
+  json.member("blocks", f.blocks);
+  json.member("held_by_bolts", f.held_by_bolts);
+  json.member("held_by_shotcrete", f.held_by_shotcrete);
+  json.member("not_held", f.not_held);
+  json.member("bolts", f.bolts);
+  json.member("spot_bolts", f.spot_bolts);
+  json.member("bolts_used", f.bolts_used);
+  json.member("bolts_redundant", f.bolts_redundant);
+  json.member("bolts_too_short", f.bolts_too_short);
+  json.member("combined_blocks", f.combined);
+  json.member("combined_failing", f.combined_failing);
+  json.member("required_force_n", f.required_force_n);
+  if (f.required_force_n_per_metre) json.member("required_force_n_per_metre", *f.required_force_n_per_metre);
+  json.member("largest_required_pressure_pa", f.largest_required_pressure_pa);
+  json.member("missing_force_n", f.missing_force_n);
+  if (!f.designs.empty()) {
+    json.key("designs");
+    json.begin_array();
+    for (const DesignFigures& d : f.designs) {
+      json.begin_object();
+      json.member("length_m", d.length_m);
+      json.member("found", d.found);
+      json.member("spacing_scale", d.scale);
+      json.member("bolts", d.bolts);
+      json.member("cost", d.cost);
+      json.end_object();
+    }
+    json.end_array();
+  }
   json.end_object();
 }
 
@@ -165,7 +219,11 @@ void write_sequence(JsonWriter& json, const SequenceFigures& sequence) {
     json.member("block_count", stage.blocks);
     json.member("block_volume_m3", stage.volume_m3);
     json.member("hash", stage.hash);
-    write_key_blocks(json, stage.key_blocks);
+    json.key("key_blocks");
+    json.begin_object();
+    write_figures(json, stage.key_blocks);
+    json.member("hash", stage.key_blocks.hash);
+    json.end_object();
     json.member("new_key_block_count", stage.new_count);
     json.member("new_key_block_volume_m3", stage.new_volume_m3);
     json.end_object();
@@ -220,8 +278,21 @@ BlockFigures count_blocks(const topology::BlockComplex& complex, std::string has
   return figures;
 }
 
-KeyBlockFigures count_key_blocks(const stability::Analysis& analysis) {
-  KeyBlockFigures figures{.batches = {}, .stopped_at_max_batches = analysis.stopped_at_max_batches, .hash = {}};
+bool below(const stability::Judgement& judgement, const TargetFactors& target) {
+  const bool free = judgement.mode == stability::Mode::falling || judgement.mode == stability::Mode::lifting;
+  return stability::moves(judgement.mode) && judgement.factor_of_safety < (free ? target.falling : target.sliding);
+}
+
+KeyBlockFigures count_key_blocks(const stability::Analysis& analysis, const std::optional<TargetFactors>& target) {
+  KeyBlockFigures figures{.batches = {},
+                          .stopped_at_max_batches = analysis.stopped_at_max_batches,
+                          .equilibrium_residual = analysis.equilibrium_residual,
+                          .hash = {}};
+  if (target) figures.below_target = 0;
+  for (const stability::Judgement& judgement : analysis.judgements) {
+    figures.lowest_factor_of_safety = std::min(figures.lowest_factor_of_safety, judgement.factor_of_safety);
+    if (target && below(judgement, *target)) ++*figures.below_target;
+  }
   for (const stability::Batch& batch : analysis.batches) {
     BatchFigures row{.batch = batch.number, .count = batch.blocks.size(), .volume_m3 = batch.volume.si()};
     for (const topology::BlockId block : batch.blocks) {
@@ -236,9 +307,31 @@ KeyBlockFigures count_key_blocks(const stability::Analysis& analysis) {
   return figures;
 }
 
-std::string summary_json(const Summary& summary) {
-  JsonWriter json;
-  json.begin_object();
+SupportFigures count_support(const stability::SupportResult& support) {
+  SupportFigures f;
+  f.passes = support.passes();
+  f.blocks = support.blocks.size();
+  f.bolts = support.bolts.size();
+  f.spot_bolts = support.spot_bolts;
+  for (const stability::SupportedBlock& b : support.blocks) {
+    f.held_by_bolts += b.held == stability::Held::bolts ? 1U : 0U;
+    f.held_by_shotcrete += b.held == stability::Held::shotcrete ? 1U : 0U;
+    f.not_held += b.held == stability::Held::not_held ? 1U : 0U;
+    f.required_force_n += b.required_force;
+    f.missing_force_n += b.missing_force;
+    f.largest_required_pressure_pa = std::max(f.largest_required_pressure_pa, b.required_pressure);
+  }
+  for (const stability::BoltResult& bolt : support.bolts) {
+    f.bolts_used += bolt.status == stability::BoltStatus::holds ? 1U : 0U;
+    f.bolts_redundant += bolt.status == stability::BoltStatus::redundant ? 1U : 0U;
+    f.bolts_too_short += bolt.status == stability::BoltStatus::too_short ? 1U : 0U;
+  }
+  f.combined = support.combined.size();
+  for (const stability::CombinedBlock& b : support.combined) f.combined_failing += b.passes ? 0U : 1U;
+  return f;
+}
+
+void write_summary_head(JsonWriter& json, const Summary& summary) {
   json.member("cleave", CLEAVE_VERSION);
   json.member("schema", 1U);
   json.member("title", summary.title);
@@ -246,9 +339,16 @@ std::string summary_json(const Summary& summary) {
   json.member("scene_sha256", summary.scene_sha256);
   write_plan(json, summary.plan);
   write_cost(json, summary.cost);
+}
+
+std::string summary_json(const Summary& summary) {
+  JsonWriter json;
+  json.begin_object();
+  write_summary_head(json, summary);
   write_input(json, summary.input);
   write_blocks(json, summary);
-  if (summary.key_blocks) write_key_blocks(json, *summary.key_blocks);
+  if (summary.key_blocks) write_key_blocks(json, summary);
+  if (summary.support) write_support(json, *summary.support);
   if (summary.micro_blocks) write_micro_blocks(json, *summary.micro_blocks);
   if (summary.dangling) write_dangling(json, *summary.dangling);
   if (summary.sequence) write_sequence(json, *summary.sequence);

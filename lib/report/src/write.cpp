@@ -1,6 +1,7 @@
 #include "cleave/report/write.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -112,9 +113,16 @@ Summary summarize(const scene::RunResult& result) {
   } else {
     summary.certificate = result.complex.error();
   }
+  std::optional<TargetFactors> target;
+  if (result.stability && result.stability->target) {
+    target = {result.stability->target->falling, result.stability->target->sliding};
+  }
   if (const auto* analysis = analysis_of(result)) {
-    summary.key_blocks = count_key_blocks(*analysis);
+    summary.key_blocks = count_key_blocks(*analysis, target);
     summary.key_blocks->hash = result.key_block_hash;
+  }
+  for (const scene::CaseResult& load : result.load_cases) {
+    summary.load_cases.push_back({.name = load.name, .figures = count_key_blocks(load.analysis, target)});
   }
   if (result.window) {
     const scene::WindowInfo& w = *result.window;
@@ -124,6 +132,15 @@ Summary summarize(const scene::RunResult& result) {
                                    .truncated = w.truncated};
   }
   if (result.sequence) summary.sequence = figures_of(*result.sequence);
+  if (result.support) {
+    summary.support = count_support(*result.support);
+    if (result.tunnel_length > 0) {
+      summary.support->required_force_n_per_metre = summary.support->required_force_n / result.tunnel_length;
+    }
+    for (const scene::DesignResult& d : result.designs) {
+      summary.support->designs.push_back({d.length, d.found, d.scale, d.bolts, d.cost});
+    }
+  }
   return summary;
 }
 
@@ -134,6 +151,15 @@ std::string loads_of(const scene::RunResult& result) {
   };
   std::string out = "rock of " + display(result.rock.density.si()) + " kg/m³, gravity " + vector(s.gravity) + " m/s²";
   if (norm(s.seismic) > 0) out += ", seismic force / weight " + vector(s.seismic);
+  if (s.loads.water) out += ", water table at " + display(s.loads.water->level) + " m";
+  if (!s.loads.pressures.empty()) out += ", water pressure by joint set";
+  const auto count = [&](std::size_t n, std::string_view what) {
+    if (n > 0) out += ", " + std::to_string(n) + " " + std::string{what} + (n == 1 ? "" : "s");
+  };
+  count(s.loads.surcharges.size(), "surcharge");
+  count(s.loads.points.size(), "point force");
+  count(s.loads.lines.size(), "line force");
+  count(s.cases.size(), "more load case");
   return out;
 }
 
@@ -154,6 +180,11 @@ Page page_of(const scene::RunResult& result) {
   if (result.stability) page.loads = loads_of(result);
   page.complex = complex_of(result);
   page.analysis = analysis_of(result);
+  page.support = result.support ? &*result.support : nullptr;
+  page.sensitivity = result.sensitivity;
+  for (const topology::JointId joint : result.joints.ids()) {
+    page.tan_friction.push_back(std::tan(result.joints[joint].strength.friction.radians()));
+  }
   return page;
 }
 
@@ -203,7 +234,16 @@ std::expected<std::vector<std::string>, WriteError> write_exports(const scene::R
 std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result, const fs::path& folder) {
   const auto* complex = complex_of(result);
   if (!result.output.csv || complex == nullptr || !result.analysis) return {};
-  return write_file(folder / "key_blocks.csv", key_blocks_csv(*complex, *result.analysis));
+  const stability::SupportResult* support = result.support ? &*result.support : nullptr;
+  if (support != nullptr) {
+    CLEAVE_CHECK(write_file(folder / "bolts.csv", bolts_csv(*support, result.bolt_groups)));
+  }
+  if (!result.load_cases.empty()) {
+    std::vector<NamedAnalysis> cases{{"base", &*result.analysis}};
+    for (const scene::CaseResult& load : result.load_cases) cases.push_back({load.name, &load.analysis});
+    CLEAVE_CHECK(write_file(folder / "load_cases.csv", load_cases_csv(*complex, cases)));
+  }
+  return write_file(folder / "key_blocks.csv", key_blocks_csv(*complex, *result.analysis, support));
 }
 
 std::expected<void, WriteError> write_report_html(const scene::RunResult& result, const fs::path& folder) {

@@ -41,8 +41,20 @@ struct ParsedStability {
   std::optional<StabilitySettings> settings;
   std::vector<std::uint32_t> free_domain_tags;
 };
-[[nodiscard]] ParsedStability parse_stability(const TableReader& root, const std::optional<geometry::Solid>& domain,
-                                              bool has_excavations);
+[[nodiscard]] ParsedStability parse_stability(const Context& context, const TableReader& root,
+                                              const std::optional<geometry::Solid>& domain,
+                                              const std::vector<Excavation>& excavations);
+/// Keys seismic, water, surcharge, point and line of [stability] or of one [[load]].
+[[nodiscard]] LoadSet parse_load_set(const Context& context, const TableReader& table,
+                                     const std::optional<geometry::Solid>& domain,
+                                     const std::vector<Excavation>& excavations);
+/// The [[load]] tables, each with the loads of `base`.
+[[nodiscard]] std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader& root,
+                                                     const std::optional<geometry::Solid>& domain,
+                                                     const std::vector<Excavation>& excavations, const LoadSet& base);
+[[nodiscard]] std::optional<SupportSettings> parse_support(const TableReader& root,
+                                                           const std::vector<Excavation>& excavations,
+                                                           const std::optional<StabilitySettings>& stability);
 /// Stages of the excavations and [sequence]; empty when all are of one stage.
 [[nodiscard]] std::optional<SequenceSettings> parse_sequence(const TableReader& root,
                                                              const std::vector<Excavation>& excavations);
@@ -54,5 +66,10 @@ void find_notes(const Scene& scene, const TableReader& root);
 
 /// Friction as a number of degrees or a distribution table.
 [[nodiscard]] std::optional<FrictionLaw> parse_friction(const TableReader& table, std::string_view key);
+/// A number or a distribution table of numbers that `allowed` accepts.
+[[nodiscard]] std::optional<NumberLaw> parse_number_law(const TableReader& table, std::string_view key,
+                                                        const NumberRule& allowed);
+/// [monte_carlo]; empty when the scene has none.
+[[nodiscard]] std::optional<MonteCarloSettings> parse_monte_carlo(const TableReader& root);
 
 }  // namespace cleave::scene

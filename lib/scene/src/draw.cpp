@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "bounds.hpp"
@@ -17,14 +18,25 @@ namespace {
 /// Streams of measured joints lie beyond those of any number of [[joint_set]]s, so that joints drawn and joints
 /// measured under one name do not share their friction.
 constexpr std::size_t measured_streams = std::size_t{1} << 23U;
-constexpr std::uint64_t single_realization = 0;
 
-FrictionAngle draw_friction(const Scene& scene, SetId set, std::size_t stream, std::uint32_t index) {
-  Rng rng{{.seed = scene.seed,
-           .realization = single_realization,
-           .purpose = stream_purpose(stream, Draw::friction),
-           .index = index}};
-  return scene.sets[set].properties.friction.quantile(rng.uniform());
+/// One value a joint of each property. Friction and cohesion may hang together by a Gaussian copula: the marginal laws
+/// stay what the scene says.
+Strength draw_strength(const Scene& scene, std::uint64_t realization, SetId set, std::size_t stream,
+                       std::uint32_t index) {
+  const auto uniform = [&](Draw what) {
+    return Rng{
+        {.seed = scene.seed, .realization = realization, .purpose = stream_purpose(stream, what), .index = index}}
+        .uniform();
+  };
+  const JointProperties& properties = scene.sets[set].properties;
+  const double friction = uniform(Draw::friction);
+  double cohesion = uniform(Draw::cohesion);
+  if (const double r = properties.friction_cohesion; r != 0) {
+    const double score = r * normal_quantile(friction) + std::sqrt(1 - r * r) * normal_quantile(cohesion);
+    cohesion = std::clamp(0.5 * std::erfc(-score / std::numbers::sqrt2), 0x1p-53, 1 - 0x1p-53);
+  }
+  return {properties.friction.quantile(friction), properties.cohesion.quantile(cohesion),
+          properties.tension.quantile(uniform(Draw::tension)), properties.jrc, properties.jcs};
 }
 
 geometry::Vec3 upward(geometry::Vec3 n) {
@@ -56,15 +68,15 @@ JointInfo describe_joint(SetId set, JointOrigin origin, std::string source, Stre
           .dip_direction = DipDirection::degrees(direction < 0 ? direction + 360 : direction)};
 }
 
-void add_measured(const Scene& scene, Drawn& drawn) {
+void add_measured(const Scene& scene, std::uint64_t realization, Drawn& drawn) {
   IdVector<SetId, std::uint32_t> next{scene.sets.size(), 0U};
   for (const MeasuredJoint& joint : scene.joints) {
-    const JointProperties& properties = scene.sets[joint.set].properties;
     const std::uint32_t index = next[joint.set]++;
-    const FrictionAngle friction = joint.own.friction
-                                       ? *joint.own.friction
-                                       : draw_friction(scene, joint.set, measured_streams + joint.set.index(), index);
-    const Strength strength{friction, joint.own.cohesion.value_or(properties.cohesion), properties.tension};
+    Strength strength = draw_strength(scene, realization, joint.set, measured_streams + joint.set.index(), index);
+    strength.friction = joint.own.friction.value_or(strength.friction);
+    strength.cohesion = joint.own.cohesion.value_or(strength.cohesion);
+    strength.tension = joint.own.tension.value_or(strength.tension);
+    if (joint.own.cohesion) strength.jrc = 0;  // a straight law of its own
     geometry::Vec3 normal;
     std::visit(overloaded{[&](const topology::Joint& polygons) {
                             normal = geometry::normalized(area_vector(polygons.polygons.front()));
@@ -81,21 +93,33 @@ void add_measured(const Scene& scene, Drawn& drawn) {
   }
 }
 
-std::expected<void, Problem> add_random(const Scene& scene, std::size_t number, const Box& box, Drawn& drawn) {
+/// The joints of the sets so far; kept only when a later set ends at them.
+using SampledSets = std::vector<std::vector<dfn::SampledJoint>>;
+
+std::expected<void, Problem> add_random(const Scene& scene, std::uint64_t realization, std::size_t number,
+                                        const Box& box, SampledSets& kept, Drawn& drawn) {
   const RandomSet& set = scene.joint_sets[number];
-  auto sampled = dfn::sample(set.law, number, {box.min, box.max}, scene.seed, single_realization);
+  std::vector<std::span<const dfn::SampledJoint>> older;
+  for (const std::size_t earlier : dfn::terminates_at(set.law)) older.emplace_back(kept[earlier]);
+  auto sampled = dfn::sample(set.law, number, {box.min, box.max}, scene.seed, realization, older);
   if (!sampled) {
     return std::unexpected(
         Problem{scene.shown, set.line, fmt::format("joint_set[{}]", number + 1), describe(sampled.error()), ""});
   }
+  const auto ends_here = [&](const RandomSet& later) {
+    return std::ranges::find(dfn::terminates_at(later.law), number) != dfn::terminates_at(later.law).end();
+  };
+  if (std::ranges::any_of(scene.joint_sets, ends_here)) kept[number] = *sampled;
   const NamedSet& named = scene.sets[set.set];
   for (dfn::SampledJoint& joint : *sampled) {
-    const Strength strength{draw_friction(scene, set.set, number, joint.index), named.properties.cohesion,
-                            named.properties.tension};
+    const Strength strength = draw_strength(scene, realization, set.set, number, joint.index);
     std::visit(overloaded{[&](geometry::Polygon& polygon) {
                             topology::Joint shape;
                             shape.polygons.push_back(std::move(polygon));
                             drawn.input.joints.emplace_back(std::move(shape));
+                          },
+                          [&](std::vector<geometry::Polygon>& polygons) {
+                            drawn.input.joints.emplace_back(topology::Joint{std::move(polygons)});
                           },
                           [&](const dfn::InfinitePlane& plane) {
                             drawn.input.joints.emplace_back(topology::PersistentJoint{plane.through, plane.normal});
@@ -110,7 +134,7 @@ std::expected<void, Problem> add_random(const Scene& scene, std::size_t number, 
 
 }  // namespace
 
-std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene) {
+std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene, std::uint64_t realization) {
   Drawn drawn{.input = {.domain = scene.domain,
                         .joints = {},
                         .excavations = {},
@@ -122,11 +146,13 @@ std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene) {
               .joints = {}};
   for (const NamedSet& set : scene.sets) drawn.sets.push_back({set.name, 0});
   for (const Excavation& excavation : scene.excavations) drawn.input.excavations.push_back(excavation.solid);
-  add_measured(scene, drawn);
+  add_measured(scene, realization, drawn);
   std::vector<Problem> problems;
   const Box box = box_of(scene.domain);
+  SampledSets kept(scene.joint_sets.size());
   for (std::size_t number = 0; number < scene.joint_sets.size(); ++number) {
-    if (auto added = add_random(scene, number, box, drawn); !added) problems.push_back(std::move(added).error());
+    if (auto added = add_random(scene, realization, number, box, kept, drawn); !added)
+      problems.push_back(std::move(added).error());
   }
   if (!problems.empty()) return std::unexpected(std::move(problems));
   return drawn;

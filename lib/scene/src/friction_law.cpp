@@ -17,12 +17,14 @@ double cut_normal(double low, double high, double u) {
   return normal_quantile(from + u * (to - from));
 }
 
-}  // namespace
-
-FrictionAngle FrictionLaw::quantile(double u) const {
-  const auto within = [&](double x) { return FrictionAngle::degrees(std::fmin(std::fmax(x, min), max)); };
+/// Inverse distribution function of the laws that friction, cohesion and the like share.
+template <class Law>
+double quantile_of(const Law& law, double u) {
+  using Kind = FrictionLaw::Kind;
+  const auto& [kind, mean, std, min, max] = law;
+  const auto within = [&](double x) { return std::fmin(std::fmax(x, law.min), law.max); };
   switch (kind) {
-    case Kind::constant: return FrictionAngle::degrees(mean);
+    case Kind::constant: return mean;
     case Kind::uniform: return within(min + u * (max - min));
     case Kind::normal:
       if (std == 0) return within(mean);
@@ -42,5 +44,11 @@ FrictionAngle FrictionLaw::quantile(double u) const {
   }
   std::unreachable();
 }
+
+}  // namespace
+
+FrictionAngle FrictionLaw::quantile(double u) const { return FrictionAngle::degrees(quantile_of(*this, u)); }
+Stress StressLaw::quantile(double u) const { return pascals(quantile_of(*this, u)); }
+double NumberLaw::quantile(double u) const { return quantile_of(*this, u); }
 
 }  // namespace cleave::scene

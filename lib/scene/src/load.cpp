@@ -5,6 +5,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "cleave/scene/bodies.hpp"
 #include "cleave/scene/parse.hpp"
 
 namespace cleave::scene {
@@ -63,6 +64,12 @@ std::expected<Scene, std::vector<Problem>> load(const std::string& path) {
     return LoadedFile{std::move(*bytes), whole.generic_string()};
   };
   return parse(*text, path, beside);
+}
+
+std::optional<std::expected<BodiesScene, std::vector<Problem>>> load_bodies(const std::string& path) {
+  const auto text = read_whole(path, largest_scene);
+  if (!text || !is_bodies_scene(*text)) return std::nullopt;
+  return parse_bodies(*text, path);
 }
 
 }  // namespace cleave::scene

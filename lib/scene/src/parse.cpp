@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cleave/core/sha256.hpp"
+#include "cleave/stochastic/ensemble.hpp"
 #include "context.hpp"
 
 namespace cleave::scene {
@@ -16,8 +17,9 @@ using std::string_view;
 constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
                                                 "north",  "domain",     "joint",    "joint_set", "joints",
                                                 "rock",   "excavation", "stability"};
-constexpr std::array<string_view, 4> more_root_keys{"output", "sequence", "keep_dangling", "micro_blocks"};
-constexpr std::array<string_view, 6> later_sections{"support", "monte_carlo", "body", "load", "contact", "elastic"};
+constexpr std::array<string_view, 7> more_root_keys{"output",       "sequence",    "keep_dangling", "micro_blocks",
+                                                    "monte_carlo", "load", "support"};
+constexpr std::array<string_view, 3> later_sections{"body", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
   const std::size_t slash = shown.find_last_of('/');
@@ -74,7 +76,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
     return std::unexpected(std::move(problems).take_errors());
   }
   if (tree->entries.empty()) {
-    problems.error(1, "domain", "the file is empty", "start from one of: cleave init tunnel, slope, wedge, network");
+    problems.error(1, "domain", "the file is empty", "start from one of: cleave init tunnel, slope, wedge, network, bodies");
     return std::unexpected(std::move(problems).take_errors());
   }
   const TomlTable table = without_later_sections(std::move(*tree), problems);
@@ -94,10 +96,28 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   const Rock rock = parse_rock(root);
   std::vector<Excavation> excavations;
   parse_excavations(context, root, domain, excavations);
-  ParsedStability stability = parse_stability(root, domain, root.has("excavation") && !excavations.empty());
+  ParsedStability stability = parse_stability(context, root, domain, excavations);
+  std::optional<SupportSettings> support = parse_support(root, excavations, stability.settings);
+  OutputSettings output = parse_output(root);
   std::optional<SequenceSettings> sequence = parse_sequence(root, excavations);
   const MicroBlocks micro_blocks = parse_micro_blocks(root);
-  const OutputSettings output = parse_output(root);
+  // What is asked for of all the rock needs all the rock.
+  if (sequence || header.keep_dangling || micro_blocks.policy == MicroBlockPolicy::exclude) {
+    output.only_key_blocks = false;
+  }
+  std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
+  if (monte_carlo && monte_carlo->stop) {
+    const auto* quantity = stochastic::quantity_named(monte_carlo->stop->quantity);
+    if (quantity->stability && !stability.settings) {
+      problems.error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
+                     "asks for key blocks, but nothing is free",
+                     "add an excavation or stability.free, or take block_count");
+    }
+    if (quantity->whole_system && output.only_key_blocks && stability.settings) {
+      problems.error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
+                     "counts all blocks, but only key blocks are cut", "set output.blocks = \"all\"");
+    }
+  }
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 
   Scene scene{.title = header.title,
@@ -113,10 +133,12 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .joint_sets = std::move(joint_sets),
               .rock = rock,
               .excavations = std::move(excavations),
+              .support = std::move(support),
               .stability = stability.settings,
               .sequence = std::move(sequence),
               .micro_blocks = micro_blocks,
               .output = output,
+              .monte_carlo = std::move(monte_carlo),
               .shown = shown,
               .file_name = stem_of(shown),
               .sha256 = sha256_hex(text),

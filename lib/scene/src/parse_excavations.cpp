@@ -136,7 +136,7 @@ string_view key_of(const geometry::TunnelError& error) {
   return axis ? "axis" : "section";
 }
 
-std::optional<geometry::Solid> parse_tunnel(const TableReader& tunnel) {
+std::optional<geometry::Solid> parse_tunnel(const TableReader& tunnel, std::optional<TunnelLine>& line) {
   geometry::TunnelOptions options;
   const auto section = parse_section(tunnel, options);
   if (!tunnel.has("axis")) tunnel.missing("axis", "add axis = [[x, y, z], [x, y, z]]");
@@ -147,7 +147,12 @@ std::optional<geometry::Solid> parse_tunnel(const TableReader& tunnel) {
   }
   if (!section || !axis) return std::nullopt;
   auto solid = geometry::make_tunnel(*section, *axis, options);
-  if (solid) return std::move(*solid);
+  if (solid) {
+    if (auto outline = geometry::outline_of(*section, options.segments)) {
+      line = {*axis, options.up.value_or(geometry::Vec3{0, 0, 1}), std::move(outline->corners)};
+    }
+    return std::move(*solid);
+  }
   tunnel.error(key_of(solid.error()), describe(solid.error()), "");
   return std::nullopt;
 }
@@ -225,6 +230,7 @@ std::vector<Excavation> parse_excavation(Context& context, const TomlTable& tabl
   const TableReader reader{table, line, path, context.problems, known};
   const auto name = reader.text("name");
   const auto stage = reader.integer("stage", 1, 10'000);
+  std::optional<TunnelLine> tunnel_line;
   const bool each = reader.boolean("stage_each").value_or(false);
   std::vector<geometry::Solid> solids;
   const auto add = [&](std::optional<geometry::Solid> solid) {
@@ -232,7 +238,7 @@ std::vector<Excavation> parse_excavation(Context& context, const TomlTable& tabl
   };
   // A cut from above is as large as the domain, so without a domain there is nothing to say about it.
   switch (static_cast<Kind>(*kind)) {
-    case tunnel: add(parse_tunnel(reader)); break;
+    case tunnel: add(parse_tunnel(reader, tunnel_line)); break;
     case slope:
       if (domain) add(parse_slope(context, reader, *domain));
       break;
@@ -256,7 +262,10 @@ std::vector<Excavation> parse_excavation(Context& context, const TomlTable& tabl
         {.name = std::move(shown),
          .stage = static_cast<std::uint32_t>(stage.value_or(1)) + (each ? static_cast<std::uint32_t>(bench) : 0U),
          .solid = std::move(solids[i]),
-         .line = line});
+         .axis = *kind == tunnel ? reader.points("axis").value_or(std::vector<geometry::Vec3>{})
+                                 : std::vector<geometry::Vec3>{},
+         .line = line,
+         .tunnel = tunnel_line});
   }
   return excavations;
 }

@@ -131,6 +131,22 @@ void resolve_terminations(Context& context, const std::vector<MeasuredJoint>& jo
   }
 }
 
+/// Strength of this joint alone. A file's rows state theirs in columns.
+OwnStrength parse_own_strength(const TableReader& joint, bool is_file) {
+  OwnStrength own;
+  for (const string_view key : {"friction", "cohesion", "tension"}) {
+    if (is_file && joint.has(key)) {
+      joint.error(key, "belongs to a single joint, not to a file",
+                  "write it under [joints.NAME], or as a column of the file");
+      return own;
+    }
+  }
+  if (const auto friction = joint.number("friction", rule::friction)) own.friction = FrictionAngle::degrees(*friction);
+  if (const auto cohesion = joint.number("cohesion", rule::stress)) own.cohesion = pascals(*cohesion);
+  if (const auto tension = joint.number("tension", rule::stress)) own.tension = pascals(*tension);
+  return own;
+}
+
 }  // namespace
 
 std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3> corners, bool triangulate) {
@@ -153,8 +169,8 @@ std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3
 }
 
 void parse_joints(Context& context, const TableReader& root, std::vector<MeasuredJoint>& joints) {
-  constexpr std::array<string_view, 10> keys{"file", "plane",   "disc", "polygon", "holes",
-                                             "set",  "surface", "wrap", "name",    "ends_on"};
+  constexpr std::array<string_view, 13> keys{"file", "plane",   "disc", "polygon", "holes",    "set",      "surface",
+                                             "wrap", "name",    "ends_on", "friction", "cohesion", "tension"};
   constexpr std::array<string_view, 4> kinds{"file", "plane", "disc", "polygon"};
   const auto found = root.tables("joint");
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -176,6 +192,7 @@ void parse_joints(Context& context, const TableReader& root, std::vector<Measure
       joint.error("name", fmt::format("\"{}\" is the name of another joint", name->substr(0, 60)), "choose another");
     }
     const std::size_t before = joints.size();
+    const OwnStrength own = parse_own_strength(joint, kind->key == "file");
     if (kind->key == "file") {
       parse_joint_file(context, joint, set, joints);
     } else {
@@ -185,7 +202,7 @@ void parse_joints(Context& context, const TableReader& root, std::vector<Measure
       if (!geometry) continue;
       joints.push_back({.geometry = std::move(*geometry),
                         .set = context.set_named(set.value_or("default")),
-                        .own = {},
+                        .own = own,
                         .file = context.problems.file(),
                         .line = kind->line,
                         .name = name.value_or(std::string{}),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -17,30 +18,23 @@ using Kind = FrictionLaw::Kind;
 /// What a [joints.NAME] states; what it does not state comes from [joints.default].
 struct Stated {
   std::optional<FrictionLaw> friction;
-  std::optional<double> cohesion, tension;
+  std::optional<StressLaw> cohesion, tension;
+  std::optional<double> correlation, jrc, jcs;
 };
 
-Stated parse_one(const TableReader& table) {
-  return {parse_friction(table, "friction"), table.number("cohesion", rule::stress),
-          table.number("tension", rule::stress)};
-}
+/// A law as it is written, whatever it is of.
+struct Law {
+  Kind kind = Kind::constant;
+  std::optional<double> mean, std, min, max;
+};
 
-JointProperties with(JointProperties base, const Stated& stated) {
-  if (stated.friction) base.friction = *stated.friction;
-  if (stated.cohesion) base.cohesion = pascals(*stated.cohesion);
-  if (stated.tension) base.tension = pascals(*stated.tension);
-  return base;
-}
-
-}  // namespace
-
-std::optional<FrictionLaw> parse_friction(const TableReader& owner, string_view key) {
+std::optional<Law> parse_law(const TableReader& owner, string_view key, const NumberRule& allowed) {
   const TomlEntry* entry = owner.find(key);
   if (entry == nullptr) return std::nullopt;
   if (!std::holds_alternative<TomlTable>(entry->node.value)) {
-    const auto value = owner.number(key, rule::friction);
+    const auto value = owner.number(key, allowed);
     if (!value) return std::nullopt;
-    return FrictionLaw{.kind = Kind::constant, .mean = *value};
+    return Law{.kind = Kind::constant, .mean = *value, .std = {}, .min = {}, .max = {}};
   }
   constexpr std::array<string_view, 5> keys{"distribution", "mean", "std", "min", "max"};
   constexpr std::array<string_view, 5> laws{"uniform", "normal", "lognormal", "exponential", "constant"};
@@ -53,46 +47,111 @@ std::optional<FrictionLaw> parse_friction(const TableReader& owner, string_view 
                   "add distribution = \"uniform\" (with min and max) or \"normal\" (with mean and std)");
     return std::nullopt;
   }
-  const auto law = table.choice("distribution", laws, later);
-  if (!law) return std::nullopt;
-  FrictionLaw result;
-  result.kind = kinds[*law];
-  const bool uniform = result.kind == Kind::uniform;
-  const bool with_std = result.kind == Kind::normal || result.kind == Kind::lognormal;
+  const auto word = table.choice("distribution", laws, later);
+  if (!word) return std::nullopt;
+  Law law;
+  law.kind = kinds[*word];
+  const bool uniform = law.kind == Kind::uniform;
+  const bool with_std = law.kind == Kind::normal || law.kind == Kind::lognormal;
   if (uniform && (!table.has("min") || !table.has("max"))) {
-    table.missing(table.has("min") ? "max" : "min", "add min and max, in degrees");
+    table.missing(table.has("min") ? "max" : "min",
+                  allowed.unit.empty() ? "add min and max" : fmt::format("add min and max, in{}", allowed.unit));
   }
-  const auto low = table.number("min", rule::friction);
-  const auto high = table.number("max", rule::friction);
-  const auto mean = uniform ? table.number("mean", rule::friction) : table.need_number("mean", rule::friction);
-  const auto std = with_std ? table.need_number("std", rule::friction) : table.number("std", rule::friction);
-  if (uniform && mean) table.error("mean", "has no meaning for the distribution \"uniform\"", "remove it");
-  if (!with_std && std) table.error("std", "has no meaning for this distribution", "remove it");
+  law.min = table.number("min", allowed);
+  law.max = table.number("max", allowed);
+  law.mean = uniform ? table.number("mean", allowed) : table.need_number("mean", allowed);
+  law.std = with_std ? table.need_number("std", allowed) : table.number("std", allowed);
+  if (uniform && law.mean) table.error("mean", "has no meaning for the distribution \"uniform\"", "remove it");
+  if (!with_std && law.std) table.error("std", "has no meaning for this distribution", "remove it");
   if (owner.problems().errors() != before) return std::nullopt;
-  result.mean = mean.value_or(result.mean);
-  result.std = std.value_or(0.0);
-  result.min = low.value_or(result.min);
-  result.max = high.value_or(result.max);
-  if (result.min > result.max) {
-    table.error("min", fmt::format("is {}, above max = {}", result.min, result.max), "swap them");
+  if (law.min && law.max && *law.min > *law.max) {
+    table.error("min", fmt::format("is {}, above max = {}", *law.min, *law.max), "swap them");
     return std::nullopt;
   }
-  const bool positive = result.kind == Kind::lognormal || result.kind == Kind::exponential;
-  if (positive && result.mean <= 0) {
-    table.error("mean", "is 0", "give a mean above 0 degrees");
+  const bool positive = law.kind == Kind::lognormal || law.kind == Kind::exponential;
+  if (positive && *law.mean <= 0) {
+    table.error("mean", "is 0", fmt::format("give a mean above 0{}", allowed.unit));
     return std::nullopt;
   }
   // A law that lies almost wholly outside its limits would put every draw on a limit.
-  if (with_std && (result.mean < result.min - 5 * result.std || result.mean > result.max + 5 * result.std)) {
-    table.error("mean", fmt::format("is {}, more than 5 std outside of min..max", result.mean),
+  if (with_std &&
+      ((law.min && *law.mean < *law.min - 5 * *law.std) || (law.max && *law.mean > *law.max + 5 * *law.std))) {
+    table.error("mean", fmt::format("is {}, more than 5 std outside of min..max", *law.mean),
                 "move the limits or the mean");
     return std::nullopt;
   }
-  return result;
+  return law;
+}
+
+/// The law in its own type, whose limits stand where the scene states none.
+template <class Own>
+std::optional<Own> own_law(const std::optional<Law>& law) {
+  if (!law) return std::nullopt;
+  Own own;
+  own.kind = law->kind;
+  own.mean = law->mean.value_or(own.mean);
+  own.std = law->std.value_or(0.0);
+  own.min = law->min.value_or(own.min);
+  own.max = law->max.value_or(own.max);
+  return own;
+}
+
+Stated parse_one(const TableReader& table) {
+  constexpr NumberRule correlation{-1, false, 1, false, ""};
+  constexpr NumberRule roughness{0, true, 20, false, ""};
+  constexpr NumberRule wall{0, true, 1e15, false, " Pa"};
+  Stated stated{parse_friction(table, "friction"),
+                own_law<StressLaw>(parse_law(table, "cohesion", rule::stress)),
+                own_law<StressLaw>(parse_law(table, "tension", rule::stress)),
+                table.number("friction_cohesion_correlation", correlation),
+                table.number("jrc", roughness),
+                table.number("jcs", wall)};
+  if (table.has("jrc") != table.has("jcs")) {
+    table.missing(table.has("jrc") ? "jcs" : "jrc", "Barton-Bandis needs both: jrc = 8, jcs = 50e6");
+  }
+  const auto constant = [](const auto& law) { return law && law->kind == Kind::constant; };
+  if (stated.jrc && stated.cohesion && !(constant(stated.cohesion) && stated.cohesion->mean == 0)) {
+    table.error("cohesion", "has no meaning beside jrc and jcs", "remove one of them");
+  }
+  if (constant(stated.friction) && constant(stated.cohesion) && constant(stated.tension)) {
+    const double tangent = std::tan(FrictionAngle::degrees(stated.friction->mean).radians());
+    if (stated.tension->mean * tangent > stated.cohesion->mean) {
+      table.note("tension",
+                 fmt::format("is above cohesion / tan(friction) = {:.6g} Pa, the apex of the Mohr-Coulomb line",
+                             tangent > 0 ? stated.cohesion->mean / tangent : 0.0),
+                 "it is used as given; check it");
+    }
+  }
+  return stated;
+}
+
+JointProperties with(JointProperties base, const Stated& stated) {
+  if (stated.friction) base.friction = *stated.friction;
+  if (stated.cohesion) base.cohesion = *stated.cohesion;
+  if (stated.tension) base.tension = *stated.tension;
+  if (stated.correlation) base.friction_cohesion = *stated.correlation;
+  if (stated.cohesion) base.jrc = 0;  // a straight law of its own
+  if (stated.jrc && stated.jcs) {
+    base.jrc = *stated.jrc;
+    base.jcs = pascals(*stated.jcs);
+    base.cohesion = StressLaw{};
+  }
+  return base;
+}
+
+}  // namespace
+
+std::optional<FrictionLaw> parse_friction(const TableReader& owner, string_view key) {
+  return own_law<FrictionLaw>(parse_law(owner, key, rule::friction));
+}
+
+std::optional<NumberLaw> parse_number_law(const TableReader& owner, string_view key, const NumberRule& allowed) {
+  return own_law<NumberLaw>(parse_law(owner, key, allowed));
 }
 
 void parse_properties(Context& context, const TableReader& root) {
-  constexpr std::array<string_view, 3> keys{"friction", "cohesion", "tension"};
+  constexpr std::array<string_view, 6> keys{"friction", "cohesion", "tension", "friction_cohesion_correlation",
+                                            "jrc",      "jcs"};
   const TomlTable* found = root.table("joints");
   if (found == nullptr) return;
   std::vector<std::pair<std::string, Stated>> stated;

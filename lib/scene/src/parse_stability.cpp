@@ -49,17 +49,32 @@ PartialFactors parse_partial(const TableReader& stability) {
   return factors;
 }
 
+std::optional<Targets> parse_target(const TableReader& stability) {
+  const TomlTable* found = stability.table("target");
+  if (found == nullptr) return std::nullopt;
+  constexpr std::array<string_view, 2> keys{"falling", "sliding"};
+  constexpr NumberRule factor{0, true, 100, false, ""};
+  const TableReader table{*found, stability.line_of("target"), stability.path_of("target"), stability.problems(), keys};
+  Targets targets;
+  targets.falling = table.number("falling", factor).value_or(targets.falling);
+  targets.sliding = table.number("sliding", factor).value_or(targets.sliding);
+  return targets;
+}
+
 }  // namespace
 
-ParsedStability parse_stability(const TableReader& root, const std::optional<geometry::Solid>& domain,
-                                bool has_excavations) {
-  constexpr std::array<string_view, 6> keys{"free", "gravity", "seismic", "partial", "force_transfer", "max_batches"};
-  constexpr std::array<string_view, 3> later{"target", "water", "surcharge"};
+ParsedStability parse_stability(const Context& context, const TableReader& root,
+                                const std::optional<geometry::Solid>& domain,
+                                const std::vector<Excavation>& excavations) {
+  constexpr std::array<string_view, 14> keys{
+      "free",  "gravity",   "seismic", "partial", "force_transfer", "max_batches",      "target",
+      "water", "surcharge", "point",   "line",    "strict",         "parallel_contact", "group_friction"};
+  constexpr std::array<string_view, 2> frictions{"area_mean", "smallest"};
   ParsedStability result;
   StabilitySettings settings;
   const TomlTable* found = root.table("stability");
   if (found != nullptr) {
-    const TableReader table{*found, root.line_of("stability"), "stability", root.problems(), keys, later};
+    const TableReader table{*found, root.line_of("stability"), "stability", root.problems(), keys};
     result.free_domain_tags = parse_free(table, domain);
     if (const TomlEntry* gravity = table.find("gravity")) {
       constexpr NumberRule strength{0, false, 1e3, false, " m/s2"};
@@ -69,15 +84,23 @@ ParsedStability parse_stability(const TableReader& root, const std::optional<geo
         settings.gravity = {0, 0, -*value};
       }
     }
-    if (const auto seismic = table.vec3("seismic", rule::ratio)) settings.seismic = *seismic;
+    settings.loads = parse_load_set(context, table, domain, excavations);
+    settings.seismic = settings.loads.seismic;
     settings.partial = parse_partial(table);
+    settings.target = parse_target(table);
     if (const auto transfer = table.boolean("force_transfer")) settings.force_transfer = *transfer;
     if (const auto most = table.integer("max_batches", 1, 1'000'000)) {
       settings.max_batches = static_cast<std::uint32_t>(*most);
     }
+    settings.strict = table.boolean("strict").value_or(false);
+    settings.parallel_contact = table.boolean("parallel_contact").value_or(false);
+    if (table.choice("group_friction", frictions).value_or(0) == 1) {
+      settings.group_friction = stability::GroupFriction::smallest;
+    }
   }
+  settings.cases = parse_load_cases(context, root, domain, excavations, settings.loads);
   // Without anything free no block can move, so there is nothing to judge, [stability] or not.
-  if (has_excavations || !result.free_domain_tags.empty()) result.settings = settings;
+  if (!excavations.empty() || !result.free_domain_tags.empty()) result.settings = settings;
   return result;
 }
 

@@ -41,6 +41,13 @@ std::string why_write(const OutputSettings& output, bool stability) {
   return files;
 }
 
+std::string why_support(const Scene& scene) {
+  if (!scene.support) return "no [support]";
+  if (!scene.stability) return "nothing is free, so nothing needs support";
+  return count_of(scene.support->plan.bolts.size(), "bolt", "bolts") +
+         (scene.support->plan.shotcrete ? " and shotcrete" : "") + (scene.support->design ? "; with a search" : "");
+}
+
 /// Joints, and a bracket of the number of blocks: at least 1; at most what so many planes through the whole domain
 /// would make.
 SizeEstimate estimate(const Scene& scene) {
@@ -113,8 +120,15 @@ Plan make_plan(const Scene& scene) {
         break;
       case Stage::audit: add(stage, true, "every block system is certified"); break;
       case Stage::stability: add(stage, stability, why_stability(scene)); break;
-      case Stage::support: add(stage, false, "no [support]"); break;
-      case Stage::monte_carlo: add(stage, false, "no [monte_carlo]: one run"); break;
+      case Stage::support: add(stage, scene.support && stability, why_support(scene)); break;
+      case Stage::monte_carlo:
+        add(stage, scene.monte_carlo.has_value(),
+            !scene.monte_carlo ? "no [monte_carlo]: one run"
+            : scene.monte_carlo->stop
+                ? fmt::format("up to {} realizations, until {} is known to {:.3g} %", scene.monte_carlo->realizations,
+                              scene.monte_carlo->stop->quantity, 100 * scene.monte_carlo->stop->relative_half_width)
+                : fmt::format("{} realizations", scene.monte_carlo->realizations));
+        break;
       case Stage::elastic: add(stage, false, "no [[body]]"); break;
       case Stage::contact: add(stage, false, "no [[body]]"); break;
       case Stage::write: add(stage, true, why_write(scene.output, stability)); break;
@@ -124,6 +138,7 @@ Plan make_plan(const Scene& scene) {
     }
   }
   plan.estimate = estimate(scene);
+  if (scene.monte_carlo) plan.estimate.seconds *= static_cast<double>(scene.monte_carlo->realizations);
   return plan;
 }
 

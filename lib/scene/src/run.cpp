@@ -10,13 +10,18 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/core/rng.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/stability/near_field.hpp"
 #include "cleave/topology/cut.hpp"
 #include "cleave/topology/sequence.hpp"
+#include "judge.hpp"
 
 namespace cleave::scene {
 namespace {
+
+/// A stream of the whole scene, not of a joint set: its purpose lies beyond those of core's Draw.
+constexpr auto seismic_factor = static_cast<Draw>(64);
 
 Problem problem_of(const topology::CutError& error, const Scene& scene, const Drawn& drawn) {
   const std::string what = describe(error);
@@ -48,30 +53,14 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                     error);
 }
 
-/// All of it was checked when the scene was parsed, so none of the factories can refuse.
-stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted) {
-  const auto strength_of = [](const Strength& s) {
-    auto made = stability::JointStrength::make(s.friction, s.cohesion, s.tension);
-    CLEAVE_ASSERT(made.has_value());
-    return *made;
-  };
-  const auto rock = stability::RockMass::make(scene.rock.density);
-  const auto loads = stability::Loads::make(wanted.gravity, wanted.seismic);
-  const auto partial =
-      stability::PartialFactors::make(wanted.partial.friction, wanted.partial.cohesion, wanted.partial.weight);
-  CLEAVE_ASSERT(rock.has_value() && loads.has_value() && partial.has_value());
-  const Strength nothing{FrictionAngle::degrees(0), pascals(0), pascals(0)};
-  stability::StrengthTable strengths{
-      strength_of(drawn.joints.empty() ? nothing : drawn.joints[topology::JointId{0U}].strength)};
-  for (const topology::JointId joint : drawn.joints.ids()) {
-    strengths.set(joint, strength_of(drawn.joints[joint].strength));
+/// The settings of one realization: what is random of the loads is drawn.
+stability::Settings settings_of(const Scene& scene, const Drawn& drawn, std::uint64_t realization) {
+  LoadSet loads = scene.stability->loads;
+  if (scene.monte_carlo) {
+    Rng rng{{.seed = scene.seed, .realization = realization, .purpose = stream_purpose(0, seismic_factor), .index = 0}};
+    loads.seismic = scene.monte_carlo->seismic_factor.quantile(rng.uniform()) * loads.seismic;
   }
-  return {.rock = *rock,
-          .strengths = std::move(strengths),
-          .loads = *loads,
-          .partial = *partial,
-          .force_transfer = wanted.force_transfer,
-          .max_batches = wanted.max_batches};
+  return settings_of(scene, drawn, *scene.stability, loads);
 }
 
 void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::vector<std::string>& notes) {
@@ -155,7 +144,7 @@ std::expected<System, topology::CutError> cut_all(const Scene& scene, const Draw
   System system{std::move(complex), std::move(report), {}, std::move(hash), {}, {}};
   if (system.complex && scene.stability) {
     const Judge judge = [&](const topology::AuditedComplex& complex_of_state) {
-      stability::Settings settings = settings_of(scene, drawn, *scene.stability);
+      stability::Settings settings = settings_of(scene, drawn, options.realization);
       if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
         settings.left_out = micro_blocks(complex_of_state.complex(), scene.micro_blocks);
       }
@@ -174,7 +163,7 @@ std::expected<System, topology::CutError> cut_near_free_faces(const Scene& scene
                                                               const RunOptions& options, StageTimer& timer,
                                                               Progress& progress) {
   progress.begin(name_of(Stage::cut));
-  auto near = stability::analyse_near_field(drawn.input, settings_of(scene, drawn, *scene.stability),
+  auto near = stability::analyse_near_field(drawn.input, settings_of(scene, drawn, options.realization),
                                             {.threads = options.threads}, timer);
   if (!near) {
     if (auto* error = std::get_if<topology::CutError>(&near.error())) return std::unexpected(std::move(*error));
@@ -235,6 +224,28 @@ RunCost cost_of(const StageTimer& timer, unsigned threads) {
   return cost;
 }
 
+std::expected<Realized, std::vector<Problem>> realize(const Scene& scene, std::uint64_t realization) {
+  auto drawn = draw(scene, realization);
+  if (!drawn) return std::unexpected(std::move(drawn).error());
+  if (scene.output.only_key_blocks && scene.stability && only_weights(scene)) {
+    StageTimer timer;
+    auto near =
+        stability::analyse_near_field(drawn->input, settings_of(scene, *drawn, realization), {.threads = 1}, timer);
+    if (near) return Realized{*std::move(drawn), std::move(near->complex), std::move(near->analysis)};
+    if (auto* error = std::get_if<topology::CutError>(&near.error())) {
+      return std::unexpected(std::vector{problem_of(*error, scene, *drawn)});
+    }
+    return Realized{*std::move(drawn), std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}};
+  }
+  auto cut = topology::cut(drawn->input, {.threads = 1});
+  if (!cut) return std::unexpected(std::vector{problem_of(cut.error(), scene, *drawn)});
+  Realized realized{*std::move(drawn), topology::audit(*std::move(cut)), std::nullopt};
+  if (realized.complex && scene.stability) {
+    realized.analysis = stability::analyse(*realized.complex, settings_of(scene, realized.drawn, realization));
+  }
+  return realized;
+}
+
 std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options, StageTimer& timer,
                                                    Progress& progress) {
   Plan plan = make_plan(scene);
@@ -243,13 +254,15 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return timer.run(name_of(which), work);
   };
 
-  auto drawn = plan.runs(Stage::draw) ? stage(Stage::draw, [&] { return draw(scene); }) : draw(scene);
+  auto drawn = plan.runs(Stage::draw) ? stage(Stage::draw, [&] { return draw(scene, options.realization); })
+                                      : draw(scene, options.realization);
   if (!drawn) {
     progress.end();
     return std::unexpected(std::move(drawn).error());
   }
 
-  auto made = scene.output.only_key_blocks && scene.stability && !scene.sequence
+  // The neighbourhood of free faces is enough for weights alone: other loads, cases and bolts see all of the rock.
+  auto made = scene.output.only_key_blocks && scene.stability && !scene.sequence && only_weights(scene)
                   ? cut_near_free_faces(scene, *drawn, options, timer, progress)
                   : cut_all(scene, *drawn, options, timer, progress);
   if (!made) {
@@ -258,6 +271,19 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   }
   System& system = *made;
   auto& analysis = system.analysis;
+  JudgedMore more;
+  if (analysis) {
+    if (auto misplaced = misplaced_loads(scene, *drawn, *scene.stability, system.complex->complex());
+        !misplaced.empty()) {
+      progress.end();
+      return std::unexpected(std::move(misplaced));
+    }
+    if (!scene.stability->cases.empty()) {
+      stage(Stage::stability, [&] { judge_cases(scene, *drawn, *system.complex, more); });
+    }
+    if (scene.support) stage(Stage::support, [&] { judge_support(scene, *drawn, *system.complex, *analysis, more); });
+    judge_sensitivity(scene, *drawn, *system.complex, *analysis, more);
+  }
   progress.end();
 
   std::vector<std::string> notes;
@@ -271,6 +297,21 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   if (analysis && analysis->stopped_at_max_batches) {
     notes.push_back(
         fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
+  }
+  if (scene.output.only_key_blocks && scene.stability && !only_weights(scene)) {
+    notes.push_back("all the rock was cut: with water, loads on free faces, load cases or support it is needed");
+  }
+  if (more.support && !more.support->passes()) {
+    notes.push_back(
+        "the support does not reach the required factors of safety: see bolts.csv and the columns of key_blocks.csv");
+  }
+  for (const CaseResult& load : more.cases) {
+    std::size_t leaving = 0, base = 0;
+    for (const stability::Batch& batch : load.analysis.batches) leaving += batch.blocks.size();
+    for (const stability::Batch& batch : analysis->batches) base += batch.blocks.size();
+    if (leaving != base) {
+      notes.push_back(fmt::format("load case {}: {} key blocks, {} in the base case", load.name, leaving, base));
+    }
   }
   std::vector<ExcavationInfo> excavations;
   for (const Excavation& excavation : scene.excavations) excavations.push_back({excavation.name, excavation.stage});
@@ -296,6 +337,12 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .analysis = std::move(analysis),
                    .sequence = std::move(system.sequence),
                    .micro_blocks = scene.micro_blocks,
+                   .support = std::move(more.support),
+                   .bolt_groups = scene.support ? scene.support->groups : std::vector<std::string>{},
+                   .designs = std::move(more.designs),
+                   .tunnel_length = tunnel_length(scene),
+                   .sensitivity = std::move(more.sensitivity),
+                   .load_cases = std::move(more.cases),
                    .notes = std::move(notes)};
 }
 

@@ -60,10 +60,10 @@ class Batches final {
     if (dimension == 0 || (model_.settings().strict && dimension < 3)) return false;
     const topology::Block& block = complex().blocks()[id];
     if (block.truncated) {
-      if (!stays_for_certain(contacts, model_.applied_forces(block))) analysis_.undecided.push_back(id);
+      if (!stays_for_certain(contacts, model_.applied_forces(id, batch))) analysis_.undecided.push_back(id);
       return false;
     }
-    const Verdict verdict = judge(contacts, model_.applied_forces(block), model_.settings());
+    const Verdict verdict = judge(contacts, model_.applied_forces(id, batch), model_.settings());
     analysis_.equilibrium_residual = std::max(analysis_.equilibrium_residual, verdict.residual);
 
     Judgement judgement{.block = id};

@@ -1,6 +1,9 @@
 #include "contacts.hpp"
 
 #include <algorithm>
+#include <limits>
+
+#include "water.hpp"
 
 namespace cleave::stability {
 
@@ -10,7 +13,21 @@ Model::Model(const topology::BlockComplex& complex, const Settings& settings)
     : complex_{&complex},
       settings_{&settings},
       removed_in_(complex.blocks().size(), stays),
-      directions_(complex.planes().size(), std::nullopt) {}
+      directions_(complex.planes().size(), std::nullopt),
+      on_surfaces_{surface_forces(complex, settings.actions)} {}
+
+double Contact::tan_at(double reaction) const {
+  if (curved.empty()) return tan_friction;
+  const double stress = area > 0 ? reaction / area : 0;
+  double weighted = tan_friction * straight_area;
+  double least = straight_area > 0 ? tan_friction : std::numeric_limits<double>::infinity();
+  for (const Curved& part : curved) {
+    const double t = part.strength.tan_friction(pascals(stress)) / divisor;
+    weighted += t * part.area;
+    least = std::min(least, t);
+  }
+  return smallest || !(area > 0) ? least : weighted / area;
+}
 
 Direction Model::inward(const topology::Face& face) {
   auto& known = directions_[face.plane];
@@ -18,18 +35,20 @@ Direction Model::inward(const topology::Face& face) {
   return face.block_on_positive_side ? *known : known->opposite();
 }
 
-Contacts Model::contacts(topology::BlockId id, std::uint32_t batch) {
+Contacts Model::contacts(topology::BlockId id, std::uint32_t batch) { return contacts_of({&id, 1}, batch); }
+
+Contacts Model::contacts_of(std::span<const topology::BlockId> members, std::uint32_t batch) {
   const Settings& settings = *settings_;
   std::vector<Direction> rows;
   std::vector<Contact> faces;
   bool exposed = false;
-  for (const topology::FaceId face_id : complex_->blocks()[id].faces) {
+  const auto add_face = [&](topology::FaceId face_id) {
     const topology::Face& face = complex_->faces()[face_id];
     exposed = exposed || face.role == topology::Role::free;
-    if (face.role != topology::Role::joint) continue;
+    if (face.role != topology::Role::joint) return;
     Contact contact{.face = face_id};
-    double weighted = 0;
-    double smallest = std::numeric_limits<double>::infinity();
+    contact.smallest = settings.group_friction == GroupFriction::smallest;
+    contact.divisor = settings.partial.friction();
     bool held = false;
     for (const topology::Patch& patch : complex_->patches(face)) {
       if (!patch.neighbour) continue;
@@ -37,43 +56,54 @@ Contacts Model::contacts(topology::BlockId id, std::uint32_t batch) {
         exposed = true;
         continue;
       }
+      if (members.size() > 1 && std::ranges::binary_search(members, *patch.neighbour)) continue;
       held = true;
       const JointStrength& strength = settings.strengths.of(patch.joint);
       const double area = patch.area.si();
       contact.area += area;
       contact.cohesion += strength.cohesion().si() * area;
       contact.tension += strength.tension().si() * area;
-      weighted += strength.tan_friction() * area;
-      smallest = std::min(smallest, strength.tan_friction());
+      if (strength.curved()) {
+        contact.curved.push_back({area, strength});
+        continue;
+      }
+      contact.straight_area += area;
+      contact.tan_sum += strength.tan_friction() * area;
+      contact.tan_least = std::min(contact.tan_least, strength.tan_friction());
     }
-    if (!held) continue;
-    const bool mean = contact.area > 0 && settings.group_friction == GroupFriction::area_mean;
-    contact.tan_friction = mean ? weighted / contact.area : smallest;
+    if (!held) return;
     rows.push_back(inward(face));
-    faces.push_back(contact);
+    faces.push_back(std::move(contact));
+  };
+  for (const topology::BlockId id : members) {
+    for (const topology::FaceId face_id : complex_->blocks()[id].faces) add_face(face_id);
   }
 
   Contacts result{.cone = Cone{rows}, .groups = {}, .exposed = exposed};
   std::vector<bool> seen(result.cone.groups().size(), false);
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const std::uint32_t group = result.cone.group_of_row()[row];
-    const Contact& face = faces[row];
+    Contact& face = faces[row];
     if (!seen[group]) {  // groups come in the order of their first row
       seen[group] = true;
-      result.groups.push_back(face);
+      result.groups.push_back(std::move(face));
       continue;
     }
     Contact& sum = result.groups[group];
-    const double area = sum.area + face.area;
-    const bool mean = area > 0 && settings.group_friction == GroupFriction::area_mean;
-    sum.tan_friction = mean ? (sum.tan_friction * sum.area + face.tan_friction * face.area) / area
-                            : std::min(sum.tan_friction, face.tan_friction);
-    sum.area = area;
+    sum.straight_area += face.straight_area;
+    sum.tan_sum += face.tan_sum;
+    sum.tan_least = std::min(sum.tan_least, face.tan_least);
+    sum.curved.insert(sum.curved.end(), face.curved.begin(), face.curved.end());
+    sum.area += face.area;
     sum.cohesion += face.cohesion;
     sum.tension += face.tension;
   }
   for (Contact& group : result.groups) {
-    group.tan_friction /= settings.partial.friction();
+    if (group.straight_area > 0 || group.curved.empty()) {
+      const bool least = group.smallest || !(group.straight_area > 0);
+      group.tan_friction =
+          (least ? group.tan_least : group.tan_sum / group.straight_area) / settings.partial.friction();
+    }
     group.cohesion /= settings.partial.cohesion();
     group.tension /= settings.partial.cohesion();
   }
@@ -85,11 +115,25 @@ Force Model::weight(const topology::Block& block) const {
   return settings_->rock.density() * block.volume * g * settings_->partial.weight();
 }
 
-Resultant Model::applied_forces(const topology::Block& block) const {
-  const Force w = weight(block);
+ForceSum Model::other_forces(topology::BlockId id, std::uint32_t batch) const {
+  ForceSum sum;
+  if (!on_surfaces_.empty()) sum = on_surfaces_[id];
+  if (settings_->actions.dry()) return sum;
+  const ForceSum water = water_forces(*complex_, settings_->actions, settings_->loads.gravity(), id,
+                                      [&](topology::BlockId other) { return present(other, batch); });
+  sum.force += water.force;
+  sum.moment += water.moment;
+  sum.scale += water.scale;
+  return sum;
+}
+
+Resultant Model::applied_forces(topology::BlockId id, std::uint32_t batch) const {
+  const Force w = weight(complex_->blocks()[id]);
   Resultant r = Resultant::along(settings_->loads.gravity(), w);
   const Vec3 seismic = w.si() * settings_->loads.seismic();
   r.add(seismic, geometry::norm(seismic));
+  const ForceSum other = other_forces(id, batch);
+  r.add(other.force, other.scale);
   return r;
 }
 

@@ -3,22 +3,37 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "cleave/core/id.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/stability/motion.hpp"
 #include "cleave/topology/block_complex.hpp"
+#include "surface_loads.hpp"
 
 namespace cleave::stability {
 
 /// What the faces of one group (same inward normal) offer together, N and m2, partial factors applied.
 struct Contact {
-  topology::FaceId face;    ///< the first one
-  double area = 0;          ///< of the patches still in contact
-  double tan_friction = 0;  ///< area-weighted mean, or the smallest
-  double cohesion = 0;      ///< sum c A, N
-  double tension = 0;       ///< sum sigma_t A, N
+  topology::FaceId face;     ///< the first one
+  double area = 0;           ///< of the patches still in contact
+  double tan_friction = 0;   ///< area-weighted mean, or the smallest; of the parts that are not curved
+  double straight_area = 0;  ///< m2 that `tan_friction` stands for
+  double cohesion = 0;       ///< sum c A, N
+  double tension = 0;        ///< sum sigma_t A, N
+  struct Curved {
+    double area;
+    JointStrength strength;
+  };
+  double tan_sum = 0;                                          ///< sum tan(friction) A of the straight parts
+  double tan_least = std::numeric_limits<double>::infinity();  ///< of the straight parts
+  std::vector<Curved> curved = {};                             ///< parts whose friction depends on the normal stress
+  bool smallest = false;                                       ///< the smallest friction of the parts, not their mean
+  double divisor = 1;                                          ///< partial factor on tan(friction) of curved parts
+
+  /// tan(friction) of the group when it presses with `reaction` N, spread evenly over its area.
+  [[nodiscard]] double tan_at(double reaction) const;
 };
 
 /// A block's joint faces that still have a neighbour: row -> group of the cone, and the group's strength.
@@ -46,8 +61,12 @@ class Model final {
   /// Inward normal of a face.
   [[nodiscard]] Direction inward(const topology::Face& face);
   [[nodiscard]] Contacts contacts(topology::BlockId block, std::uint32_t batch);
-  /// Weight and seismic force. Water, surcharge and point forces will be added to the resultant here.
-  [[nodiscard]] Resultant applied_forces(const topology::Block& block) const;
+  /// Blocks taken as one body: faces between members are no contacts. `members` ascending.
+  [[nodiscard]] Contacts contacts_of(std::span<const topology::BlockId> members, std::uint32_t batch);
+  /// Weight, seismic force, water as the joints stand while batch `batch` is judged, and loads on free faces.
+  [[nodiscard]] Resultant applied_forces(topology::BlockId block, std::uint32_t batch) const;
+  /// The same without weight and seismic force, with moments about the block's centroid.
+  [[nodiscard]] ForceSum other_forces(topology::BlockId block, std::uint32_t batch) const;
   [[nodiscard]] Force weight(const topology::Block& block) const;
 
  private:
@@ -55,6 +74,7 @@ class Model final {
   const Settings* settings_;
   IdVector<topology::BlockId, std::uint32_t> removed_in_;
   IdVector<topology::PlaneId, std::optional<Direction>> directions_;
+  IdVector<topology::BlockId, ForceSum> on_surfaces_;  ///< empty when there are none
 };
 
 }  // namespace cleave::stability

@@ -23,7 +23,7 @@ Pressings of_motion(const Motion& motion) {
 double strength_of(const Contacts& contacts, const Motion& motion, const Pressings& pressing, bool parallel_contact) {
   double sum = 0;
   for (const auto& [group, reaction] : pressing) {
-    sum += reaction * contacts.groups[group].tan_friction;
+    sum += reaction * contacts.groups[group].tan_at(reaction);
     if (!parallel_contact && reaction > 0) sum += contacts.groups[group].cohesion;
   }
   if (parallel_contact) {

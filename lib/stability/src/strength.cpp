@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "cleave/core/overloaded.hpp"
@@ -32,6 +33,9 @@ std::string describe(const StrengthError& error) {
           [](const BadTension& e) {
             return fmt::format("tensile strength {} Pa is not a finite number >= 0; use 0 for none", e.tension.si());
           },
+          [](const BadRoughness& e) {
+            return fmt::format("JRC {} and JCS {} Pa: JRC must lie in [0, 20] and JCS above 0", e.jrc, e.jcs.si());
+          },
           [](const BadDensity& e) {
             return fmt::format("density {} kg/m3 is not a finite number > 0; rock has 2000 to 3000", e.density.si());
           },
@@ -58,6 +62,28 @@ std::expected<JointStrength, StrengthError> JointStrength::make(FrictionAngle fr
   if (negative_or_not_finite(cohesion)) return std::unexpected(BadCohesion{cohesion});
   if (negative_or_not_finite(tension)) return std::unexpected(BadTension{tension});
   return JointStrength{friction, cohesion, tension};
+}
+
+std::expected<JointStrength, StrengthError> JointStrength::barton_bandis(FrictionAngle residual, double jrc, Stress jcs,
+                                                                         Stress tension) {
+  auto made = make(residual, pascals(0), tension);
+  if (!made) return made;
+  if (!(jrc >= 0 && jrc <= 20) || !std::isfinite(jcs.si()) || !(jcs.si() > 0)) {
+    return std::unexpected(BadRoughness{jrc, jcs});
+  }
+  made->jrc_ = jrc;
+  made->jcs_ = jcs;
+  return made;
+}
+
+double JointStrength::tan_friction(Stress normal) const noexcept {
+  if (!curved()) return tan_friction_;
+  // At no stress the law has no value; its limit is the cap.
+  constexpr double cap = 70;
+  const double highest = std::max(cap, friction_.degrees());
+  const double ratio = normal.si() > 0 ? jcs_.si() / normal.si() : std::numeric_limits<double>::infinity();
+  const double rise = ratio > 1 ? jrc_ * std::log10(ratio) : 0;
+  return std::tan(FrictionAngle::degrees(std::min(highest, friction_.degrees() + rise)).radians());
 }
 
 void StrengthTable::set(topology::JointId joint, JointStrength strength) {

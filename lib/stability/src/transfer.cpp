@@ -63,7 +63,7 @@ void transfer_forces(Model& model, Analysis& analysis) {
   for (const Batch& batch : analysis.batches | std::views::reverse) {
     for (const BlockId id : batch.blocks) {
       const Received incoming = received[id];
-      Resultant resultant = model.applied_forces(model.complex().blocks()[id]);
+      Resultant resultant = model.applied_forces(id, batch.number);
       resultant.add(incoming.force, incoming.scale);
       const Verdict verdict = judge(model.contacts(id, batch.number), resultant, model.settings());
       analysis.equilibrium_residual = std::max(analysis.equilibrium_residual, verdict.residual);
@@ -86,6 +86,7 @@ void transfer_forces(Model& model, Analysis& analysis) {
             const double share = push.weight / total;
             received[push.onto].force += verdict.net * share * verdict.direction;
             received[push.onto].scale += share * resultant.scale();
+            result.passes.push_back({push.onto, verdict.net * share * verdict.direction});
             result.shear_ratio = std::max(result.shear_ratio, push.shear_ratio);
           }
         }

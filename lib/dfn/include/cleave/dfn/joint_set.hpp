@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "cleave/dfn/laws.hpp"
+#include "cleave/dfn/models.hpp"
 #include "cleave/geometry/vec3.hpp"
 
 namespace cleave::dfn {
@@ -81,6 +82,7 @@ struct JointSetSpec {
   Shape shape;
   RotationLaw rotation = FixedRotation{};
   Intensity intensity;
+  Model model = Baecher{};
 };
 
 /// The number of a key is not finite or out of its range. `key` is spelt as in the scene file ("orientation.kappa").
@@ -91,11 +93,17 @@ struct BadValue {
 };
 /// Persistent joints have no centres per volume.
 struct NoCentres {};
-using JointSetError = std::variant<BadValue, NoCentres>;
+/// The model cannot be made with this shape, size or intensity.
+struct ModelMismatch {
+  std::string key;
+  std::string what;
+  std::string remedy;
+};
+using JointSetError = std::variant<BadValue, NoCentres, ModelMismatch>;
 /// "what is wrong; what to do". Names the key.
 [[nodiscard]] std::string describe(const JointSetError& error);
 
-/// A validated set of random joints (Baecher model: centres, orientations and sizes independent).
+/// A validated set of random joints.
 ///
 /// Invariant: every number is finite and in its range; dips in [0, 90], dip directions reduced to [0, 360).
 class JointSet final {
@@ -115,10 +123,14 @@ class JointSet final {
   [[nodiscard]] double mean_cosine() const noexcept;
   /// Joint area per volume that the intensity asks for (1/m); for Count joints in `volume` (m3).
   [[nodiscard]] double expected_p32(double volume) const noexcept;
+  /// Part of the area of the model's planes (or faces) that become joints; 1 for models that draw joints themselves.
+  /// Hierarchical: 1, its intensity is that of the planes.
+  [[nodiscard]] double area_share() const noexcept { return area_share_; }
 
  private:
   explicit JointSet(JointSetSpec spec) : spec_{std::move(spec)} {}
   JointSetSpec spec_;
+  double area_share_ = 1;
 };
 
 }  // namespace cleave::dfn

@@ -7,20 +7,22 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "cleave/core/quantity.hpp"
+#include "cleave/geometry/vec3.hpp"
 
 namespace cleave::dfn {
 
 // ---- size -----------------------------------------------------------------------------------------------------------
 
-enum class SizeDistribution : std::uint8_t { constant, normal, exponential, lognormal, power };
+enum class SizeDistribution : std::uint8_t { constant, normal, exponential, lognormal, power, gamma };
 
 /// `mean` and `std` are those of the law before truncation to [min, max]. What a law does not use is left empty.
 struct SizeSpec {
   SizeDistribution distribution = SizeDistribution::constant;
   std::optional<Length> mean;      ///< all but power
-  std::optional<Length> std;       ///< normal, lognormal
+  std::optional<Length> std;       ///< normal, lognormal, gamma
   std::optional<double> exponent;  ///< power: N(> x) ~ x^-exponent; needs min, and max when exponent <= 2
   std::optional<Length> min;       ///< >= 0; a normal law is cut at 1e-6 of its mean if this is smaller
   std::optional<Length> max;
@@ -61,7 +63,7 @@ class SizeLaw final {
  private:
   SizeLaw() = default;
   SizeDistribution distribution_ = SizeDistribution::constant;
-  double a_ = 0, b_ = 0;          // parameters: constant value; mean, std; mean; mu, sigma; exponent
+  double a_ = 0, b_ = 0;          // parameters: constant value; mean, std; mean; mu, sigma; exponent; shape, scale
   double min_ = 0, max_ = 0;      // limits, max may be infinite
   double below_ = 0, above_ = 0;  // normal, lognormal: probability below min and above max
   double mass_ = 1;               // probability between the limits
@@ -89,7 +91,19 @@ struct NormalOrientation {
   Dip dip_std;
   DipDirection dip_direction_std;
 };
-using OrientationLaw = std::variant<UniformOrientation, FisherOrientation, NormalOrientation>;
+/// Measured normals drawn with replacement, each as often as its weight says, and turned by Fisher's law with `jitter`
+/// (none: exactly as measured). Dip and dip direction are those of the weighted mean axis.
+struct BootstrapOrientation {
+  Dip dip;
+  DipDirection dip_direction;
+  std::vector<geometry::Vec3> normals;  ///< unit, z >= 0
+  std::vector<double> cumulative;       ///< of the weights, the last one 1
+  std::optional<double> jitter;
+  /// Precondition: as many weights as normals, at least one, all > 0 and finite.
+  [[nodiscard]] static BootstrapOrientation make(std::vector<geometry::Vec3> normals, std::vector<double> weights,
+                                                 std::optional<double> jitter);
+};
+using OrientationLaw = std::variant<UniformOrientation, FisherOrientation, NormalOrientation, BootstrapOrientation>;
 
 // ---- rotation in the joint's plane
 // ------------------------------------------------------------------------------------

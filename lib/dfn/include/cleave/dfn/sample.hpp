@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -25,7 +26,8 @@ struct InfinitePlane {
 };
 
 struct SampledJoint {
-  std::variant<geometry::Polygon, InfinitePlane> shape;
+  /// Several polygons: triangles of one face whose corners other joints share (mosaic).
+  std::variant<geometry::Polygon, InfinitePlane, std::vector<geometry::Polygon>> shape;
   geometry::Vec3 centre;
   geometry::Vec3 normal;  ///< unit, z >= 0
   std::uint32_t index;    ///< number of the joint in its set: the `index` of its random streams (friction and so on)
@@ -47,10 +49,14 @@ using SampleError = std::variant<TooManyJoints, JointTooSmall>;
 ///
 /// Joint i depends only on (seed, realization, set_index, i): other sets, threads and the rest of the scene change
 /// nothing. Joints drawn outside the box (in its grown region) that cannot reach it are left out; indices keep their
-/// gaps. `set_index` is the number of the [[joint_set]] in the scene, from 0.
-[[nodiscard]] std::expected<std::vector<SampledJoint>, SampleError> sample(const JointSet& set, std::size_t set_index,
-                                                                           const DomainBox& domain, std::uint64_t seed,
-                                                                           std::uint64_t realization);
+/// gaps. `set_index` is the number of the [[joint_set]] in the scene, from 0. `older`: the joints of the sets that the
+/// model's `terminate_at` names, in its order (enhanced Baecher and hierarchical models; others need none).
+[[nodiscard]] std::expected<std::vector<SampledJoint>, SampleError> sample(
+    const JointSet& set, std::size_t set_index, const DomainBox& domain, std::uint64_t seed, std::uint64_t realization,
+    std::span<const std::span<const SampledJoint>> older = {});
+
+/// The sets a model of this set ends at.
+[[nodiscard]] std::span<const std::size_t> terminates_at(const JointSet& set) noexcept;
 
 /// Mean number of joints that `sample` draws, kept or not (the cost of a scene).
 [[nodiscard]] double expected_draws(const JointSet& set, const DomainBox& domain) noexcept;

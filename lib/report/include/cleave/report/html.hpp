@@ -9,6 +9,8 @@
 #include "cleave/report/stereonet.hpp"
 #include "cleave/report/summary.hpp"
 #include "cleave/stability/result.hpp"
+#include "cleave/stability/sensitivity.hpp"
+#include "cleave/stability/support.hpp"
 #include "cleave/topology/block_complex.hpp"
 
 namespace cleave::report {
@@ -36,6 +38,9 @@ struct Page {
   std::optional<std::string> loads;      ///< one sentence on gravity, seismic load and rock density
   const topology::BlockComplex* complex = nullptr;
   const stability::Analysis* analysis = nullptr;
+  const stability::SupportResult* support = nullptr;
+  std::vector<stability::Sensitivity> sensitivity;  ///< of the first batch
+  std::vector<double> tan_friction;                 ///< by joint number
 };
 
 /// report.html: one file, nothing is ever loaded from elsewhere. Same page, same bytes.

@@ -2,11 +2,14 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "cleave/report/json.hpp"
 #include "cleave/stability/result.hpp"
+#include "cleave/stability/support.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/block_complex.hpp"
 
@@ -61,7 +64,15 @@ struct KeyBlockFigures {
   double volume_m3 = 0;
   std::vector<BatchFigures> batches;
   bool stopped_at_max_batches = false;
-  std::string hash = {};  ///< of the blocks that leave
+  double lowest_factor_of_safety = std::numeric_limits<double>::infinity();  ///< of the blocks judged
+  std::optional<std::uint64_t> below_target = {};  ///< judged blocks below the scene's target, where it has one
+  double equilibrium_residual = 0;                 ///< largest, relative; statics and force transfer
+  std::string hash = {};                           ///< of the blocks that leave
+};
+
+struct CaseFigures {
+  std::string name;
+  KeyBlockFigures figures;
 };
 
 /// When only the rock near free faces was cut.
@@ -114,6 +125,24 @@ struct SequenceFigures {
   std::size_t best = 0;
 };
 
+struct DesignFigures {
+  double length_m;
+  bool found;
+  double scale;  ///< of the scene's spacings
+  std::uint64_t bolts;
+  double cost;
+};
+
+struct SupportFigures {
+  bool passes = false;
+  std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, not_held = 0;
+  std::uint64_t bolts = 0, spot_bolts = 0, bolts_used = 0, bolts_redundant = 0, bolts_too_short = 0;
+  std::uint64_t combined = 0, combined_failing = 0;
+  double required_force_n = 0, largest_required_pressure_pa = 0, missing_force_n = 0;
+  std::optional<double> required_force_n_per_metre = {};  ///< of tunnel, where there is one
+  std::vector<DesignFigures> designs = {};
+};
+
 /// Everything of summary.json, as values.
 struct Summary {
   std::string title;
@@ -129,11 +158,23 @@ struct Summary {
   std::optional<SequenceFigures> sequence;
   std::optional<DanglingFigures> dangling;
   std::optional<MicroBlockFigures> micro_blocks;
+  std::vector<CaseFigures> load_cases;  ///< of [[load]]
+  std::optional<SupportFigures> support;
 };
 
 [[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);
-[[nodiscard]] KeyBlockFigures count_key_blocks(const stability::Analysis& analysis);
+struct TargetFactors {
+  double falling, sliding;
+};
+[[nodiscard]] KeyBlockFigures count_key_blocks(const stability::Analysis& analysis,
+                                               const std::optional<TargetFactors>& target = {});
+/// Whether a judged block has less than its target.
+[[nodiscard]] bool below(const stability::Judgement& judgement, const TargetFactors& target);
 
+[[nodiscard]] SupportFigures count_support(const stability::SupportResult& support);
+
+/// The head of summary.json: title, seed, plan and cost.
+void write_summary_head(JsonWriter& json, const Summary& summary);
 /// summary.json; keys in the order of docs/summary.schema.json.
 [[nodiscard]] std::string summary_json(const Summary& summary);
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <expected>
+#include <optional>
 #include <vector>
 
 #include "cleave/core/cost.hpp"
@@ -12,7 +14,8 @@
 namespace cleave::scene {
 
 struct RunOptions {
-  unsigned threads = 1;  ///< at least 1; changes nothing but the time
+  unsigned threads = 1;           ///< at least 1; changes nothing but the time
+  std::uint64_t realization = 0;  ///< number of the random realization
 };
 
 /// Everything that goes into the cutter, and what each joint is.
@@ -22,8 +25,18 @@ struct Drawn {
   IdVector<topology::JointId, JointInfo> joints;
 };
 
-/// Draws the random joints and one friction angle a joint. A pure function of the scene (with its seed).
-[[nodiscard]] std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene);
+/// Draws the random joints and the strength of each joint. A pure function of the scene (with its seed) and the number
+/// of the realization.
+[[nodiscard]] std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene, std::uint64_t realization = 0);
+
+/// What one realization of a scene came to.
+struct Realized {
+  Drawn drawn;
+  std::expected<topology::AuditedComplex, topology::Certificate> complex;
+  std::optional<stability::Analysis> analysis;  ///< when the scene has a stability stage and the certificate passed
+};
+/// One realization on one thread: the same joints, blocks and judgements as `run` finds for it.
+[[nodiscard]] std::expected<Realized, std::vector<Problem>> realize(const Scene& scene, std::uint64_t realization);
 
 /// Draws, cuts, audits and judges. `timer` books the stages (the caller has booked `read`); `progress` shows them.
 ///

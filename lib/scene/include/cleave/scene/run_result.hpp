@@ -12,6 +12,8 @@
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene/scene.hpp"
 #include "cleave/stability/result.hpp"
+#include "cleave/stability/sensitivity.hpp"
+#include "cleave/stability/support.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/cut_input.hpp"
 #include "cleave/topology/ids.hpp"
@@ -39,6 +41,23 @@ struct Strength {
   FrictionAngle friction;
   Stress cohesion;
   Stress tension;
+  double jrc = 0;  ///< > 0: Barton-Bandis, friction is the residual angle
+  Stress jcs = {};
+};
+
+/// The blocks judged under one named load case.
+struct CaseResult {
+  std::string name;
+  stability::Analysis analysis;
+};
+
+/// What the search for a pattern found for one length of bolt.
+struct DesignResult {
+  double length;
+  bool found = false;
+  double scale = 0;  ///< on the scene's spacings
+  std::size_t bolts = 0;
+  double cost = 0;
 };
 
 enum class JointOrigin : std::uint8_t { measured, drawn };
@@ -117,6 +136,12 @@ struct RunResult {
   std::optional<SequenceResult> sequence;
 
   MicroBlocks micro_blocks;  ///< the scene's policy
+  std::optional<stability::SupportResult> support;
+  std::vector<std::string> bolt_groups;  ///< names, by Bolt::group
+  std::vector<DesignResult> designs;
+  double tunnel_length = 0;                         ///< m, of all tunnels
+  std::vector<stability::Sensitivity> sensitivity;  ///< of the blocks of the first batch
+  std::vector<CaseResult> load_cases;               ///< of [[load]], in scene order; the base case is `analysis`
 
   std::vector<std::string> notes;  ///< what a user should know: joints outside the domain, what was left out
 };

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -15,6 +16,11 @@
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene/problem.hpp"
 #include "cleave/scene/sequence.hpp"
+#include "cleave/stability/actions.hpp"
+#include "cleave/stability/analyse.hpp"
+#include "cleave/stability/bolt_patterns.hpp"
+#include "cleave/stability/support.hpp"
+#include "cleave/stochastic/stopping.hpp"
 #include "cleave/topology/cut_input.hpp"
 
 /// A validated scene: what `scene::parse` makes of a TOML file and the files it names. Past this border nothing is
@@ -38,11 +44,29 @@ struct FrictionLaw {
   [[nodiscard]] FrictionAngle quantile(double u) const;
 };
 
+/// Cohesion or tension of the joints of one set, Pa: one value drawn per joint, by the same laws.
+struct StressLaw {
+  FrictionLaw::Kind kind = FrictionLaw::Kind::constant;
+  double mean = 0, std = 0, min = 0, max = 1e15;
+  [[nodiscard]] Stress quantile(double u) const;
+};
+
+/// A number drawn once a realization (a factor on the seismic coefficient), by the same laws.
+struct NumberLaw {
+  FrictionLaw::Kind kind = FrictionLaw::Kind::constant;
+  double mean = 1, std = 0, min = 0, max = 1e3;
+  [[nodiscard]] double quantile(double u) const;
+};
+
 /// Properties of the joints of one set ([joints.NAME], or [joints.default]).
 struct JointProperties {
   FrictionLaw friction;
-  Stress cohesion;
-  Stress tension;
+  StressLaw cohesion;
+  StressLaw tension;
+  /// Correlation of the normal scores of a joint's friction and cohesion (Gaussian copula), -1..1.
+  double friction_cohesion = 0;
+  double jrc = 0;  ///< > 0: Barton-Bandis, `friction` is then the residual angle
+  Stress jcs = {};
 };
 
 struct NamedSet {
@@ -50,10 +74,11 @@ struct NamedSet {
   JointProperties properties;
 };
 
-/// The strength that a row of a joint file states for itself (CSV columns friction, cohesion).
+/// The strength that a joint states for itself (keys of [[joint]], CSV columns friction and cohesion).
 struct OwnStrength {
   std::optional<FrictionAngle> friction;
   std::optional<Stress> cohesion;
+  std::optional<Stress> tension = {};
 };
 
 /// A joint that is given, not drawn.
@@ -74,11 +99,20 @@ struct RandomSet {
   std::uint32_t line;  ///< in the scene file
 };
 
+/// Where a tunnel's walls are, for bolt patterns.
+struct TunnelLine {
+  std::vector<geometry::Vec3> axis;
+  geometry::Vec3 up;
+  std::vector<std::array<double, 2>> outline;  ///< (u, v) in m, counter-clockwise
+};
+
 struct Excavation {
   std::string name;
   std::uint32_t stage = 1;
   geometry::Solid solid;
-  std::uint32_t line;  ///< in the scene file
+  std::vector<geometry::Vec3> axis;  ///< of a tunnel; else empty
+  std::uint32_t line;                ///< in the scene file
+  std::optional<TunnelLine> tunnel = {};
 };
 
 struct Rock {
@@ -90,12 +124,58 @@ struct PartialFactors {
   double friction = 1, cohesion = 1, weight = 1;
 };
 
+/// What acts on the rock beside gravity.
+struct LoadSet {
+  geometry::Vec3 seismic{0, 0, 0};  ///< force / weight, in the direction the rock is pushed
+  std::optional<stability::WaterTable> water = {};
+  std::vector<std::pair<SetId, double>> pressures = {};  ///< Pa, mean water pressure in the joints of a set
+  std::vector<stability::Surcharge> surcharges = {};
+  std::vector<stability::PointForce> points = {};
+  std::vector<stability::LineForce> lines = {};
+  std::uint32_t line = 1;  ///< in the scene file
+};
+
+/// A [[load]]: the loads of [stability] and its own, judged apart.
+struct LoadCase {
+  std::string name;
+  LoadSet loads;
+};
+
+/// Required factors of safety.
+struct Targets {
+  double falling = 1.5;  ///< also of lifting
+  double sliding = 1.3;  ///< also of wedges
+};
+
 struct StabilitySettings {
   geometry::Vec3 gravity{0, 0, -9.81};  ///< m/s2
   geometry::Vec3 seismic{0, 0, 0};      ///< force / weight, in the direction the rock is pushed
   PartialFactors partial = {};
   bool force_transfer = true;
   std::uint32_t max_batches = 50;
+  LoadSet loads = {};                ///< of the base case, seismic included
+  std::vector<LoadCase> cases = {};  ///< in scene order
+  std::optional<Targets> target = {};
+  bool strict = false;            ///< wedged slots (cone without interior) do not count as removable
+  bool parallel_contact = false;  ///< cohesion on brushed faces too
+  stability::GroupFriction group_friction = stability::GroupFriction::area_mean;
+};
+
+/// Search for spacing and length of the patterns (design of [support]).
+struct DesignSettings {
+  std::vector<double> lengths;         ///< m
+  double tightest = 0.25, widest = 4;  ///< factors on the scene's spacings
+  std::uint32_t phases = 4;            ///< offsets of the pattern that must all pass
+  double cost_per_bolt = 0, cost_per_metre = 1;
+};
+
+struct SupportSettings {
+  stability::SupportPlan plan;      ///< with all bolts of the patterns
+  std::vector<std::string> groups;  ///< names, by group number
+  std::vector<std::variant<stability::RingPattern, stability::GridPattern>> patterns;
+  std::vector<stability::Bolt> single;  ///< given one by one
+  std::optional<DesignSettings> design;
+  std::uint32_t line = 1;
 };
 
 enum class MicroBlockPolicy : std::uint8_t {
@@ -109,6 +189,16 @@ struct MicroBlocks {
   MicroBlockPolicy policy = MicroBlockPolicy::report;
   std::optional<Length> thickness;
   std::optional<Volume> volume;
+};
+
+/// [monte_carlo]: many realizations instead of one run.
+struct MonteCarloSettings {
+  std::uint64_t realizations = 0;                   ///< fixed number, or the largest one of `stop`
+  std::optional<stochastic::Stop> stop;             ///< empty: exactly `realizations`
+  double confidence = 0.95;                         ///< of all intervals
+  std::vector<double> volumes = {0.1, 1, 10, 100};  ///< m3: probabilities of a key block above each
+  std::uint32_t chainage_parts = 20;                ///< along the axis of the first tunnel
+  NumberLaw seismic_factor;                         ///< multiplies stability.seismic, drawn once a realization
 };
 
 struct OutputSettings {
@@ -145,11 +235,13 @@ struct Scene {
   bool keep_dangling = false;
   std::vector<RandomSet> joint_sets;  ///< in scene order; their joints follow
   Rock rock;
-  std::vector<Excavation> excavations;         ///< in scene order
+  std::vector<Excavation> excavations;  ///< in scene order
+  std::optional<SupportSettings> support;
   std::optional<StabilitySettings> stability;  ///< empty: the scene has no [stability] and no free face
   std::optional<SequenceSettings> sequence;    ///< empty: all excavations are of one stage
   MicroBlocks micro_blocks;
   OutputSettings output;
+  std::optional<MonteCarloSettings> monte_carlo;
 
   std::string shown;      ///< how messages name the scene file
   std::string file_name;  ///< the same without its folder

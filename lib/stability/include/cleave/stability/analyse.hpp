@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "cleave/stability/actions.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/stability/strength.hpp"
 #include "cleave/topology/audit.hpp"
@@ -31,6 +32,8 @@ struct Settings {
   /// Of a block that is known in part only (topology::Block::truncated) it is enough to know that it is no key block;
   /// otherwise it must be known not to move without friction either.
   bool only_key_blocks = false;
+  /// Water and loads on free faces.
+  Actions actions = {};
 };
 
 /// Key blocks of the complex in batches, after Goodman & Shi (1985) with the mode found as the projection of the

@@ -32,6 +32,12 @@ struct Pressing {
   Force reaction = {};    ///< effective normal reaction, > 0 in compression
 };
 
+/// A share of a block's net force on a block of an earlier batch.
+struct Passed {
+  topology::BlockId onto;
+  geometry::Vec3 force = {};  ///< N
+};
+
 /// The same block with the forces that blocks of later batches pass to it.
 struct Transferred {
   Mode mode = Mode::stable;
@@ -49,6 +55,9 @@ struct Transferred {
   /// without cohesion cannot carry the force in line.
   double shear_ratio = 0;
   bool tie = false;
+  std::vector<Passed> passes = {};      ///< what it passes on, by face
+  std::vector<Pressing> pressing = {};  ///< under the forces received
+  double lost = 0;                      ///< N of net force that no option of the transfer could pass on
 };
 
 /// What the analysis says of one block in one state.

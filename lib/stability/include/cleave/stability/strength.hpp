@@ -22,6 +22,10 @@ struct BadCohesion {
 struct BadTension {
   Stress tension;  ///< negative or not finite
 };
+struct BadRoughness {
+  double jrc;
+  Stress jcs;
+};
 struct BadDensity {
   Density density;  ///< not > 0, or not finite
 };
@@ -35,18 +39,30 @@ struct BadPartialFactor {
   std::string which;  ///< friction, cohesion or weight
   double value;       ///< not > 0, or not finite
 };
-using StrengthError =
-    std::variant<FrictionOutOfRange, BadCohesion, BadTension, BadDensity, BadGravity, BadSeismic, BadPartialFactor>;
+using StrengthError = std::variant<FrictionOutOfRange, BadCohesion, BadTension, BadRoughness, BadDensity, BadGravity,
+                                   BadSeismic, BadPartialFactor>;
 /// "what is wrong; what to do", in words for an engineer.
 [[nodiscard]] std::string describe(const StrengthError& error);
 
-/// Mohr-Coulomb strength of a joint. Invariant: friction in [0, 90) degrees; cohesion and tension >= 0 and finite.
+/// Strength of a joint: Mohr-Coulomb, or the curved law of Barton and Bandis (1982),
+///   tau = sigma_n tan(residual + JRC log10(JCS / sigma_n)),
+/// with the angle kept between residual and 70 degrees (Barton and Choubey 1977: no extrapolation to low stress).
+/// Tension is the strength of a joint that opens (cut-off). Invariant: friction in [0, 90) degrees; the rest >= 0,
+/// finite.
 class JointStrength final {
  public:
   [[nodiscard]] static std::expected<JointStrength, StrengthError> make(FrictionAngle friction,
                                                                         Stress cohesion = pascals(0),
                                                                         Stress tension = pascals(0));
+  /// `jrc` in [0, 20] and `jcs` > 0 already at the scale of the block; no cohesion.
+  [[nodiscard]] static std::expected<JointStrength, StrengthError> barton_bandis(FrictionAngle residual, double jrc,
+                                                                                 Stress jcs,
+                                                                                 Stress tension = pascals(0));
+  /// Of the straight law; the residual angle of the curved one.
   [[nodiscard]] FrictionAngle friction() const noexcept { return friction_; }
+  [[nodiscard]] bool curved() const noexcept { return jrc_ > 0; }
+  /// Secant of the law at an effective normal stress >= 0.
+  [[nodiscard]] double tan_friction(Stress normal) const noexcept;
   [[nodiscard]] double tan_friction() const noexcept { return tan_friction_; }
   [[nodiscard]] Stress cohesion() const noexcept { return cohesion_; }
   [[nodiscard]] Stress tension() const noexcept { return tension_; }
@@ -58,6 +74,8 @@ class JointStrength final {
   double tan_friction_;
   Stress cohesion_;
   Stress tension_;
+  double jrc_ = 0;
+  Stress jcs_ = {};
 };
 
 /// The strength of every joint: one for all, and exceptions.

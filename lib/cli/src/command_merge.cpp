@@ -1,0 +1,160 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "cleave/core/cost.hpp"
+#include "cleave/scene/run.hpp"
+#include "command_monte_carlo.hpp"
+#include "problems.hpp"
+
+namespace cleave::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using stochastic::Record;
+using stochastic::RecordFile;
+using stochastic::RunIdentity;
+
+ExitCode wrong(const std::string& folder, const std::string& what) {
+  complain(fmt::format("{}:1: OUT: {}", folder, what));
+  return ExitCode::wrong_input;
+}
+
+struct Part {
+  std::string folder;
+  RunIdentity identity;
+  std::uint64_t records = 0;
+};
+
+/// The records of all parts in the order of their realizations, read side by side: memory does not grow with them.
+class Parts final {
+ public:
+  explicit Parts(const std::vector<Part>& parts) {
+    for (const Part& part : parts) {
+      files_.emplace_back(fs::path{part.folder} / records_name, std::ios::binary);
+      std::string line;
+      std::getline(files_.back(), line);
+      std::getline(files_.back(), line);
+    }
+  }
+  [[nodiscard]] std::optional<Record> next(std::size_t part) {
+    std::string line;
+    if (!std::getline(files_[part], line)) return std::nullopt;
+    return stochastic::record_of(line);
+  }
+
+ private:
+  std::vector<std::ifstream> files_;
+};
+
+std::string list_of(const std::vector<std::uint64_t>& numbers) {
+  std::string list;
+  for (std::size_t i = 0; i < std::min<std::size_t>(numbers.size(), 20); ++i) {
+    list += (list.empty() ? "" : ", ") + std::to_string(numbers[i]);
+  }
+  return list + (numbers.size() > 20 ? ", ..." : "");
+}
+
+}  // namespace
+
+ExitCode merge_results(const std::vector<std::string>& folders, const std::string& out, bool quiet) {
+  StageTimer timer;
+  std::vector<Part> parts;
+  for (const std::string& folder : folders) {
+    Part part{folder, {}, 0};
+    std::error_code ignored;
+    if (!fs::exists(fs::path{folder} / records_name, ignored)) {
+      const bool unfinished = fs::exists(fs::path{folder} / unfinished_name, ignored);
+      return wrong(folder, unfinished ? "the run in it is not finished; finish it with the same command"
+                                      : "is no Monte Carlo result: it holds no realizations.csv; name the folder of a "
+                                        "finished cleave run --shard K/N");
+    }
+    auto read = stochastic::read_records(fs::path{folder} / records_name, [&](const Record&, std::string_view) {
+      ++part.records;
+      return true;
+    });
+    if (!read) return wrong(folder, "realizations.csv: " + describe(read.error()));
+    part.identity = *std::move(read);
+    parts.push_back(std::move(part));
+  }
+  const RunIdentity& first = parts.front().identity;
+  const std::uint64_t of = first.shard.of;
+  std::set<std::uint64_t> there;
+  for (const Part& part : parts) {
+    const RunIdentity& id = part.identity;
+    if (id.version != first.version || id.scene_sha256 != first.scene_sha256 || id.seed != first.seed ||
+        id.shard.of != of) {
+      return wrong(part.folder, fmt::format("belongs to another run than {}: scene, seed, version and the number of "
+                                            "shards must be the same; merge the parts of one run only",
+                                            folders.front()));
+    }
+    if (!there.insert(id.shard.number).second) {
+      return wrong(part.folder, fmt::format("shard {}/{} is there twice; name each once", id.shard.number, of));
+    }
+  }
+  std::vector<std::uint64_t> missing;
+  for (std::uint64_t k = 1; k <= of && missing.size() < 100; ++k) {
+    if (!there.contains(k)) missing.push_back(k);
+  }
+  if (!missing.empty()) {
+    return wrong(out, fmt::format("shards {} of {} are missing; run them and merge again", list_of(missing), of));
+  }
+  auto scene = load_copied_scene(folders.front());
+  if (!scene) return report_problems(scene.error());
+  scene->seed = first.seed;
+  if (!scene->monte_carlo || scene_and_files_sha256(*scene) != first.scene_sha256) {
+    return wrong(folders.front(), "its copy of the scene is not the one its records come from; run it again");
+  }
+  std::ranges::sort(parts, {}, [](const Part& p) { return p.identity.shard.number; });
+  const std::uint64_t wanted = scene->monte_carlo->realizations;
+  for (const Part& part : parts) {
+    const std::uint64_t number = part.identity.shard.number;
+    const std::uint64_t own = wanted < number ? 0 : (wanted - number) / of + 1;
+    if (part.records != own) {
+      return wrong(part.folder, fmt::format("holds {} of its {} realizations: from number {} on they are missing; "
+                                            "finish it with the same command",
+                                            part.records, own, number - 1 + part.records * of));
+    }
+  }
+
+  std::vector<MonteCarloFolder::File> copies;
+  for (const auto& entry : fs::directory_iterator{folders.front()}) {
+    const std::string name = entry.path().filename().string();
+    if (name != "scene.toml" && !name.starts_with("scene_file_")) continue;
+    std::ifstream file{entry.path(), std::ios::binary};
+    copies.push_back({name, std::string{std::istreambuf_iterator<char>{file}, std::istreambuf_iterator<char>{}}});
+  }
+  std::ranges::sort(copies, {}, &MonteCarloFolder::File::name);
+  const RunIdentity whole{first.version, first.scene_sha256, first.seed, {}};
+  auto folder = MonteCarloFolder::prepare(out, header_of(whole));
+  if (!folder) {
+    complain(folder.error().message);
+    return folder.error().code;
+  }
+  const auto failed = [&](const stochastic::RecordFileError& error) {
+    complain(fmt::format("{}:1: -o: {}", out, describe(error)));
+    return std::holds_alternative<stochastic::SystemFailure>(error) ? ExitCode::machine_failed : ExitCode::wrong_input;
+  };
+  auto result = timer.run("monte_carlo", [&]() -> std::expected<scene::MonteCarloResult, stochastic::RecordFileError> {
+    auto file = RecordFile::open(folder->unfinished(), whole);
+    if (!file) return std::unexpected(file.error());
+    Parts readers{parts};
+    for (std::uint64_t k = 0; k < wanted; ++k) {
+      const auto record = readers.next(k % of);
+      if (!record || record->realization != k) return std::unexpected(stochastic::Unreadable{k / of + 3});
+      if (k < file->records()) continue;  // an earlier merge was interrupted
+      if (auto written = file->append(*record); !written) return std::unexpected(written.error());
+    }
+    if (auto flushed = file->flush_to_disk(); !flushed) return std::unexpected(flushed.error());
+    return figures_of_records(*scene, folder->unfinished());
+  });
+  if (!result) return failed(result.error());
+  return publish_monte_carlo(*scene, *std::move(result), *folder, std::move(copies), timer, 1, quiet, nullptr);
+}
+
+}  // namespace cleave::cli

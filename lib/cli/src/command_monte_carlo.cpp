@@ -1,0 +1,171 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/report/monte_carlo.hpp"
+#include "cleave/report/write.hpp"
+#include "cleave/scene/monte_carlo.hpp"
+#include "cleave/scene/run.hpp"
+#include "command_monte_carlo.hpp"
+#include "figures.hpp"
+#include "monte_carlo_folder.hpp"
+#include "problems.hpp"
+
+namespace cleave::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using stochastic::Estimate;
+
+constexpr const char* version = "0.1.0";
+
+std::string figures_text(const report::MonteCarloPage& page) {
+  const stochastic::Figures& f = page.result.figures;
+  std::string text = fmt::format("{}\nrealizations {} ({}), seed {}\n", page.summary.title, f.realizations,
+                                 name_of(page.result.stopped_by), page.summary.seed);
+  for (const Estimate& e : f.estimates) {
+    if (e.name.starts_with("share") || e.name.starts_with("first_batch_share")) continue;
+    text += fmt::format("  {:<44} {:>12.5g} +- {:<10.3g} [{:.5g}, {:.5g}]\n", e.name, e.mean, e.standard_error, e.low,
+                        e.high);
+  }
+  for (const auto& e : f.exceedances) {
+    text += fmt::format("  P(key block above {:g} m3){:>24.5g} [{:.5g}, {:.5g}]\n", e.volume_m3, e.probability,
+                        e.interval.low, e.interval.high);
+  }
+  text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", page.summary.cost.wall_s,
+                      page.summary.cost.cpu_s, page.summary.cost.peak_rss_mb, page.summary.cost.threads);
+  return text;
+}
+
+std::string log_text(const report::MonteCarloPage& page) {
+  std::string text =
+      fmt::format("cleave {}\nscene {} (sha256 {})\n\nplan\n", version, page.scene_file, page.summary.scene_sha256);
+  for (const auto& row : page.summary.plan) {
+    text += fmt::format("  {:<12} {:<9} {}\n", row.stage, row.run ? "run" : "left out", row.why);
+  }
+  text += "\nresult\n" + figures_text(page);
+  if (!page.result.figures.notes.empty() || !page.notes.empty()) text += "\nnotes\n";
+  for (const std::string& note : page.result.figures.notes) text += "  " + note + "\n";
+  for (const std::string& note : page.notes) text += "  " + note + "\n";
+  return text;
+}
+
+ExitCode end_of(const scene::MonteCarloResult& result, const std::string& scene) {
+  const stochastic::Figures& f = result.figures;
+  if (f.failures > 0) {
+    std::string list;
+    for (std::size_t i = 0; i < std::min<std::size_t>(f.failed.size(), 10); ++i) {
+      list += (list.empty() ? "" : ", ") + std::to_string(f.failed[i]);
+    }
+    complain(fmt::format("{}:1: monte_carlo: {} realizations could not be done ({}{}); look at one with cleave replay",
+                         scene, f.failures, list, f.failures > 10 ? ", ..." : ""));
+    return ExitCode::check_failed;
+  }
+  if (result.stopped_by == scene::StoppedBy::max) {
+    complain(
+        fmt::format("{}:1: monte_carlo.stop: the stated precision is not reached after {} realizations; raise max "
+                    "or relative_half_width",
+                    scene, f.realizations));
+    return ExitCode::check_failed;
+  }
+  return ExitCode::done;
+}
+
+std::string running_text(const stochastic::Ensemble& ensemble, const std::string& quantity, double confidence) {
+  const stochastic::Moments& m = ensemble.moments(quantity);
+  if (m.count() < 2) return {};
+  const auto t = stochastic::t_interval(m.mean(), m.standard_error(), m.count(), confidence);
+  return fmt::format("{} {:.4g} [{:.4g}, {:.4g}]", quantity, m.mean(), t.low, t.high);
+}
+
+}  // namespace
+
+ExitCode publish_monte_carlo(const scene::Scene& scene, scene::MonteCarloResult result, MonteCarloFolder& folder,
+                             std::vector<MonteCarloFolder::File> copies, const StageTimer& timer, unsigned threads,
+                             bool quiet, InterruptWatch* interrupts) {
+  const auto page = report::monte_carlo_page(scene, scene::cost_of(timer, threads), std::move(result));
+  std::vector<MonteCarloFolder::File> files = std::move(copies);
+  if (scene.output.report) files.push_back({"report.html", report::monte_carlo_html(page)});
+  files.push_back({"log.txt", log_text(page)});
+  files.push_back({"summary.json", report::monte_carlo_json(page)});
+  auto published =
+      interrupts != nullptr ? interrupts->guarded([&] { return folder.publish(files); }) : folder.publish(files);
+  if (!published) {
+    complain(published.error().message);
+    return published.error().code;
+  }
+  if (!quiet) {
+    std::string text = figures_text(page);
+    for (const std::string& note : page.result.figures.notes) text += "note: " + note + "\n";
+    say(text + fmt::format("result in {}\n", folder.folder().generic_string()));
+  }
+  return end_of(page.result, scene.shown);
+}
+
+ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& arguments, StageTimer& timer,
+                               Progress& progress, InterruptWatch& interrupts) {
+  const scene::MonteCarloSettings& settings = *scene.monte_carlo;
+  const auto refuse = [&](std::string_view what, std::string_view remedy) {
+    complain(fmt::format("{}:1: --shard: {}; {}", arguments.scene, what, remedy));
+    return ExitCode::wrong_input;
+  };
+  if (arguments.shard.of > 1 && settings.stop) {
+    return refuse("monte_carlo.stop looks at all realizations, a shard has only its own",
+                  "give monte_carlo.realizations instead of stop");
+  }
+  if (arguments.shard.number > settings.realizations) {
+    return refuse("there are fewer realizations than shards", "ask for fewer shards");
+  }
+  auto copies = scene_copies(scene, arguments.scene);
+  if (!copies) {
+    complain(copies.error().message);
+    return copies.error().code;
+  }
+  const std::string header = header_of(stochastic::RunIdentity{
+      .version = version, .scene_sha256 = scene_and_files_sha256(scene), .seed = scene.seed, .shard = arguments.shard});
+  auto folder = MonteCarloFolder::prepare(arguments.out, header);
+  if (!folder) {
+    complain(folder.error().message);
+    return folder.error().code;
+  }
+  std::atomic<std::uint64_t> kept{0};
+  interrupts.on_interrupt(
+      [&] {
+        std::fputs(fmt::format("\ncleave: {} realizations are kept in {}; the same command goes on from there\n",
+                               kept.load(), folder->folder().generic_string())
+                       .c_str(),
+                   stderr);
+      },
+      "interrupted");
+  const std::string quantity =
+      ensemble_options_of(scene).stability ? ensemble_options_of(scene).running_quantity : std::string{"block_count"};
+  progress.begin("monte_carlo", settings.realizations / arguments.shard.of);
+  std::uint64_t shown = 0;
+  const scene::MonteCarloWatch watch{[&](const stochastic::Ensemble& ensemble, std::uint64_t done, std::uint64_t) {
+    progress.advance(done - shown);
+    shown = done;
+    kept = done;
+    progress.note(running_text(ensemble, quantity, settings.confidence));
+  }};
+  auto result = timer.run("monte_carlo", [&] {
+    return scene::run_monte_carlo(scene, arguments.threads, folder->unfinished(), arguments.shard, version, watch);
+  });
+  progress.end();
+  if (!result) {
+    complain(fmt::format("{}:1: -o: {}", arguments.out, describe(result.error())));
+    return std::holds_alternative<stochastic::SystemFailure>(result.error()) ? ExitCode::machine_failed
+                                                                             : ExitCode::wrong_input;
+  }
+  const ExitCode end = publish_monte_carlo(scene, *std::move(result), *folder, *std::move(copies), timer,
+                                           arguments.threads, arguments.quiet, &interrupts);
+  interrupts.on_interrupt({});
+  return end;
+}
+
+}  // namespace cleave::cli

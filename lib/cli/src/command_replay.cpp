@@ -1,0 +1,84 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/scene/run.hpp"
+#include "command_monte_carlo.hpp"
+#include "problems.hpp"
+#include "write_result.hpp"
+
+namespace cleave::cli {
+
+ExitCode replay_realization(const ReplayArguments& arguments) {
+  namespace fs = std::filesystem;
+  InterruptWatch interrupts;
+  StageTimer timer;
+  Progress progress{progress_style_of_stderr(arguments.quiet)};
+  auto scene = timer.run("read", [&] { return load_copied_scene(arguments.result); });
+  if (!scene) return report_problems(scene.error());
+  std::error_code ignored;
+  const fs::path result{arguments.result};
+  const fs::path records =
+      fs::exists(result / records_name, ignored) ? result / records_name : result / unfinished_name;
+  std::optional<stochastic::Record> stored;
+  auto identity = stochastic::read_records(records, [&](const stochastic::Record& record, std::string_view) {
+    if (record.realization == arguments.realization) stored = record;
+    return !stored;
+  });
+  const auto wrong = [&](const std::string& what) {
+    complain(fmt::format("{}:1: OUT: {}", arguments.result, what));
+    return ExitCode::wrong_input;
+  };
+  if (!identity) return wrong("realizations.csv: " + describe(identity.error()));
+  if (!scene->monte_carlo || scene_and_files_sha256(*scene) != identity->scene_sha256) {
+    return wrong("its copy of the scene is not the one its records come from; run the scene again");
+  }
+  if (!stored) {
+    return wrong(fmt::format("has no realization {}; give --realization a number that its realizations.csv lists",
+                             arguments.realization));
+  }
+  scene->seed = identity->seed;
+  scene->title += fmt::format(" (realization {})", arguments.realization);
+  const std::string out =
+      arguments.out.value_or((result / fmt::format("realization_{}", arguments.realization)).string());
+  auto folder = OutFolder::prepare(out);
+  if (!folder) {
+    complain(folder.error().message);
+    return folder.error().code;
+  }
+  interrupts.on_interrupt([&] { folder->discard(); });
+  const auto questions = questions_of(*scene);
+  auto run = scene::run(*scene, {.threads = arguments.threads, .realization = arguments.realization}, timer, progress);
+  ExitCode end = ExitCode::done;
+  if (!run) {
+    end = report_problems(run.error());
+  } else {
+    stochastic::Record again;
+    if (run->complex) {
+      again = stochastic::measure(run->complex->complex(), run->analysis ? &*run->analysis : nullptr, questions);
+      again.joints = run->joints.size();
+    } else {
+      again.outcome = stochastic::Outcome::certificate_failed;
+    }
+    again.realization = arguments.realization;
+    const bool same = line_of(again) == line_of(*stored);
+    run->notes.push_back(fmt::format("realization {} of a Monte Carlo run; its record {}", arguments.realization,
+                                     same ? "is reproduced to the last digit" : "is NOT reproduced"));
+    end = write_and_publish(*run, *folder, timer, progress, interrupts, {arguments.result, arguments.quiet});
+    if (end == ExitCode::done && !same) {
+      complain(
+          fmt::format("{}:1: realizations.csv: the record of realization {} is not reproduced; was it made by "
+                      "another build of cleave?",
+                      arguments.result, arguments.realization));
+      end = ExitCode::check_failed;
+    }
+  }
+  interrupts.guarded([&] { folder->discard(); });
+  interrupts.on_interrupt({});
+  return end;
+}
+
+}  // namespace cleave::cli

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/scene/run_result.hpp"
+#include "exit_code.hpp"
+#include "interrupt.hpp"
+#include "out_folder.hpp"
+
+namespace cleave::cli {
+
+struct Saying {
+  std::string scene;  ///< how messages name it
+  bool quiet = false;
+};
+
+/// Writes all files of a single run, puts the folder in its place and prints the key figures.
+[[nodiscard]] ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer& timer,
+                                         Progress& progress, InterruptWatch& interrupts, const Saying& saying);
+
+}  // namespace cleave::cli

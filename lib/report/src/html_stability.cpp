@@ -1,0 +1,291 @@
+#include "html_stability.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "cleave/report/drawings.hpp"
+#include "cleave/report/text.hpp"
+#include "svg.hpp"
+
+namespace cleave::report {
+namespace {
+
+using detail::fixed;
+using geometry::Vec3;
+
+constexpr double radius = 120, centre = 132;
+
+std::string at(NetPoint p) { return fixed(centre + radius * p.x) + ',' + fixed(centre - radius * p.y); }
+
+std::string circle_path(const std::vector<NetPoint>& points, std::string_view attributes) {
+  std::string out = "<path fill=\"none\" d=\"M";
+  for (std::size_t i = 0; i < points.size(); ++i) out += (i == 0 ? "" : "L") + at(points[i]);
+  out += "\" ";
+  out += attributes;
+  return out + "/>";
+}
+
+/// Cone of half angle `degrees` about a line: the part of it in the lower hemisphere, as polylines.
+std::string small_circle(Vec3 axis, double degrees, Net net, std::string_view attributes) {
+  const Vec3 n = geometry::normalized(axis);
+  const Vec3 u = geometry::normalized(std::abs(n.z) < 0.9 ? cross(n, {0, 0, 1}) : cross(n, {1, 0, 0}));
+  const Vec3 v = cross(n, u);
+  const double a = degrees * std::numbers::pi / 180;
+  std::string out;
+  std::vector<NetPoint> run;
+  for (int i = 0; i <= 120; ++i) {
+    const double t = 2 * std::numbers::pi * i / 120;
+    const Vec3 line = std::cos(a) * n + std::sin(a) * (std::cos(t) * u + std::sin(t) * v);
+    if (line.z > 1e-9) {
+      if (run.size() > 1) out += circle_path(run, attributes);
+      run.clear();
+      continue;
+    }
+    run.push_back(project(line, net));
+  }
+  if (run.size() > 1) out += circle_path(run, attributes);
+  return out;
+}
+
+/// Joint planes (great circles), free surfaces (dashed), friction circle about the pole of each pressing plane's
+/// downward normal, weight's direction and that of motion.
+std::string block_net(const Page& page, const stability::Judgement& j, Net net) {
+  const topology::BlockComplex& complex = *page.complex;
+  std::string out =
+      "<svg viewBox=\"0 0 264 264\" role=\"img\" aria-label=\"Stereonet of the block\"><circle cx=\"132\" cy=\"132\" "
+      "r=\"120\" class=\"net-rim\"/>";
+  for (const topology::FaceId id : complex.blocks()[j.block].faces) {
+    const topology::Face& face = complex.faces()[id];
+    const bool free = face.role == topology::Role::free;
+    out += circle_path(great_circle(face.outward, net, 61),
+                       free ? "stroke=\"#888\" stroke-width=\"1.2\" stroke-dasharray=\"4 3\""
+                            : "stroke=\"#0072B2\" stroke-width=\"1.4\"");
+  }
+  for (const stability::Pressing& pressing : j.pressing) {
+    const topology::Face& face = complex.faces()[pressing.face];
+    const double tangent =
+        face.joint && face.joint->index() < page.tan_friction.size() ? page.tan_friction[face.joint->index()] : 0;
+    const Vec3 pole = face.outward.z > 0 ? -face.outward : face.outward;
+    out +=
+        small_circle(pole, std::atan(tangent) * 180 / std::numbers::pi, net, "stroke=\"#D55E00\" stroke-width=\"1.4\"");
+    out += "<circle r=\"3\" fill=\"#D55E00\" cx=\"" + fixed(centre + radius * project(pole, net).x) + "\" cy=\"" +
+           fixed(centre - radius * project(pole, net).y) + "\"/>";
+  }
+  if (norm(j.direction) > 0) {
+    const NetPoint p = project(j.direction, net);
+    const double x = centre + radius * p.x, y = centre - radius * p.y;
+    out += "<path d=\"M" + fixed(x - 6) + ',' + fixed(y) + 'h' + fixed(12) + 'M' + fixed(x) + ',' + fixed(y - 6) + 'v' +
+           fixed(12) + "\" stroke=\"#009E73\" stroke-width=\"3\"/>";
+  }
+  return out + "</svg>";
+}
+
+std::string vector_text(Vec3 v) {
+  return "(" + display(v.x, 3) + ", " + display(v.y, 3) + ", " + display(v.z, 3) + ")";
+}
+
+std::string sentence(const Page& page, const stability::Judgement& j) {
+  const topology::BlockComplex& complex = *page.complex;
+  std::string out = "Block " + std::to_string(j.block.value()) + " can leave its place in ";
+  out += j.cone_dimension == 3   ? "a solid cone of directions"
+         : j.cone_dimension == 2 ? "a plane of directions only"
+                                 : "one line of directions only";
+  out += ". Its load drives it ";
+  switch (j.mode) {
+    case stability::Mode::falling: out += "off all its joints: it falls"; break;
+    case stability::Mode::lifting: out += "off all its joints, against gravity"; break;
+    case stability::Mode::sliding: out += "along one joint plane"; break;
+    case stability::Mode::wedge: out += "along the line of two joint planes"; break;
+    case stability::Mode::stable: out += "against its joints: it stays"; break;
+    case stability::Mode::tapered: out += "nowhere"; break;
+  }
+  out += ", direction " + vector_text(j.direction) + ". Driving force " + display(j.driving.si() / 1000) +
+         " kN, resistance " + display(j.resistance.si() / 1000) + " kN";
+  if (!j.pressing.empty()) {
+    out += " from";
+    for (const stability::Pressing& p : j.pressing) {
+      const topology::Face& face = complex.faces()[p.face];
+      out += " joint " + (face.joint ? std::to_string(face.joint->value()) : std::string{"?"}) + " (pressed with " +
+             display(p.reaction.si() / 1000) + " kN over " + display(face.area.si(), 3) + " m²)";
+    }
+  }
+  out += ": factor of safety " + display(j.factor_of_safety, 3) + ".";
+  if (j.resistance_max) out += " Three or more planes share the load; the least resistance is given.";
+  if (j.tie) out += " Two modes coincide to rounding.";
+  if (j.transferred && norm(j.transferred->received) > 0) {
+    out += " Later batches push on it with " + vector_text(j.transferred->received / 1000) + " kN: " +
+           (j.transferred->key ? "net force " + display(j.transferred->net.si() / 1000) + " kN, factor " +
+                                     display(j.transferred->factor_of_safety, 3)
+                               : std::string{"it is stable then"}) +
+           ".";
+  }
+  return out;
+}
+
+/// Forces in the vertical plane of the motion: weight, reactions, resistance and what is left, to one scale.
+std::string force_arrows(const Page& page, const stability::Judgement& j) {
+  Vec3 h{j.direction.x, j.direction.y, 0};
+  h = norm(h) > 1e-9 ? geometry::normalized(h) : Vec3{1, 0, 0};
+  struct Arrow {
+    Vec3 force;
+    std::string colour, label;
+  };
+  std::vector<Arrow> arrows{{{0, 0, -j.weight.si()}, "#555", "W"}};
+  for (const stability::Pressing& p : j.pressing) {
+    arrows.push_back({-p.reaction.si() * page.complex->faces()[p.face].outward, "#0072B2", "N"});
+  }
+  arrows.push_back({-j.resistance.si() * j.direction, "#D55E00", "R"});
+  arrows.push_back({j.driving.si() * j.direction, "#009E73", "T"});
+  double largest = 0;
+  for (const Arrow& a : arrows) largest = std::max(largest, norm(a.force));
+  if (!(largest > 0)) return {};
+  std::string out = "<svg viewBox=\"0 0 264 264\" role=\"img\" aria-label=\"Forces on the block\">";
+  for (const Arrow& a : arrows) {
+    const double x = 110 * dot(a.force, h) / largest, y = -110 * a.force.z / largest;
+    const double length = std::hypot(x, y);
+    if (length < 3) continue;
+    const double ux = x / length, uy = y / length;
+    out += "<path d=\"M132,132L" + fixed(132 + x) + ',' + fixed(132 + y) + "\" stroke=\"" + a.colour +
+           "\" stroke-width=\"3\"/><path d=\"M" + fixed(132 + x) + ',' + fixed(132 + y) + "l" +
+           fixed(-9 * ux - 4 * uy) + ',' + fixed(-9 * uy + 4 * ux) + "l" + fixed(8 * uy) + ',' + fixed(-8 * ux) +
+           "z\" fill=\"" + a.colour + "\"/><text x=\"" + fixed(132 + x + 8 * ux) + "\" y=\"" +
+           fixed(132 + y + 8 * uy + 5) + "\" text-anchor=\"middle\">" + a.label + "</text>";
+  }
+  return out + "</svg>";
+}
+
+std::string tornado(const stability::Sensitivity& s) {
+  struct Bar {
+    std::string_view name;
+    double low, high;
+  };
+  const auto ends = [](const std::array<double, 2>& v) {
+    return std::pair{std::min(v[0], v[1]), std::max(v[0], v[1])};
+  };
+  std::vector<Bar> bars;
+  for (const auto& [name, values] : {std::pair<std::string_view, std::array<double, 2>>{"friction", s.friction},
+                                     {"cohesion", s.cohesion},
+                                     {"water", s.water}}) {
+    const auto [low, high] = ends(values);
+    if (std::isfinite(low) && std::isfinite(high)) bars.push_back({name, low, high});
+  }
+  std::ranges::stable_sort(bars, [](const Bar& a, const Bar& b) { return a.high - a.low > b.high - b.low; });
+  double from = s.base, to = s.base;
+  for (const Bar& b : bars) {
+    from = std::min(from, b.low);
+    to = std::max(to, b.high);
+  }
+  if (!(to > from)) return {};
+  const auto x = [&](double f) { return 90 + 300 * (f - from) / (to - from); };
+  std::string out = "<svg viewBox=\"0 0 480 " + fixed(26.0 * static_cast<double>(bars.size()) + 34) +
+                    "\" role=\"img\" aria-label=\"Sensitivity of the factor of safety\">";
+  double y = 6;
+  for (const Bar& b : bars) {
+    out += "<text x=\"82\" y=\"" + fixed(y + 15) + "\" text-anchor=\"end\">" + std::string{b.name} +
+           "</text><rect x=\"" + fixed(x(b.low)) + "\" y=\"" + fixed(y) + "\" width=\"" +
+           fixed(std::max(1.0, x(b.high) - x(b.low))) + "\" height=\"18\" fill=\"#0072B2\"/>";
+    y += 26;
+  }
+  out += "<path d=\"M" + fixed(x(s.base)) + ",0V" + fixed(y) + "\" stroke=\"#D55E00\" stroke-width=\"2\"/>";
+  out += "<text x=\"90\" y=\"" + fixed(y + 18) + "\">" + display(from, 3) + "</text><text x=\"390\" y=\"" +
+         fixed(y + 18) + "\" text-anchor=\"end\">" + display(to, 3) + "</text>";
+  return out + "</svg>";
+}
+
+constexpr std::size_t most_explained = 60;
+
+}  // namespace
+
+std::string why_section(const Page& page) {
+  if (page.analysis == nullptr || page.complex == nullptr) return {};
+  std::vector<const stability::Judgement*> keys;
+  for (const stability::Judgement& j : page.analysis->judgements) {
+    if (j.key) keys.push_back(&j);
+  }
+  if (keys.empty()) return {};
+  std::ranges::stable_sort(keys, {}, [](const stability::Judgement* j) { return j->batch.value_or(1'000'000); });
+  std::string out =
+      "<section id=\"why\"><h2>Why they move</h2>\n<p class=\"small\">Click a block. Left: forces in the vertical "
+      "plane "
+      "of motion (W weight, N reactions, R resistance, T driving force). Right: lower-hemisphere nets, equal area and "
+      "equal angle: joints of "
+      "the block blue, free surfaces dashed, friction circles about the poles of pressed joints orange, direction of "
+      "motion a green cross.</p>\n";
+  for (std::size_t i = 0; i < std::min(keys.size(), most_explained); ++i) {
+    const stability::Judgement& j = *keys[i];
+    out += "<details id=\"why-" + std::to_string(j.block.value()) + "\"><summary>Block " +
+           std::to_string(j.block.value()) + (j.batch ? ", batch " + std::to_string(*j.batch) : "") + ": " +
+           std::string{stability::name(j.mode)} + ", factor " + display(j.factor_of_safety, 3) + ", " +
+           display(page.complex->blocks()[j.block].volume.si(), 3) + " m³</summary>\n<p>" + sentence(page, j) +
+           "</p>\n<div class=\"columns\"><figure>" + force_arrows(page, j) + "</figure><figure>" +
+           block_net(page, j, Net::equal_area) + "<figcaption>equal area</figcaption></figure><figure>" +
+           block_net(page, j, Net::equal_angle) + "<figcaption>equal angle</figcaption></figure></div>\n";
+    const auto row = std::ranges::find(page.sensitivity, j.block, &stability::Sensitivity::block);
+    if (row != page.sensitivity.end()) {
+      const std::string drawing = tornado(*row);
+      if (!drawing.empty()) {
+        out += "<figure class=\"half\">" + drawing + "<figcaption>Factor of safety when one input is " +
+               display(100 * row->share, 2) + " % lower or higher (orange: as given).</figcaption></figure>\n";
+      }
+    }
+    out += "</details>\n";
+  }
+  if (keys.size() > most_explained) {
+    out += "<p class=\"note\">The first " + std::to_string(most_explained) + " of " + display_count(keys.size()) +
+           " key blocks are explained here; all are in key_blocks.csv.</p>\n";
+  }
+  return out + "</section>\n";
+}
+
+std::string support_section(const Page& page) {
+  if (page.support == nullptr || !page.summary.support) return {};
+  const SupportFigures& f = *page.summary.support;
+  std::string out = "<section id=\"support\"><h2>Support</h2>\n<p>" +
+                    std::string{f.passes ? "Every block reaches its target." : "Some blocks miss their target."} + " " +
+                    display_count(f.blocks) + " blocks need support: " + display_count(f.held_by_bolts) +
+                    " held by bolts, " + display_count(f.held_by_shotcrete) + " by shotcrete, " +
+                    display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" +
+                    display_count(f.spot_bolts) + " spot bolts): " + display_count(f.bolts_used) + " needed, " +
+                    display_count(f.bolts_redundant) + " redundant, " + display_count(f.bolts_too_short) +
+                    " too short. " + display_count(f.combined) + " bodies stitched together by bolts, " +
+                    display_count(f.combined_failing) + " of them below their target.";
+  if (f.required_force_n_per_metre) {
+    out += " Required force: " + display(*f.required_force_n_per_metre / 1000, 3) + " kN per metre of tunnel.";
+  }
+  out += "</p>\n";
+  if (!page.support->blocks.empty()) {
+    out +=
+        "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Block</th><th>Mode</th><th>Net force (kN)</th>"
+        "<th>Factor</th><th>Target</th><th>Held by</th><th>Bolts</th><th>Factor with bolts</th><th>Share used</th>"
+        "<th>Missing (kN)</th><th>Required force (kN)</th><th>Required pressure (kPa)</th></tr></thead><tbody>\n";
+    for (const stability::SupportedBlock& b : page.support->blocks) {
+      out += "<tr data-block=\"" + std::to_string(b.block.value()) + "\"><td>" + std::to_string(b.block.value()) +
+             "</td><td>" + std::string{stability::name(b.mode)} + "</td><td>" + display(b.net_force / 1000) +
+             "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" + display(b.target, 3) + "</td><td>" +
+             std::string{stability::name(b.held)} + "</td><td>" + std::to_string(b.bolts) + "</td><td>" +
+             display(b.factor_with_bolts, 3) + "</td><td>" + (b.mobilised <= 1 ? display(b.mobilised, 3) : "–") +
+             "</td><td>" + display(b.missing_force / 1000) + "</td><td>" + display(b.required_force / 1000) +
+             "</td><td>" + display(b.required_pressure / 1000, 3) + "</td></tr>\n";
+    }
+    out += "</tbody></table></div>\n";
+  }
+  if (!f.designs.empty()) {
+    out +=
+        "<h3>Search for a pattern</h3><table><thead><tr><th>Length (m)</th><th>Spacing times</th><th>Bolts</th>"
+        "<th>Cost</th></tr></thead><tbody>\n";
+    for (const DesignFigures& d : f.designs) {
+      out += "<tr><td>" + display(d.length_m, 3) + "</td><td>" + (d.found ? display(d.scale, 3) : "none passes") +
+             "</td><td>" + (d.found ? display_count(d.bolts) : "–") + "</td><td>" +
+             (d.found ? display(d.cost, 4) : "–") + "</td></tr>\n";
+    }
+    out +=
+        "</tbody></table><p class=\"small\">Widest spacing at which every offset of the pattern that was tried holds "
+        "all blocks, alone and stitched.</p>\n";
+  }
+  return out + "</section>\n";
+}
+
+}  // namespace cleave::report

@@ -1,0 +1,229 @@
+#include "cleave/report/monte_carlo.hpp"
+
+#include <utility>
+
+#include "cleave/report/json.hpp"
+#include "cleave/scene/plan.hpp"
+
+namespace cleave::report {
+namespace {
+
+using stochastic::Estimate;
+using stochastic::Figures;
+using stochastic::Interval;
+
+void write_interval(JsonWriter& json, const Interval& interval) {
+  json.member("low", interval.low);
+  json.member("high", interval.high);
+}
+
+void write_estimates(JsonWriter& json, const Figures& figures) {
+  json.key("quantities");
+  json.begin_object();
+  for (const Estimate& e : figures.estimates) {
+    json.key(e.name);
+    json.begin_object();
+    json.member("mean", e.mean);
+    json.member("standard_error", e.standard_error);
+    json.member("low", e.low);
+    json.member("high", e.high);
+    json.member("confidence", figures.confidence);
+    json.member("std", e.std);
+    json.member("method", stochastic::name_of(e.method));
+    json.member("realizations", e.realizations);
+    if (e.method != stochastic::Method::ratio) {
+      json.member("smallest", e.smallest);
+      json.member("largest", e.largest);
+      json.member("skewness", e.skewness);
+      json.member("optimistic", e.optimistic);
+    }
+    if (e.bootstrap) {
+      json.member("bootstrap_low", e.bootstrap->low);
+      json.member("bootstrap_high", e.bootstrap->high);
+    }
+    json.end_object();
+  }
+  json.end_object();
+}
+
+void write_quantiles(JsonWriter& json, const Figures& figures) {
+  json.key("quantiles");
+  json.begin_array();
+  for (const auto& q : figures.quantiles) {
+    json.begin_object();
+    json.member("quantity", q.name);
+    json.member("p", q.p);
+    json.member("value", q.value);
+    if (q.interval) {
+      write_interval(json, *q.interval);
+    } else {
+      json.key("low");
+      json.null();
+      json.key("high");
+      json.null();
+      json.member("reason", "not available: too few realizations");
+    }
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_exceedances(JsonWriter& json, const Figures& figures) {
+  json.key("exceedance");
+  json.begin_array();
+  for (const auto& e : figures.exceedances) {
+    json.begin_object();
+    json.member("volume_m3", e.volume_m3);
+    json.member("realizations", e.realizations);
+    json.member("probability", e.probability);
+    write_interval(json, e.interval);
+    json.member("number", e.number);
+    json.member("number_standard_error", e.number_standard_error);
+    if (e.per_metre) json.member("per_metre", *e.per_metre);
+    if (e.per_metre_standard_error) json.member("per_metre_standard_error", *e.per_metre_standard_error);
+    if (!e.by_chainage.empty()) {
+      json.key("by_chainage");
+      json.begin_array();
+      for (std::size_t i = 0; i < e.by_chainage.size(); ++i) {
+        json.begin_object();
+        json.member("probability", e.by_chainage[i]);
+        write_interval(json, e.by_chainage_interval[i]);
+        json.end_object();
+      }
+      json.end_array();
+    }
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_sizes(JsonWriter& json, std::string_view name, const std::vector<stochastic::SizePoint>& points) {
+  json.key(name);
+  json.begin_array();
+  for (const auto& p : points) {
+    json.begin_object();
+    json.member("volume_m3", p.volume_m3);
+    json.member("share_below", p.share);
+    json.member("standard_error", p.standard_error);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_extremes(JsonWriter& json, std::string_view name, const std::vector<stochastic::Extreme>& list) {
+  json.key(name);
+  json.begin_array();
+  for (const auto& e : list) {
+    json.begin_object();
+    json.member("realization", e.realization);
+    json.member("key_block_volume_m3", e.volume_m3);
+    json.member("key_block_count", e.count);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_section(JsonWriter& json, const MonteCarloPage& page) {
+  const Figures& f = page.result.figures;
+  json.key("monte_carlo");
+  json.begin_object();
+  json.member("realizations", f.realizations);
+  json.member("seed", page.summary.seed);
+  json.member("stopped_by", name_of(page.result.stopped_by));
+  json.member("status", f.failures > 0                                    ? "incomplete"
+                        : page.result.stopped_by == scene::StoppedBy::max ? "not converged"
+                                                                          : "done");
+  if (!page.stop_quantity.empty()) json.member("interval_kind", "sequential, fixed looks");
+  json.key("shard");
+  json.begin_object();
+  json.member("number", page.result.shard.number);
+  json.member("of", page.result.shard.of);
+  json.end_object();
+  write_estimates(json, f);
+  write_quantiles(json, f);
+  write_exceedances(json, f);
+  write_sizes(json, "size_distribution", f.sizes);
+  write_sizes(json, "first_batch_size_distribution", f.first_sizes);
+  json.key("running");
+  json.begin_object();
+  json.member("quantity", f.running_quantity);
+  json.key("points");
+  json.begin_array();
+  for (const auto& p : f.running) {
+    json.begin_object();
+    json.member("realizations", p.realizations);
+    json.member("mean", p.mean);
+    json.member("half_width", p.half_width);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+  write_extremes(json, "worst", f.worst);
+  write_extremes(json, "best", f.best);
+  json.member("failures", f.failures);
+  json.key("failed_realizations");
+  json.begin_array();
+  for (const std::uint64_t k : f.failed) json.value(k);
+  json.end_array();
+  json.member("stopped_at_max_batches", f.stopped_at_max_batches);
+  json.member("surface_blocks_fixed_share", f.surface_fixed_share);
+  json.member("key_volume_beside_fixed_share", f.beside_fixed_share);
+  json.key("notes");
+  json.begin_array();
+  for (const std::string& note : f.notes) json.value(std::string_view{note});
+  json.end_array();
+  json.member("hash", f.hash);
+  json.end_object();
+}
+
+}  // namespace
+
+Summary monte_carlo_summary(const scene::Scene& scene, const scene::RunCost& cost) {
+  Summary summary;
+  summary.title = scene.title;
+  summary.seed = scene.seed;
+  summary.scene_sha256 = scene.sha256;
+  const scene::Plan plan = make_plan(scene);
+  for (const scene::PlannedStage& stage : plan.stages) {
+    summary.plan.push_back({.stage = std::string{scene::name_of(stage.stage)}, .run = stage.run, .why = stage.why});
+  }
+  summary.cost = {.wall_s = cost.wall_s,
+                  .cpu_s = cost.cpu_s,
+                  .peak_rss_mb = cost.peak_rss_mb,
+                  .threads = cost.threads,
+                  .stages = {}};
+  for (const scene::StageCost& stage : cost.stages) {
+    summary.cost.stages.push_back({.stage = std::string{scene::name_of(stage.stage)},
+                                   .wall_s = stage.wall_s,
+                                   .cpu_s = stage.cpu_s,
+                                   .peak_rss_mb = stage.peak_rss_mb});
+  }
+  return summary;
+}
+
+MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost& cost, scene::MonteCarloResult result) {
+  MonteCarloPage page{.summary = monte_carlo_summary(scene, cost),
+                      .result = std::move(result),
+                      .scene_file = scene.file_name,
+                      .files = {},
+                      .notes = {},
+                      .tunnel_length_m = ensemble_options_of(scene).tunnel_length_m,
+                      .stop_quantity = {}};
+  for (const scene::InputFile& file : scene.files) {
+    page.files.push_back({.name = file.name, .sha256 = file.sha256, .bytes = file.bytes});
+  }
+  for (const scene::Problem& note : scene.notes) page.notes.push_back(describe(note));
+  if (scene.monte_carlo && scene.monte_carlo->stop) page.stop_quantity = scene.monte_carlo->stop->quantity;
+  return page;
+}
+
+std::string monte_carlo_json(const MonteCarloPage& page) {
+  JsonWriter json;
+  json.begin_object();
+  write_summary_head(json, page.summary);
+  write_section(json, page);
+  json.end_object();
+  return std::move(json).finish();
+}
+
+}  // namespace cleave::report

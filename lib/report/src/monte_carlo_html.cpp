@@ -1,0 +1,276 @@
+#include <algorithm>
+#include <cmath>
+
+#include "cleave/report/monte_carlo.hpp"
+#include "cleave/report/text.hpp"
+#include "html_parts.hpp"
+#include "plot.hpp"
+
+namespace cleave::report {
+namespace {
+
+using detail::Axis;
+using detail::Plot;
+using detail::PlotPoint;
+using stochastic::Estimate;
+using stochastic::Figures;
+
+const Estimate* find(const Figures& figures, std::string_view name) {
+  const auto it = std::ranges::find(figures.estimates, name, &Estimate::name);
+  return it == figures.estimates.end() ? nullptr : &*it;
+}
+
+std::string percent(double share, int digits = 3) { return display(100 * share, digits) + " %"; }
+
+std::string interval(double low, double high) { return display(low) + " … " + display(high); }
+
+std::string words(std::string name) {
+  std::ranges::replace(name, '_', ' ');
+  return name;
+}
+
+std::string cards(const MonteCarloPage& page) {
+  const Figures& f = page.result.figures;
+  std::string out = "<section class=\"cards\" aria-label=\"Key figures\">\n";
+  out += detail::key_figure("Realizations", display_count(f.realizations),
+                            page.result.stopped_by == scene::StoppedBy::max         ? "stated precision not reached"
+                            : page.result.stopped_by == scene::StoppedBy::precision ? "stopped at the stated precision"
+                                                                                    : "as many as asked for",
+                            page.result.stopped_by == scene::StoppedBy::max || f.failures > 0 ? "warn" : "good");
+  const auto add = [&](std::string_view label, std::string_view name, std::string_view unit) {
+    if (const Estimate* e = find(f, name)) {
+      out += detail::key_figure(label, display(e->mean) + std::string{unit},
+                                percent(f.confidence) + " interval " + interval(e->low, e->high));
+    }
+  };
+  add("Key-block volume", "key_block_volume_m3", " m³");
+  add("Key blocks", "key_block_count", "");
+  add("First batch", "first_batch_volume_m3", " m³");
+  add("Blocks", "block_count", "");
+  if (f.failures > 0) {
+    out += detail::key_figure("Failed", display_count(f.failures), "realizations, left out of the figures", "bad");
+  }
+  return out + "</section>\n";
+}
+
+std::string running_figure(const Figures& f) {
+  if (f.running.size() < 2) return {};
+  double high = 0;
+  std::vector<PlotPoint> mean, low, up;
+  for (const auto& p : f.running) {
+    const auto n = static_cast<double>(p.realizations);
+    mean.push_back({n, p.mean});
+    low.push_back({n, p.mean - p.half_width});
+    up.push_back({n, p.mean + p.half_width});
+    high = std::max(high, p.mean + p.half_width);
+  }
+  Plot plot{detail::decades(mean.front().x, mean.back().x, "realizations"),
+            detail::from_zero(std::min(high, 3 * mean.back().y), "mean of " + words(f.running_quantity)),
+            "Running mean with its confidence band"};
+  plot.band(low, up);
+  plot.line(mean);
+  return "<figure>" + std::move(plot).svg() + "<figcaption>Running mean of " + escape_xml(words(f.running_quantity)) +
+         " with its " + percent(f.confidence) +
+         " band (pointwise). A line that looks flat proves nothing: the band does.</figcaption></figure>\n";
+}
+
+std::string size_figure(const Figures& f) {
+  if (f.sizes.empty()) return {};
+  Plot plot{detail::decades(f.sizes.front().volume_m3, f.sizes.back().volume_m3, "key-block volume V (m³)"),
+            Axis{0, 1, false, "share of key blocks below V"}, "Size distribution of key blocks"};
+  std::vector<PlotPoint> all, low, high, first;
+  for (const auto& p : f.sizes) {
+    all.push_back({p.volume_m3, p.share});
+    low.push_back({p.volume_m3, p.share - 1.96 * p.standard_error});
+    high.push_back({p.volume_m3, p.share + 1.96 * p.standard_error});
+  }
+  for (const auto& p : f.first_sizes) first.push_back({p.volume_m3, p.share});
+  plot.band(low, high);
+  plot.line(all);
+  plot.line(first, "line-b");
+  return "<figure>" + std::move(plot).svg() +
+         "<figcaption>Share of key blocks smaller than V, by number: <span class=\"key-a\">all batches</span> (band: "
+         "two "
+         "standard errors over realizations) and <span class=\"key-b\">first batch</span>.</figcaption></figure>\n";
+}
+
+std::string exceedance_figure(const Figures& f) {
+  if (f.exceedances.size() < 2) return {};
+  double low = 1;
+  std::vector<double> volumes;
+  for (const auto& e : f.exceedances) {
+    if (e.volume_m3 <= 0) continue;
+    volumes.push_back(e.volume_m3);
+    low = std::min({low, std::max(e.interval.low, e.interval.high / 1000), e.interval.high});
+  }
+  if (volumes.empty()) return {};
+  Plot plot{detail::decades(volumes.front(), volumes.back(), "volume v (m³)"),
+            Axis{std::pow(10.0, std::floor(std::log10(std::max(low, 1e-9)))), 1, true, "P(a key block above v)"},
+            "Probability of a key block above a volume"};
+  std::vector<PlotPoint> line;
+  for (const auto& e : f.exceedances) {
+    if (e.volume_m3 <= 0) continue;
+    plot.whisker(e.volume_m3, e.interval.low, e.interval.high);
+    if (e.probability > 0) {
+      plot.dot(e.volume_m3, e.probability);
+      line.push_back({e.volume_m3, e.probability});
+    }
+  }
+  plot.line(line);
+  return "<figure>" + std::move(plot).svg() +
+         "<figcaption>Probability that the largest key block of a realization exceeds v, with exact "
+         "(Clopper–Pearson) " +
+         percent(f.confidence) + " intervals.</figcaption></figure>\n";
+}
+
+std::string chainage_figure(const MonteCarloPage& page) {
+  const Figures& f = page.result.figures;
+  if (!page.tunnel_length_m) return {};
+  std::string out;
+  for (const auto& e : f.exceedances) {
+    if (e.by_chainage.empty() || e.realizations == 0) continue;
+    double high = 0;
+    for (const auto& i : e.by_chainage_interval) high = std::max(high, i.high);
+    Plot plot{Axis{0, *page.tunnel_length_m, false, "chainage (m)"},
+              detail::from_zero(high, "P(key block above " + display(e.volume_m3) + " m³)"), "Probability by chainage"};
+    const double part = *page.tunnel_length_m / static_cast<double>(e.by_chainage.size());
+    for (std::size_t i = 0; i < e.by_chainage.size(); ++i) {
+      const double from = part * static_cast<double>(i);
+      plot.bar(from, from + part, e.by_chainage[i]);
+      plot.whisker(from + part / 2, e.by_chainage_interval[i].low, e.by_chainage_interval[i].high);
+    }
+    out += "<figure>" + std::move(plot).svg() + "<figcaption>Key blocks above " + display(e.volume_m3) +
+           " m³ along the first tunnel: probability that one has its centroid in each part.</figcaption></figure>\n";
+  }
+  return out;
+}
+
+std::string estimates_table(const Figures& f) {
+  std::string out =
+      "<section id=\"estimates\"><h2>Estimates</h2>\n<p class=\"small\">The sample size is the number of realizations, "
+      "not of blocks. “ratio”: sum over all realizations over sum over all realizations, delta method.</p>\n"
+      "<div class=\"scroll\"><table><thead><tr><th class=\"wide\">Quantity</th><th>Mean</th><th>Standard "
+      "error</th><th>" +
+      percent(f.confidence) +
+      " interval</th><th>Standard deviation</th><th>Smallest … largest</th><th>Kind</th></tr></thead><tbody>\n";
+  for (const Estimate& e : f.estimates) {
+    std::string range = interval(e.low, e.high);
+    if (e.optimistic) {
+      range += e.bootstrap ? "; bootstrap " + interval(e.bootstrap->low, e.bootstrap->high) : "";
+      range += " (optimistic)";
+    }
+    out += "<tr><td class=\"wide\">" + escape_xml(words(e.name)) + "</td><td>" + display(e.mean) + "</td><td>" +
+           display(e.standard_error, 3) + "</td><td>" + range + "</td><td>" +
+           (e.method == stochastic::Method::ratio ? "–" : display(e.std, 3)) + "</td><td>" +
+           (e.method == stochastic::Method::ratio ? "–" : interval(e.smallest, e.largest)) + "</td><td>" +
+           escape_xml(words(std::string{stochastic::name_of(e.method)})) + "</td></tr>\n";
+  }
+  return out + "</tbody></table></div></section>\n";
+}
+
+std::string probability_table(const Figures& f) {
+  if (f.exceedances.empty()) return {};
+  std::string out =
+      "<section id=\"probability\"><h2>Probability of large key blocks</h2>\n<table><thead><tr><th>Volume above "
+      "(m³)</th><th>Realizations with one</th><th>Probability</th><th>Exact interval</th><th>Mean "
+      "number</th><th>Number "
+      "per metre of tunnel</th></tr></thead><tbody>\n";
+  for (const auto& e : f.exceedances) {
+    out += "<tr><td>" + display(e.volume_m3) + "</td><td>" + display_count(e.realizations) + "</td><td>" +
+           display(e.probability) + "</td><td>" + interval(e.interval.low, e.interval.high) + "</td><td>" +
+           display(e.number) + " ± " + display(e.number_standard_error, 2) + "</td><td>" +
+           (e.per_metre ? display(*e.per_metre) + " ± " + display(*e.per_metre_standard_error, 2) : "–") +
+           "</td></tr>\n";
+  }
+  return out + "</tbody></table></section>\n";
+}
+
+std::string quantile_table(const Figures& f) {
+  if (f.quantiles.empty()) return {};
+  std::string out =
+      "<section id=\"quantiles\"><h2>Quantiles</h2>\n<p class=\"small\">By order statistics: no law is "
+      "assumed.</p><div "
+      "class=\"scroll\"><table><thead><tr><th "
+      "class=\"wide\">Quantity</th><th>p</th><th>Value</th><th>Interval</th></tr>"
+      "</thead><tbody>\n";
+  for (const auto& q : f.quantiles) {
+    out += "<tr><td class=\"wide\">" + escape_xml(words(q.name)) + "</td><td>" + percent(q.p) + "</td><td>" +
+           display(q.value) + "</td><td>" +
+           (q.interval ? interval(q.interval->low, q.interval->high) : "not available: too few realizations") +
+           "</td></tr>\n";
+  }
+  return out + "</tbody></table></div></section>\n";
+}
+
+std::string extremes_section(const Figures& f) {
+  if (f.worst.empty()) return {};
+  std::string out =
+      "<section id=\"extremes\"><h2>Worst and best realizations</h2>\n<p class=\"small\">Scenes to look at, not "
+      "bounds: "
+      "<code>cleave replay OUT --realization K</code> makes any of them again as a full run.</p>\n<table><thead><tr>"
+      "<th>Worst</th><th>Key-block volume (m³)</th><th>Key blocks</th><th>Best</th><th>Key-block volume "
+      "(m³)</th><th>Key blocks</th></tr></thead><tbody>\n";
+  for (std::size_t i = 0; i < f.worst.size(); ++i) {
+    const auto& w = f.worst[i];
+    const auto& b = f.best[i];
+    out += "<tr><td>" + std::to_string(w.realization) + "</td><td>" + display(w.volume_m3) + "</td><td>" +
+           display_count(w.count) + "</td><td>" + std::to_string(b.realization) + "</td><td>" + display(b.volume_m3) +
+           "</td><td>" + display_count(b.count) + "</td></tr>\n";
+  }
+  return out + "</tbody></table></section>\n";
+}
+
+std::string notes_section(const MonteCarloPage& page) {
+  std::string items;
+  for (const std::string& note : page.result.figures.notes) items += "<li>" + escape_xml(note) + "</li>\n";
+  for (const std::string& note : page.notes) items += "<li>" + escape_xml(note) + "</li>\n";
+  if (items.empty()) return {};
+  return "<section id=\"notes\"><h2>Notes</h2>\n<ul>\n" + items + "</ul></section>\n";
+}
+
+std::string inputs_section(const MonteCarloPage& page) {
+  const auto row = [](std::string_view name, const std::string& value) {
+    std::string line = "<tr><th scope=\"row\">";
+    line += name;
+    return line + "</th><td class=\"wide\">" + value + "</td></tr>\n";
+  };
+  std::string out = "<section id=\"inputs\"><h2>Inputs</h2>\n<table class=\"facts\"><tbody>\n";
+  out += row("Scene", escape_xml(page.scene_file) + " <code>" + escape_xml(page.summary.scene_sha256) + "</code>");
+  for (const FileRow& file : page.files) {
+    out += row("File", escape_xml(file.name) + " <code>" + escape_xml(file.sha256) + "</code>");
+  }
+  out += row("Seed", std::to_string(page.summary.seed));
+  out += row("Hash of the records", "<code>" + escape_xml(page.result.figures.hash) + "</code>");
+  return out + "</tbody></table></section>\n";
+}
+
+}  // namespace
+
+std::string monte_carlo_html(const MonteCarloPage& page) {
+  const Figures& f = page.result.figures;
+  const std::string title = escape_xml(page.summary.title.empty() ? "cleave report" : page.summary.title);
+  std::string shard;
+  if (page.result.shard.of > 1) {
+    shard = " · part " + std::to_string(page.result.shard.number) + " of " + std::to_string(page.result.shard.of) +
+            ": merge all parts before you use the figures";
+  }
+  std::string out = detail::page_begin(
+      title, escape_xml(page.scene_file) + " · Monte Carlo, seed " + std::to_string(page.summary.seed) + shard);
+  out += cards(page);
+  const std::string figures = running_figure(f) + size_figure(f) + exceedance_figure(f) + chainage_figure(page);
+  if (!figures.empty()) {
+    out += "<section id=\"figures\"><h2>Convergence, sizes, probabilities</h2>\n<div class=\"columns\">" + figures +
+           "</div></section>\n";
+  }
+  out += probability_table(f);
+  out += estimates_table(f);
+  out += quantile_table(f);
+  out += extremes_section(f);
+  out += notes_section(page);
+  out += detail::plan_part(page.summary);
+  out += detail::cost_part(page.summary.cost);
+  out += inputs_section(page);
+  return out + detail::page_end();
+}
+
+}  // namespace cleave::report

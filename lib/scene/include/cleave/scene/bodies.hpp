@@ -1,0 +1,159 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cleave/bem/motion.hpp"
+#include "cleave/bem/problem.hpp"
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/scene/plan.hpp"
+#include "cleave/scene/problem.hpp"
+#include "cleave/scene/run_result.hpp"
+#include "cleave/scene/scene.hpp"
+
+/// Scenes of plane elastic bodies: [[body]] instead of [domain]. x to the right, y up, metres; forces per metre of
+/// thickness.
+namespace cleave::scene {
+
+/// Factor of a load against time.
+struct TimeFunction {
+  enum class Kind : std::uint8_t { step, ramp, pulse, harmonic };
+  Kind kind = Kind::step;
+  double duration = 0;   ///< s: ramp to 1, triangular pulse to 1 and back
+  double frequency = 0;  ///< Hz: sine
+  [[nodiscard]] double operator()(double t) const;
+};
+
+struct BodyLoadSpec {
+  std::vector<std::size_t> sides;  ///< of all loops, counted on; empty: a point force
+  bem::Vec2 at, force;             ///< point force, N/m
+  double pressure = 0;             ///< Pa
+  bem::Vec2 traction;              ///< Pa
+  TimeFunction time;
+  bool timed = false;
+  bool follows = false;
+};
+
+struct BodySpec {
+  std::string name;
+  std::uint32_t line = 1;
+  bem::Region region;  ///< one condition a side; loads of static scenes are in them
+  bem::Extent extent = bem::Extent::bounded;
+  double surface = 0;
+  bem::InSitu in_situ = {};
+  bool stressed = false;
+  std::vector<BodyLoadSpec> loads = {};
+  std::vector<bem::Vec2> pins = {};
+  bem::Vec2 velocity = {};
+  double spin = 0;
+  bool bonded = false;
+  bool held = false;  ///< has supports other than pins
+};
+
+struct PointSpec {
+  std::string name;
+  bem::Vec2 at;
+  std::size_t body = 0;
+};
+
+struct TimeSettings {
+  double end = 0;   ///< s
+  double step = 0;  ///< s
+  bem::Scheme scheme;
+  bem::Damping damping;
+  std::size_t frames = 60;  ///< pictures kept
+  std::size_t modes = 40;   ///< of free bodies
+};
+
+struct BodiesScene {
+  std::string title;
+  std::uint64_t seed = 1;
+  std::vector<BodySpec> bodies;
+  std::vector<PointSpec> points;
+  bem::Vec2 gravity;
+  bem::Options options;
+  std::optional<double> tolerance;
+  bool stress = false;  ///< contours of stress inside
+  std::optional<TimeSettings> time;
+  OutputSettings output;
+  std::string shown, file_name, sha256;
+  std::vector<Problem> notes;
+};
+
+/// Whether the text is a scene of bodies (a [[body]] and no [domain]).
+[[nodiscard]] bool is_bodies_scene(std::string_view text);
+[[nodiscard]] std::expected<BodiesScene, std::vector<Problem>> parse_bodies(std::string_view text,
+                                                                            const std::string& shown);
+/// From disk; empty when the file is no scene of bodies (or cannot be read: `load` then says why).
+[[nodiscard]] std::optional<std::expected<BodiesScene, std::vector<Problem>>> load_bodies(const std::string& path);
+
+[[nodiscard]] Plan make_plan(const BodiesScene& scene);
+
+/// One cell of a picture of stress.
+struct StressCell {
+  bem::Vec2 centre;
+  double size = 0;
+  bem::Vec2 displacement;
+  bem::Sym2 stress;
+  double out_of_plane = 0;
+};
+
+struct BodyResult {
+  std::string name;
+  bem::Vec2 centroid;   ///< at the end
+  double rotation = 0;  ///< radians, at the end
+  /// Points along each loop (the last is the first again), and where they are in each frame.
+  std::vector<std::vector<bem::Vec2>> outline;
+  std::vector<std::vector<std::vector<bem::Vec2>>> frames;
+  std::vector<std::vector<bem::Sym2>> boundary_stress;  ///< static: along `outline`
+  std::vector<StressCell> cells;
+  std::size_t elements = 0, unknowns = 0;
+  double condition = 0, residual = 0, imbalance = 0, largest = 0;
+  std::optional<double> error;  ///< estimate, relative
+  std::string method;
+};
+
+struct PointResult {
+  std::string name;
+  bem::Vec2 at;
+  std::vector<bem::Vec2> displacement;  ///< a frame
+};
+
+/// Cost against error of the meshes tried (static scenes with a tolerance, or the picture of the report).
+struct MeshTrial {
+  std::string body;
+  std::size_t elements = 0;
+  double seconds = 0;
+  double error = 0;
+};
+
+struct BodiesResult {
+  std::string title;
+  std::uint64_t seed = 1;
+  std::string scene_file, scene_sha256;
+  Plan plan;
+  RunCost cost;
+  OutputSettings output;
+  bool converged = true;
+  std::string stopped_why;
+  std::uint64_t steps = 0;
+  double residual = 0, largest_displacement = 0;
+  std::vector<BodyResult> bodies;
+  std::vector<PointResult> points;
+  std::vector<double> times;                  ///< of the frames, s; one zero for a static scene
+  std::vector<std::array<double, 3>> energy;  ///< kinetic, elastic, gravity a frame, all bodies
+  std::vector<MeshTrial> trials;
+  std::vector<std::string> notes;
+};
+
+[[nodiscard]] std::expected<BodiesResult, std::vector<Problem>> run(const BodiesScene& scene, unsigned threads,
+                                                                    StageTimer& timer, Progress& progress);
+
+}  // namespace cleave::scene

@@ -1,0 +1,86 @@
+#include "judge.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "cleave/core/assert.hpp"
+
+namespace cleave::scene {
+namespace {
+
+stability::JointStrength strength_of(const Strength& s) {
+  auto made = s.jrc > 0 ? stability::JointStrength::barton_bandis(s.friction, s.jrc, s.jcs, s.tension)
+                        : stability::JointStrength::make(s.friction, s.cohesion, s.tension);
+  CLEAVE_ASSERT(made.has_value());
+  return *made;
+}
+
+stability::Actions actions_of(const Drawn& drawn, const LoadSet& loads) {
+  stability::ActionSpec spec{.water = loads.water,
+                             .joint_pressure = {},
+                             .surcharges = loads.surcharges,
+                             .points = loads.points,
+                             .lines = loads.lines};
+  if (!loads.pressures.empty()) {
+    spec.joint_pressure.resize(drawn.joints.size());
+    for (const topology::JointId joint : drawn.joints.ids()) {
+      for (const auto& [set, pressure] : loads.pressures) {
+        if (drawn.joints[joint].set == set) spec.joint_pressure[joint.index()] = pressure;
+      }
+    }
+  }
+  auto made = stability::Actions::make(std::move(spec));
+  CLEAVE_ASSERT(made.has_value());
+  return *std::move(made);
+}
+
+}  // namespace
+
+stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
+                                const LoadSet& loads) {
+  const auto rock = stability::RockMass::make(scene.rock.density);
+  const auto body = stability::Loads::make(wanted.gravity, loads.seismic);
+  const auto partial =
+      stability::PartialFactors::make(wanted.partial.friction, wanted.partial.cohesion, wanted.partial.weight);
+  CLEAVE_ASSERT(rock.has_value() && body.has_value() && partial.has_value());
+  const Strength nothing{FrictionAngle::degrees(0), pascals(0), pascals(0)};
+  stability::StrengthTable strengths{
+      strength_of(drawn.joints.empty() ? nothing : drawn.joints[topology::JointId{0U}].strength)};
+  for (const topology::JointId joint : drawn.joints.ids()) {
+    strengths.set(joint, strength_of(drawn.joints[joint].strength));
+  }
+  return {.rock = *rock,
+          .strengths = std::move(strengths),
+          .loads = *body,
+          .partial = *partial,
+          .group_friction = wanted.group_friction,
+          .strict = wanted.strict,
+          .parallel_contact = wanted.parallel_contact,
+          .force_transfer = wanted.force_transfer,
+          .max_batches = wanted.max_batches,
+          .actions = actions_of(drawn, loads)};
+}
+
+std::vector<Problem> misplaced_loads(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
+                                     const topology::BlockComplex& complex) {
+  std::vector<Problem> problems;
+  const auto look = [&](const LoadSet& loads, const std::string& where) {
+    for (const stability::Misplaced& m : stability::misplaced(complex, actions_of(drawn, loads))) {
+      const bool point = m.kind == stability::Misplaced::Kind::point;
+      problems.push_back({scene.shown, loads.line,
+                          fmt::format("{}{}[{}]", where, point ? "point" : "line", m.index + 1),
+                          point ? fmt::format("lies {:.3g} m off the nearest free face", m.off)
+                                : fmt::format("{:.3g} m of it lie on no free face", m.off),
+                          "forces act on free faces: move it onto one"});
+    }
+  };
+  look(wanted.loads, "stability.");
+  // What a case takes over from the base case comes first in its lists and was reported there.
+  for (const LoadCase& load : wanted.cases) {
+    if (problems.empty()) look(load.loads, "load " + load.name + ".");
+  }
+  return problems;
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "cleave/scene/run.hpp"
+#include "cleave/stability/analyse.hpp"
+
+namespace cleave::scene {
+
+/// What the analysis needs, from a scene and its drawn joints. Everything was checked when the scene was parsed.
+[[nodiscard]] stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
+                                              const LoadSet& loads);
+
+/// Point and line forces of the base case and of the named ones that lie on no free face of the complex.
+[[nodiscard]] std::vector<Problem> misplaced_loads(const Scene& scene, const Drawn& drawn,
+                                                   const StabilitySettings& wanted,
+                                                   const topology::BlockComplex& complex);
+
+/// Nothing but weight and seismic force acts, and nothing but the base case is asked for.
+[[nodiscard]] bool only_weights(const Scene& scene);
+
+/// m, of all tunnels.
+[[nodiscard]] double tunnel_length(const Scene& scene);
+
+/// What is judged beside the base case.
+struct JudgedMore {
+  std::vector<CaseResult> cases;
+  std::optional<stability::SupportResult> support;
+  std::vector<DesignResult> designs;
+  std::vector<stability::Sensitivity> sensitivity;
+};
+void judge_cases(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex, JudgedMore& more);
+void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
+                   const stability::Analysis& analysis, JudgedMore& more);
+void judge_sensitivity(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
+                       const stability::Analysis& analysis, JudgedMore& more);
+
+}  // namespace cleave::scene

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "context.hpp"
+
+namespace cleave::scene {
+
+/// A table of field data: comma, semicolon, tab or blank separated, with a header, or with the columns that the survey
+/// names. Lines that begin with # are skipped.
+struct SurveyTable {
+  struct Row {
+    std::uint32_t line;
+    std::vector<std::string> cells;
+  };
+  std::vector<std::string> columns;  ///< lower case, aliases replaced
+  std::vector<Row> rows;
+
+  [[nodiscard]] std::optional<std::size_t> column(std::string_view name) const;
+};
+
+/// `columns`: from the survey; empty: the first line is the header. Reports what is wrong.
+[[nodiscard]] std::optional<SurveyTable> read_survey_table(Context& context, const LoadedFile& file,
+                                                           const std::vector<std::string>& columns);
+
+/// A number of a cell; nothing when the cell is empty; reported when it is no number.
+[[nodiscard]] std::optional<double> cell_number(Context& context, const LoadedFile& file, const SurveyTable& table,
+                                                const SurveyTable::Row& row, std::string_view name);
+
+}  // namespace cleave::scene

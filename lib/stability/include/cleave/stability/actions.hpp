@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "cleave/core/quantity.hpp"
+#include "cleave/geometry/vec3.hpp"
+#include "cleave/topology/block_complex.hpp"
+
+namespace cleave::stability {
+
+/// Water at rest below a table: p = unit_weight * depth, depth measured against gravity; 0 above the table.
+struct WaterTable {
+  /// m: -x.g/|g| on the table; with gravity straight down the z of the table.
+  double level = 0;
+  double unit_weight = 9810;  ///< N/m3
+  /// Also on free faces (a lake, a flooded opening). Without it whatever is open is drained.
+  bool on_free_faces = false;
+};
+
+/// A free surface: all of it, one named domain side, or the walls of one excavation.
+struct AnyFreeFace {};
+struct DomainSide {
+  std::uint32_t tag;  ///< tag index of the domain solid
+};
+struct ExcavationWall {
+  std::uint32_t excavation;  ///< index into CutInput::excavations
+};
+using FreeSurface = std::variant<AnyFreeFace, DomainSide, ExcavationWall>;
+
+struct Box {
+  geometry::Vec3 min, max;  ///< m
+};
+
+/// A load on the part of a free surface inside a box. `traction` acts as given; `pressure` pushes against the rock
+/// along each face's normal (support pressure is positive).
+struct Surcharge {
+  FreeSurface on = AnyFreeFace{};
+  std::optional<Box> within = {};
+  geometry::Vec3 traction = {};  ///< Pa
+  double pressure = 0;           ///< Pa
+};
+
+/// A force at a point of a free face; a free face must lie within `reach`.
+struct PointForce {
+  geometry::Vec3 at;     ///< m
+  geometry::Vec3 force;  ///< N
+};
+/// A force per length along a straight line on free faces.
+struct LineForce {
+  geometry::Vec3 from, to;   ///< m
+  geometry::Vec3 per_metre;  ///< N/m
+};
+/// How far off a free face a point or a line may lie, m.
+inline constexpr double reach = 0.05;
+
+/// What acts on blocks beside gravity and seismic force.
+struct ActionSpec {
+  std::optional<WaterTable> water = {};
+  /// Mean water pressure (Pa) in a joint, in place of the table there; by joint number, shorter lists end with none.
+  std::vector<std::optional<double>> joint_pressure = {};
+  std::vector<Surcharge> surcharges = {};
+  std::vector<PointForce> points = {};
+  std::vector<LineForce> lines = {};
+};
+
+struct BadAction {
+  std::string which;  ///< "water", "surcharge 2", ...
+  std::string what;
+};
+[[nodiscard]] std::string describe(const BadAction& error);
+
+/// Checked actions. Invariant: finite; unit weight and joint pressures >= 0; boxes and lines not reversed or empty.
+class Actions final {
+ public:
+  Actions() = default;
+  [[nodiscard]] static std::expected<Actions, BadAction> make(ActionSpec spec);
+  [[nodiscard]] const ActionSpec& spec() const noexcept { return spec_; }
+  /// No water at all, so that what acts on a block does not depend on its neighbours.
+  [[nodiscard]] bool dry() const noexcept { return !spec_.water && spec_.joint_pressure.empty(); }
+
+ private:
+  ActionSpec spec_;
+};
+
+/// Where point and line forces found no free face.
+struct Misplaced {
+  enum class Kind : std::uint8_t { point, line } kind;
+  std::size_t index;  ///< into points or lines
+  double off;         ///< m: distance of the point; length of the line that lies on no free face
+};
+[[nodiscard]] std::vector<Misplaced> misplaced(const topology::BlockComplex& complex, const Actions& actions);
+
+}  // namespace cleave::stability

@@ -1,0 +1,147 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cleave/stability/analyse.hpp"
+
+namespace cleave::stability {
+
+/// What a bolt can carry (Windsor and Thompson 1992): tendon, plate, and bond on both sides of a section.
+struct BoltType {
+  double tendon = 0;     ///< N
+  double plate = 0;      ///< N at the head; 0: no plate
+  double bond = 0;       ///< N/m, the weaker of grout-rock and grout-tendon
+  double anchorage = 0;  ///< m gripped for a block to count
+};
+
+struct Bolt {
+  geometry::Vec3 collar;     ///< m, on a free face
+  geometry::Vec3 direction;  ///< unit, into the rock
+  double length = 0;         ///< m
+  BoltType type;
+  std::uint32_t group = 0;  ///< pattern it belongs to
+};
+
+/// Ring shear along the edge of a small free face (Barrett and McCreath 1995).
+struct Shotcrete {
+  double thickness = 0;       ///< m
+  double shear_strength = 0;  ///< Pa
+  double adhesion = 0;        ///< Pa; 0: not limited by it
+  double bond_width = 0.03;   ///< m
+};
+
+struct SpotBolts {
+  BoltType type;
+  double length = 0;        ///< m
+  std::uint32_t most = 20;  ///< per block
+};
+
+struct SupportPlan {
+  std::vector<Bolt> bolts = {};
+  std::optional<Shotcrete> shotcrete = {};
+  std::optional<SpotBolts> spot = {};  ///< placed where step 1 fails on a face of `spot_area` or more
+  double target_falling = 1.5;
+  double target_sliding = 1.3;
+  /// Bolts tensioned before the rock moves: they reduce the driving force (else they add to the resistance).
+  bool active = false;
+  double spot_area = 0.5;  ///< m2 of free face: below, shotcrete holds a block; from there on bolts do
+  bool key_only = false;   ///< stitch only blocks that need support
+};
+
+/// Empty: the plan is sound.
+[[nodiscard]] std::optional<std::string> problem_of(const SupportPlan& plan);
+
+enum class BoltLimit : std::uint8_t { head, tendon, anchor };
+enum class BoltStatus : std::uint8_t {
+  holds,        ///< serves a block that needs it
+  redundant,    ///< every block it serves reaches its target without it
+  too_short,    ///< gripped less than the anchorage in the block or behind it
+  compression,  ///< only crosses blocks that would push it together
+  no_block,     ///< crosses no block that needs support
+  off,          ///< its collar lies on no free face
+};
+[[nodiscard]] std::string_view name(BoltLimit limit) noexcept;
+[[nodiscard]] std::string_view name(BoltStatus status) noexcept;
+
+struct Pierced {
+  topology::BlockId block;
+  double from, to;  ///< m from the collar
+};
+
+struct BoltResult {
+  Bolt bolt;
+  bool spot = false;
+  std::vector<Pierced> pierced = {};
+  BoltStatus status = BoltStatus::no_block;
+  std::optional<topology::BlockId> serves = {};  ///< the block that needs most of it
+  BoltLimit limit = BoltLimit::tendon;
+  double capacity = 0;  ///< N at the joint behind the block served
+  double used = 0;      ///< N, mobilised share of it
+};
+
+enum class Held : std::uint8_t { bolts, shotcrete, not_held };
+[[nodiscard]] std::string_view name(Held held) noexcept;
+
+/// One block that misses its target without support, in the state after excavation, forces of later batches on it.
+struct SupportedBlock {
+  topology::BlockId block;
+  Mode mode = Mode::stable;
+  double target = 1;
+  double net_force = 0;              ///< N without support
+  double factor_of_safety = 0;       ///< without support
+  double factor_with_bolts = 0;      ///< fixed mode, passive or active form
+  double factor_with_shotcrete = 0;  ///< ring shear over net force; 0 without shotcrete
+  double mobilised = 0;              ///< least share of the bolts that holds it at the target; 2 when all do not
+  Mode mode_held = Mode::stable;     ///< at that share
+  Held held = Held::not_held;
+  std::uint32_t bolts = 0;                 ///< that act on it
+  double free_area = 0;                    ///< m2
+  double required_force = 0;               ///< N: least single force that reaches the target without other support
+  geometry::Vec3 required_direction = {};  ///< unit, of that force
+  double required_pressure = 0;            ///< Pa on its free faces that reaches the target; inf when none does
+  double missing_force = 0;                ///< N beyond the bolts, 0 when held
+  double needed_thickness = 0;             ///< m of shotcrete; 0 without shotcrete
+};
+
+/// Blocks stitched together by bolts, tested as one body (step 2).
+struct CombinedBlock {
+  std::vector<topology::BlockId> members = {};
+  bool immovable = false;  ///< a member is fixed
+  bool removable = false;
+  Mode mode = Mode::stable;
+  double target = 1;
+  double net_force = 0;  ///< N
+  double factor_of_safety = 0;
+  bool passes = true;
+  double missing_force = 0;  ///< N
+  double volume = 0;         ///< m3
+};
+
+struct SupportResult {
+  std::vector<SupportedBlock> blocks = {};   ///< in order of id
+  std::vector<BoltResult> bolts = {};        ///< plan order, then spot bolts
+  std::vector<CombinedBlock> combined = {};  ///< two members and more, by lowest id
+  std::size_t spot_bolts = 0;
+  [[nodiscard]] bool passes() const noexcept;
+};
+
+/// Two-step check (Fu 2014, 4.4, with the mobilised share deciding): each block that misses its target with the bolts
+/// through it, the rock behind fixed; then the blocks that bolts stitch together as one body, which must find hold in
+/// what lies outside. Both must pass.
+[[nodiscard]] SupportResult check_support(const topology::AuditedComplex& complex, const Settings& settings,
+                                          const Analysis& analysis, const SupportPlan& plan);
+
+/// Axial capacity at section t of a bolt that grips `before` metres on the collar's side of it and `behind` metres
+/// beyond: the least of head (plate + bond), tendon and anchor; N.
+struct Capacity {
+  double force;
+  BoltLimit limit;
+};
+[[nodiscard]] Capacity capacity(const BoltType& type, bool plate_on_block, double before, double behind);
+
+}  // namespace cleave::stability

@@ -1,0 +1,56 @@
+#include "cleave/stability/actions.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace cleave::stability {
+
+std::string describe(const BadAction& error) { return fmt::format("{}: {}", error.which, error.what); }
+
+std::expected<Actions, BadAction> Actions::make(ActionSpec spec) {
+  const auto bad = [](std::string which, std::string what) {
+    return std::unexpected(BadAction{std::move(which), std::move(what)});
+  };
+  if (spec.water) {
+    if (!std::isfinite(spec.water->level)) return bad("water", "the table's level is not finite; give metres");
+    if (!std::isfinite(spec.water->unit_weight) || spec.water->unit_weight < 0) {
+      return bad("water", fmt::format("unit weight {} N/m3 is not >= 0; water has 9810", spec.water->unit_weight));
+    }
+  }
+  for (const auto& pressure : spec.joint_pressure) {
+    if (pressure && (!std::isfinite(*pressure) || *pressure < 0)) {
+      return bad("water", fmt::format("pressure {} Pa is not >= 0; suction does not hold rock", *pressure));
+    }
+  }
+  for (std::size_t i = 0; i < spec.surcharges.size(); ++i) {
+    const Surcharge& s = spec.surcharges[i];
+    const std::string which = fmt::format("surcharge {}", i + 1);
+    if (!geometry::is_finite(s.traction) || !std::isfinite(s.pressure)) return bad(which, "is not finite; give Pa");
+    if (!s.within) continue;
+    if (!geometry::is_finite(s.within->min) || !geometry::is_finite(s.within->max) ||
+        !(s.within->min.x < s.within->max.x && s.within->min.y < s.within->max.y &&
+          s.within->min.z < s.within->max.z)) {
+      return bad(which, "its box is empty; min must be below max on each axis");
+    }
+  }
+  for (std::size_t i = 0; i < spec.points.size(); ++i) {
+    if (!geometry::is_finite(spec.points[i].at) || !geometry::is_finite(spec.points[i].force)) {
+      return bad(fmt::format("point force {}", i + 1), "is not finite; give m and N");
+    }
+  }
+  for (std::size_t i = 0; i < spec.lines.size(); ++i) {
+    const LineForce& line = spec.lines[i];
+    const std::string which = fmt::format("line force {}", i + 1);
+    if (!geometry::is_finite(line.from) || !geometry::is_finite(line.to) || !geometry::is_finite(line.per_metre)) {
+      return bad(which, "is not finite; give m and N/m");
+    }
+    if (line.from == line.to) return bad(which, "has no length; use a point force");
+  }
+  Actions actions;
+  actions.spec_ = std::move(spec);
+  return actions;
+}
+
+}  // namespace cleave::stability

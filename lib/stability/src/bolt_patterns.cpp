@@ -1,0 +1,122 @@
+#include "cleave/stability/bolt_patterns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cleave::stability {
+namespace {
+
+using geometry::cross;
+using geometry::dot;
+using geometry::norm;
+using geometry::normalized;
+using geometry::Vec3;
+
+struct Arc {
+  struct Edge {
+    std::array<double, 2> from, to;
+    double length;
+  };
+  std::vector<Edge> edges;
+  double length = 0;
+};
+
+/// The outline's edges within the arc, in order, beginning after one that is not.
+Arc arc_of(const RingPattern& pattern) {
+  const auto& outline = pattern.outline;
+  const std::size_t n = outline.size();
+  std::vector<bool> kept(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto& a = outline[i];
+    const auto& b = outline[(i + 1) % n];
+    // Outward normal of a counter-clockwise outline: (dv, -du).
+    const double angle = std::atan2(b[1] - a[1], -(b[0] - a[0])) * 180 / std::numbers::pi;
+    kept[i] = angle >= pattern.arc[0] - 1e-9 && angle <= pattern.arc[1] + 1e-9;
+  }
+  std::size_t start = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (kept[i] && !kept[(i + n - 1) % n]) start = i;
+  }
+  Arc arc;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t i = (start + k) % n;
+    if (!kept[i]) continue;
+    const auto& a = outline[i];
+    const auto& b = outline[(i + 1) % n];
+    arc.edges.push_back({a, b, std::hypot(b[0] - a[0], b[1] - a[1])});
+    arc.length += arc.edges.back().length;
+  }
+  return arc;
+}
+
+std::size_t count(double length, double offset, double spacing) {
+  // A spacing that divides the length is meant to.
+  const double room = length - offset + 1e-9 * std::max(1.0, length);
+  return room < 0 ? 0 : static_cast<std::size_t>(std::floor(room / spacing)) + 1;
+}
+
+}  // namespace
+
+std::vector<Bolt> bolts_of(const RingPattern& pattern) {
+  std::vector<Bolt> bolts;
+  if (!(pattern.along > 0) || !(pattern.around > 0) || pattern.axis.size() < 2 || pattern.outline.size() < 3) {
+    return bolts;
+  }
+  const Arc arc = arc_of(pattern);
+  double total = 0;
+  for (std::size_t i = 0; i + 1 < pattern.axis.size(); ++i) total += norm(pattern.axis[i + 1] - pattern.axis[i]);
+  const std::size_t rings = count(total, pattern.offset_along, pattern.along);
+  const double tilt = pattern.inclination * std::numbers::pi / 180;
+  for (std::size_t ring = 0; ring < rings; ++ring) {
+    double station = pattern.offset_along + static_cast<double>(ring) * pattern.along;
+    std::size_t leg = 0;
+    while (leg + 2 < pattern.axis.size() && station > norm(pattern.axis[leg + 1] - pattern.axis[leg])) {
+      station -= norm(pattern.axis[leg + 1] - pattern.axis[leg]);
+      ++leg;
+    }
+    const Vec3 ahead = normalized(pattern.axis[leg + 1] - pattern.axis[leg]);
+    const Vec3 right = normalized(cross(ahead, pattern.up)), up = cross(right, ahead);
+    const Vec3 centre = pattern.axis[leg] + station * ahead;
+    const double shift = pattern.stagger && ring % 2 == 1 ? 0.5 * pattern.around : 0;
+    const std::size_t in_ring = count(arc.length, pattern.offset_around + shift, pattern.around);
+    for (std::size_t k = 0; k < in_ring; ++k) {
+      double s = pattern.offset_around + shift + static_cast<double>(k) * pattern.around;
+      std::size_t e = 0;
+      while (e + 1 < arc.edges.size() && s > arc.edges[e].length) s -= arc.edges[e++].length;
+      const Arc::Edge& edge = arc.edges[e];
+      const double share = std::min(1.0, s / edge.length);
+      const double du = edge.to[0] - edge.from[0], dv = edge.to[1] - edge.from[1];
+      const Vec3 collar = centre + (edge.from[0] + share * du) * right + (edge.from[1] + share * dv) * up;
+      const Vec3 normal = normalized(dv * right - du * up);
+      bolts.push_back({.collar = collar,
+                       .direction = normalized(std::cos(tilt) * normal + std::sin(tilt) * ahead),
+                       .length = pattern.length,
+                       .type = pattern.type,
+                       .group = pattern.group});
+    }
+  }
+  return bolts;
+}
+
+std::vector<Bolt> bolts_of(const GridPattern& pattern) {
+  std::vector<Bolt> bolts;
+  if (!(pattern.spacing_across > 0) || !(pattern.spacing_down > 0)) return bolts;
+  const std::size_t rows = count(pattern.height, pattern.offset_down, pattern.spacing_down);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const double y = pattern.offset_down + static_cast<double>(row) * pattern.spacing_down;
+    const double shift = pattern.offset_across + (pattern.stagger && row % 2 == 1 ? 0.5 * pattern.spacing_across : 0);
+    const std::size_t columns = count(pattern.width, shift, pattern.spacing_across);
+    for (std::size_t column = 0; column < columns; ++column) {
+      const double x = shift + static_cast<double>(column) * pattern.spacing_across;
+      bolts.push_back({.collar = pattern.corner + x * pattern.across + y * pattern.down,
+                       .direction = pattern.direction,
+                       .length = pattern.length,
+                       .type = pattern.type,
+                       .group = pattern.group});
+    }
+  }
+  return bolts;
+}
+
+}  // namespace cleave::stability

@@ -1,0 +1,109 @@
+#include "flat.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace cleave::stability {
+namespace {
+
+using geometry::Vec3;
+
+/// Midpoint rule on a fan: exact for quadratic integrands, so for linear q and q x.
+template <class Q>
+Moments over_fan(const Convex& polygon, Q q) {
+  Moments sum;
+  for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
+    const Vec3 a = polygon[0], b = polygon[i], c = polygon[i + 1];
+    const double third = geometry::norm(geometry::cross(b - a, c - a)) / 6;
+    for (const Vec3 x : {0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)}) {
+      const double value = third * q(x);
+      sum.total += value;
+      sum.first += value * x;
+    }
+  }
+  return sum;
+}
+
+/// The plane's two axes that see the face largest, so that "inside" is asked in two dimensions.
+struct Flattened {
+  bool drop_x, drop_y;
+  explicit Flattened(Vec3 n)
+      : drop_x{std::abs(n.x) >= std::abs(n.y) && std::abs(n.x) >= std::abs(n.z)},
+        drop_y{!drop_x && std::abs(n.y) >= std::abs(n.z)} {}
+  [[nodiscard]] double u(Vec3 x) const { return drop_x ? x.y : x.x; }
+  [[nodiscard]] double v(Vec3 x) const { return drop_x || drop_y ? x.z : x.y; }
+};
+
+}  // namespace
+
+bool contains(const topology::BlockComplex& complex, const topology::Face& face, Vec3 x) {
+  const Flattened flat{face.outward};
+  const double pu = flat.u(x), pv = flat.v(x);
+  bool odd = false;
+  for (const auto& loop : complex.loops(face)) {
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      Vec3 a = complex.position(loop[i]), b = complex.position(loop[(i + 1) % loop.size()]);
+      if ((flat.v(a) > pv) == (flat.v(b) > pv)) continue;
+      if (flat.v(a) > flat.v(b)) std::swap(a, b);  // same arithmetic from both sides of the edge
+      const double at = flat.u(a) + (pv - flat.v(a)) / (flat.v(b) - flat.v(a)) * (flat.u(b) - flat.u(a));
+      if (pu < at) odd = !odd;
+    }
+  }
+  return odd;
+}
+
+std::vector<SignedTriangle> fan(const topology::BlockComplex& complex, const topology::Face& face) {
+  std::vector<SignedTriangle> triangles;
+  for (const auto& loop : complex.loops(face)) {
+    for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
+      const Vec3 a = complex.position(loop[0]), b = complex.position(loop[i]), c = complex.position(loop[i + 1]);
+      const double turn = geometry::dot(geometry::cross(b - a, c - a), face.outward);
+      if (turn > 0) triangles.push_back({{a, b, c}, 1});
+      if (turn < 0) triangles.push_back({{a, c, b}, -1});
+    }
+  }
+  return triangles;
+}
+
+Convex clipped(const Convex& polygon, Vec3 normal, double offset) {
+  Convex kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+    const double da = offset - geometry::dot(normal, a), db = offset - geometry::dot(normal, b);
+    if (da >= 0) kept.push_back(a);
+    if ((da > 0 && db < 0) || (da < 0 && db > 0)) kept.push_back(a + (da / (da - db)) * (b - a));
+  }
+  return kept;
+}
+
+Convex overlap(const SignedTriangle& a, const SignedTriangle& b, Vec3 plane_normal) {
+  Convex part{a.corners.begin(), a.corners.end()};
+  for (std::size_t i = 0; i < 3 && part.size() > 2; ++i) {
+    const Vec3 from = b.corners[i], to = b.corners[(i + 1) % 3];
+    const Vec3 out = geometry::cross(to - from, plane_normal);
+    part = clipped(part, out, geometry::dot(out, from));
+  }
+  return part;
+}
+
+Convex within(Convex polygon, const Box& box) {
+  const std::array<std::pair<Vec3, double>, 6> sides{{{{1, 0, 0}, box.max.x},
+                                                      {{0, 1, 0}, box.max.y},
+                                                      {{0, 0, 1}, box.max.z},
+                                                      {{-1, 0, 0}, -box.min.x},
+                                                      {{0, -1, 0}, -box.min.y},
+                                                      {{0, 0, -1}, -box.min.z}}};
+  for (const auto& [normal, offset] : sides) polygon = clipped(polygon, normal, offset);
+  return polygon;
+}
+
+Moments integrate(const Convex& polygon, const LinearPressure& pressure) {
+  return over_fan(clipped(polygon, pressure.up, pressure.level), [&](Vec3 x) { return pressure.at(x); });
+}
+
+Moments integrate(const Convex& polygon) {
+  return over_fan(polygon, [](Vec3) { return 1.0; });
+}
+
+}  // namespace cleave::stability

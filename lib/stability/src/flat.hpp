@@ -1,0 +1,60 @@
+#pragma once
+
+/// Exact integrals over flat polygons given as loops (with holes, not convex), by signed triangles: the indicator of a
+/// polygon is the signed sum of those of a fan over its loops, and so is that of an overlap of two.
+
+#include <array>
+#include <vector>
+
+#include "cleave/geometry/vec3.hpp"
+#include "cleave/stability/actions.hpp"
+#include "cleave/topology/block_complex.hpp"
+
+namespace cleave::stability {
+
+/// Corners of a convex polygon in order.
+using Convex = std::vector<geometry::Vec3>;
+
+struct SignedTriangle {
+  std::array<geometry::Vec3, 3> corners;
+  double sign;  ///< +1 or -1
+};
+
+/// The face as a signed sum of triangles, corners turning around `face.outward`. Empty for a face without loops.
+[[nodiscard]] std::vector<SignedTriangle> fan(const topology::BlockComplex& complex, const topology::Face& face);
+
+/// Whether a point of the face's plane lies in the face: even-odd with half-open edges, so that a point on an edge of
+/// two coplanar faces lies in exactly one of them.
+[[nodiscard]] bool contains(const topology::BlockComplex& complex, const topology::Face& face, geometry::Vec3 x);
+
+/// The part of a convex polygon where normal.x <= offset.
+[[nodiscard]] Convex clipped(const Convex& polygon, geometry::Vec3 normal, double offset);
+/// The overlap of two triangles of one plane.
+[[nodiscard]] Convex overlap(const SignedTriangle& a, const SignedTriangle& b, geometry::Vec3 plane_normal);
+[[nodiscard]] Convex within(Convex polygon, const Box& box);
+
+/// Integral of a scalar q over an area, and of q x.
+struct Moments {
+  double total = 0;
+  geometry::Vec3 first;
+  Moments& operator+=(const Moments& other) noexcept {
+    total += other.total;
+    first += other.first;
+    return *this;
+  }
+  friend Moments operator*(double s, const Moments& m) noexcept { return {s * m.total, s * m.first}; }
+};
+
+/// p = a (b - up.x) where that is positive, 0 elsewhere.
+struct LinearPressure {
+  double slope;       ///< Pa/m
+  double level;       ///< m
+  geometry::Vec3 up;  ///< unit
+  [[nodiscard]] double at(geometry::Vec3 x) const noexcept { return slope * (level - geometry::dot(up, x)); }
+};
+/// Over the part of the polygon below the level; exact, the pressure being linear there.
+[[nodiscard]] Moments integrate(const Convex& polygon, const LinearPressure& pressure);
+/// q = 1.
+[[nodiscard]] Moments integrate(const Convex& polygon);
+
+}  // namespace cleave::stability

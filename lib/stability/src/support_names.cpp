@@ -1,0 +1,57 @@
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "cleave/stability/support.hpp"
+
+namespace cleave::stability {
+
+std::string_view name(BoltLimit limit) noexcept {
+  switch (limit) {
+    case BoltLimit::head: return "head";
+    case BoltLimit::tendon: return "tendon";
+    case BoltLimit::anchor: return "anchor";
+  }
+  std::unreachable();
+}
+
+std::string_view name(BoltStatus status) noexcept {
+  switch (status) {
+    case BoltStatus::holds: return "holds";
+    case BoltStatus::redundant: return "redundant";
+    case BoltStatus::too_short: return "too short";
+    case BoltStatus::compression: return "compression";
+    case BoltStatus::no_block: return "no block";
+    case BoltStatus::off: return "off the rock";
+  }
+  std::unreachable();
+}
+
+std::string_view name(Held held) noexcept {
+  switch (held) {
+    case Held::bolts: return "bolts";
+    case Held::shotcrete: return "shotcrete";
+    case Held::not_held: return "not held";
+  }
+  std::unreachable();
+}
+
+std::optional<std::string> problem_of(const SupportPlan& plan) {
+  const auto good = [](double v) { return std::isfinite(v) && v >= 0; };
+  const auto good_type = [&](const BoltType& t) {
+    return good(t.tendon) && good(t.plate) && good(t.bond) && good(t.anchorage);
+  };
+  for (std::size_t i = 0; i < plan.bolts.size(); ++i) {
+    const Bolt& bolt = plan.bolts[i];
+    if (!good_type(bolt.type)) return fmt::format("bolt {}: capacities must be finite and >= 0", i + 1);
+    if (!(bolt.length > 0) || !std::isfinite(bolt.length)) return fmt::format("bolt {}: length must be > 0", i + 1);
+    if (!geometry::is_finite(bolt.collar) || std::abs(geometry::norm(bolt.direction) - 1) > 1e-9) {
+      return fmt::format("bolt {}: collar must be finite and direction a unit vector", i + 1);
+    }
+  }
+  if (!(plan.target_falling > 0) || !(plan.target_sliding > 0)) return "targets must be > 0";
+  return std::nullopt;
+}
+
+}  // namespace cleave::stability

@@ -1,0 +1,109 @@
+#include "water.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "flat.hpp"
+
+namespace cleave::stability {
+namespace {
+
+using geometry::Vec3;
+using topology::BlockComplex;
+using topology::BlockId;
+using topology::Face;
+using topology::Patch;
+
+std::optional<double> stated(const Actions& actions, const Patch& patch) {
+  const auto& by_joint = actions.spec().joint_pressure;
+  if (!patch.joint || patch.joint->index() >= by_joint.size()) return std::nullopt;
+  return by_joint[patch.joint->index()];
+}
+
+Moments over_face(const BlockComplex& complex, const Face& face, const LinearPressure& pressure) {
+  Moments sum;
+  for (const SignedTriangle& t : fan(complex, face)) {
+    sum += t.sign * integrate({t.corners.begin(), t.corners.end()}, pressure);
+  }
+  return sum;
+}
+
+/// Over the common area of a face and one neighbour: a patch carries no outline, but it is where both blocks' faces on
+/// the plane overlap.
+Moments over_contact(const BlockComplex& complex, const Face& face, BlockId neighbour, const LinearPressure& pressure) {
+  Moments sum;
+  const auto own = fan(complex, face);
+  for (const topology::FaceId id : complex.blocks()[neighbour].faces) {
+    const Face& other = complex.faces()[id];
+    if (other.plane != face.plane || other.block_on_positive_side == face.block_on_positive_side) continue;
+    for (const SignedTriangle& b : fan(complex, other)) {
+      // Seen from this side the neighbour's triangle turns the other way.
+      const SignedTriangle turned{{b.corners[0], b.corners[2], b.corners[1]}, b.sign};
+      for (const SignedTriangle& a : own) {
+        sum += (a.sign * b.sign) * integrate(overlap(a, turned, face.outward), pressure);
+      }
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 gravity, BlockId id,
+                      const std::function<bool(BlockId)>& there) {
+  ForceSum sum;
+  const ActionSpec& spec = actions.spec();
+  const topology::Block& block = complex.blocks()[id];
+  const double g = geometry::norm(gravity);
+  std::optional<LinearPressure> table;
+  if (spec.water && g > 0) table = {spec.water->unit_weight, spec.water->level, -gravity / g};
+  const auto push = [&](const Face& face, const Moments& m) {
+    if (!(m.total > 0)) return;
+    sum.add(-m.total * face.outward, m.first / m.total - block.centroid);
+  };
+  for (const topology::FaceId face_id : block.faces) {
+    const Face& face = complex.faces()[face_id];
+    if (face.role == topology::Role::free) {
+      if (table && spec.water->on_free_faces) push(face, over_face(complex, face, *table));
+      continue;
+    }
+    if (face.role != topology::Role::joint) continue;
+    std::vector<const Patch*> hydrostatic;
+    for (const Patch& patch : complex.patches(face)) {
+      if (!patch.neighbour) continue;
+      if (!there(*patch.neighbour)) {
+        if (table && spec.water->on_free_faces) hydrostatic.push_back(&patch);
+        continue;
+      }
+      if (const auto p = stated(actions, patch)) {
+        push(face, {*p * patch.area.si(), *p * patch.area.si() * patch.centroid});
+      } else if (table) {
+        hydrostatic.push_back(&patch);
+      }
+    }
+    if (!table || hydrostatic.empty()) continue;
+    if (hydrostatic.size() == complex.patches(face).size()) {
+      push(face, over_face(complex, face, *table));
+      continue;
+    }
+    // Part of the face: contact by contact. Patches of one contact with joints of their own share it by area.
+    std::vector<BlockId> neighbours;
+    for (const Patch* patch : hydrostatic) neighbours.push_back(*patch->neighbour);
+    std::ranges::sort(neighbours);
+    neighbours.erase(std::ranges::unique(neighbours).begin(), neighbours.end());
+    for (const BlockId neighbour : neighbours) {
+      double wanted = 0, all = 0;
+      for (const Patch* patch : hydrostatic) {
+        if (patch->neighbour == neighbour) wanted += patch->area.si();
+      }
+      for (const Patch& patch : complex.patches(face)) {
+        if (patch.neighbour == neighbour) all += patch.area.si();
+      }
+      if (all > 0) push(face, (wanted / all) * over_contact(complex, face, neighbour, *table));
+    }
+  }
+  return sum;
+}
+
+}  // namespace cleave::stability

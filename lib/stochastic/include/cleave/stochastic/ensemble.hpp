@@ -1,0 +1,160 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cleave/core/sha256.hpp"
+#include "cleave/stochastic/intervals.hpp"
+#include "cleave/stochastic/moments.hpp"
+#include "cleave/stochastic/record.hpp"
+
+namespace cleave::stochastic {
+
+/// Number that every realization has, by its name in summary.json.
+struct Quantity {
+  std::string_view name;
+  double (*of)(const Record&);
+  bool stability;     ///< needs the stability stage
+  bool whole_system;  ///< needs all blocks
+  bool quantiles;     ///< its values are kept (8 bytes a realization) for order statistics
+};
+[[nodiscard]] const std::vector<Quantity>& quantities();
+/// The quantity of a scene's word: with or without its unit ("key_block_volume", "key_block_volume_m3").
+[[nodiscard]] const Quantity* quantity_named(std::string_view word);
+
+enum class Method : std::uint8_t {
+  mean,            ///< over realizations, with Student's t
+  ratio,           ///< sum over all realizations / sum over all realizations, delta method, Student's t
+  mean_of_ratios,  ///< over the realizations whose denominator is not 0
+};
+[[nodiscard]] std::string_view name_of(Method method) noexcept;
+
+struct Estimate {
+  std::string name;
+  Method method = Method::mean;
+  std::uint64_t realizations = 0;
+  double mean = 0, standard_error = 0, low = 0, high = 0, std = 0, skewness = 0, smallest = 0, largest = 0;
+  /// |skewness|/sqrt(n) > 0.2: the t interval covers less than it says.
+  bool optimistic = false;
+  std::optional<Interval> bootstrap;  ///< BCa, given when `optimistic` and the values were kept
+};
+
+struct QuantileEstimate {
+  std::string name;
+  double p = 0.5, value = 0;
+  std::optional<Interval> interval;  ///< order statistics, at least the confidence; empty: too few realizations
+};
+
+/// P(largest key block of a realization > volume), and key blocks above it per metre of tunnel.
+struct Exceedance {
+  double volume_m3 = 0;
+  std::uint64_t realizations = 0;  ///< with such a block
+  double probability = 0;
+  Interval interval;                             ///< Clopper-Pearson
+  double number = 0, number_standard_error = 0;  ///< mean number of such blocks a realization
+  std::optional<double> per_metre, per_metre_standard_error;
+  /// Per part of the axis: P(a key block above the volume has its centroid there), with its interval.
+  std::vector<double> by_chainage;
+  std::vector<Interval> by_chainage_interval;
+};
+
+/// One point of a size distribution: share of the key blocks, by number and by volume, below a volume; from all blocks
+/// of all realizations, with delta-method standard errors for the share by number.
+struct SizePoint {
+  double volume_m3 = 0, share = 0, standard_error = 0;
+};
+
+struct RunningPoint {
+  std::uint64_t realizations = 0;
+  double mean = 0, half_width = 0;
+};
+
+struct Extreme {
+  std::uint64_t realization = 0;
+  double volume_m3 = 0;
+  std::uint64_t count = 0;
+};
+
+struct Figures {
+  std::uint64_t realizations = 0;  ///< counted
+  double confidence = 0.95;
+  std::vector<Estimate> estimates;
+  std::vector<QuantileEstimate> quantiles;
+  std::vector<Exceedance> exceedances;
+  std::vector<SizePoint> sizes, first_sizes;
+  std::string running_quantity;
+  std::vector<RunningPoint> running;
+  std::vector<Extreme> worst, best;   ///< by key-block volume, at most 5 each
+  std::vector<std::uint64_t> failed;  ///< realizations that could not be done, at most 1000 listed
+  std::uint64_t failures = 0;
+  std::uint64_t stopped_at_max_batches = 0;
+  double surface_fixed_share = 0;  ///< of blocks at free faces, those with a fixed face
+  double beside_fixed_share = 0;   ///< of key-block volume, what lies beside a block with a fixed face
+  std::vector<std::string> notes;
+  std::string hash;  ///< SHA-256 of the records' lines
+};
+
+struct EnsembleOptions {
+  bool stability = true;
+  bool whole_system = true;  ///< all blocks were cut: they can be counted
+  double confidence = 0.95;
+  std::vector<double> volumes_m3;
+  std::optional<double> tunnel_length_m;
+  std::uint32_t chainage_parts = 0;
+  std::uint64_t seed = 1;  ///< of the bootstrap
+  std::string running_quantity = "key_block_volume_m3";
+};
+
+/// Reduces records, one after the other in the order of their realizations, to figures with their errors. Realizations
+/// are independent of each other, blocks of one realization are not: the sample size is the number of realizations.
+/// Same records, same bits. Keeps some numbers a realization, never the records.
+class Ensemble final {
+ public:
+  explicit Ensemble(EnsembleOptions options);
+  void add(const Record& record, std::string_view line);
+  [[nodiscard]] std::uint64_t counted() const noexcept { return counted_; }
+  [[nodiscard]] const Moments& moments(std::string_view quantity) const;
+  [[nodiscard]] Figures figures() const;
+
+ private:
+  struct Ratio {
+    std::string_view name;
+    double (*top)(const Record&);
+    double (*bottom)(const Record&);
+    bool stability, whole_system;
+  };
+  [[nodiscard]] bool has(bool stability, bool whole_system) const {
+    return (options_.stability || !stability) && (options_.whole_system || !whole_system);
+  }
+  static const std::vector<Ratio>& ratios();
+  void add_estimates(Figures& figures) const;
+  void add_quantiles(Figures& figures) const;
+  void add_exceedances(Figures& figures) const;
+  void add_notes(Figures& figures) const;
+
+  EnsembleOptions options_;
+  std::uint64_t counted_ = 0;
+  std::vector<Moments> moments_;             // of quantities()
+  std::vector<std::vector<double>> values_;  // of those with quantiles
+  std::vector<PairMoments> ratios_;
+  Moments mean_volume_per_realization_;
+  std::vector<std::uint64_t> exceeding_;
+  std::vector<Moments> numbers_above_;
+  std::vector<std::vector<std::uint64_t>> chainage_;  // by volume, by part
+  std::vector<PairMoments> below_, first_below_;      // share of blocks below the upper end of bin i
+  std::vector<RunningPoint> running_;
+  std::uint64_t next_running_ = 10;
+  std::size_t running_index_ = 0;
+  std::vector<Extreme> worst_, best_;
+  std::vector<std::uint64_t> failed_;
+  std::uint64_t failures_ = 0, stopped_ = 0;
+  std::uint64_t surface_ = 0, surface_fixed_ = 0;
+  double key_volume_ = 0, beside_fixed_ = 0;
+  Sha256 hash_;
+};
+
+}  // namespace cleave::stochastic

@@ -1,0 +1,87 @@
+#pragma once
+
+/// What is kept of one realization: some hundred bytes, one line of realizations.csv.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cleave::stochastic {
+
+enum class Outcome : std::uint8_t {
+  done,
+  certificate_failed,  ///< the block system did not pass its own check: nothing of it is counted
+  refused,             ///< these joints could not be drawn or cut
+};
+
+/// Shapes as Menendez-Diaz et al. (2009) and Fu (2014, 5.3.1) count them: by joint planes, coplanar faces once, all
+/// free faces one. Tetrahedral: three joint planes, or two and at least two free planes; pentahedral: four; higher:
+/// more; other: the rest.
+enum class Shape : std::uint8_t { tetrahedral, pentahedral, hexahedral, higher, other };
+inline constexpr std::array<std::string_view, 5> shape_names{"tetrahedral", "pentahedral", "hexahedral", "higher",
+                                                             "other"};
+/// In the order of stability::Mode.
+inline constexpr std::array<std::string_view, 4> mode_names{"falling", "lifting", "sliding", "wedge"};
+
+/// Volumes in bins of equal ratio: bin i holds 10^(-6 + i/8) <= V < 10^(-6 + (i+1)/8) m3; the first and the last also
+/// what lies beyond.
+class SizeHistogram final {
+ public:
+  static constexpr std::size_t bins = 112;
+  static constexpr double lowest_exponent = -6, per_decade = 8;
+  void add(double volume) noexcept;
+  [[nodiscard]] const std::array<std::uint32_t, bins>& counts() const noexcept { return counts_; }
+  void set(std::size_t bin, std::uint32_t count) { counts_[bin] = count; }
+  /// Lower end of a bin, m3.
+  [[nodiscard]] static double edge(std::size_t bin) noexcept;
+  friend bool operator==(const SizeHistogram&, const SizeHistogram&) = default;
+
+ private:
+  std::array<std::uint32_t, bins> counts_{};
+};
+
+/// The key blocks of one realization: those of all batches, or those of the first.
+struct Tally {
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+  double largest_m3 = 0;
+  double support_n = 0;              ///< sum of the net forces
+  double support_transferred_n = 0;  ///< the same after force transfer (equal without it)
+  std::array<std::uint64_t, 4> modes{};
+  std::array<std::uint64_t, 5> shapes{};
+  std::uint64_t concave = 0;
+  double sphericity_sum = 0;  ///< of Wadell's (1932) pi^(1/3) (6V)^(2/3)/S
+  SizeHistogram sizes;
+  friend bool operator==(const Tally&, const Tally&) = default;
+};
+
+struct Record {
+  std::uint64_t realization = 0;
+  Outcome outcome = Outcome::done;
+  std::uint64_t joints = 0;
+  std::uint64_t blocks = 0;
+  double rock_m3 = 0;
+  std::uint64_t concave_blocks = 0;
+  std::uint32_t batches = 0;
+  bool stopped_at_max_batches = false;
+  std::uint64_t surface_blocks = 0;        ///< with a free face
+  std::uint64_t surface_blocks_fixed = 0;  ///< of those, with a fixed face: they cannot move (domain too small?)
+  double key_beside_fixed_m3 = 0;          ///< volume of key blocks with a neighbour that has a fixed face
+  Tally all, first;
+  std::vector<std::uint64_t> above;  ///< key blocks above each of the volumes asked for
+  std::vector<double> chainage_m3;   ///< largest key block in each part of the axis; empty without a tunnel
+  friend bool operator==(const Record&, const Record&) = default;
+};
+
+/// One line without its end: numbers as shortest round trip, and a checksum (CRC-32 of what stands before it) last.
+[[nodiscard]] std::string line_of(const Record& record);
+/// Empty when the line is not whole or its checksum does not fit.
+[[nodiscard]] std::optional<Record> record_of(std::string_view line);
+/// The header of the columns.
+[[nodiscard]] std::string_view record_columns() noexcept;
+
+}  // namespace cleave::stochastic

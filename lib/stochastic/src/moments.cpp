@@ -1,0 +1,52 @@
+#include "cleave/stochastic/moments.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cleave::stochastic {
+
+void Moments::add(double x) noexcept {
+  const auto before = static_cast<double>(n_);
+  ++n_;
+  const auto n = static_cast<double>(n_);
+  const double delta = x - mean_, step = delta / n, step2 = step * step;
+  const double term = delta * step * before;
+  mean_ += step;
+  m4_ += term * step2 * (n * n - 3 * n + 3) + 6 * step2 * m2_ - 4 * step * m3_;
+  m3_ += term * step * (n - 2) - 3 * step * m2_;
+  m2_ += term;
+  min_ = n_ == 1 ? x : std::min(min_, x);
+  max_ = n_ == 1 ? x : std::max(max_, x);
+}
+
+double Moments::variance() const noexcept { return n_ < 2 ? 0 : m2_ / static_cast<double>(n_ - 1); }
+double Moments::std() const noexcept { return std::sqrt(variance()); }
+double Moments::standard_error() const noexcept { return n_ == 0 ? 0 : std() / std::sqrt(static_cast<double>(n_)); }
+double Moments::skewness() const noexcept {
+  return m2_ > 0 ? std::sqrt(static_cast<double>(n_)) * m3_ / std::pow(m2_, 1.5) : 0;
+}
+double Moments::excess_kurtosis() const noexcept {
+  return m2_ > 0 ? static_cast<double>(n_) * m4_ / (m2_ * m2_) - 3 : 0;
+}
+
+void PairMoments::add(double y, double x) noexcept {
+  ++n_;
+  const auto n = static_cast<double>(n_);
+  const double dy = y - mean_y_, dx = x - mean_x_;
+  mean_y_ += dy / n;
+  mean_x_ += dx / n;
+  yy_ += dy * (y - mean_y_);
+  xx_ += dx * (x - mean_x_);
+  xy_ += dy * (x - mean_x_);
+}
+
+double PairMoments::ratio() const noexcept { return mean_x_ > 0 ? mean_y_ / mean_x_ : 0; }
+
+double PairMoments::ratio_standard_error() const noexcept {
+  if (n_ < 2 || !(mean_x_ > 0)) return 0;
+  const double r = ratio(), n = static_cast<double>(n_);
+  const double sum = std::max(0.0, yy_ - 2 * r * xy_ + r * r * xx_);
+  return std::sqrt(sum / ((n - 1) * n)) / mean_x_;
+}
+
+}  // namespace cleave::stochastic

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cleave/geometry/vec3.hpp"
+#include "cleave/survey/estimate.hpp"
+#include "cleave/survey/fit.hpp"
+#include "cleave/survey/orientation.hpp"
+#include "cleave/survey/size.hpp"
+#include "cleave/survey/traces.hpp"
+
+/// A whole survey: from what was measured to joint sets with their laws.
+namespace cleave::survey {
+
+/// A joint whose orientation was measured.
+struct MeasuredOrientation {
+  geometry::Vec3 normal;                   ///< unit, z >= 0
+  std::string set;                         ///< "" when not stated
+  std::optional<geometry::Vec3> line;      ///< direction of the line it was met on
+  std::optional<geometry::Vec3> window;    ///< normal of the outcrop it was seen on
+};
+
+/// A scanline or borehole: straight pieces one after the other (a curved one has several).
+struct LineSurvey {
+  std::string name;
+  std::vector<std::pair<geometry::Vec3, double>> pieces;  ///< unit direction, length (m)
+  std::vector<double> positions;                         ///< along the line, m
+  std::vector<std::size_t> joints;  ///< numbers in SurveyInput::orientations, or empty: positions only
+  [[nodiscard]] double length() const noexcept;
+};
+
+struct WindowSurvey {
+  std::string name;
+  Window window;
+  geometry::Vec3 normal{0, 0, 1};   ///< of the window's plane
+  geometry::Vec3 x_axis{1, 0, 0};   ///< of the map, in space
+  std::vector<Polyline> traces;
+};
+
+/// How joints are put into sets.
+struct SetRule {
+  std::string name;
+  std::vector<geometry::Vec3> polygon;  ///< on the stereonet; empty: none
+  std::optional<std::pair<double, double>> azimuth;  ///< of traces, degrees, when no orientations were measured
+  std::optional<double> dip, dip_direction;  ///< stated, when they cannot be measured
+  std::optional<double> kappa;
+};
+
+struct SurveyInput {
+  std::string title;
+  double confidence = 0.95;
+  std::uint64_t seed = 1;
+  double weight_cap = 10;
+  std::size_t clusters = 0;  ///< 0: by rules or by the sets stated
+  std::vector<MeasuredOrientation> orientations;
+  std::vector<LineSurvey> lines;
+  std::vector<WindowSurvey> windows;
+  std::vector<SetRule> rules;
+};
+
+struct FittedLaw {
+  Fit fit;
+  std::optional<DiscLaw> discs;  ///< of the diameters, when a law of discs has these traces
+};
+
+struct SetResult {
+  std::string name;
+  std::size_t joints = 0;   ///< with a measured orientation
+  std::size_t traces = 0;   ///< in windows
+  FisherFit orientation;
+  std::optional<BinghamFit> bingham;  ///< when Fisher's law is refused
+  bool orientation_stated = false;    ///< dip not measured: stated by the rule
+  std::vector<geometry::Vec3> normals;
+  std::vector<double> weights;
+  std::optional<Estimate> p10_normal;  ///< joints per metre along the mean normal, from lines
+  std::optional<Estimate> p20, p21, mean_length, mean_length_counts;
+  std::optional<Estimate> p32_lines, p32_windows, p30;
+  std::optional<Estimate> p32;  ///< the one that sets.toml takes
+  std::vector<FittedLaw> lengths;   ///< trace lengths, by AIC, best first
+  std::optional<DiscLaw> size;      ///< taken
+  std::vector<Fit> spacings;        ///< along the lines, by AIC
+  std::vector<double> gaps, seen_lengths;
+  std::vector<std::string> notes;
+};
+
+struct LineResult {
+  std::string name;
+  double length = 0;
+  Estimate frequency;
+  double rqd_measured = 0, rqd_of_frequency = 0;
+};
+
+struct WindowResult {
+  std::string name;
+  WindowCounts counts;
+  std::vector<Estimate> estimates;
+  Nodes nodes;
+};
+
+struct SurveyResult {
+  std::vector<SetResult> sets;
+  std::vector<LineResult> lines;
+  std::vector<WindowResult> windows;
+  std::vector<std::pair<std::size_t, double>> silhouettes;  ///< by number of clusters
+  OrientationTensor tensor{};
+  std::size_t unassigned = 0;
+  std::vector<std::size_t> set_of;  ///< of each orientation; Clustering::unassigned
+  std::vector<std::string> notes;
+};
+
+[[nodiscard]] SurveyResult analyse(const SurveyInput& input);
+
+}  // namespace cleave::survey

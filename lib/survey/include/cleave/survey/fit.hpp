@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Laws fitted to lengths and spacings by maximum likelihood, with censoring.
+namespace cleave::survey {
+
+enum class Family : std::uint8_t { exponential, lognormal, gamma, power };
+[[nodiscard]] std::string_view name_of(Family family) noexcept;
+
+/// A fitted law. Parameters: exponential mean; lognormal mu, sigma of the logarithm; gamma shape, scale; power exponent
+/// with the limits min, max.
+struct Fit {
+  Family family = Family::exponential;
+  double a = 1, b = 1;
+  double min = 0, max = 0;  ///< power only
+  double log_likelihood = 0;
+  double aic = 0;
+  std::optional<double> p_value;  ///< Kolmogorov-Smirnov, parametric bootstrap (complete data only)
+  double distance = 0;            ///< Kolmogorov-Smirnov
+
+  [[nodiscard]] double density(double x) const;
+  [[nodiscard]] double below(double x) const;  ///< distribution function
+  [[nodiscard]] double quantile(double u) const;
+  [[nodiscard]] double moment(int k) const;  ///< E x^k
+  /// Integral of the survival function from x on: E (X - x)+.
+  [[nodiscard]] double mean_excess(double x) const;
+};
+
+/// A length as it was seen: `ends` of 2 complete, 1 one end, 0 no end in sight.
+struct SeenLength {
+  double length = 0;
+  std::uint32_t ends = 2;
+};
+
+/// How lengths were met. A window of area A whose width across the traces is b meets a trace of length l with
+/// probability proportional to A + b l; a line has A = 0, b = 1 (Laslett 1982).
+struct Meeting {
+  double area = 0, width = 1;
+};
+
+/// Maximum likelihood with censoring (Laslett 1982): densities, survival functions and their integrals for 2, 1, 0 ends,
+/// over E (A + b l). Empty when there is no complete or half complete length. Power laws take min as the smallest and max
+/// as ten times the largest length.
+[[nodiscard]] std::optional<Fit> fit_lengths(std::span<const SeenLength> lengths, const Meeting& meeting, Family family);
+
+/// Complete data (spacings): maximum likelihood, Kolmogorov-Smirnov p-value by parametric bootstrap with refitting
+/// (`resamples`; 0: none).
+[[nodiscard]] std::optional<Fit> fit_complete(std::span<const double> values, Family family, std::uint32_t resamples,
+                                              std::uint64_t seed);
+
+/// Chi-squared test against equal-probability bins with at least 5 expected each; `p_low`, `p_high`: p-values with
+/// bins - 1 - fitted and bins - 1 degrees of freedom, between which the true one lies for a law fitted to unbinned data.
+struct ChiSquared {
+  double statistic = 0, p_low = 1, p_high = 1;
+  std::size_t bins = 0;
+};
+[[nodiscard]] ChiSquared chi_squared(std::span<const double> values, const Fit& fit);
+
+}  // namespace cleave::survey

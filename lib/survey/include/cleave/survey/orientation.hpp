@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "cleave/geometry/vec3.hpp"
+
+/// Orientations of joints: bias, means, sets, Fisher's law. Normals are axes: n and -n are the same joint.
+namespace cleave::survey {
+
+/// Weight of a joint met by a line of unit direction l (Terzaghi 1965): 1/|n.l|, at most `cap` (10: 84.26 degrees,
+/// Priest 1993).
+[[nodiscard]] double terzaghi_weight(geometry::Vec3 normal, geometry::Vec3 line, double cap = 10);
+/// Weight of a disc of diameter `d` met by a flat convex window with area `area` and width `b` across the trace (Kulatilake &
+/// Wu 1984): 1/(sin V (d area + pi/4 d^2 b)), V = angle of joint and window, normalised by 1/area; d = 0: 1/sin V.
+[[nodiscard]] double window_weight(geometry::Vec3 normal, geometry::Vec3 window_normal, double d, double area, double b,
+                                   double cap = 10);
+
+/// Eigenvalues (largest first, summing to 1) and unit eigenvectors of the weighted orientation tensor sum w n n^T.
+struct OrientationTensor {
+  std::array<double, 3> values;
+  std::array<geometry::Vec3, 3> vectors;
+};
+[[nodiscard]] OrientationTensor orientation_tensor(std::span<const geometry::Vec3> normals,
+                                                   std::span<const double> weights);
+
+struct FisherFit {
+  geometry::Vec3 mean;  ///< unit, z >= 0
+  double kappa = 0;     ///< (N_e - 1)/(N_e - R_e); infinite for one joint or parallel ones
+  double kappa_low = 0, kappa_high = 0;
+  double cone_degrees = 0;     ///< half angle of the confidence cone of the mean
+  double effective_count = 0;  ///< (sum w)^2/sum w^2
+  std::size_t count = 0;
+  std::size_t capped = 0;  ///< weights at the cap
+  /// Fisher's law fits: 1 - cos t exponential (Stephens' corrected Kolmogorov-Smirnov statistic below its 5 % point
+  /// 1.094) and eigenvalues 2 and 3 not apart by more than twice their standard error.
+  bool fisher = true;
+  double statistic = 0;
+};
+/// Weighted mean and concentration (Fisher 1953): axes are turned to the mean until none changes sides. Not empty.
+[[nodiscard]] FisherFit fit_fisher(std::span<const geometry::Vec3> normals, std::span<const double> weights,
+                                   double confidence = 0.95, double cap = 10);
+
+/// Bingham's law exp(k1 (n.v1)^2 + k2 (n.v2)^2)/F about the two smaller axes of the tensor, k1 <= k2 <= 0: maximum
+/// likelihood (Bingham 1974), the constant F by quadrature.
+struct BinghamFit {
+  double k1 = 0, k2 = 0;
+};
+[[nodiscard]] BinghamFit fit_bingham(const OrientationTensor& tensor);
+
+/// Axial K-means (Hammah & Curran 1998): distance 1 - (n.v)^2, first centres by farthest point from the densest joint.
+struct Clustering {
+  std::vector<std::size_t> set;           ///< of each joint; `unassigned` for outliers
+  std::vector<geometry::Vec3> centres;    ///< unit, z >= 0
+  double silhouette = 0;                  ///< mean over joints (of at most 2,000 of them)
+  static constexpr std::size_t unassigned = static_cast<std::size_t>(-1);
+};
+[[nodiscard]] Clustering cluster(std::span<const geometry::Vec3> normals, std::span<const double> weights,
+                                 std::size_t sets, bool mark_outliers = true);
+
+/// Whether the pole (downward normal) lies in the polygon, whose corners are unit vectors of the lower hemisphere, in
+/// order; seen in equal-angle projection.
+[[nodiscard]] bool pole_inside(geometry::Vec3 normal, std::span<const geometry::Vec3> polygon);
+
+/// E|n.l| and E sqrt(1 - (n.m)^2) over joints of a Fisher law, by a fixed low-discrepancy sequence of 2^14 points.
+[[nodiscard]] double mean_line_cosine(geometry::Vec3 mean, double kappa, geometry::Vec3 line);
+[[nodiscard]] double mean_plane_sine(geometry::Vec3 mean, double kappa, geometry::Vec3 plane_normal);
+
+}  // namespace cleave::survey

@@ -1,0 +1,347 @@
+#include "cleave/survey/analyse.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "cleave/geometry/orientation.hpp"
+#include "cleave/survey/line.hpp"
+
+namespace cleave::survey {
+
+using geometry::Vec3;
+
+double LineSurvey::length() const noexcept {
+  double sum = 0;
+  for (const auto& [direction, piece] : pieces) sum += piece;
+  return sum;
+}
+
+namespace {
+
+constexpr double degrees = 180 / std::numbers::pi;
+
+/// The direction of the line where a position lies.
+Vec3 direction_at(const LineSurvey& line, double position) {
+  for (const auto& [direction, length] : line.pieces) {
+    if (position <= length) return direction;
+    position -= length;
+  }
+  return line.pieces.back().first;
+}
+
+Estimate scaled(Estimate e, std::string name, double factor, std::string method) {
+  e.name = std::move(name);
+  if (e.value) *e.value *= factor;
+  e.low *= factor;
+  e.high *= factor;
+  e.method = std::move(method);
+  return e;
+}
+
+class Analysis final {
+ public:
+  explicit Analysis(const SurveyInput& input) : in_{input} {}
+
+  SurveyResult run() {
+    weigh();
+    assign();
+    for (std::size_t k = 0; k < out_.sets.size(); ++k) orient(k);
+    assign_traces();
+    for (std::size_t k = 0; k < out_.sets.size(); ++k) {
+      lines(k);
+      windows(k);
+      choose(k);
+    }
+    whole();
+    return std::move(out_);
+  }
+
+ private:
+  void weigh() {
+    for (const MeasuredOrientation& joint : in_.orientations) {
+      normals_.push_back(joint.normal);
+      weights_.push_back(joint.line     ? terzaghi_weight(joint.normal, *joint.line, in_.weight_cap)
+                         : joint.window ? window_weight(joint.normal, *joint.window, 0, 1, 0, in_.weight_cap)
+                                        : 1.0);
+    }
+    if (!normals_.empty()) out_.tensor = orientation_tensor(normals_, weights_);
+  }
+
+  std::size_t set_named(const std::string& name) {
+    const auto it = std::ranges::find(out_.sets, name, &SetResult::name);
+    if (it != out_.sets.end()) return static_cast<std::size_t>(it - out_.sets.begin());
+    out_.sets.emplace_back();
+    out_.sets.back().name = name;
+    return out_.sets.size() - 1;
+  }
+
+  void assign() {
+    out_.set_of.assign(normals_.size(), Clustering::unassigned);
+    for (const SetRule& rule : in_.rules) static_cast<void>(set_named(rule.name));
+    if (in_.clusters > 0 && !normals_.empty()) {
+      const Clustering found = cluster(normals_, weights_, in_.clusters);
+      for (std::size_t k = 0; k < found.centres.size(); ++k) static_cast<void>(set_named(fmt::format("set{}", k + 1)));
+      const std::size_t first = out_.sets.size() - found.centres.size();
+      for (std::size_t i = 0; i < normals_.size(); ++i) {
+        if (found.set[i] != Clustering::unassigned) out_.set_of[i] = first + found.set[i];
+      }
+    } else {
+      for (std::size_t i = 0; i < normals_.size(); ++i) {
+        for (std::size_t k = 0; k < in_.rules.size(); ++k) {
+          if (!in_.rules[k].polygon.empty() && pole_inside(normals_[i], in_.rules[k].polygon)) {
+            out_.set_of[i] = set_named(in_.rules[k].name);
+            break;
+          }
+        }
+        if (out_.set_of[i] == Clustering::unassigned && !in_.orientations[i].set.empty()) {
+          out_.set_of[i] = set_named(in_.orientations[i].set);
+        }
+      }
+      if (in_.rules.empty() && !normals_.empty() &&
+          std::ranges::all_of(out_.set_of, [](std::size_t s) { return s == Clustering::unassigned; })) {
+        const std::size_t all = set_named("all");
+        std::ranges::fill(out_.set_of, all);
+        out_.notes.emplace_back("no sets were named: all joints are taken as one; see the silhouettes, and state clusters "
+                                "or polygons");
+      }
+    }
+    for (const std::size_t set : out_.set_of) out_.unassigned += set == Clustering::unassigned ? 1U : 0U;
+    if (normals_.size() >= 10) {
+      for (std::size_t k = 2; k <= 8; ++k) {
+        out_.silhouettes.emplace_back(k, cluster(normals_, weights_, k, false).silhouette);
+      }
+    }
+  }
+
+  [[nodiscard]] const SetRule* rule_of(const SetResult& set) const {
+    const auto it = std::ranges::find(in_.rules, set.name, &SetRule::name);
+    return it == in_.rules.end() ? nullptr : &*it;
+  }
+
+  void orient(std::size_t k) {
+    SetResult& set = out_.sets[k];
+    for (std::size_t i = 0; i < normals_.size(); ++i) {
+      if (out_.set_of[i] != k) continue;
+      set.normals.push_back(normals_[i]);
+      set.weights.push_back(weights_[i]);
+    }
+    set.joints = set.normals.size();
+    if (!set.normals.empty()) {
+      set.orientation = fit_fisher(set.normals, set.weights, in_.confidence, in_.weight_cap);
+      if (set.joints == 1) set.notes.emplace_back("one joint: no spread can be had from it");
+      if (std::isinf(set.orientation.kappa) && set.joints > 1) set.notes.emplace_back("all joints are parallel");
+      if (set.orientation.capped > 0) {
+        set.notes.push_back(fmt::format("{} joints lie nearly along the line or outcrop: their weight is capped at {}",
+                                        set.orientation.capped, in_.weight_cap));
+      }
+      if (!set.orientation.fisher) {
+        set.bingham = fit_bingham(orientation_tensor(set.normals, set.weights));
+        set.notes.emplace_back("Fisher's law is refused for these poles: sets.toml draws from the measured ones");
+      }
+      return;
+    }
+    const SetRule* rule = rule_of(set);
+    if (rule == nullptr || !rule->dip) return;
+    set.orientation_stated = true;
+    double direction = rule->dip_direction.value_or(0);
+    if (!rule->dip_direction && rule->azimuth) direction = mean_azimuth(*rule->azimuth) + 90;
+    set.orientation.mean = geometry::upward_normal(
+        {Dip::degrees(*rule->dip), DipDirection::degrees(geometry::wrap_degrees(direction))});
+    set.orientation.kappa = rule->kappa.value_or(azimuth_kappa_);
+    set.notes.push_back(fmt::format("dip {} degrees is stated, not measured", *rule->dip));
+  }
+
+  static double azimuth_of(const WindowSurvey& window, MapPoint direction) {
+    const Vec3 y = cross(window.normal, window.x_axis);
+    const Vec3 d = direction.x * window.x_axis + direction.y * y;
+    const double a = std::atan2(d.x, d.y) * degrees;
+    return a < 0 ? a + 180 : (a >= 180 ? a - 180 : a);
+  }
+  static bool within(double azimuth, std::pair<double, double> range) {
+    const double width = geometry::wrap_degrees(range.second - range.first);
+    return geometry::wrap_degrees(azimuth - range.first) <= width ||
+           geometry::wrap_degrees(azimuth + 180 - range.first) <= width;
+  }
+  /// Axial mean, weighted by length; also sets the concentration that the scatter of strikes would have.
+  double mean_azimuth(std::pair<double, double> range) {
+    double c = 0, s = 0, sum = 0;
+    for (const WindowSurvey& window : in_.windows) {
+      for (const SeenTrace& t : seen_through(window.window, window.traces)) {
+        const double a = azimuth_of(window, t.direction);
+        if (!within(a, range)) continue;
+        c += t.length * std::cos(2 * a / degrees);
+        s += t.length * std::sin(2 * a / degrees);
+        sum += t.length;
+      }
+    }
+    const double r = sum > 0 ? std::hypot(c, s) / sum : 1;
+    // Strikes of steep joints scatter with variance 1/kappa; -ln r/2 is the variance of doubled angles over 4.
+    azimuth_kappa_ = r < 1 - 1e-9 ? 2 / -std::log(r) : 1e6;
+    return std::atan2(s, c) * degrees / 2;
+  }
+
+  /// Each trace to the set whose mean plane leaves the nearest trace on the window.
+  void assign_traces() {
+    for (const WindowSurvey& window : in_.windows) {
+      seen_.push_back(seen_through(window.window, window.traces));
+      auto& sets = trace_set_.emplace_back(seen_.back().size(), Clustering::unassigned);
+      for (std::size_t i = 0; i < seen_.back().size(); ++i) {
+        const double a = azimuth_of(window, seen_.back()[i].direction);
+        double best = out_.sets.size() == 1 ? 91 : 30;
+        for (std::size_t k = 0; k < out_.sets.size(); ++k) {
+          const SetRule* rule = rule_of(out_.sets[k]);
+          if (rule != nullptr && rule->azimuth) {
+            if (!within(a, *rule->azimuth)) continue;
+            sets[i] = k;
+            break;
+          }
+          if (out_.sets[k].joints == 0 && !out_.sets[k].orientation_stated) continue;
+          const Vec3 trace = cross(out_.sets[k].orientation.mean, window.normal);
+          if (norm(trace) < 1e-6) continue;
+          const double expected = std::atan2(trace.x, trace.y) * degrees;
+          const double off = std::abs(std::remainder(a - expected, 180));
+          if (off < best) {
+            best = off;
+            sets[i] = k;
+          }
+        }
+      }
+    }
+  }
+
+  void lines(std::size_t k) {
+    SetResult& set = out_.sets[k];
+    std::size_t joints = 0;
+    double normal_length = 0, area_length = 0;
+    for (const LineSurvey& line : in_.lines) {
+      std::vector<double> positions;
+      for (std::size_t i = 0; i < line.joints.size(); ++i) {
+        if (out_.set_of[line.joints[i]] == k) positions.push_back(line.positions[i]);
+      }
+      joints += positions.size();
+      for (const auto& [direction, length] : line.pieces) {
+        normal_length += length * std::abs(dot(set.orientation.mean, direction));
+        area_length += length * mean_line_cosine(set.orientation.mean, set.orientation.kappa, direction);
+      }
+      const double cosine = std::abs(dot(set.orientation.mean, direction_at(line, line.length() / 2)));
+      for (const double gap : gaps_of(std::move(positions))) set.gaps.push_back(gap * cosine);
+    }
+    if (joints == 0 || !(area_length > 0)) return;
+    set.p10_normal = scaled(frequency(joints, normal_length, in_.confidence), "P10 along the mean normal", 1,
+                            "sum N / sum(L |n.l|), exact Poisson interval");
+    set.p32_lines =
+        scaled(frequency(joints, area_length, in_.confidence), "P32", 1, "sum N / sum(L E|n.l|), exact Poisson interval");
+    for (const Family family : {Family::exponential, Family::lognormal, Family::gamma}) {
+      if (auto fit = fit_complete(set.gaps, family, set.gaps.size() <= 500 ? 199 : 0, in_.seed)) {
+        set.spacings.push_back(*std::move(fit));
+      }
+    }
+    std::ranges::stable_sort(set.spacings, {}, &Fit::aic);
+  }
+
+  void windows(std::size_t k) {
+    SetResult& set = out_.sets[k];
+    std::vector<WindowCounts> counts;
+    std::vector<SeenLength> lengths;
+    double sine_area = 0, area = 0;
+    for (std::size_t w = 0; w < in_.windows.size(); ++w) {
+      std::vector<SeenTrace> own;
+      for (std::size_t i = 0; i < seen_[w].size(); ++i) {
+        if (trace_set_[w][i] != k) continue;
+        own.push_back(seen_[w][i]);
+        lengths.push_back({seen_[w][i].length, std::min(seen_[w][i].ends, 2U)});
+        set.seen_lengths.push_back(seen_[w][i].length);
+      }
+      counts.push_back(count(in_.windows[w].window, own));
+      if (own.empty() && counts.back().width == 0) counts.back().width = width_across(in_.windows[w].window, {1, 0});
+      const double a = counts.back().area;
+      sine_area += a * mean_plane_sine(set.orientation.mean, set.orientation.kappa, in_.windows[w].normal);
+      area += a;
+    }
+    set.traces = lengths.size();
+    if (lengths.empty()) return;
+    const WindowCounts all = pooled(counts);
+    const double sine = set.joints > 0 || set.orientation_stated ? sine_area / area : 1;
+    set.p20 = p20(all, in_.confidence);
+    set.p21 = p21(all, in_.confidence);
+    set.mean_length = mean_length(all, in_.confidence);
+    set.mean_length_counts = mean_length_by_counts(all, in_.confidence);
+    set.p32_windows = scaled(*set.p21, "P32", 1 / sine, fmt::format("P21 / E sin V, E sin V = {:.4f}", sine));
+    for (const Family family : {Family::exponential, Family::lognormal, Family::gamma, Family::power}) {
+      // Pooled windows of equal shape: area over width of the sums.
+      auto fit = fit_lengths(lengths, {all.area, all.width}, family);
+      if (!fit) continue;
+      auto discs = disc_law(family, fit->moment(1), fit->moment(2));
+      set.lengths.push_back({*std::move(fit), discs});
+    }
+    std::ranges::stable_sort(set.lengths, {}, [](const FittedLaw& l) { return l.fit.aic; });
+    if (set.lengths.size() > 1 && set.lengths[1].fit.aic - set.lengths[0].fit.aic < 2) {
+      set.notes.push_back(fmt::format("the laws of trace length {} and {} are undecided (AIC differs by {:.1f})",
+                                      name_of(set.lengths[0].fit.family), name_of(set.lengths[1].fit.family),
+                                      set.lengths[1].fit.aic - set.lengths[0].fit.aic));
+    }
+    for (const FittedLaw& law : set.lengths) {
+      if (!law.discs) continue;
+      set.size = law.discs;
+      break;
+    }
+    if (!set.size) {
+      set.notes.emplace_back("no law of discs has traces of these moments: joints are not discs, or traces are of more "
+                             "than one set; the exponential law with the same mean trace is taken");
+      if (set.mean_length->value) set.size = disc_law(Family::exponential, *set.mean_length->value, 0);
+    }
+    if (set.size && set.p20->value) {
+      set.p30 = scaled(*set.p20, "P30", 1 / (set.size->mean * sine), "P20 / (E D E sin V)");
+    }
+  }
+
+  void choose(std::size_t k) {
+    SetResult& set = out_.sets[k];
+    set.p32 = set.p32_windows && set.p32_windows->value ? set.p32_windows : set.p32_lines;
+    if (set.p32_lines && set.p32_windows && set.p32_windows->value &&
+        (set.p32_lines->low > set.p32_windows->high || set.p32_windows->low > set.p32_lines->high)) {
+      set.notes.emplace_back("P32 of lines and of windows disagree beyond their intervals: the disc model or the sets do "
+                             "not fit");
+    }
+    if (!set.p32) set.notes.emplace_back("no line and no window: the intensity is not known");
+  }
+
+  void whole() {
+    for (const LineSurvey& line : in_.lines) {
+      const double length = line.length();
+      const auto gaps = gaps_of(line.positions);
+      LineResult result{line.name, length, frequency(line.positions.size(), length, in_.confidence),
+                        rqd_measured(gaps, length), 0};
+      result.rqd_of_frequency = rqd_of_frequency(result.frequency.value.value_or(0));
+      out_.lines.push_back(std::move(result));
+    }
+    for (std::size_t w = 0; w < in_.windows.size(); ++w) {
+      const WindowSurvey& window = in_.windows[w];
+      WindowResult result{window.name, count(window.window, seen_[w]), {}, {}};
+      for (const auto estimate : {p20, p21, mean_length, mean_length_by_counts, p20_plain}) {
+        result.estimates.push_back(estimate(result.counts, in_.confidence));
+      }
+      if (result.counts.circle) result.estimates.push_back(p21_by_crossings(result.counts, in_.confidence));
+      const double mean = result.estimates[2].value.value_or(1);
+      if (seen_[w].size() <= 20000) result.nodes = nodes(window.window, window.traces, 1e-3 * mean);
+      out_.windows.push_back(std::move(result));
+    }
+  }
+
+  const SurveyInput& in_;
+  SurveyResult out_;
+  std::vector<Vec3> normals_;
+  std::vector<double> weights_;
+  std::vector<std::vector<SeenTrace>> seen_;
+  std::vector<std::vector<std::size_t>> trace_set_;
+  double azimuth_kappa_ = 30;
+};
+
+}  // namespace
+
+SurveyResult analyse(const SurveyInput& input) { return Analysis{input}.run(); }
+
+}  // namespace cleave::survey

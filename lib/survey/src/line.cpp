@@ -1,0 +1,94 @@
+#include "cleave/survey/line.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "cleave/core/rng.hpp"
+#include "cleave/core/special.hpp"
+
+namespace cleave::survey {
+namespace {
+
+double mean_of(std::span<const double> x) {
+  return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
+}
+
+}  // namespace
+
+Estimate frequency(std::size_t joints, double length, double confidence) {
+  const auto n = static_cast<double>(joints);
+  const double a = (1 - confidence) / 2;
+  Estimate e{"frequency", n / length, 0, 0, "N/L, exact Poisson interval", ""};
+  e.low = joints == 0 ? 0 : special::chi_squared_quantile(a, 2 * n) / (2 * length);
+  e.high = special::chi_squared_quantile(1 - a, 2 * n + 2) / (2 * length);
+  return e;
+}
+
+double mean_gap_share(double y) {
+  if (y < 1e-3) return y / 3;  // leading term
+  return (y - 2 + (y + 2) * std::exp(-y)) / (y - 1 + std::exp(-y));
+}
+
+Estimate frequency_from_gaps(std::span<const double> gaps, double length, double confidence) {
+  Estimate e{"frequency", {}, 0, 0, "mean of complete gaps, corrected for the line's length", ""};
+  if (gaps.empty()) {
+    e.note = "no complete gap";
+    return e;
+  }
+  const double mean = mean_of(gaps);
+  const auto solve = [&](double m) -> std::optional<double> {
+    // mean_gap_share(lambda L)/lambda falls from L/3 with lambda.
+    if (!(m > 0) || m >= length / 3) return std::nullopt;
+    double low = 1e-9 / length, high = 10 / m;
+    for (int i = 0; i < 200; ++i) {
+      const double middle = std::sqrt(low * high);
+      (mean_gap_share(middle * length) / middle > m ? low : high) = middle;
+    }
+    return std::sqrt(low * high);
+  };
+  e.value = solve(mean);
+  if (!e.value) {
+    e.note = "the gaps are too long for the line: measure on a longer one";
+    return e;
+  }
+  const double z = normal_quantile(0.5 + confidence / 2) / std::sqrt(static_cast<double>(gaps.size()));
+  e.low = solve(mean * std::exp(z)).value_or(0);
+  e.high = solve(mean * std::exp(-z)).value_or(INFINITY);
+  return e;
+}
+
+Estimate frequency_by_truncated_exponential(std::span<const double> gaps, double length) {
+  Estimate e{"frequency", {}, 0, 0, "exponential law cut at L (thesis A.3, A.4)", "biased; for comparison only"};
+  if (gaps.empty()) return e;
+  const double mean = mean_of(gaps);
+  if (mean >= length / 2) return e;
+  double low = 1e-9 / length, high = 10 / mean;
+  for (int i = 0; i < 200; ++i) {
+    const double l = std::sqrt(low * high), y = l * length;
+    const double share = y < 1e-6 ? y / 2 : (1 - (1 + y) * std::exp(-y)) / -std::expm1(-y);
+    (share / l > mean ? low : high) = l;
+  }
+  e.value = std::sqrt(low * high);
+  return e;
+}
+
+double rqd_of_frequency(double frequency, double threshold) {
+  const double y = frequency * threshold;
+  return 100 * (1 + y) * std::exp(-y);
+}
+
+double rqd_measured(std::span<const double> gaps, double length, double threshold) {
+  double sum = 0;
+  for (const double g : gaps) sum += g > threshold ? g : 0;
+  return 100 * sum / length;
+}
+
+std::vector<double> gaps_of(std::vector<double> positions) {
+  std::ranges::sort(positions);
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < positions.size(); ++i) gaps.push_back(positions[i] - positions[i - 1]);
+  return gaps;
+}
+
+}  // namespace cleave::survey

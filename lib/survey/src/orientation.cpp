@@ -1,0 +1,344 @@
+#include "cleave/survey/orientation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "cleave/core/special.hpp"
+
+namespace cleave::survey {
+
+using geometry::Vec3;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+Vec3 upward(Vec3 n) { return n.z < 0 || (n.z == 0 && (n.y < 0 || (n.y == 0 && n.x < 0))) ? -n : n; }
+
+using Matrix = std::array<std::array<double, 3>, 3>;
+
+/// Eigenvalues and vectors of a symmetric matrix by Jacobi rotations.
+OrientationTensor eigen(Matrix a) {
+  Matrix v{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  for (int sweep = 0; sweep < 50; ++sweep) {
+    double off = 0;
+    for (std::size_t p = 0; p < 3; ++p) {
+      for (std::size_t q = p + 1; q < 3; ++q) {
+        off += a[p][q] * a[p][q];
+        if (a[p][q] == 0) continue;
+        const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+        const double t = (theta >= 0 ? 1 : -1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const double kp = a[k][p], kq = a[k][q];
+          a[k][p] = c * kp - s * kq;
+          a[k][q] = s * kp + c * kq;
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+          const double pk = a[p][k], qk = a[q][k];
+          a[p][k] = c * pk - s * qk;
+          a[q][k] = s * pk + c * qk;
+          const double vp = v[k][p], vq = v[k][q];
+          v[k][p] = c * vp - s * vq;
+          v[k][q] = s * vp + c * vq;
+        }
+      }
+    }
+    if (off < 1e-30) break;
+  }
+  std::array<std::size_t, 3> order{0, 1, 2};
+  std::ranges::sort(order, [&](std::size_t i, std::size_t j) { return a[i][i] > a[j][j]; });
+  OrientationTensor result{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t k = order[i];
+    result.values[i] = a[k][k];
+    result.vectors[i] = upward({v[0][k], v[1][k], v[2][k]});
+  }
+  return result;
+}
+
+/// Stephens (1974): K-S of exponential data with fitted mean; the 5 % point of the modified statistic is 1.094.
+double stephens(std::vector<double> x) {
+  const auto n = static_cast<double>(x.size());
+  const double mean = std::accumulate(x.begin(), x.end(), 0.0) / n;
+  if (!(mean > 0)) return 0;
+  std::ranges::sort(x);
+  double d = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double f = -std::expm1(-x[i] / mean), k = static_cast<double>(i);
+    d = std::max({d, f - k / n, (k + 1) / n - f});
+  }
+  return (d - 0.2 / n) * (std::sqrt(n) + 0.26 + 0.5 / std::sqrt(n));
+}
+
+/// Mean of g(n) over a Fisher law (a uniform one for kappa 0) by an additive recurrence (Roberts 2018).
+template <class G>
+double fisher_mean(Vec3 mean, double kappa, G&& g) {
+  if (std::isinf(kappa)) return g(mean);
+  const Vec3 some = std::abs(mean.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 e1 = normalized(cross(mean, some)), e2 = cross(mean, e1);
+  constexpr int points = 1 << 14;
+  double sum = 0;
+  for (int i = 0; i < points; ++i) {
+    const double u = std::fmod(0.5 + 0.7548776662466927 * i, 1.0), v = std::fmod(0.5 + 0.5698402909980532 * i, 1.0);
+    const double versine = kappa > 0 ? -std::log1p(u * std::expm1(-2 * kappa)) / kappa : 2 * u;
+    const double sine = std::sqrt(std::max(0.0, versine * (2 - versine)));
+    sum += g((1 - versine) * mean + sine * (std::cos(2 * pi * v) * e1 + std::sin(2 * pi * v) * e2));
+  }
+  return sum / points;
+}
+
+/// ln of the mean of exp(k1 x^2 + k2 y^2) over the sphere, and the means of x^2 and y^2 under that law.
+std::array<double, 3> bingham_moments(double k1, double k2) {
+  constexpr int rings = 200;
+  double f = 0, x2 = 0, y2 = 0;
+  for (int i = 0; i < rings; ++i) {
+    const double z = (i + 0.5) / rings, s2 = 1 - z * z;
+    constexpr int around = 64;
+    for (int j = 0; j < around; ++j) {
+      const double c = std::cos(pi * (j + 0.5) / around), xx = s2 * c * c, yy = s2 - xx;
+      const double w = std::exp(k1 * xx + k2 * yy);
+      f += w;
+      x2 += w * xx;
+      y2 += w * yy;
+    }
+  }
+  return {f, x2 / f, y2 / f};
+}
+
+}  // namespace
+
+double terzaghi_weight(Vec3 normal, Vec3 line, double cap) {
+  const double cosine = std::abs(dot(normal, line));
+  return cosine * cap > 1 ? 1 / cosine : cap;
+}
+
+double window_weight(Vec3 normal, Vec3 window_normal, double d, double area, double b, double cap) {
+  const double cosine = std::abs(dot(normal, window_normal));
+  const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+  const double inverse = sine * cap > 1 ? 1 / sine : cap;
+  return d > 0 ? inverse / (1 + pi / 4 * d * b / area) : inverse;
+}
+
+OrientationTensor orientation_tensor(std::span<const Vec3> normals, std::span<const double> weights) {
+  Matrix a{};
+  double sum = 0;
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const std::array<double, 3> n{normals[i].x, normals[i].y, normals[i].z};
+    for (std::size_t p = 0; p < 3; ++p) {
+      for (std::size_t q = 0; q < 3; ++q) a[p][q] += weights[i] * n[p] * n[q];
+    }
+    sum += weights[i];
+  }
+  for (auto& row : a) {
+    for (double& v : row) v /= sum;
+  }
+  return eigen(a);
+}
+
+FisherFit fit_fisher(std::span<const Vec3> normals, std::span<const double> weights, double confidence, double cap) {
+  FisherFit fit;
+  fit.count = normals.size();
+  const OrientationTensor tensor = orientation_tensor(normals, weights);
+  Vec3 centre = tensor.vectors[0];
+  double sum = 0, squares = 0, resultant = 0;
+  for (const double w : weights) {
+    sum += w;
+    squares += w * w;
+    fit.capped += w >= cap ? 1U : 0U;
+  }
+  for (int round = 0; round < 100; ++round) {
+    Vec3 r{0, 0, 0};
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      r += (dot(normals[i], centre) < 0 ? -weights[i] : weights[i]) * normals[i];
+    }
+    resultant = norm(r);
+    const Vec3 next = resultant > 0 ? r / resultant : centre;
+    const bool same = norm(next - centre) < 1e-14;
+    centre = next;
+    if (same) break;
+  }
+  fit.mean = upward(centre);
+  const double n = sum * sum / squares, r = resultant / sum * n;
+  fit.effective_count = n;
+  const double gap = n - r;
+  if (normals.size() < 2 || gap < 1e-12 * n) {
+    fit.kappa = fit.kappa_low = fit.kappa_high = INFINITY;
+    return fit;
+  }
+  // 2 kappa (N - R) is about chi-squared with 2 (N - 1) degrees of freedom.
+  const double a = (1 - confidence) / 2, degrees = 2 * (n - 1);
+  fit.kappa = (n - 1) / gap;
+  fit.kappa_low = special::chi_squared_quantile(a, degrees) / (2 * gap);
+  fit.kappa_high = special::chi_squared_quantile(1 - a, degrees) / (2 * gap);
+  const double cosine = 1 - gap / r * (std::pow(1 / (1 - confidence), 1 / (n - 1)) - 1);
+  fit.cone_degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / pi;
+  if (normals.size() >= 5) {
+    std::vector<double> versines;
+    for (const Vec3 normal : normals) versines.push_back(1 - std::abs(dot(normal, fit.mean)));
+    fit.statistic = stephens(std::move(versines));
+    // Var of (n.v)^2 about each of the two smaller axes gives the standard error of their difference.
+    double m = 0, m2 = 0;
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      const double p = dot(normals[i], tensor.vectors[1]), q = dot(normals[i], tensor.vectors[2]);
+      const double d = p * p - q * q, w = weights[i] / sum;
+      m += w * d;
+      m2 += w * d * d;
+    }
+    // Choosing the axes makes the difference positive: its mean is about 1.25 standard errors under symmetry.
+    const double error = std::sqrt(std::max(0.0, m2 - m * m) / n);
+    fit.fisher = fit.statistic < 1.094 && m < 3.25 * error;
+  }
+  return fit;
+}
+
+BinghamFit fit_bingham(const OrientationTensor& tensor) {
+  // Moment equations E x^2 = smallest, E y^2 = middle eigenvalue; Newton with numeric derivatives, damped.
+  double k1 = -1 / (2 * std::max(tensor.values[2], 1e-6)), k2 = -1 / (2 * std::max(tensor.values[1], 1e-6));
+  for (int round = 0; round < 60; ++round) {
+    const auto at = bingham_moments(k1, k2);
+    const double e1 = at[1] - tensor.values[2], e2 = at[2] - tensor.values[1];
+    if (std::abs(e1) + std::abs(e2) < 1e-10) break;
+    const double h1 = 1e-4 * (1 + std::abs(k1)), h2 = 1e-4 * (1 + std::abs(k2));
+    const auto d1 = bingham_moments(k1 + h1, k2), d2 = bingham_moments(k1, k2 + h2);
+    const double a = (d1[1] - at[1]) / h1, b = (d2[1] - at[1]) / h2, c = (d1[2] - at[2]) / h1, d = (d2[2] - at[2]) / h2;
+    const double det = a * d - b * c;
+    if (det == 0) break;
+    const auto step = [](double s, double k) { return std::clamp(s, -0.5 * (1 + std::abs(k)), 0.5 * (1 + std::abs(k))); };
+    k1 -= step((d * e1 - b * e2) / det, k1);
+    k2 -= step((a * e2 - c * e1) / det, k2);
+  }
+  return {k1, k2};
+}
+
+Clustering cluster(std::span<const Vec3> normals, std::span<const double> weights, std::size_t sets, bool mark_outliers) {
+  Clustering result;
+  const std::size_t n = normals.size();
+  result.set.assign(n, 0);
+  sets = std::min(sets, n);
+  if (sets == 0) return result;
+  const auto distance = [](Vec3 a, Vec3 b) { return std::max(0.0, 1 - dot(a, b) * dot(a, b)); };
+  // The densest joint: most others within 15 degrees (of at most 4,000 looked at).
+  const std::size_t stride = std::max<std::size_t>(1, n / 4000);
+  const double near = std::pow(std::sin(15 * pi / 180), 2);
+  std::size_t densest = 0, most = 0;
+  for (std::size_t i = 0; i < n; i += stride) {
+    std::size_t count = 0;
+    for (std::size_t j = 0; j < n; j += stride) count += distance(normals[i], normals[j]) < near ? 1U : 0U;
+    if (count > most) {
+      most = count;
+      densest = i;
+    }
+  }
+  result.centres.push_back(normals[densest]);
+  while (result.centres.size() < sets) {
+    std::size_t farthest = 0;
+    double best = -1;
+    for (std::size_t i = 0; i < n; ++i) {
+      double d = 2;
+      for (const Vec3 c : result.centres) d = std::min(d, distance(normals[i], c));
+      if (d > best) {
+        best = d;
+        farthest = i;
+      }
+    }
+    result.centres.push_back(normals[farthest]);
+  }
+  std::vector<Vec3> members;
+  std::vector<double> own;
+  for (int round = 0; round < 200; ++round) {
+    bool changed = round == 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      std::size_t best = 0;
+      for (std::size_t k = 1; k < sets; ++k) {
+        if (distance(normals[i], result.centres[k]) < distance(normals[i], result.centres[best])) best = k;
+      }
+      changed = changed || best != result.set[i];
+      result.set[i] = best;
+    }
+    if (!changed) break;
+    for (std::size_t k = 0; k < sets; ++k) {
+      members.clear();
+      own.clear();
+      for (std::size_t i = 0; i < n; ++i) {
+        if (result.set[i] != k) continue;
+        members.push_back(normals[i]);
+        own.push_back(weights[i]);
+      }
+      if (!members.empty()) result.centres[k] = orientation_tensor(members, own).vectors[0];
+    }
+  }
+  // Silhouette: own set against the nearest other one.
+  const std::size_t look = std::max<std::size_t>(1, n / 2000);
+  double total = 0;
+  std::size_t looked = 0;
+  if (sets > 1) {
+    for (std::size_t i = 0; i < n; i += look) {
+      std::vector<double> sum(sets, 0);
+      std::vector<std::size_t> count(sets, 0);
+      for (std::size_t j = 0; j < n; j += look) {
+        if (i == j) continue;
+        sum[result.set[j]] += distance(normals[i], normals[j]);
+        ++count[result.set[j]];
+      }
+      double inside = 0, outside = 2;
+      for (std::size_t k = 0; k < sets; ++k) {
+        if (count[k] == 0) continue;
+        const double mean = sum[k] / static_cast<double>(count[k]);
+        (k == result.set[i] ? inside : outside) = k == result.set[i] ? mean : std::min(outside, mean);
+      }
+      if (std::max(inside, outside) > 0) total += (outside - inside) / std::max(inside, outside);
+      ++looked;
+    }
+    result.silhouette = total / static_cast<double>(looked);
+  }
+  for (Vec3& centre : result.centres) centre = upward(centre);
+  if (!mark_outliers) return result;
+  // Beyond the 1e-3 tail of a set's Fisher law: of no set.
+  for (std::size_t k = 0; k < sets; ++k) {
+    members.clear();
+    own.clear();
+    for (std::size_t i = 0; i < n; ++i) {
+      if (result.set[i] != k) continue;
+      members.push_back(normals[i]);
+      own.push_back(weights[i]);
+    }
+    if (members.size() < 5) continue;
+    const FisherFit fit = fit_fisher(members, own);
+    if (std::isinf(fit.kappa)) continue;
+    const double versine = -std::log(1e-3) / fit.kappa;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (result.set[i] == k && 1 - std::abs(dot(normals[i], fit.mean)) > versine) result.set[i] = Clustering::unassigned;
+    }
+  }
+  return result;
+}
+
+bool pole_inside(Vec3 normal, std::span<const Vec3> polygon) {
+  const auto flat = [](Vec3 v) {
+    if (v.z > 0) v = -v;
+    return std::array{v.x / (1 - v.z), v.y / (1 - v.z)};
+  };
+  const auto p = flat(normal);
+  bool inside = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const auto a = flat(polygon[i]), b = flat(polygon[j]);
+    if ((a[1] > p[1]) != (b[1] > p[1]) && p[0] < (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1]) + a[0]) inside = !inside;
+  }
+  return inside;
+}
+
+double mean_line_cosine(Vec3 mean, double kappa, Vec3 line) {
+  return fisher_mean(mean, kappa, [&](Vec3 n) { return std::abs(dot(n, line)); });
+}
+
+double mean_plane_sine(Vec3 mean, double kappa, Vec3 plane_normal) {
+  return fisher_mean(mean, kappa, [&](Vec3 n) {
+    const double c = dot(n, plane_normal);
+    return std::sqrt(std::max(0.0, 1 - c * c));
+  });
+}
+
+}  // namespace cleave::survey

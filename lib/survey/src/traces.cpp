@@ -1,0 +1,305 @@
+#include "cleave/survey/traces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "cleave/core/overloaded.hpp"
+#include "cleave/core/rng.hpp"
+
+namespace cleave::survey {
+namespace {
+
+double cross_of(MapPoint a, MapPoint b) { return a.x * b.y - a.y * b.x; }
+MapPoint minus(MapPoint a, MapPoint b) { return {a.x - b.x, a.y - b.y}; }
+double distance(MapPoint a, MapPoint b) { return std::hypot(a.x - b.x, a.y - b.y); }
+MapPoint between(MapPoint a, MapPoint b, double t) { return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)}; }
+
+/// Where segment a-b crosses the border, as shares of it, ascending.
+std::vector<double> cuts(const Window& window, MapPoint a, MapPoint b) {
+  std::vector<double> t;
+  std::visit(overloaded{
+                 [&](const CircleWindow& w) {
+                   const MapPoint d = minus(b, a), f = minus(a, w.centre);
+                   const double p = d.x * d.x + d.y * d.y, q = f.x * d.x + f.y * d.y;
+                   const double r = f.x * f.x + f.y * f.y - w.radius * w.radius;
+                   const double root = q * q - p * r;
+                   if (p == 0 || root <= 0) return;
+                   for (const double s : {(-q - std::sqrt(root)) / p, (-q + std::sqrt(root)) / p}) {
+                     if (s > 0 && s < 1) t.push_back(s);
+                   }
+                 },
+                 [&](const PolygonWindow& w) {
+                   const MapPoint d = minus(b, a);
+                   for (std::size_t i = 0, j = w.corners.size() - 1; i < w.corners.size(); j = i++) {
+                     const MapPoint p = w.corners[j], e = minus(w.corners[i], p);
+                     // Half-open at the edge's ends, so that a crossing at a corner counts once.
+                     const double from = cross_of(d, minus(p, a)), to = cross_of(d, minus(w.corners[i], a));
+                     if ((from >= 0) == (to >= 0)) continue;
+                     const double s = cross_of(minus(p, a), e) / cross_of(d, e);
+                     if (s > 0 && s < 1) t.push_back(s);
+                   }
+                 },
+             },
+             window);
+  std::ranges::sort(t);
+  return t;
+}
+
+Estimate with_interval(std::string name, double value, double variation, double confidence, std::string method) {
+  const double z = normal_quantile(0.5 + confidence / 2) * variation;
+  return {std::move(name), value, value * std::exp(-z), value * std::exp(z), std::move(method), ""};
+}
+Estimate not_estimable(std::string name, std::string method, std::string note) {
+  return {std::move(name), {}, 0, 0, std::move(method), std::move(note)};
+}
+double number(std::uint64_t n) { return static_cast<double>(n); }
+
+/// Sum over traces of (x_i/x - m_i/m)^2: the squared coefficient of variation of x/m.
+double ratio_variance(double xx, double xm, double x, double mm, double m) {
+  return std::max(0.0, xx / (x * x) - 2 * xm / (x * m) + mm / (m * m));
+}
+
+}  // namespace
+
+double area_of(const Window& window) noexcept {
+  return std::visit(overloaded{
+                        [](const CircleWindow& w) { return std::numbers::pi * w.radius * w.radius; },
+                        [](const PolygonWindow& w) {
+                          double sum = 0;
+                          for (std::size_t i = 1; i + 1 < w.corners.size(); ++i) {
+                            sum += cross_of(minus(w.corners[i], w.corners[0]), minus(w.corners[i + 1], w.corners[0]));
+                          }
+                          return std::abs(sum) / 2;
+                        },
+                    },
+                    window);
+}
+
+bool holds(const Window& window, MapPoint p) noexcept {
+  return std::visit(overloaded{
+                        [&](const CircleWindow& w) { return distance(p, w.centre) < w.radius; },
+                        [&](const PolygonWindow& w) {
+                          bool inside = false;
+                          for (std::size_t i = 0, j = w.corners.size() - 1; i < w.corners.size(); j = i++) {
+                            const MapPoint a = w.corners[i], b = w.corners[j];
+                            if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x) {
+                              inside = !inside;
+                            }
+                          }
+                          return inside;
+                        },
+                    },
+                    window);
+}
+
+double width_across(const Window& window, MapPoint direction) noexcept {
+  return std::visit(overloaded{
+                        [](const CircleWindow& w) { return 2 * w.radius; },
+                        [&](const PolygonWindow& w) {
+                          double low = INFINITY, high = -INFINITY;
+                          for (const MapPoint p : w.corners) {
+                            const double s = cross_of(direction, p);
+                            low = std::min(low, s);
+                            high = std::max(high, s);
+                          }
+                          return high - low;
+                        },
+                    },
+                    window);
+}
+
+std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyline> traces) {
+  std::vector<SeenTrace> seen;
+  for (std::size_t number = 0; number < traces.size(); ++number) {
+    const Polyline& line = traces[number];
+    SeenTrace trace{.trace = number, .direction = {}};
+    double whole = 0, longest = 0;
+    MapPoint along{};
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      const double length = distance(line[i - 1], line[i]);
+      whole += length;
+      if (length > longest) {
+        longest = length;
+        along = minus(line[i], line[i - 1]);
+      }
+      if (length == 0) continue;
+      std::vector<double> t = cuts(window, line[i - 1], line[i]);
+      trace.crossings += static_cast<std::uint32_t>(t.size());
+      t.insert(t.begin(), 0);
+      t.push_back(1);
+      for (std::size_t k = 1; k < t.size(); ++k) {
+        if (holds(window, between(line[i - 1], line[i], (t[k - 1] + t[k]) / 2))) trace.length += (t[k] - t[k - 1]) * length;
+      }
+    }
+    if (!(whole > 0) || !(trace.length > 0)) continue;
+    trace.ends = (holds(window, line.front()) ? 1U : 0U) + (holds(window, line.back()) ? 1U : 0U);
+    MapPoint d = minus(line.back(), line.front());
+    if (std::hypot(d.x, d.y) < 1e-6 * whole) d = along;
+    const double norm = std::hypot(d.x, d.y);
+    trace.direction = {d.x / norm, d.y / norm};
+    seen.push_back(trace);
+  }
+  return seen;
+}
+
+WindowCounts count(const Window& window, std::span<const SeenTrace> seen) {
+  WindowCounts c;
+  c.area = area_of(window);
+  double weighted = 0;
+  for (const SeenTrace& t : seen) {
+    (t.ends == 0 ? c.n0 : t.ends == 1 ? c.n1 : c.n2) += 1;
+    c.crossings += t.crossings;
+    c.length += t.length;
+    c.sum_length2 += t.length * t.length;
+    c.sum_length_ends += t.length * t.ends;
+    c.sum_crossings2 += static_cast<double>(t.crossings) * t.crossings;
+    c.sum_crossings_ends += static_cast<double>(t.crossings) * t.ends;
+    weighted += t.length * width_across(window, t.direction);
+  }
+  if (c.length > 0) c.width = weighted / c.length;
+  if (const auto* circle = std::get_if<CircleWindow>(&window)) {
+    c.radius = circle->radius;
+    c.width = 2 * circle->radius;
+  } else {
+    c.circle = false;
+  }
+  return c;
+}
+
+WindowCounts pooled(std::span<const WindowCounts> counts) {
+  WindowCounts sum;
+  for (const WindowCounts& c : counts) {
+    sum.n0 += c.n0;
+    sum.n1 += c.n1;
+    sum.n2 += c.n2;
+    sum.crossings += c.crossings;
+    sum.length += c.length;
+    sum.area += c.area;
+    sum.width += c.width;
+    sum.sum_length2 += c.sum_length2;
+    sum.sum_length_ends += c.sum_length_ends;
+    sum.sum_crossings2 += c.sum_crossings2;
+    sum.sum_crossings_ends += c.sum_crossings_ends;
+    sum.circle = sum.circle && c.circle;
+    sum.radius += c.radius;
+  }
+  return sum;
+}
+
+Estimate p20(const WindowCounts& c, double confidence) {
+  const double m = number(c.ends());
+  if (m == 0) return not_estimable("P20", "m/(2A)", "no end of a trace lies inside: enlarge or pool windows");
+  return with_interval("P20", m / (2 * c.area), std::sqrt(number(4 * c.n2 + c.n1)) / m, confidence, "m/(2A)");
+}
+
+Estimate p21(const WindowCounts& c, double confidence) {
+  if (!(c.length > 0)) return not_estimable("P21", "S/A", "no trace meets the window");
+  return with_interval("P21", c.length / c.area, std::sqrt(c.sum_length2) / c.length, confidence, "S/A");
+}
+
+Estimate p21_by_crossings(const WindowCounts& c, double confidence) {
+  if (!c.circle) return not_estimable("P21", "x/(4R)", "only for circles");
+  const double x = number(c.crossings);
+  if (x == 0) return not_estimable("P21", "x/(4R)", "no trace crosses the circle");
+  return with_interval("P21", x / (4 * c.radius), std::sqrt(c.sum_crossings2) / x, confidence, "x/(4R)");
+}
+
+Estimate mean_length(const WindowCounts& c, double confidence) {
+  const double m = number(c.ends());
+  if (m == 0) return not_estimable("mean trace length", "2S/m", "no end of a trace lies inside: enlarge or pool windows");
+  const double cv =
+      std::sqrt(ratio_variance(c.sum_length2, c.sum_length_ends, c.length, number(4 * c.n2 + c.n1), m));
+  return with_interval("mean trace length", 2 * c.length / m, cv, confidence, "2S/m");
+}
+
+Estimate mean_length_by_counts(const WindowCounts& c, double confidence) {
+  const char* const method = c.circle ? "(pi R/2) x/m" : "(A/b) x/m";
+  const double m = number(c.ends()), x = number(c.crossings);
+  if (m == 0 || x == 0) {
+    return not_estimable("mean trace length", method,
+                         m == 0 ? "no end of a trace lies inside: enlarge or pool windows"
+                                : "no trace reaches the border: use 2S/m");
+  }
+  const double cv = std::sqrt(ratio_variance(c.sum_crossings2, c.sum_crossings_ends, x, number(4 * c.n2 + c.n1), m));
+  // Several circles: areas over widths are pooled by sums as well.
+  Estimate e = with_interval("mean trace length", c.area / c.width * x / m, cv, confidence, method);
+  if (m < 10 || x < 10) e.note = "few ends or crossings: the interval is rough";
+  return e;
+}
+
+Estimate p20_plain(const WindowCounts& c, double confidence) {
+  const double n = number(c.traces());
+  if (n == 0) return not_estimable("P20", "N/A", "no trace meets the window");
+  Estimate e = with_interval("P20", n / c.area, 1 / std::sqrt(n), confidence, "N/A");
+  e.note = "biased: counts what reaches in; for comparison only";
+  return e;
+}
+
+Nodes nodes(const Window& window, std::span<const Polyline> traces, double tolerance) {
+  // Segments sorted by x, swept: pairs whose boxes overlap.
+  struct Segment {
+    MapPoint a, b;
+    std::size_t trace;
+  };
+  std::vector<Segment> segments;
+  for (std::size_t i = 0; i < traces.size(); ++i) {
+    for (std::size_t k = 1; k < traces[i].size(); ++k) segments.push_back({traces[i][k - 1], traces[i][k], i});
+  }
+  const auto low = [](const Segment& s) { return std::min(s.a.x, s.b.x); };
+  const auto high = [](const Segment& s) { return std::max(s.a.x, s.b.x); };
+  std::ranges::sort(segments, {}, low);
+  const auto away = [](MapPoint p, const Segment& s) {
+    const MapPoint d = minus(s.b, s.a);
+    const double l2 = d.x * d.x + d.y * d.y;
+    const MapPoint f = minus(p, s.a);
+    const double t = l2 > 0 ? std::clamp((f.x * d.x + f.y * d.y) / l2, 0.0, 1.0) : 0.0;
+    return distance(p, between(s.a, s.b, t));
+  };
+  Nodes result;
+  std::vector<std::array<bool, 2>> abuts(traces.size(), {false, false});
+  std::uint64_t crossing = 0;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    for (std::size_t j = i + 1; j < segments.size() && low(segments[j]) <= high(segments[i]) + tolerance; ++j) {
+      const Segment &s = segments[i], &t = segments[j];
+      if (s.trace == t.trace) continue;
+      if (std::max(s.a.y, s.b.y) + tolerance < std::min(t.a.y, t.b.y) ||
+          std::max(t.a.y, t.b.y) + tolerance < std::min(s.a.y, s.b.y)) {
+        continue;
+      }
+      bool touches = false;
+      for (const auto& [own, other] : {std::pair{&s, &t}, std::pair{&t, &s}}) {
+        const Polyline& line = traces[own->trace];
+        for (const std::size_t end : {std::size_t{0}, std::size_t{1}}) {
+          const MapPoint p = end == 0 ? line.front() : line.back();
+          if (distance(p, own->a) > 0 && distance(p, own->b) > 0) continue;
+          if (away(p, *other) > tolerance) continue;
+          abuts[own->trace][end] = true;
+          touches = true;
+        }
+      }
+      if (touches) continue;
+      const MapPoint d = minus(s.b, s.a), e = minus(t.b, t.a);
+      const double det = cross_of(d, e);
+      if (det == 0) continue;
+      const double u = cross_of(minus(t.a, s.a), e) / det, v = cross_of(minus(t.a, s.a), d) / det;
+      if (u < 0 || u >= 1 || v < 0 || v >= 1) continue;
+      if (holds(window, between(s.a, s.b, u))) ++crossing;
+    }
+  }
+  for (std::size_t i = 0; i < traces.size(); ++i) {
+    if (traces[i].empty()) continue;
+    for (const std::size_t end : {std::size_t{0}, std::size_t{1}}) {
+      if (!holds(window, end == 0 ? traces[i].front() : traces[i].back())) continue;
+      (abuts[i][end] ? result.abutting : result.isolated) += 1;
+    }
+  }
+  result.crossing = crossing;
+  const double lines = number(result.isolated + result.abutting) / 2;
+  if (lines > 0) result.connections = 2 * number(result.abutting + result.crossing) / lines;
+  return result;
+}
+
+}  // namespace cleave::survey

@@ -1,0 +1,210 @@
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+
+namespace cleave::cli::test {
+namespace {
+
+using nlohmann::json;
+
+class MonteCarloTest : public ProgramTest {
+ protected:
+  static std::string scene(const std::string& monte_carlo) {
+    std::string text{small_scene};
+    text.replace(text.find("friction = 20"), 13,
+                 "friction = { distribution = \"uniform\", min = 15, max = 35 }\n"
+                 "cohesion = { distribution = \"exponential\", mean = 2000 }");
+    return text + "seismic = [0.1, 0, 0]\n[monte_carlo]\n" + monte_carlo +
+           "\nseismic_factor = { distribution = "
+           "\"uniform\", min = 0, max = 2 }\n[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = { shape = "
+           "\"rectangle\", width = 2, height = 2 }\naxis = [[4, 0, 3], [4, 8, 3]]\n";
+  }
+  [[nodiscard]] json section(const std::string& out) const {
+    return json::parse(read(out + "/summary.json"))["monte_carlo"];
+  }
+  [[nodiscard]] std::string section_text(const std::string& out) const {
+    const std::string text = read(out + "/summary.json");
+    return text.substr(text.find("\"monte_carlo\": {"));
+  }
+};
+
+TEST_F(MonteCarloTest, WritesRecordsEstimatesAndAReport) {
+  write("s.toml", scene("realizations = 40\nvolumes = [0.1, 5]"));
+  const Ended run = cleave("run s.toml -o out --threads 2");
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(names(), (std::vector<std::string>{"out", "s.toml"}));
+  const json mc = section("out");
+  EXPECT_EQ(mc["realizations"], 40);
+  EXPECT_EQ(mc["seed"], 1);
+  EXPECT_EQ(mc["stopped_by"], "realizations");
+  for (const char* name : {"key_block_volume_m3", "key_block_count", "block_count"}) {
+    const json& q = mc["quantities"][name];
+    EXPECT_LT(q["low"], q["mean"]) << name;
+    EXPECT_LT(q["mean"], q["high"]) << name;
+    EXPECT_GT(q["std"], 0) << name;
+    EXPECT_EQ(q["confidence"], 0.95);
+  }
+  EXPECT_EQ(mc["exceedance"].size(), 2U);
+  EXPECT_EQ(mc["exceedance"][0]["by_chainage"].size(), 20U);
+  EXPECT_GT(mc["quantities"]["key_block_volume_m3_per_metre"]["mean"], 0);
+  EXPECT_EQ(std::ranges::count(read("out/realizations.csv"), '\n'), 42);
+  const std::string page = read("out/report.html");
+  for (const char* part : {"id=\"figures\"", "id=\"probability\"", "Running mean", "Chainage", "replay"}) {
+    EXPECT_TRUE(page.contains(part) || page.contains("chainage (m)")) << part;
+  }
+  EXPECT_EQ(page.find("http://"), std::string::npos);
+}
+
+TEST_F(MonteCarloTest, ThreadsShardsAndMergesGiveTheSameBytes) {
+  write("s.toml", scene("realizations = 31"));
+  ASSERT_EQ(cleave("run s.toml -o one --threads 1 --quiet").code, 0);
+  ASSERT_EQ(cleave("run s.toml -o two --threads 2 --quiet").code, 0);
+  EXPECT_EQ(section_text("one"), section_text("two"));
+  EXPECT_EQ(read("one/realizations.csv"), read("two/realizations.csv"));
+  for (const std::string k : {"1", "2", "3"}) {
+    ASSERT_EQ(cleave("run s.toml -o part" + k + " --shard " + k + "/3 --quiet").code, 0);
+  }
+  const Ended gap = cleave("merge part1 part3 -o all");
+  EXPECT_EQ(gap.code, 2);
+  EXPECT_NE(gap.err.find("shards 2 of 3 are missing"), std::string::npos) << gap.err;
+  EXPECT_FALSE(exists("all"));
+  const Ended twice = cleave("merge part1 part2 part3 part2 -o all");
+  EXPECT_EQ(twice.code, 2);
+  ASSERT_EQ(cleave("merge part3 part1 part2 -o all --quiet").code, 0);
+  EXPECT_EQ(section_text("all"), section_text("one"));
+  EXPECT_EQ(read("all/realizations.csv"), read("one/realizations.csv"));
+  ASSERT_EQ(cleave("run s.toml -o other --shard 2/3 --seed 9 --quiet").code, 0);
+  EXPECT_EQ(cleave("merge part1 other part3 -o mixed").code, 2);
+}
+
+// Killed at several moments, the same command goes on and ends with the bytes of an uninterrupted run.
+TEST_F(MonteCarloTest, KilledRunsResumeToTheSameBytes) {
+  write("s.toml", scene("realizations = 400"));
+  ASSERT_EQ(cleave("run s.toml -o whole --threads 2 --quiet").code, 0);
+  int killed = 0;
+  for (const std::string pause : {"0.05", "0.1", "0.15", "0.2"}) {
+    const Ended ended = shell("'" CLEAVE_PROGRAM "' run s.toml -o broken --threads 2 --quiet & p=$!; sleep " + pause +
+                              "; kill -9 $p 2>/dev/null; wait $p; echo $?");
+    killed += ended.out.contains("137") ? 1 : 0;
+    if (exists("broken/summary.json")) break;
+  }
+  EXPECT_GT(killed, 0);
+  if (!exists("broken/summary.json")) {
+    // Another seed or a single run may not take the place of what is kept.
+    EXPECT_EQ(cleave("run s.toml -o broken --seed 5 --quiet").code, 2);
+    write("t.toml", small_scene);
+    EXPECT_EQ(cleave("run t.toml -o broken --quiet").code, 2);
+  }
+  ASSERT_EQ(cleave("run s.toml -o broken --threads 1 --quiet").code, 0);
+  EXPECT_EQ(section_text("broken"), section_text("whole"));
+  EXPECT_EQ(read("broken/realizations.csv"), read("whole/realizations.csv"));
+  EXPECT_FALSE(exists("broken/realizations.csv.part"));
+}
+
+TEST_F(MonteCarloTest, InterruptKeepsWhatIsDone) {
+  write("s.toml", scene("realizations = 100000"));
+  const Ended ended =
+      shell("'" CLEAVE_PROGRAM "' run s.toml -o out --quiet & p=$!; sleep 0.5; kill -INT $p; wait $p; echo code $?");
+  EXPECT_NE(ended.out.find("code 130"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.err.find("goes on from there"), std::string::npos) << ended.err;
+  EXPECT_TRUE(exists("out/realizations.csv.part"));
+  EXPECT_FALSE(exists("out/summary.json"));
+}
+
+TEST_F(MonteCarloTest, ReplayReproducesAnyRealization) {
+  write("s.toml", scene("realizations = 20"));
+  ASSERT_EQ(cleave("run s.toml -o out --seed 3 --quiet").code, 0);
+  fs::remove(path("s.toml"));  // the result alone is enough
+  for (const std::string k : {"0", "7", "19"}) {
+    const Ended replay = cleave("replay out --realization " + k);
+    ASSERT_EQ(replay.code, 0) << replay.err;
+    EXPECT_NE(replay.out.find("is reproduced to the last digit"), std::string::npos) << replay.out;
+    const json single = json::parse(read("out/realization_" + k + "/summary.json"));
+    const std::string records = read("out/realizations.csv");
+    const std::size_t at = records.find("\n" + k + ",0,") + 1;
+    std::vector<std::string> fields;
+    std::string field;
+    for (std::size_t i = at; records[i] != '\n'; ++i) {
+      if (records[i] == ',') {
+        fields.push_back(field);
+        field.clear();
+      } else {
+        field += records[i];
+      }
+    }
+    EXPECT_EQ(std::to_string(single["blocks"]["count"].get<int>()), fields[3]);
+    EXPECT_EQ(std::to_string(single["key_blocks"]["count"].get<int>()), fields[11]);
+    EXPECT_EQ(single["seed"], 3);
+  }
+  EXPECT_EQ(cleave("replay out --realization 20").code, 2);
+  EXPECT_EQ(cleave("replay nowhere --realization 1").code, 2);
+  // The result with its replays is replaced as a whole.
+  write("s.toml", scene("realizations = 5"));
+  ASSERT_EQ(cleave("run s.toml -o out --quiet").code, 0);
+  EXPECT_FALSE(exists("out/realization_7"));
+  write("t.toml", small_scene);
+  ASSERT_EQ(cleave("run t.toml -o out --quiet").code, 0);
+  EXPECT_FALSE(exists("out/realizations.csv"));
+}
+
+TEST_F(MonteCarloTest, RealizationZeroIsTheSingleRun) {
+  write("one.toml", small_scene);
+  write("many.toml", std::string{small_scene} + "[monte_carlo]\nrealizations = 2\n");
+  ASSERT_EQ(cleave("run one.toml -o one --quiet").code, 0);
+  ASSERT_EQ(cleave("run many.toml -o many --quiet").code, 0);
+  ASSERT_EQ(cleave("replay many --realization 0 -o again --quiet").code, 0);
+  EXPECT_EQ(json::parse(read("one/summary.json"))["blocks"]["hash"],
+            json::parse(read("again/summary.json"))["blocks"]["hash"]);
+}
+
+TEST_F(MonteCarloTest, StopsAtTheStatedPrecisionOrSaysThatItDidNot) {
+  write("s.toml", scene("stop = { quantity = \"block_count\", relative_half_width = 0.2, max = 300 }"));
+  ASSERT_EQ(cleave("run s.toml -o out --quiet").code, 0);
+  const json mc = section("out");
+  EXPECT_EQ(mc["stopped_by"], "precision");
+  EXPECT_EQ(mc["realizations"], 100);
+  write("t.toml", scene("stop = { quantity = \"block_count\", relative_half_width = 1e-6, max = 120 }"));
+  const Ended far = cleave("run t.toml -o far --quiet");
+  EXPECT_EQ(far.code, 4);
+  EXPECT_NE(far.err.find("precision is not reached after 120"), std::string::npos) << far.err;
+  EXPECT_EQ(section("far")["status"], "not converged");
+  const Ended shard = cleave("run s.toml -o shard --shard 1/3");
+  EXPECT_EQ(shard.code, 2);
+  EXPECT_FALSE(exists("shard"));
+  write("u.toml", small_scene);
+  EXPECT_EQ(cleave("run u.toml -o u --shard 1/3").code, 2);
+  for (const std::string bad : {"0/3", "4/3", "1", "1/", "a/b", "1/3x"}) {
+    EXPECT_EQ(cleave("run s.toml -o shard --shard " + bad).code, 2) << bad;
+  }
+}
+
+// A scene without random parts gives the same realization again and again.
+TEST_F(MonteCarloTest, NothingRandomNoSpread) {
+  write("s.toml",
+        "[domain]\nbox = { min = [0, 0, 0], max = [8, 8, 6] }\n[[joint]]\nplane = { through = [4, 4, 3], dip = 40, "
+        "dip_direction = 90 }\n[joints.default]\nfriction = 20\n[stability]\nfree = [\"top\", "
+        "\"east\"]\n[monte_carlo]\nrealizations = 5\n");
+  ASSERT_EQ(cleave("run s.toml -o out --quiet").code, 0);
+  const json q = section("out")["quantities"];
+  EXPECT_EQ(q["block_count"]["mean"], 2);
+  EXPECT_EQ(q["block_count"]["std"], 0);
+  EXPECT_EQ(q["key_block_volume_m3"]["low"], q["key_block_volume_m3"]["high"]);
+}
+
+// The files a scene names are kept with the result, so that it can be replayed elsewhere.
+TEST_F(MonteCarloTest, NamedFilesAreKept) {
+  write("j.csv", "dip,dip_direction,x,y,z\n40,90,4,4,3\n60,250,4,4,3\n");
+  write(
+      "s.toml",
+      "[domain]\nbox = { min = [0, 0, 0], max = [8, 8, 6] }\n[[joint]]\nfile = \"j.csv\"\n[joints.default]\nfriction = "
+      "{ distribution = \"uniform\", min = 5, max = 60 }\n[stability]\nfree = [\"top\", "
+      "\"east\"]\n[monte_carlo]\nrealizations = 9\n");
+  ASSERT_EQ(cleave("run s.toml -o out --quiet").code, 0);
+  EXPECT_EQ(section("out")["status"], "done");
+  fs::remove(path("s.toml"));
+  fs::remove(path("j.csv"));
+  EXPECT_EQ(cleave("replay out --realization 4 --quiet").code, 0);
+}
+
+}  // namespace
+}  // namespace cleave::cli::test

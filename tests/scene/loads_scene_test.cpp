@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/scene/run.hpp"
+#include "parse_support.hpp"
+
+namespace cleave::scene::test {
+namespace {
+
+constexpr std::string_view rock = R"([domain]
+box = { min = [0, 0, 0], max = [8, 8, 6] }
+[[joint]]
+plane = { through = [4, 4, 3], dip = 30, dip_direction = 90 }
+set = "A"
+friction = 40
+cohesion = 5e3
+[joints.A]
+friction = 25
+[joints.B]
+jrc = 8
+jcs = 50e6
+[[joint]]
+plane = { through = [4, 4, 0.5], dip = 0, dip_direction = 0 }
+set = "B"
+[stability]
+free = ["top", "east"]
+seismic = [0.1, 0, 0]
+target = { sliding = 1.2 }
+water = { table = 5, pressures = { B = 2e3 } }
+surcharge = [{ on = "top", pressure = 1e3 }]
+[[load]]
+name = "rain"
+water = { table = 5.5, unit_weight = 10e3 }
+point = [{ at = [1, 1, 6], force = [0, 0, -1e3] }]
+[[load]]
+name = "quake"
+seismic = [0, 0.2, 0]
+combine = { rain = 0.5 }
+)";
+
+TEST(LoadsSceneTest, CasesAddUpToTheBaseCase) {
+  const Scene scene = scene_of(rock);
+  ASSERT_TRUE(scene.stability.has_value());
+  const StabilitySettings& s = *scene.stability;
+  EXPECT_EQ(s.seismic, (geometry::Vec3{0.1, 0, 0}));
+  ASSERT_TRUE(s.target.has_value());
+  EXPECT_EQ(s.target->falling, 1.5);
+  EXPECT_EQ(s.target->sliding, 1.2);
+  EXPECT_EQ(s.loads.water->level, 5);
+  ASSERT_EQ(s.cases.size(), 2U);
+  const LoadSet& rain = s.cases[0].loads;
+  EXPECT_EQ(rain.water->level, 5.5);
+  EXPECT_EQ(rain.water->unit_weight, 10e3);
+  EXPECT_EQ(rain.seismic, (geometry::Vec3{0.1, 0, 0}));
+  EXPECT_EQ(rain.surcharges.size(), 1U);
+  ASSERT_EQ(rain.points.size(), 1U);
+  const LoadSet& quake = s.cases[1].loads;
+  EXPECT_EQ(quake.seismic, (geometry::Vec3{0.1, 0.2, 0}));
+  EXPECT_EQ(quake.water->unit_weight, 5e3);
+  EXPECT_EQ(quake.points.at(0).force, (geometry::Vec3{0, 0, -500}));
+  EXPECT_EQ(scene.joints[0].own.friction->degrees(), 40);
+  EXPECT_EQ(scene.joints[0].own.cohesion->si(), 5e3);
+  const auto drawn = draw(scene);
+  ASSERT_TRUE(drawn.has_value());
+  EXPECT_EQ(drawn->joints.items()[1].strength.jrc, 8);
+  EXPECT_EQ(drawn->joints.items()[0].strength.jrc, 0);
+}
+
+TEST(LoadsSceneTest, EveryCaseIsJudged) {
+  const Scene scene = scene_of(rock);
+  StageTimer timer;
+  Progress progress{ProgressStyle::quiet};
+  const auto result = run(scene, {}, timer, progress);
+  ASSERT_TRUE(result.has_value());
+  ASSERT_EQ(result->load_cases.size(), 2U);
+  EXPECT_EQ(result->load_cases[0].name, "rain");
+  const auto factor = [](const stability::Analysis& a) { return a.judgements.at(0).factor_of_safety; };
+  EXPECT_GT(factor(*result->analysis), 0);
+  EXPECT_NE(factor(result->load_cases[0].analysis), factor(*result->analysis));
+}
+
+TEST(LoadsSceneTest, ForcesOffTheRockAreRefused) {
+  const Scene scene = scene_of(with_box(
+      "[stability]\nfree = [\"top\"]\npoint = [{ at = [1, 1, 5], force = [0, 0, -1] }]\n[[load]]\nname = \"a\"\n"));
+  StageTimer timer;
+  Progress progress{ProgressStyle::quiet};
+  const auto result = run(scene, {}, timer, progress);
+  ASSERT_FALSE(result.has_value());
+  ASSERT_EQ(result.error().size(), 1U);
+  EXPECT_EQ(
+      describe(result.error()[0]),
+      "s.toml:3: stability.point[1]: lies 1 m off the nearest free face; forces act on free faces: move it onto one");
+}
+
+TEST(LoadsSceneTest, MistakesAreToldByKey) {
+  const auto told = [](std::string_view more, std::string_view part) {
+    const std::string message = error_of(with_box(more));
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  told("[stability]\nwater = { unit_weight = 9810 }\n", "stability.water");
+  told("[[load]]\nseismic = [0.1, 0, 0]\n", "load[1].name");
+  told("[[load]]\nname = \"a\"\ncombine = { b = 1 }\n[[load]]\nname = \"b\"\n", "load[1].combine.b");
+  told("[[load]]\nname = \"base\"\n", "load[1].name");
+  told("[stability]\nsurcharge = [{ on = \"topp\", pressure = 1 }]\n", "did you mean \"top\"");
+  told("[stability]\nsurcharge = [{ on = \"top\" }]\n", "traction");
+  told("[joints.default]\njrc = 8\n", "joints.default.jcs");
+  told("[joints.default]\njrc = 8\njcs = 5e6\ncohesion = 3\n", "joints.default.cohesion");
+  told("[stability]\nline = [{ from = [1,1,6], to = [1,1,6], force_per_metre = [0,0,-1] }]\n", "stability.line[1].to");
+  told("[stability]\nwater = { pressures = { Q = 1 } }\n", "stability.water.pressures.Q");
+}
+
+}  // namespace
+}  // namespace cleave::scene::test

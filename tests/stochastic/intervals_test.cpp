@@ -1,0 +1,93 @@
+#include "cleave/stochastic/intervals.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "cleave/core/rng.hpp"
+#include "cleave/core/special.hpp"
+
+namespace cleave::stochastic {
+namespace {
+
+TEST(IntervalsTest, ClopperPearsonByHand) {
+  const Interval three = clopper_pearson(3, 60, 0.95);
+  EXPECT_NEAR(three.low, 0.010432, 5e-7);
+  EXPECT_NEAR(three.high, 0.139243, 5e-7);
+  EXPECT_EQ(clopper_pearson(0, 60, 0.95).low, 0);
+  EXPECT_NEAR(clopper_pearson(0, 60, 0.9).high, 0.048703, 5e-7);  // one-sided 95 %
+  EXPECT_NEAR(clopper_pearson(60, 60, 0.95).low, 1 - clopper_pearson(0, 60, 0.95).high, 1e-12);
+}
+
+// Exact: the ends are where the binomial tail is a/2.
+TEST(IntervalsTest, ClopperPearsonEndsAreExact) {
+  for (const std::uint64_t k : {1U, 5U, 30U, 99U}) {
+    const Interval i = clopper_pearson(k, 100, 0.9);
+    EXPECT_NEAR(1 - special::binomial_cdf(k - 1, 100, i.low), 0.05, 1e-9);
+    EXPECT_NEAR(special::binomial_cdf(k, 100, i.high), 0.05, 1e-9);
+  }
+}
+
+TEST(IntervalsTest, WilksSizesOfTheLiterature) {
+  EXPECT_EQ(wilks_size(1, 0.90, 0.95), 29U);
+  EXPECT_EQ(wilks_size(1, 0.95, 0.95), 59U);
+  EXPECT_EQ(wilks_size(1, 0.99, 0.95), 299U);
+  EXPECT_EQ(wilks_size(1, 0.95, 0.99), 90U);
+  const std::vector<std::uint64_t> sizes{59, 93, 124, 153, 181};
+  for (std::uint64_t k = 1; k <= 5; ++k) EXPECT_EQ(wilks_size(k, 0.95, 0.95), sizes[k - 1]) << k;
+}
+
+TEST(IntervalsTest, QuantileRanksHoldTheirConfidence) {
+  for (const double p : {0.5, 0.9, 0.99}) {
+    for (const std::uint64_t n : {10U, 60U, 500U, 2000U}) {
+      const auto ranks = quantile_ranks(n, p, 0.95);
+      const double outside_low = special::binomial_cdf(0, n, p);
+      if (!ranks) {
+        EXPECT_TRUE(outside_low > 0.025 || std::pow(p, static_cast<double>(n)) > 0.025) << p << ' ' << n;
+        continue;
+      }
+      // P(x_(low) > q) and P(x_(high) < q), and one rank further in they would be too large.
+      EXPECT_LE(special::binomial_cdf(ranks->low - 1, n, p), 0.025);
+      EXPECT_GT(special::binomial_cdf(ranks->low, n, p), 0.025);
+      EXPECT_LE(1 - special::binomial_cdf(ranks->high - 1, n, p), 0.025);
+      EXPECT_GT(1 - special::binomial_cdf(ranks->high - 2, n, p), 0.025);
+    }
+  }
+  EXPECT_FALSE(quantile_ranks(60, 0.99, 0.95).has_value());
+}
+
+TEST(IntervalsTest, StudentsTableValues) {
+  const Interval i = t_interval(0, 1, 60, 0.95);
+  EXPECT_NEAR(i.high, 2.000995, 1e-6);
+  EXPECT_NEAR(t_interval(0, 1, 2, 0.95).high, 12.706205, 1e-6);
+}
+
+// BCa moves the interval towards the long tail: lognormal with sigma 1.
+TEST(IntervalsTest, BootstrapShiftsToTheLongTail) {
+  int shifted = 0, bca_covers = 0;
+  constexpr int groups = 300;
+  const double truth = std::exp(0.5);
+  for (int g = 0; g < groups; ++g) {
+    Rng rng{{.seed = 11, .realization = static_cast<std::uint64_t>(g)}};
+    std::vector<double> x(40);
+    double sum = 0, squares = 0;
+    for (double& v : x) {
+      v = std::exp(rng.normal());
+      sum += v;
+      squares += v * v;
+    }
+    const double mean = sum / 40, error = std::sqrt((squares / 40 - mean * mean) / 39);
+    const Interval t = t_interval(mean, error, 40, 0.95);
+    const auto b = bca_mean(x, 0.95, 1000, 1);
+    ASSERT_TRUE(b.has_value());
+    shifted += b->high > t.high && b->low > t.low ? 1 : 0;
+    bca_covers += b->low <= truth && truth <= b->high ? 1 : 0;
+  }
+  EXPECT_GT(shifted, 0.95 * groups);
+  EXPECT_GT(bca_covers, 0.87 * groups);
+  EXPECT_FALSE(bca_mean(std::vector{1.0, 1.0, 1.0, 1.0}, 0.95, 100, 1).has_value());
+}
+
+}  // namespace
+}  // namespace cleave::stochastic

@@ -1,0 +1,182 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cleave/core/rng.hpp"
+#include "cleave/dfn/sample.hpp"
+#include "cleave/survey/fit.hpp"
+#include "cleave/survey/line.hpp"
+#include "cleave/survey/orientation.hpp"
+#include "cleave/survey/size.hpp"
+#include "cleave/survey/traces.hpp"
+
+// Networks of known laws, mapped on synthetic outcrops: over 1,000 outcrops the stated 95 % intervals hold the truth in
+// 93 to 97 % (the standard error of a coverage of 95 % over 1,000 outcrops is 0.7 %). Seeds are fixed.
+
+namespace cleave::survey {
+namespace {
+
+using geometry::Vec3;
+constexpr double pi = std::numbers::pi;
+
+/// Discs of exponential diameter about a steep mean, mapped on a horizontal circle of 6 m.
+constexpr double p32 = 1.2, mean_diameter = 2, kappa = 15;
+const dfn::DomainBox box{{-6, -6, -0.5}, {6, 6, 0.5}};
+const CircleWindow window{{0, 0}, 6};
+
+dfn::JointSet network() {
+  const auto size = dfn::SizeLaw::make({.distribution = dfn::SizeDistribution::exponential,
+                                        .mean = metres(mean_diameter),
+                                        .std = {},
+                                        .exponent = {},
+                                        .min = {},
+                                        .max = metres(20)})
+                        .value();
+  return dfn::JointSet::make({dfn::FisherOrientation{Dip::degrees(70), DipDirection::degrees(130), kappa},
+                              dfn::Disc{size, 64}, dfn::FixedRotation{}, dfn::P32{p32}})
+      .value();
+}
+
+struct Outcrop {
+  std::vector<Polyline> traces;
+  std::vector<Vec3> normals;
+  std::size_t on_line = 0;  // joints met by the x axis within the window
+};
+
+Outcrop map_of(const dfn::JointSet& set, std::uint64_t k) {
+  Outcrop outcrop;
+  const std::vector<dfn::SampledJoint> joints = dfn::sample(set, 0, box, 21, k).value();
+  for (const dfn::SampledJoint& joint : joints) {
+    const auto corners = std::get<geometry::Polygon>(joint.shape).corners();
+    Polyline line;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Vec3 p = corners[i], q = corners[(i + 1) % corners.size()];
+      if ((p.z > 0) == (q.z > 0)) continue;
+      const double t = p.z / (p.z - q.z);
+      line.push_back({p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)});
+    }
+    if (line.size() != 2) continue;
+    const bool crosses = (line[0].y > 0) != (line[1].y > 0);
+    if (crosses) {
+      const double x = line[0].x + line[0].y / (line[0].y - line[1].y) * (line[1].x - line[0].x);
+      outcrop.on_line += std::abs(x) < window.radius ? 1U : 0U;
+    }
+    outcrop.traces.push_back(std::move(line));
+    outcrop.normals.push_back(joint.normal);
+  }
+  return outcrop;
+}
+
+struct Coverage {
+  std::string name;
+  double truth;
+  int covered = 0, runs = 0;
+  void look(const Estimate& e) {
+    ASSERT_TRUE(e.value.has_value()) << name << ": " << e.note;
+    ++runs;
+    covered += e.low <= truth && truth <= e.high ? 1 : 0;
+  }
+};
+
+TEST(RoundTripTest, IntervalsCoverOverAThousandOutcrops) {
+  const dfn::JointSet set = network();
+  const double sine = mean_plane_sine(set.mean_normal(), kappa, {0, 0, 1});
+  const double line = mean_line_cosine(set.mean_normal(), kappa, {1, 0, 0});
+  // Discs: mean trace (pi/4) E D^2/E D of the law cut at 20 m.
+  const auto& size = std::get<dfn::Disc>(set.spec().shape).size;
+  const double length = pi / 4 * size.moment(2) / size.moment(1);
+  Coverage p21_lengths{"P21 by lengths", p32 * sine}, p21_counts{"P21 by crossings", p32 * sine};
+  Coverage p20_{"P20", p32 * sine / length};
+  Coverage mean{"mean trace by lengths", length}, mean_counts{"mean trace by counts", length};
+  Coverage p10{"P10", p32 * line};
+  constexpr std::uint64_t outcrops = 1000;
+  for (std::uint64_t k = 0; k < outcrops; ++k) {
+    const Outcrop outcrop = map_of(set, k);
+    const auto seen = seen_through(window, outcrop.traces);
+    const WindowCounts c = count(window, seen);
+    p20_.look(p20(c));
+    p21_lengths.look(p21(c));
+    p21_counts.look(p21_by_crossings(c));
+    mean.look(mean_length(c));
+    mean_counts.look(mean_length_by_counts(c));
+    p10.look(frequency(outcrop.on_line, 2 * window.radius));
+  }
+  for (const Coverage* c : {&p20_, &p21_lengths, &p21_counts, &mean, &mean_counts}) {
+    EXPECT_GE(c->covered, 930) << c->name;
+    EXPECT_LE(c->covered, 970) << c->name;
+  }
+  // The exact Poisson interval covers at least what it says, by its discreteness somewhat more.
+  EXPECT_GE(p10.covered, 940);
+  EXPECT_LE(p10.covered, 985);
+}
+
+// Orientation through the window's bias: joints seen on a horizontal outcrop, weighted by 1/sin V.
+TEST(RoundTripTest, OrientationIsRecovered) {
+  const dfn::JointSet set = network();
+  int cones = 0;
+  constexpr std::uint64_t outcrops = 300;
+  double sum = 0;
+  for (std::uint64_t k = 0; k < outcrops; ++k) {
+    const Outcrop outcrop = map_of(set, k);
+    std::vector<Vec3> normals;
+    std::vector<double> weights;
+    for (const SeenTrace& t : seen_through(window, outcrop.traces)) {
+      normals.push_back(outcrop.normals[t.trace]);
+      weights.push_back(window_weight(normals.back(), {0, 0, 1}, 0, 1, 0));
+    }
+    const FisherFit fit = fit_fisher(normals, weights);
+    cones += std::acos(std::min(1.0, std::abs(dot(fit.mean, set.mean_normal())))) * 180 / pi <= fit.cone_degrees ? 1 : 0;
+    sum += fit.kappa / outcrops;
+  }
+  EXPECT_GE(cones, 0.90 * outcrops);
+  EXPECT_NEAR(sum, kappa, 0.12 * kappa);
+}
+
+// Trace lengths censored by the window, fitted by likelihood: the mean of the right family is recovered although two in
+// five traces reach the border.
+TEST(RoundTripTest, CensoredLengthsGiveTheLawBack) {
+  for (const Family family : {Family::exponential, Family::lognormal, Family::gamma}) {
+    Fit truth;
+    truth.family = family;
+    truth.a = family == Family::lognormal ? 0.9 : family == Family::gamma ? 2 : 3;
+    truth.b = family == Family::lognormal ? 0.5 : 1.4;
+    Rng rng{17};
+    std::vector<SeenLength> lengths;
+    std::vector<Polyline> traces;
+    for (int i = 0; i < 12000; ++i) {
+      const double l = truth.quantile(rng.uniform()), angle = pi * rng.uniform();
+      const MapPoint c{40 * (rng.uniform() - 0.5), 40 * (rng.uniform() - 0.5)};
+      const double dx = l / 2 * std::cos(angle), dy = l / 2 * std::sin(angle);
+      traces.push_back({{c.x - dx, c.y - dy}, {c.x + dx, c.y + dy}});
+    }
+    const CircleWindow small{{0, 0}, 4};
+    for (const SeenTrace& t : seen_through(small, traces)) lengths.push_back({t.length, t.ends});
+    ASSERT_GT(lengths.size(), 500U);
+    const Meeting meeting{area_of(small), 8};
+    const auto fit = fit_lengths(lengths, meeting, family);
+    ASSERT_TRUE(fit.has_value());
+    EXPECT_NEAR(fit->moment(1), truth.moment(1), 0.08 * truth.moment(1)) << name_of(family);
+    EXPECT_NEAR(fit->moment(2), truth.moment(2), 0.2 * truth.moment(2)) << name_of(family);
+  }
+}
+
+TEST(RoundTripTest, DiscSizesFollowFromTheirTraces) {
+  const dfn::JointSet set = network();
+  std::vector<SeenLength> lengths;
+  for (std::uint64_t k = 0; k < 30; ++k) {
+    const Outcrop outcrop = map_of(set, k);
+    for (const SeenTrace& t : seen_through(window, outcrop.traces)) lengths.push_back({t.length, t.ends});
+  }
+  const auto fit = fit_lengths(lengths, {area_of(window), 12}, Family::gamma);
+  ASSERT_TRUE(fit.has_value());
+  const auto law = disc_law(Family::gamma, fit->moment(1), fit->moment(2));
+  ASSERT_TRUE(law.has_value());
+  EXPECT_NEAR(diameter_moment(*law, 2) / law->mean, 2 * mean_diameter, 0.1 * 2 * mean_diameter);
+}
+
+}  // namespace
+}  // namespace cleave::survey
