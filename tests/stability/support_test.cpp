@@ -54,7 +54,7 @@ struct Slope {
     for (const double cut : cuts) {
       input.joints.emplace_back(
           topology::Joint{{geometry::Polygon::make(
-                               {s.at(cut, -1, 0), s.at(cut, 3, 0), s.at(cut, 3, height + 1), s.at(cut, -1, height + 1)})
+                               {s.at(cut, -1, -1), s.at(cut, 3, -1), s.at(cut, 3, height + 1), s.at(cut, -1, height + 1)})
                                .value()}});
     }
     s.complex = audited(input);
@@ -116,8 +116,9 @@ TEST(SupportTest, BoltOnAPlane) {
   SupportPlan active = plan_with({bolt});
   active.active = true;
   EXPECT_NEAR(check_support(slope.complex, with, a, active).blocks[0].factor_with_bolts, 1.527616, 1e-6);
-  // At a target of 1.3 the passive factor suffices, at 1.4 it does not.
-  EXPECT_TRUE(check_support(slope.complex, with, a, plan_with({bolt}, 1.33)).passes());
+  // Bolts and friction are both divided by the target, so friction mobilised by bolts is so twice: a target below the
+  // printed factor is reached, a little less far.
+  EXPECT_TRUE(check_support(slope.complex, with, a, plan_with({bolt}, 1.25)).passes());
   const auto more = check_support(slope.complex, with, a, plan_with({bolt}, 1.4));
   EXPECT_FALSE(more.passes());
   EXPECT_GT(more.blocks[0].missing_force, 0);

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -138,6 +140,68 @@ std::optional<Mesh> mesh_of_file(const std::string& ending, const std::string& b
   return std::nullopt;
 }
 
+/// The faces of one group, with vertices of their own.
+io::MeshData part_of(const io::MeshData& mesh, const std::vector<std::size_t>& faces) {
+  io::MeshData part;
+  part.groups = {mesh.groups[mesh.group[faces.front()]]};
+  std::map<std::uint32_t, std::uint32_t> numbers;
+  for (const std::size_t f : faces) {
+    for (const std::uint32_t corner : mesh.face(f)) {
+      const auto [at, is_new] = numbers.try_emplace(corner, static_cast<std::uint32_t>(part.vertices.size()));
+      if (is_new) part.vertices.push_back(mesh.vertices[corner]);
+      part.corners.push_back(at->second);
+    }
+    part.ends.push_back(static_cast<std::uint32_t>(part.corners.size()));
+    part.group.push_back(0);
+    part.lines.push_back(mesh.lines[f]);
+  }
+  return part;
+}
+
+std::vector<std::vector<std::uint32_t>> faces_of(const io::MeshData& part) {
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::size_t f = 0; f < part.faces(); ++f) faces.emplace_back(part.face(f).begin(), part.face(f).end());
+  return faces;
+}
+
+/// By the numbers of its vertices: every edge is used once in each direction. A block that touches itself along an
+/// edge is closed in this sense where the file doubles the vertices of that edge, as ours do.
+bool is_closed(const io::MeshData& part) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (std::size_t f = 0; f < part.faces(); ++f) {
+    const auto face = part.face(f);
+    if (face.size() < 3) return false;
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      if (!edges.emplace(face[i], face[(i + 1) % face.size()]).second) return false;
+    }
+  }
+  return part.faces() >= 4 &&
+         std::ranges::all_of(edges, [&](const auto& edge) { return edges.contains({edge.second, edge.first}); });
+}
+
+/// Adds a cell; its volume. A cell without volume is not kept.
+double add_block(report::Cells& cells, std::span<const Vec3> points,
+                 const std::vector<std::vector<std::uint32_t>>& faces, std::uint32_t block) {
+  const auto first = static_cast<std::int64_t>(cells.points.size());
+  std::vector<std::int64_t> stream{static_cast<std::int64_t>(faces.size())};
+  for (const auto& face : faces) {
+    stream.push_back(static_cast<std::int64_t>(face.size()));
+    for (const std::uint32_t corner : face) stream.push_back(first + corner);
+  }
+  cells.points.insert(cells.points.end(), points.begin(), points.end());
+  add_cell(cells, stream, block);
+  const double volume = cells.volume.back();
+  if (volume > 0) return volume;
+  cells.points.resize(static_cast<std::size_t>(first));
+  cells.face_stream.resize(cells.face_stream.size() - stream.size());
+  cells.face_ends.pop_back();
+  cells.ends.pop_back();
+  cells.connectivity.resize(cells.ends.empty() ? 0 : static_cast<std::size_t>(cells.ends.back()));
+  cells.block.pop_back();
+  cells.volume.pop_back();
+  return volume;
+}
+
 constexpr const char* known_endings = "give a result folder, .vtu, .obj, .stl, .ply, .dxf, .ts, .fab or .csv";
 
 }  // namespace
@@ -170,30 +234,16 @@ std::expected<report::Cells, std::string> blocks_of(const io::MeshData& mesh, co
   report::Cells cells;
   for (std::uint32_t group = 0; group < mesh.groups.size(); ++group) {
     if (faces_of_group[group].empty()) continue;
-    io::MeshData part;
-    part.groups = {mesh.groups[group]};
-    for (const std::size_t f : faces_of_group[group]) {
-      for (const std::uint32_t corner : mesh.face(f)) {
-        part.corners.push_back(static_cast<std::uint32_t>(part.vertices.size()));
-        part.vertices.push_back(mesh.vertices[corner]);
-      }
-      part.ends.push_back(static_cast<std::uint32_t>(part.corners.size()));
-      part.group.push_back(0);
-      part.lines.push_back(mesh.lines[f]);
-    }
-    const auto solid = io::solid_of(part);  // welds corners at one place
+    const io::MeshData part = part_of(mesh, faces_of_group[group]);
+    if (is_closed(part) && add_block(cells, part.vertices, faces_of(part), group) > 0) continue;
+    const auto solid = io::solid_of(part);  // welds corners at one place, and says what is wrong
     if (!solid) {
       return std::unexpected(fmt::format("{}:{}: group \"{}\": is no block: {}", in, std::max(1U, part.lines[0]),
                                          mesh.groups[group], describe(solid.error())));
     }
-    const auto first = static_cast<std::int64_t>(cells.points.size());
-    cells.points.insert(cells.points.end(), solid->vertices().begin(), solid->vertices().end());
-    std::vector<std::int64_t> stream{static_cast<std::int64_t>(solid->faces().size())};
-    for (const geometry::SolidFace& face : solid->faces()) {
-      stream.push_back(static_cast<std::int64_t>(face.corners.size()));
-      for (const std::uint32_t corner : face.corners) stream.push_back(first + corner);
-    }
-    add_cell(cells, stream, group);
+    std::vector<std::vector<std::uint32_t>> faces;
+    for (const geometry::SolidFace& face : solid->faces()) faces.push_back(face.corners);
+    add_block(cells, solid->vertices(), faces, group);
   }
   return cells;
 }
