@@ -36,8 +36,8 @@ INSTANTIATE_TEST_SUITE_P(
             "syntax: see "
             "https://toml.io"},
         Bad{"NoDomain", "seed = 3\n",
-            "s.toml:1: domain: is missing; add [domain] with box = { min = [0, 0, 0], max = [80, 80, 60] }, corners or "
-            "mesh"},
+            "s.toml:1: domain: is missing; add [domain] with box = { min = [0, 0, 0], max = [80, 80, 60] }, corners, "
+            "mesh or terrain"},
         Bad{"UnknownKey", "sead = 3\n" + std::string{box}, "s.toml:1: sead: unknown key; did you mean \"seed\"?"},
         Bad{"UnknownSection", with_box("[stabillity]\n"),
             "s.toml:3: stabillity: unknown key; did you mean \"stability\"?"},
