@@ -25,9 +25,11 @@ INSTANTIATE_TEST_SUITE_P(
     Scene, BadSceneTest,
     testing::Values(
         Bad{"Empty", "",
-            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network, bodies"},
+            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network, "
+            "bodies"},
         Bad{"OnlyAComment", "# nothing\n",
-            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network, bodies"},
+            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network, "
+            "bodies"},
         Bad{"NotToml", "v 0 0 0\nf 1 2 3\n",
             "s.toml:1: TOML: Error while parsing key-value pair: expected '=', saw '0'; mend the syntax: see "
             "https://toml.io"},
@@ -53,7 +55,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"MonteCarloNoRealization", with_box("[monte_carlo]\nrealizations = 0\n"),
             "s.toml:4: monte_carlo.realizations: is 0; give a whole number from 1 to 100000000"},
         Bad{"MonteCarloUnknownQuantity",
-            with_box("[stability]\nfree = [\"top\"]\n[monte_carlo]\nstop = { quantity = \"key_block_volum\", relative_half_width = 0.1, max = 9 }\n"),
+            with_box("[stability]\nfree = [\"top\"]\n[monte_carlo]\nstop = { quantity = \"key_block_volum\", "
+                     "relative_half_width = 0.1, max = 9 }\n"),
             "s.toml:6: monte_carlo.stop.quantity: \"key_block_volum\" is not known; did you mean "
             "\"key_block_volume_m3\"?"},
         Bad{"CohesionLawWithoutStd", with_box("[joints.default]\ncohesion = { distribution = \"normal\", mean = 5 }\n"),
@@ -61,7 +64,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"LaterBodies", with_box("[[body]]\nname = \"a\"\n"),
             "s.toml:3: body: is not available in version 0.1; remove the section"},
         Bad{"UnknownModel", with_box(set + "size = 5\nmodel = \"venetian\"\n"),
-            "s.toml:7: joint_set[1].model: \"venetian\" is not known; did you mean \"veneziano\"? choose one of: baecher, "
+            "s.toml:7: joint_set[1].model: \"venetian\" is not known; did you mean \"veneziano\"? choose one of: "
+            "baecher, "
             "enhanced_baecher, veneziano, dershowitz, mosaic, hierarchical, mit, orthogonal"},
         Bad{"KeyOfAnotherModel", with_box(set + "size = 5\nmodel = \"veneziano\"\nterminate_at = [\"B\"]\n"),
             "s.toml:8: joint_set[1].terminate_at: has no meaning for the model \"veneziano\"; remove it, or take "

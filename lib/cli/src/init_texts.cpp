@@ -241,6 +241,9 @@ shape = "disc"
 size = { distribution = "lognormal", mean = 15, std = 6, min = 2, max = 40 }
 intensity = { p32 = 0.2 }
 
+[rock]
+density = 2700                 # kg/m3
+
 [joints.default]
 friction = { distribution = "normal", mean = 28, std = 3, min = 15, max = 40 }   # degrees, one value a joint
 cohesion = 0                   # Pa; a law here, too, if you like

@@ -124,6 +124,12 @@ class CellFinder {
     Vec lo, hi;
     Index piece;
   };
+  /// A box around neighbouring targets, with the places of its two halves; a leaf holds a few targets.
+  struct Node {
+    Vec lo, hi;
+    Index first, last;  ///< targets
+    Index left = none, right = none;
+  };
   struct Side {  ///< of a face of a piece
     Index from, to;
   };
@@ -150,17 +156,49 @@ class CellFinder {
       } while (h != start);
       targets.push_back(target);
     }
+    std::vector<Node> tree;
+    grow(targets, 0, static_cast<Index>(targets.size()), tree);
     parallel_for(outside_.size(), threads_, [&](std::size_t piece) {
-      const auto met = facing(static_cast<Index>(piece), sides_of[piece], targets);
+      const auto met = facing(static_cast<Index>(piece), sides_of[piece], targets, tree);
       if (met) beyond_[piece] = shell_of_[*met];
     });
+  }
+
+  /// A tree of boxes over targets [first, last), which it sorts; returns the place of its root.
+  static Index grow(std::vector<Target>& targets, Index first, Index last, std::vector<Node>& tree) {
+    Node node{{1, 1, 1}, {-1, -1, -1}, first, last};
+    for (Index t = first; t < last; ++t) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        node.lo[k] = std::min(node.lo[k], targets[t].lo[k]);
+        node.hi[k] = std::max(node.hi[k], targets[t].hi[k]);
+      }
+    }
+    const auto place = static_cast<Index>(tree.size());
+    tree.push_back(node);
+    if (last - first <= 8) return place;
+    std::size_t axis = 0;
+    for (std::size_t k = 1; k < 3; ++k) {
+      if (node.hi[k] - node.lo[k] > node.hi[axis] - node.lo[axis]) axis = k;
+    }
+    const Index middle = first + (last - first) / 2;
+    std::nth_element(targets.begin() + first, targets.begin() + middle, targets.begin() + last,
+                     [axis](const Target& a, const Target& b) {
+                       const double x = a.lo[axis] + a.hi[axis], y = b.lo[axis] + b.hi[axis];
+                       return x < y || (!(y < x) && a.face < b.face);
+                     });
+    const Index left = grow(targets, first, middle, tree);
+    const Index right = grow(targets, middle, last, tree);
+    tree[place].left = left;
+    tree[place].right = right;
+    return place;
   }
 
   /// The half-face of another piece that a ray from an extreme point of this piece, going out, meets first; empty
   /// for the unbounded outside. Directions in which the ray passes too close to an edge to call are given up for
   /// others. A start that touches another piece's face is no difficulty: pieces do not cross, so an edge of this one
   /// says on which side it lies there.
-  std::optional<Index> facing(Index piece, const std::vector<Side>& sides, const std::vector<Target>& targets) const {
+  std::optional<Index> facing(Index piece, const std::vector<Side>& sides, const std::vector<Target>& targets,
+                              const std::vector<Node>& tree) const {
     std::uint64_t state = 0x9E3779B97F4A7C15U;
     const auto random = [&state] {
       state += 0x9E3779B97F4A7C15U;
@@ -180,16 +218,27 @@ class CellFinder {
       double nearest = std::numeric_limits<double>::infinity();
       std::optional<Index> met;
       bool unclear = false;
-      for (const Target& target : targets) {
-        if (target.piece == piece || misses(target, from, ray)) continue;
-        const auto hit = shoot(target.face, from, ray);
-        if (!hit) continue;
-        unclear = hit->unclear;
-        if (unclear) break;
-        if (hit->t < nearest) {
-          nearest = hit->t;
-          const bool positive = hit->touching ? on_positive_side(target.face, sides, start) : hit->from_positive;
-          met = 2 * target.face + (positive ? 0 : 1);
+      std::vector<Index> open{0};
+      while (!open.empty() && !unclear) {
+        const Node& node = tree[open.back()];
+        open.pop_back();
+        if (misses(node.lo, node.hi, from, ray)) continue;
+        if (node.left != none) {
+          open.push_back(node.left);
+          open.push_back(node.right);
+          continue;
+        }
+        for (Index t = node.first; t < node.last && !unclear; ++t) {
+          const Target& target = targets[t];
+          if (target.piece == piece || misses(target.lo, target.hi, from, ray)) continue;
+          const auto hit = shoot(target.face, from, ray);
+          if (!hit) continue;
+          unclear = hit->unclear;
+          if (!unclear && hit->t < nearest) {
+            nearest = hit->t;
+            const bool positive = hit->touching ? on_positive_side(target.face, sides, start) : hit->from_positive;
+            met = 2 * target.face + (positive ? 0 : 1);
+          }
         }
       }
       if (!unclear) return met;
@@ -213,11 +262,11 @@ class CellFinder {
 
   static constexpr double margin = 0x1p-34;
 
-  static bool misses(const Target& target, const Vec& from, const Vec& ray) {
+  static bool misses(const Vec& lo, const Vec& hi, const Vec& from, const Vec& ray) {
     double t0 = -margin, t1 = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < 3; ++k) {
       if (std::abs(ray[k]) < 1e-3) continue;
-      double a = (target.lo[k] - margin - from[k]) / ray[k], b = (target.hi[k] + margin - from[k]) / ray[k];
+      double a = (lo[k] - margin - from[k]) / ray[k], b = (hi[k] + margin - from[k]) / ray[k];
       if (a > b) std::swap(a, b);
       t0 = std::max(t0, a - margin);
       t1 = std::min(t1, b + margin);

@@ -11,9 +11,14 @@ using Point = std::array<Rational, 3>;
 Point position(const Prepared& prepared, const Vertex& v) {
   const auto meet = exact::exact_meet(exact::exact_line(prepared.planes[v.planes[0]], prepared.planes[v.planes[1]]),
                                       prepared.planes[v.planes[2]]);
-  const boost::multiprecision::cpp_int w{meet.w};
+  // The rational type takes no negative denominator.
+  const bool negative = meet.w < 0;
+  const auto positive = [negative](const exact::Wide& value) {
+    return boost::multiprecision::cpp_int{negative ? exact::Wide{-value} : value};
+  };
+  const boost::multiprecision::cpp_int w = positive(meet.w);
   Point p;
-  for (std::size_t k = 0; k < 3; ++k) p[k] = Rational{boost::multiprecision::cpp_int{meet.x[k]}, w};
+  for (std::size_t k = 0; k < 3; ++k) p[k] = Rational{positive(meet.x[k]), w};
   return p;
 }
 
