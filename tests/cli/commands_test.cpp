@@ -26,7 +26,7 @@ TEST_F(CommandsTest, WrongCallsAreWrongInput) {
   for (const std::string call :
        {"", "rum s.toml", "run", "run s.toml", "run s.toml -o", "run s.toml -o out --threads 0",
         "run s.toml -o out --threads x", "run s.toml -o out --seed -1", "run s.toml -o out --seed 1.5",
-        "run s.toml -o out --what", "check", "init", "init castle", "init monte-carlo", "run s.toml -o out --shard 1/3",
+        "run s.toml -o out --what", "check", "init", "init castle", "run s.toml -o out --shard 1/3",
         "merge a b -o c", "replay out --realization 3", "survey d.toml -o out", "diff a b"}) {
     const Ended ended = cleave(call);
     EXPECT_EQ(ended.code, 2) << call;
@@ -37,7 +37,7 @@ TEST_F(CommandsTest, WrongCallsAreWrongInput) {
 }
 
 TEST_F(CommandsTest, ScenesOfInitPassCheckAndRun) {
-  for (const std::string kind : {"tunnel", "slope", "wedge", "network"}) {
+  for (const std::string kind : {"tunnel", "slope", "wedge", "network", "monte-carlo", "bodies"}) {
     ASSERT_EQ(shell("cleave init " + kind + " > " + kind + ".toml").code, 0);
     const Ended check = cleave("check " + kind + ".toml");
     EXPECT_EQ(check.code, 0) << check.err;

@@ -25,9 +25,11 @@ INSTANTIATE_TEST_SUITE_P(
     Scene, BadSceneTest,
     testing::Values(
         Bad{"Empty", "",
-            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network, bodies"},
+            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network, "
+            "bodies"},
         Bad{"OnlyAComment", "# nothing\n",
-            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network, bodies"},
+            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network, "
+            "bodies"},
         Bad{"NotToml", "v 0 0 0\nf 1 2 3\n",
             "s.toml:1: TOML: Error while parsing key-value pair: expected '=', saw '0'; mend the syntax: see "
             "https://toml.io"},
@@ -36,8 +38,8 @@ INSTANTIATE_TEST_SUITE_P(
             "syntax: see "
             "https://toml.io"},
         Bad{"NoDomain", "seed = 3\n",
-            "s.toml:1: domain: is missing; add [domain] with box = { min = [0, 0, 0], max = [80, 80, 60] }, corners or "
-            "mesh"},
+            "s.toml:1: domain: is missing; add [domain] with box = { min = [0, 0, 0], max = [80, 80, 60] }, corners, "
+            "mesh or terrain"},
         Bad{"UnknownKey", "sead = 3\n" + std::string{box}, "s.toml:1: sead: unknown key; did you mean \"seed\"?"},
         Bad{"UnknownSection", with_box("[stabillity]\n"),
             "s.toml:3: stabillity: unknown key; did you mean \"stability\"?"},
@@ -53,15 +55,18 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"MonteCarloNoRealization", with_box("[monte_carlo]\nrealizations = 0\n"),
             "s.toml:4: monte_carlo.realizations: is 0; give a whole number from 1 to 100000000"},
         Bad{"MonteCarloUnknownQuantity",
-            with_box("[monte_carlo]\nstop = { quantity = \"key_block_volum\", relative_half_width = 0.1, max = 9 }\n"),
-            "s.toml:4: monte_carlo.stop.quantity: \"key_block_volum\" is not known; did you mean "
+            with_box("[stability]\nfree = [\"top\"]\n[monte_carlo]\nstop = { quantity = \"key_block_volum\", "
+                     "relative_half_width = 0.1, max = 9 }\n"),
+            "s.toml:6: monte_carlo.stop.quantity: \"key_block_volum\" is not known; did you mean "
             "\"key_block_volume_m3\"?"},
         Bad{"CohesionLawWithoutStd", with_box("[joints.default]\ncohesion = { distribution = \"normal\", mean = 5 }\n"),
-            "s.toml:4: joints.default.cohesion.std: is missing; add std"},
+            "s.toml:4: joints.default.cohesion.std: is missing; add std = a number from 0 to 1e+15 Pa"},
         Bad{"LaterBodies", with_box("[[body]]\nname = \"a\"\n"),
             "s.toml:3: body: is not available in version 0.1; remove the section"},
         Bad{"UnknownModel", with_box(set + "size = 5\nmodel = \"venetian\"\n"),
-            "s.toml:7: joint_set[1].model: \"venetian\" is not known; did you mean \"veneziano\"?"},
+            "s.toml:7: joint_set[1].model: \"venetian\" is not known; did you mean \"veneziano\"? choose one of: "
+            "baecher, "
+            "enhanced_baecher, veneziano, dershowitz, mosaic, hierarchical, mit, orthogonal"},
         Bad{"KeyOfAnotherModel", with_box(set + "size = 5\nmodel = \"veneziano\"\nterminate_at = [\"B\"]\n"),
             "s.toml:8: joint_set[1].terminate_at: has no meaning for the model \"veneziano\"; remove it, or take "
             "another "

@@ -24,7 +24,7 @@ using geometry::Vec3;
 constexpr double pi = std::numbers::pi;
 
 /// Discs of exponential diameter about a steep mean, mapped on a horizontal circle of 6 m.
-constexpr double p32 = 1.2, mean_diameter = 2, kappa = 15;
+constexpr double p32 = 2, mean_diameter = 2, kappa = 15;
 const dfn::DomainBox box{{-6, -6, -0.5}, {6, 6, 0.5}};
 const CircleWindow window{{0, 0}, 6};
 

@@ -12,6 +12,25 @@
 namespace cleave::testing {
 namespace {
 
+// Fu (2014), figure 3-9 c: 64,000 blocks; faces and vertices of each block counted by themselves.
+TEST(LargeGeometry, SixtyFourThousandBlocks) {
+  auto input = scene(box({0, 0, 0}, {1, 1, 1}));
+  for (int k = 1; k < 40; ++k) {
+    input.joints.emplace_back(topology::PersistentJoint{{0.025 * k, 0.5, 0.5}, {1, 0, 0}});
+    input.joints.emplace_back(topology::PersistentJoint{{0.5, 0.025 * k, 0.5}, {0, 1, 0}});
+    input.joints.emplace_back(topology::PersistentJoint{{0.5, 0.5, 0.025 * k}, {0, 0, 1}});
+  }
+  const auto audited = certified(input);
+  std::size_t faces = 0, vertices = 0;
+  for (const topology::Block& block : audited.complex().blocks()) {
+    faces += block.counts.faces;
+    vertices += block.counts.vertices;
+  }
+  EXPECT_EQ(audited.complex().blocks().size(), 64000U);
+  EXPECT_EQ(faces, 384000U);
+  EXPECT_EQ(vertices, 512000U);
+}
+
 TEST(LargeGeometry, TenThousandSlivers) {
   auto input = scene(box({0, 0, 0}, {1, 1, 1}));
   for (int k = 0; k <= 10000; ++k) {

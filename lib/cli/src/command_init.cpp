@@ -8,12 +8,8 @@ ExitCode init_scene(const std::string& kind) {
     say(std::string{*text});
     return ExitCode::done;
   }
-  if (kind == "monte-carlo") {
-    complain("cleave init: " + kind +
-             ": is not available in version 0.1; choose one of: tunnel, slope, wedge, network, bodies");
-  } else {
-    complain("cleave init: \"" + kind + "\" is not known; choose one of: tunnel, slope, wedge, network, bodies");
-  }
+  complain("cleave init: \"" + kind +
+           "\" is not known; choose one of: tunnel, slope, wedge, network, monte-carlo, bodies");
   return ExitCode::wrong_input;
 }
 

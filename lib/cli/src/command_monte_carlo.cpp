@@ -109,7 +109,7 @@ ExitCode publish_monte_carlo(const scene::Scene& scene, scene::MonteCarloResult 
 }
 
 ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& arguments, StageTimer& timer,
-                               Progress& progress, InterruptWatch& interrupts) {
+                               Progress& progress, InterruptWatch& interrupts, const scene::MakeRecords* make) {
   const scene::MonteCarloSettings& settings = *scene.monte_carlo;
   const auto refuse = [&](std::string_view what, std::string_view remedy) {
     complain(fmt::format("{}:1: --shard: {}; {}", arguments.scene, what, remedy));
@@ -154,6 +154,9 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
     progress.note(running_text(ensemble, quantity, settings.confidence));
   }};
   auto result = timer.run("monte_carlo", [&] {
+    if (make != nullptr) {
+      return scene::run_monte_carlo(scene, *make, folder->unfinished(), arguments.shard, version, watch);
+    }
     return scene::run_monte_carlo(scene, arguments.threads, folder->unfinished(), arguments.shard, version, watch);
   });
   progress.end();

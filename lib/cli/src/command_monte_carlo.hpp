@@ -11,9 +11,10 @@
 
 namespace cleave::cli {
 
-/// `cleave run` of a scene with [monte_carlo].
+/// `cleave run` of a scene with [monte_carlo]. `make`: who makes the records instead of the threads of this process.
 [[nodiscard]] ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& arguments,
-                                             StageTimer& timer, Progress& progress, InterruptWatch& interrupts);
+                                             StageTimer& timer, Progress& progress, InterruptWatch& interrupts,
+                                             const scene::MakeRecords* make = nullptr);
 
 /// Writes the result of a run or a merge and says how the program ends.
 [[nodiscard]] ExitCode publish_monte_carlo(const scene::Scene& scene, scene::MonteCarloResult result,

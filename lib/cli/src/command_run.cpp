@@ -78,16 +78,23 @@ ExitCode run_scene(const RunArguments& arguments) {
   Progress progress{progress_style_of_stderr(arguments.quiet)};
 
   progress.begin("read");
-  const auto bodies = timer.run("read", [&] { return scene::load_bodies(arguments.scene); });
-  if (bodies) {
-    progress.end();
-    if (!*bodies) return report_problems(bodies->error());
-    scene::BodiesScene asked = **bodies;
-    if (arguments.seed) asked.seed = *arguments.seed;
-    return run_bodies(arguments, asked, timer, progress, interrupts);
-  }
-  auto scene = timer.run("read", [&] { return scene::load(arguments.scene); });
+  // Bodies and blocks are different scenes; the first look says which.
+  auto bodies = std::optional<std::expected<scene::BodiesScene, std::vector<scene::Problem>>>{};
+  auto scene = timer.run("read", [&] {
+    bodies = scene::load_bodies(arguments.scene);
+    if (bodies) return std::expected<scene::Scene, std::vector<scene::Problem>>{std::unexpect};
+    return scene::load(arguments.scene);
+  });
   progress.end();
+  if (bodies) {
+    if (!*bodies) return report_problems(bodies->error());
+    if (arguments.sharded) {
+      complain(fmt::format("{}:1: --shard: the scene has no [monte_carlo]; run it without --shard", arguments.scene));
+      return ExitCode::wrong_input;
+    }
+    if (arguments.seed) (*bodies)->seed = *arguments.seed;
+    return run_bodies(arguments, **bodies, timer, progress, interrupts);
+  }
   if (!scene) return report_problems(scene.error());
   if (arguments.seed) scene->seed = *arguments.seed;
   if (scene->monte_carlo) return run_monte_carlo_scene(*scene, arguments, timer, progress, interrupts);

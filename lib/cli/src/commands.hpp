@@ -32,6 +32,8 @@ struct ReplayArguments {
   bool quiet = false;
 };
 [[nodiscard]] ExitCode replay_realization(const ReplayArguments& arguments);
+/// Field data to joint sets.
+[[nodiscard]] ExitCode survey_data(const std::string& data, const std::string& out, bool quiet);
 [[nodiscard]] ExitCode plan_scene(const std::string& scene);
 [[nodiscard]] ExitCode check_scene(const std::string& scene);
 [[nodiscard]] ExitCode init_scene(const std::string& kind);

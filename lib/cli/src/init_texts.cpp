@@ -208,6 +208,58 @@ load = [ { side = 3, pressure = 1e5 },                # Pa on the top
          { side = 2, traction = [0, -2e5] } ]         # Pa; a point force: { at = [4, 0.5], force = [0, -2e5] }, N per metre
 )toml";
 
+constexpr std::string_view monte_carlo =
+    R"toml(# How likely is it that a block of a given size falls into a tunnel? Many random networks of the same statistics.
+# Run it:  cleave run monte-carlo.toml -o out     then open out/report.html. Ended early, the same command goes on.
+# One of the realizations as a full run:  cleave replay out --realization 7
+# SI units (metres, pascals, kg/m3), angles in degrees. x = east, y = north, z = up.
+schema = 1
+title = "Tunnel, many realizations"
+seed = 1
+
+[domain]
+box = { min = [0, 0, 0], max = [24, 20, 24] }
+
+[[joint_set]]
+name = "A"
+orientation = { dip = 30, dip_direction = 30, distribution = "fisher", kappa = 40 }
+shape = "disc"
+size = { distribution = "lognormal", mean = 15, std = 6, min = 2, max = 40 }   # diameter, m
+intensity = { p32 = 0.2 }      # m2 of joint in a m3 of rock
+
+[[joint_set]]
+name = "B"
+orientation = { dip = 60, dip_direction = 150, distribution = "fisher", kappa = 40 }
+shape = "disc"
+size = { distribution = "lognormal", mean = 15, std = 6, min = 2, max = 40 }
+intensity = { p32 = 0.2 }
+
+[[joint_set]]
+name = "C"
+orientation = { dip = 70, dip_direction = 270, distribution = "fisher", kappa = 40 }
+shape = "disc"
+size = { distribution = "lognormal", mean = 15, std = 6, min = 2, max = 40 }
+intensity = { p32 = 0.2 }
+
+[rock]
+density = 2700                 # kg/m3
+
+[joints.default]
+friction = { distribution = "normal", mean = 28, std = 3, min = 15, max = 40 }   # degrees, one value a joint
+cohesion = 0                   # Pa; a law here, too, if you like
+
+[[excavation]]
+name = "tunnel"
+kind = "tunnel"
+section = { shape = "horseshoe", width = 6, height = 6 }
+axis = [[12, 0, 12], [12, 20, 12]]
+
+[monte_carlo]
+realizations = 100             # or stop = { quantity = "key_block_volume", relative_half_width = 0.1, max = 5000 }
+volumes = [0.1, 1, 10]         # m3: the probability of a key block above each
+chainage_parts = 10            # of the tunnel's axis
+)toml";
+
 }  // namespace
 
 std::optional<std::string_view> init_text(std::string_view kind) noexcept {
@@ -216,6 +268,7 @@ std::optional<std::string_view> init_text(std::string_view kind) noexcept {
   if (kind == "wedge") return wedge;
   if (kind == "network") return network;
   if (kind == "bodies") return bodies;
+  if (kind == "monte-carlo") return monte_carlo;
   return std::nullopt;
 }
 

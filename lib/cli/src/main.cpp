@@ -71,24 +71,6 @@ void watch_for_crashes() {
 
 unsigned threads_of_machine() { return std::max(1U, std::thread::hardware_concurrency()); }
 
-/// Commands of the contract that this version does not have yet: known, so that the message can say so.
-void add_later_commands(CLI::App& app, std::function<ExitCode()>& chosen) {
-  struct Later {
-    const char* name;
-    const char* text;
-  };
-  for (const Later& later : {Later{"survey", "field data to joint-set statistics"}}) {
-    CLI::App* command = app.add_subcommand(later.name, std::string{later.text} + " (not available in version 0.1)");
-    command->allow_extras();
-    command->callback([&chosen, name = std::string{later.name}] {
-      chosen = [name] {
-        complain("cleave " + name + ": is not available in version 0.1; see cleave --help for what is");
-        return ExitCode::wrong_input;
-      };
-    });
-  }
-}
-
 /// "K/N" with 1 <= K <= N.
 std::optional<stochastic::Shard> shard_of(const std::string& text) {
   stochastic::Shard shard;
@@ -161,6 +143,14 @@ ExitCode run_program(int argc, char** argv) {
   replay_command->add_flag("--quiet", replay.quiet, "no progress and no figures, errors only");
   replay_command->callback([&] { chosen = [&] { return replay_realization(replay); }; });
 
+  std::string data, survey_out;
+  bool survey_quiet = false;
+  CLI::App* survey = app.add_subcommand("survey", "field data to joint sets: sets.toml, survey.json, report.html");
+  survey->add_option("data", data, "the survey file (TOML)")->required();
+  survey->add_option("-o,--out", survey_out, "folder for the result")->required();
+  survey->add_flag("--quiet", survey_quiet, "errors only");
+  survey->callback([&] { chosen = [&] { return survey_data(data, survey_out, survey_quiet); }; });
+
   std::string scene;
   CLI::App* plan = app.add_subcommand("plan", "says what will run, what is left out and why; runs nothing");
   plan->add_option("scene", scene, "the scene file (TOML)")->required();
@@ -172,7 +162,7 @@ ExitCode run_program(int argc, char** argv) {
 
   std::string kind;
   CLI::App* init = app.add_subcommand("init", "prints a commented scene to start from");
-  init->add_option("kind", kind, "tunnel, slope, wedge or network")->required();
+  init->add_option("kind", kind, "tunnel, slope, wedge, network or monte-carlo")->required();
   init->callback([&] { chosen = [&] { return init_scene(kind); }; });
 
   std::string in, out;
@@ -185,7 +175,6 @@ ExitCode run_program(int argc, char** argv) {
   diff->add_option("out1", first, "folder of a finished run")->required();
   diff->add_option("out2", second, "folder of another")->required();
   diff->callback([&] { chosen = [&] { return diff_results(first, second); }; });
-  add_later_commands(app, chosen);
 
   try {
     app.parse(argc, argv);

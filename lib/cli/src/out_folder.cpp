@@ -19,9 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 15> result_files{
-    "summary.json", "blocks.vtu",       "dangling.vtu",          "dangling.obj", "key_blocks.csv",
-    "bolts.csv",    "load_cases.csv",   "report.html",           "log.txt",      "bodies.vtu",
+constexpr std::array<std::string_view, 17> result_files{
+    "summary.json", "blocks.vtu",       "dangling.vtu",          "dangling.obj", "key_blocks.csv", "survey.json",
+    "bolts.csv",    "load_cases.csv",   "report.html",           "log.txt",      "bodies.vtu",     "sets.toml",
     "bodies.pvd",   "realizations.csv", "realizations.csv.part", "scene.toml",   "points.csv"};
 /// One time of a moving scene: bodies_0000.vtu and on.
 bool is_frame(std::string_view name) {
@@ -43,9 +43,11 @@ OutError failed(const fs::path& out, std::string_view what, const std::error_cod
           fmt::format("{}:1: -o: {} ({}); {}", out.generic_string(), what, reason.message(), remedy)};
 }
 
-/// Whether summary.json is one of ours. Only its head is looked at: it is written whole or not at all.
+/// Whether summary.json (or survey.json) is one of ours. Only its head is looked at: it is written whole or not at all.
 bool has_our_summary(const fs::path& folder) {
-  std::ifstream file{folder / "summary.json", std::ios::binary};
+  std::error_code ignored;
+  const bool survey = !fs::exists(folder / "summary.json", ignored);
+  std::ifstream file{folder / (survey ? "survey.json" : "summary.json"), std::ios::binary};
   std::array<char, 256> head{};
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   const std::string_view text{head.data(), static_cast<std::size_t>(file.gcount())};
@@ -124,6 +126,7 @@ std::error_code replace_folder(const fs::path& fresh, const fs::path& old) {
 bool is_result_file(const std::string& name) {
   if (std::ranges::find(result_files, name) != result_files.end() || is_export(name)) return true;
   if (name.starts_with("blocks_stage_") && name.ends_with(".vtu")) return true;
+  if (name.starts_with("sets_") && name.ends_with(".csv")) return true;
   constexpr std::string_view copy = "scene_file_";
   return name.starts_with(copy) && name.size() > copy.size() &&
          name.find_first_not_of("0123456789", copy.size()) == std::string::npos;
@@ -198,8 +201,11 @@ std::expected<void, OutError> OutFolder::publish_file_by_file() {
   std::vector<fs::path> names;
   for (const auto& entry : fs::directory_iterator{temporary_, reason}) names.push_back(entry.path().filename());
   // The summary says that a result is whole: the old one goes first, the new one comes last.
-  std::ranges::sort(names, {}, [](const fs::path& name) { return std::pair{name == "summary.json", name.string()}; });
+  std::ranges::sort(names, {}, [](const fs::path& name) {
+    return std::pair{name == "summary.json" || name == "survey.json", name.string()};
+  });
   fs::remove(final_ / "summary.json", reason);
+  fs::remove(final_ / "survey.json", reason);
   std::vector<fs::path> old;
   for (const auto& entry : fs::directory_iterator{final_, reason}) {
     if (is_result_entry(entry)) old.push_back(entry.path());

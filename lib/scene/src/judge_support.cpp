@@ -9,6 +9,16 @@ namespace {
 
 using stability::Bolt;
 
+/// Micro-blocks stay out of everything that is judged, where the scene asks for it.
+stability::Settings settings_on(const topology::AuditedComplex& complex, const Scene& scene, const Drawn& drawn,
+                                const LoadSet& loads) {
+  stability::Settings settings = settings_of(scene, drawn, *scene.stability, loads);
+  if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
+    settings.left_out = micro_blocks(complex.complex(), scene.micro_blocks);
+  }
+  return settings;
+}
+
 /// All bolts with the spacings times `scale`, another length, and the offsets moved by a share of a spacing.
 std::vector<Bolt> bolts_with(const SupportSettings& support, double scale, double length, double phase) {
   std::vector<Bolt> bolts = support.single;
@@ -56,14 +66,13 @@ double tunnel_length(const Scene& scene) {
 
 void judge_cases(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex, JudgedMore& more) {
   for (const LoadCase& load : scene.stability->cases) {
-    more.cases.push_back(
-        {load.name, stability::analyse(complex, settings_of(scene, drawn, *scene.stability, load.loads))});
+    more.cases.push_back({load.name, stability::analyse(complex, settings_on(complex, scene, drawn, load.loads))});
   }
 }
 
 void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                    const stability::Analysis& analysis, JudgedMore& more) {
-  const stability::Settings settings = settings_of(scene, drawn, *scene.stability, scene.stability->loads);
+  const stability::Settings settings = settings_on(complex, scene, drawn, scene.stability->loads);
   const SupportSettings& support = *scene.support;
   more.support = check_support(complex, settings, analysis, support.plan);
   if (!support.design) return;
@@ -103,7 +112,7 @@ void judge_support(const Scene& scene, const Drawn& drawn, const topology::Audit
 void judge_sensitivity(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                        const stability::Analysis& analysis, JudgedMore& more) {
   more.sensitivity =
-      stability::sensitivity(complex, settings_of(scene, drawn, *scene.stability, scene.stability->loads), analysis);
+      stability::sensitivity(complex, settings_on(complex, scene, drawn, scene.stability->loads), analysis);
 }
 
 }  // namespace cleave::scene

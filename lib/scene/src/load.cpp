@@ -7,6 +7,7 @@
 
 #include "cleave/scene/bodies.hpp"
 #include "cleave/scene/parse.hpp"
+#include "cleave/scene/survey_file.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -51,10 +52,14 @@ std::expected<std::string, FileRefusal> read_whole(const std::filesystem::path& 
 
 }  // namespace
 
-std::expected<Scene, std::vector<Problem>> load(const std::string& path) {
+namespace {
+
+/// Reads a file and gives its text, with what it names beside it, to `parse`.
+template <class Parsed, class Parse>
+std::expected<Parsed, std::vector<Problem>> load_with(const std::string& path, const char* key, const Parse& parse_text) {
   auto text = read_whole(path, largest_scene);
   if (!text) {
-    return std::unexpected(std::vector{Problem{path, 1, "scene", text.error().what, text.error().remedy}});
+    return std::unexpected(std::vector{Problem{path, 1, key, text.error().what, text.error().remedy}});
   }
   const std::filesystem::path folder = std::filesystem::path{path}.parent_path();
   const ReadFile beside = [&](const std::string& name) -> std::expected<LoadedFile, FileRefusal> {
@@ -63,7 +68,17 @@ std::expected<Scene, std::vector<Problem>> load(const std::string& path) {
     if (!bytes) return std::unexpected(std::move(bytes).error());
     return LoadedFile{std::move(*bytes), whole.generic_string()};
   };
-  return parse(*text, path, beside);
+  return parse_text(*text, path, beside);
+}
+
+}  // namespace
+
+std::expected<Scene, std::vector<Problem>> load(const std::string& path) {
+  return load_with<Scene>(path, "scene", parse);
+}
+
+std::expected<SurveyScene, std::vector<Problem>> load_survey(const std::string& path) {
+  return load_with<SurveyScene>(path, "survey", parse_survey);
 }
 
 std::optional<std::expected<BodiesScene, std::vector<Problem>>> load_bodies(const std::string& path) {

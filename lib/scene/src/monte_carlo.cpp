@@ -97,8 +97,23 @@ std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& sc
                                                                  const stochastic::Shard& shard,
                                                                  const std::string& version,
                                                                  const MonteCarloWatch& watch) {
-  const MonteCarloSettings& settings = *scene.monte_carlo;
   const stochastic::Questions questions = questions_of(scene);
+  const ThreadLimit limit{threads};
+  const MakeRecords make = [&](std::uint64_t first, std::uint64_t end, std::uint64_t step, const auto& commit) {
+    stochastic::run_ordered(first, end, step, limit, 8 + 4 * limit.count(),
+                            [&](std::uint64_t k) -> std::function<bool()> {
+                              return [&commit, record = make_record(scene, questions, k)] { return commit(record); };
+                            });
+  };
+  return run_monte_carlo(scene, make, path, shard, version, watch);
+}
+
+std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& scene, const MakeRecords& make,
+                                                                 const std::filesystem::path& path,
+                                                                 const stochastic::Shard& shard,
+                                                                 const std::string& version,
+                                                                 const MonteCarloWatch& watch) {
+  const MonteCarloSettings& settings = *scene.monte_carlo;
   CLEAVE_TRY(RecordFile file, RecordFile::open(path, {.version = version,
                                                       .scene_sha256 = scene_and_files_sha256(scene),
                                                       .seed = scene.seed,
@@ -123,20 +138,16 @@ std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& sc
   for (const std::uint64_t end : looks_of(settings)) {
     const std::uint64_t first = file.next_realization();
     if (seen < file.records()) CLEAVE_CHECK(take_until(end));
-    const ThreadLimit limit{threads};
-    stochastic::run_ordered(first, end, shard.of, limit, 8 + 4 * limit.count(),
-                            [&](std::uint64_t k) -> std::function<bool()> {
-                              return [&, record = make_record(scene, questions, k)] {
-                                if (auto written = file.append(record); !written) {
-                                  failed = std::move(written).error();
-                                  return false;
-                                }
-                                ensemble.add(record, line_of(record));
-                                ++seen;
-                                if (watch.progress) watch.progress(ensemble, seen, (end + shard.of - 1) / shard.of);
-                                return true;
-                              };
-                            });
+    make(first, end, shard.of, [&](const Record& record) {
+      if (auto written = file.append(record); !written) {
+        failed = std::move(written).error();
+        return false;
+      }
+      ensemble.add(record, line_of(record));
+      ++seen;
+      if (watch.progress) watch.progress(ensemble, seen, (end + shard.of - 1) / shard.of);
+      return true;
+    });
     if (failed) return std::unexpected(*std::move(failed));
     if (settings.stop && reason(settings, ensemble) == StoppedBy::precision) break;
   }

@@ -11,7 +11,7 @@
 namespace cleave::scene {
 namespace {
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
@@ -63,7 +63,7 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
       continue;
     }
     const geometry::Attitude mean = geometry::attitude_of(set.orientation.mean);
-    file.toml += fmt::format("[[joint_set]]\nname = {}\nmodel = \"baecher\"\n", quoted(set.name));
+    file.toml += fmt::format("[[joint_set]]\nname = {}\nmodel = \"baecher\"\n", in_quotes(set.name));
     const bool fisher = set.orientation.fisher && std::isfinite(set.orientation.kappa);
     if (fisher || set.orientation_stated) {
       file.toml += fmt::format(

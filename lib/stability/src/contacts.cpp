@@ -14,7 +14,9 @@ Model::Model(const topology::BlockComplex& complex, const Settings& settings)
       settings_{&settings},
       removed_in_(complex.blocks().size(), stays),
       directions_(complex.planes().size(), std::nullopt),
-      on_surfaces_{surface_forces(complex, settings.actions)} {}
+      on_surfaces_{surface_forces(complex, settings.actions)} {
+  for (const topology::BlockId id : settings.left_out) removed_in_[id] = 0;
+}
 
 double Contact::tan_at(double reaction) const {
   if (curved.empty()) return tan_friction;

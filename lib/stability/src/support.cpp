@@ -218,7 +218,7 @@ class Check final {
     }
     for (const BlockId id : complex_->blocks().ids()) {
       const topology::Block& block = complex_->blocks()[id];
-      if (!block.free || block.fixed) continue;
+      if (!block.free || block.fixed || !model_.present(id, 1)) continue;
       auto body = body_of({&id, 1});
       if (!body || !moves(body->bare.mode)) continue;
       if (!(body->bare.driving - body->bare.resistance.least / body->target > rounding * body->bare.driving)) continue;

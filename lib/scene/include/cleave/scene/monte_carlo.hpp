@@ -45,9 +45,18 @@ struct MonteCarloWatch {
   std::function<void(const stochastic::Ensemble&, std::uint64_t done, std::uint64_t aim)> progress;
 };
 
+/// Makes the records of realizations `first`, `first + step`, ... below `end` and hands each to `commit` in this order;
+/// ends early when `commit` says false.
+using MakeRecords = std::function<void(std::uint64_t first, std::uint64_t end, std::uint64_t step,
+                                       const std::function<bool(const stochastic::Record&)>& commit)>;
+
 /// Runs what is left of a scene's realizations (those of `shard`) and writes their records to `file`, then gives the
-/// figures of all of them. The bytes of the file and the figures are the same for any number of threads and
-/// interruptions.
+/// figures of all of them. The bytes of the file and the figures are the same for any number of threads or ranks and
+/// any interruptions.
+[[nodiscard]] std::expected<MonteCarloResult, stochastic::RecordFileError> run_monte_carlo(
+    const Scene& scene, const MakeRecords& make, const std::filesystem::path& file, const stochastic::Shard& shard,
+    const std::string& version, const MonteCarloWatch& watch);
+/// The same on threads of this process.
 [[nodiscard]] std::expected<MonteCarloResult, stochastic::RecordFileError> run_monte_carlo(
     const Scene& scene, unsigned threads, const std::filesystem::path& file, const stochastic::Shard& shard,
     const std::string& version, const MonteCarloWatch& watch);

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "cleave/scene/survey_file.hpp"
+
+namespace cleave::report {
+
+/// survey.json: all figures of a survey with their intervals.
+[[nodiscard]] std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyResult& result);
+/// report.html of a survey: stereonets (contoured, both projections), rosettes, histograms with the fitted laws, and
+/// simulated traces of the fitted sets beside the measured ones.
+[[nodiscard]] std::string survey_html(const scene::SurveyScene& survey, const survey::SurveyResult& result);
+
+}  // namespace cleave::report

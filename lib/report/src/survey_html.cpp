@@ -1,0 +1,300 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "cleave/geometry/orientation.hpp"
+#include "cleave/report/stereonet.hpp"
+#include "cleave/report/survey.hpp"
+#include "cleave/report/text.hpp"
+#include "html_parts.hpp"
+#include "plot.hpp"
+#include "svg.hpp"
+
+namespace cleave::report {
+namespace {
+
+using detail::Axis;
+using detail::fixed;
+using detail::Plot;
+using detail::PlotPoint;
+using geometry::Vec3;
+using survey::Estimate;
+constexpr double pi = std::numbers::pi;
+
+std::string range(const Estimate& e) {
+  if (!e.value) return "not estimable: " + escape_xml(e.note);
+  return display(*e.value) + " (" + display(e.low) + " … " + display(e.high) + ")";
+}
+
+/// Density of poles on the net as coloured cells, in multiples of uniform: Fisher kernels with kappa 100 (Diggle & Fisher
+/// 1985), about the 1 % counting circle.
+std::string contours(const std::vector<Vec3>& normals, const std::vector<double>& weights, Net net) {
+  constexpr double kernel = 100;
+  constexpr int cells = 60;
+  std::string out = "<svg viewBox=\"-110 -110 220 220\" role=\"img\" aria-label=\"Density of poles\">";
+  const std::size_t stride = std::max<std::size_t>(1, normals.size() / 2000);
+  for (int i = 0; i < cells; ++i) {
+    for (int j = 0; j < cells; ++j) {
+      const double x = (2.0 * i + 1) / cells - 1, y = (2.0 * j + 1) / cells - 1, r = std::hypot(x, y);
+      if (r > 1) continue;
+      const double theta = net == Net::equal_area ? 2 * std::asin(r / std::numbers::sqrt2) : 2 * std::atan(r);
+      const Vec3 d{r > 0 ? std::sin(theta) * x / r : 0, r > 0 ? std::sin(theta) * y / r : 0, -std::cos(theta)};
+      double density = 0, used = 0;
+      for (std::size_t k = 0; k < normals.size(); k += stride) {
+        density += weights[k] * std::exp(kernel * (std::abs(dot(normals[k], d)) - 1));
+        used += weights[k];
+      }
+      density *= kernel / std::max(used, 1e-300);  // 1: uniform on the half sphere
+      if (density < 1) continue;
+      const double shade = std::min(1.0, std::log2(density) / 5);
+      out += "<rect x=\"" + fixed(100 * x - 100.0 / cells) + "\" y=\"" + fixed(-100 * y - 100.0 / cells) +
+             "\" width=\"3.5\" height=\"3.5\" fill=\"#0072B2\" fill-opacity=\"" + fixed(0.08 + 0.82 * shade) + "\"/>";
+    }
+  }
+  return out + "<circle class=\"net-rim\" r=\"100\"/><path class=\"net-tick\" d=\"M0,-100V-105\"/></svg>";
+}
+
+/// Half rose of trace azimuths, mirrored: area of a petal proportional to trace length.
+std::string rosette(const survey::WindowSurvey& window) {
+  constexpr std::size_t petals = 18;
+  std::array<double, petals> sums{};
+  const Vec3 y = cross(window.normal, window.x_axis);
+  for (const survey::SeenTrace& t : seen_through(window.window, window.traces)) {
+    const Vec3 d = t.direction.x * window.x_axis + t.direction.y * y;
+    double a = std::atan2(d.x, d.y);
+    if (a < 0) a += pi;
+    sums[std::min(static_cast<std::size_t>(a / pi * petals), petals - 1)] += t.length;
+  }
+  const double most = std::max(*std::ranges::max_element(sums), 1e-300);
+  std::string out = "<svg viewBox=\"-110 -110 220 220\" role=\"img\" aria-label=\"Rosette of trace directions\">";
+  for (std::size_t i = 0; i < petals; ++i) {
+    const double r = 100 * std::sqrt(sums[i] / most);
+    for (const double turn : {0.0, pi}) {
+      const double a = pi * static_cast<double>(i) / petals + turn, b = pi * static_cast<double>(i + 1) / petals + turn;
+      out += "<path fill=\"#D55E00\" fill-opacity=\".65\" d=\"M0,0L" + fixed(r * std::sin(a)) + ',' +
+             fixed(-r * std::cos(a)) + 'L' + fixed(r * std::sin(b)) + ',' + fixed(-r * std::cos(b)) + "Z\"/>";
+    }
+  }
+  return out + "<circle class=\"net-rim\" r=\"100\"/><path class=\"net-tick\" d=\"M0,-100V-105\"/></svg>";
+}
+
+std::string trace_map(const survey::WindowSurvey& window, const std::vector<survey::Polyline>& traces) {
+  double low_x = INFINITY, high_x = -INFINITY, low_y = INFINITY, high_y = -INFINITY;
+  const auto grow = [&](double x, double y) {
+    low_x = std::min(low_x, x);
+    high_x = std::max(high_x, x);
+    low_y = std::min(low_y, y);
+    high_y = std::max(high_y, y);
+  };
+  std::string outline;
+  if (const auto* circle = std::get_if<survey::CircleWindow>(&window.window)) {
+    grow(circle->centre.x - circle->radius, circle->centre.y - circle->radius);
+    grow(circle->centre.x + circle->radius, circle->centre.y + circle->radius);
+  } else {
+    for (const auto& p : std::get<survey::PolygonWindow>(window.window).corners) grow(p.x, p.y);
+  }
+  const double scale = 500 / std::max(high_x - low_x, high_y - low_y);
+  const auto at = [&](survey::MapPoint p) {
+    return fixed(10 + scale * (p.x - low_x)) + ',' + fixed(10 + scale * (high_y - p.y));
+  };
+  std::string out = "<svg viewBox=\"0 0 520 520\" role=\"img\" aria-label=\"Trace map\">";
+  if (const auto* polygon = std::get_if<survey::PolygonWindow>(&window.window)) {
+    for (const auto& p : polygon->corners) outline += (outline.empty() ? "M" : "L") + at(p);
+    out += "<path class=\"net-grid\" d=\"" + outline + "Z\"/>";
+  } else {
+    out += "<circle class=\"net-grid\" cx=\"260\" cy=\"260\" r=\"250\"/>";
+  }
+  const std::size_t stride = std::max<std::size_t>(1, traces.size() / 3000);
+  std::string path;
+  for (std::size_t i = 0; i < traces.size(); i += stride) {
+    const auto seen = seen_through(window.window, std::span{traces}.subspan(i, 1));
+    if (seen.empty()) continue;
+    bool first = true;
+    for (const auto& p : traces[i]) path += (std::exchange(first, false) ? "M" : "L") + at(p);
+  }
+  return out + "<path fill=\"none\" stroke=\"#0072B2\" stroke-width=\"1\" d=\"" + path + "\"/></svg>";
+}
+
+std::string length_histogram(const survey::SetResult& set) {
+  if (set.seen_lengths.size() < 5 || set.lengths.empty()) return {};
+  std::vector<double> lengths = set.seen_lengths;
+  std::ranges::sort(lengths);
+  const double high = lengths[static_cast<std::size_t>(0.98 * static_cast<double>(lengths.size() - 1))];
+  constexpr std::size_t bins = 20;
+  std::array<double, bins> counts{};
+  for (const double l : lengths) {
+    if (l < high) counts[static_cast<std::size_t>(l / high * bins)] += 1;
+  }
+  const double width = high / bins, n = static_cast<double>(lengths.size());
+  double top = 0;
+  for (const double c : counts) top = std::max(top, c / n / width);
+  Plot plot{Axis{0, high, false, "trace length (m)"}, detail::from_zero(1.2 * top, "density (1/m)"),
+            "Histogram of trace lengths with the fitted laws"};
+  for (std::size_t i = 0; i < bins; ++i) {
+    plot.bar(width * static_cast<double>(i), width * static_cast<double>(i + 1), counts[i] / n / width, "#9aa5ae");
+  }
+  const char* style = "line-a";
+  std::string names;
+  for (std::size_t k = 0; k < std::min<std::size_t>(2, set.lengths.size()); ++k) {
+    std::vector<PlotPoint> line;
+    for (int i = 1; i <= 200; ++i) {
+      const double x = high * i / 200;
+      line.push_back({x, std::min(set.lengths[k].fit.density(x), 1.2 * top)});
+    }
+    plot.line(line, style);
+    names += std::string{k == 0 ? "<span class=\"key-a\">" : ", <span class=\"key-b\">"} +
+             std::string{name_of(set.lengths[k].fit.family)} + "</span>";
+    style = "line-b";
+  }
+  return "<figure>" + std::move(plot).svg() + "<figcaption>" + escape_xml(set.name) +
+         ": lengths as seen, and the laws of the whole traces, fitted with censoring: " + names + ".</figcaption></figure>";
+}
+
+std::string sets_section(const survey::SurveyResult& result) {
+  std::string out =
+      "<section id=\"sets\"><h2>Joint sets</h2>\n<div class=\"scroll\"><table><thead><tr><th>Set</th><th>Joints</th><th>Traces"
+      "</th><th>Mean dip / dip direction</th><th>Concentration κ</th><th>P32 (1/m)</th><th>Mean trace "
+      "(m)</th><th>Diameter (m)</th></tr></thead><tbody>\n";
+  for (const survey::SetResult& set : result.sets) {
+    const geometry::Attitude mean = geometry::attitude_of(set.orientation.mean);
+    const bool known = set.joints > 0 || set.orientation_stated;
+    out += "<tr><td>" + escape_xml(set.name) + "</td><td>" + display_count(set.joints) + "</td><td>" +
+           display_count(set.traces) + "</td><td>" +
+           (known ? display(mean.dip.degrees(), 3) + "° / " + display(mean.direction.degrees(), 4) + "°" +
+                        (set.orientation_stated ? " (stated)" : " ± " + display(set.orientation.cone_degrees, 2) + "°")
+                  : "–") +
+           "</td><td>" +
+           (set.joints > 1 ? display(set.orientation.kappa, 3) + " (" + display(set.orientation.kappa_low, 3) + " … " +
+                                 display(set.orientation.kappa_high, 3) + ")" + (set.orientation.fisher ? "" : ", not Fisher")
+                           : "–") +
+           "</td><td>" + (set.p32 ? range(*set.p32) : "–") + "</td><td>" +
+           (set.mean_length ? range(*set.mean_length) : "–") + "</td><td>" +
+           (set.size ? std::string{name_of(set.size->family)} + " " + display(set.size->mean, 3) + " ± " +
+                           display(set.size->std, 3)
+                     : "–") +
+           "</td></tr>\n";
+  }
+  out += "</tbody></table></div>\n<ul>\n";
+  for (const survey::SetResult& set : result.sets) {
+    for (const std::string& note : set.notes) out += "<li>" + escape_xml(set.name + ": " + note) + "</li>\n";
+  }
+  return out + "</ul></section>\n";
+}
+
+std::string nets_section(const scene::SurveyScene& scene, const survey::SurveyResult& result) {
+  if (scene.input.orientations.empty()) return {};
+  std::vector<Pole> poles;
+  std::vector<NetSet> sets;
+  std::vector<Vec3> normals;
+  std::vector<double> weights;
+  for (const survey::SetResult& set : result.sets) sets.push_back({set.name, set.joints});
+  sets.push_back({"unassigned", result.unassigned});
+  for (std::size_t i = 0; i < scene.input.orientations.size(); ++i) {
+    const std::size_t set = std::min(result.set_of[i], result.sets.size());
+    poles.push_back({scene.input.orientations[i].normal, static_cast<std::uint32_t>(set)});
+    normals.push_back(scene.input.orientations[i].normal);
+    const auto& o = scene.input.orientations[i];
+    weights.push_back(o.line     ? survey::terzaghi_weight(o.normal, *o.line, scene.input.weight_cap)
+                      : o.window ? survey::window_weight(o.normal, *o.window, 0, 1, 0, scene.input.weight_cap)
+                                 : 1.0);
+  }
+  std::string out = "<section id=\"net\"><h2>Stereonets</h2>\n<div class=\"columns\">";
+  for (const Net net : {Net::equal_area, Net::equal_angle}) {
+    const std::string name = net == Net::equal_area ? "equal area" : "equal angle";
+    out += "<figure class=\"net\">" + stereonet_svg(poles, sets, net, 0) + "<figcaption>Poles, lower hemisphere, " + name +
+           ".</figcaption></figure><figure class=\"net\">" + contours(normals, weights, net) +
+           "<figcaption>Density of poles, weighted against the bias of line or outcrop, " + name +
+           ": multiples of uniform above 1, by Fisher kernels (κ = 100).</figcaption></figure>\n";
+  }
+  out += "</div>\n";
+  if (!result.silhouettes.empty()) {
+    out += "<p class=\"small\">Mean silhouette of axial K-means by number of sets (nearer to 1: better parted): ";
+    for (const auto& [k, value] : result.silhouettes) out += std::to_string(k) + ": " + display(value, 3) + "; ";
+    out += "the choice is yours.</p>\n";
+  }
+  return out + "</section>\n";
+}
+
+std::string windows_section(const scene::SurveyScene& scene, const survey::SurveyResult& result) {
+  std::string out;
+  for (std::size_t w = 0; w < scene.input.windows.size(); ++w) {
+    const survey::WindowSurvey& window = scene.input.windows[w];
+    const survey::WindowResult& figures = result.windows[w];
+    out += "<section><h2>Outcrop " + escape_xml(window.name) + "</h2>\n<div class=\"columns\"><figure>" +
+           trace_map(window, window.traces) + "<figcaption>Measured: " + display_count(figures.counts.traces()) +
+           " traces meet the window.</figcaption></figure>";
+    const auto simulated = simulated_traces(scene, result, w, 0);
+    std::optional<survey::WindowCounts> again;
+    survey::Nodes again_nodes;
+    if (simulated && !simulated->empty()) {
+      out += "<figure>" + trace_map(window, *simulated) +
+             "<figcaption>Simulated: one realization of the fitted sets.</figcaption></figure>";
+      again = count(window.window, seen_through(window.window, *simulated));
+      again_nodes = nodes(window.window, *simulated, 1e-6);
+    }
+    out += "<figure class=\"net\">" + rosette(window) +
+           "<figcaption>Directions of traces, by length.</figcaption></figure></div>\n<table><thead><tr><th "
+           "class=\"wide\">Figure</th><th class=\"wide\">Method</th><th>Measured (interval)</th><th>Simulated</th></tr></thead><tbody>\n";
+    for (const Estimate& e : figures.estimates) {
+      std::string other = "–";
+      if (again) {
+        for (const auto estimate : {survey::p20, survey::p21, survey::mean_length, survey::mean_length_by_counts,
+                                    survey::p20_plain, survey::p21_by_crossings}) {
+          const Estimate s = estimate(*again, scene.input.confidence);
+          if (s.name == e.name && s.method == e.method && s.value) other = display(*s.value);
+        }
+      }
+      out += "<tr><td class=\"wide\">" + escape_xml(e.name) + (e.note.empty() ? "" : " (" + escape_xml(e.note) + ")") +
+             "</td><td class=\"wide\">" + escape_xml(e.method) + "</td><td>" + range(e) + "</td><td>" + other +
+             "</td></tr>\n";
+    }
+    out += "<tr><td class=\"wide\">Connections per trace</td><td class=\"wide\">2 (Y + X)/lines</td><td>" +
+           display(figures.nodes.connections, 3) + "</td><td>" +
+           (again ? display(again_nodes.connections, 3) : std::string{"–"}) + "</td></tr>\n";
+    out += "</tbody></table></section>\n";
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyResult& result) {
+  const std::string title = escape_xml(scene.input.title);
+  std::string out = detail::page_begin(title, escape_xml(scene.file_name) + " · field survey · intervals at " +
+                                                  display(100 * scene.input.confidence, 3) + " %");
+  out += "<section class=\"cards\" aria-label=\"Key figures\">\n";
+  out += detail::key_figure("Orientations", display_count(scene.input.orientations.size()),
+                            display_count(result.unassigned) + " of no set");
+  std::uint64_t traces = 0;
+  for (const auto& w : result.windows) traces += w.counts.traces();
+  out += detail::key_figure("Traces", display_count(traces), "in " + std::to_string(result.windows.size()) + " windows");
+  out += detail::key_figure("Sets", display_count(result.sets.size()), "in sets.toml");
+  out += "</section>\n";
+  out += sets_section(result);
+  out += nets_section(scene, result);
+  out += windows_section(scene, result);
+  std::string histograms;
+  for (const survey::SetResult& set : result.sets) histograms += length_histogram(set);
+  if (!histograms.empty()) {
+    out += "<section id=\"lengths\"><h2>Trace lengths</h2><div class=\"columns\">" + histograms + "</div></section>\n";
+  }
+  if (!result.lines.empty()) {
+    out += "<section id=\"lines\"><h2>Lines</h2><table><thead><tr><th>Line</th><th>Length (m)</th><th>Frequency "
+           "(1/m)</th><th>RQD, measured</th><th>RQD, from the frequency</th></tr></thead><tbody>\n";
+    for (const survey::LineResult& line : result.lines) {
+      out += "<tr><td>" + escape_xml(line.name) + "</td><td>" + display(line.length) + "</td><td>" +
+             range(line.frequency) + "</td><td>" + display(line.rqd_measured, 3) + "</td><td>" +
+             display(line.rqd_of_frequency, 3) + "</td></tr>\n";
+    }
+    out += "</tbody></table></section>\n";
+  }
+  std::string notes;
+  for (const std::string& note : result.notes) notes += "<li>" + escape_xml(note) + "</li>\n";
+  for (const scene::Problem& note : scene.notes) notes += "<li>" + escape_xml(describe(note)) + "</li>\n";
+  if (!notes.empty()) out += "<section id=\"notes\"><h2>Notes</h2><ul>\n" + notes + "</ul></section>\n";
+  return out + detail::page_end();
+}
+
+}  // namespace cleave::report

@@ -1,0 +1,143 @@
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+
+namespace cleave::cli::test {
+namespace {
+
+using nlohmann::json;
+
+class SurveyTest : public ProgramTest {
+ protected:
+  [[nodiscard]] json survey(const std::string& text) const {
+    write("d.toml", text);
+    const Ended run = cleave("survey d.toml -o out");
+    EXPECT_EQ(run.code, 0) << run.err;
+    return run.code == 0 ? json::parse(read("out/survey.json")) : json{};
+  }
+  [[nodiscard]] std::string refusal(const std::string& text) const {
+    write("d.toml", text);
+    fs::remove_all(path("out"));
+    const Ended run = cleave("survey d.toml -o out");
+    EXPECT_EQ(run.code, 2) << run.out;
+    EXPECT_FALSE(exists("out"));
+    return run.err;
+  }
+  static double estimate(const json& list, const std::string& name, const std::string& method) {
+    for (const json& e : list) {
+      if (e["name"] == name && e["method"] == method) return e["value"];
+    }
+    ADD_FAILURE() << name;
+    return 0;
+  }
+};
+
+// Figures of an independent script: 707 traces, ends inside 3/69/635, length inside 1563.5765329223 m.
+TEST_F(SurveyTest, OutcropOfTheExampleGivesItsKnownFiguresAndSetsForATunnel) {
+  const std::string example = std::string{CLEAVE_SOURCE_DIR} + "/examples/outcrop/";
+  const Ended run = cleave("survey '" + example + "outcrop.toml' -o out");
+  ASSERT_EQ(run.code, 0) << run.err;
+  const json result = json::parse(read("out/survey.json"));
+  const json& window = result["windows"][0];
+  EXPECT_EQ(window["traces"], 707);
+  EXPECT_NEAR(window["ends_0"].get<double>(), 2.5, 0.6);  // one end lies on the border
+  EXPECT_NEAR(window["ends_1"].get<double>(), 69.5, 0.6);
+  EXPECT_EQ(window["ends_2"], 635);
+  EXPECT_NEAR(window["length_inside_m"], 1563.5765329223, 1e-6);
+  EXPECT_NEAR(window["area_m2"], 1237.9003657531, 1e-6);
+  EXPECT_NEAR(estimate(window["estimates"], "P21", "S/A"), 1.2630875442, 1e-9);
+  EXPECT_NEAR(estimate(window["estimates"], "P20", "N/A"), 0.5711283554, 1e-9);
+  EXPECT_EQ(result["sets"].size(), 3U);
+  const std::string page = read("out/report.html");
+  EXPECT_NE(page.find("Simulated: one realization"), std::string::npos);
+  EXPECT_EQ(page.find("http://"), std::string::npos);
+  // What comes out goes into a scene as it is.
+  write("s.toml",
+        "include = [\"out/sets.toml\"]\n[domain]\nbox = { min = [0, 0, 0], max = [3, 3, 3] }\n[joints.northeast]\nfriction "
+        "= 20\n");
+  const Ended cut = cleave("run s.toml --quiet -o cut");
+  EXPECT_EQ(cut.code, 0) << cut.err;
+  EXPECT_GT(json::parse(read("cut/summary.json"))["input"]["joints"], 20);
+}
+
+TEST_F(SurveyTest, ScanlinesGiveSetsOrientationsAndIntensities) {
+  std::string rows = "distance,dip,dip_direction,set\n";
+  for (int i = 0; i < 20; ++i) {
+    rows += std::to_string(0.5 + i) + "," + std::to_string(58 + i % 5) + "," + std::to_string(88 + i % 7) + ",J1\n";
+  }
+  write("line.csv", rows);
+  const json result = survey(
+      "[[scanline]]\nname = \"S1\"\ntrend = 90\nplunge = 0\nlength = 20\nfile = \"line.csv\"\n");
+  EXPECT_NEAR(result["lines"][0]["frequency"]["value"], 1.0, 1e-12);
+  const json& set = result["sets"][0];
+  EXPECT_EQ(set["name"], "J1");
+  EXPECT_NEAR(set["orientation"]["dip"], 60, 1.0);
+  EXPECT_NEAR(set["orientation"]["dip_direction"], 91, 1.5);
+  // Line at 30 degrees to the normal of the mean: P32 = N / (L cos 30).
+  EXPECT_NEAR(set["p32"]["value"], 1 / 0.866, 0.02);
+  const std::string sets = read("out/sets.toml");
+  EXPECT_NE(sets.find("size = \"persistent\""), std::string::npos) << sets;
+}
+
+TEST_F(SurveyTest, ListsOfPolesAreClustered) {
+  std::string rows = "dip,dip_direction\n";
+  for (int i = 0; i < 60; ++i) {
+    const int a = i % 3;
+    rows += std::to_string((a == 0 ? 20 : a == 1 ? 80 : 75) + i % 4) + "," +
+            std::to_string((a == 0 ? 100 : a == 1 ? 10 : 270) + i % 9) + "\n";
+  }
+  write("p.csv", rows);
+  const json result = survey("clusters = 3\n[[orientations]]\nfile = \"p.csv\"\n");
+  EXPECT_EQ(result["sets"].size(), 3U);
+  for (const json& set : result["sets"]) EXPECT_GE(set["joints"], 15);
+  double best = 0;
+  int at = 0;
+  for (const json& s : result["silhouettes"]) {
+    if (s["silhouette"] > best) {
+      best = s["silhouette"];
+      at = s["sets"];
+    }
+  }
+  EXPECT_EQ(at, 3);
+}
+
+TEST_F(SurveyTest, PoorDataGiveAnAnswerOrAReason) {
+  write("one.csv", "dip,dip_direction\n40,100\n");
+  EXPECT_EQ(survey("[[orientations]]\nfile = \"one.csv\"\n")["sets"][0]["joints"], 1);
+  write("same.csv", "strike,dip\n10,40\n10,40\n10,40\n");
+  const json same = survey("[[orientations]]\nfile = \"same.csv\"\n");
+  EXPECT_TRUE(same["sets"][0]["orientation"]["kappa"].is_null());  // infinite
+  EXPECT_NEAR(same["sets"][0]["orientation"]["dip_direction"], 100, 1e-9);
+  write("flat.csv", "x1,y1,x2,y2\n1,1,1,1\n0,0,2,2\n");
+  const json flat = survey("[[window]]\ntraces = \"flat.csv\"\nrectangle = { min = [0, 0], max = [4, 4] }\n");
+  EXPECT_EQ(flat["windows"][0]["traces"], 1);
+
+  write("bare.csv", "40,100\n50,110\n");
+  EXPECT_NE(refusal("[[orientations]]\nfile = \"bare.csv\"\n").find("bare.csv:1: columns: the table has no header"),
+            std::string::npos);
+  EXPECT_EQ(survey("[[orientations]]\nfile = \"bare.csv\"\ncolumns = [\"dip\", \"dip_direction\"]\n")["orientations"], 2);
+  write("odd.csv", "dip,colour\n40,red\n");
+  EXPECT_NE(refusal("[[orientations]]\nfile = \"odd.csv\"\n").find("lacks the columns of an orientation"),
+            std::string::npos);
+  write("wide.csv", "dip,dip_direction\n40,364\n");
+  EXPECT_NE(refusal("[[orientations]]\nfile = \"wide.csv\"\n").find("wide.csv:2: dip_direction: is 364"),
+            std::string::npos);
+  EXPECT_NEAR(survey("[[orientations]]\nfile = \"wide.csv\"\nwrap = true\n")["sets"][0]["orientation"]["dip_direction"], 4,
+              1e-9);
+  write("text.csv", "dip,dip_direction\nsteep,100\n");
+  EXPECT_NE(refusal("[[orientations]]\nfile = \"text.csv\"\n").find("\"steep\" is not a number"), std::string::npos);
+  write("far.csv", "distance\n25\n");
+  EXPECT_NE(refusal("[[scanline]]\ntrend = 0\nplunge = 0\nlength = 20\nfile = \"far.csv\"\n").find("outside the line"),
+            std::string::npos);
+  write("pixels.txt", "1\t1\t5\t5\r\n");
+  EXPECT_NE(refusal("[[window]]\ntraces = \"pixels.txt\"\nrectangle = { min = [0, 0], max = [9, 9] }\n").find("pixels"),
+            std::string::npos);
+  write("deg.geojson", R"({"type":"Feature","geometry":{"type":"LineString","coordinates":[[20.1,60.2],[20.2,60.3]]}})");
+  EXPECT_NE(refusal("[[window]]\ntraces = \"deg.geojson\"\nrectangle = { min = [0, 0], max = [9, 9] }\n").find("degrees"),
+            std::string::npos);
+  EXPECT_NE(refusal("title = \"x\"\n").find("holds no data"), std::string::npos);
+  EXPECT_NE(refusal("[[window]]\ntraces = \"no.geojson\"\n").find("does not exist"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cleave::cli::test
