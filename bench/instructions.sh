@@ -34,7 +34,7 @@ for scene in "${scenes[@]}"; do
     --toggle-collect=cleave_bench_measured "$program" "$scene" 2>"$log"); then
     cat "$log" >&2
     printf '%-14s WRONG ANSWER\n' "$scene"
-    failed=1
+    failed=1 save=''
     continue
   fi
   read -r blocks allocations bytes exact <<<"$figures"

@@ -26,14 +26,16 @@ namespace {
 scene::Scene scene_of(double friction, std::uint64_t seed) {
   std::string text = fmt::format(
       "schema = 1\nseed = {}\n[domain]\nbox = {{ min = [0, 0, 0], max = [24, 16, 24] }}\n[joints.default]\nfriction = "
-      "{}\n[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = {{ shape = \"horseshoe\", width = 6, height = 6 }}\n"
+      "{}\n[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = {{ shape = \"horseshoe\", width = 6, height = 6 "
+      "}}\n"
       "axis = [[12, 0, 12], [12, 16, 12]]\n[output]\nblocks = \"key\"\n[monte_carlo]\nrealizations = 1\n",
       seed, friction);
   const std::vector<std::pair<int, int>> orientations{{30, 30}, {60, 150}, {70, 270}};
   for (const auto& [dip, direction] : orientations) {
     text += fmt::format(
         "[[joint_set]]\nname = \"S{0}\"\nshape = \"disc\"\nintensity = {{ p32 = 0.25 }}\norientation = {{ dip = {0}, "
-        "dip_direction = {1}, distribution = \"fisher\", kappa = 40 }}\nsize = {{ distribution = \"lognormal\", mean = 15, "
+        "dip_direction = {1}, distribution = \"fisher\", kappa = 40 }}\nsize = {{ distribution = \"lognormal\", mean = "
+        "15, "
         "std = 6, min = 2, max = 40 }}\n",
         dip, direction);
   }
@@ -54,8 +56,7 @@ struct Curve {
   /// After `moments.count()` realizations.
   void look() {
     const auto n = moments.count();
-    const double half =
-        moments.mean() - stochastic::t_interval(moments.mean(), moments.standard_error(), n, 0.95).low;
+    const double half = moments.mean() - stochastic::t_interval(moments.mean(), moments.standard_error(), n, 0.95).low;
     const double relative = half / std::abs(moments.mean());
     const bool known = std::isfinite(relative);
     study.add({.problem = problem,
@@ -111,7 +112,8 @@ void study_monte_carlo(study::Study& study) {
     }
   }
   std::vector<study::Series> series;
-  for (const Curve& curve : curves) series.push_back({.name = curve.problem, .points = curve.points, .line = true, .fit = true});
+  for (const Curve& curve : curves)
+    series.push_back({.name = curve.problem, .points = curve.points, .line = true, .fit = true});
   study.plot("half_width", {.title = "half width of the 95 % interval against time",
                             .x_label = "processor time (s)",
                             .y_label = "relative half width",

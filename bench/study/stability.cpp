@@ -63,9 +63,8 @@ Outcome bar(double aspect, std::size_t elements, double grade) {
   const Material m = material(1, 0.25);
   const Sym2 e = m.strain({1, 0, 0});
   const auto u = [e](Vec2 x) { return Vec2{e.xx * x.x, e.yy * x.y}; };
-  Region region{.material = m,
-                .loops = {loop},
-                .conditions = {free_surface(), bem::displacement(u), traction(Vec2{1, 0})}};
+  Region region{
+      .material = m, .loops = {loop}, .conditions = {free_surface(), bem::displacement(u), traction(Vec2{1, 0})}};
   const auto s = solve(Problem{.regions = {region}}, {});
   if (!s) return {.error = std::nullopt, .condition = 0, .refused = true};
   double worst = 0;
@@ -117,8 +116,9 @@ Outcome beside(double small, double large) {
     loop[2].condition = 2;
     Condition held = roller();
     held.component[1] = {Given::spring, {}, 1};
-    Region region{
-        .material = material(1e9, 0.25), .loops = {loop}, .conditions = {free_surface(), clamped(), traction(Vec2{0, 1e6})}};
+    Region region{.material = material(1e9, 0.25),
+                  .loops = {loop},
+                  .conditions = {free_surface(), clamped(), traction(Vec2{0, 1e6})}};
     return solve(Problem{.regions = {region}}, {});
   };
   const auto a = stretch(small);

@@ -26,8 +26,8 @@ TEST_F(CommandsTest, WrongCallsAreWrongInput) {
   for (const std::string call :
        {"", "rum s.toml", "run", "run s.toml", "run s.toml -o", "run s.toml -o out --threads 0",
         "run s.toml -o out --threads x", "run s.toml -o out --seed -1", "run s.toml -o out --seed 1.5",
-        "run s.toml -o out --what", "check", "init", "init castle", "run s.toml -o out --shard 1/3",
-        "merge a b -o c", "replay out --realization 3", "survey d.toml -o out", "diff a b"}) {
+        "run s.toml -o out --what", "check", "init", "init castle", "run s.toml -o out --shard 1/3", "merge a b -o c",
+        "replay out --realization 3", "survey d.toml -o out", "diff a b"}) {
     const Ended ended = cleave(call);
     EXPECT_EQ(ended.code, 2) << call;
     EXPECT_TRUE(ended.err.starts_with("error: ")) << call << ": " << ended.err;

@@ -53,7 +53,8 @@ TEST_F(SurveyTest, OutcropOfTheExampleGivesItsKnownFiguresAndSetsForATunnel) {
   EXPECT_EQ(page.find("http://"), std::string::npos);
   // What comes out goes into a scene as it is.
   write("s.toml",
-        "include = [\"out/sets.toml\"]\n[domain]\nbox = { min = [0, 0, 0], max = [3, 3, 3] }\n[joints.northeast]\nfriction "
+        "include = [\"out/sets.toml\"]\n[domain]\nbox = { min = [0, 0, 0], max = [3, 3, 3] "
+        "}\n[joints.northeast]\nfriction "
         "= 20\n");
   const Ended cut = cleave("run s.toml --quiet -o cut");
   EXPECT_EQ(cut.code, 0) << cut.err;
@@ -66,8 +67,7 @@ TEST_F(SurveyTest, ScanlinesGiveSetsOrientationsAndIntensities) {
     rows += std::to_string(0.5 + i) + "," + std::to_string(58 + i % 5) + "," + std::to_string(88 + i % 7) + ",J1\n";
   }
   write("line.csv", rows);
-  const json result = survey(
-      "[[scanline]]\nname = \"S1\"\ntrend = 90\nplunge = 0\nlength = 20\nfile = \"line.csv\"\n");
+  const json result = survey("[[scanline]]\nname = \"S1\"\ntrend = 90\nplunge = 0\nlength = 20\nfile = \"line.csv\"\n");
   EXPECT_NEAR(result["lines"][0]["frequency"]["value"], 1.0, 1e-12);
   const json& set = result["sets"][0];
   EXPECT_EQ(set["name"], "J1");
@@ -83,8 +83,16 @@ TEST_F(SurveyTest, ListsOfPolesAreClustered) {
   std::string rows = "dip,dip_direction\n";
   for (int i = 0; i < 60; ++i) {
     const int a = i % 3;
-    rows += std::to_string((a == 0 ? 20 : a == 1 ? 80 : 75) + i % 4) + "," +
-            std::to_string((a == 0 ? 100 : a == 1 ? 10 : 270) + i % 9) + "\n";
+    rows += std::to_string((a == 0   ? 20
+                            : a == 1 ? 80
+                                     : 75) +
+                           i % 4) +
+            "," +
+            std::to_string((a == 0   ? 100
+                            : a == 1 ? 10
+                                     : 270) +
+                           i % 9) +
+            "\n";
   }
   write("p.csv", rows);
   const json result = survey("clusters = 3\n[[orientations]]\nfile = \"p.csv\"\n");
@@ -115,15 +123,16 @@ TEST_F(SurveyTest, PoorDataGiveAnAnswerOrAReason) {
   write("bare.csv", "40,100\n50,110\n");
   EXPECT_NE(refusal("[[orientations]]\nfile = \"bare.csv\"\n").find("bare.csv:1: columns: the table has no header"),
             std::string::npos);
-  EXPECT_EQ(survey("[[orientations]]\nfile = \"bare.csv\"\ncolumns = [\"dip\", \"dip_direction\"]\n")["orientations"], 2);
+  EXPECT_EQ(survey("[[orientations]]\nfile = \"bare.csv\"\ncolumns = [\"dip\", \"dip_direction\"]\n")["orientations"],
+            2);
   write("odd.csv", "dip,colour\n40,red\n");
   EXPECT_NE(refusal("[[orientations]]\nfile = \"odd.csv\"\n").find("lacks the columns of an orientation"),
             std::string::npos);
   write("wide.csv", "dip,dip_direction\n40,364\n");
   EXPECT_NE(refusal("[[orientations]]\nfile = \"wide.csv\"\n").find("wide.csv:2: dip_direction: is 364"),
             std::string::npos);
-  EXPECT_NEAR(survey("[[orientations]]\nfile = \"wide.csv\"\nwrap = true\n")["sets"][0]["orientation"]["dip_direction"], 4,
-              1e-9);
+  EXPECT_NEAR(survey("[[orientations]]\nfile = \"wide.csv\"\nwrap = true\n")["sets"][0]["orientation"]["dip_direction"],
+              4, 1e-9);
   write("text.csv", "dip,dip_direction\nsteep,100\n");
   EXPECT_NE(refusal("[[orientations]]\nfile = \"text.csv\"\n").find("\"steep\" is not a number"), std::string::npos);
   write("far.csv", "distance\n25\n");
@@ -132,9 +141,11 @@ TEST_F(SurveyTest, PoorDataGiveAnAnswerOrAReason) {
   write("pixels.txt", "1\t1\t5\t5\r\n");
   EXPECT_NE(refusal("[[window]]\ntraces = \"pixels.txt\"\nrectangle = { min = [0, 0], max = [9, 9] }\n").find("pixels"),
             std::string::npos);
-  write("deg.geojson", R"({"type":"Feature","geometry":{"type":"LineString","coordinates":[[20.1,60.2],[20.2,60.3]]}})");
-  EXPECT_NE(refusal("[[window]]\ntraces = \"deg.geojson\"\nrectangle = { min = [0, 0], max = [9, 9] }\n").find("degrees"),
-            std::string::npos);
+  write("deg.geojson",
+        R"({"type":"Feature","geometry":{"type":"LineString","coordinates":[[20.1,60.2],[20.2,60.3]]}})");
+  EXPECT_NE(
+      refusal("[[window]]\ntraces = \"deg.geojson\"\nrectangle = { min = [0, 0], max = [9, 9] }\n").find("degrees"),
+      std::string::npos);
   EXPECT_NE(refusal("title = \"x\"\n").find("holds no data"), std::string::npos);
   EXPECT_NE(refusal("[[window]]\ntraces = \"no.geojson\"\n").find("does not exist"), std::string::npos);
 }

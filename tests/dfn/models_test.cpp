@@ -70,7 +70,8 @@ double area_inside(const std::vector<SampledJoint>& joints) {
 
 /// By value: what `sample` returns must live as long as the loop over it.
 std::vector<SampledJoint> draws(const JointSet& set, std::size_t number, std::uint64_t seed, std::uint64_t realization,
-                                std::span<const std::span<const SampledJoint>> older = {}, const DomainBox& domain = box) {
+                                std::span<const std::span<const SampledJoint>> older = {},
+                                const DomainBox& domain = box) {
   auto joints = sample(set, number, domain, seed, realization, older);
   EXPECT_TRUE(joints.has_value());
   return *std::move(joints);
@@ -145,6 +146,28 @@ TEST(ModelsTest, MosaicFacesHaveTheirArea) {
   EXPECT_NEAR(grid.mean, 1.5, 4.5 * grid.error() + 1e-3);
 }
 
+/// Nothing is left of the polygon when it is cut to the box, side by side (Sutherland and Hodgman 1974).
+bool misses_box(const Polygon& polygon, Vec3 lo, Vec3 hi) {
+  std::vector<Vec3> rest(polygon.corners().begin(), polygon.corners().end());
+  const std::array<std::pair<Vec3, double>, 6> sides{{{{1, 0, 0}, -lo.x},
+                                                      {{-1, 0, 0}, hi.x},
+                                                      {{0, 1, 0}, -lo.y},
+                                                      {{0, -1, 0}, hi.y},
+                                                      {{0, 0, 1}, -lo.z},
+                                                      {{0, 0, -1}, hi.z}}};
+  for (const auto& [normal, offset] : sides) {
+    std::vector<Vec3> kept;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      const Vec3 a = rest[i], b = rest[(i + 1) % rest.size()];
+      const double u = geometry::dot(normal, a) + offset, v = geometry::dot(normal, b) + offset;
+      if (u >= 0) kept.push_back(a);
+      if ((u >= 0) != (v >= 0)) kept.push_back(a + (u / (u - v)) * (b - a));
+    }
+    rest = std::move(kept);
+  }
+  return rest.empty();
+}
+
 // Every cell of a whole mosaic is a block: as many blocks as seeds whose cells meet the box.
 TEST(ModelsTest, MosaicFacesCloseBlocks) {
   const geometry::Solid domain = [] {
@@ -162,7 +185,12 @@ TEST(ModelsTest, MosaicFacesCloseBlocks) {
   }
   const auto cut = topology::cut(input);
   ASSERT_TRUE(cut.has_value());
-  EXPECT_EQ(cut->report().dangling.size(), 0U);  // a leak would leave faces that part nothing
+  // A leak would leave faces in the box that part nothing; those beside it have the right to.
+  for (const topology::JointId joint : cut->report().dangling) {
+    for (const Polygon& polygon : std::get<topology::Joint>(input.joints[joint.index()]).polygons) {
+      EXPECT_TRUE(misses_box(polygon, {0, 0, 0}, {12, 10, 8})) << joint.value();
+    }
+  }
   EXPECT_GT(cut->blocks().size(), 25U);
   EXPECT_LT(cut->blocks().size(), faces);
 }

@@ -53,8 +53,8 @@ struct Slope {
     input.joints.emplace_back(topology::PersistentJoint{{}, s.n});
     for (const double cut : cuts) {
       input.joints.emplace_back(
-          topology::Joint{{geometry::Polygon::make(
-                               {s.at(cut, -1, -1), s.at(cut, 3, -1), s.at(cut, 3, height + 1), s.at(cut, -1, height + 1)})
+          topology::Joint{{geometry::Polygon::make({s.at(cut, -1, -1), s.at(cut, 3, -1), s.at(cut, 3, height + 1),
+                                                    s.at(cut, -1, height + 1)})
                                .value()}});
     }
     s.complex = audited(input);

@@ -61,7 +61,8 @@ TEST(LineTest, RqdByHand) {
 }
 
 TEST(OrientationTest, WeightsByHand) {
-  // 3 x 2 m horizontal window, disc of 2.4 m, plane 50/070: hits per P30 = sin V [D w h + pi/4 D^2 (w |sin| + h |cos|)].
+  // 3 x 2 m horizontal window, disc of 2.4 m, plane 50/070: hits per P30 = sin V [D w h + pi/4 D^2 (w |sin| + h
+  // |cos|)].
   const Vec3 n = geometry::upward_normal({Dip::degrees(50), DipDirection::degrees(70)});
   const double beta = 70 * pi / 180;  // trace along 160/340: angle to the east (w) side
   const double b = 3 * std::abs(std::cos(beta)) + 2 * std::abs(std::sin(beta));
@@ -182,11 +183,11 @@ TEST(TracesTest, CircleCountsByHand) {
 
 TEST(TracesTest, WindowsClipAndCountByHand) {
   const PolygonWindow square{{{0, 0}, {4, 0}, {4, 4}, {0, 4}}};
-  const std::vector<Polyline> traces{{{1, 1}, {3, 1}},            // both ends inside
-                                     {{1, 2}, {9, 2}},            // one end
-                                     {{-1, 3}, {5, 3}},           // none
-                                     {{-1, -1}, {-2, 5}},         // outside
-                                     {{2, 2}, {2, 2}},            // no length
+  const std::vector<Polyline> traces{{{1, 1}, {3, 1}},                 // both ends inside
+                                     {{1, 2}, {9, 2}},                 // one end
+                                     {{-1, 3}, {5, 3}},                // none
+                                     {{-1, -1}, {-2, 5}},              // outside
+                                     {{2, 2}, {2, 2}},                 // no length
                                      {{1, 3.5}, {5, 3.5}, {3, 3.8}}};  // out and back in
   const auto seen = seen_through(square, traces);
   ASSERT_EQ(seen.size(), 4U);
@@ -214,7 +215,8 @@ TEST(TracesTest, WindowsClipAndCountByHand) {
 TEST(TracesTest, NodesOfASmallMap) {
   const PolygonWindow square{{{0, 0}, {4, 0}, {4, 4}, {0, 4}}};
   // A cross, and one trace that ends on another.
-  const std::vector<Polyline> traces{{{1, 1}, {3, 3}}, {{1, 3}, {3, 1}}, {{3.5, 0.5}, {3.5, 3.5}}, {{3, 3.2}, {3.5, 3.2}}};
+  const std::vector<Polyline> traces{
+      {{1, 1}, {3, 3}}, {{1, 3}, {3, 1}}, {{3.5, 0.5}, {3.5, 3.5}}, {{3, 3.2}, {3.5, 3.2}}};
   const Nodes n = nodes(square, traces, 1e-6);
   EXPECT_EQ(n.crossing, 1U);
   EXPECT_EQ(n.abutting, 1U);

@@ -129,7 +129,8 @@ TEST(RoundTripTest, OrientationIsRecovered) {
       weights.push_back(window_weight(normals.back(), {0, 0, 1}, 0, 1, 0));
     }
     const FisherFit fit = fit_fisher(normals, weights);
-    cones += std::acos(std::min(1.0, std::abs(dot(fit.mean, set.mean_normal())))) * 180 / pi <= fit.cone_degrees ? 1 : 0;
+    cones +=
+        std::acos(std::min(1.0, std::abs(dot(fit.mean, set.mean_normal())))) * 180 / pi <= fit.cone_degrees ? 1 : 0;
     sum += fit.kappa / outcrops;
   }
   EXPECT_GE(cones, 0.90 * outcrops);

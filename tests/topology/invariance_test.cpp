@@ -138,6 +138,31 @@ TEST(Invariance, RemovingAJointNeverAddsABlock) {
   }
 }
 
+// Large enough for several shares of blocks: the same faces and corners in the same places.
+TEST(Invariance, SharesOfThreadsDoNotMatter) {
+  for (const char* name : {"rect-30", "grid-20"}) {
+    const auto input = support::cut_input(support::workload_named(name).value());
+    const auto one = topology::cut(input).value();
+    for (const unsigned threads : {2U, 7U}) {
+      const auto many = topology::cut(input, {.threads = threads}).value();
+      EXPECT_EQ(canonical_hash(many), canonical_hash(one)) << name;
+      EXPECT_EQ(many.data().corners, one.data().corners) << name;
+      EXPECT_EQ(many.data().hole_starts, one.data().hole_starts) << name;
+      EXPECT_EQ(many.data().vertices, one.data().vertices) << name;
+      ASSERT_EQ(many.faces().size(), one.faces().size()) << name;
+      bool same = true;
+      for (const topology::FaceId f : one.faces().ids()) {
+        const topology::Face &a = one.faces()[f], &b = many.faces()[f];
+        same = same && a.block == b.block && a.area == b.area && a.first_corner == b.first_corner &&
+               a.first_hole == b.first_hole && a.first_patch == b.first_patch && a.patch_count == b.patch_count;
+      }
+      EXPECT_TRUE(same) << name;
+      EXPECT_EQ(topology::audit(many, threads).value().certificate().volume,
+                topology::audit(one).value().certificate().volume);
+    }
+  }
+}
+
 TEST(Invariance, ThreadsDoNotMatter) {
   const auto input = support::cut_input(support::workload_named("rect-13").value());
   const auto one = canonical_hash(topology::cut(input, {.threads = 1}).value());

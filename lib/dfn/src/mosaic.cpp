@@ -47,10 +47,12 @@ double reach_of(const std::vector<CellFace>& faces, Vec3 seed) {
   return reach;
 }
 
-/// Keeps the part of a convex cell where dot(n, x) <= offset; the new face leads to `neighbour`. False: nothing changed.
+/// Keeps the part of a convex cell where dot(n, x) <= offset; the new face leads to `neighbour`. False: nothing
+/// changed.
 bool clip(std::vector<CellFace>& faces, Vec3 n, double offset, std::size_t neighbour) {
   const auto beyond = [&](Vec3 p) { return dot(n, p) > offset; };
-  if (std::ranges::none_of(faces, [&](const CellFace& f) { return std::ranges::any_of(f.corners, beyond); })) return false;
+  if (std::ranges::none_of(faces, [&](const CellFace& f) { return std::ranges::any_of(f.corners, beyond); }))
+    return false;
   std::vector<CellFace> kept;
   std::vector<Vec3> cut;
   for (const CellFace& face : faces) {

@@ -99,7 +99,8 @@ std::expected<TraceMap, ReadError> parse_geojson(std::string_view bytes, std::st
     }
   }
   if (degrees && (!map.lines.empty() || !map.polygons.empty())) {
-    return std::unexpected(error(name, ReadFault::out_of_range, 1, "seems to be in degrees (no crs, all within 180 x 90)",
+    return std::unexpected(error(name, ReadFault::out_of_range, 1,
+                                 "seems to be in degrees (no crs, all within 180 x 90)",
                                  "export it in a metric projection, and keep its crs member"));
   }
   if (skipped > 0) {
@@ -129,8 +130,8 @@ std::expected<TraceMap, ReadError> parse_fracpaq(std::string_view bytes, std::st
       if (!value) {
         std::string what{field.substr(0, 40)};
         what += " is not a number";
-        return std::unexpected(error(name, ReadFault::bad_number, number, std::move(what),
-                                     "one trace a line: x1 y1 x2 y2 ... with tabs"));
+        return std::unexpected(
+            error(name, ReadFault::bad_number, number, std::move(what), "one trace a line: x1 y1 x2 y2 ... with tabs"));
       }
       values.push_back(*value);
     }
@@ -168,8 +169,8 @@ std::expected<TraceMap, ReadError> parse_table(std::string_view bytes, std::stri
     const auto a = value(segments ? *x1 : *x), b = value(segments ? *y1 : *y);
     const auto c = segments ? value(*x2) : a, d = segments ? value(*y2) : b;
     if (!a || !b || !c || !d) {
-      return std::unexpected(
-          error(name, ReadFault::bad_number, row.line, "holds a coordinate that is no number", "mend or remove the line"));
+      return std::unexpected(error(name, ReadFault::bad_number, row.line, "holds a coordinate that is no number",
+                                   "mend or remove the line"));
     }
     if (segments) {
       map.lines.push_back({{*a, *b}, {*c, *d}});
@@ -189,11 +190,10 @@ std::expected<TraceMap, ReadError> parse_trace_map(std::string_view bytes, std::
   const auto ends = [&](std::string_view ending) { return name.ends_with(ending); };
   auto map = ends(".geojson") || ends(".json") ? parse_geojson(bytes, name)
              : ends(".csv")                    ? parse_table(bytes, name)
-             : ends(".txt")
-                 ? parse_fracpaq(bytes, name)
-                 : std::expected<TraceMap, ReadError>{std::unexpected(
-                       error(name, ReadFault::unknown_format, 0, "has an ending that is not known for trace maps",
-                             "give .geojson, .csv or .txt (FracPaQ)"))};
+             : ends(".txt")                    ? parse_fracpaq(bytes, name)
+                                               : std::expected<TraceMap, ReadError>{std::unexpected(error(
+                                  name, ReadFault::unknown_format, 0, "has an ending that is not known for trace maps",
+                                  "give .geojson, .csv or .txt (FracPaQ)"))};
   if (map && map->lines.empty() && map->polygons.empty()) {
     return std::unexpected(error(name, ReadFault::empty, 1, "holds no traces", "give at least one line"));
   }

@@ -28,8 +28,8 @@ std::string range(const Estimate& e) {
   return display(*e.value) + " (" + display(e.low) + " … " + display(e.high) + ")";
 }
 
-/// Density of poles on the net as coloured cells, in multiples of uniform: Fisher kernels with kappa 100 (Diggle & Fisher
-/// 1985), about the 1 % counting circle.
+/// Density of poles on the net as coloured cells, in multiples of uniform: Fisher kernels with kappa 100 (Diggle &
+/// Fisher 1985), about the 1 % counting circle.
 std::string contours(const std::vector<Vec3>& normals, const std::vector<double>& weights, Net net) {
   constexpr double kernel = 100;
   constexpr int cells = 60;
@@ -149,12 +149,14 @@ std::string length_histogram(const survey::SetResult& set) {
     style = "line-b";
   }
   return "<figure>" + std::move(plot).svg() + "<figcaption>" + escape_xml(set.name) +
-         ": lengths as seen, and the laws of the whole traces, fitted with censoring: " + names + ".</figcaption></figure>";
+         ": lengths as seen, and the laws of the whole traces, fitted with censoring: " + names +
+         ".</figcaption></figure>";
 }
 
 std::string sets_section(const survey::SurveyResult& result) {
   std::string out =
-      "<section id=\"sets\"><h2>Joint sets</h2>\n<div class=\"scroll\"><table><thead><tr><th>Set</th><th>Joints</th><th>Traces"
+      "<section id=\"sets\"><h2>Joint sets</h2>\n<div "
+      "class=\"scroll\"><table><thead><tr><th>Set</th><th>Joints</th><th>Traces"
       "</th><th>Mean dip / dip direction</th><th>Concentration κ</th><th>P32 (1/m)</th><th>Mean trace "
       "(m)</th><th>Diameter (m)</th></tr></thead><tbody>\n";
   for (const survey::SetResult& set : result.sets) {
@@ -166,9 +168,10 @@ std::string sets_section(const survey::SurveyResult& result) {
                         (set.orientation_stated ? " (stated)" : " ± " + display(set.orientation.cone_degrees, 2) + "°")
                   : "–") +
            "</td><td>" +
-           (set.joints > 1 ? display(set.orientation.kappa, 3) + " (" + display(set.orientation.kappa_low, 3) + " … " +
-                                 display(set.orientation.kappa_high, 3) + ")" + (set.orientation.fisher ? "" : ", not Fisher")
-                           : "–") +
+           (set.joints > 1
+                ? display(set.orientation.kappa, 3) + " (" + display(set.orientation.kappa_low, 3) + " … " +
+                      display(set.orientation.kappa_high, 3) + ")" + (set.orientation.fisher ? "" : ", not Fisher")
+                : "–") +
            "</td><td>" + (set.p32 ? range(*set.p32) : "–") + "</td><td>" +
            (set.mean_length ? range(*set.mean_length) : "–") + "</td><td>" +
            (set.size ? std::string{name_of(set.size->family)} + " " + display(set.size->mean, 3) + " ± " +
@@ -203,8 +206,8 @@ std::string nets_section(const scene::SurveyScene& scene, const survey::SurveyRe
   std::string out = "<section id=\"net\"><h2>Stereonets</h2>\n<div class=\"columns\">";
   for (const Net net : {Net::equal_area, Net::equal_angle}) {
     const std::string name = net == Net::equal_area ? "equal area" : "equal angle";
-    out += "<figure class=\"net\">" + stereonet_svg(poles, sets, net, 0) + "<figcaption>Poles, lower hemisphere, " + name +
-           ".</figcaption></figure><figure class=\"net\">" + contours(normals, weights, net) +
+    out += "<figure class=\"net\">" + stereonet_svg(poles, sets, net, 0) + "<figcaption>Poles, lower hemisphere, " +
+           name + ".</figcaption></figure><figure class=\"net\">" + contours(normals, weights, net) +
            "<figcaption>Density of poles, weighted against the bias of line or outcrop, " + name +
            ": multiples of uniform above 1, by Fisher kernels (κ = 100).</figcaption></figure>\n";
   }
@@ -236,7 +239,8 @@ std::string windows_section(const scene::SurveyScene& scene, const survey::Surve
     }
     out += "<figure class=\"net\">" + rosette(window) +
            "<figcaption>Directions of traces, by length.</figcaption></figure></div>\n<table><thead><tr><th "
-           "class=\"wide\">Figure</th><th class=\"wide\">Method</th><th>Measured (interval)</th><th>Simulated</th></tr></thead><tbody>\n";
+           "class=\"wide\">Figure</th><th class=\"wide\">Method</th><th>Measured "
+           "(interval)</th><th>Simulated</th></tr></thead><tbody>\n";
     for (const Estimate& e : figures.estimates) {
       std::string other = "–";
       if (again) {
@@ -269,7 +273,8 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
                             display_count(result.unassigned) + " of no set");
   std::uint64_t traces = 0;
   for (const auto& w : result.windows) traces += w.counts.traces();
-  out += detail::key_figure("Traces", display_count(traces), "in " + std::to_string(result.windows.size()) + " windows");
+  out +=
+      detail::key_figure("Traces", display_count(traces), "in " + std::to_string(result.windows.size()) + " windows");
   out += detail::key_figure("Sets", display_count(result.sets.size()), "in sets.toml");
   out += "</section>\n";
   out += sets_section(result);
@@ -281,8 +286,9 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
     out += "<section id=\"lengths\"><h2>Trace lengths</h2><div class=\"columns\">" + histograms + "</div></section>\n";
   }
   if (!result.lines.empty()) {
-    out += "<section id=\"lines\"><h2>Lines</h2><table><thead><tr><th>Line</th><th>Length (m)</th><th>Frequency "
-           "(1/m)</th><th>RQD, measured</th><th>RQD, from the frequency</th></tr></thead><tbody>\n";
+    out +=
+        "<section id=\"lines\"><h2>Lines</h2><table><thead><tr><th>Line</th><th>Length (m)</th><th>Frequency "
+        "(1/m)</th><th>RQD, measured</th><th>RQD, from the frequency</th></tr></thead><tbody>\n";
     for (const survey::LineResult& line : result.lines) {
       out += "<tr><td>" + escape_xml(line.name) + "</td><td>" + display(line.length) + "</td><td>" +
              range(line.frequency) + "</td><td>" + display(line.rqd_measured, 3) + "</td><td>" +

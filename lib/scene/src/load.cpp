@@ -56,7 +56,8 @@ namespace {
 
 /// Reads a file and gives its text, with what it names beside it, to `parse`.
 template <class Parsed, class Parse>
-std::expected<Parsed, std::vector<Problem>> load_with(const std::string& path, const char* key, const Parse& parse_text) {
+std::expected<Parsed, std::vector<Problem>> load_with(const std::string& path, const char* key,
+                                                      const Parse& parse_text) {
   auto text = read_whole(path, largest_scene);
   if (!text) {
     return std::unexpected(std::vector{Problem{path, 1, key, text.error().what, text.error().remedy}});

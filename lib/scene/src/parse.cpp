@@ -19,8 +19,8 @@ using std::string_view;
 constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
                                                 "north",  "domain",     "joint",    "joint_set", "joints",
                                                 "rock",   "excavation", "stability"};
-constexpr std::array<string_view, 8> more_root_keys{"output",       "sequence",    "keep_dangling", "micro_blocks",
-                                                    "monte_carlo", "load",        "support",       "include"};
+constexpr std::array<string_view, 8> more_root_keys{"output",      "sequence", "keep_dangling", "micro_blocks",
+                                                    "monte_carlo", "load",     "support",       "include"};
 constexpr std::array<string_view, 3> later_sections{"body", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
@@ -41,8 +41,8 @@ TomlTable without_later_sections(TomlTable table, Problems& problems) {
   return table;
 }
 
-/// Joints, joint sets and their properties of the files of `include`, as if they stood in the scene: arrays of tables are
-/// put behind the scene's own, tables of [joints] beside them. Lines of problems are those of the included file.
+/// Joints, joint sets and their properties of the files of `include`, as if they stood in the scene: arrays of tables
+/// are put behind the scene's own, tables of [joints] beside them. Lines of problems are those of the included file.
 void take_includes(TomlTable& table, Problems& problems, const ReadFile& read_file, std::vector<InputFile>& files) {
   const auto entry = std::ranges::find(table.entries, "include", &TomlEntry::key);
   if (entry == table.entries.end()) return;
@@ -70,7 +70,8 @@ void take_includes(TomlTable& table, Problems& problems, const ReadFile& read_fi
     files.push_back({name, sha256_hex(file->bytes), file->bytes.size()});
     auto tree = read_toml(file->bytes);
     if (!tree) {
-      problems.error_in(file->shown, tree.error().line, "TOML", tree.error().what, "mend the syntax: see https://toml.io");
+      problems.error_in(file->shown, tree.error().line, "TOML", tree.error().what,
+                        "mend the syntax: see https://toml.io");
       continue;
     }
     // Files that the included one names lie beside it.
@@ -78,7 +79,8 @@ void take_includes(TomlTable& table, Problems& problems, const ReadFile& read_fi
     const std::string folder = slash == std::string::npos ? "" : name.substr(0, slash + 1);
     const auto move_files = [&](auto&& self, TomlTable& inner) -> void {
       for (TomlEntry& e : inner.entries) {
-        if (auto* text = std::get_if<std::string>(&e.node.value); text != nullptr && e.key == "file") *text = folder + *text;
+        if (auto* text = std::get_if<std::string>(&e.node.value); text != nullptr && e.key == "file")
+          *text = folder + *text;
         if (auto* deeper = std::get_if<TomlTable>(&e.node.value)) self(self, *deeper);
         if (auto* array = std::get_if<TomlArray>(&e.node.value)) {
           for (TomlNode& item : array->items) {
@@ -152,7 +154,8 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
     return std::unexpected(std::move(problems).take_errors());
   }
   if (tree->entries.empty()) {
-    problems.error(1, "domain", "the file is empty", "start from one of: cleave init tunnel, slope, wedge, network, bodies");
+    problems.error(1, "domain", "the file is empty",
+                   "start from one of: cleave init tunnel, slope, wedge, network, bodies");
     return std::unexpected(std::move(problems).take_errors());
   }
   TomlTable table = without_later_sections(std::move(*tree), problems);

@@ -169,8 +169,8 @@ std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3
 }
 
 void parse_joints(Context& context, const TableReader& root, std::vector<MeasuredJoint>& joints) {
-  constexpr std::array<string_view, 13> keys{"file", "plane",   "disc", "polygon", "holes",    "set",      "surface",
-                                             "wrap", "name",    "ends_on", "friction", "cohesion", "tension"};
+  constexpr std::array<string_view, 13> keys{"file", "plane", "disc",    "polygon",  "holes",    "set",    "surface",
+                                             "wrap", "name",  "ends_on", "friction", "cohesion", "tension"};
   constexpr std::array<string_view, 4> kinds{"file", "plane", "disc", "polygon"};
   const auto found = root.tables("joint");
   for (std::size_t i = 0; i < found.size(); ++i) {

@@ -24,8 +24,7 @@ constexpr NumberRule trend_rule{0, false, 360, false, " degrees"};
 constexpr NumberRule plunge_rule{-90, false, 90, false, " degrees"};
 
 Vec3 line_of(const Context& context, double trend, double plunge) {
-  return geometry::line_vector(
-      {geometry::Trend::degrees(trend + context.north), geometry::Plunge::degrees(plunge)});
+  return geometry::line_vector({geometry::Trend::degrees(trend + context.north), geometry::Plunge::degrees(plunge)});
 }
 Vec3 normal_of(const Context& context, double dip, double direction) {
   return geometry::upward_normal({Dip::degrees(dip), context.turned(direction)});
@@ -110,7 +109,8 @@ class SurveyParser final {
       if (trend && plunge) line = line_of(context_, *trend, *plunge);
     }
     if (const TomlTable* found = table.table("outcrop")) {
-      const TableReader reader{*found, table.line_of("outcrop"), table.path_of("outcrop"), table.problems(), window_keys};
+      const TableReader reader{*found, table.line_of("outcrop"), table.path_of("outcrop"), table.problems(),
+                               window_keys};
       const auto dip = reader.need_number("dip", rule::dip);
       const auto direction = reader.need_number("dip_direction", rule::dip_direction);
       if (dip && direction) window = normal_of(context_, *dip, *direction);
@@ -122,8 +122,9 @@ class SurveyParser final {
     const auto data = read_survey_table(context_, *file, table.texts("columns").value_or(std::vector<std::string>{}));
     if (!data) return;
     if (!has_orientation(*data)) {
-      context_.problems.error_in(file->shown, 1, "columns", "lacks the columns of an orientation",
-                                 "give dip with dip_direction or strike (right-hand rule), or trend and plunge of the pole");
+      context_.problems.error_in(
+          file->shown, 1, "columns", "lacks the columns of an orientation",
+          "give dip with dip_direction or strike (right-hand rule), or trend and plunge of the pole");
       return;
     }
     std::size_t wrong = 0;
@@ -377,8 +378,9 @@ std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, 
     problems.error(tree.error().line, "TOML", tree.error().what, "mend the syntax: see https://toml.io");
     return std::unexpected(std::move(problems).take_errors());
   }
-  constexpr std::array<string_view, 11> keys{"schema",       "title",    "seed",     "north",  "confidence", "weight_cap",
-                                             "orientations", "scanline", "borehole", "window", "set"};
+  constexpr std::array<string_view, 11> keys{"schema",     "title",      "seed",         "north",
+                                             "confidence", "weight_cap", "orientations", "scanline",
+                                             "borehole",   "window",     "set"};
   std::vector<string_view> known{keys.begin(), keys.end()};
   known.emplace_back("clusters");
   const TableReader root{*tree, 1, "", problems, known};
@@ -396,8 +398,8 @@ std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, 
   const auto each = [&](string_view name, auto known_keys, auto&& use) {
     const auto found = root.tables(name);
     for (std::size_t i = 0; i < found.size(); ++i) {
-      use(TableReader{std::get<TomlTable>(found[i]->value), found[i]->line, fmt::format("{}[{}]", name, i + 1), problems,
-                      known_keys});
+      use(TableReader{std::get<TomlTable>(found[i]->value), found[i]->line, fmt::format("{}[{}]", name, i + 1),
+                      problems, known_keys});
     }
   };
   using Keys = std::vector<string_view>;

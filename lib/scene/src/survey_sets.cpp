@@ -66,16 +66,16 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
     file.toml += fmt::format("[[joint_set]]\nname = {}\nmodel = \"baecher\"\n", in_quotes(set.name));
     const bool fisher = set.orientation.fisher && std::isfinite(set.orientation.kappa);
     if (fisher || set.orientation_stated) {
-      file.toml += fmt::format(
-          "orientation = {{ dip = {}, dip_direction = {}, distribution = \"fisher\", kappa = {} }}", mean.dip.degrees(),
-          mean.direction.degrees(), set.orientation.kappa);
-      file.toml += set.orientation_stated
-                       ? "   # dip stated\n"
-                       : fmt::format("   # kappa {:.3g} to {:.3g}, mean within {:.1f} degrees\n",
-                                     set.orientation.kappa_low, set.orientation.kappa_high, set.orientation.cone_degrees);
+      file.toml +=
+          fmt::format("orientation = {{ dip = {}, dip_direction = {}, distribution = \"fisher\", kappa = {} }}",
+                      mean.dip.degrees(), mean.direction.degrees(), set.orientation.kappa);
+      file.toml += set.orientation_stated ? "   # dip stated\n"
+                                          : fmt::format("   # kappa {:.3g} to {:.3g}, mean within {:.1f} degrees\n",
+                                                        set.orientation.kappa_low, set.orientation.kappa_high,
+                                                        set.orientation.cone_degrees);
     } else if (set.joints == 1 || std::isinf(set.orientation.kappa)) {
-      file.toml += fmt::format("orientation = {{ dip = {}, dip_direction = {} }}   # all parallel\n", mean.dip.degrees(),
-                               mean.direction.degrees());
+      file.toml += fmt::format("orientation = {{ dip = {}, dip_direction = {} }}   # all parallel\n",
+                               mean.dip.degrees(), mean.direction.degrees());
     } else {
       const std::string name = fmt::format("sets_{}.csv", plain(set.name));
       // Each pole as often as its weight says, in quarters of the smallest.
@@ -94,8 +94,8 @@ SetsFile sets_file(const SurveyScene& survey, const survey::SurveyResult& result
     } else {
       file.toml += "size = \"persistent\"   # no trace lengths were measured\n";
     }
-    file.toml += fmt::format("intensity = {{ p32 = {} }}   # 1/m, {:.3g} to {:.3g}; {}\n", *set.p32->value, set.p32->low,
-                             set.p32->high, set.p32->method);
+    file.toml += fmt::format("intensity = {{ p32 = {} }}   # 1/m, {:.3g} to {:.3g}; {}\n", *set.p32->value,
+                             set.p32->low, set.p32->high, set.p32->method);
   }
   return file;
 }
@@ -144,7 +144,8 @@ std::optional<std::vector<survey::Polyline>> simulated_traces(const SurveyScene&
     if (!set.orientation.fisher && !set.orientation_stated) {
       law = dfn::BootstrapOrientation::make(set.normals, set.weights, 200);
     }
-    auto joints = dfn::JointSet::make({std::move(law), dfn::Disc{*size, 32}, dfn::FixedRotation{}, dfn::P32{*set.p32->value}});
+    auto joints =
+        dfn::JointSet::make({std::move(law), dfn::Disc{*size, 32}, dfn::FixedRotation{}, dfn::P32{*set.p32->value}});
     if (!joints) return std::nullopt;
     const auto sampled = dfn::sample(*joints, k, {lo, hi}, survey.input.seed, realization);
     if (!sampled) return std::nullopt;

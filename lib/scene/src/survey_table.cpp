@@ -111,7 +111,8 @@ std::optional<SurveyTable> read_survey_table(Context& context, const LoadedFile&
     std::vector<std::string> cells = split(text, separator);
     if (table.columns.empty()) {
       if (std::ranges::any_of(cells, [](const std::string& c) { return number_of(c).has_value(); })) {
-        context.problems.error_in(file.shown, line, "columns", "the table has no header: both orders of dip and dip direction are in use",
+        context.problems.error_in(file.shown, line, "columns",
+                                  "the table has no header: both orders of dip and dip direction are in use",
                                   "state columns = [\"dip_direction\", \"dip\"] in the survey, or add a header");
         return std::nullopt;
       }

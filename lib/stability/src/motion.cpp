@@ -13,8 +13,7 @@ using geometry::Vec3;
 
 /// Reactions from e = n_i x n_j: N_i = -(r x n_j).e / e.e, N_j = (r x n_i).e / e.e; equal to (S2), without its loss of
 /// digits for nearly parallel planes.
-std::pair<double, double> pair_reactions(const Direction& i, const Direction& j, Vec3 r) {
-  const Vec3 e = cross(i, j);
+std::pair<double, double> pair_reactions(const Direction& i, const Direction& j, Vec3 r, Vec3 e) {
   const double q = geometry::dot(e, e);
   return {-geometry::dot(geometry::cross(r, j.unit()), e) / q, geometry::dot(geometry::cross(r, i.unit()), e) / q};
 }
@@ -125,7 +124,7 @@ class Projector final {
       const bool on = k == i || k == j || rows_[k].opposite_to(a) || rows_[k].opposite_to(b);
       if (!admit(k, on ? Sign::zero : sense * orientation(a, b, rows_[k]))) return false;
     }
-    const auto [ni, nj] = pair_reactions(a, b, r_);
+    const auto [ni, nj] = pair_reactions(a, b, r_, e);
     result_.kind = MotionKind::two_planes;
     result_.s = s;
     result_.groups = {i, j};
@@ -178,7 +177,7 @@ std::optional<std::pair<double, double>> reactions(const Cone& cone, const Resul
   if (a.opposite_to(b)) return std::nullopt;
   ForceSigns signs{resultant};
   if (signs.reaction(a, b) == Sign::negative || signs.reaction(b, a) == Sign::negative) return std::nullopt;
-  const auto [ni, nj] = pair_reactions(a, b, resultant.newtons());
+  const auto [ni, nj] = pair_reactions(a, b, resultant.newtons(), cross(a, b));
   return std::pair{std::max(ni, 0.0), std::max(nj, 0.0)};
 }
 

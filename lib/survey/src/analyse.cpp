@@ -104,8 +104,9 @@ class Analysis final {
           std::ranges::all_of(out_.set_of, [](std::size_t s) { return s == Clustering::unassigned; })) {
         const std::size_t all = set_named("all");
         std::ranges::fill(out_.set_of, all);
-        out_.notes.emplace_back("no sets were named: all joints are taken as one; see the silhouettes, and state clusters "
-                                "or polygons");
+        out_.notes.emplace_back(
+            "no sets were named: all joints are taken as one; see the silhouettes, and state clusters "
+            "or polygons");
       }
     }
     for (const std::size_t set : out_.set_of) out_.unassigned += set == Clustering::unassigned ? 1U : 0U;
@@ -148,8 +149,8 @@ class Analysis final {
     set.orientation_stated = true;
     double direction = rule->dip_direction.value_or(0);
     if (!rule->dip_direction && rule->azimuth) direction = mean_azimuth(*rule->azimuth) + 90;
-    set.orientation.mean = geometry::upward_normal(
-        {Dip::degrees(*rule->dip), DipDirection::degrees(geometry::wrap_degrees(direction))});
+    set.orientation.mean =
+        geometry::upward_normal({Dip::degrees(*rule->dip), DipDirection::degrees(geometry::wrap_degrees(direction))});
     set.orientation.kappa = rule->kappa.value_or(azimuth_kappa_);
     set.notes.push_back(fmt::format("dip {} degrees is stated, not measured", *rule->dip));
   }
@@ -232,8 +233,8 @@ class Analysis final {
     if (joints == 0 || !(area_length > 0)) return;
     set.p10_normal = scaled(frequency(joints, normal_length, in_.confidence), "P10 along the mean normal", 1,
                             "sum N / sum(L |n.l|), exact Poisson interval");
-    set.p32_lines =
-        scaled(frequency(joints, area_length, in_.confidence), "P32", 1, "sum N / sum(L E|n.l|), exact Poisson interval");
+    set.p32_lines = scaled(frequency(joints, area_length, in_.confidence), "P32", 1,
+                           "sum N / sum(L E|n.l|), exact Poisson interval");
     for (const Family family : {Family::exponential, Family::lognormal, Family::gamma}) {
       if (auto fit = fit_complete(set.gaps, family, set.gaps.size() <= 500 ? 199 : 0, in_.seed)) {
         set.spacings.push_back(*std::move(fit));
@@ -289,8 +290,9 @@ class Analysis final {
       break;
     }
     if (!set.size) {
-      set.notes.emplace_back("no law of discs has traces of these moments: joints are not discs, or traces are of more "
-                             "than one set; the exponential law with the same mean trace is taken");
+      set.notes.emplace_back(
+          "no law of discs has traces of these moments: joints are not discs, or traces are of more "
+          "than one set; the exponential law with the same mean trace is taken");
       if (set.mean_length->value) set.size = disc_law(Family::exponential, *set.mean_length->value, 0);
     }
     if (set.size && set.p20->value) {
@@ -303,8 +305,9 @@ class Analysis final {
     set.p32 = set.p32_windows && set.p32_windows->value ? set.p32_windows : set.p32_lines;
     if (set.p32_lines && set.p32_windows && set.p32_windows->value &&
         (set.p32_lines->low > set.p32_windows->high || set.p32_windows->low > set.p32_lines->high)) {
-      set.notes.emplace_back("P32 of lines and of windows disagree beyond their intervals: the disc model or the sets do "
-                             "not fit");
+      set.notes.emplace_back(
+          "P32 of lines and of windows disagree beyond their intervals: the disc model or the sets do "
+          "not fit");
     }
     if (!set.p32) set.notes.emplace_back("no line and no window: the intensity is not known");
   }

@@ -90,8 +90,8 @@ double log_likelihood(const Fit& fit, std::span<const SeenLength> lengths, const
                                    : fit.mean_excess(l.length);
     sum += std::log(std::max(v, tiny));
   }
-  return sum - static_cast<double>(lengths.size()) *
-                   std::log(std::max(meeting.area + meeting.width * fit.moment(1), tiny));
+  return sum -
+         static_cast<double>(lengths.size()) * std::log(std::max(meeting.area + meeting.width * fit.moment(1), tiny));
 }
 
 double distance_of(std::vector<double> values, const Fit& fit) {
@@ -170,7 +170,8 @@ double Fit::moment(int k) const {
     }
     case Family::power: {
       const double c = a / (std::pow(min, -a) - std::pow(max, -a));
-      return std::abs(k - a) < 1e-9 ? c * std::log(max / min) : c * (std::pow(max, k - a) - std::pow(min, k - a)) / (k - a);
+      return std::abs(k - a) < 1e-9 ? c * std::log(max / min)
+                                    : c * (std::pow(max, k - a) - std::pow(min, k - a)) / (k - a);
     }
   }
   std::unreachable();
@@ -186,7 +187,7 @@ double Fit::mean_excess(double x) const {
       if (x >= max) return 0;
       const double from = std::max(x, min), c = a / (std::pow(min, -a) - std::pow(max, -a));
       const double tail = std::abs(1 - a) < 1e-9 ? c * std::log(max / from)
-                                                  : c * (std::pow(max, 1 - a) - std::pow(from, 1 - a)) / (1 - a);
+                                                 : c * (std::pow(max, 1 - a) - std::pow(from, 1 - a)) / (1 - a);
       return tail - x * (1 - below(x));
     }
   }

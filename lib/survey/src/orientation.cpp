@@ -206,14 +206,17 @@ BinghamFit fit_bingham(const OrientationTensor& tensor) {
     const double a = (d1[1] - at[1]) / h1, b = (d2[1] - at[1]) / h2, c = (d1[2] - at[2]) / h1, d = (d2[2] - at[2]) / h2;
     const double det = a * d - b * c;
     if (det == 0) break;
-    const auto step = [](double s, double k) { return std::clamp(s, -0.5 * (1 + std::abs(k)), 0.5 * (1 + std::abs(k))); };
+    const auto step = [](double s, double k) {
+      return std::clamp(s, -0.5 * (1 + std::abs(k)), 0.5 * (1 + std::abs(k)));
+    };
     k1 -= step((d * e1 - b * e2) / det, k1);
     k2 -= step((a * e2 - c * e1) / det, k2);
   }
   return {k1, k2};
 }
 
-Clustering cluster(std::span<const Vec3> normals, std::span<const double> weights, std::size_t sets, bool mark_outliers) {
+Clustering cluster(std::span<const Vec3> normals, std::span<const double> weights, std::size_t sets,
+                   bool mark_outliers) {
   Clustering result;
   const std::size_t n = normals.size();
   result.set.assign(n, 0);
@@ -310,7 +313,8 @@ Clustering cluster(std::span<const Vec3> normals, std::span<const double> weight
     if (std::isinf(fit.kappa)) continue;
     const double versine = -std::log(1e-3) / fit.kappa;
     for (std::size_t i = 0; i < n; ++i) {
-      if (result.set[i] == k && 1 - std::abs(dot(normals[i], fit.mean)) > versine) result.set[i] = Clustering::unassigned;
+      if (result.set[i] == k && 1 - std::abs(dot(normals[i], fit.mean)) > versine)
+        result.set[i] = Clustering::unassigned;
     }
   }
   return result;

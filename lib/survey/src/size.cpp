@@ -54,9 +54,7 @@ double diameter_moment(const DiscLaw& law, int k) {
   return 0;
 }
 
-double third_moment(const DiscLaw& law) {
-  return quarter_sine(4) * diameter_moment(law, 4) / diameter_moment(law, 1);
-}
+double third_moment(const DiscLaw& law) { return quarter_sine(4) * diameter_moment(law, 4) / diameter_moment(law, 1); }
 
 double ellipse_factor(double aspect, double beta) {
   const double c = std::cos(beta), s = aspect * std::sin(beta);

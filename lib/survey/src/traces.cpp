@@ -131,7 +131,8 @@ std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyli
       t.insert(t.begin(), 0);
       t.push_back(1);
       for (std::size_t k = 1; k < t.size(); ++k) {
-        if (holds(window, between(line[i - 1], line[i], (t[k - 1] + t[k]) / 2))) trace.length += (t[k] - t[k - 1]) * length;
+        if (holds(window, between(line[i - 1], line[i], (t[k - 1] + t[k]) / 2)))
+          trace.length += (t[k] - t[k - 1]) * length;
       }
     }
     if (!(whole > 0) || !(trace.length > 0)) continue;
@@ -209,9 +210,9 @@ Estimate p21_by_crossings(const WindowCounts& c, double confidence) {
 
 Estimate mean_length(const WindowCounts& c, double confidence) {
   const double m = number(c.ends());
-  if (m == 0) return not_estimable("mean trace length", "2S/m", "no end of a trace lies inside: enlarge or pool windows");
-  const double cv =
-      std::sqrt(ratio_variance(c.sum_length2, c.sum_length_ends, c.length, number(4 * c.n2 + c.n1), m));
+  if (m == 0)
+    return not_estimable("mean trace length", "2S/m", "no end of a trace lies inside: enlarge or pool windows");
+  const double cv = std::sqrt(ratio_variance(c.sum_length2, c.sum_length_ends, c.length, number(4 * c.n2 + c.n1), m));
   return with_interval("mean trace length", 2 * c.length / m, cv, confidence, "2S/m");
 }
 
@@ -219,9 +220,9 @@ Estimate mean_length_by_counts(const WindowCounts& c, double confidence) {
   const char* const method = c.circle ? "(pi R/2) x/m" : "(A/b) x/m";
   const double m = number(c.ends()), x = number(c.crossings);
   if (m == 0 || x == 0) {
-    return not_estimable("mean trace length", method,
-                         m == 0 ? "no end of a trace lies inside: enlarge or pool windows"
-                                : "no trace reaches the border: use 2S/m");
+    return not_estimable(
+        "mean trace length", method,
+        m == 0 ? "no end of a trace lies inside: enlarge or pool windows" : "no trace reaches the border: use 2S/m");
   }
   const double cv = std::sqrt(ratio_variance(c.sum_crossings2, c.sum_crossings_ends, x, number(4 * c.n2 + c.n1), m));
   // Several circles: areas over widths are pooled by sums as well.

@@ -45,12 +45,13 @@ void number_blocks(const Cells& cells, BlockParts& parts, ThreadLimit threads) {
 }
 
 /// Links between the present faces: those of all covered faces where none has gone.
-void link_present(const Cells& cells, BlockParts& parts, ThreadLimit threads) {
+void link_present(Cells& cells, BlockParts& parts, ThreadLimit threads) {
   bool all = !cells.links.to.empty();
   for (std::size_t f = 0; f < parts.present.size() && all; ++f) {
     all = (parts.arrangement.faces[f].cover_count != 0) == (parts.present[f] != 0);
   }
-  parts.links = all ? cells.links : link_around_edges(parts.graph, parts.arrangement, parts.present, threads);
+  parts.links =
+      all ? std::move(cells.links) : link_around_edges(parts.graph, parts.arrangement, parts.present, threads);
 }
 
 double extent_of_domain(const CutInput& input) {
@@ -113,15 +114,15 @@ class VertexNumbers {
   VertexNumbers(const BlockParts& parts, BlockComplex::Data& out)
       : parts_{parts}, out_{out}, number_(parts.positions.size(), none) {}
 
-  void number(const std::vector<Index>& corners) {
+  void number(std::vector<VertexId> corners) {
     std::vector<std::uint8_t> used(number_.size(), 0);
-    for (const Index v : corners) used[v] = 1;
+    for (const VertexId v : corners) used[v.index()] = 1;
     out_.vertices.reserve(number_.size());
     for (Index v = 0; v < used.size(); ++v) {
       if (used[v] != 0) static_cast<void>(id(v));
     }
-    out_.corners.reserve(corners.size());
-    for (const Index v : corners) out_.corners.emplace_back(number_[v]);
+    for (VertexId& v : corners) v = VertexId{number_[v.index()]};
+    out_.corners = std::move(corners);
   }
   VertexId id(Index vertex) {
     if (number_[vertex] == none) {
@@ -184,7 +185,7 @@ void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Da
 }  // namespace
 
 BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
-                            const Arrangement& arrangement, const Cells& cells, const std::vector<Vec>& positions,
+                            const Arrangement& arrangement, Cells cells, const std::vector<Vec>& positions,
                             const std::vector<FaceMeasure>& measures, ThreadLimit threads,
                             const std::vector<std::uint8_t>* excavated) {
   const auto& origin = prepared.lattice.origin();
@@ -215,7 +216,7 @@ BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, con
   MadeBlocks made;
   out.blocks = IdVector<BlockId, Block>{make_blocks(parts, threads, made)};
   VertexNumbers vertices{parts, out};
-  vertices.number(made.corners);
+  vertices.number(std::move(made.corners));
   out.faces = IdVector<FaceId, Face>{std::move(made.faces)};
   out.hole_starts = std::move(made.hole_starts);
   out.patches = std::move(made.patches);

@@ -325,7 +325,7 @@ void BlockMaker::add_loops(Index face, Face& made) {
     const auto before = static_cast<Index>(out_.corners.size()) - made.first_corner;
     if (before > 0) out_.hole_starts.push_back(before);
     for (Index k = loop.first; k < loop.first + loop.count; ++k) {
-      if (!sides_[k].dropped) out_.corners.push_back(sides_[k].head);
+      if (!sides_[k].dropped) out_.corners.emplace_back(sides_[k].head);
     }
   }
   made.corner_count = static_cast<Index>(out_.corners.size()) - made.first_corner;
@@ -409,7 +409,7 @@ double BlockMaker::thickness(FaceId first) {
   double least = std::numeric_limits<double>::infinity();
   for (Index k = 0; k < std::min(most, faces); ++k) {
     const Vec3 n = face(by_area_[k]).outward;
-    const Vec3 base = parts_.position(out_.corners[face(by_area_[k]).first_corner]);
+    const Vec3 base = parts_.position(out_.corners[face(by_area_[k]).first_corner].value());
     double lo = std::numeric_limits<double>::infinity(), hi = -lo;
     for (const Index v : corners_) {
       const double h = geometry::dot(n, parts_.position(v) - base);

@@ -61,8 +61,9 @@ std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOption
   const std::vector<Vec> positions = positions_of(prepared, graph, threads);
   const Arrangement arrangement = arrange(prepared, traces, graph, positions, signs);
   const std::vector<FaceMeasure> measures = measure_faces(prepared, arrangement, positions, threads);
-  const Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);
-  BlockComplex::Data data = assemble(input, prepared, graph, arrangement, cells, positions, measures, threads, nullptr);
+  Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);
+  BlockComplex::Data data =
+      assemble(input, prepared, graph, arrangement, std::move(cells), positions, measures, threads, nullptr);
   if (data.blocks.empty()) return std::unexpected(CutError{DomainSwallowed{}});
   data.report.intersections = static_cast<std::uint64_t>(
       std::ranges::count(traces.intervals, none, [](const Interval& interval) { return interval.outline_of; }));

@@ -42,7 +42,8 @@ struct BlockParts {
 /// Faces of neighbouring blocks; corners are vertices of the graph still.
 struct MadeBlocks {
   std::vector<Face> faces;
-  std::vector<Index> corners, hole_starts;
+  std::vector<VertexId> corners;
+  std::vector<Index> hole_starts;
   std::vector<Patch> patches;
 };
 

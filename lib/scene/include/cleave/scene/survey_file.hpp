@@ -25,8 +25,8 @@ struct SurveyScene {
                                                                             const ReadFile& read_file);
 [[nodiscard]] std::expected<SurveyScene, std::vector<Problem>> load_survey(const std::string& path);
 
-/// The joint sets of a survey as a part of a scene (sets.toml) with the files it names (measured poles for sets that are
-/// drawn from them). A scene takes it with include = ["sets.toml"].
+/// The joint sets of a survey as a part of a scene (sets.toml) with the files it names (measured poles for sets that
+/// are drawn from them). A scene takes it with include = ["sets.toml"].
 struct SetsFile {
   std::string toml;
   std::vector<std::pair<std::string, std::string>> files;  ///< name, content

@@ -18,17 +18,17 @@ namespace cleave::survey {
 
 /// A joint whose orientation was measured.
 struct MeasuredOrientation {
-  geometry::Vec3 normal;                   ///< unit, z >= 0
-  std::string set;                         ///< "" when not stated
-  std::optional<geometry::Vec3> line;      ///< direction of the line it was met on
-  std::optional<geometry::Vec3> window;    ///< normal of the outcrop it was seen on
+  geometry::Vec3 normal;                 ///< unit, z >= 0
+  std::string set;                       ///< "" when not stated
+  std::optional<geometry::Vec3> line;    ///< direction of the line it was met on
+  std::optional<geometry::Vec3> window;  ///< normal of the outcrop it was seen on
 };
 
 /// A scanline or borehole: straight pieces one after the other (a curved one has several).
 struct LineSurvey {
   std::string name;
   std::vector<std::pair<geometry::Vec3, double>> pieces;  ///< unit direction, length (m)
-  std::vector<double> positions;                         ///< along the line, m
+  std::vector<double> positions;                          ///< along the line, m
   std::vector<std::size_t> joints;  ///< numbers in SurveyInput::orientations, or empty: positions only
   [[nodiscard]] double length() const noexcept;
 };
@@ -36,17 +36,17 @@ struct LineSurvey {
 struct WindowSurvey {
   std::string name;
   Window window;
-  geometry::Vec3 normal{0, 0, 1};   ///< of the window's plane
-  geometry::Vec3 x_axis{1, 0, 0};   ///< of the map, in space
+  geometry::Vec3 normal{0, 0, 1};  ///< of the window's plane
+  geometry::Vec3 x_axis{1, 0, 0};  ///< of the map, in space
   std::vector<Polyline> traces;
 };
 
 /// How joints are put into sets.
 struct SetRule {
   std::string name;
-  std::vector<geometry::Vec3> polygon;  ///< on the stereonet; empty: none
+  std::vector<geometry::Vec3> polygon;               ///< on the stereonet; empty: none
   std::optional<std::pair<double, double>> azimuth;  ///< of traces, degrees, when no orientations were measured
-  std::optional<double> dip, dip_direction;  ///< stated, when they cannot be measured
+  std::optional<double> dip, dip_direction;          ///< stated, when they cannot be measured
   std::optional<double> kappa;
 };
 
@@ -69,8 +69,8 @@ struct FittedLaw {
 
 struct SetResult {
   std::string name;
-  std::size_t joints = 0;   ///< with a measured orientation
-  std::size_t traces = 0;   ///< in windows
+  std::size_t joints = 0;  ///< with a measured orientation
+  std::size_t traces = 0;  ///< in windows
   FisherFit orientation;
   std::optional<BinghamFit> bingham;  ///< when Fisher's law is refused
   bool orientation_stated = false;    ///< dip not measured: stated by the rule
@@ -79,10 +79,10 @@ struct SetResult {
   std::optional<Estimate> p10_normal;  ///< joints per metre along the mean normal, from lines
   std::optional<Estimate> p20, p21, mean_length, mean_length_counts;
   std::optional<Estimate> p32_lines, p32_windows, p30;
-  std::optional<Estimate> p32;  ///< the one that sets.toml takes
-  std::vector<FittedLaw> lengths;   ///< trace lengths, by AIC, best first
-  std::optional<DiscLaw> size;      ///< taken
-  std::vector<Fit> spacings;        ///< along the lines, by AIC
+  std::optional<Estimate> p32;     ///< the one that sets.toml takes
+  std::vector<FittedLaw> lengths;  ///< trace lengths, by AIC, best first
+  std::optional<DiscLaw> size;     ///< taken
+  std::vector<Fit> spacings;       ///< along the lines, by AIC
   std::vector<double> gaps, seen_lengths;
   std::vector<std::string> notes;
 };

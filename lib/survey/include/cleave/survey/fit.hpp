@@ -44,10 +44,11 @@ struct Meeting {
   double area = 0, width = 1;
 };
 
-/// Maximum likelihood with censoring (Laslett 1982): densities, survival functions and their integrals for 2, 1, 0 ends,
-/// over E (A + b l). Empty when there is no complete or half complete length. Power laws take min as the smallest and max
-/// as ten times the largest length.
-[[nodiscard]] std::optional<Fit> fit_lengths(std::span<const SeenLength> lengths, const Meeting& meeting, Family family);
+/// Maximum likelihood with censoring (Laslett 1982): densities, survival functions and their integrals for 2, 1, 0
+/// ends, over E (A + b l). Empty when there is no complete or half complete length. Power laws take min as the smallest
+/// and max as ten times the largest length.
+[[nodiscard]] std::optional<Fit> fit_lengths(std::span<const SeenLength> lengths, const Meeting& meeting,
+                                             Family family);
 
 /// Complete data (spacings): maximum likelihood, Kolmogorov-Smirnov p-value by parametric bootstrap with refitting
 /// (`resamples`; 0: none).
@@ -55,7 +56,8 @@ struct Meeting {
                                               std::uint64_t seed);
 
 /// Chi-squared test against equal-probability bins with at least 5 expected each; `p_low`, `p_high`: p-values with
-/// bins - 1 - fitted and bins - 1 degrees of freedom, between which the true one lies for a law fitted to unbinned data.
+/// bins - 1 - fitted and bins - 1 degrees of freedom, between which the true one lies for a law fitted to unbinned
+/// data.
 struct ChiSquared {
   double statistic = 0, p_low = 1, p_high = 1;
   std::size_t bins = 0;

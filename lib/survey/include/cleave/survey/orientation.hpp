@@ -15,8 +15,9 @@ namespace cleave::survey {
 /// Weight of a joint met by a line of unit direction l (Terzaghi 1965): 1/|n.l|, at most `cap` (10: 84.26 degrees,
 /// Priest 1993).
 [[nodiscard]] double terzaghi_weight(geometry::Vec3 normal, geometry::Vec3 line, double cap = 10);
-/// Weight of a disc of diameter `d` met by a flat convex window with area `area` and width `b` across the trace (Kulatilake &
-/// Wu 1984): 1/(sin V (d area + pi/4 d^2 b)), V = angle of joint and window, normalised by 1/area; d = 0: 1/sin V.
+/// Weight of a disc of diameter `d` met by a flat convex window with area `area` and width `b` across the trace
+/// (Kulatilake & Wu 1984): 1/(sin V (d area + pi/4 d^2 b)), V = angle of joint and window, normalised by 1/area; d = 0:
+/// 1/sin V.
 [[nodiscard]] double window_weight(geometry::Vec3 normal, geometry::Vec3 window_normal, double d, double area, double b,
                                    double cap = 10);
 
@@ -54,9 +55,9 @@ struct BinghamFit {
 
 /// Axial K-means (Hammah & Curran 1998): distance 1 - (n.v)^2, first centres by farthest point from the densest joint.
 struct Clustering {
-  std::vector<std::size_t> set;           ///< of each joint; `unassigned` for outliers
-  std::vector<geometry::Vec3> centres;    ///< unit, z >= 0
-  double silhouette = 0;                  ///< mean over joints (of at most 2,000 of them)
+  std::vector<std::size_t> set;         ///< of each joint; `unassigned` for outliers
+  std::vector<geometry::Vec3> centres;  ///< unit, z >= 0
+  double silhouette = 0;                ///< mean over joints (of at most 2,000 of them)
   static constexpr std::size_t unassigned = static_cast<std::size_t>(-1);
 };
 [[nodiscard]] Clustering cluster(std::span<const geometry::Vec3> normals, std::span<const double> weights,

@@ -16,7 +16,8 @@ struct DiscLaw {
   Family family = Family::exponential;
   double mean = 0, std = 0;
 };
-/// Distribution-free: E D^2/E D = 4 mean/pi and E D^3/E D = 3 second/2; shape ratio m3/m2^2 >= 1 for every law of discs.
+/// Distribution-free: E D^2/E D = 4 mean/pi and E D^3/E D = 3 second/2; shape ratio m3/m2^2 >= 1 for every law of
+/// discs.
 struct DiscMoments {
   double m2 = 0, m3 = 0;
   [[nodiscard]] double ratio() const noexcept { return m3 / (m2 * m2); }
@@ -30,8 +31,8 @@ struct DiscMoments {
 /// E D^k of the law.
 [[nodiscard]] double diameter_moment(const DiscLaw& law, int k);
 
-/// Ellipse with axes a >= a/k seen along a trace at `beta` (radians) from the long axis in its plane: chords are those of a
-/// disc of diameter M a (Zhang, Einstein & Dershowitz 2002).
+/// Ellipse with axes a >= a/k seen along a trace at `beta` (radians) from the long axis in its plane: chords are those
+/// of a disc of diameter M a (Zhang, Einstein & Dershowitz 2002).
 [[nodiscard]] double ellipse_factor(double aspect, double beta);
 
 /// Chords of a parallelogram (Warburton 1980b): longest chord, share of chords that have it, mean.

@@ -34,11 +34,11 @@ using Window = std::variant<CircleWindow, PolygonWindow>;
 
 /// A trace as the window shows it.
 struct SeenTrace {
-  std::size_t trace = 0;    ///< number of the polyline
-  double length = 0;        ///< inside
-  std::uint32_t ends = 0;   ///< inside: 0, 1, 2
+  std::size_t trace = 0;        ///< number of the polyline
+  double length = 0;            ///< inside
+  std::uint32_t ends = 0;       ///< inside: 0, 1, 2
   std::uint32_t crossings = 0;  ///< of the window's border
-  MapPoint direction;       ///< unit, from its first to its last point (a closed one: of its longest segment)
+  MapPoint direction;           ///< unit, from its first to its last point (a closed one: of its longest segment)
 };
 /// The traces that meet the window. Polylines without length are left out.
 [[nodiscard]] std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyline> traces);
@@ -49,10 +49,10 @@ struct WindowCounts {
   std::uint64_t crossings = 0;
   double length = 0;  ///< inside
   double area = 0;
-  double width = 0;   ///< across the traces, mean weighted by length; of several windows the sum
+  double width = 0;  ///< across the traces, mean weighted by length; of several windows the sum
   double sum_length2 = 0, sum_length_ends = 0, sum_crossings2 = 0, sum_crossings_ends = 0;  ///< over traces
-  bool circle = true;  ///< all windows are circles
-  double radius = 0;   ///< sum over circles
+  bool circle = true;                                                                       ///< all windows are circles
+  double radius = 0;                                                                        ///< sum over circles
   [[nodiscard]] std::uint64_t traces() const noexcept { return n0 + n1 + n2; }
   [[nodiscard]] std::uint64_t ends() const noexcept { return n1 + 2 * n2; }
 };
@@ -60,8 +60,8 @@ struct WindowCounts {
 /// Pools windows by sums.
 [[nodiscard]] WindowCounts pooled(std::span<const WindowCounts> counts);
 
-// Estimators. Trace centres are taken as a Poisson process; intervals by the delta method on the logarithm, in which each
-// trace counts as one independent piece.
+// Estimators. Trace centres are taken as a Poisson process; intervals by the delta method on the logarithm, in which
+// each trace counts as one independent piece.
 
 /// Trace midpoints per area, m/(2A): any window (Mauldon 1998).
 [[nodiscard]] Estimate p20(const WindowCounts& c, double confidence = 0.95);
