@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "cleave/core/rng.hpp"
@@ -17,8 +18,8 @@ TEST(StoppingTest, LooksGrowByHalf) {
 
 // Ratio of the always-valid half width to 1.96 s/sqrt n (Waudby-Smith et al. 2024, rho = 0.1).
 TEST(StoppingTest, AlwaysValidWidthsByHand) {
-  const double expected[] = {1.8655, 1.5499, 1.6699};
-  int i = 0;
+  constexpr std::array expected{1.8655, 1.5499, 1.6699};
+  std::size_t i = 0;
   for (const int n : {100, 1000, 10000}) {
     Moments m;
     for (int k = 0; k < n; ++k) m.add(k % 2 == 0 ? 1 : -1);
