@@ -234,7 +234,8 @@ const JointLaw& World::Impl::law_of(const Touch& t) const {
 }
 
 ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Island& island, const Rows& rows,
-                                       const State& before, const State& free, double step) const {
+                                       const State& before, const State& free, double step,
+                                       std::vector<Vec2>& viscous) const {
   const double theta = island.theta;
   const std::size_t m = island.touches.size();
   ContactProblem problem;
@@ -244,6 +245,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   problem.cohesion.resize(m);
   problem.tension.resize(m);
   problem.start.resize(m);
+  viscous.resize(m);
   for (std::size_t k = 0; k < m; ++k) {
     const Touch& touch = list[island.touches[k]];
     const JointLaw& law = law_of(touch);
@@ -269,7 +271,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
       diagonal.yy += soft;
       b += (1 / theta) * (Vec2{touch.gap, -law.compliance * force.y} / step + (1 - theta) * old);
     } else if (old.x < -1e-6 && touch.gap + step * old.x <= 0 && law.restitution > 0) {
-      b.x += law.restitution * old.x;
+      b.x += island.rebound * law.restitution * old.x;
     } else {
       // Gaps of rounding size count as closed: a pile at rest sees the same problem every step.
       b.x += std::max(touch.gap - contact_depth * feature, 0.0) / step;
@@ -280,8 +282,9 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     problem.tension[k] = bond != nullptr ? bond->tension * step : 0.0;
     problem.start[k] = step * force;
     // Regularised about the forces of the step before: a load that stays makes nothing creep.
-    const double viscous = options.regularisation / (1 + options.regularisation);
-    b += -viscous * step * Vec2{plain.xx * force.x, plain.yy * force.y};
+    const double share = options.regularisation / (1 + options.regularisation);
+    viscous[k] = share * Vec2{plain.xx, plain.yy};
+    b += -step * Vec2{viscous[k].x * force.x, viscous[k].y * force.y};
   }
   return problem;
 }

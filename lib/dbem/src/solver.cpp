@@ -251,7 +251,8 @@ class Cascade final {
 /// Nothing pushes: zero impulses solve it.
 bool nothing_pushes(const ContactProblem& problem) {
   for (std::size_t k = 0; k < problem.contacts(); ++k) {
-    if (problem.b[k].x < 0 || (problem.cohesion[k] > 0 && problem.b[k].y != 0)) return false;
+    const bool glued = problem.cohesion[k] > 0 || problem.tension[k] > 0;
+    if (problem.b[k].x < 0 || (glued && problem.b[k] != Vec2{})) return false;
   }
   return true;
 }

@@ -365,7 +365,8 @@ std::vector<ContactProblem> World::problems(double step) const {
   std::vector<ContactProblem> problems;
   for (const Island& island : islands) {
     const Rows rows = w.rows_of(w.touches, island, w.state);
-    problems.push_back(w.problem_of(w.touches, island, rows, w.state, free, step));
+    std::vector<Vec2> viscous;
+    problems.push_back(w.problem_of(w.touches, island, rows, w.state, free, step, viscous));
     problems.back().start.clear();
   }
   return problems;
