@@ -172,7 +172,7 @@ TEST(BondTest, DoesNotHealAndKeepsResidualFriction) {
   std::vector<Body> bodies = stack(1);
   bodies[1].outline = rectangle(-0.5, 0, 1, 0.4);
   bodies[1].forces.push_back(
-      {.at = {0, 0}, .force = {3e4, 0}, .factor = [](double t) { return t < 0.02 ? 1.0 : 0.0; }});
+      {.at = {0, 0.2}, .force = {3e4, 0}, .factor = [](double t) { return t < 0.02 ? 1.0 : 0.0; }});
   World world = make(bodies, laws, {.step = 1e-3});
   std::size_t broken = 0;
   while (world.time() < 0.0205) {

@@ -271,7 +271,10 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
       diagonal.yy += soft;
       b += (1 / theta) * (Vec2{touch.gap, -law.compliance * force.y} / step + (1 - theta) * old);
     } else if (old.x < -1e-6 && touch.gap + step * old.x <= 0 && law.restitution > 0) {
-      b.x += island.rebound * law.restitution * old.x;
+      // Away at e times the speed of approach, less what the loads take in the rest of the step: bouncing gains
+      // nothing.
+      const double away = -island.rebound * law.restitution * old.x + std::min(0.0, b.x - old.x);
+      b.x -= std::max(away, 0.0);
     } else {
       // Gaps of rounding size count as closed: a pile at rest sees the same problem every step.
       b.x += std::max(touch.gap - contact_depth * feature, 0.0) / step;
@@ -342,13 +345,15 @@ void World::Impl::free_motion(const State& before, const std::vector<double>& th
   }
 }
 
-void World::Impl::mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step) const {
+void World::Impl::mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step,
+                               const std::vector<std::uint8_t>& implicit) const {
   for (Island& island : islands) {
     const Rows rows = rows_of(list, island, state);
     for (std::size_t k = 0; k < island.touches.size() && !island.impact; ++k) {
       const double closing = velocity_of(rows, k, state).x;
       island.impact = closing < -1e-6 && list[island.touches[k]].gap + step * closing <= 0;
     }
+    for (const std::uint32_t b : island.bodies) island.impact = island.impact || implicit[b] != 0;
     island.theta = island.impact || options.quasi_static ? 1.0 : 0.5;
   }
 }

@@ -177,7 +177,9 @@ struct World::Impl {
                                           const State& before, const State& free, double step,
                                           std::vector<Vec2>& viscous) const;
   void free_motion(const State& before, const std::vector<double>& theta, double step, State& free) const;
-  void mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step) const;
+  /// theta of each group: 1 where something hits or a body is marked.
+  void mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step,
+                    const std::vector<std::uint8_t>& implicit) const;
   [[nodiscard]] Vec2 force_on(const State& at, std::size_t body, double time, double& torque,
                               std::vector<double>* modal) const;
   void predict(const State& before, double step, std::size_t body, State& mid) const;
