@@ -1,6 +1,7 @@
 #include "detail/assemble.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include "detail/block_maker.hpp"
 #include "detail/dangling.hpp"
@@ -61,6 +62,36 @@ double extent_of_domain(const CutInput& input) {
   return extent;
 }
 
+/// What the shares have made, behind one another.
+void put_together(std::vector<MadeBlocks>& shared, ThreadLimit threads, MadeBlocks& out) {
+  const auto corners = offsets_of(shared, &MadeBlocks::corners), holes = offsets_of(shared, &MadeBlocks::hole_starts),
+             patches = offsets_of(shared, &MadeBlocks::patches);
+  out = std::move(shared[0]);
+  parallel_for(4, threads, [&](std::size_t array) {
+    for (std::size_t s = 1; s < shared.size(); ++s) {
+      MadeBlocks& more = shared[s];
+      const auto append = [](auto& to, auto& from) {
+        to.insert(to.end(), from.begin(), from.end());
+        from = {};
+      };
+      if (array == 0) {
+        for (Face& face : more.faces) {
+          face.first_corner += static_cast<Index>(corners[s]);
+          face.first_hole += static_cast<Index>(holes[s]);
+          face.first_patch += static_cast<Index>(patches[s]);
+        }
+        append(out.faces, more.faces);
+      } else if (array == 1) {
+        append(out.patches, more.patches);
+      } else if (array == 2) {
+        append(out.corners, more.corners);
+      } else {
+        append(out.hole_starts, more.hole_starts);
+      }
+    }
+  });
+}
+
 /// Each thread makes neighbouring blocks, and their faces are put behind one another: what comes out does not depend on
 /// where the shares of the threads end.
 std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, MadeBlocks& out) {
@@ -85,25 +116,12 @@ std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, Mad
     BlockMaker maker{parts, flank_place, shared[s]};
     for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) made[b] = maker.make(static_cast<Index>(b));
   });
-  out = std::move(shared[0]);
+  const auto faces = offsets_of(shared, &MadeBlocks::faces);
+  put_together(shared, threads, out);
   for (std::size_t s = 1; s < shares; ++s) {
-    MadeBlocks& more = shared[s];
-    const auto faces = static_cast<Index>(out.faces.size()), first_corner = static_cast<Index>(out.corners.size()),
-               first_hole = static_cast<Index>(out.hole_starts.size()),
-               first_patch = static_cast<Index>(out.patches.size());
-    for (Face& face : more.faces) {
-      face.first_corner += first_corner;
-      face.first_hole += first_hole;
-      face.first_patch += first_patch;
-    }
     for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) {
-      made[b].faces = {FaceId{made[b].faces.front().index() + faces}, static_cast<Index>(made[b].faces.size())};
+      made[b].faces = {FaceId{made[b].faces.front().index() + faces[s]}, static_cast<Index>(made[b].faces.size())};
     }
-    out.faces.insert(out.faces.end(), more.faces.begin(), more.faces.end());
-    out.corners.insert(out.corners.end(), more.corners.begin(), more.corners.end());
-    out.hole_starts.insert(out.hole_starts.end(), more.hole_starts.begin(), more.hole_starts.end());
-    out.patches.insert(out.patches.end(), more.patches.begin(), more.patches.end());
-    more = {};
   }
   return made;
 }
@@ -114,14 +132,20 @@ class VertexNumbers {
   VertexNumbers(const BlockParts& parts, BlockComplex::Data& out)
       : parts_{parts}, out_{out}, number_(parts.positions.size(), none) {}
 
-  void number(std::vector<VertexId> corners) {
+  void number(std::vector<VertexId> corners, ThreadLimit threads) {
     std::vector<std::uint8_t> used(number_.size(), 0);
-    for (const VertexId v : corners) used[v.index()] = 1;
+    in_pieces(corners.size(), 65536, threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k) {
+        std::atomic_ref{used[corners[k].index()]}.store(1, std::memory_order_relaxed);
+      }
+    });
     out_.vertices.reserve(number_.size());
     for (Index v = 0; v < used.size(); ++v) {
       if (used[v] != 0) static_cast<void>(id(v));
     }
-    for (VertexId& v : corners) v = VertexId{number_[v.index()]};
+    in_pieces(corners.size(), 65536, threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k) corners[k] = VertexId{number_[corners[k].index()]};
+    });
     out_.corners = std::move(corners);
   }
   VertexId id(Index vertex) {
@@ -163,6 +187,7 @@ void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Da
   report.largest_snap_m = prepared.largest_snap;
   report.merged_planes = prepared.merged_planes;
   report.adopted_edges = prepared.adopted_edges;
+  report.snapped = prepared.snapped;
   report.joints_outside = prepared.outside.size();
   std::vector<std::uint8_t> used(prepared.joint_count, 0);
   for (const Index j : prepared.outside) {
@@ -216,7 +241,7 @@ BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, con
   MadeBlocks made;
   out.blocks = IdVector<BlockId, Block>{make_blocks(parts, threads, made)};
   VertexNumbers vertices{parts, out};
-  vertices.number(std::move(made.corners));
+  vertices.number(std::move(made.corners), threads);
   out.faces = IdVector<FaceId, Face>{std::move(made.faces)};
   out.hole_starts = std::move(made.hole_starts);
   out.patches = std::move(made.patches);

@@ -434,7 +434,8 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned 
   };
   std::vector<Verdict> verdicts(blocks);
   const FitAuditor fit{complex};
-  detail::in_pieces(blocks, 8192, threads, [&](std::size_t first, std::size_t last) {
+  const std::size_t grain = std::max<std::size_t>(8192, blocks / (8 * threads.count()));  // each piece is set up anew
+  detail::in_pieces(blocks, grain, threads, [&](std::size_t first, std::size_t last) {
     BlockAuditor auditor{complex};
     for (std::size_t b = first; b < last; ++b) {
       const BlockId id{b};

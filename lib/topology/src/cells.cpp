@@ -5,6 +5,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "detail/exact_volume.hpp"
+#include "detail/pieces.hpp"
 #include "detail/stages.hpp"
 #include "detail/union_find.hpp"
 
@@ -45,16 +46,27 @@ class CellFinder {
     for (Index f = 0; f < faces_; ++f) present[f] = covered(f) ? 1 : 0;
     links_ = link_around_edges(graph_, arrangement_, present, threads_);
     UnionFind half_faces{2 * std::size_t{faces_}};
-    for (Index flank = 0; flank < links_.to.size(); ++flank) {
-      const Index other = links_.to[flank];
-      if (other == none || other < flank) continue;
-      half_faces.unite(2 * arrangement_.face[flank / 2] + flank % 2, 2 * arrangement_.face[other / 2] + other % 2);
-    }
+    const auto half_face = [&](Index flank) { return 2 * arrangement_.face[flank / 2] + flank % 2; };
+    const bool alone = threads_.count() == 1;
+    in_pieces(links_.to.size(), 65536, threads_, [&](std::size_t first, std::size_t last) {
+      for (auto flank = static_cast<Index>(first); flank < last; ++flank) {
+        const Index other = links_.to[flank];
+        if (other == none || other < flank) continue;
+        if (alone) {
+          half_faces.unite(half_face(flank), half_face(other));
+        } else {
+          half_faces.unite_shared(half_face(flank), half_face(other));
+        }
+      }
+    });
     shell_of_.assign(2 * std::size_t{faces_}, none);
-    for (Index h = 0; h < 2 * faces_; ++h) {
-      if (present[h / 2] == 0) continue;
-      const Index root = half_faces.find(h);
-      shell_of_[h] = root == h ? shell_count_++ : shell_of_[root];
+    in_pieces(shell_of_.size(), 65536, threads_, [&](std::size_t first, std::size_t last) {
+      for (auto h = static_cast<Index>(first); h < last; ++h) {
+        if (present[h / 2] != 0) shell_of_[h] = alone ? half_faces.find(h) : half_faces.find_shared(h);
+      }
+    });
+    for (Index h = 0; h < 2 * faces_; ++h) {  // a root is the first of its shell
+      if (shell_of_[h] != none) shell_of_[h] = shell_of_[h] == h ? shell_count_++ : shell_of_[shell_of_[h]];
     }
   }
 
