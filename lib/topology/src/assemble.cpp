@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "detail/block_maker.hpp"
 #include "detail/dangling.hpp"
@@ -62,67 +66,88 @@ double extent_of_domain(const CutInput& input) {
   return extent;
 }
 
-/// What the shares have made, behind one another.
-void put_together(std::vector<MadeBlocks>& shared, ThreadLimit threads, MadeBlocks& out) {
-  const auto corners = offsets_of(shared, &MadeBlocks::corners), holes = offsets_of(shared, &MadeBlocks::hole_starts),
-             patches = offsets_of(shared, &MadeBlocks::patches);
-  out = std::move(shared[0]);
-  parallel_for(4, threads, [&](std::size_t array) {
-    for (std::size_t s = 1; s < shared.size(); ++s) {
-      MadeBlocks& more = shared[s];
-      const auto append = [](auto& to, auto& from) {
-        to.insert(to.end(), from.begin(), from.end());
-        from = {};
-      };
-      if (array == 0) {
-        for (Face& face : more.faces) {
-          face.first_corner += static_cast<Index>(corners[s]);
-          face.first_hole += static_cast<Index>(holes[s]);
-          face.first_patch += static_cast<Index>(patches[s]);
-        }
-        append(out.faces, more.faces);
-      } else if (array == 1) {
-        append(out.patches, more.patches);
-      } else if (array == 2) {
-        append(out.corners, more.corners);
-      } else {
-        append(out.hole_starts, more.hole_starts);
-      }
-    }
-  });
-}
+/// Puts what shares of the blocks have made behind one another, in order, as soon as all shares before are done; by
+/// whichever thread comes along, while others go on making.
+class Joiner {
+ public:
+  Joiner(std::size_t shares, MadeBlocks& out) : out_{out}, waiting_(shares) {}
 
-/// Each thread makes neighbouring blocks, and their faces are put behind one another: what comes out does not depend on
-/// where the shares of the threads end.
+  /// `blocks` are those of the share; their faces get their final numbers.
+  void hand_in(std::size_t share, MadeBlocks made, std::span<Block> blocks) {
+    std::unique_lock lock{mutex_};
+    waiting_[share].emplace(std::move(made), blocks);
+    if (busy_) return;  // whoever is at it looks again before leaving
+    busy_ = true;
+    while (next_ < waiting_.size() && waiting_[next_]) {
+      auto [ready, its_blocks] = *std::move(waiting_[next_]);
+      waiting_[next_++].reset();
+      lock.unlock();
+      append(std::move(ready), its_blocks);
+      lock.lock();
+    }
+    busy_ = false;
+  }
+
+ private:
+  void append(MadeBlocks more, std::span<Block> blocks) {
+    const auto faces = static_cast<Index>(out_.faces.size()), corners = static_cast<Index>(out_.corners.size()),
+               holes = static_cast<Index>(out_.hole_starts.size()), patches = static_cast<Index>(out_.patches.size());
+    if (faces == 0) {
+      out_ = std::move(more);
+      return;
+    }
+    for (Face& face : more.faces) {
+      face.first_corner += corners;
+      face.first_hole += holes;
+      face.first_patch += patches;
+    }
+    for (Block& block : blocks) {
+      block.faces = {FaceId{block.faces.front().index() + faces}, static_cast<Index>(block.faces.size())};
+    }
+    out_.faces.insert(out_.faces.end(), more.faces.begin(), more.faces.end());
+    out_.corners.insert(out_.corners.end(), more.corners.begin(), more.corners.end());
+    out_.hole_starts.insert(out_.hole_starts.end(), more.hole_starts.begin(), more.hole_starts.end());
+    out_.patches.insert(out_.patches.end(), more.patches.begin(), more.patches.end());
+  }
+
+  MadeBlocks& out_;
+  std::mutex mutex_;
+  std::vector<std::optional<std::pair<MadeBlocks, std::span<Block>>>> waiting_;
+  std::size_t next_ = 0;
+  bool busy_ = false;
+};
+
+/// Each thread makes shares of neighbouring blocks, and their faces are put behind one another: what comes out does not
+/// depend on where the shares end.
 std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, MadeBlocks& out) {
   const std::size_t blocks = parts.begin.size() - 1;
   std::vector<Index> flank_place(parts.links.to.size(), none);
   const Block empty{{}, {}, {}, {}, true, false, false, {}, false, false};
   std::vector<Block> made(blocks, empty);
-  const std::size_t shares = std::min(std::max<std::size_t>(blocks / 256, 1), threads.count());
+  const std::size_t shares =
+      threads.count() == 1 ? 1 : std::min(std::max<std::size_t>(blocks / 256, 1), 8 * threads.count());
   std::vector<std::size_t> share_begin(shares + 1, blocks);
   for (std::size_t s = 0; s < shares; ++s) {  // equal numbers of half-faces
     const std::size_t at = parts.half_faces.size() * s / shares;
     share_begin[s] = static_cast<std::size_t>(std::ranges::lower_bound(parts.begin, at) - parts.begin.begin());
   }
-  std::vector<MadeBlocks> shared(shares);
-  // All memory at once, as much as may be needed: what is not used is never touched.
   std::size_t corners = 0;
   for (const Index to : parts.links.to) corners += to != none ? 1 : 0;
-  shared[0].faces.reserve(parts.half_faces.size());
-  shared[0].patches.reserve(parts.half_faces.size());
-  shared[0].corners.reserve(corners);
-  parallel_for(shares, threads, [&](std::size_t s) {
-    BlockMaker maker{parts, flank_place, shared[s]};
-    for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) made[b] = maker.make(static_cast<Index>(b));
-  });
-  const auto faces = offsets_of(shared, &MadeBlocks::faces);
-  put_together(shared, threads, out);
-  for (std::size_t s = 1; s < shares; ++s) {
-    for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) {
-      made[b].faces = {FaceId{made[b].faces.front().index() + faces[s]}, static_cast<Index>(made[b].faces.size())};
+  Joiner joiner{shares, out};
+  std::atomic<std::size_t> next{0};
+  parallel_for(std::min(shares, threads.count()), threads, [&](std::size_t) {
+    for (std::size_t s = next++; s < shares; s = next++) {
+      MadeBlocks own;
+      if (s == 0) {  // all memory at once, as much as may be needed: what is not used is never touched
+        own.faces.reserve(parts.half_faces.size());
+        own.patches.reserve(parts.half_faces.size());
+        own.corners.reserve(corners);
+      }
+      BlockMaker maker{parts, flank_place, own};
+      for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) made[b] = maker.make(static_cast<Index>(b));
+      joiner.hand_in(s, std::move(own), std::span{made}.subspan(share_begin[s], share_begin[s + 1] - share_begin[s]));
     }
-  }
+  });
   return made;
 }
 
@@ -168,10 +193,7 @@ double void_volume(const BlockParts& parts, const Cells& cells) {
     const Index cell = cells.of_half_face[h];
     if (cell == none || cells.in_domain[cell] == 0 || cells.rock[cell] != 0) continue;
     if (cells.of_half_face[h ^ 1U] == cell) continue;
-    const PlaneFace& face = parts.arrangement.faces[h / 2];
-    const Vec3 apex = parts.position(parts.arrangement.start[parts.arrangement.loops[face.first_loop]]);
-    const double part = parts.measures[h / 2].area * geometry::dot(parts.normals[face.plane], apex);
-    volume += h % 2 == 0 ? -part : part;
+    volume += h % 2 == 0 ? -parts.measures[h / 2].cone : parts.measures[h / 2].cone;
   }
   return volume / 3;
 }

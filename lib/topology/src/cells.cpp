@@ -74,21 +74,13 @@ class CellFinder {
   void find_outsides() {
     std::vector<double> volume(shell_count_, 0), error(shell_count_, 0);
     UnionFind connected{shell_count_};
-    Index plane = none;
-    std::array<double, 3> n{};
     for (Index f = 0; f < faces_; ++f) {
       if (!covered(f)) continue;
-      const PlaneFace& face = arrangement_.faces[f];
-      if (face.plane != plane) {
-        plane = face.plane;
-        n = prepared_.planes[plane].unit_normal();
-      }
       const FaceMeasure& measure = measures_[f];
-      const double part = measure.area * dot(n, start_of(arrangement_.loops[face.first_loop]));
       const double size = std::abs(measure.area) + measure.perimeter;
       const Index positive = shell_of_[2 * f], negative = shell_of_[2 * f + 1];
-      volume[positive] -= part;
-      volume[negative] += part;
+      volume[positive] -= measure.cone;
+      volume[negative] += measure.cone;
       error[positive] += size;
       error[negative] += size;
       connected.unite(positive, negative);

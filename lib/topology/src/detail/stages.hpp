@@ -110,10 +110,12 @@ struct Arrangement {
                                   const std::vector<Vec>& positions, Signs& signs, ThreadLimit threads);
 
 /// Measures of one plane face: area (units^2), perimeter (at least; units), and three times the first moment of area
-/// about the start of its first loop (units^3); a unit is 2^48 sites.
+/// about the start of its first loop, and three times the volume of the cone over it from the origin (units^3); a unit
+/// is 2^48 sites.
 struct FaceMeasure {
   double area, perimeter;
   geometry::Vec3 moment3;
+  double cone;
 };
 [[nodiscard]] std::vector<FaceMeasure> measure_faces(const Prepared& prepared, const Arrangement& arrangement,
                                                      const std::vector<Vec>& positions, ThreadLimit threads);
