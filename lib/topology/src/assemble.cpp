@@ -135,18 +135,18 @@ std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, Mad
   for (const Index to : parts.links.to) corners += to != none ? 1 : 0;
   Joiner joiner{shares, out};
   std::atomic<std::size_t> next{0};
-  parallel_for(std::min(shares, threads.count()), threads, [&](std::size_t) {
-    for (std::size_t s = next++; s < shares; s = next++) {
-      MadeBlocks own;
-      if (s == 0) {  // all memory at once, as much as may be needed: what is not used is never touched
-        own.faces.reserve(parts.half_faces.size());
-        own.patches.reserve(parts.half_faces.size());
-        own.corners.reserve(corners);
-      }
-      BlockMaker maker{parts, flank_place, own};
-      for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) made[b] = maker.make(static_cast<Index>(b));
-      joiner.hand_in(s, std::move(own), std::span{made}.subspan(share_begin[s], share_begin[s + 1] - share_begin[s]));
-    }
+  parallel_for(shares, threads, [&](std::size_t) {
+    const std::size_t s = next++;  // in order, so that what is made can be put together soon
+    MadeBlocks own;
+    // All memory at once, as much as may be needed (for all shares in the first): what is not used is never touched.
+    const std::size_t half_faces =
+        s == 0 ? parts.half_faces.size() : parts.begin[share_begin[s + 1]] - parts.begin[share_begin[s]];
+    own.faces.reserve(half_faces);
+    own.patches.reserve(half_faces);
+    own.corners.reserve(s == 0 ? corners : corners / shares);
+    BlockMaker maker{parts, flank_place, own};
+    for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) made[b] = maker.make(static_cast<Index>(b));
+    joiner.hand_in(s, std::move(own), std::span{made}.subspan(share_begin[s], share_begin[s + 1] - share_begin[s]));
   });
   return made;
 }
