@@ -45,8 +45,7 @@ bool far_away(const PointApprox& point) {
 
 class Finder {
  public:
-  Finder(const Prepared& prepared, const Traces& traces, const Signs& signs)
-      : prepared_{prepared}, traces_{traces}, signs_{signs.another()} {}
+  Finder(const Traces& traces, const Signs& signs) : traces_{traces}, signs_{signs.another()} {}
 
   struct Result {
     std::vector<Vertex> vertices;
@@ -89,7 +88,6 @@ class Finder {
     }
   }
 
-  const Prepared& prepared_;
   const Traces& traces_;
   Signs signs_;
   std::vector<Vertex> vertices_;
@@ -152,7 +150,7 @@ Drawings draw(const Prepared& prepared, const Traces& traces, ThreadLimit thread
 Crossings find_crossings(const Prepared& prepared, const Traces& traces, Signs& signs, ThreadLimit threads) {
   const auto [begin, segments] = draw(prepared, traces, threads);
   auto results = made_in_pieces(segments.size(), threads, [&](std::size_t first, std::size_t last) {
-    Finder finder{prepared, traces, signs};
+    Finder finder{traces, signs};
     auto plane = static_cast<Index>(std::ranges::upper_bound(begin, first) - begin.begin()) - 1;
     for (std::size_t s = first; s < last; ++s) {
       while (begin[plane + std::size_t{1}] <= s) ++plane;
