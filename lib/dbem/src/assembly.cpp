@@ -204,8 +204,26 @@ const Bond* World::Impl::bond_of(const Touch& t) const {
   return bond.broken ? nullptr : &bond;
 }
 
-const JointLaw& World::Impl::law_of(const Touch& t) const {
-  return laws.of(bodies[t.i].property, bodies[t.j].property);
+const JointLaw& World::Impl::law_of(const TouchKey& t) const {
+  const auto at = [&](std::uint32_t body, std::size_t edge) {
+    const Body& b = bodies[body];
+    return b.properties.empty() ? b.property : b.properties[edge];
+  };
+  const std::size_t n = corner_count(t.i);
+  const std::size_t back = t.vertex == 0 ? n - 1 : t.vertex - 1;
+  std::size_t mine = at(t.i, t.vertex);
+  if (const std::size_t other = at(t.i, back); other != mine) {
+    // The edge at the corner that lies more nearly against the other body's.
+    const auto i = corners_of(corners, t.i);
+    const auto j = corners_of(corners, t.j);
+    const auto direction = [](std::span<const Vec2> c, std::size_t edge) {
+      const Vec2 d = c[edge + 1 == c.size() ? 0 : edge + 1] - c[edge];
+      return d / norm(d);
+    };
+    const Vec2 against = direction(j, t.edge);
+    if (dot(direction(i, back), against) < dot(direction(i, t.vertex), against)) mine = other;
+  }
+  return laws.of(mine, at(t.j, t.edge));
 }
 
 ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Island& island, const Rows& rows,

@@ -27,7 +27,7 @@ double World::Impl::elastic_of(const State& at, const std::vector<Memory>& force
     }
   }
   for (const Memory& memory_of : forces) {
-    const double c = laws.of(bodies[memory_of.key.i].property, bodies[memory_of.key.j].property).compliance;
+    const double c = law_of(memory_of.key).compliance;
     if (c > 0) sum += 0.5 * c * dot(memory_of.force, memory_of.force);
   }
   return sum;
@@ -87,10 +87,12 @@ void World::Impl::project(Attempt& out) const {
     problem.tension.assign(m, 0.0);
     for (std::size_t k = 0; k < m; ++k) {
       bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
+      const Touch& t = out.touches[island.touches[k]];
+      const bool clamped = d.xx <= 0;  // both bodies: nothing can be moved
+      if (clamped) d = {1, 0, 0, 1};
       d.xx *= 1 + 1e-8;
       d.yy *= 1 + 1e-8;
-      const Touch& t = out.touches[island.touches[k]];
-      problem.b.push_back({law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap, 0});
+      problem.b.push_back({law_of(t).compliance > 0 || clamped ? std::max(t.gap, 0.0) : t.gap, 0});
     }
     const ContactSolution solution = solve(problem, options.solver);
     if (solution.report.status != ContactReport::Status::converged) continue;  // left for the next step
@@ -273,9 +275,13 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
   for (std::size_t b = 0; b < size(); ++b) {
     if (idle(b)) continue;
     double torque = 0;
-    const Vec2 force = force_on(state, b, time + 0.5 * step, torque, nullptr);
+    std::vector<double> modal;
+    const Vec2 force = force_on(state, b, time + 0.5 * step, torque, shapes[b].timed ? &modal : nullptr);
     const Vec2 other = force - shapes[b].mass * options.gravity;
     out.work += dot(other, out.state.x[b] - state.x[b]) + torque * (out.state.angle[b] - state.angle[b]);
+    for (std::size_t m = 0; m < modal.size(); ++m) {
+      out.work += modal[m] * (out.state.e[first_mode[b] + m] - state.e[first_mode[b] + m]);
+    }
     most_pull = std::max(most_pull, norm(force) / shapes[b].mass);
     Vec2 dv = out.state.v[b] - state.v[b];
     double change = norm(dv) + std::abs(out.state.spin[b] - state.spin[b]) * shapes[b].radius;

@@ -114,19 +114,21 @@ std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
   }
   shape.feature = smallest_feature(shape.corners);
   if (!(shape.feature > 1e-9 * perimeter)) return BadOutline{body.name, "thinner than 1e-9 of its perimeter"};
-  shape.fixed = body.held.all();
+  shape.fixed = body.held.all() && shape.modes == 0;
   shape.timed = !body.forces.empty();
   const double density = body.density;
   shape.mass = body.mass.value_or(density * moments.area);
   shape.inertia = body.inertia.value_or(moments.area > 0 ? shape.mass * moments.polar / moments.area : 0.0);
-  if (!shape.fixed) {
+  if (!body.held.all()) {
     if (!good(shape.mass) || shape.mass <= 0 || !good(shape.inertia) || shape.inertia <= 0) return NoMass{body.name};
     shape.inverse_x = body.held.x ? 0 : 1 / shape.mass;
     shape.inverse_y = body.held.y ? 0 : 1 / shape.mass;
     shape.inverse_spin = body.held.spin ? 0 : 1 / shape.inertia;
   }
+  if (!body.properties.empty() && body.properties.size() != n) {
+    return BadOutline{body.name, fmt::format("{} edges but {} properties", n, body.properties.size())};
+  }
   if (body.modes) {
-    if (shape.fixed) return BadModes{body.name, "a fixed body has none"};
     if (body.modes->shapes.size() != 2 * n * shape.modes) {
       return BadModes{body.name, fmt::format("{} numbers instead of 2 x {} corners x {} modes",
                                              body.modes->shapes.size(), n, shape.modes)};

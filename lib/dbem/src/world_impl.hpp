@@ -154,7 +154,8 @@ struct World::Impl {
   void add_impulse(const Rows& rows, std::size_t contact, Vec2 p, double theta, double step, State& at) const;
   [[nodiscard]] double mode_inverse(std::size_t body, std::size_t mode, double theta, double step) const;
   [[nodiscard]] const Bond* bond_of(const Touch& t) const;
-  [[nodiscard]] const JointLaw& law_of(const Touch& t) const;
+  [[nodiscard]] const JointLaw& law_of(const TouchKey& t) const;
+  [[nodiscard]] const JointLaw& law_of(const Touch& t) const { return law_of(key_of(t)); }
   [[nodiscard]] ContactProblem problem_of(const std::vector<Touch>& list, const Island& island, const Rows& rows,
                                           const State& before, const State& free, double step) const;
   void free_motion(const State& before, const std::vector<double>& theta, double step, State& free) const;

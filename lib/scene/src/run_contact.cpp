@@ -195,18 +195,15 @@ void follow(const ContactScene& scene, dbem::World& world, Recorder& recorder, C
   double next = s.step;
   while (world.time() < s.duration * (1 - 1e-12)) {
     const double left = s.duration - world.time();
-    // The last step ends the run on time, none is left over that is a sliver.
-    const double step = left < next * (1 + 1e-9) ? left : left < 2 * next ? left / 2 : next;
-    if (step != next || last.step != next) world.set_step(step);
-    auto report = world.step();
+    // The last steps end the run on time; none of them is a sliver.
+    auto report = world.step(left < next * (1 + 1e-9) ? left : left < 2 * next ? left / 2 : left);
     if (!report) {
       result.converged = false;
       result.stopped_why = describe(report.error());
       break;
     }
     recorder.step(*report);
-    if (s.max_step > s.step && report->cuts == 0 && report->shortened == 0) next = std::min(1.2 * next, s.max_step);
-    if (s.max_step > s.step && report->step < next && report->shortened > 0) next = std::max(report->step, s.step);
+    if (report->cuts == 0 && report->shortened == 0) next = std::max(next, report->step);
     last = *report;
     const bool end = world.time() >= s.duration * (1 - 1e-12);
     if (result.steps % every == 0 || end) recorder.row(*report);
@@ -297,7 +294,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
     options.displacement = s.largest_move;
     options.overlap = 2e-5;  // the scene's own check is stricter
     options.quasi_static = s.to_rest;
-    options.adaptive = s.to_rest;
+    options.adaptive = s.to_rest || s.max_step > s.step;
     options.solver.method = method_of(s.solver);
     auto world = dbem::World::make(prepared->bodies, laws_of(scene), options);
     if (!world) {

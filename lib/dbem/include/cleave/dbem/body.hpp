@@ -52,9 +52,13 @@ struct Body {
   double density = 0;                  ///< kg/m3; mass and inertia follow from the outline unless they are given
   std::optional<double> mass = {};     ///< kg/m
   std::optional<double> inertia = {};  ///< kg m, about the centroid
+  /// A body that is held in all three and has `modes` is clamped: these are then the modes of the supported body.
+  /// Gravity does not act on them; state the weight as `forces`.
   Held held = {};
   Vec2 velocity = {};        ///< of the centroid, m/s
   double spin = 0;           ///< rad/s
+  /// Joint property of each edge (from corner k to the next), see Laws; empty: `property` for all.
+  std::vector<std::size_t> properties = {};
   std::size_t property = 0;  ///< joint property of its faces, see Laws
   std::optional<ModalBasis> modes = {};
   std::vector<PointForce> forces = {};
