@@ -237,6 +237,16 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   problem.cohesion.resize(m);
   problem.tension.resize(m);
   problem.start.resize(m);
+  // Places that are held on both sides: nothing can move there and no force is felt.
+  double softest = 0;
+  for (const std::size_t at : problem.w.diagonal) softest = std::max(softest, problem.w.values[at].xx);
+  std::vector<std::uint8_t> immovable(m, 0);
+  for (std::size_t k = 0; k < m; ++k) {
+    bem::Mat2& diagonal = problem.w.values[problem.w.diagonal[k]];
+    if (diagonal.xx > 1e-20 * softest) continue;
+    immovable[k] = 1;
+    diagonal = softest > 0 ? bem::Mat2{softest, 0, 0, softest} : bem::Mat2{1, 0, 0, 1};
+  }
   for (std::size_t k = 0; k < m; ++k) {
     const Touch& touch = list[island.touches[k]];
     const JointLaw& law = law_of(touch);
@@ -266,6 +276,10 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     problem.cohesion[k] = bond != nullptr ? bond->cohesion * step : 0.0;
     problem.tension[k] = bond != nullptr ? bond->tension * step : 0.0;
     problem.start[k] = step * force;
+    if (immovable[k] != 0) {
+      b = {};
+      problem.start[k] = {};
+    }
   }
   return problem;
 }

@@ -327,19 +327,18 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   s.frames = static_cast<std::size_t>(table.integer("frames", 1, 5000).value_or(120));
 }
 
-/// The body that holds the point, or on whose outline it lies.
+/// The body that holds the point, or on whose outline it lies; one that moves goes before fixed ones.
 std::optional<std::size_t> body_at(const std::vector<ContactBody>& bodies, Vec2 at) {
   std::optional<std::size_t> best;
-  double nearest = 1e300;
+  const auto take = [&](std::size_t b) {
+    if (!best || (bodies[*best].fixed && !bodies[b].fixed)) best = b;
+  };
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (bem::inside({bem::polygon(bodies[b].corners)}, at)) return b;
-    for (std::size_t k = 0; k < bodies[b].corners.size(); ++k) {
-      const Vec2 a = bodies[b].corners[k], d = bodies[b].corners[(k + 1) % bodies[b].corners.size()] - a;
-      const double distance = norm(at - a - std::clamp(dot(at - a, d) / dot(d, d), 0.0, 1.0) * d);
-      if (distance < nearest && distance <= 1e-6 * norm(d)) {
-        nearest = distance;
-        best = b;
-      }
+    const std::vector<Vec2>& corners = bodies[b].corners;
+    if (bem::inside({bem::polygon(corners)}, at)) take(b);
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const Vec2 a = corners[k], d = corners[(k + 1) % corners.size()] - a;
+      if (norm(at - a - std::clamp(dot(at - a, d) / dot(d, d), 0.0, 1.0) * d) <= 1e-6 * norm(d)) take(b);
     }
   }
   return best;
