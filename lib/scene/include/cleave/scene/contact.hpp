@@ -75,10 +75,10 @@ struct ContactSettings {
   double restitution = 0;
   Rigidity rigidity = Rigidity::automatic;
   bem::PlaneState plane = bem::PlaneState::strain;
-  double element = 0;           ///< m, longest element; 0: a quarter of the body
-  std::size_t modes = 0;        ///< of an elastic body; 0: all
-  double damping = 0;           ///< share of critical damping of elastic vibrations
-  double largest_move = 0.005;  ///< of half the scene's height, in one step
+  double element = 0;          ///< m, longest element; 0: a quarter of the body
+  std::size_t modes = 0;       ///< of an elastic body; 0: all
+  double damping = 0;          ///< share of critical damping of elastic vibrations
+  double largest_move = 0.05;  ///< of the scene's extent, in one step
   std::size_t frames = 120;
 };
 
