@@ -35,7 +35,8 @@ struct PointForce {
   bool follows = false;  ///< turns with the body
 };
 
-/// Freedoms that keep the velocity they start with (0 unless given). All three: a fixed body.
+/// Freedoms that keep the velocity they start with (0 unless given). All three: a fixed body, or, with modes, a clamped
+/// one that still bends (modes of the supported body; gravity on them is up to the caller, as point forces).
 struct Held {
   bool x = false, y = false, spin = false;
   [[nodiscard]] constexpr bool all() const noexcept { return x && y && spin; }
@@ -52,14 +53,13 @@ struct Body {
   double density = 0;                  ///< kg/m3; mass and inertia follow from the outline unless they are given
   std::optional<double> mass = {};     ///< kg/m
   std::optional<double> inertia = {};  ///< kg m, about the centroid
-  /// A body that is held in all three and has `modes` is clamped: these are then the modes of the supported body.
-  /// Gravity does not act on them; state the weight as `forces`.
   Held held = {};
   Vec2 velocity = {};        ///< of the centroid, m/s
   double spin = 0;           ///< rad/s
-  /// Joint property of each edge (from corner k to the next), see Laws; empty: `property` for all.
-  std::vector<std::size_t> properties = {};
   std::size_t property = 0;  ///< joint property of its faces, see Laws
+  /// One an edge (from corner k to the next) instead of `property`; empty: all the same. A corner counts to the one of
+  /// its two edges that lies more nearly along the edge it touches.
+  std::vector<std::size_t> properties = {};
   std::optional<ModalBasis> modes = {};
   std::vector<PointForce> forces = {};
 };
