@@ -244,6 +244,8 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   problem.cohesion.resize(m);
   problem.tension.resize(m);
   problem.start.resize(m);
+  double softest = 0;
+  for (const std::size_t at : problem.w.diagonal) softest = std::max(softest, problem.w.values[at].xx);
   for (std::size_t k = 0; k < m; ++k) {
     const Touch& touch = list[island.touches[k]];
     const JointLaw& law = law_of(touch);
@@ -253,6 +255,9 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     const bool warm = known != memory.end() && known->key == key_of(touch);
     const Vec2 force = warm ? known->force : Vec2{};
     bem::Mat2& diagonal = problem.w.values[problem.w.diagonal[k]];
+    // Clamped on both sides (shapes vanish there but for rounding): nothing can move, no force is felt.
+    const bool immovable = diagonal.xx <= 1e-20 * softest;
+    if (immovable) diagonal = {softest, 0, 0, softest};
     diagonal.xx *= 1 + options.regularisation;
     diagonal.yy *= 1 + options.regularisation;
     const bem::Mat2 plain = diagonal;
@@ -282,6 +287,10 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     // Regularised about the forces of the step before: a load that stays makes nothing creep.
     const double viscous = options.regularisation / (1 + options.regularisation);
     b += -viscous * step * Vec2{plain.xx * force.x, plain.yy * force.y};
+    if (immovable) {
+      b = {};
+      problem.start[k] = {};
+    }
   }
   return problem;
 }
