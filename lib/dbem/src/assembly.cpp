@@ -246,6 +246,8 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   problem.tension.resize(m);
   problem.start.resize(m);
   viscous.resize(m);
+  double softest = 0;
+  for (const std::size_t at : problem.w.diagonal) softest = std::max(softest, problem.w.values[at].xx);
   for (std::size_t k = 0; k < m; ++k) {
     const Touch& touch = list[island.touches[k]];
     const JointLaw& law = law_of(touch);
@@ -255,15 +257,18 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     const bool warm = known != memory.end() && known->key == key_of(touch);
     const Vec2 force = warm ? known->force : Vec2{};
     bem::Mat2& diagonal = problem.w.values[problem.w.diagonal[k]];
+    // Clamped on both sides (shapes vanish there but for rounding): nothing can move, no force is felt.
+    const bool immovable = diagonal.xx <= 1e-20 * softest || diagonal.yy <= 1e-20 * softest;
+    if (immovable) {
+      const double any = softest > 0 ? softest : 1.0;
+      diagonal = {any, 0, 0, any};
+    }
     diagonal.xx *= 1 + options.regularisation;
     diagonal.yy *= 1 + options.regularisation;
     const bem::Mat2 plain = diagonal;
     Vec2& b = problem.b[k];
     b = velocity_of(rows, k, free);
     const Vec2 old = velocity_of(rows, k, before);
-    if (diagonal.xx <= 0 || diagonal.yy <= 0) {  // neither body can give way here
-      diagonal.xx = diagonal.yy = std::max({diagonal.xx, diagonal.yy, 1e-12});
-    }
     if (law.compliance > 0) {
       // A spring in the joint: its shortening at the end of the step carries the force then.
       const double soft = law.compliance / (step * step * theta);
@@ -288,6 +293,10 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     const double share = options.regularisation / (1 + options.regularisation);
     viscous[k] = share * Vec2{plain.xx, plain.yy};
     b += -step * Vec2{viscous[k].x * force.x, viscous[k].y * force.y};
+    if (immovable) {
+      b = {};
+      problem.start[k] = {};
+    }
   }
   return problem;
 }

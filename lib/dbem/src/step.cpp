@@ -377,9 +377,13 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
   for (std::size_t b = 0; b < size(); ++b) {
     if (idle(b)) continue;
     double torque = 0;
-    const Vec2 force = force_on(state, b, time + 0.5 * step, torque, nullptr);
+    std::vector<double> modal;
+    const Vec2 force = force_on(state, b, time + 0.5 * step, torque, shapes[b].timed ? &modal : nullptr);
     const Vec2 other = force - shapes[b].mass * options.gravity;
     out.work += dot(other, out.state.x[b] - state.x[b]) + torque * (out.state.angle[b] - state.angle[b]);
+    for (std::size_t m = 0; m < modal.size(); ++m) {
+      out.work += modal[m] * (out.state.e[first_mode[b] + m] - state.e[first_mode[b] + m]);
+    }
     if (shapes[b].mass > 0) most_pull = std::max(most_pull, norm(force) / shapes[b].mass);
     Vec2 dv = out.state.v[b] - state.v[b];
     double change = norm(dv) + std::abs(out.state.spin[b] - state.spin[b]) * shapes[b].radius;
