@@ -1,7 +1,10 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -51,14 +54,14 @@ inline std::vector<Body> slider(double angle, double width = 1, double height = 
 inline std::vector<Body> stack(std::size_t count, double ratio_top = 1) {
   std::vector<Body> bodies{fixed("floor", rectangle(-5, -1, 10, 1))};
   for (std::size_t k = 0; k < count; ++k) {
-    bodies.push_back(block("b" + std::to_string(k), rectangle(-0.5, static_cast<double>(k), 1, 1),
+    bodies.push_back(block(fmt::format("b{}", k), rectangle(-0.5, static_cast<double>(k), 1, 1),
                            k + 1 == count ? 2600 * ratio_top : 2600));
   }
   return bodies;
 }
 
-/// Body 0: the ground; then the voussoirs from right to left.
-inline std::vector<Body> arch(std::size_t count, double thickness) {
+/// Body 0: the ground; then the voussoirs from right to left, arcs in `pieces` straight parts.
+inline std::vector<Body> arch(std::size_t count, double thickness, std::size_t pieces = 6) {
   std::vector<Body> bodies{fixed("ground", rectangle(-3, -1, 6, 1))};
   const double a = 1 - thickness / 2;
   const double b = 1 + thickness / 2;
@@ -66,7 +69,13 @@ inline std::vector<Body> arch(std::size_t count, double thickness) {
   for (std::size_t k = 0; k < count; ++k) {
     const double t0 = std::numbers::pi * static_cast<double>(k) / static_cast<double>(count);
     const double t1 = std::numbers::pi * static_cast<double>(k + 1) / static_cast<double>(count);
-    bodies.push_back(block("v" + std::to_string(k), {at(a, t0), at(b, t0), at(b, t1), at(a, t1)}));
+    std::vector<Vec2> corners;
+    for (std::size_t q = 0; q <= 2 * pieces + 1; ++q) {
+      const bool out = q <= pieces;
+      const double share = static_cast<double>(out ? q : 2 * pieces + 1 - q) / static_cast<double>(pieces);
+      corners.push_back(at(out ? b : a, t0 + share * (t1 - t0)));
+    }
+    bodies.push_back(block(fmt::format("v{}", k), corners));
   }
   return bodies;
 }

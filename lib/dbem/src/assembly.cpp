@@ -17,6 +17,17 @@ std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t k) {
 
 }  // namespace
 
+BoundaryPoint nearest_on(std::span<const Vec2> corners, Vec2 p) {
+  BoundaryPoint best{.distance = std::numeric_limits<double>::infinity()};
+  for (std::size_t e = 0; e < corners.size(); ++e) {
+    const Vec2 along = corners[e + 1 == corners.size() ? 0 : e + 1] - corners[e];
+    const double t = std::clamp(dot(p - corners[e], along) / dot(along, along), 0.0, 1.0);
+    const double distance = norm(p - corners[e] - t * along);
+    if (distance < best.distance) best = {e, t, distance};
+  }
+  return best;
+}
+
 std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) const {
   std::vector<std::uint32_t> parent(size());
   std::iota(parent.begin(), parent.end(), 0U);
@@ -205,7 +216,21 @@ const Bond* World::Impl::bond_of(const Touch& t) const {
 }
 
 const JointLaw& World::Impl::law_of(const Touch& t) const {
-  return laws.of(bodies[t.i].property, bodies[t.j].property);
+  std::size_t of_i = bodies[t.i].property;
+  std::size_t of_j = bodies[t.j].property;
+  if (!bodies[t.j].properties.empty()) of_j = bodies[t.j].properties[t.edge];
+  if (!bodies[t.i].properties.empty()) {
+    const std::vector<Vec2>& c = shapes[t.i].corners;
+    const std::size_t n = c.size();
+    const std::size_t before = t.vertex == 0 ? n - 1 : t.vertex - 1;
+    const Vec2 facing = bem::rotated(-t.normal, -state.angle[t.i]);
+    const auto along = [&](std::size_t edge) {
+      const Vec2 d = c[edge + 1 == n ? 0 : edge + 1] - c[edge];
+      return dot(bem::turned_right(d), facing) / norm(d);
+    };
+    of_i = bodies[t.i].properties[along(t.vertex) >= along(before) ? t.vertex : before];
+  }
+  return laws.of(of_i, of_j);
 }
 
 ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Island& island, const Rows& rows,
@@ -219,19 +244,29 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   problem.cohesion.resize(m);
   problem.tension.resize(m);
   problem.start.resize(m);
+  double softest = 0;
+  for (const std::size_t at : problem.w.diagonal) softest = std::max(softest, problem.w.values[at].xx);
   for (std::size_t k = 0; k < m; ++k) {
     const Touch& touch = list[island.touches[k]];
     const JointLaw& law = law_of(touch);
     const Bond* bond = bond_of(touch);
+    const double feature = std::min(shapes[touch.i].feature, shapes[touch.j].feature);
     const auto known = std::ranges::lower_bound(memory, key_of(touch), {}, &Memory::key);
     const bool warm = known != memory.end() && known->key == key_of(touch);
     const Vec2 force = warm ? known->force : Vec2{};
     bem::Mat2& diagonal = problem.w.values[problem.w.diagonal[k]];
+    // Clamped on both sides (shapes vanish there but for rounding): nothing can move, no force is felt.
+    const bool immovable = diagonal.xx <= 1e-20 * softest;
+    if (immovable) diagonal = {softest, 0, 0, softest};
     diagonal.xx *= 1 + options.regularisation;
     diagonal.yy *= 1 + options.regularisation;
+    const bem::Mat2 plain = diagonal;
     Vec2& b = problem.b[k];
     b = velocity_of(rows, k, free);
     const Vec2 old = velocity_of(rows, k, before);
+    if (diagonal.xx <= 0 || diagonal.yy <= 0) {  // neither body can give way here
+      diagonal.xx = diagonal.yy = std::max({diagonal.xx, diagonal.yy, 1e-12});
+    }
     if (law.compliance > 0) {
       // A spring in the joint: its shortening at the end of the step carries the force then.
       const double soft = law.compliance / (step * step * theta);
@@ -241,13 +276,21 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     } else if (old.x < -1e-6 && touch.gap + step * old.x <= 0 && law.restitution > 0) {
       b.x += law.restitution * old.x;
     } else {
-      b.x += std::max(touch.gap, 0.0) / step;
+      // Gaps of rounding size count as closed: a pile at rest sees the same problem every step.
+      b.x += std::max(touch.gap - contact_depth * feature, 0.0) / step;
     }
     const bool broke = bond == nullptr && law.residual_friction >= 0;
     problem.mu[k] = broke ? law.residual_friction : law.friction;
     problem.cohesion[k] = bond != nullptr ? bond->cohesion * step : 0.0;
     problem.tension[k] = bond != nullptr ? bond->tension * step : 0.0;
     problem.start[k] = step * force;
+    // Regularised about the forces of the step before: a load that stays makes nothing creep.
+    const double viscous = options.regularisation / (1 + options.regularisation);
+    b += -viscous * step * Vec2{plain.xx * force.x, plain.yy * force.y};
+    if (immovable) {
+      b = {};
+      problem.start[k] = {};
+    }
   }
   return problem;
 }
@@ -260,29 +303,17 @@ Vec2 World::Impl::force_on(const State& at, std::size_t body, double when, doubl
   Vec2 force = shape.mass * acceleration;
   torque = 0;
   if (modal != nullptr) modal->assign(shape.modes, 0.0);
-  for (const PointForce& load : bodies[body].forces) {
+  for (std::size_t q = 0; q < bodies[body].forces.size(); ++q) {
+    const PointForce& load = bodies[body].forces[q];
     const double factor = load.factor(when);
     const double angle = at.angle[body];
     const Vec2 f = factor * (load.follows ? bem::rotated(load.force, angle) : load.force);
-    Vec2 local = load.at - shape.local_centroid;
+    const Vec2 local = load.at - shape.local_centroid;
     force += f;
     torque += cross(bem::rotated(local, angle), f);
     if (modal == nullptr || shape.modes == 0) continue;
-    // Modal force by the shapes at the nearest point of the outline.
-    std::size_t edge = 0;
-    double share = 0, nearest = std::numeric_limits<double>::infinity();
-    const std::size_t n = shape.corners.size();
-    for (std::size_t e = 0; e < n; ++e) {
-      const Vec2 along = shape.corners[e + 1 == n ? 0 : e + 1] - shape.corners[e];
-      const double t = std::clamp(dot(local - shape.corners[e], along) / dot(along, along), 0.0, 1.0);
-      const double distance = norm(local - shape.corners[e] - t * along);
-      if (distance < nearest) {
-        nearest = distance;
-        edge = e;
-        share = t;
-      }
-    }
-    const std::size_t to = edge + 1 == n ? 0 : edge + 1;
+    const auto [edge, share] = shape.load_places[q];
+    const std::size_t to = edge + 1 == shape.corners.size() ? 0 : edge + 1;
     const Vec2 g = bem::rotated(f, -angle);
     const std::vector<double>& table = bodies[body].modes->shapes;
     for (std::size_t m = 0; m < shape.modes; ++m) {

@@ -81,11 +81,13 @@ Tried newton(const ContactProblem& problem, double soft, double tolerance, std::
         break;
       }
     }
-    if (!less) at(1);  // a full step often leaves the corner a short one is caught in
+    const double scale = evaluator.scale(tried.p);
+    if (!less && map.largest <= 1e-10 * scale) break;  // nothing but rounding is left
+    if (!less) at(1);                                  // a full step often leaves the corner a short one is caught in
     std::swap(tried.p, next);
     std::swap(map, trial);
   }
-  tried.converged = map.largest <= tolerance * evaluator.scale(tried.p);
+  tried.converged = map.largest <= std::max(tolerance, 1e-10) * evaluator.scale(tried.p);
   return tried;
 }
 
@@ -211,20 +213,23 @@ class Cascade final {
   void run_all() {
     const bool warm = std::ranges::any_of(problem_.start, [](Vec2 v) { return v.x != 0 || v.y != 0; });
     if (!warm && take(open_close(problem_, options_.open_close_passes), Method::open_close)) return;
-    const auto from_here = [&](std::vector<Vec2> start) {
-      return newton(problem_, 0, options_.target, options_.newton_iterations, std::move(start));
+    const auto from_here = [&](std::vector<Vec2> start, std::size_t most) {
+      return newton(problem_, 0, options_.target, most, std::move(start));
     };
-    if (take(from_here(warm ? problem_.start : std::vector<Vec2>{}), Method::newton)) return;
+    const std::size_t most = options_.newton_iterations;
+    // From a warm start a few iterations do or none will.
+    if (warm && take(from_here(problem_.start, most / 4), Method::newton)) return;
     if (warm && take(open_close(problem_, options_.open_close_passes), Method::open_close)) return;
+    if (take(from_here({}, most), Method::newton)) return;
     for (const double factor : {10.0, 3.0, 1.5}) {
       if (take(continuation(problem_, options_, factor), Method::continuation)) return;
     }
     Tried shi = open_close(problem_, 10 * options_.open_close_passes);
     std::vector<Vec2> state = shi.p;
     if (take(std::move(shi), Method::open_close)) return;
-    if (!state.empty() && take(from_here(std::move(state)), Method::newton)) return;
+    if (!state.empty() && take(from_here(std::move(state), most), Method::newton)) return;
     if (problem_.contacts() <= most_for_lemke && take(pivot(), Method::lemke)) return;
-    take(from_here(p_), Method::newton);
+    take(from_here(p_, most), Method::newton);
   }
 
   static constexpr std::size_t most_for_lemke = 100;

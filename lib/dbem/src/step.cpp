@@ -27,8 +27,7 @@ double World::Impl::elastic_of(const State& at, const std::vector<Memory>& force
     }
   }
   for (const Memory& memory_of : forces) {
-    const double c = laws.of(bodies[memory_of.key.i].property, bodies[memory_of.key.j].property).compliance;
-    if (c > 0) sum += 0.5 * c * dot(memory_of.force, memory_of.force);
+    sum += 0.5 * memory_of.compliance * dot(memory_of.force, memory_of.force);
   }
   return sum;
 }
@@ -68,14 +67,19 @@ bool World::Impl::add_missed(const Attempt& out, std::vector<Touch>& list) const
 
 /// Parts penetrating bodies: the least move in the norm of the masses that leaves no gap negative. Positions only.
 void World::Impl::project(Attempt& out) const {
-  const std::vector<Island> islands = islands_of(out.touches);
+  std::vector<Island> islands = islands_of(out.touches);
   const double before = potential_of(out.state);
   bool moved = false;
-  for (const Island& island : islands) {
+  for (Island& island : islands) {
     bool deep = false;
+    std::erase_if(island.touches, [&](std::uint32_t k) {
+      const auto held = [&](std::uint32_t b) { return shapes[b].inverse_x + shapes[b].inverse_y <= 0; };
+      return held(out.touches[k].i) && held(out.touches[k].j);
+    });
     for (const std::uint32_t k : island.touches) {
       const Touch& t = out.touches[k];
-      deep = deep || (t.gap < -1e-9 * std::min(shapes[t.i].feature, shapes[t.j].feature) && law_of(t).compliance <= 0);
+      deep = deep ||
+             (t.gap < -contact_depth * std::min(shapes[t.i].feature, shapes[t.j].feature) && law_of(t).compliance <= 0);
     }
     if (!deep) continue;
     const Rows rows = rows_of(out.touches, island, out.state);
@@ -106,9 +110,30 @@ void World::Impl::project(Attempt& out) const {
         shift.spin[s.body] += p * shape.inverse_spin * s.turn_n;
       }
     }
+    bool free = true;  // no support takes part
+    for (const Side& s : rows.sides) free = free && !(shapes[s.body].inverse_x * shapes[s.body].inverse_y == 0);
+    double mass = 0, turned = 0;
+    Vec2 centre{};
     for (const std::uint32_t b : island.bodies) {
       out.state.x[b] += shift.v[b];
       out.state.angle[b] += shift.spin[b];
+      turned += shapes[b].mass * cross(shift.v[b], out.state.v[b]);
+      mass += shapes[b].mass;
+      centre += shapes[b].mass * out.state.x[b];
+    }
+    if (free) {
+      // Moving bodies that slide past each other changes their angular momentum: a common spin takes that out.
+      centre = centre / mass;
+      double inertia = 0;
+      for (const std::uint32_t b : island.bodies) {
+        const Vec2 r = out.state.x[b] - centre;
+        inertia += shapes[b].inertia + shapes[b].mass * dot(r, r);
+      }
+      const double spin = -turned / inertia;
+      for (const std::uint32_t b : island.bodies) {
+        out.state.v[b] += spin * bem::turned_left(out.state.x[b] - centre);
+        out.state.spin[b] += spin;
+      }
     }
     moved = true;
   }
@@ -116,6 +141,30 @@ void World::Impl::project(Attempt& out) const {
   out.projected += potential_of(out.state) - before;
   place_all(out.state, out.corners, out.boxes);
 }
+
+namespace {
+
+/// Moves the centre of the regularisation to `found`; false when that changes no velocity that matters.
+bool centre(ContactProblem& problem, const std::vector<Vec2>& found, double regularisation) {
+  const double share = regularisation / (1 + regularisation);
+  double creep = 0, speed = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
+    const Vec2 change = found[k] - problem.start[k];
+    creep = std::max({creep, share * d.xx * std::abs(change.x), share * d.yy * std::abs(change.y)});
+    speed = std::max({speed, std::abs(problem.b[k].x), std::abs(problem.b[k].y)});
+  }
+  if (creep <= 1e-9 * speed) return false;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
+    const Vec2 change = found[k] - problem.start[k];
+    problem.b[k] += -share * Vec2{d.xx * change.x, d.yy * change.y};
+  }
+  problem.start = found;
+  return true;
+}
+
+}  // namespace
 
 std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& out) {
   std::vector<Touch> list = touches;
@@ -165,6 +214,15 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
       ContactProblem problem = problem_of(moved, island, rows.back(), state, free, step);
       solutions.push_back(solve(problem, options.solver));
       const ContactReport& report = solutions.back().report;
+      // The regularisation is centred on the forces found, and again, until it moves nothing.
+      for (int centring = 0; centring < 4 && report.status == ContactReport::Status::converged; ++centring) {
+        if (!centre(problem, solutions.back().impulse, options.regularisation)) break;
+        const std::size_t before = report.iterations;
+        ContactSolution again = solve(problem, options.solver);
+        again.report.iterations += before;
+        if (again.report.status == ContactReport::Status::not_converged) break;
+        solutions.back() = std::move(again);
+      }
       if (report.status == ContactReport::Status::not_converged) {
         return Failure{report.residual, "the contact law was not met", 0};
       }
@@ -250,7 +308,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
           out.broken.push_back(at->bond);
         }
       }
-      if (p != Vec2{}) out.memory.push_back({key_of(t), p / step});
+      if (p != Vec2{}) out.memory.push_back({key_of(t), p / step, law.compliance});
       const Touch& at = moved[island.touches[k]];
       out.contacts.push_back({t.i, t.vertex, t.j, t.edge, anchor + at.point, at.normal, t.gap, p.x / step, p.y / step,
                               now.y, contact_state, bond != nullptr});
@@ -273,10 +331,14 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
   for (std::size_t b = 0; b < size(); ++b) {
     if (idle(b)) continue;
     double torque = 0;
-    const Vec2 force = force_on(state, b, time + 0.5 * step, torque, nullptr);
+    std::vector<double> modal;
+    const Vec2 force = force_on(state, b, time + 0.5 * step, torque, shapes[b].timed ? &modal : nullptr);
     const Vec2 other = force - shapes[b].mass * options.gravity;
     out.work += dot(other, out.state.x[b] - state.x[b]) + torque * (out.state.angle[b] - state.angle[b]);
-    most_pull = std::max(most_pull, norm(force) / shapes[b].mass);
+    for (std::size_t m = 0; m < modal.size(); ++m) {
+      out.work += modal[m] * (out.state.e[first_mode[b] + m] - state.e[first_mode[b] + m]);
+    }
+    if (shapes[b].mass > 0) most_pull = std::max(most_pull, norm(force) / shapes[b].mass);
     Vec2 dv = out.state.v[b] - state.v[b];
     double change = norm(dv) + std::abs(out.state.spin[b] - state.spin[b]) * shapes[b].radius;
     if (shapes[b].modes > 0) change = std::max(change, speed_bound(out.state, b));
@@ -291,7 +353,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
       if (law_of(t).compliance > 0) continue;
       deepest = std::max(deepest, -t.gap / std::min(shapes[t.i].feature, shapes[t.j].feature));
     }
-    if (deepest <= 1e-9) break;
+    if (deepest <= contact_depth) break;
     project(out);
     double limit_again = 0;
     find(out.state, out.corners, out.boxes, std::max(next_step, step), out.touches, limit_again);

@@ -114,19 +114,25 @@ std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
   }
   shape.feature = smallest_feature(shape.corners);
   if (!(shape.feature > 1e-9 * perimeter)) return BadOutline{body.name, "thinner than 1e-9 of its perimeter"};
-  shape.fixed = body.held.all();
+  shape.fixed = body.held.all() && shape.modes == 0;
   shape.timed = !body.forces.empty();
   const double density = body.density;
   shape.mass = body.mass.value_or(density * moments.area);
   shape.inertia = body.inertia.value_or(moments.area > 0 ? shape.mass * moments.polar / moments.area : 0.0);
-  if (!shape.fixed) {
+  if (!body.held.all()) {
     if (!good(shape.mass) || shape.mass <= 0 || !good(shape.inertia) || shape.inertia <= 0) return NoMass{body.name};
     shape.inverse_x = body.held.x ? 0 : 1 / shape.mass;
     shape.inverse_y = body.held.y ? 0 : 1 / shape.mass;
     shape.inverse_spin = body.held.spin ? 0 : 1 / shape.inertia;
   }
+  if (!body.properties.empty() && body.properties.size() != n) {
+    return BadOutline{body.name, fmt::format("{} joint properties for {} edges", body.properties.size(), n)};
+  }
+  for (const PointForce& force : body.forces) {
+    const BoundaryPoint at = nearest_on(shape.corners, force.at - shape.local_centroid);
+    shape.load_places.push_back({at.edge, at.share});
+  }
   if (body.modes) {
-    if (shape.fixed) return BadModes{body.name, "a fixed body has none"};
     if (body.modes->shapes.size() != 2 * n * shape.modes) {
       return BadModes{body.name, fmt::format("{} numbers instead of 2 x {} corners x {} modes",
                                              body.modes->shapes.size(), n, shape.modes)};
@@ -290,26 +296,16 @@ Vec2 World::position(std::size_t body, Vec2 local) const {
   const Vec2 p = local - shape.local_centroid;
   Vec2 more{};
   if (shape.modes > 0) {
-    std::size_t edge = 0;
-    double share = 0, nearest = std::numeric_limits<double>::infinity();
-    const std::size_t n = shape.corners.size();
-    for (std::size_t e = 0; e < n; ++e) {
-      const Vec2 along = shape.corners[(e + 1) % n] - shape.corners[e];
-      const double t = std::clamp(dot(p - shape.corners[e], along) / dot(along, along), 0.0, 1.0);
-      const double distance = norm(p - shape.corners[e] - t * along);
-      if (distance < nearest) {
-        nearest = distance;
-        edge = e;
-        share = t;
-      }
-    }
+    const BoundaryPoint near = nearest_on(shape.corners, p);
+    const std::size_t edge = near.edge;
+    const double share = near.share;
     const std::vector<double>& table = w.bodies[body].modes->shapes;
     for (std::size_t m = 0; m < shape.modes; ++m) {
       const double e = w.state.e[w.first_mode[body] + m];
       const auto row = [&](std::size_t corner, std::size_t component) {
         return table[(2 * corner + component) * shape.modes + m];
       };
-      const std::size_t to = (edge + 1) % n;
+      const std::size_t to = (edge + 1) % shape.corners.size();
       more +=
           e * Vec2{(1 - share) * row(edge, 0) + share * row(to, 0), (1 - share) * row(edge, 1) + share * row(to, 1)};
     }

@@ -9,6 +9,17 @@
 
 namespace cleave::dbem {
 
+/// Nearest point of a polygon's boundary.
+struct BoundaryPoint {
+  std::size_t edge = 0;
+  double share = 0;  // along it
+  double distance = 0;
+};
+[[nodiscard]] BoundaryPoint nearest_on(std::span<const Vec2> corners, Vec2 p);
+
+/// Gaps and penetrations below this share of the smaller body's smallest feature count as touching.
+constexpr double contact_depth = 1e-9;
+
 /// What does not change about a body.
 struct Shape {
   Vec2 local_centroid;        // in the coordinates of Body::outline
@@ -21,7 +32,12 @@ struct Shape {
   double feature = 0;  // smallest distance of a corner to an edge it does not belong to
   std::size_t modes = 0;
   bool timed = false;  // carries forces of its own
-  bool fixed = false;
+  bool fixed = false;  // no freedom at all
+  struct LoadPlace {   // of a point force on the outline
+    std::size_t edge;
+    double share;
+  };
+  std::vector<LoadPlace> load_places;
 };
 
 struct State {
@@ -41,7 +57,8 @@ inline TouchKey key_of(const Touch& t) { return {t.i, t.vertex, t.j, t.edge}; }
 /// What a contact carries from step to step.
 struct Memory {
   TouchKey key;
-  Vec2 force;  // N/m
+  Vec2 force;         // N/m
+  double compliance;  // m2/N
 };
 
 struct Bond {

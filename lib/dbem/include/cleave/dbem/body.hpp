@@ -35,7 +35,8 @@ struct PointForce {
   bool follows = false;  ///< turns with the body
 };
 
-/// Freedoms that keep the velocity they start with (0 unless given). All three: a fixed body.
+/// Freedoms that keep the velocity they start with (0 unless given). All three: a fixed body, or, with modes, a clamped
+/// one that still bends (modes of the supported body; gravity on them is up to the caller, as point forces).
 struct Held {
   bool x = false, y = false, spin = false;
   [[nodiscard]] constexpr bool all() const noexcept { return x && y && spin; }
@@ -56,6 +57,9 @@ struct Body {
   Vec2 velocity = {};        ///< of the centroid, m/s
   double spin = 0;           ///< rad/s
   std::size_t property = 0;  ///< joint property of its faces, see Laws
+  /// One an edge (from corner k to the next) instead of `property`; empty: all the same. A corner counts to the one of
+  /// its two edges that lies more nearly along the edge it touches.
+  std::vector<std::size_t> properties = {};
   std::optional<ModalBasis> modes = {};
   std::vector<PointForce> forces = {};
 };

@@ -46,7 +46,7 @@ enum class Method : std::uint8_t {
 struct SolverOptions {
   Method method = Method::cascade;
   double accept = 1e-8;   ///< residual above which an answer is never called converged
-  double target = 1e-11;  ///< residual at which an iteration stops
+  double target = 1e-13;  ///< residual at which an iteration stops; it also stops where rounding lets it get no lower
   std::size_t newton_iterations = 60;
   std::size_t open_close_passes = 6;
 };
