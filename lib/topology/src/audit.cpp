@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "detail/pieces.hpp"
 
@@ -370,19 +371,26 @@ std::uint64_t count_unpaired(const BlockComplex& complex, ThreadLimit threads) {
   };
   const std::size_t blocks = complex.blocks().size();
   std::vector<std::uint32_t> begin(blocks + 1, 0);  // by lower block (CSR)
-  std::uint64_t unpaired = 0;
-  const auto for_each = [&](const auto& visit) {
-    for (const Face& face : complex.faces()) {
-      for (const Patch& patch : complex.patches(face)) {
-        if (patch.neighbour) visit(face, patch, face.block.value(), patch.neighbour->value());
-      }
-    }
+  const bool alone = threads.count() == 1;
+  const auto count = [alone](std::uint32_t& number) {  // gives the number before
+    return alone ? number++ : std::atomic_ref{number}.fetch_add(1, std::memory_order_relaxed);
   };
+  const auto for_each = [&](const auto& visit) {
+    detail::in_pieces(complex.faces().size(), 16384, threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t f = first; f < last; ++f) {
+        const Face& face = complex.faces()[FaceId{f}];
+        for (const Patch& patch : complex.patches(face)) {
+          if (patch.neighbour) visit(face, patch, face.block.value(), patch.neighbour->value());
+        }
+      }
+    });
+  };
+  std::atomic<std::uint64_t> found{0};
   for_each([&](const Face&, const Patch&, std::uint32_t a, std::uint32_t b) {
     if (std::max(a, b) < blocks) {
-      ++begin[std::min(a, b) + std::size_t{1}];
+      count(begin[std::min(a, b) + std::size_t{1}]);
     } else {
-      ++unpaired;
+      ++found;
     }
   });
   for (std::size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
@@ -390,22 +398,22 @@ std::uint64_t count_unpaired(const BlockComplex& complex, ThreadLimit threads) {
   auto next = begin;
   for_each([&](const Face& face, const Patch& patch, std::uint32_t a, std::uint32_t b) {
     if (std::max(a, b) >= blocks) return;
-    pairs[next[std::min(a, b)]++] = {std::max(a, b), face.plane.value(), a < b ? patch.area.si() : -patch.area.si()};
+    pairs[count(next[std::min(a, b)])] = {std::max(a, b), face.plane.value(),
+                                          a < b ? patch.area.si() : -patch.area.si()};
   });
-  std::atomic<std::uint64_t> found{0};
   detail::in_pieces(blocks, 4096, threads, [&](std::size_t first_block, std::size_t last_block) {
     std::uint64_t here = 0;
     for (std::size_t b = first_block; b < last_block; ++b) {
       const std::span own = std::span{pairs}.subspan(begin[b], begin[b + 1] - begin[b]);
       const auto before = [](const Pair& x, const Pair& y) {
-        return x.high < y.high || (x.high == y.high && x.plane < y.plane);
+        return std::tie(x.high, x.plane, x.area) < std::tie(y.high, y.plane, y.area);
       };
       if (own.size() < 64) {  // insertion sort: most blocks have a few neighbours
         for (std::size_t i = 1; i < own.size(); ++i) {
           for (std::size_t j = i; j > 0 && before(own[j], own[j - 1]); --j) std::swap(own[j], own[j - 1]);
         }
       } else {
-        std::ranges::stable_sort(own, before);
+        std::ranges::sort(own, before);
       }
       for (std::size_t first = 0; first < own.size();) {
         double area = 0, size = 0;
@@ -420,7 +428,7 @@ std::uint64_t count_unpaired(const BlockComplex& complex, ThreadLimit threads) {
     }
     found += here;
   });
-  return unpaired + found;
+  return found;
 }
 
 }  // namespace
@@ -434,7 +442,8 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned 
   };
   std::vector<Verdict> verdicts(blocks);
   const FitAuditor fit{complex};
-  detail::in_pieces(blocks, 8192, threads, [&](std::size_t first, std::size_t last) {
+  const std::size_t grain = std::max<std::size_t>(8192, blocks / (8 * threads.count()));  // each piece is set up anew
+  detail::in_pieces(blocks, grain, threads, [&](std::size_t first, std::size_t last) {
     BlockAuditor auditor{complex};
     for (std::size_t b = first; b < last; ++b) {
       const BlockId id{b};

@@ -109,6 +109,7 @@ void BlockMaker::group_faces(std::span<const Index> half_faces) {
     return k;
   };
   bool merged = false;
+  any_internal_ = false;
   for (Index k = 0; k < count; ++k) {
     const Index side = half_faces[k] % 2;
     const PlaneFace& face = parts_.arrangement.faces[half_faces[k] / 2];
@@ -118,6 +119,7 @@ void BlockMaker::group_faces(std::span<const Index> half_faces) {
       do {
         const Index flank = 2 * h + side;
         if (parts_.links.to[flank] == (flank ^ 2U) && internal(flank)) {
+          any_internal_ = true;
           const Index other = 2 * parts_.arrangement.face[h ^ 1U] + side;
           if (other < half_faces[k]) {
             const auto at = std::ranges::lower_bound(half_faces, other);
@@ -154,6 +156,10 @@ void BlockMaker::walk_loops(Index half_face, Index face) {
   const PlaneFace& part = parts_.arrangement.faces[half_face / 2];
   for (Index l = part.first_loop; l < part.first_loop + part.loop_count; ++l) {
     const Index start = parts_.arrangement.loops[l];
+    if (!any_internal_) {  // nearly always: its loops are those of the plane face
+      walk_loop(2 * start + half_face % 2, face);
+      continue;
+    }
     Index h = start;
     do {
       const Index flank = 2 * h + half_face % 2;
@@ -175,7 +181,7 @@ void BlockMaker::walk_loop(Index start, Index face) {
     Index h = flank / 2;
     sides_.push_back({flank, parts_.arrangement.start[side == 1 ? h ^ 1U : h], at + 1, none, face, false});
     h = parts_.arrangement.next[h];
-    while (internal(2 * h + side)) h = parts_.arrangement.next[h ^ 1U];
+    while (any_internal_ && internal(2 * h + side)) h = parts_.arrangement.next[h ^ 1U];
     flank = 2 * h + side;
   } while (flank != start);
   const auto count = static_cast<Index>(sides_.size()) - first;

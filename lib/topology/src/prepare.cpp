@@ -126,6 +126,8 @@ class Builder {
     }
   }
 
+  /// Of a domain that clips the joints.
+  void set_domain_corners(std::vector<Vec> corners) { domain_corners_ = std::move(corners); }
   void add_piece(Piece piece) { pieces_.push_back(std::move(piece)); }
 
   /// Facet planes are complete: number the edge planes behind them and fill the flat arrays.
@@ -137,9 +139,18 @@ class Builder {
       for (const HalfSpace& edge : piece.pool_edges) out_.edges.push_back(edge);
       if (facet.owner == Owner::joint) {
         // A convex domain cuts its joints to size: what is outside is of no interest. (Excavations are kept whole: what
-        // is void is told by crossing closed surfaces.)
+        // is void is told by crossing closed surfaces.) Sides that the whole domain lies inside of are then no longer
+        // needed, nor are sides of the domain that cut nothing off; but where sides of the joint go, those of the
+        // domain must stay, unless they are parallel to it.
+        const auto without = std::ranges::remove_if(piece.own_edges, [&](const Plane& edge) {
+          return !domain_corners_.empty() && safely_inside(domain_corners_, edge, true);
+        });
+        const bool whole = without.empty();
+        piece.own_edges.erase(without.begin(), without.end());
         for (const HalfSpace& side : out_.clip) {
-          if (!safely_inside(piece, side)) out_.edges.push_back(side);
+          const Plane& plane = out_.planes[side.plane];
+          const bool cuts_nothing = !piece.corners.empty() && safely_inside(piece.corners, plane, side.inside_positive);
+          if (!cuts_nothing || !(whole || plane.parallel_to(out_.planes[facet.plane]))) out_.edges.push_back(side);
         }
       }
       for (const Plane& edge : piece.own_edges) {
@@ -254,17 +265,17 @@ class Builder {
     pieces_.push_back(std::move(piece));
   }
 
-  [[nodiscard]] bool safely_inside(const Piece& piece, HalfSpace side) const {
-    const auto& n = out_.planes[side.plane].approx();
-    const double sense = side.inside_positive ? 1 : -1;
-    return !piece.corners.empty() && std::ranges::all_of(piece.corners, [&](const Vec& p) {
-      return sense * (n[0] * p[0] + n[1] * p[1] + n[2] * p[2] + n[3]) > 0x1p-34;
-    });
+  static bool safely_inside(std::span<const Vec> points, const Plane& plane, bool inside_positive) {
+    const auto& n = plane.approx();
+    const double sense = inside_positive ? 1 : -1;
+    return std::ranges::all_of(
+        points, [&](const Vec& p) { return sense * (n[0] * p[0] + n[1] * p[1] + n[2] * p[2] + n[3]) > 0x1p-34; });
   }
 
   Prepared& out_;
   std::unordered_map<PlaneKey, Index, PlaneKeyHash> numbers_;
   std::vector<Piece> pieces_;
+  std::vector<Vec> domain_corners_;
   Vec window_lo_{}, window_hi_{};
 
  public:
@@ -356,7 +367,10 @@ std::expected<double, Index> add_half_spaces(const geometry::Solid& solid, std::
     }
   }
   const double side = out.lattice.pitch() * 0x1p48;
-  if (owner == Owner::domain) out.clip = inside;
+  if (owner == Owner::domain) {
+    out.clip = inside;
+    builder.set_domain_corners(std::move(corners));
+  }
   return volume * side * side * side / 6;
 }
 
@@ -614,6 +628,7 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
           box.add(v);
         }
         if (!snapper.active() && !ended_on(j) && far_apart(box, region, lattice.pitch())) continue;  // cuts nothing
+        snapper.begin_joint(static_cast<Index>(j));
         auto sites = sites_of(polygon.corners());
         const auto preferred = shared.among(sites);
         auto made = make_lattice_polygon(std::move(sites), preferred);
@@ -658,7 +673,10 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
     all.reserve(polygons.size());
     for (const auto& entry : polygons) all.push_back(&entry.polygon);
     snapper.begin_merging(all);
-    for (auto& entry : polygons) snapper.merge_plane(entry.polygon);
+    for (auto& entry : polygons) {
+      snapper.begin_joint(entry.joint);
+      snapper.merge_plane(entry.polygon);
+    }
   }
   for (auto& [joint, polygon, holes] : polygons) {
     const JointCollapsed collapsed{JointId{joint}, metres(lattice.pitch())};
@@ -670,6 +688,7 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
     }
     std::vector<std::optional<HalfSpace>> adopted;
     if (snapper.active()) {
+      snapper.begin_joint(joint);
       adopted = snapper.adopt_edges(polygon, [&](const Plane& plane) { return builder.add_plane(plane); });
     }
     if (!builder.add_polygon(polygon, blank(Owner::joint, joint, 0), adopted)) {
@@ -687,6 +706,7 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
   out.largest_snap = snapper.largest_move();
   out.merged_planes = snapper.merged_planes();
   out.adopted_edges = snapper.adopted_edges();
+  out.snapped = snapper.changed();
   return out;
 }
 
