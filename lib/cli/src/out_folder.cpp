@@ -19,10 +19,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 17> result_files{
-    "summary.json", "blocks.vtu",       "dangling.vtu",          "dangling.obj", "key_blocks.csv", "survey.json",
-    "bolts.csv",    "load_cases.csv",   "report.html",           "log.txt",      "bodies.vtu",     "sets.toml",
-    "bodies.pvd",   "realizations.csv", "realizations.csv.part", "scene.toml",   "points.csv"};
+constexpr std::array<std::string_view, 21> result_files{
+    "summary.json",      "blocks.vtu", "dangling.vtu",   "dangling.obj",       "key_blocks.csv",
+    "survey.json",       "bolts.csv",  "load_cases.csv", "report.html",        "log.txt",
+    "bodies.vtu",        "sets.toml",  "bodies.pvd",     "realizations.csv",   "realizations.csv.part",
+    "scene.toml",        "points.csv", "removal.csv",    "support_blocks.csv", "combined_blocks.csv",
+    "maximum_blocks.csv"};
 /// One time of a moving scene: bodies_0000.vtu and on.
 bool is_frame(std::string_view name) {
   if (!name.starts_with("bodies_") || !name.ends_with(".vtu")) return false;

@@ -1,8 +1,11 @@
 #include "analyse_complex.hpp"
 
 #include <algorithm>
+#include <span>
+#include <utility>
 
 #include "contacts.hpp"
+#include "rotation_check.hpp"
 #include "transfer.hpp"
 #include "verdict.hpp"
 
@@ -13,9 +16,11 @@ using topology::BlockId;
 
 class Batches final {
  public:
-  Batches(const topology::BlockComplex& complex, const Settings& settings)
+  /// `held` keep their place whatever drives them: ascending.
+  Batches(const topology::BlockComplex& complex, const Settings& settings, std::span<const BlockId> held)
       : model_{complex, settings},
         least_tan_{settings.strengths.least_tan_friction() / settings.partial.friction()},
+        held_{held},
         judgements_(complex.blocks().size(), std::nullopt) {}
 
   Analysis run() {
@@ -43,6 +48,7 @@ class Batches final {
     for (auto& judgement : judgements_) {
       if (judgement) analysis_.judgements.push_back(*std::move(judgement));
     }
+    analysis_.rotation = model_.settings().rotation;
     if (model_.settings().force_transfer && analysis_.undecided.empty()) transfer_forces(model_, analysis_);
     return std::move(analysis_);
   }
@@ -83,8 +89,13 @@ class Batches final {
     }
     judgement.cone_dimension = dimension;
     judgement.tie = verdict.tie;
+    if (model_.settings().rotation != RotationCheck::off && !verdict.key) {
+      judgement.rotation = rotation_of(model_, id, batch, contacts, verdict);
+      if (model_.settings().rotation == RotationCheck::decide && judgement.rotation->turns) judgement.key = true;
+    }
+    const bool leaves = judgement.key && !std::ranges::binary_search(held_, id);
     judgements_[id] = std::move(judgement);
-    return verdict.key;
+    return leaves;
   }
 
   /// Takes out what is left out, before the first batch: what it leaned on is exposed there.
@@ -141,6 +152,7 @@ class Batches final {
 
   Model model_;
   double least_tan_;
+  std::span<const BlockId> held_;
   IdVector<BlockId, std::optional<Judgement>> judgements_;
   Analysis analysis_;
 };
@@ -148,7 +160,31 @@ class Batches final {
 }  // namespace
 
 Analysis analyse_complex(const topology::BlockComplex& complex, const Settings& settings) {
-  return Batches{complex, settings}.run();
+  std::vector<BlockId> held;
+  std::vector<std::pair<BlockId, Transferred>> why;  // what held them, in order of id
+  for (;;) {
+    Analysis analysis = Batches{complex, settings, held}.run();
+    const auto judgement_of = [&](BlockId id) {
+      const auto it = std::ranges::lower_bound(analysis.judgements, id, {}, &Judgement::block);
+      return it != analysis.judgements.end() && it->block == id ? &*it : nullptr;
+    };
+    const std::size_t known = held.size();
+    if (settings.force_transfer && settings.transfer.stabilised == TransferReadings::Stabilised::batches_anew) {
+      for (const Judgement& j : analysis.judgements) {
+        if (!j.transferred || j.transferred->key) continue;
+        held.push_back(j.block);
+        why.emplace_back(j.block, *j.transferred);
+      }
+    }
+    if (held.size() == known) {  // what is held only grows, so this comes to an end
+      for (const auto& [id, transferred] : why) {
+        if (Judgement* j = judgement_of(id)) j->transferred = transferred;
+      }
+      return analysis;
+    }
+    std::ranges::sort(held);
+    std::ranges::sort(why, {}, [](const auto& entry) { return entry.first; });
+  }
 }
 
 }  // namespace cleave::stability
