@@ -25,7 +25,7 @@ std::vector<topology::JointId> joints_of(const topology::BlockComplex& complex, 
 namespace {
 
 /// A name with a comma, a quote or a line end would break the row.
-std::string quoted(std::string_view name) {
+std::string csv_text(std::string_view name) {
   if (name.find_first_of(",\"\n\r") == std::string_view::npos) return std::string{name};
   std::string out = "\"";
   for (const char c : name) out += c == '"' ? std::string{"\"\""} : std::string{c};
@@ -168,7 +168,7 @@ std::string support_blocks_csv(std::span<const NamedSupport> cases) {
       "mobilised_share,missing_force_n,required_force_n,required_pressure_pa,free_area_m2,shotcrete_thickness_m\n"};
   for (const NamedSupport& load : cases) {
     for (const stability::SupportedBlock& b : load.support->blocks) {
-      out += quoted(load.name) + ',' + std::to_string(b.block.value()) + ',';
+      out += csv_text(load.name) + ',' + std::to_string(b.block.value()) + ',';
       out += stability::name(b.mode);
       for (const double value : {b.target, b.net_force, b.factor_of_safety}) {
         out += ',';
@@ -194,7 +194,7 @@ std::string combined_blocks_csv(std::span<const NamedSupport> cases) {
   for (const NamedSupport& load : cases) {
     for (std::size_t i = 0; i < load.support->combined.size(); ++i) {
       const stability::CombinedBlock& b = load.support->combined[i];
-      out += quoted(load.name) + ',' + std::to_string(i) + ',';
+      out += csv_text(load.name) + ',' + std::to_string(i) + ',';
       for (std::size_t k = 0; k < b.members.size(); ++k) {
         out += (k == 0 ? "" : ";") + std::to_string(b.members[k].value());
       }
@@ -222,7 +222,7 @@ std::string maximum_blocks_csv(std::span<const MaximumBlockRow> rows) {
       "factor_of_safety,target,required_pressure_pa\n"};
   for (const MaximumBlockRow& row : rows) {
     const stability::MaximumKeyBlock& b = row.block;
-    for (const std::string& set : row.sets) out += quoted(set) + ',';
+    for (const std::string& set : row.sets) out += csv_text(set) + ',';
     for (std::size_t i = 0; i < 3; ++i) out += ((b.block.code >> i) & 1U) != 0 ? '1' : '0';
     out += ',' + row.where;
     for (const double value : {b.block.apex[0], b.block.apex[1], b.block.volume, b.weight.si(), b.block.height,
@@ -248,7 +248,7 @@ std::string load_cases_csv(const topology::BlockComplex& complex, std::span<cons
   for (const NamedAnalysis& load : cases) {
     for (const stability::Judgement& j : load.analysis->judgements) {
       if (!stability::moves(j.mode)) continue;
-      out += quoted(load.name) + ',' + std::to_string(j.block.value()) + ',';
+      out += csv_text(load.name) + ',' + std::to_string(j.block.value()) + ',';
       if (j.batch) out += std::to_string(*j.batch);
       out += j.key ? ",1," : ",0,";
       out += stability::name(j.mode);
