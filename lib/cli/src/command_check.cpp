@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "cleave/scene/bodies.hpp"
+#include "cleave/scene/contact.hpp"
 #include "cleave/scene/parse.hpp"
 #include "cleave/scene/plan.hpp"
 #include "commands.hpp"
@@ -37,6 +38,11 @@ ExitCode check_scene(const std::string& path) {
     say(notes_of((*bodies)->notes) + fmt::format("{}: no error found\n", path));
     return ExitCode::done;
   }
+  if (const auto contact = scene::load_contact(path)) {
+    if (!*contact) return report_problems(contact->error());
+    say(notes_of((*contact)->notes) + fmt::format("{}: no error found\n", path));
+    return ExitCode::done;
+  }
   const auto scene = scene::load(path);
   if (!scene) return report_problems(scene.error());
   for (const scene::Problem& note : scene->notes) say("note: " + describe(note) + "\n");
@@ -45,14 +51,19 @@ ExitCode check_scene(const std::string& path) {
 }
 
 ExitCode plan_scene(const std::string& path) {
-  if (const auto bodies = scene::load_bodies(path)) {
-    if (!*bodies) return report_problems(bodies->error());
-    const scene::Plan plan = make_plan(**bodies);
-    say(fmt::format("plan of {} ({})\n", path, (*bodies)->title) + stages_of(plan) +
-        fmt::format("estimated size: {} bodies, up to {:.0f} MB and {:.1f} s of CPU\n", (*bodies)->bodies.size(),
+  const auto say_plan = [&](const auto& plane) {
+    const scene::Plan plan = make_plan(plane);
+    say(fmt::format("plan of {} ({})\n", path, plane.title) + stages_of(plan) +
+        fmt::format("estimated size: {} bodies, up to {:.0f} MB and {:.1f} s of CPU\n", plane.bodies.size(),
                     plan.estimate.memory_mb, plan.estimate.seconds) +
-        notes_of((*bodies)->notes));
+        notes_of(plane.notes));
     return ExitCode::done;
+  };
+  if (const auto bodies = scene::load_bodies(path)) {
+    return *bodies ? say_plan(**bodies) : report_problems(bodies->error());
+  }
+  if (const auto contact = scene::load_contact(path)) {
+    return *contact ? say_plan(**contact) : report_problems(contact->error());
   }
   const auto scene = scene::load(path);
   if (!scene) return report_problems(scene.error());

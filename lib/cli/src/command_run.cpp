@@ -16,6 +16,7 @@
 #include "out_folder.hpp"
 #include "problems.hpp"
 #include "run_bodies.hpp"
+#include "run_contact.hpp"
 #include "write_result.hpp"
 
 namespace cleave::cli {
@@ -78,11 +79,13 @@ ExitCode run_scene(const RunArguments& arguments) {
   Progress progress{progress_style_of_stderr(arguments.quiet)};
 
   progress.begin("read");
-  // Bodies and blocks are different scenes; the first look says which.
+  // Bodies, bodies in contact and blocks are different scenes; the first look says which.
+  auto contact = std::optional<std::expected<scene::ContactScene, std::vector<scene::Problem>>>{};
   auto bodies = std::optional<std::expected<scene::BodiesScene, std::vector<scene::Problem>>>{};
   auto scene = timer.run("read", [&] {
     bodies = scene::load_bodies(arguments.scene);
-    if (bodies) return std::expected<scene::Scene, std::vector<scene::Problem>>{std::unexpect};
+    if (!bodies) contact = scene::load_contact(arguments.scene);
+    if (bodies || contact) return std::expected<scene::Scene, std::vector<scene::Problem>>{std::unexpect};
     return scene::load(arguments.scene);
   });
   progress.end();
@@ -94,6 +97,15 @@ ExitCode run_scene(const RunArguments& arguments) {
     }
     if (arguments.seed) (*bodies)->seed = *arguments.seed;
     return run_bodies(arguments, **bodies, timer, progress, interrupts);
+  }
+  if (contact) {
+    if (!*contact) return report_problems(contact->error());
+    if (arguments.sharded) {
+      complain(fmt::format("{}:1: --shard: the scene has no [monte_carlo]; run it without --shard", arguments.scene));
+      return ExitCode::wrong_input;
+    }
+    if (arguments.seed) (*contact)->seed = *arguments.seed;
+    return run_contact(arguments, **contact, timer, progress, interrupts);
   }
   if (!scene) return report_problems(scene.error());
   if (arguments.seed) scene->seed = *arguments.seed;

@@ -11,5 +11,6 @@ namespace cleave::report::assets {
 [[nodiscard]] std::span<const std::string_view> orbit_controls();
 [[nodiscard]] std::span<const std::string_view> style();
 [[nodiscard]] std::span<const std::string_view> script();
+[[nodiscard]] std::span<const std::string_view> contact();
 
 }  // namespace cleave::report::assets

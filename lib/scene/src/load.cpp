@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "cleave/scene/bodies.hpp"
+#include "cleave/scene/contact.hpp"
 #include "cleave/scene/parse.hpp"
 #include "cleave/scene/survey_file.hpp"
 
@@ -86,6 +87,12 @@ std::optional<std::expected<BodiesScene, std::vector<Problem>>> load_bodies(cons
   const auto text = read_whole(path, largest_scene);
   if (!text || !is_bodies_scene(*text)) return std::nullopt;
   return parse_bodies(*text, path);
+}
+
+std::optional<std::expected<ContactScene, std::vector<Problem>>> load_contact(const std::string& path) {
+  const auto text = read_whole(path, largest_scene);
+  if (!text || !is_contact_scene(*text)) return std::nullopt;
+  return parse_contact(*text, path);
 }
 
 }  // namespace cleave::scene

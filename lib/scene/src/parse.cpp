@@ -21,19 +21,20 @@ constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed", 
                                                 "rock",   "excavation", "stability"};
 constexpr std::array<string_view, 8> more_root_keys{"output",      "sequence", "keep_dangling", "micro_blocks",
                                                     "monte_carlo", "load",     "support",       "include"};
-constexpr std::array<string_view, 3> later_sections{"body", "contact", "elastic"};
+constexpr std::array<string_view, 3> plane_sections{"body", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
   const std::size_t slash = shown.find_last_of('/');
   return slash == std::string::npos ? shown : shown.substr(slash + 1);
 }
 
-/// Sections of later versions are named as such and taken out, so that the rest is still checked.
-TomlTable without_later_sections(TomlTable table, Problems& problems) {
+/// Sections of plane scenes are named as such and taken out, so that the rest is still checked.
+TomlTable without_plane_sections(TomlTable table, Problems& problems) {
   std::erase_if(table.entries, [&](const TomlEntry& entry) {
-    for (const string_view section : later_sections) {
+    for (const string_view section : plane_sections) {
       if (entry.key != section) continue;
-      problems.error(entry.line, entry.key, not_available(), "remove the section");
+      problems.error(entry.line, entry.key, "belongs to plane scenes, which hold [[body]] and none of [domain], joints",
+                     "remove the section, or put the bodies into a scene of their own");
       return true;
     }
     return false;
@@ -158,7 +159,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
                    "start from one of: cleave init tunnel, slope, wedge, network, bodies");
     return std::unexpected(std::move(problems).take_errors());
   }
-  TomlTable table = without_later_sections(std::move(*tree), problems);
+  TomlTable table = without_plane_sections(std::move(*tree), problems);
   std::vector<InputFile> included;
   take_includes(table, problems, read_file, included);
   std::vector<string_view> known{root_keys.begin(), root_keys.end()};

@@ -7,6 +7,7 @@
 #include "cleave/core/sha256.hpp"
 #include "cleave/scene/bodies.hpp"
 #include "context.hpp"
+#include "plane_input.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -15,54 +16,12 @@ using bem::Vec2;
 using std::string_view;
 
 constexpr double radians = std::numbers::pi / 180;
-constexpr NumberRule time_rule{0, true, 1e12, false, " s"};
 constexpr NumberRule any_time{0, false, 1e12, false, " s"};
-constexpr NumberRule poisson_rule{-1, true, 0.5, true, ""};
-constexpr NumberRule young_rule{0, true, 1e15, false, " Pa"};
-constexpr NumberRule value_rule{-1e18, false, 1e18, false, ""};
-
-std::optional<Vec2> pair_of(const TableReader& table, const TomlNode& node, const std::string& path,
-                            const NumberRule& rule) {
-  const auto* array = std::get_if<TomlArray>(&node.value);
-  if (array == nullptr || array->items.size() != 2) {
-    table.problems().error(node.line, path, "must be two numbers", "write [x, y]");
-    return std::nullopt;
-  }
-  const auto x = table.number_of(array->items[0], path, rule);
-  const auto y = table.number_of(array->items[1], path, rule);
-  if (!x || !y) return std::nullopt;
-  return Vec2{*x, *y};
-}
-
-std::optional<Vec2> pair(const TableReader& table, string_view key, const NumberRule& rule) {
-  const TomlEntry* entry = table.find(key);
-  if (entry == nullptr) return std::nullopt;
-  return pair_of(table, entry->node, table.path_of(key), rule);
-}
 
 std::optional<bem::Sym2> stress_of(const TableReader& table, string_view key) {
   const auto v = table.vec3(key, value_rule);
   if (!v) return std::nullopt;
   return bem::Sym2{v->x, v->z, v->y};  // written xx, yy, xy
-}
-
-std::optional<std::vector<Vec2>> corners_of(const TableReader& table, const TomlNode& node, const std::string& path) {
-  const auto* array = std::get_if<TomlArray>(&node.value);
-  if (array == nullptr || array->items.size() < 2) {
-    table.problems().error(node.line, path, "must be a list of corners", "write [[x, y], [x, y], [x, y], ...]");
-    return std::nullopt;
-  }
-  std::vector<Vec2> corners;
-  for (std::size_t i = 0; i < array->items.size(); ++i) {
-    const auto p = pair_of(table, array->items[i], fmt::format("{}[{}]", path, i + 1), rule::coordinate);
-    if (!p) return std::nullopt;
-    corners.push_back(*p);
-  }
-  return corners;
-}
-
-TableReader reader(const TomlNode& node, std::string path, Problems& problems, std::span<const string_view> keys) {
-  return TableReader{*std::get_if<TomlTable>(&node.value), node.line, std::move(path), problems, keys};
 }
 
 std::optional<bem::Loop> circle_of(const TableReader& table, bool clockwise) {
@@ -239,26 +198,6 @@ void parse_supports(const TableReader& body, const Outline& outline, BodySpec& s
   }
 }
 
-TimeFunction parse_time_function(const TableReader& load, bool& follows) {
-  TimeFunction out;
-  const TomlTable* found = load.table("time");
-  if (found == nullptr) return out;
-  constexpr std::array<string_view, 4> keys{"kind", "duration", "frequency", "follows"};
-  constexpr std::array<string_view, 4> kinds{"step", "ramp", "pulse", "harmonic"};
-  const TableReader table{*found, load.line_of("time"), load.path_of("time"), load.problems(), keys};
-  const auto kind = table.choice("kind", kinds);
-  if (!table.has("kind")) table.missing("kind", "write one of: step ramp pulse harmonic");
-  out.kind = static_cast<TimeFunction::Kind>(kind.value_or(0));
-  if (out.kind == TimeFunction::Kind::ramp || out.kind == TimeFunction::Kind::pulse) {
-    out.duration = table.need_number("duration", time_rule).value_or(1);
-  }
-  if (out.kind == TimeFunction::Kind::harmonic) {
-    out.frequency = table.need_number("frequency", {0, true, 1e9, false, " Hz"}).value_or(1);
-  }
-  follows = table.boolean("follows").value_or(false);
-  return out;
-}
-
 void parse_loads(const TableReader& body, const Outline& outline, BodySpec& spec, bool moving) {
   constexpr std::array<string_view, 8> keys{"side", "sides", "hole", "at", "pressure", "traction", "force", "time"};
   constexpr std::array<string_view, 3> kinds{"pressure", "traction", "force"};
@@ -312,31 +251,14 @@ void put_loads(BodySpec& spec) {
   }
 }
 
-struct Defaults {
-  std::optional<double> young, poisson;
-  double density = 2700;
-};
-
-Defaults parse_defaults(const TableReader& root) {
-  Defaults out;
-  const TomlTable* found = root.table("rock");
-  if (found == nullptr) return out;
-  constexpr std::array<string_view, 3> keys{"density", "young", "poisson"};
-  const TableReader table{*found, root.line_of("rock"), "rock", root.problems(), keys};
-  out.density = table.number("density", {0, false, 1e5, false, " kg/m3"}).value_or(out.density);
-  out.young = table.number("young", young_rule);
-  out.poisson = table.number("poisson", poisson_rule);
-  return out;
-}
-
-void parse_body(const TableReader& body, const Defaults& defaults, bem::PlaneState plane, bool moving,
+void parse_body(const TableReader& body, const RockDefaults& defaults, bem::PlaneState plane, bool moving,
                 std::vector<BodySpec>& bodies) {
   constexpr std::array<string_view, 3> extents{"bounded", "plane", "half_plane"};
   const std::string fallback = fmt::format("body {}", bodies.size() + 1);
   const std::string name = body.text("name").value_or(fallback);
   const auto own_young = body.number("young", young_rule);
   const auto own_poisson = body.number("poisson", poisson_rule);
-  const auto own_density = body.number("density", {0, false, 1e5, false, " kg/m3"});
+  const auto own_density = body.number("density", body_density_rule);
   const auto young = own_young ? own_young : defaults.young;
   const auto poisson = own_poisson ? own_poisson : defaults.poisson;
   const double density = own_density.value_or(defaults.density);
@@ -448,11 +370,6 @@ void check_overlaps(const std::vector<BodySpec>& bodies, Problems& problems) {
   }
 }
 
-std::string stem_of(const std::string& shown) {
-  const std::size_t slash = shown.find_last_of('/');
-  return slash == std::string::npos ? shown : shown.substr(slash + 1);
-}
-
 void parse_time(const TableReader& elastic, BodiesScene& scene) {
   const TomlTable* found = elastic.table("time");
   if (found == nullptr) return;
@@ -505,7 +422,7 @@ bool is_bodies_scene(string_view text) {
   const auto has = [&](string_view key) {
     return std::ranges::find(tree->entries, key, &TomlEntry::key) != tree->entries.end();
   };
-  return has("body") && !has("domain") && !has("joint") && !has("joint_set");
+  return has("body") && !has("contact") && !has("domain") && !has("joint") && !has("joint_set");
 }
 
 std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, const std::string& shown) {
@@ -519,7 +436,7 @@ std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, 
   const TableReader root{*tree, 1, "", problems, root_keys};
   BodiesScene scene;
   scene.shown = shown;
-  scene.file_name = stem_of(shown);
+  scene.file_name = file_name_of(shown);
   scene.sha256 = sha256_hex(text);
   if (const auto schema = root.integer("schema", 1, 1); root.has("schema") && !schema) {
     root.note("schema", "is not a version that this program knows", "write schema = 1");
@@ -527,7 +444,7 @@ std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, 
   scene.title = root.text("title").value_or(scene.file_name);
   if (const auto seed = root.integer("seed", 0, INT64_MAX)) scene.seed = static_cast<std::uint64_t>(*seed);
   scene.output = parse_output(root);
-  const Defaults defaults = parse_defaults(root);
+  const RockDefaults defaults = parse_rock_defaults(root);
   bem::PlaneState plane = bem::PlaneState::strain;
   constexpr std::array<string_view, 9> elastic_keys{"plane",       "gravity", "order", "element", "tolerance",
                                                     "integration", "points",  "time",  "stress"};

@@ -1,0 +1,45 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "suite.hpp"
+
+namespace cleave::contact_suite {
+
+double judge(const dbem::ContactProblem& problem, const std::vector<dbem::Vec2>& impulse) {
+  const std::size_t m = problem.b.size();
+  if (impulse.size() != m) return std::numeric_limits<double>::infinity();
+  double worst = 0, scale = 1e-300;
+  for (std::size_t r = 0; r < m; ++r) {
+    double g = problem.b[r].x, s = problem.b[r].y, w_n = 0, w_t = 0;
+    for (std::size_t at = problem.w.starts[r]; at < problem.w.starts[r + 1]; ++at) {
+      const std::size_t c = problem.w.columns[at];
+      const auto& w = problem.w.values[at];
+      g += w.xx * impulse[c].x + w.xy * impulse[c].y;
+      s += w.yx * impulse[c].x + w.yy * impulse[c].y;
+      if (c == r) {
+        w_n += w.xx;
+        w_t += w.yy;
+      }
+    }
+    const double n = impulse[r].x + problem.tension[r];  // measured from where the bond tears
+    const double t = impulse[r].y;
+    if (!std::isfinite(g) || !std::isfinite(s) || !std::isfinite(n) || !std::isfinite(t)) {
+      return std::numeric_limits<double>::infinity();
+    }
+    scale = std::max(
+        {scale, std::abs(impulse[r].x), std::abs(t), std::abs(problem.b[r].x) / w_n, std::abs(problem.b[r].y) / w_t});
+    // The smaller of force and gap must vanish and neither may be negative: |min(n, g / w)| says all three.
+    worst = std::max(worst, std::abs(std::min(n, g / w_n)));
+    // Friction: how far t is from the point of its interval that t - s / w is nearest to. The interval belongs to the
+    // normal force as it is read by the pair (n, g): whichever of n and g is active.
+    const double pressed = std::max(n - g / w_n, 0.0) - problem.tension[r];
+    const double limit = std::max(problem.mu[r] * pressed + problem.cohesion[r], 0.0);
+    const double wanted = t - s / w_t;
+    const double nearest = wanted > limit ? limit : wanted < -limit ? -limit : wanted;
+    worst = std::max(worst, std::abs(t - nearest));
+  }
+  return worst / scale;
+}
+
+}  // namespace cleave::contact_suite

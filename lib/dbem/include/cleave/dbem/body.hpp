@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cleave/bem/vec2.hpp"
+
+/// Blocks in contact in the plane: the discrete boundary element method. SI units; everything is per metre of
+/// thickness, so a mass is in kg/m and a force in N/m. x to the right, y up, angles anticlockwise in radians.
+namespace cleave::dbem {
+
+using bem::cross;
+using bem::dot;
+using bem::norm;
+using bem::Vec2;
+
+/// Elastic shapes of a free body, mass-normalised (phi^T M phi = 1) and orthogonal to its rigid motions. The body then
+/// lies at x = c + R(theta) (X + sum_k e_k phi_k(X)) with its centroid at c.
+struct ModalBasis {
+  std::vector<double> omega;  ///< circular frequencies, rad/s, ascending, all positive
+  /// Row r = 2 * vertex + component (x, y in the body's axes), column = mode: entry r * omega.size() + mode, at the
+  /// corners of Body::outline. Between corners a shape is linear along the edge.
+  std::vector<double> shapes;
+  double damping = 0;  ///< share of critical damping of every mode
+};
+
+/// A force at a point that moves with the body, times a function of time (s).
+struct PointForce {
+  Vec2 at;     ///< in the coordinates of Body::outline
+  Vec2 force;  ///< N/m; the world's axes unless `follows`
+  std::function<double(double)> factor = [](double) { return 1.0; };
+  bool follows = false;  ///< turns with the body
+};
+
+/// Freedoms that keep the velocity they start with (0 unless given). All three: a fixed body, or, with modes, a clamped
+/// one that still bends (modes of the supported body; gravity on them is up to the caller, as point forces).
+struct Held {
+  bool x = false, y = false, spin = false;
+  [[nodiscard]] constexpr bool all() const noexcept { return x && y && spin; }
+  friend constexpr bool operator==(Held, Held) noexcept = default;
+};
+
+/// One block as the caller states it.
+struct Body {
+  std::string name;
+  /// Corners anticlockwise, a simple polygon, convex or not, in coordinates of its own; `origin` says where those are
+  /// in the scene. Corners stated near their own origin lose nothing when the scene lies 10^6 m away.
+  std::vector<Vec2> outline;
+  Vec2 origin = {};
+  double density = 0;                  ///< kg/m3; mass and inertia follow from the outline unless they are given
+  std::optional<double> mass = {};     ///< kg/m
+  std::optional<double> inertia = {};  ///< kg m, about the centroid
+  Held held = {};
+  Vec2 velocity = {};        ///< of the centroid, m/s
+  double spin = 0;           ///< rad/s
+  std::size_t property = 0;  ///< joint property of its faces, see Laws
+  /// One an edge (from corner k to the next) instead of `property`; empty: all the same. A corner counts to the one of
+  /// its two edges that lies more nearly along the edge it touches.
+  std::vector<std::size_t> properties = {};
+  std::optional<ModalBasis> modes = {};
+  std::vector<PointForce> forces = {};
+};
+
+/// What acts on a face between two bodies.
+struct JointLaw {
+  double friction = 0;            ///< tangent of the friction angle
+  double cohesion = 0;            ///< Pa, on the length that is in contact at the start, until the bond breaks
+  double tension = 0;             ///< Pa, likewise
+  double residual_friction = -1;  ///< after the bond broke; negative: as `friction`
+  double compliance = 0;          ///< m2/N of one contact point, normal and tangential; 0: rigid
+  double restitution = 0;         ///< 0 .. 1, of the normal velocity
+};
+
+/// Law of the faces between bodies of properties a and b (either order).
+struct PairLaw {
+  std::size_t a, b;
+  JointLaw law;
+};
+
+/// The law of a pair is the one stated for its two properties, else `otherwise`.
+struct Laws {
+  JointLaw otherwise;
+  std::vector<PairLaw> pairs = {};
+  [[nodiscard]] const JointLaw& of(std::size_t property_a, std::size_t property_b) const noexcept;
+};
+
+/// Area, centroid and polar second moment about the centroid of a simple anticlockwise polygon.
+struct PolygonMoments {
+  double area = 0;
+  Vec2 centroid;
+  double polar = 0;
+};
+[[nodiscard]] PolygonMoments polygon_moments(const std::vector<Vec2>& corners);
+
+}  // namespace cleave::dbem

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "cleave/dbem/body.hpp"
+
+/// Solvers of the contact law on the condensed form y = b + W p.
+namespace cleave::dbem {
+
+/// A symmetric matrix of 2x2 blocks by rows; row and column r of a block belong to contact r, (normal, tangential).
+struct BlockMatrix {
+  std::vector<std::size_t> starts;  ///< of the rows, one more than rows
+  std::vector<std::uint32_t> columns;
+  std::vector<bem::Mat2> values;
+  std::vector<std::size_t> diagonal;  ///< index of each diagonal block
+  [[nodiscard]] std::size_t rows() const noexcept { return diagonal.size(); }
+  /// y += W x.
+  void add_product(const std::vector<Vec2>& x, std::vector<Vec2>& y) const;
+};
+
+/// Coulomb contact at velocity level. Unknown impulses p = (n, t) per contact, y = b + W p = (g, s):
+///   0 <= n + tau  _|_  g >= 0,   |t| <= max(0, mu n + c),   s = 0 inside the bound, else opposite to t.
+struct ContactProblem {
+  BlockMatrix w;        ///< compliances and regularisation included
+  std::vector<Vec2> b;  ///< m/s
+  std::vector<double> mu;
+  std::vector<double> cohesion;  ///< N s/m
+  std::vector<double> tension;   ///< N s/m
+  std::vector<Vec2> start;       ///< warm start; empty: cold
+  [[nodiscard]] std::size_t contacts() const noexcept { return b.size(); }
+};
+
+enum class Method : std::uint8_t {
+  none,          ///< nothing touched
+  open_close,    ///< Shi's iteration over contact states: the reference
+  newton,        ///< semi-smooth, on the natural map
+  continuation,  ///< Newton along a falling compliance
+  lemke,         ///< complementary pivoting, at most 100 contacts
+  cascade,       ///< all of them, cheapest first: the default
+};
+[[nodiscard]] std::string_view name_of(Method method) noexcept;
+
+struct SolverOptions {
+  Method method = Method::cascade;
+  double accept = 1e-8;   ///< residual above which an answer is never called converged
+  double target = 1e-13;  ///< residual at which an iteration stops; it also stops where rounding lets it get no lower
+  std::size_t newton_iterations = 60;
+  std::size_t open_close_passes = 6;
+};
+
+/// What a solver says of its answer; `residual` is that of the natural map at the answer, recomputed whatever found it.
+struct ContactReport {
+  enum class Status : std::uint8_t {
+    converged,
+    open,           ///< no contact carries anything
+    not_converged,  ///< the best answer found; never to be used as if it were right
+  };
+  Status status = Status::open;
+  double residual = 0;  ///< in impulse units over max(|p|, max |b / diag W|)
+  Method method = Method::none;
+  std::size_t iterations = 0;  ///< linear solves or pivots, of all tries
+  std::size_t stick = 0, slip = 0, opened = 0;
+  double max_penetration = 0;  ///< largest -g, m/s
+};
+
+struct ContactSolution {
+  std::vector<Vec2> impulse;
+  ContactReport report;
+};
+
+[[nodiscard]] ContactSolution solve(const ContactProblem& problem, const SolverOptions& options = {});
+
+/// Residual of the natural map (Alart and Curnier 1991) of any impulses, scaled as in ContactReport.
+[[nodiscard]] double natural_residual(const ContactProblem& problem, const std::vector<Vec2>& impulse);
+
+}  // namespace cleave::dbem

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cleave/dbem/body.hpp"
+
+/// Contact geometry of two simple polygons: every contact is a corner of one body against an edge of the other.
+namespace cleave::dbem {
+
+/// The material at a corner: anticlockwise from `out` (along the edge that leaves it) to `back` (towards the corner
+/// before it). Neither need be of unit length.
+struct Wedge {
+  Vec2 out, back;
+};
+
+/// The two lines a corner of i meets when it enters a corner of j (Shi's entrance lines), from one rule: the boundary
+/// of the cone K = wedge_j + (-wedge_i) of forbidden directions of p - q. Normals are of unit length and point from j
+/// to i.
+struct EntranceLines {
+  Vec2 first, last;
+  bool first_is_edge_of_j;  ///< the edge that leaves j's corner, else the edge that leaves i's corner
+  bool last_is_edge_of_j;   ///< the edge that arrives at j's corner, else the one that arrives at i's
+};
+/// Precondition: both angles are below or equal to half a turn. The corners penetrate iff both normal gaps are
+/// negative.
+[[nodiscard]] EntranceLines entrance_lines(const Wedge& i, const Wedge& j);
+
+/// Corner `vertex` of body i against edge `edge` (from corner `edge` to the next) of body j.
+struct Touch {
+  std::uint32_t i, vertex, j, edge;
+  double gap;    ///< m, negative: penetration
+  double ratio;  ///< of the foot along the edge, 0 .. 1
+  Vec2 normal;   ///< unit, out of j
+  Vec2 point;    ///< the corner
+  friend bool operator==(const Touch&, const Touch&) = default;
+};
+
+/// Axis-parallel box.
+struct Box {
+  Vec2 low, high;
+};
+[[nodiscard]] Box box_of(std::span<const Vec2> corners);
+
+/// Motion in a step: displacement of the point x (scene) is shift + turn * turned_left(x).
+struct Drift {
+  Vec2 shift;
+  double turn = 0;
+  [[nodiscard]] Vec2 at(Vec2 x) const noexcept { return shift + turn * bem::turned_left(x); }
+};
+
+/// A polygon where it lies now. `sharp`: 1 for corners that can touch (angle at most half a turn).
+struct Placed {
+  std::uint32_t body;
+  std::span<const Vec2> corners;
+  std::span<const std::uint8_t> sharp;
+  Box box;
+  bool convex;
+};
+
+/// Appends every contact of the two bodies with a gap below `margin`. `near` (m): corners closer than this are decided
+/// by the cone rule; `drift` (of i relative to j) decides between two entrance lines with equal gaps.
+/// Edge against edge gives the two ends of the common interval; a corner in a concave corner gives both edges.
+void find_touches(const Placed& i, const Placed& j, double margin, double near, const Drift& drift,
+                  std::vector<Touch>& out);
+
+/// Gap, foot, normal and point of a known pair of corner and edge at new places of the corners.
+void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const Vec2> corners_j);
+
+/// The edge of the polygon that a point moving from `from` to `to` crosses first from outside, in axes fixed to the
+/// polygon; npos when none.
+[[nodiscard]] std::size_t first_crossing(std::span<const Vec2> corners, Vec2 from, Vec2 to);
+
+/// Depth of the deepest corner of one inside the other, 0 when they do not overlap by more than `tolerance`.
+struct Overlap {
+  double depth = 0;  ///< m
+  Vec2 at;
+};
+[[nodiscard]] Overlap overlap(const Placed& i, const Placed& j, double tolerance);
+
+[[nodiscard]] bool inside(std::span<const Vec2> corners, Vec2 point);
+
+/// Pairs (a < b, in order) of boxes that overlap; pairs of two `idle` ones are left out. Uniform grid of the size of
+/// the usual box, the few large ones one by one: O(n + pairs).
+struct BodyPair {
+  std::uint32_t a, b;
+  friend auto operator<=>(const BodyPair&, const BodyPair&) = default;
+};
+[[nodiscard]] std::vector<BodyPair> overlapping_pairs(const std::vector<Box>& boxes,
+                                                      const std::vector<std::uint8_t>& idle);
+
+}  // namespace cleave::dbem

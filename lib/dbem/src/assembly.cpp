@@ -1,0 +1,368 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "world_impl.hpp"
+
+namespace cleave::dbem {
+namespace {
+
+std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t k) {
+  while (parent[k] != k) {
+    parent[k] = parent[parent[k]];
+    k = parent[k];
+  }
+  return k;
+}
+
+}  // namespace
+
+BoundaryPoint nearest_on(std::span<const Vec2> corners, Vec2 p) {
+  BoundaryPoint best{.distance = std::numeric_limits<double>::infinity()};
+  for (std::size_t e = 0; e < corners.size(); ++e) {
+    const Vec2 along = corners[e + 1 == corners.size() ? 0 : e + 1] - corners[e];
+    const double t = std::clamp(dot(p - corners[e], along) / dot(along, along), 0.0, 1.0);
+    const double distance = norm(p - corners[e] - t * along);
+    if (distance < best.distance) best = {e, t, distance};
+  }
+  return best;
+}
+
+std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) const {
+  std::vector<std::uint32_t> parent(size());
+  std::iota(parent.begin(), parent.end(), 0U);
+  for (const Touch& t : list) {
+    if (shapes[t.i].fixed || shapes[t.j].fixed) continue;
+    const std::uint32_t a = root(parent, t.i);
+    const std::uint32_t b = root(parent, t.j);
+    parent[std::max(a, b)] = std::min(a, b);
+  }
+  std::vector<Island> islands;
+  std::vector<std::uint32_t> number(size(), static_cast<std::uint32_t>(-1));
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const std::uint32_t at = root(parent, shapes[list[k].i].fixed ? list[k].j : list[k].i);
+    if (number[at] == static_cast<std::uint32_t>(-1)) {
+      number[at] = static_cast<std::uint32_t>(islands.size());
+      islands.emplace_back();
+    }
+    islands[number[at]].touches.push_back(static_cast<std::uint32_t>(k));
+  }
+  for (std::uint32_t b = 0; b < size(); ++b) {
+    if (shapes[b].fixed) continue;
+    const std::uint32_t in = number[root(parent, b)];
+    if (in != static_cast<std::uint32_t>(-1)) islands[in].bodies.push_back(b);
+  }
+  return islands;
+}
+
+Rows World::Impl::rows_of(const std::vector<Touch>& list, const Island& island, const State& at) const {
+  Rows rows;
+  rows.sides.reserve(2 * island.touches.size());
+  for (const std::uint32_t which : island.touches) {
+    const Touch& touch = list[which];
+    const Vec2 n = touch.normal;
+    const Vec2 t = bem::turned_left(n);
+    for (const bool edge_side : {false, true}) {
+      const std::uint32_t body = edge_side ? touch.j : touch.i;
+      const double sign = edge_side ? -1.0 : 1.0;
+      Side side{.body = body,
+                .arm = touch.point - at.x[body],
+                .turn_n = 0,
+                .turn_t = 0,
+                .n = sign * n,
+                .t = sign * t,
+                .modal = rows.modal.size()};
+      side.turn_n = cross(side.arm, side.n);
+      side.turn_t = cross(side.arm, side.t);
+      const std::size_t modes = shapes[body].modes;
+      if (modes > 0) {
+        const std::vector<double>& table = bodies[body].modes->shapes;
+        const double c = std::cos(at.angle[body]);
+        const double s = std::sin(at.angle[body]);
+        const std::size_t from = edge_side ? touch.edge : touch.vertex;
+        const std::size_t to = from + 1 == corner_count(body) ? 0 : from + 1;
+        const double share = edge_side ? touch.ratio : 0.0;
+        for (const Vec2 d : {side.n, side.t}) {
+          const Vec2 local{c * d.x + s * d.y, -s * d.x + c * d.y};
+          for (std::size_t m = 0; m < modes; ++m) {
+            const double x = (1 - share) * table[2 * from * modes + m] + share * table[2 * to * modes + m];
+            const double y = (1 - share) * table[(2 * from + 1) * modes + m] + share * table[(2 * to + 1) * modes + m];
+            rows.modal.push_back(local.x * x + local.y * y);
+          }
+        }
+      }
+      rows.sides.push_back(side);
+    }
+  }
+  return rows;
+}
+
+double World::Impl::mode_inverse(std::size_t body, std::size_t mode, double theta, double step) const {
+  const ModalBasis& basis = *bodies[body].modes;
+  const double w = basis.omega[mode] * step * theta;
+  return 1 / (1 + 2 * basis.damping * w + w * w);
+}
+
+BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, bool rigid_only) const {
+  const std::size_t m = rows.sides.size() / 2;
+  BlockMatrix w;
+  w.starts.reserve(m + 1);
+  w.diagonal.resize(m);
+  // Sides of each body, bodies numbered as met.
+  std::vector<std::uint32_t> number(size(), static_cast<std::uint32_t>(-1));
+  std::vector<std::vector<std::uint32_t>> of;
+  for (std::size_t k = 0; k < rows.sides.size(); ++k) {
+    const std::uint32_t body = rows.sides[k].body;
+    if (shapes[body].fixed) continue;
+    if (number[body] == static_cast<std::uint32_t>(-1)) {
+      number[body] = static_cast<std::uint32_t>(of.size());
+      of.emplace_back();
+    }
+    of[number[body]].push_back(static_cast<std::uint32_t>(k));
+  }
+  std::vector<double> scaled;  // modal rows times the inverse of the step matrix
+  if (!rigid_only) {
+    scaled = rows.modal;
+    for (const Side& side : rows.sides) {
+      const std::size_t modes = shapes[side.body].modes;
+      for (std::size_t k = 0; k < modes; ++k) {
+        const double inverse = mode_inverse(side.body, k, theta, step);
+        scaled[side.modal + k] *= inverse;
+        scaled[side.modal + modes + k] *= inverse;
+      }
+    }
+  }
+  std::vector<std::size_t> place(m, static_cast<std::size_t>(-1));
+  w.starts.push_back(0);
+  for (std::size_t r = 0; r < m; ++r) {
+    const auto block_at = [&](std::uint32_t column) -> bem::Mat2& {
+      if (place[column] == static_cast<std::size_t>(-1)) {
+        place[column] = w.columns.size();
+        w.columns.push_back(column);
+        w.values.emplace_back();
+      }
+      return w.values[place[column]];
+    };
+    block_at(static_cast<std::uint32_t>(r));
+    w.diagonal[r] = w.starts.back();
+    for (const std::size_t which : {2 * r, 2 * r + 1}) {
+      const Side& a = rows.sides[which];
+      const Shape& shape = shapes[a.body];
+      if (shape.fixed) continue;
+      const Vec2 an{a.n.x * shape.inverse_x, a.n.y * shape.inverse_y};
+      const Vec2 at{a.t.x * shape.inverse_x, a.t.y * shape.inverse_y};
+      const double wn = a.turn_n * shape.inverse_spin;
+      const double wt = a.turn_t * shape.inverse_spin;
+      const std::size_t modes = rigid_only ? 0 : shape.modes;
+      for (const std::uint32_t k : of[number[a.body]]) {
+        const Side& b = rows.sides[k];
+        bem::Mat2 sum{dot(an, b.n) + wn * b.turn_n, dot(an, b.t) + wn * b.turn_t, dot(at, b.n) + wt * b.turn_n,
+                      dot(at, b.t) + wt * b.turn_t};
+        for (std::size_t q = 0; q < modes; ++q) {
+          const double un = scaled[a.modal + q];
+          const double ut = scaled[a.modal + modes + q];
+          const double vn = rows.modal[b.modal + q];
+          const double vt = rows.modal[b.modal + modes + q];
+          sum += bem::Mat2{un * vn, un * vt, ut * vn, ut * vt};
+        }
+        block_at(k / 2) += sum;
+      }
+    }
+    for (std::size_t k = w.starts.back(); k < w.columns.size(); ++k) {
+      place[w.columns[k]] = static_cast<std::size_t>(-1);
+    }
+    w.starts.push_back(w.columns.size());
+  }
+  return w;
+}
+
+Vec2 World::Impl::velocity_of(const Rows& rows, std::size_t contact, const State& at) const {
+  Vec2 sum{};
+  for (const std::size_t which : {2 * contact, 2 * contact + 1}) {
+    const Side& s = rows.sides[which];
+    sum.x += dot(s.n, at.v[s.body]) + s.turn_n * at.spin[s.body];
+    sum.y += dot(s.t, at.v[s.body]) + s.turn_t * at.spin[s.body];
+    const std::size_t modes = shapes[s.body].modes;
+    for (std::size_t k = 0; k < modes; ++k) {
+      const double de = at.de[first_mode[s.body] + k];
+      sum.x += rows.modal[s.modal + k] * de;
+      sum.y += rows.modal[s.modal + modes + k] * de;
+    }
+  }
+  return sum;
+}
+
+void World::Impl::add_impulse(const Rows& rows, std::size_t contact, Vec2 p, double theta, double step,
+                              State& at) const {
+  for (const std::size_t which : {2 * contact, 2 * contact + 1}) {
+    const Side& s = rows.sides[which];
+    const Shape& shape = shapes[s.body];
+    const Vec2 impulse = p.x * s.n + p.y * s.t;
+    at.v[s.body] += Vec2{shape.inverse_x * impulse.x, shape.inverse_y * impulse.y};
+    at.spin[s.body] += shape.inverse_spin * (p.x * s.turn_n + p.y * s.turn_t);
+    for (std::size_t k = 0; k < shape.modes; ++k) {
+      at.de[first_mode[s.body] + k] += mode_inverse(s.body, k, theta, step) *
+                                       (p.x * rows.modal[s.modal + k] + p.y * rows.modal[s.modal + shape.modes + k]);
+    }
+  }
+}
+
+const Bond* World::Impl::bond_of(const Touch& t) const {
+  const BondKey wanted{t.i, t.vertex, t.j, 0};
+  const auto at = std::ranges::lower_bound(bond_keys, wanted);
+  if (at == bond_keys.end() || at->body != t.i || at->vertex != t.vertex || at->other != t.j) return nullptr;
+  const Bond& bond = bonds[at->bond];
+  return bond.broken ? nullptr : &bond;
+}
+
+const JointLaw& World::Impl::law_of(const Touch& t) const {
+  std::size_t of_i = bodies[t.i].property;
+  std::size_t of_j = bodies[t.j].property;
+  if (!bodies[t.j].properties.empty()) of_j = bodies[t.j].properties[t.edge];
+  if (!bodies[t.i].properties.empty()) {
+    const std::vector<Vec2>& c = shapes[t.i].corners;
+    const std::size_t n = c.size();
+    const std::size_t before = t.vertex == 0 ? n - 1 : t.vertex - 1;
+    const Vec2 facing = bem::rotated(-t.normal, -state.angle[t.i]);
+    const auto along = [&](std::size_t edge) {
+      const Vec2 d = c[edge + 1 == n ? 0 : edge + 1] - c[edge];
+      return dot(bem::turned_right(d), facing) / norm(d);
+    };
+    of_i = bodies[t.i].properties[along(t.vertex) >= along(before) ? t.vertex : before];
+  }
+  return laws.of(of_i, of_j);
+}
+
+ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Island& island, const Rows& rows,
+                                       const State& before, const State& free, double step) const {
+  const double theta = island.theta;
+  const std::size_t m = island.touches.size();
+  ContactProblem problem;
+  problem.w = delassus(rows, theta, step, false);
+  problem.b.resize(m);
+  problem.mu.resize(m);
+  problem.cohesion.resize(m);
+  problem.tension.resize(m);
+  problem.start.resize(m);
+  double softest = 0;
+  for (const std::size_t at : problem.w.diagonal) softest = std::max(softest, problem.w.values[at].xx);
+  for (std::size_t k = 0; k < m; ++k) {
+    const Touch& touch = list[island.touches[k]];
+    const JointLaw& law = law_of(touch);
+    const Bond* bond = bond_of(touch);
+    const double feature = std::min(shapes[touch.i].feature, shapes[touch.j].feature);
+    const auto known = std::ranges::lower_bound(memory, key_of(touch), {}, &Memory::key);
+    const bool warm = known != memory.end() && known->key == key_of(touch);
+    const Vec2 force = warm ? known->force : Vec2{};
+    bem::Mat2& diagonal = problem.w.values[problem.w.diagonal[k]];
+    // Clamped on both sides (shapes vanish there but for rounding): nothing can move, no force is felt.
+    const bool immovable = diagonal.xx <= 1e-20 * softest;
+    if (immovable) diagonal = {softest, 0, 0, softest};
+    diagonal.xx *= 1 + options.regularisation;
+    diagonal.yy *= 1 + options.regularisation;
+    const bem::Mat2 plain = diagonal;
+    Vec2& b = problem.b[k];
+    b = velocity_of(rows, k, free);
+    const Vec2 old = velocity_of(rows, k, before);
+    if (diagonal.xx <= 0 || diagonal.yy <= 0) {  // neither body can give way here
+      diagonal.xx = diagonal.yy = std::max({diagonal.xx, diagonal.yy, 1e-12});
+    }
+    if (law.compliance > 0) {
+      // A spring in the joint: its shortening at the end of the step carries the force then.
+      const double soft = law.compliance / (step * step * theta);
+      diagonal.xx += soft;
+      diagonal.yy += soft;
+      b += (1 / theta) * (Vec2{touch.gap, -law.compliance * force.y} / step + (1 - theta) * old);
+    } else if (old.x < -1e-6 && touch.gap + step * old.x <= 0 && law.restitution > 0) {
+      b.x += law.restitution * old.x;
+    } else {
+      // Gaps of rounding size count as closed: a pile at rest sees the same problem every step.
+      b.x += std::max(touch.gap - contact_depth * feature, 0.0) / step;
+    }
+    const bool broke = bond == nullptr && law.residual_friction >= 0;
+    problem.mu[k] = broke ? law.residual_friction : law.friction;
+    problem.cohesion[k] = bond != nullptr ? bond->cohesion * step : 0.0;
+    problem.tension[k] = bond != nullptr ? bond->tension * step : 0.0;
+    problem.start[k] = step * force;
+    // Regularised about the forces of the step before: a load that stays makes nothing creep.
+    const double viscous = options.regularisation / (1 + options.regularisation);
+    b += -viscous * step * Vec2{plain.xx * force.x, plain.yy * force.y};
+    if (immovable) {
+      b = {};
+      problem.start[k] = {};
+    }
+  }
+  return problem;
+}
+
+Vec2 World::Impl::force_on(const State& at, std::size_t body, double when, double& torque,
+                           std::vector<double>* modal) const {
+  const Shape& shape = shapes[body];
+  Vec2 acceleration = options.gravity;
+  if (options.ground) acceleration += -options.ground(when);
+  Vec2 force = shape.mass * acceleration;
+  torque = 0;
+  if (modal != nullptr) modal->assign(shape.modes, 0.0);
+  for (std::size_t q = 0; q < bodies[body].forces.size(); ++q) {
+    const PointForce& load = bodies[body].forces[q];
+    const double factor = load.factor(when);
+    const double angle = at.angle[body];
+    const Vec2 f = factor * (load.follows ? bem::rotated(load.force, angle) : load.force);
+    const Vec2 local = load.at - shape.local_centroid;
+    force += f;
+    torque += cross(bem::rotated(local, angle), f);
+    if (modal == nullptr || shape.modes == 0) continue;
+    const auto [edge, share] = shape.load_places[q];
+    const std::size_t to = edge + 1 == shape.corners.size() ? 0 : edge + 1;
+    const Vec2 g = bem::rotated(f, -angle);
+    const std::vector<double>& table = bodies[body].modes->shapes;
+    for (std::size_t m = 0; m < shape.modes; ++m) {
+      const auto at_corner = [&](std::size_t c) {
+        return g.x * table[2 * c * shape.modes + m] + g.y * table[(2 * c + 1) * shape.modes + m];
+      };
+      (*modal)[m] += (1 - share) * at_corner(edge) + share * at_corner(to);
+    }
+  }
+  return force;
+}
+
+void World::Impl::free_motion(const State& before, const std::vector<double>& theta, double step, State& free) const {
+  const double when = time + 0.5 * step;
+  std::vector<double> modal;
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (idle(b)) continue;
+    const Shape& shape = shapes[b];
+    double torque = 0;
+    const Vec2 force = force_on(before, b, when, torque, &modal);
+    free.v[b] += step * Vec2{shape.inverse_x * force.x, shape.inverse_y * force.y};
+    free.spin[b] += step * shape.inverse_spin * torque;
+    for (std::size_t m = 0; m < shape.modes; ++m) {
+      const ModalBasis& basis = *bodies[b].modes;
+      const std::size_t at = first_mode[b] + m;
+      const double w = basis.omega[m];
+      const double th = theta[b];
+      free.de[at] = ((1 - 2 * basis.damping * w * (1 - th) * step) * before.de[at] -
+                     step * w * w * (before.e[at] + th * (1 - th) * step * before.de[at]) + step * modal[m]) *
+                    mode_inverse(b, m, th, step);
+    }
+  }
+}
+
+void World::Impl::mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step) const {
+  for (Island& island : islands) {
+    const Rows rows = rows_of(list, island, state);
+    for (std::size_t k = 0; k < island.touches.size() && !island.impact; ++k) {
+      const double closing = velocity_of(rows, k, state).x;
+      island.impact = closing < -1e-6 && list[island.touches[k]].gap + step * closing <= 0;
+    }
+    island.theta = island.impact || options.quasi_static ? 1.0 : 0.5;
+  }
+}
+
+void World::Impl::predict(const State& before, double step, std::size_t body, State& mid) const {
+  mid.x[body] = before.x[body] + step * before.v[body];
+  mid.angle[body] = before.angle[body] + step * before.spin[body];
+  for (std::size_t m = first_mode[body]; m < first_mode[body + 1]; ++m) mid.e[m] = before.e[m] + step * before.de[m];
+}
+
+}  // namespace cleave::dbem

@@ -1,0 +1,109 @@
+#include <algorithm>
+#include <cmath>
+
+#include "world_impl.hpp"
+
+namespace cleave::dbem {
+
+void World::Impl::place(const State& at, std::size_t body, std::vector<Vec2>& all) const {
+  const Shape& shape = shapes[body];
+  const double c = std::cos(at.angle[body]);
+  const double s = std::sin(at.angle[body]);
+  const std::size_t modes = shape.modes;
+  for (std::size_t k = 0; k < shape.corners.size(); ++k) {
+    Vec2 p = shape.corners[k];
+    if (modes > 0) {
+      const std::vector<double>& table = bodies[body].modes->shapes;
+      for (std::size_t m = 0; m < modes; ++m) {
+        const double e = at.e[first_mode[body] + m];
+        p.x += table[2 * k * modes + m] * e;
+        p.y += table[(2 * k + 1) * modes + m] * e;
+      }
+    }
+    all[first_corner[body] + k] = at.x[body] + Vec2{c * p.x - s * p.y, s * p.x + c * p.y};
+  }
+}
+
+void World::Impl::place_all(const State& at, std::vector<Vec2>& all, std::vector<Box>& box) const {
+  all.resize(first_corner.back());
+  box.resize(size());
+  for (std::size_t b = 0; b < size(); ++b) {
+    place(at, b, all);
+    box[b] = box_of(corners_of(all, b));
+  }
+}
+
+bool World::Impl::still(std::size_t b) const { return idle(b) && state.v[b] == Vec2{} && state.spin[b] == 0; }
+
+double World::Impl::speed_bound(const State& at, std::size_t body) const {
+  double speed = norm(at.v[body]) + std::abs(at.spin[body]) * shapes[body].radius;
+  const std::size_t modes = shapes[body].modes;
+  if (modes > 0) {
+    const std::vector<double>& table = bodies[body].modes->shapes;
+    double most = 0;
+    for (std::size_t k = 0; k < corner_count(body); ++k) {
+      Vec2 v{};
+      for (std::size_t m = 0; m < modes; ++m) {
+        const double de = at.de[first_mode[body] + m];
+        v.x += table[2 * k * modes + m] * de;
+        v.y += table[(2 * k + 1) * modes + m] * de;
+      }
+      most = std::max(most, norm(v));
+    }
+    speed += most;
+  }
+  return speed;
+}
+
+Drift World::Impl::drift(const State& at, const TouchKey& pair, double step) const {
+  const Vec2 vi = at.v[pair.i] - at.spin[pair.i] * bem::turned_left(at.x[pair.i]);
+  const Vec2 vj = at.v[pair.j] - at.spin[pair.j] * bem::turned_left(at.x[pair.j]);
+  return {step * (vi - vj), step * (at.spin[pair.i] - at.spin[pair.j])};
+}
+
+void World::Impl::rebuild_pairs(const State& at, const std::vector<Box>& box, double step) {
+  fat.resize(size());
+  std::vector<std::uint8_t> lazy(size());
+  for (std::size_t b = 0; b < size(); ++b) {
+    const Vec2 extent = box[b].high - box[b].low;
+    const double more = 0.05 * std::min(std::max(extent.x, extent.y), 20 * shapes[b].feature) +
+                        (idle(b) ? 0.0 : 3 * step * (speed_bound(at, b) + 2 * step * norm(options.gravity)));
+    fat[b] = {box[b].low - Vec2{more, more}, box[b].high + Vec2{more, more}};
+    lazy[b] = idle(b) ? 1 : 0;
+  }
+  pairs = overlapping_pairs(fat, lazy);
+}
+
+void World::Impl::find(const State& at, const std::vector<Vec2>& all, const std::vector<Box>& box, double step,
+                       std::vector<Touch>& out, double& longest) {
+  out.clear();
+  longest = std::numeric_limits<double>::infinity();
+  const double fall = norm(options.gravity) * step;
+  bool rebuild = fat.size() != size();
+  std::vector<double> speed(size());
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (asleep[b] != 0) continue;
+    speed[b] = speed_bound(at, b);
+    if (rebuild || (shapes[b].fixed && speed[b] == 0)) continue;
+    const double reach = step * (speed[b] + fall);
+    rebuild = box[b].low.x - reach < fat[b].low.x || box[b].low.y - reach < fat[b].low.y ||
+              box[b].high.x + reach > fat[b].high.x || box[b].high.y + reach > fat[b].high.y;
+  }
+  if (rebuild) rebuild_pairs(at, box, step);
+  for (const auto [a, b] : pairs) {
+    if (idle(a) && idle(b)) continue;
+    const Vec2 apart = {std::max({0.0, box[a].low.x - box[b].high.x, box[b].low.x - box[a].high.x}),
+                        std::max({0.0, box[a].low.y - box[b].high.y, box[b].low.y - box[a].high.y})};
+    const double feature = std::min(shapes[a].feature, shapes[b].feature);
+    // Rate at which any two points of the two can approach: spins about the own centre count fully.
+    const double common = norm(at.v[a] - at.v[b]);
+    const double rate = common + (speed[a] - norm(at.v[a])) + (speed[b] - norm(at.v[b])) + fall;
+    const double distance = std::max(apart.x, apart.y);
+    if (rate > 0) longest = std::min(longest, std::max(distance, 0.25 * feature) / rate);
+    const double margin = rate * step + 1e-6 * feature;
+    if (distance > margin) continue;
+    find_touches(placed(all, box, a), placed(all, box, b), margin, 1e-5 * feature, drift(at, {a, 0, b, 0}, step), out);
+  }
+}
+
+}  // namespace cleave::dbem

@@ -1,0 +1,69 @@
+#include "natural_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cleave::dbem {
+
+void BlockMatrix::add_product(const std::vector<Vec2>& x, std::vector<Vec2>& y) const {
+  for (std::size_t r = 0; r < rows(); ++r) {
+    Vec2 sum{};
+    for (std::size_t k = starts[r]; k < starts[r + 1]; ++k) sum += values[k] * x[columns[k]];
+    y[r] += sum;
+  }
+}
+
+MapEvaluator::MapEvaluator(const ContactProblem& problem, double soft) : problem_{&problem}, soft_{soft} {
+  r_.resize(problem.contacts());
+  for (std::size_t k = 0; k < r_.size(); ++k) {
+    const bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
+    r_[k] = {1 / ((1 + soft) * d.xx), 1 / ((1 + soft) * d.yy)};
+    load_ = std::max({load_, std::abs(problem.b[k].x / d.xx), std::abs(problem.b[k].y / d.yy)});
+  }
+}
+
+void MapEvaluator::evaluate(const std::vector<Vec2>& p, NaturalMap& map) const {
+  const std::size_t m = problem_->contacts();
+  map.y = problem_->b;
+  problem_->w.add_product(p, map.y);
+  map.f.resize(m);
+  map.a_n.resize(m);
+  map.a_t.resize(m);
+  map.bound.resize(m);
+  map.largest = map.squared = 0;
+  for (std::size_t k = 0; k < m; ++k) {
+    if (soft_ > 0) {
+      const bem::Mat2& d = problem_->w.values[problem_->w.diagonal[k]];
+      map.y[k] += soft_ * Vec2{d.xx * p[k].x, d.yy * p[k].y};
+    }
+    const double tension = problem_->tension[k];
+    const double a_n = p[k].x - r_[k].x * map.y[k].x;
+    const double a_t = p[k].y - r_[k].y * map.y[k].y;
+    const double n = std::max(a_n, -tension);
+    const double bound = std::max(0.0, problem_->mu[k] * n + problem_->cohesion[k]);
+    map.a_n[k] = a_n;
+    map.a_t[k] = a_t;
+    map.bound[k] = bound;
+    map.f[k] = {p[k].x - n, p[k].y - std::clamp(a_t, -bound, bound)};
+    const double size = std::max(std::abs(map.f[k].x), std::abs(map.f[k].y));
+    map.largest = size > map.largest || std::isnan(size) ? size : map.largest;
+    map.squared += dot(map.f[k], map.f[k]);
+  }
+  if (!std::isfinite(map.squared)) map.largest = map.squared = 1e300;
+}
+
+double MapEvaluator::scale(const std::vector<Vec2>& p) const {
+  double most = load_;
+  for (const Vec2 v : p) most = std::max({most, std::abs(v.x), std::abs(v.y)});
+  return std::max(most, 1e-300);
+}
+
+double natural_residual(const ContactProblem& problem, const std::vector<Vec2>& impulse) {
+  if (problem.contacts() == 0) return 0;
+  const MapEvaluator evaluator{problem};
+  NaturalMap map;
+  evaluator.evaluate(impulse, map);
+  return map.largest / evaluator.scale(impulse);
+}
+
+}  // namespace cleave::dbem

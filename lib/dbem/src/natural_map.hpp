@@ -1,0 +1,55 @@
+#pragma once
+
+#include <vector>
+
+#include "cleave/dbem/solver.hpp"
+
+namespace cleave::dbem {
+
+/// The natural map at some impulses and what it says of each contact. `soft` adds soft * diag(W) to W.
+struct NaturalMap {
+  std::vector<Vec2> y;        // b + W p
+  std::vector<Vec2> f;        // the map, in impulse units
+  std::vector<double> a_n;    // n - g / W_nn
+  std::vector<double> a_t;    // t - s / W_tt
+  std::vector<double> bound;  // of |t|
+  double largest = 0;         // |f|
+  double squared = 0;
+};
+
+class MapEvaluator final {
+ public:
+  explicit MapEvaluator(const ContactProblem& problem, double soft = 0);
+  void evaluate(const std::vector<Vec2>& p, NaturalMap& map) const;
+  /// max(|p|, max |b / diag W|): what residuals are measured against.
+  [[nodiscard]] double scale(const std::vector<Vec2>& p) const;
+  [[nodiscard]] double r_n(std::size_t k) const { return r_[k].x; }
+  [[nodiscard]] double r_t(std::size_t k) const { return r_[k].y; }
+  [[nodiscard]] const ContactProblem& problem() const { return *problem_; }
+  [[nodiscard]] double soft() const { return soft_; }
+
+ private:
+  const ContactProblem* problem_;
+  double soft_;
+  double load_ = 0;
+  std::vector<Vec2> r_;
+};
+
+/// What each contact does in a linear solve: normal row or value, tangential row or t = q n + value.
+struct Pattern {
+  std::vector<std::uint8_t> closed;  // 1: (b + W p)_n given, else n given
+  std::vector<std::uint8_t> stuck;   // 1: (b + W p)_t given, else t = q n + given
+  std::vector<double> q;
+  friend bool operator==(const Pattern&, const Pattern&) = default;
+};
+
+/// Solves W_n x = rhs_n (closed) or n = rhs_n; W_t x = rhs_t (stuck) or t = q n + rhs_t. Unknowns are only the n of
+/// closed and the t of stuck contacts; symmetric, and solved as such, when nothing slips under friction. Empty when
+/// singular.
+[[nodiscard]] std::vector<Vec2> solve_pattern(const BlockMatrix& w, double soft, const Pattern& pattern,
+                                              const std::vector<Vec2>& rhs);
+
+/// Exact complementary pivoting; empty when it does not end. Counts pivots.
+[[nodiscard]] std::vector<Vec2> lemke(const ContactProblem& problem, std::size_t& pivots);
+
+}  // namespace cleave::dbem

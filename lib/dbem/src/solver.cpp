@@ -1,0 +1,288 @@
+#include "cleave/dbem/solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "natural_map.hpp"
+
+namespace cleave::dbem {
+
+std::string_view name_of(Method method) noexcept {
+  switch (method) {
+    case Method::none: return "none";
+    case Method::open_close: return "open_close";
+    case Method::newton: return "newton";
+    case Method::continuation: return "continuation";
+    case Method::lemke: return "lemke";
+    case Method::cascade: return "cascade";
+  }
+  return "";
+}
+
+namespace {
+
+double sign(double x) { return x < 0 ? -1.0 : 1.0; }
+
+/// What to solve next on the natural map: rows by the present state of each contact.
+void newton_pattern(const MapEvaluator& evaluator, const NaturalMap& map, Pattern& pattern, std::vector<Vec2>& rhs) {
+  const ContactProblem& problem = evaluator.problem();
+  const std::size_t m = problem.contacts();
+  pattern.closed.resize(m);
+  pattern.stuck.resize(m);
+  pattern.q.resize(m);
+  rhs.resize(m);
+  for (std::size_t k = 0; k < m; ++k) {
+    const bool closed = map.a_n[k] > -problem.tension[k];
+    const bool stuck = map.bound[k] > 0 && std::abs(map.a_t[k]) <= map.bound[k];
+    const double q = stuck || !closed || map.bound[k] <= 0 ? 0.0 : sign(map.a_t[k]) * problem.mu[k];
+    pattern.closed[k] = closed ? 1 : 0;
+    pattern.stuck[k] = stuck ? 1 : 0;
+    pattern.q[k] = q;
+    const Vec2 f = map.f[k];
+    rhs[k].x = closed ? -f.x / evaluator.r_n(k) : -f.x;
+    rhs[k].y = stuck ? -f.y / evaluator.r_t(k) : -f.y + q * f.x;
+  }
+}
+
+struct Tried {
+  std::vector<Vec2> p;
+  bool converged = false;
+  std::size_t iterations = 0;
+};
+
+Tried newton(const ContactProblem& problem, double soft, double tolerance, std::size_t most, std::vector<Vec2> start) {
+  const MapEvaluator evaluator{problem, soft};
+  Tried tried{std::move(start)};
+  if (tried.p.empty()) tried.p.resize(problem.contacts());
+  NaturalMap map, trial;
+  Pattern pattern;
+  std::vector<Vec2> rhs, next(problem.contacts());
+  evaluator.evaluate(tried.p, map);
+  while (tried.iterations < most) {
+    if (map.largest <= tolerance * evaluator.scale(tried.p)) {
+      tried.converged = true;
+      return tried;
+    }
+    newton_pattern(evaluator, map, pattern, rhs);
+    const std::vector<Vec2> d = solve_pattern(problem.w, soft, pattern, rhs);
+    ++tried.iterations;
+    if (d.empty()) return tried;
+    const auto at = [&](double step) {
+      for (std::size_t k = 0; k < d.size(); ++k) next[k] = tried.p[k] + step * d[k];
+      evaluator.evaluate(next, trial);
+    };
+    double step = 1;
+    bool less = false;
+    for (int halvings = 0; halvings <= 12; ++halvings, step *= 0.5) {
+      at(step);
+      if (trial.squared <= (1 - 1e-4 * step) * map.squared) {
+        less = true;
+        break;
+      }
+    }
+    const double scale = evaluator.scale(tried.p);
+    if (!less && map.largest <= 1e-10 * scale) break;  // nothing but rounding is left
+    if (!less) at(1);                                  // a full step often leaves the corner a short one is caught in
+    std::swap(tried.p, next);
+    std::swap(map, trial);
+  }
+  tried.converged = map.largest <= std::max(tolerance, 1e-10) * evaluator.scale(tried.p);
+  return tried;
+}
+
+enum class State : std::uint8_t { open, slip, stick };
+
+/// Shi's iteration with implicit friction in the slip rows. Starts from all contacts closed and stuck.
+Tried open_close(const ContactProblem& problem, std::size_t passes) {
+  const std::size_t m = problem.contacts();
+  std::vector<State> state(m, State::stick);
+  std::vector<double> sense(m, 1);  // of slip
+  Tried tried;
+  Pattern pattern{std::vector<std::uint8_t>(m), std::vector<std::uint8_t>(m), std::vector<double>(m)};
+  std::vector<Vec2> rhs(m);
+  std::vector<Vec2> y;
+  for (tried.iterations = 1; tried.iterations <= passes; ++tried.iterations) {
+    for (std::size_t k = 0; k < m; ++k) {
+      const bool slips = state[k] == State::slip;
+      pattern.closed[k] = state[k] == State::open ? 0 : 1;
+      pattern.stuck[k] = state[k] == State::stick ? 1 : 0;
+      pattern.q[k] = slips ? -sense[k] * problem.mu[k] : 0.0;
+      rhs[k] = -problem.b[k];
+      if (state[k] == State::open) rhs[k] = {-problem.tension[k], 0};
+      if (slips) rhs[k].y = -sense[k] * problem.cohesion[k];
+    }
+    std::vector<Vec2> p = solve_pattern(problem.w, 0, pattern, rhs);
+    if (p.empty()) return tried;
+    tried.p = std::move(p);
+    y = problem.b;
+    problem.w.add_product(tried.p, y);
+    bool same = true;
+    for (std::size_t k = 0; k < m; ++k) {
+      const double bound = problem.mu[k] * tried.p[k].x + problem.cohesion[k];
+      State now = state[k];
+      switch (state[k]) {
+        case State::open:
+          if (y[k].x < 0) now = State::stick;
+          break;
+        case State::stick:
+        case State::slip:
+          if (tried.p[k].x < -problem.tension[k]) {
+            now = State::open;
+          } else if (state[k] == State::stick) {
+            if (std::abs(tried.p[k].y) > bound) {
+              now = State::slip;
+              sense[k] = -sign(tried.p[k].y);
+            }
+          } else if (y[k].y * sense[k] < 0) {
+            now = State::stick;
+          }
+          break;
+      }
+      same = same && now == state[k];
+      state[k] = now;
+    }
+    if (same) {
+      tried.converged = true;
+      return tried;
+    }
+  }
+  tried.iterations = passes;
+  return tried;
+}
+
+/// Newton from the side of soft contacts: W + e diag(W), e falling from 1 by `factor`.
+Tried continuation(const ContactProblem& problem, const SolverOptions& options, double factor) {
+  Tried tried;
+  std::size_t iterations = 0;
+  for (double soft = 1; soft > 1e-9; soft /= factor) {
+    Tried stage = newton(problem, soft, 1e-8, 40, std::move(tried.p));
+    iterations += stage.iterations;
+    tried = std::move(stage);
+  }
+  tried = newton(problem, 0, options.target, options.newton_iterations, std::move(tried.p));
+  tried.iterations += iterations;
+  return tried;
+}
+
+class Cascade final {
+ public:
+  Cascade(const ContactProblem& problem, const SolverOptions& options) : problem_{problem}, options_{options} {}
+
+  /// Takes an answer if it is the best so far; true when it is good enough.
+  bool take(Tried tried, Method method) {
+    iterations_ += tried.iterations;
+    if (tried.p.size() != problem_.contacts()) return false;
+    const double residual = natural_residual(problem_, tried.p);
+    if (std::isnan(residual) || residual >= best_) return false;
+    best_ = residual;
+    method_ = method;
+    p_ = std::move(tried.p);
+    return best_ <= options_.accept;
+  }
+
+  /// One more try from the best answer found.
+  [[nodiscard]] const std::vector<Vec2>& best() const { return p_; }
+
+  ContactSolution finish() {
+    ContactSolution solution;
+    if (p_.empty()) p_.resize(problem_.contacts());
+    const MapEvaluator evaluator{problem_};
+    NaturalMap map;
+    evaluator.evaluate(p_, map);
+    ContactReport& report = solution.report;
+    report.residual = map.largest / evaluator.scale(p_);
+    report.method = method_;
+    report.iterations = iterations_;
+    report.status =
+        report.residual <= options_.accept ? ContactReport::Status::converged : ContactReport::Status::not_converged;
+    for (std::size_t k = 0; k < problem_.contacts(); ++k) {
+      if (map.a_n[k] <= -problem_.tension[k]) {
+        ++report.opened;
+      } else if (map.bound[k] > 0 && std::abs(map.a_t[k]) <= map.bound[k]) {
+        ++report.stick;
+      } else {
+        ++report.slip;
+      }
+      report.max_penetration = std::max(report.max_penetration, -map.y[k].x);
+    }
+    solution.impulse = std::move(p_);
+    return solution;
+  }
+
+  void run_all() {
+    const bool warm = std::ranges::any_of(problem_.start, [](Vec2 v) { return v.x != 0 || v.y != 0; });
+    if (!warm && take(open_close(problem_, options_.open_close_passes), Method::open_close)) return;
+    const auto from_here = [&](std::vector<Vec2> start, std::size_t most) {
+      return newton(problem_, 0, options_.target, most, std::move(start));
+    };
+    const std::size_t most = options_.newton_iterations;
+    // From a warm start a few iterations do or none will.
+    if (warm && take(from_here(problem_.start, most / 4), Method::newton)) return;
+    if (warm && take(open_close(problem_, options_.open_close_passes), Method::open_close)) return;
+    if (take(from_here({}, most), Method::newton)) return;
+    for (const double factor : {10.0, 3.0, 1.5}) {
+      if (take(continuation(problem_, options_, factor), Method::continuation)) return;
+    }
+    Tried shi = open_close(problem_, 10 * options_.open_close_passes);
+    std::vector<Vec2> state = shi.p;
+    if (take(std::move(shi), Method::open_close)) return;
+    if (!state.empty() && take(from_here(std::move(state), most), Method::newton)) return;
+    if (problem_.contacts() <= most_for_lemke && take(pivot(), Method::lemke)) return;
+    take(from_here(p_, most), Method::newton);
+  }
+
+  static constexpr std::size_t most_for_lemke = 100;
+  Tried pivot() const {
+    Tried tried;
+    tried.p = lemke(problem_, tried.iterations);
+    return tried;
+  }
+
+ private:
+  const ContactProblem& problem_;
+  const SolverOptions& options_;
+  std::vector<Vec2> p_;
+  double best_ = 1e300;
+  Method method_ = Method::none;
+  std::size_t iterations_ = 0;
+};
+
+/// Nothing pushes: zero impulses solve it.
+bool nothing_pushes(const ContactProblem& problem) {
+  for (std::size_t k = 0; k < problem.contacts(); ++k) {
+    if (problem.b[k].x < 0 || (problem.cohesion[k] > 0 && problem.b[k].y != 0)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+ContactSolution solve(const ContactProblem& problem, const SolverOptions& options) {
+  if (nothing_pushes(problem)) {
+    ContactSolution solution;
+    solution.impulse.resize(problem.contacts());
+    solution.report.opened = problem.contacts();
+    return solution;
+  }
+  Cascade tries{problem, options};
+  switch (options.method) {
+    case Method::none:
+    case Method::cascade: tries.run_all(); break;
+    case Method::open_close: tries.take(open_close(problem, options.open_close_passes), Method::open_close); break;
+    case Method::newton:
+      tries.take(newton(problem, 0, options.target, options.newton_iterations, problem.start), Method::newton);
+      break;
+    case Method::continuation:
+      for (const double factor : {10.0, 3.0, 1.5}) {
+        if (tries.take(continuation(problem, options, factor), Method::continuation)) break;
+      }
+      break;
+    case Method::lemke:
+      if (problem.contacts() <= Cascade::most_for_lemke) tries.take(tries.pivot(), Method::lemke);
+      break;
+  }
+  return tries.finish();
+}
+
+}  // namespace cleave::dbem

@@ -1,0 +1,521 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "world_impl.hpp"
+
+namespace cleave::dbem {
+
+double World::Impl::kinetic_of(const State& at) const {
+  double sum = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (shapes[b].fixed) continue;
+    sum += 0.5 * shapes[b].mass * dot(at.v[b], at.v[b]) + 0.5 * shapes[b].inertia * at.spin[b] * at.spin[b];
+  }
+  for (const double de : at.de) sum += 0.5 * de * de;
+  return sum;
+}
+
+double World::Impl::elastic_of(const State& at, const std::vector<Memory>& forces) const {
+  double sum = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    for (std::size_t m = 0; m < shapes[b].modes; ++m) {
+      const double w = bodies[b].modes->omega[m] * at.e[first_mode[b] + m];
+      sum += 0.5 * w * w;
+    }
+  }
+  for (const Memory& memory_of : forces) {
+    sum += 0.5 * memory_of.compliance * dot(memory_of.force, memory_of.force);
+  }
+  return sum;
+}
+
+double World::Impl::potential_of(const State& at) const {
+  double sum = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (!shapes[b].fixed) sum -= shapes[b].mass * dot(options.gravity, at.x[b] - start_x[b]);
+  }
+  return sum;
+}
+
+/// A corner that ended inside a body without a contact of its own: finds the edge it came through. True when one was
+/// added to the list.
+bool World::Impl::add_missed(const Attempt& out, std::vector<Touch>& list) const {
+  bool added = false;
+  const auto local = [](const State& at, std::uint32_t body, Vec2 p) {
+    return bem::rotated(p - at.x[body], -at.angle[body]);
+  };
+  for (const Touch& t : out.touches) {
+    const double feature = std::min(shapes[t.i].feature, shapes[t.j].feature);
+    if (t.gap > -1e-4 * feature) continue;
+    const Vec2 from = local(state, t.j, corners[first_corner[t.i] + t.vertex]);
+    const Vec2 to = local(out.state, t.j, out.corners[first_corner[t.i] + t.vertex]);
+    const std::size_t edge = first_crossing(shapes[t.j].corners, from, to);
+    if (edge == static_cast<std::size_t>(-1)) continue;
+    Touch missed = t;
+    missed.edge = static_cast<std::uint32_t>(edge);
+    const TouchKey key = key_of(missed);
+    if (std::ranges::any_of(list, [&](const Touch& other) { return key_of(other) == key; })) continue;
+    renew_touch(missed, corners_of(corners, t.i), corners_of(corners, t.j));
+    list.push_back(missed);
+    added = true;
+  }
+  return added;
+}
+
+/// Parts penetrating bodies: the least move in the norm of the masses that leaves no gap negative. Positions only.
+void World::Impl::project(Attempt& out) const {
+  std::vector<Island> islands = islands_of(out.touches);
+  const double before = potential_of(out.state);
+  bool moved = false;
+  for (Island& island : islands) {
+    bool deep = false;
+    std::erase_if(island.touches, [&](std::uint32_t k) {
+      const auto held = [&](std::uint32_t b) { return shapes[b].inverse_x + shapes[b].inverse_y <= 0; };
+      return held(out.touches[k].i) && held(out.touches[k].j);
+    });
+    for (const std::uint32_t k : island.touches) {
+      const Touch& t = out.touches[k];
+      deep = deep ||
+             (t.gap < -contact_depth * std::min(shapes[t.i].feature, shapes[t.j].feature) && law_of(t).compliance <= 0);
+    }
+    if (!deep) continue;
+    const Rows rows = rows_of(out.touches, island, out.state);
+    ContactProblem problem;
+    const std::size_t m = island.touches.size();
+    problem.w = delassus(rows, 1, 1, true);
+    problem.mu.assign(m, 0.0);
+    problem.cohesion.assign(m, 0.0);
+    problem.tension.assign(m, 0.0);
+    for (std::size_t k = 0; k < m; ++k) {
+      bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
+      d.xx *= 1 + 1e-8;
+      d.yy *= 1 + 1e-8;
+      const Touch& t = out.touches[island.touches[k]];
+      problem.b.push_back({law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap, 0});
+    }
+    const ContactSolution solution = solve(problem, options.solver);
+    if (solution.report.status != ContactReport::Status::converged) continue;  // left for the next step
+    State shift;
+    shift.v.assign(size(), {});
+    shift.spin.assign(size(), 0);
+    for (std::size_t k = 0; k < m; ++k) {
+      for (const std::size_t which : {2 * k, 2 * k + 1}) {
+        const Side& s = rows.sides[which];
+        const Shape& shape = shapes[s.body];
+        const double p = solution.impulse[k].x;
+        shift.v[s.body] += p * Vec2{shape.inverse_x * s.n.x, shape.inverse_y * s.n.y};
+        shift.spin[s.body] += p * shape.inverse_spin * s.turn_n;
+      }
+    }
+    bool free = true;  // no support takes part
+    for (const Side& s : rows.sides) free = free && !(shapes[s.body].inverse_x * shapes[s.body].inverse_y == 0);
+    double mass = 0, turned = 0;
+    Vec2 centre{};
+    for (const std::uint32_t b : island.bodies) {
+      out.state.x[b] += shift.v[b];
+      out.state.angle[b] += shift.spin[b];
+      turned += shapes[b].mass * cross(shift.v[b], out.state.v[b]);
+      mass += shapes[b].mass;
+      centre += shapes[b].mass * out.state.x[b];
+    }
+    if (free) {
+      // Moving bodies that slide past each other changes their angular momentum: a common spin takes that out.
+      centre = centre / mass;
+      double inertia = 0;
+      for (const std::uint32_t b : island.bodies) {
+        const Vec2 r = out.state.x[b] - centre;
+        inertia += shapes[b].inertia + shapes[b].mass * dot(r, r);
+      }
+      const double spin = -turned / inertia;
+      for (const std::uint32_t b : island.bodies) {
+        out.state.v[b] += spin * bem::turned_left(out.state.x[b] - centre);
+        out.state.spin[b] += spin;
+      }
+    }
+    moved = true;
+  }
+  if (!moved) return;
+  out.projected += potential_of(out.state) - before;
+  place_all(out.state, out.corners, out.boxes);
+}
+
+namespace {
+
+/// Moves the centre of the regularisation to `found`; false when that changes no velocity that matters.
+bool centre(ContactProblem& problem, const std::vector<Vec2>& found, double regularisation) {
+  const double share = regularisation / (1 + regularisation);
+  double creep = 0, speed = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
+    const Vec2 change = found[k] - problem.start[k];
+    creep = std::max({creep, share * d.xx * std::abs(change.x), share * d.yy * std::abs(change.y)});
+    speed = std::max({speed, std::abs(problem.b[k].x), std::abs(problem.b[k].y)});
+  }
+  if (creep <= 1e-9 * speed) return false;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
+    const Vec2 change = found[k] - problem.start[k];
+    problem.b[k] += -share * Vec2{d.xx * change.x, d.yy * change.y};
+  }
+  problem.start = found;
+  return true;
+}
+
+}  // namespace
+
+std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& out) {
+  std::vector<Touch> list = touches;
+  std::vector<Touch> moved;
+  std::vector<Rows> rows;
+  std::vector<ContactSolution> solutions;
+  std::vector<double> theta;
+  for (std::size_t retry = 0;; ++retry) {
+    out.islands = islands_of(list);
+    mark_impacts(list, out.islands, step);
+    theta.assign(size(), options.quasi_static ? 1.0 : 0.5);
+    for (const Island& island : out.islands) {
+      for (const std::uint32_t b : island.bodies) theta[b] = island.theta;
+    }
+    // Where impulses act: on the geometry at the share 1 - theta of the step. With arms about the centroids there,
+    // angular momentum is kept exactly.
+    State mid = state;
+    for (std::size_t b = 0; b < size(); ++b) {
+      if (asleep[b] == 0 && theta[b] < 1) predict(state, (1 - theta[b]) * step, b, mid);
+    }
+    moved = list;
+    std::vector<Vec2> mid_corners = corners;
+    for (std::size_t b = 0; b < size(); ++b) {
+      if (asleep[b] == 0 && theta[b] < 1 && !(shapes[b].fixed && state.v[b] == Vec2{} && state.spin[b] == 0)) {
+        place(mid, b, mid_corners);
+      }
+    }
+    for (const Island& island : out.islands) {
+      if (island.theta >= 1) continue;
+      for (const std::uint32_t k : island.touches) {
+        const double gap = moved[k].gap;
+        renew_touch(moved[k], corners_of(mid_corners, moved[k].i), corners_of(mid_corners, moved[k].j));
+        moved[k].gap = gap;
+      }
+    }
+    State free = state;
+    free_motion(state, theta, step, free);
+    rows.clear();
+    solutions.clear();
+    out.state = free;
+    out.report.residual = 0;
+    out.report.iterations = out.report.stick = out.report.slip = out.report.opened = 0;
+    out.report.solved_by.fill(0);
+    out.report.impact = false;
+    for (const Island& island : out.islands) {
+      rows.push_back(rows_of(moved, island, mid));
+      ContactProblem problem = problem_of(moved, island, rows.back(), state, free, step);
+      solutions.push_back(solve(problem, options.solver));
+      const ContactReport& report = solutions.back().report;
+      // The regularisation is centred on the forces found, and again, until it moves nothing.
+      for (int centring = 0; centring < 4 && report.status == ContactReport::Status::converged; ++centring) {
+        if (!centre(problem, solutions.back().impulse, options.regularisation)) break;
+        const std::size_t before = report.iterations;
+        ContactSolution again = solve(problem, options.solver);
+        again.report.iterations += before;
+        if (again.report.status == ContactReport::Status::not_converged) break;
+        solutions.back() = std::move(again);
+      }
+      if (report.status == ContactReport::Status::not_converged) {
+        return Failure{report.residual, "the contact law was not met", 0};
+      }
+      out.report.residual = std::max(out.report.residual, report.residual);
+      out.report.iterations += report.iterations;
+      out.report.stick += report.stick;
+      out.report.slip += report.slip;
+      out.report.opened += report.opened;
+      ++out.report.solved_by[static_cast<std::size_t>(report.method)];
+      out.report.impact = out.report.impact || island.impact;
+      for (std::size_t k = 0; k < island.touches.size(); ++k) {
+        const Vec2 p = solutions.back().impulse[k];
+        if (p != Vec2{}) add_impulse(rows.back(), k, p, island.theta, step, out.state);
+      }
+    }
+    // Positions.
+    double largest_turn = 0;
+    double largest_move = 0;
+    for (std::size_t b = 0; b < size(); ++b) {
+      if (asleep[b] != 0) continue;
+      const double th = theta[b];
+      const Vec2 dx = step * (th * out.state.v[b] + (1 - th) * state.v[b]);
+      const double turn = step * (th * out.state.spin[b] + (1 - th) * state.spin[b]);
+      out.state.x[b] = state.x[b] + dx;
+      out.state.angle[b] = state.angle[b] + turn;
+      for (std::size_t m = first_mode[b]; m < first_mode[b + 1]; ++m) {
+        out.state.e[m] = state.e[m] + step * (th * out.state.de[m] + (1 - th) * state.de[m]);
+      }
+      largest_turn = std::max(largest_turn, std::abs(turn));
+      largest_move = std::max(largest_move, norm(dx) + std::abs(turn) * shapes[b].radius);
+    }
+    out.report.max_displacement = largest_move;
+    if (!std::isfinite(largest_move)) return Failure{1, "the motion is not finite", 0};
+    const double over = std::max(largest_turn / options.rotation, largest_move / (options.displacement * height));
+    if (over > 1) return Failure{0, "the displacement in a step is too large", 0.9 / over};
+    if (options.position_error > 0 && !out.report.impact && !last_change.empty()) {
+      double error = 0;
+      for (std::size_t b = 0; b < size(); ++b) {
+        if (asleep[b] == 0) {
+          const Vec2 change = (out.state.v[b] - state.v[b]) / step - last_change[b];
+          error = std::max(error, step * step * norm(change) / 12);
+        }
+      }
+      if (error > options.position_error && step > options.step * 1e-3) {
+        return Failure{0, "the error of position in a step is too large",
+                       std::clamp(0.9 * std::sqrt(options.position_error / error), 0.2, 0.9)};
+      }
+    }
+    place_all(out.state, out.corners, out.boxes);
+    const double plan = std::max(next_step, step);
+    find(out.state, out.corners, out.boxes, plan, out.touches, out.limit);
+    if (retry < 6 && add_missed(out, list)) {
+      ++out.report.retries;
+      continue;
+    }
+    break;
+  }
+
+  for (std::size_t s = 0; s < out.islands.size(); ++s) {
+    const Island& island = out.islands[s];
+    for (std::size_t k = 0; k < island.touches.size(); ++k) {
+      const Touch& t = list[island.touches[k]];
+      const Vec2 p = solutions[s].impulse[k];
+      const Vec2 now = velocity_of(rows[s], k, out.state);
+      const Vec2 old = velocity_of(rows[s], k, state);
+      const JointLaw& law = law_of(t);
+      const Bond* bond = bond_of(t);
+      out.friction -= law.compliance > 0 ? 0.0 : p.y * 0.5 * (now.y + old.y);
+      const double mu = bond == nullptr && law.residual_friction >= 0 ? law.residual_friction : law.friction;
+      const double bound = mu * p.x / step + (bond != nullptr ? bond->cohesion : 0.0);
+      ContactState contact_state = ContactState::stick;
+      if (p == Vec2{}) {
+        contact_state = ContactState::open;
+      } else if (std::abs(p.y) / step >= bound * (1 - 1e-9)) {
+        contact_state = ContactState::slip;
+      }
+      const double feature = std::min(shapes[t.i].feature, shapes[t.j].feature);
+      if (bond != nullptr) {
+        const bool torn = p.x / step <= -bond->tension && now.x * step > 1e-9 * feature;
+        const bool sheared = contact_state == ContactState::slip && std::abs(now.y) * step > 1e-9 * feature;
+        if (torn || sheared) {
+          const auto at = std::ranges::lower_bound(bond_keys, BondKey{t.i, t.vertex, t.j, 0});
+          out.broken.push_back(at->bond);
+        }
+      }
+      if (p != Vec2{}) out.memory.push_back({key_of(t), p / step, law.compliance});
+      const Touch& at = moved[island.touches[k]];
+      out.contacts.push_back({t.i, t.vertex, t.j, t.edge, anchor + at.point, at.normal, t.gap, p.x / step, p.y / step,
+                              now.y, contact_state, bond != nullptr});
+      // Bodies whose velocity is given do work through their contacts.
+      for (const std::size_t which : {2 * k, 2 * k + 1}) {
+        const Side& side = rows[s].sides[which];
+        const Shape& shape = shapes[side.body];
+        const Vec2 impulse = p.x * side.n + p.y * side.t;
+        const Vec2 v = out.state.v[side.body];
+        if (shape.inverse_x == 0) out.work -= impulse.x * v.x;
+        if (shape.inverse_y == 0) out.work -= impulse.y * v.y;
+        if (shape.inverse_spin == 0) {
+          out.work -= (p.x * side.turn_n + p.y * side.turn_t) * out.state.spin[side.body];
+        }
+      }
+    }
+  }
+  // Work of the loads other than gravity, and what is left over at each body.
+  double most_change = 0, most_pull = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (idle(b)) continue;
+    double torque = 0;
+    std::vector<double> modal;
+    const Vec2 force = force_on(state, b, time + 0.5 * step, torque, shapes[b].timed ? &modal : nullptr);
+    const Vec2 other = force - shapes[b].mass * options.gravity;
+    out.work += dot(other, out.state.x[b] - state.x[b]) + torque * (out.state.angle[b] - state.angle[b]);
+    for (std::size_t m = 0; m < modal.size(); ++m) {
+      out.work += modal[m] * (out.state.e[first_mode[b] + m] - state.e[first_mode[b] + m]);
+    }
+    if (shapes[b].mass > 0) most_pull = std::max(most_pull, norm(force) / shapes[b].mass);
+    Vec2 dv = out.state.v[b] - state.v[b];
+    double change = norm(dv) + std::abs(out.state.spin[b] - state.spin[b]) * shapes[b].radius;
+    if (shapes[b].modes > 0) change = std::max(change, speed_bound(out.state, b));
+    most_change = std::max(most_change, change / step);
+    out.report.max_speed = std::max(out.report.max_speed, speed_bound(out.state, b));
+  }
+  out.report.unbalanced = most_pull > 0 ? most_change / most_pull : most_change;
+
+  for (int pass = 0; pass < 3; ++pass) {
+    double deepest = 0;
+    for (const Touch& t : out.touches) {
+      if (law_of(t).compliance > 0) continue;
+      deepest = std::max(deepest, -t.gap / std::min(shapes[t.i].feature, shapes[t.j].feature));
+    }
+    if (deepest <= contact_depth) break;
+    project(out);
+    double limit_again = 0;
+    find(out.state, out.corners, out.boxes, std::max(next_step, step), out.touches, limit_again);
+    out.limit = std::min(out.limit, limit_again);
+  }
+  out.report.max_penetration = 0;
+  for (const Touch& t : out.touches) out.report.max_penetration = std::max(out.report.max_penetration, -t.gap);
+  return std::nullopt;
+}
+
+bool World::Impl::wake() {
+  if (std::ranges::none_of(asleep, [](std::uint8_t a) { return a != 0; })) return false;
+  std::vector<std::uint8_t> rouse(groups, 0);
+  bool any = false;
+  for (const Touch& t : touches) {
+    for (const auto& [a, b] : {std::pair{t.i, t.j}, std::pair{t.j, t.i}}) {
+      if (asleep[a] != 0 && !idle(b)) rouse[sleep_group[a]] = 1;
+      if (asleep[a] != 0 && shapes[b].fixed && !still(b)) rouse[sleep_group[a]] = 1;
+    }
+  }
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (asleep[b] != 0 && rouse[sleep_group[b]] != 0) {
+      asleep[b] = 0;
+      calm[b] = 0;
+      any = true;
+    }
+  }
+  return any;
+}
+
+void World::Impl::fall_asleep() {
+  if (!options.sleep || options.ground || options.quasi_static) return;
+  const std::vector<Island> islands = islands_of(touches);
+  for (const Island& island : islands) {
+    bool quiet = true;
+    for (const std::uint32_t b : island.bodies) {
+      const bool now = !shapes[b].timed && speed_bound(state, b) < options.sleep_speed;
+      calm[b] = static_cast<std::uint16_t>(now ? std::min<int>(calm[b] + 1, 1000) : 0);
+      quiet = quiet && calm[b] >= 10;
+    }
+    if (!quiet) continue;
+    for (const std::uint32_t b : island.bodies) {
+      asleep[b] = 1;
+      sleep_group[b] = groups;
+      state.v[b] = {};
+      state.spin[b] = 0;
+      for (std::size_t m = first_mode[b]; m < first_mode[b + 1]; ++m) state.de[m] = 0;
+    }
+    ++groups;
+    fat.clear();  // the list of pairs leaves sleeping ones out
+  }
+}
+
+void World::Impl::accept(Attempt&& done) {
+  const double step = done.report.step;
+  last_change.resize(size());
+  for (std::size_t b = 0; b < size(); ++b) last_change[b] = (done.state.v[b] - state.v[b]) / step;
+  time += step;
+  state = std::move(done.state);
+  corners = std::move(done.corners);
+  boxes = std::move(done.boxes);
+  touches = std::move(done.touches);
+  limit = done.limit;
+  seen_step = std::max(next_step, step);
+  for (const std::uint32_t bond : done.broken) bonds[bond].broken = true;
+  // Bonds whose corner has left are broken too.
+  if (options.quasi_static) {
+    for (std::size_t b = 0; b < size(); ++b) {
+      if (shapes[b].fixed) continue;
+      const Shape& shape = shapes[b];
+      if (shape.inverse_x > 0) state.v[b].x = 0;
+      if (shape.inverse_y > 0) state.v[b].y = 0;
+      if (shape.inverse_spin > 0) state.spin[b] = 0;
+    }
+    std::ranges::fill(state.de, 0.0);
+  }
+  const auto sleeping = [&](std::uint32_t i, std::uint32_t j) { return asleep[i] != 0 || asleep[j] != 0; };
+  for (const Memory& old : memory) {
+    if (sleeping(old.key.i, old.key.j)) done.memory.push_back(old);
+  }
+  for (const Contact& old : contacts) {
+    if (sleeping(old.vertex_body, old.edge_body)) done.contacts.push_back(old);
+  }
+  std::ranges::sort(done.memory, {}, &Memory::key);
+  std::ranges::sort(done.contacts, {},
+                    [](const Contact& c) { return TouchKey{c.vertex_body, c.vertex, c.edge_body, c.edge}; });
+  memory = std::move(done.memory);
+  contacts = std::move(done.contacts);
+  energy.friction += done.friction;
+  energy.work += done.work;
+  energy.projected += done.projected;
+  fall_asleep();
+  energy.kinetic = kinetic_of(state);
+  energy.potential = potential_of(state);
+  energy.elastic = elastic_of(state, memory);
+  energy.lost = start_energy + energy.work + energy.projected - energy.friction - energy.total();
+}
+
+std::expected<StepReport, StepError> World::step(double at_most) {
+  Impl& w = *impl_;
+  while (w.wake()) {
+    w.fat.clear();
+    w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
+    w.seen_step = w.next_step;
+  }
+  StepReport report;
+  double step = std::min(w.next_step, at_most);
+  bool all_idle = true;
+  for (std::size_t b = 0; b < w.size() && all_idle; ++b) all_idle = w.still(b);
+  if (all_idle) {
+    w.time += step;
+    report.time = w.time;
+    report.step = step;
+    report.asleep = w.size();
+    report.contacts = w.contacts.size();
+    return report;
+  }
+  if (step > w.limit) {
+    step = std::max(w.limit, 1e-6 * step);
+    ++report.shortened;
+  }
+  std::size_t cuts = 0;
+  double shortest = step;
+  for (int tries = 0;; ++tries) {
+    Attempt trial;
+    const std::optional<Impl::Failure> failed = w.attempt(step, trial);
+    if (!failed) {
+      trial.report.step = step;
+      trial.report.time = w.time + step;
+      trial.report.cuts = cuts;
+      trial.report.shortened = report.shortened;
+      trial.report.contacts = trial.contacts.size();
+      trial.report.islands = trial.islands.size();
+      trial.report.broken = trial.broken.size();
+      report = trial.report;
+      // Calm steps grow, cut ones are felt the next time too.
+      if (w.options.adaptive) {
+        const double share = report.max_displacement / (w.options.displacement * w.height);
+        const double longest = std::max(w.options.longest_step, w.options.step);
+        if (report.cuts > 0 || report.shortened > 0) w.next_step = step;
+        w.calm_steps = share < 1.0 / 3 && report.cuts == 0 ? w.calm_steps + 1 : 0;
+        if (w.calm_steps >= 5 && w.next_step < longest) {
+          w.next_step = std::min(longest, 1.5 * w.next_step);
+          w.calm_steps = 0;
+        }
+      }
+      w.accept(std::move(trial));
+      report.asleep = static_cast<std::size_t>(std::ranges::count(w.asleep, std::uint8_t{1}));
+      return report;
+    }
+    shortest = step;
+    if (failed->factor > 0 && tries < 60) {
+      step *= failed->factor;
+      ++report.shortened;
+      continue;
+    }
+    if (cuts == w.options.cuts || failed->factor > 0) {
+      return std::unexpected(StepFailed{w.time, shortest, failed->residual, failed->reason});
+    }
+    step /= 3;
+    ++cuts;
+  }
+}
+
+}  // namespace cleave::dbem

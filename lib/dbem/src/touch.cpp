@@ -1,0 +1,267 @@
+#include "cleave/dbem/touch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cleave::dbem {
+namespace {
+
+using bem::turned_right;
+using std::numbers::pi;
+
+/// Angle from a to b, anticlockwise, in [0, 2 pi).
+double turn(Vec2 a, Vec2 b) {
+  const double angle = std::atan2(cross(a, b), dot(a, b));
+  return angle < 0 ? angle + 2 * pi : angle;
+}
+
+Vec2 unit(Vec2 a) { return a / norm(a); }
+
+std::size_t next(std::size_t k, std::size_t n) { return k + 1 == n ? 0 : k + 1; }
+std::size_t before(std::size_t k, std::size_t n) { return k == 0 ? n - 1 : k - 1; }
+
+Wedge wedge_at(std::span<const Vec2> c, std::size_t k) {
+  return {c[next(k, c.size())] - c[k], c[before(k, c.size())] - c[k]};
+}
+
+struct Against {
+  double gap, ratio;
+  Vec2 normal;
+};
+
+Against against(std::span<const Vec2> corners, std::size_t edge, Vec2 p) {
+  const Vec2 start = corners[edge];
+  const Vec2 along = corners[next(edge, corners.size())] - start;
+  const double length2 = dot(along, along);
+  const Vec2 normal = turned_right(along) / std::sqrt(length2);
+  return {dot(normal, p - start), dot(p - start, along) / length2, normal};
+}
+
+Touch touch_of(const Placed& i, std::size_t vertex, const Placed& j, std::size_t edge) {
+  const Against a = against(j.corners, edge, i.corners[vertex]);
+  return {i.body, static_cast<std::uint32_t>(vertex), j.body,   static_cast<std::uint32_t>(edge),
+          a.gap,  std::clamp(a.ratio, 0.0, 1.0),      a.normal, i.corners[vertex]};
+}
+
+/// Corner p of i near corner q of j, both sharp: one contact along the entrance line that is less penetrated.
+void corner_on_corner(const Placed& i, std::size_t p, const Placed& j, std::size_t q, double margin, const Drift& drift,
+                      std::vector<Touch>& out) {
+  const EntranceLines lines = entrance_lines(wedge_at(i.corners, p), wedge_at(j.corners, q));
+  const Vec2 d = i.corners[p] - j.corners[q];
+  double first = dot(lines.first, d);
+  double last = dot(lines.last, d);
+  if (std::max(first, last) > margin) return;
+  const double size = std::max(norm(i.corners[p] - i.corners[next(p, i.corners.size())]), norm(d));
+  if (std::abs(first - last) < 1e-12 * size) {
+    // Equal gaps: the line along which the corners part (or enter later) is the one that allows more.
+    const Vec2 moved = d + drift.at(i.corners[p]);
+    first = dot(lines.first, moved);
+    last = dot(lines.last, moved);
+  }
+  const bool use_first = first >= last;
+  const bool edge_of_j = use_first ? lines.first_is_edge_of_j : lines.last_is_edge_of_j;
+  const std::size_t edge_j = use_first ? q : before(q, j.corners.size());
+  const std::size_t edge_i = use_first ? p : before(p, i.corners.size());
+  out.push_back(edge_of_j ? touch_of(i, p, j, edge_j) : touch_of(j, q, i, edge_i));
+}
+
+bool overlap_boxes(const Box& a, const Box& b, double margin) {
+  return a.low.x - margin <= b.high.x && b.low.x - margin <= a.high.x && a.low.y - margin <= b.high.y &&
+         b.low.y - margin <= a.high.y;
+}
+
+bool in_box(const Box& box, Vec2 p, double margin) {
+  return p.x >= box.low.x - margin && p.x <= box.high.x + margin && p.y >= box.low.y - margin &&
+         p.y <= box.high.y + margin;
+}
+
+struct Candidate {
+  std::size_t edge;
+  Against at;
+};
+
+/// Corners of i against edges and corners of j. Pairs of corners are made only when `corners_too`; otherwise the other
+/// direction has made them.
+void one_direction(const Placed& i, const Placed& j, double margin, double near, const Drift& drift, bool corners_too,
+                   std::vector<Touch>& out) {
+  const std::size_t n = j.corners.size();
+  std::vector<Candidate> found;
+  for (std::size_t v = 0; v < i.corners.size(); ++v) {
+    const Vec2 p = i.corners[v];
+    if (i.sharp[v] == 0 || !in_box(j.box, p, std::max(margin, near))) continue;
+    std::size_t close = n;
+    double closest = near;
+    for (std::size_t q = 0; q < n; ++q) {
+      const double distance = norm(p - j.corners[q]);
+      if (distance < closest) {
+        closest = distance;
+        close = q;
+      }
+    }
+    if (close < n) {
+      if (j.sharp[close] != 0) {
+        if (corners_too) corner_on_corner(i, v, j, close, margin, drift, out);
+      } else {  // in a concave corner: both edges hold it
+        for (const std::size_t edge : {before(close, n), close}) {
+          const Touch t = touch_of(i, v, j, edge);
+          if (t.gap < margin) out.push_back(t);
+        }
+      }
+    }
+    found.clear();
+    for (std::size_t e = 0; e < n; ++e) {
+      if (close < n && (e == close || e == before(close, n))) continue;
+      const Against a = against(j.corners, e, p);
+      if (a.ratio > 0 && a.ratio < 1 && std::abs(a.gap) < margin) found.push_back({e, a});
+    }
+    if (found.empty()) continue;
+    if (close < n) {  // the rest of the polygon holds this corner only from outside
+      std::erase_if(found, [](const Candidate& c) { return c.at.gap < 0; });
+    }
+    const auto best = std::ranges::max_element(found, {}, [](const Candidate& c) { return std::min(c.at.gap, 0.0); });
+    for (const Candidate& c : found) {
+      const bool beside = (c.edge == next(best->edge, n) && j.sharp[c.edge] == 0) ||
+                          (best->edge == next(c.edge, n) && j.sharp[best->edge] == 0);
+      const bool keep = c.edge == best->edge || (!j.convex && (c.at.gap >= 0 || (beside && c.at.gap > -near)));
+      if (keep) out.push_back(touch_of(i, v, j, c.edge));
+    }
+  }
+}
+
+}  // namespace
+
+EntranceLines entrance_lines(const Wedge& i, const Wedge& j) {
+  // Angles from i.out: a1 = 0.
+  const double a2 = turn(i.out, i.back);
+  double b1 = turn(i.out, j.out);
+  if (b1 < a2 - 1e-9) b1 += 2 * pi;
+  const double b2 = b1 + turn(j.out, j.back);
+  EntranceLines lines{};
+  lines.first_is_edge_of_j = b1 <= pi;
+  lines.last_is_edge_of_j = b2 >= a2 + pi;
+  lines.first = lines.first_is_edge_of_j ? unit(turned_right(j.out)) : -unit(turned_right(i.out));
+  lines.last = lines.last_is_edge_of_j ? unit(turned_right(-j.back)) : -unit(turned_right(-i.back));
+  return lines;
+}
+
+void find_touches(const Placed& i, const Placed& j, double margin, double near, const Drift& drift,
+                  std::vector<Touch>& out) {
+  if (!overlap_boxes(i.box, j.box, std::max(margin, near))) return;
+  const std::size_t first = out.size();
+  one_direction(i, j, margin, near, drift, true, out);
+  one_direction(j, i, margin, near, drift, false, out);
+  // Two corners may hold each other twice where an edge passes through both: keep one a place and line.
+  std::vector<Touch> kept;
+  for (std::size_t k = first; k < out.size(); ++k) {
+    const bool again = std::ranges::any_of(kept, [&](const Touch& t) {
+      return norm(t.point - out[k].point) < near && std::abs(cross(t.normal, out[k].normal)) < 1e-6;
+    });
+    if (!again) kept.push_back(out[k]);
+  }
+  out.resize(first);
+  out.insert(out.end(), kept.begin(), kept.end());
+}
+
+void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const Vec2> corners_j) {
+  touch.point = corners_i[touch.vertex];
+  const Against a = against(corners_j, touch.edge, touch.point);
+  touch.gap = a.gap;
+  touch.ratio = std::clamp(a.ratio, 0.0, 1.0);
+  touch.normal = a.normal;
+}
+
+std::size_t first_crossing(std::span<const Vec2> corners, Vec2 from, Vec2 to) {
+  const std::size_t n = corners.size();
+  std::size_t best = n;
+  double earliest = 2;
+  for (std::size_t e = 0; e < n; ++e) {
+    const Against a = against(corners, e, from);
+    const Against b = against(corners, e, to);
+    if (a.gap < 0 || b.gap >= 0) continue;
+    const double t = a.gap / (a.gap - b.gap);
+    const double foot = a.ratio + t * (b.ratio - a.ratio);
+    if (foot < -1e-9 || foot > 1 + 1e-9 || t >= earliest) continue;
+    earliest = t;
+    best = e;
+  }
+  return best < n ? best : static_cast<std::size_t>(-1);
+}
+
+bool inside(std::span<const Vec2> corners, Vec2 point) {
+  bool in = false;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Vec2 a = corners[k] - point;
+    const Vec2 b = corners[next(k, corners.size())] - point;
+    if ((a.y > 0) != (b.y > 0) && (cross(a, b) > 0) == (b.y > a.y)) in = !in;
+  }
+  return in;
+}
+
+namespace {
+
+double depth_in(std::span<const Vec2> corners, Vec2 p) {
+  double nearest = 1e300;
+  for (std::size_t e = 0; e < corners.size(); ++e) {
+    const Vec2 along = corners[next(e, corners.size())] - corners[e];
+    const double t = std::clamp(dot(p - corners[e], along) / dot(along, along), 0.0, 1.0);
+    nearest = std::min(nearest, norm(p - corners[e] - t * along));
+  }
+  return nearest;
+}
+
+}  // namespace
+
+Overlap overlap(const Placed& i, const Placed& j, double tolerance) {
+  Overlap worst;
+  if (!overlap_boxes(i.box, j.box, 0)) return worst;
+  const auto corner = [&](const Placed& a, const Placed& b) {
+    for (std::size_t k = 0; k < a.corners.size(); ++k) {
+      // Middles of edges too: two bars may cross without a corner inside the other, and equal outlines have none.
+      for (const Vec2 p : {a.corners[k], 0.5 * (a.corners[k] + a.corners[next(k, a.corners.size())])}) {
+        if (!in_box(b.box, p, 0) || !inside(b.corners, p)) continue;
+        const double depth = depth_in(b.corners, p);
+        if (depth > tolerance && depth > worst.depth) worst = {depth, p};
+      }
+    }
+  };
+  corner(i, j);
+  corner(j, i);
+  if (worst.depth > 0) return worst;
+  // Edges that cross: the depth is the least that would part them.
+  for (std::size_t a = 0; a < i.corners.size(); ++a) {
+    const Vec2 p = i.corners[a];
+    const Vec2 r = i.corners[next(a, i.corners.size())] - p;
+    for (std::size_t b = 0; b < j.corners.size(); ++b) {
+      const Vec2 q = j.corners[b];
+      const Vec2 s = j.corners[next(b, j.corners.size())] - q;
+      const double turned = cross(r, s);
+      if (std::abs(turned) < 1e-12 * norm(r) * norm(s)) continue;
+      const double t = cross(q - p, s) / turned;
+      const double u = cross(q - p, r) / turned;
+      const double depth = std::min({t, 1 - t, u, 1 - u});
+      const double deep = depth * std::min(norm(r), norm(s)) * std::abs(turned) / (norm(r) * norm(s));
+      if (depth > 0 && deep > tolerance && deep > worst.depth) worst = {deep, p + t * r};
+    }
+  }
+  if (worst.depth > 0) return worst;
+  // The same polygon twice, or one whose corners all lie on the other's boundary.
+  Vec2 middle{};
+  for (const Vec2 c : i.corners) middle += c / static_cast<double>(i.corners.size());
+  if (inside(i.corners, middle) && inside(j.corners, middle)) {
+    const double depth = std::min(depth_in(i.corners, middle), depth_in(j.corners, middle));
+    if (depth > tolerance) worst = {depth, middle};
+  }
+  return worst;
+}
+
+Box box_of(std::span<const Vec2> corners) {
+  Box box{corners[0], corners[0]};
+  for (const Vec2 c : corners) {
+    box.low = {std::min(box.low.x, c.x), std::min(box.low.y, c.y)};
+    box.high = {std::max(box.high.x, c.x), std::max(box.high.y, c.y)};
+  }
+  return box;
+}
+
+}  // namespace cleave::dbem

@@ -1,0 +1,388 @@
+#include "cleave/dbem/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "cleave/bem/outline.hpp"
+#include "cleave/core/overloaded.hpp"
+#include "world_impl.hpp"
+
+namespace cleave::dbem {
+
+std::string describe(const WorldError& error) {
+  return std::visit(
+      overloaded{
+          [](const BadOutline& e) { return fmt::format("body '{}': outline: {}", e.body, e.reason); },
+          [](const NoMass& e) {
+            return fmt::format("body '{}' can move but has no mass: give a density, or mass and inertia, or fix it",
+                               e.body);
+          },
+          [](const BadModes& e) { return fmt::format("body '{}': elastic shapes: {}", e.body, e.reason); },
+          [](const BadLaw& e) { return fmt::format("joint law: {}", e.reason); },
+          [](const BadOption& e) { return fmt::format("contact option: {}", e.reason); },
+          [](const BodiesOverlap& e) {
+            return fmt::format("bodies '{}' and '{}' overlap at the start: {:.6g} m deep at ({:.9g}, {:.9g})", e.a, e.b,
+                               e.depth, e.at.x, e.at.y);
+          },
+      },
+      error);
+}
+
+std::string describe(const StepError& error) {
+  return std::visit(overloaded{[](const StepFailed& e) {
+                      return fmt::format(
+                          "no step from t = {:.9g} s on: {} (shortest step tried {:.3g} s, residual {:.3g})", e.time,
+                          e.reason, e.step, e.residual);
+                    }},
+                    error);
+}
+
+namespace {
+
+bool good(double x) { return std::isfinite(x); }
+bool good(Vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
+
+std::optional<WorldError> check_law(const JointLaw& law) {
+  if (!good(law.friction) || law.friction < 0)
+    return BadLaw{fmt::format("friction {} is not at least 0", law.friction)};
+  if (!good(law.cohesion) || law.cohesion < 0)
+    return BadLaw{fmt::format("cohesion {} is not at least 0", law.cohesion)};
+  if (!good(law.tension) || law.tension < 0) return BadLaw{fmt::format("tension {} is not at least 0", law.tension)};
+  if (!good(law.compliance) || law.compliance < 0) {
+    return BadLaw{fmt::format("compliance {} is not at least 0", law.compliance)};
+  }
+  if (!(law.restitution >= 0 && law.restitution <= 1)) {
+    return BadLaw{fmt::format("restitution {} is not between 0 and 1", law.restitution)};
+  }
+  if (!good(law.residual_friction)) return BadLaw{"residual friction is not a number"};
+  return std::nullopt;
+}
+
+std::optional<WorldError> check_options(const WorldOptions& o) {
+  if (!good(o.gravity)) return BadOption{"gravity is not finite"};
+  if (!good(o.step) || o.step <= 0) return BadOption{fmt::format("step {} s is not positive", o.step)};
+  if (!(o.displacement > 0) || !(o.rotation > 0)) return BadOption{"displacement and rotation limits must be positive"};
+  if (!(o.position_error >= 0) || !(o.overlap >= 0)) return BadOption{"tolerances must not be negative"};
+  if (!(o.regularisation >= 0)) return BadOption{"regularisation must not be negative"};
+  return std::nullopt;
+}
+
+/// Shortest distance of a corner to an edge it does not end.
+double smallest_feature(const std::vector<Vec2>& c) {
+  const std::size_t n = c.size();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t e = 0; e < n; ++e) {
+      if (e == k || (e + 1) % n == k) continue;
+      const Vec2 along = c[(e + 1) % n] - c[e];
+      const double t = std::clamp(dot(c[k] - c[e], along) / dot(along, along), 0.0, 1.0);
+      least = std::min(least, norm(c[k] - c[e] - t * along));
+    }
+  }
+  return least;
+}
+
+std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
+  const std::vector<Vec2>& c = body.outline;
+  const std::size_t n = c.size();
+  if (!good(body.origin) || !good(body.velocity) || !good(body.spin)) {
+    return BadOutline{body.name, "origin, velocity and spin must be finite"};
+  }
+  const auto checked = bem::check_loops({bem::polygon(c)}, false);
+  if (!checked) return BadOutline{body.name, bem::describe(checked.error())};
+  if (!checked->turned.empty()) return BadOutline{body.name, "corners run clockwise; state them anticlockwise"};
+  const PolygonMoments moments = polygon_moments(c);
+  shape.local_centroid = moments.centroid;
+  double perimeter = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    shape.corners.push_back(c[k] - moments.centroid);
+    shape.radius = std::max(shape.radius, norm(shape.corners.back()));
+    perimeter += norm(c[(k + 1) % n] - c[k]);
+  }
+  shape.modes = body.modes ? body.modes->omega.size() : 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vec2 in = shape.corners[k] - shape.corners[(k + n - 1) % n];
+    const Vec2 out = shape.corners[(k + 1) % n] - shape.corners[k];
+    const double turned = cross(in, out) / (norm(in) * norm(out));
+    if (turned < -1e-9) shape.convex = false;
+    // A corner of half a turn carries something only in a body that can bend there.
+    const bool straight = std::abs(turned) <= 1e-9 && dot(in, out) > 0;
+    shape.sharp.push_back(turned > 1e-9 || (straight && shape.modes > 0) ? 1 : 0);
+  }
+  shape.feature = smallest_feature(shape.corners);
+  if (!(shape.feature > 1e-9 * perimeter)) return BadOutline{body.name, "thinner than 1e-9 of its perimeter"};
+  shape.fixed = body.held.all() && shape.modes == 0;
+  shape.timed = !body.forces.empty();
+  const double density = body.density;
+  shape.mass = body.mass.value_or(density * moments.area);
+  shape.inertia = body.inertia.value_or(moments.area > 0 ? shape.mass * moments.polar / moments.area : 0.0);
+  if (!body.held.all()) {
+    if (!good(shape.mass) || shape.mass <= 0 || !good(shape.inertia) || shape.inertia <= 0) return NoMass{body.name};
+    shape.inverse_x = body.held.x ? 0 : 1 / shape.mass;
+    shape.inverse_y = body.held.y ? 0 : 1 / shape.mass;
+    shape.inverse_spin = body.held.spin ? 0 : 1 / shape.inertia;
+  }
+  if (!body.properties.empty() && body.properties.size() != n) {
+    return BadOutline{body.name, fmt::format("{} joint properties for {} edges", body.properties.size(), n)};
+  }
+  for (const PointForce& force : body.forces) {
+    const BoundaryPoint at = nearest_on(shape.corners, force.at - shape.local_centroid);
+    shape.load_places.push_back({at.edge, at.share});
+  }
+  if (body.modes) {
+    if (body.modes->shapes.size() != 2 * n * shape.modes) {
+      return BadModes{body.name, fmt::format("{} numbers instead of 2 x {} corners x {} modes",
+                                             body.modes->shapes.size(), n, shape.modes)};
+    }
+    for (const double w : body.modes->omega) {
+      if (!good(w) || w <= 0) return BadModes{body.name, fmt::format("frequency {} is not positive", w)};
+    }
+    if (!std::ranges::all_of(body.modes->shapes, [](double x) { return good(x); })) {
+      return BadModes{body.name, "not finite"};
+    }
+    if (!(body.modes->damping >= 0)) return BadModes{body.name, "damping is negative"};
+  }
+  return std::nullopt;
+}
+
+/// Bonds of the contacts there are at the start: each carries the strength of the length nearer to it than to others.
+void make_bonds(World::Impl& w) {
+  for (std::size_t k = 0; k < w.touches.size(); ++k) {
+    const Touch& t = w.touches[k];
+    const JointLaw& law = w.law_of(t);
+    if (law.cohesion <= 0 && law.tension <= 0) continue;
+    if (t.gap > 1e-6 * std::min(w.shapes[t.i].feature, w.shapes[t.j].feature)) continue;
+    const Vec2 along = bem::turned_left(t.normal);
+    double left = 0, right = 0;
+    for (const Touch& other : w.touches) {
+      const bool same = (other.i == t.i && other.j == t.j) || (other.i == t.j && other.j == t.i);
+      if (!same || std::abs(cross(other.normal, t.normal)) > 1e-3) continue;
+      const double at = dot(other.point - t.point, along);
+      if (at > 0 && (right <= 0 || at < right)) right = at;
+      if (at < 0 && (left <= 0 || -at < left)) left = -at;
+    }
+    const double length = 0.5 * (left + right);
+    const auto bond = static_cast<std::uint32_t>(w.bonds.size());
+    w.bonds.push_back({law.cohesion * length, law.tension * length});
+    w.bond_keys.push_back({t.i, t.vertex, t.j, bond});
+    // A contact of two corners may be found from either.
+    const auto corners = w.corners_of(w.corners, t.j);
+    for (std::uint32_t q = 0; q < corners.size(); ++q) {
+      if (norm(corners[q] - t.point) < 1e-5 * std::min(w.shapes[t.i].feature, w.shapes[t.j].feature)) {
+        w.bond_keys.push_back({t.j, q, t.i, bond});
+      }
+    }
+  }
+  std::ranges::sort(w.bond_keys);
+}
+
+std::optional<WorldError> find_overlap(World::Impl& w) {
+  std::vector<Box> boxes = w.boxes;
+  const std::vector<std::uint8_t> lazy(w.size(), 0);
+  for (const auto [a, b] : overlapping_pairs(boxes, lazy)) {
+    const double size = std::min(w.shapes[a].feature, w.shapes[b].feature);
+    if (w.shapes[a].fixed && w.shapes[b].fixed) continue;  // parts of one support may share space
+    const Overlap found =
+        overlap(w.placed(w.corners, w.boxes, a), w.placed(w.corners, w.boxes, b), w.options.overlap * size);
+    if (found.depth > 0) return BodiesOverlap{w.bodies[a].name, w.bodies[b].name, found.depth, w.anchor + found.at};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+World::World(std::unique_ptr<Impl> impl) : impl_{std::move(impl)} {}
+World::World(const World& other) : impl_{std::make_unique<Impl>(*other.impl_)} {}
+World::World(World&& other) noexcept = default;
+World& World::operator=(const World& other) {
+  if (this != &other) impl_ = std::make_unique<Impl>(*other.impl_);
+  return *this;
+}
+World& World::operator=(World&& other) noexcept = default;
+World::~World() = default;
+
+std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws, WorldOptions options) {
+  auto impl = std::make_unique<Impl>();
+  Impl& w = *impl;
+  if (auto bad = check_law(laws.otherwise)) return std::unexpected(*std::move(bad));
+  for (const PairLaw& pair : laws.pairs) {
+    if (auto bad = check_law(pair.law)) return std::unexpected(*std::move(bad));
+  }
+  if (auto bad = check_options(options)) return std::unexpected(*std::move(bad));
+  w.bodies = std::move(bodies);
+  w.laws = std::move(laws);
+  w.options = std::move(options);
+  w.first_corner = w.first_mode = {0};
+  for (std::size_t b = 0; b < w.bodies.size(); ++b) {
+    Body& body = w.bodies[b];
+    if (body.name.empty()) body.name = fmt::format("{}", b + 1);
+    Shape shape;
+    if (auto bad = make_shape(body, shape)) return std::unexpected(*std::move(bad));
+    w.shapes.push_back(std::move(shape));
+    w.first_corner.push_back(w.first_corner.back() + body.outline.size());
+    w.first_mode.push_back(w.first_mode.back() + w.shapes.back().modes);
+  }
+  const std::size_t n = w.size();
+  // Positions are kept relative to the first body: differences of origins are exact or nearly so.
+  if (n > 0) w.anchor = w.bodies[0].origin + w.bodies[0].outline[0];
+  for (std::size_t b = 0; b < n; ++b) {
+    const Vec2 at = (w.bodies[b].origin - w.anchor) + w.shapes[b].local_centroid;
+    // Either origin or outline may carry the large numbers: take them off before they meet the small ones.
+    const Vec2 other = w.bodies[b].origin + (w.shapes[b].local_centroid - w.anchor);
+    w.state.x.push_back(norm(w.bodies[b].origin) > norm(w.shapes[b].local_centroid) ? at : other);
+    w.state.v.push_back(w.bodies[b].velocity);
+    w.state.spin.push_back(w.bodies[b].spin);
+  }
+  w.state.angle.assign(n, 0);
+  w.state.e.assign(w.first_mode.back(), 0);
+  w.state.de.assign(w.first_mode.back(), 0);
+  w.start_x = w.state.x;
+  w.asleep.assign(n, 0);
+  w.calm.assign(n, 0);
+  w.sleep_group.assign(n, 0);
+  w.next_step = w.options.step;
+  w.place_all(w.state, w.corners, w.boxes);
+  if (n > 0) {
+    Box all = w.boxes[0];
+    for (const Box& box : w.boxes) {
+      all.low = {std::min(all.low.x, box.low.x), std::min(all.low.y, box.low.y)};
+      all.high = {std::max(all.high.x, box.high.x), std::max(all.high.y, box.high.y)};
+    }
+    w.height = std::max(all.high.y - all.low.y, all.high.x - all.low.x);
+  }
+  if (auto bad = find_overlap(w)) return std::unexpected(*std::move(bad));
+  w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
+  w.seen_step = w.next_step;
+  make_bonds(w);
+  w.energy.kinetic = w.kinetic_of(w.state);
+  w.energy.potential = w.potential_of(w.state);
+  w.start_energy = w.energy.total();
+  return World{std::move(impl)};
+}
+
+double World::time() const noexcept { return impl_->time; }
+std::size_t World::size() const noexcept { return impl_->size(); }
+const Body& World::body(std::size_t body) const { return impl_->bodies[body]; }
+Vec2 World::centroid(std::size_t body) const { return impl_->anchor + impl_->state.x[body]; }
+Vec2 World::displacement(std::size_t body) const { return impl_->state.x[body] - impl_->start_x[body]; }
+double World::rotation(std::size_t body) const { return impl_->state.angle[body]; }
+Vec2 World::velocity(std::size_t body) const { return impl_->state.v[body]; }
+double World::spin(std::size_t body) const { return impl_->state.spin[body]; }
+double World::mass(std::size_t body) const { return impl_->shapes[body].mass; }
+double World::inertia(std::size_t body) const { return impl_->shapes[body].inertia; }
+bool World::asleep(std::size_t body) const { return impl_->asleep[body] != 0; }
+const std::vector<Contact>& World::contacts() const noexcept { return impl_->contacts; }
+const Energy& World::energy() const noexcept { return impl_->energy; }
+const WorldOptions& World::options() const noexcept { return impl_->options; }
+
+std::vector<double> World::modal_amplitudes(std::size_t body) const {
+  const auto& e = impl_->state.e;
+  return {e.begin() + static_cast<std::ptrdiff_t>(impl_->first_mode[body]),
+          e.begin() + static_cast<std::ptrdiff_t>(impl_->first_mode[body + 1])};
+}
+
+std::vector<Vec2> World::outline(std::size_t body) const {
+  std::vector<Vec2> out;
+  for (const Vec2 c : impl_->corners_of(impl_->corners, body)) out.push_back(impl_->anchor + c);
+  return out;
+}
+
+Vec2 World::position(std::size_t body, Vec2 local) const {
+  const Impl& w = *impl_;
+  const Shape& shape = w.shapes[body];
+  const Vec2 p = local - shape.local_centroid;
+  Vec2 more{};
+  if (shape.modes > 0) {
+    const BoundaryPoint near = nearest_on(shape.corners, p);
+    const std::size_t edge = near.edge;
+    const double share = near.share;
+    const std::vector<double>& table = w.bodies[body].modes->shapes;
+    for (std::size_t m = 0; m < shape.modes; ++m) {
+      const double e = w.state.e[w.first_mode[body] + m];
+      const auto row = [&](std::size_t corner, std::size_t component) {
+        return table[(2 * corner + component) * shape.modes + m];
+      };
+      const std::size_t to = (edge + 1) % shape.corners.size();
+      more +=
+          e * Vec2{(1 - share) * row(edge, 0) + share * row(to, 0), (1 - share) * row(edge, 1) + share * row(to, 1)};
+    }
+  }
+  return w.anchor + w.state.x[body] + bem::rotated(p + more, w.state.angle[body]);
+}
+
+Vec2 World::momentum() const {
+  Vec2 sum{};
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (!impl_->shapes[b].fixed) sum += impl_->shapes[b].mass * impl_->state.v[b];
+  }
+  return sum;
+}
+
+double World::angular_momentum() const {
+  double sum = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (impl_->shapes[b].fixed) continue;
+    sum += impl_->shapes[b].inertia * impl_->state.spin[b] +
+           impl_->shapes[b].mass * cross(impl_->anchor + impl_->state.x[b], impl_->state.v[b]);
+  }
+  return sum;
+}
+
+void World::set_velocity(std::size_t body, Vec2 velocity, double spin) {
+  Impl& w = *impl_;
+  w.state.v[body] = velocity;
+  w.state.spin[body] = spin;
+  std::ranges::fill(w.asleep, std::uint8_t{0});
+  std::ranges::fill(w.calm, std::uint16_t{0});
+  w.fat.clear();
+  w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
+  const double before = w.energy.kinetic;
+  w.energy.kinetic = w.kinetic_of(w.state);
+  w.start_energy += w.energy.kinetic - before;
+}
+
+void World::set_step(double step) {
+  Impl& w = *impl_;
+  w.options.step = w.next_step = step;
+  w.find(w.state, w.corners, w.boxes, step, w.touches, w.limit);
+  w.seen_step = step;
+}
+
+std::vector<ContactProblem> World::problems(double step) const {
+  Impl w = *impl_;
+  w.find(w.state, w.corners, w.boxes, step, w.touches, w.limit);
+  std::vector<Island> islands = w.islands_of(w.touches);
+  w.mark_impacts(w.touches, islands, step);
+  std::vector<double> theta(w.size(), 0.5);
+  for (const Island& island : islands) {
+    for (const std::uint32_t b : island.bodies) theta[b] = island.theta;
+  }
+  State free = w.state;
+  w.free_motion(w.state, theta, step, free);
+  std::vector<ContactProblem> problems;
+  for (const Island& island : islands) {
+    const Rows rows = w.rows_of(w.touches, island, w.state);
+    problems.push_back(w.problem_of(w.touches, island, rows, w.state, free, step));
+    problems.back().start.clear();
+  }
+  return problems;
+}
+
+std::expected<Relaxed, StepError> relax(World& world, const RelaxOptions& options) {
+  Relaxed done;
+  for (done.steps = 0; done.steps < options.most; ++done.steps) {
+    const auto report = world.step(options.step);
+    if (!report) return std::unexpected(report.error());
+    done.unbalanced = report->unbalanced;
+    if (report->unbalanced <= options.criterion) {
+      done.at_rest = true;
+      break;
+    }
+  }
+  return done;
+}
+
+}  // namespace cleave::dbem

@@ -1,0 +1,200 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "cleave/dbem/world.hpp"
+
+namespace cleave::dbem {
+
+/// Nearest point of a polygon's boundary.
+struct BoundaryPoint {
+  std::size_t edge = 0;
+  double share = 0;  // along it
+  double distance = 0;
+};
+[[nodiscard]] BoundaryPoint nearest_on(std::span<const Vec2> corners, Vec2 p);
+
+/// Gaps and penetrations below this share of the smaller body's smallest feature count as touching.
+constexpr double contact_depth = 1e-9;
+
+/// What does not change about a body.
+struct Shape {
+  Vec2 local_centroid;        // in the coordinates of Body::outline
+  std::vector<Vec2> corners;  // about the centroid, undeformed
+  std::vector<std::uint8_t> sharp;
+  bool convex = true;
+  double mass = 0, inertia = 0;
+  double inverse_x = 0, inverse_y = 0, inverse_spin = 0;  // 0 where held
+  double radius = 0;                                      // of the farthest corner
+  double feature = 0;  // smallest distance of a corner to an edge it does not belong to
+  std::size_t modes = 0;
+  bool timed = false;  // carries forces of its own
+  bool fixed = false;  // no freedom at all
+  struct LoadPlace {   // of a point force on the outline
+    std::size_t edge;
+    double share;
+  };
+  std::vector<LoadPlace> load_places;
+};
+
+struct State {
+  std::vector<Vec2> x;  // centroids, about Impl::anchor
+  std::vector<double> angle;
+  std::vector<Vec2> v;
+  std::vector<double> spin;
+  std::vector<double> e, de;  // modal amplitudes and rates of all bodies
+};
+
+struct TouchKey {
+  std::uint32_t i, vertex, j, edge;
+  friend auto operator<=>(const TouchKey&, const TouchKey&) = default;
+};
+inline TouchKey key_of(const Touch& t) { return {t.i, t.vertex, t.j, t.edge}; }
+
+/// What a contact carries from step to step.
+struct Memory {
+  TouchKey key;
+  Vec2 force;         // N/m
+  double compliance;  // m2/N
+};
+
+struct Bond {
+  double cohesion;  // N/m
+  double tension;   // N/m
+  bool broken = false;
+};
+/// A corner at a body: what bonds are found by.
+struct BondKey {
+  std::uint32_t body, vertex, other;
+  std::uint32_t bond;
+  friend auto operator<=>(const BondKey&, const BondKey&) = default;
+};
+
+/// A group of bodies joined by contacts.
+struct Island {
+  std::vector<std::uint32_t> touches;
+  std::vector<std::uint32_t> bodies;
+  double theta = 0.5;
+  bool impact = false;
+};
+
+/// One side of a contact: body, arm from the place its impulse acts on to the contact point, modal rows.
+struct Side {
+  std::uint32_t body;
+  Vec2 arm;
+  double turn_n, turn_t;  // arm x n, arm x t, signed
+  Vec2 n, t;              // signed
+  std::size_t modal = 0;  // of the n row in Rows::modal, the t row follows
+};
+struct Rows {
+  std::vector<Side> sides;    // two a contact: body of the corner, body of the edge
+  std::vector<double> modal;  // unscaled
+};
+
+/// A trial step.
+struct Attempt {
+  State state;
+  std::vector<Vec2> corners;
+  std::vector<Box> boxes;
+  std::vector<Touch> touches;  // at the end of the step
+  std::vector<Memory> memory;
+  std::vector<Contact> contacts;
+  std::vector<std::uint32_t> broken;
+  double friction = 0, work = 0, projected = 0;
+  std::vector<Island> islands;
+  StepReport report;
+  double limit = std::numeric_limits<double>::infinity();  // of the next step, by gaps
+};
+
+struct World::Impl {
+  std::vector<Body> bodies;
+  Laws laws;
+  WorldOptions options;
+  Vec2 anchor;
+  std::vector<Shape> shapes;
+  std::vector<std::size_t> first_corner, first_mode;
+  double height = 0;
+  double weight = 0;
+  State state;
+  std::vector<Vec2> start_x;
+  double time = 0;
+  double next_step = 0;
+  std::size_t calm_steps = 0;
+  double seen_step = 0;  // the step `touches` were found for
+  double limit = std::numeric_limits<double>::infinity();
+  std::vector<Vec2> corners;
+  std::vector<Box> boxes, fat;
+  std::vector<BodyPair> pairs;
+  std::vector<Touch> touches;
+  std::vector<Memory> memory;
+  std::vector<Bond> bonds;
+  std::vector<BondKey> bond_keys;
+  std::vector<std::uint8_t> asleep;
+  std::vector<std::uint16_t> calm;
+  std::vector<std::uint32_t> sleep_group;
+  std::uint32_t groups = 0;
+  std::vector<Contact> contacts;
+  Energy energy;
+  double start_energy = 0;
+  std::vector<Vec2> last_change;  // of velocity over the last step, for the error of position
+
+  [[nodiscard]] std::size_t size() const { return shapes.size(); }
+  [[nodiscard]] bool idle(std::size_t b) const { return shapes[b].fixed || asleep[b] != 0; }
+  [[nodiscard]] bool still(std::size_t b) const;  // fixed and not moving
+  [[nodiscard]] std::size_t corner_count(std::size_t b) const { return first_corner[b + 1] - first_corner[b]; }
+  [[nodiscard]] std::span<const Vec2> corners_of(const std::vector<Vec2>& all, std::size_t b) const {
+    return std::span{all}.subspan(first_corner[b], corner_count(b));
+  }
+  [[nodiscard]] Placed placed(const std::vector<Vec2>& all, const std::vector<Box>& box, std::size_t b) const {
+    return {static_cast<std::uint32_t>(b), corners_of(all, b), shapes[b].sharp, box[b], shapes[b].convex};
+  }
+
+  // geometry.cpp
+  void place(const State& at, std::size_t body, std::vector<Vec2>& all) const;
+  void place_all(const State& at, std::vector<Vec2>& all, std::vector<Box>& box) const;
+  [[nodiscard]] Drift drift(const State& at, const TouchKey& pair, double step) const;
+  [[nodiscard]] double speed_bound(const State& at, std::size_t body) const;
+  void rebuild_pairs(const State& at, const std::vector<Box>& box, double step);
+  /// Contacts at a state for a step of this length; also the longest step that misses none.
+  void find(const State& at, const std::vector<Vec2>& all, const std::vector<Box>& box, double step,
+            std::vector<Touch>& out, double& limit);
+
+  // assembly.cpp
+  [[nodiscard]] std::vector<Island> islands_of(const std::vector<Touch>& list) const;
+  [[nodiscard]] Rows rows_of(const std::vector<Touch>& list, const Island& island, const State& at) const;
+  [[nodiscard]] BlockMatrix delassus(const Rows& rows, double theta, double step, bool rigid_only) const;
+  /// Velocity of each contact (n, t) under the velocities of a state.
+  [[nodiscard]] Vec2 velocity_of(const Rows& rows, std::size_t contact, const State& at) const;
+  void add_impulse(const Rows& rows, std::size_t contact, Vec2 p, double theta, double step, State& at) const;
+  [[nodiscard]] double mode_inverse(std::size_t body, std::size_t mode, double theta, double step) const;
+  [[nodiscard]] const Bond* bond_of(const Touch& t) const;
+  [[nodiscard]] const JointLaw& law_of(const Touch& t) const;
+  [[nodiscard]] ContactProblem problem_of(const std::vector<Touch>& list, const Island& island, const Rows& rows,
+                                          const State& before, const State& free, double step) const;
+  void free_motion(const State& before, const std::vector<double>& theta, double step, State& free) const;
+  void mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step) const;
+  [[nodiscard]] Vec2 force_on(const State& at, std::size_t body, double time, double& torque,
+                              std::vector<double>* modal) const;
+  void predict(const State& before, double step, std::size_t body, State& mid) const;
+
+  // step.cpp
+  struct Failure {
+    double residual = 0;
+    std::string reason;
+    double factor = 0;  // > 0: not a failure; redo with this share of the step
+  };
+  [[nodiscard]] std::optional<Failure> attempt(double step, Attempt& out);
+  void accept(Attempt&& done);
+  void project(Attempt& out) const;
+  bool add_missed(const Attempt& out, std::vector<Touch>& list) const;
+  bool wake();
+  void fall_asleep();
+  [[nodiscard]] double kinetic_of(const State& at) const;
+  [[nodiscard]] double elastic_of(const State& at, const std::vector<Memory>& forces) const;
+  [[nodiscard]] double potential_of(const State& at) const;
+};
+
+}  // namespace cleave::dbem

@@ -1,0 +1,201 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cleave/bem/material.hpp"
+#include "cleave/bem/vec2.hpp"
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/scene/bodies.hpp"
+#include "cleave/scene/plan.hpp"
+#include "cleave/scene/problem.hpp"
+#include "cleave/scene/run_result.hpp"
+#include "cleave/scene/scene.hpp"
+
+/// Scenes of bodies that touch: [[body]] with [contact]. The plane as for other bodies: x to the right, y up, metres;
+/// masses and forces per metre of thickness.
+namespace cleave::scene {
+
+/// Strength of a contact between two sides; [joints.NAME] of the scene.
+struct ContactJoint {
+  std::string name;
+  double friction = 30;  ///< degrees
+  double cohesion = 0;   ///< Pa, until the contact breaks
+  double tension = 0;    ///< Pa, likewise
+};
+
+/// A load on one body of a scene of contact; times are those of the run.
+struct ContactLoad {
+  std::optional<std::size_t> side;  ///< of `ContactBody::corners`; none: a point force
+  bem::Vec2 at, force;              ///< point force, N/m
+  double pressure = 0;              ///< Pa
+  bem::Vec2 traction;               ///< Pa
+  TimeFunction time;
+  bool follows = false;  ///< turns with the body
+};
+
+struct ContactBody {
+  std::string name;
+  std::uint32_t line = 1;
+  std::vector<bem::Vec2> corners;  ///< anticlockwise; side k runs from corner k to the next
+  std::vector<std::size_t> joint;  ///< of each side, into ContactScene::joints
+  std::optional<double> young, poisson;
+  double density = 2700;
+  bool fixed = false;      ///< never moves
+  std::vector<bool> held;  ///< sides of an elastic body that are clamped; empty: none
+  bem::Vec2 velocity;
+  double spin = 0;  ///< rad/s
+  std::vector<ContactLoad> loads;
+  [[nodiscard]] bool clamped() const noexcept { return !held.empty(); }
+};
+
+enum class ContactSolver : std::uint8_t { cascade, open_close, newton, continuation, lemke };
+[[nodiscard]] std::string_view name_of(ContactSolver solver) noexcept;
+
+/// Which motions a body has.
+enum class Rigidity : std::uint8_t {
+  automatic,  ///< elastic when strains are worth it, see `rigidity_of`
+  rigid,      ///< three freedoms a body
+  elastic,
+};
+
+struct ContactSettings {
+  bem::Vec2 gravity{0, -9.81};
+  bool to_rest = false;  ///< static: relaxation
+  double duration = 0;   ///< s; of a run to rest: the longest it may take
+  double step = 0;       ///< s, the first one
+  double max_step = 0;   ///< s
+  ContactSolver solver = ContactSolver::cascade;
+  double restitution = 0;
+  Rigidity rigidity = Rigidity::automatic;
+  bem::PlaneState plane = bem::PlaneState::strain;
+  double element = 0;          ///< m, longest element; 0: a quarter of the body
+  std::size_t modes = 0;       ///< of an elastic body; 0: all
+  double damping = 0;          ///< share of critical damping of elastic vibrations
+  double largest_move = 0.05;  ///< of the scene's extent, in one step
+  std::size_t frames = 120;
+};
+
+struct ContactScene {
+  std::string title;
+  std::uint64_t seed = 1;
+  std::vector<ContactBody> bodies;
+  std::vector<ContactJoint> joints;  ///< [0] is the default
+  std::vector<PointSpec> points;
+  ContactSettings settings;
+  OutputSettings output;
+  std::string shown, file_name, sha256;
+  std::vector<Problem> notes;
+};
+
+/// Whether the text is a scene of contact (a [[body]] and a [contact], no [domain]).
+[[nodiscard]] bool is_contact_scene(std::string_view text);
+[[nodiscard]] std::expected<ContactScene, std::vector<Problem>> parse_contact(std::string_view text,
+                                                                              const std::string& shown);
+/// From disk; empty when the file is no scene of contact (or cannot be read: `load` then says why).
+[[nodiscard]] std::optional<std::expected<ContactScene, std::vector<Problem>>> load_contact(const std::string& path);
+
+/// Whether bodies deform in a run, and the reason in words.
+struct RigidityChoice {
+  bool elastic = false;
+  std::string why;
+  double strain = 0;  ///< estimate of the largest one; 0 when no body has a modulus
+};
+[[nodiscard]] RigidityChoice rigidity_of(const ContactScene& scene);
+
+[[nodiscard]] Plan make_plan(const ContactScene& scene);
+
+/// Two bodies that lie in each other at the start.
+struct Overlap {
+  std::size_t first, second;
+  double depth;  ///< m
+  bem::Vec2 at;
+};
+/// Pairs of simple polygons that overlap deeper than `tolerance` (m). O(n log n) in bodies that lie apart.
+[[nodiscard]] std::vector<Overlap> overlaps_of(const std::vector<std::vector<bem::Vec2>>& polygons, double tolerance);
+
+// ---------------------------------------------------------------------------------------------------- results
+
+struct ContactPlacement {
+  bem::Vec2 centroid;
+  double rotation = 0;  ///< radians, turns counted
+};
+enum class ContactMarkState : std::uint8_t { stick, slip };
+/// One closed contact of a frame.
+struct ContactMark {
+  bem::Vec2 at;
+  bem::Vec2 force;  ///< N/m, on the first body
+  std::uint32_t first = 0, second = 0;
+  ContactMarkState state = ContactMarkState::stick;
+};
+struct ContactFrame {
+  double time = 0;  ///< s
+  std::vector<ContactPlacement> places;
+  std::vector<std::vector<bem::Vec2>> corners;  ///< of bodies that deform, as drawn; empty ones are rigid
+  std::vector<ContactMark> contacts;
+  std::vector<bem::Vec2> points;  ///< displacements
+};
+/// What is written of one step; J/m.
+struct ContactHistory {
+  double time = 0, step = 0;  ///< s
+  double kinetic = 0, elastic = 0;
+  double gravity = 0;             ///< potential, 0 at the start
+  double work = 0;                ///< of loads, since the start
+  double friction = 0, lost = 0;  ///< dissipated by slip; by impacts, damping and the time scheme
+  double residual = 0;
+  std::uint64_t contacts = 0, sticking = 0, slipping = 0, iterations = 0;
+  std::vector<bem::Vec2> points;  ///< displacements
+};
+/// Groups of contacts that a solver found the answer of.
+struct SolverShare {
+  std::string name;
+  std::uint64_t groups = 0;
+};
+struct ContactBodyResult {
+  std::string name;
+  bool fixed = false, elastic = false;
+  std::size_t freedoms = 0;
+  bem::Vec2 start, centroid;       ///< at the start and at the end
+  double rotation = 0;             ///< radians, turns counted
+  double largest = 0;              ///< m, displacement of its corners
+  std::vector<bem::Vec2> outline;  ///< at the start, as drawn
+  bem::Vec2 force;                 ///< N/m: sum of the contact forces on it at the end
+};
+struct ContactResult {
+  std::string title;
+  std::uint64_t seed = 1;
+  std::string scene_file, scene_sha256;
+  Plan plan;
+  RunCost cost;
+  OutputSettings output;
+  bool converged = true;
+  std::string stopped_why;
+  std::uint64_t steps = 0, cut_steps = 0;
+  double end_time = 0;
+  double residual = 0, largest_displacement = 0, largest_penetration = 0;
+  bool elastic = false;
+  bool to_rest = false;
+  double drift_momentum = 0, drift_angular = 0;  ///< relative, see docs/contact.md
+  double energy_gain = 0;                        ///< J/m beyond the work done; 0 when it never grew
+  std::vector<ContactBodyResult> bodies;
+  std::vector<PointSpec> points;
+  std::vector<ContactFrame> frames;
+  std::vector<ContactHistory> history;
+  std::vector<SolverShare> solvers;
+  std::uint64_t iterations = 0;
+  std::vector<std::string> notes;
+};
+
+/// Where the corners of a body are drawn in a frame.
+[[nodiscard]] std::vector<bem::Vec2> corners_at(const ContactResult& result, std::size_t frame, std::size_t body);
+
+[[nodiscard]] std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene, unsigned threads,
+                                                                     StageTimer& timer, Progress& progress);
+
+}  // namespace cleave::scene

@@ -1,0 +1,270 @@
+#include "contact_bodies.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "cleave/bem/block.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using bem::Vec2;
+
+/// A node of a boundary, as a part of a side of the outline.
+struct SideNode {
+  std::size_t side;
+  double t;  ///< from its first corner to the next
+};
+
+/// The operator of one shape in the axes of the body it was built for.
+struct Shape {
+  const ContactBody* body;
+  bem::BlockOperator block;
+  std::vector<SideNode> outline;
+  std::vector<std::size_t> node;  ///< of the mesh, of each outline corner
+  dbem::ModalBasis modes;
+};
+
+double longest(const ContactBody& body) {
+  double out = 0;
+  for (const Vec2 p : body.corners) out = std::max(out, norm(p - body.corners.front()));
+  return out;
+}
+
+/// The angle by which `b` is `a` turned; empty when it is not the same shape of the same material.
+std::optional<double> turn_between(const ContactBody& a, const ContactBody& b) {
+  if (a.corners.size() != b.corners.size() || a.young != b.young || a.poisson != b.poisson || a.density != b.density ||
+      a.held != b.held || a.fixed != b.fixed) {
+    return std::nullopt;
+  }
+  const Vec2 first = a.corners[1] - a.corners[0], second = b.corners[1] - b.corners[0];
+  double angle = std::atan2(cross(first, second), dot(first, second));
+  if (std::abs(angle) < 1e-12) angle = 0;  // rounding of coordinates
+  const double tolerance = 1e-9 * longest(a);
+  for (std::size_t k = 0; k < a.corners.size(); ++k) {
+    const Vec2 off = bem::rotated(a.corners[k] - a.corners[0], angle) - (b.corners[k] - b.corners[0]);
+    if (norm(off) > tolerance) return std::nullopt;
+  }
+  return angle;
+}
+
+Problem refused(const ContactScene& scene, std::size_t body, const std::string& what) {
+  return {scene.shown, scene.bodies[body].line, fmt::format("body \"{}\"", scene.bodies[body].name), what,
+          "change its outline or contact.element, or write rigid = true"};
+}
+
+std::expected<Shape, Problem> make_shape(const ContactScene& scene, std::size_t index, unsigned threads) {
+  const ContactBody& body = scene.bodies[index];
+  const ContactSettings& settings = scene.settings;
+  const auto material =
+      bem::Material::make(pascals(*body.young), *body.poisson, kilograms_per_cubic_metre(body.density), settings.plane);
+  if (!material) return std::unexpected(refused(scene, index, describe(material.error())));
+  bem::BlockOptions options;
+  options.threads = threads;
+  options.mesh.element = settings.element;
+  if (options.mesh.element <= 0) {
+    Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
+    for (const Vec2 p : body.corners) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    }
+    options.mesh.element = std::max(high.x - low.x, high.y - low.y) / 4;
+  }
+  auto made = bem::BlockOperator::make({bem::polygon(body.corners)}, *material, options);
+  if (!made) return std::unexpected(refused(scene, index, describe(made.error())));
+  Shape shape{&body, *std::move(made), {}, {}, {}};
+  const bem::Mesh& mesh = shape.block.mesh();
+  for (const bem::Element& element : mesh.elements) {
+    const std::size_t nodes = mesh.per_element() - 1;  // the last one belongs to the next element
+    const Vec2 start = body.corners[element.side];
+    const Vec2 along = body.corners[(element.side + 1) % body.corners.size()] - start;
+    for (std::size_t a = 0; a < nodes; ++a) {
+      const Vec2 x = shape.block.centroid() + mesh.nodes[element.node[a]].x;
+      double t = dot(x - start, along) / dot(along, along);
+      if (std::abs(t) < 1e-12) t = 0;
+      shape.outline.push_back({element.side, t});
+      shape.node.push_back(element.node[a]);
+    }
+  }
+  std::vector<bem::HeldFreedom> held;
+  if (body.clamped()) {
+    std::vector<bool> done(mesh.nodes.size(), false);
+    for (const bem::Element& element : mesh.elements) {
+      if (!body.held[element.side]) continue;
+      for (std::size_t a = 0; a < mesh.per_element(); ++a) {
+        const std::size_t node = element.node[a];
+        if (done[node]) continue;
+        done[node] = true;
+        held.push_back({node, {1, 0}});
+        held.push_back({node, {0, 1}});
+      }
+    }
+  }
+  const bem::Modes modes =
+      body.clamped() ? bem::supported_modes(shape.block, held) : bem::free_modes(shape.block, settings.modes);
+  const std::size_t count =
+      settings.modes > 0 ? std::min(settings.modes, modes.eigenvalues.size()) : modes.eigenvalues.size();
+  shape.modes.damping = settings.damping;
+  for (std::size_t m = 0; m < count; ++m) shape.modes.omega.push_back(std::sqrt(modes.eigenvalues[m]));
+  shape.modes.shapes.resize(2 * shape.node.size() * count);
+  for (std::size_t v = 0; v < shape.node.size(); ++v) {
+    for (std::size_t c = 0; c < 2; ++c) {
+      for (std::size_t m = 0; m < count; ++m) {
+        shape.modes.shapes[(2 * v + c) * count + m] = modes.shapes(2 * shape.node[v] + c, m);
+      }
+    }
+  }
+  return shape;
+}
+
+/// Modes of a shape in the axes of a body that is that shape turned by `angle`.
+dbem::ModalBasis turned(const dbem::ModalBasis& modes, double angle) {
+  if (angle == 0) return modes;
+  dbem::ModalBasis out = modes;
+  const std::size_t count = modes.omega.size();
+  const double c = std::cos(angle), s = std::sin(angle);
+  for (std::size_t v = 0; 2 * v * count < modes.shapes.size(); ++v) {
+    for (std::size_t m = 0; m < count; ++m) {
+      const double x = modes.shapes[2 * v * count + m], y = modes.shapes[(2 * v + 1) * count + m];
+      out.shapes[2 * v * count + m] = c * x - s * y;
+      out.shapes[(2 * v + 1) * count + m] = s * x + c * y;
+    }
+  }
+  return out;
+}
+
+/// Nodal forces (in the shape's axes) as forces at the corners of the body.
+void add_nodal(const Shape& shape, double angle, const std::vector<double>& forces, const TimeFunction& time,
+               bool follows, dbem::Body& body) {
+  for (std::size_t v = 0; v < shape.node.size(); ++v) {
+    const Vec2 f{forces[2 * shape.node[v]], forces[2 * shape.node[v] + 1]};
+    if (f == Vec2{}) continue;
+    body.forces.push_back({body.outline[v], bem::rotated(f, angle), time, follows});
+  }
+}
+
+void load_elastic(const ContactBody& spec, const Shape& shape, double angle, Vec2 gravity, dbem::Body& body) {
+  const bem::Mesh& mesh = shape.block.mesh();
+  for (const ContactLoad& load : spec.loads) {
+    if (!load.side) {
+      // The place in the frame of the shape.
+      const Vec2 local =
+          bem::rotated(load.at - spec.corners[0], -angle) + shape.body->corners[0] - shape.block.centroid();
+      std::vector<double> forces(shape.block.freedoms(), 0.0);
+      shape.block.add_point_force(shape.block.place(local), bem::rotated(load.force, -angle), forces);
+      add_nodal(shape, angle, forces, load.time, load.follows, body);
+      continue;
+    }
+    std::vector<std::array<Vec2, 3>> tractions(mesh.elements.size());
+    const auto places = bem::local_nodes(mesh.order);
+    for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+      if (mesh.elements[e].side != *load.side) continue;
+      for (std::size_t a = 0; a < places.size(); ++a) {
+        tractions[e][a] = bem::rotated(load.traction, -angle) - load.pressure * mesh.elements[e].normal(places[a]);
+      }
+    }
+    add_nodal(shape, angle, shape.block.forces_of(tractions), load.time, load.follows, body);
+  }
+  if (spec.clamped() && !(gravity == Vec2{})) {
+    // A free body's weight moves it as a whole only; a clamped one bends. Forces on inner shapes move no boundary
+    // point.
+    add_nodal(shape, angle, shape.block.forces_of_acceleration(bem::rotated(gravity, -angle)), {}, false, body);
+  }
+}
+
+void load_rigid(const ContactBody& spec, dbem::Body& body) {
+  for (const ContactLoad& load : spec.loads) {
+    if (!load.side) {
+      body.forces.push_back({load.at - body.origin, load.force, load.time, load.follows});
+      continue;
+    }
+    const Vec2 a = spec.corners[*load.side], b = spec.corners[(*load.side + 1) % spec.corners.size()];
+    const Vec2 force = norm(b - a) * load.traction - load.pressure * bem::turned_right(b - a);
+    body.forces.push_back({(a + b) / 2 - body.origin, force, load.time, load.follows});
+  }
+}
+
+}  // namespace
+
+std::expected<PreparedBodies, std::vector<Problem>> prepare_bodies(const ContactScene& scene, bool elastic,
+                                                                   unsigned threads) {
+  PreparedBodies out;
+  std::vector<Shape> shapes;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const ContactBody& spec = scene.bodies[b];
+    dbem::Body body;
+    body.name = spec.name;
+    body.density = spec.density;
+    body.properties = spec.joint;
+    body.velocity = spec.velocity;
+    body.spin = spec.spin;
+    if (spec.fixed || spec.clamped()) body.held = {true, true, true};
+    body.origin = spec.corners.front();
+    if (!elastic || spec.fixed) {
+      for (const Vec2 p : spec.corners) body.outline.push_back(p - body.origin);
+      if (!spec.fixed) load_rigid(spec, body);
+      out.bodies.push_back(std::move(body));
+      out.elements.push_back(0);
+      continue;
+    }
+    std::optional<double> angle;
+    std::size_t found = 0;
+    for (; found < shapes.size() && !angle; ++found) angle = turn_between(*shapes[found].body, spec);
+    if (angle) {
+      --found;
+    } else {
+      auto shape = make_shape(scene, b, threads);
+      if (!shape) return std::unexpected(std::vector{shape.error()});
+      found = shapes.size();
+      shapes.push_back(*std::move(shape));
+      angle = 0;
+    }
+    const Shape& shape = shapes[found];
+    body.properties.clear();
+    for (const SideNode& node : shape.outline) {
+      const Vec2 start = spec.corners[node.side];
+      const Vec2 along = spec.corners[(node.side + 1) % spec.corners.size()] - start;
+      body.outline.push_back(start - body.origin + node.t * along);
+      body.properties.push_back(spec.joint[node.side]);
+    }
+    body.modes = turned(shape.modes, *angle);
+    load_elastic(spec, shape, *angle, scene.settings.gravity, body);
+    out.bodies.push_back(std::move(body));
+    out.elements.push_back(shape.block.mesh().elements.size());
+  }
+  out.operators = shapes.size();
+  return out;
+}
+
+dbem::Laws laws_of(const ContactScene& scene) {
+  const auto law = [&](const ContactJoint& joint) {
+    dbem::JointLaw out;
+    out.friction = std::tan(joint.friction * std::numbers::pi / 180);
+    out.cohesion = joint.cohesion;
+    out.tension = joint.tension;
+    out.restitution = scene.settings.restitution;
+    return out;
+  };
+  dbem::Laws laws;
+  laws.otherwise = law(scene.joints[0]);
+  for (std::size_t a = 0; a < scene.joints.size(); ++a) {
+    for (std::size_t b = std::max<std::size_t>(a, 1); b < scene.joints.size(); ++b) {
+      const ContactJoint& first = scene.joints[a];
+      const ContactJoint& second = scene.joints[b];
+      ContactJoint joint = second;
+      if (a > 0) {
+        joint.friction = std::min(first.friction, second.friction);
+        joint.cohesion = std::min(first.cohesion, second.cohesion);
+        joint.tension = std::min(first.tension, second.tension);
+      }
+      laws.pairs.push_back({a, b, law(joint)});
+    }
+  }
+  return laws;
+}
+
+}  // namespace cleave::scene

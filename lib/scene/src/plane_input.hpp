@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cleave/bem/vec2.hpp"
+#include "cleave/scene/bodies.hpp"
+#include "table_reader.hpp"
+
+/// What scenes of bodies and scenes of contact read alike.
+namespace cleave::scene {
+
+inline constexpr NumberRule time_rule{0, true, 1e12, false, " s"};
+inline constexpr NumberRule poisson_rule{-1, true, 0.5, true, ""};
+inline constexpr NumberRule young_rule{0, true, 1e15, false, " Pa"};
+inline constexpr NumberRule value_rule{-1e18, false, 1e18, false, ""};
+inline constexpr NumberRule body_density_rule{0, false, 1e5, false, " kg/m3"};
+
+/// [x, y]; empty when wrong (reported).
+[[nodiscard]] std::optional<bem::Vec2> pair_of(const TableReader& table, const TomlNode& node, const std::string& path,
+                                               const NumberRule& rule);
+/// The same of a key; empty when absent (no report) or wrong (reported).
+[[nodiscard]] std::optional<bem::Vec2> pair(const TableReader& table, std::string_view key, const NumberRule& rule);
+/// [[x, y], [x, y], ...], at least two.
+[[nodiscard]] std::optional<std::vector<bem::Vec2>> corners_of(const TableReader& table, const TomlNode& node,
+                                                               const std::string& path);
+/// A reader of a node that is known to be a table.
+[[nodiscard]] TableReader reader(const TomlNode& node, std::string path, Problems& problems,
+                                 std::span<const std::string_view> keys);
+
+/// `time = { kind, duration, frequency, follows }` of a load; a constant when absent.
+[[nodiscard]] TimeFunction parse_time_function(const TableReader& load, bool& follows);
+
+/// [rock] of a plane scene.
+struct RockDefaults {
+  std::optional<double> young, poisson;
+  double density = 2700;
+};
+[[nodiscard]] RockDefaults parse_rock_defaults(const TableReader& root);
+
+/// "b.toml" of "a/b.toml".
+[[nodiscard]] std::string file_name_of(const std::string& shown);
+
+}  // namespace cleave::scene

@@ -1,0 +1,223 @@
+#include "cleave/scene/contact.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace cleave::scene {
+namespace {
+
+using bem::Vec2;
+
+const std::string motion = "[contact]\nduration = 1\nstep = 0.01\n";
+const std::string ground =
+    "[[body]]\nname = \"ground\"\nfixed = true\nrectangle = { corner = [-5, -1], width = 10, height = 1 }\n";
+
+std::string first_problem(const std::string& text) {
+  const auto scene = parse_contact(text, "s.toml");
+  return scene ? "" : describe(scene.error().front());
+}
+
+ContactScene parsed(const std::string& text) {
+  auto scene = parse_contact(text, "s.toml");
+  EXPECT_TRUE(scene.has_value()) << (scene ? "" : describe(scene.error().front()));
+  return scene ? *std::move(scene) : ContactScene{};
+}
+
+ContactResult ran(const std::string& text, unsigned threads = 1) {
+  StageTimer timer;
+  Progress progress{ProgressStyle::quiet};
+  auto result = run(parsed(text), threads, timer, progress);
+  EXPECT_TRUE(result.has_value()) << (result ? "" : describe(result.error().front()));
+  return result ? *std::move(result) : ContactResult{};
+}
+
+TEST(ContactScene, BadInputIsNamed) {
+  const std::string square = "outline = [[0, 0], [1, 0], [1, 1], [0, 1]]\n";
+  const std::vector<std::pair<std::string, std::string>> bad{
+      {motion, "s.toml:1: body: there is no body"},
+      {"[contact]\nstep = 0.1\n[[body]]\n" + square, "contact.duration: is missing"},
+      {"[contact]\nduration = 1\nstep = 0\n[[body]]\n" + square, "contact.step: is 0"},
+      {"[contact]\nduration = 1\nstep = 2\n[[body]]\n" + square, "longer than the whole time"},
+      {"[contact]\nduration = 1\nstep = 0.1\nmax_step = 0.01\n[[body]]\n" + square, "max_step: is shorter"},
+      {"[contact]\nduration = 1\nsolvr = \"lemke\"\n[[body]]\n" + square, "did you mean \"solver\""},
+      {"[contact]\nduration = 1\nsolver = \"lemk\"\n[[body]]\n" + square, "did you mean \"lemke\""},
+      {"[contact]\nduration = 1\nrigid = \"yes\"\n[[body]]\n" + square, "must be true, false or \"auto\""},
+      {"[contact]\nduration = 1\nrigid = false\n[[body]]\n" + square, "no Young's modulus"},
+      {motion + "[[body]]\ndensity = 0\n" + square, "body[1].density: a body that moves needs a mass"},
+      {motion + "[[body]]\noutline = [[0, 0], [1, 1], [1, 0], [0, 1]]\n", "side 1 and side 3 meet"},
+      {motion + "[[body]]\noutline = [[0, 0], [1, 0]]\n", "fewer than three sides"},
+      {motion + "[[body]]\nname = \"a\"\n", "holds none of: outline, rectangle, polygon, circle, voussoir"},
+      {motion + "[[body]]\nname = \"a\"\n" + square +
+           "[[body]]\nname = \"a\"\nrectangle = { corner = [5, 0], width = 1, height = 1 }\n",
+       "\"a\" is the name of the body of line 4, too"},
+      {motion + "[[body]]\njoint = \"A\"\n" + square, "there is no [joints.A]"},
+      {motion + "[joints.A]\nfriction = 95\n[[body]]\n" + square, "joints.A.friction: is 95"},
+      {motion + "[joints.A]\n[[body]]\njoint = [\"A\", \"A\"]\n" + square, "a list of 4, one a side"},
+      {motion + "[[body]]\nfixed = true\nspin = 1\n" + square, "the body is fixed"},
+      {motion + "[[body]]\nload = [{ side = 5, pressure = 1 }]\n" + square, "there is no side 5"},
+      {motion + "[[body]]\nrepeat = { count = 2 }\n" + square, "repeat.shift: is missing"},
+      {motion + "points = [{ at = [9, 9] }]\n[[body]]\n" + square, "lies in no body"},
+      {motion + "[[body]]\nvoussoir = { centre = [0, 0], radius = 1, thickness = 3, from = 0, to = 10 }\n",
+       "not less than twice the radius"},
+      {motion + "[[body]]\n" + square +
+           "[[body]]\nname = \"late\"\nrectangle = { corner = [0.5, 0.75], width = 1, height = 1 }\n",
+       "s.toml:6: body[2]: \"late\" overlaps \"body 1\" by 0.25 m at "},
+      {motion + "[[body]]\n" + square + "[[body]]\n" + square, "overlaps \"body 1\" by 0.5 m"},
+      // A cross: no corner of one lies in the other.
+      {motion + "[[body]]\nrectangle = { corner = [-2, 0], width = 4, height = 1 }\n[[body]]\nrectangle = { corner = "
+                "[0, -2], width = 1, height = 5 }\n",
+       "overlaps \"body 1\" by 0.5 m at (0.5, 0"},
+  };
+  for (const auto& [text, want] : bad) {
+    EXPECT_NE(first_problem(text).find(want), std::string::npos) << want << "\nbut: " << first_problem(text);
+  }
+}
+
+TEST(ContactScene, TouchingIsNoOverlapAndRoundingIsLetPass) {
+  const std::string a = motion + "[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 1 }\n";
+  EXPECT_EQ(first_problem(a + "[[body]]\nrectangle = { corner = [1, 0.3], width = 1, height = 1 }\n"), "");
+  EXPECT_EQ(first_problem(a + "[[body]]\nrectangle = { corner = [0.999999, 0], width = 1, height = 1 }\n"), "");
+  EXPECT_EQ(first_problem(a + "[[body]]\nrectangle = { corner = [1, 1], width = 1, height = 1 }\n"), "");
+  EXPECT_NE(first_problem(a + "[[body]]\nrectangle = { corner = [0.9999, 0], width = 1, height = 1 }\n"), "");
+}
+
+TEST(ContactScene, OutlinesAreWhatTheySay) {
+  const ContactScene s = parsed(
+      motion +
+      "[joints.A]\nfriction = 10\n[joints.B]\nfriction = 20\n"
+      "[[body]]\nname = \"turned\"\noutline = [[0, 0], [0, 1], [2, 1], [2, 0]]\njoint = [\"A\", \"B\", \"B\", \"B\"]\n"
+      "load = [{ side = 1, pressure = 5 }]\n"
+      "[[body]]\nname = \"disc\"\ncircle = { centre = [9, 0], radius = 2, sides = 12 }\n"
+      "[[body]]\nname = \"stone\"\nvoussoir = { centre = [20, 0], radius = 1, thickness = 0.2, from = 0, to = 30 }\n"
+      "repeat = { count = 6, turn = 30, about = [20, 0] }\n");
+  ASSERT_EQ(s.bodies.size(), 8U);
+  // The side as written from (0, 0) to (0, 1) keeps its joint and load.
+  const ContactBody& turned = s.bodies[0];
+  const std::size_t side = *turned.loads.at(0).side;
+  EXPECT_EQ(turned.corners[side], (Vec2{0, 1}));
+  EXPECT_EQ(turned.corners[(side + 1) % 4], (Vec2{0, 0}));
+  EXPECT_EQ(s.joints[turned.joint[side]].name, "A");
+  EXPECT_EQ(s.notes.size(), 1U);
+  double area = 0;
+  const auto& disc = s.bodies[1].corners;
+  for (std::size_t k = 0; k < disc.size(); ++k) area += cross(disc[k], disc[(k + 1) % disc.size()]) / 2;
+  EXPECT_NEAR(area, 4 * std::numbers::pi, 1e-12);
+  EXPECT_EQ(s.bodies[7].name, "stone 6");
+  // The last stone ends at 180 degrees.
+  double left = 1e9;
+  for (const Vec2 p : s.bodies[7].corners) left = std::min(left, p.y);
+  EXPECT_NEAR(left, 0, 1e-12);
+}
+
+TEST(ContactScene, PlanSaysRigidOrElasticAndWhy) {
+  const std::string block = "[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 1 }\n";
+  const auto why = [&](const std::string& head) { return rigidity_of(parsed(head + block)).why; };
+  EXPECT_NE(why(motion).find("rigid blocks: no Young's modulus"), std::string::npos);
+  EXPECT_NE(why("[rock]\nyoung = 20e9\npoisson = 0.2\n" + motion).find("strains of about 1.3e-06 stay below 1e-04"),
+            std::string::npos);
+  EXPECT_NE(why("[rock]\nyoung = 20e6\npoisson = 0.2\n" + motion).find("elastic blocks: strains of about 1.3e-03"),
+            std::string::npos);
+  EXPECT_NE(why("[rock]\nyoung = 20e6\npoisson = 0.2\n" + motion + "rigid = true\n").find("rigid = true"),
+            std::string::npos);
+  const Plan plan = make_plan(parsed(motion + block));
+  EXPECT_TRUE(plan.runs(Stage::contact));
+  EXPECT_FALSE(plan.runs(Stage::elastic));
+  EXPECT_FALSE(plan.runs(Stage::cut));
+}
+
+// Unsupported scenes are legal: the block falls, exactly.
+TEST(ContactScene, WithoutSupportItFalls) {
+  const ContactResult r =
+      ran(motion +
+          "largest_move = 1\n"
+          "[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 1 }\nvelocity = [2, 0]\nspin = 1\n");
+  EXPECT_TRUE(r.converged);
+  EXPECT_EQ(r.steps, 100U);
+  EXPECT_NEAR(r.bodies[0].centroid.y, 0.5 - 9.81 / 2, 1e-12);
+  EXPECT_NEAR(r.bodies[0].centroid.x, 2.5, 1e-12);
+  EXPECT_NEAR(r.bodies[0].rotation, 1, 1e-12);
+  EXPECT_LT(r.drift_momentum, 1e-12);
+}
+
+// Strengths by side: the block slides on the side whose joint is smooth and not on the other.
+TEST(ContactScene, SidesHaveTheirOwnJoints) {
+  const auto slid = [&](const std::string& joints) {
+    const ContactResult r = ran(
+        "[joints.default]\nfriction = 40\n[joints.smooth]\nfriction = 0\n[contact]\nduration = 0.5\nstep = 0.01\n" +
+        ground +
+        "[[body]]\nname = \"b\"\nrectangle = { corner = [0, 0], width = 1, height = 1 }\nvelocity = [1, 0]\njoint = " +
+        joints + "\n");
+    return r.bodies[1].centroid.x - 0.5;
+  };
+  EXPECT_NEAR(slid("[\"smooth\", \"default\", \"default\", \"default\"]"), 0.5, 1e-9);
+  // v^2 / (2 mu g)
+  EXPECT_NEAR(slid("[\"default\", \"smooth\", \"smooth\", \"smooth\"]"),
+              1 / (2 * 9.81 * std::tan(40 * std::numbers::pi / 180)), 2e-3);
+}
+
+// A stack at rest: forces n, 2n, ... of the weight, the same rigid and elastic; the elastic one is shortened by its own
+// weight, rho g H^2 / (2 E) for a column that may widen (plane stress), within the effect of its ends.
+TEST(ContactScene, StackRestsRigidAndElastic) {
+  const auto stack = [&](const std::string& rigid) {
+    return ran(
+        "[rock]\nyoung = 1e8\npoisson = 0\ndensity = 2000\n[joints.default]\nfriction = 30\n"
+        "[contact]\nstatic = true\nrigid = " +
+        rigid + "\npoints = [{ name = \"top\", at = [0.5, 4], body = \"b 4\" }]\n" + ground +
+        "[[body]]\nname = \"b\"\nrectangle = { corner = [0, 0], width = 1, height = 1 }\nrepeat = { count = 4, shift = "
+        "[0, 1] }\n");
+  };
+  const double weight = 2000 * 9.81;
+  for (const std::string rigid : {"true", "false"}) {
+    const ContactResult r = stack(rigid);
+    EXPECT_TRUE(r.converged) << r.stopped_why;
+    EXPECT_NEAR(r.bodies[0].force.y, -4 * weight, 1e-6 * weight);
+    if (rigid == "true") continue;
+    // Each block carries those above and half of itself: 3.5 + 2.5 + 1.5 + 0.5 weights.
+    const double shortened = 8 * weight / 1e8;
+    EXPECT_NEAR(r.history.back().points[0].y, -shortened, 0.01 * shortened);
+    EXPECT_EQ(r.notes.back(), "1 elastic operator for 5 bodies");
+  }
+}
+
+TEST(ContactScene, NoRestIsSaid) {
+  const ContactResult r =
+      ran("[contact]\nstatic = true\nduration = 1\nstep = 0.05\n[[body]]\nrectangle = { corner = [0, 0], width = 1, "
+          "height = 1 }\n");
+  EXPECT_FALSE(r.converged);
+  EXPECT_NE(r.stopped_why.find("did not come to rest"), std::string::npos);
+  EXPECT_FALSE(r.frames.empty());
+}
+
+// Chapter 6 and 7 agree: a turned, repeated elastic body has the modes of its shape turned.
+TEST(ContactScene, TurnedElasticBodiesShareAnOperator) {
+  const std::string head =
+      "[rock]\nyoung = 1e7\npoisson = 0.25\n[contact]\ngravity = 0\nduration = 0.05\nstep = 1e-3\nrigid = false\n";
+  const ContactResult r = ran(head +
+                              "[[body]]\nname = \"b\"\nrectangle = { corner = [1, 0], width = 2, height = 1 }\n"
+                              "load = [{ side = 2, pressure = 1e5 }, { side = 4, pressure = 1e5 }]\n"
+                              "repeat = { count = 3, turn = 90, about = [0, 0] }\n");
+  EXPECT_EQ(r.notes.back(), "1 elastic operator for 3 bodies");
+  EXPECT_GT(r.bodies[0].largest, 1e-3);
+  EXPECT_NEAR(r.bodies[1].largest, r.bodies[0].largest, 1e-9 * r.bodies[0].largest);
+  EXPECT_NEAR(r.bodies[2].largest, r.bodies[0].largest, 1e-9 * r.bodies[0].largest);
+}
+
+TEST(ContactScene, ThreadsChangeNothing) {
+  const std::string text = "[rock]\nyoung = 1e7\npoisson = 0.25\n" + motion + "rigid = false\n" + ground +
+                           "[[body]]\nname = \"b\"\nrectangle = { corner = [0, 0.1], width = 1, height = 1 }\nrepeat = "
+                           "{ count = 3, shift = [0.2, 1] }\n";
+  const ContactResult a = ran(text, 1), b = ran(text, 3);
+  ASSERT_EQ(a.frames.size(), b.frames.size());
+  for (std::size_t k = 0; k < a.bodies.size(); ++k) {
+    EXPECT_EQ(a.bodies[k].centroid, b.bodies[k].centroid);
+    EXPECT_EQ(a.bodies[k].rotation, b.bodies[k].rotation);
+  }
+}
+
+}  // namespace
+}  // namespace cleave::scene
