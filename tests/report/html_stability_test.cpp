@@ -41,7 +41,10 @@ struct Tunnel {
     analysis.rotation = stability::RotationCheck::flag;
     analysis.judgements[1].pressing = {{complex.blocks()[topology::BlockId{7U}].faces[0], newtons(2000)}};
     analysis.judgements[2].rotation = stability::Rotation{.turns = true, .axis = {0, 1, 0}, .lack = 0.1};
-    const stability::Bolt bolt{.collar = {1, 2, 3}, .direction = {0, 0, 1}, .length = 4};
+    stability::Bolt bolt;
+    bolt.collar = {1, 2, 3};
+    bolt.direction = {0, 0, 1};
+    bolt.length = 4;
     for (const auto status : {stability::BoltStatus::holds, stability::BoltStatus::too_short}) {
       stability::BoltResult result{.bolt = bolt};
       result.status = status;

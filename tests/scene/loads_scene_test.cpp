@@ -24,7 +24,7 @@ jcs = 50e6
 plane = { through = [4, 4, 0.5], dip = 0, dip_direction = 0 }
 set = "B"
 [stability]
-free = ["top", "east"]
+free = ["top", "east", "west", "north", "south"]
 seismic = [0.1, 0, 0]
 target = { sliding = 1.2 }
 water = { table = 5, pressures = { B = 2e3 } }

@@ -121,6 +121,20 @@ class Passing final {
   void judge_and_pass(BlockId id, std::uint32_t batch) {
     Judgement& judgement = *std::ranges::lower_bound(analysis_->judgements, id, {}, &Judgement::block);
     const Received incoming = received_[id];
+    if (incoming.force == Vec3{}) {
+      // Nothing was passed to it: what was found of it holds, and need not be found again.
+      Transferred result{.mode = judgement.mode, .key = judgement.key, .direction = judgement.direction};
+      result.driving = judgement.driving;
+      result.resistance = judgement.resistance;
+      result.net = judgement.net;
+      result.factor_of_safety = judgement.factor_of_safety;
+      result.tie = judgement.tie;
+      result.pressing = judgement.pressing;
+      const bool slides = judgement.key && !(judgement.rotation && judgement.rotation->turns);
+      if (slides && batch > 1) pass(id, batch, model_->applied_forces(id, batch).scale(), result);
+      judgement.transferred = std::move(result);
+      return;
+    }
     Resultant resultant = model_->applied_forces(id, batch);
     resultant.add(incoming.force, incoming.scale);
     const Contacts contacts = model_->contacts(id, batch);
@@ -142,23 +156,23 @@ class Passing final {
     }
     // A block that leaves because it turns passes nothing on: only translation gives a force to pass.
     if (judgement.rotation && judgement.rotation->turns && judgement.key) result.key = true;
-    if (verdict.key && batch > 1) pass(id, batch, verdict, contacts, resultant.scale(), result);
+    if (verdict.key && batch > 1) pass(id, batch, resultant.scale(), result);
     judgement.transferred = std::move(result);
   }
 
-  void pass(BlockId id, std::uint32_t batch, const Verdict& verdict, const Contacts& contacts, double scale,
-            Transferred& result) {
-    const auto pushed = effective_faces(*model_, id, batch, verdict.direction);
+  /// `scale` of the forces that `result` was found from.
+  void pass(BlockId id, std::uint32_t batch, double scale, Transferred& result) {
+    const auto pushed = effective_faces(*model_, id, batch, result.direction);
     double total = 0;
     for (const Push& push : pushed) total += push.weight;
     result.self_held = !(total > 0);
     if (!(total > 0)) return;
-    const double force = readings().force == TransferReadings::Force::driving ? verdict.driving : verdict.net;
+    const double force = readings().force == TransferReadings::Force::driving ? result.driving.si() : result.net.si();
     result.passed = newtons(force);
     for (const Push& push : pushed) result.shear_ratio = std::max(result.shear_ratio, push.shear_ratio());
     const std::vector<Vec3> forces = readings().along == TransferReadings::Along::normals
-                                         ? along_normals(pushed, force, verdict, contacts, result)
-                                         : in_line(pushed, total, force, verdict.direction, result);
+                                         ? along_normals(pushed, force, result)
+                                         : in_line(pushed, total, force, result);
     for (std::size_t i = 0; i < pushed.size(); ++i) {
       if (forces[i] == Vec3{}) continue;
       const std::uint32_t theirs = model_->removed_in(pushed[i].onto);  // 0: left out from the start, holds nothing
@@ -172,12 +186,12 @@ class Passing final {
     }
   }
 
-  [[nodiscard]] std::vector<Vec3> in_line(const std::vector<Push>& pushed, double total, double force, Vec3 direction,
+  [[nodiscard]] std::vector<Vec3> in_line(const std::vector<Push>& pushed, double total, double force,
                                           Transferred& result) const {
     std::vector<Vec3> forces;
     for (const Push& push : pushed) {
       const double share = force * (push.weight / total);
-      Vec3 f = share * direction;
+      Vec3 f = share * result.direction;
       if (readings().interface == TransferReadings::Interface::strength) {
         const double normal = share * push.cosine;
         const Vec3 shear = f - normal * push.into;
@@ -193,22 +207,20 @@ class Passing final {
   }
 
   /// F s^ = sum lam m - sum dN n, both >= 0, least squares and shortest.
-  [[nodiscard]] static std::vector<Vec3> along_normals(const std::vector<Push>& pushed, double force,
-                                                       const Verdict& verdict, const Contacts& contacts,
-                                                       Transferred& result) {
+  [[nodiscard]] std::vector<Vec3> along_normals(const std::vector<Push>& pushed, double force, Transferred& result) {
     Columns columns;
     for (const Push& push : pushed) columns.push_back({push.into.x, push.into.y, push.into.z});
-    for (const auto& [group, reaction] : verdict.resistance.pressing) {
-      const Vec3 n = contacts.cone.groups()[group].unit();
+    for (const Pressing& pressing : result.pressing) {
+      const Vec3 n = model_->inward(model_->complex().faces()[pressing.face]).unit();
       columns.push_back({-n.x, -n.y, -n.z});
     }
-    const Vec3 s = verdict.direction;
+    const Vec3 s = result.direction;
     const NonNegative found = shortest_nonnegative(columns, {s.x, s.y, s.z});
     std::vector<Vec3> forces;
     for (std::size_t i = 0; i < pushed.size(); ++i) forces.push_back(force * found.x[i] * pushed[i].into);
     for (std::size_t i = pushed.size(); i < columns.size(); ++i) {
-      const std::uint32_t group = verdict.resistance.pressing[i - pushed.size()].first;
-      if (found.x[i] > 0) result.added.push_back({contacts.groups[group].face, newtons(force * found.x[i])});
+      if (found.x[i] > 0)
+        result.added.push_back({result.pressing[i - pushed.size()].face, newtons(force * found.x[i])});
     }
     const double left = norm({found.residual[0], found.residual[1], found.residual[2]});
     if (left > 1e-12) result.lost += force * left;
