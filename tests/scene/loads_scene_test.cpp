@@ -77,7 +77,7 @@ TEST(LoadsSceneTest, EveryCaseIsJudged) {
   EXPECT_EQ(result->load_cases[0].name, "rain");
   const auto factor = [](const stability::Analysis& a) { return a.judgements.at(0).factor_of_safety; };
   EXPECT_GT(factor(*result->analysis), 0);
-  EXPECT_NE(factor(result->load_cases[0].analysis), factor(*result->analysis));
+  EXPECT_NE(factor(result->load_cases[1].analysis), factor(*result->analysis));
 }
 
 TEST(LoadsSceneTest, ForcesOffTheRockAreRefused) {
