@@ -1,20 +1,24 @@
-/// `bench_compare NEW.json... [--save FILE.json] [--baseline OLD.json...]`: a table of Google Benchmark results,
-/// medians where a benchmark was repeated, beside the stored baselines; `--save` makes a baseline of the new results.
+/// `bench_compare NEW.json... [--yardstick SECONDS] [--save FILE.json] [--baseline OLD.json...]`: a table of Google
+/// Benchmark results, medians where a benchmark was repeated, beside the stored baselines; `--save` makes a baseline of
+/// the new results. With the time of bench/yardstick.sh in the same run, times are given as multiples of it too.
 /// Exit code 1 when a benchmark failed its answer check.
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace {
@@ -118,10 +122,12 @@ bool save(const std::filesystem::path& file, const Results& results) {
   return static_cast<bool>(out.flush());
 }
 
-int print_table(const Results& results, const std::vector<Results>& baselines) {
+int print_table(const Results& results, const std::vector<Results>& baselines, std::optional<double> yardstick) {
   std::size_t width = 9;
   for (const std::string& name : results.order) width = std::max(width, name.size());
+  if (yardstick) fmt::print("yardstick: {}\n", time_text(*yardstick));
   fmt::print("{:<{}}  {:>12}", "benchmark", width, "cpu time");
+  if (yardstick) fmt::print("  {:>10}", "yardsticks");
   for (const Results& old : baselines) fmt::print("  {:>28}", "baseline " + old.name);
   fmt::print("  figures\n");
   int failed = 0;
@@ -134,6 +140,7 @@ int print_table(const Results& results, const std::vector<Results>& baselines) {
     }
     const double cpu_s = median(result.cpu_s);
     fmt::print("{:<{}}  {:>12}", name, width, time_text(cpu_s));
+    if (yardstick) fmt::print("  {:>10.4f}", cpu_s / *yardstick);
     for (const Results& old : baselines) fmt::print("  {:>28}", against(old, name, cpu_s));
     for (const auto& [key, value] : result.figures) fmt::print("  {}={:.6g}", key, value);
     fmt::print("\n");
@@ -151,11 +158,12 @@ int main(int argc, char** argv) {
 #ifdef __clang__
 #pragma clang unsafe_buffer_usage end
 #endif
-  enum class Next : std::uint8_t { result, saved, baseline };
+  enum class Next : std::uint8_t { result, saved, baseline, yardstick };
   Next next = Next::result;
   Results results;
   std::vector<Results> baselines;
   std::optional<std::filesystem::path> saved;
+  std::optional<double> yardstick;
   bool good = true;
   for (const std::string_view argument : arguments) {
     const std::filesystem::path file{argument};
@@ -163,6 +171,15 @@ int main(int argc, char** argv) {
       next = Next::baseline;
     } else if (argument == "--save") {
       next = Next::saved;
+    } else if (argument == "--yardstick") {
+      next = Next::yardstick;
+    } else if (next == Next::yardstick) {
+      double seconds_of_it = 0;
+      const char* last = std::to_address(argument.end());
+      const auto [end, failure] = std::from_chars(argument.data(), last, seconds_of_it);
+      good = failure == std::errc{} && end == last && seconds_of_it > 0 && good;
+      if (seconds_of_it > 0) yardstick = seconds_of_it;
+      next = Next::result;
     } else if (next == Next::saved) {
       saved = file;
       next = Next::result;
@@ -177,7 +194,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "error: no benchmark ran\n");
     return 1;
   }
-  const int failed = print_table(results, baselines);
+  const int failed = print_table(results, baselines, yardstick);
   if (saved && !save(*saved, results)) {
     fmt::print(stderr, "error: cannot write {}\n", saved->string());
     good = false;

@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <string>
@@ -61,7 +62,11 @@ void cut_and_audit(benchmark::State& state, Workload (*make)(std::uint32_t)) {
   state.counters["blocks/s"] =
       benchmark::Counter(static_cast<double>(blocks), benchmark::Counter::kIsIterationInvariantRate);
   state.counters["exact_share"] = exact_share;
-  state.counters["peak_mb"] = peak_memory_since_mb();
+  const double peak_mb = peak_memory_since_mb();
+  state.counters["peak_mb"] = peak_mb;
+  state.counters["bytes/block"] = 1e6 * peak_mb / static_cast<double>(std::max<std::uint64_t>(1, blocks));
+  state.counters["ns/block"] = benchmark::Counter(
+      1e-9 * static_cast<double>(blocks), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 // NOLINTBEGIN(cppcoreguidelines-interfaces-global-init): registration is Google Benchmark's way

@@ -1,9 +1,11 @@
 #!/usr/bin/python3
-"""Pictures of blocks.vtu files for the documentation: render.py IN.vtu OUT.png [azimuth elevation [explode [array]]]
+"""Pictures of blocks.vtu files for the documentation: render.py IN.vtu OUT.png [azimuth elevation [explode [array]]] [--bare]
 
-Blocks are drawn in muted colours by number (or by a cell array), moved apart from the centre by `explode`. Needs Debian's
-python3-vtk9; without a display run it by xvfb-run.
+Blocks are drawn in muted colours by number (or by a cell array), moved apart from the centre by `explode`. With --bare
+the faces on the sides of the whole are left open, so that one looks at the openings within. Needs Debian's python3-vtk9; without a
+display run it by xvfb-run.
 """
+import collections
 import colorsys
 import sys
 
@@ -24,10 +26,12 @@ def colour(n):
 
 
 def main():
-    source, target = sys.argv[1:3]
-    azimuth, elevation = (float(v) for v in (sys.argv[3:5] or ("35", "25")))
-    explode = float(sys.argv[5]) if len(sys.argv) > 5 else 0.0
-    array = sys.argv[6] if len(sys.argv) > 6 else "block"
+    bare = "--bare" in sys.argv
+    words = [word for word in sys.argv[1:] if word != "--bare"]
+    source, target = words[:2]
+    azimuth, elevation = (float(v) for v in (words[2:4] or ("35", "25")))
+    explode = float(words[4]) if len(words) > 4 else 0.0
+    array = words[5] if len(words) > 5 else "block"
     reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(source)
     reader.Update()
@@ -46,6 +50,16 @@ def main():
         for k in range(3):
             m[k] += (b[2 * k] + b[2 * k + 1]) / 2
         m[3] += 1
+    faces_of_block = collections.Counter()
+
+    def place(number, corners):
+        return number, frozenset(tuple(round(v, 6) for v in x) for x in corners)
+
+    for c in range(grid.GetNumberOfCells()):
+        cell = grid.GetCell(c)
+        for f in range(cell.GetNumberOfFaces()):
+            p = cell.GetFace(f).GetPoints()
+            faces_of_block[place(int(block.GetValue(c)), [p.GetPoint(k) for k in range(p.GetNumberOfPoints())])] += 1
     for c in range(grid.GetNumberOfCells()):
         number = int(block.GetValue(c))
         m = middle[block.GetValue(c)]
@@ -71,6 +85,10 @@ def main():
                 q = (p + 1) % len(corners)
                 key = (min(numbers[p], numbers[q]), max(numbers[p], numbers[q]))
                 normals.setdefault(key, []).append((normal, corners[p], corners[q]))
+            if faces_of_block[place(number, corners)] > 1:
+                continue  # between two cells of one block
+            if bare and any(all(abs(x[k // 2] - bounds[k]) < 1e-6 for x in corners) for k in range(6)):
+                continue
             for x in corners:
                 ids.InsertNextId(points.InsertNextPoint([x[k] + move[k] for k in range(3)]))
             polygons.InsertNextCell(ids)

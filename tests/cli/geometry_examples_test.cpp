@@ -47,6 +47,20 @@ TEST_F(GeometryExamples, CrossingTunnelsAreOneBlock) {
   EXPECT_NEAR(result["blocks"]["volume_m3"].get<double>(), 60 * 60 * 40 - horseshoe - rectangle + shared, 1e-4);
 }
 
+TEST_F(GeometryExamples, KindsOfJoints) {
+  const auto result = result_of("joint_kinds");
+  // The floating box; the upper west block around it; two of the lower west; four of the east.
+  EXPECT_EQ(result["blocks"]["count"], 1 + 1 + 2 + 4);
+  EXPECT_EQ(result["blocks"]["with_cavities"], 1);
+  EXPECT_NEAR(result["blocks"]["volume_m3"].get<double>(), 12 * 10 * 8, 1e-9);
+  const auto& dangling = result["dangling"];
+  EXPECT_EQ(dangling["isolated_joints"], 1);
+  // The disc, the membrane less its hole, and what the shelf has beyond the wall.
+  EXPECT_EQ(dangling["joints"], 3);
+  EXPECT_NEAR(dangling["area_m2"].get<double>(), std::numbers::pi + (5 * 4 - 2 * 2) + 1 * 10, 1e-9);
+  EXPECT_TRUE(exists("joint_kinds/dangling.vtu"));
+}
+
 TEST_F(GeometryExamples, CavernIsOneBlockWithACavity) {
   const auto result = result_of("cavern");
   EXPECT_EQ(result["blocks"]["count"], 1);

@@ -41,8 +41,13 @@ void run(std::size_t count, std::size_t threads, const Chunk& chunk) {
 void run(std::size_t count, std::size_t threads, const Chunk& chunk) {
   tbb::task_arena arena{static_cast<int>(threads)};
   arena.execute([&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>{0, count},
-                      [&](const tbb::blocked_range<std::size_t>& range) { chunk(range.begin(), range.end()); });
+    const tbb::blocked_range<std::size_t> whole{0, count};
+    const auto body = [&](const tbb::blocked_range<std::size_t>& range) { chunk(range.begin(), range.end()); };
+    if (count <= 64 * threads) {
+      tbb::parallel_for(whole, body, tbb::simple_partitioner{});  // few and large pieces of work: one by one
+    } else {
+      tbb::parallel_for(whole, body);
+    }
   });
 }
 #endif

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "cleave/dbem/solver.hpp"
 
 namespace cleave::dbem {
 
-/// The natural map at some impulses and what it says of each contact. `soft` adds soft * diag(W) to W.
+/// The natural map at some impulses and what it says of each contact. `soft` adds soft * diag(W) (p - centre) to W p.
 struct NaturalMap {
   std::vector<Vec2> y;        // b + W p
   std::vector<Vec2> f;        // the map, in impulse units
@@ -19,7 +20,7 @@ struct NaturalMap {
 
 class MapEvaluator final {
  public:
-  explicit MapEvaluator(const ContactProblem& problem, double soft = 0);
+  explicit MapEvaluator(const ContactProblem& problem, double soft = 0, std::span<const Vec2> centre = {});
   void evaluate(const std::vector<Vec2>& p, NaturalMap& map) const;
   /// max(|p|, max |b / diag W|): what residuals are measured against.
   [[nodiscard]] double scale(const std::vector<Vec2>& p) const;
@@ -31,6 +32,7 @@ class MapEvaluator final {
  private:
   const ContactProblem* problem_;
   double soft_;
+  std::span<const Vec2> centre_;  // empty: zero
   double load_ = 0;
   std::vector<Vec2> r_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "natural_map.hpp"
@@ -51,14 +52,16 @@ struct Tried {
   std::size_t iterations = 0;
 };
 
-Tried newton(const ContactProblem& problem, double soft, double tolerance, std::size_t most, std::vector<Vec2> start) {
-  const MapEvaluator evaluator{problem, soft};
+Tried newton(const ContactProblem& problem, double soft, double tolerance, std::size_t most, std::vector<Vec2> start,
+             std::span<const Vec2> centre = {}) {
+  const MapEvaluator evaluator{problem, soft, centre};
   Tried tried{std::move(start)};
   if (tried.p.empty()) tried.p.resize(problem.contacts());
   NaturalMap map, trial;
   Pattern pattern;
   std::vector<Vec2> rhs, next(problem.contacts());
   evaluator.evaluate(tried.p, map);
+  std::size_t caught = 0;
   while (tried.iterations < most) {
     if (map.largest <= tolerance * evaluator.scale(tried.p)) {
       tried.converged = true;
@@ -74,8 +77,13 @@ Tried newton(const ContactProblem& problem, double soft, double tolerance, std::
     };
     double step = 1;
     bool less = false;
-    for (int halvings = 0; halvings <= 12; ++halvings, step *= 0.5) {
+    double best_step = 1, best_squared = 1e300;
+    for (int halvings = 0; halvings <= 2; ++halvings, step *= 0.5) {
       at(step);
+      if (trial.squared < best_squared) {
+        best_squared = trial.squared;
+        best_step = step;
+      }
       if (trial.squared <= (1 - 1e-4 * step) * map.squared) {
         less = true;
         break;
@@ -83,7 +91,8 @@ Tried newton(const ContactProblem& problem, double soft, double tolerance, std::
     }
     const double scale = evaluator.scale(tried.p);
     if (!less && map.largest <= 1e-10 * scale) break;  // nothing but rounding is left
-    if (!less) at(1);                                  // a full step often leaves the corner a short one is caught in
+    // A full step often leaves the corner a short one is caught in; when that goes round in circles, the best one.
+    if (!less) at(++caught % 2 == 1 ? 1.0 : std::max(best_step, 0.1));
     std::swap(tried.p, next);
     std::swap(map, trial);
   }
@@ -165,6 +174,37 @@ Tried continuation(const ContactProblem& problem, const SolverOptions& options, 
   return tried;
 }
 
+/// Proximal points: Newton on W + e diag(W) about the last answer, e as small as Newton bears. Forces that equilibrium
+/// leaves open stay where they are instead of swinging, and what equilibrium fixes converges by e / (e + sigma).
+Tried proximal(const ContactProblem& problem, std::vector<Vec2> start) {
+  const double start_soft = start.empty() ? 1.0 : 1e-2;
+  Tried tried{std::move(start)};
+  if (tried.p.empty()) tried.p.resize(problem.contacts());
+  std::vector<Vec2> centre = tried.p;
+  double soft = start_soft, best = 1e300;
+  std::size_t stale = 0;
+  for (int outer = 0; outer < 60 && stale < 8; ++outer) {
+    Tried stage = newton(problem, soft, 1e-12, 20, tried.p, centre);
+    tried.iterations += stage.iterations;
+    if (!stage.converged) {
+      soft *= 10;
+      if (soft > 1e2) break;
+      tried.p = centre;
+      continue;
+    }
+    const double residual = natural_residual(problem, stage.p);
+    stale = residual < 0.9 * best ? 0 : stale + 1;
+    best = std::min(best, residual);
+    tried.p = centre = std::move(stage.p);
+    if (residual <= 1e-10) {
+      tried.converged = true;
+      break;
+    }
+    if (stage.iterations <= 6) soft = std::max(0.1 * soft, 1e-7);
+  }
+  return tried;
+}
+
 class Cascade final {
  public:
   Cascade(const ContactProblem& problem, const SolverOptions& options) : problem_{problem}, options_{options} {}
@@ -218,8 +258,14 @@ class Cascade final {
     };
     const std::size_t most = options_.newton_iterations;
     // From a warm start a few iterations do or none will.
-    if (warm && take(from_here(problem_.start, most / 4), Method::newton)) return;
-    if (warm && take(open_close(problem_, options_.open_close_passes), Method::open_close)) return;
+    if (warm && take(from_here(problem_.start, most / 6), Method::newton)) return;
+    const bool large = problem_.contacts() > 150;
+    if (warm && !large && take(open_close(problem_, options_.open_close_passes), Method::open_close)) return;
+    if (!large && take(from_here({}, most / 2), Method::newton)) return;
+    if (take(proximal(problem_, warm ? problem_.start : std::vector<Vec2>{}), Method::continuation)) {
+      take(from_here(p_, 5), Method::continuation);  // the last digits
+      return;
+    }
     if (take(from_here({}, most), Method::newton)) return;
     for (const double factor : {10.0, 3.0, 1.5}) {
       if (take(continuation(problem_, options_, factor), Method::continuation)) return;
@@ -251,7 +297,8 @@ class Cascade final {
 /// Nothing pushes: zero impulses solve it.
 bool nothing_pushes(const ContactProblem& problem) {
   for (std::size_t k = 0; k < problem.contacts(); ++k) {
-    if (problem.b[k].x < 0 || (problem.cohesion[k] > 0 && problem.b[k].y != 0)) return false;
+    const bool glued = problem.cohesion[k] > 0 || problem.tension[k] > 0;
+    if (problem.b[k].x < 0 || (glued && problem.b[k] != Vec2{})) return false;
   }
   return true;
 }

@@ -46,6 +46,15 @@ Sign side_exact(const Plane& p, const Plane& q, const Plane& r, const Plane& s) 
 }
 
 Sign side_of_parallel_line(const Plane& p, const Plane& q, const Plane& s) noexcept {
+  // Nearly always one of the planes is parallel to S: equal normals (up to sign), and the offsets tell.
+  for (const Plane* plane : {&p, &q}) {
+    if (!plane->parallel_to(s)) continue;
+    const bool same = plane->normal() == s.normal();
+    const double own = same ? plane->approx()[3] : -plane->approx()[3];
+    // Same power of two for both, and each good to 4 u of at most 3.
+    if (const auto sign = sign_filtered(s.approx()[3] - own, 64 * unit_roundoff)) return *sign;
+    return sign_of<Wide>(same ? Wide{s.offset() - plane->offset()} : Wide{s.offset() + plane->offset()});
+  }
   // x = nS x w - dS m equals -S(any point of the line) m there, so one non-zero component of m tells.
   const ExactLine line = exact_line(p, q);
   const ExactPoint point = exact_meet(line, s);

@@ -280,6 +280,7 @@ std::string inputs_section(const Page& page) {
   out += row("Lattice pitch", display(s.input.lattice_pitch_m, 3) + " m");
   out += row("Largest shift onto the lattice", display(s.input.largest_snap_m, 3) + " m");
   out += row("Planes merged by snap", display_count(s.input.merged_planes));
+  if (!s.input.snapped.empty()) out += row("Joints changed by snap", display_count(s.input.snapped.size()));
   out += "</tbody></table>\n";
   if (!page.notes.empty()) {
     out += "<h3>Notes</h3>\n<ul>\n";

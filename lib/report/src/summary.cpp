@@ -50,6 +50,19 @@ void write_input(JsonWriter& json, const InputFigures& input) {
   json.member("lattice_pitch_m", input.lattice_pitch_m);
   json.member("largest_snap_m", input.largest_snap_m);
   json.member("merged_planes", input.merged_planes);
+  if (!input.snapped.empty()) {
+    json.key("snapped");
+    json.begin_array();
+    for (const SnappedRow& row : input.snapped) {
+      json.begin_object();
+      json.member("joint", row.joint);
+      json.member("moved_m", row.moved_m);
+      json.member("plane_merged", row.plane_merged);
+      json.member("edges_adopted", row.edges_adopted);
+      json.end_object();
+    }
+    json.end_array();
+  }
   json.end_object();
 }
 

@@ -88,6 +88,12 @@ Summary summarize(const scene::RunResult& result) {
     summary.input.lattice_pitch_m = report.lattice_pitch_m;
     summary.input.largest_snap_m = report.largest_snap_m;
     summary.input.merged_planes = report.merged_planes;
+    for (const topology::SnappedJoint& snapped : report.snapped) {
+      summary.input.snapped.push_back({.joint = snapped.joint.value(),
+                                       .moved_m = snapped.moved.si(),
+                                       .plane_merged = snapped.plane_merged,
+                                       .edges_adopted = snapped.adopted_edges});
+    }
     summary.blocks = count_blocks(*complex, result.block_hash);
     summary.certificate = result.complex->certificate();
     if (result.micro_blocks.policy != scene::MicroBlockPolicy::keep) {

@@ -4,6 +4,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "detail/nesting.hpp"
+#include "detail/pieces.hpp"
 #include "detail/plane_view.hpp"
 #include "detail/stages.hpp"
 
@@ -88,38 +89,31 @@ class Directions {
   Index half_turn_ = 0;
 };
 
+/// What all planes share; each plane has its own half-edges.
+struct HalfEdges {
+  Arrangement& out;
+  std::vector<Index> loop_of;  ///< number of the loop in its plane
+};
+
 /// Faces of one plane after another.
 class Arranger {
  public:
   Arranger(const Prepared& prepared, const Traces& traces, const Graph& graph, const std::vector<Vec>& positions,
-           Signs& signs)
-      : prepared_{prepared}, traces_{traces}, graph_{graph}, positions_{positions}, signs_{signs} {
-    const std::size_t half_edges = 2 * graph.uses.size();
-    out_.next.assign(half_edges, none);
-    out_.start.assign(half_edges, none);
-    out_.direction.assign(half_edges, 0);
-    out_.face.assign(half_edges, none);
-    out_.half_turn.assign(prepared.facet_planes, 0);
-    loop_of_.assign(half_edges, none);
-  }
+           const Signs& signs, HalfEdges& half_edges)
+      : prepared_{prepared},
+        traces_{traces},
+        graph_{graph},
+        positions_{positions},
+        signs_{signs.another()},
+        out_{half_edges.out},
+        loop_of_{half_edges.loop_of} {}
 
-  Arrangement run() {
-    std::vector<Index> begin(prepared_.facet_planes + std::size_t{1}, 0);
-    for (const Use& use : graph_.uses) ++begin[plane_of(use) + std::size_t{1}];
-    for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
-    std::vector<Index> uses(graph_.uses.size());
-    auto next = begin;
-    for (Index u = 0; u < graph_.uses.size(); ++u) uses[next[plane_of(graph_.uses[u])]++] = u;
-    for (Index plane = 0; plane < prepared_.facet_planes; ++plane) {
-      const std::span<const Index> own =
-          std::span{uses}.subspan(begin[plane], begin[plane + std::size_t{1}] - begin[plane]);
-      if (!own.empty()) in_plane(PlaneView{plane, own});
-    }
-    return std::move(out_);
-  }
-
- private:
-  [[nodiscard]] Index plane_of(const Use& use) const { return graph_.slots[use.slot].plane; }
+  struct Result {
+    std::vector<PlaneFace> faces;
+    std::vector<Index> loops, covers;
+    Signs signs;
+  };
+  [[nodiscard]] Result result() && { return {std::move(faces_), std::move(face_loops_), std::move(covers_), signs_}; }
 
   void in_plane(const PlaneView& view) {
     const Directions directions{graph_, view, signs_};
@@ -129,7 +123,7 @@ class Arranger {
     const auto positives = std::ranges::count_if(loops_, [](const Loop& loop) { return loop.outer; });
     if (positives == 0) return;
 
-    const Index first_face = static_cast<Index>(out_.faces.size());
+    const Index first_face = static_cast<Index>(faces_.size());
     // Which positive loop's face holds each negative loop (none: the unbounded face).
     const std::vector<Index> parent = nest_loops(view, loops_, loop_of_, out_, graph_, positions_, signs_);
     std::vector<Index> face_of_loop(loops_.size(), none);
@@ -139,14 +133,14 @@ class Arranger {
     }
     for (Index l = 0; l < loops_.size(); ++l) {
       if (!loops_[l].outer) continue;
-      face_of_loop[l] = static_cast<Index>(out_.faces.size());
-      PlaneFace face{view.plane, static_cast<Index>(out_.loops.size()), static_cast<Index>(1 + holes[l].size()), 0, 0};
-      out_.loops.push_back(loops_[l].start);
+      face_of_loop[l] = static_cast<Index>(faces_.size());
+      PlaneFace face{view.plane, static_cast<Index>(face_loops_.size()), static_cast<Index>(1 + holes[l].size()), 0, 0};
+      face_loops_.push_back(loops_[l].start);
       for (const Index hole : holes[l]) {
         face_of_loop[hole] = face_of_loop[l];
-        out_.loops.push_back(loops_[hole].start);
+        face_loops_.push_back(loops_[hole].start);
       }
-      out_.faces.push_back(face);
+      faces_.push_back(face);
     }
     for (const Index use : view.uses) {
       for (const Index h : {2 * use, 2 * use + 1}) out_.face[h] = face_of_loop[loop_of_[h]];
@@ -154,9 +148,14 @@ class Arranger {
     cover(view, first_face);
   }
 
+ private:
   void link_half_edges(const PlaneView& view, const Directions& directions) {
     struct Spoke {
-      Index vertex, direction, half_edge;
+      std::uint64_t key;  ///< vertex, then direction
+      Index vertex, half_edge;
+    };
+    const auto spoke = [](Index vertex, Index direction, Index half_edge) {
+      return Spoke{std::uint64_t{vertex} << 32U | direction, vertex, half_edge};
     };
     std::vector<Spoke> spokes;
     spokes.reserve(2 * view.uses.size());
@@ -169,12 +168,10 @@ class Arranger {
       out_.direction[2 * use + 1] = back;
       out_.start[2 * use] = edge.from;
       out_.start[2 * use + 1] = edge.to;
-      spokes.push_back({edge.from, forward, 2 * use});
-      spokes.push_back({edge.to, back, 2 * use + 1});
+      spokes.push_back(spoke(edge.from, forward, 2 * use));
+      spokes.push_back(spoke(edge.to, back, 2 * use + 1));
     }
-    std::ranges::sort(spokes, [](const Spoke& a, const Spoke& b) {
-      return a.vertex < b.vertex || (a.vertex == b.vertex && a.direction < b.direction);
-    });
+    std::ranges::sort(spokes, {}, &Spoke::key);
     // A half-edge that arrives at a vertex goes on along the spoke just clockwise of its own twin: its face stays on
     // the left.
     for (std::size_t first = 0; first < spokes.size();) {
@@ -217,15 +214,15 @@ class Arranger {
   void cover(const PlaneView& view, Index first_face) {
     const Index facets_first = prepared_.facets_begin[view.plane];
     if (traces_.with_outlines[view.plane] == 0) {
-      for (Index f = first_face; f < out_.faces.size(); ++f) {
-        out_.faces[f].first_cover = static_cast<Index>(out_.covers.size());
-        out_.faces[f].cover_count = 1;
-        out_.covers.push_back(prepared_.facets_on[facets_first]);
+      for (Index f = first_face; f < faces_.size(); ++f) {
+        faces_[f].first_cover = static_cast<Index>(covers_.size());
+        faces_[f].cover_count = 1;
+        covers_.push_back(prepared_.facets_on[facets_first]);
       }
       return;
     }
     // Flood from the unbounded face (covered by nothing): crossing a facet's outline enters or leaves it.
-    const std::size_t count = out_.faces.size() - first_face;
+    const std::size_t count = faces_.size() - first_face;
     std::vector<std::vector<Index>> covers(count + 1);  // [count] is the unbounded face
     std::vector<std::uint8_t> known(count + 1, 0);
     std::vector<std::vector<Index>> half_edges(count + 1);
@@ -263,14 +260,14 @@ class Arranger {
       }
     }
     for (std::size_t f = 0; f < count; ++f) {
-      PlaneFace& face = out_.faces[first_face + f];
-      face.first_cover = static_cast<Index>(out_.covers.size());
+      PlaneFace& face = faces_[first_face + f];
+      face.first_cover = static_cast<Index>(covers_.size());
       face.cover_count = static_cast<Index>(covers[f].size());
-      out_.covers.insert(out_.covers.end(), covers[f].begin(), covers[f].end());
+      covers_.insert(covers_.end(), covers[f].begin(), covers[f].end());
     }
     for (const Index use : view.uses) {
       for (const Index h : {2 * use, 2 * use + 1}) {
-        if (out_.face[h] != none && out_.faces[out_.face[h]].cover_count == 0) out_.face[h] = none;
+        if (out_.face[h] != none && faces_[out_.face[h]].cover_count == 0) out_.face[h] = none;
       }
     }
   }
@@ -279,17 +276,80 @@ class Arranger {
   const Traces& traces_;
   const Graph& graph_;
   const std::vector<Vec>& positions_;
-  Signs& signs_;
-  Arrangement out_;
-  std::vector<Index> loop_of_;
+  Signs signs_;
+  Arrangement& out_;  ///< of which half-edges and planes are filled in
+  std::vector<Index>& loop_of_;
   std::vector<Loop> loops_;
+  std::vector<PlaneFace> faces_;
+  std::vector<Index> face_loops_, covers_;
 };
+
+/// Uses by plane (CSR).
+struct PlaneUses {
+  std::vector<Index> begin, uses;
+  [[nodiscard]] PlaneView view(Index plane) const {
+    return {plane, std::span{uses}.subspan(begin[plane], begin[plane + std::size_t{1}] - begin[plane])};
+  }
+};
+
+PlaneUses uses_by_plane(const Prepared& prepared, const Graph& graph) {
+  PlaneUses out{std::vector<Index>(prepared.facet_planes + std::size_t{1}, 0), std::vector<Index>(graph.uses.size())};
+  for (const Use& use : graph.uses) ++out.begin[graph.slots[use.slot].plane + std::size_t{1}];
+  begin_from_counts(out.begin);
+  auto next = out.begin;
+  for (Index u = 0; u < graph.uses.size(); ++u) out.uses[next[graph.slots[graph.uses[u].slot].plane]++] = u;
+  return out;
+}
 
 }  // namespace
 
 Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph& graph,
-                    const std::vector<Vec>& positions, Signs& signs) {
-  return Arranger{prepared, traces, graph, positions, signs}.run();
+                    const std::vector<Vec>& positions, Signs& signs, ThreadLimit threads) {
+  const PlaneUses planes = uses_by_plane(prepared, graph);
+  const std::size_t half_edges = 2 * graph.uses.size();
+  Arrangement out;
+  out.next.assign(half_edges, none);
+  out.start.assign(half_edges, none);
+  out.direction.assign(half_edges, 0);
+  out.face.assign(half_edges, none);
+  out.half_turn.assign(prepared.facet_planes, 0);
+  HalfEdges shared{out, std::vector<Index>(half_edges, none)};
+  // Pieces hold equal numbers of uses, as far as whole planes allow. Faces are numbered within their piece first.
+  const auto plane_at = [&](std::size_t use) {
+    return static_cast<Index>(std::ranges::lower_bound(planes.begin, use) - planes.begin.begin());
+  };
+  auto parts = made_in_pieces(graph.uses.size(), threads, [&](std::size_t first, std::size_t last) {
+    Arranger arranger{prepared, traces, graph, positions, signs, shared};
+    for (Index plane = plane_at(first); plane < std::min(plane_at(last), prepared.facet_planes); ++plane) {
+      const PlaneView view = planes.view(plane);
+      if (!view.uses.empty()) arranger.in_plane(view);
+    }
+    return std::move(arranger).result();
+  });
+  using Part = Arranger::Result;
+  for (const Part& part : parts) signs.add_counts(part.signs);
+  const auto faces = offsets_of(parts, &Part::faces), loops = offsets_of(parts, &Part::loops),
+             covers = offsets_of(parts, &Part::covers);
+  parallel_for(parts.size(), threads, [&](std::size_t k) {
+    if (faces[k] == 0) return;
+    Index plane = none;
+    for (const PlaneFace& face : parts[k].faces) {
+      if (face.plane == plane) continue;
+      plane = face.plane;
+      for (const Index use : planes.view(plane).uses) {
+        for (const Index h : {2 * use, 2 * use + 1}) {
+          if (out.face[h] != none) out.face[h] += static_cast<Index>(faces[k]);
+        }
+      }
+    }
+  });
+  out.faces = joined(parts, &Part::faces, threads, [&](PlaneFace& face, std::size_t k) {
+    face.first_loop += static_cast<Index>(loops[k]);
+    face.first_cover += static_cast<Index>(covers[k]);
+  });
+  out.loops = joined(parts, &Part::loops, threads, [](Index&, std::size_t) {});
+  out.covers = joined(parts, &Part::covers, threads, [](Index&, std::size_t) {});
+  return out;
 }
 
 }  // namespace cleave::topology::detail

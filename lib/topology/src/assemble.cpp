@@ -1,6 +1,11 @@
 #include "detail/assemble.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "detail/block_maker.hpp"
 #include "detail/dangling.hpp"
@@ -61,50 +66,88 @@ double extent_of_domain(const CutInput& input) {
   return extent;
 }
 
-/// Each thread makes neighbouring blocks, and their faces are put behind one another: what comes out does not depend on
-/// where the shares of the threads end.
+/// Puts what shares of the blocks have made behind one another, in order, as soon as all shares before are done; by
+/// whichever thread comes along, while others go on making.
+class Joiner {
+ public:
+  Joiner(std::size_t shares, MadeBlocks& out) : out_{out}, waiting_(shares) {}
+
+  /// `blocks` are those of the share; their faces get their final numbers.
+  void hand_in(std::size_t share, MadeBlocks made, std::span<Block> blocks) {
+    std::unique_lock lock{mutex_};
+    waiting_[share].emplace(std::move(made), blocks);
+    if (busy_) return;  // whoever is at it looks again before leaving
+    busy_ = true;
+    while (next_ < waiting_.size() && waiting_[next_]) {
+      auto [ready, its_blocks] = *std::move(waiting_[next_]);
+      waiting_[next_++].reset();
+      lock.unlock();
+      append(std::move(ready), its_blocks);
+      lock.lock();
+    }
+    busy_ = false;
+  }
+
+ private:
+  void append(MadeBlocks more, std::span<Block> blocks) {
+    const auto faces = static_cast<Index>(out_.faces.size()), corners = static_cast<Index>(out_.corners.size()),
+               holes = static_cast<Index>(out_.hole_starts.size()), patches = static_cast<Index>(out_.patches.size());
+    if (faces == 0) {
+      out_ = std::move(more);
+      return;
+    }
+    for (Face& face : more.faces) {
+      face.first_corner += corners;
+      face.first_hole += holes;
+      face.first_patch += patches;
+    }
+    for (Block& block : blocks) {
+      block.faces = {FaceId{block.faces.front().index() + faces}, static_cast<Index>(block.faces.size())};
+    }
+    out_.faces.insert(out_.faces.end(), more.faces.begin(), more.faces.end());
+    out_.corners.insert(out_.corners.end(), more.corners.begin(), more.corners.end());
+    out_.hole_starts.insert(out_.hole_starts.end(), more.hole_starts.begin(), more.hole_starts.end());
+    out_.patches.insert(out_.patches.end(), more.patches.begin(), more.patches.end());
+  }
+
+  MadeBlocks& out_;
+  std::mutex mutex_;
+  std::vector<std::optional<std::pair<MadeBlocks, std::span<Block>>>> waiting_;
+  std::size_t next_ = 0;
+  bool busy_ = false;
+};
+
+/// Each thread makes shares of neighbouring blocks, and their faces are put behind one another: what comes out does not
+/// depend on where the shares end.
 std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, MadeBlocks& out) {
   const std::size_t blocks = parts.begin.size() - 1;
   std::vector<Index> flank_place(parts.links.to.size(), none);
   const Block empty{{}, {}, {}, {}, true, false, false, {}, false, false};
   std::vector<Block> made(blocks, empty);
-  const std::size_t shares = std::min(std::max<std::size_t>(blocks / 256, 1), threads.count());
+  const std::size_t shares =
+      threads.count() == 1 ? 1 : std::min(std::max<std::size_t>(blocks / 256, 1), 8 * threads.count());
   std::vector<std::size_t> share_begin(shares + 1, blocks);
   for (std::size_t s = 0; s < shares; ++s) {  // equal numbers of half-faces
     const std::size_t at = parts.half_faces.size() * s / shares;
     share_begin[s] = static_cast<std::size_t>(std::ranges::lower_bound(parts.begin, at) - parts.begin.begin());
   }
-  std::vector<MadeBlocks> shared(shares);
-  // All memory at once, as much as may be needed: what is not used is never touched.
   std::size_t corners = 0;
   for (const Index to : parts.links.to) corners += to != none ? 1 : 0;
-  shared[0].faces.reserve(parts.half_faces.size());
-  shared[0].patches.reserve(parts.half_faces.size());
-  shared[0].corners.reserve(corners);
-  parallel_for(shares, threads, [&](std::size_t s) {
-    BlockMaker maker{parts, flank_place, shared[s]};
+  Joiner joiner{shares, out};
+  std::atomic<std::size_t> next{0};
+  parallel_for(shares, threads, [&](std::size_t) {
+    const std::size_t s = next++;  // in order, so that what is made can be put together soon
+    MadeBlocks own;
+    // All memory at once, as much as may be needed (for all shares in the first): what is not used is never touched.
+    const std::size_t half_faces =
+        s == 0 ? parts.half_faces.size() : parts.begin[share_begin[s + 1]] - parts.begin[share_begin[s]];
+    own.faces.reserve(half_faces);
+    own.patches.reserve(half_faces);
+    own.corners.reserve(s == 0 ? corners : corners / shares);
+    BlockMaker maker{parts, flank_place, own};
     for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) made[b] = maker.make(static_cast<Index>(b));
+    joiner.hand_in(s, std::move(own), std::span{made}.subspan(share_begin[s], share_begin[s + 1] - share_begin[s]));
   });
-  out = std::move(shared[0]);
-  for (std::size_t s = 1; s < shares; ++s) {
-    MadeBlocks& more = shared[s];
-    const auto faces = static_cast<Index>(out.faces.size()), first_corner = static_cast<Index>(out.corners.size()),
-               first_hole = static_cast<Index>(out.hole_starts.size()),
-               first_patch = static_cast<Index>(out.patches.size());
-    for (Face& face : more.faces) {
-      face.first_corner += first_corner;
-      face.first_hole += first_hole;
-      face.first_patch += first_patch;
-    }
-    for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) {
-      made[b].faces = {FaceId{made[b].faces.front().index() + faces}, static_cast<Index>(made[b].faces.size())};
-    }
-    out.faces.insert(out.faces.end(), more.faces.begin(), more.faces.end());
-    out.corners.insert(out.corners.end(), more.corners.begin(), more.corners.end());
-    out.hole_starts.insert(out.hole_starts.end(), more.hole_starts.begin(), more.hole_starts.end());
-    out.patches.insert(out.patches.end(), more.patches.begin(), more.patches.end());
-    more = {};
-  }
   return made;
 }
 
@@ -114,14 +157,20 @@ class VertexNumbers {
   VertexNumbers(const BlockParts& parts, BlockComplex::Data& out)
       : parts_{parts}, out_{out}, number_(parts.positions.size(), none) {}
 
-  void number(std::vector<VertexId> corners) {
+  void number(std::vector<VertexId> corners, ThreadLimit threads) {
     std::vector<std::uint8_t> used(number_.size(), 0);
-    for (const VertexId v : corners) used[v.index()] = 1;
+    in_pieces(corners.size(), 65536, threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k) {
+        std::atomic_ref{used[corners[k].index()]}.store(1, std::memory_order_relaxed);
+      }
+    });
     out_.vertices.reserve(number_.size());
     for (Index v = 0; v < used.size(); ++v) {
       if (used[v] != 0) static_cast<void>(id(v));
     }
-    for (VertexId& v : corners) v = VertexId{number_[v.index()]};
+    in_pieces(corners.size(), 65536, threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k) corners[k] = VertexId{number_[corners[k].index()]};
+    });
     out_.corners = std::move(corners);
   }
   VertexId id(Index vertex) {
@@ -144,10 +193,7 @@ double void_volume(const BlockParts& parts, const Cells& cells) {
     const Index cell = cells.of_half_face[h];
     if (cell == none || cells.in_domain[cell] == 0 || cells.rock[cell] != 0) continue;
     if (cells.of_half_face[h ^ 1U] == cell) continue;
-    const PlaneFace& face = parts.arrangement.faces[h / 2];
-    const Vec3 apex = parts.position(parts.arrangement.start[parts.arrangement.loops[face.first_loop]]);
-    const double part = parts.measures[h / 2].area * geometry::dot(parts.normals[face.plane], apex);
-    volume += h % 2 == 0 ? -part : part;
+    volume += h % 2 == 0 ? -parts.measures[h / 2].cone : parts.measures[h / 2].cone;
   }
   return volume / 3;
 }
@@ -163,6 +209,7 @@ void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Da
   report.largest_snap_m = prepared.largest_snap;
   report.merged_planes = prepared.merged_planes;
   report.adopted_edges = prepared.adopted_edges;
+  report.snapped = prepared.snapped;
   report.joints_outside = prepared.outside.size();
   std::vector<std::uint8_t> used(prepared.joint_count, 0);
   for (const Index j : prepared.outside) {
@@ -216,7 +263,7 @@ BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, con
   MadeBlocks made;
   out.blocks = IdVector<BlockId, Block>{make_blocks(parts, threads, made)};
   VertexNumbers vertices{parts, out};
-  vertices.number(std::move(made.corners));
+  vertices.number(std::move(made.corners), threads);
   out.faces = IdVector<FaceId, Face>{std::move(made.faces)};
   out.hole_starts = std::move(made.hole_starts);
   out.patches = std::move(made.patches);

@@ -109,6 +109,7 @@ void BlockMaker::group_faces(std::span<const Index> half_faces) {
     return k;
   };
   bool merged = false;
+  any_internal_ = false;
   for (Index k = 0; k < count; ++k) {
     const Index side = half_faces[k] % 2;
     const PlaneFace& face = parts_.arrangement.faces[half_faces[k] / 2];
@@ -118,6 +119,7 @@ void BlockMaker::group_faces(std::span<const Index> half_faces) {
       do {
         const Index flank = 2 * h + side;
         if (parts_.links.to[flank] == (flank ^ 2U) && internal(flank)) {
+          any_internal_ = true;
           const Index other = 2 * parts_.arrangement.face[h ^ 1U] + side;
           if (other < half_faces[k]) {
             const auto at = std::ranges::lower_bound(half_faces, other);
@@ -154,6 +156,10 @@ void BlockMaker::walk_loops(Index half_face, Index face) {
   const PlaneFace& part = parts_.arrangement.faces[half_face / 2];
   for (Index l = part.first_loop; l < part.first_loop + part.loop_count; ++l) {
     const Index start = parts_.arrangement.loops[l];
+    if (!any_internal_) {  // nearly always: its loops are those of the plane face
+      walk_loop(2 * start + half_face % 2, face);
+      continue;
+    }
     Index h = start;
     do {
       const Index flank = 2 * h + half_face % 2;
@@ -175,7 +181,7 @@ void BlockMaker::walk_loop(Index start, Index face) {
     Index h = flank / 2;
     sides_.push_back({flank, parts_.arrangement.start[side == 1 ? h ^ 1U : h], at + 1, none, face, false});
     h = parts_.arrangement.next[h];
-    while (internal(2 * h + side)) h = parts_.arrangement.next[h ^ 1U];
+    while (any_internal_ && internal(2 * h + side)) h = parts_.arrangement.next[h ^ 1U];
     flank = 2 * h + side;
   } while (flank != start);
   const auto count = static_cast<Index>(sides_.size()) - first;
@@ -351,75 +357,6 @@ bool BlockMaker::turns_left(const Loop& loop, Index plane) const {
 
 bool BlockMaker::has_reflex_edge() const {
   return std::ranges::any_of(sides_, [&](const Side& side) { return parts_.links.reflex[side.flank] != 0; });
-}
-
-/// Volume and centroid from the cones over the faces; the shell that holds the others becomes number 0.
-void BlockMaker::measure(Block& block, FaceId first) {
-  const auto half_faces = std::span{members_};
-  const auto apex_of = [&](Index half_face) {
-    const PlaneFace& f = parts_.arrangement.faces[half_face / 2];
-    return parts_.position(parts_.arrangement.start[parts_.arrangement.loops[f.first_loop]]);
-  };
-  const Vec3 apex = apex_of(half_faces.front());
-  shell_volumes_.assign(shell_count_, 0);
-  Vec3 moment{};
-  double volume = 0;
-  const auto faces = static_cast<Index>(face_begin_.size() - 1);
-  for (Index face = 0; face < faces; ++face) {
-    for (Index k = face_begin_[face]; k < face_begin_[face + 1]; ++k) {
-      const Index h = half_faces[k];
-      const FaceMeasure& m = parts_.measures[h / 2];
-      const Vec3 from = apex_of(h) - apex;
-      const double along = geometry::dot(parts_.normals[parts_.arrangement.faces[h / 2].plane], from);
-      const double height = h % 2 == 0 ? -along : along;
-      const double part = m.area * height;  // three volumes, exact where coordinates are round
-      volume += part;
-      moment += (height / 4) * (m.area * from + m.moment3 / 3);
-      shell_volumes_[shell_[face]] += part;
-    }
-  }
-  if (shell_count_ > 1) {
-    const auto outer = static_cast<Index>(std::ranges::max_element(shell_volumes_) - shell_volumes_.begin());
-    for (Index face = 0; face < faces; ++face) {
-      Index& shell = out_.faces[first.index() + face].shell;
-      if (shell == outer) {
-        shell = 0;
-      } else if (shell == 0) {
-        shell = outer;
-      }
-    }
-  }
-  volume /= 3;
-  block.volume = cubic_metres(volume * parts_.scale * parts_.scale * parts_.scale);
-  block.centroid = parts_.origin + parts_.scale * (apex + (volume > 0 ? moment / volume : Vec3{}));
-}
-
-/// Smallest width across the largest faces (in units): a thin block is thin across a large face.
-double BlockMaker::thickness(FaceId first) {
-  constexpr Index most = 8;
-  const auto faces = static_cast<Index>(face_begin_.size() - 1);
-  by_area_.resize(faces);
-  std::iota(by_area_.begin(), by_area_.end(), Index{0});
-  const auto face = [&](Index k) -> const Face& { return out_.faces[first.index() + k]; };
-  if (faces > most) {
-    std::ranges::nth_element(by_area_, by_area_.begin() + most, [&](Index a, Index b) {
-      return face(a).area > face(b).area || (face(a).area == face(b).area && a < b);
-    });
-  }
-  double least = std::numeric_limits<double>::infinity();
-  for (Index k = 0; k < std::min(most, faces); ++k) {
-    const Vec3 n = face(by_area_[k]).outward;
-    const Vec3 base = parts_.position(out_.corners[face(by_area_[k]).first_corner].value());
-    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-    for (const Index v : corners_) {
-      const double h = geometry::dot(n, parts_.position(v) - base);
-      lo = std::min(lo, h);
-      hi = std::max(hi, h);
-      if (hi - lo >= least) break;
-    }
-    least = std::min(least, hi - lo);
-  }
-  return least;
 }
 
 }  // namespace cleave::topology::detail

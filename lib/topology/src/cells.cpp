@@ -5,6 +5,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "detail/exact_volume.hpp"
+#include "detail/pieces.hpp"
 #include "detail/stages.hpp"
 #include "detail/union_find.hpp"
 
@@ -45,16 +46,27 @@ class CellFinder {
     for (Index f = 0; f < faces_; ++f) present[f] = covered(f) ? 1 : 0;
     links_ = link_around_edges(graph_, arrangement_, present, threads_);
     UnionFind half_faces{2 * std::size_t{faces_}};
-    for (Index flank = 0; flank < links_.to.size(); ++flank) {
-      const Index other = links_.to[flank];
-      if (other == none || other < flank) continue;
-      half_faces.unite(2 * arrangement_.face[flank / 2] + flank % 2, 2 * arrangement_.face[other / 2] + other % 2);
-    }
+    const auto half_face = [&](Index flank) { return 2 * arrangement_.face[flank / 2] + flank % 2; };
+    const bool alone = threads_.count() == 1;
+    in_pieces(links_.to.size(), 65536, threads_, [&](std::size_t first, std::size_t last) {
+      for (auto flank = static_cast<Index>(first); flank < last; ++flank) {
+        const Index other = links_.to[flank];
+        if (other == none || other < flank) continue;
+        if (alone) {
+          half_faces.unite(half_face(flank), half_face(other));
+        } else {
+          half_faces.unite_shared(half_face(flank), half_face(other));
+        }
+      }
+    });
     shell_of_.assign(2 * std::size_t{faces_}, none);
-    for (Index h = 0; h < 2 * faces_; ++h) {
-      if (present[h / 2] == 0) continue;
-      const Index root = half_faces.find(h);
-      shell_of_[h] = root == h ? shell_count_++ : shell_of_[root];
+    in_pieces(shell_of_.size(), 65536, threads_, [&](std::size_t first, std::size_t last) {
+      for (auto h = static_cast<Index>(first); h < last; ++h) {
+        if (present[h / 2] != 0) shell_of_[h] = alone ? half_faces.find(h) : half_faces.find_shared(h);
+      }
+    });
+    for (Index h = 0; h < 2 * faces_; ++h) {  // a root is the first of its shell
+      if (shell_of_[h] != none) shell_of_[h] = shell_of_[h] == h ? shell_count_++ : shell_of_[shell_of_[h]];
     }
   }
 
@@ -62,21 +74,13 @@ class CellFinder {
   void find_outsides() {
     std::vector<double> volume(shell_count_, 0), error(shell_count_, 0);
     UnionFind connected{shell_count_};
-    Index plane = none;
-    std::array<double, 3> n{};
     for (Index f = 0; f < faces_; ++f) {
       if (!covered(f)) continue;
-      const PlaneFace& face = arrangement_.faces[f];
-      if (face.plane != plane) {
-        plane = face.plane;
-        n = prepared_.planes[plane].unit_normal();
-      }
       const FaceMeasure& measure = measures_[f];
-      const double part = measure.area * dot(n, start_of(arrangement_.loops[face.first_loop]));
       const double size = std::abs(measure.area) + measure.perimeter;
       const Index positive = shell_of_[2 * f], negative = shell_of_[2 * f + 1];
-      volume[positive] -= part;
-      volume[negative] += part;
+      volume[positive] -= measure.cone;
+      volume[negative] += measure.cone;
       error[positive] += size;
       error[negative] += size;
       connected.unite(positive, negative);
@@ -317,6 +321,43 @@ class CellFinder {
 
   // ---- numbering and what is rock -----------------------------------------------------------------------------------
 
+  struct Regions {
+    std::vector<Index> of_cell;
+    std::vector<Index> walls;  ///< faces on a surface of a solid
+  };
+  [[nodiscard]] Regions regions_of(const Cells& cells) const {
+    UnionFind one{cells.count};
+    struct Part {
+      std::vector<Index> walls;
+    };
+    auto parts = made_in_pieces(faces_, threads_, [&](std::size_t first, std::size_t last) {
+      Part part;
+      for (auto f = static_cast<Index>(first); f < last; ++f) {
+        const PlaneFace& face = arrangement_.faces[f];
+        if (face.cover_count == 0) continue;
+        bool wall = false;
+        for (Index c = face.first_cover; c < face.first_cover + face.cover_count; ++c) {
+          wall = wall || prepared_.facets[arrangement_.covers[c]].owner != Owner::joint;
+        }
+        if (wall) {
+          part.walls.push_back(f);
+        } else if (threads_.count() == 1) {
+          one.unite(cells.of_half_face[2 * f], cells.of_half_face[2 * f + 1]);
+        } else {
+          one.unite_shared(cells.of_half_face[2 * f], cells.of_half_face[2 * f + 1]);
+        }
+      }
+      return part;
+    });
+    Regions out{std::vector<Index>(cells.count), joined(parts, &Part::walls, threads_, [](Index&, std::size_t) {})};
+    Index regions = 0;
+    for (Index c = 0; c < cells.count; ++c) {
+      const Index root = one.find(c);
+      out.of_cell[c] = root == c ? regions++ : out.of_cell[root];
+    }
+    return out;
+  }
+
   Cells number_cells() {
     UnionFind joined{shell_count_ + std::size_t{1}};
     for (std::size_t piece = 0; piece < outside_.size(); ++piece) joined.unite(outside_[piece], beyond_[piece]);
@@ -335,32 +376,36 @@ class CellFinder {
     }
     cells.links = std::move(links_);
 
-    // Windings of the domain and the excavations, flooded from the outside.
-    std::vector<Index> begin(cells.count + std::size_t{2}, 0);  // half-faces of each cell (CSR)
-    for (const Index cell : cells.of_half_face) {
-      if (cell != none) ++begin[cell + std::size_t{2}];
+    // Windings of the domain and the excavations, flooded from the outside. They change on surfaces of solids only, so
+    // cells that nothing but joints part are one region.
+    const auto [region, walls] = regions_of(cells);
+    const Index regions = 1 + *std::ranges::max_element(region);
+    std::vector<Index> begin(regions + std::size_t{2}, 0);  // half-faces of the walls by region (CSR)
+    const auto region_of = [&](Index half_face) { return region[cells.of_half_face[half_face]]; };
+    for (const Index f : walls) {
+      for (const Index h : {2 * f, 2 * f + 1}) ++begin[region_of(h) + std::size_t{2}];
     }
-    for (std::size_t c = 2; c < begin.size(); ++c) begin[c] += begin[c - 1];
+    begin_from_counts(begin);
     std::vector<Index> half_faces(begin.back());
-    for (Index h = 0; h < 2 * faces_; ++h) {
-      if (cells.of_half_face[h] != none) half_faces[begin[cells.of_half_face[h] + std::size_t{1}]++] = h;
+    for (const Index f : walls) {
+      for (const Index h : {2 * f, 2 * f + 1}) half_faces[begin[region_of(h) + std::size_t{1}]++] = h;
     }
     // Solid 0 is the domain, then come the excavations, then the window.
     const std::size_t excavations = prepared_.excavation_count;
     const std::size_t solids = 2 + excavations;
-    std::vector<std::int32_t> winding(cells.count * solids, 0);
-    std::vector<std::uint8_t> known(cells.count, 0);
-    std::vector<Index> queue{0};
-    known[0] = 1;
+    std::vector<std::int32_t> winding(regions * solids, 0);
+    std::vector<std::uint8_t> known(regions, 0);
+    std::vector<Index> queue{region[0]};
+    known[region[0]] = 1;
     for (std::size_t at = 0; at < queue.size(); ++at) {
-      const Index cell = queue[at];
-      for (Index k = begin[cell]; k < begin[cell + std::size_t{1}]; ++k) {
+      const Index here = queue[at];
+      for (Index k = begin[here]; k < begin[here + std::size_t{1}]; ++k) {
         const Index f = half_faces[k] / 2;
         const bool here_positive = half_faces[k] % 2 == 0;
-        const Index beyond = cells.of_half_face[half_faces[k] ^ 1U];
+        const Index beyond = region_of(half_faces[k] ^ 1U);
         if (known[beyond] != 0) continue;
         known[beyond] = 1;
-        for (std::size_t s = 0; s < solids; ++s) winding[beyond * solids + s] = winding[cell * solids + s];
+        for (std::size_t s = 0; s < solids; ++s) winding[beyond * solids + s] = winding[here * solids + s];
         const PlaneFace& face = arrangement_.faces[f];
         for (Index c = face.first_cover; c < face.first_cover + face.cover_count; ++c) {
           const Facet& facet = prepared_.facets[arrangement_.covers[c]];
@@ -377,13 +422,14 @@ class CellFinder {
     cells.in_domain.assign(cells.count, 0);
     cells.excavated_by.reserve(cells.count * (solids - 1));
     for (Index c = 0; c < cells.count; ++c) {
-      CLEAVE_ASSERT(known[c] != 0);
-      const bool seen = !prepared_.windowed || winding[c * solids + 1 + excavations] > 0;
-      const bool in_domain = winding[c * solids] > 0;
+      const std::size_t first = region[c] * solids;
+      CLEAVE_ASSERT(known[region[c]] != 0);
+      const bool seen = !prepared_.windowed || winding[first + 1 + excavations] > 0;
+      const bool in_domain = winding[first] > 0;
       cells.in_domain[c] = (prepared_.windowed ? seen : in_domain) ? 1 : 0;
       bool excavated = false;
       for (std::size_t s = 1; s <= excavations; ++s) {
-        const bool inside = winding[c * solids + s] > 0;
+        const bool inside = winding[first + s] > 0;
         cells.excavated_by.push_back(inside ? 1 : 0);
         excavated = excavated || inside;
       }

@@ -1,7 +1,11 @@
 #include "detail/crossings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
+
+#include "detail/pieces.hpp"
 
 namespace cleave::topology::detail {
 namespace {
@@ -41,64 +45,26 @@ bool far_away(const PointApprox& point) {
 
 class Finder {
  public:
-  Finder(const Prepared& prepared, const Traces& traces, Signs& signs)
-      : prepared_{prepared}, traces_{traces}, signs_{signs}, out_{{}, {}, UnionFind{traces.lines.size()}} {}
+  Finder(const Traces& traces, const Signs& signs) : traces_{traces}, signs_{signs.another()} {}
 
-  Crossings run() {
-    std::vector<Index> begin(prepared_.facet_planes + std::size_t{1}, 0);
-    for_each_drawing([&](Index plane, Index, bool) { ++begin[plane + std::size_t{1}]; });
-    for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
-    segments_.resize(begin.back());
-    auto next = begin;
-    for_each_drawing([&](Index plane, Index interval, bool outline) {
-      segments_[next[plane]++] = project(plane, interval, outline);
-    });
-    for (Index plane = 0; plane < prepared_.facet_planes; ++plane) {
-      in_plane(plane, begin[plane], begin[plane + std::size_t{1}]);
+  struct Result {
+    std::vector<Vertex> vertices;
+    std::vector<OnLine> on_lines;
+    std::vector<std::array<Index, 2>> coaxial;  ///< lines
+    Signs signs;
+  };
+  [[nodiscard]] Result result() && { return {std::move(vertices_), std::move(on_lines_), std::move(coaxial_), signs_}; }
+
+  /// Segment `s` of a plane with all those after it.
+  void meet_others(Index plane, const Segment& s, std::span<const Segment> others) {
+    for (const Segment& t : others) {
+      if (s.other == t.other) continue;
+      if (!s.outline && !t.outline && (s.other < plane || t.other < plane)) continue;
+      if (!apart(s, t)) meet_pair(plane, s, t);
     }
-    return std::move(out_);
   }
 
  private:
-  /// Which interval is looked at in which plane. Traces count in the lower of their planes: a vertex of three planes is
-  /// found in the lowest one. Where outlines are drawn every trace is needed.
-  template <class Visit>
-  void for_each_drawing(Visit&& visit) const {
-    for (Index k = 0; k < traces_.intervals.size(); ++k) {
-      const Interval& interval = traces_.intervals[k];
-      const Line& line = traces_.lines[interval.line];
-      if (interval.outline_of != none) {
-        visit(prepared_.facets[interval.outline_of].plane, k, true);
-      } else {
-        visit(line.p, k, false);
-        if (traces_.with_outlines[line.q] != 0) visit(line.q, k, false);
-      }
-    }
-  }
-
-  [[nodiscard]] Segment project(Index plane, Index interval, bool outline) const {
-    const auto& n = signs_.plane(plane).approx();
-    const std::size_t drop = std::abs(n[0]) >= std::abs(n[1]) && std::abs(n[0]) >= std::abs(n[2]) ? 0
-                             : std::abs(n[1]) >= std::abs(n[2])                                   ? 1
-                                                                                                  : 2;
-    const std::size_t u = drop == 0 ? 1 : 0, v = drop == 2 ? 1 : 2;
-    const Interval& i = traces_.intervals[interval];
-    const Line& line = traces_.lines[i.line];
-    return {i.from[u], i.from[v], i.to[u], i.to[v], interval, line.p == plane ? line.q : line.p, outline};
-  }
-
-  void in_plane(Index plane, Index first, Index last) {
-    for (Index i = first; i < last; ++i) {
-      const Segment& s = segments_[i];
-      for (Index j = i + 1; j < last; ++j) {
-        const Segment& t = segments_[j];
-        if (s.other == t.other) continue;
-        if (!s.outline && !t.outline && (s.other < plane || t.other < plane)) continue;
-        if (!apart(s, t)) meet_pair(plane, s, t);
-      }
-    }
-  }
-
   void meet_pair(Index plane, const Segment& s, const Segment& t) {
     const Interval &a = traces_.intervals[s.interval], &b = traces_.intervals[t.interval];
     const Line& line = traces_.lines[a.line];
@@ -106,33 +72,103 @@ class Finder {
     if (far_away(point)) return;
     if (signs_.det3(point, line.p, line.q, t.other) == Sign::zero) {
       if (signs_.parallel_side(line.p, line.q, t.other) != Sign::zero) return;
-      out_.coaxial.unite(a.line, b.line);
-      if (const Index third = traces_.find_line(s.other, t.other); third != none) out_.coaxial.unite(a.line, third);
+      coaxial_.push_back({a.line, b.line});
+      if (const Index third = traces_.find_line(s.other, t.other); third != none) coaxial_.push_back({a.line, third});
       return;
     }
     for (const HalfSpace h : {a.lower, a.upper, b.lower, b.upper}) {
       if (signs_.inside(point, line.p, line.q, t.other, h) == Sign::negative) return;
     }
-    const Index vertex = static_cast<Index>(out_.vertices.size());
-    out_.vertices.push_back({{line.p, line.q, t.other}, point});
-    out_.on_lines.push_back({a.line, vertex, t.other});
-    out_.on_lines.push_back({b.line, vertex, s.other});
+    const Index vertex = static_cast<Index>(vertices_.size());
+    vertices_.push_back({{line.p, line.q, t.other}, point});
+    on_lines_.push_back({a.line, vertex, t.other});
+    on_lines_.push_back({b.line, vertex, s.other});
     if (const Index third = traces_.find_line(s.other, t.other); third != none) {
-      out_.on_lines.push_back({third, vertex, plane});
+      on_lines_.push_back({third, vertex, plane});
     }
   }
 
-  const Prepared& prepared_;
   const Traces& traces_;
-  Signs& signs_;
-  std::vector<Segment> segments_;
-  Crossings out_;
+  Signs signs_;
+  std::vector<Vertex> vertices_;
+  std::vector<OnLine> on_lines_;
+  std::vector<std::array<Index, 2>> coaxial_;
 };
+
+Segment project(const Prepared& prepared, const Traces& traces, Index plane, Index interval) {
+  const auto& n = prepared.planes[plane].approx();
+  const std::size_t drop = std::abs(n[0]) >= std::abs(n[1]) && std::abs(n[0]) >= std::abs(n[2]) ? 0
+                           : std::abs(n[1]) >= std::abs(n[2])                                   ? 1
+                                                                                                : 2;
+  const std::size_t u = drop == 0 ? 1 : 0, v = drop == 2 ? 1 : 2;
+  const Interval& i = traces.intervals[interval];
+  const Line& line = traces.lines[i.line];
+  return {i.from[u], i.from[v], i.to[u], i.to[v], interval, line.p == plane ? line.q : line.p, i.outline_of != none};
+}
+
+/// Which interval is looked at in which plane. Traces count in the lower of their planes: a vertex of three planes is
+/// found in the lowest one. Where outlines are drawn every trace is needed.
+template <class Visit>
+void for_each_drawing(const Prepared& prepared, const Traces& traces, const Visit& visit) {
+  for (Index k = 0; k < traces.intervals.size(); ++k) {
+    const Interval& interval = traces.intervals[k];
+    const Line& line = traces.lines[interval.line];
+    if (interval.outline_of != none) {
+      visit(prepared.facets[interval.outline_of].plane, k);
+    } else {
+      visit(line.p, k);
+      if (traces.with_outlines[line.q] != 0) visit(line.q, k);
+    }
+  }
+}
+
+struct Drawings {
+  std::vector<Index> begin;  ///< first segment of each facet plane (CSR)
+  std::vector<Segment> segments;
+};
+
+Drawings draw(const Prepared& prepared, const Traces& traces, ThreadLimit threads) {
+  Drawings out{std::vector<Index>(prepared.facet_planes + std::size_t{1}, 0), {}};
+  for_each_drawing(prepared, traces, [&](Index plane, Index) { ++out.begin[plane + std::size_t{1}]; });
+  begin_from_counts(out.begin);
+  std::vector<Index> drawn(out.begin.back());
+  auto next = out.begin;
+  for_each_drawing(prepared, traces, [&](Index plane, Index interval) { drawn[next[plane]++] = interval; });
+  out.segments.resize(drawn.size());
+  in_pieces(prepared.facet_planes, 16, threads, [&](std::size_t first, std::size_t last) {
+    for (auto plane = static_cast<Index>(first); plane < last; ++plane) {
+      for (Index k = out.begin[plane]; k < out.begin[plane + std::size_t{1}]; ++k) {
+        out.segments[k] = project(prepared, traces, plane, drawn[k]);
+      }
+    }
+  });
+  return out;
+}
 
 }  // namespace
 
-Crossings find_crossings(const Prepared& prepared, const Traces& traces, Signs& signs) {
-  return Finder{prepared, traces, signs}.run();
+Crossings find_crossings(const Prepared& prepared, const Traces& traces, Signs& signs, ThreadLimit threads) {
+  const auto [begin, segments] = draw(prepared, traces, threads);
+  auto results = made_in_pieces(segments.size(), threads, [&](std::size_t first, std::size_t last) {
+    Finder finder{traces, signs};
+    auto plane = static_cast<Index>(std::ranges::upper_bound(begin, first) - begin.begin()) - 1;
+    for (std::size_t s = first; s < last; ++s) {
+      while (begin[plane + std::size_t{1}] <= s) ++plane;
+      finder.meet_others(plane, segments[s],
+                         std::span{segments}.subspan(s + 1, begin[plane + std::size_t{1}] - (s + 1)));
+    }
+    return std::move(finder).result();
+  });
+  Crossings out{{}, {}, UnionFind{traces.lines.size()}};
+  for (const auto& result : results) {
+    signs.add_counts(result.signs);
+    for (const auto& [a, b] : result.coaxial) out.coaxial.unite(a, b);
+  }
+  const auto before = offsets_of(results, &Finder::Result::vertices);
+  out.on_lines = joined(results, &Finder::Result::on_lines, threads,
+                        [&](OnLine& on, std::size_t part) { on.vertex += static_cast<Index>(before[part]); });
+  out.vertices = joined(results, &Finder::Result::vertices, threads, [](Vertex&, std::size_t) {});
+  return out;
 }
 
 }  // namespace cleave::topology::detail

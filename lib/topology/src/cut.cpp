@@ -55,11 +55,11 @@ std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOption
   CLEAVE_TRY(const Prepared prepared, prepare(input));
   Signs signs{prepared.planes};
   constexpr std::size_t limit = std::size_t{1} << 29U;
-  const Traces traces = find_traces(prepared, signs);
-  const Graph graph = build_graph(prepared, traces, signs);
+  const Traces traces = find_traces(prepared, signs, threads);
+  const Graph graph = build_graph(prepared, traces, signs, threads);
   if (graph.uses.size() > limit) return std::unexpected(CutError{TooLarge{"edges"}});
   const std::vector<Vec> positions = positions_of(prepared, graph, threads);
-  const Arrangement arrangement = arrange(prepared, traces, graph, positions, signs);
+  const Arrangement arrangement = arrange(prepared, traces, graph, positions, signs, threads);
   const std::vector<FaceMeasure> measures = measure_faces(prepared, arrangement, positions, threads);
   Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);
   BlockComplex::Data data =

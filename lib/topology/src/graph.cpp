@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <numeric>
+#include <utility>
 
 #include "cleave/core/assert.hpp"
 #include "detail/crossings.hpp"
@@ -16,24 +18,92 @@ double dot(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// Sorts the vertices along each line of space, finds which are the same point, and cuts the lines into edges.
-class GraphBuilder {
- public:
-  GraphBuilder(const Prepared& prepared, const Traces& traces, Signs& signs)
-      : prepared_{prepared},
-        traces_{traces},
-        signs_{signs},
-        crossings_{find_crossings(prepared, traces, signs)},
-        same_point_{crossings_.vertices.size()} {}
+/// The lines of space: traces on one and the same line in one class, classes in the order of their first lines.
+struct LineClasses {
+  const Prepared& prepared;
+  const Traces& traces;
+  Crossings crossings;
+  std::vector<Index> class_begin, lines;  ///< lines of each class (CSR)
+  std::vector<Index> on_begin, on_end;    ///< of each class, into `on`
+  std::vector<OnLine> on;                 ///< vertices on each class
+  std::vector<Index> sorted;              ///< distinct vertices in order, in the places of `on`
+  std::vector<Index> intervals_begin;     ///< of each line
+  std::vector<Index> number;              ///< of each vertex: in the graph
 
-  Graph run() {
-    group_lines();
-    const std::size_t classes = class_begin_.size() - 1;
-    sorted_begin_.assign(classes + 1, 0);
-    for (std::size_t c = 0; c < classes; ++c) sort_along(c);
-    number_vertices();
-    for (std::size_t c = 0; c < classes; ++c) cut_into_edges(c);
-    return std::move(graph_);
+  [[nodiscard]] std::size_t count() const { return class_begin.size() - 1; }
+  [[nodiscard]] const Line& representative(std::size_t c) const { return traces.lines[lines[class_begin[c]]]; }
+};
+
+LineClasses group_lines(const Prepared& prepared, const Traces& traces, Crossings crossings) {
+  LineClasses out{prepared, traces, std::move(crossings), {}, {}, {}, {}, {}, {}, {}, {}};
+  const std::size_t lines = traces.lines.size();
+  std::vector<Index> class_of(lines);
+  Index classes = 0;
+  for (Index l = 0; l < lines; ++l) {
+    const Index root = out.crossings.coaxial.find(l);
+    class_of[l] = root == l ? classes++ : class_of[root];
+  }
+  out.class_begin.assign(classes + std::size_t{1}, 0);
+  for (const Index c : class_of) ++out.class_begin[c + std::size_t{1}];
+  begin_from_counts(out.class_begin);
+  out.lines.resize(lines);
+  auto next = out.class_begin;
+  for (Index l = 0; l < lines; ++l) out.lines[next[class_of[l]]++] = l;
+
+  out.on_begin.assign(classes + std::size_t{1}, 0);
+  for (const OnLine& on : out.crossings.on_lines) ++out.on_begin[class_of[on.line] + std::size_t{1}];
+  begin_from_counts(out.on_begin);
+  out.on.resize(out.crossings.on_lines.size());
+  next = out.on_begin;
+  for (const OnLine& on : out.crossings.on_lines) out.on[next[class_of[on.line]]++] = on;
+  out.crossings.on_lines = {};
+  out.on_end.assign(classes, 0);
+  out.sorted.resize(out.on.size());
+
+  out.intervals_begin.assign(lines + 1, 0);
+  for (const Interval& interval : traces.intervals) ++out.intervals_begin[interval.line + std::size_t{1}];
+  begin_from_counts(out.intervals_begin);
+  return out;
+}
+
+/// Sorts the vertices along lines, and finds which are the same point.
+class Sorter {
+ public:
+  Sorter(LineClasses& classes, const Signs& signs) : classes_{classes}, signs_{signs.another()} {}
+
+  struct Result {
+    std::vector<std::array<Index, 2>> same_point;
+    Signs signs;
+  };
+  [[nodiscard]] Result result() && { return {std::move(same_point_), signs_}; }
+
+  void sort_along(std::size_t c) {
+    const Line& line = classes_.representative(c);
+    items_.clear();
+    for (Index k = classes_.on_begin[c]; k < classes_.on_begin[c + 1]; ++k) {
+      const OnLine& on = classes_.on[k];
+      const Vertex& v = classes_.crossings.vertices[on.vertex];
+      const Sign sense = signs_.det3(line.p, line.q, on.transversal);
+      CLEAVE_ASSERT(sense != Sign::zero);
+      items_.push_back({dot(v.approx.x, line.approx.m) / v.approx.w, on.vertex, on.transversal, sense});
+    }
+    std::ranges::sort(items_,
+                      [](const Item& a, const Item& b) { return a.t < b.t || (!(b.t < a.t) && a.vertex < b.vertex); });
+    bool in_order = true;
+    for (std::size_t i = 1; i < items_.size() && in_order; ++i)
+      in_order = compare(items_[i - 1], items_[i]) != Sign::positive;
+    if (!in_order) {
+      std::ranges::stable_sort(items_, [&](const Item& a, const Item& b) { return compare(a, b) == Sign::negative; });
+    }
+    Index end = classes_.on_begin[c];
+    for (std::size_t i = 0; i < items_.size(); ++i) {
+      if (i > 0 && compare(items_[i - 1], items_[i]) == Sign::zero) {
+        same_point_.push_back({items_[i - 1].vertex, items_[i].vertex});
+      } else {
+        classes_.sorted[end++] = items_[i].vertex;  // the first of each point is enough
+      }
+    }
+    classes_.on_end[c] = end;
   }
 
  private:
@@ -43,127 +113,62 @@ class GraphBuilder {
     Sign sense;  ///< of the transversal plane's normal along the line
   };
 
-  /// Lines of one class together, classes in order of their first line.
-  void group_lines() {
-    const std::size_t lines = traces_.lines.size();
-    std::vector<Index> class_of(lines);
-    Index classes = 0;
-    for (Index l = 0; l < lines; ++l) {
-      const Index root = crossings_.coaxial.find(l);
-      class_of[l] = root == l ? classes++ : class_of[root];
-    }
-    class_begin_.assign(classes + std::size_t{1}, 0);
-    for (const Index c : class_of) ++class_begin_[c + std::size_t{1}];
-    for (std::size_t i = 1; i < class_begin_.size(); ++i) class_begin_[i] += class_begin_[i - 1];
-    class_lines_.resize(lines);
-    auto next = class_begin_;
-    for (Index l = 0; l < lines; ++l) class_lines_[next[class_of[l]]++] = l;
-
-    items_begin_.assign(classes + std::size_t{1}, 0);
-    for (const OnLine& on : crossings_.on_lines) ++items_begin_[class_of[on.line] + std::size_t{1}];
-    for (std::size_t i = 1; i < items_begin_.size(); ++i) items_begin_[i] += items_begin_[i - 1];
-    on_class_.resize(crossings_.on_lines.size());
-    next = items_begin_;
-    for (const OnLine& on : crossings_.on_lines) on_class_[next[class_of[on.line]]++] = on;
-
-    line_intervals_.assign(lines + 1, 0);
-    for (const Interval& interval : traces_.intervals) ++line_intervals_[interval.line + std::size_t{1}];
-    for (std::size_t i = 1; i < line_intervals_.size(); ++i) line_intervals_[i] += line_intervals_[i - 1];
-  }
-
-  [[nodiscard]] const Line& representative(std::size_t c) const { return traces_.lines[class_lines_[class_begin_[c]]]; }
-
   /// Negative when a comes before b in the direction of the line, zero when they are one point.
   Sign compare(const Item& a, const Item& b) {
     if (a.vertex == b.vertex) return Sign::zero;
-    const Vertex& v = crossings_.vertices[a.vertex];
+    const Vertex& v = classes_.crossings.vertices[a.vertex];
     return signs_.side(v.approx, v.planes[0], v.planes[1], v.planes[2], b.transversal) * b.sense;
   }
 
-  void sort_along(std::size_t c) {
-    const Line& line = representative(c);
-    std::vector<Item>& items = scratch_;
-    items.clear();
-    for (Index k = items_begin_[c]; k < items_begin_[c + 1]; ++k) {
-      const OnLine& on = on_class_[k];
-      const Vertex& v = crossings_.vertices[on.vertex];
-      const Sign sense = signs_.det3(line.p, line.q, on.transversal);
-      CLEAVE_ASSERT(sense != Sign::zero);
-      items.push_back({dot(v.approx.x, line.approx.m) / v.approx.w, on.vertex, on.transversal, sense});
-    }
-    std::ranges::sort(items,
-                      [](const Item& a, const Item& b) { return a.t < b.t || (!(b.t < a.t) && a.vertex < b.vertex); });
-    bool in_order = true;
-    for (std::size_t i = 1; i < items.size() && in_order; ++i)
-      in_order = compare(items[i - 1], items[i]) != Sign::positive;
-    if (!in_order) {
-      std::ranges::stable_sort(items, [&](const Item& a, const Item& b) { return compare(a, b) == Sign::negative; });
-    }
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      if (i > 0 && compare(items[i - 1], items[i]) == Sign::zero) {
-        same_point_.unite(items[i - 1].vertex, items[i].vertex);
-      } else {
-        sorted_.push_back(items[i].vertex);  // the first of each point is enough
-      }
-    }
-    sorted_begin_[c + 1] = static_cast<Index>(sorted_.size());
-  }
+  LineClasses& classes_;  ///< of which each Sorter changes its own classes
+  Signs signs_;
+  std::vector<Item> items_;
+  std::vector<std::array<Index, 2>> same_point_;
+};
 
-  void number_vertices() {
-    number_.assign(crossings_.vertices.size(), none);
-    for (Index v = 0; v < crossings_.vertices.size(); ++v) {
-      const Index root = same_point_.find(v);
-      if (root == v) {
-        number_[v] = static_cast<Index>(graph_.vertices.size());
-        graph_.vertices.push_back(crossings_.vertices[v]);
-      } else {
-        number_[v] = number_[root];
-      }
-    }
+/// Numbers the distinct points in the order of their first vertices.
+std::vector<Vertex> number_vertices(LineClasses& classes, UnionFind same_point) {
+  const auto& all = classes.crossings.vertices;
+  std::vector<Vertex> vertices;
+  vertices.reserve(all.size());
+  classes.number.resize(all.size());
+  for (Index v = 0; v < all.size(); ++v) {
+    const Index root = same_point.find(v);
+    classes.number[v] = root == v ? static_cast<Index>(vertices.size()) : classes.number[root];
+    if (root == v) vertices.push_back(all[v]);
   }
+  return vertices;
+}
 
-  /// The range [first, last] of sorted vertices of the class inside the interval; first > last when there is none.
-  std::pair<std::ptrdiff_t, std::ptrdiff_t> span_of(std::size_t c, const Interval& interval, bool same_direction) {
-    const HalfSpace lower = same_direction ? interval.lower : interval.upper;
-    const HalfSpace upper = same_direction ? interval.upper : interval.lower;
-    const auto inside = [&](std::ptrdiff_t i, HalfSpace h) {
-      const Vertex& v = crossings_.vertices[sorted_[static_cast<std::size_t>(i)]];
-      return signs_.inside(v.approx, v.planes[0], v.planes[1], v.planes[2], h) != Sign::negative;
-    };
-    std::ptrdiff_t first = sorted_begin_[c], last = sorted_begin_[c + 1];
-    const std::ptrdiff_t end = last;
-    for (std::ptrdiff_t count = last - first; count > 0;) {  // first vertex inside `lower`
-      const std::ptrdiff_t half = count / 2;
-      if (inside(first + half, lower)) {
-        count = half;
-      } else {
-        first += half + 1;
-        count -= half + 1;
-      }
-    }
-    last = first;
-    for (std::ptrdiff_t count = end - first; count > 0;) {  // first vertex outside `upper`
-      const std::ptrdiff_t half = count / 2;
-      if (inside(last + half, upper)) {
-        last += half + 1;
-        count -= half + 1;
-      } else {
-        count = half;
-      }
-    }
-    return {first, last - 1};
+/// Cuts lines into edges between neighbouring vertices.
+class EdgeCutter {
+ public:
+  EdgeCutter(const LineClasses& classes, const Signs& signs)
+      : classes_{classes}, prepared_{classes.prepared}, traces_{classes.traces}, signs_{signs.another()} {}
+
+  struct Result {
+    std::vector<LineClass> lines;
+    std::vector<Slot> slots;
+    std::vector<Edge> edges;
+    std::vector<Use> uses;
+    std::vector<OutlineMark> outlines;
+    Signs signs;
+  };
+  [[nodiscard]] Result result() && {
+    return {std::move(graph_.lines), std::move(graph_.slots),    std::move(graph_.edges),
+            std::move(graph_.uses),  std::move(graph_.outlines), signs_};
   }
 
   void cut_into_edges(std::size_t c) {
-    const std::size_t count = sorted_begin_[c + 1] - sorted_begin_[c];
+    const std::size_t count = classes_.on_end[c] - classes_.on_begin[c];
     if (count < 2) return;
-    const Line& main = representative(c);
+    const Line& main = classes_.representative(c);
 
     // Facet planes that contain the line, each with a plane that meets it there.
     std::vector<Member>& members = members_;
     members.clear();
-    for (Index k = class_begin_[c]; k < class_begin_[c + 1]; ++k) {
-      const Line& line = traces_.lines[class_lines_[k]];
+    for (Index k = classes_.class_begin[c]; k < classes_.class_begin[c + 1]; ++k) {
+      const Line& line = traces_.lines[classes_.lines[k]];
       members.push_back({line.p, line.q});
       if (line.q < prepared_.facet_planes) members.push_back({line.q, line.p});
     }
@@ -183,13 +188,13 @@ class GraphBuilder {
     };
     std::vector<Mark> outline_marks;
     drawn_.assign((count - 1) * members.size(), 0);
-    const std::ptrdiff_t base = sorted_begin_[c];
+    const std::ptrdiff_t base = classes_.on_begin[c];
     bool any = false;
-    for (Index k = class_begin_[c]; k < class_begin_[c + 1]; ++k) {
-      const Index l = class_lines_[k];
+    for (Index k = classes_.class_begin[c]; k < classes_.class_begin[c + 1]; ++k) {
+      const Index l = classes_.lines[k];
       const Line& line = traces_.lines[l];
       const bool same_direction = signs_.same_sense(line.approx, line.p, line.q, main.approx, main.p, main.q);
-      for (Index i = line_intervals_[l]; i < line_intervals_[l + std::size_t{1}]; ++i) {
+      for (Index i = classes_.intervals_begin[l]; i < classes_.intervals_begin[l + std::size_t{1}]; ++i) {
         const Interval& interval = traces_.intervals[i];
         const auto [first, last] = span_of(c, interval, same_direction);
         if (first >= last) continue;
@@ -241,8 +246,46 @@ class GraphBuilder {
       const Index uses = static_cast<Index>(graph_.uses.size()) - first_use;
       if (uses == 0) continue;
       const std::size_t at = static_cast<std::size_t>(base) + s;
-      graph_.edges.push_back({number_[sorted_[at]], number_[sorted_[at + 1]], line_number, first_use, uses});
+      graph_.edges.push_back({classes_.number[classes_.sorted[at]], classes_.number[classes_.sorted[at + 1]],
+                              line_number, first_use, uses});
     }
+  }
+
+ private:
+  struct Member {
+    Index plane, transversal;
+  };
+
+  /// The range [first, last] of sorted vertices of the class inside the interval; first > last when there is none.
+  std::pair<std::ptrdiff_t, std::ptrdiff_t> span_of(std::size_t c, const Interval& interval, bool same_direction) {
+    const HalfSpace lower = same_direction ? interval.lower : interval.upper;
+    const HalfSpace upper = same_direction ? interval.upper : interval.lower;
+    const auto inside = [&](std::ptrdiff_t i, HalfSpace h) {
+      const Vertex& v = classes_.crossings.vertices[classes_.sorted[static_cast<std::size_t>(i)]];
+      return signs_.inside(v.approx, v.planes[0], v.planes[1], v.planes[2], h) != Sign::negative;
+    };
+    std::ptrdiff_t first = classes_.on_begin[c], last = classes_.on_end[c];
+    const std::ptrdiff_t end = last;
+    for (std::ptrdiff_t count = last - first; count > 0;) {  // first vertex inside `lower`
+      const std::ptrdiff_t half = count / 2;
+      if (inside(first + half, lower)) {
+        count = half;
+      } else {
+        first += half + 1;
+        count -= half + 1;
+      }
+    }
+    last = first;
+    for (std::ptrdiff_t count = end - first; count > 0;) {  // first vertex outside `upper`
+      const std::ptrdiff_t half = count / 2;
+      if (inside(last + half, upper)) {
+        last += half + 1;
+        count -= half + 1;
+      } else {
+        count = half;
+      }
+    }
+    return {first, last - 1};
   }
 
   /// Places of the left half-planes around the line's direction: the angle of n x d is the angle of n turned by 90
@@ -268,26 +311,59 @@ class GraphBuilder {
     }
   }
 
+  const LineClasses& classes_;
   const Prepared& prepared_;
   const Traces& traces_;
-  Signs& signs_;
-  Crossings crossings_;
-  UnionFind same_point_;
-  std::vector<Index> class_begin_, class_lines_, items_begin_, line_intervals_, sorted_begin_, sorted_, number_;
-  std::vector<OnLine> on_class_;
-  std::vector<Item> scratch_;
+  Signs signs_;
   std::vector<std::uint8_t> drawn_;
-  struct Member {
-    Index plane, transversal;
-  };
   std::vector<Member> members_;
   Graph graph_;
 };
 
+/// The pieces of the graph put together.
+void join(std::vector<EdgeCutter::Result>& parts, Graph& graph, ThreadLimit threads) {
+  using Part = EdgeCutter::Result;
+  const auto lines = offsets_of(parts, &Part::lines), slots = offsets_of(parts, &Part::slots),
+             edges = offsets_of(parts, &Part::edges), uses = offsets_of(parts, &Part::uses);
+  graph.lines = joined(parts, &Part::lines, threads,
+                       [&](LineClass& line, std::size_t k) { line.first_slot += static_cast<Index>(slots[k]); });
+  graph.slots = joined(parts, &Part::slots, threads, [](Slot&, std::size_t) {});
+  graph.edges = joined(parts, &Part::edges, threads, [&](Edge& edge, std::size_t k) {
+    edge.line += static_cast<Index>(lines[k]);
+    edge.first_use += static_cast<Index>(uses[k]);
+  });
+  graph.uses = joined(parts, &Part::uses, threads, [&](Use& use, std::size_t k) {
+    use.edge += static_cast<Index>(edges[k]);
+    use.slot += static_cast<Index>(slots[k]);
+  });
+  graph.outlines = joined(parts, &Part::outlines, threads,
+                          [&](OutlineMark& mark, std::size_t k) { mark.use += static_cast<Index>(uses[k]); });
+}
+
 }  // namespace
 
-Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs) {
-  return GraphBuilder{prepared, traces, signs}.run();
+Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs, ThreadLimit threads) {
+  LineClasses classes = group_lines(prepared, traces, find_crossings(prepared, traces, signs, threads));
+  const auto sorted = made_in_pieces(classes.count(), threads, [&](std::size_t first, std::size_t last) {
+    Sorter sorter{classes, signs};
+    for (std::size_t c = first; c < last; ++c) sorter.sort_along(c);
+    return std::move(sorter).result();
+  });
+  UnionFind same_point{classes.crossings.vertices.size()};
+  for (const auto& part : sorted) {
+    signs.add_counts(part.signs);
+    for (const auto& [a, b] : part.same_point) same_point.unite(a, b);
+  }
+  Graph graph;
+  graph.vertices = number_vertices(classes, std::move(same_point));
+  auto parts = made_in_pieces(classes.count(), threads, [&](std::size_t first, std::size_t last) {
+    EdgeCutter cutter{classes, signs};
+    for (std::size_t c = first; c < last; ++c) cutter.cut_into_edges(c);
+    return std::move(cutter).result();
+  });
+  for (const auto& part : parts) signs.add_counts(part.signs);
+  join(parts, graph, threads);
+  return graph;
 }
 
 std::vector<Vec> positions_of(const Prepared& prepared, const Graph& graph, ThreadLimit threads) {

@@ -25,7 +25,7 @@ std::vector<FaceMeasure> measure_faces(const Prepared& prepared, const Arrangeme
         normal = {n[0], n[1], n[2]};
       }
       const Vec3 apex = point(arrangement.loops[face.first_loop]);
-      FaceMeasure measure{0, 0, {}};
+      FaceMeasure measure{0, 0, {}, 0};
       for (Index l = face.first_loop; l < face.first_loop + face.loop_count; ++l) {
         const Index start = arrangement.loops[l];
         Index h = start;
@@ -40,6 +40,7 @@ std::vector<FaceMeasure> measure_faces(const Prepared& prepared, const Arrangeme
           a = b;
         } while (h != start);
       }
+      measure.cone = measure.area * geometry::dot(normal, apex);
       measures[f] = measure;
     }
   });

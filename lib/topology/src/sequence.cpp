@@ -32,11 +32,11 @@ std::expected<SequentialCut, CutError> SequentialCut::make(CutInput input, const
   const ThreadLimit threads{std::max(1U, options.threads)};
   CLEAVE_TRY(Prepared prepared, prepare(input));
   Signs signs{prepared.planes};
-  const Traces traces = find_traces(prepared, signs);
-  Graph graph = build_graph(prepared, traces, signs);
+  const Traces traces = find_traces(prepared, signs, threads);
+  Graph graph = build_graph(prepared, traces, signs, threads);
   if (graph.uses.size() > (std::size_t{1} << 29U)) return std::unexpected(CutError{TooLarge{"edges"}});
   std::vector<Vec> positions = positions_of(prepared, graph, threads);
-  Arrangement arrangement = arrange(prepared, traces, graph, positions, signs);
+  Arrangement arrangement = arrange(prepared, traces, graph, positions, signs, threads);
   std::vector<FaceMeasure> measures = measure_faces(prepared, arrangement, positions, threads);
   Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);
   cells.links = {};  // the blocks of each stage make their own

@@ -54,6 +54,9 @@ LatticePoint Snapper::site(geometry::Vec3 p) {
       }
     }
     if (found != nullptr) {
+      if (const double moved = length(difference(*found, site)); moved > 0 && joint_ != none) {
+        note(moved * lattice_.pitch());
+      }
       site = *found;
     } else {
       cells_[home].push_back(site);
@@ -62,6 +65,19 @@ LatticePoint Snapper::site(geometry::Vec3 p) {
   const auto [x, y, z] = lattice_.position(site);
   largest_move_ = std::max({largest_move_, std::abs(x - p.x), std::abs(y - p.y), std::abs(z - p.z)});
   return site;
+}
+
+SnappedJoint& Snapper::note(double moved_m) {
+  largest_move_ = std::max(largest_move_, moved_m);
+  SnappedJoint& entry = changed_.try_emplace(joint_, SnappedJoint{JointId{joint_}, metres(0), false, 0}).first->second;
+  entry.moved = std::max(entry.moved, metres(moved_m));
+  return entry;
+}
+
+std::vector<SnappedJoint> Snapper::changed() const {
+  std::vector<SnappedJoint> all;
+  for (const auto& [joint, entry] : changed_) all.push_back(entry);
+  return all;
 }
 
 double Snapper::distance_sites(const Plane& plane, LatticePoint p) const {
@@ -127,7 +143,7 @@ void Snapper::merge_plane(LatticePolygon& polygon) {
     polygon.along = same ? earlier.along : LatticePoint{} - earlier.along;
     polygon.exactly_planar = false;
     ++merged_planes_;
-    largest_move_ = std::max(largest_move_, furthest * lattice_.pitch());
+    note(furthest * lattice_.pitch()).plane_merged = true;
     break;
   }
   surfaces_.push_back(polygon);
@@ -185,8 +201,7 @@ std::vector<std::optional<HalfSpace>> Snapper::adopt_edges(
       const auto [number, same] = number_of(other.plane);
       adopted[i] = HalfSpace{number, positive == same};
       ++adopted_edges_;
-      largest_move_ = std::max({largest_move_, distance_sites(other.plane, a) * lattice_.pitch(),
-                                distance_sites(other.plane, b) * lattice_.pitch()});
+      ++note(std::max(distance_sites(other.plane, a), distance_sites(other.plane, b)) * lattice_.pitch()).adopted_edges;
       break;
     }
   }

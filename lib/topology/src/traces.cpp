@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <iterator>
 #include <optional>
+#include <span>
 
+#include "detail/pieces.hpp"
 #include "detail/position.hpp"
 #include "detail/stages.hpp"
 
@@ -57,22 +59,35 @@ class Clipper {
   std::optional<End> lower_, upper_;
 };
 
-/// Pairs of facets on different planes whose boxes meet, by a sweep along x.
-template <class Visit>
-void for_each_candidate(const Prepared& prepared, Visit&& visit) {
-  const auto& facets = prepared.facets;
-  std::vector<Index> order(facets.size());
-  std::iota(order.begin(), order.end(), Index{0});
-  std::ranges::sort(order, [&](Index a, Index b) {
-    return facets[a].lo[0] < facets[b].lo[0] || (facets[a].lo[0] == facets[b].lo[0] && a < b);
+/// The box of a facet, for the sweep.
+struct Boxed {
+  Vec lo, hi;
+  Index plane, facet;
+};
+
+/// By where they begin along x.
+std::vector<Boxed> boxes_along_x(const Prepared& prepared) {
+  std::vector<Boxed> boxes;
+  boxes.reserve(prepared.facets.size());
+  for (const Facet& f : prepared.facets) {
+    boxes.push_back({f.lo, f.hi, f.plane, static_cast<Index>(boxes.size())});
+  }
+  std::ranges::sort(boxes, [](const Boxed& a, const Boxed& b) {
+    return a.lo[0] < b.lo[0] || (!(b.lo[0] < a.lo[0]) && a.facet < b.facet);
   });
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const Facet& f = facets[order[i]];
-    for (std::size_t j = i + 1; j < order.size() && facets[order[j]].lo[0] <= f.hi[0]; ++j) {
-      const Facet& g = facets[order[j]];
+  return boxes;
+}
+
+/// Pairs of facets on different planes whose boxes meet, the first one of [first, last) in the order along x.
+template <class Visit>
+void for_each_candidate(const std::vector<Boxed>& boxes, std::size_t first, std::size_t last, const Visit& visit) {
+  for (std::size_t i = first; i < last; ++i) {
+    const Boxed& f = boxes[i];
+    for (std::size_t j = i + 1; j < boxes.size() && boxes[j].lo[0] <= f.hi[0]; ++j) {
+      const Boxed& g = boxes[j];
       if (f.plane == g.plane || f.lo[1] > g.hi[1] || g.lo[1] > f.hi[1] || f.lo[2] > g.hi[2] || g.lo[2] > f.hi[2])
         continue;
-      visit(order[i], order[j]);
+      visit(f.facet, g.facet);
     }
   }
 }
@@ -92,6 +107,138 @@ bool apart(const Prepared& prepared, const Facet& f, const exact::Plane& plane) 
   return above || below;
 }
 
+/// An interval with the planes of its line.
+struct Found {
+  Index p, q;
+  Interval interval;
+};
+
+class Tracer {
+ public:
+  Tracer(const Prepared& prepared, const Signs& signs) : prepared_{prepared}, signs_{signs.another()} {}
+
+  void trace(Index i, Index j) {
+    const Facet &f = prepared_.facets[i], &g = prepared_.facets[j];
+    const Index p = std::min(f.plane, g.plane), q = std::max(f.plane, g.plane);
+    if (apart(prepared_, f, signs_.plane(g.plane)) || apart(prepared_, g, signs_.plane(f.plane))) return;
+    const LineApprox line = exact::line_of(signs_.plane(p), signs_.plane(q));
+    constexpr double parallel_bound = 0x1p-46;  // > 48 u, the error of the direction's components
+    if (std::abs(line.m[0]) < parallel_bound && std::abs(line.m[1]) < parallel_bound &&
+        std::abs(line.m[2]) < parallel_bound && signs_.plane(p).parallel_to(signs_.plane(q))) {
+      return;
+    }
+    Clipper clipper{signs_, p, q, line};
+    if (!cut_by_edges(clipper, f, none) || !cut_by_edges(clipper, g, none)) return;
+    if (clipper.any()) add(p, q, clipper, blank);
+  }
+
+  /// The sides of all facets of a plane.
+  void outline(Index plane) {
+    for (Index k = prepared_.facets_begin[plane]; k < prepared_.facets_begin[plane + std::size_t{1}]; ++k) {
+      const Index number = prepared_.facets_on[k];
+      const Facet& f = prepared_.facets[number];
+      for (Index e = f.first_edge; e < f.first_edge + f.edge_count; ++e) {
+        const HalfSpace edge = prepared_.edges[e];
+        if (edge.plane == plane || signs_.plane(edge.plane).parallel_to(signs_.plane(plane)))
+          continue;  // cuts all of it or nothing
+        const Index a = std::min(plane, edge.plane), b = std::max(plane, edge.plane);
+        const LineApprox line = exact::line_of(signs_.plane(a), signs_.plane(b));
+        Clipper clipper{signs_, a, b, line};
+        if (!cut_by_edges(clipper, f, e) || !clipper.any()) continue;
+        Interval side = blank;
+        side.outline_of = number;
+        side.inside_positive = edge.inside_positive;
+        side.edge_plane = edge.plane;
+        add(a, b, clipper, side);
+      }
+    }
+  }
+
+  struct Result {
+    std::vector<Found> found;
+    Signs signs;
+  };
+  [[nodiscard]] Result result() && { return {std::move(found_), signs_}; }
+
+ private:
+  static constexpr HalfSpace nowhere{none, true};
+  static constexpr Interval blank{none, nowhere, nowhere, none, true, none, {}, {}};
+
+  bool cut_by_edges(Clipper& clipper, const Facet& f, Index skip) const {
+    for (Index e = f.first_edge; e < f.first_edge + f.edge_count; ++e) {
+      if (e != skip && !clipper.cut(prepared_.edges[e])) return false;
+    }
+    return true;
+  }
+  void add(Index p, Index q, const Clipper& clipper, Interval interval) {
+    interval.lower = clipper.lower().half_space;
+    interval.upper = clipper.upper().half_space;
+    interval.from = clipper.position(clipper.lower());
+    interval.to = clipper.position(clipper.upper());
+    found_.push_back({p, q, interval});
+  }
+
+  const Prepared& prepared_;
+  Signs signs_;
+  std::vector<Found> found_;
+};
+
+/// Planes with several facets: their faces are covered here and not there, so the outlines are drawn too.
+std::vector<std::uint8_t> planes_with_outlines(const Prepared& prepared) {
+  std::vector<std::uint8_t> with_outlines(prepared.facet_planes, 0);
+  for (Index p = 0; p < prepared.facet_planes; ++p) {
+    const Index first = prepared.facets_begin[p], last = prepared.facets_begin[p + std::size_t{1}];
+    const bool joint = prepared.facets[prepared.facets_on[first]].owner == Owner::joint;
+    with_outlines[p] = last - first >= 2 || (prepared.keep_dangling && joint) ? 1 : 0;
+  }
+  return with_outlines;
+}
+
+/// Sorts by the planes of the lines, those of one line as they were found, and numbers the lines.
+void sort_into(Traces& out, const std::vector<Tracer::Result>& results, const Prepared& prepared, ThreadLimit threads) {
+  struct Place {
+    Index q;
+    const Interval* interval;
+  };
+  std::vector<Index> begin(prepared.facet_planes + std::size_t{1}, 0);  // by p, which is always a facet plane
+  for (const auto& result : results) {
+    for (const Found& f : result.found) ++begin[f.p + std::size_t{1}];
+  }
+  begin_from_counts(begin);
+  std::vector<Place> places(begin.back());
+  auto next = begin;
+  for (const auto& result : results) {
+    for (const Found& f : result.found) places[next[f.p]++] = {f.q, &f.interval};
+  }
+  constexpr std::size_t grain = 16;
+  out.lines_begin.assign(prepared.planes.size() + 1, 0);
+  in_pieces(prepared.facet_planes, grain, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t p = first; p < last; ++p) {
+      const std::span own = std::span{places}.subspan(begin[p], begin[p + 1] - begin[p]);
+      std::ranges::stable_sort(own, {}, &Place::q);
+      for (std::size_t k = 0; k < own.size(); ++k)
+        out.lines_begin[p + 1] += k == 0 || own[k].q != own[k - 1].q ? 1U : 0U;
+    }
+  });
+  begin_from_counts(out.lines_begin);
+  out.lines.resize(out.lines_begin.back());
+  out.intervals.resize(places.size());
+  in_pieces(prepared.facet_planes, grain, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t p = first; p < last; ++p) {
+      Index line = out.lines_begin[p];
+      for (Index k = begin[p]; k < begin[p + 1]; ++k) {
+        const Index q = places[k].q;
+        if (k > begin[p] && q != places[k - 1].q) ++line;
+        if (k == begin[p] || q != places[k - 1].q) {
+          out.lines[line] = {static_cast<Index>(p), q, exact::line_of(prepared.planes[p], prepared.planes[q])};
+        }
+        out.intervals[k] = *places[k].interval;
+        out.intervals[k].line = line;
+      }
+    }
+  });
+}
+
 }  // namespace
 
 Index Traces::find_line(Index p, Index q) const {
@@ -102,87 +249,25 @@ Index Traces::find_line(Index p, Index q) const {
   return found != last && found->q == q ? static_cast<Index>(found - lines.begin()) : none;
 }
 
-Traces find_traces(const Prepared& prepared, Signs& signs) {
-  struct Raw {
-    Index p, q;
-    Interval interval;
-  };
-  std::vector<Raw> raw;
-  const auto& facets = prepared.facets;
-  const auto cut_by_edges = [&](Clipper& clipper, const Facet& f, Index skip) {
-    for (Index e = f.first_edge; e < f.first_edge + f.edge_count; ++e) {
-      if (e != skip && !clipper.cut(prepared.edges[e])) return false;
-    }
-    return true;
-  };
-  const auto add = [&](Index p, Index q, Clipper& clipper, Interval interval) {
-    interval.lower = clipper.lower().half_space;
-    interval.upper = clipper.upper().half_space;
-    interval.from = clipper.position(clipper.lower());
-    interval.to = clipper.position(clipper.upper());
-    raw.push_back({p, q, interval});
-  };
-  constexpr HalfSpace nowhere{none, true};
-  const Interval trace{none, nowhere, nowhere, none, true, none, {}, {}};
-
-  for_each_candidate(prepared, [&](Index i, Index j) {
-    const Facet &f = facets[i], &g = facets[j];
-    const Index p = std::min(f.plane, g.plane), q = std::max(f.plane, g.plane);
-    if (apart(prepared, f, signs.plane(g.plane)) || apart(prepared, g, signs.plane(f.plane))) return;
-    const LineApprox line = exact::line_of(signs.plane(p), signs.plane(q));
-    constexpr double parallel_bound = 0x1p-46;  // > 48 u, the error of the direction's components
-    if (std::abs(line.m[0]) < parallel_bound && std::abs(line.m[1]) < parallel_bound &&
-        std::abs(line.m[2]) < parallel_bound && signs.plane(p).parallel_to(signs.plane(q))) {
-      return;
-    }
-    Clipper clipper{signs, p, q, line};
-    if (!cut_by_edges(clipper, f, none) || !cut_by_edges(clipper, g, none)) return;
-    if (clipper.any()) add(p, q, clipper, trace);
+Traces find_traces(const Prepared& prepared, Signs& signs, ThreadLimit threads) {
+  const std::vector<Boxed> boxes = boxes_along_x(prepared);
+  std::vector<Tracer::Result> results = made_in_pieces(boxes.size(), threads, [&](std::size_t first, std::size_t last) {
+    Tracer tracer{prepared, signs};
+    for_each_candidate(boxes, first, last, [&](Index i, Index j) { tracer.trace(i, j); });
+    return std::move(tracer).result();
   });
-
-  // Planes with several facets: their faces are covered here and not there, so the outlines are drawn too.
   Traces out;
-  out.with_outlines.assign(prepared.facet_planes, 0);
-  for (Index p = 0; p < prepared.facet_planes; ++p) {
-    const Index first = prepared.facets_begin[p], last = prepared.facets_begin[p + std::size_t{1}];
-    const bool joint = prepared.facets[prepared.facets_on[first]].owner == Owner::joint;
-    if (last - first < 2 && !(prepared.keep_dangling && joint)) continue;
-    out.with_outlines[p] = 1;
-    for (Index k = first; k < last; ++k) {
-      const Index number = prepared.facets_on[k];
-      const Facet& f = facets[number];
-      for (Index e = f.first_edge; e < f.first_edge + f.edge_count; ++e) {
-        const HalfSpace edge = prepared.edges[e];
-        if (edge.plane == p || signs.plane(edge.plane).parallel_to(signs.plane(p)))
-          continue;  // cuts all of it or nothing
-        const Index a = std::min(p, edge.plane), b = std::max(p, edge.plane);
-        const LineApprox line = exact::line_of(signs.plane(a), signs.plane(b));
-        Clipper clipper{signs, a, b, line};
-        if (!cut_by_edges(clipper, f, e) || !clipper.any()) continue;
-        Interval outline = trace;
-        outline.outline_of = number;
-        outline.inside_positive = edge.inside_positive;
-        outline.edge_plane = edge.plane;
-        add(a, b, clipper, outline);
-      }
+  out.with_outlines = planes_with_outlines(prepared);
+  auto outlines = made_in_pieces(prepared.facet_planes, threads, [&](std::size_t first, std::size_t last) {
+    Tracer tracer{prepared, signs};
+    for (std::size_t p = first; p < last; ++p) {
+      if (out.with_outlines[p] != 0) tracer.outline(static_cast<Index>(p));
     }
-  }
-
-  std::vector<Index> order(raw.size());
-  std::iota(order.begin(), order.end(), Index{0});
-  std::ranges::stable_sort(
-      order, [&](Index a, Index b) { return raw[a].p < raw[b].p || (raw[a].p == raw[b].p && raw[a].q < raw[b].q); });
-  out.intervals.reserve(raw.size());
-  for (const Index r : order) {
-    if (out.lines.empty() || out.lines.back().p != raw[r].p || out.lines.back().q != raw[r].q) {
-      out.lines.push_back({raw[r].p, raw[r].q, exact::line_of(signs.plane(raw[r].p), signs.plane(raw[r].q))});
-    }
-    out.intervals.push_back(raw[r].interval);
-    out.intervals.back().line = static_cast<Index>(out.lines.size() - 1);
-  }
-  out.lines_begin.assign(prepared.planes.size() + 1, 0);
-  for (const Line& line : out.lines) ++out.lines_begin[line.p + std::size_t{1}];
-  for (std::size_t i = 1; i < out.lines_begin.size(); ++i) out.lines_begin[i] += out.lines_begin[i - 1];
+    return std::move(tracer).result();
+  });
+  results.insert(results.end(), std::move_iterator{outlines.begin()}, std::move_iterator{outlines.end()});
+  for (const auto& result : results) signs.add_counts(result.signs);
+  sort_into(out, results, prepared, threads);
   return out;
 }
 

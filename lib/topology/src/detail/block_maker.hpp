@@ -90,6 +90,7 @@ class BlockMaker final {
   std::vector<Index>& place_;
   MadeBlocks& out_;
 
+  bool any_internal_ = false;      ///< some edge of the plane faces is none of the block
   std::vector<Index> members_;     ///< half-faces of the block by face
   std::vector<Index> face_begin_;  ///< first member of each face
   std::vector<Index> group_;       ///< of each half-face: its face (while grouping: union-find)

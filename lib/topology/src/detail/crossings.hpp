@@ -20,6 +20,7 @@ struct Crossings {
   std::vector<OnLine> on_lines;
   UnionFind coaxial;  ///< of lines
 };
-[[nodiscard]] Crossings find_crossings(const Prepared& prepared, const Traces& traces, Signs& signs);
+[[nodiscard]] Crossings find_crossings(const Prepared& prepared, const Traces& traces, Signs& signs,
+                                       ThreadLimit threads);
 
 }  // namespace cleave::topology::detail

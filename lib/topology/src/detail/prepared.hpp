@@ -7,6 +7,7 @@
 
 #include "cleave/exact/lattice.hpp"
 #include "cleave/exact/plane.hpp"
+#include "cleave/topology/block_complex.hpp"
 #include "cleave/topology/cut.hpp"
 
 /// Stage 1 of the cutter: the input on the lattice, as distinct planes and convex facets on them.
@@ -55,6 +56,7 @@ struct Prepared {
   bool windowed = false;
   double largest_snap = 0;  ///< m
   std::uint64_t merged_planes = 0, adopted_edges = 0;
+  std::vector<SnappedJoint> snapped;
   std::vector<Index> outside;  ///< joints whose box misses the domain's
   Index joint_count = 0, excavation_count = 0;
   bool keep_dangling = false;  ///< draw the outlines of all joints

@@ -10,10 +10,18 @@
 
 namespace cleave::topology::detail {
 
-/// Exact signs for planes by number: filter first, integers when it cannot decide; counts both.
+/// Exact signs for planes by number: filter first, integers when it cannot decide; counts both. Not for several threads
+/// at once: each takes one of its own (`another`), and the counts are added up afterwards.
 class Signs final {
  public:
   explicit Signs(std::span<const exact::Plane> planes) noexcept : planes_{planes} {}
+
+  /// For the same planes, with nothing counted.
+  [[nodiscard]] Signs another() const noexcept { return Signs{planes_}; }
+  void add_counts(const Signs& other) noexcept {
+    calls_ += other.calls_;
+    exact_ += other.exact_;
+  }
 
   [[nodiscard]] const exact::Plane& plane(Index p) const noexcept { return planes_[p]; }
 
@@ -22,6 +30,8 @@ class Signs final {
     ++calls_;
     if (const auto sign = exact::det3_filtered(point)) return *sign;
     ++exact_;
+    // Nearly always two of them are parallel, and two equal normals tell that faster than a determinant.
+    if (planes_[q].parallel_to(planes_[r]) || planes_[p].parallel_to(planes_[r])) return exact::Sign::zero;
     return exact::det3_exact(planes_[p], planes_[q], planes_[r]);
   }
   [[nodiscard]] exact::Sign det3(Index p, Index q, Index r) noexcept {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -28,6 +29,8 @@ class Snapper final {
 
   [[nodiscard]] bool active() const noexcept { return distance_ > 0; }
   [[nodiscard]] exact::LatticePoint site(geometry::Vec3 p);
+  /// From here on moves are put down to this joint.
+  void begin_joint(Index joint) noexcept { joint_ = joint; }
   /// A surface that later polygons may snap to.
   void remember(const LatticePolygon& polygon);
   void remember(const exact::Plane& persistent);
@@ -40,6 +43,8 @@ class Snapper final {
       const LatticePolygon& polygon, const std::function<std::pair<Index, bool>(const exact::Plane&)>& number_of);
 
   [[nodiscard]] double largest_move() const noexcept { return largest_move_; }
+  /// The joints that were changed, by number.
+  [[nodiscard]] std::vector<SnappedJoint> changed() const;
   [[nodiscard]] std::uint64_t merged_planes() const noexcept { return merged_planes_; }
   [[nodiscard]] std::uint64_t adopted_edges() const noexcept { return adopted_edges_; }
 
@@ -54,6 +59,9 @@ class Snapper final {
   /// Numbers of the surfaces near a box, persistent ones too, ascending.
   [[nodiscard]] std::vector<std::size_t> near(const geometry::Bounds& box) const;
 
+  /// Puts a move down to the joint in hand.
+  SnappedJoint& note(double moved_m);
+
   exact::Lattice lattice_;
   double distance_;                                                             ///< m
   double distance_sites_;                                                       ///< lattice sites
@@ -63,6 +71,8 @@ class Snapper final {
   std::vector<std::size_t> boxed_;        ///< which surface each box is of
   std::vector<geometry::Bounds> boxes_;
   std::unique_ptr<geometry::BoxTree> tree_;  ///< over `boxes_`
+  Index joint_ = none;
+  std::map<Index, SnappedJoint> changed_;
   double largest_move_ = 0;
   std::uint64_t merged_planes_ = 0, adopted_edges_ = 0;
 };

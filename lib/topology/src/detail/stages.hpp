@@ -38,7 +38,7 @@ struct Traces {
   std::vector<std::uint8_t> with_outlines;  ///< facet planes whose faces may be only partly covered
   [[nodiscard]] Index find_line(Index p, Index q) const;
 };
-[[nodiscard]] Traces find_traces(const Prepared& prepared, Signs& signs);
+[[nodiscard]] Traces find_traces(const Prepared& prepared, Signs& signs, ThreadLimit threads);
 
 // ---- Stage 3 and 4: vertices and edges -----------------------------------------------------------------------------
 
@@ -86,7 +86,7 @@ struct Graph {
   std::vector<Use> uses;              ///< uses of one edge are neighbours
   std::vector<OutlineMark> outlines;  ///< sorted by use
 };
-[[nodiscard]] Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs);
+[[nodiscard]] Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs, ThreadLimit threads);
 
 // ---- Stage 5: faces of each plane ----------------------------------------------------------------------------------
 
@@ -107,13 +107,15 @@ struct Arrangement {
   std::vector<Index> covers;
 };
 [[nodiscard]] Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph& graph,
-                                  const std::vector<Vec>& positions, Signs& signs);
+                                  const std::vector<Vec>& positions, Signs& signs, ThreadLimit threads);
 
 /// Measures of one plane face: area (units^2), perimeter (at least; units), and three times the first moment of area
-/// about the start of its first loop (units^3); a unit is 2^48 sites.
+/// about the start of its first loop, and three times the volume of the cone over it from the origin (units^3); a unit
+/// is 2^48 sites.
 struct FaceMeasure {
   double area, perimeter;
   geometry::Vec3 moment3;
+  double cone;
 };
 [[nodiscard]] std::vector<FaceMeasure> measure_faces(const Prepared& prepared, const Arrangement& arrangement,
                                                      const std::vector<Vec>& positions, ThreadLimit threads);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -24,6 +25,29 @@ class UnionFind final {
     b = find(b);
     if (a > b) std::swap(a, b);
     parent_[b] = a;
+  }
+
+  /// The same for several threads at once, which call nothing else meanwhile. The sets and who stands for them are the
+  /// same in the end, whatever the order.
+  void unite_shared(Index a, Index b) noexcept {
+    for (;;) {
+      a = find_shared(a);
+      b = find_shared(b);
+      if (a == b) return;
+      if (a > b) std::swap(a, b);
+      // Only who stands for a set is hung into another one, so nobody else's union is lost.
+      Index expected = b;
+      if (std::atomic_ref{parent_[b]}.compare_exchange_strong(expected, a, std::memory_order_relaxed)) return;
+    }
+  }
+  [[nodiscard]] Index find_shared(Index a) noexcept {
+    for (;;) {
+      const Index above = std::atomic_ref{parent_[a]}.load(std::memory_order_relaxed);
+      if (above == a) return a;
+      const Index next = std::atomic_ref{parent_[above]}.load(std::memory_order_relaxed);
+      if (next != above) std::atomic_ref{parent_[a]}.store(next, std::memory_order_relaxed);  // a shorter way up
+      a = next;
+    }
   }
 
  private:

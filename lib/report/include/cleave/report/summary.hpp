@@ -32,11 +32,20 @@ struct CostTable {
   std::vector<CostRow> stages;
 };
 
+/// What the scene's `snap` changed of one joint.
+struct SnappedRow {
+  std::uint64_t joint = 0;
+  double moved_m = 0;
+  bool plane_merged = false;
+  std::uint64_t edges_adopted = 0;
+};
+
 struct InputFigures {
   std::uint64_t joints = 0;
   double lattice_pitch_m = 0;
   double largest_snap_m = 0;
   std::uint64_t merged_planes = 0;
+  std::vector<SnappedRow> snapped = {};  ///< written when there are any
 };
 
 /// What can be counted of the blocks themselves.

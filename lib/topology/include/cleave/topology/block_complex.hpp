@@ -95,16 +95,25 @@ struct Dangling {
   std::uint64_t joints = 0, isolated_joints = 0;  ///< with at least one piece; of those, isolated
 };
 
+/// What CutInput::snap changed of a joint.
+struct SnappedJoint {
+  JointId joint;
+  Length moved;       ///< the farthest that a corner, or a corner of a side, was from where it is now meant to be
+  bool plane_merged;  ///< one of its polygons took an earlier polygon's plane
+  std::uint32_t adopted_edges;  ///< sides that now end on another polygon's plane
+};
+
 /// Facts about the run of the cutter.
 struct CutReport {
   double lattice_pitch_m = 0;
   double largest_snap_m = 0;
-  std::uint64_t merged_planes = 0;   ///< by `snap`
-  std::uint64_t adopted_edges = 0;   ///< by `snap`
-  std::uint64_t joints_outside = 0;  ///< joints that do not meet the domain
-  std::vector<JointId> outside;      ///< which
-  std::vector<JointId> dangling;     ///< joints no piece of which separates two blocks
-  std::uint64_t intersections = 0;   ///< pairs of facets (of joints and solids) that meet in a segment or a point
+  std::uint64_t merged_planes = 0;    ///< by `snap`
+  std::uint64_t adopted_edges = 0;    ///< by `snap`
+  std::vector<SnappedJoint> snapped;  ///< all joints that `snap` changed, by number
+  std::uint64_t joints_outside = 0;   ///< joints that do not meet the domain
+  std::vector<JointId> outside;       ///< which
+  std::vector<JointId> dangling;      ///< joints no piece of which separates two blocks
+  std::uint64_t intersections = 0;    ///< pairs of facets (of joints and solids) that meet in a segment or a point
   std::uint64_t predicate_calls = 0;
   std::uint64_t predicate_exact = 0;  ///< of those, how many the filter could not decide
 };
