@@ -145,23 +145,6 @@ std::string key_blocks_csv(const topology::BlockComplex& complex, const stabilit
   return out;
 }
 
-std::string removal_csv(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
-  std::string out{"order,batch,block,volume_m3,x,y,z\n"};
-  std::size_t order = 0;
-  for (const stability::Batch& batch : analysis.batches) {
-    for (const topology::BlockId id : batch.blocks) {
-      const topology::Block& block = complex.blocks()[id];
-      out += std::to_string(++order) + ',' + std::to_string(batch.number) + ',' + std::to_string(id.value());
-      for (const double value : {block.volume.si(), block.centroid.x, block.centroid.y, block.centroid.z}) {
-        out += ',';
-        append_number(out, value);
-      }
-      out += '\n';
-    }
-  }
-  return out;
-}
-
 std::string support_blocks_csv(std::span<const NamedSupport> cases) {
   std::string out{
       "case,block,mode,target,net_force_n,factor_of_safety,held_by,bolts,factor_with_bolts,factor_with_shotcrete,"

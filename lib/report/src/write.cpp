@@ -281,7 +281,6 @@ std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& res
   if (!result.maximum_blocks.empty()) {
     CLEAVE_CHECK(write_file(folder / "maximum_blocks.csv", maximum_blocks_csv(maximum_rows(result))));
   }
-  CLEAVE_CHECK(write_file(folder / "removal.csv", removal_csv(*complex, *result.analysis)));
   return write_file(folder / "key_blocks.csv", key_blocks_csv(*complex, *result.analysis, support));
 }
 

@@ -45,10 +45,6 @@ inline constexpr std::string_view key_blocks_supported_header =
 /// takes most.
 [[nodiscard]] std::string bolts_csv(const stability::SupportResult& support, std::span<const std::string> groups);
 
-/// removal.csv: the blocks that leave in the order in which they are to be taken out to repeat the batches (those of
-/// one batch leave together, so among them the order is that of their numbers).
-[[nodiscard]] std::string removal_csv(const topology::BlockComplex& complex, const stability::Analysis& analysis);
-
 struct NamedSupport {
   std::string_view name;                    ///< of the load case; "base"
   const stability::SupportResult* support;  ///< not null
