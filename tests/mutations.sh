@@ -3,6 +3,7 @@
 # Prints what killed each; fails when one survives.
 #
 #   tests/mutations.sh [PATTERN]      only the mutations whose name matches (grep -E)
+#   tests/mutations.sh --check        only looks whether every mutation still has a place in the sources; a test does so
 #
 # Stored hashes do not count: they notice every change, right or wrong.
 # The copy is kept in build/mutations, so that a second run compiles only what a mutation touches.
@@ -11,7 +12,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 work=$root/build/mutations
 copy=$work/source
 pattern=${1:-.}
-mkdir -p "$copy"
+[[ $pattern == --check ]] || mkdir -p "$copy"
 
 python3 - "$copy" "$work" "$root" "$pattern" <<'PYTHON'
 import os, re, shutil, subprocess, sys
@@ -27,6 +28,12 @@ for group in re.split(r"\n\s*\n", "\n".join(lines).strip("\n")):
         sys.exit("error: tests/mutations.list: three lines make a mutation, not:\n" + group)
     name, path, programs = (part.strip() for part in rows[0].split("|"))
     mutations.append((name, path, programs.split(), rows[1].replace("\\n", "\n"), rows[2].replace("\\n", "\n")))
+if pattern == "--check":
+    lost = [m for m in mutations if open(os.path.join(root, m[1])).read().count(m[3]) != 1]
+    for name, path, *_ in lost:
+        print("error: %s: the text of '%s' does not occur once" % (path, name))
+    print("%d mutations, %d without a place" % (len(mutations), len(lost)))
+    sys.exit(1 if lost else 0)
 chosen = [m for m in mutations if re.search(pattern, m[0])]
 if not chosen:
     sys.exit("error: no mutation matches " + repr(pattern))

@@ -5,6 +5,7 @@ Blocks are drawn in muted colours by number (or by a cell array), moved apart fr
 the faces on the sides of the whole are left open, so that one looks at the openings within. Needs Debian's python3-vtk9; without a
 display run it by xvfb-run.
 """
+import collections
 import colorsys
 import sys
 
@@ -49,6 +50,16 @@ def main():
         for k in range(3):
             m[k] += (b[2 * k] + b[2 * k + 1]) / 2
         m[3] += 1
+    faces_of_block = collections.Counter()
+
+    def place(number, corners):
+        return number, frozenset(tuple(round(v, 6) for v in x) for x in corners)
+
+    for c in range(grid.GetNumberOfCells()):
+        cell = grid.GetCell(c)
+        for f in range(cell.GetNumberOfFaces()):
+            p = cell.GetFace(f).GetPoints()
+            faces_of_block[place(int(block.GetValue(c)), [p.GetPoint(k) for k in range(p.GetNumberOfPoints())])] += 1
     for c in range(grid.GetNumberOfCells()):
         number = int(block.GetValue(c))
         m = middle[block.GetValue(c)]
@@ -74,6 +85,8 @@ def main():
                 q = (p + 1) % len(corners)
                 key = (min(numbers[p], numbers[q]), max(numbers[p], numbers[q]))
                 normals.setdefault(key, []).append((normal, corners[p], corners[q]))
+            if faces_of_block[place(number, corners)] > 1:
+                continue  # between two cells of one block
             if bare and any(all(abs(x[k // 2] - bounds[k]) < 1e-6 for x in corners) for k in range(6)):
                 continue
             for x in corners:

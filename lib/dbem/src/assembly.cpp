@@ -234,7 +234,8 @@ const JointLaw& World::Impl::law_of(const Touch& t) const {
 }
 
 ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Island& island, const Rows& rows,
-                                       const State& before, const State& free, double step) const {
+                                       const State& before, const State& free, double step,
+                                       std::vector<Vec2>& viscous) const {
   const double theta = island.theta;
   const std::size_t m = island.touches.size();
   ContactProblem problem;
@@ -244,6 +245,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   problem.cohesion.resize(m);
   problem.tension.resize(m);
   problem.start.resize(m);
+  viscous.resize(m);
   double softest = 0;
   for (const std::size_t at : problem.w.diagonal) softest = std::max(softest, problem.w.values[at].xx);
   for (std::size_t k = 0; k < m; ++k) {
@@ -256,17 +258,17 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     const Vec2 force = warm ? known->force : Vec2{};
     bem::Mat2& diagonal = problem.w.values[problem.w.diagonal[k]];
     // Clamped on both sides (shapes vanish there but for rounding): nothing can move, no force is felt.
-    const bool immovable = diagonal.xx <= 1e-20 * softest;
-    if (immovable) diagonal = {softest, 0, 0, softest};
+    const bool immovable = diagonal.xx <= 1e-20 * softest || diagonal.yy <= 1e-20 * softest;
+    if (immovable) {
+      const double any = softest > 0 ? softest : 1.0;
+      diagonal = {any, 0, 0, any};
+    }
     diagonal.xx *= 1 + options.regularisation;
     diagonal.yy *= 1 + options.regularisation;
     const bem::Mat2 plain = diagonal;
     Vec2& b = problem.b[k];
     b = velocity_of(rows, k, free);
     const Vec2 old = velocity_of(rows, k, before);
-    if (diagonal.xx <= 0 || diagonal.yy <= 0) {  // neither body can give way here
-      diagonal.xx = diagonal.yy = std::max({diagonal.xx, diagonal.yy, 1e-12});
-    }
     if (law.compliance > 0) {
       // A spring in the joint: its shortening at the end of the step carries the force then.
       const double soft = law.compliance / (step * step * theta);
@@ -274,7 +276,10 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
       diagonal.yy += soft;
       b += (1 / theta) * (Vec2{touch.gap, -law.compliance * force.y} / step + (1 - theta) * old);
     } else if (old.x < -1e-6 && touch.gap + step * old.x <= 0 && law.restitution > 0) {
-      b.x += law.restitution * old.x;
+      // Away at e times the speed of approach, less what the loads take in the rest of the step: bouncing gains
+      // nothing.
+      const double away = -island.rebound * law.restitution * old.x + std::min(0.0, b.x - old.x);
+      b.x -= std::max(away, 0.0);
     } else {
       // Gaps of rounding size count as closed: a pile at rest sees the same problem every step.
       b.x += std::max(touch.gap - contact_depth * feature, 0.0) / step;
@@ -285,8 +290,9 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     problem.tension[k] = bond != nullptr ? bond->tension * step : 0.0;
     problem.start[k] = step * force;
     // Regularised about the forces of the step before: a load that stays makes nothing creep.
-    const double viscous = options.regularisation / (1 + options.regularisation);
-    b += -viscous * step * Vec2{plain.xx * force.x, plain.yy * force.y};
+    const double share = options.regularisation / (1 + options.regularisation);
+    viscous[k] = share * Vec2{plain.xx, plain.yy};
+    b += -step * Vec2{viscous[k].x * force.x, viscous[k].y * force.y};
     if (immovable) {
       b = {};
       problem.start[k] = {};
@@ -348,13 +354,15 @@ void World::Impl::free_motion(const State& before, const std::vector<double>& th
   }
 }
 
-void World::Impl::mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step) const {
+void World::Impl::mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step,
+                               const std::vector<std::uint8_t>& implicit) const {
   for (Island& island : islands) {
     const Rows rows = rows_of(list, island, state);
     for (std::size_t k = 0; k < island.touches.size() && !island.impact; ++k) {
       const double closing = velocity_of(rows, k, state).x;
       island.impact = closing < -1e-6 && list[island.touches[k]].gap + step * closing <= 0;
     }
+    for (const std::uint32_t b : island.bodies) island.impact = island.impact || implicit[b] != 0;
     island.theta = island.impact || options.quasi_static ? 1.0 : 0.5;
   }
 }

@@ -102,7 +102,8 @@ void World::Impl::find(const State& at, const std::vector<Vec2>& all, const std:
     if (rate > 0) longest = std::min(longest, std::max(distance, 0.25 * feature) / rate);
     const double margin = rate * step + 1e-6 * feature;
     if (distance > margin) continue;
-    find_touches(placed(all, box, a), placed(all, box, b), margin, 1e-5 * feature, drift(at, {a, 0, b, 0}, step), out);
+    find_touches(placed(all, box, a), placed(all, box, b), {margin, std::max(margin, 0.3 * feature), 1e-5 * feature},
+                 drift(at, {a, 0, b, 0}, step), out);
   }
 }
 

@@ -13,7 +13,8 @@ void BlockMatrix::add_product(const std::vector<Vec2>& x, std::vector<Vec2>& y) 
   }
 }
 
-MapEvaluator::MapEvaluator(const ContactProblem& problem, double soft) : problem_{&problem}, soft_{soft} {
+MapEvaluator::MapEvaluator(const ContactProblem& problem, double soft, std::span<const Vec2> centre)
+    : problem_{&problem}, soft_{soft}, centre_{centre} {
   r_.resize(problem.contacts());
   for (std::size_t k = 0; k < r_.size(); ++k) {
     const bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
@@ -34,7 +35,8 @@ void MapEvaluator::evaluate(const std::vector<Vec2>& p, NaturalMap& map) const {
   for (std::size_t k = 0; k < m; ++k) {
     if (soft_ > 0) {
       const bem::Mat2& d = problem_->w.values[problem_->w.diagonal[k]];
-      map.y[k] += soft_ * Vec2{d.xx * p[k].x, d.yy * p[k].y};
+      const Vec2 off = centre_.empty() ? p[k] : p[k] - centre_[k];
+      map.y[k] += soft_ * Vec2{d.xx * off.x, d.yy * off.y};
     }
     const double tension = problem_->tension[k];
     const double a_n = p[k].x - r_[k].x * map.y[k].x;

@@ -1,12 +1,14 @@
 #pragma once
 
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "cleave/dbem/solver.hpp"
 
 namespace cleave::dbem {
 
-/// The natural map at some impulses and what it says of each contact. `soft` adds soft * diag(W) to W.
+/// The natural map at some impulses and what it says of each contact. `soft` adds soft * diag(W) (p - centre) to W p.
 struct NaturalMap {
   std::vector<Vec2> y;        // b + W p
   std::vector<Vec2> f;        // the map, in impulse units
@@ -19,7 +21,7 @@ struct NaturalMap {
 
 class MapEvaluator final {
  public:
-  explicit MapEvaluator(const ContactProblem& problem, double soft = 0);
+  explicit MapEvaluator(const ContactProblem& problem, double soft = 0, std::span<const Vec2> centre = {});
   void evaluate(const std::vector<Vec2>& p, NaturalMap& map) const;
   /// max(|p|, max |b / diag W|): what residuals are measured against.
   [[nodiscard]] double scale(const std::vector<Vec2>& p) const;
@@ -31,6 +33,7 @@ class MapEvaluator final {
  private:
   const ContactProblem* problem_;
   double soft_;
+  std::span<const Vec2> centre_;  // empty: zero
   double load_ = 0;
   std::vector<Vec2> r_;
 };
@@ -44,10 +47,28 @@ struct Pattern {
 };
 
 /// Solves W_n x = rhs_n (closed) or n = rhs_n; W_t x = rhs_t (stuck) or t = q n + rhs_t. Unknowns are only the n of
-/// closed and the t of stuck contacts; symmetric, and solved as such, when nothing slips under friction. Empty when
-/// singular.
-[[nodiscard]] std::vector<Vec2> solve_pattern(const BlockMatrix& w, double soft, const Pattern& pattern,
-                                              const std::vector<Vec2>& rhs);
+/// closed and the t of stuck contacts; symmetric, and solved as such, when nothing slips under friction.
+///
+/// Large systems: one sparse Cholesky factor of the symmetric part is kept, and systems near it (a few contacts slip or
+/// have changed their state) are solved by GMRES (Saad and Schultz 1986) with it; only then factored anew.
+class PatternSolver final {
+ public:
+  PatternSolver();
+  ~PatternSolver();
+  PatternSolver(const PatternSolver&) = delete;
+  PatternSolver& operator=(const PatternSolver&) = delete;
+  /// Empty when singular.
+  [[nodiscard]] std::vector<Vec2> solve(const BlockMatrix& w, double soft, const Pattern& pattern,
+                                        const std::vector<Vec2>& rhs);
+
+ private:
+  struct Kept;
+  std::unique_ptr<Kept> kept_;
+};
+
+/// `solve` with the factors of an earlier call on the same contacts.
+[[nodiscard]] ContactSolution solve_again(const ContactProblem& problem, const SolverOptions& options,
+                                          PatternSolver& linear);
 
 /// Exact complementary pivoting; empty when it does not end. Counts pivots.
 [[nodiscard]] std::vector<Vec2> lemke(const ContactProblem& problem, std::size_t& pivots);

@@ -83,8 +83,9 @@ struct Candidate {
 
 /// Corners of i against edges and corners of j. Pairs of corners are made only when `corners_too`; otherwise the other
 /// direction has made them.
-void one_direction(const Placed& i, const Placed& j, double margin, double near, const Drift& drift, bool corners_too,
+void one_direction(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift, bool corners_too,
                    std::vector<Touch>& out) {
+  const auto [margin, depth, near] = reach;
   const std::size_t n = j.corners.size();
   std::vector<Candidate> found;
   for (std::size_t v = 0; v < i.corners.size(); ++v) {
@@ -113,12 +114,15 @@ void one_direction(const Placed& i, const Placed& j, double margin, double near,
     for (std::size_t e = 0; e < n; ++e) {
       if (close < n && (e == close || e == before(close, n))) continue;
       const Against a = against(j.corners, e, p);
-      if (a.ratio > 0 && a.ratio < 1 && std::abs(a.gap) < margin) found.push_back({e, a});
+      if (a.ratio > 0 && a.ratio < 1 && a.gap < margin && a.gap > -depth) found.push_back({e, a});
     }
     if (found.empty()) continue;
-    if (close < n) {  // the rest of the polygon holds this corner only from outside
-      std::erase_if(found, [](const Candidate& c) { return c.at.gap < 0; });
+    // Behind an edge is in the body only if it is in the body; near one of its corners that corner decides.
+    const bool behind = std::ranges::any_of(found, [&](const Candidate& c) { return c.at.gap < -near; });
+    if (close < n || (behind && !inside(j.corners, p))) {
+      std::erase_if(found, [&](const Candidate& c) { return c.at.gap < (close < n ? 0 : -near); });
     }
+    if (found.empty()) continue;
     const auto best = std::ranges::max_element(found, {}, [](const Candidate& c) { return std::min(c.at.gap, 0.0); });
     for (const Candidate& c : found) {
       const bool beside = (c.edge == next(best->edge, n) && j.sharp[c.edge] == 0) ||
@@ -145,17 +149,16 @@ EntranceLines entrance_lines(const Wedge& i, const Wedge& j) {
   return lines;
 }
 
-void find_touches(const Placed& i, const Placed& j, double margin, double near, const Drift& drift,
-                  std::vector<Touch>& out) {
-  if (!overlap_boxes(i.box, j.box, std::max(margin, near))) return;
+void find_touches(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift, std::vector<Touch>& out) {
+  if (!overlap_boxes(i.box, j.box, std::max(reach.margin, reach.near))) return;
   const std::size_t first = out.size();
-  one_direction(i, j, margin, near, drift, true, out);
-  one_direction(j, i, margin, near, drift, false, out);
+  one_direction(i, j, reach, drift, true, out);
+  one_direction(j, i, reach, drift, false, out);
   // Two corners may hold each other twice where an edge passes through both: keep one a place and line.
   std::vector<Touch> kept;
   for (std::size_t k = first; k < out.size(); ++k) {
     const bool again = std::ranges::any_of(kept, [&](const Touch& t) {
-      return norm(t.point - out[k].point) < near && std::abs(cross(t.normal, out[k].normal)) < 1e-6;
+      return norm(t.point - out[k].point) < reach.near && std::abs(cross(t.normal, out[k].normal)) < 1e-6;
     });
     if (!again) kept.push_back(out[k]);
   }

@@ -355,7 +355,7 @@ std::vector<ContactProblem> World::problems(double step) const {
   Impl w = *impl_;
   w.find(w.state, w.corners, w.boxes, step, w.touches, w.limit);
   std::vector<Island> islands = w.islands_of(w.touches);
-  w.mark_impacts(w.touches, islands, step);
+  w.mark_impacts(w.touches, islands, step, std::vector<std::uint8_t>(w.size()));
   std::vector<double> theta(w.size(), 0.5);
   for (const Island& island : islands) {
     for (const std::uint32_t b : island.bodies) theta[b] = island.theta;
@@ -365,7 +365,8 @@ std::vector<ContactProblem> World::problems(double step) const {
   std::vector<ContactProblem> problems;
   for (const Island& island : islands) {
     const Rows rows = w.rows_of(w.touches, island, w.state);
-    problems.push_back(w.problem_of(w.touches, island, rows, w.state, free, step));
+    std::vector<Vec2> viscous;
+    problems.push_back(w.problem_of(w.touches, island, rows, w.state, free, step, viscous));
     problems.back().start.clear();
   }
   return problems;

@@ -79,6 +79,7 @@ struct Island {
   std::vector<std::uint32_t> bodies;
   double theta = 0.5;
   bool impact = false;
+  double rebound = 1;  // share of the restitution that is asked for
 };
 
 /// One side of a contact: body, arm from the place its impulse acts on to the contact point, modal rows.
@@ -173,9 +174,12 @@ struct World::Impl {
   [[nodiscard]] const Bond* bond_of(const Touch& t) const;
   [[nodiscard]] const JointLaw& law_of(const Touch& t) const;
   [[nodiscard]] ContactProblem problem_of(const std::vector<Touch>& list, const Island& island, const Rows& rows,
-                                          const State& before, const State& free, double step) const;
+                                          const State& before, const State& free, double step,
+                                          std::vector<Vec2>& viscous) const;
   void free_motion(const State& before, const std::vector<double>& theta, double step, State& free) const;
-  void mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step) const;
+  /// theta of each group: 1 where something hits or a body is marked.
+  void mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step,
+                    const std::vector<std::uint8_t>& implicit) const;
   [[nodiscard]] Vec2 force_on(const State& at, std::size_t body, double time, double& torque,
                               std::vector<double>* modal) const;
   void predict(const State& before, double step, std::size_t body, State& mid) const;
@@ -187,6 +191,9 @@ struct World::Impl {
     double factor = 0;  // > 0: not a failure; redo with this share of the step
   };
   [[nodiscard]] std::optional<Failure> attempt(double step, Attempt& out);
+  [[nodiscard]] ContactSolution solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
+                                             const State& free, double step) const;
+  std::vector<std::uint8_t> hint;  // steps for which a body's group stays with the implicit rule
   void accept(Attempt&& done);
   void project(Attempt& out) const;
   bool add_missed(const Attempt& out, std::vector<Touch>& list) const;

@@ -60,11 +60,15 @@ struct Placed {
   bool convex;
 };
 
-/// Appends every contact of the two bodies with a gap below `margin`. `near` (m): corners closer than this are decided
-/// by the cone rule; `drift` (of i relative to j) decides between two entrance lines with equal gaps.
-/// Edge against edge gives the two ends of the common interval; a corner in a concave corner gives both edges.
-void find_touches(const Placed& i, const Placed& j, double margin, double near, const Drift& drift,
-                  std::vector<Touch>& out);
+/// What counts as a contact.
+struct Reach {
+  double margin;  ///< gaps below this, m
+  double depth;   ///< penetrations up to this, m
+  double near;    ///< corners closer than this are decided by the cone rule, m
+};
+/// Appends every contact of the two bodies. `drift` (of i relative to j) decides between two entrance lines with equal
+/// gaps. Edge against edge gives the two ends of the common interval; a corner in a concave corner gives both edges.
+void find_touches(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift, std::vector<Touch>& out);
 
 /// Gap, foot, normal and point of a known pair of corner and edge at new places of the corners.
 void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const Vec2> corners_j);

@@ -1,0 +1,81 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "detail/block_maker.hpp"
+
+namespace cleave::topology::detail {
+
+using geometry::Vec3;
+
+/// Volume and centroid from the cones over the faces; the shell that holds the others becomes number 0.
+void BlockMaker::measure(Block& block, FaceId first) {
+  const auto half_faces = std::span{members_};
+  const auto apex_of = [&](Index half_face) {
+    const PlaneFace& f = parts_.arrangement.faces[half_face / 2];
+    return parts_.position(parts_.arrangement.start[parts_.arrangement.loops[f.first_loop]]);
+  };
+  const Vec3 apex = apex_of(half_faces.front());
+  shell_volumes_.assign(shell_count_, 0);
+  Vec3 moment{};
+  double volume = 0;
+  const auto faces = static_cast<Index>(face_begin_.size() - 1);
+  for (Index face = 0; face < faces; ++face) {
+    for (Index k = face_begin_[face]; k < face_begin_[face + 1]; ++k) {
+      const Index h = half_faces[k];
+      const FaceMeasure& m = parts_.measures[h / 2];
+      const Vec3 from = apex_of(h) - apex;
+      const double along = geometry::dot(parts_.normals[parts_.arrangement.faces[h / 2].plane], from);
+      const double height = h % 2 == 0 ? -along : along;
+      const double part = m.area * height;  // three volumes, exact where coordinates are round
+      volume += part;
+      moment += (height / 4) * (m.area * from + m.moment3 / 3);
+      shell_volumes_[shell_[face]] += part;
+    }
+  }
+  if (shell_count_ > 1) {
+    const auto outer = static_cast<Index>(std::ranges::max_element(shell_volumes_) - shell_volumes_.begin());
+    for (Index face = 0; face < faces; ++face) {
+      Index& shell = out_.faces[first.index() + face].shell;
+      if (shell == outer) {
+        shell = 0;
+      } else if (shell == 0) {
+        shell = outer;
+      }
+    }
+  }
+  volume /= 3;
+  block.volume = cubic_metres(volume * parts_.scale * parts_.scale * parts_.scale);
+  block.centroid = parts_.origin + parts_.scale * (apex + (volume > 0 ? moment / volume : Vec3{}));
+}
+
+/// Smallest width across the largest faces (in units): a thin block is thin across a large face.
+double BlockMaker::thickness(FaceId first) {
+  constexpr Index most = 8;
+  const auto faces = static_cast<Index>(face_begin_.size() - 1);
+  by_area_.resize(faces);
+  std::iota(by_area_.begin(), by_area_.end(), Index{0});
+  const auto face = [&](Index k) -> const Face& { return out_.faces[first.index() + k]; };
+  if (faces > most) {
+    std::ranges::nth_element(by_area_, by_area_.begin() + most, [&](Index a, Index b) {
+      return face(a).area > face(b).area || (face(a).area == face(b).area && a < b);
+    });
+  }
+  double least = std::numeric_limits<double>::infinity();
+  for (Index k = 0; k < std::min(most, faces); ++k) {
+    const Vec3 n = face(by_area_[k]).outward;
+    const Vec3 base = parts_.position(out_.corners[face(by_area_[k]).first_corner].value());
+    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+    for (const Index v : corners_) {
+      const double h = geometry::dot(n, parts_.position(v) - base);
+      lo = std::min(lo, h);
+      hi = std::max(hi, h);
+      if (hi - lo >= least) break;
+    }
+    least = std::min(least, hi - lo);
+  }
+  return least;
+}
+
+}  // namespace cleave::topology::detail

@@ -1,0 +1,224 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "cleave/topology/block_complex.hpp"
+
+namespace cleave::topology::detail {
+
+/// One side of a face: from corner i to corner i + 1 of a loop.
+struct AuditSide {
+  std::uint32_t from, to;
+  std::uint32_t next;     ///< the side after it in its loop
+  std::uint32_t face;     ///< number of the face within the block
+  std::uint32_t partner;  ///< the side of the neighbouring face
+};
+/// Recomputes closedness and Euler-Poincare of blocks, one after another, from the loops of their faces alone.
+class BlockAuditor final {
+ public:
+  explicit BlockAuditor(const BlockComplex& complex) : complex_{complex}, local_(complex.vertices().size(), unset) {}
+
+  /// Is every side used once in each direction?
+  [[nodiscard]] bool closed(const Block& block) {
+    block_ = &block;
+    sides_.clear();
+    loops_ = 0;
+    for (const std::uint32_t v : known_) local_[v] = unset;
+    known_.clear();
+    first_record_.clear();
+    const auto local = [&](VertexId v) {
+      std::uint32_t& number = local_[v.index()];
+      if (number == unset) {
+        number = static_cast<std::uint32_t>(known_.size());
+        known_.push_back(v.value());
+        first_record_.push_back(unset);
+      }
+      return number;
+    };
+    for (std::uint32_t f = 0; f < block.faces.size(); ++f) {
+      for (const auto loop : complex_.loops(complex_.faces()[block.faces[f]])) {
+        const auto first = static_cast<std::uint32_t>(sides_.size());
+        const auto count = static_cast<std::uint32_t>(loop.size());
+        std::uint32_t from = local(loop[0]);
+        for (std::uint32_t i = 0; i < count; ++i) {
+          const std::uint32_t to = local(loop[i + 1 < count ? i + 1 : 0]);
+          sides_.push_back({from, to, i + 1 < count ? first + i + 1 : first, f, unset});
+          from = to;
+        }
+        ++loops_;
+      }
+    }
+    closed_ = pair_sides();
+    return closed_;
+  }
+
+  /// (B1) shell by shell: an odd or negative genus means an open or wrongly joined shell. Of the block last given to
+  /// `closed`.
+  [[nodiscard]] bool euler_holds() {
+    if (!closed_) return false;
+    // Shells: faces joined over their sides.
+    parent_.resize(block_->faces.size());
+    std::iota(parent_.begin(), parent_.end(), 0U);
+    const auto find = [&](std::uint32_t a) {
+      while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
+      return a;
+    };
+    for (const AuditSide& s : sides_) {
+      const std::uint32_t a = find(s.face), b = find(sides_[s.partner].face);
+      parent_[std::max(a, b)] = std::min(a, b);
+    }
+    sums_.assign(block_->faces.size(), {});
+    std::uint32_t shells = 0;
+    for (std::uint32_t f = 0; f < block_->faces.size(); ++f) {
+      const std::uint32_t root = find(f);
+      if (root == f) ++shells;
+      sums_[root].faces_less_loops +=
+          2 - static_cast<std::int64_t>(complex_.loops(complex_.faces()[block_->faces[f]]).size());
+    }
+    // Fans: turning round a vertex from face to face; a pinched vertex has several.
+    seen_.assign(sides_.size(), 0);
+    std::int64_t fans = 0;
+    for (std::uint32_t s = 0; s < sides_.size(); ++s) {
+      Sum& sum = sums_[find(sides_[s].face)];
+      ++sum.sides;
+      if (seen_[s] != 0) continue;
+      ++fans;
+      ++sum.vertices;
+      std::uint32_t at = s;
+      do {
+        seen_[at] = 1;
+        at = sides_[sides_[at].next].partner;
+      } while (at != s);
+    }
+    std::int64_t genus = 0;
+    for (std::uint32_t f = 0; f < sums_.size(); ++f) {
+      if (parent_[f] != f) continue;
+      const std::int64_t twice = 2 - (sums_[f].vertices - sums_[f].sides / 2 + sums_[f].faces_less_loops);
+      if (twice < 0 || twice % 2 != 0) return false;
+      genus += twice / 2;
+    }
+    const EulerCounts& c = block_->counts;
+    return c.vertices == fans && c.edges == sides_.size() / 2 && c.faces == block_->faces.size() && c.loops == loops_ &&
+           c.shells == shells && c.genus == genus;
+  }
+
+ private:
+  using Vec3 = geometry::Vec3;
+  static constexpr std::uint32_t unset = UINT32_MAX;
+
+  /// A pair of vertices joined by sides; those of one lower vertex form a chain.
+  struct Record {
+    std::uint32_t high, next;
+    std::uint32_t forward, backward;  ///< a side from the lower to the higher vertex, and one back
+  };
+
+  /// Each side needs one in the opposite direction. Where the boundary touches itself along an edge there are several:
+  /// the partner of a face is then the next one met when turning from it through the inside of the block.
+  bool pair_sides() {
+    records_.clear();
+    bool several = false;
+    for (std::uint32_t s = 0; s < sides_.size() && !several; ++s) {
+      const std::uint32_t low = std::min(sides_[s].from, sides_[s].to), high = std::max(sides_[s].from, sides_[s].to);
+      std::uint32_t r = first_record_[low];
+      while (r != unset && records_[r].high != high) r = records_[r].next;
+      if (r == unset) {
+        r = static_cast<std::uint32_t>(records_.size());
+        records_.push_back({high, first_record_[low], unset, unset});
+        first_record_[low] = r;
+      }
+      std::uint32_t& own = sides_[s].from == low ? records_[r].forward : records_[r].backward;
+      several = own != unset || low == high;
+      own = s;
+    }
+    if (several) return pair_groups();
+    for (const Record& r : records_) {
+      if (r.forward == unset || r.backward == unset) return false;
+      sides_[r.forward].partner = r.backward;
+      sides_[r.backward].partner = r.forward;
+    }
+    return true;
+  }
+
+  bool pair_groups() {
+    std::vector<std::uint32_t> order(sides_.size());
+    std::iota(order.begin(), order.end(), 0U);
+    const auto key = [&](std::uint32_t s) {
+      return std::array{std::min(sides_[s].from, sides_[s].to), std::max(sides_[s].from, sides_[s].to)};
+    };
+    std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
+      const auto x = key(a), y = key(b);
+      return x < y || (x == y && a < b);
+    });
+    for (std::size_t first = 0; first < order.size();) {
+      std::size_t last = first;
+      while (last < order.size() && key(order[last]) == key(order[first])) ++last;
+      if (!pair_group(
+              {order.begin() + static_cast<std::ptrdiff_t>(first), order.begin() + static_cast<std::ptrdiff_t>(last)}))
+        return false;
+      first = last;
+    }
+    return true;
+  }
+
+  bool pair_group(std::vector<std::uint32_t> group) {
+    const auto forward = [&](std::uint32_t s) { return sides_[s].from < sides_[s].to; };
+    if (group.size() % 2 != 0 || static_cast<std::size_t>(std::ranges::count_if(group, forward)) * 2 != group.size())
+      return false;
+    if (group.size() == 2) {
+      sides_[group[0]].partner = group[1];
+      sides_[group[1]].partner = group[0];
+      return true;
+    }
+    const AuditSide& any = sides_[group[0]];
+    const Vec3 a = complex_.vertices()[VertexId{known_[std::min(any.from, any.to)]}],
+               b = complex_.vertices()[VertexId{known_[std::max(any.from, any.to)]}];
+    // An edge shorter than doubles can tell has no direction; any will do to go on, at worst the certificate does not
+    // pass.
+    const Vec3 axis = b == a ? Vec3{0, 0, 1} : geometry::normalized(b - a);
+    const Vec3 e1 = geometry::normalized(geometry::cross(axis, std::abs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+    const Vec3 e2 = geometry::cross(axis, e1);
+    std::vector<std::pair<double, std::uint32_t>> around;
+    for (const std::uint32_t s : group) {
+      // Into the face: outward normal x direction of the side.
+      const Vec3 m = complex_.faces()[block_->faces[sides_[s].face]].outward;
+      const Vec3 into = geometry::cross(m, forward(s) ? axis : -axis);
+      around.emplace_back(std::atan2(geometry::dot(into, e2), geometry::dot(into, e1)), s);
+    }
+    std::ranges::sort(around);
+    // Turning counter-clockwise about the axis leaves a forward side towards the outside: the inside is met clockwise.
+    for (std::size_t i = 0; i < around.size(); ++i) {
+      const std::uint32_t s = around[i].second;
+      if (!forward(s)) continue;
+      const std::uint32_t t = around[(i + around.size() - 1) % around.size()].second;
+      if (forward(t)) return false;
+      sides_[s].partner = t;
+      sides_[t].partner = s;
+    }
+    return std::ranges::none_of(group, [&](std::uint32_t s) { return sides_[s].partner == unset; });
+  }
+
+  struct Sum {
+    std::int64_t vertices = 0, sides = 0, faces_less_loops = 0;
+  };
+
+  const BlockComplex& complex_;
+  const Block* block_ = nullptr;
+  std::vector<std::uint32_t> local_;  ///< number of each vertex within the block
+  std::vector<std::uint32_t> known_;  ///< vertices of the block
+  std::vector<std::uint32_t> first_record_;
+  std::vector<Record> records_;
+  std::vector<AuditSide> sides_;
+  std::vector<std::uint32_t> parent_;
+  std::vector<Sum> sums_;
+  std::vector<std::uint8_t> seen_;
+  std::size_t loops_ = 0;
+  bool closed_ = false;
+};
+
+}  // namespace cleave::topology::detail

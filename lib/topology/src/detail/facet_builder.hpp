@@ -1,0 +1,293 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "cleave/core/assert.hpp"
+#include "detail/holes.hpp"
+#include "detail/lattice_polygon.hpp"
+#include "detail/prepared.hpp"
+
+namespace cleave::topology::detail {
+
+inline constexpr double lattice_unit = 0x1p-48;
+/// Growth of bounding boxes, in units of 2^48 sites: far above every error of an approximate corner.
+inline constexpr double box_margin = 0x1p-36;
+
+struct PlaneKey {
+  std::array<exact::Int128, 3> normal;
+  exact::Wide offset;
+  friend bool operator==(const PlaneKey&, const PlaneKey&) = default;
+};
+struct PlaneKeyHash {
+  std::size_t operator()(const PlaneKey& key) const noexcept {
+    std::uint64_t h = 0x9E3779B97F4A7C15U;
+    const auto mix = [&h](std::uint64_t v) {
+      h = (h ^ v) * 0xFF51AFD7ED558CCDU;
+      h ^= h >> 32U;
+    };
+    for (const exact::Int128 c : key.normal) {
+      mix(static_cast<std::uint64_t>(c));
+      mix(static_cast<std::uint64_t>(c >> 64));
+    }
+    mix(std::bit_cast<std::uint64_t>(key.offset.convert_to<double>()));
+    return h;
+  }
+};
+
+/// Collects planes and facets, and numbers them.
+class FacetBuilder final {
+ public:
+  explicit FacetBuilder(Prepared& out) : out_{out} {}
+
+  /// Number of the plane in the pool and whether its canonical normal is the given one's.
+  std::pair<Index, bool> add_plane(const exact::Plane& plane) {
+    const auto& n = plane.normal();
+    const auto first = std::ranges::find_if(n, [](exact::Int128 c) { return c != 0; });
+    const bool same = *first > 0;
+    const exact::Plane canonical = same ? plane : plane.flipped();
+    const auto [entry, inserted] =
+        numbers_.try_emplace(PlaneKey{canonical.normal(), canonical.offset()}, static_cast<Index>(out_.planes.size()));
+    if (inserted) out_.planes.push_back(canonical);
+    return {entry->second, same};
+  }
+
+  struct Piece {  // a facet before edge planes have numbers
+    Facet facet;
+    std::vector<exact::Plane> own_edges;
+    std::vector<HalfSpace> pool_edges;
+    std::vector<Vec> corners;
+  };
+
+  /// Facets of one polygon: itself when convex, its triangles when not. False when it crosses itself on the lattice.
+  bool add_polygon(const LatticePolygon& polygon, Facet facet, std::span<const std::optional<HalfSpace>> adopted = {}) {
+    if (facet.owner == Owner::joint && misses_window(polygon.corners)) return true;  // seen only after snapping
+    const auto [plane, same] = add_plane(polygon.plane);
+    facet.plane = plane;
+    facet.outward_positive = same;  // corners turn counter-clockwise seen from outside
+    if (polygon.convex) {
+      add_convex(polygon.corners, polygon, facet, adopted);
+      return true;
+    }
+    const auto triangles = triangulate(polygon);
+    if (triangles.empty()) return false;
+    for (const auto& [a, b, c] : triangles) {
+      const std::array corners{polygon.corners[a], polygon.corners[b], polygon.corners[c]};
+      // Only sides of the polygon may adopt a plane, diagonals keep their own.
+      std::array<std::optional<HalfSpace>, 3> sides{};
+      if (!adopted.empty()) {
+        const std::array indices{a, b, c};
+        for (std::size_t k = 0; k < 3; ++k) {
+          if (indices[(k + 1) % 3] == (indices[k] + 1) % polygon.corners.size()) sides[k] = adopted[indices[k]];
+        }
+      }
+      add_convex(corners, polygon, facet, adopted.empty() ? std::span<const std::optional<HalfSpace>>{} : sides);
+    }
+    return true;
+  }
+
+  /// Facets of a polygon with holes: triangles. False when outlines cross.
+  bool add_with_holes(const LatticePolygon& polygon, std::vector<std::vector<exact::LatticePoint>> holes, Facet facet) {
+    const auto [plane, same] = add_plane(polygon.plane);
+    facet.plane = plane;
+    facet.outward_positive = same;
+    const auto triangles = triangulate_with_holes(polygon, std::move(holes));
+    for (const auto& corners : triangles) add_convex(corners, polygon, facet, {});
+    return !triangles.empty();
+  }
+
+  /// The one plane of all pieces of a joint; none where they have several.
+  [[nodiscard]] std::optional<Index> plane_of_joint(Index joint) const {
+    std::optional<Index> plane;
+    for (const Piece& piece : pieces_) {
+      if (piece.facet.owner != Owner::joint || piece.facet.owner_index != joint) continue;
+      if (plane && *plane != piece.facet.plane) return std::nullopt;
+      plane = piece.facet.plane;
+    }
+    return plane;
+  }
+  void cut_off(Index joint, HalfSpace keep) {
+    for (Piece& piece : pieces_) {
+      if (piece.facet.owner == Owner::joint && piece.facet.owner_index == joint) piece.pool_edges.push_back(keep);
+    }
+  }
+
+  /// Of a domain that clips the joints.
+  void set_domain_corners(std::vector<Vec> corners) { domain_corners_ = std::move(corners); }
+  void add_piece(Piece piece) { pieces_.push_back(std::move(piece)); }
+
+  /// Facet planes are complete: number the edge planes behind them and fill the flat arrays.
+  void finish() {
+    out_.facet_planes = static_cast<Index>(out_.planes.size());
+    for (Piece& piece : pieces_) {
+      Facet facet = piece.facet;
+      facet.first_edge = static_cast<Index>(out_.edges.size());
+      for (const HalfSpace& edge : piece.pool_edges) out_.edges.push_back(edge);
+      if (facet.owner == Owner::joint) {
+        // A convex domain cuts its joints to size: what is outside is of no interest. (Excavations are kept whole: what
+        // is void is told by crossing closed surfaces.) Sides that the whole domain lies inside of are then no longer
+        // needed, nor are sides of the domain that cut nothing off; but where sides of the joint go, those of the
+        // domain must stay, unless they are parallel to it.
+        const auto without = std::ranges::remove_if(piece.own_edges, [&](const exact::Plane& edge) {
+          return !domain_corners_.empty() && safely_inside(domain_corners_, edge, true);
+        });
+        const bool whole = without.empty();
+        piece.own_edges.erase(without.begin(), without.end());
+        for (const HalfSpace& side : out_.clip) {
+          const exact::Plane& plane = out_.planes[side.plane];
+          const bool cuts_nothing = !piece.corners.empty() && safely_inside(piece.corners, plane, side.inside_positive);
+          if (!cuts_nothing || !(whole || plane.parallel_to(out_.planes[facet.plane]))) out_.edges.push_back(side);
+        }
+      }
+      for (const exact::Plane& edge : piece.own_edges) {
+        out_.edges.push_back({static_cast<Index>(out_.planes.size()), true});
+        out_.planes.push_back(edge);
+      }
+      facet.edge_count = static_cast<Index>(out_.edges.size()) - facet.first_edge;
+      facet.first_corner = static_cast<Index>(out_.corners.size());
+      facet.corner_count = static_cast<Index>(piece.corners.size());
+      out_.corners.insert(out_.corners.end(), piece.corners.begin(), piece.corners.end());
+      out_.facets.push_back(facet);
+    }
+    out_.facets_begin.assign(out_.facet_planes + std::size_t{1}, 0);
+    for (const Facet& facet : out_.facets) ++out_.facets_begin[facet.plane + std::size_t{1}];
+    for (std::size_t i = 1; i < out_.facets_begin.size(); ++i) out_.facets_begin[i] += out_.facets_begin[i - 1];
+    out_.facets_on.resize(out_.facets.size());
+    auto next = out_.facets_begin;
+    for (Index f = 0; f < out_.facets.size(); ++f) out_.facets_on[next[out_.facets[f].plane]++] = f;
+  }
+
+  /// The sides of the window, which clip the joints. False when it is flat on the lattice.
+  bool add_window(exact::LatticePoint lo, exact::LatticePoint hi) {
+    if (lo.x >= hi.x || lo.y >= hi.y || lo.z >= hi.z) return false;
+    const exact::LatticePoint x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+    const std::array<std::array<exact::LatticePoint, 3>, 6> sides{
+        {{lo, y, z}, {hi, z, y}, {lo, z, x}, {hi, x, z}, {lo, x, y}, {hi, y, x}}};  // positive inside
+    std::array<HalfSpace, 6> inside{};
+    for (std::size_t s = 0; s < 6; ++s) {
+      const auto [plane, same] = add_plane(exact::Plane::spanned(sides[s][0], sides[s][1], sides[s][2]).value());
+      inside[s] = {plane, same};
+    }
+    for (std::size_t s = 0; s < 6; ++s) {
+      Piece piece{{}, {}, {}, {}};
+      piece.facet.plane = inside[s].plane;
+      piece.facet.owner = Owner::window;
+      piece.facet.outward_positive = !inside[s].inside_positive;
+      piece.facet.lo = window_lo_ = grown(lo, -box_margin);
+      piece.facet.hi = window_hi_ = grown(hi, box_margin);
+      for (std::size_t t = 0; t < 6; ++t) {
+        if (t / 2 != s / 2) piece.pool_edges.push_back(inside[t]);
+      }
+      add_piece(std::move(piece));
+    }
+    out_.windowed = true;
+    out_.clip.insert(out_.clip.end(), inside.begin(), inside.end());
+    return true;
+  }
+
+ private:
+  static Vec grown(exact::LatticePoint p, double by) {
+    return {static_cast<double>(p.x) * lattice_unit + by, static_cast<double>(p.y) * lattice_unit + by,
+            static_cast<double>(p.z) * lattice_unit + by};
+  }
+
+  [[nodiscard]] bool misses_window(std::span<const exact::LatticePoint> corners) const {
+    if (!out_.windowed) return false;
+    Vec lo{1, 1, 1}, hi{-1, -1, -1};
+    for (const exact::LatticePoint& p : corners) {
+      const Vec c = grown(p, 0);
+      for (std::size_t k = 0; k < 3; ++k) {
+        lo[k] = std::min(lo[k], c[k]);
+        hi[k] = std::max(hi[k], c[k]);
+      }
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      // Corners lie off their plane by up to the planarity tolerance.
+      const double margin = 2 * adoption_margin_ + 0x1p-16 * (hi[k] - lo[k]) + 0x1p-20;
+      if (hi[k] + margin < window_lo_[k] || lo[k] - margin > window_hi_[k]) return true;
+    }
+    return false;
+  }
+
+  void add_convex(std::span<const exact::LatticePoint> corners, const LatticePolygon& polygon, const Facet& facet,
+                  std::span<const std::optional<HalfSpace>> adopted) {
+    Piece piece{facet, {}, {}, {}};
+    const auto& n = polygon.plane.approx();
+    const Vec w{static_cast<double>(polygon.along.x), static_cast<double>(polygon.along.y),
+                static_cast<double>(polygon.along.z)};
+    const double rate = n[0] * w[0] + n[1] * w[1] + n[2] * w[2];
+    Vec lo{1, 1, 1}, hi{-1, -1, -1};
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const exact::LatticePoint a = corners[i], b = corners[(i + 1) % corners.size()];
+      if (!adopted.empty() && adopted[i]) {
+        piece.pool_edges.push_back(*adopted[i]);
+      } else {
+        const auto edge = exact::Plane::spanned(a, polygon.along, b - a);
+        CLEAVE_ASSERT(edge.has_value());
+        piece.own_edges.push_back(*edge);
+      }
+      const Vec c{static_cast<double>(a.x) * lattice_unit, static_cast<double>(a.y) * lattice_unit,
+                  static_cast<double>(a.z) * lattice_unit};
+      const double off = (n[0] * c[0] + n[1] * c[1] + n[2] * c[2] + n[3]) / rate;
+      Vec projected{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        projected[k] = c[k] - off * w[k];
+        lo[k] = std::min(lo[k], projected[k]);
+        hi[k] = std::max(hi[k], projected[k]);
+      }
+      piece.corners.push_back(projected);
+    }
+    // An adopted edge may move the outline by up to the snapping distance: corners are no longer safe for quick
+    // rejection.
+    const bool moved = !piece.pool_edges.empty();
+    double margin = box_margin;
+    if (moved) {
+      piece.corners.clear();
+      margin = adoption_margin_;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      piece.facet.lo[k] = lo[k] - margin;
+      piece.facet.hi[k] = hi[k] + margin;
+    }
+    pieces_.push_back(std::move(piece));
+  }
+
+  static bool safely_inside(std::span<const Vec> points, const exact::Plane& plane, bool inside_positive) {
+    const auto& n = plane.approx();
+    const double sense = inside_positive ? 1 : -1;
+    return std::ranges::all_of(
+        points, [&](const Vec& p) { return sense * (n[0] * p[0] + n[1] * p[1] + n[2] * p[2] + n[3]) > 0x1p-34; });
+  }
+
+  Prepared& out_;
+  std::unordered_map<PlaneKey, Index, PlaneKeyHash> numbers_;
+  std::vector<Piece> pieces_;
+  std::vector<Vec> domain_corners_;
+  Vec window_lo_{}, window_hi_{};
+
+ public:
+  double adoption_margin_ = box_margin;
+};
+
+/// A facet of which only the owner is known.
+[[nodiscard]] inline Facet blank_facet(Owner owner, Index owner_index, Index tag) {
+  return {.plane = 0,
+          .owner = owner,
+          .outward_positive = true,
+          .owner_index = owner_index,
+          .tag = tag,
+          .first_edge = 0,
+          .edge_count = 0,
+          .first_corner = 0,
+          .corner_count = 0,
+          .lo = {},
+          .hi = {}};
+}
+
+}  // namespace cleave::topology::detail

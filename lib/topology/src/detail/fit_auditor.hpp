@@ -1,0 +1,153 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "cleave/topology/block_complex.hpp"
+
+namespace cleave::topology::detail {
+
+struct BlockMeasure {
+  double volume = 0;
+  double closure = 0;  ///< |sum A_f| / sum |A_f|
+  std::uint64_t misfits = 0;
+};
+
+/// Measures blocks from the corners of their faces, and checks every stored measure, side and flag against those and
+/// the exact planes.
+class FitAuditor final {
+  using Vec3 = geometry::Vec3;
+
+ public:
+  explicit FitAuditor(const BlockComplex& complex)
+      : complex_{complex}, side_{complex.report().lattice_pitch_m * 0x1p48} {
+    // Positions are good to 2^-43 of the lattice's extent.
+    tolerance_ = side_ * 0x1p-40;
+    normals_.reserve(complex.planes().size());
+    for (const exact::Plane& plane : complex.planes()) {
+      const auto& q = plane.approx();
+      const auto n = plane.unit_normal();
+      const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+      normals_.push_back({{n[0], n[1], n[2]}, q[3] / length * side_});
+    }
+  }
+
+  [[nodiscard]] BlockMeasure measure(BlockId b) const {
+    const Block& block = complex_.blocks()[b];
+    BlockMeasure out;
+    if (block.faces.empty() || complex_.faces()[block.faces[0]].corner_count == 0) return {0, 1, 1};
+    const Vec3 apex = complex_.vertices()[complex_.loops(complex_.faces()[block.faces[0]])[0][0]];
+    Vec3 sum{};
+    double size = 0, surface = 0;
+    bool fixed = false, free = false, truncated = false;
+    for (const FaceId f : block.faces) {
+      const Face& face = complex_.faces()[f];
+      Vec3 area{};
+      if (face.block != b || face.corner_count == 0 || !fits(face, apex, area)) ++out.misfits;
+      sum += area;
+      size += geometry::norm(area);
+      if (face.corner_count > 0) {
+        out.volume += geometry::dot(complex_.vertices()[complex_.loops(face)[0][0]] - apex, area);
+      }
+      surface += face.area.si();
+      fixed = fixed || face.role == Role::fixed;
+      free = free || face.role == Role::free;
+      truncated = truncated || face.role == Role::window;
+    }
+    out.volume /= 3;
+    out.closure = size > 0 ? geometry::norm(sum) / size : 0;
+    if (!equal(block.volume.si(), out.volume, surface) || block.fixed != fixed || block.free != free ||
+        block.truncated != truncated) {
+      ++out.misfits;
+    }
+    return out;
+  }
+  /// Faces that are not among those of the block they name.
+  [[nodiscard]] std::uint64_t faces_without_block() const {
+    std::uint64_t lost = 0;
+    for (const FaceId f : complex_.faces().ids()) {
+      const Face& face = complex_.faces()[f];
+      if (face.block.index() >= complex_.blocks().size()) {
+        ++lost;
+        continue;
+      }
+      const FaceRange own = complex_.blocks()[face.block].faces;
+      if (own.empty() || f < own.front() || f.index() >= own.front().index() + own.size()) ++lost;
+    }
+    return lost;
+  }
+
+ private:
+  struct UnitPlane {
+    Vec3 normal;
+    double offset;  ///< m
+  };
+
+  /// Two volumes (areas) may differ by what the rounding of corners does along a surface (perimeter).
+  [[nodiscard]] bool equal(double a, double b, double rim) const {
+    return std::abs(a - b) <= 1e-9 * std::abs(b) + tolerance_ * rim;
+  }
+
+  /// `area` becomes the vector area of the face's corners, from `apex`: with one apex for all faces of a block each
+  /// edge adds the same part to two of them, with opposite signs and to the last bit.
+  [[nodiscard]] bool fits(const Face& face, Vec3 apex, Vec3& area) const {
+    const UnitPlane& plane = normals_[face.plane.index()];
+    const double sense = face.block_on_positive_side ? -1 : 1;
+    const Vec3 outward = sense * plane.normal;
+    double highest = 0;
+    for (const auto loop : complex_.loops(face)) {
+      Vec3 a = complex_.vertices()[loop.back()] - apex;
+      for (const VertexId v : loop) {
+        const Vec3 p = complex_.vertices()[v];
+        highest = std::max(highest, std::abs(geometry::dot(plane.normal, p) + plane.offset));
+        const Vec3 b = p - apex;
+        area += 0.5 * geometry::cross(a, b);
+        a = b;
+      }
+    }
+    if (!(highest <= tolerance_)) return false;
+    const Vec3 off = face.outward - outward;
+    if (!(geometry::dot(off, off) <= 1e-18)) return false;
+    double patches = 0;
+    const bool joint = face.role == Role::joint;
+    const auto own = complex_.patches(face);
+    for (const Patch& patch : own) {
+      if (patch.neighbour.has_value() != joint || patch.neighbour == face.block) return false;
+      patches += patch.area.si();
+    }
+    if (!joint && own.empty()) patches = face.area.si();
+    // Nearly always all areas agree to rounding. Else the face is measured from a corner of its own, which is better
+    // for small faces, and by what moves of its corners along its rim may do.
+    const double measured = geometry::dot(area, outward);
+    if (equal(face.area.si(), measured, 0) && equal(patches, face.area.si(), 0)) return true;
+    const auto [own_area, rim] = measure_alone(face);
+    return equal(face.area.si(), geometry::dot(own_area, outward), rim) && equal(patches, face.area.si(), rim);
+  }
+
+  struct Alone {
+    Vec3 area;
+    double perimeter;
+  };
+  [[nodiscard]] Alone measure_alone(const Face& face) const {
+    const Vec3 apex = complex_.vertices()[complex_.loops(face)[0][0]];
+    Alone out{{}, 0};
+    for (const auto loop : complex_.loops(face)) {
+      VertexId last = loop.back();
+      for (const VertexId v : loop) {
+        const Vec3 a = complex_.vertices()[last], b = complex_.vertices()[v];
+        out.area += 0.5 * geometry::cross(a - apex, b - apex);
+        out.perimeter += geometry::norm(b - a);
+        last = v;
+      }
+    }
+    return out;
+  }
+
+  const BlockComplex& complex_;
+  double side_, tolerance_;
+  std::vector<UnitPlane> normals_;
+};
+
+}  // namespace cleave::topology::detail

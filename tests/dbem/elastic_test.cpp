@@ -1,0 +1,232 @@
+#include "elastic_body.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "scenes.hpp"
+
+namespace cleave::dbem {
+namespace {
+
+using namespace scenes;
+using support::elastic_body;
+
+World make(std::vector<Body> bodies, Laws laws, WorldOptions options) {
+  auto world = World::make(std::move(bodies), std::move(laws), std::move(options));
+  EXPECT_TRUE(world.has_value()) << describe(world.error());
+  return *std::move(world);
+}
+
+TEST(ElasticTest, ASliderGoesAsTheRigidOne) {
+  for (const auto& [young, phi, tolerance] :
+       {std::tuple{2e10, 10.0, 1e-4}, std::tuple{2e10, 20.0, 1e-4}, std::tuple{1e8, 20.0, 1e-2}}) {
+    std::vector<Body> bodies{fixed("slope", turned(rectangle(-10, -1, 20, 1), radians(30))),
+                             elastic_body(turned(rectangle(5, 0, 1, 0.5), radians(30)), {.young = young}, 2, 0)};
+    World world = make(bodies, law(std::tan(radians(phi))), {.step = 1e-3});
+    run(world, 0.5);
+    const double exact = g * (0.5 - std::cos(radians(30)) * std::tan(radians(phi))) * 0.125;
+    std::printf("E=%g phi=%g relative %g\n", young, phi, norm(world.displacement(1)) / exact - 1);
+    EXPECT_NEAR(norm(world.displacement(1)) / exact, 1, tolerance);
+  }
+}
+
+TEST(ElasticTest, ADropGainsNoEnergyAndItsImpulseIsTheChangeOfMomentum) {
+  for (const double step : {2e-4, 5e-5}) {
+    World world = make(
+        {fixed("floor", rectangle(-5, -1, 10, 1)), elastic_body(rectangle(-0.5, 0.05, 1, 1), {.young = 1e8}, 2, 20)},
+        law(0.4), {.step = step});
+    const double start = world.energy().total();
+    double impulse = 0, highest = -1;
+    bool hit = false;
+    while (world.time() < 0.3) {
+      const auto report = world.step();
+      ASSERT_TRUE(report.has_value()) << describe(report.error());
+      for (const Contact& c : world.contacts())
+        impulse += (c.edge_body == 0 ? 1 : -1) * c.normal_force * c.normal.y * report->step;
+      ASSERT_LT(world.energy().total(), start + 1e-9 * 2600 * g);
+      hit = hit || report->impact;
+      if (hit) highest = std::max(highest, world.displacement(1).y + 0.05);
+    }
+    const double m = world.mass(1);
+    EXPECT_NEAR(m * world.velocity(1).y, impulse - m * g * world.time(), 1e-9 * m * g);
+    std::printf("elastic drop step %g: rebound / drop %g\n", step, highest / 0.05);
+    EXPECT_GT(highest / 0.05, 0.3);
+    EXPECT_LT(highest / 0.05, 0.8);
+  }
+}
+
+TEST(ElasticTest, ACollisionKeepsMomentumAndAngularMomentum) {
+  Body a = elastic_body(rectangle(0, 0, 1, 1), {.young = 1e8}, 2, 16);
+  Body b = elastic_body(turned(rectangle(1.2, 0.4, 1, 1.3), 0.1), {.young = 1e9}, 2, 16);
+  a.velocity = {2, 0.3};
+  a.spin = 0.5;
+  World world = make({a, b}, law(0.4), {.gravity = {0, 0}, .step = 5e-4});
+  const Vec2 p = world.momentum();
+  const double l = world.angular_momentum(), energy = world.energy().total();
+  bool hit = false;
+  while (world.time() < 0.4) {
+    const auto report = world.step();
+    ASSERT_TRUE(report.has_value());
+    hit = hit || report->impact;
+    ASSERT_LE(world.energy().total(), energy * (1 + 1e-10));
+  }
+  EXPECT_TRUE(hit);
+  EXPECT_LT(norm(world.momentum() - p), 1e-11 * norm(p));
+  EXPECT_NEAR(world.angular_momentum(), l, 1e-10 * std::abs(l));
+  EXPECT_GT(norm(world.velocity(1)), 0.1);
+}
+
+TEST(RelaxTest, ReactionsAreWeightsWhateverTheStiffness) {
+  for (const auto& [low, high] : {std::pair{1e7, 1e7}, std::pair{1e13, 1e7}, std::pair{1e7, 1e13}}) {
+    Body below = elastic_body(rectangle(-0.5, 0, 1, 1), {.young = low}, 2, 12);
+    Body above = elastic_body(rectangle(-0.4, 1, 0.8, 1), {.young = high}, 2, 12);
+    World world =
+        make({fixed("floor", rectangle(-5, -1, 10, 1)), below, above}, law(0.5), {.step = 0.05, .quasi_static = true});
+    const auto done = relax(world, {.step = 0.05, .criterion = 1e-9});
+    ASSERT_TRUE(done.has_value()) << describe(done.error());
+    EXPECT_TRUE(done->at_rest) << done->unbalanced;
+    double floor = 0, between = 0;
+    for (const Contact& c : world.contacts()) {
+      const Vec2 f = c.normal_force * c.normal + c.tangential_force * bem::turned_left(c.normal);
+      const bool on_floor = c.vertex_body == 0 || c.edge_body == 0;
+      (on_floor ? floor : between) += std::abs(f.y);
+    }
+    EXPECT_NEAR(floor / (1.8 * 2600 * g), 1, 1e-6) << low << ' ' << high;
+    EXPECT_NEAR(between / (0.8 * 2600 * g), 1, 1e-6);
+    std::printf("relax %g %g: %zu steps\n", low, high, done->steps);
+  }
+}
+
+TEST(RelaxTest, SaysWhenThereIsNoEquilibrium) {
+  World world = make(slider(radians(30)), law(std::tan(radians(20))), {.step = 0.01, .quasi_static = true});
+  const auto done = relax(world, {.step = 0.01, .most = 20});
+  ASSERT_TRUE(done.has_value());
+  EXPECT_FALSE(done->at_rest);
+  EXPECT_GT(done->unbalanced, 0.1);
+}
+
+TEST(ComplianceTest, PenetrationIsForceTimesCompliance) {
+  for (const double compliance : {1e-9, 1e-8}) {
+    Laws laws = law(0.5);
+    laws.otherwise.compliance = compliance;
+    World world = make(stack(1), laws, {.step = 0.05, .quasi_static = true});
+    const auto done = relax(world, {.step = 0.05, .criterion = 1e-10});
+    ASSERT_TRUE(done.has_value());
+    EXPECT_TRUE(done->at_rest);
+    EXPECT_NEAR(-world.displacement(1).y / (compliance * 0.5 * 2600 * g), 1, 1e-6);
+  }
+}
+
+TEST(ComplianceTest, AnOscillationHasThePeriodOfItsSpringsAndGainsNothing) {
+  // A block on two springs, released at the unstressed height: period 2 pi sqrt(m C / 2), amplitude the static sag.
+  const double compliance = 1e-7;
+  Laws laws = law(0);
+  laws.otherwise.compliance = compliance;
+  World world = make(stack(1), laws, {.step = 2e-5, .sleep = false});
+  const double sag = compliance * 0.5 * 2600 * g;
+  const double period = 2 * std::numbers::pi * std::sqrt(2600 * compliance / 2);
+  double lowest = 0, at = 0;
+  const double start = world.energy().total();
+  while (world.time() < 0.8 * period) {
+    ASSERT_TRUE(world.step().has_value());
+    if (world.displacement(1).y < lowest) {
+      lowest = world.displacement(1).y;
+      at = world.time();
+    }
+    ASSERT_LT(world.energy().total(), start + 1e-6);
+  }
+  EXPECT_NEAR(at / (period / 2), 1, 0.02);
+  EXPECT_NEAR(-lowest / (2 * sag), 1, 0.05);
+}
+
+TEST(BondTest, HoldsByTensionUntilItIsTooMuch) {
+  // A block glued under a ceiling.
+  for (const double factor : {0.99, 1.01}) {
+    Laws laws = law(0.3);
+    laws.otherwise.tension = factor * 2600 * g;  // Pa on 1 m, against the weight of 1 m2
+    laws.otherwise.cohesion = 1e6;
+    World world =
+        make({fixed("ceiling", rectangle(-2, 0, 4, 1)), block("b", rectangle(-0.5, -1, 1, 1))}, laws, {.step = 1e-3});
+    std::size_t broken = 0;
+    while (world.time() < 0.1) {
+      const auto report = world.step();
+      ASSERT_TRUE(report.has_value());
+      broken += report->broken;
+    }
+    if (factor > 1) {
+      EXPECT_EQ(broken, 0U);
+      EXPECT_LT(norm(world.displacement(1)), 1e-9);
+    } else {
+      EXPECT_EQ(broken, 2U);
+      EXPECT_NEAR(-world.displacement(1).y, 0.5 * g * 0.01, 0.1 * 0.5 * g * 0.01);
+    }
+  }
+}
+
+TEST(BondTest, DoesNotHealAndKeepsResidualFriction) {
+  // A block pulled along a floor by a pulse stronger than its cohesion: afterwards only residual friction is left.
+  Laws laws = law(std::tan(radians(40)));
+  laws.otherwise.cohesion = 2000;
+  laws.otherwise.residual_friction = 0.1;
+  std::vector<Body> bodies = stack(1);
+  bodies[1].outline = rectangle(-0.5, 0, 1, 0.4);
+  bodies[1].forces.push_back(
+      {.at = {0, 0.2}, .force = {3e4, 0}, .factor = [](double t) { return t < 0.02 ? 1.0 : 0.0; }});
+  World world = make(bodies, laws, {.step = 1e-3});
+  std::size_t broken = 0;
+  while (world.time() < 0.0205) {
+    const auto report = world.step();
+    ASSERT_TRUE(report.has_value());
+    broken += report->broken;
+  }
+  EXPECT_EQ(broken, 2U);
+  const double before = world.velocity(1).x, from = world.time();
+  ASSERT_GT(before, 0.1);
+  run(world, 0.0605);
+  EXPECT_NEAR((before - world.velocity(1).x) / (0.1 * g * (world.time() - from)), 1, 1e-6);
+}
+
+TEST(PropertyTest, EdgesCarryTheirOwnLaw) {
+  // A block whose base is rough and whose sides are smooth, on a slope by its base or by its side.
+  Laws laws = law(0);
+  laws.pairs.push_back({0, 1, {.friction = 1}});
+  for (const bool by_base : {true, false}) {
+    std::vector<Body> bodies = slider(radians(30), 0.5, 0.5);
+    bodies[1].properties = by_base ? std::vector<std::size_t>{1, 2, 2, 2} : std::vector<std::size_t>{2, 1, 1, 1};
+    World world = make(bodies, laws, {.step = 5e-3});
+    run(world, 0.2);
+    EXPECT_NEAR(norm(world.displacement(1)), by_base ? 0.0 : 0.5 * g * 0.5 * 0.04, 1e-8);
+  }
+}
+
+TEST(SleepTest, PilesFallAsleepAndWakeWhenHit) {
+  std::vector<Body> bodies = stack(6);
+  bodies.push_back(block("far", rectangle(-0.4, 8, 1, 1)));
+  World world = make(bodies, law(0.6), {.step = 2e-3});
+  bool slept = false;
+  while (world.time() < 0.5) {
+    const auto report = world.step();
+    ASSERT_TRUE(report.has_value());
+    slept = slept || report->asleep == 6;
+  }
+  EXPECT_TRUE(slept);
+  EXPECT_TRUE(world.asleep(3));
+  EXPECT_FALSE(world.asleep(7));
+  double base = 0;
+  for (const Contact& c : world.contacts()) base += c.vertex_body == 0 || c.edge_body == 0 ? c.normal_force : 0;
+  EXPECT_NEAR(base / (6 * 2600 * g), 1, 1e-8);  // contacts of sleeping bodies stay known
+  bool woke = false;
+  while (world.time() < 0.7) {
+    ASSERT_TRUE(world.step().has_value());
+    woke = woke || !world.asleep(3);
+  }
+  EXPECT_TRUE(woke);
+  run(world, 3);
+  base = 0;
+  for (const Contact& c : world.contacts()) base += c.vertex_body == 0 || c.edge_body == 0 ? c.normal_force : 0;
+  EXPECT_NEAR(base / (7 * 2600 * g), 1, 1e-6);
+}
+
+}  // namespace
+}  // namespace cleave::dbem
