@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -46,10 +47,28 @@ struct Pattern {
 };
 
 /// Solves W_n x = rhs_n (closed) or n = rhs_n; W_t x = rhs_t (stuck) or t = q n + rhs_t. Unknowns are only the n of
-/// closed and the t of stuck contacts; symmetric, and solved as such, when nothing slips under friction. Empty when
-/// singular.
-[[nodiscard]] std::vector<Vec2> solve_pattern(const BlockMatrix& w, double soft, const Pattern& pattern,
-                                              const std::vector<Vec2>& rhs);
+/// closed and the t of stuck contacts; symmetric, and solved as such, when nothing slips under friction.
+///
+/// Large systems: one sparse Cholesky factor of the symmetric part is kept, and systems near it (a few contacts slip or
+/// have changed their state) are solved by GMRES (Saad and Schultz 1986) with it; only then factored anew.
+class PatternSolver final {
+ public:
+  PatternSolver();
+  ~PatternSolver();
+  PatternSolver(const PatternSolver&) = delete;
+  PatternSolver& operator=(const PatternSolver&) = delete;
+  /// Empty when singular.
+  [[nodiscard]] std::vector<Vec2> solve(const BlockMatrix& w, double soft, const Pattern& pattern,
+                                        const std::vector<Vec2>& rhs);
+
+ private:
+  struct Kept;
+  std::unique_ptr<Kept> kept_;
+};
+
+/// `solve` with the factors of an earlier call on the same contacts.
+[[nodiscard]] ContactSolution solve_again(const ContactProblem& problem, const SolverOptions& options,
+                                          PatternSolver& linear);
 
 /// Exact complementary pivoting; empty when it does not end. Counts pivots.
 [[nodiscard]] std::vector<Vec2> lemke(const ContactProblem& problem, std::size_t& pivots);

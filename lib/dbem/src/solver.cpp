@@ -52,8 +52,8 @@ struct Tried {
   std::size_t iterations = 0;
 };
 
-Tried newton(const ContactProblem& problem, double soft, double tolerance, std::size_t most, std::vector<Vec2> start,
-             std::span<const Vec2> centre = {}) {
+Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, double tolerance, std::size_t most,
+             std::vector<Vec2> start, std::span<const Vec2> centre = {}) {
   const MapEvaluator evaluator{problem, soft, centre};
   Tried tried{std::move(start)};
   if (tried.p.empty()) tried.p.resize(problem.contacts());
@@ -68,7 +68,7 @@ Tried newton(const ContactProblem& problem, double soft, double tolerance, std::
       return tried;
     }
     newton_pattern(evaluator, map, pattern, rhs);
-    const std::vector<Vec2> d = solve_pattern(problem.w, soft, pattern, rhs);
+    const std::vector<Vec2> d = linear.solve(problem.w, soft, pattern, rhs);
     ++tried.iterations;
     if (d.empty()) return tried;
     const auto at = [&](double step) {
@@ -103,7 +103,7 @@ Tried newton(const ContactProblem& problem, double soft, double tolerance, std::
 enum class State : std::uint8_t { open, slip, stick };
 
 /// Shi's iteration with implicit friction in the slip rows. Starts from all contacts closed and stuck.
-Tried open_close(const ContactProblem& problem, std::size_t passes) {
+Tried open_close(PatternSolver& linear, const ContactProblem& problem, std::size_t passes) {
   const std::size_t m = problem.contacts();
   std::vector<State> state(m, State::stick);
   std::vector<double> sense(m, 1);  // of slip
@@ -121,7 +121,7 @@ Tried open_close(const ContactProblem& problem, std::size_t passes) {
       if (state[k] == State::open) rhs[k] = {-problem.tension[k], 0};
       if (slips) rhs[k].y = -sense[k] * problem.cohesion[k];
     }
-    std::vector<Vec2> p = solve_pattern(problem.w, 0, pattern, rhs);
+    std::vector<Vec2> p = linear.solve(problem.w, 0, pattern, rhs);
     if (p.empty()) return tried;
     tried.p = std::move(p);
     y = problem.b;
@@ -161,22 +161,22 @@ Tried open_close(const ContactProblem& problem, std::size_t passes) {
 }
 
 /// Newton from the side of soft contacts: W + e diag(W), e falling from 1 by `factor`.
-Tried continuation(const ContactProblem& problem, const SolverOptions& options, double factor) {
+Tried continuation(PatternSolver& linear, const ContactProblem& problem, const SolverOptions& options, double factor) {
   Tried tried;
   std::size_t iterations = 0;
   for (double soft = 1; soft > 1e-9; soft /= factor) {
-    Tried stage = newton(problem, soft, 1e-8, 40, std::move(tried.p));
+    Tried stage = newton(linear, problem, soft, 1e-8, 40, std::move(tried.p));
     iterations += stage.iterations;
     tried = std::move(stage);
   }
-  tried = newton(problem, 0, options.target, options.newton_iterations, std::move(tried.p));
+  tried = newton(linear, problem, 0, options.target, options.newton_iterations, std::move(tried.p));
   tried.iterations += iterations;
   return tried;
 }
 
 /// Proximal points: Newton on W + e diag(W) about the last answer, e as small as Newton bears. Forces that equilibrium
 /// leaves open stay where they are instead of swinging, and what equilibrium fixes converges by e / (e + sigma).
-Tried proximal(const ContactProblem& problem, std::vector<Vec2> start) {
+Tried proximal(PatternSolver& linear, const ContactProblem& problem, std::vector<Vec2> start) {
   const double start_soft = start.empty() ? 1.0 : 1e-2;
   Tried tried{std::move(start)};
   if (tried.p.empty()) tried.p.resize(problem.contacts());
@@ -184,7 +184,7 @@ Tried proximal(const ContactProblem& problem, std::vector<Vec2> start) {
   double soft = start_soft, best = 1e300;
   std::size_t stale = 0;
   for (int outer = 0; outer < 60 && stale < 8; ++outer) {
-    Tried stage = newton(problem, soft, 1e-12, 20, tried.p, centre);
+    Tried stage = newton(linear, problem, soft, 1e-12, 20, tried.p, centre);
     tried.iterations += stage.iterations;
     if (!stage.converged) {
       soft *= 10;
@@ -207,7 +207,8 @@ Tried proximal(const ContactProblem& problem, std::vector<Vec2> start) {
 
 class Cascade final {
  public:
-  Cascade(const ContactProblem& problem, const SolverOptions& options) : problem_{problem}, options_{options} {}
+  Cascade(PatternSolver& linear, const ContactProblem& problem, const SolverOptions& options)
+      : linear_{linear}, problem_{problem}, options_{options} {}
 
   /// Takes an answer if it is the best so far; true when it is good enough.
   bool take(Tried tried, Method method) {
@@ -252,25 +253,25 @@ class Cascade final {
 
   void run_all() {
     const bool warm = std::ranges::any_of(problem_.start, [](Vec2 v) { return v.x != 0 || v.y != 0; });
-    if (!warm && take(open_close(problem_, options_.open_close_passes), Method::open_close)) return;
+    if (!warm && take(open_close(linear_, problem_, options_.open_close_passes), Method::open_close)) return;
     const auto from_here = [&](std::vector<Vec2> start, std::size_t most) {
-      return newton(problem_, 0, options_.target, most, std::move(start));
+      return newton(linear_, problem_, 0, options_.target, most, std::move(start));
     };
     const std::size_t most = options_.newton_iterations;
     // From a warm start a few iterations do or none will.
     if (warm && take(from_here(problem_.start, most / 6), Method::newton)) return;
     const bool large = problem_.contacts() > 150;
-    if (warm && !large && take(open_close(problem_, options_.open_close_passes), Method::open_close)) return;
+    if (warm && !large && take(open_close(linear_, problem_, options_.open_close_passes), Method::open_close)) return;
     if (!large && take(from_here({}, most / 2), Method::newton)) return;
-    if (take(proximal(problem_, warm ? problem_.start : std::vector<Vec2>{}), Method::continuation)) {
+    if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}), Method::continuation)) {
       take(from_here(p_, 5), Method::continuation);  // the last digits
       return;
     }
     if (take(from_here({}, most), Method::newton)) return;
     for (const double factor : {10.0, 3.0, 1.5}) {
-      if (take(continuation(problem_, options_, factor), Method::continuation)) return;
+      if (take(continuation(linear_, problem_, options_, factor), Method::continuation)) return;
     }
-    Tried shi = open_close(problem_, 10 * options_.open_close_passes);
+    Tried shi = open_close(linear_, problem_, 10 * options_.open_close_passes);
     std::vector<Vec2> state = shi.p;
     if (take(std::move(shi), Method::open_close)) return;
     if (!state.empty() && take(from_here(std::move(state), most), Method::newton)) return;
@@ -286,6 +287,7 @@ class Cascade final {
   }
 
  private:
+  PatternSolver& linear_;
   const ContactProblem& problem_;
   const SolverOptions& options_;
   std::vector<Vec2> p_;
@@ -306,23 +308,30 @@ bool nothing_pushes(const ContactProblem& problem) {
 }  // namespace
 
 ContactSolution solve(const ContactProblem& problem, const SolverOptions& options) {
+  PatternSolver linear;
+  return solve_again(problem, options, linear);
+}
+
+ContactSolution solve_again(const ContactProblem& problem, const SolverOptions& options, PatternSolver& linear) {
   if (nothing_pushes(problem)) {
     ContactSolution solution;
     solution.impulse.resize(problem.contacts());
     solution.report.opened = problem.contacts();
     return solution;
   }
-  Cascade tries{problem, options};
+  Cascade tries{linear, problem, options};
   switch (options.method) {
     case Method::none:
     case Method::cascade: tries.run_all(); break;
-    case Method::open_close: tries.take(open_close(problem, options.open_close_passes), Method::open_close); break;
+    case Method::open_close:
+      tries.take(open_close(linear, problem, options.open_close_passes), Method::open_close);
+      break;
     case Method::newton:
-      tries.take(newton(problem, 0, options.target, options.newton_iterations, problem.start), Method::newton);
+      tries.take(newton(linear, problem, 0, options.target, options.newton_iterations, problem.start), Method::newton);
       break;
     case Method::continuation:
       for (const double factor : {10.0, 3.0, 1.5}) {
-        if (tries.take(continuation(problem, options, factor), Method::continuation)) break;
+        if (tries.take(continuation(linear, problem, options, factor), Method::continuation)) break;
       }
       break;
     case Method::lemke:

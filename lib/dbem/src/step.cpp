@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "natural_map.hpp"
 #include "world_impl.hpp"
 
 namespace cleave::dbem {
@@ -152,7 +153,7 @@ bool centre(ContactProblem& problem, const std::vector<Vec2>& found, const std::
     creep = std::max({creep, viscous[k].x * std::abs(change.x), viscous[k].y * std::abs(change.y)});
     speed = std::max({speed, std::abs(problem.b[k].x), std::abs(problem.b[k].y)});
   }
-  if (creep <= 1e-9 * speed) return false;
+  if (creep <= 1e-8 * speed) return false;
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Vec2 change = found[k] - problem.start[k];
     problem.b[k] += -Vec2{viscous[k].x * change.x, viscous[k].y * change.y};
@@ -167,14 +168,15 @@ bool centre(ContactProblem& problem, const std::vector<Vec2>& found, const std::
 /// than there is (Kane 1984): then half of it is asked for, and again.
 ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
                                           const State& free, double step) const {
+  PatternSolver linear;
   for (std::size_t iterations = 0;;) {
     std::vector<Vec2> viscous;
     ContactProblem problem = problem_of(list, island, rows, state, free, step, viscous);
-    ContactSolution found = solve(problem, options.solver);
+    ContactSolution found = solve_again(problem, options.solver, linear);
     // The regularisation is centred on the forces found, and again, until it moves nothing.
     for (int centring = 0; centring < 4 && found.report.status == ContactReport::Status::converged; ++centring) {
       if (!centre(problem, found.impulse, viscous)) break;
-      ContactSolution again = solve(problem, options.solver);
+      ContactSolution again = solve_again(problem, options.solver, linear);
       again.report.iterations += found.report.iterations;
       if (again.report.status == ContactReport::Status::not_converged) break;
       found = std::move(again);
@@ -206,6 +208,8 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
   std::vector<ContactSolution> solutions;
   std::vector<double> theta;
   std::vector<std::uint8_t> implicit(size());
+  hint.resize(size());
+  for (std::size_t b = 0; b < size(); ++b) implicit[b] = hint[b] > 0 ? 1 : 0;
   for (;;) {
     out.islands = islands_of(list);
     mark_impacts(list, out.islands, step, implicit);
@@ -277,7 +281,10 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
         size += shapes[b].mass * (dot(state.v[b], state.v[b]) + shapes[b].feature * norm(options.gravity));
       }
       if (gain <= 1e-13 * size || law_of(list[island.touches[0]]).compliance > 0) continue;
-      for (const std::uint32_t b : island.bodies) implicit[b] = 1;
+      for (const std::uint32_t b : island.bodies) {
+        implicit[b] = 1;
+        hint[b] = 8;  // what rattles will rattle for a while
+      }
       gained = true;
     }
     if (gained) {
@@ -458,6 +465,7 @@ void World::Impl::accept(Attempt&& done) {
   last_change.resize(size());
   for (std::size_t b = 0; b < size(); ++b) last_change[b] = (done.state.v[b] - state.v[b]) / step;
   time += step;
+  for (std::uint8_t& h : hint) h = h > 0 ? static_cast<std::uint8_t>(h - 1) : h;
   state = std::move(done.state);
   corners = std::move(done.corners);
   boxes = std::move(done.boxes);

@@ -193,6 +193,7 @@ struct World::Impl {
   [[nodiscard]] std::optional<Failure> attempt(double step, Attempt& out);
   [[nodiscard]] ContactSolution solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
                                              const State& free, double step) const;
+  std::vector<std::uint8_t> hint;  // steps for which a body's group stays with the implicit rule
   void accept(Attempt&& done);
   void project(Attempt& out) const;
   bool add_missed(const Attempt& out, std::vector<Touch>& list) const;

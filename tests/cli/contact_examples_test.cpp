@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+
+#include "program.hpp"
+
+// The examples of Fu (2014), chapter 7, and what the thesis lacks, through the program.
+namespace cleave::cli::test {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+class ContactExamplesTest : public ProgramTest {
+ protected:
+  [[nodiscard]] static std::string scene(const std::string& name) {
+    return text_of(std::string{CLEAVE_SOURCE_DIR} + "/examples/" + name + ".toml");
+  }
+  /// The text with `from` (which must be there) replaced.
+  [[nodiscard]] static std::string with(std::string text, std::string_view from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  }
+  [[nodiscard]] nlohmann::json ran(const std::string& text, int code = 0) const {
+    write("s.toml", text);
+    const Ended run = cleave("run s.toml --quiet -o out");
+    EXPECT_EQ(run.code, code) << run.err;
+    const auto summary = nlohmann::json::parse(read("out/summary.json"));
+    return summary["contact"];
+  }
+  [[nodiscard]] nlohmann::json example(const std::string& name) const {
+    auto result = ran(scene(name));
+    EXPECT_EQ(result["status"], "converged") << name;
+    EXPECT_NE(read("out/report.html").find("id=\"play\""), std::string::npos);
+    EXPECT_TRUE(exists("out/contact_0001.vtu"));
+    return result;
+  }
+  [[nodiscard]] static std::vector<double> at(const nlohmann::json& result, const std::string& point) {
+    for (const auto& p : result["points"]) {
+      if (p["name"] == point) return p["displacement"].get<std::vector<double>>();
+    }
+    ADD_FAILURE() << "no point " << point;
+    return {0, 0};
+  }
+  [[nodiscard]] static nlohmann::json body(const nlohmann::json& result, const std::string& name) {
+    for (const auto& b : result["bodies"]) {
+      if (b["name"] == name) return b;
+    }
+    ADD_FAILURE() << "no body " << name;
+    return {};
+  }
+  /// x displacements of the one point, a row a step.
+  [[nodiscard]] std::vector<double> history() const {
+    std::istringstream rows{read("out/points.csv")};
+    std::string line;
+    std::getline(rows, line);
+    std::vector<double> out;
+    while (std::getline(rows, line)) {
+      for (int k = 0; k < 4; ++k) line.erase(0, line.find(',') + 1);
+      out.push_back(std::stod(line));
+    }
+    return out;
+  }
+};
+
+TEST_F(ContactExamplesTest, ForcesMoveAColumnLikeTheTractionTheyReplace) {
+  (void)example("concentrated_forces/traction");
+  const auto whole = history();
+  const double most = *std::ranges::max_element(whole);
+  for (const auto& [name, tolerance] : std::map<std::string, double>{
+           {"outer", 0.01}, {"inner", 0.01}, {"middle", 0.04}, {"off_middle", 0.01}, {"three", 0.01}}) {
+    const auto result = example("concentrated_forces/" + name);
+    EXPECT_LT(result["energy"]["largest_gain_j"].get<double>(), 1e-9 * result["energy"]["work_j"].get<double>());
+    const auto one = history();
+    ASSERT_EQ(one.size(), whole.size());
+    double off = 0;
+    for (std::size_t k = 0; k < one.size(); ++k) off = std::max(off, std::abs(one[k] - whole[k]));
+    EXPECT_LT(off, tolerance * most) << name;
+    EXPECT_GT(off, 0) << name;
+  }
+}
+
+TEST_F(ContactExamplesTest, BlockSlidesAsTheClosedFormSays) {
+  const auto slid = [&](const nlohmann::json& result) {
+    const auto u = at(result, "block");
+    EXPECT_NEAR(u[0] * std::sin(30 * degree) + u[1] * std::cos(30 * degree), 0, 1e-6);  // stays on the plane
+    return std::hypot(u[0], u[1]);
+  };
+  const auto exact = [](double friction) {
+    return 9.81 / 2 * (std::sin(30 * degree) - std::cos(30 * degree) * std::tan(friction * degree)) * 0.64;
+  };
+  for (const int friction : {0, 5, 10, 15, 20, 25}) {
+    const auto result =
+        example("sliding_block/friction_" + std::string{friction < 10 ? "0" : ""} + std::to_string(friction));
+    EXPECT_NEAR(slid(result), exact(friction), 1e-9) << friction;
+    EXPECT_EQ(result["mode"], "rigid");
+  }
+  for (const int friction : {10, 20}) {
+    const auto result = example("sliding_block/elastic_" + std::to_string(friction));
+    EXPECT_NEAR(slid(result) / exact(friction), 1, 1e-3) << friction;
+    EXPECT_EQ(result["mode"], "elastic");
+  }
+  const std::string steep = with(scene("sliding_block/friction_25"), "friction = 25", "friction = 35");
+  EXPECT_LT(slid(ran(steep)), 1e-9);
+}
+
+// 0.0397 m in plane strain with shear; alone the thin layer would sag 0.0595 m (beam), the thick one 0.0335 m.
+TEST_F(ContactExamplesTest, TwoLayersSagTogether) {
+  const auto result = example("two_layer_beam/two_layer_beam");
+  EXPECT_EQ(result["mode"], "elastic");
+  EXPECT_NEAR(at(result, "middle")[1], -0.0397, 0.01 * 0.0397);
+  EXPECT_NEAR(at(result, "middle of the upper")[1], -0.0397, 0.01 * 0.0397);
+  const double weight = 2600 * 9.81 * 36 * 1.5;
+  const double pressed = body(result, "thick")["contact_force"][1].get<double>();
+  EXPECT_LT(pressed, -0.05 * weight);  // the thin layer rests on the thick one in part
+  EXPECT_GT(pressed, -weight);
+  const auto stress =
+      ran(with(scene("two_layer_beam/two_layer_beam"), "static = true", "static = true\nplane = \"stress\""));
+  EXPECT_NEAR(at(stress, "middle")[1], -0.0423, 0.01 * 0.0423);
+}
+
+TEST_F(ContactExamplesTest, ArchFallsOrStandsByItsThickness) {
+  for (const std::string name : {"12_100", "21_100"}) {
+    const auto result = example("arch/arch_" + name);
+    EXPECT_LT(at(result, "crown")[1], -0.5) << name;
+  }
+  for (const std::string name : {"12_112", "21_112", "7_100"}) {
+    const auto result = example("arch/arch_" + name);
+    EXPECT_LT(result["max_displacement_m"].get<double>(), 1e-8) << name;
+  }
+}
+
+// Critical thickness by limit analysis (linear programming): 0.105098, 0.106790 and 0.096245 m.
+TEST_F(ContactExamplesTest, CriticalThicknessOfAnArchIsThatOfLimitAnalysis) {
+  for (const auto& [name, critical] :
+       std::map<std::string, double>{{"12_100", 0.105098}, {"21_100", 0.106790}, {"7_100", 0.096245}}) {
+    double low = 0.09, high = 0.12;
+    while (high - low > 0.0004) {
+      const double middle = (low + high) / 2;
+      std::string text = with(scene("arch/arch_" + name), "thickness = 0.100", "thickness = " + std::to_string(middle));
+      text = with(text, "duration = 0.8", "duration = 0.4") + "\n[output]\nvtu = false\nreport = false\n";
+      (ran(text)["max_displacement_m"].get<double>() > 1e-6 ? low : high) = middle;
+    }
+    EXPECT_NEAR((low + high) / 2, critical, 0.005 * critical) << name;
+  }
+}
+
+TEST_F(ContactExamplesTest, LongColumnsToppleAndShortOnesStay) {
+  const auto result = example("toppling_columns/toppling_columns");
+  const auto turned = [&](int k) { return body(result, "column " + std::to_string(k))["rotation"].get<double>(); };
+  for (const int k : {3, 7, 10}) EXPECT_GT(turned(k), 15) << k;
+  for (const int k : {4, 5, 6}) EXPECT_GT(turned(k), 5) << k;  // pushed
+  for (const int k : {1, 2, 11, 12, 13, 14}) EXPECT_LT(std::abs(turned(k)), 1) << k;
+}
+
+// Limit equilibrium: 38.1512 degrees; with tan(friction) = 0.65 a horizontal bolt of 2012.87 kN/m.
+TEST_F(ContactExamplesTest, GoodmanAndBraysSlopeHasItsLimit) {
+  EXPECT_LT(example("goodman_bray/stands")["max_displacement_m"].get<double>(), 1e-6);
+  const auto falls = example("goodman_bray/falls");
+  EXPECT_GT(falls["max_displacement_m"].get<double>(), 1);
+  const auto turned = [&](int k) { return body(falls, "column " + std::to_string(k))["rotation"].get<double>(); };
+  for (int k = 4; k <= 13; ++k) EXPECT_GT(turned(k), 1) << k;
+  for (const int k : {1, 2, 3})
+    EXPECT_GT(body(falls, "column " + std::to_string(k))["max_displacement_m"].get<double>(), 0.3);
+  for (const int k : {1, 2, 14, 15, 16}) EXPECT_LT(std::abs(turned(k)), 0.1) << k;
+  EXPECT_LT(example("goodman_bray/bolted")["max_displacement_m"].get<double>(), 1e-6);
+  const auto weak = ran(with(scene("goodman_bray/bolted"), "force = [2053000, 0]", "force = [1972000, 0]"));
+  EXPECT_GT(weak["max_displacement_m"].get<double>(), 0.05);
+}
+
+TEST_F(ContactExamplesTest, RoofFallsBelowAndCarriesItselfAbove) {
+  const auto result = example("tunnel_roof/tunnel_roof");
+  for (const std::string layer : {"1", "2", "3", "4"}) {
+    EXPECT_NEAR(at(result, "layer " + layer)[1], -4, 0.01) << layer;
+  }
+  EXPECT_GT(at(result, "layer 5")[1], -1e-3);
+  // What stands and what has fallen weighs what the supports carry; the arch thrusts outwards on both sides alike.
+  double weight = 0, carried = 0;
+  for (const double gap : {0.004, 0.003, 0.001, 0.0005, 0.0}) weight += 12 * (1.5 - gap) * 2600 * 9.81;
+  // Layers of eleven bricks and two halves.
+  for (const std::string support : {"left abutment", "right abutment", "floor"}) {
+    carried -= body(result, support)["contact_force"][1].get<double>();
+  }
+  EXPECT_NEAR(carried / weight, 1, 1e-6);
+  const double left = body(result, "left abutment")["contact_force"][0].get<double>();
+  EXPECT_LT(left, -1e5);
+  EXPECT_NEAR(body(result, "right abutment")["contact_force"][0].get<double>(), -left, 1e-6 * -left);
+  EXPECT_LT(result["energy"]["kinetic_j"].get<double>(), 1e-6 * -result["energy"]["gravity_j"].get<double>());
+}
+
+TEST_F(ContactExamplesTest, ThreadsChangeNoByte) {
+  write("s.toml", with(scene("two_layer_beam/two_layer_beam"), "element = 2", "element = 4"));
+  ASSERT_EQ(cleave("run s.toml --quiet -o a --threads 1").code, 0);
+  ASSERT_EQ(cleave("run s.toml --quiet -o b --threads 4").code, 0);
+  for (const std::string file : {"history.csv", "points.csv", "bodies.csv", "contact.pvd", "contact_0002.vtu"}) {
+    EXPECT_FALSE(read("a/" + file).empty()) << file;
+    EXPECT_EQ(read("a/" + file), read("b/" + file)) << file;
+  }
+  ASSERT_EQ(cleave("run s.toml --quiet -o a").code, 0);  // a finished result is replaced
+}
+
+// No equilibrium: the state reached is written, the exit code says so.
+TEST_F(ContactExamplesTest, NoRestEndsWithFour) {
+  write("f.toml",
+        "[contact]\nstatic = true\nduration = 0.5\nstep = 0.05\n[[body]]\nrectangle = { corner = [0, 0], width = 1, "
+        "height = 1 }\n");
+  const Ended run = cleave("run f.toml -o out");
+  EXPECT_EQ(run.code, 4);
+  EXPECT_NE(run.err.find("error: f.toml:1: contact: the bodies did not come to rest"), std::string::npos) << run.err;
+  const auto contact = nlohmann::json::parse(read("out/summary.json"))["contact"];
+  EXPECT_EQ(contact["status"], "stopped");
+  EXPECT_TRUE(exists("out/report.html"));
+  EXPECT_NE(cleave("plan f.toml").out.find("contact      run"), std::string::npos);
+  write("g.toml",
+        "[contact]\nduration = 1\n[[body]]\ndensity = 0\nrectangle = { corner = [0, 0], width = 1, height = 1 }\n");
+  EXPECT_EQ(cleave("run g.toml -o none").code, 2);
+  EXPECT_FALSE(exists("none"));
+}
+
+}  // namespace
+}  // namespace cleave::cli::test
