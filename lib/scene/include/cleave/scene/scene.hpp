@@ -147,11 +147,21 @@ struct Targets {
   double sliding = 1.3;  ///< also of wedges
 };
 
+/// Largest key blocks of block theory (maximum_blocks of [stability]).
+struct MaximumBlockSettings {
+  std::uint32_t excavation = 0;  ///< of kind tunnel, straight, with a convex section
+  std::vector<SetId> sets;       ///< three at least; empty: all that have joints
+  std::uint32_t line = 1;        ///< in the scene file
+};
+
 struct StabilitySettings {
   geometry::Vec3 gravity{0, 0, -9.81};  ///< m/s2
   geometry::Vec3 seismic{0, 0, 0};      ///< force / weight, in the direction the rock is pushed
   PartialFactors partial = {};
   bool force_transfer = true;
+  stability::TransferReadings transfer = {};
+  stability::RotationCheck rotation = stability::RotationCheck::flag;
+  std::optional<MaximumBlockSettings> maximum_blocks = {};
   std::uint32_t max_batches = 50;
   LoadSet loads = {};                ///< of the base case, seismic included
   std::vector<LoadCase> cases = {};  ///< in scene order
