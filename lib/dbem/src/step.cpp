@@ -311,7 +311,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
     if (!std::isfinite(largest_move)) return Failure{1, "the motion is not finite", 0};
     const double over = std::max(largest_turn / options.rotation, largest_move / (options.displacement * height));
     if (over > 1) return Failure{0, "the displacement in a step is too large", 0.9 / over};
-    if (options.position_error > 0 && !out.report.impact && !last_change.empty()) {
+    if (options.position_error > 0 && !out.report.impact) {
       double error = 0;
       for (std::size_t b = 0; b < size(); ++b) {
         if (asleep[b] == 0) {

@@ -260,6 +260,11 @@ std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws
   w.energy.kinetic = w.kinetic_of(w.state);
   w.energy.potential = w.potential_of(w.state);
   w.start_energy = w.energy.total();
+  for (std::size_t b = 0; b < n; ++b) {  // what the first step's change of velocity is compared with
+    double torque = 0;
+    const Vec2 force = w.force_on(w.state, b, 0, torque, nullptr);
+    w.last_change.push_back({w.shapes[b].inverse_x * force.x, w.shapes[b].inverse_y * force.y});
+  }
   return World{std::move(impl)};
 }
 
