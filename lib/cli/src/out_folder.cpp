@@ -130,6 +130,7 @@ bool is_result_file(const std::string& name) {
   if (std::ranges::find(result_files, name) != result_files.end() || is_export(name)) return true;
   if (name.starts_with("blocks_stage_") && name.ends_with(".vtu")) return true;
   if (name.starts_with("sets_") && name.ends_with(".csv")) return true;
+  if (name.starts_with("section_") && name.ends_with(".toml")) return true;
   constexpr std::string_view copy = "scene_file_";
   return name.starts_with(copy) && name.size() > copy.size() &&
          name.find_first_not_of("0123456789", copy.size()) == std::string::npos;

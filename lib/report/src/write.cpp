@@ -300,6 +300,7 @@ std::expected<void, WriteError> write_all(const scene::RunResult& result, const 
   CLEAVE_CHECK(write_blocks_vtu(result, folder));
   CLEAVE_CHECK(write_dangling(result, folder));
   CLEAVE_CHECK(write_exports(result, folder));
+  CLEAVE_CHECK(write_sections(result, folder));
   CLEAVE_CHECK(write_key_blocks_csv(result, folder));
   CLEAVE_CHECK(write_report_html(result, folder));
   return write_summary_json(result, folder);

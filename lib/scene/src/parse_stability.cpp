@@ -187,7 +187,7 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
 }
 
 OutputSettings parse_output(const TableReader& root) {
-  constexpr std::array<string_view, 5> keys{"vtu", "report", "csv", "exports", "blocks"};
+  constexpr std::array<string_view, 6> keys{"vtu", "report", "csv", "exports", "blocks", "section"};
   OutputSettings output;
   const TomlTable* found = root.table("output");
   if (found == nullptr) return output;
@@ -207,6 +207,34 @@ OutputSettings parse_output(const TableReader& root) {
     } else if (std::ranges::find(output.exports, name) == output.exports.end()) {
       output.exports.push_back(name);
     }
+  }
+  const auto sections = table.tables("section");
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    constexpr std::array<string_view, 4> section_keys{"name", "through", "azimuth", "level"};
+    constexpr std::array<string_view, 2> kinds{"azimuth", "level"};
+    const TableReader section{*std::get_if<TomlTable>(&sections[i]->value), sections[i]->line,
+                              sections.size() == 1 ? "output.section" : fmt::format("output.section[{}]", i + 1),
+                              root.problems(), section_keys};
+    SectionSpec spec;
+    spec.name = section.text("name").value_or("");
+    if (!std::ranges::all_of(spec.name, [](char c) {
+          return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+        })) {
+      section.error("name", "becomes part of a file's name", "use letters, digits, - and _ only");
+    }
+    if (std::ranges::find(output.sections, spec.name, &SectionSpec::name) != output.sections.end()) {
+      section.error("name", "is that of an earlier section", "give each section a name of its own");
+    }
+    const TomlEntry* kind = section.one_of(kinds);
+    if (kind == nullptr) continue;
+    spec.horizontal = kind->key == "level";
+    if (spec.horizontal) {
+      spec.through.z = section.number("level", rule::coordinate).value_or(0);
+    } else {
+      spec.through = section.need_vec3("through", rule::coordinate).value_or(geometry::Vec3{});
+      spec.azimuth = section.number("azimuth", rule::turn).value_or(90) + root.number("north", rule::turn).value_or(0);
+    }
+    output.sections.push_back(std::move(spec));
   }
   return output;
 }

@@ -211,6 +211,14 @@ struct MonteCarloSettings {
   NumberLaw seismic_factor;                         ///< multiplies stability.seismic, drawn once a realization
 };
 
+/// A section of the block system as a scene of contact.
+struct SectionSpec {
+  std::string name;  ///< empty: section.toml, else section_NAME.toml
+  bool horizontal = false;
+  geometry::Vec3 through;
+  double azimuth = 90;  ///< degrees clockwise from +y: where a vertical section's x axis points
+};
+
 struct OutputSettings {
   bool vtu = true;                        ///< blocks.vtu
   bool csv = true;                        ///< key_blocks.csv
@@ -218,6 +226,7 @@ struct OutputSettings {
   std::vector<std::string> exports = {};  ///< among known_exports, each once: blocks.obj and so on
   /// blocks = "key": only key blocks are asked for, so only the rock near free faces is cut.
   bool only_key_blocks = false;
+  std::vector<SectionSpec> sections = {};
 };
 
 /// What [output] exports may name; docs/formats.md has the files.
