@@ -39,7 +39,7 @@ if not chosen:
     sys.exit("error: no mutation matches " + repr(pattern))
 
 def run(command, **more):
-    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **more)
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", **more)
 
 def restore(path):
     source = os.path.join(root, path)

@@ -63,6 +63,7 @@ PassProblem::PassProblem(std::size_t side, std::size_t per_side)
   for (const bem::Element& element : mesh.elements) {
     for (std::size_t k = 0; k + 1 < mesh.per_element(); ++k) {
       const std::size_t node = element.node[k];
+      if (!mesh.nodes[node].corner) continue;  // contacts at the corners, as the source has them
       p.nodes.push_back(node);
       body.outline.push_back(mesh.nodes[node].x);
       for (const std::size_t row : {2 * node, 2 * node + 1}) {

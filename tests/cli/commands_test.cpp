@@ -37,7 +37,7 @@ TEST_F(CommandsTest, WrongCallsAreWrongInput) {
 }
 
 TEST_F(CommandsTest, ScenesOfInitPassCheckAndRun) {
-  for (const std::string kind : {"tunnel", "slope", "wedge", "network", "monte-carlo", "bodies"}) {
+  for (const std::string kind : {"tunnel", "slope", "wedge", "network", "monte-carlo", "bodies", "contact"}) {
     ASSERT_EQ(shell("cleave init " + kind + " > " + kind + ".toml").code, 0);
     const Ended check = cleave("check " + kind + ".toml");
     EXPECT_EQ(check.code, 0) << check.err;

@@ -202,6 +202,36 @@ TEST_F(ContactExamplesTest, ThreadsChangeNoByte) {
   ASSERT_EQ(cleave("run s.toml --quiet -o a").code, 0);  // a finished result is replaced
 }
 
+// A section of a block system is a scene of contact of its own: fixed where the blocks are, and it runs.
+TEST_F(ContactExamplesTest, SectionOfBlocksRuns) {
+  write(
+      "rock.toml",
+      "title = \"slope\"\n[domain]\nbox = { min = [0, 0, 0], max = [12, 4, 8] }\n"
+      "[[joint]]\nset = \"bedding\"\nplane = { through = [6, 2, 3], dip = 20, dip_direction = 270 }\n"
+      "[[joint]]\nset = \"cross\"\nplane = { through = [5, 2, 3], dip = 70, dip_direction = 90 }\n"
+      "[joints.bedding]\nfriction = 10\n[joints.cross]\nfriction = 30\ncohesion = 1000\n"
+      "[stability]\nfree = [\"top\", \"west\"]\n"
+      "[output]\nreport = false\nsection = [{ through = [0, 2, 0], azimuth = 90 }, { name = \"plan\", level = 6 }]\n");
+  const Ended cut = cleave("run rock.toml -o out");
+  ASSERT_EQ(cut.code, 0) << cut.err;
+  EXPECT_NE(cut.out.find("section.toml: 4 bodies, 96 m2"), std::string::npos) << cut.out;
+  const std::string text = read("out/section.toml");
+  EXPECT_NE(text.find("[joints.\"bedding\"]"), std::string::npos);
+  EXPECT_EQ(cleave("check out/section.toml").code, 0) << cleave("check out/section.toml").err;
+  EXPECT_EQ(cleave("check out/section_plan.toml").code, 0);
+  const Ended run = cleave("run out/section.toml --quiet -o moved");
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto contact = nlohmann::json::parse(read("moved/summary.json"))["contact"];
+  std::size_t fixed = 0, moved = 0;
+  for (const auto& b : contact["bodies"]) {
+    fixed += b["fixed"].get<bool>() ? 1U : 0U;
+    moved += b["max_displacement_m"].get<double>() > 0.1 ? 1U : 0U;
+  }
+  EXPECT_EQ(fixed, 3U);
+  EXPECT_EQ(moved, 1U);                                       // the block upon the bedding slides to the west
+  ASSERT_EQ(cleave("run rock.toml --quiet -o out").code, 0);  // a result with sections is replaced
+}
+
 // No equilibrium: the state reached is written, the exit code says so.
 TEST_F(ContactExamplesTest, NoRestEndsWithFour) {
   write("f.toml",

@@ -61,6 +61,18 @@ TEST_F(GeometryExamples, KindsOfJoints) {
   EXPECT_TRUE(exists("joint_kinds/dangling.vtu"));
 }
 
+TEST_F(GeometryExamples, DomainsFromTrianglesAndMeshes) {
+  const auto knoll = result_of("knoll");
+  EXPECT_EQ(knoll["blocks"]["count"], 4);
+  // The pyramid of 10 m height loses its upper 8 m.
+  EXPECT_NEAR(knoll["blocks"]["volume_m3"].get<double>(), 40 * 40 * 10 + 40 * 40 * 10 / 3.0 * (1 - std::pow(0.8, 3)),
+              1e-7);
+  const auto ell = result_of("ell");
+  EXPECT_EQ(ell["blocks"]["count"], 6);
+  EXPECT_EQ(ell["blocks"]["concave"], 2);
+  EXPECT_NEAR(ell["blocks"]["volume_m3"].get<double>(), (6 * 2 + 4 * 2) * 4, 1e-10);
+}
+
 TEST_F(GeometryExamples, CavernIsOneBlockWithACavity) {
   const auto result = result_of("cavern");
   EXPECT_EQ(result["blocks"]["count"], 1);

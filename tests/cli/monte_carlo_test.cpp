@@ -49,8 +49,14 @@ TEST_F(MonteCarloTest, WritesRecordsEstimatesAndAReport) {
   EXPECT_GT(mc["quantities"]["key_block_volume_m3_per_metre"]["mean"], 0);
   EXPECT_EQ(std::ranges::count(read("out/realizations.csv"), '\n'), 42);
   const std::string page = read("out/report.html");
-  for (const char* part : {"id=\"figures\"", "id=\"probability\"", "Running mean", "Chainage", "replay"}) {
-    EXPECT_TRUE(page.contains(part) || page.contains("chainage (m)")) << part;
+  for (const char* part : {"<section id=\"estimates\">", "<section id=\"figures\">", "<section id=\"probability\">",
+                           "<section id=\"quantiles\">", "<section id=\"extremes\">", "<section id=\"inputs\">",
+                           "chainage (m)", "replay"}) {
+    EXPECT_TRUE(page.contains(part)) << part;
+  }
+  // Quantities of summary.json have their rows.
+  for (const char* name : {">key block volume m3</td>", ">key block count</td>", ">block count</td>"}) {
+    EXPECT_TRUE(page.contains(name)) << name;
   }
   EXPECT_EQ(page.find("http://"), std::string::npos);
 }

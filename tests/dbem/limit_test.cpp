@@ -193,5 +193,78 @@ TEST(WorldTest, UnsupportedBlocksFallFreely) {
   EXPECT_NEAR(world->displacement(1).y, -0.5 * g * world->time() * world->time(), 1e-13);
 }
 
+TEST(WorldTest, AStepThatDoesNotConvergeIsRefusedAndChangesNothing) {
+  WorldOptions options{.step = 5e-3};
+  options.solver.accept = -1;  // nothing is good enough
+  auto world = World::make(slider(radians(30)), law(0.2), options);
+  ASSERT_TRUE(world.has_value());
+  const std::vector<Vec2> before = world->outline(1);
+  const auto report = world->step();
+  ASSERT_FALSE(report.has_value());
+  const StepFailed& failed = std::get<StepFailed>(report.error());
+  EXPECT_NEAR(failed.step, 5e-3 / 729, 1e-12);  // six cuts to a third
+  EXPECT_EQ(failed.reason, "the contact law was not met");
+  EXPECT_EQ(world->outline(1), before);
+  EXPECT_EQ(world->time(), 0);
+  EXPECT_EQ(world->velocity(1), (Vec2{}));
+}
+
+TEST(WorldTest, ABeltDragsABlockAndItsWorkIsAccountedFor) {
+  std::vector<Body> bodies = stack(1);
+  bodies[0].velocity = {0.5, 0};  // a fixed body that moves on
+  auto world = World::make(bodies, law(0.3), {.step = 1e-3});
+  ASSERT_TRUE(world.has_value());
+  run(*world, 0.1);
+  EXPECT_NEAR(world->velocity(1).x, 0.3 * g * 0.1, 1e-8);
+  run(*world, 0.5);
+  EXPECT_NEAR(world->velocity(1).x, 0.5, 1e-8);
+  const Energy& e = world->energy();
+  EXPECT_NEAR(e.kinetic, 0.5 * 2600 * 0.25, 1e-4);
+  EXPECT_NEAR(e.work, 2600 * 0.25, 1e-3 * 2600 * 0.25);  // twice the kinetic energy: half is lost in slip
+  EXPECT_NEAR(e.friction, 0.5 * 2600 * 0.25, 2e-3 * 2600 * 0.25);
+}
+
+TEST(WorldTest, AHeldFreedomStaysHeld) {
+  // On rails: a block on a slope that may not turn or move sideways falls straight down beside it.
+  std::vector<Body> bodies{block("b", rectangle(0, 0, 1, 1)), fixed("f", rectangle(-5, -3, 10, 1))};
+  bodies[0].held = {.x = true, .spin = true};
+  bodies[0].forces.push_back({.at = {0, 1}, .force = {1e5, 0}});
+  auto world = World::make(bodies, law(0.3), {.step = 1e-3});
+  ASSERT_TRUE(world.has_value());
+  run(*world, 0.2);
+  EXPECT_EQ(world->displacement(0).x, 0);
+  EXPECT_EQ(world->rotation(0), 0);
+  EXPECT_NEAR(world->displacement(0).y, -0.5 * g * 0.04, 1e-12);
+}
+
+TEST(WorldTest, StepsFollowTheErrorAskedFor) {
+  // A free block under F cos(w t): x = F / (m w^2) (1 - cos w t).
+  const double w = 20, force = 1e5;
+  double error_before = 1;
+  std::size_t steps_before = 0;
+  for (const double wanted : {1e-5, 1e-7}) {
+    std::vector<Body> bodies{block("b", rectangle(0, 0, 1, 1))};
+    bodies[0].forces.push_back(
+        {.at = {0.5, 0.5}, .force = {force, 0}, .factor = [w](double t) { return std::cos(w * t); }});
+    auto world =
+        World::make(bodies, {}, {.gravity = {0, 0}, .step = 0.05, .displacement = 10, .position_error = wanted});
+    ASSERT_TRUE(world.has_value());
+    std::size_t steps = 0;
+    while (world->time() < 1) {
+      ASSERT_TRUE(world->step(1 - world->time()).has_value());
+      ++steps;
+      ASSERT_LT(steps, 100000U);
+      if (1 - world->time() < 1e-12) break;
+    }
+    const double exact = force / (2600 * w * w) * (1 - std::cos(w));
+    const double error = std::abs(world->displacement(0).x - exact);
+    std::printf("error asked %g: %zu steps, error %g\n", wanted, steps, error);
+    EXPECT_LT(error, 0.2 * error_before);
+    EXPECT_GT(steps, 2 * steps_before);
+    error_before = error;
+    steps_before = steps;
+  }
+}
+
 }  // namespace
 }  // namespace cleave::dbem

@@ -54,9 +54,9 @@ TEST(KeyBlocksCsv, ColumnsAfterForceTransferFollow) {
       csv,
       std::string{key_blocks_header} +
           ",key_transferred,mode_transferred,direction_x_transferred,direction_y_transferred,direction_z_transferred,"
-          "net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred\n"
-          "0,1,1,sliding,1,1000,0,0,-1,800,0.5,6,7,1,wedge,1,0,0,900,0.25,900\n"
-          "1,,0,wedge,1,1000,0,0,-1,800,2,6,7,0,wedge,0,0,-1,800,2,0\n");
+          "net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred,lost_n_transferred\n"
+          "0,1,1,sliding,1,1000,0,0,-1,800,0.5,6,7,1,wedge,1,0,0,900,0.25,900,0\n"
+          "1,,0,wedge,1,1000,0,0,-1,800,2,6,7,0,wedge,0,0,-1,800,2,0,0\n");
 }
 
 }  // namespace

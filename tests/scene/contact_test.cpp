@@ -68,10 +68,10 @@ TEST(ContactScene, BadInputIsNamed) {
            "[[body]]\nname = \"late\"\nrectangle = { corner = [0.5, 0.75], width = 1, height = 1 }\n",
        "s.toml:6: body[2]: \"late\" overlaps \"body 1\" by 0.25 m at "},
       {motion + "[[body]]\n" + square + "[[body]]\n" + square, "overlaps \"body 1\" by 0.5 m"},
-      // A cross: no corner of one lies in the other.
-      {motion + "[[body]]\nrectangle = { corner = [-2, 0], width = 4, height = 1 }\n[[body]]\nrectangle = { corner = "
-                "[0, -2], width = 1, height = 5 }\n",
-       "overlaps \"body 1\" by 0.5 m at (0.5, 0"},
+      // A cross: no corner and no middle of one lies in the other.
+      {motion + "[[body]]\nrectangle = { corner = [-1, 0], width = 10, height = 1 }\n[[body]]\nrectangle = { corner = "
+                "[0, -1], width = 1, height = 10 }\n",
+       "overlaps \"body 1\" by 0.5 m at "},
   };
   for (const auto& [text, want] : bad) {
     EXPECT_NE(first_problem(text).find(want), std::string::npos) << want << "\nbut: " << first_problem(text);
@@ -158,6 +158,20 @@ TEST(ContactScene, SidesHaveTheirOwnJoints) {
   // v^2 / (2 mu g)
   EXPECT_NEAR(slid("[\"default\", \"smooth\", \"smooth\", \"smooth\"]"),
               1 / (2 * 9.81 * std::tan(40 * std::numbers::pi / 180)), 2e-3);
+}
+
+// Of two named joints the weaker strength counts.
+TEST(ContactScene, WeakerOfTwoNamedJointsCounts) {
+  for (const bool swapped : {false, true}) {
+    const std::string rough = swapped ? "B" : "A", smooth = swapped ? "A" : "B";
+    const ContactResult r =
+        ran("[joints." + rough + "]\nfriction = 40\n[joints." + smooth +
+            "]\nfriction = 0\n[contact]\nduration = 0.5\nstep = 0.01\n" + ground + "joint = \"" + rough +
+            "\"\n[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 1 }\nvelocity = [1, "
+            "0]\njoint = \"" +
+            smooth + "\"\n");
+    EXPECT_NEAR(r.bodies[1].centroid.x, 1, 1e-9);
+  }
 }
 
 // A stack at rest: forces n, 2n, ... of the weight, the same rigid and elastic; the elastic one is shortened by its own

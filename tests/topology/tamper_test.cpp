@@ -236,6 +236,38 @@ TEST(Audit, NoticesFlagsThatAreNotThoseOfTheFaces) {
       "free or not");
 }
 
+// What only one of the checks can see: the block systems are sound in every other respect.
+TEST(Audit, NoticesAFaceThatNoBlockHas) {
+  expect_noticed(
+      [](Data& d) {
+        for (const FaceId f : d.faces.ids()) {
+          if (d.faces[f].role == topology::Role::joint) continue;
+          const Face copy = d.faces[f];
+          d.faces.push_back(copy);
+          return true;
+        }
+        return false;
+      },
+      "a face that names a block but is not among its own");
+}
+
+TEST(Audit, NoticesAParallelPlane) {
+  expect_noticed(
+      [](Data& d) {
+        for (const FaceId f : d.faces.ids()) {
+          Face& face = d.faces[f];
+          if (face.role == topology::Role::joint) continue;
+          for (const topology::PlaneId p : d.planes.ids()) {
+            if (p == face.plane || d.planes[p].normal() != d.planes[face.plane].normal()) continue;
+            face.plane = p;
+            return true;
+          }
+        }
+        return false;
+      },
+      "a face on a plane parallel to its own");
+}
+
 TEST(Audit, NoticesALostBlock) {
   const BlockComplex sound = topology::cut(sound_scenes()[0]).value();
   Data data = sound.data();

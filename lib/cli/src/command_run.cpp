@@ -39,6 +39,9 @@ Written write_result(scene::RunResult& result, const std::filesystem::path& fold
     auto notes = report::write_exports(result, folder);
     if (!notes) return std::unexpected(std::move(notes).error());
     for (std::string& note : *notes) result.notes.push_back(std::move(note));
+    auto more = report::write_sections(result, folder);
+    if (!more) return std::unexpected(std::move(more).error());
+    for (std::string& note : *more) result.notes.push_back(std::move(note));
     return report::write_key_blocks_csv(result, folder);
   });
   if (written && result.plan.runs(scene::Stage::report)) {

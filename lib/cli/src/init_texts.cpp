@@ -208,6 +208,50 @@ load = [ { side = 3, pressure = 1e5 },                # Pa on the top
          { side = 2, traction = [0, -2e5] } ]         # Pa; a point force: { at = [4, 0.5], force = [0, -2e5] }, N per metre
 )toml";
 
+constexpr std::string_view contact =
+    R"toml(# Bodies that touch, slide, fall and come to rest. x to the right, y up, metres; masses and forces per metre.
+# Run it: cleave run SCENE.toml -o OUT     then open OUT/report.html and press Play.
+schema = 1
+title = "Columns on a slope"
+
+[rock]
+density = 2600                 # kg/m3
+# young = 20e9                 # Pa; with poisson, blocks deform where strains are worth it (cleave plan says so)
+# poisson = 0.25
+
+[joints.default]
+friction = 35                  # degrees
+cohesion = 0                   # Pa, until a contact breaks
+tension = 0                    # Pa, likewise
+
+[contact]
+duration = 2                   # s; or static = true: relax to rest
+# step = 0.01                  # s; default from sizes and speeds
+# max_step = 0.05              # s: steps grow while little moves
+# rigid = "auto"               # true, false
+# gravity = 9.81               # m/s2 downwards, or [x, y]
+# restitution = 0              # of impacts
+points = [ { name = "top", at = [3.24, 4.95], body = "tall" } ]
+
+[[body]]
+name = "slope"
+fixed = true
+outline = [[0, 0], [8, 0], [8, 3]]                            # anticlockwise
+
+[[body]]
+name = "low"                                                  # side 1 runs from the first corner to the second
+rectangle = { corner = [2, 0.75], width = 1, height = 1, angle = 20.556045219583467 }
+
+[[body]]
+name = "tall"
+rectangle = { corner = [4, 1.5], width = 1, height = 3.5, angle = 20.556045219583467 }
+
+# [[body]]                     # an arch: one stone, turned eleven times more
+# name = "stone"
+# voussoir = { centre = [0, 0], radius = 5, thickness = 0.6, from = 0, to = 15 }
+# repeat = { count = 12, turn = 15, about = [0, 0] }
+)toml";
+
 constexpr std::string_view monte_carlo =
     R"toml(# How likely is it that a block of a given size falls into a tunnel? Many random networks of the same statistics.
 # Run it:  cleave run monte-carlo.toml -o out     then open out/report.html. Ended early, the same command goes on.
@@ -268,6 +312,7 @@ std::optional<std::string_view> init_text(std::string_view kind) noexcept {
   if (kind == "wedge") return wedge;
   if (kind == "network") return network;
   if (kind == "bodies") return bodies;
+  if (kind == "contact") return contact;
   if (kind == "monte-carlo") return monte_carlo;
   return std::nullopt;
 }

@@ -162,7 +162,7 @@ ExitCode run_program(int argc, char** argv) {
 
   std::string kind;
   CLI::App* init = app.add_subcommand("init", "prints a commented scene to start from");
-  init->add_option("kind", kind, "tunnel, slope, wedge, network or monte-carlo")->required();
+  init->add_option("kind", kind, "tunnel, slope, wedge, network, monte-carlo, bodies or contact")->required();
   init->callback([&] { chosen = [&] { return init_scene(kind); }; });
 
   std::string in, out;

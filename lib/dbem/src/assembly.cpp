@@ -1,3 +1,4 @@
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -120,17 +121,30 @@ BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, b
     }
     of[number[body]].push_back(static_cast<std::uint32_t>(k));
   }
-  std::vector<double> scaled;  // modal rows times the inverse of the step matrix
-  if (!rigid_only) {
-    scaled = rows.modal;
-    for (const Side& side : rows.sides) {
-      const std::size_t modes = shapes[side.body].modes;
-      for (std::size_t k = 0; k < modes; ++k) {
-        const double inverse = mode_inverse(side.body, k, theta, step);
-        scaled[side.modal + k] *= inverse;
-        scaled[side.modal + modes + k] *= inverse;
+  // The modes' part of every pair of sides of a body as one product, rows (n, t) of its sides one after the other.
+  std::vector<Eigen::MatrixXd> bending(of.size());
+  std::vector<Eigen::Index> place_in_body(rows.sides.size());
+  for (const std::vector<std::uint32_t>& sides : of) {
+    const std::uint32_t body = rows.sides[sides[0]].body;
+    const std::size_t modes = rigid_only ? 0 : shapes[body].modes;
+    for (std::size_t k = 0; k < sides.size(); ++k) place_in_body[sides[k]] = static_cast<Eigen::Index>(2 * k);
+    if (modes == 0) continue;
+    const auto many = static_cast<Eigen::Index>(2 * sides.size());
+    Eigen::MatrixXd shape_rows(static_cast<Eigen::Index>(modes), many);
+    Eigen::VectorXd inverse(static_cast<Eigen::Index>(modes));
+    for (std::size_t q = 0; q < modes; ++q) {
+      inverse[static_cast<Eigen::Index>(q)] = mode_inverse(body, q, theta, step);
+    }
+    for (const std::uint32_t side : sides) {
+      const std::size_t from = rows.sides[side].modal;
+      for (std::size_t q = 0; q < modes; ++q) {
+        const auto row = static_cast<Eigen::Index>(q);
+        shape_rows(row, place_in_body[side]) = rows.modal[from + q];
+        shape_rows(row, place_in_body[side] + 1) = rows.modal[from + modes + q];
       }
     }
+    const Eigen::MatrixXd scaled = inverse.asDiagonal() * shape_rows;
+    bending[number[body]].noalias() = shape_rows.transpose() * scaled;
   }
   std::vector<std::size_t> place(m, static_cast<std::size_t>(-1));
   w.starts.push_back(0);
@@ -153,17 +167,15 @@ BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, b
       const Vec2 at{a.t.x * shape.inverse_x, a.t.y * shape.inverse_y};
       const double wn = a.turn_n * shape.inverse_spin;
       const double wt = a.turn_t * shape.inverse_spin;
-      const std::size_t modes = rigid_only ? 0 : shape.modes;
+      const Eigen::MatrixXd& bent = bending[number[a.body]];
       for (const std::uint32_t k : of[number[a.body]]) {
         const Side& b = rows.sides[k];
         bem::Mat2 sum{dot(an, b.n) + wn * b.turn_n, dot(an, b.t) + wn * b.turn_t, dot(at, b.n) + wt * b.turn_n,
                       dot(at, b.t) + wt * b.turn_t};
-        for (std::size_t q = 0; q < modes; ++q) {
-          const double un = scaled[a.modal + q];
-          const double ut = scaled[a.modal + modes + q];
-          const double vn = rows.modal[b.modal + q];
-          const double vt = rows.modal[b.modal + modes + q];
-          sum += bem::Mat2{un * vn, un * vt, ut * vn, ut * vt};
+        if (bent.size() > 0) {
+          const Eigen::Index i = place_in_body[which];
+          const Eigen::Index j = place_in_body[k];
+          sum += bem::Mat2{bent(i, j), bent(i, j + 1), bent(i + 1, j), bent(i + 1, j + 1)};
         }
         block_at(k / 2) += sum;
       }
@@ -355,9 +367,11 @@ void World::Impl::free_motion(const State& before, const std::vector<double>& th
 }
 
 void World::Impl::mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step,
-                               const std::vector<std::uint8_t>& implicit) const {
+                               const std::vector<std::uint8_t>& implicit, std::vector<Rows>& made) const {
+  made.clear();
   for (Island& island : islands) {
-    const Rows rows = rows_of(list, island, state);
+    made.push_back(rows_of(list, island, state));
+    const Rows& rows = made.back();
     for (std::size_t k = 0; k < island.touches.size() && !island.impact; ++k) {
       const double closing = velocity_of(rows, k, state).x;
       island.impact = closing < -1e-6 && list[island.touches[k]].gap + step * closing <= 0;

@@ -212,7 +212,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
   for (std::size_t b = 0; b < size(); ++b) implicit[b] = hint[b] > 0 ? 1 : 0;
   for (;;) {
     out.islands = islands_of(list);
-    mark_impacts(list, out.islands, step, implicit);
+    mark_impacts(list, out.islands, step, implicit, rows);
     theta.assign(size(), options.quasi_static ? 1.0 : 0.5);
     for (const Island& island : out.islands) {
       for (const std::uint32_t b : island.bodies) theta[b] = island.theta;
@@ -240,16 +240,16 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
     }
     State free = state;
     free_motion(state, theta, step, free);
-    rows.clear();
     solutions.clear();
     out.state = free;
     out.report.residual = 0;
     out.report.iterations = out.report.stick = out.report.slip = out.report.opened = 0;
     out.report.solved_by.fill(0);
     out.report.impact = false;
-    for (Island& island : out.islands) {
-      rows.push_back(rows_of(moved, island, mid));
-      solutions.push_back(solve_island(moved, island, rows.back(), free, step));
+    for (std::size_t s = 0; s < out.islands.size(); ++s) {
+      Island& island = out.islands[s];
+      if (island.theta < 1) rows[s] = rows_of(moved, island, mid);
+      solutions.push_back(solve_island(moved, island, rows[s], free, step));
       const ContactReport& report = solutions.back().report;
       if (report.status == ContactReport::Status::not_converged) {
         return Failure{report.residual, "the contact law was not met", 0};
@@ -263,7 +263,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
       out.report.impact = out.report.impact || island.impact;
       for (std::size_t k = 0; k < island.touches.size(); ++k) {
         const Vec2 p = solutions.back().impulse[k];
-        if (p != Vec2{}) add_impulse(rows.back(), k, p, island.theta, step, out.state);
+        if (p != Vec2{}) add_impulse(rows[s], k, p, island.theta, step, out.state);
       }
     }
     // The mean rule lets a contact that opens and shuts again within a step, or slip that turns round, bring in energy
@@ -311,7 +311,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
     if (!std::isfinite(largest_move)) return Failure{1, "the motion is not finite", 0};
     const double over = std::max(largest_turn / options.rotation, largest_move / (options.displacement * height));
     if (over > 1) return Failure{0, "the displacement in a step is too large", 0.9 / over};
-    if (options.position_error > 0 && !out.report.impact && !last_change.empty()) {
+    if (options.position_error > 0 && !out.report.impact) {
       double error = 0;
       for (std::size_t b = 0; b < size(); ++b) {
         if (asleep[b] == 0) {

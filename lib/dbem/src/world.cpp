@@ -260,6 +260,11 @@ std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws
   w.energy.kinetic = w.kinetic_of(w.state);
   w.energy.potential = w.potential_of(w.state);
   w.start_energy = w.energy.total();
+  for (std::size_t b = 0; b < n; ++b) {  // what the first step's change of velocity is compared with
+    double torque = 0;
+    const Vec2 force = w.force_on(w.state, b, 0, torque, nullptr);
+    w.last_change.push_back({w.shapes[b].inverse_x * force.x, w.shapes[b].inverse_y * force.y});
+  }
   return World{std::move(impl)};
 }
 
@@ -352,10 +357,15 @@ void World::set_step(double step) {
 }
 
 std::vector<ContactProblem> World::problems(double step) const {
-  Impl w = *impl_;
-  w.find(w.state, w.corners, w.boxes, step, w.touches, w.limit);
-  std::vector<Island> islands = w.islands_of(w.touches);
-  w.mark_impacts(w.touches, islands, step, std::vector<std::uint8_t>(w.size()));
+  const Impl& w = *impl_;
+  std::vector<Touch> list = w.touches;
+  if (w.seen_step < step) {
+    Impl again = w;
+    again.find(w.state, w.corners, w.boxes, step, list, again.limit);
+  }
+  std::vector<Island> islands = w.islands_of(list);
+  std::vector<Rows> rows;
+  w.mark_impacts(list, islands, step, std::vector<std::uint8_t>(w.size()), rows);
   std::vector<double> theta(w.size(), 0.5);
   for (const Island& island : islands) {
     for (const std::uint32_t b : island.bodies) theta[b] = island.theta;
@@ -363,10 +373,9 @@ std::vector<ContactProblem> World::problems(double step) const {
   State free = w.state;
   w.free_motion(w.state, theta, step, free);
   std::vector<ContactProblem> problems;
-  for (const Island& island : islands) {
-    const Rows rows = w.rows_of(w.touches, island, w.state);
+  for (std::size_t k = 0; k < islands.size(); ++k) {
     std::vector<Vec2> viscous;
-    problems.push_back(w.problem_of(w.touches, island, rows, w.state, free, step, viscous));
+    problems.push_back(w.problem_of(list, islands[k], rows[k], w.state, free, step, viscous));
     problems.back().start.clear();
   }
   return problems;

@@ -174,6 +174,27 @@
   };
   layers.wall.renderOrder = 1; layers.rest.renderOrder = 3; lines.picked.renderOrder = 9;
   Object.values(layers).concat(Object.values(lines)).forEach(function (o) { o.frustumCulled = false; scene.add(o); });
+  // ---- bolts ------------------------------------------------------------------------------------------------------
+  const boltNames = ['hold', 'redundant', 'too short', 'in compression', 'serve no block', 'off the rock'];
+  const boltColours = ['#009E73', '#56B4E9', '#D55E00', '#CC79A7', '#9aa1a8', '#B8A800'];
+  const bolts = data.bolts ? new Float32Array(bytes(data.bolts)) : null;
+  const boltStatus = bolts ? new Uint8Array(bytes(data.boltStatus)) : null;
+  const boltServes = bolts ? new Uint32Array(bytes(data.boltServes)) : null;
+  const boltLayers = [];
+  if (bolts) {
+    boltNames.forEach(function (name, s) {
+      const list = [];
+      for (let i = 0; i < boltStatus.length; ++i) if (boltStatus[i] === s) for (let k = 0; k < 6; ++k) list.push(bolts[6 * i + k]);
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(list), 3));
+      const layer = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: boltColours[s], linewidth: 2 }));
+      layer.frustumCulled = false;
+      layer.renderOrder = 8;
+      layer.visible = list.length > 0;
+      boltLayers.push({ name: name, count: list.length / 6, layer: layer });
+      scene.add(layer);
+    });
+  }
   const frame = new THREE.LineSegments(new THREE.EdgesGeometry(new THREE.BoxBufferGeometry(data.size[0], data.size[1], data.size[2])),
     new THREE.LineBasicMaterial({ transparent: true, opacity: 0.5 }));
   scene.add(frame);
@@ -323,6 +344,7 @@
     section.normal.set(k === 0 ? -1 : 0, k === 1 ? 1 : 0, k === 2 ? -1 : 0);
     section.constant = state.cut >= 1 ? 100 * extent : half * (2 * state.cut - 1);
     frame.visible = state.explode === 0;
+    boltLayers.forEach(function (b) { b.layer.visible = b.count > 0 && b.on !== false && state.explode === 0; });
   };
 
   const drawPicked = function () {
@@ -475,6 +497,20 @@
   };
   axis.addEventListener('change', change);
   cut.addEventListener('input', change);
+  if (bolts) {
+    const field = fieldset('Bolts');
+    const box = make('div', { class: 'list' }, field);
+    boltLayers.forEach(function (b, s) {
+      if (b.count === 0) return;
+      const line = make('label', {}, box);
+      const input = make('input', { type: 'checkbox' }, line);
+      input.checked = true;
+      input.addEventListener('change', function () { b.on = input.checked; style(); render(); });
+      make('i', { class: 'swatch', style: 'background:' + boltColours[s] }, line);
+      make('span', { text: b.name }, line);
+      make('span', { class: 'n', text: String(b.count) }, line);
+    });
+  }
   const buttons = make('div', { class: 'buttons' }, panel);
   [['Start view', home],
     ['Whole', function () { look([0.62, -1, 0.55], [0, 0, 0], extent / 2 * (1 + state.explode)); }],
@@ -511,6 +547,21 @@
         fact('Volume (m\u00b3)', short(volume[b]));
         fact('Faces', String(faceCount[b]));
         fact('State', mode[b] === 255 ? 'no free face, fixed, or not removable' : modeNames[mode[b]]);
+      }
+      if (bolts) {
+        let serving = 0;
+        for (let i = 0; i < boltServes.length; ++i) if (boltServes[i] === blockId[b]) ++serving;
+        fact('Bolts that serve it', String(serving));
+      }
+      // Its faces, forces and why it moves stand further down, for readers without a pointer too.
+      const why = document.getElementById('why-' + blockId[b]);
+      if (why) {
+        const details = make('div', { class: 'why' }, pickedBox);
+        Array.from(why.children).forEach(function (part) {
+          if (part.tagName !== 'SUMMARY') details.append(part.cloneNode(true));
+        });
+        const link = make('a', { href: '#why-' + blockId[b], text: 'Show below' }, pickedBox);
+        link.addEventListener('click', function () { why.open = true; });
       }
     } else {
       make('span', { class: 'small', text: 'Click a block to see its figures.' }, pickedBox);

@@ -52,7 +52,7 @@ std::string cards(const Page& page) {
 
 std::string view_section(const Page& page, std::string& view_json) {
   if (page.complex == nullptr) return {};
-  const View3d view = pack_view(*page.complex, page.analysis, view_budget_bytes);
+  const View3d view = pack_view(*page.complex, page.analysis, view_budget_bytes, page.support);
   view_json = view.json;
   std::string out =
       "<section id=\"view\"><h2>Blocks in three dimensions</h2>\n<div class=\"stage\">\n<div id=\"scene\">";
@@ -91,13 +91,14 @@ std::string trend_and_plunge(const geometry::Vec3& d) {
 std::string key_block_rows(const Page& page) {
   std::string out;
   for (const stability::Judgement& j : page.analysis->judgements) {
-    if (!stability::moves(j.mode)) continue;
+    if (!stability::moves(j.mode) && !j.key) continue;
     const topology::Block& block = page.complex->blocks()[j.block];
     out += "<tr data-block=\"" + std::to_string(j.block.value()) + "\"" + (j.key ? "" : " class=\"stays\"") + ">";
     cell(out, j.block.value(), std::to_string(j.block.value()));
     const std::string swatch =
         j.batch ? "<i class=\"swatch\" style=\"background:" + batch_colour(*j.batch) + "\"></i>" : "";
-    cell(out, j.batch ? *j.batch : 1e9, swatch + (j.batch ? std::to_string(*j.batch) : (j.key ? "later" : "stays")));
+    cell(out, j.batch ? *j.batch : 1e9,
+         swatch + (j.batch ? std::to_string(*j.batch) : (j.key ? (j.transferred ? "held" : "later") : "stays")));
     out += "<td>";
     out += stability::name(j.mode);
     out += "</td>";
@@ -111,6 +112,9 @@ std::string key_block_rows(const Page& page) {
       const double factor = j.transferred ? j.transferred->factor_of_safety : j.factor_of_safety;
       cell(out, net, display(net / 1000));
       cell(out, factor, display(factor, 3));
+    }
+    if (page.analysis->rotation != stability::RotationCheck::off) {
+      out += !j.rotation ? "<td>–</td>" : j.rotation->turns ? "<td class=\"warn\">turns</td>" : "<td>no</td>";
     }
     cell(out, static_cast<double>(block.faces.size()), std::to_string(block.faces.size()));
     std::string joints;
@@ -144,6 +148,7 @@ std::string key_blocks_section(const Page& page) {
       "(m³)</th>"
       "<th>Weight (kN)</th><th>Direction</th><th>Net force (kN)</th><th>Factor of safety</th>";
   if (page.analysis->force_transfer) out += "<th>Net force, transferred (kN)</th><th>Factor, transferred</th>";
+  if (page.analysis->rotation != stability::RotationCheck::off) out += "<th>Turns?</th>";
   out += "<th>Faces</th><th class=\"wide\">Joints</th></tr></thead><tbody>\n";
   return out + rows + "</tbody></table></div></section>\n";
 }
@@ -329,6 +334,7 @@ std::string report_html(const Page& page) {
   out += key_blocks_section(page);
   out += why_section(page);
   out += support_section(page);
+  out += maximum_section(page);
   if (page.summary.sequence) out += stages_section(*page.summary.sequence);
   out += stereonet_section(page);
   out += blocks_section(page);

@@ -115,6 +115,10 @@ std::string sentence(const Page& page, const stability::Judgement& j) {
   out += ": factor of safety " + display(j.factor_of_safety, 3) + ".";
   if (j.resistance_max) out += " Three or more planes share the load; the least resistance is given.";
   if (j.tie) out += " Two modes coincide to rounding.";
+  if (j.rotation && j.rotation->turns) {
+    out += " It cannot slide, but no forces at its contacts balance its moments: it turns about the axis " +
+           vector_text(j.rotation->axis) + " through its centroid.";
+  }
   if (j.transferred && norm(j.transferred->received) > 0) {
     out += " Later batches push on it with " + vector_text(j.transferred->received / 1000) + " kN: " +
            (j.transferred->key ? "net force " + display(j.transferred->net.si() / 1000) + " kN, factor " +
@@ -123,6 +127,60 @@ std::string sentence(const Page& page, const stability::Judgement& j) {
            ".";
   }
   return out;
+}
+
+/// One row a face: what lies behind it and what it does.
+std::string face_table(const Page& page, const stability::Judgement& j) {
+  constexpr double to_degrees = 180 / std::numbers::pi;
+  std::string out =
+      "<table class=\"faces\"><thead><tr><th>Face</th><th>Behind it</th><th>Dip / dip direction</th><th>Area (m²)</th>"
+      "<th>Friction (°)</th><th>Pressed with (kN)</th><th>In motion</th></tr></thead><tbody>\n";
+  std::size_t number = 0;
+  for (const topology::FaceId id : page.complex->blocks()[j.block].faces) {
+    const topology::Face& face = page.complex->faces()[id];
+    Vec3 up = face.outward.z < 0 ? -face.outward : face.outward;
+    double trend = std::atan2(up.x, up.y) * to_degrees;
+    if (trend < 0) trend += 360;
+    const double dip = std::acos(std::clamp(up.z, 0.0, 1.0)) * to_degrees;
+    std::string behind;
+    std::vector<std::uint32_t> neighbours;
+    for (const topology::Patch& patch : page.complex->patches(face)) {
+      if (patch.neighbour) neighbours.push_back(patch.neighbour->value());
+    }
+    std::ranges::sort(neighbours);
+    const auto repeated = std::ranges::unique(neighbours);
+    neighbours.erase(repeated.begin(), repeated.end());
+    switch (face.role) {
+      case topology::Role::joint:
+        behind = "joint " + (face.joint ? std::to_string(face.joint->value()) : std::string{"?"}) + ", block";
+        for (std::size_t k = 0; k < std::min<std::size_t>(neighbours.size(), 6); ++k) {
+          behind += (k == 0 ? " " : ", ") + std::to_string(neighbours[k]);
+        }
+        if (neighbours.size() > 6) behind += ", …";
+        break;
+      case topology::Role::fixed: behind = "rock that stays"; break;
+      case topology::Role::free: behind = "air"; break;
+      case topology::Role::window: behind = "not cut"; break;
+    }
+    const auto pressed = std::ranges::find(j.pressing, id, &stability::Pressing::face);
+    const double along = -dot(face.outward, j.direction);
+    const bool joint = face.role == topology::Role::joint;
+    const double friction = joint && face.joint && face.joint->index() < page.tan_friction.size()
+                                ? std::atan(page.tan_friction[face.joint->index()]) * to_degrees
+                                : 0;
+    out += "<tr><td>" + std::to_string(++number) + "</td><td>" + behind + "</td><td>" + display(std::round(dip)) +
+           "° / " + display(std::round(trend)) + "°</td><td>" + display(face.area.si(), 3) + "</td><td>" +
+           (joint ? display(friction, 3) : "–") + "</td><td>" +
+           (pressed != j.pressing.end() ? display(pressed->reaction.si() / 1000) : "–") + "</td><td>" +
+           (!joint                        ? "–"
+            : pressed != j.pressing.end() ? "slides on it"
+            : !(norm(j.direction) > 0)    ? "–"
+            : std::abs(along) < 1e-9      ? "brushes it"
+            : along > 0                   ? "opens"
+                                          : "leans on what has left") +
+           "</td></tr>\n";
+  }
+  return out + "</tbody></table>\n";
 }
 
 /// Forces in the vertical plane of the motion: weight, reactions, resistance and what is left, to one scale.
@@ -222,7 +280,9 @@ std::string why_section(const Page& page) {
            display(page.complex->blocks()[j.block].volume.si(), 3) + " m³</summary>\n<p>" + sentence(page, j) +
            "</p>\n<div class=\"columns\"><figure>" + force_arrows(page, j) + "</figure><figure>" +
            block_net(page, j, Net::equal_area) + "<figcaption>equal area</figcaption></figure><figure>" +
-           block_net(page, j, Net::equal_angle) + "<figcaption>equal angle</figcaption></figure></div>\n";
+           block_net(page, j, Net::equal_angle) +
+           "<figcaption>equal angle</figcaption></figure></div>\n<div class=\"scroll\">" + face_table(page, j) +
+           "</div>\n";
     const auto row = std::ranges::find(page.sensitivity, j.block, &stability::Sensitivity::block);
     if (row != page.sensitivity.end()) {
       const std::string drawing = tornado(*row);
@@ -272,6 +332,37 @@ std::string support_section(const Page& page) {
     }
     out += "</tbody></table></div>\n";
   }
+  if (!page.support->combined.empty()) {
+    out +=
+        "<h3>Stitched bodies</h3><div class=\"scroll\"><table id=\"combined\"><thead><tr><th>Blocks</th><th>Volume "
+        "(m³)</th><th>Mode</th><th>Net force (kN)</th><th>Factor</th><th>Target</th><th>Passes</th><th>Missing "
+        "(kN)</th></tr></thead><tbody>\n";
+    for (const stability::CombinedBlock& b : page.support->combined) {
+      std::string members;
+      for (const topology::BlockId id : b.members)
+        members += (members.empty() ? "" : ", ") + std::to_string(id.value());
+      const std::string mode = b.immovable   ? "held by rock that stays"
+                               : b.removable ? std::string{stability::name(b.mode)}
+                                             : "cannot move";
+      out += "<tr><td class=\"wide\">" + members + "</td><td>" + display(b.volume) + "</td><td>" + mode + "</td><td>" +
+             display(b.net_force / 1000) + "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" +
+             display(b.target, 3) + "</td><td>" + (b.passes ? "yes" : "no") + "</td><td>" +
+             display(b.missing_force / 1000) + "</td></tr>\n";
+    }
+    out += "</tbody></table></div>\n";
+  }
+  if (!f.cases.empty()) {
+    out +=
+        "<h3>Under the load cases</h3><table id=\"support-cases\"><thead><tr><th>Case</th><th>Passes</th><th>Blocks "
+        "that need support</th><th>Not held</th><th>Stitched bodies</th><th>Of them "
+        "failing</th></tr></thead><tbody>\n";
+    for (const SupportCaseFigures& c : f.cases) {
+      out += "<tr><td>" + escape_xml(c.name) + "</td><td>" + (c.passes ? "yes" : "no") + "</td><td>" +
+             display_count(c.blocks) + "</td><td>" + display_count(c.not_held) + "</td><td>" +
+             display_count(c.combined) + "</td><td>" + display_count(c.combined_failing) + "</td></tr>\n";
+    }
+    out += "</tbody></table><p class=\"small\">Block by block: support_blocks.csv, combined_blocks.csv.</p>\n";
+  }
   if (!f.designs.empty()) {
     out +=
         "<h3>Search for a pattern</h3><table><thead><tr><th>Length (m)</th><th>Spacing times</th><th>Bolts</th>"
@@ -286,6 +377,31 @@ std::string support_section(const Page& page) {
         "all blocks, alone and stitched.</p>\n";
   }
   return out + "</section>\n";
+}
+
+std::string maximum_section(const Page& page) {
+  if (page.maximum_blocks.empty()) return {};
+  std::string out =
+      "<section id=\"maximum\"><h2>Largest key blocks of block theory</h2>\n<p class=\"small\">What joints without "
+      "end, "
+      "in the mean orientations of three sets and anywhere, can make at the tunnel; orientations alone decide. Volumes "
+      "are upper bounds.</p>\n<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Sets</th><th>Below</th>"
+      "<th>Where</th><th>Volume (m³)</th><th>Weight (kN)</th><th>Height (m)</th><th>Face (m²)</th><th>Mode</th>"
+      "<th>Factor</th><th>Target</th><th>Required pressure (kPa)</th></tr></thead><tbody>\n";
+  for (const MaximumBlockRow& row : page.maximum_blocks) {
+    const stability::MaximumKeyBlock& b = row.block;
+    std::string below;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (((b.block.code >> i) & 1U) != 0) below += (below.empty() ? "" : ", ") + escape_xml(row.sets[i]);
+    }
+    out += "<tr><td>" + escape_xml(row.sets[0]) + ", " + escape_xml(row.sets[1]) + ", " + escape_xml(row.sets[2]) +
+           "</td><td>" + (below.empty() ? "–" : below) + "</td><td>" + row.where + "</td><td>" +
+           display(b.block.volume) + "</td><td>" + display(b.weight.si() / 1000) + "</td><td>" +
+           display(b.block.height, 3) + "</td><td>" + display(b.block.face_area, 3) + "</td><td>" +
+           std::string{stability::name(b.mode)} + "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" +
+           display(b.target, 3) + "</td><td>" + display(b.required_pressure / 1000, 3) + "</td></tr>\n";
+  }
+  return out + "</tbody></table></div></section>\n";
 }
 
 }  // namespace cleave::report

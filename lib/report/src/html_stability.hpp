@@ -10,5 +10,7 @@ namespace cleave::report {
 [[nodiscard]] std::string why_section(const Page& page);
 /// Blocks, bolts and combined blocks of the support check.
 [[nodiscard]] std::string support_section(const Page& page);
+/// Largest key blocks of block theory.
+[[nodiscard]] std::string maximum_section(const Page& page);
 
 }  // namespace cleave::report

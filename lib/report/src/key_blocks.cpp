@@ -24,6 +24,14 @@ std::vector<topology::JointId> joints_of(const topology::BlockComplex& complex, 
 
 namespace {
 
+/// A name with a comma, a quote or a line end would break the row.
+std::string csv_text(std::string_view name) {
+  if (name.find_first_of(",\"\n\r") == std::string_view::npos) return std::string{name};
+  std::string out = "\"";
+  for (const char c : name) out += c == '"' ? std::string{"\"\""} : std::string{c};
+  return out + '"';
+}
+
 // A block that nothing was passed to keeps its values.
 void append_transferred(std::string& out, const stability::Judgement& j) {
   const stability::Transferred after =
@@ -37,7 +45,7 @@ void append_transferred(std::string& out, const stability::Judgement& j) {
   out += after.key ? ",1," : ",0,";
   out += stability::name(after.mode);
   for (const double value : {after.direction.x, after.direction.y, after.direction.z, after.net.si(),
-                             after.factor_of_safety, after.passed.si()}) {
+                             after.factor_of_safety, after.passed.si(), after.lost}) {
     out += ',';
     append_number(out, value);
   }
@@ -106,10 +114,11 @@ std::string key_blocks_csv(const topology::BlockComplex& complex, const stabilit
                            const stability::SupportResult* support) {
   std::string out{key_blocks_header};
   if (analysis.force_transfer) out += key_blocks_transferred_header;
+  if (analysis.rotation != stability::RotationCheck::off) out += key_blocks_rotation_header;
   if (support != nullptr) out += key_blocks_supported_header;
   out += '\n';
   for (const stability::Judgement& j : analysis.judgements) {
-    if (!stability::moves(j.mode)) continue;
+    if (!stability::moves(j.mode) && !j.key) continue;  // key without moving: it turns, and that was to decide
     const topology::Block& block = complex.blocks()[j.block];
     out += std::to_string(j.block.value()) + ',';
     if (j.batch) out += std::to_string(*j.batch);
@@ -127,7 +136,90 @@ std::string key_blocks_csv(const topology::BlockComplex& complex, const stabilit
       out += std::to_string(joint.value());
     }
     if (analysis.force_transfer) append_transferred(out, j);
+    if (analysis.rotation != stability::RotationCheck::off) {
+      out += !j.rotation ? "," : j.rotation->turns ? ",1" : ",0";
+    }
     if (support != nullptr) append_supported(out, j, *support);
+    out += '\n';
+  }
+  return out;
+}
+
+std::string support_blocks_csv(std::span<const NamedSupport> cases) {
+  std::string out{
+      "case,block,mode,target,net_force_n,factor_of_safety,held_by,bolts,factor_with_bolts,factor_with_shotcrete,"
+      "mobilised_share,missing_force_n,required_force_n,required_pressure_pa,free_area_m2,shotcrete_thickness_m\n"};
+  for (const NamedSupport& load : cases) {
+    for (const stability::SupportedBlock& b : load.support->blocks) {
+      out += csv_text(load.name) + ',' + std::to_string(b.block.value()) + ',';
+      out += stability::name(b.mode);
+      for (const double value : {b.target, b.net_force, b.factor_of_safety}) {
+        out += ',';
+        append_number(out, value);
+      }
+      out += ',';
+      out += stability::name(b.held);
+      out += ',' + std::to_string(b.bolts);
+      for (const double value : {b.factor_with_bolts, b.factor_with_shotcrete, b.mobilised, b.missing_force,
+                                 b.required_force, b.required_pressure, b.free_area, b.needed_thickness}) {
+        out += ',';
+        append_number(out, value);
+      }
+      out += '\n';
+    }
+  }
+  return out;
+}
+
+std::string combined_blocks_csv(std::span<const NamedSupport> cases) {
+  std::string out{
+      "case,body,members,volume_m3,fixed,removable,mode,target,net_force_n,factor_of_safety,passes,missing_force_n\n"};
+  for (const NamedSupport& load : cases) {
+    for (std::size_t i = 0; i < load.support->combined.size(); ++i) {
+      const stability::CombinedBlock& b = load.support->combined[i];
+      out += csv_text(load.name) + ',' + std::to_string(i) + ',';
+      for (std::size_t k = 0; k < b.members.size(); ++k) {
+        out += (k == 0 ? "" : ";") + std::to_string(b.members[k].value());
+      }
+      out += ',';
+      append_number(out, b.volume);
+      out += b.immovable ? ",1" : ",0";
+      out += b.removable ? ",1," : ",0,";
+      if (b.removable) out += stability::name(b.mode);
+      for (const double value : {b.target, b.net_force, b.factor_of_safety}) {
+        out += ',';
+        append_number(out, value);
+      }
+      out += b.passes ? ",1," : ",0,";
+      append_number(out, b.missing_force);
+      out += '\n';
+    }
+  }
+  return out;
+}
+
+std::string maximum_blocks_csv(std::span<const MaximumBlockRow> rows) {
+  std::string out{
+      "set_1,set_2,set_3,below,where,apex_right_m,apex_up_m,volume_m3,weight_n,height_m,face_area_m2,joint_area_1_m2,"
+      "joint_area_2_m2,joint_area_3_m2,mode,direction_x,direction_y,direction_z,driving_n,resistance_n,net_force_n,"
+      "factor_of_safety,target,required_pressure_pa\n"};
+  for (const MaximumBlockRow& row : rows) {
+    const stability::MaximumKeyBlock& b = row.block;
+    for (const std::string& set : row.sets) out += csv_text(set) + ',';
+    for (std::size_t i = 0; i < 3; ++i) out += ((b.block.code >> i) & 1U) != 0 ? '1' : '0';
+    out += ',' + row.where;
+    for (const double value : {b.block.apex[0], b.block.apex[1], b.block.volume, b.weight.si(), b.block.height,
+                               b.block.face_area, b.areas[0], b.areas[1], b.areas[2]}) {
+      out += ',';
+      append_number(out, value);
+    }
+    out += ',';
+    out += stability::name(b.mode);
+    for (const double value : {b.direction.x, b.direction.y, b.direction.z, b.driving.si(), b.resistance.si(),
+                               b.net.si(), b.factor_of_safety, b.target, b.required_pressure}) {
+      out += ',';
+      append_number(out, value);
+    }
     out += '\n';
   }
   return out;
@@ -139,14 +231,7 @@ std::string load_cases_csv(const topology::BlockComplex& complex, std::span<cons
   for (const NamedAnalysis& load : cases) {
     for (const stability::Judgement& j : load.analysis->judgements) {
       if (!stability::moves(j.mode)) continue;
-      // A name with a comma, a quote or a line end would break the row.
-      std::string name{load.name};
-      if (name.find_first_of(",\"\n\r") != std::string::npos) {
-        std::string quoted = "\"";
-        for (const char c : name) quoted += c == '"' ? std::string{"\"\""} : std::string{c};
-        name = quoted + '"';
-      }
-      out += name + ',' + std::to_string(j.block.value()) + ',';
+      out += csv_text(load.name) + ',' + std::to_string(j.block.value()) + ',';
       if (j.batch) out += std::to_string(*j.batch);
       out += j.key ? ",1," : ",0,";
       out += stability::name(j.mode);

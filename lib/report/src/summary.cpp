@@ -139,6 +139,7 @@ void write_figures(JsonWriter& json, const KeyBlockFigures& figures) {
   json.member("lowest_factor_of_safety", figures.lowest_factor_of_safety);  // null: no block has a finite one
   json.member("equilibrium_residual", figures.equilibrium_residual);
   if (figures.below_target) json.member("below_target", *figures.below_target);
+  if (figures.turning) json.member("turning", *figures.turning);
 }
 
 void write_key_blocks(JsonWriter& json, const Summary& summary) {
@@ -189,6 +190,21 @@ void write_support(JsonWriter& json, const SupportFigures& f) {
       json.member("spacing_scale", d.scale);
       json.member("bolts", d.bolts);
       json.member("cost", d.cost);
+      json.end_object();
+    }
+    json.end_array();
+  }
+  if (!f.cases.empty()) {
+    json.key("load_cases");
+    json.begin_array();
+    for (const SupportCaseFigures& c : f.cases) {
+      json.begin_object();
+      json.member("name", c.name);
+      json.member("passes", c.passes);
+      json.member("blocks", c.blocks);
+      json.member("not_held", c.not_held);
+      json.member("combined_blocks", c.combined);
+      json.member("combined_failing", c.combined_failing);
       json.end_object();
     }
     json.end_array();
@@ -302,9 +318,11 @@ KeyBlockFigures count_key_blocks(const stability::Analysis& analysis, const std:
                           .equilibrium_residual = analysis.equilibrium_residual,
                           .hash = {}};
   if (target) figures.below_target = 0;
+  if (analysis.rotation != stability::RotationCheck::off) figures.turning = 0;
   for (const stability::Judgement& judgement : analysis.judgements) {
     figures.lowest_factor_of_safety = std::min(figures.lowest_factor_of_safety, judgement.factor_of_safety);
     if (target && below(judgement, *target)) ++*figures.below_target;
+    if (figures.turning && judgement.rotation && judgement.rotation->turns) ++*figures.turning;
   }
   for (const stability::Batch& batch : analysis.batches) {
     BatchFigures row{.batch = batch.number, .count = batch.blocks.size(), .volume_m3 = batch.volume.si()};
@@ -362,6 +380,15 @@ std::string summary_json(const Summary& summary) {
   write_blocks(json, summary);
   if (summary.key_blocks) write_key_blocks(json, summary);
   if (summary.support) write_support(json, *summary.support);
+  if (summary.maximum_blocks) {
+    json.key("maximum_blocks");
+    json.begin_object();
+    json.member("count", summary.maximum_blocks->count);
+    json.member("largest_volume_m3", summary.maximum_blocks->largest_volume_m3);
+    json.member("lowest_factor_of_safety", summary.maximum_blocks->lowest_factor_of_safety);
+    json.member("largest_required_pressure_pa", summary.maximum_blocks->largest_required_pressure_pa);
+    json.end_object();
+  }
   if (summary.micro_blocks) write_micro_blocks(json, *summary.micro_blocks);
   if (summary.dangling) write_dangling(json, *summary.dangling);
   if (summary.sequence) write_sequence(json, *summary.sequence);

@@ -108,7 +108,8 @@ std::size_t view_bytes(const BlockComplex& complex, BlockId block) {
   return (12 * triangles + 2 * corners + 9 * faces + 19 + 11) * 4 / 3;
 }
 
-View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysis, std::size_t budget) {
+View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysis, std::size_t budget,
+                 const stability::SupportResult* support) {
   View3d view{.json = {}, .total = complex.blocks().size()};
   BlockColumns blocks;
   FaceColumns faces;
@@ -180,6 +181,23 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
   member_base64(json, "factor", blocks.factor);
   member_base64(json, "volume", blocks.volume);
   member_base64(json, "faces", blocks.faces);
+  if (support != nullptr && !support->bolts.empty()) {
+    // Relative to the view's middle, as the page has it; 2^32 - 1: serves none.
+    const Vec3 middle = 0.5 * (low + high);
+    std::vector<float> ends;
+    std::vector<std::uint8_t> status;
+    std::vector<std::uint32_t> serves;
+    for (const stability::BoltResult& bolt : support->bolts) {
+      const Vec3 head = bolt.bolt.collar - middle;
+      const Vec3 tip = head + bolt.bolt.length * bolt.bolt.direction;
+      for (const double c : {head.x, head.y, head.z, tip.x, tip.y, tip.z}) ends.push_back(static_cast<float>(c));
+      status.push_back(std::to_underlying(bolt.status));
+      serves.push_back(bolt.serves ? bolt.serves->value() : unused);
+    }
+    member_base64(json, "bolts", ends);
+    member_base64(json, "boltStatus", status);
+    member_base64(json, "boltServes", serves);
+  }
   json.end_object();
   view.json = std::move(json).finish();
   return view;

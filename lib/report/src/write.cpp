@@ -146,8 +146,29 @@ Summary summarize(const scene::RunResult& result) {
     for (const scene::DesignResult& d : result.designs) {
       summary.support->designs.push_back({d.length, d.found, d.scale, d.bolts, d.cost});
     }
+    for (const scene::CaseSupport& load : result.support_cases) {
+      const SupportFigures f = count_support(load.support);
+      summary.support->cases.push_back({load.name, f.passes, f.blocks, f.not_held, f.combined, f.combined_failing});
+    }
+  }
+  if (!result.maximum_blocks.empty()) {
+    MaximumFigures figures;
+    for (const scene::MaximumRow& row : result.maximum_blocks) {
+      ++figures.count;
+      figures.largest_volume_m3 = std::max(figures.largest_volume_m3, row.block.block.volume);
+      figures.lowest_factor_of_safety = std::min(figures.lowest_factor_of_safety, row.block.factor_of_safety);
+      figures.largest_required_pressure_pa =
+          std::max(figures.largest_required_pressure_pa, row.block.required_pressure);
+    }
+    summary.maximum_blocks = figures;
   }
   return summary;
+}
+
+std::vector<MaximumBlockRow> maximum_rows(const scene::RunResult& result) {
+  std::vector<MaximumBlockRow> rows;
+  for (const scene::MaximumRow& row : result.maximum_blocks) rows.push_back({row.sets, row.where, row.block});
+  return rows;
 }
 
 std::string loads_of(const scene::RunResult& result) {
@@ -187,6 +208,10 @@ Page page_of(const scene::RunResult& result) {
   page.complex = complex_of(result);
   page.analysis = analysis_of(result);
   page.support = result.support ? &*result.support : nullptr;
+  for (const scene::CaseSupport& load : result.support_cases) {
+    page.support_cases.push_back({load.name, &load.support});
+  }
+  page.maximum_blocks = maximum_rows(result);
   page.sensitivity = result.sensitivity;
   for (const topology::JointId joint : result.joints.ids()) {
     page.tan_friction.push_back(std::tan(result.joints[joint].strength.friction.radians()));
@@ -243,11 +268,18 @@ std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& res
   const stability::SupportResult* support = result.support ? &*result.support : nullptr;
   if (support != nullptr) {
     CLEAVE_CHECK(write_file(folder / "bolts.csv", bolts_csv(*support, result.bolt_groups)));
+    std::vector<NamedSupport> cases{{"base", support}};
+    for (const scene::CaseSupport& load : result.support_cases) cases.push_back({load.name, &load.support});
+    CLEAVE_CHECK(write_file(folder / "support_blocks.csv", support_blocks_csv(cases)));
+    CLEAVE_CHECK(write_file(folder / "combined_blocks.csv", combined_blocks_csv(cases)));
   }
   if (!result.load_cases.empty()) {
     std::vector<NamedAnalysis> cases{{"base", &*result.analysis}};
     for (const scene::CaseResult& load : result.load_cases) cases.push_back({load.name, &load.analysis});
     CLEAVE_CHECK(write_file(folder / "load_cases.csv", load_cases_csv(*complex, cases)));
+  }
+  if (!result.maximum_blocks.empty()) {
+    CLEAVE_CHECK(write_file(folder / "maximum_blocks.csv", maximum_blocks_csv(maximum_rows(result))));
   }
   return write_file(folder / "key_blocks.csv", key_blocks_csv(*complex, *result.analysis, support));
 }
@@ -268,6 +300,7 @@ std::expected<void, WriteError> write_all(const scene::RunResult& result, const 
   CLEAVE_CHECK(write_blocks_vtu(result, folder));
   CLEAVE_CHECK(write_dangling(result, folder));
   CLEAVE_CHECK(write_exports(result, folder));
+  CLEAVE_CHECK(write_sections(result, folder));
   CLEAVE_CHECK(write_key_blocks_csv(result, folder));
   CLEAVE_CHECK(write_report_html(result, folder));
   return write_summary_json(result, folder);

@@ -58,8 +58,10 @@ stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const St
           .strict = wanted.strict,
           .parallel_contact = wanted.parallel_contact,
           .force_transfer = wanted.force_transfer,
+          .transfer = wanted.transfer,
           .max_batches = wanted.max_batches,
-          .actions = actions_of(drawn, loads)};
+          .actions = actions_of(drawn, loads),
+          .rotation = wanted.rotation};
 }
 
 std::vector<Problem> misplaced_loads(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,

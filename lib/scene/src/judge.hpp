@@ -26,13 +26,17 @@ namespace cleave::scene {
 struct JudgedMore {
   std::vector<CaseResult> cases;
   std::optional<stability::SupportResult> support;
+  std::vector<CaseSupport> support_cases;
   std::vector<DesignResult> designs;
   std::vector<stability::Sensitivity> sensitivity;
+  std::vector<MaximumRow> maximum_blocks;
 };
 void judge_cases(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex, JudgedMore& more);
+/// After `judge_cases`: the support is checked under each named case too.
 void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                    const stability::Analysis& analysis, JudgedMore& more);
 void judge_sensitivity(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                        const stability::Analysis& analysis, JudgedMore& more);
+void judge_maximum_blocks(const Scene& scene, const Drawn& drawn, JudgedMore& more);
 
 }  // namespace cleave::scene

@@ -50,8 +50,9 @@ std::vector<Bolt> bolts_with(const SupportSettings& support, double scale, doubl
 
 bool only_weights(const Scene& scene) {
   const LoadSet& loads = scene.stability->loads;
-  return !scene.support && scene.stability->cases.empty() && !loads.water && loads.pressures.empty() &&
-         loads.surcharges.empty() && loads.points.empty() && loads.lines.empty();
+  return !scene.support && scene.stability->rotation != stability::RotationCheck::decide &&
+         scene.stability->cases.empty() && !loads.water && loads.pressures.empty() && loads.surcharges.empty() &&
+         loads.points.empty() && loads.lines.empty();
 }
 
 double tunnel_length(const Scene& scene) {
@@ -75,6 +76,11 @@ void judge_support(const Scene& scene, const Drawn& drawn, const topology::Audit
   const stability::Settings settings = settings_on(complex, scene, drawn, scene.stability->loads);
   const SupportSettings& support = *scene.support;
   more.support = check_support(complex, settings, analysis, support.plan);
+  for (std::size_t k = 0; k < more.cases.size(); ++k) {
+    const LoadCase& load = scene.stability->cases[k];
+    more.support_cases.push_back({load.name, check_support(complex, settings_on(complex, scene, drawn, load.loads),
+                                                           more.cases[k].analysis, support.plan)});
+  }
   if (!support.design) return;
   const DesignSettings& design = *support.design;
   for (const double length : design.lengths) {

@@ -37,6 +37,9 @@ std::string why_write(const OutputSettings& output, bool stability) {
   std::string files = "summary.json, log.txt";
   if (output.vtu) files += ", blocks.vtu";
   if (output.csv && stability) files += ", key_blocks.csv";
+  for (const SectionSpec& section : output.sections) {
+    files += section.name.empty() ? ", section.toml" : ", section_" + section.name + ".toml";
+  }
   for (const std::string& name : output.exports) files += ", blocks as " + name;
   return files;
 }

@@ -63,6 +63,12 @@ stability::Settings settings_of(const Scene& scene, const Drawn& drawn, std::uin
   return settings_of(scene, drawn, *scene.stability, loads);
 }
 
+/// Ensembles count nothing that is only flagged.
+stability::Settings unflagged(stability::Settings settings) {
+  if (settings.rotation == stability::RotationCheck::flag) settings.rotation = stability::RotationCheck::off;
+  return settings;
+}
+
 void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::vector<std::string>& notes) {
   if (report.joints_outside > 0) {
     notes.push_back(fmt::format("{} of {} joints lie outside the rock and cut nothing", report.joints_outside, joints));
@@ -82,6 +88,24 @@ void add_micro_note(const topology::BlockComplex& complex, const MicroBlocks& li
   notes.push_back(fmt::format("{} of {} blocks are micro-blocks ({:.3g} m3 in all){}", found.size(),
                               complex.blocks().size(), volume,
                               limits.policy == MicroBlockPolicy::exclude ? ": left out of stability" : ""));
+}
+
+/// Blocks that translation leaves in place, but no statics does.
+void add_rotation_note(const stability::Analysis& analysis, std::vector<std::string>& notes) {
+  std::size_t turning = 0;
+  std::string first;
+  for (const stability::Judgement& j : analysis.judgements) {
+    if (!j.rotation || !j.rotation->turns) continue;
+    ++turning;
+    if (turning <= 10) first += (first.empty() ? "" : ", ") + std::to_string(j.block.value());
+  }
+  if (turning == 0) return;
+  notes.push_back(fmt::format("{} {} would turn or topple though {} cannot slide: {}{}{}", turning,
+                              turning == 1 ? "block" : "blocks", turning == 1 ? "it" : "they", first,
+                              turning > 10 ? ", ..." : "",
+                              analysis.rotation == stability::RotationCheck::decide
+                                  ? "; counted as key blocks"
+                                  : "; counted as key blocks only with rotation = \"decide\""));
 }
 
 std::optional<Stage> stage_named(std::string_view name) {
@@ -229,8 +253,8 @@ std::expected<Realized, std::vector<Problem>> realize(const Scene& scene, std::u
   if (!drawn) return std::unexpected(std::move(drawn).error());
   if (scene.output.only_key_blocks && scene.stability && only_weights(scene)) {
     StageTimer timer;
-    auto near =
-        stability::analyse_near_field(drawn->input, settings_of(scene, *drawn, realization), {.threads = 1}, timer);
+    auto near = stability::analyse_near_field(drawn->input, unflagged(settings_of(scene, *drawn, realization)),
+                                              {.threads = 1}, timer);
     if (near) return Realized{*std::move(drawn), std::move(near->complex), std::move(near->analysis)};
     if (auto* error = std::get_if<topology::CutError>(&near.error())) {
       return std::unexpected(std::vector{problem_of(*error, scene, *drawn)});
@@ -241,7 +265,8 @@ std::expected<Realized, std::vector<Problem>> realize(const Scene& scene, std::u
   if (!cut) return std::unexpected(std::vector{problem_of(cut.error(), scene, *drawn)});
   Realized realized{*std::move(drawn), topology::audit(*std::move(cut)), std::nullopt};
   if (realized.complex && scene.stability) {
-    realized.analysis = stability::analyse(*realized.complex, settings_of(scene, realized.drawn, realization));
+    realized.analysis =
+        stability::analyse(*realized.complex, unflagged(settings_of(scene, realized.drawn, realization)));
   }
   return realized;
 }
@@ -283,6 +308,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     }
     if (scene.support) stage(Stage::support, [&] { judge_support(scene, *drawn, *system.complex, *analysis, more); });
     judge_sensitivity(scene, *drawn, *system.complex, *analysis, more);
+    judge_maximum_blocks(scene, *drawn, more);
   }
   progress.end();
 
@@ -305,6 +331,14 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     notes.push_back(
         "the support does not reach the required factors of safety: see bolts.csv and the columns of key_blocks.csv");
   }
+  for (const CaseSupport& load : more.support_cases) {
+    if (!load.support.passes()) {
+      notes.push_back(
+          fmt::format("load case {}: the support does not reach the required factors of safety: see support_blocks.csv",
+                      load.name));
+    }
+  }
+  if (analysis) add_rotation_note(*analysis, notes);
   for (const CaseResult& load : more.cases) {
     std::size_t leaving = 0, base = 0;
     for (const stability::Batch& batch : load.analysis.batches) leaving += batch.blocks.size();
@@ -338,8 +372,10 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .sequence = std::move(system.sequence),
                    .micro_blocks = scene.micro_blocks,
                    .support = std::move(more.support),
+                   .support_cases = std::move(more.support_cases),
                    .bolt_groups = scene.support ? scene.support->groups : std::vector<std::string>{},
                    .designs = std::move(more.designs),
+                   .maximum_blocks = std::move(more.maximum_blocks),
                    .tunnel_length = tunnel_length(scene),
                    .sensitivity = std::move(more.sensitivity),
                    .load_cases = std::move(more.cases),

@@ -1,8 +1,13 @@
 #include "analyse_complex.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
 
 #include "contacts.hpp"
+#include "rotation_check.hpp"
 #include "transfer.hpp"
 #include "verdict.hpp"
 
@@ -13,10 +18,13 @@ using topology::BlockId;
 
 class Batches final {
  public:
-  Batches(const topology::BlockComplex& complex, const Settings& settings)
+  /// `held` keep their place whatever drives them: ascending.
+  Batches(const topology::BlockComplex& complex, const Settings& settings, std::span<const BlockId> held)
       : model_{complex, settings},
         least_tan_{settings.strengths.least_tan_friction() / settings.partial.friction()},
-        judgements_(complex.blocks().size(), std::nullopt) {}
+        held_{held},
+        slot_(complex.blocks().size(), none),
+        noted_in_(complex.blocks().size(), 0) {}
 
   Analysis run() {
     std::vector<BlockId> changed;
@@ -40,9 +48,10 @@ class Batches final {
     // An undecided block was taken to stay, to see at once which others are undecided.
     std::ranges::sort(analysis_.undecided);
     analysis_.undecided.erase(std::ranges::unique(analysis_.undecided).begin(), analysis_.undecided.end());
-    for (auto& judgement : judgements_) {
-      if (judgement) analysis_.judgements.push_back(*std::move(judgement));
+    for (const std::uint32_t slot : slot_) {
+      if (slot != none) analysis_.judgements.push_back(std::move(judgements_[slot]));
     }
+    analysis_.rotation = model_.settings().rotation;
     if (model_.settings().force_transfer && analysis_.undecided.empty()) transfer_forces(model_, analysis_);
     return std::move(analysis_);
   }
@@ -52,12 +61,13 @@ class Batches final {
 
   /// Judges one block in state batch - 1; true when it is a key block there.
   bool judge_block(BlockId id, std::uint32_t batch) {
-    judgements_[id].reset();
-    const Contacts contacts = model_.contacts(id, batch);
-    if (!contacts.exposed) return false;  // face-vector closure: all its joint faces together leave no direction
-    const std::uint8_t dimension = contacts.cone.dimension();
+    const std::uint32_t slot = std::exchange(slot_[id], none);
+    const Model::Held held = model_.held(id, batch);
+    if (!held.exposed) return false;  // face-vector closure: all its joint faces together leave no direction
+    const std::uint8_t dimension = Cone{held.rows}.dimension();
     // Faces that are not known can only take directions away.
     if (dimension == 0 || (model_.settings().strict && dimension < 3)) return false;
+    const Contacts contacts = model_.contacts(id, batch);
     const topology::Block& block = complex().blocks()[id];
     if (block.truncated) {
       if (!stays_for_certain(contacts, model_.applied_forces(id, batch))) analysis_.undecided.push_back(id);
@@ -83,8 +93,19 @@ class Batches final {
     }
     judgement.cone_dimension = dimension;
     judgement.tie = verdict.tie;
-    judgements_[id] = std::move(judgement);
-    return verdict.key;
+    if (model_.settings().rotation != RotationCheck::off && !verdict.key) {
+      judgement.rotation = rotation_of(model_, id, batch, contacts, verdict);
+      if (model_.settings().rotation == RotationCheck::decide && judgement.rotation->turns) judgement.key = true;
+    }
+    const bool leaves = judgement.key && !std::ranges::binary_search(held_, id);
+    if (slot != none) {
+      judgements_[slot] = std::move(judgement);
+      slot_[id] = slot;
+    } else {
+      slot_[id] = static_cast<std::uint32_t>(judgements_.size());
+      judgements_.push_back(std::move(judgement));
+    }
+    return leaves;
   }
 
   /// Takes out what is left out, before the first batch: what it leaned on is exposed there.
@@ -120,7 +141,7 @@ class Batches final {
     Volume volume;
     for (const BlockId id : leaving) {
       model_.remove(id, batch);
-      judgements_[id]->batch = batch;
+      judgements_[slot_[id]].batch = batch;
       volume += complex().blocks()[id].volume;
     }
     std::vector<BlockId> changed;
@@ -128,27 +149,58 @@ class Batches final {
       for (const topology::FaceId face : complex().blocks()[id].faces) {
         for (const topology::Patch& patch : complex().patches(complex().faces()[face])) {
           if (!patch.neighbour) continue;
+          std::uint32_t& noted = noted_in_[*patch.neighbour];
+          if (noted == batch) continue;
+          noted = batch;
           const bool there = model_.removed_in(*patch.neighbour) == Model::stays;
           if (there && !complex().blocks()[*patch.neighbour].fixed) changed.push_back(*patch.neighbour);
         }
       }
     }
     std::ranges::sort(changed);
-    changed.erase(std::ranges::unique(changed).begin(), changed.end());
     analysis_.batches.push_back({.number = batch, .blocks = std::move(leaving), .volume = volume});
     return changed;
   }
 
   Model model_;
   double least_tan_;
-  IdVector<BlockId, std::optional<Judgement>> judgements_;
+  std::span<const BlockId> held_;
+  /// Judgements are large and few blocks are judged: the block's place among them, or none.
+  static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  IdVector<BlockId, std::uint32_t> slot_;
+  std::vector<Judgement> judgements_;
+  IdVector<BlockId, std::uint32_t> noted_in_;  ///< the last batch in which the block was found to be a neighbour
   Analysis analysis_;
 };
 
 }  // namespace
 
 Analysis analyse_complex(const topology::BlockComplex& complex, const Settings& settings) {
-  return Batches{complex, settings}.run();
+  std::vector<BlockId> held;
+  std::vector<std::pair<BlockId, Transferred>> why;  // what held them, in order of id
+  for (;;) {
+    Analysis analysis = Batches{complex, settings, held}.run();
+    const auto judgement_of = [&](BlockId id) {
+      const auto it = std::ranges::lower_bound(analysis.judgements, id, {}, &Judgement::block);
+      return it != analysis.judgements.end() && it->block == id ? &*it : nullptr;
+    };
+    const std::size_t known = held.size();
+    if (settings.force_transfer && settings.transfer.stabilised == TransferReadings::Stabilised::batches_anew) {
+      for (const Judgement& j : analysis.judgements) {
+        if (!j.transferred || j.transferred->key) continue;
+        held.push_back(j.block);
+        why.emplace_back(j.block, *j.transferred);
+      }
+    }
+    if (held.size() == known) {  // what is held only grows, so this comes to an end
+      for (const auto& [id, transferred] : why) {
+        if (Judgement* j = judgement_of(id)) j->transferred = transferred;
+      }
+      return analysis;
+    }
+    std::ranges::sort(held);
+    std::ranges::sort(why, {}, [](const auto& entry) { return entry.first; });
+  }
 }
 
 }  // namespace cleave::stability

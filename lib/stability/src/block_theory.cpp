@@ -150,6 +150,7 @@ std::optional<MaximumBlock> maximum_block(std::span<const Direction> planes, std
     for (const Direction& n : rows) wall = clipped(wall, -n.unit(), -dot(n.unit(), apex));
     const double area = integrate(wall).total;
     block.face_area += area;
+    block.face_vector += area * out;
     block.volume += area * distance / 3;
   }
   return block;

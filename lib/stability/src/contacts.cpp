@@ -37,6 +37,25 @@ Direction Model::inward(const topology::Face& face) {
   return face.block_on_positive_side ? *known : known->opposite();
 }
 
+Model::Held Model::held(topology::BlockId id, std::uint32_t batch) {
+  rows_.clear();
+  bool exposed = false;
+  for (const topology::FaceId face_id : complex_->blocks()[id].faces) {
+    const topology::Face& face = complex_->faces()[face_id];
+    exposed = exposed || face.role == topology::Role::free;
+    if (face.role != topology::Role::joint) continue;
+    bool touches = false;
+    for (const topology::Patch& patch : complex_->patches(face)) {
+      if (!patch.neighbour) continue;
+      const bool there = present(*patch.neighbour, batch);
+      touches = touches || there;
+      exposed = exposed || !there;
+    }
+    if (touches) rows_.push_back(inward(face));
+  }
+  return {rows_, exposed};
+}
+
 Contacts Model::contacts(topology::BlockId id, std::uint32_t batch) { return contacts_of({&id, 1}, batch); }
 
 Contacts Model::contacts_of(std::span<const topology::BlockId> members, std::uint32_t batch) {

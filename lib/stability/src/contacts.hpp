@@ -61,6 +61,14 @@ class Model final {
   /// Inward normal of a face.
   [[nodiscard]] Direction inward(const topology::Face& face);
   [[nodiscard]] Contacts contacts(topology::BlockId block, std::uint32_t batch);
+  /// Inward normals of the joint faces that still have a neighbour, and whether anything else is open: all that asks
+  /// whether the block can move. Of most blocks that is the last question, and strengths are not looked up. The rows
+  /// are valid until the next call.
+  struct Held {
+    std::span<const Direction> rows;
+    bool exposed = false;
+  };
+  [[nodiscard]] Held held(topology::BlockId block, std::uint32_t batch);
   /// Blocks taken as one body: faces between members are no contacts. `members` ascending.
   [[nodiscard]] Contacts contacts_of(std::span<const topology::BlockId> members, std::uint32_t batch);
   /// Weight, seismic force, water as the joints stand while batch `batch` is judged, and loads on free faces.
@@ -75,6 +83,7 @@ class Model final {
   IdVector<topology::BlockId, std::uint32_t> removed_in_;
   IdVector<topology::PlaneId, std::optional<Direction>> directions_;
   IdVector<topology::BlockId, ForceSum> on_surfaces_;  ///< empty when there are none
+  std::vector<Direction> rows_;                        ///< of the last `held`
 };
 
 }  // namespace cleave::stability

@@ -9,6 +9,8 @@ namespace cleave::stability {
 namespace {
 
 using exact::Sign;
+using geometry::dot;
+using geometry::norm;
 using geometry::Vec3;
 
 /// Reactions from e = n_i x n_j: N_i = -(r x n_j).e / e.e, N_j = (r x n_i).e / e.e; equal to (S2), without its loss of
@@ -177,8 +179,13 @@ std::optional<std::pair<double, double>> reactions(const Cone& cone, const Resul
   if (a.opposite_to(b)) return std::nullopt;
   ForceSigns signs{resultant};
   if (signs.reaction(a, b) == Sign::negative || signs.reaction(b, a) == Sign::negative) return std::nullopt;
-  const auto [ni, nj] = pair_reactions(a, b, resultant.newtons(), cross(a, b));
-  return std::pair{std::max(ni, 0.0), std::max(nj, 0.0)};
+  const Vec3 r = resultant.newtons(), e = cross(a, b);
+  const auto [ni, nj] = pair_reactions(a, b, r, e);
+  const std::pair both{std::max(ni, 0.0), std::max(nj, 0.0)};
+  // Of planes that are parallel but for rounding the signs are ties, and what they carry may be nothing at all.
+  const Vec3 left = r + both.first * a.unit() + both.second * b.unit() - e * (dot(e, r) / dot(e, e));
+  if (!(norm(left) <= 1e-9 * std::max(resultant.scale(), norm(r)))) return std::nullopt;
+  return both;
 }
 
 }  // namespace cleave::stability

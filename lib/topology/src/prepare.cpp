@@ -48,6 +48,22 @@ bool far_apart(const Bounds& polygon, const Bounds& region, double pitch) {
   return false;
 }
 
+/// The region on one side of the polygon's plane, by more than corners leave it. The box of a large joint meets a small
+/// window long before the joint does.
+bool beside(std::span<const Vec3> corners, const Bounds& region, double pitch) {
+  const Vec3 o = corners[0];
+  Vec3 n{};
+  double size = 0;
+  for (std::size_t i = 2; i < corners.size(); ++i) n += cross(corners[i - 1] - o, corners[i] - o);
+  for (const Vec3& c : corners) size = std::max({size, std::abs(c.x - o.x), std::abs(c.y - o.y), std::abs(c.z - o.z)});
+  const Vec3 lo{region.lo[0], region.lo[1], region.lo[2]}, hi{region.hi[0], region.hi[1], region.hi[2]};
+  const Vec3 half = 0.5 * (hi - lo);
+  const double length = norm(n), distance = std::abs(dot(n, lo + half - o));
+  const double across = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
+  const double farthest = std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)});
+  return length > 0 && distance > across + (1e-4 * size + 1e-12 * farthest + 64 * pitch) * length;
+}
+
 /// Sites that are corners of more than one polygon. A polygon given twice counts once: repeating a joint changes
 /// nothing.
 class SharedSites {
@@ -229,7 +245,11 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
           own.add(v);
           box.add(v);
         }
-        if (!snapper.active() && !ended_on(j) && far_apart(box, region, lattice.pitch())) continue;  // cuts nothing
+        if (!snapper.active() && !ended_on(j) &&
+            (far_apart(box, region, lattice.pitch()) ||
+             (input.window && beside(polygon.corners(), region, lattice.pitch())))) {
+          continue;  // cuts nothing
+        }
         snapper.begin_joint(static_cast<Index>(j));
         auto sites = sites_of(polygon.corners());
         const auto preferred = shared.among(sites);

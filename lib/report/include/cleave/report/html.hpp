@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cleave/report/key_blocks.hpp"
 #include "cleave/report/stereonet.hpp"
 #include "cleave/report/summary.hpp"
 #include "cleave/stability/result.hpp"
@@ -39,6 +40,8 @@ struct Page {
   const topology::BlockComplex* complex = nullptr;
   const stability::Analysis* analysis = nullptr;
   const stability::SupportResult* support = nullptr;
+  std::vector<NamedSupport> support_cases;  ///< of [[load]]
+  std::vector<MaximumBlockRow> maximum_blocks;
   std::vector<stability::Sensitivity> sensitivity;  ///< of the first batch
   std::vector<double> tan_friction;                 ///< by joint number
 };

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "cleave/stability/maximum_blocks.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/stability/support.hpp"
 #include "cleave/topology/block_complex.hpp"
@@ -14,11 +16,15 @@ namespace cleave::report {
 inline constexpr std::string_view key_blocks_header =
     "block,batch,key,mode,volume_m3,weight_n,direction_x,direction_y,direction_z,net_force_n,factor_of_safety,faces,"
     "joints";
-/// Follows when force transfer ran: the same block with the forces that later batches pass to it, and what it passes on
-/// (N).
+/// Follows when force transfer ran: the same block with the forces that later batches pass to it, what it passes on
+/// (N), and what of it the scene's reading of the transfer loses (N; 0 with the default).
 inline constexpr std::string_view key_blocks_transferred_header =
     ",key_transferred,mode_transferred,direction_x_transferred,direction_y_transferred,direction_z_transferred,"
-    "net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred";
+    "net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred,lost_n_transferred";
+
+/// Follows when the rotational check ran: 1 when no statics holds the block against turning, 0 when some does, empty
+/// for a block that translation moves.
+inline constexpr std::string_view key_blocks_rotation_header = ",turns";
 
 /// Follows when [support] was checked. Blocks that need no support keep their values: means `none needed`.
 inline constexpr std::string_view key_blocks_supported_header =
@@ -38,6 +44,23 @@ inline constexpr std::string_view key_blocks_supported_header =
 /// metres from the collar at which it enters and leaves each (`12:0-1.5;7:1.5-3`). The block served is the one that
 /// takes most.
 [[nodiscard]] std::string bolts_csv(const stability::SupportResult& support, std::span<const std::string> groups);
+
+struct NamedSupport {
+  std::string_view name;                    ///< of the load case; "base"
+  const stability::SupportResult* support;  ///< not null
+};
+/// support_blocks.csv: every block that needs support under a load case, and what holds it.
+[[nodiscard]] std::string support_blocks_csv(std::span<const NamedSupport> cases);
+/// combined_blocks.csv: the bodies that bolts stitch together, under every load case. members: joined by `;`.
+[[nodiscard]] std::string combined_blocks_csv(std::span<const NamedSupport> cases);
+
+struct MaximumBlockRow {
+  std::array<std::string, 3> sets;
+  std::string where;
+  stability::MaximumKeyBlock block;
+};
+/// maximum_blocks.csv: largest key blocks of block theory.
+[[nodiscard]] std::string maximum_blocks_csv(std::span<const MaximumBlockRow> rows);
 
 struct NamedAnalysis {
   std::string_view name;

@@ -76,6 +76,7 @@ struct KeyBlockFigures {
   double lowest_factor_of_safety = std::numeric_limits<double>::infinity();  ///< of the blocks judged
   std::optional<std::uint64_t> below_target = {};  ///< judged blocks below the scene's target, where it has one
   double equilibrium_residual = 0;                 ///< largest, relative; statics and force transfer
+  std::optional<std::uint64_t> turning = {};       ///< judged blocks that turn; none without the rotational check
   std::string hash = {};                           ///< of the blocks that leave
 };
 
@@ -142,6 +143,21 @@ struct DesignFigures {
   double cost;
 };
 
+/// The support under one named load case.
+struct SupportCaseFigures {
+  std::string name;
+  bool passes;
+  std::uint64_t blocks, not_held, combined, combined_failing;
+};
+
+/// Largest key blocks of block theory.
+struct MaximumFigures {
+  std::uint64_t count = 0;
+  double largest_volume_m3 = 0;
+  double lowest_factor_of_safety = std::numeric_limits<double>::infinity();
+  double largest_required_pressure_pa = 0;
+};
+
 struct SupportFigures {
   bool passes = false;
   std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, not_held = 0;
@@ -150,6 +166,7 @@ struct SupportFigures {
   double required_force_n = 0, largest_required_pressure_pa = 0, missing_force_n = 0;
   std::optional<double> required_force_n_per_metre = {};  ///< of tunnel, where there is one
   std::vector<DesignFigures> designs = {};
+  std::vector<SupportCaseFigures> cases = {};  ///< of [[load]]
 };
 
 /// Everything of summary.json, as values.
@@ -169,6 +186,7 @@ struct Summary {
   std::optional<MicroBlockFigures> micro_blocks;
   std::vector<CaseFigures> load_cases;  ///< of [[load]]
   std::optional<SupportFigures> support;
+  std::optional<MaximumFigures> maximum_blocks;
 };
 
 [[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);

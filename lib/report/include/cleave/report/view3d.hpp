@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cleave/stability/result.hpp"
+#include "cleave/stability/support.hpp"
 #include "cleave/topology/block_complex.hpp"
 
 namespace cleave::report {
@@ -23,7 +24,8 @@ struct View3d {
 
 /// Packs at most `budget` bytes: key blocks first, then judged blocks, blocks with a free face, blocks at the domain's
 /// sides, the rest; each group in the order of block numbers. `analysis` may be null.
+/// With `support` its bolts too: collar and end, what became of each, and the block it serves.
 [[nodiscard]] View3d pack_view(const topology::BlockComplex& complex, const stability::Analysis* analysis,
-                               std::size_t budget);
+                               std::size_t budget, const stability::SupportResult* support = nullptr);
 
 }  // namespace cleave::report

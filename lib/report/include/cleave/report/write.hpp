@@ -43,6 +43,9 @@ using WriteError = std::variant<CannotCreate, NoSpace, CannotWrite>;
 /// them comes back.
 [[nodiscard]] std::expected<std::vector<std::string>, WriteError> write_exports(const scene::RunResult& result,
                                                                                 const std::filesystem::path& folder);
+/// Sections of the block system as scenes of contact, as [output] section asks; what the user should know comes back.
+[[nodiscard]] std::expected<std::vector<std::string>, WriteError> write_sections(const scene::RunResult& result,
+                                                                                 const std::filesystem::path& folder);
 [[nodiscard]] std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result,
                                                                    const std::filesystem::path& folder);
 [[nodiscard]] std::expected<void, WriteError> write_report_html(const scene::RunResult& result,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <expected>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene/scene.hpp"
+#include "cleave/stability/maximum_blocks.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/stability/sensitivity.hpp"
 #include "cleave/stability/support.hpp"
@@ -49,6 +51,19 @@ struct Strength {
 struct CaseResult {
   std::string name;
   stability::Analysis analysis;
+};
+
+/// The support checked under one named load case.
+struct CaseSupport {
+  std::string name;
+  stability::SupportResult support;
+};
+
+/// A largest key block of block theory.
+struct MaximumRow {
+  std::array<std::string, 3> sets;  ///< names
+  stability::MaximumKeyBlock block;
+  std::string where;  ///< "roof", "floor", "right wall", "left wall" (looking along the axis)
 };
 
 /// What the search for a pattern found for one length of bolt.
@@ -137,8 +152,10 @@ struct RunResult {
 
   MicroBlocks micro_blocks;  ///< the scene's policy
   std::optional<stability::SupportResult> support;
-  std::vector<std::string> bolt_groups;  ///< names, by Bolt::group
+  std::vector<CaseSupport> support_cases;  ///< of [[load]], in scene order
+  std::vector<std::string> bolt_groups;    ///< names, by Bolt::group
   std::vector<DesignResult> designs;
+  std::vector<MaximumRow> maximum_blocks;
   double tunnel_length = 0;                         ///< m, of all tunnels
   std::vector<stability::Sensitivity> sensitivity;  ///< of the blocks of the first batch
   std::vector<CaseResult> load_cases;               ///< of [[load]], in scene order; the base case is `analysis`

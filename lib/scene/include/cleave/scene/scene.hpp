@@ -147,11 +147,21 @@ struct Targets {
   double sliding = 1.3;  ///< also of wedges
 };
 
+/// Largest key blocks of block theory (maximum_blocks of [stability]).
+struct MaximumBlockSettings {
+  std::uint32_t excavation = 0;  ///< of kind tunnel, straight, with a convex section
+  std::vector<SetId> sets;       ///< three at least; empty: all that have joints
+  std::uint32_t line = 1;        ///< in the scene file
+};
+
 struct StabilitySettings {
   geometry::Vec3 gravity{0, 0, -9.81};  ///< m/s2
   geometry::Vec3 seismic{0, 0, 0};      ///< force / weight, in the direction the rock is pushed
   PartialFactors partial = {};
   bool force_transfer = true;
+  stability::TransferReadings transfer = {};
+  stability::RotationCheck rotation = stability::RotationCheck::flag;
+  std::optional<MaximumBlockSettings> maximum_blocks = {};
   std::uint32_t max_batches = 50;
   LoadSet loads = {};                ///< of the base case, seismic included
   std::vector<LoadCase> cases = {};  ///< in scene order
@@ -201,6 +211,14 @@ struct MonteCarloSettings {
   NumberLaw seismic_factor;                         ///< multiplies stability.seismic, drawn once a realization
 };
 
+/// A section of the block system as a scene of contact.
+struct SectionSpec {
+  std::string name;  ///< empty: section.toml, else section_NAME.toml
+  bool horizontal = false;
+  geometry::Vec3 through;
+  double azimuth = 90;  ///< degrees clockwise from +y: where a vertical section's x axis points
+};
+
 struct OutputSettings {
   bool vtu = true;                        ///< blocks.vtu
   bool csv = true;                        ///< key_blocks.csv
@@ -208,6 +226,7 @@ struct OutputSettings {
   std::vector<std::string> exports = {};  ///< among known_exports, each once: blocks.obj and so on
   /// blocks = "key": only key blocks are asked for, so only the rock near free faces is cut.
   bool only_key_blocks = false;
+  std::vector<SectionSpec> sections = {};
 };
 
 /// What [output] exports may name; docs/formats.md has the files.

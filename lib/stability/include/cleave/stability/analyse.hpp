@@ -4,7 +4,9 @@
 
 #include "cleave/stability/actions.hpp"
 #include "cleave/stability/result.hpp"
+#include "cleave/stability/rotation.hpp"
 #include "cleave/stability/strength.hpp"
+#include "cleave/stability/transfer_readings.hpp"
 #include "cleave/topology/audit.hpp"
 
 namespace cleave::stability {
@@ -26,6 +28,7 @@ struct Settings {
   /// Cohesion also on faces that are only brushed: parallel to the motion, without reaction.
   bool parallel_contact = false;
   bool force_transfer = true;
+  TransferReadings transfer = {};
   std::uint32_t max_batches = 50;
   /// Blocks that count as gone from the start (micro-blocks): not judged, in no batch, and holding nothing.
   std::vector<topology::BlockId> left_out = {};
@@ -34,10 +37,13 @@ struct Settings {
   bool only_key_blocks = false;
   /// Water and loads on free faces.
   Actions actions = {};
+  /// With `decide` parts of blocks are never enough to know that one stays: judge whole scenes only.
+  RotationCheck rotation = RotationCheck::off;
 };
 
 /// Key blocks of the complex in batches, after Goodman & Shi (1985) with the mode found as the projection of the
-/// resultant (Fu 2014, ch. 4, corrected). Translation only: no rotation, no arching, in-situ stress ignored.
+/// resultant (Fu 2014, ch. 4, corrected). Translation; rotation of single blocks where asked (`Settings::rotation`); no
+/// arching, in-situ stress ignored.
 ///
 /// All blocks of a batch are judged in the same state and removed together; faces to removed blocks are free from then
 /// on. Blocks with a fixed face never move. With `force_transfer` the net force of later batches is passed on to

@@ -47,6 +47,7 @@ struct MaximumBlock {
   std::array<double, 2> apex{};  ///< (u, v) m
   double volume = 0;             ///< m3
   double face_area = 0;          ///< m2 of the tunnel's wall
+  geometry::Vec3 face_vector{};  ///< m2: the wall's parts times their normals into the rock, summed up
   double height = 0;             ///< m, apex to the nearest point of the section
 };
 /// Empty where the pyramid is empty, holds the axis, or sees the section from all round.

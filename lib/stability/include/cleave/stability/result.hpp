@@ -7,6 +7,7 @@
 
 #include "cleave/core/quantity.hpp"
 #include "cleave/geometry/vec3.hpp"
+#include "cleave/stability/rotation.hpp"
 #include "cleave/topology/ids.hpp"
 
 namespace cleave::stability {
@@ -48,7 +49,7 @@ struct Transferred {
   Force net = {};
   double factor_of_safety = 0;
   geometry::Vec3 received = {};  ///< sum of the forces passed to it, N
-  Force passed = {};             ///< what it passes on along `direction`: its net force, or 0
+  Force passed = {};             ///< what it passes on along `direction`: its net (or driving) force, or 0
   /// Unstable in batch 2 or later, but it pushes no removed block: holding the earlier batch holds it too.
   bool self_held = false;
   /// Largest tan(angle between motion and the normal of a face that passes force) / tan(friction): above 1 a face
@@ -57,14 +58,15 @@ struct Transferred {
   bool tie = false;
   std::vector<Passed> passes = {};      ///< what it passes on, by face
   std::vector<Pressing> pressing = {};  ///< under the forces received
-  double lost = 0;                      ///< N of net force that no option of the transfer could pass on
+  std::vector<Pressing> added = {};     ///< reading `normals`: what its own planes take up of the force it passes on
+  double lost = 0;                      ///< N of its net force that the reading of the transfer could not pass on
 };
 
 /// What the analysis says of one block in one state.
 struct Judgement {
   topology::BlockId block;
   Mode mode = Mode::stable;
-  bool key = false;  ///< removable and unstable (net force > 0)
+  bool key = false;  ///< removable and unstable (net force > 0; or it turns, when rotation decides)
   std::optional<std::uint32_t> batch =
       {};  ///< 1, 2, ...: when it leaves; none for a block that stays (judged in the final state)
   geometry::Vec3 direction = {};  ///< unit vector of first motion; zero for stable and tapered
@@ -82,6 +84,8 @@ struct Judgement {
   bool tie = false;  ///< two modes coincide to rounding; the one with fewer faces was taken
   /// For blocks of a batch, when force transfer ran. Nothing is ever passed to a block that stays: it keeps its values.
   std::optional<Transferred> transferred = {};
+  /// When the rotational check ran and translation alone does not move the block.
+  std::optional<Rotation> rotation = {};
 };
 
 struct Batch {
@@ -98,6 +102,7 @@ struct Analysis {
   /// Unstable blocks are left (key, without batch): they would have left in the next batch.
   bool stopped_at_max_batches = false;
   bool force_transfer = false;
+  RotationCheck rotation = RotationCheck::off;  ///< as asked
   /// Blocks of which only a part was cut (topology::Block::truncated) and of which that part does not tell whether they
   /// move. When there is one, nothing else of the analysis holds, and a larger window is needed.
   std::vector<topology::BlockId> undecided = {};

@@ -1,0 +1,92 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+
+#include "cleave/stability/maximum_blocks.hpp"
+#include "judge.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using geometry::Vec3;
+
+/// The mean normal of a set: that of its law where it is drawn at random, else of its measured joints (the longest
+/// axis of their poles does not care which way each normal looks; here they all look up, and a sum is enough).
+std::optional<Vec3> mean_normal(const Scene& scene, const Drawn& drawn, SetId set) {
+  for (const RandomSet& random : scene.joint_sets) {
+    if (random.set == set) return random.law.mean_normal();
+  }
+  std::optional<Vec3> first;
+  Vec3 sum;
+  for (const JointInfo& joint : drawn.joints) {
+    if (joint.set != set || joint.origin != JointOrigin::measured) continue;
+    if (!first) first = joint.normal;
+    sum += geometry::dot(joint.normal, *first) < 0 ? -joint.normal : joint.normal;
+  }
+  if (!first || !(geometry::norm(sum) > 0)) return std::nullopt;
+  sum = geometry::normalized(sum);
+  return sum.z < 0 ? -sum : sum;
+}
+
+/// Medians of the set's laws.
+stability::JointStrength strength_of(const JointProperties& p) {
+  const double half = 0.5;
+  const auto made = p.jrc > 0 ? stability::JointStrength::barton_bandis(p.friction.quantile(half), p.jrc, p.jcs,
+                                                                        p.tension.quantile(half))
+                              : stability::JointStrength::make(p.friction.quantile(half), p.cohesion.quantile(half),
+                                                               p.tension.quantile(half));
+  return made.value_or(stability::JointStrength::make(FrictionAngle::degrees(0)).value());
+}
+
+std::string_view where(const stability::MaximumBlock& block) {
+  const double angle = std::atan2(block.apex[0], block.apex[1]) * 180 / std::numbers::pi;  // from up to the right
+  if (std::abs(angle) <= 45) return "roof";
+  if (std::abs(angle) >= 135) return "floor";
+  return angle > 0 ? "right wall" : "left wall";
+}
+
+}  // namespace
+
+void judge_maximum_blocks(const Scene& scene, const Drawn& drawn, JudgedMore& more) {
+  if (!scene.stability->maximum_blocks) return;
+  const MaximumBlockSettings& wanted = *scene.stability->maximum_blocks;
+  std::vector<SetId> sets = wanted.sets;
+  if (sets.empty()) {
+    for (const JointInfo& joint : drawn.joints) sets.push_back(joint.set);
+    std::ranges::sort(sets);
+    sets.erase(std::ranges::unique(sets).begin(), sets.end());
+  }
+  std::vector<stability::TheoryPlane> planes;
+  std::vector<SetId> used;
+  for (const SetId set : sets) {
+    const auto normal = mean_normal(scene, drawn, set);
+    if (!normal) continue;
+    const auto direction = stability::direction_of(*normal);
+    if (!direction) continue;
+    planes.push_back({*direction, strength_of(scene.sets[set].properties)});
+    used.push_back(set);
+  }
+  const TunnelLine& line = *scene.excavations[wanted.excavation].tunnel;
+  const Vec3 axis = geometry::normalized(line.axis[1] - line.axis[0]);
+  const Vec3 right = geometry::normalized(geometry::cross(axis, line.up));
+  const stability::ConvexTunnel tunnel{
+      .axis = axis, .right = right, .up = geometry::cross(right, axis), .outline = line.outline};
+  const Targets target = scene.stability->target.value_or(Targets{});
+  const auto partial = stability::PartialFactors::make(
+      scene.stability->partial.friction, scene.stability->partial.cohesion, scene.stability->partial.weight);
+  const stability::TheoryLoads loads{.density = scene.rock.density,
+                                     .gravity = scene.stability->gravity,
+                                     .seismic = scene.stability->seismic,
+                                     .partial = partial.value_or(stability::PartialFactors{}),
+                                     .target_falling = target.falling,
+                                     .target_sliding = target.sliding};
+  for (auto& block : stability::maximum_key_blocks(planes, tunnel, loads)) {
+    MaximumRow row{.sets = {}, .block = block, .where = std::string{where(block.block)}};
+    for (std::size_t i = 0; i < 3; ++i) row.sets[i] = scene.sets[used[block.planes[i]]].name;
+    more.maximum_blocks.push_back(std::move(row));
+  }
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "cleave/stability/rotation.hpp"
+#include "contacts.hpp"
+#include "verdict.hpp"
+
+namespace cleave::stability {
+
+/// Moment equilibrium of a block that translation does not move, in the state in which batch `batch` is judged.
+[[nodiscard]] Rotation rotation_of(Model& model, topology::BlockId id, std::uint32_t batch, const Contacts& contacts,
+                                   const Verdict& verdict);
+
+}  // namespace cleave::stability

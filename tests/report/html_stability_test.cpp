@@ -1,0 +1,155 @@
+// Sections of report.html on key blocks and support, and the bolts of its 3D view.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cleave/report/html.hpp"
+#include "cleave/report/view3d.hpp"
+#include "hand_made.hpp"
+
+namespace cleave::report {
+namespace {
+
+using namespace testing;
+
+std::size_t count(const std::string& text, std::string_view what) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  return n;
+}
+/// The section of that id.
+std::string section(const std::string& html, const std::string& id) {
+  const std::size_t from = html.find("<section id=\"" + id + "\"");
+  if (from == std::string::npos) return {};
+  return html.substr(from, html.find("</section>", from) - from);
+}
+
+struct Tunnel {
+  topology::BlockComplex complex = grid(3);
+  stability::Analysis analysis;
+  stability::SupportResult support, quake;
+  Page page;
+
+  Tunnel() {
+    analysis.judgements = {judgement(3, stability::Mode::falling, 1, 0), judgement(7, stability::Mode::sliding, 2, 0.7),
+                           judgement(9, stability::Mode::sliding, std::nullopt, 1.2)};
+    analysis.batches = {{.number = 1, .blocks = {topology::BlockId{3U}}, .volume = cubic_metres(1)},
+                        {.number = 2, .blocks = {topology::BlockId{7U}}, .volume = cubic_metres(1)}};
+    analysis.rotation = stability::RotationCheck::flag;
+    analysis.judgements[1].pressing = {{complex.blocks()[topology::BlockId{7U}].faces[0], newtons(2000)}};
+    analysis.judgements[2].rotation = stability::Rotation{.turns = true, .axis = {0, 1, 0}, .lack = 0.1};
+    stability::Bolt bolt;
+    bolt.collar = {1, 2, 3};
+    bolt.direction = {0, 0, 1};
+    bolt.length = 4;
+    for (const auto status : {stability::BoltStatus::holds, stability::BoltStatus::too_short}) {
+      stability::BoltResult result{.bolt = bolt};
+      result.status = status;
+      if (status == stability::BoltStatus::holds) result.serves = topology::BlockId{3U};
+      support.bolts.push_back(result);
+    }
+    support.blocks = {{.block = topology::BlockId{3U}, .mode = stability::Mode::falling, .target = 1.5}};
+    support.blocks[0].held = stability::Held::bolts;
+    support.combined = {
+        {.members = {topology::BlockId{3U}, topology::BlockId{7U}}, .immovable = false, .removable = true}};
+    support.combined[0].mode = stability::Mode::wedge;
+    support.combined[0].passes = false;
+    page.complex = &complex;
+    page.analysis = &analysis;
+    page.support = &support;
+    page.summary.key_blocks = count_key_blocks(analysis);
+    page.summary.support = count_support(support);
+    page.summary.support->cases = {{"quake <1>", false, 5, 2, 3, 1}};
+    page.support_cases = {{"quake <1>", &quake}};
+    MaximumBlockRow row{.sets = {"A", "B", "C & D"}, .where = "roof", .block = {}};
+    row.block.block.volume = 12.5;
+    row.block.block.code = 5;
+    row.block.mode = stability::Mode::falling;
+    page.maximum_blocks = {row};
+    page.tan_friction = {0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5};
+  }
+};
+
+TEST(HtmlStability, EachKeyBlockTellsItsFacesItsForcesAndWhyItMoves) {
+  const Tunnel t;
+  const std::string why = section(report_html(t.page), "why");
+  ASSERT_FALSE(why.empty());
+  EXPECT_EQ(count(why, "<details id=\"why-"), 2U);
+  const std::string block = why.substr(why.find("<details id=\"why-7\""));
+  EXPECT_NE(block.find("along one joint plane"), std::string::npos);
+  EXPECT_NE(block.find("pressed with 2 kN"), std::string::npos);
+  EXPECT_EQ(count(block, "aria-label=\"Forces on the block\""), 1U);
+  EXPECT_EQ(count(block, "aria-label=\"Stereonet of the block\""), 2U);  // equal area and equal angle
+  EXPECT_EQ(count(block, "<table class=\"faces\">"), 1U);
+  const std::string faces = block.substr(block.find("<table class=\"faces\">"));
+  EXPECT_EQ(count(faces.substr(0, faces.find("</table>")), "<tr><td>"), 6U);
+  EXPECT_EQ(count(faces, "slides on it"), 1U);
+  EXPECT_EQ(count(faces, "opens"), 1U);  // the lid: the block moves straight down
+}
+
+TEST(HtmlStability, TurningBlocksAreMarkedInTheTable) {
+  const Tunnel t;
+  const std::string keys = section(report_html(t.page), "keys");
+  EXPECT_NE(keys.find("<th>Turns?</th>"), std::string::npos);
+  EXPECT_EQ(count(keys, ">turns</td>"), 1U);
+  EXPECT_EQ(t.page.summary.key_blocks->turning, 1U);
+}
+
+TEST(HtmlStability, SupportShowsBlocksBodiesAndLoadCases) {
+  const Tunnel t;
+  const std::string support = section(report_html(t.page), "support");
+  EXPECT_EQ(count(support, "<tr data-block=\"3\">"), 1U);
+  EXPECT_NE(support.find("<table id=\"combined\">"), std::string::npos);
+  EXPECT_NE(support.find("3, 7</td>"), std::string::npos);
+  EXPECT_NE(support.find("<table id=\"support-cases\">"), std::string::npos);
+  EXPECT_NE(support.find("quake &lt;1&gt;</td><td>no</td><td>5</td><td>2</td>"), std::string::npos);
+}
+
+TEST(HtmlStability, LargestKeyBlocksHaveATable) {
+  Tunnel t;
+  const std::string maximum = section(report_html(t.page), "maximum");
+  EXPECT_NE(maximum.find("A, B, C &amp; D</td><td>A, C &amp; D</td><td>roof</td><td>12.5</td>"), std::string::npos);
+  t.page.maximum_blocks.clear();
+  EXPECT_TRUE(section(report_html(t.page), "maximum").empty());
+}
+
+TEST(HtmlStability, WithoutSupportThereIsNoSuchSection) {
+  Tunnel t;
+  t.page.support = nullptr;
+  t.page.summary.support.reset();
+  EXPECT_TRUE(section(report_html(t.page), "support").empty());
+}
+
+TEST(HtmlStability, BoltsAreInTheView) {
+  const Tunnel t;
+  const View3d view = pack_view(t.complex, &t.analysis, 1'000'000'000, &t.support);
+  const auto json = nlohmann::json::parse(view.json);
+  // Two bolts of six floats; the view's middle is (1.5, 1.5, 1.5), so the first collar is (-0.5, 0.5, 1.5).
+  ASSERT_EQ(json["bolts"].get<std::string>().size(), 64U);
+  EXPECT_EQ(json["bolts"].get<std::string>().substr(0, 16), "AAAAvwAAAD8AAMA/");
+  EXPECT_EQ(json["boltStatus"], "AAI=");
+  EXPECT_EQ(json["boltServes"], "AwAAAP////8=");
+  const std::string html = report_html(t.page);
+  EXPECT_NE(html.find("data.bolts"), std::string::npos);             // and the page draws them
+  EXPECT_NE(html.find("getElementById('why-'"), std::string::npos);  // a click shows why a block moves
+  EXPECT_FALSE(nlohmann::json::parse(pack_view(t.complex, &t.analysis, 1'000'000).json).contains("bolts"));
+}
+
+TEST(StabilityTables, RowsOfTheFilesBesideKeyBlocks) {
+  const Tunnel t;
+  const std::vector<NamedSupport> cases{{"base", &t.support}, {"a,b", &t.support}};
+  const std::string blocks = support_blocks_csv(cases);
+  EXPECT_TRUE(blocks.contains("\nbase,3,falling,1.5,"));
+  EXPECT_TRUE(blocks.contains("\n\"a,b\",3,falling,1.5,"));
+  EXPECT_TRUE(combined_blocks_csv(cases).contains("\nbase,0,3;7,0,0,1,wedge,1,0,0,0,0\n"));
+  EXPECT_TRUE(maximum_blocks_csv(t.page.maximum_blocks).contains("\nA,B,C & D,101,roof,0,0,12.5,"));
+  const std::string keys = key_blocks_csv(t.complex, t.analysis);
+  EXPECT_TRUE(keys.contains(",faces,joints,turns\n"));
+  EXPECT_TRUE(keys.contains("9,,0,sliding,1,1000,0,0,-1,800,1.2,6,7,1\n"));
+}
+
+}  // namespace
+}  // namespace cleave::report

@@ -1,0 +1,225 @@
+// What a scene can ask of the key-block stage: support under load cases, the search for a pattern, largest key blocks
+// of block theory, toppling, readings of the force transfer.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/scene/run.hpp"
+#include "parse_support.hpp"
+
+namespace cleave::scene::test {
+namespace {
+
+RunResult result_of(const std::string& text) {
+  StageTimer timer;
+  Progress progress{ProgressStyle::quiet};
+  auto result = run(scene_of(text), {}, timer, progress);
+  if (!result) {
+    for (const Problem& problem : result.error()) ADD_FAILURE() << describe(problem);
+  }
+  return std::move(result).value();
+}
+
+/// A prism of 180 m3 on a plane 45/090, and a grid of bolts in the face above it.
+std::string slope(double along, double down, double offset_along, double offset_down, std::string_view more) {
+  return fmt::format(R"([domain]
+box = {{ min = [0, 0, 0], max = [10, 10, 10] }}
+[[joint]]
+plane = {{ through = [10, 5, 4], dip = 45, dip_direction = 90 }}
+[joints.default]
+friction = 35
+[stability]
+free = ["east", "top", "north", "south"]
+target = {{ falling = 1.5, sliding = 1.3 }}
+[[support.bolts]]
+grid = {{ corner = [10, 0, 10], dip = 90, dip_direction = 90, width = 10, height = 6 }}
+spacing = [{}, {}]
+offset = [{}, {}]
+length = 12
+tendon = 150e3
+plate = 400e3
+bond = 400e3
+anchorage = 0.5
+{})",
+                     along, down, offset_along, offset_down, more);
+}
+
+TEST(KeyBlocksScene, SupportIsCheckedUnderEveryLoadCase) {
+  const RunResult r = result_of(
+      slope(2, 1.5, 1, 0.5, "[[load]]\nname = \"quake\"\nseismic = [0.6, 0, 0]\n[[load]]\nname = \"still\"\n"));
+  ASSERT_TRUE(r.support.has_value());
+  ASSERT_EQ(r.support_cases.size(), 2U);
+  EXPECT_EQ(r.support_cases[0].name, "quake");
+  const auto& base = r.support->blocks.at(0);
+  const auto& quake = r.support_cases[0].support.blocks.at(0);
+  const auto& still = r.support_cases[1].support.blocks.at(0);
+  EXPECT_TRUE(r.support->passes());
+  EXPECT_FALSE(r.support_cases[0].support.passes());
+  EXPECT_GT(quake.required_force, 1.5 * base.required_force);
+  EXPECT_EQ(still.required_force, base.required_force);
+  EXPECT_EQ(still.mobilised, base.mobilised);
+  // Weight W on 45 degrees with k W outwards: T = W (sin + k cos), N = W (cos - k sin).
+  const double tangent = std::tan(35 * 3.14159265358979323846 / 180);
+  EXPECT_NEAR(base.factor_of_safety, tangent, 1e-9);
+  EXPECT_NEAR(quake.factor_of_safety, tangent * 0.4 / 1.6, 1e-9);
+  EXPECT_TRUE(
+      std::ranges::any_of(r.notes, [](const std::string& n) { return n.starts_with("load case quake: the support"); }));
+}
+
+// The spacing found passes at every phase that was asked for, each run as a scene of its own; the next wider one that
+// the search tried does not.
+TEST(KeyBlocksScene, TheSearchFindsTheWidestPatternThatPasses) {
+  const RunResult r = result_of(slope(
+      1, 1, 0.5, 0.5,
+      "[support.design]\nlengths = [0.4, 12]\nscale = [0.5, 4]\nphases = 3\ncost_per_bolt = 10\ncost_per_metre = 2\n"));
+  ASSERT_EQ(r.designs.size(), 2U);
+  EXPECT_FALSE(r.designs[0].found);  // shorter than its anchorage
+  const DesignResult& found = r.designs[1];
+  ASSERT_TRUE(found.found);
+  EXPECT_GT(found.scale, 0.6);
+  EXPECT_LT(found.scale, 3.9);
+  const auto passes = [](double scale) {
+    for (const double phase : {0.0, 1.0 / 3, 2.0 / 3}) {
+      const double offset = 0.5 + phase * scale;
+      if (!result_of(slope(scale, scale, offset, offset, "")).support->passes()) return false;
+    }
+    return true;
+  };
+  EXPECT_TRUE(passes(found.scale));
+  EXPECT_FALSE(passes(found.scale * std::pow(8.0, 1.0 / 128)));
+  const std::size_t bolts = result_of(slope(found.scale, found.scale, 0.5, 0.5, "")).support->bolts.size();
+  EXPECT_EQ(found.bolts, bolts);
+  EXPECT_NEAR(found.cost, static_cast<double>(bolts) * (10 + 2 * 12), 1e-9);
+}
+
+/// Tunnel 6 x 6 m along y and three sets; their planes go through `apex`, (x, z) from the tunnel's middle.
+std::string wedge_scene(double right, double up) {
+  std::string text = R"([domain]
+box = { min = [-40, -40, -40], max = [40, 40, 40] }
+[[excavation]]
+name = "drift"
+kind = "tunnel"
+section = { shape = "rectangle", width = 6, height = 6 }
+axis = [[0, -41, 0], [0, 41, 0]]
+[joints.default]
+friction = 30
+cohesion = 5e3
+[stability]
+maximum_blocks = { tunnel = "drift", sets = ["A", "B", "C"] }
+)";
+  const std::array<std::array<double, 2>, 3> planes{{{50, 80}, {55, 200}, {65, 310}}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    text += fmt::format(
+        "[[joint]]\nset = \"{}\"\nplane = {{ through = [{:.17g}, 0, {:.17g}], dip = {}, dip_direction = {} }}\n",
+        i == 0   ? "A"
+        : i == 1 ? "B"
+                 : "C",
+        right, up, planes[i][0], planes[i][1]);
+  }
+  return text;
+}
+
+// Block theory from orientations alone against the cutter with planes through the apex that it names: the same block,
+// the same mode, the same factor of safety.
+TEST(KeyBlocksScene, LargestKeyBlocksAreTheCuttersBlocks) {
+  const RunResult theory = result_of(wedge_scene(20, 20));
+  ASSERT_GE(theory.maximum_blocks.size(), 4U);
+  std::size_t falling = 0, sliding = 0, wedges = 0;
+  for (const MaximumRow& row : theory.maximum_blocks) {
+    const stability::MaximumKeyBlock& b = row.block;
+    EXPECT_EQ(row.sets, (std::array<std::string, 3>{"A", "B", "C"}));
+    // A hair nearer to the tunnel, so that edges that touch do not miss it by rounding.
+    const RunResult cut = result_of(wedge_scene((1 - 1e-6) * b.block.apex[0], (1 - 1e-6) * b.block.apex[1]));
+    const auto& complex = cut.complex->complex();
+    const stability::Judgement* same = nullptr;
+    for (const stability::Judgement& j : cut.analysis->judgements) {
+      const double volume = complex.blocks()[j.block].volume.si();
+      if (std::abs(volume / b.block.volume - 1) < 1e-4) same = &j;
+    }
+    if (!stability::moves(b.mode)) continue;
+    ASSERT_NE(same, nullptr) << row.where << ' ' << b.block.volume;
+    EXPECT_EQ(same->mode, b.mode);
+    EXPECT_NEAR(same->factor_of_safety, b.factor_of_safety, 1e-4 * (1 + b.factor_of_safety));
+    EXPECT_NEAR(geometry::norm(same->direction - b.direction), 0, 1e-6);
+    EXPECT_NEAR(same->weight.si(), b.weight.si(), 1e-4 * b.weight.si());
+    for (std::size_t i = 0; i < 3; ++i) {
+      double area = 0;  // of the block's face on the joint of set i
+      for (const topology::FaceId id : complex.blocks()[same->block].faces) {
+        const topology::Face& face = complex.faces()[id];
+        if (face.role == topology::Role::joint && face.joint && face.joint->index() == i) area += face.area.si();
+      }
+      EXPECT_NEAR(area, b.areas[i], 1e-4 * (1 + b.areas[i]));
+    }
+    falling += b.mode == stability::Mode::falling ? 1U : 0U;
+    sliding += b.mode == stability::Mode::sliding ? 1U : 0U;
+    wedges += b.mode == stability::Mode::wedge ? 1U : 0U;
+    // The pressure reaches the target: falling blocks need their weight times it, straight up.
+    EXPECT_GT(b.required_pressure, 0);
+    if (b.mode == stability::Mode::falling && row.where == "roof" &&
+        std::abs(b.block.face_vector.x) < 1e-9 * b.block.face_area) {
+      EXPECT_NEAR(b.required_pressure * b.block.face_vector.z, 1.5 * b.weight.si(), 1e-3 * b.weight.si());
+    }
+  }
+  EXPECT_GE(falling, 1U);
+  EXPECT_GE(sliding + wedges, 1U);
+}
+
+TEST(KeyBlocksScene, ColumnsThatToppleAreToldAndCountOnlyWhenAsked) {
+  const auto column = [](std::string_view rotation) {
+    return fmt::format(
+        "[domain]\nbox = {{ min = [0, 0, -1], max = [1, 1, 2] }}\n[[joint]]\nplane = {{ through = [0, 0, 0], dip = 0, "
+        "dip_direction = 0 }}\n[joints.default]\nfriction = 50\n[stability]\nfree = [\"west\", \"east\", \"south\", "
+        "\"north\", \"top\"]\ngravity = [6.3, 0, -7.5]\n{}",
+        rotation);
+  };
+  const RunResult flagged = result_of(column(""));
+  ASSERT_EQ(flagged.analysis->judgements.size(), 1U);
+  ASSERT_TRUE(flagged.analysis->judgements[0].rotation.has_value());
+  EXPECT_TRUE(flagged.analysis->judgements[0].rotation->turns);
+  EXPECT_TRUE(flagged.analysis->batches.empty());
+  EXPECT_TRUE(std::ranges::any_of(flagged.notes, [](const std::string& n) { return n.contains("topple"); }));
+  EXPECT_EQ(result_of(column("rotation = \"decide\"\n")).analysis->batches.size(), 1U);
+  EXPECT_FALSE(result_of(column("rotation = \"off\"\n")).analysis->judgements[0].rotation.has_value());
+}
+
+TEST(KeyBlocksScene, MistakesAreTold) {
+  const std::string head = with_box("[stability]\nfree = [\"top\"]\n");
+  EXPECT_TRUE(error_of(head + "rotation = \"maybe\"\n").contains("stability.rotation"));
+  EXPECT_TRUE(error_of(head + "force_transfer = { reach = \"far\" }\n").contains("stability.force_transfer.reach"));
+  EXPECT_TRUE(error_of(head + "force_transfer = { rech = \"adjacent\" }\n").contains("reach"));
+  EXPECT_TRUE(error_of(head + "force_transfer = 3\n").contains("stability.force_transfer"));
+  EXPECT_TRUE(error_of(head + "maximum_blocks = { tunnel = \"t\" }\n").contains("no excavation of kind"));
+  EXPECT_TRUE(error_of(head + "maximum_blocks = {}\n").contains("stability.maximum_blocks.tunnel"));
+  const std::string tunnel =
+      "[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = { shape = \"circle\", radius = 1 }\naxis = [[4, 0, "
+      "3], "
+      "[4, 8, 3]]\n";
+  EXPECT_TRUE(
+      error_of(head + "maximum_blocks = { tunnel = \"t\", sets = [\"A\"] }\n" + tunnel).contains("no joint set"));
+  const std::string bent =
+      "[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = { shape = \"circle\", radius = 1 }\naxis = [[4, 0, "
+      "3], "
+      "[4, 4, 3], [5, 8, 3]]\n";
+  EXPECT_TRUE(error_of(head + "maximum_blocks = { tunnel = \"t\" }\n" + bent).contains("is not straight"));
+}
+
+TEST(KeyBlocksScene, ReadingsOfTheTransferAreRead) {
+  const Scene scene =
+      scene_of(with_box("[stability]\nfree = [\"top\"]\nforce_transfer = { reach = \"adjacent\", force = \"driving\", "
+                        "along = \"normals\", "
+                        "receiver = \"keeps_mode\", stabilised = \"batches_anew\", interface = \"strength\" }\n"));
+  using Readings = stability::TransferReadings;
+  EXPECT_TRUE(scene.stability->force_transfer);
+  EXPECT_EQ(scene.stability->transfer, (Readings{Readings::Reach::adjacent, Readings::Force::driving,
+                                                 Readings::Along::normals, Readings::Receiver::keeps_mode,
+                                                 Readings::Stabilised::batches_anew, Readings::Interface::strength}));
+  EXPECT_EQ(scene_of(with_box("[stability]\nfree = [\"top\"]\n")).stability->transfer, Readings{});
+}
+
+}  // namespace
+}  // namespace cleave::scene::test
