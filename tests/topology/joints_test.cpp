@@ -104,6 +104,16 @@ TEST(Terminations, InclinedJointsAndTwoEnds) {
   for (std::size_t i = 0; i < whole.size(); ++i) EXPECT_NEAR(again[i], whole[i], 1e-9);
 }
 
+TEST(Terminations, OnAJointFarFromTheWindow) {
+  // A level joint that ends on an upright one which the window does not reach.
+  auto input = scene(cube());
+  input.joints.emplace_back(parallelogram({2, 2, 2}, {9, 0, 0}, {0, 9, 0}));
+  input.joints.emplace_back(parallelogram({3, 2, 2}, {0, 9, 0}, {0, 0, 9}));
+  input.terminations = {{id(0), id(1)}};
+  input.window = topology::Window{{0, 0, 0}, {1, 4, 4}};
+  EXPECT_EQ(volumes(input), (std::vector<double>{8, 8}));
+}
+
 TEST(Terminations, Refusals) {
   auto input = scene(cube());
   input.joints.emplace_back(topology::PersistentJoint{{2, 2, 2}, {0, 0, 1}});

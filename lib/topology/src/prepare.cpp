@@ -313,7 +313,7 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
       snapper.begin_joint(joint);
       adopted = snapper.adopt_edges(polygon, [&](const Plane& plane) { return builder.add_plane(plane); });
     }
-    if (!builder.add_polygon(polygon, blank_facet(Owner::joint, joint, 0), adopted)) {
+    if (!builder.add_polygon(polygon, blank_facet(Owner::joint, joint, 0), adopted, ended_on(joint))) {
       return std::unexpected(CutError{collapsed});
     }
   }

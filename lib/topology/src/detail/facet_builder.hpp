@@ -66,8 +66,11 @@ class FacetBuilder final {
   };
 
   /// Facets of one polygon: itself when convex, its triangles when not. False when it crosses itself on the lattice.
-  bool add_polygon(const LatticePolygon& polygon, Facet facet, std::span<const std::optional<HalfSpace>> adopted = {}) {
-    if (facet.owner == Owner::joint && misses_window(polygon.corners)) return true;  // seen only after snapping
+  /// `needed`: its plane is asked for later, wherever it lies.
+  bool add_polygon(const LatticePolygon& polygon, Facet facet, std::span<const std::optional<HalfSpace>> adopted = {},
+                   bool needed = false) {
+    // Seen only after snapping.
+    if (facet.owner == Owner::joint && !needed && misses_window(polygon.corners)) return true;
     const auto [plane, same] = add_plane(polygon.plane);
     facet.plane = plane;
     facet.outward_positive = same;  // corners turn counter-clockwise seen from outside
