@@ -14,11 +14,11 @@ TEST(Schemes, SpectralRadii) {
   const auto at = [](Scheme s, double omega) { return spectral_radius(s, omega * omega); };
   for (const double o : {0.1, 1.0, 3.9}) EXPECT_NEAR(at(Newmark{0.5, 1}, o), 1 / std::sqrt(1 + o * o / 2), 1e-12);
   EXPECT_NEAR(at(Newmark{0.25, 0.5}, 100), 1, 1e-9);
-  EXPECT_NEAR(at(Newmark{0.5625, 1}, 10), 0.356, 1e-3);
+  EXPECT_NEAR(at(Newmark{0.5625, 1}, 10), 0.356, 5e-4);
   EXPECT_NEAR(at(GeneralizedAlpha{0.8}, 1e6), 0.8, 1e-4);
-  EXPECT_NEAR(at(GeneralizedAlpha{0.5}, 10), 0.683, 1e-3);
-  EXPECT_NEAR(at(Houbolt{}, 1), 0.907, 1e-3);
-  EXPECT_NEAR(at(Houbolt{}, 100), 0.048, 2e-3);
+  EXPECT_NEAR(at(GeneralizedAlpha{0.5}, 10), 0.683, 5e-4);
+  EXPECT_NEAR(at(Houbolt{}, 1), 0.907, 5e-4);
+  EXPECT_NEAR(at(Houbolt{}, 100), 0.048, 5e-4);
   EXPECT_NEAR(at(BackwardEuler{}, 2), 1 / std::sqrt(5.0), 1e-12);
   // Complex eigenvalue of angle 0.02: Newmark (1/2, 1) grows below 4 sin(0.01).
   EXPECT_GT(spectral_radius(Newmark{0.5, 1}, std::polar(0.039 * 0.039, 0.02)), 1);

@@ -100,7 +100,7 @@ TEST_F(ContactExamplesTest, BlockSlidesAsTheClosedFormSays) {
   }
   for (const int friction : {10, 20}) {
     const auto result = example("sliding_block/elastic_" + std::to_string(friction));
-    EXPECT_NEAR(slid(result) / exact(friction), 1, 1e-3) << friction;
+    EXPECT_NEAR(slid(result) / exact(friction), 1, 1e-4) << friction;  // it vibrates when it is let go
     EXPECT_EQ(result["mode"], "elastic");
   }
   const std::string steep = with(scene("sliding_block/friction_25"), "friction = 25", "friction = 35");

@@ -8,19 +8,12 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/report/json.hpp"
 #include "cleave/report/text.hpp"
+#include "plane_parts.hpp"
 
 namespace cleave::report {
 namespace {
 
 using bem::Vec2;
-
-void pair(JsonWriter& json, std::string_view key, Vec2 v) {
-  json.key(key);
-  json.begin_array();
-  json.value(v.x);
-  json.value(v.y);
-  json.end_array();
-}
 
 /// Six significant digits: enough for a picture, a third of the bytes.
 void short_number(std::string& out, double v) {
@@ -192,46 +185,7 @@ std::string table_row(std::initializer_list<std::string> cells, bool head = fals
 std::string bodies_summary_json(const scene::BodiesResult& result) {
   JsonWriter json;
   json.begin_object();
-  json.member("cleave", CLEAVE_VERSION);
-  json.member("schema", 1U);
-  json.member("title", result.title);
-  json.member("seed", result.seed);
-  json.member("scene_sha256", result.scene_sha256);
-  json.key("plan");
-  json.begin_array();
-  for (const scene::PlannedStage& stage : result.plan.stages) {
-    json.begin_object();
-    json.member("stage", scene::name_of(stage.stage));
-    json.member("run", stage.run);
-    json.member("why", stage.why);
-    json.end_object();
-  }
-  json.end_array();
-  json.key("cost");
-  json.begin_object();
-  json.member("wall_s", result.cost.wall_s);
-  json.member("cpu_s", result.cost.cpu_s);
-  json.member("peak_rss_mb", result.cost.peak_rss_mb);
-  json.member("threads", result.cost.threads);
-  json.key("stages");
-  json.begin_array();
-  for (const scene::StageCost& cost : result.cost.stages) {
-    json.begin_object();
-    json.member("stage", scene::name_of(cost.stage));
-    json.member("wall_s", cost.wall_s);
-    json.member("cpu_s", cost.cpu_s);
-    json.member("peak_rss_mb", cost.peak_rss_mb);
-    json.end_object();
-  }
-  json.end_array();
-  json.end_object();
-  json.key("input");
-  json.begin_object();
-  json.member("joints", 0U);
-  json.member("lattice_pitch_m", 0.0);
-  json.member("largest_snap_m", 0.0);
-  json.member("merged_planes", 0U);
-  json.end_object();
+  write_plane_head(json, result);
   json.key("elastic");
   json.begin_object();
   json.member("status", result.converged ? "converged" : "stopped");
@@ -244,7 +198,7 @@ std::string bodies_summary_json(const scene::BodiesResult& result) {
   for (const scene::BodyResult& body : result.bodies) {
     json.begin_object();
     json.member("name", body.name);
-    pair(json, "centroid", body.centroid);
+    write_pair(json, "centroid", body.centroid);
     json.member("rotation", body.rotation * 180 / std::numbers::pi);
     json.member("method", body.method);
     json.member("elements", static_cast<std::uint64_t>(body.elements));
@@ -263,7 +217,7 @@ std::string bodies_summary_json(const scene::BodiesResult& result) {
   for (const scene::PointResult& point : result.points) {
     json.begin_object();
     json.member("name", point.name);
-    pair(json, "displacement", point.displacement.empty() ? Vec2{} : point.displacement.back());
+    write_pair(json, "displacement", point.displacement.empty() ? Vec2{} : point.displacement.back());
     json.end_object();
   }
   json.end_array();
@@ -273,20 +227,12 @@ std::string bodies_summary_json(const scene::BodiesResult& result) {
 }
 
 std::string bodies_report_html(const scene::BodiesResult& result) {
-  const std::string title = escape_xml(result.title);
-  std::string out =
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
-      "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n<title>";
-  out += title + "</title>\n<style>\n";
-  for (const std::string_view piece : assets::style()) out += piece;
-  out +=
-      "\n.controls label{display:inline-block;margin:.3em 1em .3em 0}#view{width:100%;display:block;background:#fff}"
+  std::string out = plane_page_head(
+      result.title,
+      ".controls label{display:inline-block;margin:.3em 1em .3em 0}#view{width:100%;display:block;background:#fff}"
       ".legend{height:12px;background:linear-gradient(90deg,#440154,#3b528b,#21918c,#5ec962,#fde725);max-width:420px}"
-      ".legend-ends{display:flex;justify-content:space-between;max-width:420px}@media print{.controls{display:none}}\n"
-      "</style>\n</head>\n<body>\n<header><p class=\"kicker\">cleave " CLEAVE_VERSION "</p><h1>" +
-      title + "</h1></header>\n<main>\n<section><h2>Result</h2>\n<p>";
+      ".legend-ends{display:flex;justify-content:space-between;max-width:420px}@media print{.controls{display:none}}");
+  out += "<section><h2>Result</h2>\n<p>";
   out += result.converged ? "The run converged."
                           : "The run <strong>stopped</strong>: " + escape_xml(result.stopped_why) + ".";
   out += " Largest displacement " + display(result.largest_displacement) + " m";

@@ -7,64 +7,14 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/report/json.hpp"
 #include "cleave/report/text.hpp"
+#include "plane_parts.hpp"
 
 namespace cleave::report {
 namespace {
 
 using bem::Vec2;
 
-void pair(JsonWriter& json, std::string_view key, Vec2 v) {
-  json.key(key);
-  json.begin_array();
-  json.value(v.x);
-  json.value(v.y);
-  json.end_array();
-}
-
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
-
-void common_part(JsonWriter& json, const scene::ContactResult& result) {
-  json.member("cleave", CLEAVE_VERSION);
-  json.member("schema", 1U);
-  json.member("title", result.title);
-  json.member("seed", result.seed);
-  json.member("scene_sha256", result.scene_sha256);
-  json.key("plan");
-  json.begin_array();
-  for (const scene::PlannedStage& stage : result.plan.stages) {
-    json.begin_object();
-    json.member("stage", scene::name_of(stage.stage));
-    json.member("run", stage.run);
-    json.member("why", stage.why);
-    json.end_object();
-  }
-  json.end_array();
-  json.key("cost");
-  json.begin_object();
-  json.member("wall_s", result.cost.wall_s);
-  json.member("cpu_s", result.cost.cpu_s);
-  json.member("peak_rss_mb", result.cost.peak_rss_mb);
-  json.member("threads", result.cost.threads);
-  json.key("stages");
-  json.begin_array();
-  for (const scene::StageCost& cost : result.cost.stages) {
-    json.begin_object();
-    json.member("stage", scene::name_of(cost.stage));
-    json.member("wall_s", cost.wall_s);
-    json.member("cpu_s", cost.cpu_s);
-    json.member("peak_rss_mb", cost.peak_rss_mb);
-    json.end_object();
-  }
-  json.end_array();
-  json.end_object();
-  json.key("input");
-  json.begin_object();
-  json.member("joints", 0U);
-  json.member("lattice_pitch_m", 0.0);
-  json.member("largest_snap_m", 0.0);
-  json.member("merged_planes", 0U);
-  json.end_object();
-}
 
 void energy_part(JsonWriter& json, const scene::ContactResult& result) {
   const scene::ContactHistory last = result.history.empty() ? scene::ContactHistory{} : result.history.back();
@@ -96,7 +46,7 @@ std::string rows_of_points(const scene::ContactResult& result) {
 std::string contact_summary_json(const scene::ContactResult& result) {
   JsonWriter json;
   json.begin_object();
-  common_part(json, result);
+  write_plane_head(json, result);
   json.key("contact");
   json.begin_object();
   json.member("status", result.converged ? "converged" : "stopped");
@@ -109,11 +59,11 @@ std::string contact_summary_json(const scene::ContactResult& result) {
   for (const scene::ContactBodyResult& body : result.bodies) {
     json.begin_object();
     json.member("name", body.name);
-    pair(json, "centroid", body.centroid);
+    write_pair(json, "centroid", body.centroid);
     json.member("rotation", degrees(body.rotation));
     json.member("fixed", body.fixed);
     json.member("max_displacement_m", body.largest);
-    pair(json, "contact_force", body.force);
+    write_pair(json, "contact_force", body.force);
     json.end_object();
   }
   json.end_array();
@@ -122,7 +72,7 @@ std::string contact_summary_json(const scene::ContactResult& result) {
   for (std::size_t p = 0; p < result.points.size(); ++p) {
     json.begin_object();
     json.member("name", result.points[p].name);
-    pair(json, "displacement", result.history.empty() ? Vec2{} : result.history.back().points[p]);
+    write_pair(json, "displacement", result.history.empty() ? Vec2{} : result.history.back().points[p]);
     json.end_object();
   }
   json.end_array();

@@ -5,6 +5,7 @@
 #include "assets.hpp"
 #include "cleave/report/contact.hpp"
 #include "cleave/report/text.hpp"
+#include "plane_parts.hpp"
 
 namespace cleave::report {
 namespace {
@@ -207,22 +208,14 @@ std::string solver_bars(const scene::ContactResult& result) {
 }  // namespace
 
 std::string contact_report_html(const scene::ContactResult& result) {
-  const std::string title = escape_xml(result.title);
-  std::string out =
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
-      "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n<title>";
-  out += title + "</title>\n<style>\n";
-  for (const std::string_view piece : assets::style()) out += piece;
-  out +=
-      "\n.controls label,.controls span{display:inline-block;margin:.2em 1em .2em 0}#view{width:100%;display:block}"
+  std::string out = plane_page_head(
+      result.title,
+      ".controls label,.controls span{display:inline-block;margin:.2em 1em .2em 0}#view{width:100%;display:block}"
       ".plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,460px),1fr));gap:12px}"
       ".bar{display:inline-block;height:10px;background:var(--accent);vertical-align:middle}"
       ".key{display:inline-block;width:12px;height:12px;border-radius:6px;vertical-align:-1px;margin-right:4px}"
-      ".scroll{overflow-x:auto}@media print{.controls{display:none}}\n"
-      "</style>\n</head>\n<body>\n<header><p class=\"kicker\">cleave " CLEAVE_VERSION "</p><h1>";
-  out += title + "</h1></header>\n<main>\n<section class=\"cards\">\n";
+      ".scroll{overflow-x:auto}@media print{.controls{display:none}}");
+  out += "<section class=\"cards\">\n";
   out += result.converged ? card("run", "converged", display_count(result.steps) + " steps", "good")
                           : card("run", "stopped", escape_xml(result.stopped_why), "bad");
   out += card("largest displacement", display(result.largest_displacement, 4) + " m",

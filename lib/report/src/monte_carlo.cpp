@@ -4,6 +4,7 @@
 
 #include "cleave/report/json.hpp"
 #include "cleave/scene/plan.hpp"
+#include "plane_parts.hpp"
 
 namespace cleave::report {
 namespace {
@@ -179,26 +180,7 @@ void write_section(JsonWriter& json, const MonteCarloPage& page) {
 }  // namespace
 
 Summary monte_carlo_summary(const scene::Scene& scene, const scene::RunCost& cost) {
-  Summary summary;
-  summary.title = scene.title;
-  summary.seed = scene.seed;
-  summary.scene_sha256 = scene.sha256;
-  const scene::Plan plan = make_plan(scene);
-  for (const scene::PlannedStage& stage : plan.stages) {
-    summary.plan.push_back({.stage = std::string{scene::name_of(stage.stage)}, .run = stage.run, .why = stage.why});
-  }
-  summary.cost = {.wall_s = cost.wall_s,
-                  .cpu_s = cost.cpu_s,
-                  .peak_rss_mb = cost.peak_rss_mb,
-                  .threads = cost.threads,
-                  .stages = {}};
-  for (const scene::StageCost& stage : cost.stages) {
-    summary.cost.stages.push_back({.stage = std::string{scene::name_of(stage.stage)},
-                                   .wall_s = stage.wall_s,
-                                   .cpu_s = stage.cpu_s,
-                                   .peak_rss_mb = stage.peak_rss_mb});
-  }
-  return summary;
+  return head_of(scene.title, scene.seed, scene.sha256, make_plan(scene), cost);
 }
 
 MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost& cost, scene::MonteCarloResult result) {

@@ -43,29 +43,6 @@ void write_cost(JsonWriter& json, const CostTable& cost) {
   json.end_object();
 }
 
-void write_input(JsonWriter& json, const InputFigures& input) {
-  json.key("input");
-  json.begin_object();
-  json.member("joints", input.joints);
-  json.member("lattice_pitch_m", input.lattice_pitch_m);
-  json.member("largest_snap_m", input.largest_snap_m);
-  json.member("merged_planes", input.merged_planes);
-  if (!input.snapped.empty()) {
-    json.key("snapped");
-    json.begin_array();
-    for (const SnappedRow& row : input.snapped) {
-      json.begin_object();
-      json.member("joint", row.joint);
-      json.member("moved_m", row.moved_m);
-      json.member("plane_merged", row.plane_merged);
-      json.member("edges_adopted", row.edges_adopted);
-      json.end_object();
-    }
-    json.end_array();
-  }
-  json.end_object();
-}
-
 void write_certificate(JsonWriter& json, const topology::Certificate& certificate) {
   json.key("certificate");
   json.begin_object();
@@ -362,6 +339,29 @@ SupportFigures count_support(const stability::SupportResult& support) {
   return f;
 }
 
+void write_summary_input(JsonWriter& json, const InputFigures& input) {
+  json.key("input");
+  json.begin_object();
+  json.member("joints", input.joints);
+  json.member("lattice_pitch_m", input.lattice_pitch_m);
+  json.member("largest_snap_m", input.largest_snap_m);
+  json.member("merged_planes", input.merged_planes);
+  if (!input.snapped.empty()) {
+    json.key("snapped");
+    json.begin_array();
+    for (const SnappedRow& row : input.snapped) {
+      json.begin_object();
+      json.member("joint", row.joint);
+      json.member("moved_m", row.moved_m);
+      json.member("plane_merged", row.plane_merged);
+      json.member("edges_adopted", row.edges_adopted);
+      json.end_object();
+    }
+    json.end_array();
+  }
+  json.end_object();
+}
+
 void write_summary_head(JsonWriter& json, const Summary& summary) {
   json.member("cleave", CLEAVE_VERSION);
   json.member("schema", 1U);
@@ -376,7 +376,7 @@ std::string summary_json(const Summary& summary) {
   JsonWriter json;
   json.begin_object();
   write_summary_head(json, summary);
-  write_input(json, summary.input);
+  write_summary_input(json, summary.input);
   write_blocks(json, summary);
   if (summary.key_blocks) write_key_blocks(json, summary);
   if (summary.support) write_support(json, *summary.support);

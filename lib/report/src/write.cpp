@@ -16,6 +16,7 @@
 #include "cleave/report/text.hpp"
 #include "cleave/report/vtu.hpp"
 #include "cleave/scene/run.hpp"
+#include "plane_parts.hpp"
 
 namespace cleave::report {
 namespace {
@@ -64,24 +65,7 @@ SequenceFigures figures_of(const scene::SequenceResult& sequence) {
 }
 
 Summary summarize(const scene::RunResult& result) {
-  Summary summary;
-  summary.title = result.title;
-  summary.seed = result.seed;
-  summary.scene_sha256 = result.scene_sha256;
-  for (const scene::PlannedStage& stage : result.plan.stages) {
-    summary.plan.push_back({.stage = std::string{scene::name_of(stage.stage)}, .run = stage.run, .why = stage.why});
-  }
-  summary.cost = {.wall_s = result.cost.wall_s,
-                  .cpu_s = result.cost.cpu_s,
-                  .peak_rss_mb = result.cost.peak_rss_mb,
-                  .threads = result.cost.threads,
-                  .stages = {}};
-  for (const scene::StageCost& cost : result.cost.stages) {
-    summary.cost.stages.push_back({.stage = std::string{scene::name_of(cost.stage)},
-                                   .wall_s = cost.wall_s,
-                                   .cpu_s = cost.cpu_s,
-                                   .peak_rss_mb = cost.peak_rss_mb});
-  }
+  Summary summary = head_of(result.title, result.seed, result.scene_sha256, result.plan, result.cost);
   summary.input.joints = result.joints.size();
   if (const auto* complex = complex_of(result)) {
     const topology::CutReport& report = complex->report();

@@ -202,6 +202,7 @@ struct TargetFactors {
 
 /// The head of summary.json: title, seed, plan and cost.
 void write_summary_head(JsonWriter& json, const Summary& summary);
+void write_summary_input(JsonWriter& json, const InputFigures& input);
 /// summary.json; keys in the order of docs/summary.schema.json.
 [[nodiscard]] std::string summary_json(const Summary& summary);
 
