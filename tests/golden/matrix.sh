@@ -32,6 +32,7 @@ hash_of() { # SCENE OUT THREADS PROGRAM
   sed -n 's/.*"hash": *"\([0-9a-f]*\)".*/\1/p' "$summary" | tr '\n' ' '
 }
 
+mkdir -p -- "$build"
 failed=0
 declare -A first
 for variant in "${variants[@]}"; do
