@@ -9,7 +9,7 @@ namespace cleave::contact_suite {
 double judge(const dbem::ContactProblem& problem, const std::vector<dbem::Vec2>& impulse) {
   const std::size_t m = problem.b.size();
   if (impulse.size() != m) return std::numeric_limits<double>::infinity();
-  double worst = 0, scale = 1e-300;           // impulses
+  double worst = 0, scale = 1e-300;        // impulses
   double worst_speed = 0, speed = 1e-300;  // the same as velocities, where a light body beside a heavy one shows
   for (std::size_t r = 0; r < m; ++r) {
     double g = problem.b[r].x, s = problem.b[r].y, w_n = 0, w_t = 0;

@@ -199,7 +199,8 @@ std::optional<RigidForm> World::Impl::rigid_form(const Rows& rows, const Island&
   form.sides.resize(rows.sides.size() / 2);
   for (std::size_t k = 0; k < rows.sides.size(); ++k) {
     const Side& side = rows.sides[k];
-    form.sides[k / 2][k % 2] = {number[side.body], {side.n.x, side.n.y, side.turn_n}, {side.t.x, side.t.y, side.turn_t}};
+    form.sides[k / 2][k % 2] = {
+        number[side.body], {side.n.x, side.n.y, side.turn_n}, {side.t.x, side.t.y, side.turn_t}};
   }
   return form;
 }

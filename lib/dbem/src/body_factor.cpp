@@ -15,7 +15,8 @@ constexpr double least_softness = 1e-9;
 std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const RigidForm& form) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
   for (const auto& [i, j] : form.sides) {
-    if (i.body != RigidForm::ground && j.body != RigidForm::ground && i.body != j.body) out.emplace_back(i.body, j.body);
+    if (i.body != RigidForm::ground && j.body != RigidForm::ground && i.body != j.body)
+      out.emplace_back(i.body, j.body);
   }
   std::ranges::sort(out);
   const auto twice = std::ranges::unique(out);

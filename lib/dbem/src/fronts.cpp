@@ -273,8 +273,8 @@ void FrontalFactor::solve(Eigen::VectorXd& x) const {
   for (std::size_t f = 0; f < fronts_.size(); ++f) {
     const Front& front = fronts_[f];
     const Factor& factor = factors_[f];
-    auto own = y.segment(w * static_cast<Eigen::Index>(front.first),
-                         w * static_cast<Eigen::Index>(front.last - front.first));
+    auto own =
+        y.segment(w * static_cast<Eigen::Index>(front.first), w * static_cast<Eigen::Index>(front.last - front.first));
     if (symmetric_) {
       factor.cholesky.matrixL().solveInPlace(own);
     } else {
@@ -290,8 +290,8 @@ void FrontalFactor::solve(Eigen::VectorXd& x) const {
   for (std::size_t f = fronts_.size(); f-- > 0;) {
     const Front& front = fronts_[f];
     const Factor& factor = factors_[f];
-    auto own = y.segment(w * static_cast<Eigen::Index>(front.first),
-                         w * static_cast<Eigen::Index>(front.last - front.first));
+    auto own =
+        y.segment(w * static_cast<Eigen::Index>(front.first), w * static_cast<Eigen::Index>(front.last - front.first));
     if (!front.rows.empty()) {
       gather(front);
       if (symmetric_) {

@@ -17,7 +17,8 @@ class FrontalFactor final {
 
   /// All blocks 0 before entries are added.
   void clear(bool symmetric);
-  /// Adds to block (row, column), which must be linked or on the diagonal; of a symmetric matrix both (r, c) and (c, r).
+  /// Adds to block (row, column), which must be linked or on the diagonal; of a symmetric matrix both (r, c) and (c,
+  /// r).
   [[nodiscard]] Eigen::Map<Eigen::MatrixXd> block(std::size_t row, std::size_t column);
   /// False when a pivot vanishes.
   [[nodiscard]] bool factorise();
@@ -41,11 +42,11 @@ class FrontalFactor final {
 
   Eigen::Index width_;
   bool symmetric_ = true;
-  std::vector<std::uint32_t> place_;                           // in the order of elimination, of each node
-  std::vector<std::size_t> starts_;                            // rows of the matrix in the order of elimination
-  std::vector<std::uint32_t> columns_;                         // ascending; the diagonal is among them
-  std::vector<std::size_t> mirror_;                            // where the transposed block is
-  std::vector<double> values_;                                 // blocks by columns
+  std::vector<std::uint32_t> place_;                            // in the order of elimination, of each node
+  std::vector<std::size_t> starts_;                             // rows of the matrix in the order of elimination
+  std::vector<std::uint32_t> columns_;                          // ascending; the diagonal is among them
+  std::vector<std::size_t> mirror_;                             // where the transposed block is
+  std::vector<double> values_;                                  // blocks by columns
   std::vector<std::pair<std::uint32_t, std::uint32_t>> links_;  // of nodes
   std::vector<Front> fronts_;
   std::vector<Factor> factors_;

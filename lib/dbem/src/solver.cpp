@@ -311,6 +311,7 @@ class Cascade final {
       }
     }
     if (take(from_here({}, most), Method::newton)) return;
+    if (warm && take(proximal(linear_, problem_, {}, enough), Method::continuation)) return;
     for (const double factor : {10.0, 3.0, 1.5}) {
       if (take(continuation(linear_, problem_, options_, factor), Method::continuation)) return;
     }
@@ -318,8 +319,15 @@ class Cascade final {
     std::vector<Vec2> state = longer.p;
     if (take(std::move(longer), Method::open_close)) return;
     if (!state.empty() && take(from_here(std::move(state), most), Method::newton)) return;
-    if (problem_.contacts() <= most_for_lemke && take(pivot(), Method::lemke)) return;
-    take(from_here(p_, most), Method::newton);
+    if (problem_.contacts() <= 3 * most_for_lemke && take(pivot(), Method::lemke)) return;
+    if (take(from_here(p_, most), Method::newton)) return;
+    // Sweeps creep up to an answer where Newton goes round in circles between the states of a few contacts.
+    Tried swept{p_};
+    for (int more = 0; more < 4; ++more) {
+      const std::vector<Vec2> nowhere(swept.p.size());
+      sweep(problem_, 0, nowhere, 500, swept.p);
+      if (take(swept, Method::continuation) || take(from_here(swept.p, 10), Method::newton)) return;
+    }
   }
 
   static constexpr std::size_t most_for_lemke = 100;

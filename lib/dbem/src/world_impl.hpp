@@ -198,6 +198,7 @@ struct World::Impl {
   std::vector<std::uint8_t> hint;  // steps for which a body's group stays with the implicit rule
   void accept(Attempt&& done);
   void project(Attempt& out) const;
+  double slow_down(const Island& island, const Rows& rows, double wanted, State& at) const;
   bool add_missed(const Attempt& out, std::vector<Touch>& list) const;
   bool wake();
   void fall_asleep();

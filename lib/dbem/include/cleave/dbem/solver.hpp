@@ -28,8 +28,8 @@ struct BlockMatrix {
 struct RigidForm {
   static constexpr std::uint32_t ground = static_cast<std::uint32_t>(-1);
   struct Side {
-    std::uint32_t body = ground;        ///< index into inverse_mass
-    std::array<double, 3> n{}, t{};     ///< rows of J on (x, y, turn) of the body
+    std::uint32_t body = ground;     ///< index into inverse_mass
+    std::array<double, 3> n{}, t{};  ///< rows of J on (x, y, turn) of the body
   };
   std::vector<std::array<Side, 2>> sides;           ///< two a contact
   std::vector<std::array<double, 3>> inverse_mass;  ///< of each body; 0 where held
