@@ -41,7 +41,8 @@ double judge(const dbem::ContactProblem& problem, const std::vector<dbem::Vec2>&
     const double sideways = std::abs(t - nearest);
     worst = std::max({worst, normal, sideways});
     worst_speed = std::max({worst_speed, normal * w_n, sideways * w_t});
-    speed = std::max({speed, std::abs(problem.b[r].x), std::abs(problem.b[r].y)});
+    speed = std::max({speed, std::abs(problem.b[r].x), std::abs(problem.b[r].y), 1e-6 * w_n * std::abs(impulse[r].x),
+                      1e-6 * w_t * std::abs(t)});
   }
   return std::max(worst / scale, worst_speed / speed);
 }

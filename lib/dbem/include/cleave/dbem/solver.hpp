@@ -74,7 +74,8 @@ struct ContactReport {
     not_converged,  ///< the best answer found; never to be used as if it were right
   };
   Status status = Status::open;
-  /// The larger of: in impulses, over max(|p|, max |b / diag W|); in velocities, over max |b|.
+  /// The larger of: in impulses, over max(|p|, max |b / diag W|); in velocities, over max |b|
+  /// (or 10^-6 of the largest W p, where rounding begins).
   double residual = 0;
   Method method = Method::none;
   std::size_t iterations = 0;  ///< linear solves or pivots, of all tries
