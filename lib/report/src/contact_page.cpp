@@ -14,7 +14,7 @@ using bem::Vec2;
 
 /// Seven significant digits: enough for a picture, half of the bytes.
 void short_number(std::string& out, double v) {
-  if (!std::isfinite(v) || v == 0) {
+  if (!std::isfinite(v) || std::abs(v) < 1e-99) {  // far below, powers of ten overflow
     out += "0";
     return;
   }
