@@ -32,7 +32,8 @@ struct Context {
 // One a section; every problem is reported, and the result is then not to be used.
 [[nodiscard]] std::optional<geometry::Solid> parse_domain(Context& context, const TableReader& root);
 void parse_joints(Context& context, const TableReader& root, std::vector<MeasuredJoint>& joints);
-void parse_joint_sets(Context& context, const TableReader& root, std::vector<RandomSet>& joint_sets);
+void parse_joint_sets(Context& context, const TableReader& root, const std::vector<MeasuredJoint>& given,
+                      std::vector<RandomSet>& joint_sets);
 void parse_properties(Context& context, const TableReader& root);
 [[nodiscard]] Rock parse_rock(const TableReader& root);
 void parse_excavations(Context& context, const TableReader& root, const std::optional<geometry::Solid>& domain,
@@ -58,6 +59,9 @@ struct ParsedStability {
 /// Stages of the excavations and [sequence]; empty when all are of one stage.
 [[nodiscard]] std::optional<SequenceSettings> parse_sequence(const TableReader& root,
                                                              const std::vector<Excavation>& excavations);
+/// [field_stress]; after [rock] and the excavations.
+[[nodiscard]] std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, const Rock& rock,
+                                                                    const std::vector<Excavation>& excavations);
 [[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
 [[nodiscard]] OutputSettings parse_output(const TableReader& root);
 

@@ -15,6 +15,7 @@
 #include "cleave/stability/near_field.hpp"
 #include "cleave/topology/cut.hpp"
 #include "cleave/topology/sequence.hpp"
+#include "field_stress.hpp"
 #include "judge.hpp"
 
 namespace cleave::scene {
@@ -315,6 +316,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   }
   System& system = *made;
   auto& analysis = system.analysis;
+  std::optional<FieldStressResult> clamped;
   if (analysis) {
     if (auto misplaced = misplaced_loads(scene, *drawn, *scene.stability, system.complex->complex());
         !misplaced.empty()) {
@@ -324,6 +326,22 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     if (!on_demand) judge_cases_and_support(scene, *drawn, *system.complex, *analysis, timer, progress, more);
     judge_sensitivity(scene, *drawn, *system.complex, *analysis, more);
     judge_maximum_blocks(scene, *drawn, more);
+    if (scene.field_stress) {
+      auto done = stage(Stage::elastic, [&]() -> std::expected<FieldStressResult, bem::SolveError> {
+        CLEAVE_TRY(const TunnelField field, TunnelField::make(scene, *scene.field_stress, options.threads));
+        stability::Settings settings = settings_of(scene, *drawn, options.realization);
+        if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
+          settings.left_out = micro_blocks(system.complex->complex(), scene.micro_blocks);
+        }
+        return clamp_blocks(scene, field, system.complex->complex(), *analysis, settings, options.threads);
+      });
+      if (!done) {
+        progress.end();
+        return std::unexpected(std::vector{Problem{scene.shown, scene.field_stress->line, "field_stress",
+                                                   describe(done.error()), "see docs/bem.md on field stress"}});
+      }
+      clamped = *std::move(done);
+    }
   }
   progress.end();
 
@@ -354,6 +372,15 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   if (system.window && system.window->truncated > 0 && analysis &&
       analysis->rotation == stability::RotationCheck::flag) {
     notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");
+  }
+  if (clamped && !clamped->reached) {
+    notes.push_back(fmt::format("field stress: displacements of the section still change by {:.1e} (asked: {:.1e})",
+                                clamped->error, scene.field_stress->tolerance));
+  }
+  if (clamped && clamped->held > 0) {
+    notes.push_back(fmt::format("field stress: {} unstable {} held by the stress across {} joints; without it {}",
+                                clamped->held, clamped->held == 1 ? "block is" : "blocks are",
+                                clamped->held == 1 ? "its" : "their", clamped->held == 1 ? "it falls" : "they fall"));
   }
   for (const CaseResult& load : more.cases) {
     std::size_t leaving = 0, base = 0;
@@ -387,6 +414,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .analysis = std::move(analysis),
                    .sequence = std::move(system.sequence),
                    .micro_blocks = scene.micro_blocks,
+                   .field_stress = std::move(clamped),
                    .support = std::move(more.support),
                    .support_cases = std::move(more.support_cases),
                    .bolt_groups = scene.support ? scene.support->groups : std::vector<std::string>{},
