@@ -150,11 +150,12 @@ struct Grid {
   }
 };
 
-/// Input of CalculiX. Tractions become the nodal forces of the edges' quadratic shape functions, by 5 Gauss points.
+/// Input of CalculiX, whose fields hold 20 characters. Tractions become the nodal forces of the edges' quadratic shape
+/// functions, by 5 Gauss points.
 std::string deck(const PeerProblem& p, const Grid& grid) {
   std::string out = "*NODE, NSET=ALL\n";
   for (std::size_t n = 0; n < grid.nodes.size(); ++n) {
-    out += fmt::format("{}, {:.15g}, {:.15g}, 0\n", n + 1, grid.nodes[n].x, grid.nodes[n].y);
+    out += fmt::format("{}, {:.11g}, {:.11g}, 0\n", n + 1, grid.nodes[n].x, grid.nodes[n].y);
   }
   out += "*ELEMENT, TYPE=CPE8, ELSET=E\n";
   // The maps of the rings turn the other way: corners must run anticlockwise.
@@ -169,7 +170,7 @@ std::string deck(const PeerProblem& p, const Grid& grid) {
       out += fmt::format("{}, {}\n", ++element, fmt::join(n, ", "));
     }
   }
-  out += fmt::format("*MATERIAL, NAME=M\n*ELASTIC\n{:.15g}, {}\n*SOLID SECTION, ELSET=E, MATERIAL=M\n1.\n", young, nu);
+  out += fmt::format("*MATERIAL, NAME=M\n*ELASTIC\n{:.11g}, {}\n*SOLID SECTION, ELSET=E, MATERIAL=M\n1.\n", young, nu);
   std::vector<Vec2> force(grid.nodes.size());
   std::string held;
   constexpr std::array<double, 5> gs{-0.906179845938664, -0.538469310105683, 0, 0.538469310105683, 0.906179845938664};
@@ -199,14 +200,14 @@ std::string deck(const PeerProblem& p, const Grid& grid) {
     }
     for (const std::size_t n : side) {
       const Vec2 u = p.displacement(grid.nodes[n - 1]);
-      if (p.edges[which] != Edge::symmetry_y) held += fmt::format("{}, 1, 1, {:.15g}\n", n, u.x);
-      if (p.edges[which] != Edge::symmetry_x) held += fmt::format("{}, 2, 2, {:.15g}\n", n, u.y);
+      if (p.edges[which] != Edge::symmetry_y) held += fmt::format("{}, 1, 1, {:.11g}\n", n, u.x);
+      if (p.edges[which] != Edge::symmetry_x) held += fmt::format("{}, 2, 2, {:.11g}\n", n, u.y);
     }
   }
   out += "*STEP\n*STATIC\n*BOUNDARY\n" + held + "*CLOAD\n";
   for (std::size_t n = 0; n < force.size(); ++n) {
-    if (force[n].x != 0) out += fmt::format("{}, 1, {:.15g}\n", n + 1, force[n].x);
-    if (force[n].y != 0) out += fmt::format("{}, 2, {:.15g}\n", n + 1, force[n].y);
+    if (force[n].x != 0) out += fmt::format("{}, 1, {:.11g}\n", n + 1, force[n].x);
+    if (force[n].y != 0) out += fmt::format("{}, 2, {:.11g}\n", n + 1, force[n].y);
   }
   return out + "*NODE PRINT, NSET=ALL\nU\n*END STEP\n";
 }
