@@ -184,12 +184,31 @@ std::expected<System, topology::CutError> cut_all(const Scene& scene, const Draw
   return system;
 }
 
+void judge_cases_and_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
+                             const stability::Analysis& analysis, StageTimer& timer, Progress& progress,
+                             JudgedMore& more) {
+  const auto stage = [&](Stage which, auto&& work) {
+    progress.begin(name_of(which));
+    timer.run(name_of(which), work);
+  };
+  if (!scene.stability->cases.empty()) stage(Stage::stability, [&] { judge_cases(scene, drawn, complex, more); });
+  if (scene.support && more.undecided.empty()) {
+    stage(Stage::support, [&] { judge_support(scene, drawn, complex, analysis, more); });
+  }
+}
+
 std::expected<System, topology::CutError> cut_near_free_faces(const Scene& scene, const Drawn& drawn,
                                                               const RunOptions& options, StageTimer& timer,
-                                                              Progress& progress) {
+                                                              Progress& progress, JudgedMore& more) {
   progress.begin(name_of(Stage::cut));
+  const auto cases_and_support = [&](const topology::AuditedComplex& complex, const stability::Analysis& analysis) {
+    more = {};
+    judge_cases_and_support(scene, drawn, complex, analysis, timer, progress, more);
+    return more.undecided;
+  };
   auto near = stability::analyse_near_field(drawn.input, settings_of(scene, drawn, options.realization),
-                                            {.threads = options.threads}, timer);
+                                            {.threads = options.threads}, timer,
+                                            {.depth = longest_bolt(scene), .undecided = cases_and_support});
   if (!near) {
     if (auto* error = std::get_if<topology::CutError>(&near.error())) return std::unexpected(std::move(*error));
     return System{std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}, {}, {}, {}, {}};
@@ -252,7 +271,7 @@ RunCost cost_of(const StageTimer& timer, unsigned threads) {
 std::expected<Realized, std::vector<Problem>> realize(const Scene& scene, std::uint64_t realization) {
   auto drawn = draw(scene, realization);
   if (!drawn) return std::unexpected(std::move(drawn).error());
-  if (scene.output.only_key_blocks && scene.stability && only_weights(scene)) {
+  if (scene.output.only_key_blocks && scene.stability) {
     StageTimer timer;
     auto near = stability::analyse_near_field(drawn->input, unflagged(settings_of(scene, *drawn, realization)),
                                               {.threads = 1}, timer);
@@ -287,17 +306,16 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return std::unexpected(std::move(drawn).error());
   }
 
-  // The neighbourhood of free faces is enough for weights alone: other loads, cases and bolts see all of the rock.
-  auto made = scene.output.only_key_blocks && scene.stability && !scene.sequence && only_weights(scene)
-                  ? cut_near_free_faces(scene, *drawn, options, timer, progress)
-                  : cut_all(scene, *drawn, options, timer, progress);
+  const bool on_demand = scene.output.only_key_blocks && scene.stability && !scene.sequence;
+  JudgedMore more;
+  auto made = on_demand ? cut_near_free_faces(scene, *drawn, options, timer, progress, more)
+                        : cut_all(scene, *drawn, options, timer, progress);
   if (!made) {
     progress.end();
     return std::unexpected(std::vector{problem_of(made.error(), scene, *drawn)});
   }
   System& system = *made;
   auto& analysis = system.analysis;
-  JudgedMore more;
   std::optional<FieldStressResult> clamped;
   if (analysis) {
     if (auto misplaced = misplaced_loads(scene, *drawn, *scene.stability, system.complex->complex());
@@ -305,10 +323,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
       progress.end();
       return std::unexpected(std::move(misplaced));
     }
-    if (!scene.stability->cases.empty()) {
-      stage(Stage::stability, [&] { judge_cases(scene, *drawn, *system.complex, more); });
-    }
-    if (scene.support) stage(Stage::support, [&] { judge_support(scene, *drawn, *system.complex, *analysis, more); });
+    if (!on_demand) judge_cases_and_support(scene, *drawn, *system.complex, *analysis, timer, progress, more);
     judge_sensitivity(scene, *drawn, *system.complex, *analysis, more);
     judge_maximum_blocks(scene, *drawn, more);
     if (scene.field_stress) {
@@ -342,9 +357,6 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     notes.push_back(
         fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
   }
-  if (scene.output.only_key_blocks && scene.stability && !only_weights(scene)) {
-    notes.push_back("all the rock was cut: with water, loads on free faces, load cases or support it is needed");
-  }
   if (more.support && !more.support->passes()) {
     notes.push_back(
         "the support does not reach the required factors of safety: see bolts.csv and the columns of key_blocks.csv");
@@ -357,6 +369,10 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     }
   }
   if (analysis) add_rotation_note(*analysis, notes);
+  if (system.window && system.window->truncated > 0 && analysis &&
+      analysis->rotation == stability::RotationCheck::flag) {
+    notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");
+  }
   if (clamped && !clamped->reached) {
     notes.push_back(fmt::format("field stress: displacements of the section still change by {:.1e} (asked: {:.1e})",
                                 clamped->error, scene.field_stress->tolerance));
