@@ -88,6 +88,23 @@ std::vector<dbem::Body> stacks(std::size_t count, bool elastic) {
   return bodies;
 }
 
+/// One group: a wall in running bond with open head joints.
+std::vector<dbem::Body> wall(std::size_t rows, std::size_t columns, bool elastic) {
+  const auto n = static_cast<double>(columns);
+  dbem::Body floor{.name = "floor", .outline = {{-20, -1}, {1.1 * n + 20, -1}, {1.1 * n + 20, 0}, {-20, 0}}};
+  floor.held = {true, true, true};
+  std::vector<dbem::Body> bodies{floor};
+  const dbem::Body one = brick(elastic);
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t k = 0; k + r % 2 < columns; ++k) {
+      bodies.push_back(one);
+      bodies.back().origin +=
+          Vec2{1.002 * static_cast<double>(k) + (r % 2 == 1 ? 0.5 : 0.0), 0.5 * static_cast<double>(r)};
+    }
+  }
+  return bodies;
+}
+
 void scene(study::Study& study, const std::string& name, std::vector<dbem::Body> bodies, dbem::WorldOptions options,
            std::size_t skipped, std::size_t steps) {
   const std::size_t count = bodies.size() - 1;
@@ -144,6 +161,17 @@ void study_speed(study::Study& study) {
   scene(study, "rigid_asleep", stacks(many, false), {.step = 1e-3}, 20, quick ? 2 : 10);
   scene(study, "rigid_moving", stacks(many, false), {.gravity = {7, -9.81}, .step = 1e-3}, 2, quick ? 2 : 50);
   scene(study, "elastic_moving", stacks(fewer, true), {.gravity = {7, -9.81}, .step = 1e-3}, 2, quick ? 2 : 50);
+  // One connected group each; the first step, from nothing, is a problem of its own.
+  const std::size_t rows = quick ? 4 : 25, columns = quick ? 5 : 40;
+  const Vec2 pushed{0.3 * 9.81, -9.81};
+  scene(study, "wall_first_step", wall(rows, columns, false), {.gravity = pushed, .step = 1e-3}, 0, 1);
+  scene(study, "wall_pushed", wall(rows, columns, false), {.gravity = pushed, .step = 1e-3}, 1, quick ? 2 : 30);
+  scene(study, "elastic_wall", wall(rows, columns, true), {.step = 1e-3}, 1, quick ? 2 : 20);
+  if (!quick) {
+    const Vec2 leaning{0.1 * 9.81, -9.81};
+    scene(study, "wall_first_step", wall(80, 125, false), {.gravity = leaning, .step = 1e-3, .sleep = false}, 0, 1);
+    scene(study, "wall_at_rest", wall(80, 125, false), {.gravity = leaning, .step = 1e-3, .sleep = false}, 1, 10);
+  }
   passes(study, quick ? 2 : 10, 3, true);  // the source's last: it takes long
 }
 

@@ -22,7 +22,7 @@ void short_number(std::string& out, double v) {
     return;
   }
   const double size = std::abs(v);
-  if (size == 0) {
+  if (size < 1e-99) {  // far below, powers of ten overflow
     out += "0";
     return;
   }
