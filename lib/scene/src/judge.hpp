@@ -35,6 +35,10 @@ void judge_cases(const Scene& scene, const Drawn& drawn, const topology::Audited
 /// After `judge_cases`: the support is checked under each named case too.
 void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                    const stability::Analysis& analysis, JudgedMore& more);
+/// The support plan as it stands, under the base case; no design is searched for.
+[[nodiscard]] stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn,
+                                                  const topology::AuditedComplex& complex,
+                                                  const stability::Analysis& analysis);
 void judge_sensitivity(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                        const stability::Analysis& analysis, JudgedMore& more);
 void judge_maximum_blocks(const Scene& scene, const Drawn& drawn, JudgedMore& more);

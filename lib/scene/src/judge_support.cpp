@@ -71,11 +71,17 @@ void judge_cases(const Scene& scene, const Drawn& drawn, const topology::Audited
   }
 }
 
+stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
+                                    const stability::Analysis& analysis) {
+  return check_support(complex, settings_on(complex, scene, drawn, scene.stability->loads), analysis,
+                       scene.support->plan);
+}
+
 void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                    const stability::Analysis& analysis, JudgedMore& more) {
   const stability::Settings settings = settings_on(complex, scene, drawn, scene.stability->loads);
   const SupportSettings& support = *scene.support;
-  more.support = check_support(complex, settings, analysis, support.plan);
+  more.support = judge_plan(scene, drawn, complex, analysis);
   for (std::size_t k = 0; k < more.cases.size(); ++k) {
     const LoadCase& load = scene.stability->cases[k];
     more.support_cases.push_back({load.name, check_support(complex, settings_on(complex, scene, drawn, load.loads),

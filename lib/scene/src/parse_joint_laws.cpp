@@ -1,0 +1,342 @@
+#include "parse_joint_laws.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <utility>
+
+#include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/orientation.hpp"
+#include "cleave/io/joint_csv.hpp"
+
+namespace cleave::scene {
+
+using std::string_view;
+
+std::optional<std::size_t> distribution_of(const TableReader& table, std::span<const string_view> now,
+                                           std::span<const string_view> later) {
+  if (!table.has("distribution")) {
+    table.missing("distribution", fmt::format("add distribution = \"{}\"", now.front()));
+    return std::nullopt;
+  }
+  return table.choice("distribution", now, later);
+}
+
+namespace {
+
+/// Normals of a table of orientations, drawn with replacement.
+std::optional<dfn::OrientationLaw> parse_bootstrap(Context& context, const TableReader& table) {
+  for (const string_view key : {"dip", "dip_direction"}) {
+    if (table.has(key)) table.error(key, "has no meaning for the distribution \"bootstrap\"", "remove it");
+  }
+  constexpr NumberRule kappa_rule{0, false, 1e12, false, ""};
+  const auto jitter = table.number("jitter", kappa_rule);
+  const auto only = table.text("set");
+  if (!table.has("file")) {
+    table.missing("file", "add file = \"poles.csv\" with columns dip and dip_direction");
+    return std::nullopt;
+  }
+  const auto file = context.file(table, "file");
+  if (!file) return std::nullopt;
+  const auto joints = io::parse_joint_csv(file->bytes, file->shown, {.wrap = false, .need_position = false});
+  if (!joints) {
+    for (const io::ReadError& e : joints.error()) {
+      context.problems.error_in(e.file, std::max(1U, e.line), "file", e.what, e.remedy);
+    }
+    return std::nullopt;
+  }
+  std::vector<geometry::Vec3> normals;
+  for (const io::JointRow& row : joints->rows) {
+    if (only && row.set != *only) continue;
+    normals.push_back(geometry::upward_normal({row.plane.dip, context.turned(row.plane.direction.degrees())}));
+  }
+  if (normals.empty()) {
+    table.error("file", only ? fmt::format("holds no joint of the set \"{}\"", only->substr(0, 60)) : "holds no joints",
+                "name a table with at least one row");
+    return std::nullopt;
+  }
+  std::vector<double> weights(normals.size(), 1.0);
+  return dfn::BootstrapOrientation::make(std::move(normals), std::move(weights), jitter);
+}
+
+}  // namespace
+
+std::optional<dfn::OrientationLaw> parse_orientation(Context& context, const TableReader& set) {
+  constexpr std::array<string_view, 5> laws{"fisher", "uniform", "normal", "constant", "bootstrap"};
+  if (!set.has("orientation")) {
+    set.missing("orientation",
+                "add orientation = { dip = 30, dip_direction = 30, distribution = \"fisher\", kappa = 40 }");
+    return std::nullopt;
+  }
+  const TomlTable* found = set.table("orientation");
+  if (found == nullptr) return std::nullopt;
+  constexpr std::array<string_view, 11> keys{
+      "dip",       "dip_direction",       "distribution",      "kappa", "dip_std",
+      "dip_range", "dip_direction_range", "dip_direction_std", "file",  "jitter",
+      "set"};
+  const TableReader table{*found, set.line_of("orientation"), set.path_of("orientation"), set.problems(), keys};
+  if (const auto* word = table.find("distribution")) {
+    const auto* text = std::get_if<std::string>(&word->node.value);
+    if (text != nullptr && *text == "bootstrap") return parse_bootstrap(context, table);
+  }
+  for (const string_view key : {"file", "jitter", "set"}) {
+    if (table.has(key)) {
+      table.error(key, "has a meaning only for the distribution \"bootstrap\"",
+                  "remove it, or set distribution = \"bootstrap\"");
+    }
+  }
+  const auto dip = table.need_number("dip", rule::dip);
+  const auto direction = table.need_number("dip_direction", rule::dip_direction);
+  const auto law = table.has("distribution") ? table.choice("distribution", laws) : std::optional<std::size_t>{3};
+  if (!law) return std::nullopt;
+
+  constexpr std::array<std::pair<string_view, std::size_t>, 5> own{
+      {{"kappa", 0}, {"dip_range", 1}, {"dip_direction_range", 1}, {"dip_std", 2}, {"dip_direction_std", 2}}};
+  for (const auto& [key, owner] : own) {
+    if (owner == *law || !table.has(key)) continue;
+    table.error(key, fmt::format("has no meaning for the distribution \"{}\"", laws[*law]),
+                fmt::format("remove it, or set distribution = \"{}\"", laws[owner]));
+  }
+  constexpr NumberRule half_turn{0, false, 180, false, " degrees"};
+  constexpr NumberRule kappa_rule{0, false, 1e12, false, ""};
+  switch (*law) {
+    case 0: {
+      const auto kappa = table.need_number("kappa", kappa_rule);
+      if (!dip || !direction || !kappa) return std::nullopt;
+      return dfn::FisherOrientation{Dip::degrees(*dip), context.turned(*direction), *kappa};
+    }
+    case 1: {
+      const auto a = table.need_number("dip_range", rule::dip);
+      const auto b = table.need_number("dip_direction_range", half_turn);
+      if (!dip || !direction || !a || !b) return std::nullopt;
+      return dfn::UniformOrientation{Dip::degrees(*dip), context.turned(*direction), Dip::degrees(*a),
+                                     DipDirection::degrees(*b)};
+    }
+    case 2: {
+      const auto a = table.need_number("dip_std", rule::dip);
+      const auto b = table.need_number("dip_direction_std", half_turn);
+      if (!dip || !direction || !a || !b) return std::nullopt;
+      return dfn::NormalOrientation{Dip::degrees(*dip), context.turned(*direction), Dip::degrees(*a),
+                                    DipDirection::degrees(*b)};
+    }
+    default: break;
+  }
+  if (!dip || !direction) return std::nullopt;
+  return dfn::UniformOrientation{Dip::degrees(*dip), context.turned(*direction), Dip::degrees(0),
+                                 DipDirection::degrees(0)};
+}
+
+std::optional<dfn::SizeLaw> parse_size(const TableReader& set, string_view key) {
+  const TomlEntry* entry = set.find(key);
+  if (entry == nullptr) return std::nullopt;
+  dfn::SizeSpec spec;
+  std::string path = set.path_of(key);
+  if (!std::holds_alternative<TomlTable>(entry->node.value)) {
+    if (std::holds_alternative<std::string>(entry->node.value)) {
+      set.error(key, "is text that is no size",
+                "give a number of metres or { distribution = \"normal\", mean = 100, std = 30, min = 1, max = 300 }"
+                " (size alone may also be \"persistent\")");
+      return std::nullopt;
+    }
+    const auto value = set.number(key, rule::length);
+    if (!value) return std::nullopt;
+    spec.mean = metres(*value);
+  } else {
+    constexpr std::array<string_view, 6> keys{"distribution", "mean", "std", "min", "max", "exponent"};
+    constexpr std::array<string_view, 6> laws{"constant", "normal", "exponential", "lognormal", "power", "gamma"};
+    constexpr std::array<dfn::SizeDistribution, 6> kinds{
+        dfn::SizeDistribution::constant,  dfn::SizeDistribution::normal, dfn::SizeDistribution::exponential,
+        dfn::SizeDistribution::lognormal, dfn::SizeDistribution::power,  dfn::SizeDistribution::gamma};
+    constexpr NumberRule exponent_rule{0, true, 100, false, ""};
+    const TomlTable* found = set.table(key);
+    if (found == nullptr) return std::nullopt;
+    const std::size_t before = set.problems().errors();
+    const TableReader table{*found, entry->line, path, set.problems(), keys};
+    const auto law = distribution_of(table, laws);
+    const auto length = [&](string_view name, const NumberRule& allowed) -> std::optional<Length> {
+      const auto value = table.number(name, allowed);
+      return value ? std::optional{metres(*value)} : std::nullopt;
+    };
+    spec.mean = length("mean", rule::length);
+    spec.std = length("std", rule::length_or_zero);
+    spec.min = length("min", rule::length_or_zero);
+    spec.max = length("max", rule::length);
+    spec.exponent = table.number("exponent", exponent_rule);
+    // A lower limit of 0 says no more than that sizes are positive.
+    if (spec.min && spec.min->si() == 0) spec.min = std::nullopt;
+    if (!law || set.problems().errors() != before) return std::nullopt;
+    spec.distribution = kinds[*law];
+  }
+  auto law = dfn::SizeLaw::make(spec);
+  if (law) return std::move(*law);
+  const std::string detail = std::visit(overloaded{[](const dfn::MissingParameter& e) { return "." + e.key; },
+                                                   [](const dfn::BadParameter& e) { return "." + e.key; },
+                                                   [](const dfn::EmptyRange&) { return std::string{}; }},
+                                        law.error());
+  const string_view name = detail.empty() ? string_view{} : string_view{detail}.substr(1);
+  const auto* table = std::get_if<TomlTable>(&entry->node.value);
+  std::uint32_t line = entry->line;
+  if (table != nullptr) {
+    for (const TomlEntry& part : table->entries) {
+      if (part.key == name) line = part.line;
+    }
+  }
+  set.problems().error(line, path + detail, describe(law.error()), "");
+  return std::nullopt;
+}
+
+std::optional<dfn::RotationLaw> parse_rotation(const TableReader& set) {
+  const TomlEntry* entry = set.find("rotation");
+  if (entry == nullptr) return dfn::FixedRotation{};
+  if (!std::holds_alternative<TomlTable>(entry->node.value)) {
+    const auto angle = set.number("rotation", rule::turn);
+    if (!angle) return std::nullopt;
+    return dfn::FixedRotation{dfn::Rotation::degrees(*angle)};
+  }
+  constexpr std::array<string_view, 5> keys{"distribution", "min", "max", "mean", "std"};
+  constexpr std::array<string_view, 3> laws{"uniform", "normal", "constant"};
+  const TomlTable* found = set.table("rotation");
+  if (found == nullptr) return std::nullopt;
+  const TableReader table{*found, entry->line, set.path_of("rotation"), set.problems(), keys};
+  const auto law = distribution_of(table, laws);
+  if (!law) return std::nullopt;
+  constexpr NumberRule spread{0, false, 360, false, " degrees"};
+  if (*law == 0) {
+    const auto from = table.need_number("min", rule::turn), to = table.need_number("max", rule::turn);
+    if (!from || !to) return std::nullopt;
+    if (*from > *to) {
+      table.error("min", fmt::format("is {}, above max = {}", *from, *to), "swap them");
+      return std::nullopt;
+    }
+    return dfn::UniformRotation{dfn::Rotation::degrees(*from), dfn::Rotation::degrees(*to)};
+  }
+  const auto mean = table.need_number("mean", rule::turn);
+  if (*law == 2)
+    return mean ? std::optional<dfn::RotationLaw>{dfn::FixedRotation{dfn::Rotation::degrees(*mean)}} : std::nullopt;
+  const auto std = table.need_number("std", spread);
+  if (!mean || !std) return std::nullopt;
+  return dfn::NormalRotation{dfn::Rotation::degrees(*mean), dfn::Rotation::degrees(*std)};
+}
+
+std::optional<dfn::Intensity> parse_intensity(const TableReader& set) {
+  if (!set.has("intensity")) {
+    set.missing("intensity", "add intensity = { p32 = 0.1 }, or count, p10, p30, spacing");
+    return std::nullopt;
+  }
+  constexpr std::array<string_view, 5> keys{"count", "p32", "p30", "p10", "spacing"};
+  constexpr NumberRule per_metre{0, false, 1e9, false, " 1/m"};
+  const TomlTable* found = set.table("intensity");
+  if (found == nullptr) return std::nullopt;
+  const TableReader table{*found, set.line_of("intensity"), set.path_of("intensity"), set.problems(), keys};
+  const TomlEntry* entry = table.one_of(keys);
+  if (entry == nullptr) return std::nullopt;
+  if (entry->key == "count") {
+    const auto count = table.integer("count", 0, 10'000'000);
+    if (!count) return std::nullopt;
+    return dfn::Count{static_cast<std::uint64_t>(*count)};
+  }
+  const auto value = table.number(entry->key, entry->key == "spacing" ? rule::length : per_metre);
+  if (!value) return std::nullopt;
+  if (entry->key == "p32") return dfn::P32{*value};
+  if (entry->key == "p30") return dfn::P30{*value};
+  if (entry->key == "p10") return dfn::P10{*value};
+  return dfn::Spacing{metres(*value)};
+}
+
+namespace {
+
+struct ShapeWord {
+  std::size_t kind;  // 0 rectangle, 1 square, 2 disc, 3 ellipse, 4 polygon
+  std::optional<std::uint32_t> sides;
+};
+
+/// "rectangle", "disc", "polygon(6)", ...
+std::optional<ShapeWord> parse_shape_word(const TableReader& set) {
+  constexpr std::array<string_view, 5> shapes{"rectangle", "square", "disc", "ellipse", "polygon"};
+  constexpr std::int64_t most_sides = 256;
+  std::optional<std::uint32_t> sides;
+  if (const auto given = set.integer("sides", 3, most_sides)) sides = static_cast<std::uint32_t>(*given);
+  if (!set.has("shape")) return ShapeWord{0, sides};
+  const auto word = set.text("shape");
+  if (!word) return std::nullopt;
+  const std::size_t open = word->find('(');
+  if (open == std::string::npos || !word->ends_with(')')) {
+    const auto kind = set.choice("shape", shapes);
+    if (!kind) return std::nullopt;
+    if (*kind == 4 && !sides) {
+      set.error("shape", "does not say how many sides the polygon has", "write shape = \"polygon(6)\"");
+      return std::nullopt;
+    }
+    return ShapeWord{*kind, sides};
+  }
+  const string_view name = string_view{*word}.substr(0, open);
+  const string_view digits = string_view{*word}.substr(open + 1, word->size() - open - 2);
+  std::uint32_t count = 0;
+  const char* const end = std::to_address(digits.end());
+  const auto [stop, failed] = std::from_chars(std::to_address(digits.begin()), end, count);
+  const bool whole = failed == std::errc{} && stop == end && count >= 3 && count <= most_sides;
+  for (std::size_t kind = 2; kind < shapes.size(); ++kind) {
+    if (shapes[kind] == name && whole) return ShapeWord{kind, count};
+  }
+  set.error("shape", fmt::format("\"{}\" is not known", word->substr(0, 60)),
+            fmt::format("write polygon(N), disc(N) or ellipse(N) with N from 3 to {}", most_sides));
+  return std::nullopt;
+}
+
+std::optional<dfn::SecondSize> parse_second(const TableReader& set) {
+  if (set.has("size_2") && set.has("aspect")) {
+    set.error("aspect", "stands beside \"size_2\"", "give one of them");
+    return std::nullopt;
+  }
+  if (set.has("size_2")) {
+    const auto law = parse_size(set, "size_2");
+    if (!law) return std::nullopt;
+    return *law;
+  }
+  if (set.has("aspect")) {
+    constexpr NumberRule aspect_rule{0, true, 1e6, false, ""};
+    const auto ratio = set.number("aspect", aspect_rule);
+    if (!ratio) return std::nullopt;
+    return dfn::AspectRatio{*ratio};
+  }
+  return dfn::IndependentSize{};
+}
+
+}  // namespace
+
+std::optional<dfn::Shape> parse_shape(const TableReader& set) {
+  const auto word = parse_shape_word(set);
+  const auto second = parse_second(set);
+  if (!set.has("size")) {
+    set.missing(
+        "size",
+        "add size = { distribution = \"normal\", mean = 100, std = 30, min = 1, max = 300 }, or \"persistent\"");
+    return std::nullopt;
+  }
+  if (const auto* text = std::get_if<std::string>(&set.find("size")->node.value);
+      text != nullptr && *text == "persistent") {
+    for (const string_view key : {"shape", "size_2", "aspect", "rotation", "sides"}) {
+      if (set.has(key)) set.note(key, "has no meaning for persistent joints", "remove it");
+    }
+    return dfn::Persistent{};
+  }
+  const auto size = parse_size(set, "size");
+  if (!word || !second || !size) return std::nullopt;
+  const bool two_sizes = word->kind == 0 || word->kind == 3;
+  if (!two_sizes && !std::holds_alternative<dfn::IndependentSize>(*second)) {
+    set.error(set.has("aspect") ? "aspect" : "size_2", "has no meaning for a shape with one size",
+              "remove it, or use the shape rectangle or ellipse");
+    return std::nullopt;
+  }
+  switch (word->kind) {
+    case 0: return dfn::Rectangle{*size, *second};
+    case 1: return dfn::Square{*size};
+    case 2: return dfn::Disc{*size, word->sides.value_or(32)};
+    case 3: return dfn::Ellipse{*size, *second, word->sides.value_or(32)};
+    default: return dfn::RegularPolygon{*size, word->sides.value_or(6)};
+  }
+}
+
+}  // namespace cleave::scene
