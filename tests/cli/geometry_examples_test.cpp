@@ -73,6 +73,16 @@ TEST_F(GeometryExamples, DomainsFromTrianglesAndMeshes) {
   EXPECT_NEAR(ell["blocks"]["volume_m3"].get<double>(), (6 * 2 + 4 * 2) * 4, 1e-10);
 }
 
+// A stump of a pyramid of height h between squares of sides a and b: h/3 (a^2 + a b + b^2); here 10, 8, 6 and 3 m,
+// quartered.
+TEST_F(GeometryExamples, HexahedronIsEightStumps) {
+  const auto result = result_of("hexahedron");
+  EXPECT_EQ(result["blocks"]["count"], 8);
+  EXPECT_EQ(result["blocks"]["concave"], 0);
+  EXPECT_NEAR(result["blocks"]["volume_m3"].get<double>(), 100 + 80 + 64 + 64 + 48 + 36, 1e-10);
+  EXPECT_EQ(result["blocks"]["volume_relative_error"], 0);
+}
+
 TEST_F(GeometryExamples, CavernIsOneBlockWithACavity) {
   const auto result = result_of("cavern");
   EXPECT_EQ(result["blocks"]["count"], 1);

@@ -74,8 +74,21 @@ INSTANTIATE_TEST_SUITE_P(
             "another "
             "model"},
         Bad{"TerminatesAtNothing", with_box(set + "size = 5\nterminate_at = [\"B\"]\n"),
-            "s.toml:7: joint_set[1].terminate_at: \"B\" is no earlier [[joint_set]]; name a set that stands above this "
-            "one: younger joints end at older ones"},
+            "s.toml:7: joint_set[1].terminate_at: there are no joints of a set \"B\"; name other sets, of "
+            "[[joint_set]] "
+            "or [[joint]]"},
+        Bad{"TerminatesAtItself", with_box(set + "name = \"A\"\nsize = 5\nterminate_at = [\"A\"]\n"),
+            "s.toml:8: joint_set[1].terminate_at: \"A\" is this set itself; name other sets, of [[joint_set]] or "
+            "[[joint]]"},
+        Bad{"TerminatesInACircle",
+            with_box(set + "name = \"A\"\nsize = 5\nterminate_at = [\"B\"]\n" + set +
+                     "name = \"B\"\nsize = 5\nterminate_at = [\"A\"]\n"),
+            "s.toml:8: joint_set[1].terminate_at: ends at sets that end at this one: nothing is older; leave one of "
+            "them "
+            "out"},
+        Bad{"PersistentPolygons", with_box(set + "size = \"persistent\"\nmodel = \"veneziano\"\n"),
+            "s.toml:6: joint_set[1].size: the model \"veneziano\" needs joints of a size; give shape and size, or the "
+            "model \"baecher\" for persistent joints"},
         Bad{"WrongSchema", "schema = 2\n" + std::string{box},
             "s.toml:1: schema: is not a version that this program knows; write schema = 1"},
         Bad{"SeedIsText", "seed = \"x\"\n" + std::string{box},

@@ -68,9 +68,13 @@ std::string describe(const SolidError& error) {
                              e.volume.si());
           },
           [](NoVolume e) {
-            return fmt::format(
-                "the body has no volume ({:.6g} m3); its extent must be positive in all three directions",
-                e.volume.si());
+            return e.volume > cubic_metres(0)
+                       ? fmt::format(
+                             "the body is so flat that its volume ({:.6g} m3) may be rounding alone; make it thicker, "
+                             "or "
+                             "bring it nearer to the origin",
+                             e.volume.si())
+                       : std::string{"the body has no volume; its extent must be positive in all three directions"};
           },
           [](FacesCross e) {
             return fmt::format(

@@ -185,7 +185,12 @@ std::string describe(const TunnelError& error) {
                 "the section smaller",
                 e.point);
           },
-          [](const TunnelNotSolid& e) { return describe(e.reason); },
+          [](const TunnelNotSolid& e) {
+            return std::holds_alternative<FacesCross>(e.reason)
+                       ? std::string{"the tunnel runs into itself; give the parts that meet as tunnels of their own, "
+                                     "which may cross"}
+                       : describe(e.reason);
+          },
       },
       error);
 }

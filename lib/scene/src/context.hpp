@@ -32,7 +32,8 @@ struct Context {
 // One a section; every problem is reported, and the result is then not to be used.
 [[nodiscard]] std::optional<geometry::Solid> parse_domain(Context& context, const TableReader& root);
 void parse_joints(Context& context, const TableReader& root, std::vector<MeasuredJoint>& joints);
-void parse_joint_sets(Context& context, const TableReader& root, std::vector<RandomSet>& joint_sets);
+void parse_joint_sets(Context& context, const TableReader& root, const std::vector<MeasuredJoint>& given,
+                      std::vector<RandomSet>& joint_sets);
 void parse_properties(Context& context, const TableReader& root);
 [[nodiscard]] Rock parse_rock(const TableReader& root);
 void parse_excavations(Context& context, const TableReader& root, const std::optional<geometry::Solid>& domain,

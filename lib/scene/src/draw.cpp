@@ -11,6 +11,7 @@
 #include "cleave/core/rng.hpp"
 #include "cleave/dfn/sample.hpp"
 #include "cleave/scene/run.hpp"
+#include "drawing_order.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -97,27 +98,65 @@ void add_measured(const Scene& scene, std::uint64_t realization, Drawn& drawn) {
   }
 }
 
-/// The joints of the sets so far; kept only when a later set ends at them.
 using SampledSets = std::vector<std::vector<dfn::SampledJoint>>;
 
-std::expected<void, Problem> add_random(const Scene& scene, std::uint64_t realization, std::size_t number,
-                                        const Box& box, SampledSets& kept, Drawn& drawn) {
-  const RandomSet& set = scene.joint_sets[number];
-  std::vector<std::span<const dfn::SampledJoint>> older;
-  for (const std::size_t earlier : dfn::terminates_at(set.law)) older.emplace_back(kept[earlier]);
+/// Given joints of a set, as joints drawn later see them.
+std::vector<dfn::SampledJoint> given_joints(const Scene& scene, SetId set) {
+  std::vector<dfn::SampledJoint> joints;
+  for (const MeasuredJoint& joint : scene.joints) {
+    if (joint.set != set) continue;
+    std::visit(overloaded{[&](const topology::Joint& polygons) {
+                            for (const geometry::Polygon& polygon : polygons.polygons) {
+                              const geometry::Vec3 normal = upward(geometry::normalized(area_vector(polygon)));
+                              joints.push_back({polygon, polygon.corners().front(), normal, 0});
+                            }
+                          },
+                          [&](const topology::PersistentJoint& plane) {
+                            const geometry::Vec3 normal = upward(geometry::normalized(plane.normal));
+                            joints.push_back({dfn::InfinitePlane{plane.through, normal}, plane.through, normal, 0});
+                          }},
+               joint.geometry);
+  }
+  return joints;
+}
+
+/// The joints of all sets, each drawn after those it ends at.
+std::expected<SampledSets, std::vector<Problem>> sample_sets(const Scene& scene, std::uint64_t realization,
+                                                             const Box& box) {
+  const std::size_t count = scene.joint_sets.size();
+  SampledSets sampled(count), given(scene.sets.size());
   // Where several draws of strengths share a geometry, the joints go by the number of the geometry.
   const std::uint64_t geometry = realization / (scene.monte_carlo ? scene.monte_carlo->strengths_per_geometry : 1);
-  auto sampled = dfn::sample(set.law, number, {box.min, box.max}, scene.seed, geometry, older);
-  if (!sampled) {
-    return std::unexpected(
-        Problem{scene.shown, set.line, fmt::format("joint_set[{}]", number + 1), describe(sampled.error()), ""});
+  std::vector<Problem> problems;
+  for (const std::size_t number : drawing_order(scene.joint_sets)) {
+    const RandomSet& set = scene.joint_sets[number];
+    std::vector<std::span<const dfn::SampledJoint>> older;
+    for (const std::size_t other : dfn::terminates_at(set.law)) {
+      if (other < count) {
+        older.emplace_back(sampled[other]);
+      } else {
+        auto& joints = given[other - count];
+        if (joints.empty()) joints = given_joints(scene, SetId{other - count});
+        older.emplace_back(joints);
+      }
+    }
+    auto joints = dfn::sample(set.law, number, {box.min, box.max}, scene.seed, geometry, older);
+    if (joints) {
+      sampled[number] = *std::move(joints);
+    } else {
+      problems.push_back(
+          {scene.shown, set.line, fmt::format("joint_set[{}]", number + 1), describe(joints.error()), ""});
+    }
   }
-  const auto ends_here = [&](const RandomSet& later) {
-    return std::ranges::find(dfn::terminates_at(later.law), number) != dfn::terminates_at(later.law).end();
-  };
-  if (std::ranges::any_of(scene.joint_sets, ends_here)) kept[number] = *sampled;
+  if (!problems.empty()) return std::unexpected(std::move(problems));
+  return sampled;
+}
+
+void add_random(const Scene& scene, std::uint64_t realization, std::size_t number,
+                std::vector<dfn::SampledJoint> sampled, Drawn& drawn) {
+  const RandomSet& set = scene.joint_sets[number];
   const NamedSet& named = scene.sets[set.set];
-  for (dfn::SampledJoint& joint : *sampled) {
+  for (dfn::SampledJoint& joint : sampled) {
     const Strength strength = draw_strength(scene, realization, set.set, number, joint.index);
     std::visit(overloaded{[&](geometry::Polygon& polygon) {
                             topology::Joint shape;
@@ -135,7 +174,6 @@ std::expected<void, Problem> add_random(const Scene& scene, std::uint64_t realiz
                                           fmt::format("{} #{}", named.name, joint.index + 1), strength, joint.normal));
     ++drawn.sets[set.set].joints;
   }
-  return {};
 }
 
 }  // namespace
@@ -159,14 +197,11 @@ std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene, std::uint64_
   for (const NamedSet& set : scene.sets) drawn.sets.push_back({set.name, 0});
   for (const Excavation& excavation : scene.excavations) drawn.input.excavations.push_back(excavation.solid);
   add_measured(scene, realization, drawn);
-  std::vector<Problem> problems;
-  const Box box = box_of(scene.domain);
-  SampledSets kept(scene.joint_sets.size());
-  for (std::size_t number = 0; number < scene.joint_sets.size(); ++number) {
-    if (auto added = add_random(scene, realization, number, box, kept, drawn); !added)
-      problems.push_back(std::move(added).error());
+  auto sampled = sample_sets(scene, realization, box_of(scene.domain));
+  if (!sampled) return std::unexpected(std::move(sampled).error());
+  for (std::size_t number = 0; number < sampled->size(); ++number) {
+    add_random(scene, realization, number, std::move((*sampled)[number]), drawn);
   }
-  if (!problems.empty()) return std::unexpected(std::move(problems));
   return drawn;
 }
 

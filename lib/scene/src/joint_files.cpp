@@ -26,7 +26,7 @@ std::optional<topology::Joint> joint_of_face(Context& context, const io::MeshDat
   auto shape = joint_of(mesh.corners_of(f), context.triangulate);
   if (shape) return std::move(*shape);
   const std::string key = ending_of(shown) == "obj" ? fmt::format("f (face {})", f + 1) : fmt::format("face {}", f + 1);
-  context.problems.error_in(shown, std::max(1U, mesh.lines[f]), key, shape.error().what, shape.error().remedy);
+  context.problems.error_in(shown, std::max(1U, mesh.lines[f]), key, shape.error(), "");
   return std::nullopt;
 }
 

@@ -11,12 +11,9 @@
 
 namespace cleave::scene {
 
-struct ShapeRefusal {
-  std::string what, remedy;
-};
-/// A joint of one polygon; a bent one becomes triangles when that is wished.
-[[nodiscard]] std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3> corners,
-                                                                    bool triangulate);
+/// A joint of one polygon; a bent one becomes triangles when that is wished. Otherwise what is wrong and what to do.
+[[nodiscard]] std::expected<topology::Joint, std::string> joint_of(std::vector<geometry::Vec3> corners,
+                                                                   bool triangulate);
 
 /// The joints of the file that `joint` names: .obj one a face, .csv one a row, .stl and .ply one surface; .dxf, .ts and
 /// .fab what io::Surfaces says, of the set that the layer, object or set of the file is called when `set` is empty.

@@ -174,7 +174,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   std::vector<MeasuredJoint> joints;
   parse_joints(context, root, joints);
   std::vector<RandomSet> joint_sets;
-  parse_joint_sets(context, root, joint_sets);
+  parse_joint_sets(context, root, joints, joint_sets);
   parse_properties(context, root);
   const Rock rock = parse_rock(root);
   std::vector<Excavation> excavations;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "cleave/core/sha256.hpp"
 #include "cleave/scene/bodies.hpp"
 #include "context.hpp"
 #include "plane_input.hpp"
@@ -435,15 +434,7 @@ std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, 
   constexpr std::array<string_view, 7> root_keys{"schema", "title", "seed", "rock", "elastic", "body", "output"};
   const TableReader root{*tree, 1, "", problems, root_keys};
   BodiesScene scene;
-  scene.shown = shown;
-  scene.file_name = file_name_of(shown);
-  scene.sha256 = sha256_hex(text);
-  if (const auto schema = root.integer("schema", 1, 1); root.has("schema") && !schema) {
-    root.note("schema", "is not a version that this program knows", "write schema = 1");
-  }
-  scene.title = root.text("title").value_or(scene.file_name);
-  if (const auto seed = root.integer("seed", 0, INT64_MAX)) scene.seed = static_cast<std::uint64_t>(*seed);
-  scene.output = parse_output(root);
+  parse_plane_head(root, text, shown, scene);
   const RockDefaults defaults = parse_rock_defaults(root);
   bem::PlaneState plane = bem::PlaneState::strain;
   constexpr std::array<string_view, 9> elastic_keys{"plane",       "gravity", "order", "element", "tolerance",

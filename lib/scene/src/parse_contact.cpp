@@ -6,7 +6,6 @@
 #include <map>
 #include <numbers>
 
-#include "cleave/core/sha256.hpp"
 #include "cleave/scene/contact.hpp"
 #include "contact_outline.hpp"
 #include "context.hpp"
@@ -429,15 +428,7 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
                                                  "joints", "contact", "body", "output"};
   const TableReader root{*tree, 1, "", problems, root_keys};
   ContactScene scene;
-  scene.shown = shown;
-  scene.file_name = file_name_of(shown);
-  scene.sha256 = sha256_hex(text);
-  if (const auto schema = root.integer("schema", 1, 1); root.has("schema") && !schema) {
-    root.note("schema", "is not a version that this program knows", "write schema = 1");
-  }
-  scene.title = root.text("title").value_or(scene.file_name);
-  if (const auto seed = root.integer("seed", 0, INT64_MAX)) scene.seed = static_cast<std::uint64_t>(*seed);
-  scene.output = parse_output(root);
+  parse_plane_head(root, text, shown, scene);
   const RockDefaults defaults = parse_rock_defaults(root);
   scene.joints = parse_strengths(root);
   const JointNames joints{scene.joints};

@@ -94,7 +94,7 @@ std::optional<Geometry> parse_polygon(const Context& context, const TableReader&
   if (!corners) return std::nullopt;
   auto shape = joint_of(std::move(*corners), context.triangulate);
   if (!shape) {
-    joint.error("polygon", shape.error().what, shape.error().remedy);
+    joint.error("polygon", shape.error(), "");
     return std::nullopt;
   }
   if (!parse_holes(joint, *shape)) return std::nullopt;
@@ -149,23 +149,22 @@ OwnStrength parse_own_strength(const TableReader& joint, bool is_file) {
 
 }  // namespace
 
-std::expected<topology::Joint, ShapeRefusal> joint_of(std::vector<geometry::Vec3> corners, bool triangulate) {
+std::expected<topology::Joint, std::string> joint_of(std::vector<geometry::Vec3> corners, bool triangulate) {
   topology::Joint joint;
   auto polygon = geometry::Polygon::make(corners);
   if (polygon) {
     joint.polygons.push_back(std::move(*polygon));
     return joint;
   }
-  const bool bent = std::holds_alternative<geometry::NotPlanar>(polygon.error());
-  if (bent && triangulate) {
+  if (triangulate && std::holds_alternative<geometry::NotPlanar>(polygon.error())) {
     auto triangles = geometry::Polygon::triangulated(std::move(corners));
     if (triangles) {
       joint.polygons = std::move(*triangles);
       return joint;
     }
-    return std::unexpected(ShapeRefusal{describe(triangles.error()), ""});
+    return std::unexpected(describe(triangles.error()));
   }
-  return std::unexpected(ShapeRefusal{describe(polygon.error()), bent ? "or set nonplanar = \"triangulate\"" : ""});
+  return std::unexpected(describe(polygon.error()));
 }
 
 void parse_joints(Context& context, const TableReader& root, std::vector<MeasuredJoint>& joints) {

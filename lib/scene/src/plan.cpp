@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "bounds.hpp"
@@ -51,21 +52,67 @@ std::string why_support(const Scene& scene) {
          (scene.support->plan.shotcrete ? " and shotcrete" : "") + (scene.support->design ? "; with a search" : "");
 }
 
-/// Joints, and a bracket of the number of blocks: at least 1; at most what so many planes through the whole domain
-/// would make.
+using geometry::Vec3;
+
+/// The section of a plane through the middle of a body over its mean section, at most about (a cube across its
+/// diagonal: 1.5).
+constexpr double whole = 1.5;
+
+/// What a joint shares with the body at most, m2: its own area, and the mean section of a box of sides `side`
+/// parallel to it (volume over width), times `whole`.
+double area_of(const MeasuredJoint& joint, Vec3 side) {
+  const auto section = [&](Vec3 normal) {
+    const double width = std::abs(normal.x) * side.x + std::abs(normal.y) * side.y + std::abs(normal.z) * side.z;
+    return side.x * side.y * side.z * norm(normal) / width;
+  };
+  if (const auto* plane = std::get_if<topology::PersistentJoint>(&joint.geometry))
+    return whole * section(plane->normal);
+  double area = 0;
+  for (const geometry::Polygon& polygon : std::get<topology::Joint>(joint.geometry).polygons) {
+    const auto corners = polygon.corners();
+    Vec3 twice{0, 0, 0};
+    for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+      twice = twice + cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
+    }
+    if (norm(twice) > 0) area += std::min(norm(twice) / 2, whole * section(twice));
+  }
+  return area;
+}
+
+/// Joints, and a bracket of the number of blocks: at least 1; at most what independent isotropic planes of the same
+/// area in a volume make, as of all directions these have the most vertices.
 SizeEstimate estimate(const Scene& scene) {
   SizeEstimate size;
   size.joints = static_cast<double>(scene.joints.size());
   const Box box = box_of(scene.domain);
-  for (const RandomSet& set : scene.joint_sets) size.joints += dfn::expected_draws(set.law, {box.min, box.max});
-  const double n = size.joints;
-  // Cells of n random planes in a convex body: 1 + n + p2 C(n,2) + p3 C(n,3), with p2, p3 of isotropic planes in a
-  // cube (Santalo 1976) as a round figure.
-  size.blocks_high =
-      1 + n + 0.52 * n * std::max(0.0, n - 1) / 2 + 0.116 * n * std::max(0.0, n - 1) * std::max(0.0, n - 2) / 6;
-  const double likely = std::min(size.blocks_high, 1e7);
-  size.memory_mb = 20 + 0.002 * n + 0.012 * likely;
-  size.seconds = 0.05 + 1e-4 * n + 1.2e-4 * likely;
+  const Vec3 side = box.max - box.min;
+  const double volume = side.x * side.y * side.z;
+  const double surface = 2 * (side.x * side.y + side.y * side.z + side.z * side.x);
+  const double breadth = (side.x + side.y + side.z) / 2;  // mean over directions
+  double per_volume = 0;                                  // area of joints in a volume, 1/m
+  for (const MeasuredJoint& joint : scene.joints) per_volume += area_of(joint, side) / volume;
+  for (const RandomSet& set : scene.joint_sets) {
+    const double draws = dfn::expected_draws(set.law, {box.min, box.max});
+    size.joints += draws;
+    const dfn::JointSetSpec& spec = set.law.spec();
+    if (const auto* count = std::get_if<dfn::Count>(&spec.intensity)) {
+      const double section = whole * volume / breadth;
+      const bool planes = std::holds_alternative<dfn::Persistent>(spec.shape);
+      const double area = planes ? section : std::min(section, set.law.mean_area());
+      per_volume += static_cast<double>(count->joints) * area / volume;
+    } else {
+      // Their number is Poisson's: two standard deviations more.
+      per_volume += set.law.expected_p32(volume) * (1 + 2 / std::sqrt(std::max(1.0, draws)));
+    }
+  }
+  // Each vertex is the lowest point of one cell, and so is the lowest point of each cell that has it on the boundary:
+  // so cells are 1 + planes that meet the body + lines that do + vertices in it (Miles 1972).
+  const double s = per_volume, pi = std::numbers::pi;
+  const double isotropic = 1 + s * breadth + pi / 8 * s * s * surface / 4 + pi / 48 * s * s * s * volume;
+  const double n = size.joints, pairs = n * std::max(0.0, n - 1) / 2, triples = pairs * std::max(0.0, n - 2) / 3;
+  size.blocks_high = std::min(1 + n + pairs + triples, 1.5 * isotropic);
+  size.memory_mb = 20 + 0.003 * n + 0.005 * size.blocks_high;
+  size.seconds = 0.05 + 5e-5 * n + 4e-5 * size.blocks_high;
   return size;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -7,7 +8,9 @@
 #include <vector>
 
 #include "cleave/bem/vec2.hpp"
+#include "cleave/core/sha256.hpp"
 #include "cleave/scene/bodies.hpp"
+#include "context.hpp"
 #include "table_reader.hpp"
 
 /// What scenes of bodies and scenes of contact read alike.
@@ -43,5 +46,19 @@ struct RockDefaults {
 
 /// "b.toml" of "a/b.toml".
 [[nodiscard]] std::string file_name_of(const std::string& shown);
+
+/// Keys schema, title, seed and [output], and where the scene comes from.
+template <class PlaneScene>
+void parse_plane_head(const TableReader& root, std::string_view text, const std::string& shown, PlaneScene& scene) {
+  scene.shown = shown;
+  scene.file_name = file_name_of(shown);
+  scene.sha256 = sha256_hex(text);
+  if (const auto schema = root.integer("schema", 1, 1); root.has("schema") && !schema) {
+    root.note("schema", "is not a version that this program knows", "write schema = 1");
+  }
+  scene.title = root.text("title").value_or(scene.file_name);
+  if (const auto seed = root.integer("seed", 0, INT64_MAX)) scene.seed = static_cast<std::uint64_t>(*seed);
+  scene.output = parse_output(root);
+}
 
 }  // namespace cleave::scene

@@ -62,55 +62,75 @@ class BlockAuditor final {
   /// `closed`.
   [[nodiscard]] bool euler_holds() {
     if (!closed_) return false;
+    const auto faces = static_cast<std::uint32_t>(block_->faces.size());
     // Shells: faces joined over their sides.
-    parent_.resize(block_->faces.size());
+    parent_.resize(faces);
     std::iota(parent_.begin(), parent_.end(), 0U);
     const auto find = [&](std::uint32_t a) {
       while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
       return a;
     };
+    std::uint32_t shells = faces;
     for (const AuditSide& s : sides_) {
       const std::uint32_t a = find(s.face), b = find(sides_[s.partner].face);
+      if (a == b) continue;
       parent_[std::max(a, b)] = std::min(a, b);
-    }
-    sums_.assign(block_->faces.size(), {});
-    std::uint32_t shells = 0;
-    for (std::uint32_t f = 0; f < block_->faces.size(); ++f) {
-      const std::uint32_t root = find(f);
-      if (root == f) ++shells;
-      sums_[root].faces_less_loops +=
-          2 - static_cast<std::int64_t>(complex_.loops(complex_.faces()[block_->faces[f]]).size());
+      if (--shells == 1) break;
     }
     // Fans: turning round a vertex from face to face; a pinched vertex has several.
     seen_.assign(sides_.size(), 0);
-    std::int64_t fans = 0;
+    first_of_fan_.clear();
     for (std::uint32_t s = 0; s < sides_.size(); ++s) {
-      Sum& sum = sums_[find(sides_[s].face)];
-      ++sum.sides;
       if (seen_[s] != 0) continue;
-      ++fans;
-      ++sum.vertices;
+      first_of_fan_.push_back(s);
       std::uint32_t at = s;
       do {
         seen_[at] = 1;
         at = sides_[sides_[at].next].partner;
       } while (at != s);
     }
-    std::int64_t genus = 0;
-    for (std::uint32_t f = 0; f < sums_.size(); ++f) {
-      if (parent_[f] != f) continue;
-      const std::int64_t twice = 2 - (sums_[f].vertices - sums_[f].sides / 2 + sums_[f].faces_less_loops);
-      if (twice < 0 || twice % 2 != 0) return false;
-      genus += twice / 2;
-    }
+    const auto fans = static_cast<std::int64_t>(first_of_fan_.size()), sides = static_cast<std::int64_t>(sides_.size());
+    const std::int64_t genus =
+        shells == 1 ? genus_of({fans, sides, 2 * std::int64_t{faces} - static_cast<std::int64_t>(loops_)})
+                    : genus_of_shells(find);
     const EulerCounts& c = block_->counts;
-    return c.vertices == fans && c.edges == sides_.size() / 2 && c.faces == block_->faces.size() && c.loops == loops_ &&
+    return genus >= 0 && c.vertices == fans && c.edges == sides_.size() / 2 && c.faces == faces && c.loops == loops_ &&
            c.shells == shells && c.genus == genus;
   }
 
  private:
   using Vec3 = geometry::Vec3;
   static constexpr std::uint32_t unset = UINT32_MAX;
+
+  /// Of one shell.
+  struct Sum {
+    std::int64_t vertices = 0, sides = 0, faces_less_loops = 0;
+  };
+
+  /// -1 where there is no such surface.
+  static std::int64_t genus_of(const Sum& shell) {
+    const std::int64_t twice = 2 - (shell.vertices - shell.sides / 2 + shell.faces_less_loops);
+    return twice < 0 || twice % 2 != 0 ? -1 : twice / 2;
+  }
+  /// The sum over all shells; `root` gives the face that stands for a face's shell.
+  std::int64_t genus_of_shells(const auto& root) {
+    const std::size_t faces = block_->faces.size();
+    sums_.assign(faces, {});
+    for (std::uint32_t f = 0; f < faces; ++f) {
+      sums_[root(f)].faces_less_loops +=
+          2 - static_cast<std::int64_t>(complex_.loops(complex_.faces()[block_->faces[f]]).size());
+    }
+    for (const AuditSide& side : sides_) ++sums_[root(side.face)].sides;
+    for (const std::uint32_t s : first_of_fan_) ++sums_[root(sides_[s].face)].vertices;
+    std::int64_t genus = 0;
+    for (std::uint32_t f = 0; f < faces; ++f) {
+      if (parent_[f] != f) continue;
+      const std::int64_t own = genus_of(sums_[f]);
+      if (own < 0) return -1;
+      genus += own;
+    }
+    return genus;
+  }
 
   /// A pair of vertices joined by sides; those of one lower vertex form a chain.
   struct Record {
@@ -203,10 +223,6 @@ class BlockAuditor final {
     return std::ranges::none_of(group, [&](std::uint32_t s) { return sides_[s].partner == unset; });
   }
 
-  struct Sum {
-    std::int64_t vertices = 0, sides = 0, faces_less_loops = 0;
-  };
-
   const BlockComplex& complex_;
   const Block* block_ = nullptr;
   std::vector<std::uint32_t> local_;  ///< number of each vertex within the block
@@ -217,6 +233,7 @@ class BlockAuditor final {
   std::vector<std::uint32_t> parent_;
   std::vector<Sum> sums_;
   std::vector<std::uint8_t> seen_;
+  std::vector<std::uint32_t> first_of_fan_;
   std::size_t loops_ = 0;
   bool closed_ = false;
 };
