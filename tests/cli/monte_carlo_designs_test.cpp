@@ -244,7 +244,7 @@ TEST_F(DesignsTest, RanksGiveTheSameBytes) {
                             " '" + program.string() + "' s.toml -o ranks" + n + " --quiet; echo code $?");
     if (!run.out.contains("code 0")) GTEST_SKIP() << "mpirun does not run here: " << run.err;
     EXPECT_EQ(read("ranks" + n + "/realizations.csv"), read("one/realizations.csv"));
-    EXPECT_EQ(section("ranks" + n), section("one"));
+    EXPECT_TRUE(section("ranks" + n) == section("one")) << n;
   }
 }
 

@@ -40,7 +40,7 @@ TEST_F(NetworkTest, DrawnNetworksComeBackFromFiles) {
       EXPECT_EQ(read("again." + format), read("network." + format));
     }
   }
-  EXPECT_TRUE(read("network.fab").contains("Set1 = \"A\""));
+  EXPECT_TRUE(read("network.fab").contains("= \"A\""));
   // From file to file.
   ASSERT_EQ(cleave("convert network.fab other.dat").code, 0);
   EXPECT_EQ(read("other.dat"), read("network.dat"));

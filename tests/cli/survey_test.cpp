@@ -198,23 +198,5 @@ TEST_F(SurveyTest, EndsAtTheBorderAreTold) {
   EXPECT_FALSE(told["notes"].dump().contains("ends of traces lie within"));
 }
 
-// A million rows, of orientations and of traces.
-TEST_F(SurveyTest, AMillionRows) {
-  std::string poles = "dip,dip_direction\n", traces = "x1,y1,x2,y2\n";
-  for (int i = 0; i < 1'000'000; ++i) {
-    poles += std::to_string(50 + i % 9) + "," + std::to_string(100 + i % 23) + "\n";
-    const int x = i % 997, y = i / 997;
-    traces += std::to_string(x) + "," + std::to_string(y) + "," + std::to_string(x + 1 + i % 3) + "," +
-              std::to_string(y + i % 2) + "\n";
-  }
-  write("poles.csv", poles);
-  write("traces.csv", traces);
-  const json many = survey("[[orientations]]\nfile = \"poles.csv\"\n");
-  EXPECT_EQ(many["sets"][0]["joints"], 1'000'000);
-  EXPECT_NEAR(many["sets"][0]["orientation"]["dip"], 54, 0.5);
-  const json mapped = survey("[[window]]\ntraces = \"traces.csv\"\nrectangle = { min = [0, 0], max = [1000, 1004] }\n");
-  EXPECT_EQ(mapped["windows"][0]["traces"], 1'000'000);
-}
-
 }  // namespace
 }  // namespace cleave::cli::test

@@ -353,7 +353,7 @@ TEST(ModelsTest, PoissonPlanesMakeTheirNumberOfCells) {
 // of independent networks, 7e-6.
 TEST(ModelsTest, CellsOfPoissonPlanesHaveTheirShapesAndTheVarianceOfTheirVolumes) {
   constexpr double s = 1.0;  // area per volume
-  constexpr double half = 14, inner = 3;
+  constexpr double half = 17, inner = 3;
   const geometry::Solid domain = geometry::make_box({-half, -half, -half}, {half, half, half}).value();
   const DomainBox around{{-half, -half, -half}, {half, half, half}};
   const JointSet set = set_of(Baecher{}, Persistent{}, P32{s});
@@ -361,7 +361,7 @@ TEST(ModelsTest, CellsOfPoissonPlanesHaveTheirShapesAndTheVarianceOfTheirVolumes
   const double volume_of_box = std::pow(2 * inner, 3), expected = pi * s * s * s / 48 * volume_of_box;
   Mean cells, faces, edges, vertices, volumes, squares, surfaces;
   std::size_t at_border = 0;
-  for (std::uint64_t k = 0; k < 400; ++k) {
+  for (std::uint64_t k = 0; k < 700; ++k) {
     topology::CutInput input{.domain = domain};
     for (const SampledJoint& joint : draws(set, 0, 31, k, {}, around)) {
       input.joints.emplace_back(topology::PersistentJoint{joint.centre, joint.normal});
@@ -402,7 +402,7 @@ TEST(ModelsTest, CellsOfPoissonPlanesHaveTheirShapesAndTheVarianceOfTheirVolumes
     squares.add(square / expected);
     surfaces.add(area / expected);
   }
-  EXPECT_LT(static_cast<double>(at_border), 0.002 * 400 * expected);
+  EXPECT_LT(static_cast<double>(at_border), 0.006 * 700 * expected);
   EXPECT_MEAN(cells, 1.0);
   EXPECT_MEAN(faces, 6.0);
   EXPECT_MEAN(edges, 12.0);
@@ -411,7 +411,7 @@ TEST(ModelsTest, CellsOfPoissonPlanesHaveTheirShapesAndTheVarianceOfTheirVolumes
   EXPECT_MEAN(volumes, mean);
   EXPECT_MEAN(surfaces, 96 / (pi * s * s));
   EXPECT_MEAN(squares, mean * mean * 4 * pi * pi / 3);  // E V^2 = (1 + CV^2) (E V)^2
-  EXPECT_LT(squares.error(), 0.12 * squares.mean);
+  EXPECT_LT(squares.error(), 0.13 * squares.mean);
 }
 
 TEST(LawsTest, GammaMomentsByHandAndByQuantiles) {

@@ -20,7 +20,7 @@ using geometry::Vec3;
 
 /// Squares of side `size`, turned at random about three directions, in a box of 40 m with a tunnel of 4 m through it.
 topology::CutInput network(std::uint64_t seed, std::size_t joints, double size, bool through) {
-  topology::CutInput input{.domain = geometry::make_box({0, 0, 0}, {40, 40, 40}).value()};
+  topology::CutInput input{.domain = geometry::make_box({0, 0, 0}, {80, 40, 40}).value()};
   input.excavations.push_back(
       geometry::make_box({18, through ? -1.0 : 12.0, 18}, {22, through ? 41.0 : 28.0, 22}).value());
   Rng rng{{.seed = seed, .realization = 0, .purpose = 1, .index = 0}};
@@ -117,6 +117,7 @@ TEST(NearFieldTest, FollowsATallBlock) {
   for (int i = 0; i < 40; ++i) {
     const double z = 10 + 0.7 * i;
     square({{{0.5, 0.5, z}, {16.5, 0.5, z}, {16.5, 39.5, z}, {0.5, 39.5, z}}});
+    square({{{24.5, 0.5, z}, {79.5, 0.5, z}, {79.5, 39.5, z}, {24.5, 39.5, z}}});
   }
   StageTimer timer;
   const auto near = analyse_near_field(input, weak_rock(), {}, timer);

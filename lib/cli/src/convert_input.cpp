@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -210,12 +211,12 @@ double add_block(report::Cells& cells, std::span<const Vec3> points,
 std::vector<Vec3> plane_in_box(const topology::PersistentJoint& plane, Vec3 low, Vec3 high) {
   const Vec3 middle = 0.5 * (low + high);
   const double reach = norm(high - low);
-  const Vec3 foot = middle - dot(middle - plane.through, plane.normal) * plane.normal;
-  const Vec3 n = plane.normal;
+  const Vec3 n = normalized(plane.normal);
+  const Vec3 foot = middle - dot(middle - plane.through, n) * n;
   const Vec3 u = normalized(std::abs(n.z) < 0.9 ? cross(n, {0, 0, 1}) : cross(n, {1, 0, 0})), v = cross(n, u);
   std::vector<Vec3> corners;
-  for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
-    corners.push_back(foot + reach * a * u + reach * b * v);
+  for (const auto& [a, b] : std::array<std::pair<double, double>, 4>{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}) {
+    corners.push_back(foot + (reach * a) * u + (reach * b) * v);
   }
   const auto cut = [&](auto&& inside) {  // >= 0 inside
     std::vector<Vec3> kept;

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "cleave/report/monte_carlo.hpp"
 #include "cleave/report/text.hpp"
@@ -24,8 +26,15 @@ std::string percent(double share, int digits = 3) { return display(100 * share, 
 
 std::string interval(double low, double high) { return display(low) + " … " + display(high); }
 
+/// The name of a quantity in words, its unit behind a comma.
 std::string words(std::string name) {
   std::ranges::replace(name, '_', ' ');
+  for (const auto& [end, unit] : {std::pair<std::string_view, std::string_view>{" m3 per metre", ", m³ per metre"},
+                                  {" n per metre", ", N per metre"},
+                                  {" m3", ", m³"},
+                                  {" n", ", N"}}) {
+    if (name.ends_with(end)) return name.substr(0, name.size() - end.size()) + std::string{unit};
+  }
   return name;
 }
 

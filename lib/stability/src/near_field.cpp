@@ -113,7 +113,9 @@ bool NearField::worth_while() const noexcept {
   double share = 1;
   const Corner size{w.max.x - w.min.x, w.max.y - w.min.y, w.max.z - w.min.z};
   for (std::size_t k = 0; k < 3; ++k) share *= size[k] / (domain_max_[k] - domain_min_[k]);
-  return share < 0.5;
+  // Where a window is a larger part of the domain, the next one is all of it and this one is cut in vain, as a rule
+  // (docs/decisions/0076).
+  return share < 0.2;
 }
 
 bool NearField::grow(const topology::BlockComplex& complex, std::span<const topology::BlockId> undecided) {

@@ -446,12 +446,18 @@ void Ensemble::add_exceedances(Figures& figures) const {
 }
 
 void Ensemble::add_notes(Figures& figures) const {
+  std::string heavy;
+  double most = 0;
   for (const Estimate& e : figures.estimates) {
     if (!e.optimistic || e.name.ends_with("_per_metre")) continue;
+    heavy += (heavy.empty() ? "" : ", ") + e.name;
+    most = std::max(most, std::abs(e.skewness));
+  }
+  if (!heavy.empty()) {
     figures.notes.push_back(
-        fmt::format("{}: heavy tail (skewness {:.1f} over {} realizations): its interval is optimistic, it covers less "
-                    "than it says",
-                    e.name, e.skewness, e.realizations));
+        fmt::format("heavy tails (skewness up to {:.1f} over {} samples): the intervals of these are optimistic, they "
+                    "cover less than they say: {}",
+                    most, units_, heavy));
   }
   if (figures.failures > 0) {
     figures.notes.push_back(
