@@ -9,7 +9,8 @@ namespace cleave::contact_suite {
 double judge(const dbem::ContactProblem& problem, const std::vector<dbem::Vec2>& impulse) {
   const std::size_t m = problem.b.size();
   if (impulse.size() != m) return std::numeric_limits<double>::infinity();
-  double worst = 0, scale = 1e-300;
+  double worst = 0, scale = 1e-300;        // impulses
+  double worst_speed = 0, speed = 1e-300;  // the same as velocities, where a light body beside a heavy one shows
   for (std::size_t r = 0; r < m; ++r) {
     double g = problem.b[r].x, s = problem.b[r].y, w_n = 0, w_t = 0;
     for (std::size_t at = problem.w.starts[r]; at < problem.w.starts[r + 1]; ++at) {
@@ -30,16 +31,20 @@ double judge(const dbem::ContactProblem& problem, const std::vector<dbem::Vec2>&
     scale = std::max(
         {scale, std::abs(impulse[r].x), std::abs(t), std::abs(problem.b[r].x) / w_n, std::abs(problem.b[r].y) / w_t});
     // The smaller of force and gap must vanish and neither may be negative: |min(n, g / w)| says all three.
-    worst = std::max(worst, std::abs(std::min(n, g / w_n)));
+    const double normal = std::abs(std::min(n, g / w_n));
     // Friction: how far t is from the point of its interval that t - s / w is nearest to. The interval belongs to the
     // normal force as it is read by the pair (n, g): whichever of n and g is active.
     const double pressed = std::max(n - g / w_n, 0.0) - problem.tension[r];
     const double limit = std::max(problem.mu[r] * pressed + problem.cohesion[r], 0.0);
     const double wanted = t - s / w_t;
     const double nearest = wanted > limit ? limit : wanted < -limit ? -limit : wanted;
-    worst = std::max(worst, std::abs(t - nearest));
+    const double sideways = std::abs(t - nearest);
+    worst = std::max({worst, normal, sideways});
+    worst_speed = std::max({worst_speed, normal * w_n, sideways * w_t});
+    speed = std::max({speed, std::abs(problem.b[r].x), std::abs(problem.b[r].y), 1e-6 * w_n * std::abs(impulse[r].x),
+                      1e-6 * w_t * std::abs(t)});
   }
-  return worst / scale;
+  return std::max(worst / scale, worst_speed / speed);
 }
 
 }  // namespace cleave::contact_suite

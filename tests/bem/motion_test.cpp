@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "cleave/bem/boundary_stress.hpp"
 #include "cleave/bem/drbem.hpp"
 #include "cleave/bem/motion.hpp"
 #include "shapes.hpp"
@@ -95,7 +96,8 @@ TEST(AxialWave, NewmarkOfTheSourceIsDampedAndEveryStepIsStable) {
   // The source's parameters: peaks 6.89e-5 and 7.07e-5 of the reference script.
   EXPECT_NEAR(peak(Newmark{0.5, 1}, 5e-4, 0.1), 6.89e-5, 3e-7);
   EXPECT_NEAR(peak(Newmark{0.5, 1}, 2e-4, 0.1), 7.07e-5, 3e-7);
-  EXPECT_NEAR(peak(Houbolt{}, 2e-4, 0.1), 7.1e-5, 3e-6);
+  // Houbolt damps as much at this step; how good it is, is tested by its order.
+  EXPECT_NEAR(peak(Houbolt{}, 2e-4, 0.1), peak(Newmark{0.5, 1}, 2e-4, 0.1), 3e-6);
   for (const double step : {1e-7, 1e-5, 1e-3, 1e-1, 10.0}) {
     for (const double l : modes.eigenvalues) {
       EXPECT_LE(spectral_radius(GeneralizedAlpha{0.8}, l * step * step), 1 + 1e-9);
@@ -112,13 +114,79 @@ TEST(Cantilever66, TriangularImpulse) {
   EXPECT_GT(std::sqrt(modes.eigenvalues[0]) / (2 * pi), 5.0);
   const auto pulse = [](double t) { return t < 0.01 ? t / 0.01 : std::max(0.0, 2 - t / 0.01); };
   Vibration motion{b, modes, GeneralizedAlpha{0.8}, 2e-4, {}, {{top_load(b, {1, 0}), pulse, false}}};
-  double most = 0;
+  // Every mode in closed form (Duhamel): the pulse is three ramps.
+  const BoundaryPlace top = b.place({0, 2});
+  const auto f = top_load(b, {1, 0});
+  std::vector<double> share(modes.eigenvalues.size()), at_top(modes.eigenvalues.size());
+  for (std::size_t k = 0; k < share.size(); ++k) {
+    std::vector<double> shape(b.freedoms());
+    for (std::size_t i = 0; i < shape.size(); ++i) {
+      shape[i] = modes.shapes(i, k);
+      share[k] += shape[i] * f[i];
+    }
+    at_top[k] = b.displacement_at(top, shape).x;
+  }
+  const auto exact = [&](double t) {
+    double u = 0;
+    for (std::size_t k = 0; k < share.size(); ++k) {
+      const double w = std::sqrt(modes.eigenvalues[k]);
+      const auto ramp = [&](double s) { return s > 0 ? (s / (w * w) - std::sin(w * s) / (w * w * w)) / 0.01 : 0.0; };
+      u += share[k] * at_top[k] * (ramp(t) - 2 * ramp(t - 0.01) + ramp(t - 0.02));
+    }
+    return u;
+  };
+  double most = 0, worst = 0;
   for (int k = 0; k < 1500; ++k) {
     motion.advance();
-    most = std::max(most, std::abs(motion.displacement_at(b.place({0, 2})).x));
+    most = std::max(most, std::abs(exact(motion.time())));
+    worst = std::max(worst, std::abs(motion.displacement_at(top).x - exact(motion.time())));
   }
+  EXPECT_LT(worst, 0.02 * most);
   EXPECT_GT(most, 1e-4);
   EXPECT_LT(most, 4e-4);
+}
+
+TEST(Schemes, OrdersInTheStep) {
+  // Free vibration in the first mode, u = sin(w t) / w, after two thirds of a period.
+  const BlockOperator b = column(0.25, 0);
+  const Modes modes = supported_modes(b, base_of(b));
+  const double w = std::sqrt(modes.eigenvalues[0]);
+  std::vector<double> shape(b.freedoms());
+  for (std::size_t i = 0; i < shape.size(); ++i) shape[i] = modes.shapes(i, 0);
+  const BoundaryPlace top = b.place({0, 2});
+  const double scale = norm(b.displacement_at(top, shape));
+  const auto error = [&](Scheme scheme, int steps) {
+    Vibration motion{b, modes, scheme, 4 / w / steps, {}, {}};
+    motion.set_velocity(shape);
+    for (int k = 0; k < steps; ++k) motion.advance();
+    const Vec2 exact = (std::sin(4.0) / w) * b.displacement_at(top, shape);
+    return norm(motion.displacement_at(top) - exact) / (scale / w);
+  };
+  const std::vector<std::pair<Scheme, double>> orders{
+      {Newmark{}, 2}, {GeneralizedAlpha{0.8}, 2}, {GeneralizedAlpha{0.0}, 2},
+      {Houbolt{}, 2}, {Newmark{0.5, 1}, 1},       {BackwardEuler{}, 1}};
+  for (const auto& [scheme, order] : orders) {
+    EXPECT_NEAR(std::log2(error(scheme, 400) / error(scheme, 800)), order, 0.15) << name_of(scheme);
+    EXPECT_LT(error(scheme, 800), order == 2 ? 1e-4 : 2e-2) << name_of(scheme);
+  }
+}
+
+TEST(BoundaryStress, OfLinearFieldsIsThatOfTheIntegrals) {
+  const BlockOperator b = column(0.25, 0);
+  const Mat2 g{1e-3, 2e-3, -5e-4, -7e-4};
+  std::vector<double> u(b.freedoms(), 0.0);
+  for (std::size_t n = 0; n < b.mesh().nodes.size(); ++n) {
+    const Vec2 v = g * b.mesh().nodes[n].x;
+    u[2 * n] = v.x;
+    u[2 * n + 1] = v.y;
+  }
+  const Sym2 exact = b.material().stress({g.xx, 0.5 * (g.xy + g.yx), g.yy});
+  const auto tractions = tractions_of(b, u);
+  for (std::size_t e = 0; e < b.mesh().elements.size(); ++e) {
+    for (const double s : {-0.9, 0.0, 0.5}) {
+      EXPECT_LT(testing::largest(boundary_stress(b, {e, s}, u, tractions) - exact), 1e-6 * testing::largest(exact));
+    }
+  }
 }
 
 TEST(Relaxation, BackwardEulerReachesTheStaticAnswer) {
@@ -227,10 +295,10 @@ TEST(Pendulum, AMillionStepsWithoutDrift) {
 
 TEST(DualReciprocity, ParticularSolutionsAndManufacturedField) {
   // u'' = constant, r-functions: the operator must give M a + H u = G t for L u = density a, any basis.
-  const Region region{.material = of_shear(2, 0.2, 3),
-                      .loops = {polygon({{0, 0}, {2, 0}, {2.5, 1}, {0, 1.5}}, 0, 4)},
-                      .conditions = {free_surface()}};
-  for (const Basis basis : {Basis::one_plus_r, Basis::r, Basis::r_plus_linear}) {
+  const auto worst_of = [](Basis basis, std::size_t elements) {
+    const Region region{.material = of_shear(2, 0.2, 3),
+                        .loops = {polygon({{0, 0}, {2, 0}, {2.5, 1}, {0, 1.5}}, 0, elements)},
+                        .conditions = {free_surface()}};
     const Drbem d = Drbem::make(region, {}, basis, {{1, 0.6}}).value();
     // Field: density a = L u with a = (1 + x, -y) + (0.5, 0.2): a polynomial field of degree three.
     const double mu = 2, nu = 0.2, l = 2 * mu * nu / (1 - 2 * nu);
@@ -247,7 +315,8 @@ TEST(DualReciprocity, ParticularSolutionsAndManufacturedField) {
     };
     std::vector<double> uv, av;
     std::vector<std::array<Vec2, 3>> t;
-    const double h = norm(Vec2{2.5, 1} - Vec2{2, 0}) / 4 / (2 * norm(d.mesh().elements[4].c1));
+    const double h =
+        norm(Vec2{2.5, 1} - Vec2{2, 0}) / static_cast<double>(elements) / (2 * norm(d.mesh().elements[elements].c1));
     const auto world = [&](Vec2 x) { return d.origin() + h * x; };
     const auto push = [&](Vec2 x) {
       uv.push_back(u(x).x);
@@ -273,9 +342,14 @@ TEST(DualReciprocity, ParticularSolutionsAndManufacturedField) {
       worst = std::max(worst, std::abs(ma[i] + hu[i] - gt[i]));
       size = std::max({size, std::abs(hu[i]), std::abs(gt[i])});
     }
-    // Exact acceleration for r + linear; the rest is the cubic displacement on quadratic elements.
-    EXPECT_LT(worst / size, basis == Basis::r_plus_linear ? 2e-3 : 4e-2) << static_cast<int>(basis);
-  }
+    return worst / size;
+  };
+  EXPECT_LT(worst_of(Basis::one_plus_r, 4), 4e-2);
+  EXPECT_LT(worst_of(Basis::r, 4), 4e-2);
+  // r + linear holds this acceleration exactly; what is left is the cubic displacement on quadratic elements.
+  EXPECT_LT(worst_of(Basis::r_plus_linear, 4), 2e-3);
+  EXPECT_GT(testing::rate(worst_of(Basis::r_plus_linear, 4), worst_of(Basis::r_plus_linear, 8)), 2.5);
+  // With 1 + r and r the acceleration inside is known at the one inner node only: a finer boundary does not help.
 }
 
 TEST(DualReciprocity, SourceColumnAndItsSpectralRadius) {

@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string>
+#include <tuple>
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
@@ -185,6 +188,95 @@ TEST(KeyBlocksScene, ColumnsThatToppleAreToldAndCountOnlyWhenAsked) {
   EXPECT_TRUE(std::ranges::any_of(flagged.notes, [](const std::string& n) { return n.contains("topple"); }));
   EXPECT_EQ(result_of(column("rotation = \"decide\"\n")).analysis->batches.size(), 1U);
   EXPECT_FALSE(result_of(column("rotation = \"off\"\n")).analysis->judgements[0].rotation.has_value());
+}
+
+/// Random rock with a short tunnel in its middle, bolted, under water and load cases.
+std::string bolted_tunnel(std::uint64_t seed, std::string_view more) {
+  std::string text = fmt::format("seed = {}\n[domain]\nbox = {{ min = [0, 0, 0], max = [60, 60, 60] }}\n", seed);
+  for (const auto& [name, dip, direction] : {std::tuple{"A", 35, 30}, {"B", 60, 150}, {"C", 75, 270}}) {
+    text += fmt::format(
+        "[[joint_set]]\nname = \"{}\"\nshape = \"rectangle\"\nintensity = {{ p32 = 0.4 }}\n"
+        "orientation = {{ dip = {}, dip_direction = {}, distribution = \"uniform\", dip_range = 15, "
+        "dip_direction_range "
+        "= 15 }}\nsize = {{ distribution = \"constant\", mean = 12 }}\n",
+        name, dip, direction);
+  }
+  return text + std::string{R"([joints.default]
+friction = 25
+[[excavation]]
+name = "tunnel"
+kind = "tunnel"
+section = { shape = "horseshoe", width = 5, height = 5 }
+axis = [[30, 24, 28], [30, 36, 28]]
+[stability]
+target = { falling = 1.5, sliding = 1.3 }
+[[load]]
+name = "quake"
+seismic = [0.1, 0, 0]
+[[load]]
+name = "wet"
+water = { table = 29 }
+[support]
+spot = { length = 2.5, tendon = 150e3, plate = 80e3, bond = 150e3, anchorage = 0.4 }
+shotcrete = { thickness = 0.08, strength = 1e6 }
+[[support.bolts]]
+name = "roof"
+tunnel = "tunnel"
+spacing = [1.5, 1.5]
+offset = [0.5, 0.5]
+length = 2.5
+tendon = 150e3
+plate = 80e3
+bond = 150e3
+anchorage = 0.4
+)"} + std::string{more};
+}
+
+// On demand, with cases, bolts and sprayed concrete: what comes out is what the whole rock gives.
+TEST(KeyBlocksScene, OnDemandCasesAndSupportAreThoseOfTheWholeRock) {
+  unsigned windows = 0;
+  std::size_t needy = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const RunResult whole = result_of(bolted_tunnel(seed, ""));
+    const RunResult near = result_of(bolted_tunnel(seed, "[output]\nblocks = \"key\"\n"));
+    windows += near.window ? 1U : 0U;
+    EXPECT_EQ(whole.key_block_hash, near.key_block_hash) << seed;
+    ASSERT_EQ(whole.load_cases.size(), near.load_cases.size());
+    for (std::size_t k = 0; k < whole.load_cases.size(); ++k) {
+      const auto &a = whole.load_cases[k].analysis.batches, &b = near.load_cases[k].analysis.batches;
+      ASSERT_EQ(a.size(), b.size()) << seed;
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        EXPECT_EQ(a[i].blocks.size(), b[i].blocks.size()) << seed;
+        EXPECT_NEAR(a[i].volume.si(), b[i].volume.si(), 1e-9 * (1 + a[i].volume.si())) << seed;
+      }
+    }
+    const auto compare = [&](const stability::SupportResult& a, const stability::SupportResult& b) {
+      EXPECT_EQ(a.passes(), b.passes()) << seed;
+      EXPECT_EQ(a.spot_bolts, b.spot_bolts) << seed;
+      EXPECT_EQ(a.combined.size(), b.combined.size()) << seed;
+      ASSERT_EQ(a.blocks.size(), b.blocks.size()) << seed;
+      double force_a = 0, force_b = 0;
+      for (const auto& block : a.blocks) force_a += block.required_force + block.missing_force;
+      for (const auto& block : b.blocks) force_b += block.required_force + block.missing_force;
+      EXPECT_NEAR(force_a, force_b, 1e-6 * (1 + force_a)) << seed;
+      ASSERT_EQ(a.bolts.size(), b.bolts.size()) << seed;
+      for (std::size_t i = 0; i < a.bolts.size(); ++i) {
+        // Spot bolts come in the order of block numbers, which are not those of the whole rock.
+        if (a.bolts[i].spot) continue;
+        EXPECT_EQ(a.bolts[i].status, b.bolts[i].status) << seed << ' ' << i;
+        EXPECT_NEAR(a.bolts[i].used, b.bolts[i].used, 1e-6 * (1 + a.bolts[i].used)) << seed << ' ' << i;
+      }
+      needy += a.blocks.size();
+    };
+    ASSERT_TRUE(whole.support && near.support);
+    compare(*whole.support, *near.support);
+    ASSERT_EQ(whole.support_cases.size(), near.support_cases.size());
+    for (std::size_t k = 0; k < whole.support_cases.size(); ++k) {
+      compare(whole.support_cases[k].support, near.support_cases[k].support);
+    }
+  }
+  EXPECT_GT(windows, 0U);
+  EXPECT_GT(needy, 10U);
 }
 
 TEST(KeyBlocksScene, MistakesAreTold) {

@@ -1,32 +1,12 @@
 // The readings of the force transfer: worked examples, and what holds of all of them on random systems.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
-#include "analyse_complex.hpp"
-#include "handmade.hpp"
-#include "random_complex.hpp"
-#include "statics.hpp"
+#include "handed_on.hpp"
 
 namespace cleave::stability {
 namespace {
 
-using geometry::dot;
-using geometry::norm;
-using geometry::Vec3;
-using handmade::Complex;
-using handmade::dip_vector;
-using handmade::radians;
-using handmade::upward;
-using statics::find;
-using statics::settings;
-using statics::strength;
+using namespace handed_on;
 using Readings = TransferReadings;
-
-const Transferred& after(const Analysis& analysis, topology::BlockId block) {
-  return *find(analysis, block)->transferred;
-}
 
 /// Upper block (100 N, batch 2) behind a lower one (50 N, batch 1) on a plane 30/090 of 20 degrees; `m` into the lower.
 struct InLine {

@@ -1,29 +1,9 @@
-#include <gtest/gtest.h>
-
-#include <cmath>
-
-#include "analyse_complex.hpp"
-#include "handmade.hpp"
-#include "random_complex.hpp"
-#include "statics.hpp"
+#include "handed_on.hpp"
 
 namespace cleave::stability {
 namespace {
 
-using geometry::dot;
-using geometry::norm;
-using geometry::Vec3;
-using handmade::Complex;
-using handmade::dip_vector;
-using handmade::radians;
-using handmade::upward;
-using statics::find;
-using statics::settings;
-using statics::strength;
-
-const Transferred& after(const Analysis& analysis, topology::BlockId block) {
-  return *find(analysis, block)->transferred;
-}
+using namespace handed_on;
 
 // Two blocks in line get the net force of the union: fact 4.
 TEST(TransferTest, BlocksInLineActAsOne) {

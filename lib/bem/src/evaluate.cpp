@@ -126,6 +126,14 @@ BoundaryPoint Solution::boundary(std::size_t region, std::size_t element, double
     out.displacement += shapes[a] * part.displacement[e.node[a]];
     out.traction += shapes[a] * part.traction[element][a];
   }
+  if (!part.particular.points.empty()) {
+    // Near a point force no shape function follows the field: what is left after it is smooth.
+    const Gradient rest =
+        on_boundary(part.mesh, part.u_part, part.t_part, element, s, part.particular.mu, part.particular.nu);
+    out.displacement = scale_ * (rest.displacement + part.particular.displacement(x));
+    out.stress = mu_ * (rest.stress + part.particular.stress(x));
+    return out;
+  }
   const Sym2 initial = mu_ * part.particular.initial_at(x);
   const Vec2 elastic = out.traction - initial * n;
   const Vec2 along = turned_left(n);

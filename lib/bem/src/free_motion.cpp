@@ -129,7 +129,13 @@ std::expected<void, MotionError> FreeMotion::advance() {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd right(ix(n + nc));
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(ix(nc), ix(n));
-  const double weight = block_->mass() * (norm(setup_.gravity) + norm({a_[0], a_[1]})) + 1e-300;
+  // What forces are measured by: weight, inertia, and loads even where they balance each other.
+  double weight = block_->mass() * (norm(setup_.gravity) + norm({a_[0], a_[1]})) + 1e-300;
+  for (const TimedLoad& load : setup_.loads) {
+    double sum = 0;
+    for (const double f : load.forces) sum += std::abs(f);
+    weight += sum * std::max(std::abs(load.factor(now)), std::abs(load.factor(now + h)));
+  }
   constexpr std::size_t most = 30;
   for (std::size_t pass = 0;; ++pass) {
     for (std::size_t i = 0; i < n; ++i) {

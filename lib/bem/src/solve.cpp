@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cleave/core/cost.hpp"
 #include "cleave/core/parallel.hpp"
 #include "gauss.hpp"
 #include "system.hpp"
@@ -147,11 +148,9 @@ Solution SolutionMaker::make(const Problem& problem, const Options& options, Sys
       const Element& element = region.mesh.elements[e];
       std::array<Vec2, 3> whole{}, part{};
       for (std::size_t k = 0; k < region.mesh.per_element(); ++k) {
-        const double s = local_nodes(region.mesh.order)[k];
         const Vec2 v = region.slot_sign[e][k] * value(system.traction[region.slot[e][k]]);
         part[k] = v - region.t_particular[e][k];
-        // The particular traction holds the point forces, which are tractions too.
-        whole[k] = system.mu * (part[k] + region.particular.stress(element.at(s)) * element.normal(s));
+        whole[k] = system.mu * (v + region.t_forces[e][k]);
       }
       const GaussRule& rule = gauss(8);
       for (std::size_t k = 0; k < rule.s.size(); ++k) {
@@ -168,6 +167,10 @@ Solution SolutionMaker::make(const Problem& problem, const Options& options, Sys
       }
       t.push_back(whole);
       t_part.push_back(part);
+    }
+    for (const PointField& f : region.particular.points) {
+      force += (system.mu * system.scale) * f.force;
+      magnitude += norm((system.mu * system.scale) * f.force);
     }
     const Region& given = problem.regions[r];
     const AreaMoments area = area_moments(given.loops);
@@ -242,6 +245,7 @@ std::expected<Solution, SolveError> solve(const Problem& problem, const Options&
 
 std::expected<Refined, SolveError> solve_to(const Problem& problem, Options options, double tolerance,
                                             std::size_t most_meshes) {
+  const double start = cpu_seconds();
   auto coarse = solve(problem, options);
   if (!coarse) return std::unexpected(std::move(coarse).error());
   Refined out{.solution = *std::move(coarse), .error = 1, .meshes = 1, .reached = false};
@@ -278,6 +282,7 @@ std::expected<Refined, SolveError> solve_to(const Problem& problem, Options opti
     const double largest = fine->largest_displacement();
     out.error = largest > 0 ? difference / largest : 0;
     out.solution = *std::move(fine);
+    out.series.push_back({out.solution.diagnostics().elements, cpu_seconds() - start, out.error});
     ++out.meshes;
     if (out.error <= tolerance) {
       out.reached = true;

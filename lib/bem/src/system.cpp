@@ -63,8 +63,8 @@ class Builder {
     find_groups();
     if (auto e = check_supports(); e) return std::unexpected(*std::move(e));
     if (auto e = constrain(); e) return std::unexpected(*std::move(e));
-    add_tractions();
     if (auto e = add_forces(); e) return std::unexpected(*std::move(e));
+    add_tractions();
     plan_equations();
     return std::move(system_);
   }
@@ -490,14 +490,94 @@ class Builder {
       for (const Element& e : region.mesh.elements) {
         std::array<Vec2, 3> t{};
         for (std::size_t a = 0; a < local.size(); ++a) {
-          t[a] = region.particular.stress(e.at(local[a])) * e.normal(local[a]);
+          // At the point of a force its traction is the one beside it: none on a straight side.
+          const double s = at_force(region.particular, e.at(local[a])) ? 0.98 * local[a] : local[a];
+          t[a] = region.particular.stress(e.at(s)) * e.normal(s);
         }
         region.t_particular.push_back(t);
+      }
+      if (!region.particular.points.empty()) keep_momentum(region);
+      for (std::size_t e = 0; e < region.t_particular.size(); ++e) {
+        for (std::size_t a = 0; a < local.size(); ++a) region.t_particular[e][a] -= region.t_forces[e][a];
       }
     }
   }
 
+  static bool at_force(const Particular& particular, Vec2 x) {
+    return std::ranges::any_of(particular.points, [&](const PointField& f) { return norm(f.at - x) < 1e3 * f.cut; });
+  }
+
+  /// Flamant's tractions are known at nodes only. What their interpolation lacks to balance the forces is spread over
+  /// the outline, so that force and moment are kept to rounding.
+  static void keep_momentum(ScaledRegion& region) {
+    const Mesh& mesh = region.mesh;
+    const GaussRule& rule = gauss(12);
+    double length = 0, polar = 0, moment = 0;
+    Vec2 middle, force;
+    const auto along = [&](const auto& visit) {
+      for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+        for (std::size_t k = 0; k < rule.s.size(); ++k) {
+          visit(e, rule.s[k], rule.w[k] * norm(mesh.elements[e].derivative(rule.s[k])));
+        }
+      }
+    };
+    along([&](std::size_t e, double s, double w) {
+      length += w;
+      middle += w * mesh.elements[e].at(s);
+    });
+    middle = middle / length;
+    Particular forces = region.particular;
+    forces.body = {};
+    forces.spin = forces.twist = 0;
+    forces.initial = forces.initial_slope = {};
+    const auto local = local_nodes(mesh.order);
+    along([&](std::size_t e, double s, double w) {
+      const Element& element = mesh.elements[e];
+      const auto n = shape(mesh.order, s);
+      Vec2 t;
+      for (std::size_t a = 0; a < local.size(); ++a) {
+        const double at = at_force(forces, element.at(local[a])) ? 0.98 * local[a] : local[a];
+        t += n[a] * (forces.stress(element.at(at)) * element.normal(at));
+      }
+      const Vec2 arm = element.at(s) - middle;
+      force += w * t;
+      moment += w * cross(arm, t);
+      polar += w * dot(arm, arm);
+    });
+    for (const PointField& f : region.particular.points) {
+      force += f.force;
+      moment += cross(f.at - middle, f.force);
+    }
+    for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+      for (std::size_t a = 0; a < local.size(); ++a) {
+        const Vec2 arm = mesh.elements[e].at(local[a]) - middle;
+        region.t_particular[e][a] -= force / length + (moment / polar) * turned_left(arm);
+      }
+    }
+  }
+
+  /// Flamant's field fits where the outline is smooth and the cut of its angle, straight out of the body, does not
+  /// come back into it.
+  static bool fits(const ScaledRegion& region, Vec2 at, Vec2 normal, std::size_t on) {
+    if (region.mesh.order == Order::constant) return false;
+    for (const Node& node : region.mesh.nodes) {
+      if (node.corner && norm(node.x - at) < 0.25 * norm(region.mesh.elements[on].c1)) return false;
+    }
+    for (std::size_t e = 0; e < region.mesh.elements.size(); ++e) {
+      const Element& element = region.mesh.elements[e];
+      for (int k = 0; k < 8; ++k) {
+        const Vec2 a = element.at(-1 + 0.25 * k) - at, b = element.at(-0.75 + 0.25 * k) - at;
+        const double ca = cross(normal, a), cb = cross(normal, b);
+        if ((ca < 0) == (cb < 0)) continue;
+        const double way = dot(normal, a) + ca / (ca - cb) * dot(normal, b - a);
+        if (way > 1e-3 * norm(region.mesh.elements[on].c1)) return false;
+      }
+    }
+    return true;
+  }
+
   std::optional<SolveError> add_forces() {
+    for (ScaledRegion& region : system_.regions) region.t_forces.assign(region.mesh.elements.size(), {});
     for (std::size_t f = 0; f < problem_.forces.size(); ++f) {
       const PointForce& force = problem_.forces[f];
       ScaledRegion& region = system_.regions[std::min(force.region, system_.regions.size() - 1)];
@@ -525,6 +605,11 @@ class Builder {
           condition.component[1].given == Given::displacement) {
         return ForceOnSupport{f};
       }
+      const Vec2 p = force.force / (system_.mu * system_.scale);
+      if (system_.extent == Extent::bounded && fits(region, element.at(where), element.normal(where), on)) {
+        region.particular.points.push_back({element.at(where), element.normal(where), p, 1e-6 * norm(element.c1)});
+        continue;
+      }
       // Traction sum N_b t_b with integral of N_a t = N_a(s) P: solve with the element's Gram matrix.
       const std::size_t per = region.mesh.per_element();
       std::array<std::array<double, 4>, 3> m{};
@@ -545,8 +630,7 @@ class Builder {
           for (std::size_t c = 0; c < 4; ++c) m[b][c] -= ratio * m[a][c];
         }
       }
-      const Vec2 p = force.force / (system_.mu * system_.scale);
-      for (std::size_t a = 0; a < per; ++a) region.t_particular[on][a] -= (m[a][3] / m[a][a]) * p;
+      for (std::size_t a = 0; a < per; ++a) region.t_forces[on][a] += (m[a][3] / m[a][a]) * p;
     }
     return std::nullopt;
   }

@@ -51,7 +51,9 @@ struct ScaledRegion {
   Elastic elastic;  ///< mu over the scale's
   Particular particular;
   std::vector<Vec2> u_particular;                  ///< nodes
-  std::vector<std::array<Vec2, 3>> t_particular;   ///< elements: traction of the particular stress less point forces
+  std::vector<std::array<Vec2, 3>> t_particular;   ///< elements: traction of the particular stress, in balance with
+                                                   ///< its point forces, less `t_forces`
+  std::vector<std::array<Vec2, 3>> t_forces;       ///< elements: tractions that stand for point forces
   std::vector<std::uint32_t> global;               ///< node to shared node
   std::vector<std::array<std::uint32_t, 3>> slot;  ///< element to traction
   std::vector<std::array<double, 3>> slot_sign;

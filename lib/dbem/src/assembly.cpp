@@ -188,6 +188,23 @@ BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, b
   return w;
 }
 
+std::optional<RigidForm> World::Impl::rigid_form(const Rows& rows, const Island& island) const {
+  RigidForm form;
+  if (std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return shapes[b].modes > 0; })) return std::nullopt;
+  std::vector<std::uint32_t> number(size(), RigidForm::ground);
+  for (const std::uint32_t b : island.bodies) {
+    number[b] = static_cast<std::uint32_t>(form.inverse_mass.size());
+    form.inverse_mass.push_back({shapes[b].inverse_x, shapes[b].inverse_y, shapes[b].inverse_spin});
+  }
+  form.sides.resize(rows.sides.size() / 2);
+  for (std::size_t k = 0; k < rows.sides.size(); ++k) {
+    const Side& side = rows.sides[k];
+    form.sides[k / 2][k % 2] = {
+        number[side.body], {side.n.x, side.n.y, side.turn_n}, {side.t.x, side.t.y, side.turn_t}};
+  }
+  return form;
+}
+
 Vec2 World::Impl::velocity_of(const Rows& rows, std::size_t contact, const State& at) const {
   Vec2 sum{};
   for (const std::size_t which : {2 * contact, 2 * contact + 1}) {
@@ -252,6 +269,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   const std::size_t m = island.touches.size();
   ContactProblem problem;
   problem.w = delassus(rows, theta, step, false);
+  problem.rigid = rigid_form(rows, island);
   problem.b.resize(m);
   problem.mu.resize(m);
   problem.cohesion.resize(m);

@@ -16,6 +16,7 @@ struct NaturalMap {
   std::vector<double> a_t;    // t - s / W_tt
   std::vector<double> bound;  // of |t|
   double largest = 0;         // |f|
+  double fastest = 0;         // |f| as a velocity: f / r
   double squared = 0;
 };
 
@@ -23,8 +24,9 @@ class MapEvaluator final {
  public:
   explicit MapEvaluator(const ContactProblem& problem, double soft = 0, std::span<const Vec2> centre = {});
   void evaluate(const std::vector<Vec2>& p, NaturalMap& map) const;
-  /// max(|p|, max |b / diag W|): what residuals are measured against.
-  [[nodiscard]] double scale(const std::vector<Vec2>& p) const;
+  /// |f| over max(|p|, max |b / diag W|), or |f / r| over max |b| where that is more: beside a body 10^6 times heavier
+  /// an error of its forces' size would be a fall of the light ones.
+  [[nodiscard]] double residual(const NaturalMap& map, const std::vector<Vec2>& p) const;
   [[nodiscard]] double r_n(std::size_t k) const { return r_[k].x; }
   [[nodiscard]] double r_t(std::size_t k) const { return r_[k].y; }
   [[nodiscard]] const ContactProblem& problem() const { return *problem_; }
@@ -34,7 +36,7 @@ class MapEvaluator final {
   const ContactProblem* problem_;
   double soft_;
   std::span<const Vec2> centre_;  // empty: zero
-  double load_ = 0;
+  double load_ = 0, speed_ = 0;
   std::vector<Vec2> r_;
 };
 
@@ -49,8 +51,8 @@ struct Pattern {
 /// Solves W_n x = rhs_n (closed) or n = rhs_n; W_t x = rhs_t (stuck) or t = q n + rhs_t. Unknowns are only the n of
 /// closed and the t of stuck contacts; symmetric, and solved as such, when nothing slips under friction.
 ///
-/// Large systems: one sparse Cholesky factor of the symmetric part is kept, and systems near it (a few contacts slip or
-/// have changed their state) are solved by GMRES (Saad and Schultz 1986) with it; only then factored anew.
+/// Large systems are solved by GMRES (Saad and Schultz 1986) behind a factor of nearly the same matrix: in the freedoms
+/// of the bodies where those are rigid, else of the symmetric part in the contacts, kept while few contacts change.
 class PatternSolver final {
  public:
   PatternSolver();
@@ -58,12 +60,13 @@ class PatternSolver final {
   PatternSolver(const PatternSolver&) = delete;
   PatternSolver& operator=(const PatternSolver&) = delete;
   /// Empty when singular.
-  [[nodiscard]] std::vector<Vec2> solve(const BlockMatrix& w, double soft, const Pattern& pattern,
+  [[nodiscard]] std::vector<Vec2> solve(const ContactProblem& problem, double soft, const Pattern& pattern,
                                         const std::vector<Vec2>& rhs);
 
  private:
   struct Kept;
   std::unique_ptr<Kept> kept_;
+  std::unique_ptr<class BodyFactor> bodies_;
 };
 
 /// `solve` with the factors of an earlier call on the same contacts.

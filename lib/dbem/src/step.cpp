@@ -66,10 +66,31 @@ bool World::Impl::add_missed(const Attempt& out, std::vector<Touch>& list) const
   return added;
 }
 
+/// Takes up to `wanted` of kinetic energy from a group, all velocities by one factor: what touches still touches, what
+/// slides slides the same way. Returns what was taken; nothing where a support moves.
+double World::Impl::slow_down(const Island& island, const Rows& rows, double wanted, State& at) const {
+  for (const Side& side : rows.sides) {
+    const Shape& shape = shapes[side.body];
+    const bool held = shape.inverse_x * shape.inverse_y * shape.inverse_spin == 0;
+    if (held && (at.v[side.body] != Vec2{} || at.spin[side.body] != 0)) return 0;
+  }
+  double kinetic = 0;
+  for (const std::uint32_t b : island.bodies) {
+    kinetic += 0.5 * shapes[b].mass * dot(at.v[b], at.v[b]) + 0.5 * shapes[b].inertia * at.spin[b] * at.spin[b];
+  }
+  if (kinetic <= 0) return 0;
+  const double taken = std::min(wanted, kinetic);
+  const double factor = std::sqrt(1 - taken / kinetic);
+  for (const std::uint32_t b : island.bodies) {
+    at.v[b] = factor * at.v[b];
+    at.spin[b] *= factor;
+  }
+  return taken;
+}
+
 /// Parts penetrating bodies: the least move in the norm of the masses that leaves no gap negative. Positions only.
 void World::Impl::project(Attempt& out) const {
   std::vector<Island> islands = islands_of(out.touches);
-  const double before = potential_of(out.state);
   bool moved = false;
   for (Island& island : islands) {
     bool deep = false;
@@ -113,9 +134,10 @@ void World::Impl::project(Attempt& out) const {
     }
     bool free = true;  // no support takes part
     for (const Side& s : rows.sides) free = free && !(shapes[s.body].inverse_x * shapes[s.body].inverse_y == 0);
-    double mass = 0, turned = 0;
+    double mass = 0, turned = 0, lifted = 0;
     Vec2 centre{};
     for (const std::uint32_t b : island.bodies) {
+      lifted -= shapes[b].mass * dot(options.gravity, shift.v[b]);
       out.state.x[b] += shift.v[b];
       out.state.angle[b] += shift.spin[b];
       turned += shapes[b].mass * cross(shift.v[b], out.state.v[b]);
@@ -136,10 +158,12 @@ void World::Impl::project(Attempt& out) const {
         out.state.spin[b] += spin;
       }
     }
+    // What came in fell too far before, and is too fast by that: a group on a support pays for the lift with speed.
+    if (!free && lifted > 0) lifted -= slow_down(island, rows, lifted, out.state);
+    out.projected += lifted;
     moved = true;
   }
   if (!moved) return;
-  out.projected += potential_of(out.state) - before;
   place_all(out.state, out.corners, out.boxes);
 }
 

@@ -167,6 +167,8 @@ struct World::Impl {
   [[nodiscard]] std::vector<Island> islands_of(const std::vector<Touch>& list) const;
   [[nodiscard]] Rows rows_of(const std::vector<Touch>& list, const Island& island, const State& at) const;
   [[nodiscard]] BlockMatrix delassus(const Rows& rows, double theta, double step, bool rigid_only) const;
+  /// Nothing when a body of the group bends.
+  [[nodiscard]] std::optional<RigidForm> rigid_form(const Rows& rows, const Island& island) const;
   /// Velocity of each contact (n, t) under the velocities of a state.
   [[nodiscard]] Vec2 velocity_of(const Rows& rows, std::size_t contact, const State& at) const;
   void add_impulse(const Rows& rows, std::size_t contact, Vec2 p, double theta, double step, State& at) const;
@@ -196,6 +198,7 @@ struct World::Impl {
   std::vector<std::uint8_t> hint;  // steps for which a body's group stays with the implicit rule
   void accept(Attempt&& done);
   void project(Attempt& out) const;
+  double slow_down(const Island& island, const Rows& rows, double wanted, State& at) const;
   bool add_missed(const Attempt& out, std::vector<Touch>& list) const;
   bool wake();
   void fall_asleep();

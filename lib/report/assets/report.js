@@ -519,7 +519,7 @@
     ['From east', function () { look([1, 0, 0], focus, reach); }]].forEach(function (b) {
     make('button', { type: 'button', text: b[0] }, buttons).addEventListener('click', b[1]);
   });
-  const pickedBox = make('div', { id: 'picked', 'aria-live': 'polite' }, panel);
+  const pickedBox = make('div', { id: 'picked', 'aria-live': 'polite' }, holder.parentNode);
 
   // ---- picking ----------------------------------------------------------------------------------------------------
   const short = function (v) { return !isFinite(v) || v >= 1e9 ? '\u221e' : String(Number(v.toPrecision(4))); };
@@ -539,7 +539,7 @@
       }
       make('strong', { text: 'Block ' + blockId[b] }, pickedBox);
       const list = make('dl', {}, pickedBox);
-      const fact = function (name, value) { make('dt', { text: name }, list); make('dd', { text: value }, list); };
+      const fact = function (name, value) { const pair = make('div', {}, list); make('dt', { text: name }, pair); make('dd', { text: value }, pair); };
       if (row) {
         const heads = row.closest('table').tHead.rows[0].cells;
         for (let i = 1; i < heads.length; ++i) fact(heads[i].textContent, row.cells[i].textContent);

@@ -75,6 +75,19 @@ std::string page_data(const scene::BodiesResult& result) {
       }
       out += "]";
     }
+    out += "],\"mises\":[";
+    for (std::size_t f = 0; f < body.mises_frames.size(); ++f) {
+      out += f > 0 ? ",[" : "[";
+      for (std::size_t l = 0; l < body.mises_frames[f].size(); ++l) {
+        out += l > 0 ? ",[" : "[";
+        for (std::size_t k = 0; k < body.mises_frames[f][l].size(); ++k) {
+          if (k > 0) out += ",";
+          short_number(out, body.mises_frames[f][l][k]);
+        }
+        out += "]";
+      }
+      out += "]";
+    }
     out += "],\"cells\":[";
     for (std::size_t c = 0; c < body.cells.size(); ++c) {
       const scene::StressCell& cell = body.cells[c];
@@ -138,9 +151,10 @@ if(large)for(const b of D.bodies)for(let f=0;f<b.frames.length;f++)for(let k=0;k
 const F={"von Mises":c=>Math.sqrt(Math.max(0,0.5*((c[5]-c[6])**2+(c[6]-c[8])**2+(c[8]-c[5])**2)+3*c[7]*c[7])),
 "largest principal":c=>(c[5]+c[6])/2+Math.hypot((c[5]-c[6])/2,c[7]),"smallest principal":c=>(c[5]+c[6])/2-Math.hypot((c[5]-c[6])/2,c[7]),
 "xx":c=>c[5],"yy":c=>c[6],"xy":c=>c[7],"displacement":c=>Math.hypot(c[3],c[4])};
-const has=D.bodies.some(b=>b.cells.length);
+const has=D.bodies.some(b=>b.cells.length),rim=D.bodies.some(b=>b.mises.length);let vm=0;
+for(const b of D.bodies)for(const f of b.mises)for(const l of f)for(const v of l)vm=Math.max(vm,v);
 if(has)for(const n in F){const o=document.createElement("option");o.textContent=n;fld.append(o);}else fld.parentNode.style.display="none";
-if(D.times.length<2){fr.parentNode.style.display="none";}else{fr.max=D.times.length-1;fr.value=fr.max;}
+if(D.times.length<2){fr.parentNode.parentNode.style.display="none";}else{fr.max=D.times.length-1;fr.value=fr.max;}
 const col=t=>{const s=[[68,1,84],[59,82,139],[33,145,140],[94,201,98],[253,231,37]];t=Math.min(.9999,Math.max(0,t))*4;const i=Math.floor(t),f=t-i;return "rgb("+[0,1,2].map(k=>Math.round(s[i][k]*(1-f)+s[i+1][k]*f)).join(",")+")";};
 const fmt=v=>v===0?"0":Math.abs(v)>=1e5||Math.abs(v)<1e-3?v.toExponential(2):String(+v.toPrecision(4));
 function draw(){
@@ -152,10 +166,17 @@ document.getElementById("scaled").textContent="displacements x "+fmt(s);
 document.getElementById("time").textContent=D.times.length>1?fmt(D.times[f])+" s":"";
 const fn=F[fld.value];let a=1e300,z=-1e300;
 if(fn){for(const b of D.bodies)for(const c of b.cells){const v=fn(c);a=Math.min(a,v);z=Math.max(z,v);}
-for(const b of D.bodies)for(const c of b.cells){ctx.fillStyle=col(z>a?(fn(c)-a)/(z-a):.5);const q=c[2]*k*1.03;ctx.fillRect(X(c[0]+s*c[3])-q/2,Y(c[1]+s*c[4])-q/2,q,q);}
+for(const b of D.bodies){if(!b.cells.length)continue;
+// Cut to the deformed outline; larger cells below fill what lies between the outermost cells and it.
+ctx.save();ctx.beginPath();let bx=[1e300,1e300,-1e300,-1e300];
+for(let n=0;n<b.outline.length;n++){const l=b.outline[n],u=b.frames[f][n];for(let i=0;i<l.length;i+=2){const x=X(l[i]+s*u[i]),y=Y(l[i+1]+s*u[i+1]);i?ctx.lineTo(x,y):ctx.moveTo(x,y);bx=[Math.min(bx[0],l[i]),Math.min(bx[1],l[i+1]),Math.max(bx[2],l[i]),Math.max(bx[3],l[i+1])];}ctx.closePath();}
+const infinite=b.cells.some(c=>c[0]<bx[0]||c[0]>bx[2]||c[1]<bx[1]||c[1]>bx[3]);if(infinite)ctx.rect(0,0,w,h);ctx.clip("evenodd");
+for(const grow of infinite?[1.04]:[2.2,1.04])for(const c of b.cells){ctx.fillStyle=col(z>a?(fn(c)-a)/(z-a):.5);const q=c[2]*k*grow+.6;ctx.fillRect(X(c[0]+s*c[3])-q/2,Y(c[1]+s*c[4])-q/2,q,q);}
+ctx.restore();}
 document.getElementById("low").textContent=fmt(a);document.getElementById("high").textContent=fmt(z);}
+else if(rim){document.getElementById("low").textContent="0";document.getElementById("high").textContent=fmt(vm);}
 const path=(l,u,m)=>{ctx.beginPath();for(let i=0;i<l.length;i+=2){const x=X(l[i]+m*u[i]),y=Y(l[i+1]+m*u[i+1]);i?ctx.lineTo(x,y):ctx.moveTo(x,y);}};
-for(const b of D.bodies)for(let n=0;n<b.outline.length;n++){const l=b.outline[n],u=b.frames[f][n];ctx.setLineDash([4,4]);ctx.strokeStyle="#888";ctx.lineWidth=1;path(l,u,0);ctx.stroke();ctx.setLineDash([]);ctx.strokeStyle="#123";ctx.lineWidth=1.6;path(l,u,s);ctx.stroke();}
+for(const b of D.bodies)for(let n=0;n<b.outline.length;n++){const l=b.outline[n],u=b.frames[f][n];ctx.setLineDash([4,4]);ctx.strokeStyle="#888";ctx.lineWidth=1;path(l,u,0);ctx.stroke();ctx.setLineDash([]);if(b.mises.length){const q=b.mises[f][n];ctx.lineWidth=7;ctx.lineCap="round";for(let i=0;i+3<l.length;i+=2){ctx.strokeStyle=col(vm>0?q[i/2]/vm:0);ctx.beginPath();ctx.moveTo(X(l[i]+s*u[i]),Y(l[i+1]+s*u[i+1]));ctx.lineTo(X(l[i+2]+s*u[i+2]),Y(l[i+3]+s*u[i+3]));ctx.stroke();}}ctx.strokeStyle="#123";ctx.lineWidth=1.6;path(l,u,s);ctx.stroke();}
 }
 [sl,fr,fld].forEach(e=>e.addEventListener("input",draw));window.addEventListener("resize",draw);
 let timer=null;play.addEventListener("click",()=>{if(timer){clearInterval(timer);timer=null;play.textContent="Play";}else{play.textContent="Stop";timer=setInterval(()=>{fr.value=(+fr.value+1)%D.times.length;draw();},60);}});
@@ -230,16 +251,18 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
   std::string out = plane_page_head(
       result.title,
       ".controls label{display:inline-block;margin:.3em 1em .3em 0}#view{width:100%;display:block;background:#fff}"
-      ".legend{height:12px;background:linear-gradient(90deg,#440154,#3b528b,#21918c,#5ec962,#fde725);max-width:420px}"
-      ".legend-ends{display:flex;justify-content:space-between;max-width:420px}@media print{.controls{display:none}}");
+      ".legend{height:12px;background:linear-gradient(90deg,#440154,#3b528b,#21918c,#5ec962,#fde725);max-width:560px}"
+      ".legend-ends{display:flex;justify-content:space-between;gap:1em;max-width:560px;white-space:nowrap}"
+      ".plain td,.plain th{text-align:left}.wide-table{overflow-x:auto}@media print{.controls{display:none}}");
   out += "<section><h2>Result</h2>\n<p>";
   out += result.converged ? "The run converged."
                           : "The run <strong>stopped</strong>: " + escape_xml(result.stopped_why) + ".";
   out += " Largest displacement " + display(result.largest_displacement) + " m";
   if (result.steps > 0) out += ", " + display_count(result.steps) + " steps";
-  out += ".</p>\n<table>\n" + table_row({"body", "elements", "unknowns", "largest displacement (m)", "rotation (°)",
-                                         "estimated error", "condition", "method"},
-                                        true);
+  out += ".</p>\n<div class=\"wide-table\"><table>\n" +
+         table_row({"body", "elements", "unknowns", "largest displacement (m)", "rotation (°)", "estimated error",
+                    "condition", "method"},
+                   true);
   for (const scene::BodyResult& body : result.bodies) {
     out += table_row({escape_xml(body.name), display_count(body.elements), display_count(body.unknowns),
                       display(body.largest), display(body.rotation * 180 / std::numbers::pi),
@@ -247,15 +270,24 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
                       escape_xml(body.method)});
   }
   out +=
-      "</table>\n</section>\n<section><h2>Deformed shape</h2>\n<p class=\"controls\"><label>scale <input id=\"scale\" "
+      "</table></div>\n</section>\n<section><h2>Deformed shape</h2>\n<p class=\"controls\"><label>scale <input "
+      "id=\"scale\" "
       "type=\"range\" min=\"-2\" max=\"2\" step=\"0.05\" value=\"0\"></label><span id=\"scaled\"></span> <label>field "
       "<select id=\"field\"></select></label> <span><label>frame <input id=\"frame\" type=\"range\" min=\"0\" "
       "max=\"0\" "
       "value=\"0\"></label><button id=\"play\">Play</button> <span id=\"time\"></span></span></p>\n"
       "<canvas id=\"view\" aria-label=\"deformed shape\"></canvas>\n";
   bool cells = false;
-  for (const scene::BodyResult& body : result.bodies) cells = cells || !body.cells.empty();
-  if (cells) {
+  bool rim = false;
+  for (const scene::BodyResult& body : result.bodies) {
+    cells = cells || !body.cells.empty();
+    rim = rim || !body.mises_frames.empty();
+  }
+  if (rim) {
+    out +=
+        "<div class=\"legend\"></div><div class=\"legend-ends\"><span id=\"low\"></span><span>Pa, von Mises on the "
+        "boundary</span><span id=\"high\"></span></div>\n";
+  } else if (cells) {
     out +=
         "<div class=\"legend\"></div><div class=\"legend-ends\"><span id=\"low\"></span><span>Pa, tension positive "
         "(displacement: m)</span><span id=\"high\"></span></div>\n";
@@ -287,7 +319,7 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
     }
     out += "</table>\n<div id=\"trials\"></div>\n</section>\n";
   }
-  out += "<section><h2>What ran</h2>\n<table>\n" + table_row({"stage", "", "why"}, true);
+  out += "<section><h2>What ran</h2>\n<table class=\"plain\">\n" + table_row({"stage", "", "why"}, true);
   for (const scene::PlannedStage& stage : result.plan.stages) {
     out += table_row({std::string{scene::name_of(stage.stage)}, stage.run ? "run" : "left out", escape_xml(stage.why)});
   }
@@ -317,7 +349,9 @@ std::string bodies_vtu(const scene::BodiesResult& result, std::size_t frame) {
     const scene::BodyResult& body = result.bodies[b];
     for (std::size_t l = 0; l < body.outline.size(); ++l) {
       for (std::size_t k = 0; k < body.outline[l].size(); ++k) {
-        const bem::Sym2 s = body.boundary_stress.empty() ? bem::Sym2{} : body.boundary_stress[l][k];
+        const bem::Sym2 s = !body.stress_frames.empty()     ? body.stress_frames[frame][l][k]
+                            : !body.boundary_stress.empty() ? body.boundary_stress[l][k]
+                                                            : bem::Sym2{};
         connectivity +=
             std::to_string(add_point(body.outline[l][k], body.frames[frame][l][k] - body.outline[l][k], b, s)) + " ";
         ++end;

@@ -113,6 +113,15 @@ std::string key_block_rows(const Page& page) {
       cell(out, net, display(net / 1000));
       cell(out, factor, display(factor, 3));
     }
+    if (page.field_stress != nullptr) {
+      const auto& clamped = page.field_stress->blocks;
+      const auto found = std::ranges::lower_bound(clamped, j.block, {}, &scene::ClampedBlock::block);
+      if (found != clamped.end() && found->block == j.block) {
+        cell(out, found->factor_of_safety, display(found->factor_of_safety, 3));
+      } else {
+        out += "<td>–</td>";
+      }
+    }
     if (page.analysis->rotation != stability::RotationCheck::off) {
       out += !j.rotation ? "<td>–</td>" : j.rotation->turns ? "<td class=\"warn\">turns</td>" : "<td>no</td>";
     }
@@ -148,9 +157,19 @@ std::string key_blocks_section(const Page& page) {
       "(m³)</th>"
       "<th>Weight (kN)</th><th>Direction</th><th>Net force (kN)</th><th>Factor of safety</th>";
   if (page.analysis->force_transfer) out += "<th>Net force, transferred (kN)</th><th>Factor, transferred</th>";
+  if (page.field_stress != nullptr) out += "<th>Factor, clamped by field stress</th>";
   if (page.analysis->rotation != stability::RotationCheck::off) out += "<th>Turns?</th>";
   out += "<th>Faces</th><th class=\"wide\">Joints</th></tr></thead><tbody>\n";
-  return out + rows + "</tbody></table></div></section>\n";
+  out += rows + "</tbody></table></div>";
+  if (page.field_stress != nullptr) {
+    const scene::FieldStressResult& f = *page.field_stress;
+    out += "<p class=\"small\">Clamped: the same motion with the stress of the rock around “" + escape_xml(f.tunnel) +
+           "” across the joints (elastic section, " + display_count(f.elements) +
+           " boundary elements, estimated error " + display(f.error, 2) + "). " + display_count(f.held) +
+           (f.held == 1 ? " block that would fall is" : " blocks that would fall are") +
+           " held by it. The stress goes when the rock loosens: do not count on it for support.</p>";
+  }
+  return out + "</section>\n";
 }
 
 std::string set_rows(const Page& page) {

@@ -38,25 +38,35 @@ std::string small_circle(Vec3 axis, double degrees, Net net, std::string_view at
   std::vector<NetPoint> run;
   for (int i = 0; i <= 120; ++i) {
     const double t = 2 * std::numbers::pi * i / 120;
-    const Vec3 line = std::cos(a) * n + std::sin(a) * (std::cos(t) * u + std::sin(t) * v);
+    Vec3 line = std::cos(a) * n + std::sin(a) * (std::cos(t) * u + std::sin(t) * v);
     if (line.z > 1e-9) {
       if (run.size() > 1) out += circle_path(run, attributes);
       run.clear();
       continue;
     }
+    line.z = std::min(line.z, -1e-12);  // a circle that touches the rim stays on this side of the net
     run.push_back(project(line, net));
   }
   if (run.size() > 1) out += circle_path(run, attributes);
   return out;
 }
 
+/// Beside a mark, on the side that lies in the net.
+std::string net_label(NetPoint p, const std::string& text) {
+  return "<text x=\"" + fixed(centre + radius * p.x + (p.x > 0.6 ? -6 : 6)) + "\" y=\"" +
+         fixed(centre - radius * p.y - 5) + (p.x > 0.6 ? "\" text-anchor=\"end\">" : "\">") + text + "</text>";
+}
+
 /// Joint planes (great circles), free surfaces (dashed), friction circle about the pole of each pressing plane's
-/// downward normal, weight's direction and that of motion.
+/// downward normal with the joint's number, direction of motion.
 std::string block_net(const Page& page, const stability::Judgement& j, Net net) {
   const topology::BlockComplex& complex = *page.complex;
   std::string out =
-      "<svg viewBox=\"0 0 264 264\" role=\"img\" aria-label=\"Stereonet of the block\"><circle cx=\"132\" cy=\"132\" "
-      "r=\"120\" class=\"net-rim\"/>";
+      "<svg viewBox=\"-6 -10 276 284\" role=\"img\" aria-label=\"Stereonet of the block\"><circle cx=\"132\" "
+      "cy=\"132\" "
+      "r=\"120\" class=\"net-rim\"/><g class=\"net-mark\"><text x=\"132\" y=\"6\">N</text><text x=\"262\" "
+      "y=\"137\">E</text><text x=\"132\" y=\"269\">S</text><text x=\"2\" y=\"137\">W</text></g>";
+  std::string labels;
   for (const topology::FaceId id : complex.blocks()[j.block].faces) {
     const topology::Face& face = complex.faces()[id];
     const bool free = face.role == topology::Role::free;
@@ -73,6 +83,7 @@ std::string block_net(const Page& page, const stability::Judgement& j, Net net) 
         small_circle(pole, std::atan(tangent) * 180 / std::numbers::pi, net, "stroke=\"#D55E00\" stroke-width=\"1.4\"");
     out += "<circle r=\"3\" fill=\"#D55E00\" cx=\"" + fixed(centre + radius * project(pole, net).x) + "\" cy=\"" +
            fixed(centre - radius * project(pole, net).y) + "\"/>";
+    if (face.joint) labels += net_label(project(pole, net), std::to_string(face.joint->value()));
   }
   if (norm(j.direction) > 0) {
     const NetPoint p = project(j.direction, net);
@@ -80,7 +91,7 @@ std::string block_net(const Page& page, const stability::Judgement& j, Net net) 
     out += "<path d=\"M" + fixed(x - 6) + ',' + fixed(y) + 'h' + fixed(12) + 'M' + fixed(x) + ',' + fixed(y - 6) + 'v' +
            fixed(12) + "\" stroke=\"#009E73\" stroke-width=\"3\"/>";
   }
-  return out + "</svg>";
+  return out + labels + "</svg>";
 }
 
 std::string vector_text(Vec3 v) {
@@ -105,10 +116,10 @@ std::string sentence(const Page& page, const stability::Judgement& j) {
   out += ", direction " + vector_text(j.direction) + ". Driving force " + display(j.driving.si() / 1000) +
          " kN, resistance " + display(j.resistance.si() / 1000) + " kN";
   if (!j.pressing.empty()) {
-    out += " from";
     for (const stability::Pressing& p : j.pressing) {
       const topology::Face& face = complex.faces()[p.face];
-      out += " joint " + (face.joint ? std::to_string(face.joint->value()) : std::string{"?"}) + " (pressed with " +
+      out += &p == &j.pressing.front() ? " from joint " : " and joint ";
+      out += (face.joint ? std::to_string(face.joint->value()) : std::string{"?"}) + " (pressed with " +
              display(p.reaction.si() / 1000) + " kN over " + display(face.area.si(), 3) + " m²)";
     }
   }
@@ -183,7 +194,8 @@ std::string face_table(const Page& page, const stability::Judgement& j) {
   return out + "</tbody></table>\n";
 }
 
-/// Forces in the vertical plane of the motion: weight, reactions, resistance and what is left, to one scale.
+/// Forces in the vertical plane of the motion, to one scale: weight, reactions, resistance, driving force, and all
+/// other loads (water, quake, surcharge) summed up, from W + Q + sum N = T.
 std::string force_arrows(const Page& page, const stability::Judgement& j) {
   Vec3 h{j.direction.x, j.direction.y, 0};
   h = norm(h) > 1e-9 ? geometry::normalized(h) : Vec3{1, 0, 0};
@@ -192,25 +204,39 @@ std::string force_arrows(const Page& page, const stability::Judgement& j) {
     std::string colour, label;
   };
   std::vector<Arrow> arrows{{{0, 0, -j.weight.si()}, "#555", "W"}};
+  Vec3 other = j.driving.si() * j.direction - arrows.front().force;
   for (const stability::Pressing& p : j.pressing) {
-    arrows.push_back({-p.reaction.si() * page.complex->faces()[p.face].outward, "#0072B2", "N"});
+    const topology::Face& face = page.complex->faces()[p.face];
+    arrows.push_back({-p.reaction.si() * face.outward, "#0072B2",
+                      face.joint
+                          ? "N<tspan dy=\"3\" font-size=\"10\">" + std::to_string(face.joint->value()) + "</tspan>"
+                          : std::string{"N"}});
+    other -= arrows.back().force;
   }
+  if (norm(other) > 1e-6 * j.weight.si()) arrows.push_back({other, "#CC79A7", "Q"});
   arrows.push_back({-j.resistance.si() * j.direction, "#D55E00", "R"});
   arrows.push_back({j.driving.si() * j.direction, "#009E73", "T"});
   double largest = 0;
   for (const Arrow& a : arrows) largest = std::max(largest, norm(a.force));
   if (!(largest > 0)) return {};
-  std::string out = "<svg viewBox=\"0 0 264 264\" role=\"img\" aria-label=\"Forces on the block\">";
+  std::vector<std::pair<double, double>> placed;
+  std::string out = "<svg viewBox=\"-6 -10 276 284\" role=\"img\" aria-label=\"Forces on the block\">";
   for (const Arrow& a : arrows) {
     const double x = 110 * dot(a.force, h) / largest, y = -110 * a.force.z / largest;
     const double length = std::hypot(x, y);
     if (length < 3) continue;
     const double ux = x / length, uy = y / length;
+    // Letters stand beside the tip, on the side away from arrows that end nearby.
+    double tx = 132 + x + 8 * ux, ty = 132 + y + 8 * uy + 5;
+    for (const auto& [px, py] : placed) {
+      if (std::abs(tx - px) < 16 && std::abs(ty - py) < 14) ty = py + (ty >= py ? 15 : -15);
+    }
+    placed.emplace_back(tx, ty);
     out += "<path d=\"M132,132L" + fixed(132 + x) + ',' + fixed(132 + y) + "\" stroke=\"" + a.colour +
            "\" stroke-width=\"3\"/><path d=\"M" + fixed(132 + x) + ',' + fixed(132 + y) + "l" +
            fixed(-9 * ux - 4 * uy) + ',' + fixed(-9 * uy + 4 * ux) + "l" + fixed(8 * uy) + ',' + fixed(-8 * ux) +
-           "z\" fill=\"" + a.colour + "\"/><text x=\"" + fixed(132 + x + 8 * ux) + "\" y=\"" +
-           fixed(132 + y + 8 * uy + 5) + "\" text-anchor=\"middle\">" + a.label + "</text>";
+           "z\" fill=\"" + a.colour + "\"/><text x=\"" + fixed(tx) + "\" y=\"" + fixed(ty) +
+           "\" text-anchor=\"middle\">" + a.label + "</text>";
   }
   return out + "</svg>";
 }
@@ -250,6 +276,10 @@ std::string tornado(const stability::Sensitivity& s) {
   out += "<path d=\"M" + fixed(x(s.base)) + ",0V" + fixed(y) + "\" stroke=\"#D55E00\" stroke-width=\"2\"/>";
   out += "<text x=\"90\" y=\"" + fixed(y + 18) + "\">" + display(from, 3) + "</text><text x=\"390\" y=\"" +
          fixed(y + 18) + "\" text-anchor=\"end\">" + display(to, 3) + "</text>";
+  if (x(s.base) > 150 && x(s.base) < 330) {  // clear of the ends' figures
+    out += "<text x=\"" + fixed(x(s.base)) + "\" y=\"" + fixed(y + 18) + "\" text-anchor=\"middle\">" +
+           display(s.base, 3) + "</text>";
+  }
   return out + "</svg>";
 }
 
@@ -266,21 +296,20 @@ std::string why_section(const Page& page) {
   if (keys.empty()) return {};
   std::ranges::stable_sort(keys, {}, [](const stability::Judgement* j) { return j->batch.value_or(1'000'000); });
   std::string out =
-      "<section id=\"why\"><h2>Why they move</h2>\n<p class=\"small\">Click a block. Left: forces in the vertical "
-      "plane "
-      "of motion (W weight, N reactions, R resistance, T driving force). Right: lower-hemisphere nets, equal area and "
-      "equal angle: joints of "
-      "the block blue, free surfaces dashed, friction circles about the poles of pressed joints orange, direction of "
-      "motion a green cross.</p>\n";
+      "<section id=\"why\"><h2>Why they move</h2>\n<p class=\"small\">Click a block. Forces in the vertical plane of "
+      "motion: W weight, Q other loads (water, quake, loads on free faces), N reactions of the joints numbered, R "
+      "resistance, T driving force. Nets of the lower hemisphere: joints of the block blue, free surfaces dashed, "
+      "poles "
+      "of pressed joints and their friction circles orange, direction of motion a green cross.</p>\n";
   for (std::size_t i = 0; i < std::min(keys.size(), most_explained); ++i) {
     const stability::Judgement& j = *keys[i];
     out += "<details id=\"why-" + std::to_string(j.block.value()) + "\"><summary>Block " +
            std::to_string(j.block.value()) + (j.batch ? ", batch " + std::to_string(*j.batch) : "") + ": " +
            std::string{stability::name(j.mode)} + ", factor " + display(j.factor_of_safety, 3) + ", " +
            display(page.complex->blocks()[j.block].volume.si(), 3) + " m³</summary>\n<p>" + sentence(page, j) +
-           "</p>\n<div class=\"columns\"><figure>" + force_arrows(page, j) + "</figure><figure>" +
-           block_net(page, j, Net::equal_area) + "<figcaption>equal area</figcaption></figure><figure>" +
-           block_net(page, j, Net::equal_angle) +
+           "</p>\n<div class=\"columns three\"><figure>" + force_arrows(page, j) +
+           "<figcaption>forces</figcaption></figure><figure>" + block_net(page, j, Net::equal_area) +
+           "<figcaption>equal area</figcaption></figure><figure>" + block_net(page, j, Net::equal_angle) +
            "<figcaption>equal angle</figcaption></figure></div>\n<div class=\"scroll\">" + face_table(page, j) +
            "</div>\n";
     const auto row = std::ranges::find(page.sensitivity, j.block, &stability::Sensitivity::block);
@@ -338,9 +367,12 @@ std::string support_section(const Page& page) {
         "(m³)</th><th>Mode</th><th>Net force (kN)</th><th>Factor</th><th>Target</th><th>Passes</th><th>Missing "
         "(kN)</th></tr></thead><tbody>\n";
     for (const stability::CombinedBlock& b : page.support->combined) {
+      constexpr std::size_t most_named = 12;
       std::string members;
-      for (const topology::BlockId id : b.members)
-        members += (members.empty() ? "" : ", ") + std::to_string(id.value());
+      for (std::size_t k = 0; k < std::min(b.members.size(), most_named); ++k) {
+        members += (k == 0 ? "" : ", ") + std::to_string(b.members[k].value());
+      }
+      if (b.members.size() > most_named) members += " and " + display_count(b.members.size() - most_named) + " more";
       const std::string mode = b.immovable   ? "held by rock that stays"
                                : b.removable ? std::string{stability::name(b.mode)}
                                              : "cannot move";

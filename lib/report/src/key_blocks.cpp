@@ -73,6 +73,19 @@ void append_supported(std::string& out, const stability::Judgement& j, const sta
   }
 }
 
+void append_clamped(std::string& out, const stability::Judgement& j, const scene::FieldStressResult& field) {
+  const auto found = std::ranges::lower_bound(field.blocks, j.block, {}, &scene::ClampedBlock::block);
+  if (found == field.blocks.end() || found->block != j.block) {
+    out += ",,,,";
+    return;
+  }
+  out += found->factor_of_safety < 1 ? ",1" : ",0";
+  for (const double value : {found->factor_of_safety, found->compression, found->tension}) {
+    out += ',';
+    append_number(out, value);
+  }
+}
+
 }  // namespace
 
 std::string bolts_csv(const stability::SupportResult& support, std::span<const std::string> groups) {
@@ -111,11 +124,12 @@ std::string bolts_csv(const stability::SupportResult& support, std::span<const s
 }
 
 std::string key_blocks_csv(const topology::BlockComplex& complex, const stability::Analysis& analysis,
-                           const stability::SupportResult* support) {
+                           const stability::SupportResult* support, const scene::FieldStressResult* field_stress) {
   std::string out{key_blocks_header};
   if (analysis.force_transfer) out += key_blocks_transferred_header;
   if (analysis.rotation != stability::RotationCheck::off) out += key_blocks_rotation_header;
   if (support != nullptr) out += key_blocks_supported_header;
+  if (field_stress != nullptr) out += key_blocks_clamped_header;
   out += '\n';
   for (const stability::Judgement& j : analysis.judgements) {
     if (!stability::moves(j.mode) && !j.key) continue;  // key without moving: it turns, and that was to decide
@@ -140,6 +154,7 @@ std::string key_blocks_csv(const topology::BlockComplex& complex, const stabilit
       out += !j.rotation ? "," : j.rotation->turns ? ",1" : ",0";
     }
     if (support != nullptr) append_supported(out, j, *support);
+    if (field_stress != nullptr) append_clamped(out, j, *field_stress);
     out += '\n';
   }
   return out;

@@ -380,6 +380,20 @@ std::string summary_json(const Summary& summary) {
   write_blocks(json, summary);
   if (summary.key_blocks) write_key_blocks(json, summary);
   if (summary.support) write_support(json, *summary.support);
+  if (summary.field_stress) {
+    const FieldStressFigures& f = *summary.field_stress;
+    json.key("field_stress");
+    json.begin_object();
+    json.member("tunnel", f.tunnel);
+    json.member("elements", f.elements);
+    json.member("error", f.error);
+    json.member("condition", f.condition);
+    json.member("residual", f.residual);
+    json.member("blocks", f.blocks);
+    json.member("held", f.held);
+    json.member("lowest_factor_of_safety", f.lowest_factor_of_safety);  // null: no block has a finite one
+    json.end_object();
+  }
   if (summary.maximum_blocks) {
     json.key("maximum_blocks");
     json.begin_object();

@@ -121,6 +121,20 @@ Summary summarize(const scene::RunResult& result) {
                                    .rounds = w.rounds,
                                    .truncated = w.truncated};
   }
+  if (result.field_stress) {
+    const scene::FieldStressResult& f = *result.field_stress;
+    FieldStressFigures figures{.tunnel = f.tunnel,
+                               .elements = f.elements,
+                               .error = f.error,
+                               .condition = f.condition,
+                               .residual = f.residual,
+                               .blocks = f.blocks.size(),
+                               .held = f.held};
+    for (const scene::ClampedBlock& block : f.blocks) {
+      figures.lowest_factor_of_safety = std::min(figures.lowest_factor_of_safety, block.factor_of_safety);
+    }
+    summary.field_stress = figures;
+  }
   if (result.sequence) summary.sequence = figures_of(*result.sequence);
   if (result.support) {
     summary.support = count_support(*result.support);
@@ -192,6 +206,7 @@ Page page_of(const scene::RunResult& result) {
   page.complex = complex_of(result);
   page.analysis = analysis_of(result);
   page.support = result.support ? &*result.support : nullptr;
+  page.field_stress = result.field_stress ? &*result.field_stress : nullptr;
   for (const scene::CaseSupport& load : result.support_cases) {
     page.support_cases.push_back({load.name, &load.support});
   }
@@ -265,7 +280,8 @@ std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& res
   if (!result.maximum_blocks.empty()) {
     CLEAVE_CHECK(write_file(folder / "maximum_blocks.csv", maximum_blocks_csv(maximum_rows(result))));
   }
-  return write_file(folder / "key_blocks.csv", key_blocks_csv(*complex, *result.analysis, support));
+  return write_file(folder / "key_blocks.csv", key_blocks_csv(*complex, *result.analysis, support,
+                                                              result.field_stress ? &*result.field_stress : nullptr));
 }
 
 std::expected<void, WriteError> write_report_html(const scene::RunResult& result, const fs::path& folder) {

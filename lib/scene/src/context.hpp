@@ -59,6 +59,9 @@ struct ParsedStability {
 /// Stages of the excavations and [sequence]; empty when all are of one stage.
 [[nodiscard]] std::optional<SequenceSettings> parse_sequence(const TableReader& root,
                                                              const std::vector<Excavation>& excavations);
+/// [field_stress]; after [rock] and the excavations.
+[[nodiscard]] std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, const Rock& rock,
+                                                                    const std::vector<Excavation>& excavations);
 [[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
 [[nodiscard]] OutputSettings parse_output(const TableReader& root);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "cleave/core/assert.hpp"
@@ -62,6 +63,8 @@ stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const St
           .force_transfer = wanted.force_transfer,
           .transfer = wanted.transfer,
           .max_batches = wanted.max_batches,
+          .only_key_blocks = scene.output.only_key_blocks,
+          .least_factor = wanted.target ? std::max(1.0, wanted.target->sliding) : 1.0,
           .actions = actions_of(drawn, loads),
           .rotation = wanted.rotation};
 }

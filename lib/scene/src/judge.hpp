@@ -16,8 +16,8 @@ namespace cleave::scene {
                                                    const StabilitySettings& wanted,
                                                    const topology::BlockComplex& complex);
 
-/// Nothing but weight and seismic force acts, and nothing but the base case is asked for.
-[[nodiscard]] bool only_weights(const Scene& scene);
+/// m, the longest bolt that the support has or may try: how far behind free faces rock matters to it.
+[[nodiscard]] double longest_bolt(const Scene& scene);
 
 /// m, of all tunnels.
 [[nodiscard]] double tunnel_length(const Scene& scene);
@@ -30,11 +30,14 @@ struct JudgedMore {
   std::vector<DesignResult> designs;
   std::vector<stability::Sensitivity> sensitivity;
   std::vector<MaximumRow> maximum_blocks;
+  /// Blocks cut by a window that cases or support depend on: then none of it holds, and a larger window is needed.
+  std::vector<topology::BlockId> undecided;
 };
 void judge_cases(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex, JudgedMore& more);
-/// After `judge_cases`: the support is checked under each named case too.
+/// After `judge_cases`: the support is checked under each named case too. `designs`: its designs are searched for, if
+/// the scene asks for them.
 void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
-                   const stability::Analysis& analysis, JudgedMore& more);
+                   const stability::Analysis& analysis, JudgedMore& more, bool designs = true);
 /// The support plan as it stands, under the base case; no design is searched for.
 [[nodiscard]] stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn,
                                                   const topology::AuditedComplex& complex,

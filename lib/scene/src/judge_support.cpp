@@ -46,13 +46,21 @@ std::vector<Bolt> bolts_with(const SupportSettings& support, double scale, doubl
   return bolts;
 }
 
+void note(const std::vector<topology::BlockId>& undecided, JudgedMore& more) {
+  more.undecided.insert(more.undecided.end(), undecided.begin(), undecided.end());
+}
+
 }  // namespace
 
-bool only_weights(const Scene& scene) {
-  const LoadSet& loads = scene.stability->loads;
-  return !scene.support && scene.stability->rotation != stability::RotationCheck::decide &&
-         scene.stability->cases.empty() && !loads.water && loads.pressures.empty() && loads.surcharges.empty() &&
-         loads.points.empty() && loads.lines.empty();
+double longest_bolt(const Scene& scene) {
+  double longest = 0;
+  if (!scene.support) return longest;
+  for (const Bolt& bolt : scene.support->plan.bolts) longest = std::max(longest, bolt.length);
+  if (scene.support->plan.spot) longest = std::max(longest, scene.support->plan.spot->length);
+  if (scene.support->design) {
+    for (const double length : scene.support->design->lengths) longest = std::max(longest, length);
+  }
+  return longest;
 }
 
 double tunnel_length(const Scene& scene) {
@@ -68,6 +76,7 @@ double tunnel_length(const Scene& scene) {
 void judge_cases(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex, JudgedMore& more) {
   for (const LoadCase& load : scene.stability->cases) {
     more.cases.push_back({load.name, stability::analyse(complex, settings_on(complex, scene, drawn, load.loads))});
+    note(more.cases.back().analysis.undecided, more);
   }
 }
 
@@ -82,12 +91,14 @@ void judge_support(const Scene& scene, const Drawn& drawn, const topology::Audit
   const stability::Settings settings = settings_on(complex, scene, drawn, scene.stability->loads);
   const SupportSettings& support = *scene.support;
   more.support = judge_plan(scene, drawn, complex, analysis);
+  note(more.support->undecided, more);
   for (std::size_t k = 0; k < more.cases.size(); ++k) {
     const LoadCase& load = scene.stability->cases[k];
     more.support_cases.push_back({load.name, check_support(complex, settings_on(complex, scene, drawn, load.loads),
                                                            more.cases[k].analysis, support.plan)});
+    note(more.support_cases.back().support.undecided, more);
   }
-  if (!support.design) return;
+  if (!support.design || !more.undecided.empty()) return;
   const DesignSettings& design = *support.design;
   for (const double length : design.lengths) {
     // Spot bolts would hide what the pattern lacks.
@@ -97,7 +108,9 @@ void judge_support(const Scene& scene, const Drawn& drawn, const topology::Audit
     const auto passes = [&](double scale) {
       for (std::uint32_t k = 0; k < design.phases; ++k) {
         plan.bolts = bolts_with(support, scale, length, static_cast<double>(k) / design.phases);
-        if (!check_support(complex, settings, analysis, plan).passes()) return false;
+        const stability::SupportResult result = check_support(complex, settings, analysis, plan);
+        note(result.undecided, more);
+        if (!result.passes()) return false;
       }
       return true;
     };

@@ -19,8 +19,8 @@ using std::string_view;
 constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
                                                 "north",  "domain",     "joint",    "joint_set", "joints",
                                                 "rock",   "excavation", "stability"};
-constexpr std::array<string_view, 8> more_root_keys{"output",      "sequence", "keep_dangling", "micro_blocks",
-                                                    "monte_carlo", "load",     "support",       "include"};
+constexpr std::array<string_view, 9> more_root_keys{
+    "output", "sequence", "keep_dangling", "micro_blocks", "monte_carlo", "load", "support", "include", "field_stress"};
 constexpr std::array<string_view, 3> plane_sections{"body", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
@@ -181,6 +181,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   parse_excavations(context, root, domain, excavations);
   ParsedStability stability = parse_stability(context, root, domain, excavations);
   std::optional<SupportSettings> support = parse_support(root, excavations, stability.settings);
+  std::optional<FieldStressSettings> field_stress = parse_field_stress(root, rock, excavations);
   OutputSettings output = parse_output(root);
   std::optional<SequenceSettings> sequence = parse_sequence(root, excavations);
   const MicroBlocks micro_blocks = parse_micro_blocks(root);
@@ -218,6 +219,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .excavations = std::move(excavations),
               .support = std::move(support),
               .stability = stability.settings,
+              .field_stress = field_stress,
               .sequence = std::move(sequence),
               .micro_blocks = micro_blocks,
               .output = output,

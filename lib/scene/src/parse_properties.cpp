@@ -214,9 +214,8 @@ Rock parse_rock(const TableReader& root) {
       table.note("density", fmt::format("is only {} kg/m3", *density), "give kg/m3, not t/m3: rock has 2000 to 3300");
     }
   }
-  // Only elastic bodies use these two, and this version has none: they are checked and then not needed.
-  static_cast<void>(table.number("young", young));
-  static_cast<void>(table.number("poisson", poisson));
+  static_cast<void>(table.number("young", young));  // stresses around a tunnel do not depend on it
+  rock.poisson = table.number("poisson", poisson);
   return rock;
 }
 

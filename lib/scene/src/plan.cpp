@@ -179,7 +179,13 @@ Plan make_plan(const Scene& scene) {
                               scene.monte_carlo->stop->quantity, 100 * scene.monte_carlo->stop->relative_half_width)
                 : fmt::format("{} realizations", scene.monte_carlo->realizations));
         break;
-      case Stage::elastic: add(stage, false, "no [[body]]"); break;
+      case Stage::elastic:
+        add(stage, scene.field_stress && stability,
+            !scene.field_stress ? "no [[body]] and no [field_stress]"
+            : !stability        ? "nothing is free, so no block is clamped"
+                                : fmt::format("stress around \"{}\" (section by boundary elements) on its key blocks",
+                                              scene.excavations[scene.field_stress->excavation].name));
+        break;
       case Stage::contact: add(stage, false, "no [[body]]"); break;
       case Stage::write: add(stage, true, why_write(scene.output, stability)); break;
       case Stage::report:

@@ -15,6 +15,7 @@
 #include "cleave/stability/near_field.hpp"
 #include "cleave/topology/cut.hpp"
 #include "cleave/topology/sequence.hpp"
+#include "field_stress.hpp"
 #include "judge.hpp"
 
 namespace cleave::scene {
@@ -174,12 +175,30 @@ std::expected<System, topology::CutError> cut_all(const Scene& scene, const Draw
   return system;
 }
 
+void judge_cases_and_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
+                             const stability::Analysis& analysis, StageTimer& timer, Progress& progress,
+                             JudgedMore& more) {
+  const auto stage = [&](Stage which, auto&& work) {
+    progress.begin(name_of(which));
+    timer.run(name_of(which), work);
+  };
+  if (!scene.stability->cases.empty()) stage(Stage::stability, [&] { judge_cases(scene, drawn, complex, more); });
+  if (scene.support && more.undecided.empty()) {
+    stage(Stage::support, [&] { judge_support(scene, drawn, complex, analysis, more); });
+  }
+}
+
 std::expected<System, topology::CutError> cut_near_free_faces(const Scene& scene, const Drawn& drawn,
                                                               const RunOptions& options, StageTimer& timer,
-                                                              Progress& progress) {
+                                                              Progress& progress, JudgedMore& more) {
   progress.begin(name_of(Stage::cut));
-  auto near =
-      stability::analyse_near_field(drawn.input, settings_of(scene, drawn), {.threads = options.threads}, timer);
+  const auto cases_and_support = [&](const topology::AuditedComplex& complex, const stability::Analysis& analysis) {
+    more = {};
+    judge_cases_and_support(scene, drawn, complex, analysis, timer, progress, more);
+    return more.undecided;
+  };
+  auto near = stability::analyse_near_field(drawn.input, settings_of(scene, drawn), {.threads = options.threads}, timer,
+                                            {.depth = longest_bolt(scene), .undecided = cases_and_support});
   if (!near) {
     if (auto* error = std::get_if<topology::CutError>(&near.error())) return std::unexpected(std::move(*error));
     return System{std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}, {}, {}, {}, {}};
@@ -261,8 +280,18 @@ void judge_realized(const Scene& scene, const std::optional<topology::Sequential
 
 std::expected<Realized, std::vector<Problem>> realize_near(const Scene& scene, Drawn drawn) {
   StageTimer timer;
-  auto near = stability::analyse_near_field(drawn.input, unflagged(settings_of(scene, drawn)), {.threads = 1}, timer);
-  if (near) return Realized{std::move(drawn), std::move(near->complex), std::move(near->analysis), {}, {}};
+  JudgedMore more;
+  const auto cases_and_support = [&](const topology::AuditedComplex& complex, const stability::Analysis& analysis) {
+    more = {};
+    if (!scene.stability->cases.empty()) judge_cases(scene, drawn, complex, more);
+    if (scene.support && more.undecided.empty()) judge_support(scene, drawn, complex, analysis, more, false);
+    return more.undecided;
+  };
+  auto near = stability::analyse_near_field(drawn.input, unflagged(settings_of(scene, drawn)), {.threads = 1}, timer,
+                                            {.depth = longest_bolt(scene), .undecided = cases_and_support});
+  if (near) {
+    return Realized{std::move(drawn), std::move(near->complex), std::move(near->analysis), {}, std::move(more.support)};
+  }
   if (auto* error = std::get_if<topology::CutError>(&near.error())) {
     return std::unexpected(std::vector{problem_of(*error, scene, drawn)});
   }
@@ -286,7 +315,7 @@ void realize(const Scene& scene, std::uint64_t first, std::uint64_t count,
     CLEAVE_ASSERT(again.has_value());  // the same joints as before
     return *std::move(again);
   };
-  if (scene.output.only_key_blocks && scene.stability && !scene.sequence && only_weights(scene)) {
+  if (scene.output.only_key_blocks && scene.stability && !scene.sequence) {
     // How far the rock must be cut depends on the strengths.
     use(first, realize_near(scene, *std::move(drawn)));
     for (std::uint64_t k = first + 1; k < first + count; ++k) use(k, realize_near(scene, next_strengths(k)));
@@ -325,29 +354,42 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     return std::unexpected(std::move(drawn).error());
   }
 
-  // The neighbourhood of free faces is enough for weights alone: other loads, cases and bolts see all of the rock.
-  auto made = scene.output.only_key_blocks && scene.stability && !scene.sequence && only_weights(scene)
-                  ? cut_near_free_faces(scene, *drawn, options, timer, progress)
-                  : cut_all(scene, *drawn, options, timer, progress);
+  const bool on_demand = scene.output.only_key_blocks && scene.stability && !scene.sequence;
+  JudgedMore more;
+  auto made = on_demand ? cut_near_free_faces(scene, *drawn, options, timer, progress, more)
+                        : cut_all(scene, *drawn, options, timer, progress);
   if (!made) {
     progress.end();
     return std::unexpected(std::vector{problem_of(made.error(), scene, *drawn)});
   }
   System& system = *made;
   auto& analysis = system.analysis;
-  JudgedMore more;
+  std::optional<FieldStressResult> clamped;
   if (analysis) {
     if (auto misplaced = misplaced_loads(scene, *drawn, *scene.stability, system.complex->complex());
         !misplaced.empty()) {
       progress.end();
       return std::unexpected(std::move(misplaced));
     }
-    if (!scene.stability->cases.empty()) {
-      stage(Stage::stability, [&] { judge_cases(scene, *drawn, *system.complex, more); });
-    }
-    if (scene.support) stage(Stage::support, [&] { judge_support(scene, *drawn, *system.complex, *analysis, more); });
+    if (!on_demand) judge_cases_and_support(scene, *drawn, *system.complex, *analysis, timer, progress, more);
     judge_sensitivity(scene, *drawn, *system.complex, *analysis, more);
     judge_maximum_blocks(scene, *drawn, more);
+    if (scene.field_stress) {
+      auto done = stage(Stage::elastic, [&]() -> std::expected<FieldStressResult, bem::SolveError> {
+        CLEAVE_TRY(const TunnelField field, TunnelField::make(scene, *scene.field_stress, options.threads));
+        stability::Settings settings = settings_of(scene, *drawn, options.realization);
+        if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
+          settings.left_out = micro_blocks(system.complex->complex(), scene.micro_blocks);
+        }
+        return clamp_blocks(scene, field, system.complex->complex(), *analysis, settings, options.threads);
+      });
+      if (!done) {
+        progress.end();
+        return std::unexpected(std::vector{Problem{scene.shown, scene.field_stress->line, "field_stress",
+                                                   describe(done.error()), "see docs/bem.md on field stress"}});
+      }
+      clamped = *std::move(done);
+    }
   }
   progress.end();
 
@@ -363,9 +405,6 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     notes.push_back(
         fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
   }
-  if (scene.output.only_key_blocks && scene.stability && !only_weights(scene)) {
-    notes.push_back("all the rock was cut: with water, loads on free faces, load cases or support it is needed");
-  }
   if (more.support && !more.support->passes()) {
     notes.push_back(
         "the support does not reach the required factors of safety: see bolts.csv and the columns of key_blocks.csv");
@@ -378,6 +417,19 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     }
   }
   if (analysis) add_rotation_note(*analysis, notes);
+  if (system.window && system.window->truncated > 0 && analysis &&
+      analysis->rotation == stability::RotationCheck::flag) {
+    notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");
+  }
+  if (clamped && !clamped->reached) {
+    notes.push_back(fmt::format("field stress: displacements of the section still change by {:.1e} (asked: {:.1e})",
+                                clamped->error, scene.field_stress->tolerance));
+  }
+  if (clamped && clamped->held > 0) {
+    notes.push_back(fmt::format("field stress: {} unstable {} held by the stress across {} joints; without it {}",
+                                clamped->held, clamped->held == 1 ? "block is" : "blocks are",
+                                clamped->held == 1 ? "its" : "their", clamped->held == 1 ? "it falls" : "they fall"));
+  }
   for (const CaseResult& load : more.cases) {
     std::size_t leaving = 0, base = 0;
     for (const stability::Batch& batch : load.analysis.batches) leaving += batch.blocks.size();
@@ -410,6 +462,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .analysis = std::move(analysis),
                    .sequence = std::move(system.sequence),
                    .micro_blocks = scene.micro_blocks,
+                   .field_stress = std::move(clamped),
                    .support = std::move(more.support),
                    .support_cases = std::move(more.support_cases),
                    .bolt_groups = scene.support ? scene.support->groups : std::vector<std::string>{},

@@ -1,11 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 
+#include "cleave/bem/boundary_stress.hpp"
 #include "cleave/bem/statics.hpp"
+#include "cleave/core/parallel.hpp"
 #include "cleave/scene/bodies.hpp"
 #include "cleave/scene/run.hpp"
 
@@ -35,8 +36,6 @@ std::vector<std::vector<Value>> along(const bem::Mesh& mesh, const At& at) {
   return loops;
 }
 
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 struct Box {
   Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
   void add(Vec2 x) {
@@ -46,7 +45,7 @@ struct Box {
 };
 
 /// Stress on a grid of about 1,500 cells in the body (around its openings when it is infinite).
-void add_cells(const bem::Solution& solution, std::size_t region, BodyResult& body, bool infinite) {
+void add_cells(const bem::Solution& solution, std::size_t region, BodyResult& body, bool infinite, unsigned threads) {
   Box box;
   for (const auto& loop : body.outline) {
     for (const Vec2 x : loop) box.add(x);
@@ -63,10 +62,15 @@ void add_cells(const bem::Solution& solution, std::size_t region, BodyResult& bo
     for (double x = box.low.x + size / 2; x < box.high.x; x += size) {
       const Vec2 at{x, y};
       if (solution.region_at(at) != region) continue;
-      const bem::Sym2 s = solution.stress(region, at);
-      body.cells.push_back({at, size, solution.displacement(region, at), s, material.out_of_plane(s)});
+      body.cells.push_back({at, size, {}, {}, 0});
     }
   }
+  parallel_for(body.cells.size(), ThreadLimit{std::max(1U, threads)}, [&](std::size_t k) {
+    StressCell& cell = body.cells[k];
+    cell.stress = solution.stress(region, cell.centre);
+    cell.displacement = solution.displacement(region, cell.centre);
+    cell.out_of_plane = material.out_of_plane(cell.stress);
+  });
 }
 
 using Problems = std::vector<Problem>;
@@ -121,7 +125,6 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
       }
       coarse.mesh.element = std::max(box.high.x - box.low.x, box.high.y - box.low.y) / 8;
     }
-    const double start = seconds();
     auto refined =
         bem::solve_to(problem, refine ? options : coarse, refine ? *scene.tolerance : 1e-300, refine ? 6 : 2);
     if (!refined) return problem_of(scene, group.front(), describe(refined.error()));
@@ -131,7 +134,9 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
       result.stopped_why = fmt::format("{}: the displacement still changes by {:.1e} (asked: {:.1e}) after {} meshes",
                                        names, error, *scene.tolerance, refined->meshes);
     }
-    result.trials.push_back({names, refined->solution.diagnostics().elements, seconds() - start, error});
+    for (const bem::MeshError& mesh : refined->series) {
+      result.trials.push_back({names, mesh.elements, mesh.seconds, mesh.error});
+    }
     solution = std::move(refined->solution);
     const bem::Diagnostics& d = solution->diagnostics();
     result.residual = std::max(result.residual, d.residual);
@@ -170,7 +175,7 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
       body.rotation = weight > 0 ? turn / weight : 0;
       body.centroid =
           infinite ? rest : rest + (solution->region_at(rest) == k ? solution->displacement(k, rest) : mean);
-      if (scene.stress && (scene.output.report || scene.output.vtu)) add_cells(*solution, k, body, infinite);
+      if (scene.stress && (scene.output.report || scene.output.vtu)) add_cells(*solution, k, body, infinite, threads);
       result.largest_displacement = std::max(result.largest_displacement, body.largest);
     }
     for (std::size_t p = 0; p < scene.points.size(); ++p) {
@@ -328,6 +333,25 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
   }
   const auto steps = static_cast<std::uint64_t>(std::llround(time.end / time.step));
   const std::uint64_t every = std::max<std::uint64_t>(1, steps / time.frames);
+  // Stress costs a product with a dense matrix a frame: only for a picture that shows it.
+  const bool stressed = scene.stress && (scene.output.report || scene.output.vtu);
+  const auto record_stress = [&](const Mover& m, BodyResult& body, const std::vector<double>& u, double angle) {
+    const auto tractions = bem::tractions_of(*m.block, u);
+    const auto at = [&](std::size_t e, double s) {
+      const bem::Sym2 own = bem::boundary_stress(*m.block, {e, s}, u, tractions);
+      const double c = std::cos(angle), d = std::sin(angle);
+      return bem::Sym2{c * c * own.xx - 2 * c * d * own.xy + d * d * own.yy,
+                       c * d * (own.xx - own.yy) + (c * c - d * d) * own.xy,
+                       d * d * own.xx + 2 * c * d * own.xy + c * c * own.yy};
+    };
+    body.stress_frames.push_back(along<bem::Sym2>(m.block->mesh(), at));
+    body.mises_frames.push_back(along<double>(m.block->mesh(), [&](std::size_t e, double s) {
+      const bem::Sym2 v = at(e, s);
+      const double z = m.block->material().out_of_plane(v);
+      return std::sqrt(0.5 * (std::pow(v.xx - v.yy, 2) + std::pow(v.yy - z, 2) + std::pow(z - v.xx, 2)) +
+                       3 * v.xy * v.xy);
+    }));
+  };
   const auto record = [&](std::uint64_t step) {
     result.times.push_back(static_cast<double>(step) * time.step);
     std::array<double, 3> energy{};
@@ -339,6 +363,7 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
         body.frames.push_back(along<Vec2>(mesh, [&](std::size_t e, double s) { return m.free->position({e, s}); }));
         body.centroid = m.free->centroid();
         body.rotation = m.free->rotation();
+        if (stressed) record_stress(m, body, m.free->deformation(), body.rotation);
         const bem::Energy now = m.free->energy();
         energy[0] += now.kinetic;
         energy[1] += now.elastic;
@@ -348,6 +373,7 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
         body.frames.push_back(along<Vec2>(mesh, [&](std::size_t e, double s) {
           return m.block->centroid() + mesh.elements[e].at(s) + m.block->displacement_at({e, s}, u);
         }));
+        if (stressed) record_stress(m, body, u, 0);
         Vec2 mean;
         double turn = 0, weight = 0;
         for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
@@ -415,6 +441,8 @@ Plan make_plan(const BodiesScene& scene) {
     why += fmt::format(", {:.6g} s in steps of {:.3g} s ({})", scene.time->end, scene.time->step,
                        bem::name_of(scene.time->scheme));
     why += "; no stress inside: moving bodies are followed by their modes";
+    if (!scene.stress || (!scene.output.report && !scene.output.vtu))
+      why += "; no stress on the boundary: nothing asks for it";
   } else {
     why += ", static: no mass, no inner points, no cells, no time steps";
     if (!scene.stress || (!scene.output.report && !scene.output.vtu)) why += "; no stress inside: nothing asks for it";

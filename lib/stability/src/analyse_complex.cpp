@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "contacts.hpp"
+#include "known_parts.hpp"
 #include "rotation_check.hpp"
 #include "transfer.hpp"
 #include "verdict.hpp"
@@ -21,7 +22,7 @@ class Batches final {
   /// `held` keep their place whatever drives them: ascending.
   Batches(const topology::BlockComplex& complex, const Settings& settings, std::span<const BlockId> held)
       : model_{complex, settings},
-        least_tan_{settings.strengths.least_tan_friction() / settings.partial.friction()},
+        known_parts_{model_},
         held_{held},
         slot_(complex.blocks().size(), none),
         noted_in_(complex.blocks().size(), 0) {}
@@ -64,15 +65,15 @@ class Batches final {
     const std::uint32_t slot = std::exchange(slot_[id], none);
     const Model::Held held = model_.held(id, batch);
     if (!held.exposed) return false;  // face-vector closure: all its joint faces together leave no direction
-    const std::uint8_t dimension = Cone{held.rows}.dimension();
-    // Faces that are not known can only take directions away.
-    if (dimension == 0 || (model_.settings().strict && dimension < 3)) return false;
-    const Contacts contacts = model_.contacts(id, batch);
     const topology::Block& block = complex().blocks()[id];
     if (block.truncated) {
-      if (!stays_for_certain(contacts, model_.applied_forces(id, batch))) analysis_.undecided.push_back(id);
+      if (std::ranges::find(analysis_.undecided, id) != analysis_.undecided.end()) return false;  // for good
+      if (!known_parts_.stays(id, batch, model_.settings().least_factor)) analysis_.undecided.push_back(id);
       return false;
     }
+    const std::uint8_t dimension = Cone{held.rows}.dimension();
+    if (dimension == 0 || (model_.settings().strict && dimension < 3)) return false;
+    const Contacts contacts = model_.contacts(id, batch);
     const Verdict verdict = judge(contacts, model_.applied_forces(id, batch), model_.settings());
     analysis_.equilibrium_residual = std::max(analysis_.equilibrium_residual, verdict.residual);
 
@@ -124,18 +125,6 @@ class Batches final {
     return judged;
   }
 
-  /// Whether a block known in part stays whatever its other faces are. Its body forces have the direction of `r`. More
-  /// faces make the cone smaller, so the projection s of r on it shorter and the reactions, r - s in sum, larger: with
-  /// |s| <= tan(least friction) |r - s| now, friction holds it then.
-  [[nodiscard]] bool stays_for_certain(const Contacts& contacts, const Resultant& r) const {
-    const Motion motion = project(contacts.cone, r);
-    if (motion.tie) return false;
-    if (motion.kind == MotionKind::none || motion.kind == MotionKind::held) return true;
-    if (!model_.settings().only_key_blocks) return false;
-    const double driving = geometry::dot(motion.s, motion.s), all = geometry::dot(r.newtons(), r.newtons());
-    return driving < 0.999999 * least_tan_ * least_tan_ * (all - driving);
-  }
-
   /// Takes a batch out; returns the blocks whose contacts changed, in order of id.
   std::vector<BlockId> remove(std::vector<BlockId> leaving, std::uint32_t batch) {
     Volume volume;
@@ -163,7 +152,7 @@ class Batches final {
   }
 
   Model model_;
-  double least_tan_;
+  KnownParts known_parts_;
   std::span<const BlockId> held_;
   /// Judgements are large and few blocks are judged: the block's place among them, or none.
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();

@@ -67,10 +67,11 @@ std::optional<BlockId> BoltPaths::behind(const Face& face, Vec3 x) const {
   return any;  // on an edge, to rounding
 }
 
-std::vector<Pierced> BoltPaths::path(const Bolt& bolt) const {
-  std::vector<Pierced> pierced;
+BoltPath BoltPaths::path(const Bolt& bolt) const {
+  BoltPath path;
+  std::vector<Pierced>& pierced = path.pierced;
   const auto start = collar_face(bolt);
-  if (!start) return pierced;
+  if (!start) return path;
   BlockId block = complex_->faces()[*start].block;
   double t = 0;
   constexpr std::size_t most = 100'000;
@@ -92,6 +93,11 @@ std::vector<Pierced> BoltPaths::path(const Bolt& bolt) const {
       pierced.push_back({block, t, bolt.length});
       break;
     }
+    if (through->role == topology::Role::window) {
+      path.leaves_window = true;
+      pierced.push_back({block, t, bolt.length});
+      break;
+    }
     exit = std::max(exit, t);
     pierced.push_back({block, t, exit});
     if (through->role == topology::Role::free) break;
@@ -100,7 +106,7 @@ std::vector<Pierced> BoltPaths::path(const Bolt& bolt) const {
     block = *next;
     t = exit;
   }
-  return pierced;
+  return path;
 }
 
 }  // namespace cleave::stability

@@ -8,14 +8,19 @@
 
 namespace cleave::stability {
 
+/// The blocks a bolt goes through, in order.
+struct BoltPath {
+  std::vector<Pierced> pierced;  ///< a bolt that comes out into the air ends there; empty when no free face lies at the
+                                 ///< collar with the rock in front of the bolt
+  bool leaves_window = false;    ///< goes on where nothing was cut
+};
+
 /// Follows bolts from block to block.
 class BoltPaths final {
  public:
   explicit BoltPaths(const topology::BlockComplex& complex);
 
-  /// The blocks a bolt goes through, in order; a bolt that comes out into the air ends there. Empty when no free face
-  /// lies at the collar with the rock in front of the bolt.
-  [[nodiscard]] std::vector<Pierced> path(const Bolt& bolt) const;
+  [[nodiscard]] BoltPath path(const Bolt& bolt) const;
 
  private:
   struct FreeFace {

@@ -73,7 +73,7 @@ double spacing(const topology::CutInput& input, const Bounds& domain) {
 
 }  // namespace
 
-std::optional<NearField> NearField::around_free_faces(const topology::CutInput& input) {
+std::optional<NearField> NearField::around_free_faces(const topology::CutInput& input, double depth) {
   Bounds domain, free;
   for (const Vec3& v : input.domain.vertices()) domain.add(v);
   for (const geometry::Solid& excavation : input.excavations) {
@@ -94,7 +94,7 @@ std::optional<NearField> NearField::around_free_faces(const topology::CutInput& 
   near.free_max_ = free.max;
   near.domain_min_ = domain.min;
   near.domain_max_ = domain.max;
-  near.margin_.fill(1.5 * spacing(input, domain));
+  near.margin_.fill(std::max(depth, 1.5 * spacing(input, domain)));
   if (!near.worth_while()) return std::nullopt;
   return near;
 }
@@ -113,9 +113,7 @@ bool NearField::worth_while() const noexcept {
   double share = 1;
   const Corner size{w.max.x - w.min.x, w.max.y - w.min.y, w.max.z - w.min.z};
   for (std::size_t k = 0; k < 3; ++k) share *= size[k] / (domain_max_[k] - domain_min_[k]);
-  // Where a window is a larger part of the domain, the next one is all of it and this one is cut in vain, as a rule
-  // (docs/decisions/0076).
-  return share < 0.2;
+  return share < 0.5;
 }
 
 bool NearField::grow(const topology::BlockComplex& complex, std::span<const topology::BlockId> undecided) {
@@ -138,11 +136,12 @@ bool NearField::grow(const topology::BlockComplex& complex, std::span<const topo
 }
 
 std::expected<NearKeyBlocks, NearError> analyse_near_field(const topology::CutInput& input, const Settings& settings,
-                                                           const topology::CutOptions& options, StageTimer& timer) {
+                                                           const topology::CutOptions& options, StageTimer& timer,
+                                                           const NearMore& more) {
   topology::CutInput part = input;
   Settings only_key = settings;
   only_key.only_key_blocks = true;
-  std::optional<NearField> near = NearField::around_free_faces(input);
+  std::optional<NearField> near = NearField::around_free_faces(input, more.depth);
   for (unsigned round = 1;; ++round) {
     part.window = near ? std::optional{near->window()} : std::nullopt;
     auto cut = timer.run("cut", [&] { return topology::cut(part, options); });
@@ -150,10 +149,12 @@ std::expected<NearKeyBlocks, NearError> analyse_near_field(const topology::CutIn
     auto audited = timer.run("audit", [&] { return topology::audit(*std::move(cut)); });
     if (!audited) return std::unexpected(NearError{std::move(audited).error()});
     Analysis analysis = timer.run("stability", [&] { return analyse(*audited, only_key); });
-    if (analysis.undecided.empty()) {
+    std::vector<topology::BlockId> undecided = analysis.undecided;
+    if (undecided.empty() && more.undecided) undecided = more.undecided(*audited, analysis);
+    if (undecided.empty() || !near) {
       return NearKeyBlocks{*std::move(audited), std::move(analysis), part.window, round};
     }
-    if (!near->grow(audited->complex(), analysis.undecided)) near.reset();
+    if (!near->grow(audited->complex(), undecided)) near.reset();
   }
 }
 

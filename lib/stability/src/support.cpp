@@ -1,17 +1,18 @@
 #include "cleave/stability/support.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <utility>
 
+#include "bolt_grips.hpp"
 #include "bolt_paths.hpp"
 #include "contacts.hpp"
-#include "flat.hpp"
-#include "verdict.hpp"
+#include "free_faces.hpp"
+#include "known_parts.hpp"
+#include "supported_body.hpp"
 
 namespace cleave::stability {
 namespace {
@@ -24,132 +25,6 @@ using topology::Face;
 using topology::FaceId;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double rounding = 0x1p-40;
-
-double target_of(Mode mode, const SupportPlan& plan) {
-  return mode == Mode::falling || mode == Mode::lifting ? plan.target_falling : plan.target_sliding;
-}
-
-/// A body under its loads, before any support.
-struct Body {
-  Contacts contacts;
-  Resultant resultant;
-  Verdict bare;
-  double target = 1;
-};
-
-struct AtShare {
-  double lack;  ///< T - R / target, N; <= 0: held
-  double driving;
-  Mode mode;
-};
-
-/// The body with an extra force, strength and force both reduced by the target.
-AtShare with_force(const Body& body, Vec3 force, const Settings& settings) {
-  Resultant r = body.resultant;
-  r.add(force / body.target, norm(force) / body.target);
-  const Verdict v = judge(body.contacts, r, settings);
-  return {v.driving - v.resistance.least / body.target, v.driving, v.mode};
-}
-
-struct Least {
-  double share = infinite;  ///< infinite: not found up to the limit
-  Mode mode = Mode::stable;
-};
-
-/// Smallest share of `force` in [0, limit] that holds the body: 32 steps, then bisection in the first that does. (The
-/// lack of hold is continuous but where cohesion is lost with a wall, so a scan comes first.)
-Least least_share(const Body& body, Vec3 force, const Settings& settings, double limit) {
-  const auto holds = [&](double share, Mode& mode) {
-    const AtShare at = with_force(body, share * force, settings);
-    mode = at.mode;
-    return at.lack <= rounding * body.bare.driving;
-  };
-  Mode mode = Mode::stable;
-  double below = 0;
-  if (holds(0, mode)) return {0, mode};
-  constexpr int steps = 32;
-  for (int i = 1; i <= steps; ++i) {
-    double above = limit * i / steps;
-    if (!holds(above, mode)) {
-      below = above;
-      continue;
-    }
-    for (int k = 0; k < 60 && above - below > 1e-13 * limit; ++k) {
-      const double middle = 0.5 * (below + above);
-      Mode there = Mode::stable;
-      if (holds(middle, there)) {
-        above = middle;
-        mode = there;
-      } else {
-        below = middle;
-      }
-    }
-    return {above, mode};
-  }
-  return {};
-}
-
-/// Factor of safety in the mode without bolts (Fu 2014, 4.8 to 4.10) under the sum of the bolts' forces.
-double fixed_mode_factor(const Body& body, Vec3 bolts, bool active) {
-  const Verdict& v = body.bare;
-  if (!moves(v.mode)) return infinite;
-  const double along = -dot(bolts, v.direction);
-  double resistance = v.resistance.least;
-  const auto& pressing = v.resistance.pressing;
-  const auto swap_friction = [&](std::size_t k, double reaction) {
-    const Contact& group = body.contacts.groups[pressing[k].first];
-    const double old = pressing[k].second;
-    resistance += reaction * group.tan_at(reaction) - old * group.tan_at(old);
-  };
-  if (pressing.size() == 1) {
-    const Vec3 n = body.contacts.cone.groups()[pressing[0].first].unit();
-    swap_friction(0, std::max(0.0, pressing[0].second - dot(bolts, n)));
-  } else if (pressing.size() == 2) {
-    Resultant r = body.resultant;
-    r.add(bolts, norm(bolts));
-    if (const auto both = reactions(body.contacts.cone, r, pressing[0].first, pressing[1].first)) {
-      swap_friction(0, both->first);
-      swap_friction(1, both->second);
-    }
-  }
-  if (!active) return (resistance + along) / v.driving;
-  return v.driving > along ? resistance / (v.driving - along) : infinite;
-}
-
-/// Direction of the best single force: at the friction angle to a plane, else straight against the motion.
-Vec3 best_direction(const Body& body) {
-  const Verdict& v = body.bare;
-  if (v.mode != Mode::sliding || v.resistance.pressing.size() != 1) return -v.direction;
-  const auto [group, reaction] = v.resistance.pressing[0];
-  const double b = std::atan(body.contacts.groups[group].tan_at(reaction));
-  return geometry::normalized(-std::cos(b) * v.direction - std::sin(b) * body.contacts.cone.groups()[group].unit());
-}
-
-struct Grip {
-  double gripped = 0;          ///< m in the block
-  double first = 0, last = 0;  ///< m from the collar: where the bolt enters it first and leaves it last
-  bool collar = false;
-  double behind = 0;  ///< m in rock beyond it
-};
-
-Grip grip_of(const std::vector<Pierced>& path, BlockId block) {
-  Grip grip;
-  bool found = false;
-  for (const Pierced& p : path) {
-    if (p.block == block) {
-      if (!found) grip.first = p.from;
-      found = true;
-      grip.gripped += p.to - p.from;
-      grip.last = p.to;
-      grip.behind = 0;
-    } else if (found) {
-      grip.behind += p.to - p.from;
-    }
-  }
-  grip.collar = !path.empty() && path.front().block == block;
-  return grip;
-}
 
 class Check final {
  public:
@@ -160,12 +35,14 @@ class Check final {
         analysis_{&analysis},
         plan_{&plan},
         model_{complex, settings},
+        known_parts_{model_},
         paths_{complex},
         needy_(complex.blocks().size(), none) {}
 
   SupportResult run() {
     find_needy();
     for (const Bolt& bolt : plan_->bolts) add_bolt(bolt, false);
+    if (!result_.undecided.empty()) return std::move(result_);
     for (std::size_t i = 0; i < bodies_.size(); ++i) check_block(i);
     judge_bolts();
     combine();
@@ -219,9 +96,13 @@ class Check final {
     for (const BlockId id : complex_->blocks().ids()) {
       const topology::Block& block = complex_->blocks()[id];
       if (!block.free || block.fixed || !model_.present(id, 1)) continue;
+      if (block.truncated) {
+        if (!known_parts_.stays(id, 1, std::max(1.0, plan_->target_sliding))) result_.undecided.push_back(id);
+        continue;
+      }
       auto body = body_of({&id, 1});
       if (!body || !moves(body->bare.mode)) continue;
-      if (!(body->bare.driving - body->bare.resistance.least / body->target > rounding * body->bare.driving)) continue;
+      if (!body->lacks()) continue;
       SupportedBlock entry{.block = id, .mode = body->bare.mode, .target = body->target};
       entry.net_force = body->bare.net;
       entry.factor_of_safety = body->bare.factor_of_safety;
@@ -247,14 +128,30 @@ class Check final {
   }
 
   void add_bolt(const Bolt& bolt, bool spot) {
-    BoltResult entry{.bolt = bolt, .spot = spot, .pierced = paths_.path(bolt)};
+    const BoltPath path = paths_.path(bolt);
+    BoltResult entry{.bolt = bolt, .spot = spot, .pierced = path.pierced};
     if (entry.pierced.empty()) entry.status = BoltStatus::off;
+    note_truncated(path);
     const auto number = static_cast<std::uint32_t>(result_.bolts.size());
     for (const Pierced& p : entry.pierced) {
       auto& through = through_[p.block];
       if (through.empty() || through.back() != number) through.push_back(number);
     }
     result_.bolts.push_back(std::move(entry));
+  }
+
+  /// What a bolt does depends on the blocks it goes through as a whole: how much of it each grips, and with which
+  /// others it is stitched to. Fixed ones hold in any case, if no two parts on the bolt may be one block.
+  void note_truncated(const BoltPath& path) {
+    std::vector<BlockId> parts;
+    bool whole = !path.leaves_window;
+    for (const Pierced& p : path.pierced) {
+      const topology::Block& block = complex_->blocks()[p.block];
+      if (!block.truncated) continue;
+      whole = whole && block.fixed && (parts.empty() || parts.back() == p.block);
+      parts.push_back(p.block);
+    }
+    if (!whole) result_.undecided.insert(result_.undecided.end(), parts.begin(), parts.end());
   }
 
   /// What a bolt can do for a block: nothing (why in `status`), or a force along it.
@@ -326,42 +223,10 @@ class Check final {
     }
   }
 
-  /// Perimeter of the free faces along which sprayed concrete is keyed to rock that stays: the block's own joint face
-  /// beyond the edge must not lead to another loose block.
-  [[nodiscard]] double keyed_perimeter(BlockId id) const {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, const Face*> beyond;
-    const auto key = [](topology::VertexId a, topology::VertexId b) {
-      return std::pair{std::min(a.value(), b.value()), std::max(a.value(), b.value())};
-    };
-    const auto edges = [&](const Face& face, auto&& use) {
-      for (const auto& loop : complex_->loops(face)) {
-        for (std::size_t i = 0; i < loop.size(); ++i) use(loop[i], loop[(i + 1) % loop.size()]);
-      }
-    };
-    for (const FaceId face_id : complex_->blocks()[id].faces) {
-      const Face& face = complex_->faces()[face_id];
-      if (face.role != topology::Role::joint) continue;
-      edges(face, [&](auto a, auto b) { beyond[key(a, b)] = &face; });
-    }
-    double perimeter = 0;
-    for (const FaceId face_id : complex_->blocks()[id].faces) {
-      const Face& face = complex_->faces()[face_id];
-      if (face.role != topology::Role::free) continue;
-      edges(face, [&](auto a, auto b) {
-        const auto it = beyond.find(key(a, b));
-        if (it == beyond.end()) return;
-        for (const topology::Patch& patch : complex_->patches(*it->second)) {
-          if (patch.neighbour && needy_[*patch.neighbour] != none) return;
-        }
-        perimeter += norm(complex_->position(b) - complex_->position(a));
-      });
-    }
-    return perimeter;
-  }
-
   void shotcrete(SupportedBlock& entry) {
     const Shotcrete& layer = *plan_->shotcrete;
-    const double perimeter = keyed_perimeter(entry.block);
+    const double perimeter =
+        keyed_perimeter(*complex_, entry.block, [&](BlockId other) { return needy_[other] != none; });
     double hold = perimeter * layer.thickness * layer.shear_strength;
     if (layer.adhesion > 0) hold = std::min(hold, perimeter * layer.bond_width * layer.adhesion);
     // A block between 1 and its target has no net force: what it lacks is the resistance up to the target.
@@ -374,51 +239,12 @@ class Check final {
 
   template <class Look>
   void place_spot_bolts(SupportedBlock& entry, Look look) {
-    const Body& body = bodies_[needy_[entry.block]];
-    const Face* largest = nullptr;
-    for (const FaceId face_id : complex_->blocks()[entry.block].faces) {
-      const Face& face = complex_->faces()[face_id];
-      if (face.role != topology::Role::free) continue;
-      if (largest == nullptr || face.area > largest->area) largest = &face;
-    }
-    if (largest == nullptr) return;
-    Vec3 direction = -largest->outward;
-    for (const Vec3 wanted : {entry.required_direction, -body.bare.direction}) {
-      if (dot(wanted, largest->outward) < -0.3) {
-        direction = wanted;
-        break;
-      }
-    }
-    if (dot(direction, body.bare.direction) >= 0) return;
-    const Vec3 u = geometry::normalized(std::abs(largest->outward.z) < 0.9 ? cross(largest->outward, {0, 0, 1})
-                                                                           : cross(largest->outward, {1, 0, 0}));
-    const Vec3 v = cross(largest->outward, u);
-    double u0 = infinite, u1 = -infinite, v0 = infinite, v1 = -infinite;
-    for (const auto& loop : complex_->loops(*largest)) {
-      for (const topology::VertexId vertex : loop) {
-        const Vec3 x = complex_->position(vertex) - largest->centroid;
-        u0 = std::min(u0, dot(x, u));
-        u1 = std::max(u1, dot(x, u));
-        v0 = std::min(v0, dot(x, v));
-        v1 = std::max(v1, dot(x, v));
-      }
-    }
-    const auto halton = [](std::uint32_t i, std::uint32_t base) {
-      double f = 1, r = 0;
-      for (; i > 0; i /= base) {
-        f /= base;
-        r += f * (i % base);
-      }
-      return r;
-    };
+    const Vec3 motion = bodies_[needy_[entry.block]].bare.direction;
+    const std::array<Vec3, 2> wanted{entry.required_direction, -motion};
     std::uint32_t placed = 0;
-    for (std::uint32_t i = 0; i < 400 && placed < plan_->spot->most && entry.held == Held::not_held; ++i) {
-      const Vec3 x =
-          i == 0 ? largest->centroid
-                 : largest->centroid + (u0 + halton(i, 2) * (u1 - u0)) * u + (v0 + halton(i, 3) * (v1 - v0)) * v;
-      if (!contains(*complex_, *largest, x)) continue;
-      const Bolt bolt{.collar = x, .direction = direction, .length = plan_->spot->length, .type = plan_->spot->type};
-      BoltResult trial{.bolt = bolt, .spot = true, .pierced = paths_.path(bolt)};
+    for (const Bolt& bolt : spot_places(*complex_, entry.block, wanted, motion, *plan_->spot)) {
+      if (placed == plan_->spot->most || entry.held != Held::not_held) break;
+      const BoltResult trial{.bolt = bolt, .spot = true, .pierced = paths_.path(bolt).pierced};
       BoltStatus status{};
       if (trial.pierced.empty() || !(action(trial, entry.block, status).force > 0)) continue;
       add_bolt(bolt, true);
@@ -466,36 +292,8 @@ class Check final {
 
   /// Step 2: blocks gripped by one bolt are one body.
   void combine() {
-    std::vector<std::uint32_t> parent(complex_->blocks().size());
-    std::iota(parent.begin(), parent.end(), 0U);
-    const auto root = [&](std::uint32_t i) {
-      while (parent[i] != i) i = parent[i] = parent[parent[i]];
-      return i;
-    };
-    for (const BoltResult& bolt : result_.bolts) {
-      std::optional<std::uint32_t> first;
-      std::vector<BlockId> seen;
-      for (const Pierced& p : bolt.pierced) {
-        if (std::ranges::find(seen, p.block) != seen.end()) continue;
-        seen.push_back(p.block);
-        if (plan_->key_only && needy_[p.block] == none) continue;
-        const Grip grip = grip_of(bolt.pierced, p.block);
-        const bool plate = grip.collar && bolt.bolt.type.plate > 0;
-        if (!plate && (grip.gripped < bolt.bolt.type.anchorage || !(grip.gripped > 0))) continue;
-        const std::uint32_t here = root(p.block.value());
-        if (!first) {
-          first = here;
-          continue;
-        }
-        const std::uint32_t there = root(*first);
-        parent[std::max(here, there)] = std::min(here, there);
-      }
-    }
-    std::map<std::uint32_t, std::vector<BlockId>> groups;
-    for (const BlockId id : complex_->blocks().ids()) groups[root(id.value())].push_back(id);
-    for (auto& [lowest, members] : groups) {
-      if (members.size() < 2) continue;
-      static_cast<void>(lowest);
+    const auto counts = [&](BlockId id) { return !plan_->key_only || needy_[id] != none; };
+    for (auto& members : stitched(*complex_, result_.bolts, counts)) {
       CombinedBlock body{.members = members};
       for (const BlockId id : members) {
         body.immovable = body.immovable || complex_->blocks()[id].fixed;
@@ -509,8 +307,7 @@ class Check final {
           body.target = found->target;
           body.net_force = found->bare.net;
           body.factor_of_safety = found->bare.factor_of_safety;
-          const double lack = found->bare.driving - found->bare.resistance.least / found->target;
-          body.passes = !moves(body.mode) || !(lack > rounding * found->bare.driving);
+          body.passes = !moves(body.mode) || !found->lacks();
           if (!body.passes) {
             const double most = 1.05 * found->target * found->bare.driving;
             body.missing_force = most * least_share(*found, most * best_direction(*found), *settings_, 1).share;
@@ -528,6 +325,7 @@ class Check final {
   const Analysis* analysis_;
   const SupportPlan* plan_;
   Model model_;
+  KnownParts known_parts_;
   BoltPaths paths_;
   IdVector<BlockId, std::uint32_t> needy_;  ///< index into bodies_ and result_.blocks
   IdVector<BlockId, ForceSum> received_by_;

@@ -68,6 +68,7 @@ ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 
       if (table && spec.water->on_free_faces) push(face, over_face(complex, face, *table));
       continue;
     }
+    if (face.role == topology::Role::window && table) push(face, over_face(complex, face, *table));  // rock goes on
     if (face.role != topology::Role::joint) continue;
     std::vector<const Patch*> hydrostatic;
     for (const Patch& patch : complex.patches(face)) {

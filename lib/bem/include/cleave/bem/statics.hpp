@@ -57,6 +57,14 @@ using SolveError = std::variant<BadOutline, UnknownCondition, FreeMotions, Unbon
                                 ForceOnSupport, NotInBalance, AboveSurface, TooManyUnknowns, SingularSystem>;
 [[nodiscard]] std::string describe(const SolveError& error);
 
+/// Flamant's field of a force on the straight edge of a half plane (Timoshenko and Goodier 1951, section 36), by
+/// Muskhelishvili's potentials phi = -F ln z / 2 pi, psi = conj(F) ln z / 2 pi. The edge's outward normal says where
+/// the angle's cut runs: outside the body.
+struct PointField {
+  Vec2 at, normal, force;
+  double cut = 0;  ///< closer than this the displacement is that at this distance: it is infinite at the point itself
+};
+
 /// Displacement and stress that carry the body loads, without looking at the boundary (in the scaled frame).
 struct Particular {
   double mu = 1, nu = 0.25;
@@ -64,6 +72,7 @@ struct Particular {
   double spin = 0;              ///< rho omega^2
   double twist = 0;             ///< rho alpha
   Sym2 initial, initial_slope;  ///< stress before loading, linear in y
+  std::vector<PointField> points = {};
 
   [[nodiscard]] Vec2 displacement(Vec2 x) const noexcept;
   [[nodiscard]] Sym2 stress(Vec2 x) const noexcept;  ///< with the initial stress
@@ -87,6 +96,13 @@ struct Diagnostics {
   double imbalance =
       0;              ///< |sum of all forces| / sum of their magnitudes: discretisation, collocation does not conserve
   double energy = 0;  ///< half the work of boundary tractions and displacements, J/m (without body loads)
+};
+
+/// One mesh of a series.
+struct MeshError {
+  std::size_t elements = 0;
+  double seconds = 0;  ///< processor time of all threads since the start of the series
+  double error = 0;    ///< as of Refined
 };
 
 /// The solution of a static problem: values on the boundary, and by quadrature everywhere.
@@ -139,6 +155,7 @@ struct Refined {
   double error = 0;  ///< relative, of displacement: difference to the mesh before over the largest displacement
   std::size_t meshes = 0;
   bool reached = false;
+  std::vector<MeshError> series = {};  ///< from the second mesh on
 };
 /// Doubles all element counts until the displacements at the nodes of the first mesh change by less than `tolerance`
 /// (relative), at most `most_meshes` times.

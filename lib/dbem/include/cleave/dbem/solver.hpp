@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -21,6 +23,18 @@ struct BlockMatrix {
   void add_product(const std::vector<Vec2>& x, std::vector<Vec2>& y) const;
 };
 
+/// Where W comes from when all bodies are rigid: W = J M^-1 J^T + a diagonal. Large groups are then factorised in the
+/// freedoms of the bodies, of which there are fewer than contact forces.
+struct RigidForm {
+  static constexpr std::uint32_t ground = static_cast<std::uint32_t>(-1);
+  struct Side {
+    std::uint32_t body = ground;     ///< index into inverse_mass
+    std::array<double, 3> n{}, t{};  ///< rows of J on (x, y, turn) of the body
+  };
+  std::vector<std::array<Side, 2>> sides;           ///< two a contact
+  std::vector<std::array<double, 3>> inverse_mass;  ///< of each body; 0 where held
+};
+
 /// Coulomb contact at velocity level. Unknown impulses p = (n, t) per contact, y = b + W p = (g, s):
 ///   0 <= n + tau  _|_  g >= 0,   |t| <= max(0, mu n + c),   s = 0 inside the bound, else opposite to t.
 struct ContactProblem {
@@ -30,6 +44,7 @@ struct ContactProblem {
   std::vector<double> cohesion;  ///< N s/m
   std::vector<double> tension;   ///< N s/m
   std::vector<Vec2> start;       ///< warm start; empty: cold
+  std::optional<RigidForm> rigid = {};
   [[nodiscard]] std::size_t contacts() const noexcept { return b.size(); }
 };
 
@@ -59,7 +74,9 @@ struct ContactReport {
     not_converged,  ///< the best answer found; never to be used as if it were right
   };
   Status status = Status::open;
-  double residual = 0;  ///< in impulse units over max(|p|, max |b / diag W|)
+  /// The larger of: in impulses, over max(|p|, max |b / diag W|); in velocities, over max |b|
+  /// (or 10^-6 of the largest W p, where rounding begins).
+  double residual = 0;
   Method method = Method::none;
   std::size_t iterations = 0;  ///< linear solves or pivots, of all tries
   std::size_t stick = 0, slip = 0, opened = 0;

@@ -40,6 +40,7 @@ struct Page {
   const topology::BlockComplex* complex = nullptr;
   const stability::Analysis* analysis = nullptr;
   const stability::SupportResult* support = nullptr;
+  const scene::FieldStressResult* field_stress = nullptr;
   std::vector<NamedSupport> support_cases;  ///< of [[load]]
   std::vector<MaximumBlockRow> maximum_blocks;
   std::vector<stability::Sensitivity> sensitivity;  ///< of the first batch

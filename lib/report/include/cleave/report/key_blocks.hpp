@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cleave/scene/field_stress.hpp"
 #include "cleave/stability/maximum_blocks.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/stability/support.hpp"
@@ -31,6 +32,11 @@ inline constexpr std::string_view key_blocks_supported_header =
     ",held_by_supported,bolts_supported,mobilised_share_supported,factor_of_safety_supported,missing_force_n_supported,"
     "required_force_n_supported,required_pressure_pa_supported";
 
+/// Follows with [field_stress]: the same block with the stress of the rock across its joints, and how much of it is
+/// compression and tension (N); empty for blocks that are not at the tunnel.
+inline constexpr std::string_view key_blocks_clamped_header =
+    ",key_clamped,factor_of_safety_clamped,compression_n_clamped,tension_n_clamped";
+
 /// key_blocks.csv: one row for every removable block that would move without friction, in order of the block's number.
 ///
 /// block: number from 0, as in blocks.vtu. batch: from 1, empty for a block that stays. key: 1 when unstable.
@@ -38,7 +44,8 @@ inline constexpr std::string_view key_blocks_supported_header =
 /// the block has. joints: numbers (from 0, in the order of the scene) of the joints it touches, ascending, joined by
 /// `;`. LF line ends.
 [[nodiscard]] std::string key_blocks_csv(const topology::BlockComplex& complex, const stability::Analysis& analysis,
-                                         const stability::SupportResult* support = nullptr);
+                                         const stability::SupportResult* support = nullptr,
+                                         const scene::FieldStressResult* field_stress = nullptr);
 
 /// bolts.csv: one row a bolt, in the order of the scene, then spot bolts. blocks: those it goes through, with the
 /// metres from the collar at which it enters and leaves each (`12:0-1.5;7:1.5-3`). The block served is the one that

@@ -169,6 +169,16 @@ struct SupportFigures {
   std::vector<SupportCaseFigures> cases = {};  ///< of [[load]]
 };
 
+/// [field_stress]: key blocks at the tunnel with the stress of the rock across their joints.
+struct FieldStressFigures {
+  std::string tunnel;
+  std::uint64_t elements = 0;
+  double error = 0, condition = 0, residual = 0;  ///< of the section's elastic solution
+  std::uint64_t blocks = 0;                       ///< judged
+  std::uint64_t held = 0;                         ///< unstable without, stable with it
+  double lowest_factor_of_safety = std::numeric_limits<double>::infinity();
+};
+
 /// Everything of summary.json, as values.
 struct Summary {
   std::string title;
@@ -187,6 +197,7 @@ struct Summary {
   std::vector<CaseFigures> load_cases;  ///< of [[load]]
   std::optional<SupportFigures> support;
   std::optional<MaximumFigures> maximum_blocks;
+  std::optional<FieldStressFigures> field_stress;
 };
 
 [[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);

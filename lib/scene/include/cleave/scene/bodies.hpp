@@ -113,6 +113,9 @@ struct BodyResult {
   std::vector<std::vector<bem::Vec2>> outline;
   std::vector<std::vector<std::vector<bem::Vec2>>> frames;
   std::vector<std::vector<bem::Sym2>> boundary_stress;  ///< static: along `outline`
+  /// Moving, where stress is asked for: on the boundary in each frame, in the world's axes; and von Mises (Pa).
+  std::vector<std::vector<std::vector<bem::Sym2>>> stress_frames;
+  std::vector<std::vector<std::vector<double>>> mises_frames;
   std::vector<StressCell> cells;
   std::size_t elements = 0, unknowns = 0;
   double condition = 0, residual = 0, imbalance = 0, largest = 0;

@@ -151,6 +151,8 @@ struct RunResult {
   std::optional<SequenceResult> sequence;
 
   MicroBlocks micro_blocks;  ///< the scene's policy
+  /// Where the scene has [field_stress] and something is judged.
+  std::optional<FieldStressResult> field_stress;
   std::optional<stability::SupportResult> support;
   std::vector<CaseSupport> support_cases;  ///< of [[load]], in scene order
   std::vector<std::string> bolt_groups;    ///< names, by Bolt::group

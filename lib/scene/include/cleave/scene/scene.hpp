@@ -14,6 +14,7 @@
 #include "cleave/dfn/joint_set.hpp"
 #include "cleave/geometry/solid.hpp"
 #include "cleave/geometry/vec3.hpp"
+#include "cleave/scene/field_stress.hpp"
 #include "cleave/scene/problem.hpp"
 #include "cleave/scene/sequence.hpp"
 #include "cleave/stability/actions.hpp"
@@ -117,6 +118,7 @@ struct Excavation {
 
 struct Rock {
   Density density = kilograms_per_cubic_metre(2700);
+  std::optional<double> poisson = {};
 };
 
 /// A design standard's partial factors: tan(friction) and cohesion are divided, weight is multiplied.
@@ -261,7 +263,8 @@ struct Scene {
   std::vector<Excavation> excavations;  ///< in scene order
   std::optional<SupportSettings> support;
   std::optional<StabilitySettings> stability;  ///< empty: the scene has no [stability] and no free face
-  std::optional<SequenceSettings> sequence;    ///< empty: all excavations are of one stage
+  std::optional<FieldStressSettings> field_stress;
+  std::optional<SequenceSettings> sequence;  ///< empty: all excavations are of one stage
   MicroBlocks micro_blocks;
   OutputSettings output;
   std::optional<MonteCarloSettings> monte_carlo;

@@ -35,9 +35,11 @@ struct Settings {
   /// Of a block that is known in part only (topology::Block::truncated) it is enough to know that it is no key block;
   /// otherwise it must be known not to move without friction either.
   bool only_key_blocks = false;
+  /// The factor of safety that must be certain then: the scene's target, where blocks below it are counted.
+  double least_factor = 1;
   /// Water and loads on free faces.
   Actions actions = {};
-  /// With `decide` parts of blocks are never enough to know that one stays: judge whole scenes only.
+  /// With `decide` parts of a block are enough to know that it stays only when they leave it no direction.
   RotationCheck rotation = RotationCheck::off;
 };
 

@@ -127,6 +127,9 @@ struct SupportResult {
   std::vector<BoltResult> bolts = {};        ///< plan order, then spot bolts
   std::vector<CombinedBlock> combined = {};  ///< two members and more, by lowest id
   std::size_t spot_bolts = 0;
+  /// Blocks known in part only (topology::Block::truncated) that the check depends on: when there is one nothing else
+  /// of the result holds, and a larger window is needed.
+  std::vector<topology::BlockId> undecided = {};
   [[nodiscard]] bool passes() const noexcept;
 };
 

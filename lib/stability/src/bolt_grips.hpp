@@ -1,0 +1,27 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "cleave/stability/support.hpp"
+#include "cleave/topology/block_complex.hpp"
+
+namespace cleave::stability {
+
+/// How a bolt grips one block.
+struct Grip {
+  double gripped = 0;          ///< m in the block
+  double first = 0, last = 0;  ///< m from the collar: where the bolt enters it first and leaves it last
+  bool collar = false;
+  double behind = 0;  ///< m in rock beyond it
+};
+[[nodiscard]] Grip grip_of(const std::vector<Pierced>& path, topology::BlockId block);
+/// Held by the plate or over the anchorage length.
+[[nodiscard]] bool gripped(const Grip& grip, const BoltType& type);
+
+/// Blocks that bolts stitch together, of those that `count`: groups of two and more, ascending; by lowest id.
+[[nodiscard]] std::vector<std::vector<topology::BlockId>> stitched(const topology::BlockComplex& complex,
+                                                                   const std::vector<BoltResult>& bolts,
+                                                                   const std::function<bool(topology::BlockId)>& count);
+
+}  // namespace cleave::stability

@@ -1,0 +1,103 @@
+#include "free_faces.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "flat.hpp"
+
+namespace cleave::stability {
+
+using geometry::cross;
+using geometry::dot;
+using geometry::norm;
+using geometry::Vec3;
+using topology::Face;
+using topology::FaceId;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+double keyed_perimeter(const topology::BlockComplex& complex, topology::BlockId block,
+                       const std::function<bool(topology::BlockId)>& loose) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, const Face*> beyond;
+  const auto key = [](topology::VertexId a, topology::VertexId b) {
+    return std::pair{std::min(a.value(), b.value()), std::max(a.value(), b.value())};
+  };
+  const auto edges = [&](const Face& face, auto&& use) {
+    for (const auto& loop : complex.loops(face)) {
+      for (std::size_t i = 0; i < loop.size(); ++i) use(loop[i], loop[(i + 1) % loop.size()]);
+    }
+  };
+  for (const FaceId face_id : complex.blocks()[block].faces) {
+    const Face& face = complex.faces()[face_id];
+    if (face.role != topology::Role::joint) continue;
+    edges(face, [&](auto a, auto b) { beyond[key(a, b)] = &face; });
+  }
+  double perimeter = 0;
+  for (const FaceId face_id : complex.blocks()[block].faces) {
+    const Face& face = complex.faces()[face_id];
+    if (face.role != topology::Role::free) continue;
+    edges(face, [&](auto a, auto b) {
+      const auto it = beyond.find(key(a, b));
+      if (it == beyond.end()) return;
+      for (const topology::Patch& patch : complex.patches(*it->second)) {
+        if (patch.neighbour && loose(*patch.neighbour)) return;
+      }
+      perimeter += norm(complex.position(b) - complex.position(a));
+    });
+  }
+  return perimeter;
+}
+
+std::vector<Bolt> spot_places(const topology::BlockComplex& complex, topology::BlockId block,
+                              std::span<const Vec3> wanted, Vec3 motion, const SpotBolts& spot) {
+  const Face* largest = nullptr;
+  for (const FaceId face_id : complex.blocks()[block].faces) {
+    const Face& face = complex.faces()[face_id];
+    if (face.role != topology::Role::free) continue;
+    if (largest == nullptr || face.area > largest->area) largest = &face;
+  }
+  if (largest == nullptr) return {};
+  Vec3 direction = -largest->outward;
+  for (const Vec3 better : wanted) {
+    if (dot(better, largest->outward) < -0.3) {
+      direction = better;
+      break;
+    }
+  }
+  if (dot(direction, motion) >= 0) return {};
+  const Vec3 u = geometry::normalized(std::abs(largest->outward.z) < 0.9 ? cross(largest->outward, {0, 0, 1})
+                                                                         : cross(largest->outward, {1, 0, 0}));
+  const Vec3 v = cross(largest->outward, u);
+  double u0 = infinite, u1 = -infinite, v0 = infinite, v1 = -infinite;
+  for (const auto& loop : complex.loops(*largest)) {
+    for (const topology::VertexId vertex : loop) {
+      const Vec3 x = complex.position(vertex) - largest->centroid;
+      u0 = std::min(u0, dot(x, u));
+      u1 = std::max(u1, dot(x, u));
+      v0 = std::min(v0, dot(x, v));
+      v1 = std::max(v1, dot(x, v));
+    }
+  }
+  const auto halton = [](std::uint32_t i, std::uint32_t base) {
+    double f = 1, r = 0;
+    for (; i > 0; i /= base) {
+      f /= base;
+      r += f * (i % base);
+    }
+    return r;
+  };
+  std::vector<Bolt> places;
+  for (std::uint32_t i = 0; i < 400; ++i) {
+    const Vec3 x = i == 0
+                       ? largest->centroid
+                       : largest->centroid + (u0 + halton(i, 2) * (u1 - u0)) * u + (v0 + halton(i, 3) * (v1 - v0)) * v;
+    if (!contains(complex, *largest, x)) continue;
+    places.push_back({.collar = x, .direction = direction, .length = spot.length, .type = spot.type});
+  }
+  return places;
+}
+
+}  // namespace cleave::stability

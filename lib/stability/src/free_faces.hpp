@@ -1,0 +1,24 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "cleave/stability/support.hpp"
+#include "cleave/topology/block_complex.hpp"
+
+namespace cleave::stability {
+
+/// m: perimeter of a block's free faces along which sprayed concrete is keyed to rock that stays: the block's own joint
+/// face beyond the edge must not lead to another block that is `loose`.
+[[nodiscard]] double keyed_perimeter(const topology::BlockComplex& complex, topology::BlockId block,
+                                     const std::function<bool(topology::BlockId)>& loose);
+
+/// Where spot bolts of a block may go, best places first: spread over its largest free face from the centroid on, all
+/// in the first of the `wanted` directions that goes into the rock, else straight in. Empty when none would hold
+/// against `motion`.
+[[nodiscard]] std::vector<Bolt> spot_places(const topology::BlockComplex& complex, topology::BlockId block,
+                                            std::span<const geometry::Vec3> wanted, geometry::Vec3 motion,
+                                            const SpotBolts& spot);
+
+}  // namespace cleave::stability

@@ -1,0 +1,145 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes.hpp"
+
+namespace cleave::dbem {
+namespace {
+
+using namespace scenes;
+
+/// A running bond of bricks of 1 x 0.5 m with open head joints on a floor.
+std::vector<Body> wall(std::size_t rows, std::size_t columns) {
+  const auto n = static_cast<double>(columns);
+  std::vector<Body> bodies{fixed("floor", rectangle(-20, -1, n + 40, 1))};
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t k = 0; k + r % 2 < columns; ++k) {
+      bodies.push_back(block("b", rectangle(0, 0, 1, 0.5)));
+      bodies.back().origin = {1.002 * static_cast<double>(k) + (r % 2 == 1 ? 0.5 : 0.0), 0.5 * static_cast<double>(r)};
+    }
+  }
+  return bodies;
+}
+
+std::vector<Vec2> speeds(const ContactProblem& problem, const std::vector<Vec2>& impulse) {
+  std::vector<Vec2> y = problem.b;
+  problem.w.add_product(impulse, y);
+  return y;
+}
+
+TEST(LargeGroupTest, FactorsOfBodiesAndOfContactsGiveOneMotion) {
+  auto world = World::make(wall(8, 10), law(0.5), {.gravity = {3, -g}, .step = 2e-3});
+  ASSERT_TRUE(world.has_value());
+  const std::vector<ContactProblem> problems = world->problems(2e-3);
+  ASSERT_EQ(problems.size(), 1U);
+  ContactProblem problem = problems[0];
+  ASSERT_GT(problem.contacts(), 200U);
+  ASSERT_TRUE(problem.rigid.has_value());
+  const ContactSolution by_bodies = solve(problem);
+  problem.rigid.reset();
+  const ContactSolution by_contacts = solve(problem);
+  EXPECT_EQ(by_bodies.report.status, ContactReport::Status::converged);
+  EXPECT_EQ(by_contacts.report.status, ContactReport::Status::converged);
+  const std::vector<Vec2> a = speeds(problem, by_bodies.impulse), b = speeds(problem, by_contacts.impulse);
+  for (std::size_t k = 0; k < a.size(); ++k) EXPECT_LT(norm(a[k] - b[k]), 1e-7) << k;
+}
+
+TEST(LargeGroupTest, AWallPushedSidewaysKeepsTheBalanceOfForces) {
+  // Some bricks slide, some rock, most stick: the floor carries the weight and the push less what is accelerated.
+  const Vec2 field{0.3 * g, -g};
+  auto world = World::make(wall(12, 16), law(0.4), {.gravity = field, .step = 2e-3, .sleep = false});
+  ASSERT_TRUE(world.has_value());
+  const double before = world->energy().total();
+  double mass = 0;
+  for (std::size_t b = 1; b < world->size(); ++b) mass += world->mass(b);
+  for (int k = 0; k < 5; ++k) {
+    const Vec2 old = world->momentum();
+    const auto report = world->step();
+    ASSERT_TRUE(report.has_value()) << describe(report.error());
+    Vec2 floor{};
+    for (const Contact& c : world->contacts()) {
+      const Vec2 force = c.normal_force * c.normal + c.tangential_force * bem::turned_left(c.normal);
+      if (c.edge_body == 0) floor += force;
+      if (c.vertex_body == 0) floor += -force;
+    }
+    const Vec2 expected = (world->momentum() - old) / report->step - mass * field;
+    EXPECT_LT(norm(floor - expected), 1e-8 * mass * g) << k;
+    EXPECT_LE(world->energy().total(), before + 1e-9 * mass * g);
+  }
+}
+
+TEST(LargeGroupTest, AThousandBricksMoveOn) {
+  auto world = World::make(wall(25, 40), law(0.5), {.gravity = {0.3 * g, -g}, .step = 1e-3});
+  ASSERT_TRUE(world.has_value());
+  for (int k = 0; k < 3; ++k) {
+    const auto report = world->step();
+    ASSERT_TRUE(report.has_value()) << describe(report.error());
+    EXPECT_EQ(report->islands, 1U);
+    EXPECT_LT(report->residual, 1e-8);
+    EXPECT_LT(report->iterations, k == 0 ? 200U : 60U);
+  }
+}
+
+TEST(ResidualTest, ALightBlockBesideAHeavyOneCounts) {
+  // 10^-9 of the heavy block's impulse taken from under a light one is nothing to the first and a fall to the second.
+  auto world = World::make(stack(8, 1e6), law(0.6), {.step = 5e-3});
+  ASSERT_TRUE(world.has_value());
+  const ContactProblem problem = world->problems(5e-3).front();
+  ContactSolution solution = solve(problem);
+  ASSERT_EQ(solution.report.status, ContactReport::Status::converged);
+  const double right = natural_residual(problem, solution.impulse);
+  EXPECT_LT(right, 1e-8);
+  double most = 0;
+  for (const Vec2 p : solution.impulse) most = std::max(most, p.x);
+  const auto most_at = std::ranges::max_element(solution.impulse, {}, [](Vec2 p) { return p.x; });
+  most_at->x -= 1e-9 * most;
+  const double light = 2600 * 5e-3 * g;
+  EXPECT_GT(natural_residual(problem, solution.impulse), 0.01 * 1e-9 * most / light);
+}
+
+TEST(StackTest, FiftyUnderAMillionTimesTheirWeightStand) {
+  auto world = World::make(stack(50, 1e6), law(0.6), {.step = 1e-3});
+  ASSERT_TRUE(world.has_value());
+  for (int k = 0; k < 200; ++k) {
+    const auto report = world->step();
+    ASSERT_TRUE(report.has_value()) << describe(report.error());
+  }
+  for (std::size_t b = 0; b < world->size(); ++b) EXPECT_LT(norm(world->displacement(b)), 1e-5) << b;
+}
+
+/// Columns on steps of a slope against a toe, without friction.
+std::vector<Body> columns() {
+  const double up = radians(30);
+  const std::vector<double> heights{1.2, 1.2, 6, 1.2, 1.2, 1.2, 7, 1.2, 1.2, 6.5, 1.2, 1.2, 1.2, 1.2};
+  const auto at = [&](double x, double y) { return bem::rotated(Vec2{x, y}, up); };
+  std::vector<Body> bodies{fixed("slope", {at(-6, 0), {-5.2, -4}, {17.3, -4}, at(20, 0)}),
+                           fixed("toe", turned(rectangle(0, 0, 1, 1.2), up))};
+  for (std::size_t k = 0; k < heights.size(); ++k) {
+    bodies.push_back(block("c", turned(rectangle(static_cast<double>(k) + 1, 0, 1, heights[k]), up)));
+  }
+  return bodies;
+}
+
+TEST(LooseTest, FrictionlessColumnsFallAndSlideToTheEnd) {
+  auto world = World::make(columns(), law(0), {.step = 5e-3});
+  ASSERT_TRUE(world.has_value()) << describe(world.error());
+  const double start = world->energy().total();
+  double before = start, gain = 0, projected = 0;
+  double weight = 0;
+  for (std::size_t b = 2; b < world->size(); ++b) weight += world->mass(b) * g;
+  while (world->time() < 2.5) {
+    const auto report = world->step();
+    ASSERT_TRUE(report.has_value()) << describe(report.error());
+    const double now = world->energy().total();
+    gain = std::max(gain, now - before);
+    EXPECT_LE(now - before, 1e-10 * weight + 1.01 * (world->energy().projected - projected)) << world->time();
+    projected = world->energy().projected;
+    before = now;
+  }
+  std::printf("largest gain of a step %g J of %g, projected %g\n", gain, weight, world->energy().projected);
+}
+
+}  // namespace
+}  // namespace cleave::dbem

@@ -1,0 +1,193 @@
+// [field_stress]: the stress around a tunnel across the joints of key blocks, against Kirsch's closed form.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/scene/run.hpp"
+#include "parse_support.hpp"
+
+namespace cleave::scene::test {
+namespace {
+
+using std::numbers::pi;
+
+RunResult result_of(const std::string& text) {
+  StageTimer timer;
+  Progress progress{ProgressStyle::quiet};
+  auto result = run(scene_of(text), {}, timer, progress);
+  if (!result) {
+    for (const Problem& problem : result.error()) ADD_FAILURE() << describe(problem);
+  }
+  return std::move(result).value();
+}
+
+constexpr double radius = 3, apex = 4.5, length = 4, density = 2700, gravity = 9.81, nu = 0.25;
+
+/// A roof prism over a circular tunnel along y: two joints that dip at 60 degrees away from each other and meet
+/// above the axis, two upright ones across it. The whole scene turned by `azimuth` clockwise about z.
+std::string roof(std::string_view stress, double azimuth = 0, std::string_view more = "", double depth = 0) {
+  const double a = azimuth * pi / 180;
+  const auto at = [&](double x, double y, double z) {
+    return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", x * std::cos(a) + y * std::sin(a),
+                       y * std::cos(a) - x * std::sin(a), z + depth);
+  };
+  std::string text =
+      fmt::format("[domain]\nbox = {{ min = [-30, -30, {}], max = [30, 30, {}] }}\n", depth - 15, depth + 15);
+  for (const auto& [y, dip, direction] : {std::tuple{0.0, 60.0, 90.0}, {0.0, 60.0, 270.0}}) {
+    text += fmt::format("[[joint]]\nplane = {{ through = {}, dip = {}, dip_direction = {} }}\n", at(0, y, apex), dip,
+                        std::fmod(direction + azimuth, 360));
+  }
+  for (const double y : {-length / 2, length / 2}) {
+    text += fmt::format("[[joint]]\nplane = {{ through = {}, dip = 90, dip_direction = {} }}\n", at(0, y, 0), azimuth);
+  }
+  text += fmt::format(
+      "[joints.default]\nfriction = 35\n[rock]\ndensity = {}\npoisson = {}\n[[excavation]]\nname = \"tunnel\"\n"
+      "kind = \"tunnel\"\nsection = {{ shape = \"circle\", radius = {}, segments = 32 }}\naxis = [{}, {}]\n"
+      "[field_stress]\nstress = {}\n{}",
+      density, nu, radius, at(0, -20, 0), at(0, 20, 0), stress, more);
+  return text;
+}
+
+/// Kirsch (1898): remote stresses sx, sz (tension positive); normal stress on the plane with normal (nx, nz).
+double kirsch(double sx, double sz, double x, double z, double nx, double nz) {
+  const double r = std::hypot(x, z), t = std::atan2(z, x), q = radius * radius / (r * r);
+  const double mean = (sx + sz) / 2, half = (sx - sz) / 2;
+  const double rr = mean * (1 - q) + half * (1 - 4 * q + 3 * q * q) * std::cos(2 * t);
+  const double tt = mean * (1 + q) - half * (1 + 3 * q * q) * std::cos(2 * t);
+  const double rt = -half * (1 + 2 * q - 3 * q * q) * std::sin(2 * t);
+  const double nr = nx * std::cos(t) + nz * std::sin(t), nt = nz * std::cos(t) - nx * std::sin(t);
+  return nr * nr * rr + nt * nt * tt + 2 * nr * nt * rt;
+}
+
+/// Compression on one sloping face of the prism, N.
+double on_face(double sx, double sz) {
+  // From the apex down at 60 degrees until the circle.
+  const double down = std::sin(pi / 3), out = std::cos(pi / 3);
+  const double b = apex * down, end = b - std::sqrt(b * b - apex * apex + radius * radius);
+  constexpr int n = 4000;
+  double sum = 0;
+  for (int k = 0; k < n; ++k) {
+    const double s = end * (k + 0.5) / n;
+    sum += kirsch(sx, sz, s * out, apex - s * down, down, out) * end / n;
+  }
+  return -sum * length;
+}
+
+const ClampedBlock& only_block(const RunResult& r) {
+  EXPECT_TRUE(r.field_stress.has_value());
+  EXPECT_EQ(r.field_stress->blocks.size(), 1U);
+  return r.field_stress->blocks.at(0);
+}
+
+/// Compressions of the planes, largest first.
+std::vector<double> sorted_forces(const ClampedBlock& block) {
+  std::vector<double> out;
+  for (const ClampedPlane& plane : block.planes) out.push_back(plane.normal_force);
+  std::ranges::sort(out, std::greater{});
+  return out;
+}
+
+TEST(FieldStressScene, ForcesOnTheFacesOfARoofBlockAreKirschs) {
+  // Horizontal stress three times the vertical one: the roof is clamped.
+  const RunResult r = result_of(roof("[-6e6, -5e6, -2e6, 0, 0, 0]"));
+  const ClampedBlock& block = only_block(r);
+  ASSERT_EQ(block.planes.size(), 4U);
+  const double exact = on_face(-6e6, -2e6);
+  int sloping = 0;
+  double strength = 0;
+  const auto& judged = *std::ranges::find(r.analysis->judgements, block.block, &stability::Judgement::block);
+  EXPECT_EQ(judged.mode, stability::Mode::falling);
+  EXPECT_TRUE(judged.key);
+  EXPECT_EQ(judged.factor_of_safety, 0);  // without clamping nothing holds it
+  for (const ClampedPlane& plane : block.planes) {
+    const geometry::Vec3 n = r.complex->complex().faces()[plane.face].outward;
+    const double share = std::sqrt(1 - n.z * n.z);
+    strength += share * std::max(0.0, plane.normal_force) * std::tan(35 * pi / 180);
+    if (std::abs(n.y) > 0.5) continue;
+    ++sloping;
+    EXPECT_NEAR(plane.normal_force / exact, 1, 5e-3);  // 64 chords in place of the circle
+  }
+  EXPECT_EQ(sloping, 2);
+  EXPECT_NEAR(block.factor_of_safety * judged.weight.si() / strength, 1, 1e-12);
+  EXPECT_GT(block.factor_of_safety, 1);
+  EXPECT_EQ(r.field_stress->held, 1U);
+  EXPECT_TRUE(
+      std::ranges::any_of(r.notes, [](const std::string& n) { return n.starts_with("field stress: 1 unstable"); }));
+  EXPECT_TRUE(r.plan.runs(Stage::elastic));
+}
+
+TEST(FieldStressScene, StressAlongTheAxisFollowsInPlaneStrain) {
+  // Equal stress across: the in-plane sum stays as it was, so the axial stress does too, all over the end faces.
+  const RunResult r = result_of(roof("[-4e6, -1e6, -4e6, 0, 0, 0]"));
+  const ClampedBlock& block = only_block(r);
+  for (const ClampedPlane& plane : block.planes) {
+    if (std::abs(r.complex->complex().faces()[plane.face].outward.y) < 0.5) continue;
+    EXPECT_NEAR(plane.normal_force / (1e6 * plane.area), 1, 5e-3);
+  }
+  EXPECT_NEAR(sorted_forces(block)[0] / on_face(-4e6, -4e6), 1, 5e-3);
+}
+
+TEST(FieldStressScene, VerticalStressAlonePullsTheRoofApart) {
+  const RunResult r = result_of(roof("[0, 0, -3e6, 0, 0, 0]"));
+  const ClampedBlock& block = only_block(r);
+  const double exact = on_face(0, -3e6);
+  EXPECT_LT(exact, 0);
+  for (const ClampedPlane& plane : block.planes) {
+    if (std::abs(r.complex->complex().faces()[plane.face].outward.y) < 0.5) {
+      EXPECT_NEAR(plane.normal_force / exact, 1, 2e-2);
+    }
+    EXPECT_LT(plane.normal_force, 0);
+  }
+  EXPECT_EQ(block.factor_of_safety, 0);
+  EXPECT_EQ(block.compression, 0);
+}
+
+TEST(FieldStressScene, ATurnedSceneHasTheSameForces) {
+  // Stress at an angle to the tunnel: shear along the axis, which the plane problem does not hold.
+  const double a = 30 * pi / 180, c = std::cos(a), s = std::sin(a);
+  const auto straight = sorted_forces(only_block(result_of(roof("[-6e6, -3e6, -2e6, 1.5e6, 0.5e6, 0]"))));
+  // Rotated clockwise by `a`: x' = (c, -s), y' = (s, c).
+  const double xx = -6e6, yy = -3e6, xy = 1.5e6, yz = 0.5e6;
+  const auto turned = sorted_forces(only_block(result_of(roof(
+      fmt::format("[{}, {}, -2e6, {}, {}, {}]", c * c * xx + 2 * c * s * xy + s * s * yy,
+                  s * s * xx - 2 * c * s * xy + c * c * yy, (yy - xx) * c * s + xy * (c * c - s * s), c * yz, s * yz),
+      30))));
+  ASSERT_EQ(straight.size(), turned.size());
+  for (std::size_t k = 0; k < straight.size(); ++k)
+    EXPECT_NEAR(turned[k] / straight[0], straight[k] / straight[0], 2e-3);
+}
+
+TEST(FieldStressScene, DeepBelowTheGroundTheHalfPlaneIsThePlane) {
+  // 300 m deep: the surface is a hundred radii away.
+  const double weight = density * gravity, down = -300 * weight;
+  const auto forces = [&](std::string_view more, double level) {
+    return sorted_forces(only_block(result_of(roof(fmt::format("[{0}, {0}, {0}, 0, 0, 0]", level), 0, more, -300))));
+  };
+  const auto plane = forces("", down);
+  const auto half = forces(fmt::format("gradient = [{0}, {0}, {0}, 0, 0, 0]\nsurface = 0\n", weight), 0);
+  for (std::size_t k = 0; k < plane.size(); ++k) EXPECT_NEAR(half[k] / plane[k], 1, 0.03);
+}
+
+TEST(FieldStressScene, MistakesAreNamed) {
+  const auto wrong = [](std::string_view stress, std::string_view more) { return error_of(roof(stress, 0, more)); };
+  EXPECT_NE(wrong("[1, 2]", "").find("field_stress.stress: must be six numbers"), std::string::npos);
+  EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "tunnel = \"tunel\"\n").find("did you mean \"tunnel\"?"), std::string::npos);
+  EXPECT_NE(wrong("[0, 0, -1e6, 0, 0, 0]", "surface = 100\n").find("carries a traction"), std::string::npos);
+  EXPECT_NE(wrong("[-1e6, 0, 0, 0, 0, 0]", "surface = 2\n").find("is not above the tunnel"), std::string::npos);
+  EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "gradient = [0, 0, 0, 1, 0, 0]\n").find("shear stress along the tunnel"),
+            std::string::npos);
+  EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "sress = 1\n").find("stress"), std::string::npos);
+  EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "[monte_carlo]\nrealizations = 2\n").find("single runs"), std::string::npos);
+  std::string no_poisson = roof("[0, 0, 0, 0, 0, 0]");
+  no_poisson.erase(no_poisson.find("poisson"), std::string_view{"poisson = 0.25\n"}.size());
+  EXPECT_NE(error_of(no_poisson).find("rock.poisson: is missing"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cleave::scene::test
