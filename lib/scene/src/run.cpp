@@ -377,7 +377,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     if (scene.field_stress) {
       auto done = stage(Stage::elastic, [&]() -> std::expected<FieldStressResult, bem::SolveError> {
         CLEAVE_TRY(const TunnelField field, TunnelField::make(scene, *scene.field_stress, options.threads));
-        stability::Settings settings = settings_of(scene, *drawn, options.realization);
+        stability::Settings settings = settings_of(scene, *drawn);
         if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
           settings.left_out = micro_blocks(system.complex->complex(), scene.micro_blocks);
         }
