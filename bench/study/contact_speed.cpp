@@ -37,10 +37,10 @@ std::vector<Vec2> sorted(std::vector<Vec2> p) {
   return p;
 }
 
-void passes(study::Study& study, std::size_t side, std::size_t per_side, bool with_source) {
-  const contact_suite::PassProblem problem{side, per_side};
+void passes(study::Study& study, std::size_t side, std::size_t per_side, bool with_source, bool every_node = false) {
+  const contact_suite::PassProblem problem{side, per_side, every_node};
   const auto size = problem.size();
-  const std::string name = fmt::format("pass/{}x{}", size.blocks, size.freedoms);
+  const std::string name = fmt::format("pass{}/{}x{}", every_node ? "_every_node" : "", size.blocks, size.freedoms);
   std::vector<Vec2> full, condensed, dense;
   const auto row = [&](const std::string& method, const study::Cost& cost, const std::vector<Vec2>& answer) {
     const double error = difference(sorted(answer), sorted(full));
@@ -154,6 +154,8 @@ void study_speed(study::Study& study) {
     passes(study, 6, 2, false);
     passes(study, 6, 4, false);
     passes(study, 6, 8, false);
+    passes(study, 6, 4, false, true);
+    passes(study, 6, 8, false, true);
   }
   const std::size_t many = quick ? 8 : 400;
   const std::size_t fewer = quick ? 2 : 40;
