@@ -51,7 +51,7 @@ struct PassProblem::Parts {
   std::vector<double> constant;  // gap / (step theta), 0
 };
 
-PassProblem::PassProblem(std::size_t side, std::size_t per_side)
+PassProblem::PassProblem(std::size_t side, std::size_t per_side, bool every_node)
     : parts_{std::make_unique<Parts>(Parts{per_side, build(per_side), {}, std::nullopt, side * side, {}, {}})} {
   Parts& p = *parts_;
   dbem::Body body;
@@ -63,7 +63,7 @@ PassProblem::PassProblem(std::size_t side, std::size_t per_side)
   for (const bem::Element& element : mesh.elements) {
     for (std::size_t k = 0; k + 1 < mesh.per_element(); ++k) {
       const std::size_t node = element.node[k];
-      if (!mesh.nodes[node].corner) continue;  // contacts at the corners, as the source has them
+      if (!every_node && !mesh.nodes[node].corner) continue;
       p.nodes.push_back(node);
       body.outline.push_back(mesh.nodes[node].x);
       for (const std::size_t row : {2 * node, 2 * node + 1}) {

@@ -17,8 +17,9 @@ struct Pass {
 
 class PassProblem final {
  public:
-  /// `per_side` quadratic elements a side: 16 per_side freedoms a block.
-  PassProblem(std::size_t side, std::size_t per_side);
+  /// `per_side` quadratic elements a side: 16 per_side freedoms a block. Contacts at corners of the squares, as the
+  /// source has them, or at every node.
+  PassProblem(std::size_t side, std::size_t per_side, bool every_node = false);
   ~PassProblem();
   PassProblem(const PassProblem&) = delete;
   PassProblem& operator=(const PassProblem&) = delete;

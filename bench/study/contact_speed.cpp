@@ -37,10 +37,10 @@ std::vector<Vec2> sorted(std::vector<Vec2> p) {
   return p;
 }
 
-void passes(study::Study& study, std::size_t side, std::size_t per_side, bool with_source) {
-  const contact_suite::PassProblem problem{side, per_side};
+void passes(study::Study& study, std::size_t side, std::size_t per_side, bool with_source, bool every_node = false) {
+  const contact_suite::PassProblem problem{side, per_side, every_node};
   const auto size = problem.size();
-  const std::string name = fmt::format("pass/{}x{}", size.blocks, size.freedoms);
+  const std::string name = fmt::format("pass{}/{}x{}", every_node ? "_every_node" : "", size.blocks, size.freedoms);
   std::vector<Vec2> full, condensed, dense;
   const auto row = [&](const std::string& method, const study::Cost& cost, const std::vector<Vec2>& answer) {
     const double error = difference(sorted(answer), sorted(full));
@@ -83,6 +83,23 @@ std::vector<dbem::Body> stacks(std::size_t count, bool elastic) {
       bodies.push_back(one);
       bodies.back().origin +=
           Vec2{2 * static_cast<double>(s) + 0.02 * static_cast<double>((7 * k + s) % 5), 0.5 * static_cast<double>(k)};
+    }
+  }
+  return bodies;
+}
+
+/// One group: a wall in running bond with open head joints.
+std::vector<dbem::Body> wall(std::size_t rows, std::size_t columns, bool elastic) {
+  const auto n = static_cast<double>(columns);
+  dbem::Body floor{.name = "floor", .outline = {{-20, -1}, {1.1 * n + 20, -1}, {1.1 * n + 20, 0}, {-20, 0}}};
+  floor.held = {true, true, true};
+  std::vector<dbem::Body> bodies{floor};
+  const dbem::Body one = brick(elastic);
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t k = 0; k + r % 2 < columns; ++k) {
+      bodies.push_back(one);
+      bodies.back().origin +=
+          Vec2{1.002 * static_cast<double>(k) + (r % 2 == 1 ? 0.5 : 0.0), 0.5 * static_cast<double>(r)};
     }
   }
   return bodies;
@@ -137,6 +154,8 @@ void study_speed(study::Study& study) {
     passes(study, 6, 2, false);
     passes(study, 6, 4, false);
     passes(study, 6, 8, false);
+    passes(study, 6, 4, false, true);
+    passes(study, 6, 8, false, true);
   }
   const std::size_t many = quick ? 8 : 400;
   const std::size_t fewer = quick ? 2 : 40;
@@ -144,6 +163,17 @@ void study_speed(study::Study& study) {
   scene(study, "rigid_asleep", stacks(many, false), {.step = 1e-3}, 20, quick ? 2 : 10);
   scene(study, "rigid_moving", stacks(many, false), {.gravity = {7, -9.81}, .step = 1e-3}, 2, quick ? 2 : 50);
   scene(study, "elastic_moving", stacks(fewer, true), {.gravity = {7, -9.81}, .step = 1e-3}, 2, quick ? 2 : 50);
+  // One connected group each; the first step, from nothing, is a problem of its own.
+  const std::size_t rows = quick ? 4 : 25, columns = quick ? 5 : 40;
+  const Vec2 pushed{0.3 * 9.81, -9.81};
+  scene(study, "wall_first_step", wall(rows, columns, false), {.gravity = pushed, .step = 1e-3}, 0, 1);
+  scene(study, "wall_pushed", wall(rows, columns, false), {.gravity = pushed, .step = 1e-3}, 1, quick ? 2 : 30);
+  scene(study, "elastic_wall", wall(rows, columns, true), {.step = 1e-3}, 1, quick ? 2 : 20);
+  if (!quick) {
+    const Vec2 leaning{0.1 * 9.81, -9.81};
+    scene(study, "wall_first_step", wall(80, 125, false), {.gravity = leaning, .step = 1e-3, .sleep = false}, 0, 1);
+    scene(study, "wall_at_rest", wall(80, 125, false), {.gravity = leaning, .step = 1e-3, .sleep = false}, 1, 10);
+  }
   passes(study, quick ? 2 : 10, 3, true);  // the source's last: it takes long
 }
 

@@ -34,7 +34,11 @@ class ContactExamplesTest : public ProgramTest {
   [[nodiscard]] nlohmann::json example(const std::string& name) const {
     auto result = ran(scene(name));
     EXPECT_EQ(result["status"], "converged") << name;
-    EXPECT_NE(read("out/report.html").find("id=\"play\""), std::string::npos);
+    const std::string page = read("out/report.html");
+    EXPECT_NE(page.find("id=\"play\""), std::string::npos);
+    for (const std::string_view wrong : {",nan", "-nan", ",inf", "-inf,"}) {
+      EXPECT_EQ(page.find(wrong), std::string::npos) << name << ": no number for the page: " << wrong;
+    }
     EXPECT_TRUE(exists("out/contact_0001.vtu"));
     return result;
   }

@@ -31,7 +31,9 @@ constexpr double radius = 3, apex = 4.5, length = 4, density = 2700, gravity = 9
 
 /// A roof prism over a circular tunnel along y: two joints that dip at 60 degrees away from each other and meet
 /// above the axis, two upright ones across it. The whole scene turned by `azimuth` clockwise about z.
-std::string roof(std::string_view stress, double azimuth = 0, std::string_view more = "", double depth = 0) {
+/// `skew`: degrees by which the upright joints are off a right angle to the axis.
+std::string roof(std::string_view stress, double azimuth = 0, std::string_view more = "", double depth = 0,
+                 double skew = 0) {
   const double a = azimuth * pi / 180;
   const auto at = [&](double x, double y, double z) {
     return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", x * std::cos(a) + y * std::sin(a),
@@ -44,7 +46,8 @@ std::string roof(std::string_view stress, double azimuth = 0, std::string_view m
                         std::fmod(direction + azimuth, 360));
   }
   for (const double y : {-length / 2, length / 2}) {
-    text += fmt::format("[[joint]]\nplane = {{ through = {}, dip = 90, dip_direction = {} }}\n", at(0, y, 0), azimuth);
+    text += fmt::format("[[joint]]\nplane = {{ through = {}, dip = 90, dip_direction = {} }}\n", at(0, y, 0),
+                        azimuth + skew);
   }
   text += fmt::format(
       "[joints.default]\nfriction = 35\n[rock]\ndensity = {}\npoisson = {}\n[[excavation]]\nname = \"tunnel\"\n"
@@ -161,6 +164,36 @@ TEST(FieldStressScene, ATurnedSceneHasTheSameForces) {
   ASSERT_EQ(straight.size(), turned.size());
   for (std::size_t k = 0; k < straight.size(); ++k)
     EXPECT_NEAR(turned[k] / straight[0], straight[k] / straight[0], 2e-3);
+}
+
+TEST(FieldStressScene, ShearAlongTheAxisPressesOnObliqueFaces) {
+  // Undisturbed shear xy along a tunnel in y: around the hole xy is tau (1 - a^2 (x^2 - z^2) / r^4).
+  const double skew = 30, angle = skew * pi / 180, tau = 2e6;
+  const auto on_skewed = [&](double shear) {
+    const RunResult r = result_of(roof(fmt::format("[-6e6, -5e6, -2e6, {}, 0, 0]", shear), 0, "", 0, skew));
+    std::vector<double> out;
+    for (const ClampedPlane& plane : only_block(r).planes) {
+      if (std::abs(r.complex->complex().faces()[plane.face].outward.z) < 1e-6) out.push_back(plane.normal_force);
+    }
+    return out;
+  };
+  const auto with = on_skewed(tau), without = on_skewed(0);
+  ASSERT_EQ(with.size(), 2U);
+  // The face seen along the axis: above the circle, below the two sloping joints.
+  double area = 0, sum = 0;
+  constexpr int n = 1500;
+  const double step = apex / n;
+  for (int i = -n; i < n; ++i) {
+    for (int k = 0; k < n; ++k) {
+      const double x = (i + 0.5) * step, z = (k + 0.5) * step, r2 = x * x + z * z;
+      if (r2 < radius * radius || z > apex - std::abs(x) * std::tan(pi / 3)) continue;
+      area += step * step;
+      sum += step * step * (1 - radius * radius * (x * x - z * z) / (r2 * r2));
+    }
+  }
+  EXPECT_GT(sum, 1.3 * area);
+  const double exact = -2 * std::sin(angle) * std::cos(angle) * tau * sum / std::cos(angle);
+  for (const std::size_t k : {0U, 1U}) EXPECT_NEAR((with[k] - without[k]) / exact, 1, 2e-2);
 }
 
 TEST(FieldStressScene, DeepBelowTheGroundTheHalfPlaneIsThePlane) {

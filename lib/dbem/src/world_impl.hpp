@@ -197,11 +197,17 @@ struct World::Impl {
                                              const State& free, double step) const;
   std::vector<std::uint8_t> hint;  // steps for which a body's group stays with the implicit rule
   void accept(Attempt&& done);
+
+  // parting.cpp
   void project(Attempt& out) const;
   double slow_down(const Island& island, const Rows& rows, double wanted, State& at) const;
   bool add_missed(const Attempt& out, std::vector<Touch>& list) const;
+
+  // sleep.cpp
   bool wake();
   void fall_asleep();
+
+  // energy.cpp
   [[nodiscard]] double kinetic_of(const State& at) const;
   [[nodiscard]] double elastic_of(const State& at, const std::vector<Memory>& forces) const;
   [[nodiscard]] double potential_of(const State& at) const;

@@ -22,7 +22,7 @@ void short_number(std::string& out, double v) {
     return;
   }
   const double size = std::abs(v);
-  if (size == 0) {
+  if (size < 1e-99) {  // far below, powers of ten overflow
     out += "0";
     return;
   }
@@ -180,7 +180,7 @@ for(const b of D.bodies)for(let n=0;n<b.outline.length;n++){const l=b.outline[n]
 }
 [sl,fr,fld].forEach(e=>e.addEventListener("input",draw));window.addEventListener("resize",draw);
 let timer=null;play.addEventListener("click",()=>{if(timer){clearInterval(timer);timer=null;play.textContent="Play";}else{play.textContent="Stop";timer=setInterval(()=>{fr.value=(+fr.value+1)%D.times.length;draw();},60);}});
-function chart(id,series,xl,yl,log){const el=document.getElementById(id);if(!el)return;const W=640,H=300,m=[14,14,40,74];let x0=1e300,x1=-1e300,y0=1e300,y1=-1e300;const T=v=>log?Math.log10(Math.max(v,1e-300)):v;
+function chart(id,series,xl,yl,log){const el=document.getElementById(id);if(!el)return;const W=640,H=300,m=[14,36,40,74];let x0=1e300,x1=-1e300,y0=1e300,y1=-1e300;const T=v=>log?Math.log10(Math.max(v,1e-300)):v;
 for(const s of series)for(const p of s.p){x0=Math.min(x0,T(p[0]));x1=Math.max(x1,T(p[0]));y0=Math.min(y0,T(p[1]));y1=Math.max(y1,T(p[1]));}
 if(!(x1>x0)){x0-=.5;x1+=.5;}if(!(y1>y0)){const d=Math.abs(y0)||1;y0-=d/2;y1+=d/2;}
 const X=v=>m[3]+(T(v)-x0)/(x1-x0)*(W-m[1]-m[3]),Y=v=>H-m[2]-(T(v)-y0)/(y1-y0)*(H-m[0]-m[2]);const c=["#0072b2","#d55e00","#009e73","#cc79a7","#e69f00","#56b4e9"];
@@ -253,7 +253,7 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
       ".controls label{display:inline-block;margin:.3em 1em .3em 0}#view{width:100%;display:block;background:#fff}"
       ".legend{height:12px;background:linear-gradient(90deg,#440154,#3b528b,#21918c,#5ec962,#fde725);max-width:560px}"
       ".legend-ends{display:flex;justify-content:space-between;gap:1em;max-width:560px;white-space:nowrap}"
-      ".plain td,.plain th{text-align:left}.wide-table{overflow-x:auto}@media print{.controls{display:none}}");
+      ".plain td,.plain th{text-align:left}.wide-table{overflow-x:auto}.wide-table td:last-child{white-space:normal;min-width:12em}@media print{.controls{display:none}}");
   out += "<section><h2>Result</h2>\n<p>";
   out += result.converged ? "The run converged."
                           : "The run <strong>stopped</strong>: " + escape_xml(result.stopped_why) + ".";

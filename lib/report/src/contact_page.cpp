@@ -14,7 +14,7 @@ using bem::Vec2;
 
 /// Seven significant digits: enough for a picture, half of the bytes.
 void short_number(std::string& out, double v) {
-  if (!std::isfinite(v) || v == 0) {
+  if (!std::isfinite(v) || std::abs(v) < 1e-99) {  // far below, powers of ten overflow
     out += "0";
     return;
   }
@@ -255,9 +255,11 @@ std::string contact_report_html(const scene::ContactResult& result) {
   }
   out += "<section><h2>Bodies</h2>\n" + bodies_table(result) + "</section>\n<section><h2>Solvers</h2>\n" +
          solver_bars(result) + "<div class=\"plots\"><div id=\"steps\"></div><div id=\"iterations\"></div></div>\n" +
-         "</section>\n<section><h2>What ran</h2>\n<div class=\"scroll\"><table>\n" + row({"stage", "", "why"}, true);
+         "</section>\n<section><h2>What ran</h2>\n<div class=\"scroll\"><table>\n"
+         "<tr><th>stage</th><th></th><th class=\"wide\">why</th></tr>\n";
   for (const scene::PlannedStage& stage : result.plan.stages) {
-    out += row({std::string{scene::name_of(stage.stage)}, stage.run ? "run" : "left out", escape_xml(stage.why)});
+    out += "<tr><td>" + std::string{scene::name_of(stage.stage)} + "</td><td>" + (stage.run ? "run" : "left out") +
+           "</td><td class=\"wide\">" + escape_xml(stage.why) + "</td></tr>\n";
   }
   out += "</table></div>\n<p>" + display(result.cost.wall_s, 3) + " s, " + display(result.cost.peak_rss_mb, 3) +
          " MB, " + std::to_string(result.cost.threads) + " threads.</p>\n";

@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "cleave/core/assert.hpp"
 #include "disjoint_sets.hpp"
 #include "polygons.hpp"
 
@@ -121,8 +122,13 @@ std::vector<Use> first_pinched_edge(const std::vector<Use>& uses) {
 void insert(std::vector<Polygon>& polygons, std::vector<Polygon>& more, const Use& use, std::uint32_t point) {
   Polygon& polygon = polygons[use.polygon];
   auto& corners = polygon.corners;
-  const std::uint32_t from = use.forward ? use.low : use.high;
-  const auto at = static_cast<std::size_t>(std::ranges::find(corners, from) - corners.begin());
+  const std::uint32_t from = use.forward ? use.low : use.high, towards = use.forward ? use.high : use.low;
+  // A loop may pass a point twice: the edge is where both its ends are.
+  std::size_t at = 0;
+  while (corners[at] != from || corners[(at + 1) % corners.size()] != towards) {
+    ++at;
+    CLEAVE_ASSERT(at < corners.size());
+  }
   if (corners.size() != 3) {
     corners.insert(corners.begin() + static_cast<std::ptrdiff_t>(at) + 1, point);
     return;
@@ -169,6 +175,12 @@ std::vector<Polygon> with_doubled_points(std::vector<Polygon> polygons, const st
 }  // namespace
 
 void separate_pinches(std::vector<Polygon>& polygons, std::vector<Vec3>& points) {
+  // A loop that passes a point twice is cut into triangles some of which are lines, there and back: they bound nothing,
+  // and no middle point could ever part their two edges.
+  std::erase_if(polygons, [](const Polygon& p) {
+    const auto& c = p.corners;
+    return c.size() == 3 && (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]);
+  });
   auto uses = uses_of(polygons);
   if (!has_pinched_edge(uses)) return;
   const std::size_t before = points.size();

@@ -38,7 +38,7 @@ KnownParts::KnownParts(Model& model) : model_{&model} {
 
 bool KnownParts::stays(BlockId part, std::uint32_t batch, double factor) {
   // Each question about a neighbour has two answers, and both must do.
-  budget_ = 12;
+  budget_ = 100;
   return stays(Parts{part}, Parts{}, batch, factor);
 }
 
@@ -47,12 +47,13 @@ bool KnownParts::stays(const Parts& same, const Parts& apart, std::uint32_t batc
   if (--budget_ < 0) return false;
   const topology::BlockComplex& complex = model_->complex();
   std::vector<Direction> rows;
-  std::optional<BlockId> doubtful;
+  std::vector<std::pair<BlockId, Direction>> doubtful;
   for (const BlockId id : same) {
     for (const topology::FaceId face_id : complex.blocks()[id].faces) {
       const topology::Face& face = complex.faces()[face_id];
       if (face.role != topology::Role::joint) continue;
       bool touches = false;
+      std::optional<BlockId> part;
       for (const topology::Patch& patch : complex.patches(face)) {
         if (!patch.neighbour || !model_->present(*patch.neighbour, batch)) continue;
         if (contains(same, *patch.neighbour)) continue;
@@ -60,20 +61,34 @@ bool KnownParts::stays(const Parts& same, const Parts& apart, std::uint32_t batc
         // A fixed part is either another block, or this one is fixed and stays.
         if (!other.truncated || other.fixed || contains(apart, *patch.neighbour)) {
           touches = true;
-        } else if (!doubtful) {
-          doubtful = *patch.neighbour;
+        } else {
+          part = *patch.neighbour;
         }
       }
-      if (touches) rows.push_back(model_->inward(face));
+      if (touches) {
+        rows.push_back(model_->inward(face));
+      } else if (part) {
+        doubtful.emplace_back(*part, model_->inward(face));
+      }
     }
   }
   // Faces that are not known can only take directions away.
+  const auto decided = [&](const Cone& cone) {
+    const std::uint8_t dimension = cone.dimension();
+    return dimension == 0 || (model_->settings().strict && dimension < 3) || held(cone, same, apart, batch, factor);
+  };
   const Cone cone{rows};
-  const std::uint8_t dimension = cone.dimension();
-  if (dimension == 0 || (model_->settings().strict && dimension < 3)) return true;
-  if (held(cone, same, apart, batch, factor)) return true;
-  if (!doubtful) return false;
-  return stays(with(same, *doubtful), apart, batch, factor) && stays(same, with(apart, *doubtful), batch, factor);
+  if (decided(cone)) return true;
+  if (doubtful.empty()) return false;
+  std::vector<Direction> all = rows;
+  for (const auto& [part, inward] : doubtful) all.push_back(inward);
+  if (!decided(Cone{all})) return false;  // nor would it be if all of them were other blocks
+  // Ask first of the face that bars the way most.
+  const Vec3 motion = project(cone, model_->applied_forces(same.front(), batch)).s;
+  const BlockId asked = std::ranges::min_element(doubtful, {}, [&](const auto& entry) {
+                          return dot(entry.second.unit(), motion);
+                        })->first;
+  return stays(with(same, asked), apart, batch, factor) && stays(same, with(apart, asked), batch, factor);
 }
 
 /// What acts on the parts that are known, and on what may lie outside the window: rock, dry or below the table. Water

@@ -1,0 +1,37 @@
+#include "world_impl.hpp"
+
+namespace cleave::dbem {
+
+double World::Impl::kinetic_of(const State& at) const {
+  double sum = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (shapes[b].fixed) continue;
+    sum += 0.5 * shapes[b].mass * dot(at.v[b], at.v[b]) + 0.5 * shapes[b].inertia * at.spin[b] * at.spin[b];
+  }
+  for (const double de : at.de) sum += 0.5 * de * de;
+  return sum;
+}
+
+double World::Impl::elastic_of(const State& at, const std::vector<Memory>& forces) const {
+  double sum = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    for (std::size_t m = 0; m < shapes[b].modes; ++m) {
+      const double w = bodies[b].modes->omega[m] * at.e[first_mode[b] + m];
+      sum += 0.5 * w * w;
+    }
+  }
+  for (const Memory& memory_of : forces) {
+    sum += 0.5 * memory_of.compliance * dot(memory_of.force, memory_of.force);
+  }
+  return sum;
+}
+
+double World::Impl::potential_of(const State& at) const {
+  double sum = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (!shapes[b].fixed) sum -= shapes[b].mass * dot(options.gravity, at.x[b] - start_x[b]);
+  }
+  return sum;
+}
+
+}  // namespace cleave::dbem

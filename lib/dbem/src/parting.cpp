@@ -1,0 +1,134 @@
+#include <algorithm>
+#include <cmath>
+
+#include "world_impl.hpp"
+
+namespace cleave::dbem {
+
+/// A corner that ended inside a body without a contact of its own: finds the edge it came through. True when one was
+/// added to the list.
+bool World::Impl::add_missed(const Attempt& out, std::vector<Touch>& list) const {
+  bool added = false;
+  const auto local = [](const State& at, std::uint32_t body, Vec2 p) {
+    return bem::rotated(p - at.x[body], -at.angle[body]);
+  };
+  for (const Touch& t : out.touches) {
+    const double feature = std::min(shapes[t.i].feature, shapes[t.j].feature);
+    if (t.gap > -1e-4 * feature) continue;
+    const Vec2 from = local(state, t.j, corners[first_corner[t.i] + t.vertex]);
+    const Vec2 to = local(out.state, t.j, out.corners[first_corner[t.i] + t.vertex]);
+    const std::size_t edge = first_crossing(shapes[t.j].corners, from, to);
+    if (edge == static_cast<std::size_t>(-1)) continue;
+    Touch missed = t;
+    missed.edge = static_cast<std::uint32_t>(edge);
+    const TouchKey key = key_of(missed);
+    if (std::ranges::any_of(list, [&](const Touch& other) { return key_of(other) == key; })) continue;
+    renew_touch(missed, corners_of(corners, t.i), corners_of(corners, t.j));
+    list.push_back(missed);
+    added = true;
+  }
+  return added;
+}
+
+/// Takes up to `wanted` of kinetic energy from a group, all velocities by one factor: what touches still touches, what
+/// slides slides the same way. Returns what was taken; nothing where a support moves.
+double World::Impl::slow_down(const Island& island, const Rows& rows, double wanted, State& at) const {
+  for (const Side& side : rows.sides) {
+    const Shape& shape = shapes[side.body];
+    const bool held = shape.inverse_x * shape.inverse_y * shape.inverse_spin == 0;
+    if (held && (at.v[side.body] != Vec2{} || at.spin[side.body] != 0)) return 0;
+  }
+  double kinetic = 0;
+  for (const std::uint32_t b : island.bodies) {
+    kinetic += 0.5 * shapes[b].mass * dot(at.v[b], at.v[b]) + 0.5 * shapes[b].inertia * at.spin[b] * at.spin[b];
+  }
+  if (kinetic <= 0) return 0;
+  const double taken = std::min(wanted, kinetic);
+  const double factor = std::sqrt(1 - taken / kinetic);
+  for (const std::uint32_t b : island.bodies) {
+    at.v[b] = factor * at.v[b];
+    at.spin[b] *= factor;
+  }
+  return taken;
+}
+
+/// Parts penetrating bodies: the least move in the norm of the masses that leaves no gap negative. Positions only.
+void World::Impl::project(Attempt& out) const {
+  std::vector<Island> islands = islands_of(out.touches);
+  bool moved = false;
+  for (Island& island : islands) {
+    bool deep = false;
+    std::erase_if(island.touches, [&](std::uint32_t k) {
+      const auto held = [&](std::uint32_t b) { return shapes[b].inverse_x + shapes[b].inverse_y <= 0; };
+      return held(out.touches[k].i) && held(out.touches[k].j);
+    });
+    for (const std::uint32_t k : island.touches) {
+      const Touch& t = out.touches[k];
+      deep = deep ||
+             (t.gap < -contact_depth * std::min(shapes[t.i].feature, shapes[t.j].feature) && law_of(t).compliance <= 0);
+    }
+    if (!deep) continue;
+    const Rows rows = rows_of(out.touches, island, out.state);
+    ContactProblem problem;
+    const std::size_t m = island.touches.size();
+    problem.w = delassus(rows, 1, 1, true);
+    problem.mu.assign(m, 0.0);
+    problem.cohesion.assign(m, 0.0);
+    problem.tension.assign(m, 0.0);
+    for (std::size_t k = 0; k < m; ++k) {
+      bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
+      d.xx *= 1 + 1e-8;
+      d.yy *= 1 + 1e-8;
+      const Touch& t = out.touches[island.touches[k]];
+      problem.b.push_back({law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap, 0});
+    }
+    const ContactSolution solution = solve(problem, options.solver);
+    if (solution.report.status != ContactReport::Status::converged) continue;  // left for the next step
+    State shift;
+    shift.v.assign(size(), {});
+    shift.spin.assign(size(), 0);
+    for (std::size_t k = 0; k < m; ++k) {
+      for (const std::size_t which : {2 * k, 2 * k + 1}) {
+        const Side& s = rows.sides[which];
+        const Shape& shape = shapes[s.body];
+        const double p = solution.impulse[k].x;
+        shift.v[s.body] += p * Vec2{shape.inverse_x * s.n.x, shape.inverse_y * s.n.y};
+        shift.spin[s.body] += p * shape.inverse_spin * s.turn_n;
+      }
+    }
+    bool free = true;  // no support takes part
+    for (const Side& s : rows.sides) free = free && !(shapes[s.body].inverse_x * shapes[s.body].inverse_y == 0);
+    double mass = 0, turned = 0, lifted = 0;
+    Vec2 centre{};
+    for (const std::uint32_t b : island.bodies) {
+      lifted -= shapes[b].mass * dot(options.gravity, shift.v[b]);
+      out.state.x[b] += shift.v[b];
+      out.state.angle[b] += shift.spin[b];
+      turned += shapes[b].mass * cross(shift.v[b], out.state.v[b]);
+      mass += shapes[b].mass;
+      centre += shapes[b].mass * out.state.x[b];
+    }
+    if (free) {
+      // Moving bodies that slide past each other changes their angular momentum: a common spin takes that out.
+      centre = centre / mass;
+      double inertia = 0;
+      for (const std::uint32_t b : island.bodies) {
+        const Vec2 r = out.state.x[b] - centre;
+        inertia += shapes[b].inertia + shapes[b].mass * dot(r, r);
+      }
+      const double spin = -turned / inertia;
+      for (const std::uint32_t b : island.bodies) {
+        out.state.v[b] += spin * bem::turned_left(out.state.x[b] - centre);
+        out.state.spin[b] += spin;
+      }
+    }
+    // What came in fell too far before, and is too fast by that: a group on a support pays for the lift with speed.
+    if (!free && lifted > 0) lifted -= slow_down(island, rows, lifted, out.state);
+    out.projected += lifted;
+    moved = true;
+  }
+  if (!moved) return;
+  place_all(out.state, out.corners, out.boxes);
+}
+
+}  // namespace cleave::dbem

@@ -1,0 +1,51 @@
+#include <algorithm>
+#include <utility>
+
+#include "world_impl.hpp"
+
+namespace cleave::dbem {
+
+bool World::Impl::wake() {
+  if (std::ranges::none_of(asleep, [](std::uint8_t a) { return a != 0; })) return false;
+  std::vector<std::uint8_t> rouse(groups, 0);
+  bool any = false;
+  for (const Touch& t : touches) {
+    for (const auto& [a, b] : {std::pair{t.i, t.j}, std::pair{t.j, t.i}}) {
+      if (asleep[a] != 0 && !idle(b)) rouse[sleep_group[a]] = 1;
+      if (asleep[a] != 0 && shapes[b].fixed && !still(b)) rouse[sleep_group[a]] = 1;
+    }
+  }
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (asleep[b] != 0 && rouse[sleep_group[b]] != 0) {
+      asleep[b] = 0;
+      calm[b] = 0;
+      any = true;
+    }
+  }
+  return any;
+}
+
+void World::Impl::fall_asleep() {
+  if (!options.sleep || options.ground || options.quasi_static) return;
+  const std::vector<Island> islands = islands_of(touches);
+  for (const Island& island : islands) {
+    bool quiet = true;
+    for (const std::uint32_t b : island.bodies) {
+      const bool now = !shapes[b].timed && speed_bound(state, b) < options.sleep_speed;
+      calm[b] = static_cast<std::uint16_t>(now ? std::min<int>(calm[b] + 1, 1000) : 0);
+      quiet = quiet && calm[b] >= 10;
+    }
+    if (!quiet) continue;
+    for (const std::uint32_t b : island.bodies) {
+      asleep[b] = 1;
+      sleep_group[b] = groups;
+      state.v[b] = {};
+      state.spin[b] = 0;
+      for (std::size_t m = first_mode[b]; m < first_mode[b + 1]; ++m) state.de[m] = 0;
+    }
+    ++groups;
+    fat.clear();  // the list of pairs leaves sleeping ones out
+  }
+}
+
+}  // namespace cleave::dbem

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "cleave/scene/bodies.hpp"
+#include "table_reader.hpp"
+
+/// Tables of [elastic].
+namespace cleave::scene {
+
+/// `time`: end, step, scheme, damping.
+void parse_elastic_time(const TableReader& elastic, BodiesScene& scene);
+/// `points`; after the bodies, in which they must lie.
+void parse_elastic_points(const TableReader& elastic, BodiesScene& scene);
+
+}  // namespace cleave::scene

@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scenes.hpp"
+
+namespace cleave::dbem {
+namespace {
+
+using namespace scenes;
+
+/// A block slides down 30 degrees under its weight and a push along the slope that swings with time.
+double swung(double step, bool adaptive = false, double longest = 0) {
+  const double up = radians(30), mu = std::tan(radians(10));
+  const Vec2 down{-std::cos(up), -std::sin(up)};
+  std::vector<Body> bodies = slider(up);
+  const double mass = 2600 * 0.5, push = 0.2 * mass * g, omega = 8;
+  // At the height of the base: the pressure stays on both corners.
+  bodies[1].forces.push_back({bodies[1].outline[0], push * down, [=](double t) { return std::cos(omega * t); }, false});
+  auto world =
+      World::make(bodies, law(mu), {.step = step, .longest_step = longest, .adaptive = adaptive, .displacement = 1});
+  EXPECT_TRUE(world.has_value()) << describe(world.error());
+  run(*world, 0.8);
+  const double exact =
+      0.5 * g * (std::sin(up) - std::cos(up) * mu) * 0.64 + push / mass / (omega * omega) * (1 - std::cos(omega * 0.8));
+  return std::abs(norm(world->displacement(1)) - exact);
+}
+
+TEST(StepOrderTest, TheErrorFallsWithTheSquareOfTheStep) {
+  const double coarse = swung(0.04), middle = swung(0.02), fine = swung(0.01);
+  EXPECT_GT(fine, 1e-8);
+  EXPECT_NEAR(coarse / middle, 4, 0.3);
+  EXPECT_NEAR(middle / fine, 4, 0.3);
+}
+
+TEST(AdaptiveTest, StepsGrowWhileLittleMovesUpToTheLongest) {
+  auto world = World::make(stack(4), law(0.6), {.step = 1e-3, .longest_step = 1e-2, .adaptive = true, .sleep = false});
+  ASSERT_TRUE(world.has_value());
+  double before = 0, longest = 0;
+  std::size_t steps = 0;
+  while (world->time() < 0.3) {
+    const auto report = world->step();
+    ASSERT_TRUE(report.has_value());
+    EXPECT_LE(report->step, 1.5 * std::max(before, 1e-3) * (1 + 1e-12));
+    longest = std::max(longest, report->step);
+    before = report->step;
+    ++steps;
+  }
+  EXPECT_DOUBLE_EQ(longest, 1e-2);
+  EXPECT_LT(steps, 75U);  // 300 of the first step
+}
+
+TEST(AdaptiveTest, WithoutItOrWithoutALongerStepNothingGrows) {
+  for (const bool adaptive : {false, true}) {
+    auto world =
+        World::make(stack(2), law(0.6), {.step = 1e-3, .longest_step = adaptive ? 0.0 : 1e-2, .adaptive = adaptive});
+    ASSERT_TRUE(world.has_value());
+    for (int k = 0; k < 30; ++k) EXPECT_DOUBLE_EQ(world->step()->step, 1e-3);
+  }
+}
+
+TEST(AdaptiveTest, LargeMovesCutTheStepAndItStaysCut) {
+  // 10 m/s may move 0.05 of the height of 20 m in a step: 0.1 s at most.
+  std::vector<Body> bodies{fixed("floor", rectangle(-5, -1, 10, 1)), block("b", rectangle(0, 18, 1, 1))};
+  bodies[1].velocity = {0, 10};
+  auto world = World::make(bodies, law(0.6), {.gravity = {}, .step = 0.5, .longest_step = 1, .adaptive = true});
+  ASSERT_TRUE(world.has_value());
+  for (int k = 0; k < 10; ++k) {
+    const auto report = world->step();
+    ASSERT_TRUE(report.has_value());
+    EXPECT_LE(report->step * 10, 0.05 * 20 * (1 + 1e-9)) << k;
+    EXPECT_GE(report->step * 10, 0.3 * 0.05 * 20) << k;
+    EXPECT_EQ(report->cuts, 0U);  // not counted as failures
+  }
+}
+
+TEST(AdaptiveTest, AnAdaptiveSliderKeepsToTheClosedForm) { EXPECT_LT(swung(2e-3, true, 1e-2), 1e-4); }
+
+TEST(ErrorTargetTest, TheStepFollowsTheErrorAskedFor) {
+  double last = 1;
+  for (const double target : {1e-5, 1e-7}) {
+    const double up = radians(30);
+    std::vector<Body> bodies = slider(up);
+    const double push = 0.2 * 2600 * 0.5 * g;
+    bodies[1].forces.push_back({bodies[1].outline[0], push * Vec2{-std::cos(up), -std::sin(up)},
+                                [](double t) { return std::cos(8 * t); }, false});
+    auto world = World::make(bodies, law(0.1), {.step = 0.04, .displacement = 1, .position_error = target});
+    ASSERT_TRUE(world.has_value());
+    double shortest = 1;
+    while (world->time() < 0.4) {
+      const auto report = world->step(0.4 - world->time() + 1e-12);
+      ASSERT_TRUE(report.has_value());
+      if (world->time() < 0.4 - 1e-9) shortest = std::min(shortest, report->step);
+    }
+    EXPECT_LT(shortest, 0.7 * last);
+    last = shortest;
+  }
+}
+
+}  // namespace
+}  // namespace cleave::dbem
