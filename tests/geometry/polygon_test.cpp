@@ -82,6 +82,21 @@ TEST(PolygonTest, RefusesWithTheReason) {
   EXPECT_NE(error_of<SelfCrossing>({{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 2, 0}}), nullptr);
 }
 
+// Turns the same way at every corner, but twice around.
+TEST(PolygonTest, PentagramsCrossThemselves) {
+  for (const int step : {1, 2, 3, 4}) {
+    std::vector<Vec3> corners;
+    for (int i = 0; i < 5; ++i) {
+      const double angle = 0.3 + 2 * std::numbers::pi * step * i / 5;
+      corners.push_back({std::cos(angle), 2 * std::sin(angle), 7 + std::cos(angle)});
+    }
+    EXPECT_EQ(Polygon::make(corners).has_value(), step == 1 || step == 4) << step;
+  }
+  // Twice around the same square, a little smaller the second time.
+  EXPECT_FALSE(Polygon::make({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, 1, 0}, {3, 1, 0}, {3, 3, 0}, {1, 3, 0}})
+                   .has_value());
+}
+
 TEST(PolygonTest, TouchingAndFoldedOutlinesCrossThemselves) {
   // a spike out and back along one line
   EXPECT_NE(error_of<SelfCrossing>({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {4, 2, 0}, {0, 4, 0}}), nullptr);

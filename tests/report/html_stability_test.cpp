@@ -2,8 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <regex>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cleave/report/html.hpp"
@@ -88,6 +94,43 @@ TEST(HtmlStability, EachKeyBlockTellsItsFacesItsForcesAndWhyItMoves) {
   EXPECT_EQ(count(faces.substr(0, faces.find("</table>")), "<tr><td>"), 6U);
   EXPECT_EQ(count(faces, "slides on it"), 1U);
   EXPECT_EQ(count(faces, "opens"), 1U);  // the lid: the block moves straight down
+}
+
+// A friction circle that touches the rim must not cross the net to the other side.
+TEST(HtmlStability, FrictionCirclesAreNotTornAtTheRim) {
+  Tunnel t;
+  const double degree = std::numbers::pi / 180;
+  for (int degrees = 5; degrees < 90; degrees += 5) {
+    t.page.tan_friction.assign(8, std::tan(degrees * degree));
+    // A plane as steep as leaves its pole this far above the rim, dipping any way.
+    topology::BlockComplex::Data data = t.complex.data();
+    for (topology::Face& face : data.faces) {
+      const double trend = 15 * degrees * degree;
+      face.outward = {-std::cos(degrees * degree) * std::sin(trend), -std::cos(degrees * degree) * std::cos(trend),
+                      -std::sin(degrees * degree)};
+    }
+    const topology::BlockComplex turned{std::move(data)};
+    t.page.complex = &turned;
+    const std::string why = section(report_html(t.page), "why");
+    const std::regex path{R"re(<path fill="none" d="M([^"]*)" stroke="#D55E00")re"};
+    std::size_t circles = 0;
+    for (std::sregex_iterator it{why.begin(), why.end(), path}, end; it != end; ++it) {
+      ++circles;
+      std::string points = (*it)[1];
+      std::ranges::replace(points, 'L', ' ');
+      std::ranges::replace(points, ',', ' ');
+      std::istringstream in{points};
+      double x = 0, y = 0, px = 0, py = 0;
+      for (bool first = true; in >> x >> y; first = false) {
+        if (!first) {
+          EXPECT_LT(std::hypot(x - px, y - py), 30) << degrees;
+        }
+        px = x;
+        py = y;
+      }
+    }
+    EXPECT_GT(circles, 0U);
+  }
 }
 
 TEST(HtmlStability, TurningBlocksAreMarkedInTheTable) {

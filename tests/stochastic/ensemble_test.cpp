@@ -125,5 +125,107 @@ TEST(EnsembleTest, QuantileIntervalsCover) {
   EXPECT_GE(covers, 0.9 * runs);
 }
 
+// Three geometries with two strengths each, by hand: volumes (2, 4), (12, 14), (0, 0).
+TEST(EnsembleTest, NestedDesignsCountGeometries) {
+  EnsembleOptions nested = options();
+  nested.strengths_per_geometry = 2;
+  Ensemble ensemble{nested};
+  ensemble.add(record(0, {2}), "a");
+  ensemble.add(record(1, {4}), "b");
+  ensemble.add(record(2, {12}), "c");
+  ensemble.add(record(3, {14}), "d");
+  ensemble.add(record(4, {}), "e");
+  ensemble.add(record(5, {}), "f");
+  const Figures f = ensemble.figures();
+  EXPECT_EQ(f.realizations, 6U);
+  const Estimate& volume = find(f, "key_block_volume_m3");
+  EXPECT_EQ(volume.realizations, 3U);
+  EXPECT_DOUBLE_EQ(volume.mean, 16.0 / 3);
+  const double s2 = (std::pow(3 - 16.0 / 3, 2) + std::pow(13 - 16.0 / 3, 2) + std::pow(16.0 / 3, 2)) / 2;
+  EXPECT_NEAR(volume.standard_error, std::sqrt(s2 / 3), 1e-12);
+  const auto share = std::ranges::find(f.variances, "key_block_volume_m3", &VarianceShare::name);
+  ASSERT_NE(share, f.variances.end());
+  EXPECT_NEAR(share->strength, (2 + 2 + 0) / 3.0, 1e-12);
+  EXPECT_NEAR(share->geometry, s2 - share->strength / 2, 1e-12);
+  EXPECT_DOUBLE_EQ(find(f, "key_block_mean_volume_m3").mean, 32.0 / 4);
+  // Two of three geometries have a block above 1 m3, both of their draws: 4 of 6, but no more than 3 independent
+  // trials.
+  EXPECT_DOUBLE_EQ(f.exceedances[0].probability, 4.0 / 6);
+  EXPECT_EQ(f.exceedances[0].realizations, 4U);
+  EXPECT_NEAR(f.exceedances[0].interval.low, clopper_pearson(2, 3, 0.95).low, 1e-9);
+  EXPECT_NEAR(f.exceedances[0].interval.high, clopper_pearson(2, 3, 0.95).high, 1e-9);
+  // Quantiles are of independent values: the first draw of each geometry.
+  const auto median = std::ranges::find_if(
+      f.quantiles, [](const QuantileEstimate& e) { return e.name == "key_block_volume_m3" && e.p == 0.5; });
+  EXPECT_DOUBLE_EQ(median->value, 2);
+  EXPECT_EQ(f.worst.front().realization, 3U);
+}
+
+// 95 % intervals of a nested design hold the mean, and the two variances come back; taking the draws for independent
+// would cover far less. Volumes e^(g + s/2), g and s normal; 300 ensembles of 40 geometries with 5 strengths each.
+TEST(EnsembleTest, NestedIntervalsCover) {
+  EnsembleOptions nested = options();
+  nested.strengths_per_geometry = 5;
+  int covers = 0;
+  Moments geometry, strength;
+  for (std::uint64_t r = 0; r < 300; ++r) {
+    Ensemble ensemble{nested};
+    Rng rng{{.seed = 5, .realization = r}};
+    for (std::uint64_t g = 0; g < 40; ++g) {
+      const double centre = 20 + 3 * rng.normal();
+      for (std::uint64_t j = 0; j < 5; ++j) ensemble.add(record(5 * g + j, {centre + 2 * rng.normal()}), "");
+    }
+    const Figures f = ensemble.figures();
+    const Estimate& volume = find(f, "key_block_volume_m3");
+    covers += volume.low <= 20 && 20 <= volume.high ? 1 : 0;
+    const auto share = std::ranges::find(f.variances, "key_block_volume_m3", &VarianceShare::name);
+    geometry.add(share->geometry);
+    strength.add(share->strength);
+  }
+  EXPECT_NEAR(covers, 285, 4 * std::sqrt(300 * 0.95 * 0.05));
+  EXPECT_NEAR(geometry.mean(), 9, 4 * geometry.standard_error());
+  EXPECT_NEAR(strength.mean(), 4, 4 * strength.standard_error());
+}
+
+// Orders of excavation: paired differences by hand.
+TEST(EnsembleTest, OrdersAreComparedWithinEachRealization) {
+  EnsembleOptions with_orders = options();
+  with_orders.orders = 2;
+  Ensemble ensemble{with_orders};
+  const double first[] = {5, 9, 2}, second[] = {4, 9, 4};
+  for (std::uint64_t k = 0; k < 3; ++k) {
+    Record r = record(k, {1});
+    r.orders = {{2, first[k]}, {k, second[k]}};
+    ensemble.add(r, "");
+  }
+  const Figures f = ensemble.figures();
+  ASSERT_EQ(f.orders.size(), 2U);
+  EXPECT_DOUBLE_EQ(f.orders[0].key_m3.mean, 16.0 / 3);
+  EXPECT_DOUBLE_EQ(f.orders[1].key_blocks.mean, 1);
+  EXPECT_DOUBLE_EQ(f.orders[1].key_m3_minus_first.mean, 1.0 / 3);  // -1, 0, 2
+  EXPECT_NEAR(f.orders[1].key_m3_minus_first.standard_error, std::sqrt((16 + 1 + 25) / 9.0 / 2 / 3), 1e-12);
+  EXPECT_DOUBLE_EQ(f.orders[0].key_m3_minus_first.mean, 0);
+  EXPECT_NEAR(f.orders[0].share_best, 2 / 3.0, 1e-12);  // the tie goes to the first
+}
+
+TEST(EnsembleTest, SupportFiguresOnlyWhereThereIsASupport) {
+  EnsembleOptions supported = options();
+  supported.support = true;
+  Ensemble with{supported}, without{options()};
+  Record r = record(0, {1});
+  r.support = Supported{.needing = 3, .not_held = 1, .not_held_m3 = 0.5, .missing_n = 1e4};
+  Record held = record(1, {1});
+  held.support = Supported{.needing = 1};
+  for (Ensemble* e : {&with, &without}) {
+    e->add(r, "");
+    e->add(held, "");
+  }
+  const Figures f = with.figures(), plain = without.figures();
+  EXPECT_DOUBLE_EQ(find(f, "support_blocks_needing").mean, 2);
+  EXPECT_DOUBLE_EQ(find(f, "support_fails").mean, 0.5);
+  EXPECT_DOUBLE_EQ(find(f, "support_missing_force_n").mean, 5e3);
+  EXPECT_TRUE(std::ranges::none_of(plain.estimates, [](const Estimate& e) { return e.name == "support_fails"; }));
+}
+
 }  // namespace
 }  // namespace cleave::stochastic

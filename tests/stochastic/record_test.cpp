@@ -40,6 +40,8 @@ Record example(std::uint64_t k) {
   }
   r.above = {7, 0, 3};
   r.chainage_m3 = {0, 0.1, 1e-300, 12345.678};
+  if (k % 2 == 0) r.support = Supported{9, k, rng.uniform(), 1e6 * rng.uniform(), 3, 1};
+  if (k % 3 == 0) r.orders = {{k, rng.uniform()}, {0, 0}, {7, 1e-9}};
   return r;
 }
 

@@ -212,6 +212,33 @@ TEST(TracesTest, WindowsClipAndCountByHand) {
   EXPECT_FALSE(p20(count(circle, chord)).value.has_value());
 }
 
+// Ends on the border, at a corner or on a side, are not inside; ends near it only when no border is stated.
+TEST(TracesTest, EndsOnTheBorderAreCutOff) {
+  const PolygonWindow triangle{{{0, 0}, {3, 1}, {1, 3}}};
+  for (const MapPoint p : {MapPoint{0, 0}, {3, 1}, {1.5, 0.5}, {2, 2}, {0.75, 0.25}, {0.5, 1.5}}) {
+    EXPECT_FALSE(holds(triangle, p)) << p.x << ' ' << p.y;
+    EXPECT_EQ(distance_to_border(triangle, p), 0) << p.x << ' ' << p.y;
+  }
+  // One unit in the last place to either side of the side x = 3 y, where rounded products vanish.
+  const double up = std::nextafter(0.25, 1), down = std::nextafter(0.25, 0);
+  EXPECT_TRUE(holds(triangle, {0.75, up}));
+  EXPECT_FALSE(holds(triangle, {0.75, down}));
+  EXPECT_TRUE(holds(triangle, {4 / 3.0, 4 / 3.0}));
+  EXPECT_FALSE(holds(triangle, {-1, -1 / 3.0}));  // on the line of a side, beyond its end
+  EXPECT_NEAR(distance_to_border(triangle, {-3, -4}), 5, 1e-15);
+  EXPECT_NEAR(distance_to_border(CircleWindow{{1, 1}, 2}, {1, 0}), 1, 1e-15);
+  const PolygonWindow square{{{0, 0}, {4, 0}, {4, 4}, {0, 4}}};
+  const std::vector<Polyline> traces{{{1, 1}, {4, 1}}, {{1, 2}, {3.9999, 2}}, {{0, 3}, {4, 3}}};
+  const WindowCounts strict = count(square, seen_through(square, traces));
+  EXPECT_EQ(strict.n0, 1U);
+  EXPECT_EQ(strict.n1, 1U);
+  EXPECT_EQ(strict.n2, 1U);
+  const WindowCounts wide = count(square, seen_through(square, traces, 0.001));
+  EXPECT_EQ(wide.n0, 1U);
+  EXPECT_EQ(wide.n1, 2U);
+  EXPECT_EQ(wide.n2, 0U);
+}
+
 TEST(TracesTest, NodesOfASmallMap) {
   const PolygonWindow square{{{0, 0}, {4, 0}, {4, 4}, {0, 4}}};
   // A cross, and one trace that ends on another.

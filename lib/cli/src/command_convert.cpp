@@ -11,6 +11,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/io/mesh_write.hpp"
+#include "cleave/io/network_write.hpp"
 #include "cleave/report/exports.hpp"
 #include "cleave/report/vtu.hpp"
 #include "cleave/report/write.hpp"
@@ -20,7 +21,10 @@
 namespace cleave::cli {
 namespace {
 
-bool is_mesh(const std::string& ending) { return ending == ".obj" || ending == ".stl" || ending == ".ply"; }
+bool is_network(const std::string& ending) { return ending == ".fab" || ending == ".dat"; }
+bool is_mesh(const std::string& ending) {
+  return ending == ".obj" || ending == ".stl" || ending == ".ply" || is_network(ending);
+}
 
 std::optional<report::ExportFormat> format_of(const std::string& ending) {
   const auto names = report::export_names();
@@ -39,6 +43,8 @@ Converted faces_as(const io::MeshData& mesh, const std::string& ending) {
                                             "unit as in the file it was converted from; z up; no offset"};
   Converted result;
   result.bytes = ending == ".obj"   ? io::write_obj(mesh, comments)
+                 : ending == ".fab" ? io::write_fab(mesh)
+                 : ending == ".dat" ? io::write_dfnworks_polygons(mesh)
                  : ending == ".ply" ? io::write_ply(mesh, comments)
                                     : io::write_stl_text(mesh);
   result.summary = fmt::format("{} faces, {} vertices", mesh.faces(), mesh.vertices.size());
@@ -71,6 +77,8 @@ std::expected<Converted, std::string> convert(const ConvertInput& input, const s
     CLEAVE_TRY(const report::Cells cells, blocks_of(*mesh, in));
     return blocks_as(cells, ending, title);
   }
+  if (is_network(ending))
+    return std::unexpected(out + ":1: OUT: holds fractures, not blocks; give a scene or a file of joints as IN");
   return blocks_as(*std::get_if<report::Cells>(&input.content), ending, title);
 }
 
@@ -89,17 +97,17 @@ std::string ending_of(const std::string& path) {
   return ending;
 }
 
-ExitCode convert_file(const std::string& in, const std::string& out) {
+ExitCode convert_file(const std::string& in, const std::string& out, std::uint64_t realization) {
   const std::string ending = ending_of(out);
-  if (ending != ".vtu" && !format_of(ending)) {
-    std::string known = ".vtu";
+  if (ending != ".vtu" && !is_network(ending) && !format_of(ending)) {
+    std::string known = ".vtu .fab .dat";
     for (const report::ExportName& name : report::export_names()) known += fmt::format(" {}", name.ending);
     return wrong(fmt::format("{}:1: OUT: the ending is not known; give one of {}", out, known));
   }
   std::error_code ignored;
   if (std::filesystem::is_directory(out, ignored))
     return wrong(fmt::format("{}:1: OUT: is a folder; name a file", out));
-  const auto input = read_convert_input(in);
+  const auto input = read_convert_input(in, realization);
   if (!input) return wrong(input.error());
   for (const std::string& note : input->notes) say("note: " + in + ": " + note + "\n");
   const auto converted = convert(*input, in, out);

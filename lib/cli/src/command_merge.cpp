@@ -111,14 +111,16 @@ ExitCode merge_results(const std::vector<std::string>& folders, const std::strin
     return wrong(folders.front(), "its copy of the scene is not the one its records come from; run it again");
   }
   std::ranges::sort(parts, {}, [](const Part& p) { return p.identity.shard.number; });
-  const std::uint64_t wanted = scene->monte_carlo->realizations;
+  const std::uint64_t wanted = scene->monte_carlo->realizations, group = strengths_per_geometry(*scene);
   for (const Part& part : parts) {
     const std::uint64_t number = part.identity.shard.number;
-    const std::uint64_t own = wanted < number ? 0 : (wanted - number) / of + 1;
+    const std::uint64_t geometries = wanted / group;
+    const std::uint64_t own = geometries < number ? 0 : ((geometries - number) / of + 1) * group;
     if (part.records != own) {
       return wrong(part.folder, fmt::format("holds {} of its {} realizations: from number {} on they are missing; "
                                             "finish it with the same command",
-                                            part.records, own, number - 1 + part.records * of));
+                                            part.records, own,
+                                            (number - 1 + part.records / group * of) * group + part.records % group));
     }
   }
 
@@ -145,7 +147,7 @@ ExitCode merge_results(const std::vector<std::string>& folders, const std::strin
     if (!file) return std::unexpected(file.error());
     Parts readers{parts};
     for (std::uint64_t k = 0; k < wanted; ++k) {
-      const auto record = readers.next(k % of);
+      const auto record = readers.next(k / group % of);
       if (!record || record->realization != k) return std::unexpected(stochastic::Unreadable{k / of + 3});
       if (k < file->records()) continue;  // an earlier merge was interrupted
       if (auto written = file->append(*record); !written) return std::unexpected(written.error());

@@ -39,7 +39,9 @@ struct ReplayArguments {
 [[nodiscard]] ExitCode init_scene(const std::string& kind);
 /// Prints what differs between two finished results: scene, plan, counts, volumes, key blocks; not what they cost.
 [[nodiscard]] ExitCode diff_results(const std::string& first, const std::string& second);
-[[nodiscard]] ExitCode convert_file(const std::string& in, const std::string& out);
+/// Paired differences of two Monte Carlo results with the same seed; to the file `out` too when it is not empty.
+[[nodiscard]] ExitCode compare_results(const std::string& first, const std::string& second, const std::string& out);
+[[nodiscard]] ExitCode convert_file(const std::string& in, const std::string& out, std::uint64_t realization);
 
 /// ".obj" of "a/b.OBJ"; empty when there is none.
 [[nodiscard]] std::string ending_of(const std::string& path);

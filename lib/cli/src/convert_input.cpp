@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -18,6 +20,8 @@
 #include "cleave/io/joint_csv.hpp"
 #include "cleave/io/polyhedra.hpp"
 #include "cleave/io/surfaces.hpp"
+#include "cleave/scene/parse.hpp"
+#include "cleave/scene/run.hpp"
 #include "commands.hpp"
 
 namespace cleave::cli {
@@ -136,6 +140,7 @@ std::optional<Mesh> mesh_of_file(const std::string& ending, const std::string& b
   if (ending == ".dxf") return checked(io::parse_dxf(bytes, in));
   if (ending == ".ts") return checked(io::parse_tsurf(bytes, in));
   if (ending == ".fab") return checked(io::parse_fab(bytes, in));
+  if (ending == ".dat") return checked(io::parse_dfnworks_polygons(bytes, in));
   if (ending == ".csv") return mesh_of_table(bytes, in);
   return std::nullopt;
 }
@@ -202,19 +207,105 @@ double add_block(report::Cells& cells, std::span<const Vec3> points,
   return volume;
 }
 
-constexpr const char* known_endings = "give a result folder, .vtu, .obj, .stl, .ply, .dxf, .ts, .fab or .csv";
+/// What of an endless plane lies in a box: the plane's square around the box's centre, cut by its sides.
+std::vector<Vec3> plane_in_box(const topology::PersistentJoint& plane, Vec3 low, Vec3 high) {
+  const Vec3 middle = 0.5 * (low + high);
+  const double reach = norm(high - low);
+  const Vec3 n = normalized(plane.normal);
+  const Vec3 foot = middle - dot(middle - plane.through, n) * n;
+  const Vec3 u = normalized(std::abs(n.z) < 0.9 ? cross(n, {0, 0, 1}) : cross(n, {1, 0, 0})), v = cross(n, u);
+  std::vector<Vec3> corners;
+  for (const auto& [a, b] : std::array<std::pair<double, double>, 4>{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}) {
+    corners.push_back(foot + (reach * a) * u + (reach * b) * v);
+  }
+  const auto cut = [&](auto&& inside) {  // >= 0 inside
+    std::vector<Vec3> kept;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Vec3 p = corners[i], q = corners[(i + 1) % corners.size()];
+      const double at_p = inside(p), at_q = inside(q);
+      if (at_p >= 0) kept.push_back(p);
+      if ((at_p > 0 && at_q < 0) || (at_p < 0 && at_q > 0)) kept.push_back(p + at_p / (at_p - at_q) * (q - p));
+    }
+    corners = std::move(kept);
+  };
+  cut([&](Vec3 p) { return p.x - low.x; });
+  cut([&](Vec3 p) { return high.x - p.x; });
+  cut([&](Vec3 p) { return p.y - low.y; });
+  cut([&](Vec3 p) { return high.y - p.y; });
+  cut([&](Vec3 p) { return p.z - low.z; });
+  cut([&](Vec3 p) { return high.z - p.z; });
+  return corners;
+}
+
+/// The joints of one realization; a joint of several polygons is as many faces.
+std::expected<ConvertInput, std::string> network_of_scene(const std::string& in, std::uint64_t realization) {
+  const auto first = [](const std::vector<scene::Problem>& problems) { return describe(problems.front()); };
+  const auto scene = scene::load(in);
+  if (!scene) return std::unexpected(first(scene.error()));
+  const auto drawn = scene::draw(*scene, realization);
+  if (!drawn) return std::unexpected(first(drawn.error()));
+  ConvertInput input{io::MeshData{}, {}};
+  auto& mesh = std::get<io::MeshData>(input.content);
+  for (const scene::SetInfo& set : drawn->sets) mesh.groups.push_back(set.name);
+  const auto add = [&](std::span<const Vec3> corners, scene::SetId set) {
+    for (const Vec3& corner : corners) {
+      mesh.corners.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
+      mesh.vertices.push_back(corner);
+    }
+    mesh.ends.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+    mesh.group.push_back(static_cast<std::uint32_t>(set.index()));
+    mesh.lines.push_back(0);
+  };
+  // A little beyond the domain, so that the end of a plane cuts nothing.
+  Vec3 low = scene->domain.vertices().front(), high = low;
+  for (const Vec3& p : scene->domain.vertices()) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const Vec3 margin = 0.01 * (high - low);
+  std::size_t planes = 0, outside = 0, several = 0;
+  for (const topology::JointId id : drawn->joints.ids()) {
+    const scene::SetId set = drawn->joints[id].set;
+    std::visit(overloaded{[&](const topology::Joint& joint) {
+                            several += joint.polygons.size() > 1 ? 1U : 0U;
+                            for (const auto& polygon : joint.polygons) add(polygon.corners(), set);
+                          },
+                          [&](const topology::PersistentJoint& plane) {
+                            ++planes;
+                            const auto corners = plane_in_box(plane, low - margin, high + margin);
+                            if (corners.size() >= 3) {
+                              add(corners, set);
+                            } else {
+                              ++outside;
+                            }
+                          }},
+               drawn->input.joints[id.index()]);
+  }
+  if (planes > 0) {
+    input.notes.push_back(fmt::format("{} endless planes are written up to 1 % beyond the domain's box{}", planes,
+                                      outside > 0 ? fmt::format("; {} of them miss it", outside) : std::string{}));
+  }
+  if (several > 0) input.notes.push_back(fmt::format("{} joints of several polygons are a face each polygon", several));
+  if (mesh.faces() == 0)
+    return std::unexpected(in + ":1: joint_set: the scene has no joints; add [[joint]] or [[joint_set]]");
+  return input;
+}
+
+constexpr const char* known_endings =
+    "give a result folder, a scene (.toml), .vtu, .obj, .stl, .ply, .dxf, .ts, .fab, .dat or .csv";
 
 }  // namespace
 
-std::expected<ConvertInput, std::string> read_convert_input(const std::string& in) {
+std::expected<ConvertInput, std::string> read_convert_input(const std::string& in, std::uint64_t realization) {
   std::error_code ignored;
   const bool is_folder = std::filesystem::is_directory(in, ignored);
   const std::string file = is_folder ? (std::filesystem::path{in} / "blocks.vtu").generic_string() : in;
   const std::string ending = ending_of(file);
-  constexpr std::string_view endings = " .vtu .obj .stl .ply .dxf .ts .fab .csv ";
+  constexpr std::string_view endings = " .vtu .obj .stl .ply .dxf .ts .fab .dat .csv .toml ";
   if (ending.empty() || endings.find(" " + ending + " ") == std::string_view::npos) {
     return std::unexpected(fmt::format("{}:1: IN: the ending is not known; {}", in, known_endings));
   }
+  if (ending == ".toml") return network_of_scene(in, realization);
   const auto bytes = io::read_file(file);
   if (!bytes) return std::unexpected(message_of(bytes.error()));
   if (ending == ".vtu") {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <expected>
 #include <string>
 #include <variant>
@@ -16,9 +17,11 @@ struct ConvertInput {
   std::vector<std::string> notes;
 };
 
-/// Reads IN: a folder of results, its blocks.vtu, or a file of faces or joints, by its ending. The error is the whole
-/// message "FILE:LINE: KEY: what; remedy".
-[[nodiscard]] std::expected<ConvertInput, std::string> read_convert_input(const std::string& in);
+/// Reads IN: a folder of results, its blocks.vtu, a file of faces or joints, or a scene, by its ending. The error is
+/// the whole message "FILE:LINE: KEY: what; remedy". A scene gives the joints of one of its realizations, with its sets
+/// as groups; endless planes up to the domain's box.
+[[nodiscard]] std::expected<ConvertInput, std::string> read_convert_input(const std::string& in,
+                                                                          std::uint64_t realization);
 
 /// Each group of the mesh as a block, when all are closed; else what is wrong.
 [[nodiscard]] std::expected<report::Cells, std::string> blocks_of(const io::MeshData& mesh, const std::string& in);

@@ -167,14 +167,29 @@ ExitCode run_program(int argc, char** argv) {
 
   std::string in, out;
   CLI::App* convert = app.add_subcommand("convert", "between file formats, by their endings");
-  convert->add_option("in", in, "result folder or file to read: .vtu .obj .stl .ply .dxf .ts .fab .csv")->required();
-  convert->add_option("out", out, "file to write: .vtu .obj .ply .stl .3ddat .3dec .k .nmm3d .dda")->required();
-  convert->callback([&] { chosen = [&] { return convert_file(in, out); }; });
+  convert
+      ->add_option("in", in,
+                   "result folder or file to read: .vtu .obj .stl .ply .dxf .ts .fab .dat .csv, or a scene: its joints")
+      ->required();
+  convert
+      ->add_option("out", out, "file to write: .vtu .obj .ply .stl .3ddat .3dec .k .nmm3d .dda; joints also .fab .dat")
+      ->required();
+  std::uint64_t converted_realization = 0;
+  convert->add_option("--realization", converted_realization, "of a scene: which draw of its joints, from 0");
+  convert->callback([&] { chosen = [&] { return convert_file(in, out, converted_realization); }; });
   CLI::App* diff = app.add_subcommand("diff", "what differs between two results: plan, counts, volumes, key blocks");
   std::string first, second;
   diff->add_option("out1", first, "folder of a finished run")->required();
   diff->add_option("out2", second, "folder of another")->required();
   diff->callback([&] { chosen = [&] { return diff_results(first, second); }; });
+
+  CLI::App* compare = app.add_subcommand(
+      "compare", "two designs by their Monte Carlo results, realization by realization on common random numbers");
+  std::string compared;
+  compare->add_option("out1", first, "folder of a finished Monte Carlo run")->required();
+  compare->add_option("out2", second, "folder of another with the same seed")->required();
+  compare->add_option("-o,--out", compared, "file for the figures (JSON)");
+  compare->callback([&] { chosen = [&] { return compare_results(first, second, compared); }; });
 
   try {
     app.parse(argc, argv);

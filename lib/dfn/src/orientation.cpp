@@ -89,4 +89,9 @@ Frame draw(const OrientationLaw& law, double u, double v) noexcept {
                     law);
 }
 
+Frame draw(const OrientationLaw& law, const Frame& mean, double u, double v) noexcept {
+  if (const auto* l = std::get_if<FisherOrientation>(&law)) return about(mean, l->kappa, u, v);
+  return draw(law, u, v);
+}
+
 }  // namespace cleave::dfn::detail

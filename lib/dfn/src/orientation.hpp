@@ -21,5 +21,7 @@ struct Frame {
 
 /// One draw; u, v in (0, 1). Fisher by exact inversion: 1 - cos t = -log1p(u expm1(-2 kappa))/kappa, azimuth 2 pi v.
 [[nodiscard]] Frame draw(const OrientationLaw& law, double u, double v) noexcept;
+/// The same, `mean` being the law's mean frame: for many draws.
+[[nodiscard]] Frame draw(const OrientationLaw& law, const Frame& mean, double u, double v) noexcept;
 
 }  // namespace cleave::dfn::detail

@@ -76,7 +76,9 @@ class Sampler final {
         seed_{seed},
         realization_{realization},
         region_{region_of(set, domain)},
-        outline_{set.spec().shape} {}
+        outline_{set.spec().shape},
+        two_draws_{outline_.two_draws()},
+        mean_{detail::mean_frame(set.spec().orientation)} {}
 
   [[nodiscard]] std::expected<std::vector<SampledJoint>, SampleError> run();
 
@@ -97,6 +99,8 @@ class Sampler final {
   std::uint64_t seed_, realization_;
   Region region_;
   detail::OutlineDrawer outline_;
+  bool two_draws_;
+  detail::Frame mean_;
   std::vector<detail::FlatPoint> flat_;
   std::vector<Vec3> corners_;
 };
@@ -131,13 +135,13 @@ double Sampler::rotation(std::uint32_t i) const {
                     set_.spec().rotation);
 }
 
-detail::Frame draw_frame(const OrientationLaw& law, Rng rng) {
+detail::Frame draw_frame(const OrientationLaw& law, const detail::Frame& mean, Rng rng) {
   const double u = rng.uniform(), v = rng.uniform();
-  return detail::draw(law, u, v);
+  return detail::draw(law, mean, u, v);
 }
 
 std::optional<SampledJoint> Sampler::plane(std::uint32_t i) const {
-  const Vec3 normal = draw_frame(set_.spec().orientation, stream(Draw::orientation, i)).normal;
+  const Vec3 normal = draw_frame(set_.spec().orientation, mean_, stream(Draw::orientation, i)).normal;
   Vec3 through;
   if (region_.ball > 0) {
     const double offset = (2 * stream(Draw::position, i).uniform() - 1) * region_.ball;
@@ -152,7 +156,7 @@ std::optional<SampledJoint> Sampler::plane(std::uint32_t i) const {
 }
 
 bool Sampler::draw_corners(std::uint32_t i, const detail::Frame& frame, Vec3 centre) {
-  outline_.draw(stream(Draw::size, i).uniform(), stream(Draw::aspect, i).uniform(), flat_);
+  outline_.draw(stream(Draw::size, i).uniform(), two_draws_ ? stream(Draw::aspect, i).uniform() : 0.5, flat_);
   const double angle = rotation(i);
   const Vec3 up_dip = cross(frame.normal, frame.strike);
   const double c = std::cos(angle), s = std::sin(angle);
@@ -179,7 +183,7 @@ std::expected<std::vector<SampledJoint>, SampleError> Sampler::run() {
       if (auto joint = plane(i)) joints.push_back(std::move(*joint));
       continue;
     }
-    const detail::Frame frame = draw_frame(set_.spec().orientation, stream(Draw::orientation, i));
+    const detail::Frame frame = draw_frame(set_.spec().orientation, mean_, stream(Draw::orientation, i));
     const Vec3 at = centre(i);
     if (!draw_corners(i, frame, at)) continue;
     auto polygon = Polygon::make(corners_);

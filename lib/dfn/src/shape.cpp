@@ -97,11 +97,21 @@ OutlineDrawer::OutlineDrawer(const Shape& shape) : shape_{&shape} {
              shape);
 }
 
+bool OutlineDrawer::two_draws() const noexcept {
+  const auto own = [](const SecondSize& second) { return !std::holds_alternative<AspectRatio>(second); };
+  if (const auto* rectangle = std::get_if<Rectangle>(shape_)) return own(rectangle->second);
+  if (const auto* ellipse = std::get_if<Ellipse>(shape_)) return own(ellipse->second);
+  return false;
+}
+
 void OutlineDrawer::draw(double u, double v, std::vector<FlatPoint>& corners) const {
   corners.clear();
   const auto box = [&](double a, double b) { corners = {{-a, -b}, {a, -b}, {a, b}, {-a, b}}; };
   const auto round = [&](double a, double b) {
-    for (const FlatPoint& p : unit_) corners.push_back({a * stretch_ * p.along, b * stretch_ * p.across});
+    corners.resize(unit_.size());
+    for (std::size_t i = 0; i < unit_.size(); ++i) {
+      corners[i] = {a * stretch_ * unit_[i].along, b * stretch_ * unit_[i].across};
+    }
   };
   std::visit(overloaded{
                  [&](const Rectangle& s) {

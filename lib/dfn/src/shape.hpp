@@ -22,6 +22,8 @@ class OutlineDrawer final {
   /// Corners counter-clockwise about the normal; u and v in (0, 1) for the first and the second size. Empty for
   /// persistent joints.
   void draw(double u, double v, std::vector<FlatPoint>& corners) const;
+  /// Whether v decides anything.
+  [[nodiscard]] bool two_draws() const noexcept;
 
  private:
   const Shape* shape_;

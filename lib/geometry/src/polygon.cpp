@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
@@ -25,9 +29,59 @@ bool is_convex(const Outline& outline) {
   return true;
 }
 
+/// What `flushed` gives back bit by bit.
+bool is_plain(double x) { return std::abs(x) >= 1e-60 || (x == 0 && !std::signbit(x)); }
+
+/// True for a ring that `Outline` finds fine and convex by a wide margin: flat, far from thin, turning at every corner
+/// the same way and once around. Most rings are, and many are drawn: this looks at them without a copy. False says
+/// nothing.
+bool plainly_convex(std::span<const Vec3> ring) {
+  const std::size_t n = ring.size();
+  if (n < 3) return false;
+  Vec3 low = ring[0], high = ring[0], area{}, sum{};
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 p = ring[i];
+    if (!in_range(p) || !is_plain(p.x) || !is_plain(p.y) || !is_plain(p.z)) return false;
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    sum += p - ring[0];
+    if (i >= 2) area += cross(ring[i - 1] - ring[0], p - ring[0]);
+  }
+  const double size = norm(high - low), twice_area = norm(area);
+  const double largest = std::max(
+      {std::abs(low.x), std::abs(low.y), std::abs(low.z), std::abs(high.x), std::abs(high.y), std::abs(high.z)});
+  // Ten times what `Outline` calls rounding: 8 units in the last place of the largest coordinate.
+  const double rounding = 80 * std::numeric_limits<double>::epsilon() * largest;
+  if (!(twice_area > 1e-2 * size * size) || !(twice_area > 8 * size * rounding)) return false;
+  const Vec3 normal = area / twice_area, mean = sum / static_cast<double>(n);
+  const double allowed = 0.5e-6 * size;
+  const int axis = dominant_axis(normal);
+  const auto seen = [&](std::size_t i) { return drop(ring[i], axis); };
+  Vec2 a = seen(n - 2), b = seen(n - 1);
+  const exact::Sign sense = orient2d(a, b, seen(0));
+  if (sense == exact::Sign::zero) return false;
+  // Around a ring that always turns the same way u rises and falls once for every full turn.
+  int turns = 0, before = (b.u > a.u) - (b.u < a.u);
+  if (before == 0) before = (a.u > seen(n - 3).u) - (a.u < seen(n - 3).u);
+  for (std::size_t j = 0; j < n; ++j) {
+    if (std::abs(dot(normal, ring[j] - ring[0] - mean)) > allowed) return false;
+    const Vec2 c = seen(j);
+    if (orient2d(a, b, c) != sense) return false;
+    const int now = (c.u > b.u) - (c.u < b.u);
+    if (now != 0 && now != before) {
+      ++turns;
+      before = now;
+    }
+    a = b;
+    b = c;
+  }
+  return turns == 2;
+}
+
 }  // namespace
 
 std::expected<Polygon, PolygonError> Polygon::make(std::vector<Vec3> corners) {
+  if (plainly_convex(corners)) return Polygon{std::move(corners), true};
   CLEAVE_TRY(Outline outline, Outline::measure(corners));
   if (outline.distance > outline.allowed) {
     return std::unexpected(NotPlanar{outline.furthest, metres(outline.distance), metres(outline.allowed)});

@@ -47,6 +47,56 @@ void write_estimates(JsonWriter& json, const Figures& figures) {
   json.end_object();
 }
 
+void write_difference(JsonWriter& json, std::string_view name, const Estimate& e) {
+  json.key(name);
+  json.begin_object();
+  json.member("mean", e.mean);
+  json.member("standard_error", e.standard_error);
+  json.member("low", e.low);
+  json.member("high", e.high);
+  json.end_object();
+}
+
+/// Orders of the excavation stages, each in every realization.
+void write_orders(JsonWriter& json, const MonteCarloPage& page) {
+  const Figures& f = page.result.figures;
+  if (f.orders.empty()) return;
+  json.key("orders");
+  json.begin_array();
+  for (std::size_t i = 0; i < f.orders.size(); ++i) {
+    json.begin_object();
+    json.key("stages");
+    json.begin_array();
+    for (const std::uint32_t stage : page.orders.at(i)) json.value(stage);
+    json.end_array();
+    write_difference(json, "key_blocks", f.orders[i].key_blocks);
+    write_difference(json, "key_volume_m3", f.orders[i].key_m3);
+    write_difference(json, "key_blocks_minus_first", f.orders[i].key_blocks_minus_first);
+    write_difference(json, "key_volume_minus_first_m3", f.orders[i].key_m3_minus_first);
+    json.member("share_best", f.orders[i].share_best);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_variances(JsonWriter& json, const Figures& f) {
+  if (f.strengths_per_geometry == 1) return;
+  json.key("nested");
+  json.begin_object();
+  json.member("strengths_per_geometry", f.strengths_per_geometry);
+  json.key("variances");
+  json.begin_object();
+  for (const stochastic::VarianceShare& share : f.variances) {
+    json.key(share.name);
+    json.begin_object();
+    json.member("geometry", share.geometry);
+    json.member("strength", share.strength);
+    json.end_object();
+  }
+  json.end_object();
+  json.end_object();
+}
+
 void write_quantiles(JsonWriter& json, const Figures& figures) {
   json.key("quantiles");
   json.begin_array();
@@ -143,6 +193,8 @@ void write_section(JsonWriter& json, const MonteCarloPage& page) {
   write_estimates(json, f);
   write_quantiles(json, f);
   write_exceedances(json, f);
+  write_orders(json, page);
+  write_variances(json, f);
   write_sizes(json, "size_distribution", f.sizes);
   write_sizes(json, "first_batch_size_distribution", f.first_sizes);
   json.key("running");
@@ -190,7 +242,8 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
                       .files = {},
                       .notes = {},
                       .tunnel_length_m = ensemble_options_of(scene).tunnel_length_m,
-                      .stop_quantity = {}};
+                      .stop_quantity = {},
+                      .orders = orders_of(scene)};
   for (const scene::InputFile& file : scene.files) {
     page.files.push_back({.name = file.name, .sha256 = file.sha256, .bytes = file.bytes});
   }

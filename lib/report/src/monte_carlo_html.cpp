@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "cleave/report/monte_carlo.hpp"
 #include "cleave/report/text.hpp"
@@ -24,8 +26,15 @@ std::string percent(double share, int digits = 3) { return display(100 * share, 
 
 std::string interval(double low, double high) { return display(low) + " … " + display(high); }
 
+/// The name of a quantity in words, its unit behind a comma.
 std::string words(std::string name) {
   std::ranges::replace(name, '_', ' ');
+  for (const auto& [end, unit] : {std::pair<std::string_view, std::string_view>{" m3 per metre", ", m³ per metre"},
+                                  {" n per metre", ", N per metre"},
+                                  {" m3", ", m³"},
+                                  {" n", ", N"}}) {
+    if (name.ends_with(end)) return name.substr(0, name.size() - end.size()) + std::string{unit};
+  }
   return name;
 }
 
@@ -185,6 +194,47 @@ std::string probability_table(const Figures& f) {
   return out + "</tbody></table></section>\n";
 }
 
+std::string orders_table(const MonteCarloPage& page) {
+  const Figures& f = page.result.figures;
+  if (f.orders.empty()) return {};
+  std::string out =
+      "<section id=\"orders\"><h2>Orders of excavation</h2>\n<p class=\"small\">Each realization is excavated in every "
+      "order: differences are paired, on the same rock.</p>\n<div class=\"scroll\"><table><thead><tr><th "
+      "class=\"wide\">Stages</th><th>Key blocks</th><th>Their volume (m³)</th><th>Volume minus the first "
+      "order’s</th><th>Interval</th><th>Best in</th></tr></thead><tbody>\n";
+  for (std::size_t i = 0; i < f.orders.size(); ++i) {
+    std::string stages;
+    for (const std::uint32_t stage : page.orders.at(i)) stages += (stages.empty() ? "" : ", ") + std::to_string(stage);
+    const auto& order = f.orders[i];
+    const Estimate& difference = order.key_m3_minus_first;
+    out += "<tr><td class=\"wide\">" + stages + "</td><td>" + display(order.key_blocks.mean) + " ± " +
+           display(order.key_blocks.standard_error, 2) + "</td><td>" + display(order.key_m3.mean) + " ± " +
+           display(order.key_m3.standard_error, 2) + "</td><td>" + (i == 0 ? "–" : display(difference.mean)) +
+           "</td><td>" + (i == 0 ? "–" : interval(difference.low, difference.high)) + "</td><td>" +
+           percent(order.share_best) + "</td></tr>\n";
+  }
+  return out + "</tbody></table></div></section>\n";
+}
+
+std::string variances_table(const Figures& f) {
+  if (f.variances.empty()) return {};
+  std::string out =
+      "<section id=\"variances\"><h2>Where the spread comes from</h2>\n<p class=\"small\">Nested design, " +
+      display_count(f.strengths_per_geometry) +
+      " draws of strengths and loads for each geometry. The standard error of a mean over n geometries is √((geometry "
+      "+ "
+      "strength/" +
+      display_count(f.strengths_per_geometry) +
+      ")/n).</p>\n<div class=\"scroll\"><table><thead><tr><th class=\"wide\">Quantity</th><th>Standard deviation "
+      "between "
+      "geometries</th><th>between strengths of one geometry</th></tr></thead><tbody>\n";
+  for (const auto& v : f.variances) {
+    out += "<tr><td class=\"wide\">" + escape_xml(words(v.name)) + "</td><td>" + display(std::sqrt(v.geometry), 3) +
+           "</td><td>" + display(std::sqrt(v.strength), 3) + "</td></tr>\n";
+  }
+  return out + "</tbody></table></div></section>\n";
+}
+
 std::string quantile_table(const Figures& f) {
   if (f.quantiles.empty()) return {};
   std::string out =
@@ -263,7 +313,9 @@ std::string monte_carlo_html(const MonteCarloPage& page) {
            "</div></section>\n";
   }
   out += probability_table(f);
+  out += orders_table(page);
   out += estimates_table(f);
+  out += variances_table(f);
   out += quantile_table(f);
   out += extremes_section(f);
   out += notes_section(page);

@@ -61,7 +61,7 @@ std::string rosette(const survey::WindowSurvey& window) {
   constexpr std::size_t petals = 18;
   std::array<double, petals> sums{};
   const Vec3 y = cross(window.normal, window.x_axis);
-  for (const survey::SeenTrace& t : seen_through(window.window, window.traces)) {
+  for (const survey::SeenTrace& t : seen_through(window.window, window.traces, window.border)) {
     const Vec3 d = t.direction.x * window.x_axis + t.direction.y * y;
     double a = std::atan2(d.x, d.y);
     if (a < 0) a += pi;
@@ -109,7 +109,7 @@ std::string trace_map(const survey::WindowSurvey& window, const std::vector<surv
   const std::size_t stride = std::max<std::size_t>(1, traces.size() / 3000);
   std::string path;
   for (std::size_t i = 0; i < traces.size(); i += stride) {
-    const auto seen = seen_through(window.window, std::span{traces}.subspan(i, 1));
+    const auto seen = seen_through(window.window, std::span{traces}.subspan(i, 1), window.border);
     if (seen.empty()) continue;
     bool first = true;
     for (const auto& p : traces[i]) path += (std::exchange(first, false) ? "M" : "L") + at(p);

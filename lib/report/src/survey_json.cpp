@@ -25,6 +25,13 @@ void write_estimate(JsonWriter& json, const Estimate& e) {
   json.end_object();
 }
 
+/// NAME_low and NAME_high, where there is an interval.
+void write_interval(JsonWriter& json, const std::string& name, const Estimate& e) {
+  if (!e.value || !std::isfinite(e.high)) return;
+  json.member(name + "_low", e.low);
+  json.member(name + "_high", e.high);
+}
+
 void write_fit(JsonWriter& json, const survey::Fit& fit) {
   json.member("law", survey::name_of(fit.family));
   json.member("mean", fit.moment(1));
@@ -78,6 +85,10 @@ void write_set(JsonWriter& json, const survey::SetResult& set) {
   for (const survey::FittedLaw& law : set.lengths) {
     json.begin_object();
     write_fit(json, law.fit);
+    write_interval(json, "mean", law.mean);
+    write_interval(json, "std", law.std);
+    if (law.disc_mean) write_interval(json, "diameter_mean", *law.disc_mean);
+    if (law.disc_std) write_interval(json, "diameter_std", *law.disc_std);
     if (law.discs) {
       json.member("diameter_mean", law.discs->mean);
       json.member("diameter_std", law.discs->std);
@@ -99,6 +110,8 @@ void write_set(JsonWriter& json, const survey::SetResult& set) {
     json.member("law", survey::name_of(set.size->family));
     json.member("mean", set.size->mean);
     json.member("std", set.size->std);
+    if (set.size_mean) write_interval(json, "mean", *set.size_mean);
+    if (set.size_std) write_interval(json, "std", *set.size_std);
     json.end_object();
   }
   json.key("notes");

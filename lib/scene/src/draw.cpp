@@ -20,6 +20,10 @@ namespace {
 /// measured under one name do not share their friction.
 constexpr std::size_t measured_streams = std::size_t{1} << 23U;
 
+/// Streams of the whole scene, not of a joint set: their purposes lie beyond those of core's Draw.
+constexpr auto seismic_stream = static_cast<Draw>(64);
+constexpr auto water_stream = static_cast<Draw>(65);
+
 /// One value a joint of each property. Friction and cohesion may hang together by a Gaussian copula: the marginal laws
 /// stay what the scene says.
 Strength draw_strength(const Scene& scene, std::uint64_t realization, SetId set, std::size_t stream,
@@ -121,6 +125,8 @@ std::expected<SampledSets, std::vector<Problem>> sample_sets(const Scene& scene,
                                                              const Box& box) {
   const std::size_t count = scene.joint_sets.size();
   SampledSets sampled(count), given(scene.sets.size());
+  // Where several draws of strengths share a geometry, the joints go by the number of the geometry.
+  const std::uint64_t geometry = realization / (scene.monte_carlo ? scene.monte_carlo->strengths_per_geometry : 1);
   std::vector<Problem> problems;
   for (const std::size_t number : drawing_order(scene.joint_sets)) {
     const RandomSet& set = scene.joint_sets[number];
@@ -134,7 +140,7 @@ std::expected<SampledSets, std::vector<Problem>> sample_sets(const Scene& scene,
         older.emplace_back(joints);
       }
     }
-    auto joints = dfn::sample(set.law, number, {box.min, box.max}, scene.seed, realization, older);
+    auto joints = dfn::sample(set.law, number, {box.min, box.max}, scene.seed, geometry, older);
     if (joints) {
       sampled[number] = *std::move(joints);
     } else {
@@ -182,6 +188,12 @@ std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene, std::uint64_
                         .keep_dangling = scene.keep_dangling},
               .sets = {},
               .joints = {}};
+  const auto once = [&](Draw what) {
+    return Rng{{.seed = scene.seed, .realization = realization, .purpose = stream_purpose(0, what), .index = 0}}
+        .uniform();
+  };
+  if (scene.monte_carlo) drawn.seismic_factor = scene.monte_carlo->seismic_factor.quantile(once(seismic_stream));
+  drawn.water_quantile = once(water_stream);
   for (const NamedSet& set : scene.sets) drawn.sets.push_back({set.name, 0});
   for (const Excavation& excavation : scene.excavations) drawn.input.excavations.push_back(excavation.solid);
   add_measured(scene, realization, drawn);

@@ -35,6 +35,7 @@ std::optional<Surfaces> parse_surfaces(const LoadedFile& loaded) {
   if (ending == "dxf") return io::parse_dxf(loaded.bytes, loaded.shown);
   if (ending == "ts") return io::parse_tsurf(loaded.bytes, loaded.shown);
   if (ending == "fab") return io::parse_fab(loaded.bytes, loaded.shown);
+  if (ending == "dat") return io::parse_dfnworks_polygons(loaded.bytes, loaded.shown);
   return std::nullopt;
 }
 
@@ -72,7 +73,9 @@ void add_notes(Context& context, const std::vector<std::string>& notes, const st
 
 }  // namespace
 
-bool is_surfaces(std::string_view ending) { return ending == "dxf" || ending == "ts" || ending == "fab"; }
+bool is_surfaces(std::string_view ending) {
+  return ending == "dxf" || ending == "ts" || ending == "fab" || ending == "dat";
+}
 
 std::optional<io::Surfaces> surfaces_of(Context& context, const LoadedFile& loaded) {
   auto parsed = parse_surfaces(loaded);
@@ -95,7 +98,7 @@ std::optional<io::MeshData> mesh_of(Context& context, const TableReader& owner, 
   if (!parsed) {
     const bool tables = key == "file" && owner.path().starts_with("joint");
     owner.error(key, fmt::format("the ending of \"{}\" is not known", loaded.shown),
-                tables ? "give a file that ends in .obj, .csv, .dxf, .ts, .fab, .stl or .ply"
+                tables ? "give a file that ends in .obj, .csv, .dxf, .ts, .fab, .dat, .stl or .ply"
                        : "give a file that ends in .stl, .obj, .ply, .dxf or .ts");
     return std::nullopt;
   }

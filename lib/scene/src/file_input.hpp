@@ -14,7 +14,7 @@ namespace cleave::scene {
 /// "obj" of "a/b.OBJ"; empty when there is none.
 [[nodiscard]] std::string ending_of(std::string_view name);
 
-/// True for the endings of files that hold polygons and surfaces: .dxf .ts .fab.
+/// True for the endings of files that hold polygons and surfaces: .dxf .ts .fab .dat.
 [[nodiscard]] bool is_surfaces(std::string_view ending);
 /// What such a file holds, when it is already read; reports what is wrong.
 [[nodiscard]] std::optional<io::Surfaces> surfaces_of(Context& context, const LoadedFile& loaded);

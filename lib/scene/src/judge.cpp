@@ -18,7 +18,9 @@ stability::JointStrength strength_of(const Strength& s) {
 }
 
 stability::Actions actions_of(const Drawn& drawn, const LoadSet& loads) {
-  stability::ActionSpec spec{.water = loads.water,
+  auto water = loads.water;
+  if (water && loads.water_level) water->level = loads.water_level->quantile(drawn.water_quantile);
+  stability::ActionSpec spec{.water = water,
                              .joint_pressure = {},
                              .surcharges = loads.surcharges,
                              .points = loads.points,
@@ -41,7 +43,7 @@ stability::Actions actions_of(const Drawn& drawn, const LoadSet& loads) {
 stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
                                 const LoadSet& loads) {
   const auto rock = stability::RockMass::make(scene.rock.density);
-  const auto body = stability::Loads::make(wanted.gravity, loads.seismic);
+  const auto body = stability::Loads::make(wanted.gravity, drawn.seismic_factor * loads.seismic);
   const auto partial =
       stability::PartialFactors::make(wanted.partial.friction, wanted.partial.cohesion, wanted.partial.weight);
   CLEAVE_ASSERT(rock.has_value() && body.has_value() && partial.has_value());

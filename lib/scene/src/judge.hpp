@@ -34,9 +34,14 @@ struct JudgedMore {
   std::vector<topology::BlockId> undecided;
 };
 void judge_cases(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex, JudgedMore& more);
-/// After `judge_cases`: the support is checked under each named case too.
+/// After `judge_cases`: the support is checked under each named case too. `designs`: its designs are searched for, if
+/// the scene asks for them.
 void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
-                   const stability::Analysis& analysis, JudgedMore& more);
+                   const stability::Analysis& analysis, JudgedMore& more, bool designs = true);
+/// The support plan as it stands, under the base case; no design is searched for.
+[[nodiscard]] stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn,
+                                                  const topology::AuditedComplex& complex,
+                                                  const stability::Analysis& analysis);
 void judge_sensitivity(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                        const stability::Analysis& analysis, JudgedMore& more);
 void judge_maximum_blocks(const Scene& scene, const Drawn& drawn, JudgedMore& more);

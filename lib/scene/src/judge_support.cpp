@@ -80,11 +80,17 @@ void judge_cases(const Scene& scene, const Drawn& drawn, const topology::Audited
   }
 }
 
+stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
+                                    const stability::Analysis& analysis) {
+  return check_support(complex, settings_on(complex, scene, drawn, scene.stability->loads), analysis,
+                       scene.support->plan);
+}
+
 void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
-                   const stability::Analysis& analysis, JudgedMore& more) {
+                   const stability::Analysis& analysis, JudgedMore& more, bool designs) {
   const stability::Settings settings = settings_on(complex, scene, drawn, scene.stability->loads);
   const SupportSettings& support = *scene.support;
-  more.support = check_support(complex, settings, analysis, support.plan);
+  more.support = judge_plan(scene, drawn, complex, analysis);
   note(more.support->undecided, more);
   for (std::size_t k = 0; k < more.cases.size(); ++k) {
     const LoadCase& load = scene.stability->cases[k];
@@ -92,7 +98,7 @@ void judge_support(const Scene& scene, const Drawn& drawn, const topology::Audit
                                                            more.cases[k].analysis, support.plan)});
     note(more.support_cases.back().support.undecided, more);
   }
-  if (!support.design || !more.undecided.empty()) return;
+  if (!support.design || !designs || !more.undecided.empty()) return;
   const DesignSettings& design = *support.design;
   for (const double length : design.lengths) {
     // Spot bolts would hide what the pattern lacks.

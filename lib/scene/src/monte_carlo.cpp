@@ -1,6 +1,7 @@
 #include "cleave/scene/monte_carlo.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
@@ -47,6 +48,15 @@ stochastic::Questions questions_of(const Scene& scene) {
   return questions;
 }
 
+std::vector<std::vector<std::uint32_t>> orders_of(const Scene& scene) {
+  if (!scene.sequence || !scene.stability) return {};
+  std::vector<std::vector<std::uint32_t>> orders{scene.sequence->stages};
+  for (const auto& order : scene.sequence->orders) {
+    if (order != scene.sequence->stages) orders.push_back(order);
+  }
+  return orders;
+}
+
 stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
   const stochastic::Questions questions = questions_of(scene);
   stochastic::EnsembleOptions options{.stability = scene.stability.has_value(),
@@ -55,33 +65,80 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .volumes_m3 = questions.volumes_m3,
                                       .tunnel_length_m = {},
                                       .chainage_parts = questions.chainage_parts,
-                                      .seed = scene.seed};
+                                      .seed = scene.seed,
+                                      .support = scene.support.has_value(),
+                                      .orders = orders_of(scene).size(),
+                                      .strengths_per_geometry = strengths_per_geometry(scene)};
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
   if (scene.monte_carlo && scene.monte_carlo->stop) options.running_quantity = scene.monte_carlo->stop->quantity;
   return options;
 }
 
-Record make_record(const Scene& scene, const stochastic::Questions& questions, std::uint64_t k) {
-  auto realized = realize(scene, k);
-  Record record;
-  if (!realized) {
-    record.outcome = Outcome::refused;
-  } else if (!realized->complex) {
-    record.outcome = Outcome::certificate_failed;
-  } else {
-    record = stochastic::measure(realized->complex->complex(), realized->analysis ? &*realized->analysis : nullptr,
-                                 questions);
-    record.joints = realized->drawn.joints.size();
-  }
+Record record_of(std::uint64_t k, const topology::BlockComplex& complex, std::size_t joints,
+                 const stability::Analysis* analysis, const SequenceResult* sequence,
+                 const stability::SupportResult* support, const stochastic::Questions& questions) {
+  Record record = stochastic::measure(complex, analysis, questions);
   record.realization = k;
+  record.joints = joints;
+  if (support != nullptr) {
+    stochastic::Supported& sum = record.support.emplace();
+    sum.spot_bolts = support->spot_bolts;
+    for (const stability::SupportedBlock& block : support->blocks) {
+      ++sum.needing;
+      if (block.held != stability::Held::not_held) continue;
+      ++sum.not_held;
+      sum.not_held_m3 += complex.blocks()[block.block].volume.si();
+      // A block that no force holds at its target has an infinite lack: counted, not added.
+      if (std::isfinite(block.missing_force)) sum.missing_n += block.missing_force;
+    }
+    for (const stability::CombinedBlock& body : support->combined) sum.failing_bodies += body.passes ? 0U : 1U;
+  }
+  if (sequence != nullptr) {
+    for (const OrderResult& order : sequence->orders) {
+      record.orders.push_back({order.key_blocks, order.key_volume.si()});
+    }
+  }
   return record;
+}
+
+std::vector<Record> make_records(const Scene& scene, const stochastic::Questions& questions, std::uint64_t first,
+                                 std::uint64_t count) {
+  const auto of = [](const auto& optional) { return optional ? &*optional : nullptr; };
+  std::vector<Record> records;
+  realize(scene, first, count, [&](std::uint64_t k, const auto& realized) {
+    Record record;
+    record.realization = k;
+    if (!realized) {
+      record.outcome = Outcome::refused;
+    } else if (!realized->complex) {
+      record.outcome = Outcome::certificate_failed;
+    } else {
+      record = record_of(k, realized->complex->complex(), realized->drawn.joints.size(), of(realized->analysis),
+                         of(realized->sequence), of(realized->support), questions);
+    }
+    records.push_back(std::move(record));
+  });
+  return records;
+}
+
+Record make_record(const Scene& scene, const stochastic::Questions& questions, std::uint64_t k) {
+  return make_records(scene, questions, k, 1).front();
+}
+
+std::uint64_t strengths_per_geometry(const Scene& scene) noexcept {
+  return scene.monte_carlo ? scene.monte_carlo->strengths_per_geometry : 1;
 }
 
 namespace {
 
 /// Where a run may stop: only there figures are looked at, so that they depend on no order of work.
 std::vector<std::uint64_t> looks_of(const MonteCarloSettings& settings) {
-  return settings.stop ? stochastic::looks(settings.stop->max) : std::vector{settings.realizations};
+  if (!settings.stop) return {settings.realizations};
+  // The sample unit is the geometry.
+  const std::uint64_t group = settings.strengths_per_geometry;
+  auto looks = stochastic::looks(settings.stop->max / group);
+  for (std::uint64_t& look : looks) look *= group;
+  return looks;
 }
 
 StoppedBy reason(const MonteCarloSettings& settings, const Ensemble& ensemble) {
@@ -99,11 +156,18 @@ std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& sc
                                                                  const MonteCarloWatch& watch) {
   const stochastic::Questions questions = questions_of(scene);
   const ThreadLimit limit{threads};
+  const std::uint64_t group = strengths_per_geometry(scene);
   const MakeRecords make = [&](std::uint64_t first, std::uint64_t end, std::uint64_t step, const auto& commit) {
-    stochastic::run_ordered(first, end, step, limit, 8 + 4 * limit.count(),
-                            [&](std::uint64_t k) -> std::function<bool()> {
-                              return [&commit, record = make_record(scene, questions, k)] { return commit(record); };
-                            });
+    // An interrupted run may have stopped inside a geometry.
+    const auto first_of = [&](std::uint64_t geometry) { return std::max(first, geometry * group); };
+    stochastic::run_ordered(
+        first / group, (end + group - 1) / group, step, limit, 64 * limit.count(),
+        [&](std::uint64_t geometry) -> std::function<bool()> {
+          const std::uint64_t k = first_of(geometry), count = std::min(end, (geometry + 1) * group) - k;
+          return [&commit, records = make_records(scene, questions, k, count)] {
+            return std::ranges::all_of(records, [&](const Record& record) { return commit(record); });
+          };
+        });
   };
   return run_monte_carlo(scene, make, path, shard, version, watch);
 }
@@ -114,10 +178,11 @@ std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& sc
                                                                  const std::string& version,
                                                                  const MonteCarloWatch& watch) {
   const MonteCarloSettings& settings = *scene.monte_carlo;
-  CLEAVE_TRY(RecordFile file, RecordFile::open(path, {.version = version,
-                                                      .scene_sha256 = scene_and_files_sha256(scene),
-                                                      .seed = scene.seed,
-                                                      .shard = shard}));
+  CLEAVE_TRY(RecordFile file,
+             RecordFile::open(path, {.version = version,
+                                     .scene_sha256 = scene_and_files_sha256(scene),
+                                     .seed = scene.seed,
+                                     .shard = {shard.number, shard.of, strengths_per_geometry(scene)}}));
   Ensemble ensemble{ensemble_options_of(scene)};
   // Records of an earlier call come first; they may reach beyond the look at which the run stops.
   std::uint64_t seen = 0;

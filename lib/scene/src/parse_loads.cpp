@@ -66,7 +66,9 @@ std::optional<stability::WaterTable> parse_water(const Context& context, const T
       }
     }
   }
-  const auto level = table.number("table", rule::coordinate);
+  const auto law = parse_number_law(table, "table", rule::coordinate, -1e12, 1e12);
+  const auto level = law ? std::optional{law->quantile(0.5)} : std::nullopt;
+  if (law && law->kind != FrictionLaw::Kind::constant) loads.water_level = *law;
   const auto unit_weight = table.number("unit_weight", weight);
   const auto free_faces = table.boolean("free_faces");
   if (!level) {
@@ -115,7 +117,10 @@ void add(LoadSet& sum, const LoadSet& part, double factor) {
     stability::WaterTable water = *part.water;
     water.unit_weight *= factor;
     // Two tables: the one that presses more anywhere they differ is the higher one.
-    if (!sum.water || water.level > sum.water->level) sum.water = water;
+    if (!sum.water || water.level > sum.water->level) {
+      sum.water = water;
+      sum.water_level = part.water_level;
+    }
   }
   for (const auto& [set, pressure] : part.pressures) {
     const auto same = std::ranges::find(sum.pressures, set, &std::pair<SetId, double>::first);
@@ -210,7 +215,10 @@ std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader
     own.push_back(loads);
     LoadSet total = base;
     // Water of the case takes the place of that of [stability]; forces add up.
-    if (loads.water) total.water.reset();
+    if (loads.water) {
+      total.water.reset();
+      total.water_level.reset();
+    }
     for (const auto& [set, pressure] : loads.pressures) {
       static_cast<void>(pressure);
       std::erase_if(total.pressures, [&](const auto& entry) { return entry.first == set; });

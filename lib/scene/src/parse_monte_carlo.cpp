@@ -69,8 +69,8 @@ std::vector<double> parse_volumes(const TableReader& table, std::vector<double> 
 }  // namespace
 
 std::optional<MonteCarloSettings> parse_monte_carlo(const TableReader& root) {
-  constexpr std::array<string_view, 6> keys{"realizations", "stop",           "confidence",
-                                            "volumes",      "chainage_parts", "seismic_factor"};
+  constexpr std::array<string_view, 7> keys{
+      "realizations", "stop", "confidence", "volumes", "chainage_parts", "seismic_factor", "strengths_per_geometry"};
   const TomlTable* found = root.table("monte_carlo");
   if (found == nullptr) return std::nullopt;
   const TableReader table{*found, root.line_of("monte_carlo"), "monte_carlo", root.problems(), keys};
@@ -93,6 +93,14 @@ std::optional<MonteCarloSettings> parse_monte_carlo(const TableReader& root) {
   }
   constexpr NumberRule factor{0, false, 1e3, false, ""};
   if (const auto law = parse_number_law(table, "seismic_factor", factor)) settings.seismic_factor = *law;
+  if (const auto draws = table.integer("strengths_per_geometry", 1, 10'000)) {
+    settings.strengths_per_geometry = static_cast<std::uint64_t>(*draws);
+    if (settings.realizations % settings.strengths_per_geometry != 0) {
+      table.error("strengths_per_geometry",
+                  fmt::format("{} does not divide the {} realizations", *draws, settings.realizations),
+                  "realizations (or stop.max) counts every draw: make it a multiple");
+    }
+  }
   return settings;
 }
 

@@ -145,8 +145,16 @@ std::optional<FrictionLaw> parse_friction(const TableReader& owner, string_view 
   return own_law<FrictionLaw>(parse_law(owner, key, rule::friction));
 }
 
-std::optional<NumberLaw> parse_number_law(const TableReader& owner, string_view key, const NumberRule& allowed) {
-  return own_law<NumberLaw>(parse_law(owner, key, allowed));
+std::optional<NumberLaw> parse_number_law(const TableReader& owner, string_view key, const NumberRule& allowed,
+                                          double min, double max) {
+  const auto stated = parse_law(owner, key, allowed);
+  auto law = own_law<NumberLaw>(stated);
+  if (!law) return law;
+  // Laws of positive numbers begin at 0.
+  const bool positive = law->kind == Kind::lognormal || law->kind == Kind::exponential;
+  law->min = stated->min.value_or(positive ? std::max(min, 0.0) : min);
+  law->max = stated->max.value_or(max);
+  return law;
 }
 
 void parse_properties(Context& context, const TableReader& root) {

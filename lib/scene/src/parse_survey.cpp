@@ -42,6 +42,18 @@ std::optional<double> angle(Context& context, const LoadedFile& file, const Surv
   return std::nullopt;
 }
 
+/// Tables may state an orientation twice, in two conventions; then both must say the same within a degree and a half.
+bool agree(Context& context, const LoadedFile& file, const SurveyTable::Row& row, string_view name, Vec3 one,
+           Vec3 other, string_view first, string_view second) {
+  constexpr double cosine = 0.99966;
+  if (std::abs(dot(one, other)) >= cosine) return true;
+  context.problems.error_in(file.shown, row.line, std::string{name},
+                            fmt::format("{} and {} of this row are not the same plane", first, second),
+                            "strike goes by the right-hand rule (dip direction - 90), trend and plunge are the pole's: "
+                            "correct the row, or remove the columns of one convention");
+  return false;
+}
+
 /// The normal that a row states: dip with dip direction or strike (right-hand rule), or the pole's trend and plunge.
 std::optional<Vec3> normal_of_row(Context& context, const LoadedFile& file, const SurveyTable& table,
                                   const SurveyTable::Row& row, bool wrap) {
@@ -52,12 +64,35 @@ std::optional<Vec3> normal_of_row(Context& context, const LoadedFile& file, cons
     const auto trend = value("trend", 360), plunge = value("plunge", 90);
     if (!trend || !plunge) return std::nullopt;
     const Vec3 pole = line_of(context, *trend, *plunge);
-    return pole.z < 0 ? -pole : pole;
+    const Vec3 normal = pole.z < 0 ? -pole : pole;
+    if (table.column("dip") && table.column("dip_direction")) {
+      const auto dip = value("dip", 90), direction = value("dip_direction", 360);
+      if (dip && direction &&
+          !agree(context, file, row, "trend", normal, normal_of(context, *dip, *direction), "trend and plunge",
+                 "dip and dip_direction")) {
+        return std::nullopt;
+      }
+    }
+    return normal;
   }
   const auto dip = value("dip", 90);
   auto direction = table.column("dip_direction") ? value("dip_direction", 360) : value("strike", 360);
   if (!dip || !direction) return std::nullopt;
-  if (!table.column("dip_direction")) *direction = geometry::wrap_degrees(*direction + 90);
+  if (!table.column("dip_direction")) {
+    *direction = geometry::wrap_degrees(*direction + 90);
+  } else if (table.column("strike")) {
+    const auto strike = value("strike", 360);
+    // Of directions, not of planes: near level planes would always agree.
+    if (strike && std::abs(std::remainder(*strike + 90 - *direction, 360)) > 1.5) {
+      context.problems.error_in(
+          file.shown, row.line, "strike",
+          fmt::format("{} does not belong to dip_direction {} by the right-hand rule (dip direction "
+                      "- 90)",
+                      *strike, *direction),
+          "correct the row, or remove one of the two columns");
+      return std::nullopt;
+    }
+  }
   return normal_of(context, *dip, *direction);
 }
 
@@ -206,6 +241,8 @@ class SurveyParser final {
     if (dip != 0 && dot(cross(window.normal, window.x_axis), Vec3{0, 0, 1}) < 0) window.x_axis = -window.x_axis;
     constexpr NumberRule scale_rule{0, true, 1e9, false, " m"};
     const auto scale = table.number("scale", scale_rule);
+    constexpr NumberRule border_rule{0, false, 1e6, false, " m"};
+    window.border = table.number("border", border_rule).value_or(0);
     if (!table.has("traces")) table.missing("traces", "add traces = \"traces.geojson\" (or .csv, .txt)");
     const auto traces = map_of(table, "traces");
     if (!traces) return;
@@ -408,7 +445,8 @@ std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, 
   const Keys line_keys{"name", "trend", "plunge", "length", "points", "file", "columns", "wrap"};
   each("scanline", line_keys, [&](const TableReader& t) { parser.line(t); });
   each("borehole", line_keys, [&](const TableReader& t) { parser.line(t); });
-  each("window", Keys{"name", "traces", "area", "circle", "rectangle", "polygon", "scale", "dip", "dip_direction"},
+  each("window",
+       Keys{"name", "traces", "area", "circle", "rectangle", "polygon", "scale", "dip", "dip_direction", "border"},
        [&](const TableReader& t) { parser.window(t); });
   each("set", Keys{"name", "polygon", "azimuth", "dip", "dip_direction", "kappa"},
        [&](const TableReader& t) { parser.set(t); });

@@ -21,9 +21,6 @@
 namespace cleave::scene {
 namespace {
 
-/// A stream of the whole scene, not of a joint set: its purpose lies beyond those of core's Draw.
-constexpr auto seismic_factor = static_cast<Draw>(64);
-
 Problem problem_of(const topology::CutError& error, const Scene& scene, const Drawn& drawn) {
   const std::string what = describe(error);
   const auto whole = [&] { return Problem{scene.shown, 1, "scene", what, ""}; };
@@ -54,14 +51,8 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                     error);
 }
 
-/// The settings of one realization: what is random of the loads is drawn.
-stability::Settings settings_of(const Scene& scene, const Drawn& drawn, std::uint64_t realization) {
-  LoadSet loads = scene.stability->loads;
-  if (scene.monte_carlo) {
-    Rng rng{{.seed = scene.seed, .realization = realization, .purpose = stream_purpose(0, seismic_factor), .index = 0}};
-    loads.seismic = scene.monte_carlo->seismic_factor.quantile(rng.uniform()) * loads.seismic;
-  }
-  return settings_of(scene, drawn, *scene.stability, loads);
+stability::Settings settings_of(const Scene& scene, const Drawn& drawn) {
+  return settings_of(scene, drawn, *scene.stability, scene.stability->loads);
 }
 
 /// Ensembles count nothing that is only flagged.
@@ -169,7 +160,7 @@ std::expected<System, topology::CutError> cut_all(const Scene& scene, const Draw
   System system{std::move(complex), std::move(report), {}, std::move(hash), {}, {}};
   if (system.complex && scene.stability) {
     const Judge judge = [&](const topology::AuditedComplex& complex_of_state) {
-      stability::Settings settings = settings_of(scene, drawn, options.realization);
+      stability::Settings settings = settings_of(scene, drawn);
       if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
         settings.left_out = micro_blocks(complex_of_state.complex(), scene.micro_blocks);
       }
@@ -206,8 +197,7 @@ std::expected<System, topology::CutError> cut_near_free_faces(const Scene& scene
     judge_cases_and_support(scene, drawn, complex, analysis, timer, progress, more);
     return more.undecided;
   };
-  auto near = stability::analyse_near_field(drawn.input, settings_of(scene, drawn, options.realization),
-                                            {.threads = options.threads}, timer,
+  auto near = stability::analyse_near_field(drawn.input, settings_of(scene, drawn), {.threads = options.threads}, timer,
                                             {.depth = longest_bolt(scene), .undecided = cases_and_support});
   if (!near) {
     if (auto* error = std::get_if<topology::CutError>(&near.error())) return std::unexpected(std::move(*error));
@@ -268,27 +258,85 @@ RunCost cost_of(const StageTimer& timer, unsigned threads) {
   return cost;
 }
 
-std::expected<Realized, std::vector<Problem>> realize(const Scene& scene, std::uint64_t realization) {
-  auto drawn = draw(scene, realization);
-  if (!drawn) return std::unexpected(std::move(drawn).error());
-  if (scene.output.only_key_blocks && scene.stability) {
-    StageTimer timer;
-    auto near = stability::analyse_near_field(drawn->input, unflagged(settings_of(scene, *drawn, realization)),
-                                              {.threads = 1}, timer);
-    if (near) return Realized{*std::move(drawn), std::move(near->complex), std::move(near->analysis)};
-    if (auto* error = std::get_if<topology::CutError>(&near.error())) {
-      return std::unexpected(std::vector{problem_of(*error, scene, *drawn)});
+namespace {
+
+/// Judges what was cut for other strengths of the same joints.
+void judge_realized(const Scene& scene, const std::optional<topology::SequentialCut>& in_stages,
+                    const std::optional<topology::StageBlocks>& final_state, Realized& realized) {
+  if (!realized.complex || !scene.stability) return;
+  const Judge judge = [&](const topology::AuditedComplex& complex) {
+    stability::Settings settings = unflagged(settings_of(scene, realized.drawn));
+    if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
+      settings.left_out = micro_blocks(complex.complex(), scene.micro_blocks);
     }
-    return Realized{*std::move(drawn), std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}};
+    return stability::analyse(complex, settings);
+  };
+  if (in_stages && final_state) realized.sequence = sequence_of(scene, *in_stages, *final_state, judge);
+  realized.analysis = judge(*realized.complex);
+  if (scene.support) {
+    realized.support = judge_plan(scene, realized.drawn, *realized.complex, *realized.analysis);
   }
-  auto cut = topology::cut(drawn->input, {.threads = 1});
-  if (!cut) return std::unexpected(std::vector{problem_of(cut.error(), scene, *drawn)});
-  Realized realized{*std::move(drawn), topology::audit(*std::move(cut)), std::nullopt};
-  if (realized.complex && scene.stability) {
-    realized.analysis =
-        stability::analyse(*realized.complex, unflagged(settings_of(scene, realized.drawn, realization)));
+}
+
+std::expected<Realized, std::vector<Problem>> realize_near(const Scene& scene, Drawn drawn) {
+  StageTimer timer;
+  JudgedMore more;
+  const auto cases_and_support = [&](const topology::AuditedComplex& complex, const stability::Analysis& analysis) {
+    more = {};
+    if (!scene.stability->cases.empty()) judge_cases(scene, drawn, complex, more);
+    if (scene.support && more.undecided.empty()) judge_support(scene, drawn, complex, analysis, more, false);
+    return more.undecided;
+  };
+  auto near = stability::analyse_near_field(drawn.input, unflagged(settings_of(scene, drawn)), {.threads = 1}, timer,
+                                            {.depth = longest_bolt(scene), .undecided = cases_and_support});
+  if (near) {
+    return Realized{std::move(drawn), std::move(near->complex), std::move(near->analysis), {}, std::move(more.support)};
   }
-  return realized;
+  if (auto* error = std::get_if<topology::CutError>(&near.error())) {
+    return std::unexpected(std::vector{problem_of(*error, scene, drawn)});
+  }
+  return Realized{
+      std::move(drawn), std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}, {}, {}};
+}
+
+}  // namespace
+
+void realize(const Scene& scene, std::uint64_t first, std::uint64_t count,
+             const std::function<void(std::uint64_t, const std::expected<Realized, std::vector<Problem>>&)>& use) {
+  using Result = std::expected<Realized, std::vector<Problem>>;
+  const auto fail = [&](std::vector<Problem> problems) {
+    const Result failed = std::unexpected(std::move(problems));
+    for (std::uint64_t k = first; k < first + count; ++k) use(k, failed);
+  };
+  auto drawn = draw(scene, first);
+  if (!drawn) return fail(std::move(drawn).error());
+  const auto next_strengths = [&](std::uint64_t k) {
+    auto again = draw(scene, k);
+    CLEAVE_ASSERT(again.has_value());  // the same joints as before
+    return *std::move(again);
+  };
+  if (scene.output.only_key_blocks && scene.stability && !scene.sequence) {
+    // How far the rock must be cut depends on the strengths.
+    use(first, realize_near(scene, *std::move(drawn)));
+    for (std::uint64_t k = first + 1; k < first + count; ++k) use(k, realize_near(scene, next_strengths(k)));
+    return;
+  }
+  std::optional<topology::SequentialCut> in_stages;
+  std::optional<topology::StageBlocks> final_state;
+  auto cut = [&]() -> std::expected<topology::BlockComplex, topology::CutError> {
+    if (!scene.sequence) return topology::cut(drawn->input, {.threads = 1});
+    CLEAVE_TRY(in_stages, topology::SequentialCut::make(drawn->input, {.threads = 1}));
+    CLEAVE_TRY(final_state,
+               in_stages->blocks({.excavated = std::vector<std::uint8_t>(scene.excavations.size(), 1), .fallen = {}}));
+    return final_state->complex;
+  }();
+  if (!cut) return fail(std::vector{problem_of(cut.error(), scene, *drawn)});
+  Result result = Realized{*std::move(drawn), topology::audit(*std::move(cut)), {}, {}, {}};
+  for (std::uint64_t k = first; k < first + count; ++k) {
+    if (k > first) result->drawn = next_strengths(k);
+    judge_realized(scene, in_stages, final_state, *result);
+    use(k, result);
+  }
 }
 
 std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options, StageTimer& timer,
@@ -329,7 +377,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     if (scene.field_stress) {
       auto done = stage(Stage::elastic, [&]() -> std::expected<FieldStressResult, bem::SolveError> {
         CLEAVE_TRY(const TunnelField field, TunnelField::make(scene, *scene.field_stress, options.threads));
-        stability::Settings settings = settings_of(scene, *drawn, options.realization);
+        stability::Settings settings = settings_of(scene, *drawn);
         if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
           settings.left_out = micro_blocks(system.complex->complex(), scene.micro_blocks);
         }

@@ -52,6 +52,15 @@ string_view trimmed(string_view text) {
   return text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
+/// 40,5;100 as 40.5;100: where semicolons part the cells and no number of the row has a point.
+void take_decimal_commas(std::vector<std::string>& cells) {
+  if (std::ranges::any_of(cells, [](const std::string& c) { return c.contains('.'); })) return;
+  for (std::string& cell : cells) {
+    const std::size_t comma = cell.find(',');
+    if (comma != std::string::npos && cell.find_first_not_of("+-0123456789,") == std::string::npos) cell[comma] = '.';
+  }
+}
+
 std::vector<std::string> split(string_view line, char separator) {
   std::vector<std::string> cells;
   if (separator == ' ') {
@@ -109,6 +118,7 @@ std::optional<SurveyTable> read_survey_table(Context& context, const LoadedFile&
       separator = text.contains(';') ? ';' : text.contains(',') ? ',' : text.contains('\t') ? '\t' : ' ';
     }
     std::vector<std::string> cells = split(text, separator);
+    if (separator == ';') take_decimal_commas(cells);
     if (table.columns.empty()) {
       if (std::ranges::any_of(cells, [](const std::string& c) { return number_of(c).has_value(); })) {
         context.problems.error_in(file.shown, line, "columns",

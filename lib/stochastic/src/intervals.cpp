@@ -24,6 +24,13 @@ Interval clopper_pearson(std::uint64_t k, std::uint64_t n, double confidence) {
           k == n ? 1 : special::beta_quantile(1 - a, successes + 1, others)};
 }
 
+Interval clopper_pearson_effective(double share, double effective, double confidence) {
+  CLEAVE_ASSERT(effective > 0 && share >= 0 && share <= 1);
+  const double a = (1 - confidence) / 2, successes = share * effective, others = effective - successes;
+  return {share <= 0 ? 0 : special::beta_quantile(a, successes, others + 1),
+          share >= 1 ? 1 : special::beta_quantile(1 - a, successes + 1, others)};
+}
+
 std::optional<Ranks> quantile_ranks(std::uint64_t n, double p, double confidence) {
   const double a = (1 - confidence) / 2;
   // The r-th smallest lies above the quantile with probability P(B <= r - 1), the s-th below with P(B >= s).

@@ -149,6 +149,40 @@ class Reader final {
   bool good_ = true, ended_ = false;
 };
 
+/// Counts below 2^53 are exact in a double.
+std::vector<double> numbers_of(const std::optional<Supported>& s) {
+  if (!s) return {};
+  const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
+  return {number(s->needing), number(s->not_held),   s->not_held_m3,
+          s->missing_n,       number(s->spot_bolts), number(s->failing_bodies)};
+}
+std::vector<double> numbers_of(const std::vector<OrderTally>& orders) {
+  std::vector<double> numbers;
+  for (const OrderTally& order : orders) {
+    numbers.push_back(static_cast<double>(order.key_blocks));
+    numbers.push_back(order.key_m3);
+  }
+  return numbers;
+}
+
+bool is_count(double x) { return x >= 0 && x < 0x1p53 && x == std::floor(x); }
+
+bool take(const std::vector<double>& n, std::optional<Supported>& support) {
+  if (n.empty()) return true;
+  if (n.size() != 6 || !is_count(n[0]) || !is_count(n[1]) || !is_count(n[4]) || !is_count(n[5])) return false;
+  const auto count = [](double x) { return static_cast<std::uint64_t>(x); };
+  support = Supported{count(n[0]), count(n[1]), n[2], n[3], count(n[4]), count(n[5])};
+  return true;
+}
+bool take(const std::vector<double>& n, std::vector<OrderTally>& orders) {
+  if (n.size() % 2 != 0) return false;
+  for (std::size_t i = 0; i < n.size(); i += 2) {
+    if (!is_count(n[i])) return false;
+    orders.push_back({static_cast<std::uint64_t>(n[i]), n[i + 1]});
+  }
+  return true;
+}
+
 }  // namespace
 
 void SizeHistogram::add(double volume) noexcept {
@@ -167,7 +201,7 @@ std::string_view record_columns() noexcept {
          "pentahedral,hexahedral,higher,other,concave,sphericity_sum,sizes,"
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
-         "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,crc32";
+         "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -187,6 +221,9 @@ std::string line_of(const Record& r) {
   w.tally(r.first);
   w.list(std::span{r.above});
   w.list(std::span{r.chainage_m3});
+  const std::vector<double> support = numbers_of(r.support), orders = numbers_of(r.orders);
+  w.list(std::span{support});
+  w.list(std::span{orders});
   return std::move(w).finish();
 }
 
@@ -216,6 +253,10 @@ std::optional<Record> record_of(std::string_view line) {
   r.tally(record.first);
   r.list(record.above);
   r.list(record.chainage_m3);
+  std::vector<double> support, orders;
+  r.list(support);
+  r.list(orders);
+  if (!take(support, record.support) || !take(orders, record.orders)) return std::nullopt;
   if (!r.good() || outcome > static_cast<unsigned>(Outcome::refused) || stopped > 1) return std::nullopt;
   record.outcome = static_cast<Outcome>(outcome);
   record.stopped_at_max_batches = stopped == 1;

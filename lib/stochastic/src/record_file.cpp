@@ -108,10 +108,7 @@ std::expected<RecordFile, RecordFileError> RecordFile::open(const std::filesyste
 }
 
 RecordFile::RecordFile(RecordFile&& other) noexcept
-    : descriptor_{std::exchange(other.descriptor_, -1)},
-      number_{other.number_},
-      of_{other.of_},
-      records_{other.records_} {}
+    : descriptor_{std::exchange(other.descriptor_, -1)}, shard_{other.shard_}, records_{other.records_} {}
 
 RecordFile::~RecordFile() {
   if (descriptor_ >= 0) ::close(descriptor_);

@@ -170,7 +170,7 @@ class Analysis final {
   double mean_azimuth(std::pair<double, double> range) {
     double c = 0, s = 0, sum = 0;
     for (const WindowSurvey& window : in_.windows) {
-      for (const SeenTrace& t : seen_through(window.window, window.traces)) {
+      for (const SeenTrace& t : seen_through(window.window, window.traces, window.border)) {
         const double a = azimuth_of(window, t.direction);
         if (!within(a, range)) continue;
         c += t.length * std::cos(2 * a / degrees);
@@ -187,7 +187,7 @@ class Analysis final {
   /// Each trace to the set whose mean plane leaves the nearest trace on the window.
   void assign_traces() {
     for (const WindowSurvey& window : in_.windows) {
-      seen_.push_back(seen_through(window.window, window.traces));
+      seen_.push_back(seen_through(window.window, window.traces, window.border));
       auto& sets = trace_set_.emplace_back(seen_.back().size(), Clustering::unassigned);
       for (std::size_t i = 0; i < seen_.back().size(); ++i) {
         const double a = azimuth_of(window, seen_.back()[i].direction);
@@ -276,7 +276,14 @@ class Analysis final {
       auto fit = fit_lengths(lengths, {all.area, all.width}, family);
       if (!fit) continue;
       auto discs = disc_law(family, fit->moment(1), fit->moment(2));
-      set.lengths.push_back({*std::move(fit), discs});
+      FittedLaw law{.fit = *std::move(fit), .discs = discs, .mean = {}, .std = {}, .disc_mean = {}, .disc_std = {}};
+      law.mean = estimate_of(law.fit, "mean length", [](const Fit& f) { return f.moment(1); }, in_.confidence);
+      law.std = estimate_of(law.fit, "standard deviation", [](const Fit& f) { return std_of(f); }, in_.confidence);
+      if (discs) {
+        law.disc_mean = disc_mean(law.fit, in_.confidence);
+        law.disc_std = disc_std(law.fit, in_.confidence);
+      }
+      set.lengths.push_back(std::move(law));
     }
     std::ranges::stable_sort(set.lengths, {}, [](const FittedLaw& l) { return l.fit.aic; });
     if (set.lengths.size() > 1 && set.lengths[1].fit.aic - set.lengths[0].fit.aic < 2) {
@@ -287,6 +294,8 @@ class Analysis final {
     for (const FittedLaw& law : set.lengths) {
       if (!law.discs) continue;
       set.size = law.discs;
+      set.size_mean = law.disc_mean;
+      set.size_std = law.disc_std;
       break;
     }
     if (!set.size) {
@@ -330,8 +339,28 @@ class Analysis final {
       if (result.counts.circle) result.estimates.push_back(p21_by_crossings(result.counts, in_.confidence));
       const double mean = result.estimates[2].value.value_or(1);
       if (seen_[w].size() <= 20000) result.nodes = nodes(window.window, window.traces, 1e-3 * mean);
+      note_border(window);
       out_.windows.push_back(std::move(result));
     }
+  }
+
+  /// A map that was cut along its border has ends there, on this side or that by rounding.
+  void note_border(const WindowSurvey& window) {
+    const double near = 1e-5 * std::sqrt(area_of(window.window));
+    if (window.border >= near || window.traces.size() > 20000) return;
+    std::size_t at_border = 0, inside = 0;
+    for (const Polyline& line : window.traces) {
+      for (const MapPoint end : {line.front(), line.back()}) {
+        if (distance_to_border(window.window, end) > near) continue;
+        ++at_border;
+        inside += holds(window.window, end) ? 1U : 0U;
+      }
+    }
+    if (inside == 0) return;
+    out_.notes.push_back(fmt::format(
+        "window {}: {} ends of traces lie within {:.2g} m of its border and {} of them count as seen, though "
+        "the border has cut them off, it seems; border = {:.1g} takes them so",
+        window.name, at_border, near, inside, 10 * near));
   }
 
   const SurveyInput& in_;

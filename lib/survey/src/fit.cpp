@@ -105,6 +105,27 @@ double distance_of(std::vector<double> values, const Fit& fit) {
   return d;
 }
 
+/// One standard error along each column of the Cholesky factor of the inverse Hessian of `loss` at `p`.
+template <class Loss>
+std::vector<std::array<double, 2>> one_error_away(const std::array<double, 2>& p, std::size_t parameters, Loss&& loss) {
+  constexpr double h = 1e-3;
+  const auto at = [&](double du, double dv) { return loss({p[0] + du * h, p[1] + dv * h}); };
+  const double middle = at(0, 0);
+  const double uu = (at(1, 0) - 2 * middle + at(-1, 0)) / (h * h);
+  if (parameters == 1) {
+    if (!(uu > 0) || !std::isfinite(uu)) return {};
+    return {{p[0] + 1 / std::sqrt(uu), p[1]}};
+  }
+  const double vv = (at(0, 1) - 2 * middle + at(0, -1)) / (h * h);
+  const double uv = (at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1)) / (4 * h * h);
+  const double determinant = uu * vv - uv * uv;
+  if (!(uu > 0) || !(vv > 0) || !(determinant > 0) || !std::isfinite(determinant)) return {};
+  const double first = std::sqrt(vv / determinant);  // of the covariance [vv, -uv; -uv, uu]/determinant
+  const double across = -uv / determinant / first;
+  const double second = std::sqrt(std::max(0.0, uu / determinant - across * across));
+  return {{p[0] + first, p[1] + across}, {p[0], p[1] + second}};
+}
+
 int parameters(Family family) { return family == Family::exponential || family == Family::power ? 1 : 2; }
 
 }  // namespace
@@ -219,7 +240,12 @@ std::optional<Fit> fit_lengths(std::span<const SeenLength> lengths, const Meetin
     const double l = -log_likelihood(law(p), lengths, meeting) + extra;
     return std::isfinite(l) ? l : 1e300;
   };
-  Fit fit = law(minimum(start, loss));
+  const std::array<double, 2> best = minimum(start, loss);
+  Fit fit = law(best);
+  for (const auto& p : one_error_away(best, static_cast<std::size_t>(parameters(family)), loss)) {
+    const Fit moved = law(p);
+    fit.moved.push_back({moved.a, moved.b});
+  }
   fit.log_likelihood = log_likelihood(fit, lengths, meeting);
   fit.aic = 2 * parameters(family) - 2 * fit.log_likelihood;
   std::vector<double> complete;
@@ -228,6 +254,28 @@ std::optional<Fit> fit_lengths(std::span<const SeenLength> lengths, const Meetin
   }
   if (!complete.empty()) fit.distance = distance_of(std::move(complete), fit);
   return fit;
+}
+
+double std_of(const Fit& fit) { return std::sqrt(std::max(0.0, fit.moment(2) - fit.moment(1) * fit.moment(1))); }
+
+Estimate estimate_of(const Fit& fit, std::string name, const std::function<std::optional<double>(const Fit&)>& figure,
+                     double confidence) {
+  Estimate e{std::move(name), figure(fit), 0, INFINITY, "maximum likelihood, delta method on the logarithm", ""};
+  if (!e.value || !(*e.value > 0) || fit.moved.empty()) return e;
+  double square = 0;
+  for (const auto& [a, b] : fit.moved) {
+    Fit moved = fit;
+    moved.a = a;
+    moved.b = b;
+    const auto value = figure(moved);
+    if (!value || !(*value > 0)) return e;
+    const double change = std::log(*value / *e.value);
+    square += change * change;
+  }
+  const double half = normal_quantile(0.5 + confidence / 2) * std::sqrt(square);
+  e.low = *e.value * std::exp(-half);
+  e.high = *e.value * std::exp(half);
+  return e;
 }
 
 std::optional<Fit> fit_complete(std::span<const double> values, Family family, std::uint32_t resamples,

@@ -70,4 +70,25 @@ ParallelogramChords parallelogram_chords(double p, double q, double angle_p, dou
   return chords;
 }
 
+namespace {
+
+Estimate of_discs(const Fit& lengths, std::string name, double DiscLaw::* figure, double confidence) {
+  return estimate_of(
+      lengths, std::move(name),
+      [figure](const Fit& fit) -> std::optional<double> {
+        const auto law = disc_law(fit.family, fit.moment(1), fit.moment(2));
+        return law ? std::optional{(*law).*figure} : std::nullopt;
+      },
+      confidence);
+}
+
+}  // namespace
+
+Estimate disc_mean(const Fit& lengths, double confidence) {
+  return of_discs(lengths, "mean diameter", &DiscLaw::mean, confidence);
+}
+Estimate disc_std(const Fit& lengths, double confidence) {
+  return of_discs(lengths, "standard deviation of the diameters", &DiscLaw::std, confidence);
+}
+
 }  // namespace cleave::survey

@@ -14,6 +14,13 @@ namespace {
 
 double cross_of(MapPoint a, MapPoint b) { return a.x * b.y - a.y * b.x; }
 MapPoint minus(MapPoint a, MapPoint b) { return {a.x - b.x, a.y - b.y}; }
+/// a b - c d with one rounding error at most, and the sign always right (Kahan).
+double exact_sign_difference(double a, double b, double c, double d) {
+  const double w = c * d, error = std::fma(-c, d, w);
+  return std::fma(a, b, -w) + error;
+}
+double exact_sign_cross(MapPoint a, MapPoint b) { return exact_sign_difference(a.x, b.y, a.y, b.x); }
+
 double distance(MapPoint a, MapPoint b) { return std::hypot(a.x - b.x, a.y - b.y); }
 MapPoint between(MapPoint a, MapPoint b, double t) { return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)}; }
 
@@ -84,12 +91,30 @@ bool holds(const Window& window, MapPoint p) noexcept {
                         [&](const PolygonWindow& w) {
                           bool inside = false;
                           for (std::size_t i = 0, j = w.corners.size() - 1; i < w.corners.size(); j = i++) {
-                            const MapPoint a = w.corners[i], b = w.corners[j];
-                            if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x) {
-                              inside = !inside;
-                            }
+                            const MapPoint a = minus(w.corners[i], p), b = minus(w.corners[j], p);
+                            const double side = exact_sign_cross(a, b);
+                            if (side == 0 && a.x * b.x <= 0 && a.y * b.y <= 0) return false;  // on the border
+                            if ((a.y > 0) != (b.y > 0) && (side > 0) == (a.y < b.y)) inside = !inside;
                           }
                           return inside;
+                        },
+                    },
+                    window);
+}
+
+double distance_to_border(const Window& window, MapPoint p) noexcept {
+  return std::visit(overloaded{
+                        [&](const CircleWindow& w) { return std::abs(distance(p, w.centre) - w.radius); },
+                        [&](const PolygonWindow& w) {
+                          double nearest = INFINITY;
+                          for (std::size_t i = 0, j = w.corners.size() - 1; i < w.corners.size(); j = i++) {
+                            const MapPoint along = minus(w.corners[i], w.corners[j]), to = minus(p, w.corners[j]);
+                            const double square = along.x * along.x + along.y * along.y;
+                            const double share = square > 0 ? (to.x * along.x + to.y * along.y) / square : 0;
+                            nearest = std::min(
+                                nearest, distance(p, between(w.corners[j], w.corners[i], std::clamp(share, 0.0, 1.0))));
+                          }
+                          return nearest;
                         },
                     },
                     window);
@@ -111,7 +136,10 @@ double width_across(const Window& window, MapPoint direction) noexcept {
                     window);
 }
 
-std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyline> traces) {
+std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyline> traces, double border) {
+  const auto seen_end = [&](MapPoint p) {
+    return holds(window, p) && (border <= 0 || distance_to_border(window, p) > border) ? 1U : 0U;
+  };
   std::vector<SeenTrace> seen;
   for (std::size_t number = 0; number < traces.size(); ++number) {
     const Polyline& line = traces[number];
@@ -136,7 +164,7 @@ std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyli
       }
     }
     if (!(whole > 0) || !(trace.length > 0)) continue;
-    trace.ends = (holds(window, line.front()) ? 1U : 0U) + (holds(window, line.back()) ? 1U : 0U);
+    trace.ends = seen_end(line.front()) + seen_end(line.back());
     MapPoint d = minus(line.back(), line.front());
     if (std::hypot(d.x, d.y) < 1e-6 * whole) d = along;
     const double norm = std::hypot(d.x, d.y);

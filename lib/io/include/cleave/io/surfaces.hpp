@@ -39,4 +39,8 @@ struct Surfaces {
 /// bent more stays bent. `XAxis = East`; metres or feet.
 [[nodiscard]] std::expected<Surfaces, ReadError> parse_fab(std::string_view bytes, std::string_view name);
 
+/// Polygons of dfnWorks: `nPolygons: N`, then N times a count and {x, y, z} groups; braces and commas are optional.
+/// Each polygon is a joint.
+[[nodiscard]] std::expected<Surfaces, ReadError> parse_dfnworks_polygons(std::string_view bytes, std::string_view name);
+
 }  // namespace cleave::io

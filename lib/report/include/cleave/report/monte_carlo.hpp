@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,7 +21,8 @@ struct MonteCarloPage {
   std::vector<FileRow> files;
   std::vector<std::string> notes;
   std::optional<double> tunnel_length_m;
-  std::string stop_quantity;  ///< empty: fixed number
+  std::string stop_quantity;                       ///< empty: fixed number
+  std::vector<std::vector<std::uint32_t>> orders;  ///< of the excavation stages, as in the figures
 };
 
 [[nodiscard]] Summary monte_carlo_summary(const scene::Scene& scene, const scene::RunCost& cost);

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "cleave/scene/scene.hpp"
+#include "cleave/scene/sequence.hpp"
+#include "cleave/stability/support.hpp"
 #include "cleave/stochastic/ensemble.hpp"
 #include "cleave/stochastic/measure.hpp"
 #include "cleave/stochastic/record.hpp"
@@ -20,6 +22,21 @@ namespace cleave::scene {
 /// What is counted in every realization of the scene. Chainage runs along the first tunnel.
 [[nodiscard]] stochastic::Questions questions_of(const Scene& scene);
 [[nodiscard]] stochastic::EnsembleOptions ensemble_options_of(const Scene& scene);
+
+/// Orders of the excavation stages that every realization is judged in: the scene's own first, then those to compare;
+/// empty without [sequence].
+[[nodiscard]] std::vector<std::vector<std::uint32_t>> orders_of(const Scene& scene);
+/// How many realizations in a row share their joints; 1: each has its own.
+[[nodiscard]] std::uint64_t strengths_per_geometry(const Scene& scene) noexcept;
+
+/// What is kept of a realization that was cut and judged. Null: the scene has no such stage.
+[[nodiscard]] stochastic::Record record_of(std::uint64_t k, const topology::BlockComplex& complex, std::size_t joints,
+                                           const stability::Analysis* analysis, const SequenceResult* sequence,
+                                           const stability::SupportResult* support,
+                                           const stochastic::Questions& questions);
+/// Realizations `first` .. `first + count - 1`, all of one geometry, which is cut once.
+[[nodiscard]] std::vector<stochastic::Record> make_records(const Scene& scene, const stochastic::Questions& questions,
+                                                           std::uint64_t first, std::uint64_t count);
 
 /// Realization `k`: draws, cuts, audits and judges on the calling thread. Whatever goes wrong is in the record.
 /// Precondition: the scene has [monte_carlo].
@@ -45,8 +62,8 @@ struct MonteCarloWatch {
   std::function<void(const stochastic::Ensemble&, std::uint64_t done, std::uint64_t aim)> progress;
 };
 
-/// Makes the records of realizations `first`, `first + step`, ... below `end` and hands each to `commit` in this order;
-/// ends early when `commit` says false.
+/// Makes the records of the geometries of `first` (perhaps not from its first realization on), then every `step`-th
+/// geometry's, up to realization `end`, and hands each to `commit` in this order; ends early when `commit` says false.
 using MakeRecords = std::function<void(std::uint64_t first, std::uint64_t end, std::uint64_t step,
                                        const std::function<bool(const stochastic::Record&)>& commit)>;
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -23,20 +24,27 @@ struct Drawn {
   topology::CutInput input;
   IdVector<SetId, SetInfo> sets;
   IdVector<topology::JointId, JointInfo> joints;
+  double seismic_factor = 1;    ///< of this realization
+  double water_quantile = 0.5;  ///< of this realization: u of the laws of water tables
 };
 
-/// Draws the random joints and the strength of each joint. A pure function of the scene (with its seed) and the number
-/// of the realization.
+/// Draws the random joints, the strength of each joint and what is random of the loads. A pure function of the scene
+/// (with its seed) and the number of the realization; in a nested design the joints are those of the geometry that the
+/// realization belongs to.
 [[nodiscard]] std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene, std::uint64_t realization = 0);
 
 /// What one realization of a scene came to.
 struct Realized {
   Drawn drawn;
   std::expected<topology::AuditedComplex, topology::Certificate> complex;
-  std::optional<stability::Analysis> analysis;  ///< when the scene has a stability stage and the certificate passed
+  std::optional<stability::Analysis> analysis;      ///< when the scene has a stability stage and the certificate passed
+  std::optional<SequenceResult> sequence;           ///< when it has [sequence]
+  std::optional<stability::SupportResult> support;  ///< when it has [support]
 };
-/// One realization on one thread: the same joints, blocks and judgements as `run` finds for it.
-[[nodiscard]] std::expected<Realized, std::vector<Problem>> realize(const Scene& scene, std::uint64_t realization);
+/// Realizations `first` .. `first + count - 1` on one thread: the same joints, blocks and judgements as `run` finds for
+/// each. Precondition: they belong to one geometry; it is cut once.
+void realize(const Scene& scene, std::uint64_t first, std::uint64_t count,
+             const std::function<void(std::uint64_t, const std::expected<Realized, std::vector<Problem>>&)>& use);
 
 /// Draws, cuts, audits and judges. `timer` books the stages (the caller has booked `read`); `progress` shows them.
 ///

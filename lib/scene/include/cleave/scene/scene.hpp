@@ -130,6 +130,8 @@ struct PartialFactors {
 struct LoadSet {
   geometry::Vec3 seismic{0, 0, 0};  ///< force / weight, in the direction the rock is pushed
   std::optional<stability::WaterTable> water = {};
+  std::optional<NumberLaw> water_level =
+      {};  ///< m: of a table whose level is drawn once a realization (`water` has the median)
   std::vector<std::pair<SetId, double>> pressures = {};  ///< Pa, mean water pressure in the joints of a set
   std::vector<stability::Surcharge> surcharges = {};
   std::vector<stability::PointForce> points = {};
@@ -210,7 +212,9 @@ struct MonteCarloSettings {
   double confidence = 0.95;                         ///< of all intervals
   std::vector<double> volumes = {0.1, 1, 10, 100};  ///< m3: probabilities of a key block above each
   std::uint32_t chainage_parts = 20;                ///< along the axis of the first tunnel
-  NumberLaw seismic_factor;                         ///< multiplies stability.seismic, drawn once a realization
+  NumberLaw seismic_factor;                         ///< multiplies the seismic coefficient, drawn once a realization
+  /// Nested design: realizations k with the same k / strengths_per_geometry have the same joints.
+  std::uint64_t strengths_per_geometry = 1;
 };
 
 /// A section of the block system as a scene of contact.

@@ -11,6 +11,7 @@
 #include "cleave/stochastic/intervals.hpp"
 #include "cleave/stochastic/moments.hpp"
 #include "cleave/stochastic/record.hpp"
+#include "cleave/stochastic/value_store.hpp"
 
 namespace cleave::stochastic {
 
@@ -18,9 +19,10 @@ namespace cleave::stochastic {
 struct Quantity {
   std::string_view name;
   double (*of)(const Record&);
-  bool stability;     ///< needs the stability stage
-  bool whole_system;  ///< needs all blocks
-  bool quantiles;     ///< its values are kept (8 bytes a realization) for order statistics
+  bool stability;        ///< needs the stability stage
+  bool whole_system;     ///< needs all blocks
+  bool quantiles;        ///< its values are kept (on disk) for order statistics
+  bool support = false;  ///< needs a support design
 };
 [[nodiscard]] const std::vector<Quantity>& quantities();
 /// The quantity of a scene's word: with or without its unit ("key_block_volume", "key_block_volume_m3").
@@ -62,6 +64,20 @@ struct Exceedance {
   std::vector<Interval> by_chainage_interval;
 };
 
+/// Nested design: what of the variance comes from where.
+struct VarianceShare {
+  std::string name;
+  double geometry = 0;  ///< variance between geometries, strengths averaged out; not below 0
+  double strength = 0;  ///< mean variance between the strength draws of one geometry
+};
+
+/// An order of the excavation stages over the realizations; the difference is paired (same rock in each realization).
+struct OrderFigures {
+  Estimate key_blocks, key_m3;
+  Estimate key_blocks_minus_first, key_m3_minus_first;
+  double share_best = 0;  ///< of the realizations in which no order before it has as little volume, and none after less
+};
+
 /// One point of a size distribution: share of the key blocks, by number and by volume, below a volume; from all blocks
 /// of all realizations, with delta-method standard errors for the share by number.
 struct SizePoint {
@@ -85,6 +101,9 @@ struct Figures {
   std::vector<Estimate> estimates;
   std::vector<QuantileEstimate> quantiles;
   std::vector<Exceedance> exceedances;
+  std::vector<OrderFigures> orders;  ///< of a scene with [sequence]
+  std::uint64_t strengths_per_geometry = 1;
+  std::vector<VarianceShare> variances;  ///< of a nested design
   std::vector<SizePoint> sizes, first_sizes;
   std::string running_quantity;
   std::vector<RunningPoint> running;
@@ -106,12 +125,17 @@ struct EnsembleOptions {
   std::optional<double> tunnel_length_m;
   std::uint32_t chainage_parts = 0;
   std::uint64_t seed = 1;  ///< of the bootstrap
+  bool support = false;    ///< a support design was checked
+  std::size_t orders = 0;  ///< of excavation stages
+  /// Nested design: so many realizations in a row have the same joints, each its own strengths and loads. Then the
+  /// sample unit is the geometry: means over its realizations enter every estimate.
+  std::uint64_t strengths_per_geometry = 1;
   std::string running_quantity = "key_block_volume_m3";
 };
 
 /// Reduces records, one after the other in the order of their realizations, to figures with their errors. Realizations
 /// are independent of each other, blocks of one realization are not: the sample size is the number of realizations.
-/// Same records, same bits. Keeps some numbers a realization, never the records.
+/// Same records, same bits. Memory does not grow with their number.
 class Ensemble final {
  public:
   explicit Ensemble(EnsembleOptions options);
@@ -130,22 +154,44 @@ class Ensemble final {
   [[nodiscard]] bool has(bool stability, bool whole_system) const {
     return (options_.stability || !stability) && (options_.whole_system || !whole_system);
   }
+  [[nodiscard]] bool has(const Quantity& q) const {
+    return has(q.stability, q.whole_system) && (options_.support || !q.support);
+  }
   static const std::vector<Ratio>& ratios();
+  [[nodiscard]] std::vector<double> numbers_of(const Record& record) const;
+  void add_unit(const std::vector<double>& sums);
+  void add_extremes(const Record& record);
+  [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, Method method) const;
+  [[nodiscard]] double probability_of(const Moments& hits) const;
+  [[nodiscard]] Interval probability_interval(const Moments& hits) const;
+  void add_orders(Figures& figures) const;
+  void add_variances(Figures& figures) const;
   void add_estimates(Figures& figures) const;
   void add_quantiles(Figures& figures) const;
   void add_exceedances(Figures& figures) const;
   void add_notes(Figures& figures) const;
 
   EnsembleOptions options_;
-  std::uint64_t counted_ = 0;
-  std::vector<Moments> moments_;             // of quantities()
-  std::vector<std::vector<double>> values_;  // of those with quantiles
+  std::uint64_t counted_ = 0;       // realizations
+  std::uint64_t units_ = 0;         // geometries whose realizations are all there; realizations without nesting
+  std::vector<Moments> moments_;    // of quantities()
+  std::vector<ValueStore> values_;  // of those with quantiles; of a nested design the first of each geometry
+  std::vector<ValueStore> means_;   // of those with quantiles, of a nested design, over a geometry
   std::vector<PairMoments> ratios_;
   Moments mean_volume_per_realization_;
-  std::vector<std::uint64_t> exceeding_;
+  std::vector<Moments> exceeding_;  // 1 for a realization with a block above the volume
   std::vector<Moments> numbers_above_;
-  std::vector<std::vector<std::uint64_t>> chainage_;  // by volume, by part
-  std::vector<PairMoments> below_, first_below_;      // share of blocks below the upper end of bin i
+  std::vector<std::vector<Moments>> chainage_;  // by volume, by part
+  struct OrderMoments {
+    Moments count, volume, count_difference, volume_difference, best;
+  };
+  std::vector<OrderMoments> orders_;
+  // Of the geometry at work: sums over its realizations, moments of the quantities, how many are there.
+  std::vector<double> sums_;
+  std::vector<Moments> within_;
+  std::uint64_t in_unit_ = 0, seen_in_unit_ = 0;
+  std::vector<double> within_squares_;  // sum over geometries of squares about the geometry's mean, by quantity
+  std::vector<PairMoments> below_, first_below_;  // share of blocks below the upper end of bin i
   std::vector<RunningPoint> running_;
   std::uint64_t next_running_ = 10;
   std::size_t running_index_ = 0;

@@ -14,6 +14,9 @@ struct Interval {
 [[nodiscard]] Interval t_interval(double mean, double standard_error, std::uint64_t n, double confidence);
 /// Of a probability after k successes in n trials, n >= 1: Clopper & Pearson (1934), exact (at least the confidence).
 [[nodiscard]] Interval clopper_pearson(std::uint64_t k, std::uint64_t n, double confidence);
+/// The same of a share that comes from samples that hang together (Korn & Graubard 1998): `share` of `effective`
+/// independent trials, neither a whole number.
+[[nodiscard]] Interval clopper_pearson_effective(double share, double effective, double confidence);
 /// Ranks (from 1) r <= s of order statistics that hold the p quantile between them with at least the confidence, each
 /// side at most (1 - confidence)/2; empty when n is too small (Wilks 1941).
 struct Ranks {

@@ -59,6 +59,24 @@ struct Tally {
   friend bool operator==(const Tally&, const Tally&) = default;
 };
 
+/// What the scene's support design comes to, where it has one.
+struct Supported {
+  std::uint64_t needing = 0;   ///< blocks below their required factor without support
+  std::uint64_t not_held = 0;  ///< of those, blocks that the support does not bring up to it
+  double not_held_m3 = 0;      ///< their volume
+  double missing_n = 0;        ///< force that they lack, sum
+  std::uint64_t spot_bolts = 0;
+  std::uint64_t failing_bodies = 0;  ///< bodies stitched together by bolts that do not pass
+  friend bool operator==(const Supported&, const Supported&) = default;
+};
+
+/// One order of the excavation stages: what leaves when it is followed.
+struct OrderTally {
+  std::uint64_t key_blocks = 0;
+  double key_m3 = 0;
+  friend bool operator==(const OrderTally&, const OrderTally&) = default;
+};
+
 struct Record {
   std::uint64_t realization = 0;
   Outcome outcome = Outcome::done;
@@ -74,6 +92,8 @@ struct Record {
   Tally all, first;
   std::vector<std::uint64_t> above;  ///< key blocks above each of the volumes asked for
   std::vector<double> chainage_m3;   ///< largest key block in each part of the axis; empty without a tunnel
+  std::optional<Supported> support;  ///< of a scene with [support]
+  std::vector<OrderTally> orders;    ///< of a scene with [sequence]: its own order first, then those to compare
   friend bool operator==(const Record&, const Record&) = default;
 };
 

@@ -11,9 +11,11 @@
 
 namespace cleave::stochastic {
 
-/// Part `number` of `of`: the realizations k with k mod of == number - 1.
+/// Part `number` of `of`: the realizations k with (k / group) mod of == number - 1. `group` realizations in a row
+/// belong together (nested design); the scene says how many, so files do not.
 struct Shard {
   std::uint64_t number = 1, of = 1;
+  std::uint64_t group = 1;
   friend bool operator==(const Shard&, const Shard&) = default;
 };
 
@@ -43,7 +45,7 @@ using RecordFileError = std::variant<OtherRun, InUse, Unreadable, SystemFailure>
 /// The records of a run on disk, in the order of their realizations: the checkpoint. Each append is one write; a line
 /// that was cut off (kill -9, power) is noticed by its checksum and taken away when the file is opened again.
 ///
-/// Invariant: the file holds the header and whole records of realizations number - 1, number - 1 + of, ...
+/// Invariant: the file holds the header and whole records of the shard's realizations in their order.
 class RecordFile final {
  public:
   /// Opens or makes the file and locks it against other processes.
@@ -54,14 +56,16 @@ class RecordFile final {
   ~RecordFile();
 
   [[nodiscard]] std::uint64_t records() const noexcept { return records_; }
-  [[nodiscard]] std::uint64_t next_realization() const noexcept { return number_ - 1 + records_ * of_; }
+  [[nodiscard]] std::uint64_t next_realization() const noexcept {
+    return (shard_.number - 1 + records_ / shard_.group * shard_.of) * shard_.group + records_ % shard_.group;
+  }
   [[nodiscard]] std::expected<void, RecordFileError> append(const Record& record);
   [[nodiscard]] std::expected<void, RecordFileError> flush_to_disk() const;
 
  private:
-  RecordFile(int descriptor, Shard shard) : descriptor_{descriptor}, number_{shard.number}, of_{shard.of} {}
+  RecordFile(int descriptor, Shard shard) : descriptor_{descriptor}, shard_{shard} {}
   int descriptor_;
-  std::uint64_t number_, of_;
+  Shard shard_;
   std::uint64_t records_ = 0;
 };
 

@@ -39,6 +39,7 @@ struct WindowSurvey {
   geometry::Vec3 normal{0, 0, 1};  ///< of the window's plane
   geometry::Vec3 x_axis{1, 0, 0};  ///< of the map, in space
   std::vector<Polyline> traces;
+  double border = 0;  ///< m: ends so near to the window's border are taken as cut off by it
 };
 
 /// How joints are put into sets.
@@ -65,6 +66,8 @@ struct SurveyInput {
 struct FittedLaw {
   Fit fit;
   std::optional<DiscLaw> discs;  ///< of the diameters, when a law of discs has these traces
+  Estimate mean, std;            ///< of the lengths
+  std::optional<Estimate> disc_mean, disc_std;
 };
 
 struct SetResult {
@@ -79,10 +82,11 @@ struct SetResult {
   std::optional<Estimate> p10_normal;  ///< joints per metre along the mean normal, from lines
   std::optional<Estimate> p20, p21, mean_length, mean_length_counts;
   std::optional<Estimate> p32_lines, p32_windows, p30;
-  std::optional<Estimate> p32;     ///< the one that sets.toml takes
-  std::vector<FittedLaw> lengths;  ///< trace lengths, by AIC, best first
-  std::optional<DiscLaw> size;     ///< taken
-  std::vector<Fit> spacings;       ///< along the lines, by AIC
+  std::optional<Estimate> p32;                  ///< the one that sets.toml takes
+  std::vector<FittedLaw> lengths;               ///< trace lengths, by AIC, best first
+  std::optional<DiscLaw> size;                  ///< taken
+  std::optional<Estimate> size_mean, size_std;  ///< of it, when it comes from a fitted law
+  std::vector<Fit> spacings;                    ///< along the lines, by AIC
   std::vector<double> gaps, seen_lengths;
   std::vector<std::string> notes;
 };

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "cleave/survey/estimate.hpp"
 
 /// Laws fitted to lengths and spacings by maximum likelihood, with censoring.
 namespace cleave::survey {
@@ -23,6 +27,9 @@ struct Fit {
   double aic = 0;
   std::optional<double> p_value;  ///< Kolmogorov-Smirnov, parametric bootstrap (complete data only)
   double distance = 0;            ///< Kolmogorov-Smirnov
+  /// Parameters (a, b) moved by one standard error along independent directions (inverse of the observed information);
+  /// empty: the likelihood has no curvature to tell them from.
+  std::vector<std::array<double, 2>> moved;
 
   [[nodiscard]] double density(double x) const;
   [[nodiscard]] double below(double x) const;  ///< distribution function
@@ -49,6 +56,13 @@ struct Meeting {
 /// and max as ten times the largest length.
 [[nodiscard]] std::optional<Fit> fit_lengths(std::span<const SeenLength> lengths, const Meeting& meeting,
                                              Family family);
+
+/// A positive figure of a fitted law (its mean, say) with the interval of the delta method on the logarithm. `figure`
+/// returns empty where the law has no such figure; without `moved` the interval is empty, too (low = 0, high infinite).
+[[nodiscard]] Estimate estimate_of(const Fit& fit, std::string name,
+                                   const std::function<std::optional<double>(const Fit&)>& figure,
+                                   double confidence = 0.95);
+[[nodiscard]] double std_of(const Fit& fit);
 
 /// Complete data (spacings): maximum likelihood, Kolmogorov-Smirnov p-value by parametric bootstrap with refitting
 /// (`resamples`; 0: none).

@@ -26,6 +26,10 @@ struct DiscMoments {
 /// Empty when no law of the family has these moments: the ratio is below 1, or 2 or more for gamma. The exponential law
 /// takes the mean alone.
 [[nodiscard]] std::optional<DiscLaw> disc_law(Family family, double mean_length, double second_moment);
+/// Mean and standard deviation of the diameters that a fitted law of trace lengths implies, with intervals from the
+/// fit's own; values empty where no law of discs has such traces.
+[[nodiscard]] Estimate disc_mean(const Fit& lengths, double confidence = 0.95);
+[[nodiscard]] Estimate disc_std(const Fit& lengths, double confidence = 0.95);
 /// E l^3 of the traces that the law implies, (3 pi/16) E D^4/E D: for choosing among laws.
 [[nodiscard]] double third_moment(const DiscLaw& law);
 /// E D^k of the law.

@@ -28,7 +28,11 @@ struct PolygonWindow {
 using Window = std::variant<CircleWindow, PolygonWindow>;
 
 [[nodiscard]] double area_of(const Window& window) noexcept;
+/// Whether a point lies strictly inside; one on the border does not (decided exactly for polygons, where differences of
+/// coordinates are exact).
 [[nodiscard]] bool holds(const Window& window, MapPoint p) noexcept;
+/// Of a point from the nearest one of the border, m.
+[[nodiscard]] double distance_to_border(const Window& window, MapPoint p) noexcept;
 /// Width of the window across a direction (unit vector), of its convex hull.
 [[nodiscard]] double width_across(const Window& window, MapPoint direction) noexcept;
 
@@ -40,8 +44,10 @@ struct SeenTrace {
   std::uint32_t crossings = 0;  ///< of the window's border
   MapPoint direction;           ///< unit, from its first to its last point (a closed one: of its longest segment)
 };
-/// The traces that meet the window. Polylines without length are left out.
-[[nodiscard]] std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyline> traces);
+/// The traces that meet the window. Polylines without length are left out. Ends within `border` (m) of the window's
+/// border count as cut off by it: digitised maps often end traces there but for rounding.
+[[nodiscard]] std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyline> traces,
+                                                  double border = 0);
 
 /// Counts and sums of one window or of several pooled ones.
 struct WindowCounts {

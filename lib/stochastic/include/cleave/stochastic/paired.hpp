@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cleave/stochastic/intervals.hpp"
+#include "cleave/stochastic/moments.hpp"
+#include "cleave/stochastic/record.hpp"
+
+namespace cleave::stochastic {
+
+/// One quantity of two designs judged on the same random numbers.
+struct PairedEstimate {
+  std::string name;
+  std::uint64_t pairs = 0;
+  double first = 0, second = 0;  ///< means
+  double difference = 0;         ///< mean of second - first
+  double standard_error = 0;     ///< of the difference, from the paired differences
+  Interval interval;             ///< Student's t
+  double correlation = 0;        ///< of the two designs over the realizations; 0 without spread
+  /// Variance of the difference with independent random numbers over that with common ones: so many times fewer
+  /// realizations. Empty when the designs never differ or never vary.
+  std::optional<double> gain;
+};
+
+/// Compares two designs realization by realization (common random numbers): excavation sequences, supports, loads. Only
+/// realizations that both have and could do count. `unit` realizations in a row are one sample (nested designs).
+class PairedComparison final {
+ public:
+  explicit PairedComparison(std::uint64_t unit = 1);
+  /// The records of one realization, in ascending order. Precondition: the same number.
+  void add(const Record& first, const Record& second);
+  /// Realizations that one of the two could not do: left out.
+  [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
+  /// Realizations in which the designs do not have as many joints: then their random numbers are not those of the same
+  /// rock.
+  [[nodiscard]] std::uint64_t other_joints() const noexcept { return other_joints_; }
+  [[nodiscard]] std::vector<PairedEstimate> estimates(double confidence) const;
+
+ private:
+  struct Sums {
+    double first = 0, second = 0;
+  };
+  struct Paired {
+    Moments first, second, difference, sum;  // the sum gives the covariance
+  };
+  void finish_unit();
+
+  std::uint64_t unit_;
+  std::vector<Paired> quantities_;
+  std::vector<Sums> sums_;
+  std::uint64_t in_unit_ = 0, unit_number_ = 0;
+  std::uint64_t left_out_ = 0, other_joints_ = 0;
+};
+
+}  // namespace cleave::stochastic

@@ -1,0 +1,79 @@
+#include "cleave/stochastic/paired.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cleave/core/assert.hpp"
+#include "cleave/stochastic/ensemble.hpp"
+
+namespace cleave::stochastic {
+
+PairedComparison::PairedComparison(std::uint64_t unit)
+    : unit_{unit}, quantities_(quantities().size()), sums_(quantities().size()) {
+  CLEAVE_ASSERT(unit >= 1);
+}
+
+void PairedComparison::add(const Record& first, const Record& second) {
+  CLEAVE_ASSERT(first.realization == second.realization);
+  if (first.outcome != Outcome::done || second.outcome != Outcome::done) {
+    ++left_out_;
+    return;
+  }
+  other_joints_ += first.joints != second.joints ? 1U : 0U;
+  if (in_unit_ > 0 && first.realization / unit_ != unit_number_) {  // the unit before has a gap
+    left_out_ += in_unit_;
+    in_unit_ = 0;
+  }
+  if (in_unit_ == 0) {
+    unit_number_ = first.realization / unit_;
+    sums_.assign(sums_.size(), {});
+  }
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    sums_[i].first += quantities()[i].of(first);
+    sums_[i].second += quantities()[i].of(second);
+  }
+  if (++in_unit_ == unit_) finish_unit();
+}
+
+void PairedComparison::finish_unit() {
+  const auto n = static_cast<double>(unit_);
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    const double a = sums_[i].first / n, b = sums_[i].second / n;
+    Paired& paired = quantities_[i];
+    paired.first.add(a);
+    paired.second.add(b);
+    paired.difference.add(b - a);
+    paired.sum.add(a + b);
+  }
+  in_unit_ = 0;
+}
+
+std::vector<PairedEstimate> PairedComparison::estimates(double confidence) const {
+  std::vector<PairedEstimate> rows;
+  for (std::size_t i = 0; i < quantities_.size(); ++i) {
+    const Paired& p = quantities_[i];
+    const std::uint64_t n = p.difference.count();
+    // What neither design has (no support, not all blocks cut) is no row.
+    const bool nothing =
+        p.first.largest() == 0 && p.first.smallest() == 0 && p.second.largest() == 0 && p.second.smallest() == 0;
+    if (n < 2 || nothing || !std::isfinite(p.sum.mean())) continue;
+    PairedEstimate row{.name = std::string{quantities()[i].name},
+                       .pairs = n,
+                       .first = p.first.mean(),
+                       .second = p.second.mean(),
+                       .difference = p.difference.mean(),
+                       .standard_error = p.difference.standard_error(),
+                       .interval = t_interval(p.difference.mean(), p.difference.standard_error(), n, confidence),
+                       .correlation = 0,
+                       .gain = {}};
+    const double spread = p.first.std() * p.second.std();
+    const double covariance = (p.sum.variance() - p.difference.variance()) / 4;
+    if (spread > 0) row.correlation = std::clamp(covariance / spread, -1.0, 1.0);
+    const double independent = p.first.variance() + p.second.variance();
+    if (p.difference.variance() > 0 && independent > 0) row.gain = independent / p.difference.variance();
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace cleave::stochastic

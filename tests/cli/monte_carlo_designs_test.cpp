@@ -1,0 +1,252 @@
+#include <algorithm>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "program.hpp"
+
+namespace cleave::cli::test {
+namespace {
+
+using nlohmann::json;
+
+/// What Monte Carlo runs compare: strengths on one geometry, levels of water, supports, orders of excavation.
+class DesignsTest : public ProgramTest {
+ protected:
+  [[nodiscard]] json section(const std::string& out) const {
+    return json::parse(read(out + "/summary.json"))["monte_carlo"];
+  }
+  static std::string with_friction_law() {
+    std::string text{small_scene};
+    text.replace(text.find("friction = 20"), 13, "friction = { distribution = \"uniform\", min = 15, max = 45 }");
+    return text;
+  }
+  /// Columns of realizations.csv by name, row by row.
+  [[nodiscard]] std::vector<std::string> column(const std::string& out, const std::string& name) const {
+    std::istringstream lines{read(out + "/realizations.csv")};
+    std::string line;
+    std::getline(lines, line);
+    std::getline(lines, line);
+    const auto cells = [](const std::string& row) {
+      std::vector<std::string> found{""};
+      for (const char c : row) {
+        if (c == ',') {
+          found.emplace_back();
+        } else {
+          found.back() += c;
+        }
+      }
+      return found;
+    };
+    const auto names = cells(line);
+    const auto at = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+    std::vector<std::string> values;
+    while (std::getline(lines, line)) values.push_back(cells(line).at(at));
+    return values;
+  }
+};
+
+TEST_F(DesignsTest, NestedDesignsCutEachGeometryOnce) {
+  const std::string text = with_friction_law() + "[monte_carlo]\nrealizations = 30\n";
+  write("s.toml", text + "strengths_per_geometry = 3\n");
+  ASSERT_EQ(cleave("run s.toml -o one --threads 1 --quiet").code, 0);
+  ASSERT_EQ(cleave("run s.toml -o two --threads 2 --quiet").code, 0);
+  EXPECT_EQ(read("one/realizations.csv"), read("two/realizations.csv"));
+  const auto blocks = column("one", "blocks"), keys = column("one", "volume_m3");
+  bool strengths_differ = false, geometries_differ = false;
+  for (std::size_t k = 0; k < 30; k += 3) {
+    EXPECT_EQ(blocks[k], blocks[k + 1]);
+    EXPECT_EQ(blocks[k], blocks[k + 2]);
+    strengths_differ |= keys[k] != keys[k + 1] || keys[k] != keys[k + 2];
+    geometries_differ |= blocks[k] != blocks[0];
+  }
+  EXPECT_TRUE(strengths_differ);
+  EXPECT_TRUE(geometries_differ);
+  const json mc = section("one");
+  EXPECT_EQ(mc["realizations"], 30);
+  EXPECT_EQ(mc["quantities"]["block_count"]["realizations"], 10);
+  EXPECT_EQ(mc["nested"]["strengths_per_geometry"], 3);
+  EXPECT_GT(mc["nested"]["variances"]["key_block_volume_m3"]["strength"], 0);
+  EXPECT_TRUE(read("one/report.html").contains("<section id=\"variances\">"));
+  // Geometry g is that of realization g of the plain scene.
+  write("plain.toml", text);
+  ASSERT_EQ(cleave("run plain.toml -o plain --quiet").code, 0);
+  const auto plain = column("plain", "blocks");
+  for (std::size_t g = 0; g < 10; ++g) EXPECT_EQ(blocks[3 * g], plain[g]);
+  // Shards take whole geometries; replays find the record; an interrupted run stops inside a geometry, too.
+  for (const std::string k : {"1", "2"}) {
+    ASSERT_EQ(cleave("run s.toml -o part" + k + " --shard " + k + "/2 --quiet").code, 0);
+  }
+  ASSERT_EQ(cleave("merge part1 part2 -o all --quiet").code, 0);
+  EXPECT_EQ(read("all/realizations.csv"), read("one/realizations.csv"));
+  EXPECT_EQ(cleave("replay one --realization 7 --quiet").code, 0);
+  const std::string records = read("one/realizations.csv");
+  std::size_t end = 0;
+  for (int line = 0; line < 2 + 7; ++line) end = records.find('\n', end) + 1;
+  fs::create_directory(path("broken"));
+  write("broken/realizations.csv.part", records.substr(0, end + 20));
+  ASSERT_EQ(cleave("run s.toml -o broken --quiet").code, 0);
+  EXPECT_EQ(read("broken/realizations.csv"), records);
+  write("odd.toml", text + "strengths_per_geometry = 4\n");
+  const Ended odd = cleave("run odd.toml -o odd");
+  EXPECT_EQ(odd.code, 2);
+  EXPECT_TRUE(odd.err.contains("monte_carlo.strengths_per_geometry: 4 does not divide the 30 realizations")) << odd.err;
+}
+
+TEST_F(DesignsTest, StopsCountGeometries) {
+  write("s.toml", with_friction_law() +
+                      "[monte_carlo]\nstrengths_per_geometry = 2\nstop = { quantity = \"block_count\", "
+                      "relative_half_width = 0.3, max = 600 }\n");
+  ASSERT_EQ(cleave("run s.toml -o out --quiet").code, 0);
+  EXPECT_EQ(section("out")["stopped_by"], "precision");
+  EXPECT_EQ(section("out")["realizations"], 200);
+}
+
+// The same joints in each realization, another level of the water: more water, no fewer key blocks on average.
+TEST_F(DesignsTest, WaterLevelsAreDrawnOnceARealization) {
+  const std::string mc = "[monte_carlo]\nrealizations = 40\n";
+  write("dry.toml", std::string{small_scene} + mc);
+  write("wet.toml",
+        std::string{small_scene} + "water = { table = { distribution = \"uniform\", min = 0, max = 6 } }\n" + mc);
+  write("high.toml", std::string{small_scene} + "water = { table = 6 }\n" + mc);
+  for (const std::string name : {"dry", "wet", "high"}) {
+    ASSERT_EQ(cleave("run " + name + ".toml -o " + name + " --quiet").code, 0) << name;
+  }
+  const double dry = section("dry")["quantities"]["key_block_volume_m3"]["mean"];
+  const double wet = section("wet")["quantities"]["key_block_volume_m3"]["mean"];
+  const double high = section("high")["quantities"]["key_block_volume_m3"]["mean"];
+  EXPECT_LT(dry, wet);
+  EXPECT_LT(wet, high);
+  const Ended replay = cleave("replay wet --realization 11 -o again");
+  EXPECT_EQ(replay.code, 0) << replay.err;
+  EXPECT_TRUE(replay.out.contains("is reproduced to the last digit")) << replay.out;
+  // A single run is realization 0.
+  write("one.toml",
+        std::string{small_scene} + "water = { table = { distribution = \"normal\", mean = 3, std = 1 } }\n");
+  EXPECT_EQ(cleave("run one.toml -o one --quiet").code, 0);
+  write("bad.toml", std::string{small_scene} + "water = { table = { distribution = \"uniform\", min = 3 } }\n");
+  const Ended bad = cleave("check bad.toml");
+  EXPECT_EQ(bad.code, 2);
+  EXPECT_TRUE(bad.err.contains("stability.water.table")) << bad.err;
+}
+
+TEST_F(DesignsTest, ComparesDesignsOnCommonRandomNumbers) {
+  const std::string mc = "[monte_carlo]\nrealizations = 60\n";
+  write("weak.toml", std::string{small_scene} + mc);
+  std::string text{small_scene};
+  text.replace(text.find("friction = 20"), 13, "friction = 24");
+  write("strong.toml", text + mc);
+  ASSERT_EQ(cleave("run weak.toml -o weak --quiet").code, 0);
+  ASSERT_EQ(cleave("run strong.toml -o strong --quiet").code, 0);
+  const Ended compared = cleave("compare weak strong -o difference.json");
+  ASSERT_EQ(compared.code, 0) << compared.err;
+  EXPECT_TRUE(compared.out.contains("60 pairs")) << compared.out;
+  const json volume = json::parse(read("difference.json"))["quantities"]["key_block_volume_m3"];
+  EXPECT_LE(volume["difference"], 0);  // nothing gets weaker
+  EXPECT_NEAR(volume["difference"].get<double>(),
+              section("strong")["quantities"]["key_block_volume_m3"]["mean"].get<double>() -
+                  section("weak")["quantities"]["key_block_volume_m3"]["mean"].get<double>(),
+              1e-9);
+  EXPECT_GT(volume["gain"], 3);
+  EXPECT_GT(volume["correlation"], 0.5);
+  // Other random numbers or no Monte Carlo result: no comparison.
+  ASSERT_EQ(cleave("run strong.toml -o other --seed 5 --quiet").code, 0);
+  EXPECT_TRUE(cleave("compare weak other").err.contains("has the seed 5"));
+  EXPECT_EQ(cleave("compare weak other").code, 2);
+  EXPECT_EQ(cleave("compare weak nowhere").code, 2);
+  ASSERT_EQ(cleave("run weak.toml -o part --shard 1/2 --quiet").code, 0);
+  EXPECT_TRUE(cleave("compare weak part").err.contains("is a shard"));
+}
+
+constexpr std::string_view two_stages = R"toml(schema = 1
+[domain]
+box = { min = [0, 0, 0], max = [16, 10, 12] }
+[[joint_set]]
+name = "A"
+orientation = { dip = 50, dip_direction = 90, distribution = "fisher", kappa = 10 }
+size = { distribution = "constant", mean = 14 }
+intensity = { count = 12 }
+[[joint_set]]
+name = "B"
+orientation = { dip = 60, dip_direction = 230, distribution = "fisher", kappa = 10 }
+size = { distribution = "constant", mean = 14 }
+intensity = { count = 12 }
+[joints.default]
+friction = 20
+[[excavation]]
+name = "left"
+kind = "tunnel"
+section = { shape = "rectangle", width = 4, height = 4 }
+axis = [[5, 0, 5], [5, 10, 5]]
+stage = 1
+[[excavation]]
+name = "right"
+kind = "tunnel"
+section = { shape = "rectangle", width = 4, height = 4 }
+axis = [[11, 0, 5], [11, 10, 5]]
+stage = 2
+)toml";
+
+TEST_F(DesignsTest, OrdersOfExcavationInEveryRealization) {
+  write("s.toml",
+        std::string{two_stages} + "[sequence]\ncompare_orders = [[1, 2], [2, 1]]\n[monte_carlo]\nrealizations = 12\n");
+  ASSERT_EQ(cleave("run s.toml -o out --quiet").code, 0);
+  const json orders = section("out")["orders"];
+  ASSERT_EQ(orders.size(), 2U);
+  EXPECT_EQ(orders[0]["stages"], json({1, 2}));
+  EXPECT_EQ(orders[1]["stages"], json({2, 1}));
+  EXPECT_GT(orders[0]["key_volume_m3"]["mean"], 0);
+  EXPECT_NEAR(orders[1]["key_volume_minus_first_m3"]["mean"].get<double>(),
+              orders[1]["key_volume_m3"]["mean"].get<double>() - orders[0]["key_volume_m3"]["mean"].get<double>(),
+              1e-9);
+  EXPECT_NEAR(orders[0]["share_best"].get<double>() + orders[1]["share_best"].get<double>(), 1, 1e-12);
+  EXPECT_TRUE(read("out/report.html").contains("<section id=\"orders\">"));
+  const Ended replay = cleave("replay out --realization 5");
+  EXPECT_EQ(replay.code, 0) << replay.err;
+  EXPECT_TRUE(replay.out.contains("is reproduced to the last digit")) << replay.out;
+}
+
+TEST_F(DesignsTest, SupportDesignsComparedOnTheSameRock) {
+  const auto design = [](const std::string& spacing) {
+    return std::string{two_stages} + "[support]\n[[support.bolts]]\ntunnel = \"left\"\nlength = 3\nspacing = [" +
+           spacing + ", " + spacing +
+           "]\ntendon = 100e3\nbond = 200e3\nplate = 50e3\nanchorage = 0.2\n[monte_carlo]\nrealizations = 10\n";
+  };
+  write("wide.toml", design("3"));
+  write("tight.toml", design("1.2"));
+  for (const std::string name : {"wide", "tight"}) {
+    const Ended run = cleave("run " + name + ".toml -o " + name + " --quiet");
+    ASSERT_EQ(run.code, 0) << run.err;
+  }
+  const json wide = section("wide")["quantities"];
+  EXPECT_GT(wide["support_blocks_needing"]["mean"], 0);
+  EXPECT_LE(wide["support_blocks_not_held"]["mean"], wide["support_blocks_needing"]["mean"]);
+  const Ended compared = cleave("compare wide tight -o difference.json");
+  ASSERT_EQ(compared.code, 0) << compared.err;
+  const json difference = json::parse(read("difference.json"))["quantities"];
+  EXPECT_EQ(difference["support_blocks_needing"]["difference"], 0);
+  EXPECT_LT(difference["support_not_held_m3"]["difference"], 0);
+  const Ended replay = cleave("replay wide --realization 3");
+  EXPECT_EQ(replay.code, 0) << replay.err;
+  EXPECT_TRUE(replay.out.contains("is reproduced to the last digit")) << replay.out;
+}
+
+// Two and three ranks (one hands out work) give the bytes of one process.
+TEST_F(DesignsTest, RanksGiveTheSameBytes) {
+  const fs::path program = fs::path{CLEAVE_PROGRAM}.parent_path() / "cleave_mpi";
+  if (!fs::exists(program) || std::system("command -v mpirun > /dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "cleave_mpi or mpirun is not here";
+  }
+  write("s.toml", with_friction_law() + "[monte_carlo]\nrealizations = 24\nstrengths_per_geometry = 2\n");
+  ASSERT_EQ(cleave("run s.toml -o one --quiet").code, 0);
+  for (const std::string n : {"2", "3"}) {
+    const Ended run = shell("OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe -n " + n +
+                            " '" + program.string() + "' s.toml -o ranks" + n + " --quiet; echo code $?");
+    if (!run.out.contains("code 0")) GTEST_SKIP() << "mpirun does not run here: " << run.err;
+    EXPECT_EQ(read("ranks" + n + "/realizations.csv"), read("one/realizations.csv"));
+    EXPECT_TRUE(section("ranks" + n) == section("one")) << n;
+  }
+}
+
+}  // namespace
+}  // namespace cleave::cli::test

@@ -1,0 +1,39 @@
+#include <nlohmann/json.hpp>
+
+#include "program.hpp"
+
+namespace cleave::cli::test {
+namespace {
+
+using nlohmann::json;
+
+class SurveyRowsTest : public ProgramTest {
+ protected:
+  [[nodiscard]] json survey(const std::string& text) const {
+    write("d.toml", text);
+    const Ended run = cleave("survey d.toml -o out");
+    EXPECT_EQ(run.code, 0) << run.err;
+    return run.code == 0 ? json::parse(read("out/survey.json")) : json{};
+  }
+};
+
+// A million rows, of orientations and of traces.
+TEST_F(SurveyRowsTest, AMillionOrientationsAndTraces) {
+  std::string poles = "dip,dip_direction\n", traces = "x1,y1,x2,y2\n";
+  for (int i = 0; i < 1'000'000; ++i) {
+    poles += std::to_string(50 + i % 9) + "," + std::to_string(100 + i % 23) + "\n";
+    const int x = i % 997, y = i / 997;
+    traces += std::to_string(x) + "," + std::to_string(y) + ".5," + std::to_string(x + 1 + i % 3) + "," +
+              std::to_string(y + i % 2) + ".5\n";
+  }
+  write("poles.csv", poles);
+  write("traces.csv", traces);
+  const json many = survey("[[orientations]]\nfile = \"poles.csv\"\n");
+  EXPECT_EQ(many["sets"][0]["joints"], 1'000'000);
+  EXPECT_NEAR(many["sets"][0]["orientation"]["dip"], 54, 0.5);
+  const json mapped = survey("[[window]]\ntraces = \"traces.csv\"\nrectangle = { min = [0, 0], max = [1000, 1004] }\n");
+  EXPECT_EQ(mapped["windows"][0]["traces"], 1'000'000);
+}
+
+}  // namespace
+}  // namespace cleave::cli::test

@@ -1,0 +1,87 @@
+#include "cleave/stochastic/paired.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cleave/core/rng.hpp"
+
+namespace cleave::stochastic {
+namespace {
+
+Record with(std::uint64_t k, double volume, std::uint64_t count = 1) {
+  Record r;
+  r.realization = k;
+  r.joints = 5;
+  r.blocks = 10;
+  r.rock_m3 = 100;
+  r.all.volume_m3 = volume;
+  r.all.count = count;
+  return r;
+}
+
+const PairedEstimate& row(const std::vector<PairedEstimate>& rows, std::string_view name) {
+  const auto found = std::ranges::find(rows, name, &PairedEstimate::name);
+  EXPECT_NE(found, rows.end()) << name;
+  return *found;
+}
+
+// By hand: (1, 2), (2, 4), (6, 6): differences 1, 2, 0.
+TEST(PairedTest, DifferencesByHand) {
+  PairedComparison pairs;
+  pairs.add(with(0, 1), with(0, 2));
+  pairs.add(with(1, 2), with(1, 4));
+  pairs.add(with(2, 6), with(2, 6));
+  const auto rows = pairs.estimates(0.95);
+  const PairedEstimate& volume = row(rows, "key_block_volume_m3");
+  EXPECT_EQ(volume.pairs, 3U);
+  EXPECT_DOUBLE_EQ(volume.first, 3);
+  EXPECT_DOUBLE_EQ(volume.second, 4);
+  EXPECT_DOUBLE_EQ(volume.difference, 1);
+  EXPECT_NEAR(volume.standard_error, 1 / std::sqrt(3.0), 1e-15);
+  EXPECT_NEAR(volume.interval.high, 1 + 4.302652729911275 / std::sqrt(3.0), 1e-9);
+  // Variances 7 and 4, covariance 5; difference 1.
+  EXPECT_NEAR(volume.correlation, 5 / std::sqrt(28.0), 1e-12);
+  ASSERT_TRUE(volume.gain.has_value());
+  EXPECT_NEAR(*volume.gain, 11, 1e-9);
+  // Nothing differs: no gain to speak of.
+  EXPECT_EQ(row(rows, "key_block_count").difference, 0);
+  EXPECT_FALSE(row(rows, "key_block_count").gain.has_value());
+  // Neither design has a support.
+  EXPECT_TRUE(std::ranges::none_of(rows, [](const auto& r) { return r.name.starts_with("support_blocks"); }));
+}
+
+// Known answer of e^{1.1 u} - e^{u}: its variance is 0.571 with independent u and 0.0066 with common ones.
+TEST(PairedTest, CommonNumbersShrinkTheVarianceOfADifference) {
+  PairedComparison pairs;
+  for (std::uint64_t k = 0; k < 20000; ++k) {
+    const double u = Rng{{.seed = 1, .realization = k}}.uniform();
+    pairs.add(with(k, std::exp(u)), with(k, std::exp(1.1 * u)));
+  }
+  const auto rows = pairs.estimates(0.95);
+  const PairedEstimate& volume = row(rows, "key_block_volume_m3");
+  EXPECT_NEAR(volume.standard_error * std::sqrt(20000.0), std::sqrt(0.0066), 0.002);
+  EXPECT_NEAR(*volume.gain, 0.571 / 0.0066, 5);
+}
+
+TEST(PairedTest, UnitsAreGeometriesAndFailuresAreLeftOut) {
+  PairedComparison pairs{2};
+  const double first[] = {1, 3, 5, 7, 2, 2}, second[] = {2, 2, 9, 9, 0, 0};
+  for (std::uint64_t k = 0; k < 6; ++k) {
+    Record a = with(k, first[k]), b = with(k, second[k]);
+    if (k == 4) b.outcome = Outcome::refused;
+    if (k == 1) b.joints = 6;
+    pairs.add(a, b);
+  }
+  EXPECT_EQ(pairs.left_out(), 1U);
+  EXPECT_EQ(pairs.other_joints(), 1U);
+  const auto rows = pairs.estimates(0.95);
+  const PairedEstimate& volume = row(rows, "key_block_volume_m3");
+  EXPECT_EQ(volume.pairs, 2U);  // means 2 and 2, 6 and 9
+  EXPECT_DOUBLE_EQ(volume.difference, 1.5);
+  EXPECT_DOUBLE_EQ(volume.standard_error, 1.5);
+}
+
+}  // namespace
+}  // namespace cleave::stochastic
