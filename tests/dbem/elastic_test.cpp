@@ -208,6 +208,7 @@ TEST(SleepTest, PilesFallAsleepAndWakeWhenHit) {
   while (world.time() < 0.5) {
     const auto report = world.step();
     ASSERT_TRUE(report.has_value());
+    EXPECT_TRUE(!slept || report->asleep == 6) << world.time();  // they stay so: nothing touches them yet
     slept = slept || report->asleep == 6;
   }
   EXPECT_TRUE(slept);

@@ -68,6 +68,17 @@ TEST(DispatchTest, ShardsAndStops) {
   EXPECT_TRUE(dispatch.done());
 }
 
+TEST(DispatchTest, NearTheEndAPieceGoesToWhoHasNone) {
+  Dispatch dispatch;
+  dispatch.begin(0, 3, 1);
+  for (const int worker : {1, 1, 2, 2}) dispatch.ask(worker);
+  EXPECT_EQ(dispatch.next()->worker, 1);
+  EXPECT_EQ(dispatch.next()->worker, 2);
+  EXPECT_FALSE(dispatch.next().has_value());
+  dispatch.back({record(1)}, [](const Record&) { return true; });
+  EXPECT_EQ(dispatch.next()->worker, 2);
+}
+
 /// Runs a dispatch in simulated time: each worker asks for `ahead` pieces at first and for one more with each that it
 /// sends back; a message takes `latency`. Gives the largest share of the time that a worker waits.
 double largest_wait(int workers, int ahead, const std::vector<double>& cost, double latency) {
