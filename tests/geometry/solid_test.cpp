@@ -142,6 +142,31 @@ TEST(SolidTest, BadHexahedraAreRefused) {
   EXPECT_FALSE(make_hexahedron(bow).has_value());
 }
 
+TEST(SolidTest, HexahedronWithBentFacesIsASurfaceOfTrianglesWhenWished) {
+  std::array<Vec3, 8> corners;
+  for (std::size_t i = 0; i < 8; ++i) corners[i] = {i & 1U ? 1.0 : 0, i & 2U ? 1.0 : 0, i & 4U ? 1.0 : 0};
+  corners[7].z = 1.3;  // bends the top only
+  const auto bent = make_hexahedron(corners, BentFaces::triangulate);
+  ASSERT_TRUE(bent.has_value());
+  EXPECT_FALSE(bent->from_half_spaces());
+  ASSERT_EQ(bent->tags().size(), 6U);
+  EXPECT_EQ(bent->tags()[5], "top");
+  // Above the unit cube: one pyramid over half of the top or two, after which diagonal the top is folded.
+  const double more = bent->volume().si() - 1;
+  EXPECT_TRUE(std::abs(more - 0.3 / 6) < 1e-14 || std::abs(more - 0.3 / 3) < 1e-14) << more;
+  // Mirrored it is the same body.
+  for (Vec3& c : corners) c.x = 1 - c.x;
+  const auto mirrored = make_hexahedron(corners, BentFaces::triangulate);
+  ASSERT_TRUE(mirrored.has_value());
+  EXPECT_GT(mirrored->volume().si(), 1);
+  // What is wrong otherwise stays wrong.
+  std::array<Vec3, 8> flat{};
+  EXPECT_TRUE(std::holds_alternative<NoVolume>(make_hexahedron(flat, BentFaces::triangulate).error()));
+  corners[7] = {0.2, 0.2, 0.2};
+  corners[0] = {0.9, 0.9, 0.9};
+  EXPECT_FALSE(make_hexahedron(corners, BentFaces::triangulate).has_value());
+}
+
 TEST(SolidTest, HexahedronMayBeBentByRoundingOnly) {
   std::array<Vec3, 8> corners;
   for (std::size_t i = 0; i < 8; ++i) {

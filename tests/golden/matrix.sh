@@ -3,13 +3,16 @@
 # runs the scenes below; every cell of the matrix must print the same blocks.hash (and key_blocks.count). On demand: takes
 # half an hour on two cores without ccache.
 #
-# usage: tests/golden/matrix.sh [SCENE.toml...]      (default: examples/*/*.toml and tests/formats/scenes)
+# usage: tests/golden/matrix.sh [SCENE.toml...]      (default: single runs in space of examples/*/*.toml and tests/formats/scenes)
 set -euo pipefail
 root=$(dirname -- "$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")")
 build=$root/build/matrix
 jobs=${JOBS:-$(nproc)}
 scenes=("$@")
-((${#scenes[@]})) || scenes=("$root"/examples/*/*.toml "$root"/tests/formats/scenes/*.toml)
+if ((${#scenes[@]} == 0)); then
+  mapfile -t scenes < <(grep -l '^\[domain\]' "$root"/examples/*/*.toml "$root"/tests/formats/scenes/*.toml |
+    xargs grep -L '^\[monte_carlo\]')
+fi
 
 # name, compiler, build type (Release is -O3), flags when it is Debug, sanitizers
 variants=(
@@ -29,6 +32,7 @@ hash_of() { # SCENE OUT THREADS PROGRAM
   sed -n 's/.*"hash": *"\([0-9a-f]*\)".*/\1/p' "$summary" | tr '\n' ' '
 }
 
+mkdir -p -- "$build"
 failed=0
 declare -A first
 for variant in "${variants[@]}"; do

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "cleave/core/expected.hpp"
@@ -70,14 +72,25 @@ std::expected<void, SolidError> check_face(const std::array<Vec3, 8>& corners, s
 
 }  // namespace
 
-std::expected<Solid, SolidError> make_hexahedron(const std::array<Vec3, 8>& corners) {
+std::expected<Solid, SolidError> make_hexahedron(const std::array<Vec3, 8>& corners, BentFaces bent) {
   for (std::size_t v = 0; v < corners.size(); ++v) {
     if (!in_range(corners[v])) return std::unexpected(BadVertex{v});
   }
   const double volume = signed_volume(corners);
   if (volume == 0) return std::unexpected(NoVolume{cubic_metres(0)});
   const bool mirrored = volume < 0;
-  for (std::size_t f = 0; f < 6; ++f) CLEAVE_CHECK(check_face(corners, f, mirrored));
+  std::optional<SolidError> first;
+  bool any_bent = false;
+  for (std::size_t f = 0; f < 6; ++f) {
+    const auto sound = check_face(corners, f, mirrored);
+    if (sound) continue;
+    any_bent = any_bent || std::holds_alternative<FaceNotPlanar>(sound.error());
+    if (!first) first = sound.error();
+  }
+  if (any_bent && bent == BentFaces::triangulate) {
+    return Solid::make({corners.begin(), corners.end()}, faces_of(mirrored), box_tags());
+  }
+  if (first) return std::unexpected(*first);
   CLEAVE_TRY(Solid solid, Solid::make({corners.begin(), corners.end()}, faces_of(mirrored), box_tags()));
   return std::move(solid).with_half_spaces();
 }

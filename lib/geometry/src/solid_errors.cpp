@@ -86,7 +86,7 @@ std::string describe(const SolidError& error) {
           [](FaceNotPlanar e) {
             return fmt::format(
                 "face {} is not planar: vertex {} lies {:.3g} m off its best-fit plane, allowed is {:.3g} m; correct "
-                "the corners",
+                "the corners, or set nonplanar = \"triangulate\"",
                 e.face, e.vertex, e.distance.si(), e.allowed.si());
           },
           [](NotConvex e) {

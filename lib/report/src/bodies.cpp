@@ -253,7 +253,8 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
       ".controls label{display:inline-block;margin:.3em 1em .3em 0}#view{width:100%;display:block;background:#fff}"
       ".legend{height:12px;background:linear-gradient(90deg,#440154,#3b528b,#21918c,#5ec962,#fde725);max-width:560px}"
       ".legend-ends{display:flex;justify-content:space-between;gap:1em;max-width:560px;white-space:nowrap}"
-      ".plain td,.plain th{text-align:left}.wide-table{overflow-x:auto}.wide-table td:last-child{white-space:normal;min-width:12em}@media print{.controls{display:none}}");
+      ".plain td,.plain th{text-align:left}.wide-table{overflow-x:auto}.wide-table "
+      "td:last-child{white-space:normal;min-width:12em}@media print{.controls{display:none}}");
   out += "<section><h2>Result</h2>\n<p>";
   out += result.converged ? "The run converged."
                           : "The run <strong>stopped</strong>: " + escape_xml(result.stopped_why) + ".";

@@ -40,14 +40,7 @@ class ExactSum {
 
 }  // namespace
 
-int turn(Point2 a, Point2 b, Point2 c) noexcept {
-  const double left = (a.u - c.u) * (b.v - c.v);
-  const double right = (a.v - c.v) * (b.u - c.u);
-  const double det = left - right;
-  // 3 + 16 eps times eps, eps = 2^-53 (Shewchuk 1997, ccwerrboundA).
-  const double bound = 3.3306690738754716e-16 * (std::abs(left) + std::abs(right));
-  if (det > bound) return 1;
-  if (det < -bound) return -1;
+int turn_exactly(Point2 a, Point2 b, Point2 c) noexcept {
   ExactSum sum;
   sum.add_product(a.u, b.v);
   sum.add_product(-a.v, b.u);

@@ -61,14 +61,19 @@ class Clipper {
     return turn(before, a, p) > 0 || turn(a, after, p) > 0;
   }
 
+  // Closed segments; exact, and cheap where they are far apart.
   static bool cross(Point2 a, Point2 b, Point2 c, Point2 d) {
+    if (std::max(c.u, d.u) < std::min(a.u, b.u) || std::max(a.u, b.u) < std::min(c.u, d.u) ||
+        std::max(c.v, d.v) < std::min(a.v, b.v) || std::max(a.v, b.v) < std::min(c.v, d.v)) {
+      return false;
+    }
     const int c_side = turn(a, b, c), d_side = turn(a, b, d);
     if (c_side == 0 && d_side == 0) return false;  // on one line: the corners in between are tested by `blocked`
     return c_side * d_side <= 0 && turn(c, d, a) * turn(c, d, b) <= 0;
   }
 
   static bool between(Point2 a, Point2 b, Point2 p) {
-    return turn(a, b, p) == 0 && (a.u != b.u ? (a.u < p.u) != (b.u < p.u) : (a.v < p.v) != (b.v < p.v)) && p != a &&
+    return (a.u != b.u ? (a.u < p.u) != (b.u < p.u) : (a.v < p.v) != (b.v < p.v)) && turn(a, b, p) == 0 && p != a &&
            p != b;
   }
 
@@ -179,8 +184,11 @@ class Clipper {
     if (a.at == c.at) return false;
     if (!opens_to(before, c.at) || !opens_to(after, a.at)) return false;
     if (demand == Demand::convex) return true;
+    const auto [left, right] = std::minmax({a.at.u, b.at.u, c.at.u});
+    const auto [low, high] = std::minmax({a.at.v, b.at.v, c.at.v});
     for (std::size_t k = nodes_[after].next; k != before; k = nodes_[k].next) {
       const Node& p = nodes_[k];
+      if (p.at.u < left || p.at.u > right || p.at.v < low || p.at.v > high) continue;
       if (p.at == a.at || p.at == b.at || p.at == c.at) continue;
       if (turn(c.at, a.at, p.at) >= 0 && turn(a.at, b.at, p.at) >= 0 && turn(b.at, c.at, p.at) >= 0) return false;
     }

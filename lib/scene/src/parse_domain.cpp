@@ -39,7 +39,7 @@ std::optional<geometry::Solid> parse_box(const TableReader& owner) {
   return std::move(*solid);
 }
 
-std::optional<geometry::Solid> parse_corners(const TableReader& owner) {
+std::optional<geometry::Solid> parse_corners(const Context& context, const TableReader& owner) {
   const auto points = owner.points("corners");
   if (!points) return std::nullopt;
   if (points->size() != 8) {
@@ -50,7 +50,8 @@ std::optional<geometry::Solid> parse_corners(const TableReader& owner) {
   }
   std::array<geometry::Vec3, 8> corners;
   std::ranges::copy(*points, corners.begin());
-  auto solid = geometry::make_hexahedron(corners);
+  auto solid = geometry::make_hexahedron(
+      corners, context.triangulate ? geometry::BentFaces::triangulate : geometry::BentFaces::refuse);
   if (!solid) {
     owner.error("corners", describe(solid.error()), "");
     return std::nullopt;
@@ -70,7 +71,7 @@ std::optional<geometry::Solid> parse_domain(Context& context, const TableReader&
   const TomlEntry* kind = domain.one_of(keys);
   if (kind == nullptr) return std::nullopt;
   if (kind->key == "box") return parse_box(domain);
-  if (kind->key == "corners") return parse_corners(domain);
+  if (kind->key == "corners") return parse_corners(context, domain);
   if (kind->key == "terrain") return parse_terrain(context, domain);
   return parse_mesh(context, domain, "mesh");
 }

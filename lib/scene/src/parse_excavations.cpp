@@ -195,12 +195,12 @@ std::optional<geometry::Solid> parse_faces(const TableReader& owner) {
   return std::nullopt;
 }
 
-std::optional<geometry::Solid> parse_polyhedron(const TableReader& owner) {
+std::optional<geometry::Solid> parse_polyhedron(const Context& context, const TableReader& owner) {
   constexpr std::array<string_view, 3> kinds{"box", "corners", "vertices"};
   const TomlEntry* kind = owner.one_of(kinds);
   if (kind == nullptr) return std::nullopt;
   if (kind->key == "box") return parse_box(owner);
-  if (kind->key == "corners") return parse_corners(owner);
+  if (kind->key == "corners") return parse_corners(context, owner);
   return parse_faces(owner);
 }
 
@@ -246,7 +246,7 @@ std::vector<Excavation> parse_excavation(Context& context, const TomlTable& tabl
       if (domain) solids = parse_benches(reader, *domain).value_or(std::vector<geometry::Solid>{});
       break;
     case mesh: add(parse_mesh(context, reader, "file")); break;
-    case polyhedron: add(parse_polyhedron(reader)); break;
+    case polyhedron: add(parse_polyhedron(context, reader)); break;
   }
   std::vector<Excavation> excavations;
   // The room above the first bench belongs to it.

@@ -113,6 +113,9 @@ class Solid final {
 /// Hexahedron on eight corners as half-spaces; bit 0, 1, 2 of the index = x, y, z side. Faces carry the box's tags by
 /// these bits, whatever way they look; an order of corners that mirrors the body is put right. The corners must make a
 /// convex body with planar faces (within the tolerance of Polygon); else BadFace, FaceNotPlanar, NotConvex or NoVolume.
-[[nodiscard]] std::expected<Solid, SolidError> make_hexahedron(const std::array<Vec3, 8>& corners);
+/// With BentFaces::triangulate a body with a bent face is a closed surface as any other, which need not be convex.
+enum class BentFaces : std::uint8_t { refuse, triangulate };
+[[nodiscard]] std::expected<Solid, SolidError> make_hexahedron(const std::array<Vec3, 8>& corners,
+                                                               BentFaces bent = BentFaces::refuse);
 
 }  // namespace cleave::geometry
