@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "cleave/core/rng.hpp"
@@ -192,7 +193,7 @@ TEST(EnsembleTest, OrdersAreComparedWithinEachRealization) {
   EnsembleOptions with_orders = options();
   with_orders.orders = 2;
   Ensemble ensemble{with_orders};
-  const double first[] = {5, 9, 2}, second[] = {4, 9, 4};
+  const std::array<double, 3> first{5, 9, 2}, second{4, 9, 4};
   for (std::uint64_t k = 0; k < 3; ++k) {
     Record r = record(k, {1});
     r.orders = {{2, first[k]}, {k, second[k]}};

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "cleave/core/rng.hpp"
@@ -67,7 +68,7 @@ TEST(PairedTest, CommonNumbersShrinkTheVarianceOfADifference) {
 
 TEST(PairedTest, UnitsAreGeometriesAndFailuresAreLeftOut) {
   PairedComparison pairs{2};
-  const double first[] = {1, 3, 5, 7, 2, 2}, second[] = {2, 2, 9, 9, 0, 0};
+  const std::array<double, 6> first{1, 3, 5, 7, 2, 2}, second{2, 2, 9, 9, 0, 0};
   for (std::uint64_t k = 0; k < 6; ++k) {
     Record a = with(k, first[k]), b = with(k, second[k]);
     if (k == 4) b.outcome = Outcome::refused;
