@@ -244,8 +244,8 @@ bool FrontalFactor::factorise() {
       factor.lu.compute(full.topLeftCorner(inner, inner));
       if (!(factor.lu.matrixLU().diagonal().cwiseAbs().minCoeff() > 0)) return false;
       factor.below = full.bottomLeftCorner(outer, inner);
-      factor.right = factor.lu.permutationP() * full.topRightCorner(inner, outer);
       if (outer > 0) {
+        factor.right = factor.lu.permutationP() * full.topRightCorner(inner, outer);
         const auto triangles = factor.lu.matrixLU();
         triangles.template triangularView<Eigen::Upper>().template solveInPlace<Eigen::OnTheRight>(factor.below);
         triangles.template triangularView<Eigen::UnitLower>().solveInPlace(factor.right);
