@@ -32,18 +32,26 @@ TEST(NearFieldTest, GivesTheKeyBlocksOfTheWholeScene) {
   EXPECT_GT(met.found, 10U);
 }
 
-// One block on the roof that reaches far up: a window that cuts through it must not call it stable, nor cut it short.
-TEST(NearFieldTest, FollowsATallBlock) {
+void add_square(topology::CutInput& input, const std::array<Vec3, 4>& corners) {
+  input.joints.emplace_back(topology::Joint{{geometry::Polygon::make({corners.begin(), corners.end()}).value()}});
+}
+
+/// A tunnel, and a block on its roof that reaches from z = 8 up to 29.
+topology::CutInput tall_block() {
   topology::CutInput input{.domain = geometry::make_box({0, 0, 0}, {40, 40, 40}).value()};
   input.excavations.push_back(geometry::make_box({18, -1, 4}, {22, 41, 8}).value());
-  const auto square = [&](std::array<Vec3, 4> corners) {
-    input.joints.emplace_back(topology::Joint{{geometry::Polygon::make({corners.begin(), corners.end()}).value()}});
-  };
-  square({{{19, 19, 7}, {19, 21, 7}, {19, 21, 30}, {19, 19, 30}}});
-  square({{{21, 19, 7}, {21, 21, 7}, {21, 21, 30}, {21, 19, 30}}});
-  square({{{19, 19, 7}, {21, 19, 7}, {21, 19, 30}, {19, 19, 30}}});
-  square({{{19, 21, 7}, {21, 21, 7}, {21, 21, 30}, {19, 21, 30}}});
-  square({{{18, 18, 29}, {22, 18, 29}, {22, 22, 29}, {18, 22, 29}}});
+  add_square(input, {{{19, 19, 7}, {19, 21, 7}, {19, 21, 30}, {19, 19, 30}}});
+  add_square(input, {{{21, 19, 7}, {21, 21, 7}, {21, 21, 30}, {21, 19, 30}}});
+  add_square(input, {{{19, 19, 7}, {21, 19, 7}, {21, 19, 30}, {19, 19, 30}}});
+  add_square(input, {{{19, 21, 7}, {21, 21, 7}, {21, 21, 30}, {19, 21, 30}}});
+  add_square(input, {{{18, 18, 29}, {22, 18, 29}, {22, 22, 29}, {18, 22, 29}}});
+  return input;
+}
+
+// One block on the roof that reaches far up: a window that cuts through it must not call it stable, nor cut it short.
+TEST(NearFieldTest, FollowsATallBlock) {
+  topology::CutInput input = tall_block();
+  const auto square = [&](const std::array<Vec3, 4>& corners) { add_square(input, corners); };
   // Sheets elsewhere, which make a small window look good enough.
   for (int i = 0; i < 40; ++i) {
     const double z = 10 + 0.7 * i;
@@ -60,16 +68,8 @@ TEST(NearFieldTest, FollowsATallBlock) {
 // A block that hangs over the tunnel from far above, and a joint in it that is bent and ends inside it. In a window
 // that ends below, its two parts hold each other, by turns: each is above the other somewhere. They are one block.
 TEST(NearFieldTest, PartsOfOneBlockDoNotHoldEachOther) {
-  topology::CutInput input{.domain = geometry::make_box({0, 0, 0}, {40, 40, 40}).value()};
-  input.excavations.push_back(geometry::make_box({18, -1, 4}, {22, 41, 8}).value());
-  const auto square = [&](std::array<Vec3, 4> corners) {
-    input.joints.emplace_back(topology::Joint{{geometry::Polygon::make({corners.begin(), corners.end()}).value()}});
-  };
-  square({{{19, 19, 7}, {19, 21, 7}, {19, 21, 30}, {19, 19, 30}}});
-  square({{{21, 19, 7}, {21, 21, 7}, {21, 21, 30}, {21, 19, 30}}});
-  square({{{19, 19, 7}, {21, 19, 7}, {21, 19, 30}, {19, 19, 30}}});
-  square({{{19, 21, 7}, {21, 21, 7}, {21, 21, 30}, {19, 21, 30}}});
-  square({{{18, 18, 29}, {22, 18, 29}, {22, 22, 29}, {18, 22, 29}}});
+  topology::CutInput input = tall_block();
+  const auto square = [&](const std::array<Vec3, 4>& corners) { add_square(input, corners); };
   // The bent joint, through all of the block up to z = 28: a nose to the right at z = 9, upright from z = 10.
   input.joints.emplace_back(topology::Joint{{
       geometry::Polygon::make({{19.8, 18.5, 7}, {19.8, 21.5, 7}, {20.4, 21.5, 9}, {20.4, 18.5, 9}}).value(),
