@@ -52,6 +52,9 @@ struct Tried {
   std::size_t iterations = 0;
 };
 
+/// Groups whose linear solves are dear.
+bool large(const ContactProblem& problem) { return problem.contacts() > 150; }
+
 Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, double tolerance, std::size_t most,
              std::vector<Vec2> start, std::span<const Vec2> centre = {}, double give_up = 1e300) {
   const MapEvaluator evaluator{problem, soft, centre};
@@ -101,7 +104,7 @@ Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, 
     // About a centre, what goes round in circles is helped by more weight on the centre, not by patience.
     rounds = map.squared < 0.9 * least ? 0 : rounds + 1;
     least = std::min(least, map.squared);
-    if (!centre.empty() && rounds >= 8) return tried;
+    if (!centre.empty() && large(problem) && rounds >= 8) return tried;
   }
   tried.converged = evaluator.residual(map, tried.p) <= std::max(tolerance, 1e-10);
   return tried;
@@ -240,7 +243,7 @@ Tried proximal(PatternSolver& linear, const ContactProblem& problem, std::vector
   double soft = cold ? 1.0 : std::clamp(1e3 * best, 1e-5, 1e-2);
   if (cold) {
     sweep(problem, soft, centre, 50, tried.p);
-  } else {
+  } else if (large(problem)) {
     tried = keep_states(linear, problem, soft);
   }
   std::size_t stale = 0;
@@ -318,7 +321,7 @@ class Cascade final {
 
   void run_all() {
     const bool warm = std::ranges::any_of(problem_.start, [](Vec2 v) { return v.x != 0 || v.y != 0; });
-    const bool large = problem_.contacts() > 150;
+    const bool large = dbem::large(problem_);
     // Linear solves of large groups are not spent on digits far below what is promised.
     const double target = large ? std::max(options_.target, 0.01 * options_.accept) : options_.target;
     const auto from_here = [&](std::vector<Vec2> start, std::size_t most) {
@@ -345,6 +348,7 @@ class Cascade final {
         Tried kept = keep_states(linear_, problem_);
         iterations_ += kept.iterations;
         if (take(newton(linear_, problem_, 0, target, most / 6, std::move(kept.p), {}, 1e4), Method::newton)) return;
+        if (!large && take(from_here(problem_.start, most / 6), Method::newton)) return;
       }
       if (warm && !large && shi()) return;
       if (!large && take(from_here({}, most / 2), Method::newton)) return;
