@@ -54,6 +54,11 @@ class BlockOperator final {
                                                                      const Material& material,
                                                                      const BlockOptions& options);
 
+  /// The operator of this body in the shape that `freedoms` give it: stiffness of the deformed outline, mass and bubbles
+  /// of the material as they were, inertia of the new places. Same nodes and elements.
+  [[nodiscard]] std::expected<BlockOperator, BlockError> deformed(const std::vector<double>& freedoms,
+                                                                  const BlockOptions& options) const;
+
   [[nodiscard]] const Mesh& mesh() const noexcept { return mesh_; }  ///< metres, in the body's frame
   [[nodiscard]] Vec2 centroid() const noexcept { return centroid_; }
   [[nodiscard]] double mass() const noexcept { return mass_; }        ///< kg/m
