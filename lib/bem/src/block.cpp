@@ -90,6 +90,7 @@ std::expected<BlockOperator, BlockError> BlockOperator::make(const std::vector<L
   if (!(off < 1e-5)) return std::unexpected(BlockError{BlockFailed{"mass and inertia", off}});
   block.stiffness_ = dense(stiffness);
   block.mass_matrix_ = dense(m.mass);
+  block.bubbles_ = m.bubbles;
   block.traction_of_ = dense(k.traction_of);
   return block;
 }
@@ -97,7 +98,8 @@ std::expected<BlockOperator, BlockError> BlockOperator::make(const std::vector<L
 std::expected<BlockOperator, BlockError> BlockOperator::deformed(const std::vector<double>& freedoms,
                                                                  const BlockOptions& options) const {
   BlockOperator out = *this;
-  for (std::size_t i = 0; i < mesh_.nodes.size(); ++i) out.mesh_.nodes[i].x += Vec2{freedoms[2 * i], freedoms[2 * i + 1]};
+  for (std::size_t i = 0; i < mesh_.nodes.size(); ++i)
+    out.mesh_.nodes[i].x += Vec2{freedoms[2 * i], freedoms[2 * i + 1]};
   for (Element& e : out.mesh_.elements) {
     const Vec2 start = out.mesh_.nodes[e.node[0]].x, end = out.mesh_.nodes[e.node[mesh_.per_element() - 1]].x;
     const Vec2 middle = mesh_.order == Order::quadratic ? out.mesh_.nodes[e.node[1]].x : 0.5 * (start + end);

@@ -31,7 +31,10 @@ struct GalerkinStiffness {
 struct BlockMass {
   Eigen::MatrixXd mass;  ///< boundary freedoms first
   Eigen::MatrixXd bubble_stiffness;
+  Bubbles bubbles;
 };
+/// Of a convex polygon without holes; none for other shapes. `degree`: polynomials below it.
+[[nodiscard]] Bubbles bubbles_of(const std::vector<Loop>& loops, Vec2 origin, std::size_t degree);
 [[nodiscard]] BlockMass block_mass(const Mesh& mesh, const std::vector<Loop>& loops, Vec2 origin,
                                    const Material& material, const Eigen::MatrixXd& traction_of,
                                    const BlockOptions& options);

@@ -114,6 +114,7 @@ std::expected<void, MotionError> FreeMotion::rebuild() {
   const auto u = since_build();
   Eigen::VectorXd w = Eigen::VectorXd::Zero(ix(u.size()));
   for (std::size_t k = 0; k < modes_.eigenvalues.size(); ++k) w += v_[3 + k] * view(modes_.shapes).col(ix(k));
+  for (InnerPoint& p : inner_) p.at += inner_state(*block_, p, u).displacement;
   if (!carried_) carried_.emplace(*block_);
   auto next = carried_->advance(*block_, u, setup_.rebuilding.build);
   if (!next) return std::unexpected(RebuildFailed{time(), next.error()});
@@ -336,6 +337,22 @@ Vec2 FreeMotion::momentum() const noexcept { return block_->mass() * Vec2{v_[0],
 
 double FreeMotion::angular_momentum() const noexcept {
   return block_->inertia() * v_[2] + cross(Vec2{q_[0], q_[1]}, momentum());
+}
+
+std::size_t FreeMotion::follow(Vec2 inside) {
+  CLEAVE_ASSERT(rebuilds_ == 0);
+  inner_.push_back({inside, inside});
+  return inner_.size() - 1;
+}
+
+InnerState FreeMotion::inner(std::size_t point) const {
+  const InnerPoint& p = inner_[point];
+  InnerState out = inner_state(*block_, p, since_build());
+  if (rebuilds_ > 0) {
+    out.displacement += p.at - p.reference;
+    out.stress = inner_state(*block_, p, strained()).stress;
+  }
+  return out;
 }
 
 }  // namespace cleave::bem

@@ -11,16 +11,15 @@ namespace cleave::bem {
 
 std::string describe(const MotionError& error) {
   return std::visit(
-      overloaded{[](const BadStep& e) { return fmt::format("the time step is {} s; it must be above 0", e.step_s); },
-                 [](const NotConverged& e) {
-                   return fmt::format(
-                       "the step at {:.6g} s did not converge (residual {:.1e}); use a shorter time step", e.time_s,
-                       e.residual);
-                 },
-                 [](const RebuildFailed& e) {
-                   return fmt::format("the body is too deformed at {:.6g} s to be rebuilt: {}", e.time_s,
-                                      describe(e.why));
-                 }},
+      overloaded{
+          [](const BadStep& e) { return fmt::format("the time step is {} s; it must be above 0", e.step_s); },
+          [](const NotConverged& e) {
+            return fmt::format("the step at {:.6g} s did not converge (residual {:.1e}); use a shorter time step",
+                               e.time_s, e.residual);
+          },
+          [](const RebuildFailed& e) {
+            return fmt::format("the body is too deformed at {:.6g} s to be rebuilt: {}", e.time_s, describe(e.why));
+          }},
       error);
 }
 
@@ -74,6 +73,7 @@ std::expected<void, MotionError> Vibration::rebuild() {
   const std::size_t n = block_->freedoms();
   const auto u = expanded(modes_, u_, n);
   const auto w = expanded(modes_, v_, n);
+  for (InnerPoint& p : inner_) p.at += inner_state(*block_, p, u).displacement;
   if (!carried_) carried_.emplace(*block_);
   auto next = carried_->advance(*block_, u, rule_.build);
   if (!next) return std::unexpected(RebuildFailed{time(), next.error()});
@@ -211,6 +211,22 @@ double Vibration::elastic_energy() const {
     e += 0.5 * s.stiffness * d * d;
   }
   return e + energy_of(*block_, carried_->strained());
+}
+
+std::size_t Vibration::follow(Vec2 inside) {
+  CLEAVE_ASSERT(rebuilds_ == 0);
+  inner_.push_back({inside, inside});
+  return inner_.size() - 1;
+}
+
+InnerState Vibration::inner(std::size_t point) const {
+  const InnerPoint& p = inner_[point];
+  InnerState out = inner_state(*block_, p, expanded(modes_, u_, block_->freedoms()));
+  if (rebuilds_ > 0) {
+    out.displacement += p.at - p.reference;
+    out.stress = inner_state(*block_, p, strained()).stress;
+  }
+  return out;
 }
 
 }  // namespace cleave::bem

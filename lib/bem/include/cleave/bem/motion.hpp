@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cleave/bem/block.hpp"
+#include "cleave/bem/inner_point.hpp"
 #include "cleave/bem/reshape.hpp"
 #include "cleave/bem/time_scheme.hpp"
 
@@ -69,6 +70,10 @@ class Vibration final {
   /// Newest operator, and the freedoms whose linear field on it carries the stress now.
   [[nodiscard]] const BlockOperator& block() const noexcept { return *block_; }
   [[nodiscard]] std::vector<double> strained() const;
+  /// Follows a point inside (first shape, body's frame: relative to the centroid) from now on; its number.
+  std::size_t follow(Vec2 inside);
+  /// Displacement since the start and stress of a followed point, both in the body's frame.
+  [[nodiscard]] InnerState inner(std::size_t point) const;
   [[nodiscard]] std::size_t rebuilds() const noexcept { return rebuilds_; }
   /// Largest `steepest` since a build.
   [[nodiscard]] double steepest_seen() const noexcept { return seen_; }
@@ -92,6 +97,7 @@ class Vibration final {
   std::vector<double> before_build_;  // freedoms up to the last build
   std::vector<double> internal_;      // modal forces of the stress carried
   std::vector<double> steep_;         // of each mode
+  std::vector<InnerPoint> inner_;
   double seen_ = 0;
   std::size_t rebuilds_ = 0, since_build_ = 0;
   Modes modes_;
@@ -151,6 +157,10 @@ class FreeMotion final {
   /// Newest operator, and the freedoms whose linear field on it carries the stress now.
   [[nodiscard]] const BlockOperator& block() const noexcept { return *block_; }
   [[nodiscard]] std::vector<double> strained() const;
+  /// Follows a point inside (first shape, body's frame: relative to the centroid) from now on; its number.
+  std::size_t follow(Vec2 inside);
+  /// Displacement since the start and stress of a followed point, both in the body's frame.
+  [[nodiscard]] InnerState inner(std::size_t point) const;
   [[nodiscard]] std::size_t rebuilds() const noexcept { return rebuilds_; }
   /// Largest `steepest` since a build.
   [[nodiscard]] double steepest_seen() const noexcept { return seen_; }
@@ -172,6 +182,7 @@ class FreeMotion final {
   std::vector<double> before_build_;  // freedoms up to the last build
   std::vector<double> internal_;      // modal forces of the stress carried
   std::vector<double> steep_;         // of each mode
+  std::vector<InnerPoint> inner_;
   double seen_ = 0;
   std::size_t rebuilds_ = 0;
   std::vector<double> q_, v_, a_, pin_force_, pull_;
