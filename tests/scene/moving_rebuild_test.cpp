@@ -130,6 +130,23 @@ TEST(InnerStress, StaticLimitOfAHeldBlockInTimeIsTheStaticScene) {
   }
 }
 
+TEST(SizesApart, AMillimetreBesideAKilometreInOneScene) {
+  // A cube of 1 mm beside one of 1 km, stretched alike: the same strain, at rest and in motion.
+  const auto body = [](const std::string& at, const std::string& to, const std::string& top) {
+    return "[[body]]\noutline = [[" + at + ", 0], [" + to + ", 0], [" + to + ", " + top + "], [" + at + ", " + top +
+           "]]\nelements = 2\nsupport = [{ side = 1, kind = \"roller\" }, { side = 4, kind = \"roller\" }]\nload = [{ "
+           "side = 3, traction = [0, 1e3] }]\n";
+  };
+  const std::string bodies = body("0", "0.001", "0.001") + body("1", "1001", "1000");
+  const std::string head = "[rock]\nyoung = 1e9\npoisson = 0.25\n[elastic]\nstress = false\n";
+  const BodiesResult still = moved(head + bodies);
+  EXPECT_NEAR(still.bodies[0].largest / 1e-3 / (still.bodies[1].largest / 1e3), 1, 1e-9);
+  const BodiesResult slow =
+      moved(head + "time = { end = 1e4, step = 100, scheme = \"backward_euler\", frames = 1 }\n" + bodies);
+  EXPECT_NEAR(slow.bodies[0].largest / still.bodies[0].largest, 1, 1e-4);
+  EXPECT_NEAR(slow.bodies[1].largest / still.bodies[1].largest, 1, 1e-4);
+}
+
 TEST(PlaneRock, AWrongConstantOfTheRockIsReportedOnce) {
   for (const std::string line : {"young = -1\npoisson = 0.2\n", "young = 1e9\npoisson = 0.7\n"}) {
     const auto scene =

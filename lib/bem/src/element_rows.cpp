@@ -39,6 +39,10 @@ double ellipse_on(const Poles& poles, double middle, double half) {
   return rho;
 }
 
+/// Points more than the ellipse's radius alone asks for. The factor in front of the error is what the integrand grows
+/// to on the ellipse: quadratic shape functions to rho^2 / 4 (which is one point), and close by the pole itself.
+constexpr double near_margin = 3, far_margin = 1.1, far_from = 5;
+
 constexpr int deepest = 48;
 
 void split(const Poles& poles, double a, double b, int depth, double log_tolerance, double extra,
@@ -63,15 +67,16 @@ Vec2 offset(const Element& e, double s0, double off) { return off * (e.c1 + (2 *
 Integrator::Integrator(const Mesh& mesh, Medium medium, double tolerance)
     : mesh_{&mesh}, medium_{medium}, log_tolerance_{std::log(1 / tolerance)} {
   for (std::size_t k = 0; k < orders.size(); ++k) {
-    const auto reach = [&](double extra) {
-      const double n = static_cast<double>(orders[k]) - 3 - extra;
+    const auto reach = [&](double margin) {
+      const double n = static_cast<double>(orders[k]) - margin;
       if (n <= 0) return 1e300;
       const double rho = std::exp(log_tolerance_ / (2 * n));
+      if (margin < near_margin && rho < far_from) return 1e300;
       const double z = 0.5 * (rho + 1 / rho);
       return z * z;
     };
-    reach_straight_[k] = reach(0);
-    reach_curved_[k] = reach(4);
+    reach_straight_[k] = std::min(reach(near_margin), reach(far_margin));
+    reach_curved_[k] = reach(near_margin + 4);
   }
   table_.reserve(mesh.elements.size() * table_size);
   for (const Element& e : mesh.elements) {
@@ -324,6 +329,14 @@ void Integrator::log_slopes(std::size_t element, Vec2 source, std::optional<doub
   thread_local std::vector<LocalPoint> rule;
   points_for(element, source, 1, rule);
   for (const LocalPoint& p : rule) add(p.s, p.w, e.at(p.s) - source);
+}
+
+std::size_t Integrator::points_of(std::size_t element, Vec2 source) const {
+  const Element& e = mesh_->elements[element];
+  if (const std::size_t k = order_at(e, source); k < orders.size()) return orders[k];
+  std::vector<LocalPoint> rule;
+  split(poles_of(e, source), -1, 1, 0, log_tolerance_, e.curved ? 4 : 0, rule);
+  return rule.size();
 }
 
 }  // namespace cleave::bem

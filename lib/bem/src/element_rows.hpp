@@ -43,6 +43,8 @@ class Integrator final {
   void points_for(std::size_t element, Vec2 source, double sharper, std::vector<LocalPoint>& out) const;
   /// Integral of [-ln r delta_ij + g_i g_j] dN_a/ds ds (the integrated-by-parts hypersingular kernel).
   void log_slopes(std::size_t element, Vec2 source, std::optional<double> own, std::array<Mat2, 3>& out) const;
+  /// Gauss points that `integrate` takes for a source off the element.
+  [[nodiscard]] std::size_t points_of(std::size_t element, Vec2 source) const;
   [[nodiscard]] const Mesh& mesh() const noexcept { return *mesh_; }
   [[nodiscard]] const Medium& medium() const noexcept { return medium_; }
 
@@ -52,8 +54,8 @@ class Integrator final {
     Vec2 n;    // outward normal times Jacobian and weight
     double w;  // Jacobian times weight
   };
-  static constexpr std::array<std::size_t, 8> orders{4, 6, 8, 10, 12, 14, 16, 20};
-  static constexpr std::size_t table_size = 90;  // sum of the orders
+  static constexpr std::array<std::size_t, 10> orders{3, 4, 5, 6, 8, 10, 12, 14, 16, 20};
+  static constexpr std::size_t table_size = 98;  // sum of the orders
 
   [[nodiscard]] std::size_t order_at(const Element& e, Vec2 source) const;  // index into orders, or its size
   void add_far(const Element& e, std::span<const TablePoint> points, std::span<const std::array<double, 3>> shapes,
@@ -66,8 +68,8 @@ class Integrator final {
   const Mesh* mesh_;
   Medium medium_;
   double log_tolerance_;                    // ln(1/tolerance)
-  std::array<double, 8> reach_straight_{};  // smallest |z|^2 at which orders[k] suffices, real-axis worst case
-  std::array<double, 8> reach_curved_{};
+  std::array<double, 10> reach_straight_{};  // smallest |z|^2 at which orders[k] suffices, real-axis worst case
+  std::array<double, 10> reach_curved_{};
   std::vector<TablePoint> table_;              // table_size an element
   std::vector<std::array<double, 3>> shapes_;  // of the table's points
 };
