@@ -1,5 +1,6 @@
 #include "element_rows.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -174,6 +175,57 @@ void Integrator::add_far(const Element& e, std::span<const TablePoint> points,
   static_cast<void>(e);
 }
 
+void Integrator::add_far(std::span<const TablePoint> points, std::span<const std::array<double, 3>> shapes,
+                         const std::array<Vec2, lanes>& sources, std::array<ElementIntegrals, lanes>& out) const {
+  using Lane = Eigen::Array<double, static_cast<int>(lanes), 1>;
+  const double nu = medium_.elastic.nu;
+  const double a = 1 - 2 * nu;
+  const double log_factor = -0.5 * (3 - 4 * nu);
+  const std::size_t per = mesh_->per_element();
+  Lane sx, sy;
+  for (std::size_t l = 0; l < lanes; ++l) {
+    sx(static_cast<Eigen::Index>(l)) = sources[l].x;
+    sy(static_cast<Eigen::Index>(l)) = sources[l].y;
+  }
+  std::array<std::array<Lane, 7>, 3> sum;
+  for (auto& node : sum) {
+    for (Lane& v : node) v.setZero();
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const TablePoint& p = points[k];
+    const Lane dx = p.x.x - sx, dy = p.x.y - sy;
+    const Lane r2 = dx * dx + dy * dy;
+    const Lane inv = r2.inverse();
+    const Lane log_term = log_factor * r2.log();
+    const Lane gxx = dx * dx * inv, gxy = dx * dy * inv, gyy = dy * dy * inv;
+    const Lane uxx = p.w * (log_term + gxx), uxy = p.w * gxy, uyy = p.w * (log_term + gyy);
+    const Lane dn = (dx * p.n.x + dy * p.n.y) * inv;
+    const Lane twist = a * inv * (dx * p.n.y - dy * p.n.x);
+    const Lane txx = dn * (a + 2 * gxx), both = 2 * dn * gxy, tyy = dn * (a + 2 * gyy);
+    const Lane txy = both - twist, tyx = both + twist;
+    for (std::size_t i = 0; i < per; ++i) {
+      const double n = shapes[k][i];
+      sum[i][0] += n * uxx;
+      sum[i][1] += n * uxy;
+      sum[i][2] += n * uyy;
+      sum[i][3] += n * txx;
+      sum[i][4] += n * txy;
+      sum[i][5] += n * tyx;
+      sum[i][6] += n * tyy;
+    }
+  }
+  const double cu = 1 / (8 * std::numbers::pi * medium_.elastic.mu * (1 - nu));
+  const double ct = -1 / (4 * std::numbers::pi * (1 - nu));
+  for (std::size_t l = 0; l < lanes; ++l) {
+    const auto at = static_cast<Eigen::Index>(l);
+    for (std::size_t i = 0; i < per; ++i) {
+      const auto& v = sum[i];
+      out[l].g[i] = {cu * v[0](at), cu * v[1](at), cu * v[1](at), cu * v[2](at)};
+      out[l].h[i] = {ct * v[3](at), ct * v[4](at), ct * v[5](at), ct * v[6](at)};
+    }
+  }
+}
+
 void Integrator::add_near(const Element& e, Vec2 source, ElementIntegrals& out) const {
   thread_local std::vector<LocalPoint> rule;
   thread_local std::vector<TablePoint> points;
@@ -301,6 +353,26 @@ void Integrator::integrate(std::size_t element, Vec2 source, std::optional<doubl
     add_near(e, source, out);
   }
   if (medium_.surface) add_surface(e, source, own, out);
+}
+
+void Integrator::integrate(std::size_t element, const std::array<Vec2, lanes>& sources,
+                           const std::array<std::optional<double>, lanes>& own,
+                           std::array<ElementIntegrals, lanes>& out) const {
+  std::size_t k = orders.size();
+  if (std::ranges::none_of(own, [](const auto& s) { return s.has_value(); })) {
+    k = 0;
+    for (const Vec2 source : sources) k = std::max(k, order_at(mesh_->elements[element], source));
+  }
+  if (k == orders.size()) {
+    for (std::size_t l = 0; l < lanes; ++l) integrate(element, sources[l], own[l], out[l]);
+    return;
+  }
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < k; ++i) first += orders[i];
+  add_far(std::span{table_}.subspan(element * table_size + first, orders[k]),
+          std::span{shapes_}.subspan(first, orders[k]), sources, out);
+  if (!medium_.surface) return;
+  for (std::size_t l = 0; l < lanes; ++l) add_surface(mesh_->elements[element], sources[l], own[l], out[l]);
 }
 
 void Integrator::log_slopes(std::size_t element, Vec2 source, std::optional<double> own,

@@ -39,6 +39,11 @@ class Integrator final {
 
   /// `own`: local coordinate of the source when it lies on the element.
   void integrate(std::size_t element, Vec2 source, std::optional<double> own, ElementIntegrals& out) const;
+  static constexpr std::size_t lanes = 4;
+  /// The same from several sources at once, side by side in vector registers where all are off the element and far
+  /// enough for a tabulated rule (that of the closest): twice as fast a point.
+  void integrate(std::size_t element, const std::array<Vec2, lanes>& sources,
+                 const std::array<std::optional<double>, lanes>& own, std::array<ElementIntegrals, lanes>& out) const;
   /// Rule on the element for any kernel of the source; `sharper` asks for a smaller error than the tolerance.
   void points_for(std::size_t element, Vec2 source, double sharper, std::vector<LocalPoint>& out) const;
   /// Integral of [-ln r delta_ij + g_i g_j] dN_a/ds ds (the integrated-by-parts hypersingular kernel).
@@ -60,6 +65,8 @@ class Integrator final {
   [[nodiscard]] std::size_t order_at(const Element& e, Vec2 source) const;  // index into orders, or its size
   void add_far(const Element& e, std::span<const TablePoint> points, std::span<const std::array<double, 3>> shapes,
                Vec2 source, ElementIntegrals& out) const;
+  void add_far(std::span<const TablePoint> points, std::span<const std::array<double, 3>> shapes,
+               const std::array<Vec2, lanes>& sources, std::array<ElementIntegrals, lanes>& out) const;
   void add_near(const Element& e, Vec2 source, ElementIntegrals& out) const;
   void own_straight(const Element& e, double s0, ElementIntegrals& out) const;
   void own_curved(const Element& e, double s0, ElementIntegrals& out) const;
@@ -67,7 +74,7 @@ class Integrator final {
 
   const Mesh* mesh_;
   Medium medium_;
-  double log_tolerance_;                    // ln(1/tolerance)
+  double log_tolerance_;                     // ln(1/tolerance)
   std::array<double, 10> reach_straight_{};  // smallest |z|^2 at which orders[k] suffices, real-axis worst case
   std::array<double, 10> reach_curved_{};
   std::vector<TablePoint> table_;              // table_size an element
