@@ -94,35 +94,28 @@ Integrator::Integrator(const Mesh& mesh, Medium medium, double tolerance)
   }
 }
 
-std::size_t Integrator::order_at(const Element& e, Vec2 source) const {
+std::size_t Integrator::order_by_distance(const Element& e, double distance2) const {
   // A lower bound of |z| for the poles: |c2||z|^2 + |c1||z| >= |c0 - y|. For a given |z| the ellipse is smallest when z
   // is real.
-  const double distance2 = dot(source - e.c0, source - e.c0);
   const double c1 = dot(e.c1, e.c1);
-  if (!e.curved) {
-    const double z2 = distance2 / c1;
-    for (std::size_t k = 0; k < orders.size(); ++k) {
-      if (z2 >= reach_straight_[k]) return k;
-    }
-    if (z2 > 9) return orders.size();
-    const double rho = ellipse_on(poles_of(e, source), 0, 1);
-    if (rho <= 1.0001) return orders.size();
-    const double need = std::ceil(log_tolerance_ / (2 * std::log(rho))) + 3;
-    for (std::size_t k = 0; k < orders.size(); ++k) {
-      if (static_cast<double>(orders[k]) >= need) return k;
-    }
-    return orders.size();
+  double z2 = distance2 / c1;
+  if (e.curved) {
+    const double l1 = std::sqrt(c1), l2 = norm(e.c2);
+    const double distance = std::sqrt(distance2);
+    const double z = 2 * distance / (l1 + std::sqrt(c1 + 4 * l2 * distance));
+    z2 = z * z;
   }
-  const double l1 = std::sqrt(c1);
-  const double l2 = norm(e.c2);
-  const double distance = std::sqrt(distance2);
-  const double z = 2 * distance / (l1 + std::sqrt(c1 + 4 * l2 * distance));
-  for (std::size_t k = 0; k < orders.size(); ++k) {
-    if (z * z >= reach_curved_[k]) return k;
-  }
+  const auto& reach = e.curved ? reach_curved_ : reach_straight_;
+  std::size_t k = 0;
+  while (k < orders.size() && z2 < reach[k]) ++k;
+  return k;
+}
+
+std::size_t Integrator::order_at(const Element& e, Vec2 source) const {
+  if (const std::size_t k = order_by_distance(e, dot(source - e.c0, source - e.c0)); k < orders.size()) return k;
   const double rho = ellipse_on(poles_of(e, source), 0, 1);
   if (rho <= 1.0001) return orders.size();
-  const double need = std::ceil(log_tolerance_ / (2 * std::log(rho))) + 7;
+  const double need = std::ceil(log_tolerance_ / (2 * std::log(rho))) + near_margin + (e.curved ? 4 : 0);
   for (std::size_t k = 0; k < orders.size(); ++k) {
     if (static_cast<double>(orders[k]) >= need) return k;
   }
@@ -360,8 +353,15 @@ void Integrator::integrate(std::size_t element, const std::array<Vec2, lanes>& s
                            std::array<ElementIntegrals, lanes>& out) const {
   std::size_t k = orders.size();
   if (std::ranges::none_of(own, [](const auto& s) { return s.has_value(); })) {
-    k = 0;
-    for (const Vec2 source : sources) k = std::max(k, order_at(mesh_->elements[element], source));
+    // The rule of the closest is good for all.
+    const Element& e = mesh_->elements[element];
+    double closest = 1e300;
+    for (const Vec2 source : sources) closest = std::min(closest, dot(source - e.c0, source - e.c0));
+    k = order_by_distance(e, closest);
+    if (k == orders.size()) {
+      k = 0;
+      for (const Vec2 source : sources) k = std::max(k, order_at(e, source));
+    }
   }
   if (k == orders.size()) {
     for (std::size_t l = 0; l < lanes; ++l) integrate(element, sources[l], own[l], out[l]);

@@ -62,7 +62,9 @@ class Integrator final {
   static constexpr std::array<std::size_t, 10> orders{3, 4, 5, 6, 8, 10, 12, 14, 16, 20};
   static constexpr std::size_t table_size = 98;  // sum of the orders
 
-  [[nodiscard]] std::size_t order_at(const Element& e, Vec2 source) const;  // index into orders, or its size
+  // Index into orders, or their size.
+  [[nodiscard]] std::size_t order_at(const Element& e, Vec2 source) const;
+  [[nodiscard]] std::size_t order_by_distance(const Element& e, double distance2) const;  // from the middle
   void add_far(const Element& e, std::span<const TablePoint> points, std::span<const std::array<double, 3>> shapes,
                Vec2 source, ElementIntegrals& out) const;
   void add_far(std::span<const TablePoint> points, std::span<const std::array<double, 3>> shapes,
