@@ -173,7 +173,8 @@ void write_maps(JsonWriter& json, const scene::SurveyScene& survey, const survey
   write_map(json, scene::map_figures(window, window.traces, window.border));
   json.key("simulated_maps");
   json.begin_array();
-  const auto maps = scene::simulated_figures(survey, result, w, window.traces.size() > 20'000 ? 1 : scene::simulated_maps);
+  const auto maps =
+      scene::simulated_figures(survey, result, w, window.traces.size() > 20'000 ? 1 : scene::simulated_maps);
   for (const scene::MapFigures& map : maps) write_map(json, map);
   json.end_array();
 }

@@ -94,7 +94,8 @@ std::string trace_map(const survey::WindowSurvey& window, const std::vector<surv
 /// The measured map and simulated ones as figures.
 std::string beside(const scene::SurveyScene& scene, const survey::SurveyResult& result, std::size_t w) {
   const survey::WindowSurvey& window = scene.input.windows[w];
-  const auto maps = scene::simulated_figures(scene, result, w, window.traces.size() > 20'000 ? 1 : scene::simulated_maps);
+  const auto maps =
+      scene::simulated_figures(scene, result, w, window.traces.size() > 20'000 ? 1 : scene::simulated_maps);
   if (maps.empty()) return {};
   const scene::MapFigures measured = scene::map_figures(window, window.traces, window.border);
   std::string out = "<table><thead><tr><th class=\"wide\">Map as a whole</th><th>Measured</th><th>Simulated, mean of " +
