@@ -325,7 +325,7 @@ void add_initial_stress(study::Study& study) {
     boundary.points.push_back(row("boundary", fmt::format("elements=16 integration={:.0e}", target),
                                   [&](Vec2 y) { return initial_stress_by_boundary(mesh, y, elastic, field, target); }));
   }
-  for (const std::size_t points : {2, 4, 8, 16}) {
+  for (const std::size_t points : std::vector<std::size_t>{2, 4, 8, 16}) {
     cells.points.push_back(row("cells", fmt::format("cells=16 points={}x{}", points, points),
                                [&](Vec2 y) { return initial_stress_by_cells(mesh, y, elastic, field, points); }));
   }
