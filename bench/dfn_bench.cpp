@@ -46,7 +46,7 @@ double area_of(const geometry::Polygon& polygon) {
   return norm(sum) / 2;
 }
 
-void draw(benchmark::State& state, const Shape& shape) {
+void draw(benchmark::State& state, const Shape& shape, bool polygons) {
   const JointSet set = set_of(shape);
   const double expected = expected_draws(set, box);
   std::uint64_t realization = 0, joints = 0;
@@ -54,11 +54,12 @@ void draw(benchmark::State& state, const Shape& shape) {
   for (auto _ : state) {
     auto drawn = sample(set, 0, box, 1, realization++);
     if (!drawn) return state.SkipWithError(describe(drawn.error()).c_str());
-    last = *std::move(drawn);
+    last = polygons ? with_polygons(*std::move(drawn)) : *std::move(drawn);
     joints += last.size();
   }
   // Centres in the box alone: area per volume there has no edge effect. Five standard errors of the sum of areas.
   double sum = 0, squares = 0;
+  last = with_polygons(std::move(last));
   for (const SampledJoint& joint : last) {
     const Vec3 c = joint.centre;
     if (c.x < 0 || c.y < 0 || c.z < 0 || c.x > 100 || c.y > 100 || c.z > 100) continue;
@@ -77,15 +78,27 @@ void draw(benchmark::State& state, const Shape& shape) {
   state.SetItemsProcessed(static_cast<std::int64_t>(joints));
 }
 
+/// Discs as they are drawn: centre, axes, diameter.
 void sample_discs(benchmark::State& state) {
-  draw(state, Disc{.size = lognormal(), .sides = static_cast<std::uint32_t>(state.range(0))});
+  draw(state, Disc{.size = lognormal(), .sides = static_cast<std::uint32_t>(state.range(0))}, false);
 }
 BENCHMARK(sample_discs)->Arg(16)->Arg(32)->Unit(benchmark::kMillisecond);
 
+/// And with their corners written out.
+void sample_disc_polygons(benchmark::State& state) {
+  draw(state, Disc{.size = lognormal(), .sides = static_cast<std::uint32_t>(state.range(0))}, true);
+}
+BENCHMARK(sample_disc_polygons)->Arg(16)->Arg(32)->Unit(benchmark::kMillisecond);
+
 void sample_rectangles(benchmark::State& state) {
-  draw(state, Rectangle{.size = lognormal(), .second = AspectRatio{2}});
+  draw(state, Rectangle{.size = lognormal(), .second = AspectRatio{2}}, false);
 }
 BENCHMARK(sample_rectangles)->Unit(benchmark::kMillisecond);
+
+void sample_rectangle_polygons(benchmark::State& state) {
+  draw(state, Rectangle{.size = lognormal(), .second = AspectRatio{2}}, true);
+}
+BENCHMARK(sample_rectangle_polygons)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace cleave::dfn

@@ -1,23 +1,14 @@
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "program.hpp"
+#include "survey_program.hpp"
 
 namespace cleave::cli::test {
 namespace {
 
 using nlohmann::json;
 
-class SurveyRowsTest : public ProgramTest {
- protected:
-  [[nodiscard]] json survey(const std::string& text) const {
-    write("d.toml", text);
-    const Ended run = cleave("survey d.toml -o out");
-    EXPECT_EQ(run.code, 0) << run.err;
-    return run.code == 0 ? json::parse(read("out/survey.json")) : json{};
-  }
-};
+using SurveyRowsTest = SurveyProgramTest;
 
 // A million rows, of orientations and of traces.
 TEST_F(SurveyRowsTest, AMillionOrientationsAndTraces) {

@@ -1,28 +1,12 @@
-#include <nlohmann/json.hpp>
-
-#include "program.hpp"
+#include "survey_program.hpp"
 
 namespace cleave::cli::test {
 namespace {
 
 using nlohmann::json;
 
-class SurveyTest : public ProgramTest {
+class SurveyTest : public SurveyProgramTest {
  protected:
-  [[nodiscard]] json survey(const std::string& text) const {
-    write("d.toml", text);
-    const Ended run = cleave("survey d.toml -o out");
-    EXPECT_EQ(run.code, 0) << run.err;
-    return run.code == 0 ? json::parse(read("out/survey.json")) : json{};
-  }
-  [[nodiscard]] std::string refusal(const std::string& text) const {
-    write("d.toml", text);
-    fs::remove_all(path("out"));
-    const Ended run = cleave("survey d.toml -o out");
-    EXPECT_EQ(run.code, 2) << run.out;
-    EXPECT_FALSE(exists("out"));
-    return run.err;
-  }
   static double estimate(const json& list, const std::string& name, const std::string& method) {
     for (const json& e : list) {
       if (e["name"] == name && e["method"] == method) return e["value"];

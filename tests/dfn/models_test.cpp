@@ -75,7 +75,7 @@ std::vector<SampledJoint> draws(const JointSet& set, std::size_t number, std::ui
                                 const DomainBox& domain = box) {
   auto joints = sample(set, number, domain, seed, realization, older);
   EXPECT_TRUE(joints.has_value());
-  return *std::move(joints);
+  return with_polygons(*std::move(joints));
 }
 Mit mit(double share, bool any_shape) {
   Mit model;

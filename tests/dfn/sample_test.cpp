@@ -31,10 +31,10 @@ JointSetSpec fisher_squares(double kappa, Intensity intensity) {
 }
 std::vector<SampledJoint> drawn(const JointSetSpec& spec, std::uint64_t seed = 1, std::uint64_t realization = 0,
                                 std::size_t set = 0, const DomainBox& domain = box) {
-  return sample(JointSet::make(spec).value(), set, domain, seed, realization).value();
+  return with_polygons(sample(JointSet::make(spec).value(), set, domain, seed, realization).value());
 }
 std::vector<SampledJoint> drawn_from(const JointSet& set, std::uint64_t seed, std::uint64_t realization) {
-  return sample(set, 0, box, seed, realization).value();
+  return with_polygons(sample(set, 0, box, seed, realization).value());
 }
 const Polygon& polygon(const SampledJoint& joint) { return std::get<Polygon>(joint.shape); }
 Vec3 face_vector(const Polygon& p) {
@@ -371,6 +371,37 @@ TEST(SampleTest, AJointDependsOnItsKeyAlone) {
   }
 }
 
+// Outlines are decided upon without their corners: what is kept must be what the corners would keep.
+TEST(SampleTest, RoundJointsComeAsOutlinesThatReachTheBox) {
+  JointSetSpec s = fisher_squares(3, P30{0.02});
+  s.shape = Ellipse{SizeLaw::constant(metres(12)), SizeLaw::constant(metres(5)), 5};
+  s.rotation = UniformRotation{Rotation::degrees(0), Rotation::degrees(180)};
+  const JointSet set = JointSet::make(s).value();
+  const auto outlines = sample(set, 0, box, 3, 0).value();
+  const auto polygons = with_polygons(outlines);
+  ASSERT_EQ(outlines.size(), polygons.size());
+  ASSERT_GT(outlines.size(), 200U);
+  std::size_t across_border = 0;
+  for (std::size_t i = 0; i < outlines.size(); ++i) {
+    const auto* outline = std::get_if<JointOutline>(&outlines[i].shape);
+    ASSERT_NE(outline, nullptr);
+    EXPECT_NEAR(norm(cross(outline->along, outline->across) - outlines[i].normal), 0, 1e-12);
+    Vec3 lo{1e9, 1e9, 1e9}, hi = -lo;
+    for (const Vec3 c : polygon(polygons[i]).corners()) {
+      lo = {std::min(lo.x, c.x), std::min(lo.y, c.y), std::min(lo.z, c.z)};
+      hi = {std::max(hi.x, c.x), std::max(hi.y, c.y), std::max(hi.z, c.z)};
+      const Vec3 off = c - outlines[i].centre;
+      EXPECT_NEAR(std::hypot(dot(off, outline->along) / outline->first, dot(off, outline->across) / outline->second), 1,
+                  1e-12);
+    }
+    EXPECT_TRUE(lo.x <= box.max.x && hi.x >= box.min.x && lo.y <= box.max.y && hi.y >= box.min.y && lo.z <= box.max.z &&
+                hi.z >= box.min.z);
+    const Vec3 c = outlines[i].centre;
+    across_border += c.x < box.min.x || c.x > box.max.x || c.y < box.min.y || c.y > box.max.y ? 1U : 0U;
+  }
+  EXPECT_GT(across_border, 30U);
+}
+
 TEST(SampleTest, WhatCannotBeDrawnIsATypedError) {
   const auto dense = sample(JointSet::make(fisher_squares(5, P32{1e9})).value(), 0, box, 1, 0);
   ASSERT_FALSE(dense.has_value());
@@ -381,6 +412,10 @@ TEST(SampleTest, WhatCannotBeDrawnIsATypedError) {
   const auto small = sample(JointSet::make(dust).value(), 0, box, 1, 0);
   ASSERT_FALSE(small.has_value());
   EXPECT_TRUE(std::holds_alternative<JointTooSmall>(small.error()));
+  dust.shape = Disc{SizeLaw::constant(metres(1e-18)), 16};
+  const auto speck = sample(JointSet::make(dust).value(), 0, box, 1, 0);
+  ASSERT_FALSE(speck.has_value());
+  EXPECT_TRUE(std::holds_alternative<JointTooSmall>(speck.error()));
   EXPECT_TRUE(drawn(fisher_squares(5, P32{0})).empty());
   EXPECT_TRUE(drawn(fisher_squares(5, Count{0})).empty());
 }

@@ -96,6 +96,28 @@ TEST(HtmlStability, EachKeyBlockTellsItsFacesItsForcesAndWhyItMoves) {
   EXPECT_EQ(count(faces, "opens"), 1U);  // the lid: the block moves straight down
 }
 
+// With gravity aslant the weight has to be drawn along it: drawn straight down, the difference stood there as a load
+// that nobody gave.
+TEST(HtmlStability, WeightIsDrawnAlongGravity) {
+  Tunnel t;
+  stability::Judgement& falling = t.analysis.judgements[0];
+  falling.direction = {0.6, 0, -0.8};
+  falling.driving = falling.weight;
+  falling.resistance = newtons(0);
+  falling.pressing.clear();
+  const auto drawing = [&] {
+    const std::string why = section(report_html(t.page), "why");
+    const std::string block = why.substr(why.find("<details id=\"why-3\""));
+    return block.substr(0, block.find("equal area"));
+  };
+  EXPECT_NE(drawing().find(">Q</text>"), std::string::npos);  // gravity straight down: something else pulls aside
+  t.page.gravity = {6, 0, -8};
+  const std::string along = drawing();
+  EXPECT_EQ(along.find(">Q</text>"), std::string::npos);
+  EXPECT_NE(along.find(">W</text>"), std::string::npos);
+  EXPECT_NE(along.find("M132,132L132,242\" stroke=\"#555\""), std::string::npos);  // down the page, full length
+}
+
 // A friction circle that touches the rim must not cross the net to the other side.
 TEST(HtmlStability, FrictionCirclesAreNotTornAtTheRim) {
   Tunnel t;

@@ -287,31 +287,5 @@ TEST(FitTest, BootstrapPValuesAreUniform) {
   EXPECT_NEAR(alarms, 0.1 * runs, 4.5 * std::sqrt(0.09 * runs));
 }
 
-TEST(SizeTest, DiscsByHand) {
-  EXPECT_NEAR(quarter_sine(1), 1, 1e-15);
-  EXPECT_NEAR(quarter_sine(2), pi / 4, 1e-15);
-  EXPECT_NEAR(quarter_sine(3), 2.0 / 3, 1e-15);
-  EXPECT_NEAR(quarter_sine(4), 3 * pi / 16, 1e-15);
-  const DiscLaw lognormal = disc_law(Family::lognormal, 3.403392, 18.082304).value();
-  EXPECT_NEAR(lognormal.mean, 3, 1e-5);
-  EXPECT_NEAR(lognormal.std, 2, 1e-5);
-  // Gamma 2.5, 1.2: mu_l and q from E D^2/E D = 1.2 * 3.5, E D^3/E D = 1.44 * 3.5 * 4.5.
-  const DiscLaw gamma = disc_law(Family::gamma, pi / 4 * 4.2, 1.44 * 3.5 * 4.5 / 1.5).value();
-  EXPECT_NEAR(gamma.mean, 3, 1e-12);
-  EXPECT_NEAR(gamma.std, 1.897367, 5e-7);
-  EXPECT_NEAR(disc_law(Family::exponential, 4.712389, 0)->mean, 3, 1e-6);
-  EXPECT_NEAR(third_moment({Family::exponential, 3, 3}), 381.703507, 5e-7);
-  EXPECT_FALSE(disc_law(Family::lognormal, 4, 10).has_value());  // traces too much alike for discs
-}
-
-TEST(SizeTest, EllipsesAndParallelogramsByHand) {
-  EXPECT_NEAR(ellipse_factor(2.5, 35 * pi / 180), 0.605538, 5e-7);
-  EXPECT_NEAR(pi / 4 * 4 * ellipse_factor(2.5, 35 * pi / 180), 1.902355, 5e-7);
-  const ParallelogramChords c = parallelogram_chords(2, 5, 70 * pi / 180, 30 * pi / 180);
-  EXPECT_NEAR(c.longest, 3.939231, 5e-7);
-  EXPECT_NEAR(c.share_longest, 0.141713, 5e-7);
-  EXPECT_NEAR(c.mean, 2.248735, 5e-7);
-}
-
 }  // namespace
 }  // namespace cleave::survey

@@ -31,8 +31,11 @@ std::string figures_of(const scene::SurveyScene& survey, const survey::SurveyRes
       text += fmt::format(", P32 {:.4g} [{:.4g}, {:.4g}] 1/m", *set.p32->value, set.p32->low, set.p32->high);
     }
     if (set.size)
-      text +=
-          fmt::format(", diameter {:.3g} +- {:.3g} m ({})", set.size->mean, set.size->std, name_of(set.size->family));
+      text += fmt::format(", {} {:.3g} +- {:.3g} m ({})",
+                          set.shape.shape == survey::JointShape::disc        ? "diameter"
+                          : set.shape.shape == survey::JointShape::rectangle ? "long side"
+                                                                             : "long axis",
+                          set.size->mean, set.size->std, name_of(set.size->family));
     text += "\n";
   }
   for (const survey::WindowResult& window : result.windows) {

@@ -13,6 +13,7 @@
 #include "cleave/core/rng.hpp"
 #include "models.hpp"
 #include "orientation.hpp"
+#include "outline.hpp"
 #include "poisson.hpp"
 #include "shape.hpp"
 
@@ -41,6 +42,11 @@ double volume(const DomainBox& box) {
   return s.x * s.y * s.z;
 }
 DomainBox grown(const DomainBox& box, double by) { return {box.min - Vec3{by, by, by}, box.max + Vec3{by, by, by}}; }
+
+bool meets(const DomainBox& box, Vec3 lo, Vec3 hi) {
+  return lo.x <= box.max.x && hi.x >= box.min.x && lo.y <= box.max.y && hi.y >= box.min.y && lo.z <= box.max.z &&
+         hi.z >= box.min.z;
+}
 
 /// Where centres are drawn, and their mean number (exact number for Count).
 struct Region {
@@ -76,9 +82,10 @@ class Sampler final {
         seed_{seed},
         realization_{realization},
         region_{region_of(set, domain)},
-        outline_{set.spec().shape},
-        two_draws_{outline_.two_draws()},
-        mean_{detail::mean_frame(set.spec().orientation)} {}
+        size_{set.spec().shape},
+        two_draws_{size_.two_draws()},
+        mean_{detail::mean_frame(set.spec().orientation)},
+        unit_{detail::unit_corners(size_.sides())} {}
 
   [[nodiscard]] std::expected<std::vector<SampledJoint>, SampleError> run();
 
@@ -90,19 +97,19 @@ class Sampler final {
   [[nodiscard]] Vec3 centre(std::uint32_t i) const;
   [[nodiscard]] double rotation(std::uint32_t i) const;
   [[nodiscard]] std::optional<SampledJoint> plane(std::uint32_t i) const;
-  /// False: nothing of it is in the domain's box.
-  [[nodiscard]] bool draw_corners(std::uint32_t i, const detail::Frame& frame, Vec3 centre);
+  [[nodiscard]] JointOutline outline(std::uint32_t i, const detail::Frame& frame) const;
+  /// Whether the box around the corners meets the domain's.
+  [[nodiscard]] bool corners_meet(const JointOutline& outline, Vec3 centre) const;
 
   const JointSet& set_;
   std::size_t number_;
   const DomainBox& domain_;
   std::uint64_t seed_, realization_;
   Region region_;
-  detail::OutlineDrawer outline_;
+  detail::SizeDrawer size_;
   bool two_draws_;
   detail::Frame mean_;
-  std::vector<detail::FlatPoint> flat_;
-  std::vector<Vec3> corners_;
+  std::vector<detail::FlatPoint> unit_;
 };
 
 std::uint32_t Sampler::count() const {
@@ -155,22 +162,22 @@ std::optional<SampledJoint> Sampler::plane(std::uint32_t i) const {
   return SampledJoint{InfinitePlane{through, normal}, through, normal, i};
 }
 
-bool Sampler::draw_corners(std::uint32_t i, const detail::Frame& frame, Vec3 centre) {
-  outline_.draw(stream(Draw::size, i).uniform(), two_draws_ ? stream(Draw::aspect, i).uniform() : 0.5, flat_);
+bool Sampler::corners_meet(const JointOutline& outline, Vec3 centre) const {
+  Vec3 lo{INFINITY, INFINITY, INFINITY}, hi = -lo;
+  for (const Vec3 q : detail::corners_of(outline, centre, unit_)) {
+    lo = {std::min(lo.x, q.x), std::min(lo.y, q.y), std::min(lo.z, q.z)};
+    hi = {std::max(hi.x, q.x), std::max(hi.y, q.y), std::max(hi.z, q.z)};
+  }
+  return meets(domain_, lo, hi);
+}
+
+JointOutline Sampler::outline(std::uint32_t i, const detail::Frame& frame) const {
   const double angle = rotation(i);
   const Vec3 up_dip = cross(frame.normal, frame.strike);
   const double c = std::cos(angle), s = std::sin(angle);
-  const Vec3 along = c * frame.strike + s * up_dip, across = c * up_dip - s * frame.strike;
-  corners_.clear();
-  Vec3 lo{INFINITY, INFINITY, INFINITY}, hi = -lo;
-  for (const detail::FlatPoint& p : flat_) {
-    const Vec3 q = centre + p.along * along + p.across * across;
-    lo = {std::min(lo.x, q.x), std::min(lo.y, q.y), std::min(lo.z, q.z)};
-    hi = {std::max(hi.x, q.x), std::max(hi.y, q.y), std::max(hi.z, q.z)};
-    corners_.push_back(q);
-  }
-  return lo.x <= domain_.max.x && hi.x >= domain_.min.x && lo.y <= domain_.max.y && hi.y >= domain_.min.y &&
-         lo.z <= domain_.max.z && hi.z >= domain_.min.z;
+  const detail::HalfAxes half =
+      size_.draw(stream(Draw::size, i).uniform(), two_draws_ ? stream(Draw::aspect, i).uniform() : 0.5);
+  return {c * frame.strike + s * up_dip, c * up_dip - s * frame.strike, half.first, half.second, size_.sides()};
 }
 
 std::expected<std::vector<SampledJoint>, SampleError> Sampler::run() {
@@ -178,17 +185,24 @@ std::expected<std::vector<SampledJoint>, SampleError> Sampler::run() {
   const std::uint32_t n = count();
   std::vector<SampledJoint> joints;
   joints.reserve(n);
+  const bool persistent = is_persistent(set_);
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (is_persistent(set_)) {
+    if (persistent) {
       if (auto joint = plane(i)) joints.push_back(std::move(*joint));
       continue;
     }
     const detail::Frame frame = draw_frame(set_.spec().orientation, mean_, stream(Draw::orientation, i));
     const Vec3 at = centre(i);
-    if (!draw_corners(i, frame, at)) continue;
-    auto polygon = Polygon::make(corners_);
-    if (!polygon) return std::unexpected(JointTooSmall{i, polygon.error()});
-    joints.push_back({*std::move(polygon), at, frame.normal, i});
+    SampledJoint joint{outline(i, frame), at, frame.normal, i};
+    const auto& drawn = std::get<JointOutline>(joint.shape);
+    const Vec3 half = (1 + 1e-9) * detail::half_extents(drawn);
+    if (!meets(domain_, at - half, at + half)) continue;
+    if (!detail::surely_valid(drawn, at)) {
+      auto polygon = Polygon::make(detail::corners_of(drawn, at, unit_));
+      if (!polygon) return std::unexpected(JointTooSmall{i, polygon.error()});
+    }
+    // Of those that may touch the box with their ellipse alone the corners decide.
+    if (meets(domain_, at, at) || corners_meet(drawn, at)) joints.push_back(std::move(joint));
   }
   return joints;
 }
@@ -212,6 +226,7 @@ std::expected<std::vector<SampledJoint>, SampleError> sample(const JointSet& set
   if (!joints) return joints;
   if (on_planes_model(set)) return detail::on_planes(set, *joints, older, domain, streams);
   if (const auto* enhanced = std::get_if<EnhancedBaecher>(&set.spec().model)) {
+    joints = with_polygons(*std::move(joints));
     detail::terminate(*joints, older, enhanced->probability, streams);
   }
   return joints;

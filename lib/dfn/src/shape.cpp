@@ -73,70 +73,41 @@ double reach(const Shape& shape) noexcept {
       shape);
 }
 
-OutlineDrawer::OutlineDrawer(const Shape& shape) : shape_{&shape} {
-  const auto regular = [&](std::uint32_t sides) {
-    for (std::uint32_t i = 0; i < sides; ++i) {
-      const double angle = 2 * pi * i / sides;
-      unit_.push_back({std::cos(angle), std::sin(angle)});
-    }
+SizeDrawer::SizeDrawer(const Shape& shape) : shape_{&shape} {
+  const auto round = [&](std::uint32_t sides) {
+    sides_ = sides;
+    stretch_ = same_area(sides);
   };
-  std::visit(overloaded{
-                 [](const Rectangle&) {},
-                 [](const Square&) {},
-                 [&](const Disc& s) {
-                   regular(s.sides);
-                   stretch_ = same_area(s.sides);
-                 },
-                 [&](const Ellipse& s) {
-                   regular(s.sides);
-                   stretch_ = same_area(s.sides);
-                 },
-                 [&](const RegularPolygon& s) { regular(s.sides); },
-                 [](Persistent) {},
-             },
-             shape);
+  if (const auto* disc = std::get_if<Disc>(shape_)) round(disc->sides);
+  if (const auto* ellipse = std::get_if<Ellipse>(shape_)) round(ellipse->sides);
+  if (const auto* polygon = std::get_if<RegularPolygon>(shape_)) sides_ = polygon->sides;
 }
 
-bool OutlineDrawer::two_draws() const noexcept {
+bool SizeDrawer::two_draws() const noexcept {
   const auto own = [](const SecondSize& second) { return !std::holds_alternative<AspectRatio>(second); };
   if (const auto* rectangle = std::get_if<Rectangle>(shape_)) return own(rectangle->second);
   if (const auto* ellipse = std::get_if<Ellipse>(shape_)) return own(ellipse->second);
   return false;
 }
 
-void OutlineDrawer::draw(double u, double v, std::vector<FlatPoint>& corners) const {
-  corners.clear();
-  const auto box = [&](double a, double b) { corners = {{-a, -b}, {a, -b}, {a, b}, {-a, b}}; };
-  const auto round = [&](double a, double b) {
-    corners.resize(unit_.size());
-    for (std::size_t i = 0; i < unit_.size(); ++i) {
-      corners[i] = {a * stretch_ * unit_[i].along, b * stretch_ * unit_[i].across};
-    }
+HalfAxes SizeDrawer::draw(double u, double v) const {
+  const auto equal = [&](const SizeLaw& size) {
+    const double half = size.quantile(u).si() / 2 * stretch_;
+    return HalfAxes{half, half};
   };
-  std::visit(overloaded{
-                 [&](const Rectangle& s) {
-                   const double a = s.size.quantile(u).si();
-                   box(a / 2, second_size(s.size, s.second, a, v) / 2);
-                 },
-                 [&](const Square& s) {
-                   const double a = s.size.quantile(u).si() / 2;
-                   box(a, a);
-                 },
-                 [&](const Disc& s) {
-                   const double r = s.size.quantile(u).si() / 2;
-                   round(r, r);
-                 },
-                 [&](const Ellipse& s) {
-                   const double a = s.size.quantile(u).si();
-                   round(a / 2, second_size(s.size, s.second, a, v) / 2);
-                 },
-                 [&](const RegularPolygon& s) {
-                   const double r = s.size.quantile(u).si() / 2;
-                   round(r, r);
-                 },
-                 [](Persistent) {},
-             },
-             *shape_);
+  const auto two = [&](const SizeLaw& size, const SecondSize& second) {
+    const double first = size.quantile(u).si();
+    return HalfAxes{first / 2 * stretch_, second_size(size, second, first, v) / 2 * stretch_};
+  };
+  return std::visit(overloaded{
+                        [&](const Rectangle& s) { return two(s.size, s.second); },
+                        [&](const Square& s) { return equal(s.size); },
+                        [&](const Disc& s) { return equal(s.size); },
+                        [&](const Ellipse& s) { return two(s.size, s.second); },
+                        [&](const RegularPolygon& s) { return equal(s.size); },
+                        [](Persistent) { return HalfAxes{0, 0}; },
+                    },
+                    *shape_);
 }
 
 }  // namespace cleave::dfn::detail

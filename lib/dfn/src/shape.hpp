@@ -1,6 +1,6 @@
 #pragma once
 
-#include <vector>
+#include <cstdint>
 
 #include "cleave/dfn/joint_set.hpp"
 
@@ -10,25 +10,27 @@ namespace cleave::dfn::detail {
 /// Largest distance of a corner from the centre.
 [[nodiscard]] double reach(const Shape& shape) noexcept;
 
-/// A corner in the joint's own axes (m): along the first side or axis, and across.
-struct FlatPoint {
-  double along, across;
+/// Half sides of a rectangle, or half axes of the ellipse through the corners of a round joint (m).
+struct HalfAxes {
+  double first, second;
 };
 
-/// Draws outlines of one shape; keeps the cosines of the regular polygon.
-class OutlineDrawer final {
+/// Draws the sizes of one shape.
+class SizeDrawer final {
  public:
-  explicit OutlineDrawer(const Shape& shape);
-  /// Corners counter-clockwise about the normal; u and v in (0, 1) for the first and the second size. Empty for
-  /// persistent joints.
-  void draw(double u, double v, std::vector<FlatPoint>& corners) const;
+  /// Precondition: not persistent, for `draw`.
+  explicit SizeDrawer(const Shape& shape);
+  /// Corners of a disc, ellipse or regular polygon; 0 for rectangles.
+  [[nodiscard]] std::uint32_t sides() const noexcept { return sides_; }
+  /// u and v in (0, 1) for the first and the second size.
+  [[nodiscard]] HalfAxes draw(double u, double v) const;
   /// Whether v decides anything.
   [[nodiscard]] bool two_draws() const noexcept;
 
  private:
   const Shape* shape_;
-  std::vector<FlatPoint> unit_;  // regular polygon of circumradius 1
-  double stretch_ = 1;           // that gives it the circle's area
+  std::uint32_t sides_ = 0;
+  double stretch_ = 1;  // that gives the polygon the circle's area
 };
 
 }  // namespace cleave::dfn::detail

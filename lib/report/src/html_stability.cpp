@@ -194,16 +194,18 @@ std::string face_table(const Page& page, const stability::Judgement& j) {
   return out + "</tbody></table>\n";
 }
 
-/// Forces in the vertical plane of the motion, to one scale: weight, reactions, resistance, driving force, and all
-/// other loads (water, quake, surcharge) summed up, from W + Q + sum N = T.
+/// Forces in the plane of gravity and of the motion, to one scale, gravity downwards on the page: weight, reactions,
+/// resistance, driving force, and all other loads (water, quake, surcharge) summed up, from W + Q + sum N = T.
 std::string force_arrows(const Page& page, const stability::Judgement& j) {
-  Vec3 h{j.direction.x, j.direction.y, 0};
-  h = norm(h) > 1e-9 ? geometry::normalized(h) : Vec3{1, 0, 0};
+  const Vec3 up = norm(page.gravity) > 0 ? geometry::normalized(-page.gravity) : Vec3{0, 0, 1};
+  Vec3 h = j.direction - dot(j.direction, up) * up;
+  if (!(norm(h) > 1e-9)) h = geometry::cross(up, std::abs(up.y) < 0.9 ? Vec3{0, 1, 0} : Vec3{1, 0, 0});
+  h = geometry::normalized(h);
   struct Arrow {
     Vec3 force;
     std::string colour, label;
   };
-  std::vector<Arrow> arrows{{{0, 0, -j.weight.si()}, "#555", "W"}};
+  std::vector<Arrow> arrows{{-j.weight.si() * up, "#555", "W"}};
   Vec3 other = j.driving.si() * j.direction - arrows.front().force;
   for (const stability::Pressing& p : j.pressing) {
     const topology::Face& face = page.complex->faces()[p.face];
@@ -222,7 +224,7 @@ std::string force_arrows(const Page& page, const stability::Judgement& j) {
   std::vector<std::pair<double, double>> placed;
   std::string out = "<svg viewBox=\"-6 -10 276 284\" role=\"img\" aria-label=\"Forces on the block\">";
   for (const Arrow& a : arrows) {
-    const double x = 110 * dot(a.force, h) / largest, y = -110 * a.force.z / largest;
+    const double x = 110 * dot(a.force, h) / largest, y = -110 * dot(a.force, up) / largest;
     const double length = std::hypot(x, y);
     if (length < 3) continue;
     const double ux = x / length, uy = y / length;
@@ -296,8 +298,8 @@ std::string why_section(const Page& page) {
   if (keys.empty()) return {};
   std::ranges::stable_sort(keys, {}, [](const stability::Judgement* j) { return j->batch.value_or(1'000'000); });
   std::string out =
-      "<section id=\"why\"><h2>Why they move</h2>\n<p class=\"small\">Click a block. Forces in the vertical plane of "
-      "motion: W weight, Q other loads (water, quake, loads on free faces), N reactions of the joints numbered, R "
+      "<section id=\"why\"><h2>Why they move</h2>\n<p class=\"small\">Click a block. Forces in the plane of gravity "
+      "and motion: W weight, Q other loads (water, quake, loads on free faces), N reactions of the joints numbered, R "
       "resistance, T driving force. Nets of the lower hemisphere: joints of the block blue, free surfaces dashed, "
       "poles "
       "of pressed joints and their friction circles orange, direction of motion a green cross.</p>\n";

@@ -10,23 +10,19 @@
 #include "cleave/report/text.hpp"
 #include "html_parts.hpp"
 #include "plot.hpp"
+#include "survey_windows.hpp"
 #include "svg.hpp"
 
 namespace cleave::report {
 namespace {
 
 using detail::Axis;
+using detail::estimate_text;
 using detail::fixed;
 using detail::Plot;
 using detail::PlotPoint;
 using geometry::Vec3;
 using survey::Estimate;
-constexpr double pi = std::numbers::pi;
-
-std::string range(const Estimate& e) {
-  if (!e.value) return "not estimable: " + escape_xml(e.note);
-  return display(*e.value) + " (" + display(e.low) + " … " + display(e.high) + ")";
-}
 
 /// Density of poles on the net as coloured cells, in multiples of uniform: Fisher kernels with kappa 100 (Diggle &
 /// Fisher 1985), about the 1 % counting circle.
@@ -54,67 +50,6 @@ std::string contours(const std::vector<Vec3>& normals, const std::vector<double>
     }
   }
   return out + "<circle class=\"net-rim\" r=\"100\"/><path class=\"net-tick\" d=\"M0,-100V-105\"/></svg>";
-}
-
-/// Half rose of trace azimuths, mirrored: area of a petal proportional to trace length.
-std::string rosette(const survey::WindowSurvey& window) {
-  constexpr std::size_t petals = 18;
-  std::array<double, petals> sums{};
-  const Vec3 y = cross(window.normal, window.x_axis);
-  for (const survey::SeenTrace& t : seen_through(window.window, window.traces, window.border)) {
-    const Vec3 d = t.direction.x * window.x_axis + t.direction.y * y;
-    double a = std::atan2(d.x, d.y);
-    if (a < 0) a += pi;
-    sums[std::min(static_cast<std::size_t>(a / pi * petals), petals - 1)] += t.length;
-  }
-  const double most = std::max(*std::ranges::max_element(sums), 1e-300);
-  std::string out = "<svg viewBox=\"-110 -110 220 220\" role=\"img\" aria-label=\"Rosette of trace directions\">";
-  for (std::size_t i = 0; i < petals; ++i) {
-    const double r = 100 * std::sqrt(sums[i] / most);
-    for (const double turn : {0.0, pi}) {
-      const double a = pi * static_cast<double>(i) / petals + turn, b = pi * static_cast<double>(i + 1) / petals + turn;
-      out += "<path fill=\"#D55E00\" fill-opacity=\".65\" d=\"M0,0L" + fixed(r * std::sin(a)) + ',' +
-             fixed(-r * std::cos(a)) + 'L' + fixed(r * std::sin(b)) + ',' + fixed(-r * std::cos(b)) + "Z\"/>";
-    }
-  }
-  return out + "<circle class=\"net-rim\" r=\"100\"/><path class=\"net-tick\" d=\"M0,-100V-105\"/></svg>";
-}
-
-std::string trace_map(const survey::WindowSurvey& window, const std::vector<survey::Polyline>& traces) {
-  double low_x = INFINITY, high_x = -INFINITY, low_y = INFINITY, high_y = -INFINITY;
-  const auto grow = [&](double x, double y) {
-    low_x = std::min(low_x, x);
-    high_x = std::max(high_x, x);
-    low_y = std::min(low_y, y);
-    high_y = std::max(high_y, y);
-  };
-  std::string outline;
-  if (const auto* circle = std::get_if<survey::CircleWindow>(&window.window)) {
-    grow(circle->centre.x - circle->radius, circle->centre.y - circle->radius);
-    grow(circle->centre.x + circle->radius, circle->centre.y + circle->radius);
-  } else {
-    for (const auto& p : std::get<survey::PolygonWindow>(window.window).corners) grow(p.x, p.y);
-  }
-  const double scale = 500 / std::max(high_x - low_x, high_y - low_y);
-  const auto at = [&](survey::MapPoint p) {
-    return fixed(10 + scale * (p.x - low_x)) + ',' + fixed(10 + scale * (high_y - p.y));
-  };
-  std::string out = "<svg viewBox=\"0 0 520 520\" role=\"img\" aria-label=\"Trace map\">";
-  if (const auto* polygon = std::get_if<survey::PolygonWindow>(&window.window)) {
-    for (const auto& p : polygon->corners) outline += (outline.empty() ? "M" : "L") + at(p);
-    out += "<path class=\"net-grid\" d=\"" + outline + "Z\"/>";
-  } else {
-    out += "<circle class=\"net-grid\" cx=\"260\" cy=\"260\" r=\"250\"/>";
-  }
-  const std::size_t stride = std::max<std::size_t>(1, traces.size() / 3000);
-  std::string path;
-  for (std::size_t i = 0; i < traces.size(); i += stride) {
-    const auto seen = seen_through(window.window, std::span{traces}.subspan(i, 1), window.border);
-    if (seen.empty()) continue;
-    bool first = true;
-    for (const auto& p : traces[i]) path += (std::exchange(first, false) ? "M" : "L") + at(p);
-  }
-  return out + "<path fill=\"none\" stroke=\"#0072B2\" stroke-width=\"1\" d=\"" + path + "\"/></svg>";
 }
 
 std::string length_histogram(const survey::SetResult& set) {
@@ -158,7 +93,7 @@ std::string sets_section(const survey::SurveyResult& result) {
       "<section id=\"sets\"><h2>Joint sets</h2>\n<div "
       "class=\"scroll\"><table><thead><tr><th>Set</th><th>Joints</th><th>Traces"
       "</th><th>Mean dip / dip direction</th><th>Concentration κ</th><th>P32 (1/m)</th><th>Mean trace "
-      "(m)</th><th>Diameter (m)</th></tr></thead><tbody>\n";
+      "(m)</th><th>Size (m)</th></tr></thead><tbody>\n";
   for (const survey::SetResult& set : result.sets) {
     const geometry::Attitude mean = geometry::attitude_of(set.orientation.mean);
     const bool known = set.joints > 0 || set.orientation_stated;
@@ -172,8 +107,8 @@ std::string sets_section(const survey::SurveyResult& result) {
                 ? display(set.orientation.kappa, 3) + " (" + display(set.orientation.kappa_low, 3) + " … " +
                       display(set.orientation.kappa_high, 3) + ")" + (set.orientation.fisher ? "" : ", not Fisher")
                 : "–") +
-           "</td><td>" + (set.p32 ? range(*set.p32) : "–") + "</td><td>" +
-           (set.mean_length ? range(*set.mean_length) : "–") + "</td><td>" +
+           "</td><td>" + (set.p32 ? estimate_text(*set.p32) : "–") + "</td><td>" +
+           (set.mean_length ? estimate_text(*set.mean_length) : "–") + "</td><td>" +
            (set.size ? std::string{name_of(set.size->family)} + " " + display(set.size->mean, 3) + " ± " +
                            display(set.size->std, 3)
                      : "–") +
@@ -220,48 +155,6 @@ std::string nets_section(const scene::SurveyScene& scene, const survey::SurveyRe
   return out + "</section>\n";
 }
 
-std::string windows_section(const scene::SurveyScene& scene, const survey::SurveyResult& result) {
-  std::string out;
-  for (std::size_t w = 0; w < scene.input.windows.size(); ++w) {
-    const survey::WindowSurvey& window = scene.input.windows[w];
-    const survey::WindowResult& figures = result.windows[w];
-    out += "<section><h2>Outcrop " + escape_xml(window.name) + "</h2>\n<div class=\"columns\"><figure>" +
-           trace_map(window, window.traces) + "<figcaption>Measured: " + display_count(figures.counts.traces()) +
-           " traces meet the window.</figcaption></figure>";
-    const auto simulated = simulated_traces(scene, result, w, 0);
-    std::optional<survey::WindowCounts> again;
-    survey::Nodes again_nodes;
-    if (simulated && !simulated->empty()) {
-      out += "<figure>" + trace_map(window, *simulated) +
-             "<figcaption>Simulated: one realization of the fitted sets.</figcaption></figure>";
-      again = count(window.window, seen_through(window.window, *simulated));
-      again_nodes = nodes(window.window, *simulated, 1e-6);
-    }
-    out += "<figure class=\"net\">" + rosette(window) +
-           "<figcaption>Directions of traces, by length.</figcaption></figure></div>\n<table><thead><tr><th "
-           "class=\"wide\">Figure</th><th class=\"wide\">Method</th><th>Measured "
-           "(interval)</th><th>Simulated</th></tr></thead><tbody>\n";
-    for (const Estimate& e : figures.estimates) {
-      std::string other = "–";
-      if (again) {
-        for (const auto estimate : {survey::p20, survey::p21, survey::mean_length, survey::mean_length_by_counts,
-                                    survey::p20_plain, survey::p21_by_crossings}) {
-          const Estimate s = estimate(*again, scene.input.confidence);
-          if (s.name == e.name && s.method == e.method && s.value) other = display(*s.value);
-        }
-      }
-      out += "<tr><td class=\"wide\">" + escape_xml(e.name) + (e.note.empty() ? "" : " (" + escape_xml(e.note) + ")") +
-             "</td><td class=\"wide\">" + escape_xml(e.method) + "</td><td>" + range(e) + "</td><td>" + other +
-             "</td></tr>\n";
-    }
-    out += "<tr><td class=\"wide\">Connections per trace</td><td class=\"wide\">2 (Y + X)/lines</td><td>" +
-           display(figures.nodes.connections, 3) + "</td><td>" +
-           (again ? display(again_nodes.connections, 3) : std::string{"–"}) + "</td></tr>\n";
-    out += "</tbody></table></section>\n";
-  }
-  return out;
-}
-
 }  // namespace
 
 std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyResult& result) {
@@ -279,7 +172,7 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
   out += "</section>\n";
   out += sets_section(result);
   out += nets_section(scene, result);
-  out += windows_section(scene, result);
+  out += detail::survey_windows(scene, result);
   std::string histograms;
   for (const survey::SetResult& set : result.sets) histograms += length_histogram(set);
   if (!histograms.empty()) {
@@ -291,7 +184,7 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
         "(1/m)</th><th>RQD, measured</th><th>RQD, from the frequency</th></tr></thead><tbody>\n";
     for (const survey::LineResult& line : result.lines) {
       out += "<tr><td>" + escape_xml(line.name) + "</td><td>" + display(line.length) + "</td><td>" +
-             range(line.frequency) + "</td><td>" + display(line.rqd_measured, 3) + "</td><td>" +
+             estimate_text(line.frequency) + "</td><td>" + display(line.rqd_measured, 3) + "</td><td>" +
              display(line.rqd_of_frequency, 3) + "</td></tr>\n";
     }
     out += "</tbody></table></section>\n";

@@ -43,6 +43,17 @@ void write_fit(JsonWriter& json, const survey::Fit& fit) {
   if (fit.p_value) json.member("p_value", *fit.p_value);
 }
 
+void write_size(JsonWriter& json, const survey::SizeOfJoints& law) {
+  json.member("law", survey::name_of(law.family));
+  json.member("mean", law.mean);
+  json.member("std", law.std);
+  if (law.family == survey::Family::power) {
+    json.member("exponent", law.exponent);
+    json.member("min", law.min);
+    json.member("max", law.max);
+  }
+}
+
 void write_set(JsonWriter& json, const survey::SetResult& set) {
   json.begin_object();
   json.member("name", set.name);
@@ -72,7 +83,7 @@ void write_set(JsonWriter& json, const survey::SetResult& set) {
   json.key("estimates");
   json.begin_array();
   for (const auto* e : {&set.p10_normal, &set.p20, &set.p21, &set.mean_length, &set.mean_length_counts, &set.p32_lines,
-                        &set.p32_windows, &set.p30}) {
+                        &set.p32_windows, &set.p30, &set.m2, &set.m3}) {
     if (*e) write_estimate(json, **e);
   }
   json.end_array();
@@ -87,11 +98,11 @@ void write_set(JsonWriter& json, const survey::SetResult& set) {
     write_fit(json, law.fit);
     write_interval(json, "mean", law.mean);
     write_interval(json, "std", law.std);
-    if (law.disc_mean) write_interval(json, "diameter_mean", *law.disc_mean);
-    if (law.disc_std) write_interval(json, "diameter_std", *law.disc_std);
-    if (law.discs) {
-      json.member("diameter_mean", law.discs->mean);
-      json.member("diameter_std", law.discs->std);
+    if (law.size_mean) write_interval(json, "size_mean", *law.size_mean);
+    if (law.size_std) write_interval(json, "size_std", *law.size_std);
+    if (law.sizes) {
+      json.member("size_mean", law.sizes->mean);
+      json.member("size_std", law.sizes->std);
     }
     json.end_object();
   }
@@ -101,15 +112,37 @@ void write_set(JsonWriter& json, const survey::SetResult& set) {
   for (const survey::Fit& fit : set.spacings) {
     json.begin_object();
     write_fit(json, fit);
+    const survey::ChiSquared chi = chi_squared(set.gaps, fit);
+    if (chi.bins >= 3) {
+      json.member("chi_squared", chi.statistic);
+      json.member("chi_squared_bins", chi.bins);
+      json.member("chi_squared_p_low", chi.p_low);
+      json.member("chi_squared_p_high", chi.p_high);
+    }
+    json.end_object();
+  }
+  json.end_array();
+  json.member("shape", survey::name_of(set.shape.shape));
+  if (set.shape.shape != survey::JointShape::disc) {
+    json.member("aspect", set.shape.aspect);
+    json.member("rotation", set.shape.rotation);
+  }
+  json.key("sizes");
+  json.begin_array();
+  for (const survey::FittedSize& size : set.sizes) {
+    json.begin_object();
+    write_size(json, size.law);
+    write_interval(json, "mean", size.mean);
+    write_interval(json, "std", size.std);
+    json.member("aic", size.aic);
+    json.member("method", size.method);
     json.end_object();
   }
   json.end_array();
   if (set.size) {
-    json.key("diameter");
+    json.key("size");
     json.begin_object();
-    json.member("law", survey::name_of(set.size->family));
-    json.member("mean", set.size->mean);
-    json.member("std", set.size->std);
+    write_size(json, *set.size);
     if (set.size_mean) write_interval(json, "mean", *set.size_mean);
     if (set.size_std) write_interval(json, "std", *set.size_std);
     json.end_object();
@@ -119,6 +152,31 @@ void write_set(JsonWriter& json, const survey::SetResult& set) {
   for (const std::string& note : set.notes) json.value(std::string_view{note});
   json.end_array();
   json.end_object();
+}
+
+void write_map(JsonWriter& json, const scene::MapFigures& map) {
+  json.begin_object();
+  json.member("traces", map.traces);
+  json.member("p20", map.p20);
+  json.member("p21", map.p21);
+  json.member("mean_length_m", map.mean_length);
+  json.member("connections_per_trace", map.connections);
+  json.member("direction", map.direction);
+  json.member("alignment", map.alignment);
+  json.end_object();
+}
+
+/// The measured map as a whole, and simulated ones of the fitted sets to lie beside it.
+void write_maps(JsonWriter& json, const scene::SurveyScene& survey, const survey::SurveyResult& result, std::size_t w) {
+  const survey::WindowSurvey& window = survey.input.windows[w];
+  json.key("map");
+  write_map(json, scene::map_figures(window, window.traces, window.border));
+  json.key("simulated_maps");
+  json.begin_array();
+  const auto maps =
+      scene::simulated_figures(survey, result, w, window.traces.size() > 20'000 ? 1 : scene::simulated_maps);
+  for (const scene::MapFigures& map : maps) write_map(json, map);
+  json.end_array();
 }
 
 }  // namespace
@@ -160,12 +218,22 @@ std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyRe
     write_estimate(json, line.frequency);
     json.member("rqd_measured", line.rqd_measured);
     json.member("rqd_of_frequency", line.rqd_of_frequency);
+    json.key("rqd");
+    json.begin_array();
+    write_estimate(json, line.rqd);
+    write_estimate(json, line.rqd_by_frequency);
+    json.end_array();
+    json.key("comparisons");
+    json.begin_array();
+    for (const Estimate& e : line.comparisons) write_estimate(json, e);
+    json.end_array();
     json.end_object();
   }
   json.end_array();
   json.key("windows");
   json.begin_array();
-  for (const survey::WindowResult& window : result.windows) {
+  for (std::size_t w = 0; w < result.windows.size(); ++w) {
+    const survey::WindowResult& window = result.windows[w];
     const survey::WindowCounts& c = window.counts;
     json.begin_object();
     json.member("name", window.name);
@@ -184,6 +252,7 @@ std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyRe
     json.member("nodes_abutting", window.nodes.abutting);
     json.member("nodes_crossing", window.nodes.crossing);
     json.member("connections_per_trace", window.nodes.connections);
+    write_maps(json, survey, result, w);
     json.end_object();
   }
   json.end_array();

@@ -202,7 +202,10 @@ Page page_of(const scene::RunResult& result) {
     page.joints.push_back({.normal = joint.normal, .set = joint.set.value()});
   }
   for (const scene::ExcavationInfo& excavation : result.excavations) page.excavations.push_back(excavation.name);
-  if (result.stability) page.loads = loads_of(result);
+  if (result.stability) {
+    page.loads = loads_of(result);
+    page.gravity = result.stability->gravity;
+  }
   page.complex = complex_of(result);
   page.analysis = analysis_of(result);
   page.support = result.support ? &*result.support : nullptr;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bounds.hpp"
+#include "cleave/core/assert.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
 #include "cleave/dfn/sample.hpp"
@@ -142,7 +143,7 @@ std::expected<SampledSets, std::vector<Problem>> sample_sets(const Scene& scene,
     }
     auto joints = dfn::sample(set.law, number, {box.min, box.max}, scene.seed, geometry, older);
     if (joints) {
-      sampled[number] = *std::move(joints);
+      sampled[number] = with_polygons(*std::move(joints));
     } else {
       problems.push_back(
           {scene.shown, set.line, fmt::format("joint_set[{}]", number + 1), describe(joints.error()), ""});
@@ -163,6 +164,7 @@ void add_random(const Scene& scene, std::uint64_t realization, std::size_t numbe
                             shape.polygons.push_back(std::move(polygon));
                             drawn.input.joints.emplace_back(std::move(shape));
                           },
+                          [](const dfn::JointOutline&) { CLEAVE_ASSERT(false); },  // `with_polygons` left none
                           [&](std::vector<geometry::Polygon>& polygons) {
                             drawn.input.joints.emplace_back(topology::Joint{std::move(polygons)});
                           },

@@ -12,6 +12,7 @@
 #include "cleave/scene/survey_file.hpp"
 #include "context.hpp"
 #include "file_input.hpp"
+#include "survey_rows.hpp"
 #include "survey_table.hpp"
 
 namespace cleave::scene {
@@ -22,89 +23,7 @@ using std::string_view;
 
 constexpr NumberRule trend_rule{0, false, 360, false, " degrees"};
 constexpr NumberRule plunge_rule{-90, false, 90, false, " degrees"};
-
-Vec3 line_of(const Context& context, double trend, double plunge) {
-  return geometry::line_vector({geometry::Trend::degrees(trend + context.north), geometry::Plunge::degrees(plunge)});
-}
-Vec3 normal_of(const Context& context, double dip, double direction) {
-  return geometry::upward_normal({Dip::degrees(dip), context.turned(direction)});
-}
-
-/// Degrees of a row within [0, high], or wrapped there when the survey allows it.
-std::optional<double> angle(Context& context, const LoadedFile& file, const SurveyTable::Row& row, string_view name,
-                            std::optional<double> value, double high, bool wrap) {
-  if (!value) return std::nullopt;
-  if (*value >= 0 && *value <= high) return value;
-  if (wrap) return high == 360 ? geometry::wrap_degrees(*value) : std::abs(std::remainder(*value, 180));
-  context.problems.error_in(file.shown, row.line, std::string{name},
-                            fmt::format("is {}, outside 0 to {} degrees", *value, high),
-                            "correct it, or write wrap = true");
-  return std::nullopt;
-}
-
-/// Tables may state an orientation twice, in two conventions; then both must say the same within a degree and a half.
-bool agree(Context& context, const LoadedFile& file, const SurveyTable::Row& row, string_view name, Vec3 one,
-           Vec3 other, string_view first, string_view second) {
-  constexpr double cosine = 0.99966;
-  if (std::abs(dot(one, other)) >= cosine) return true;
-  context.problems.error_in(file.shown, row.line, std::string{name},
-                            fmt::format("{} and {} of this row are not the same plane", first, second),
-                            "strike goes by the right-hand rule (dip direction - 90), trend and plunge are the pole's: "
-                            "correct the row, or remove the columns of one convention");
-  return false;
-}
-
-/// The normal that a row states: dip with dip direction or strike (right-hand rule), or the pole's trend and plunge.
-std::optional<Vec3> normal_of_row(Context& context, const LoadedFile& file, const SurveyTable& table,
-                                  const SurveyTable::Row& row, bool wrap) {
-  const auto value = [&](string_view name, double high) {
-    return angle(context, file, row, name, cell_number(context, file, table, row, name), high, wrap);
-  };
-  if (table.column("trend") && table.column("plunge")) {
-    const auto trend = value("trend", 360), plunge = value("plunge", 90);
-    if (!trend || !plunge) return std::nullopt;
-    const Vec3 pole = line_of(context, *trend, *plunge);
-    const Vec3 normal = pole.z < 0 ? -pole : pole;
-    if (table.column("dip") && table.column("dip_direction")) {
-      const auto dip = value("dip", 90), direction = value("dip_direction", 360);
-      if (dip && direction &&
-          !agree(context, file, row, "trend", normal, normal_of(context, *dip, *direction), "trend and plunge",
-                 "dip and dip_direction")) {
-        return std::nullopt;
-      }
-    }
-    return normal;
-  }
-  const auto dip = value("dip", 90);
-  auto direction = table.column("dip_direction") ? value("dip_direction", 360) : value("strike", 360);
-  if (!dip || !direction) return std::nullopt;
-  if (!table.column("dip_direction")) {
-    *direction = geometry::wrap_degrees(*direction + 90);
-  } else if (table.column("strike")) {
-    const auto strike = value("strike", 360);
-    // Of directions, not of planes: near level planes would always agree.
-    if (strike && std::abs(std::remainder(*strike + 90 - *direction, 360)) > 1.5) {
-      context.problems.error_in(
-          file.shown, row.line, "strike",
-          fmt::format("{} does not belong to dip_direction {} by the right-hand rule (dip direction "
-                      "- 90)",
-                      *strike, *direction),
-          "correct the row, or remove one of the two columns");
-      return std::nullopt;
-    }
-  }
-  return normal_of(context, *dip, *direction);
-}
-
-bool has_orientation(const SurveyTable& table) {
-  return (table.column("trend") && table.column("plunge")) ||
-         (table.column("dip") && (table.column("dip_direction") || table.column("strike")));
-}
-
-std::string set_of_row(const SurveyTable& table, const SurveyTable::Row& row, const std::string& otherwise) {
-  const auto at = table.column("set");
-  return at && *at < row.cells.size() && !row.cells[*at].empty() ? row.cells[*at] : otherwise;
-}
+constexpr NumberRule truncation_rule{0, false, 1e6, false, " m"};
 
 std::optional<std::vector<std::array<double, 2>>> pairs(const TableReader& table, string_view key) {
   const TomlEntry* entry = table.find(key);
@@ -206,7 +125,8 @@ class SurveyParser final {
       context_.problems.error_in(file->shown, 1, "columns", "lacks the column distance", "give metres along the line");
       return;
     }
-    const bool oriented = has_orientation(*data);
+    const bool oriented = has_orientation(*data), lengths = data->column("length").has_value();
+    line.truncation = table.number("truncation", truncation_rule).value_or(0);
     std::size_t wrong = 0;
     for (const SurveyTable::Row& row : data->rows) {
       const std::size_t before = context_.problems.errors();
@@ -220,10 +140,12 @@ class SurveyParser final {
         if (const auto normal = normal_of_row(context_, *file, *data, row, wrap)) {
           line.joints.push_back(in_.orientations.size());
           line.positions.push_back(*at);
+          if (lengths) line.lengths.push_back(length_of(*file, *data, row));
           in_.orientations.push_back({*normal, set_of_row(*data, row, ""), direction_at(line, *at), std::nullopt});
         }
       } else if (at) {
         line.positions.push_back(*at);
+        if (lengths) line.lengths.push_back(length_of(*file, *data, row));
       }
       if (context_.problems.errors() != before && ++wrong >= 20) return;
     }
@@ -243,6 +165,7 @@ class SurveyParser final {
     const auto scale = table.number("scale", scale_rule);
     constexpr NumberRule border_rule{0, false, 1e6, false, " m"};
     window.border = table.number("border", border_rule).value_or(0);
+    window.truncation = table.number("truncation", border_rule).value_or(0);
     if (!table.has("traces")) table.missing("traces", "add traces = \"traces.geojson\" (or .csv, .txt)");
     const auto traces = map_of(table, "traces");
     if (!traces) return;
@@ -352,7 +275,32 @@ class SurveyParser final {
     rule.dip = table.number("dip", rule::dip);
     rule.dip_direction = table.number("dip_direction", rule::dip_direction);
     rule.kappa = table.number("kappa", kappa);
+    shape(table, rule.shape);
     in_.rules.push_back(std::move(rule));
+  }
+
+  static void shape(const TableReader& table, survey::ShapeRule& shape) {
+    constexpr NumberRule aspect_rule{1, false, 1000, false, ""};
+    const auto aspect = table.number("aspect", aspect_rule);
+    const auto rotation = table.number("rotation", rule::turn);
+    const auto name = table.text("shape");
+    if (name == "ellipse") {
+      shape.shape = survey::JointShape::ellipse;
+    } else if (name == "rectangle") {
+      shape.shape = survey::JointShape::rectangle;
+    } else if (name && name != "disc") {
+      table.error("shape", fmt::format("\"{}\" is not known", *name), "choose one of: disc, ellipse, rectangle");
+      return;
+    }
+    if (shape.shape == survey::JointShape::disc && (aspect || rotation)) {
+      table.error(aspect ? "aspect" : "rotation", "belongs to ellipses and rectangles", "add shape = \"ellipse\"");
+      return;
+    }
+    if (shape.shape != survey::JointShape::disc && !aspect) {
+      table.missing("aspect", "add aspect = long over short axis or side");
+    }
+    shape.aspect = aspect.value_or(1);
+    shape.rotation = rotation.value_or(0);
   }
 
   void finish(const TableReader& root) {
@@ -373,6 +321,23 @@ class SurveyParser final {
       position -= length;
     }
     return line.pieces.back().first;
+  }
+
+  /// Length of the trace that a row states, and how many of its ends were seen (column `ends`; none: both). No length:
+  /// 0.
+  survey::SeenLength length_of(const LoadedFile& file, const SurveyTable& table, const SurveyTable::Row& row) {
+    const auto length = cell_number(context_, file, table, row, "length");
+    const auto ends = cell_number(context_, file, table, row, "ends");
+    if (length && *length < 0) {
+      context_.problems.error_in(file.shown, row.line, "length", fmt::format("is {} m", *length),
+                                 "give the length that is seen, or leave it empty");
+    }
+    if (ends && *ends != 0 && *ends != 1 && *ends != 2) {
+      context_.problems.error_in(file.shown, row.line, "ends", fmt::format("is {}", *ends),
+                                 "give how many ends of the trace are seen: 0, 1 or 2");
+      return {};
+    }
+    return {length.value_or(0), static_cast<std::uint32_t>(ends.value_or(2))};
   }
 
   std::optional<io::TraceMap> map_of(const TableReader& table, string_view key) {
@@ -442,13 +407,14 @@ std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, 
   using Keys = std::vector<string_view>;
   each("orientations", Keys{"file", "set", "columns", "wrap", "line", "outcrop"},
        [&](const TableReader& t) { parser.orientations(t); });
-  const Keys line_keys{"name", "trend", "plunge", "length", "points", "file", "columns", "wrap"};
+  const Keys line_keys{"name", "trend", "plunge", "length", "points", "file", "columns", "wrap", "truncation"};
   each("scanline", line_keys, [&](const TableReader& t) { parser.line(t); });
   each("borehole", line_keys, [&](const TableReader& t) { parser.line(t); });
   each("window",
-       Keys{"name", "traces", "area", "circle", "rectangle", "polygon", "scale", "dip", "dip_direction", "border"},
+       Keys{"name", "traces", "area", "circle", "rectangle", "polygon", "scale", "dip", "dip_direction", "border",
+            "truncation"},
        [&](const TableReader& t) { parser.window(t); });
-  each("set", Keys{"name", "polygon", "azimuth", "dip", "dip_direction", "kappa"},
+  each("set", Keys{"name", "polygon", "azimuth", "dip", "dip_direction", "kappa", "shape", "aspect", "rotation"},
        [&](const TableReader& t) { parser.set(t); });
   parser.finish(root);
   if (problems.errors() != 0) return std::unexpected(std::move(problems).take_errors());

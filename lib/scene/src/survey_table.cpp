@@ -26,7 +26,7 @@ std::string lower(string_view text) {
 
 /// The names that other programs give to the same column.
 std::string canonical(string_view name) {
-  constexpr std::array<std::pair<string_view, string_view>, 12> aliases{{{"dipdir", "dip_direction"},
+  constexpr std::array<std::pair<string_view, string_view>, 15> aliases{{{"dipdir", "dip_direction"},
                                                                          {"dipdirection", "dip_direction"},
                                                                          {"dip_dir", "dip_direction"},
                                                                          {"dd", "dip_direction"},
@@ -37,7 +37,10 @@ std::string canonical(string_view name) {
                                                                          {"depth", "distance"},
                                                                          {"position", "distance"},
                                                                          {"chainage", "distance"},
-                                                                         {"joint_set", "set"}}};
+                                                                         {"joint_set", "set"},
+                                                                         {"trace_length", "length"},
+                                                                         {"persistence", "length"},
+                                                                         {"terminations", "ends"}}};
   const std::string word = lower(name);
   for (const auto& [alias, own] : aliases) {
     if (word == alias) return std::string{own};

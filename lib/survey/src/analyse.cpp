@@ -8,6 +8,7 @@
 
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/survey/line.hpp"
+#include "set_laws.hpp"
 
 namespace cleave::survey {
 
@@ -32,15 +33,6 @@ Vec3 direction_at(const LineSurvey& line, double position) {
   return line.pieces.back().first;
 }
 
-Estimate scaled(Estimate e, std::string name, double factor, std::string method) {
-  e.name = std::move(name);
-  if (e.value) *e.value *= factor;
-  e.low *= factor;
-  e.high *= factor;
-  e.method = std::move(method);
-  return e;
-}
-
 class Analysis final {
  public:
   explicit Analysis(const SurveyInput& input) : in_{input} {}
@@ -51,8 +43,10 @@ class Analysis final {
     for (std::size_t k = 0; k < out_.sets.size(); ++k) orient(k);
     assign_traces();
     for (std::size_t k = 0; k < out_.sets.size(); ++k) {
+      if (const SetRule* rule = rule_of(out_.sets[k])) out_.sets[k].shape = rule->shape;
       lines(k);
       windows(k);
+      line_lengths(k);
       choose(k);
     }
     whole();
@@ -215,6 +209,7 @@ class Analysis final {
 
   void lines(std::size_t k) {
     SetResult& set = out_.sets[k];
+    if (set.joints == 0) return;  // it has no mean
     std::size_t joints = 0;
     double normal_length = 0, area_length = 0;
     for (const LineSurvey& line : in_.lines) {
@@ -231,10 +226,10 @@ class Analysis final {
       for (const double gap : gaps_of(std::move(positions))) set.gaps.push_back(gap * cosine);
     }
     if (joints == 0 || !(area_length > 0)) return;
-    set.p10_normal = scaled(frequency(joints, normal_length, in_.confidence), "P10 along the mean normal", 1,
-                            "sum N / sum(L |n.l|), exact Poisson interval");
-    set.p32_lines = scaled(frequency(joints, area_length, in_.confidence), "P32", 1,
-                           "sum N / sum(L E|n.l|), exact Poisson interval");
+    set.p10_normal = detail::scaled(frequency(joints, normal_length, in_.confidence), "P10 along the mean normal", 1,
+                                    "sum N / sum(L |n.l|), exact Poisson interval");
+    set.p32_lines = detail::scaled(frequency(joints, area_length, in_.confidence), "P32", 1,
+                                   "sum N / sum(L E|n.l|), exact Poisson interval");
     for (const Family family : {Family::exponential, Family::lognormal, Family::gamma}) {
       if (auto fit = fit_complete(set.gaps, family, set.gaps.size() <= 500 ? 199 : 0, in_.seed)) {
         set.spacings.push_back(*std::move(fit));
@@ -243,11 +238,22 @@ class Analysis final {
     std::ranges::stable_sort(set.spacings, {}, &Fit::aic);
   }
 
+  /// From the strike to the set's traces in the joints' plane, degrees counter-clockwise seen from above.
+  static double trace_angle(const SetResult& set, const WindowSurvey& window) {
+    const Vec3 normal = set.orientation.mean, trace = cross(normal, window.normal);
+    const double steep = std::hypot(normal.x, normal.y);
+    if (norm(trace) < 1e-9 || steep < 1e-9) return 0;
+    const Vec3 strike = Vec3{-normal.y, normal.x, 0} / steep;
+    return std::atan2(dot(trace, cross(normal, strike)), dot(trace, strike)) * degrees;
+  }
+
   void windows(std::size_t k) {
     SetResult& set = out_.sets[k];
     std::vector<WindowCounts> counts;
     std::vector<SeenLength> lengths;
-    double sine_area = 0, area = 0;
+    double sine_area = 0, area = 0, truncation = 0;
+    Chords sum{0, 0, shape_area(set.shape), 0};
+    const bool oriented = set.joints > 0 || set.orientation_stated;
     for (std::size_t w = 0; w < in_.windows.size(); ++w) {
       std::vector<SeenTrace> own;
       for (std::size_t i = 0; i < seen_[w].size(); ++i) {
@@ -256,58 +262,81 @@ class Analysis final {
         lengths.push_back({seen_[w][i].length, std::min(seen_[w][i].ends, 2U)});
         set.seen_lengths.push_back(seen_[w][i].length);
       }
+      const auto traces = static_cast<double>(own.size());
+      const Chords chords = chords_of(set.shape, trace_angle(set, in_.windows[w]));
+      sum.first += traces * chords.first;
+      sum.second += traces * chords.second;
+      if (chords.disc) *sum.disc += traces * *chords.disc;
+      if (!own.empty()) truncation = std::max(truncation, in_.windows[w].truncation);
       counts.push_back(count(in_.windows[w].window, own));
       if (own.empty() && counts.back().width == 0) counts.back().width = width_across(in_.windows[w].window, {1, 0});
       const double a = counts.back().area;
-      sine_area += a * mean_plane_sine(set.orientation.mean, set.orientation.kappa, in_.windows[w].normal);
+      if (oriented) {
+        sine_area += a * mean_plane_sine(set.orientation.mean, set.orientation.kappa, in_.windows[w].normal);
+      }
       area += a;
     }
     set.traces = lengths.size();
     if (lengths.empty()) return;
+    const auto n = static_cast<double>(lengths.size());
+    set.chords = {sum.first / n, sum.second / n, sum.area, std::nullopt};
+    if (set.shape.shape != JointShape::rectangle) set.chords.disc = *sum.disc / n;
+    if (truncation > 0) {
+      set.notes.push_back(fmt::format(
+          "traces below {} m were not mapped: the laws of lengths and sizes allow for it; figures from counts and sums "
+          "are those of the longer ones",
+          truncation));
+    }
     const WindowCounts all = pooled(counts);
-    const double sine = set.joints > 0 || set.orientation_stated ? sine_area / area : 1;
+    const double sine = oriented ? sine_area / area : 1;
     set.p20 = p20(all, in_.confidence);
     set.p21 = p21(all, in_.confidence);
     set.mean_length = mean_length(all, in_.confidence);
     set.mean_length_counts = mean_length_by_counts(all, in_.confidence);
-    set.p32_windows = scaled(*set.p21, "P32", 1 / sine, fmt::format("P21 / E sin V, E sin V = {:.4f}", sine));
-    for (const Family family : {Family::exponential, Family::lognormal, Family::gamma, Family::power}) {
-      // Pooled windows of equal shape: area over width of the sums.
-      auto fit = fit_lengths(lengths, {all.area, all.width}, family);
-      if (!fit) continue;
-      auto discs = disc_law(family, fit->moment(1), fit->moment(2));
-      FittedLaw law{.fit = *std::move(fit), .discs = discs, .mean = {}, .std = {}, .disc_mean = {}, .disc_std = {}};
-      law.mean = estimate_of(law.fit, "mean length", [](const Fit& f) { return f.moment(1); }, in_.confidence);
-      law.std = estimate_of(law.fit, "standard deviation", [](const Fit& f) { return std_of(f); }, in_.confidence);
-      if (discs) {
-        law.disc_mean = disc_mean(law.fit, in_.confidence);
-        law.disc_std = disc_std(law.fit, in_.confidence);
-      }
-      set.lengths.push_back(std::move(law));
-    }
-    std::ranges::stable_sort(set.lengths, {}, [](const FittedLaw& l) { return l.fit.aic; });
-    if (set.lengths.size() > 1 && set.lengths[1].fit.aic - set.lengths[0].fit.aic < 2) {
-      set.notes.push_back(fmt::format("the laws of trace length {} and {} are undecided (AIC differs by {:.1f})",
-                                      name_of(set.lengths[0].fit.family), name_of(set.lengths[1].fit.family),
-                                      set.lengths[1].fit.aic - set.lengths[0].fit.aic));
-    }
-    for (const FittedLaw& law : set.lengths) {
-      if (!law.discs) continue;
-      set.size = law.discs;
-      set.size_mean = law.disc_mean;
-      set.size_std = law.disc_std;
-      break;
-    }
-    if (!set.size) {
-      set.notes.emplace_back(
-          "no law of discs has traces of these moments: joints are not discs, or traces are of more "
-          "than one set; the exponential law with the same mean trace is taken");
-      if (set.mean_length->value) set.size = disc_law(Family::exponential, *set.mean_length->value, 0);
-    }
+    set.p32_windows = detail::scaled(*set.p21, "P32", 1 / sine, fmt::format("P21 / E sin V, E sin V = {:.4f}", sine));
+    detail::fit_laws(set, lengths, {all.area, all.width, truncation}, set.mean_length->value, in_.confidence);
     if (set.size && set.p20->value) {
-      set.p30 = scaled(*set.p20, "P30", 1 / (set.size->mean * sine), "P20 / (E D E sin V)");
+      set.p30 = detail::scaled(*set.p20, "P30", 1 / (set.size->mean * set.chords.width() * sine),
+                               "P20 / (E[width across the traces] E sin V)");
     }
   }
+
+  /// Traces met by lines, where no window was mapped.
+  void line_lengths(std::size_t k) {
+    SetResult& set = out_.sets[k];
+    if (set.traces > 0) return;
+    std::vector<SeenLength> lengths;
+    double truncation = 0, sum = 0, ends = 0;
+    for (const LineSurvey& line : in_.lines) {
+      for (std::size_t i = 0; i < line.lengths.size(); ++i) {
+        if (!(line.lengths[i].length > 0)) continue;
+        const bool own = i < line.joints.size() ? out_.set_of[line.joints[i]] == k : out_.sets.size() == 1;
+        if (own) lengths.push_back(line.lengths[i]);
+      }
+      if (!line.lengths.empty()) truncation = std::max(truncation, line.truncation);
+    }
+    if (lengths.empty()) return;
+    for (const SeenLength& l : lengths) {
+      set.seen_lengths.push_back(l.length);
+      sum += l.length;
+      ends += l.ends;
+    }
+    set.traces_on_lines = lengths.size();
+    set.chords = chords_of(set.shape, 0);
+    if (set.shape.shape != JointShape::disc) {
+      set.notes.emplace_back("traces on lines are taken as on a level outcrop: along the strike");
+    }
+    // Seen from the line both parts of a trace are drawn alike: S/m is the mean of an exponential law.
+    detail::fit_laws(set, lengths, {0, 1, truncation}, ends > 0 ? std::optional{sum / ends} : std::nullopt,
+                     in_.confidence);
+    if (set.size && set.p32_lines && set.p32_lines->value) {
+      const double area = shape_area(set.shape) * size_moment(*set.size, 2);
+      set.p30 = detail::scaled(*set.p32_lines, "P30", 1 / area, "P32 / E area");
+    }
+  }
+
+  /// Area of the shape of size 1.
+  static double shape_area(const ShapeRule& shape) { return chords_of(shape, 0).area; }
 
   void choose(std::size_t k) {
     SetResult& set = out_.sets[k];
@@ -325,9 +354,20 @@ class Analysis final {
     for (const LineSurvey& line : in_.lines) {
       const double length = line.length();
       const auto gaps = gaps_of(line.positions);
-      LineResult result{line.name, length, frequency(line.positions.size(), length, in_.confidence),
-                        rqd_measured(gaps, length), 0};
+      LineResult result{line.name,
+                        length,
+                        frequency(line.positions.size(), length, in_.confidence),
+                        rqd_measured(gaps, length),
+                        0,
+                        rqd(gaps, length, in_.confidence),
+                        {},
+                        {}};
       result.rqd_of_frequency = rqd_of_frequency(result.frequency.value.value_or(0));
+      result.rqd_by_frequency = rqd(result.frequency);
+      if (gaps.size() > 1) {
+        result.comparisons = {frequency_from_gaps(gaps, length, in_.confidence),
+                              frequency_by_truncated_exponential(gaps, length)};
+      }
       out_.lines.push_back(std::move(result));
     }
     for (std::size_t w = 0; w < in_.windows.size(); ++w) {

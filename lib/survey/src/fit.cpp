@@ -9,55 +9,39 @@
 
 #include "cleave/core/rng.hpp"
 #include "cleave/core/special.hpp"
+#include "maximum_likelihood.hpp"
 
 namespace cleave::survey {
 namespace {
 
 constexpr double tiny = 1e-300;
 
-/// Minimum of f over two variables by the simplex method (Nelder & Mead 1965), restarted once.
-template <class F>
-std::array<double, 2> minimum(std::array<double, 2> start, F&& f) {
-  using Point = std::pair<double, std::array<double, 2>>;
-  for (int restart = 0; restart < 2; ++restart) {
-    std::array<Point, 3> s;
-    for (std::size_t i = 0; i < 3; ++i) {
-      std::array<double, 2> p = start;
-      if (i > 0) p[i - 1] += 0.3;
-      s[i] = {f(p), p};
-    }
-    const auto at = [&](const std::array<double, 2>& c, double t) {
-      const std::array<double, 2> p{c[0] + t * (s[2].second[0] - c[0]), c[1] + t * (s[2].second[1] - c[1])};
-      return Point{f(p), p};
-    };
-    for (int step = 0; step < 400; ++step) {
-      std::ranges::sort(s, {}, &Point::first);
-      if (std::abs(s[2].first - s[0].first) <= 1e-12 * (std::abs(s[0].first) + 1e-12)) break;
-      const std::array<double, 2> c{(s[0].second[0] + s[1].second[0]) / 2, (s[0].second[1] + s[1].second[1]) / 2};
-      const Point reflected = at(c, -1);
-      if (reflected.first < s[0].first) {
-        const Point further = at(c, -2);
-        s[2] = further.first < reflected.first ? further : reflected;
-      } else if (reflected.first < s[1].first) {
-        s[2] = reflected;
-      } else {
-        const Point inside = reflected.first < s[2].first ? at(c, -0.5) : at(c, 0.5);
-        if (inside.first < std::min(reflected.first, s[2].first)) {
-          s[2] = inside;
-        } else {
-          for (std::size_t i = 1; i < 3; ++i) {
-            auto& p = s[i].second;
-            p = {(p[0] + s[0].second[0]) / 2, (p[1] + s[0].second[1]) / 2};
-            s[i].first = f(p);
-          }
-        }
-      }
-    }
-    std::ranges::sort(s, {}, &Point::first);
-    start = s[0].second;
+double log_likelihood(const Fit& fit, std::span<const SeenLength> lengths, const Meeting& meeting) {
+  double sum = 0;
+  for (const SeenLength& l : lengths) {
+    const double v = l.ends == 2   ? fit.density(l.length)
+                     : l.ends == 1 ? 1 - fit.below(l.length)
+                                   : fit.mean_excess(l.length);
+    sum += std::log(std::max(v, tiny));
   }
-  return start;
+  const double met = meeting.chance(1 - fit.below(meeting.truncation), fit.mean_excess(meeting.truncation));
+  return sum - static_cast<double>(lengths.size()) * std::log(std::max(met, tiny));
 }
+
+double distance_of(std::vector<double> values, const Fit& fit) {
+  std::ranges::sort(values);
+  const auto n = static_cast<double>(values.size());
+  double d = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double f = fit.below(values[i]), k = static_cast<double>(i);
+    d = std::max({d, f - k / n, (k + 1) / n - f});
+  }
+  return d;
+}
+
+}  // namespace
+
+namespace detail {
 
 /// Parameters on the real line to a law.
 Fit law_at(Family family, const std::array<double, 2>& p, double min, double max) {
@@ -82,53 +66,17 @@ Fit law_at(Family family, const std::array<double, 2>& p, double min, double max
   return fit;
 }
 
-double log_likelihood(const Fit& fit, std::span<const SeenLength> lengths, const Meeting& meeting) {
-  double sum = 0;
-  for (const SeenLength& l : lengths) {
-    const double v = l.ends == 2   ? fit.density(l.length)
-                     : l.ends == 1 ? 1 - fit.below(l.length)
-                                   : fit.mean_excess(l.length);
-    sum += std::log(std::max(v, tiny));
+std::array<double, 2> start_of(Family family, double mean) {
+  switch (family) {
+    case Family::exponential: return {std::log(mean), 0.0};
+    case Family::lognormal: return {std::log(mean) - 0.3, std::log(0.8)};
+    case Family::gamma: return {0.3, std::log(mean) - 0.3};
+    case Family::power: return {0.5, 0.0};
   }
-  return sum -
-         static_cast<double>(lengths.size()) * std::log(std::max(meeting.area + meeting.width * fit.moment(1), tiny));
+  std::unreachable();
 }
 
-double distance_of(std::vector<double> values, const Fit& fit) {
-  std::ranges::sort(values);
-  const auto n = static_cast<double>(values.size());
-  double d = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double f = fit.below(values[i]), k = static_cast<double>(i);
-    d = std::max({d, f - k / n, (k + 1) / n - f});
-  }
-  return d;
-}
-
-/// One standard error along each column of the Cholesky factor of the inverse Hessian of `loss` at `p`.
-template <class Loss>
-std::vector<std::array<double, 2>> one_error_away(const std::array<double, 2>& p, std::size_t parameters, Loss&& loss) {
-  constexpr double h = 1e-3;
-  const auto at = [&](double du, double dv) { return loss({p[0] + du * h, p[1] + dv * h}); };
-  const double middle = at(0, 0);
-  const double uu = (at(1, 0) - 2 * middle + at(-1, 0)) / (h * h);
-  if (parameters == 1) {
-    if (!(uu > 0) || !std::isfinite(uu)) return {};
-    return {{p[0] + 1 / std::sqrt(uu), p[1]}};
-  }
-  const double vv = (at(0, 1) - 2 * middle + at(0, -1)) / (h * h);
-  const double uv = (at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1)) / (4 * h * h);
-  const double determinant = uu * vv - uv * uv;
-  if (!(uu > 0) || !(vv > 0) || !(determinant > 0) || !std::isfinite(determinant)) return {};
-  const double first = std::sqrt(vv / determinant);  // of the covariance [vv, -uv; -uv, uu]/determinant
-  const double across = -uv / determinant / first;
-  const double second = std::sqrt(std::max(0.0, uu / determinant - across * across));
-  return {{p[0] + first, p[1] + across}, {p[0], p[1] + second}};
-}
-
-int parameters(Family family) { return family == Family::exponential || family == Family::power ? 1 : 2; }
-
-}  // namespace
+}  // namespace detail
 
 std::string_view name_of(Family family) noexcept {
   switch (family) {
@@ -215,10 +163,17 @@ double Fit::mean_excess(double x) const {
   std::unreachable();
 }
 
-std::optional<Fit> fit_lengths(std::span<const SeenLength> lengths, const Meeting& meeting, Family family) {
+double Meeting::chance(double survival, double excess) const noexcept {
+  return area > 0 ? (area - width * truncation) * survival + width * excess : width * (excess + truncation * survival);
+}
+
+std::optional<Fit> fit_lengths(std::span<const SeenLength> all, const Meeting& meeting, Family family) {
+  std::vector<SeenLength> lengths;
+  for (const SeenLength& l : all) {
+    if (l.length > 0 && l.length >= meeting.truncation) lengths.push_back(l);
+  }
   double sum = 0, ended = 0, low = INFINITY, high = 0;
   for (const SeenLength& l : lengths) {
-    if (!(l.length > 0)) continue;
     sum += l.length;
     ended += l.ends;
     low = std::min(low, l.length);
@@ -227,27 +182,23 @@ std::optional<Fit> fit_lengths(std::span<const SeenLength> lengths, const Meetin
   if (!(ended > 0) || !(sum > 0)) return std::nullopt;
   if (family == Family::power && !(high > low)) return std::nullopt;
   const double mean = sum / (0.5 * ended);
-  const std::array<double, 2> start = family == Family::exponential ? std::array{std::log(mean), 0.0}
-                                      : family == Family::lognormal ? std::array{std::log(mean) - 0.3, std::log(0.8)}
-                                      : family == Family::gamma     ? std::array{0.3, std::log(mean) - 0.3}
-                                                                    : std::array{0.5, 0.0};
   const auto law = [&](std::array<double, 2> p) {
-    if (parameters(family) == 1) p[1] = 0;
-    return law_at(family, p, low * (1 - 1e-12), 10 * high);
+    if (detail::parameters(family) == 1) p[1] = 0;
+    return detail::law_at(family, p, low * (1 - 1e-12), 10 * high);
   };
   const auto loss = [&](const std::array<double, 2>& p) {
-    const double extra = parameters(family) == 1 ? p[1] * p[1] : 0;  // an unused variable is drawn to 0
+    const double extra = detail::parameters(family) == 1 ? p[1] * p[1] : 0;  // an unused variable is drawn to 0
     const double l = -log_likelihood(law(p), lengths, meeting) + extra;
     return std::isfinite(l) ? l : 1e300;
   };
-  const std::array<double, 2> best = minimum(start, loss);
+  const std::array<double, 2> best = detail::minimum(detail::start_of(family, mean), loss);
   Fit fit = law(best);
-  for (const auto& p : one_error_away(best, static_cast<std::size_t>(parameters(family)), loss)) {
+  for (const auto& p : detail::one_error_away(best, static_cast<std::size_t>(detail::parameters(family)), loss)) {
     const Fit moved = law(p);
     fit.moved.push_back({moved.a, moved.b});
   }
   fit.log_likelihood = log_likelihood(fit, lengths, meeting);
-  fit.aic = 2 * parameters(family) - 2 * fit.log_likelihood;
+  fit.aic = 2 * detail::parameters(family) - 2 * fit.log_likelihood;
   std::vector<double> complete;
   for (const SeenLength& l : lengths) {
     if (l.ends == 2) complete.push_back(l.length);
@@ -311,7 +262,7 @@ ChiSquared chi_squared(std::span<const double> values, const Fit& fit) {
   for (const double c : counts) result.statistic += (c - expected) * (c - expected) / expected;
   const double most = static_cast<double>(result.bins - 1);
   result.p_high = special::chi_squared_above(result.statistic, most);
-  result.p_low = special::chi_squared_above(result.statistic, std::max(1.0, most - parameters(fit.family)));
+  result.p_low = special::chi_squared_above(result.statistic, std::max(1.0, most - detail::parameters(fit.family)));
   return result;
 }
 

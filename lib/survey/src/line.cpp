@@ -84,6 +84,39 @@ double rqd_measured(std::span<const double> gaps, double length, double threshol
   return 100 * sum / length;
 }
 
+Estimate rqd(std::span<const double> gaps, double length, double confidence) {
+  constexpr double threshold = 0.1;
+  Estimate e{"RQD", {}, 0, 100, "pieces above 0.1 m / length, delta method", ""};
+  if (gaps.size() < 2) {
+    e.note = "fewer than two pieces";
+    return e;
+  }
+  double whole = 0, kept = 0, squares = 0;
+  for (const double g : gaps) {
+    whole += g;
+    kept += g > threshold ? g : 0;
+  }
+  const double share = whole > 0 ? kept / whole : 0;
+  for (const double g : gaps) {
+    const double off = (g > threshold ? g : 0) - share * g;
+    squares += off * off;
+  }
+  const double half = whole > 0 ? 100 * normal_quantile(0.5 + confidence / 2) * std::sqrt(squares) / whole : 100;
+  e.value = rqd_measured(gaps, length, threshold);
+  e.low = std::max(0.0, *e.value - half);
+  e.high = std::min(100.0, *e.value + half);
+  return e;
+}
+
+Estimate rqd(const Estimate& frequency) {
+  Estimate e{"RQD", {}, 0, 100, "100 (1 + 0.1 lambda) exp(-0.1 lambda), interval of lambda", ""};
+  if (!frequency.value) return e;
+  e.value = rqd_of_frequency(*frequency.value);
+  e.low = rqd_of_frequency(frequency.high);
+  e.high = rqd_of_frequency(frequency.low);
+  return e;
+}
+
 std::vector<double> gaps_of(std::vector<double> positions) {
   std::ranges::sort(positions);
   std::vector<double> gaps;

@@ -16,30 +16,94 @@ double quarter_sine(int k) {
   return j;
 }
 
-DiscMoments disc_moments(double mean_length, double second_moment) noexcept {
-  return {4 * mean_length / pi, 1.5 * second_moment};
+std::string_view name_of(JointShape shape) noexcept {
+  switch (shape) {
+    case JointShape::disc: return "disc";
+    case JointShape::ellipse: return "ellipse";
+    case JointShape::rectangle: return "rectangle";
+  }
+  std::unreachable();
 }
 
-std::optional<DiscLaw> disc_law(Family family, double mean_length, double second_moment) {
-  const DiscMoments m = disc_moments(mean_length, second_moment);
+Chords chords_of(const ShapeRule& shape, double trace) noexcept {
+  const double beta = (trace - shape.rotation) * pi / 180;
+  switch (shape.shape) {
+    case JointShape::disc: return {};
+    case JointShape::ellipse: {
+      const double m = ellipse_factor(shape.aspect, beta);
+      return {pi / 4 * m, 2.0 / 3 * m * m, pi / 4 / shape.aspect, m};
+    }
+    case JointShape::rectangle: {
+      // Towards one of the sides the chord along it alone is left; the formulas need an angle.
+      constexpr double least = 1e-9;
+      const double p = std::max(least, std::abs(std::remainder(beta, pi)));
+      const double q = std::max(least, pi / 2 - p);
+      const ParallelogramChords c = parallelogram_chords(1, 1 / shape.aspect, p, q);
+      const double second = c.longest * c.longest * (c.share_longest + (1 - c.share_longest) / 3);
+      return {c.mean, second, 1 / shape.aspect, std::nullopt};
+    }
+  }
+  std::unreachable();
+}
+
+SizeMoments size_moments(double mean_length, double second_moment, const Chords& chords) noexcept {
+  return {mean_length / chords.first, second_moment / chords.second};
+}
+
+std::optional<SizeOfJoints> size_law(Family family, double mean_length, double second_moment, const Chords& chords) {
+  const SizeMoments m = size_moments(mean_length, second_moment, chords);
   switch (family) {
-    case Family::exponential: return DiscLaw{family, m.m2 / 2, m.m2 / 2};
+    case Family::exponential: return SizeOfJoints{.family = family, .mean = m.m2 / 2, .std = m.m2 / 2};
     case Family::lognormal: {
       if (!(m.ratio() >= 1)) return std::nullopt;
       const double s2 = std::log(m.ratio()), mean = m.m2 * std::exp(-s2);
-      return DiscLaw{family, mean, mean * std::sqrt(std::expm1(s2))};
+      return SizeOfJoints{.family = family, .mean = mean, .std = mean * std::sqrt(std::expm1(s2))};
     }
     case Family::gamma: {
       if (!(m.ratio() > 1) || m.ratio() >= 2) return std::nullopt;
       const double shape = (2 - m.ratio()) / (m.ratio() - 1), scale = m.m2 / (shape + 1);
-      return DiscLaw{family, shape * scale, std::sqrt(shape) * scale};
+      return SizeOfJoints{.family = family, .mean = shape * scale, .std = std::sqrt(shape) * scale};
     }
     case Family::power: return std::nullopt;  // its limits are not to be had from two moments
   }
   std::unreachable();
 }
 
-double diameter_moment(const DiscLaw& law, int k) {
+std::optional<SizeOfJoints> power_size(double m2, double min, double max) {
+  if (!(min > 0) || !(max > min)) return std::nullopt;
+  const auto law = [&](double exponent) {
+    Fit fit;
+    fit.family = Family::power;
+    fit.a = exponent;
+    fit.min = min;
+    fit.max = max;
+    return fit;
+  };
+  // E L^2/E L falls with the exponent.
+  const auto mean = [&](double exponent) {
+    const Fit fit = law(exponent);
+    return fit.moment(2) / fit.moment(1);
+  };
+  double low = 0.02, high = 50;
+  if (!(mean(low) > m2) || !(mean(high) < m2)) return std::nullopt;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = (low + high) / 2;
+    (mean(middle) > m2 ? low : high) = middle;
+  }
+  return size_of(law(low));
+}
+
+SizeOfJoints size_of(const Fit& sizes) {
+  SizeOfJoints law{.family = sizes.family, .mean = sizes.moment(1), .std = std_of(sizes)};
+  if (sizes.family == Family::power) {
+    law.exponent = sizes.a;
+    law.min = sizes.min;
+    law.max = sizes.max;
+  }
+  return law;
+}
+
+double size_moment(const SizeOfJoints& law, int k) {
   const double cv2 = law.std * law.std / (law.mean * law.mean);
   switch (law.family) {
     case Family::exponential: return std::tgamma(k + 1.0) * std::pow(law.mean, k);
@@ -49,12 +113,19 @@ double diameter_moment(const DiscLaw& law, int k) {
       for (int i = 0; i < k; ++i) m *= law.mean * (1 + i * cv2);
       return m;
     }
-    case Family::power: break;
+    case Family::power: {
+      Fit fit;
+      fit.family = Family::power;
+      fit.a = law.exponent;
+      fit.min = law.min;
+      fit.max = law.max;
+      return fit.moment(k);
+    }
   }
-  return 0;
+  std::unreachable();
 }
 
-double third_moment(const DiscLaw& law) { return quarter_sine(4) * diameter_moment(law, 4) / diameter_moment(law, 1); }
+double third_moment(const SizeOfJoints& law) { return quarter_sine(4) * size_moment(law, 4) / size_moment(law, 1); }
 
 double ellipse_factor(double aspect, double beta) {
   const double c = std::cos(beta), s = aspect * std::sin(beta);
@@ -72,11 +143,12 @@ ParallelogramChords parallelogram_chords(double p, double q, double angle_p, dou
 
 namespace {
 
-Estimate of_discs(const Fit& lengths, std::string name, double DiscLaw::* figure, double confidence) {
+Estimate by_moments(const Fit& lengths, const Chords& chords, std::string name, double SizeOfJoints::* figure,
+                    double confidence) {
   return estimate_of(
       lengths, std::move(name),
-      [figure](const Fit& fit) -> std::optional<double> {
-        const auto law = disc_law(fit.family, fit.moment(1), fit.moment(2));
+      [&chords, figure](const Fit& fit) -> std::optional<double> {
+        const auto law = size_law(fit.family, fit.moment(1), fit.moment(2), chords);
         return law ? std::optional{(*law).*figure} : std::nullopt;
       },
       confidence);
@@ -84,11 +156,11 @@ Estimate of_discs(const Fit& lengths, std::string name, double DiscLaw::* figure
 
 }  // namespace
 
-Estimate disc_mean(const Fit& lengths, double confidence) {
-  return of_discs(lengths, "mean diameter", &DiscLaw::mean, confidence);
+Estimate size_mean_by_moments(const Fit& lengths, const Chords& chords, double confidence) {
+  return by_moments(lengths, chords, "mean size", &SizeOfJoints::mean, confidence);
 }
-Estimate disc_std(const Fit& lengths, double confidence) {
-  return of_discs(lengths, "standard deviation of the diameters", &DiscLaw::std, confidence);
+Estimate size_std_by_moments(const Fit& lengths, const Chords& chords, double confidence) {
+  return by_moments(lengths, chords, "standard deviation of the sizes", &SizeOfJoints::std, confidence);
 }
 
 }  // namespace cleave::survey

@@ -45,6 +45,7 @@ struct Page {
   std::vector<MaximumBlockRow> maximum_blocks;
   std::vector<stability::Sensitivity> sensitivity;  ///< of the first batch
   std::vector<double> tan_friction;                 ///< by joint number
+  geometry::Vec3 gravity{0, 0, -9.81};              ///< m/s2: which way weight is drawn
 };
 
 /// report.html: one file, nothing is ever loaded from elsewhere. Same page, same bytes.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <expected>
 #include <optional>
 #include <string>
@@ -39,5 +40,23 @@ struct SetsFile {
                                                                             const survey::SurveyResult& result,
                                                                             std::size_t window,
                                                                             std::uint64_t realization);
+
+/// What a trace map shows as a whole, to lay maps beside one another.
+struct MapFigures {
+  double traces = 0;       ///< that meet the window
+  double p20 = 0;          ///< 1/m2
+  double p21 = 0;          ///< 1/m
+  double mean_length = 0;  ///< m, corrected for the window
+  double connections = 0;  ///< per trace; 0 beyond 20,000 traces
+  double direction = 0;    ///< axial mean of the traces by length, degrees from north, [0, 180)
+  double alignment = 0;    ///< of the directions: 1 all parallel, 0 none preferred
+};
+[[nodiscard]] MapFigures map_figures(const survey::WindowSurvey& map, const std::vector<survey::Polyline>& traces,
+                                     double border);
+/// Of so many simulated maps (realizations 0, 1, ...); fewer when a network leaves no trace.
+[[nodiscard]] std::vector<MapFigures> simulated_figures(const SurveyScene& survey, const survey::SurveyResult& result,
+                                                        std::size_t window, std::uint64_t maps);
+/// 19 maps: a figure of the measured map lies outside all of them by chance once in ten.
+inline constexpr std::uint64_t simulated_maps = 19;
 
 }  // namespace cleave::scene

@@ -30,6 +30,9 @@ struct LineSurvey {
   std::vector<std::pair<geometry::Vec3, double>> pieces;  ///< unit direction, length (m)
   std::vector<double> positions;                          ///< along the line, m
   std::vector<std::size_t> joints;  ///< numbers in SurveyInput::orientations, or empty: positions only
+  std::vector<SeenLength>
+      lengths;            ///< of the traces met, one a position where any was measured (length 0: not this one)
+  double truncation = 0;  ///< m: shorter traces were not recorded
   [[nodiscard]] double length() const noexcept;
 };
 
@@ -39,7 +42,8 @@ struct WindowSurvey {
   geometry::Vec3 normal{0, 0, 1};  ///< of the window's plane
   geometry::Vec3 x_axis{1, 0, 0};  ///< of the map, in space
   std::vector<Polyline> traces;
-  double border = 0;  ///< m: ends so near to the window's border are taken as cut off by it
+  double border = 0;      ///< m: ends so near to the window's border are taken as cut off by it
+  double truncation = 0;  ///< m: shorter traces were not mapped
 };
 
 /// How joints are put into sets.
@@ -49,6 +53,7 @@ struct SetRule {
   std::optional<std::pair<double, double>> azimuth;  ///< of traces, degrees, when no orientations were measured
   std::optional<double> dip, dip_direction;          ///< stated, when they cannot be measured
   std::optional<double> kappa;
+  ShapeRule shape;
 };
 
 struct SurveyInput {
@@ -65,15 +70,24 @@ struct SurveyInput {
 
 struct FittedLaw {
   Fit fit;
-  std::optional<DiscLaw> discs;  ///< of the diameters, when a law of discs has these traces
-  Estimate mean, std;            ///< of the lengths
-  std::optional<Estimate> disc_mean, disc_std;
+  std::optional<SizeOfJoints> sizes;  ///< by moments, when a law of sizes has these traces
+  Estimate mean, std;                 ///< of the lengths
+  std::optional<Estimate> size_mean, size_std;
+};
+
+/// Of the joints, from the lengths as they were seen.
+struct FittedSize {
+  SizeOfJoints law;
+  Estimate mean, std;
+  double aic = 0;
+  std::string method;
 };
 
 struct SetResult {
   std::string name;
-  std::size_t joints = 0;  ///< with a measured orientation
-  std::size_t traces = 0;  ///< in windows
+  std::size_t joints = 0;           ///< with a measured orientation
+  std::size_t traces = 0;           ///< in windows
+  std::size_t traces_on_lines = 0;  ///< with a length
   FisherFit orientation;
   std::optional<BinghamFit> bingham;  ///< when Fisher's law is refused
   bool orientation_stated = false;    ///< dip not measured: stated by the rule
@@ -82,10 +96,14 @@ struct SetResult {
   std::optional<Estimate> p10_normal;  ///< joints per metre along the mean normal, from lines
   std::optional<Estimate> p20, p21, mean_length, mean_length_counts;
   std::optional<Estimate> p32_lines, p32_windows, p30;
-  std::optional<Estimate> p32;                  ///< the one that sets.toml takes
-  std::vector<FittedLaw> lengths;               ///< trace lengths, by AIC, best first
-  std::optional<DiscLaw> size;                  ///< taken
+  std::optional<Estimate> p32;     ///< the one that sets.toml takes
+  std::vector<FittedLaw> lengths;  ///< trace lengths, by AIC, best first
+  ShapeRule shape;
+  Chords chords;                                ///< of the shape along the set's traces, mean over the windows
+  std::vector<FittedSize> sizes;                ///< by AIC, best first
+  std::optional<SizeOfJoints> size;             ///< taken
   std::optional<Estimate> size_mean, size_std;  ///< of it, when it comes from a fitted law
+  std::optional<Estimate> m2, m3;               ///< E L^2/E L and E L^3/E L whatever the law (lengths: 2S/m; best fit)
   std::vector<Fit> spacings;                    ///< along the lines, by AIC
   std::vector<double> gaps, seen_lengths;
   std::vector<std::string> notes;
@@ -96,6 +114,8 @@ struct LineResult {
   double length = 0;
   Estimate frequency;
   double rqd_measured = 0, rqd_of_frequency = 0;
+  Estimate rqd, rqd_by_frequency;
+  std::vector<Estimate> comparisons;  ///< biased or needing less: for comparison only
 };
 
 struct WindowResult {

@@ -46,9 +46,14 @@ struct SeenLength {
 };
 
 /// How lengths were met. A window of area A whose width across the traces is b meets a trace of length l with
-/// probability proportional to A + b l; a line has A = 0, b = 1 (Laslett 1982).
+/// probability proportional to A + b l; a line has A = 0, b = 1 (Laslett 1982). Pieces that look shorter than
+/// `truncation` were not mapped (they are left out where they were): of a window, A - b l0 times the survival function
+/// plus b times the mean excess at l0 are left, up to terms in (l0/window)^2; of a line, whole traces above l0.
 struct Meeting {
   double area = 0, width = 1;
+  double truncation = 0;
+  /// To be met and mapped, from the survival function and the mean excess of the traces at `truncation`.
+  [[nodiscard]] double chance(double survival, double excess) const noexcept;
 };
 
 /// Maximum likelihood with censoring (Laslett 1982): densities, survival functions and their integrals for 2, 1, 0

@@ -22,6 +22,10 @@ namespace cleave::survey {
 /// Rock quality designation, %: 100 (1 + lambda t) e^-(lambda t) (Priest & Hudson 1976), and measured.
 [[nodiscard]] double rqd_of_frequency(double frequency, double threshold = 0.1);
 [[nodiscard]] double rqd_measured(std::span<const double> gaps, double length, double threshold = 0.1);
+/// Both with intervals: measured, as a ratio of sums over independent gaps (delta method); from the frequency, by its
+/// exact interval (RQD falls with it).
+[[nodiscard]] Estimate rqd(std::span<const double> gaps, double length, double confidence = 0.95);
+[[nodiscard]] Estimate rqd(const Estimate& frequency);
 
 /// Gaps between the sorted positions.
 [[nodiscard]] std::vector<double> gaps_of(std::vector<double> positions);

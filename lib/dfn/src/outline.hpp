@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cleave/dfn/sample.hpp"
+
+namespace cleave::dfn::detail {
+
+/// A corner in the joint's own axes (m): along the first side or axis, and across.
+struct FlatPoint {
+  double along, across;
+};
+/// Corners of the outline with both half axes 1, counter-clockwise about the normal.
+[[nodiscard]] std::vector<FlatPoint> unit_corners(std::uint32_t sides);
+/// `unit`: those of outline.sides.
+[[nodiscard]] std::vector<geometry::Vec3> corners_of(const JointOutline& outline, geometry::Vec3 centre,
+                                                     std::span<const FlatPoint> unit);
+
+/// Whether the corners are so far apart, against the rounding of coordinates, that they make a valid polygon for
+/// certain.
+[[nodiscard]] bool surely_valid(const JointOutline& outline, geometry::Vec3 centre) noexcept;
+/// Half the extents along the axes of the rectangle, or of the ellipse through the corners.
+[[nodiscard]] geometry::Vec3 half_extents(const JointOutline& outline) noexcept;
+
+}  // namespace cleave::dfn::detail

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "cleave/scene/survey_file.hpp"
+
+namespace cleave::report::detail {
+
+/// "value (low ... high)", or why there is none.
+[[nodiscard]] std::string estimate_text(const survey::Estimate& e);
+/// One section a window: measured and simulated maps side by side, rosettes, figures.
+[[nodiscard]] std::string survey_windows(const scene::SurveyScene& scene, const survey::SurveyResult& result);
+
+}  // namespace cleave::report::detail

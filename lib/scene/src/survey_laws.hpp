@@ -1,0 +1,12 @@
+#pragma once
+
+#include "cleave/survey/analyse.hpp"
+
+namespace cleave::scene {
+
+/// Sizes above this are cut off: a box is grown by the largest joint.
+[[nodiscard]] double largest_size(const survey::SetResult& set);
+/// Whether the set has all that a network needs but sizes.
+[[nodiscard]] bool usable(const survey::SetResult& set);
+
+}  // namespace cleave::scene

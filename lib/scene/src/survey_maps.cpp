@@ -1,0 +1,162 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "cleave/dfn/sample.hpp"
+#include "cleave/geometry/orientation.hpp"
+#include "cleave/scene/survey_file.hpp"
+#include "survey_laws.hpp"
+
+namespace cleave::scene {
+
+/// Sizes above ten means (or three times the longest trace) are cut off: a box is grown by the largest joint.
+double largest_size(const survey::SetResult& set) {
+  if (set.size->family == survey::Family::power) return set.size->max;
+  double longest = 0;
+  for (const double l : set.seen_lengths) longest = std::max(longest, l);
+  return std::max(10 * set.size->mean, 3 * longest / set.chords.disc.value_or(1));
+}
+
+bool usable(const survey::SetResult& set) {
+  return (set.joints > 0 || set.orientation_stated) && set.p32 && set.p32->value && *set.p32->value > 0;
+}
+
+namespace {
+
+constexpr std::size_t most_traces_of_nodes = 20000;
+
+dfn::SizeSpec size_spec(const survey::SetResult& set) {
+  dfn::SizeSpec spec{.distribution = dfn::SizeDistribution::exponential,
+                     .mean = metres(set.size->mean),
+                     .std = {},
+                     .exponent = {},
+                     .min = {},
+                     .max = metres(largest_size(set))};
+  switch (set.size->family) {
+    case survey::Family::exponential: break;
+    case survey::Family::lognormal:
+      spec.distribution = dfn::SizeDistribution::lognormal;
+      spec.std = metres(set.size->std);
+      break;
+    case survey::Family::gamma:
+      spec.distribution = dfn::SizeDistribution::gamma;
+      spec.std = metres(set.size->std);
+      break;
+    case survey::Family::power:
+      spec.distribution = dfn::SizeDistribution::power;
+      spec.mean.reset();
+      spec.exponent = set.size->exponent;
+      spec.min = metres(set.size->min);
+      break;
+  }
+  return spec;
+}
+
+dfn::Shape shape_of(const survey::SetResult& set, const dfn::SizeLaw& size) {
+  switch (set.shape.shape) {
+    case survey::JointShape::disc: return dfn::Disc{size, 32};
+    case survey::JointShape::ellipse: return dfn::Ellipse{size, dfn::AspectRatio{set.shape.aspect}, 32};
+    case survey::JointShape::rectangle: return dfn::Rectangle{size, dfn::AspectRatio{set.shape.aspect}};
+  }
+  std::unreachable();
+}
+
+}  // namespace
+
+std::optional<std::vector<survey::Polyline>> simulated_traces(const SurveyScene& survey,
+                                                              const survey::SurveyResult& result, std::size_t window,
+                                                              std::uint64_t realization) {
+  const survey::WindowSurvey& map = survey.input.windows[window];
+  const geometry::Vec3 y = cross(map.normal, map.x_axis);
+  // The box around the window, in space about the map's origin.
+  geometry::Vec3 lo{INFINITY, INFINITY, INFINITY}, hi = -lo;
+  const auto grow = [&](survey::MapPoint p) {
+    const geometry::Vec3 q = p.x * map.x_axis + p.y * y;
+    lo = {std::min(lo.x, q.x), std::min(lo.y, q.y), std::min(lo.z, q.z)};
+    hi = {std::max(hi.x, q.x), std::max(hi.y, q.y), std::max(hi.z, q.z)};
+  };
+  if (const auto* circle = std::get_if<survey::CircleWindow>(&map.window)) {
+    for (const double sx : {-1.0, 1.0}) {
+      for (const double sy : {-1.0, 1.0}) {
+        grow({circle->centre.x + sx * circle->radius, circle->centre.y + sy * circle->radius});
+      }
+    }
+  } else {
+    for (const survey::MapPoint p : std::get<survey::PolygonWindow>(map.window).corners) grow(p);
+  }
+  const double margin = 1e-3 * norm(hi - lo);
+  lo -= geometry::Vec3{margin, margin, margin};
+  hi += geometry::Vec3{margin, margin, margin};
+  std::vector<survey::Polyline> traces;
+  for (std::size_t k = 0; k < result.sets.size(); ++k) {
+    const survey::SetResult& set = result.sets[k];
+    if (!usable(set) || !set.size || set.traces == 0) continue;
+    const geometry::Attitude mean = geometry::attitude_of(set.orientation.mean);
+    const auto size = dfn::SizeLaw::make(size_spec(set));
+    if (!size) return std::nullopt;
+    dfn::OrientationLaw law = dfn::FisherOrientation{
+        mean.dip, mean.direction, std::isfinite(set.orientation.kappa) ? set.orientation.kappa : 1e9};
+    if (!set.orientation.fisher && !set.orientation_stated) {
+      law = dfn::BootstrapOrientation::make(set.normals, set.weights, 200);
+    }
+    auto joints = dfn::JointSet::make({std::move(law), shape_of(set, *size),
+                                       dfn::FixedRotation{dfn::Rotation::degrees(set.shape.rotation)},
+                                       dfn::P32{*set.p32->value}});
+    if (!joints) return std::nullopt;
+    auto sampled = dfn::sample(*joints, k, {lo, hi}, survey.input.seed, realization);
+    if (!sampled) return std::nullopt;
+    for (const dfn::SampledJoint& joint : with_polygons(*std::move(sampled))) {
+      const auto corners = std::get<geometry::Polygon>(joint.shape).corners();
+      survey::Polyline line;
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        const geometry::Vec3 p = corners[i], q = corners[(i + 1) % corners.size()];
+        const double a = dot(p, map.normal), b = dot(q, map.normal);
+        if ((a > 0) == (b > 0)) continue;
+        const geometry::Vec3 x = p + (a / (a - b)) * (q - p);
+        line.push_back({dot(x, map.x_axis), dot(x, y)});
+      }
+      if (line.size() == 2) traces.push_back(std::move(line));
+    }
+  }
+  return traces;
+}
+
+MapFigures map_figures(const survey::WindowSurvey& map, const std::vector<survey::Polyline>& traces, double border) {
+  const auto seen = seen_through(map.window, traces, border);
+  const survey::WindowCounts counts = count(map.window, seen);
+  MapFigures figures;
+  figures.traces = static_cast<double>(counts.traces());
+  figures.p20 = survey::p20(counts).value.value_or(0);
+  figures.p21 = survey::p21(counts).value.value_or(0);
+  figures.mean_length = survey::mean_length(counts).value.value_or(0);
+  if (seen.size() <= most_traces_of_nodes) {
+    figures.connections = nodes(map.window, traces, 1e-3 * figures.mean_length).connections;
+  }
+  const geometry::Vec3 y = cross(map.normal, map.x_axis);
+  double c = 0, s = 0, sum = 0;
+  for (const survey::SeenTrace& t : seen) {
+    const geometry::Vec3 d = t.direction.x * map.x_axis + t.direction.y * y;
+    const double twice = 2 * std::atan2(d.x, d.y);
+    c += t.length * std::cos(twice);
+    s += t.length * std::sin(twice);
+    sum += t.length;
+  }
+  const double azimuth = std::atan2(s, c) / 2 * 180 / std::numbers::pi;
+  figures.direction = azimuth < 0 ? azimuth + 180 : azimuth;
+  figures.alignment = sum > 0 ? std::hypot(c, s) / sum : 0;
+  return figures;
+}
+
+std::vector<MapFigures> simulated_figures(const SurveyScene& survey, const survey::SurveyResult& result,
+                                          std::size_t window, std::uint64_t maps) {
+  std::vector<MapFigures> figures;
+  for (std::uint64_t k = 0; k < maps; ++k) {
+    const auto traces = simulated_traces(survey, result, window, k);
+    if (!traces || traces->empty()) break;
+    figures.push_back(map_figures(survey.input.windows[window], *traces, 0));
+  }
+  return figures;
+}
+
+}  // namespace cleave::scene

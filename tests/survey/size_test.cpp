@@ -1,0 +1,178 @@
+#include "cleave/survey/size.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "cleave/core/rng.hpp"
+
+namespace cleave::survey {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+Fit law_of(Family family, double a, double b = 1) {
+  Fit fit;
+  fit.family = family;
+  fit.a = a;
+  fit.b = b;
+  return fit;
+}
+
+TEST(SizeTest, DiscsByHand) {
+  EXPECT_NEAR(quarter_sine(1), 1, 1e-15);
+  EXPECT_NEAR(quarter_sine(2), pi / 4, 1e-15);
+  EXPECT_NEAR(quarter_sine(3), 2.0 / 3, 1e-15);
+  EXPECT_NEAR(quarter_sine(4), 3 * pi / 16, 1e-15);
+  const SizeOfJoints lognormal = size_law(Family::lognormal, 3.403392, 18.082304).value();
+  EXPECT_NEAR(lognormal.mean, 3, 1e-5);
+  EXPECT_NEAR(lognormal.std, 2, 1e-5);
+  // Gamma 2.5, 1.2: mu_l and q from E D^2/E D = 1.2 * 3.5, E D^3/E D = 1.44 * 3.5 * 4.5.
+  const SizeOfJoints gamma = size_law(Family::gamma, pi / 4 * 4.2, 1.44 * 3.5 * 4.5 / 1.5).value();
+  EXPECT_NEAR(gamma.mean, 3, 1e-12);
+  EXPECT_NEAR(gamma.std, 1.897367, 5e-7);
+  EXPECT_NEAR(size_law(Family::exponential, 4.712389, 0)->mean, 3, 1e-6);
+  EXPECT_NEAR(third_moment({.family = Family::exponential, .mean = 3, .std = 3}), 381.703507, 5e-7);
+  EXPECT_FALSE(size_law(Family::lognormal, 4, 10).has_value());  // traces too much alike for discs
+}
+
+TEST(SizeTest, EllipsesAndParallelogramsByHand) {
+  EXPECT_NEAR(ellipse_factor(2.5, 35 * pi / 180), 0.605538, 5e-7);
+  EXPECT_NEAR(pi / 4 * 4 * ellipse_factor(2.5, 35 * pi / 180), 1.902355, 5e-7);
+  const ParallelogramChords c = parallelogram_chords(2, 5, 70 * pi / 180, 30 * pi / 180);
+  EXPECT_NEAR(c.longest, 3.939231, 5e-7);
+  EXPECT_NEAR(c.share_longest, 0.141713, 5e-7);
+  EXPECT_NEAR(c.mean, 2.248735, 5e-7);
+}
+
+// Chords of similar shapes in one direction: the parallelogram of the theory's example is not one of ours, so a
+// rectangle is met with lines spread evenly across it.
+TEST(SizeTest, ChordsOfEllipsesAndRectanglesByLines) {
+  for (const JointShape shape : {JointShape::ellipse, JointShape::rectangle}) {
+    for (const double trace : {0.0, 20.0, 50.0, 90.0, 140.0}) {
+      SCOPED_TRACE(trace);
+      const ShapeRule rule{shape, 2.5, 10};
+      const Chords chords = chords_of(rule, trace);
+      // Long axis along x; lines in direction (c, s), at offset u across.
+      const double beta = (trace - 10) * pi / 180, c = std::cos(beta), s = std::sin(beta);
+      double hits = 0, first = 0, second = 0;
+      constexpr int lines = 200'000;
+      constexpr double span = 2;  // offsets from -1 to 1
+      for (int i = 0; i < lines; ++i) {
+        const double u = -1 + span * (i + 0.5) / lines, x = -u * s, y = u * c;
+        double chord = 0;
+        if (shape == JointShape::ellipse) {
+          const double a = 0.5, b = 0.2, p = c * c / a / a + s * s / b / b, q = x * c / a / a + y * s / b / b;
+          const double d = q * q - p * (x * x / a / a + y * y / b / b - 1);
+          chord = d > 0 ? 2 * std::sqrt(d) / p : 0;
+        } else {
+          double low = -9, high = 9;
+          const auto within = [&](double at, double direction, double half) {
+            if (std::abs(direction) < 1e-12) {
+              if (std::abs(at) > half) high = low;
+              return;
+            }
+            const double t1 = (-half - at) / direction, t2 = (half - at) / direction;
+            low = std::max(low, std::min(t1, t2));
+            high = std::min(high, std::max(t1, t2));
+          };
+          within(x, c, 0.5);
+          within(y, s, 0.2);
+          chord = std::max(0.0, high - low);
+        }
+        hits += chord > 0 ? 1 : 0;
+        first += chord;
+        second += chord * chord;
+      }
+      EXPECT_NEAR(chords.first, first / hits, 1e-4);
+      EXPECT_NEAR(chords.second, second / hits, 1e-4);
+      EXPECT_NEAR(chords.width(), hits * span / lines, 1e-4);
+      EXPECT_EQ(chords.disc.has_value(), shape == JointShape::ellipse);
+    }
+  }
+}
+
+TEST(SizeTest, MomentsAreUndoneForEveryShape) {
+  for (const ShapeRule& rule :
+       {ShapeRule{}, ShapeRule{JointShape::ellipse, 3, 25}, ShapeRule{JointShape::rectangle, 2, 0}}) {
+    const Chords chords = chords_of(rule, 70);
+    for (const Family family : {Family::lognormal, Family::gamma}) {
+      const SizeOfJoints truth{.family = family, .mean = 3, .std = 1.5};
+      const double mean = chords.first * size_moment(truth, 2) / size_moment(truth, 1);
+      const double second = chords.second * size_moment(truth, 3) / size_moment(truth, 1);
+      const auto back = size_law(family, mean, second, chords);
+      ASSERT_TRUE(back.has_value());
+      EXPECT_NEAR(back->mean, 3, 1e-9);
+      EXPECT_NEAR(back->std, 1.5, 1e-9);
+    }
+  }
+  Fit power = law_of(Family::power, 1.7);
+  power.min = 0.5;
+  power.max = 20;
+  const auto back = power_size(power.moment(2) / power.moment(1), 0.5, 20);
+  ASSERT_TRUE(back.has_value());
+  EXPECT_NEAR(back->exponent, 1.7, 1e-9);
+  EXPECT_NEAR(back->mean, power.moment(1), 1e-9);
+  EXPECT_NEAR(size_moment(*back, 3), power.moment(3), 1e-7);
+  EXPECT_FALSE(power_size(30, 0.5, 20).has_value());
+}
+
+// Against Warburton's integrals: the moments of the traces are those of the diameters, and for the exponential law the
+// density is l K0(l/a)/a^2.
+TEST(SizeTest, TracesOfDiscsHaveTheirLaw) {
+  for (const Fit& law :
+       {law_of(Family::exponential, 2), law_of(Family::lognormal, 0.7, 0.6), law_of(Family::gamma, 2.5, 1.2)}) {
+    double whole = 0, first = 0, second = 0;
+    constexpr double step = 0.005, most = 80;
+    for (double l = step / 2; l < most; l += step) {
+      const double g = disc_trace_density(law, l) * step;
+      whole += g;
+      first += l * g;
+      second += l * l * g;
+    }
+    EXPECT_NEAR(whole, 1, 2e-4) << name_of(law.family);
+    EXPECT_NEAR(first, pi / 4 * law.moment(2) / law.moment(1), 1e-3 * first) << name_of(law.family);
+    EXPECT_NEAR(second, 2.0 / 3 * law.moment(3) / law.moment(1), 1e-3 * second) << name_of(law.family);
+    // Probability of more than 3.
+    double above = 0;
+    for (double l = 3 + step / 2; l < most; l += step) above += disc_trace_density(law, l) * step;
+    EXPECT_NEAR(disc_trace_above(law, 3), above, 1e-4) << name_of(law.family);
+  }
+  const Fit exponential = law_of(Family::exponential, 2);
+  for (const double l : {0.1, 1.0, 5.0}) {
+    EXPECT_NEAR(disc_trace_density(exponential, l), l * std::cyl_bessel_k(0, l / 2) / 4, 1e-9);
+    EXPECT_NEAR(disc_trace_above(exponential, l), l / 2 * std::cyl_bessel_k(1, l / 2), 1e-9);
+  }
+}
+
+// Whole traces of discs by the thousands: the likelihood finds the law, with every length looked up and (more than 400)
+// by the grid.
+TEST(SizeTest, LikelihoodOfTracesFindsTheDiameters) {
+  for (const std::size_t n : {400U, 4000U}) {
+    for (const Fit& truth :
+         {law_of(Family::exponential, 2), law_of(Family::lognormal, 0.7, 0.6), law_of(Family::gamma, 2.5, 1.2)}) {
+      Rng rng{5};
+      std::vector<SeenLength> lengths;
+      // A disc is met with a probability that rises with its diameter: drawn by rejection.
+      const double most = truth.quantile(1 - 1e-7);
+      while (lengths.size() < n) {
+        const double d = truth.quantile(rng.uniform());
+        if (rng.uniform() * most > d) continue;
+        const double u = rng.uniform();
+        lengths.push_back({d * std::sqrt(1 - u * u), 2});
+      }
+      const auto fit = fit_discs(lengths, {1, 0}, truth.family);
+      ASSERT_TRUE(fit.has_value());
+      const Estimate mean = estimate_of(*fit, "mean", [](const Fit& f) { return f.moment(1); }, 0.9999);
+      EXPECT_LT(mean.low, truth.moment(1)) << name_of(truth.family) << n;
+      EXPECT_GT(mean.high, truth.moment(1)) << name_of(truth.family) << n;
+      EXPECT_LT(mean.high / mean.low, n == 400 ? 3.5 : 1.5) << name_of(truth.family);
+    }
+  }
+  EXPECT_FALSE(fit_discs(std::vector<SeenLength>{{1, 0}}, {1, 0}, Family::gamma).has_value());
+}
+
+}  // namespace
+}  // namespace cleave::survey
