@@ -11,8 +11,11 @@
 #include <string>
 #include <vector>
 
+#include "bem_problems.hpp"
 #include "cleave/bem/drbem.hpp"
+#include "cleave/bem/initial_stress.hpp"
 #include "cleave/bem/motion.hpp"
+#include "cleave/bem/reshape.hpp"
 #include "cleave/bem/statics.hpp"
 #include "study.hpp"
 
@@ -20,67 +23,13 @@ namespace cleave {
 namespace {
 
 using namespace bem;
-using std::numbers::pi;
 
-constexpr double nu = 0.3;
-
-Material of_shear(double mu, double poisson, double density = 0) {
-  return Material::make(pascals(2 * mu * (1 + poisson)), poisson, kilograms_per_cubic_metre(density)).value();
-}
-
-struct Exact {
-  std::string name;
-  Problem problem;
-  std::function<Vec2(Vec2)> displacement;
-  std::size_t base_elements;  ///< of the coarsest mesh
-};
-
-Exact kirsch() {
-  Region region{.material = of_shear(1, nu), .loops = {circle({0, 0}, 1, true, 0, 8)}, .conditions = {free_surface()}};
-  Problem problem{.regions = {region}, .extent = Extent::plane};
-  problem.in_situ.stress = {1, 0, 0};
-  return {"kirsch", problem,
-          [](Vec2 x) {
-            const double kappa = 3 - 4 * nu;
-            const double r = norm(x);
-            const double t = std::atan2(x.y, x.x);
-            const double ur = 0.25 * (1 / r + ((kappa + 1) / r - 1 / (r * r * r)) * std::cos(2 * t));
-            const double ut = -0.25 * ((kappa - 1) / r + 1 / (r * r * r)) * std::sin(2 * t);
-            return Vec2{ur * std::cos(t) - ut * std::sin(t), ur * std::sin(t) + ut * std::cos(t)};
-          },
-          8};
-}
-
-Exact lame() {
-  const auto u = [](Vec2 x) {
-    const double a = 1.0 / 3;
-    const double r = norm(x);
-    return (((1 - 2 * nu) * a * r + 4 * a / r) / 2 / r) * x;
-  };
-  Region region{.material = of_shear(1, nu),
-                .loops = {circle({0, 0}, 2, false, 0, 8), circle({0, 0}, 1, true, 1, 4)},
-                .conditions = {bem::displacement(u), pressure(1)}};
-  return {"lame", Problem{.regions = {region}}, u, 12};
-}
-
-Exact cantilever() {
-  const double l = 4, c = 0.5, p = 1, inertia = 2 * c * c * c / 3;
-  const double young = 2 * (1 + nu) / (1 - nu * nu), poisson = nu / (1 - nu);
-  const auto u = [=](Vec2 x) {
-    return Vec2{
-        p * x.y / (6 * young * inertia) * ((6 * l - 3 * x.x) * x.x + (2 + poisson) * (x.y * x.y - c * c)),
-        -p / (6 * young * inertia) *
-            (3 * poisson * x.y * x.y * (l - x.x) + (4 + 5 * poisson) * c * c * x.x + (3 * l - x.x) * x.x * x.x)};
-  };
-  const auto t = [=](Vec2 x, Vec2 n) {
-    return Sym2{p * (l - x.x) * x.y / inertia, -p / (2 * inertia) * (c * c - x.y * x.y), 0} * n;
-  };
-  Loop loop = polygon({{0, -c}, {l, -c}, {l, c}, {0, c}}, 1, 2);
-  loop[0].elements = loop[2].elements = 8;
-  loop[3].condition = 0;
-  Region region{.material = of_shear(1, nu), .loops = {loop}, .conditions = {bem::displacement(u), traction(t)}};
-  return {"cantilever", Problem{.regions = {region}}, u, 20};
-}
+using study::cantilever;
+using study::Exact;
+using study::kirsch;
+using study::lame;
+using study::nu;
+using study::of_shear;
 
 Exact gravity_column() {
   const Material m = of_shear(1, nu, 1);
@@ -339,10 +288,114 @@ void add_frequency(study::Study& study) {
   study.plot("column-frequency", plot);
 }
 
+/// Initial stress by the source's cells and without them, from every node of a square: uniform stress, whose term in
+/// the equations is exactly that of its tractions. Error: largest difference to that over the largest value.
+void add_initial_stress(study::Study& study) {
+  const Sym2 stress{-3, 0.7, -1};
+  const Loop square = polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, 0, 4);
+  const Mesh mesh = make_mesh({square}, {});
+  const Elastic elastic{1, nu};
+  const auto field = [stress](Vec2) { return stress; };
+  const auto term = [&](const std::function<Vec2(Vec2)>& by) {
+    std::vector<Vec2> out;
+    for (const Node& node : mesh.nodes) out.push_back(by(node.x));
+    return out;
+  };
+  const auto exact = term([&](Vec2 y) { return initial_stress_by_boundary(mesh, y, elastic, field, 1e-14); });
+  const auto row = [&](const std::string& method, const std::string& setting, const std::function<Vec2(Vec2)>& by) {
+    std::vector<Vec2> values;
+    const auto cost = study.measure([&] { values = term(by); }, 0.1);
+    double worst = 0, size = 0;
+    for (std::size_t n = 0; n < values.size(); ++n) {
+      worst = std::max(worst, norm(values[n] - exact[n]));
+      size = std::max(size, norm(exact[n]));
+    }
+    study.add({.problem = "initial_stress",
+               .method = method,
+               .setting = setting,
+               .error = worst / size,
+               .cost = cost,
+               .condition = std::nullopt,
+               .status = study::Status::converged});
+    return std::pair{cost.cpu_s, std::max(worst / size, 1e-17)};
+  };
+  study::Series boundary{.name = "boundary only", .points = {}, .line = true, .fit = false};
+  study::Series cells{.name = "cells", .points = {}, .line = true, .fit = false};
+  for (const double target : {1e-4, 1e-7, 1e-10}) {
+    boundary.points.push_back(row("boundary", fmt::format("elements=16 integration={:.0e}", target),
+                                  [&](Vec2 y) { return initial_stress_by_boundary(mesh, y, elastic, field, target); }));
+  }
+  for (const std::size_t points : std::vector<std::size_t>{2, 4, 8, 16}) {
+    cells.points.push_back(row("cells", fmt::format("cells=16 points={}x{}", points, points),
+                               [&](Vec2 y) { return initial_stress_by_cells(mesh, y, elastic, field, points); }));
+  }
+  study.plot("initial-stress", {.title = "initial stress: error against run time",
+                                .x_label = "processor time (s)",
+                                .y_label = "relative error",
+                                .series = {boundary, cells}});
+}
+
+/// A cantilever bent far by a force on its end (Bisshopp and Drucker 1945: P L^2 / E I = 2 takes the end down by
+/// 0.49346 L), with operators rebuilt at smaller and smaller changes of the boundary's tangent; 0: never.
+void add_rebuilding(study::Study& study) {
+  BlockOptions o;
+  o.bubbles = 0;
+  Loop loop = polygon({{0, 0}, {10, 0}, {10, 0.5}, {0, 0.5}}, 0, 1);
+  loop[0].elements = loop[2].elements = 12;
+  const BlockOperator b =
+      BlockOperator::make({loop}, Material::make(pascals(1e7), 0, kilograms_per_cubic_metre(1000)).value(), o).value();
+  std::vector<HeldFreedom> held;
+  for (std::size_t n = 0; n < b.mesh().nodes.size(); ++n) {
+    if (b.mesh().nodes[n].x.x > -5 + 1e-9) continue;
+    held.push_back({n, {1, 0}});
+    held.push_back({n, {0, 1}});
+  }
+  std::vector<std::array<Vec2, 3>> end(b.mesh().elements.size());
+  const double force = 2 * 1e7 * 0.125 / 12 / 100;
+  for (std::size_t e = 0; e < end.size(); ++e) {
+    if (b.mesh().elements[e].normal(0).x > 0.5) end[e].fill({0, -force / 0.5});
+  }
+  const Modes modes = supported_modes(b, held);
+  const double w = std::sqrt(modes.eigenvalues.front());
+  study::Series series{.name = "rebuilt", .points = {}, .line = true, .fit = true};
+  for (const double gradient : study.quick() ? std::vector{0.0, 0.1} : std::vector{0.0, 0.2, 0.1, 0.05, 0.02, 0.01}) {
+    double error = 0;
+    std::size_t rebuilds = 0;
+    const auto cost = study.measure(
+        [&] {
+          Vibration motion{b,
+                           modes,
+                           BackwardEuler{},
+                           0.1 / w,
+                           {.alpha = 2 * w},
+                           {{b.forces_of(end), [](double) { return 1.0; }, false, {}}}};
+          motion.rebuild_by({gradient, o}, held, {});
+          for (int k = 0; k < 400; ++k) (void)motion.advance();
+          error = std::abs(-motion.displacement_at(b.place({5, 0})).y / 10 / 0.49346 - 1);
+          rebuilds = motion.rebuilds();
+        },
+        0.05, 3);
+    study.add({.problem = "elastica",
+               .method = gradient == 0 ? "one_operator" : "rebuilt",
+               .setting = fmt::format("elements=26 gradient={} rebuilds={}", gradient, rebuilds),
+               .error = error,
+               .cost = cost,
+               .condition = std::nullopt,
+               .status = study::Status::converged});
+    if (gradient > 0) series.points.emplace_back(cost.cpu_s, error);
+  }
+  study.plot("elastica", {.title = "bent cantilever: error against run time",
+                          .x_label = "processor time (s)",
+                          .y_label = "relative error of the end's way down",
+                          .series = {series}});
+}
+
 void study_bem(study::Study& study) {
   for (const Exact& exact : {kirsch(), lame(), cantilever(), gravity_column()}) add_statics(study, exact);
   add_bar(study);
   add_frequency(study);
+  add_initial_stress(study);
+  add_rebuilding(study);
 }
 
 }  // namespace

@@ -3,14 +3,16 @@
 /// from its exact value -1/2 at the middle nodes. `condition` holds the ratio to the bound: the time in which this
 /// machine does the same floating point operations in Eigen's matrix product (same build). Count: 105 operations a
 /// point (4 distance, 1 division, 20 logarithm, 38 kernels, 42 = 3 shape functions x 7 sums x 2), points counted one by
-/// one. Rows with two threads hold the ratio of wall times to one thread instead; it says something on an idle machine
-/// only.
+/// one. Rows with two threads hold the ratio of wall times to one thread instead, beside that of arithmetic without
+/// memory measured in the same minute: what the machine had to give.
 
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "cleave/bem/outline.hpp"
@@ -33,6 +35,21 @@ double product_rate(const study::Study& study) {
   return 2 * std::pow(static_cast<double>(n), 3) / cost.cpu_s;
 }
 
+/// A fixed amount of arithmetic, shared by the threads.
+void arithmetic(unsigned threads, std::size_t operations) {
+  constexpr std::size_t shares = 64;
+  std::vector<double> results(shares);
+  parallel_for(shares, ThreadLimit{threads}, [&](std::size_t k) {
+    double a = 1 + static_cast<double>(k), b = 0.5;
+    for (std::size_t i = 0; i < operations / shares; ++i) {
+      a = 0.999999 * a + b;
+      b = 0.5 * b + 1e-9 * a;
+    }
+    results[k] = a;
+  });
+  if (results[0] == 0) fmt::print("\n");
+}
+
 void study_assembly(study::Study& study) {
   const double rate = product_rate(study);
   study::Plot plot{
@@ -45,40 +62,71 @@ void study_assembly(study::Study& study) {
     const Mesh mesh = make_mesh({square}, {}, {0.5, 0.5}, 4);
     const Integrator integrator{mesh, Medium{{1, 0.3}, {}}, 1e-10};
     std::vector<double> wrong(mesh.nodes.size(), 0.0);
-    const auto row = [&](std::size_t n) {
+    const auto own_of = [&](std::size_t n, std::size_t e) -> std::optional<double> {
+      for (const Use& use : mesh.nodes[n].uses) {
+        if (use.element == e) return local_nodes(mesh.order)[use.local];
+      }
+      return std::nullopt;
+    };
+    const auto judge = [&](std::size_t n, Mat2 total) {
+      if (mesh.nodes[n].uses.size() != 1) return;
+      wrong[n] = std::max({std::abs(total.xx + 0.5), std::abs(total.yy + 0.5), std::abs(total.xy), std::abs(total.yx)});
+    };
+    /// Four rows side by side, as the solver does.
+    const auto four = [&](std::size_t parcel) {
+      constexpr std::size_t lanes = Integrator::lanes;
+      std::array<Vec2, lanes> y;
+      std::array<std::optional<double>, lanes> own;
+      std::array<ElementIntegrals, lanes> part;
+      std::array<Mat2, lanes> total{};
+      for (std::size_t l = 0; l < lanes; ++l) y[l] = mesh.nodes[lanes * parcel + l].x;
+      for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+        for (std::size_t l = 0; l < lanes; ++l) own[l] = own_of(lanes * parcel + l, e);
+        integrator.integrate(e, y, own, part);
+        for (std::size_t l = 0; l < lanes; ++l) {
+          for (std::size_t k = 0; k < mesh.per_element() && !own[l]; ++k) total[l] += part[l].h[k];
+        }
+      }
+      for (std::size_t l = 0; l < lanes; ++l) judge(lanes * parcel + l, total[l]);
+    };
+    const auto single = [&](std::size_t n) {
       ElementIntegrals part;
       Mat2 total;
       for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
-        std::optional<double> own;
-        for (const Use& use : mesh.nodes[n].uses) {
-          if (use.element == e) own = local_nodes(mesh.order)[use.local];
-        }
+        const auto own = own_of(n, e);
         integrator.integrate(e, mesh.nodes[n].x, own, part);
-        if (!own) {
-          for (std::size_t k = 0; k < mesh.per_element(); ++k) total += part.h[k];
-        }
+        for (std::size_t k = 0; k < mesh.per_element() && !own; ++k) total += part.h[k];
       }
-      if (mesh.nodes[n].uses.size() == 1) {
-        wrong[n] =
-            std::max({std::abs(total.xx + 0.5), std::abs(total.yy + 0.5), std::abs(total.xy), std::abs(total.yx)});
-      }
+      judge(n, total);
     };
     double points = 0;
-    std::vector<LocalPoint> rule;
     const std::size_t stride = std::max<std::size_t>(1, mesh.nodes.size() / 50);
     for (std::size_t n = 0; n < mesh.nodes.size(); n += stride) {
       for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
         const auto& uses = mesh.nodes[n].uses;
         if (std::ranges::any_of(uses, [&](const Use& use) { return use.element == e; })) continue;
-        integrator.points_for(e, mesh.nodes[n].x, 1, rule);
-        points += static_cast<double>(rule.size() * stride);
+        points += static_cast<double>(integrator.points_of(e, mesh.nodes[n].x) * stride);
       }
     }
-    double one_wall = 0;
+    const double least = operations_a_point * points / rate;
+    const auto one_by_one = study.measure([&] { parallel_for(mesh.nodes.size(), ThreadLimit{1}, single); }, 0.2, 3);
+    study.add({.problem = "square",
+               .method = "one_row_at_a_time",
+               .setting = fmt::format("elements={} threads=1 points={:.3g}", elements, points),
+               .error = *std::ranges::max_element(wrong),
+               .cost = one_by_one,
+               .condition = one_by_one.cpu_s / least,
+               .status = study::Status::converged});
+    double one_wall = 0, arithmetic_wall = 0;
     for (const unsigned threads : {1U, 2U}) {
-      const auto cost = study.measure([&] { parallel_for(mesh.nodes.size(), ThreadLimit{threads}, row); }, 0.2, 3);
-      if (threads == 1) one_wall = cost.wall_s;
-      const double least = operations_a_point * points / rate;
+      const auto cost = study.measure(
+          [&] { parallel_for(mesh.nodes.size() / Integrator::lanes, ThreadLimit{threads}, four); }, 0.2, 5);
+      // What the machine gives two threads now: arithmetic that touches no memory, in the same minute.
+      const auto pure = study.measure([&] { arithmetic(threads, study.quick() ? 2'000'000 : 200'000'000); }, 0.2, 5);
+      if (threads == 1) {
+        one_wall = cost.wall_s;
+        arithmetic_wall = pure.wall_s;
+      }
       study.add({.problem = "square",
                  .method = threads == 1 ? "time_over_bound" : "wall_of_one_over_two_threads",
                  .setting = fmt::format("elements={} threads={} points={:.3g}", elements, threads, points),
@@ -89,6 +137,14 @@ void study_assembly(study::Study& study) {
       if (threads == 1) {
         filled.points.emplace_back(static_cast<double>(elements), cost.cpu_s);
         bound.points.emplace_back(static_cast<double>(elements), least);
+      } else {
+        study.add({.problem = "arithmetic",
+                   .method = "wall_of_one_over_two_threads",
+                   .setting = "no memory",
+                   .error = 0,
+                   .cost = pure,
+                   .condition = arithmetic_wall / pure.wall_s,
+                   .status = study::Status::converged});
       }
     }
   }

@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "cleave/bem/statics.hpp"
+#include "bem_problems.hpp"
 #include "study.hpp"
 
 extern char** environ;
@@ -32,7 +32,7 @@ namespace {
 
 using namespace bem;
 
-constexpr double nu = 0.3;
+using study::nu;
 constexpr double young = 2 * (1 + nu);  // shear modulus 1
 
 enum class Edge : std::uint8_t { traction, displacement, symmetry_x, symmetry_y };
@@ -51,71 +51,36 @@ struct PeerProblem {
 Vec2 polar(double r, double t) { return {r * std::cos(t), r * std::sin(t)}; }
 
 PeerProblem lame() {
-  const auto u = [](Vec2 x) {
-    const double a = 1.0 / 3;
-    const double r = norm(x);
-    return (((1 - 2 * nu) * a * r + 4 * a / r) / 2 / r) * x;
-  };
-  Region region{.material = Material::make(pascals(young), nu, kilograms_per_cubic_metre(0)).value(),
-                .loops = {circle({0, 0}, 2, false, 0, 8), circle({0, 0}, 1, true, 1, 4)},
-                .conditions = {bem::displacement(u), pressure(1)}};
-  return {"lame",
+  const study::Exact exact = study::lame();
+  return {exact.name,
           [](double s, double t) { return polar(1 + t, (1 - s) * std::numbers::pi / 2); },
           {Edge::traction, Edge::symmetry_y, Edge::displacement, Edge::symmetry_x},
-          u,
-          [](Vec2, Vec2 n) { return -1.0 * n; },
+          exact.displacement,
+          exact.traction,
           1,
-          Problem{.regions = {region}}};
+          exact.problem};
 }
 
 PeerProblem kirsch() {
-  const auto u = [](Vec2 x) {
-    const double kappa = 3 - 4 * nu;
-    const double r = norm(x);
-    const double t = std::atan2(x.y, x.x);
-    const double ur = 0.25 * (1 / r + ((kappa + 1) / r - 1 / (r * r * r)) * std::cos(2 * t));
-    const double ut = -0.25 * ((kappa - 1) / r + 1 / (r * r * r)) * std::sin(2 * t);
-    return Vec2{ur * std::cos(t) - ut * std::sin(t), ur * std::sin(t) + ut * std::cos(t)};
-  };
-  Region region{.material = Material::make(pascals(young), nu, kilograms_per_cubic_metre(0)).value(),
-                .loops = {circle({0, 0}, 1, true, 0, 8)},
-                .conditions = {free_surface()}};
-  Problem problem{.regions = {region}, .extent = Extent::plane};
-  problem.in_situ.stress = {1, 0, 0};
-  return {"kirsch",
+  const study::Exact exact = study::kirsch();
+  return {exact.name,
           [](double s, double t) { return polar(std::pow(4.0, t), (1 - s) * std::numbers::pi / 2); },
           {Edge::traction, Edge::symmetry_y, Edge::displacement, Edge::symmetry_x},
-          u,
-          [](Vec2, Vec2 n) { return Vec2{-n.x, 0}; },  // what the excavation takes away
+          exact.displacement,
+          exact.traction,
           1,
-          problem};
+          exact.problem};
 }
 
 PeerProblem cantilever() {
-  const double l = 4, c = 0.5, p = 1, inertia = 2 * c * c * c / 3;
-  const double modulus = young / (1 - nu * nu), poisson = nu / (1 - nu);
-  const auto u = [=](Vec2 x) {
-    return Vec2{
-        p * x.y / (6 * modulus * inertia) * ((6 * l - 3 * x.x) * x.x + (2 + poisson) * (x.y * x.y - c * c)),
-        -p / (6 * modulus * inertia) *
-            (3 * poisson * x.y * x.y * (l - x.x) + (4 + 5 * poisson) * c * c * x.x + (3 * l - x.x) * x.x * x.x)};
-  };
-  const auto t = [=](Vec2 x, Vec2 n) {
-    return Sym2{p * (l - x.x) * x.y / inertia, -p / (2 * inertia) * (c * c - x.y * x.y), 0} * n;
-  };
-  Loop loop = polygon({{0, -c}, {l, -c}, {l, c}, {0, c}}, 1, 2);
-  loop[0].elements = loop[2].elements = 8;
-  loop[3].condition = 0;
-  Region region{.material = Material::make(pascals(young), nu, kilograms_per_cubic_metre(0)).value(),
-                .loops = {loop},
-                .conditions = {bem::displacement(u), bem::traction(t)}};
-  return {"cantilever",
-          [=](double s, double v) { return Vec2{l * s, c * (2 * v - 1)}; },
+  const study::Exact exact = study::cantilever();
+  return {exact.name,
+          [](double s, double t) { return Vec2{4 * s, 0.5 * (2 * t - 1)}; },
           {Edge::traction, Edge::traction, Edge::traction, Edge::displacement},
-          u,
-          t,
+          exact.displacement,
+          exact.traction,
           4,
-          Problem{.regions = {region}}};
+          exact.problem};
 }
 
 /// Nodes of 8-node quadrilaterals on a grid of 2 nx by 2 ny half steps; numbers from 1, centres of elements left out.

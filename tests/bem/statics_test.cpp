@@ -311,6 +311,53 @@ TEST(BodyLoads, InitialStressOfABoundedBodyIsReleased) {
   EXPECT_NEAR(s.displacement(0, {2, 0.5}).x - s.displacement(0, {0, 0.5}).x, 2 * e.xx, 1e-11);
 }
 
+TEST(IrregularBlock, FieldOfAHoleBesideItWithObservedOrder) {
+  // A concave block of seven sides outside the unit hole of Kirsch's problem: its exact field with displacement given
+  // on two sides and traction on the others.
+  const auto u = [](Vec2 x) {
+    const double kappa = 3 - 4 * nu, r = norm(x), t = std::atan2(x.y, x.x);
+    const double ur = 0.25 * (1 / r + ((kappa + 1) / r - 1 / (r * r * r)) * std::cos(2 * t));
+    const double ut = -0.25 * ((kappa - 1) / r + 1 / (r * r * r)) * std::sin(2 * t);
+    return Vec2{ur * std::cos(t) - ut * std::sin(t), ur * std::sin(t) + ut * std::cos(t)};
+  };
+  const auto stress = [](Vec2 x) {
+    const double r2 = 1 / dot(x, x), t = std::atan2(x.y, x.x);
+    const double rr = 0.5 * (1 - r2) + 0.5 * (1 - 4 * r2 + 3 * r2 * r2) * std::cos(2 * t);
+    const double tt = 0.5 * (1 + r2) - 0.5 * (1 + 3 * r2 * r2) * std::cos(2 * t);
+    const double rt = -0.5 * (1 + 2 * r2 - 3 * r2 * r2) * std::sin(2 * t);
+    const double c = std::cos(t), d = std::sin(t);
+    // Without the remote stress, which strains by itself.
+    return Sym2{c * c * rr - 2 * c * d * rt + d * d * tt - 1, c * d * (rr - tt) + (c * c - d * d) * rt,
+                d * d * rr + 2 * c * d * rt + c * c * tt};
+  };
+  const std::vector<Vec2> corners{{1.2, 0.1}, {2.4, -0.5}, {3.1, 0.9}, {2.2, 1.0}, {2.6, 2.1}, {1.5, 2.4}, {0.9, 0.9}};
+  const auto error = [&](std::size_t n, double* stressed) {
+    Loop loop = polygon(corners, 0, n);
+    loop[1].condition = loop[5].condition = 1;
+    Region region{.material = of_shear(1, nu),
+                  .loops = {loop},
+                  .conditions = {traction([&](Vec2 x, Vec2 m) { return stress(x) * m; }), bem::displacement(u)}};
+    const Solution s = solve(Problem{.regions = {region}}, {}).value();
+    double worst = 0, size = 0;
+    for (std::size_t k = 0; k < s.regions()[0].mesh.nodes.size(); ++k) {
+      const Vec2 x = s.node(0, k);
+      size = std::max(size, norm(u(x)));
+      worst = std::max(worst, norm(s.regions()[0].displacement[k] - u(x)));
+    }
+    *stressed = 0;
+    for (const Vec2 x : {Vec2{1.6, 0.8}, Vec2{2.5, 0.2}, Vec2{1.4, 1.9}}) {
+      *stressed = std::max(*stressed, testing::largest(s.stress(0, x) - stress(x)));
+    }
+    return worst / size;
+  };
+  double s4 = 0, s8 = 0;
+  const double e4 = error(4, &s4), e8 = error(8, &s8);
+  EXPECT_GT(testing::rate(e4, e8), 3);
+  EXPECT_LT(e8, 1e-4);
+  EXPECT_LT(s8, 1e-4);
+  EXPECT_LT(s8, s4);
+}
+
 TEST(LCorner, ReducedOrderIsStatedAndGradingRestoresIt) {
   // Re-entrant corner of 270 degrees: stress like r^(-0.4555). The work of the load against a fine graded reference.
   const auto energy = [](std::size_t n, double grade) {

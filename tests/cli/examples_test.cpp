@@ -71,5 +71,15 @@ TEST_F(ExamplesTest, TunnelSupportIsCheckedInTwoSteps) {
   EXPECT_NE(table.substr(0, table.find('\n')).find("factor_of_safety_supported"), std::string::npos);
 }
 
+// Crawford and Bray (1983): the stress around the tunnel holds a roof prism that falls by its weight alone.
+TEST_F(ExamplesTest, ClampedRoofIsHeldByTheStressAroundTheTunnel) {
+  const auto result = result_of("clamped_roof");
+  EXPECT_EQ(result["key_blocks"]["count"], 1);
+  EXPECT_EQ(result["key_blocks"]["batches"][0]["modes"]["falling"], 1);
+  EXPECT_EQ(result["field_stress"]["held"], 1);
+  EXPECT_LT(result["field_stress"]["error"].get<double>(), 1e-3);
+  EXPECT_NEAR(result["field_stress"]["lowest_factor_of_safety"].get<double>(), 11.905, 0.02);
+}
+
 }  // namespace
 }  // namespace cleave::cli::test

@@ -40,6 +40,17 @@ DenseMatrix dense(const MatrixXd& m) {
   return out;
 }
 
+MatrixXd rigid_motions(const Mesh& mesh, Eigen::Index freedoms) {
+  MatrixXd rigid = MatrixXd::Zero(freedoms, 3);
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+    const Vec2 x = mesh.nodes[i].x;
+    rigid(ix(2 * i), 0) = rigid(ix(2 * i + 1), 1) = 1;
+    rigid(ix(2 * i), 2) = -x.y;
+    rigid(ix(2 * i + 1), 2) = x.x;
+  }
+  return rigid;
+}
+
 }  // namespace
 
 Eigen::Map<const MatrixXd> view(const DenseMatrix& m) { return {m.values.data(), ix(m.rows), ix(m.columns)}; }
@@ -72,21 +83,49 @@ std::expected<BlockOperator, BlockError> BlockOperator::make(const std::vector<L
   stiffness.topLeftCorner(n, n) = k.stiffness;
   stiffness.bottomRightCorner(all - n, all - n) = m.bubble_stiffness;
   // Mass and inertia of the operator are those of the outline.
-  MatrixXd rigid = MatrixXd::Zero(all, 3);
-  for (std::size_t i = 0; i < block.mesh_.nodes.size(); ++i) {
-    const Vec2 x = block.mesh_.nodes[i].x;
-    rigid(ix(2 * i), 0) = rigid(ix(2 * i + 1), 1) = 1;
-    rigid(ix(2 * i), 2) = -x.y;
-    rigid(ix(2 * i + 1), 2) = x.x;
-  }
+  const MatrixXd rigid = rigid_motions(block.mesh_, all);
   const Eigen::Matrix3d r = rigid.transpose() * m.mass * rigid;
   const double off = std::max({std::abs(r(0, 0) / block.mass_ - 1), std::abs(r(1, 1) / block.mass_ - 1),
                                std::abs(r(2, 2) / block.inertia_ - 1)});
   if (!(off < 1e-5)) return std::unexpected(BlockError{BlockFailed{"mass and inertia", off}});
   block.stiffness_ = dense(stiffness);
   block.mass_matrix_ = dense(m.mass);
+  block.bubbles_ = m.bubbles;
   block.traction_of_ = dense(k.traction_of);
   return block;
+}
+
+std::expected<BlockOperator, BlockError> BlockOperator::deformed(const std::vector<double>& freedoms,
+                                                                 const BlockOptions& options) const {
+  BlockOperator out = *this;
+  for (std::size_t i = 0; i < mesh_.nodes.size(); ++i)
+    out.mesh_.nodes[i].x += Vec2{freedoms[2 * i], freedoms[2 * i + 1]};
+  for (Element& e : out.mesh_.elements) {
+    const Vec2 start = out.mesh_.nodes[e.node[0]].x, end = out.mesh_.nodes[e.node[mesh_.per_element() - 1]].x;
+    const Vec2 middle = mesh_.order == Order::quadratic ? out.mesh_.nodes[e.node[1]].x : 0.5 * (start + end);
+    e.c0 = middle;
+    e.c1 = 0.5 * (end - start);
+    e.c2 = 0.5 * (start + end) - middle;
+    // What bends by less than rounding is straight, for the closed forms.
+    e.curved = norm(e.c2) > 1e-12 * norm(e.c1);
+    if (!e.curved) {
+      e.c0 = 0.5 * (start + end);
+      e.c2 = {};
+    }
+  }
+  out.area_ = area_moments(out.mesh_).area;
+  if (!(out.area_ > 0)) return std::unexpected(BlockError{BlockFailed{"area", out.area_}});
+  const GalerkinStiffness k = galerkin_stiffness(out.mesh_, {material_.mu(), material_.nu()}, options);
+  if (!(k.check <= 1e-9)) return std::unexpected(BlockError{BlockFailed{"exact fields", k.check}});
+  MatrixXd stiffness = view(stiffness_);
+  stiffness.topLeftCorner(k.stiffness.rows(), k.stiffness.rows()) = k.stiffness;
+  out.stiffness_ = dense(stiffness);
+  out.traction_of_ = dense(k.traction_of);
+  if (!mass_matrix_.values.empty()) {
+    const Eigen::VectorXd turn = rigid_motions(out.mesh_, ix(mass_matrix_.rows)).col(2);
+    out.inertia_ = turn.dot(view(mass_matrix_) * turn);
+  }
+  return out;
 }
 
 std::vector<double> BlockOperator::forces_of(const std::vector<std::array<Vec2, 3>>& tractions) const {

@@ -258,59 +258,16 @@ BlockMass block_mass(const Mesh& mesh, const std::vector<Loop>& loops, Vec2 orig
   });
   phi.noalias() += g * traction_of;
 
-  // Bubbles: product of the distances to the sides times polynomials; convex polygons only.
-  const AreaMoments area = area_moments(loops);
-  const double h = std::sqrt(area.area);
-  bool convex = loops.size() == 1;
-  if (convex) {
-    const Loop& loop = loops.front();
-    for (std::size_t k = 0; k < loop.size() && convex; ++k) {
-      const Vec2 into = point_on(loop, k, 0).derivative;
-      const Vec2 out = point_on(loop, (k + 1) % loop.size(), 0).derivative;
-      convex = sweep_of(loop, k) == 0 && cross(into, out) > -1e-12 * norm(into) * norm(out);
-    }
-  }
-  std::size_t bubbles = 0;
-  MatrixXd value, slope;  // points x functions; slope rows 2q, 2q+1
-  if (convex && options.bubbles > 0) {
-    const Loop& loop = loops.front();
-    // Collinear neighbours count as one side.
-    std::vector<std::pair<Vec2, Vec2>> sides;  // point, inward normal over h
-    for (std::size_t k = 0; k < loop.size(); ++k) {
-      const Vec2 t = point_on(loop, k, 0).derivative;
-      const Vec2 inward = turned_left(t) / (norm(t) * h);
-      if (!sides.empty() && std::abs(cross(sides.back().second, inward)) < 1e-12 / (h * h)) continue;
-      if (k + 1 == loop.size() && std::abs(cross(sides.front().second, inward)) < 1e-12 / (h * h) &&
-          dot(sides.front().second, inward) > 0) {
-        continue;
-      }
-      sides.emplace_back(loop[k].start, inward);
-    }
-    for (std::size_t i = 0; i < options.bubbles; ++i) bubbles += i + 1;
-    value.resize(ix(points.size()), ix(bubbles));
-    slope.resize(ix(2 * points.size()), ix(bubbles));
-    for (std::size_t q = 0; q < points.size(); ++q) {
-      double beta = 1;
-      Vec2 dbeta;
-      for (const auto& [start, inward] : sides) {
-        const double d = dot(points[q].x - (start - origin), inward);
-        dbeta = d * dbeta + beta * inward;
-        beta *= d;
-      }
-      const Vec2 x = points[q].x / h;
-      std::size_t column = 0;
-      for (std::size_t degree = 0; degree < options.bubbles; ++degree) {
-        for (std::size_t j = 0; j <= degree; ++j, ++column) {
-          const auto i = static_cast<double>(degree - j);
-          const auto jj = static_cast<double>(j);
-          const double p = std::pow(x.x, i) * std::pow(x.y, jj);
-          const Vec2 dp{i == 0 ? 0 : i * std::pow(x.x, i - 1) * std::pow(x.y, jj) / h,
-                        j == 0 ? 0 : jj * std::pow(x.x, i) * std::pow(x.y, jj - 1) / h};
-          value(ix(q), ix(column)) = beta * p;
-          slope(ix(2 * q), ix(column)) = dbeta.x * p + beta * dp.x;
-          slope(ix(2 * q + 1), ix(column)) = dbeta.y * p + beta * dp.y;
-        }
-      }
+  const Bubbles shapes = bubbles_of(loops, origin, options.bubbles);
+  const std::size_t bubbles = shapes.count();
+  MatrixXd value(ix(points.size()), ix(bubbles)), slope(ix(2 * points.size()), ix(bubbles));  // points x functions
+  std::vector<Bubbles::Value> at;
+  for (std::size_t q = 0; q < points.size() && bubbles > 0; ++q) {
+    shapes.evaluate(points[q].x, at);
+    for (std::size_t k = 0; k < bubbles; ++k) {
+      value(ix(q), ix(k)) = at[k].value;
+      slope(ix(2 * q), ix(k)) = at[k].slope.x;
+      slope(ix(2 * q + 1), ix(k)) = at[k].slope.y;
     }
   }
   const auto nb = ix(2 * bubbles);
@@ -326,6 +283,7 @@ BlockMass block_mass(const Mesh& mesh, const std::vector<Loop>& loops, Vec2 orig
   for (std::size_t q = 0; q < points.size(); ++q)
     weight(ix(2 * q)) = weight(ix(2 * q + 1)) = material.density() * points[q].w;
   BlockMass out;
+  out.bubbles = shapes;
   const MatrixXd weighted = weight.cwiseSqrt().asDiagonal() * all;
   out.mass = MatrixXd::Zero(n + nb, n + nb);
   out.mass.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());

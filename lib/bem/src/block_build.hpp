@@ -1,6 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <span>
+#include <vector>
 
 #include "cleave/bem/block.hpp"
 #include "cleave/bem/kelvin.hpp"
@@ -8,6 +11,14 @@
 namespace cleave::bem {
 
 [[nodiscard]] Eigen::Map<const Eigen::MatrixXd> view(const DenseMatrix& m);
+
+/// Freedoms of modal amplitudes.
+[[nodiscard]] std::vector<double> expanded(const Modes& modes, std::span<const double> amplitudes,
+                                           std::size_t freedoms);
+/// `steepest` of every mode.
+[[nodiscard]] std::vector<double> steepest_of(const BlockOperator& block, const Modes& modes);
+/// Half of u^T K u.
+[[nodiscard]] double energy_of(const BlockOperator& block, const std::vector<double>& freedoms);
 
 struct GalerkinStiffness {
   Eigen::MatrixXd stiffness;    ///< 2N x 2N
@@ -20,7 +31,10 @@ struct GalerkinStiffness {
 struct BlockMass {
   Eigen::MatrixXd mass;  ///< boundary freedoms first
   Eigen::MatrixXd bubble_stiffness;
+  Bubbles bubbles;
 };
+/// Of a convex polygon without holes; none for other shapes. `degree`: polynomials below it.
+[[nodiscard]] Bubbles bubbles_of(const std::vector<Loop>& loops, Vec2 origin, std::size_t degree);
 [[nodiscard]] BlockMass block_mass(const Mesh& mesh, const std::vector<Loop>& loops, Vec2 origin,
                                    const Material& material, const Eigen::MatrixXd& traction_of,
                                    const BlockOptions& options);

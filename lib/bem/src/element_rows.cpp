@@ -1,5 +1,6 @@
 #include "element_rows.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -39,6 +40,10 @@ double ellipse_on(const Poles& poles, double middle, double half) {
   return rho;
 }
 
+/// Points more than the ellipse's radius alone asks for. The factor in front of the error is what the integrand grows
+/// to on the ellipse: quadratic shape functions to rho^2 / 4 (which is one point), and close by the pole itself.
+constexpr double near_margin = 3, far_margin = 1.1, far_from = 5;
+
 constexpr int deepest = 48;
 
 void split(const Poles& poles, double a, double b, int depth, double log_tolerance, double extra,
@@ -63,15 +68,16 @@ Vec2 offset(const Element& e, double s0, double off) { return off * (e.c1 + (2 *
 Integrator::Integrator(const Mesh& mesh, Medium medium, double tolerance)
     : mesh_{&mesh}, medium_{medium}, log_tolerance_{std::log(1 / tolerance)} {
   for (std::size_t k = 0; k < orders.size(); ++k) {
-    const auto reach = [&](double extra) {
-      const double n = static_cast<double>(orders[k]) - 3 - extra;
+    const auto reach = [&](double margin) {
+      const double n = static_cast<double>(orders[k]) - margin;
       if (n <= 0) return 1e300;
       const double rho = std::exp(log_tolerance_ / (2 * n));
+      if (margin < near_margin && rho < far_from) return 1e300;
       const double z = 0.5 * (rho + 1 / rho);
       return z * z;
     };
-    reach_straight_[k] = reach(0);
-    reach_curved_[k] = reach(4);
+    reach_straight_[k] = std::min(reach(near_margin), reach(far_margin));
+    reach_curved_[k] = reach(near_margin + 4);
   }
   table_.reserve(mesh.elements.size() * table_size);
   for (const Element& e : mesh.elements) {
@@ -88,35 +94,28 @@ Integrator::Integrator(const Mesh& mesh, Medium medium, double tolerance)
   }
 }
 
-std::size_t Integrator::order_at(const Element& e, Vec2 source) const {
+std::size_t Integrator::order_by_distance(const Element& e, double distance2) const {
   // A lower bound of |z| for the poles: |c2||z|^2 + |c1||z| >= |c0 - y|. For a given |z| the ellipse is smallest when z
   // is real.
-  const double distance2 = dot(source - e.c0, source - e.c0);
   const double c1 = dot(e.c1, e.c1);
-  if (!e.curved) {
-    const double z2 = distance2 / c1;
-    for (std::size_t k = 0; k < orders.size(); ++k) {
-      if (z2 >= reach_straight_[k]) return k;
-    }
-    if (z2 > 9) return orders.size();
-    const double rho = ellipse_on(poles_of(e, source), 0, 1);
-    if (rho <= 1.0001) return orders.size();
-    const double need = std::ceil(log_tolerance_ / (2 * std::log(rho))) + 3;
-    for (std::size_t k = 0; k < orders.size(); ++k) {
-      if (static_cast<double>(orders[k]) >= need) return k;
-    }
-    return orders.size();
+  double z2 = distance2 / c1;
+  if (e.curved) {
+    const double l1 = std::sqrt(c1), l2 = norm(e.c2);
+    const double distance = std::sqrt(distance2);
+    const double z = 2 * distance / (l1 + std::sqrt(c1 + 4 * l2 * distance));
+    z2 = z * z;
   }
-  const double l1 = std::sqrt(c1);
-  const double l2 = norm(e.c2);
-  const double distance = std::sqrt(distance2);
-  const double z = 2 * distance / (l1 + std::sqrt(c1 + 4 * l2 * distance));
-  for (std::size_t k = 0; k < orders.size(); ++k) {
-    if (z * z >= reach_curved_[k]) return k;
-  }
+  const auto& reach = e.curved ? reach_curved_ : reach_straight_;
+  std::size_t k = 0;
+  while (k < orders.size() && z2 < reach[k]) ++k;
+  return k;
+}
+
+std::size_t Integrator::order_at(const Element& e, Vec2 source) const {
+  if (const std::size_t k = order_by_distance(e, dot(source - e.c0, source - e.c0)); k < orders.size()) return k;
   const double rho = ellipse_on(poles_of(e, source), 0, 1);
   if (rho <= 1.0001) return orders.size();
-  const double need = std::ceil(log_tolerance_ / (2 * std::log(rho))) + 7;
+  const double need = std::ceil(log_tolerance_ / (2 * std::log(rho))) + near_margin + (e.curved ? 4 : 0);
   for (std::size_t k = 0; k < orders.size(); ++k) {
     if (static_cast<double>(orders[k]) >= need) return k;
   }
@@ -167,6 +166,57 @@ void Integrator::add_far(const Element& e, std::span<const TablePoint> points,
     out.h[i] = ct * out.h[i];
   }
   static_cast<void>(e);
+}
+
+void Integrator::add_far(std::span<const TablePoint> points, std::span<const std::array<double, 3>> shapes,
+                         const std::array<Vec2, lanes>& sources, std::array<ElementIntegrals, lanes>& out) const {
+  using Lane = Eigen::Array<double, static_cast<int>(lanes), 1>;
+  const double nu = medium_.elastic.nu;
+  const double a = 1 - 2 * nu;
+  const double log_factor = -0.5 * (3 - 4 * nu);
+  const std::size_t per = mesh_->per_element();
+  Lane sx, sy;
+  for (std::size_t l = 0; l < lanes; ++l) {
+    sx(static_cast<Eigen::Index>(l)) = sources[l].x;
+    sy(static_cast<Eigen::Index>(l)) = sources[l].y;
+  }
+  std::array<std::array<Lane, 7>, 3> sum;
+  for (auto& node : sum) {
+    for (Lane& v : node) v.setZero();
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const TablePoint& p = points[k];
+    const Lane dx = p.x.x - sx, dy = p.x.y - sy;
+    const Lane r2 = dx * dx + dy * dy;
+    const Lane inv = r2.inverse();
+    const Lane log_term = log_factor * r2.log();
+    const Lane gxx = dx * dx * inv, gxy = dx * dy * inv, gyy = dy * dy * inv;
+    const Lane uxx = p.w * (log_term + gxx), uxy = p.w * gxy, uyy = p.w * (log_term + gyy);
+    const Lane dn = (dx * p.n.x + dy * p.n.y) * inv;
+    const Lane twist = a * inv * (dx * p.n.y - dy * p.n.x);
+    const Lane txx = dn * (a + 2 * gxx), both = 2 * dn * gxy, tyy = dn * (a + 2 * gyy);
+    const Lane txy = both - twist, tyx = both + twist;
+    for (std::size_t i = 0; i < per; ++i) {
+      const double n = shapes[k][i];
+      sum[i][0] += n * uxx;
+      sum[i][1] += n * uxy;
+      sum[i][2] += n * uyy;
+      sum[i][3] += n * txx;
+      sum[i][4] += n * txy;
+      sum[i][5] += n * tyx;
+      sum[i][6] += n * tyy;
+    }
+  }
+  const double cu = 1 / (8 * std::numbers::pi * medium_.elastic.mu * (1 - nu));
+  const double ct = -1 / (4 * std::numbers::pi * (1 - nu));
+  for (std::size_t l = 0; l < lanes; ++l) {
+    const auto at = static_cast<Eigen::Index>(l);
+    for (std::size_t i = 0; i < per; ++i) {
+      const auto& v = sum[i];
+      out[l].g[i] = {cu * v[0](at), cu * v[1](at), cu * v[1](at), cu * v[2](at)};
+      out[l].h[i] = {ct * v[3](at), ct * v[4](at), ct * v[5](at), ct * v[6](at)};
+    }
+  }
 }
 
 void Integrator::add_near(const Element& e, Vec2 source, ElementIntegrals& out) const {
@@ -298,6 +348,33 @@ void Integrator::integrate(std::size_t element, Vec2 source, std::optional<doubl
   if (medium_.surface) add_surface(e, source, own, out);
 }
 
+void Integrator::integrate(std::size_t element, const std::array<Vec2, lanes>& sources,
+                           const std::array<std::optional<double>, lanes>& own,
+                           std::array<ElementIntegrals, lanes>& out) const {
+  std::size_t k = orders.size();
+  if (std::ranges::none_of(own, [](const auto& s) { return s.has_value(); })) {
+    // The rule of the closest is good for all.
+    const Element& e = mesh_->elements[element];
+    double closest = 1e300;
+    for (const Vec2 source : sources) closest = std::min(closest, dot(source - e.c0, source - e.c0));
+    k = order_by_distance(e, closest);
+    if (k == orders.size()) {
+      k = 0;
+      for (const Vec2 source : sources) k = std::max(k, order_at(e, source));
+    }
+  }
+  if (k == orders.size()) {
+    for (std::size_t l = 0; l < lanes; ++l) integrate(element, sources[l], own[l], out[l]);
+    return;
+  }
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < k; ++i) first += orders[i];
+  add_far(std::span{table_}.subspan(element * table_size + first, orders[k]),
+          std::span{shapes_}.subspan(first, orders[k]), sources, out);
+  if (!medium_.surface) return;
+  for (std::size_t l = 0; l < lanes; ++l) add_surface(mesh_->elements[element], sources[l], own[l], out[l]);
+}
+
 void Integrator::log_slopes(std::size_t element, Vec2 source, std::optional<double> own,
                             std::array<Mat2, 3>& out) const {
   const Element& e = mesh_->elements[element];
@@ -324,6 +401,14 @@ void Integrator::log_slopes(std::size_t element, Vec2 source, std::optional<doub
   thread_local std::vector<LocalPoint> rule;
   points_for(element, source, 1, rule);
   for (const LocalPoint& p : rule) add(p.s, p.w, e.at(p.s) - source);
+}
+
+std::size_t Integrator::points_of(std::size_t element, Vec2 source) const {
+  const Element& e = mesh_->elements[element];
+  if (const std::size_t k = order_at(e, source); k < orders.size()) return orders[k];
+  std::vector<LocalPoint> rule;
+  split(poles_of(e, source), -1, 1, 0, log_tolerance_, e.curved ? 4 : 0, rule);
+  return rule.size();
 }
 
 }  // namespace cleave::bem

@@ -1,6 +1,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "block_build.hpp"
 #include "cleave/bem/motion.hpp"
@@ -13,16 +14,26 @@ Eigen::Index ix(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 FreeMotion::FreeMotion(const BlockOperator& block, Setup setup) : block_{&block}, setup_{std::move(setup)} {
   CLEAVE_ASSERT(setup_.step > 0);
-  if (setup_.modes > 0) modes_ = free_modes(block, setup_.modes);
-  const std::size_t nm = modes_.eigenvalues.size();
-  const std::size_t n = 3 + nm;
-  q_.assign(n, 0.0);
-  v_.assign(n, 0.0);
+  before_build_.assign(block.freedoms(), 0.0);
+  adopt();
+  q_.assign(3 + modes_.eigenvalues.size(), 0.0);
+  v_ = q_;
   v_[0] = setup_.velocity.x;
   v_[1] = setup_.velocity.y;
   v_[2] = setup_.spin;
   q_[0] = block.centroid().x;
   q_[1] = block.centroid().y;
+  pin_force_.assign(2 * setup_.pins.size(), 0.0);
+  start();
+}
+
+/// All that follows from the operator alone.
+void FreeMotion::adopt() {
+  const BlockOperator& block = *block_;
+  if (setup_.modes > 0) modes_ = free_modes(block, setup_.modes);
+  const std::size_t nm = modes_.eigenvalues.size();
+  internal_.assign(nm, 0.0);
+  steep_ = setup_.rebuilding.gradient > 0 ? steepest_of(block, modes_) : std::vector<double>{};
   // Centrifugal load of a unit spin: phi^T M X; the position field is linear and the operator knows it exactly.
   centrifugal_.assign(nm, 0.0);
   if (nm > 0) {
@@ -34,6 +45,7 @@ FreeMotion::FreeMotion(const BlockOperator& block, Setup setup) : block_{&block}
     const Eigen::VectorXd c = view(modes_.shapes).transpose() * (view(block.mass_matrix()) * x);
     centrifugal_.assign(c.begin(), c.end());
   }
+  pin_shapes_.clear();
   for (const Pin& pin : setup_.pins) {
     std::vector<double> rx(nm, 0.0), ry(nm, 0.0);
     const Element& e = block.mesh().elements[pin.place.element];
@@ -47,30 +59,49 @@ FreeMotion::FreeMotion(const BlockOperator& block, Setup setup) : block_{&block}
     pin_shapes_.push_back(std::move(rx));
     pin_shapes_.push_back(std::move(ry));
   }
-  pin_force_.assign(2 * setup_.pins.size(), 0.0);
-  // Accelerations and pin forces at the start: M a - J^T l = f, J a = -(J' v).
+}
+
+/// Accelerations and pin forces of the state as it is: M a - J^T l = f, J a = -(J' v), after velocities are made to
+/// agree with the pins. The body is undeformed since its operator was built.
+void FreeMotion::start() {
+  const BlockOperator& block = *block_;
+  const std::size_t nm = modes_.eigenvalues.size();
+  const std::size_t n = 3 + nm;
   const std::size_t nc = pin_force_.size();
   Eigen::MatrixXd m = Eigen::MatrixXd::Zero(ix(n + nc), ix(n + nc));
   Eigen::VectorXd b = Eigen::VectorXd::Zero(ix(n + nc));
-  const auto f = loads_at(0, q_, v_[2]);
-  for (std::size_t i = 0; i < n; ++i) {
-    m(ix(i), ix(i)) = i < 2 ? block.mass() : (i == 2 ? block.inertia() : 1.0);
-    b(ix(i)) = f[i];
-  }
+  for (std::size_t i = 0; i < n; ++i) m(ix(i), ix(i)) = i < 2 ? block.mass() : (i == 2 ? block.inertia() : 1.0);
+  std::vector<Vec2> arms;
   for (std::size_t p = 0; p < setup_.pins.size(); ++p) {
     const Element& e = block.mesh().elements[setup_.pins[p].place.element];
-    const Vec2 r = e.at(setup_.pins[p].place.s);
+    const Vec2 r = rotated(e.at(setup_.pins[p].place.s), q_[2]);
     const Vec2 t = turned_left(r);
+    arms.push_back(r);
     for (std::size_t c = 0; c < 2; ++c) {
       const auto row = ix(n + 2 * p + c);
       m(row, ix(c)) = 1;
       m(row, 2) = c == 0 ? t.x : t.y;
-      for (std::size_t k = 0; k < nm; ++k) m(row, ix(3 + k)) = pin_shapes_[2 * p + c][k];
-      b(row) = v_[2] * v_[2] * (c == 0 ? r.x : r.y);
+    }
+    for (std::size_t k = 0; k < nm; ++k) {
+      const Vec2 d = rotated({pin_shapes_[2 * p][k], pin_shapes_[2 * p + 1][k]}, q_[2]);
+      m(ix(n + 2 * p), ix(3 + k)) = d.x;
+      m(ix(n + 2 * p + 1), ix(3 + k)) = d.y;
     }
   }
   m.topRightCorner(ix(n), ix(nc)) = -m.bottomLeftCorner(ix(nc), ix(n)).transpose();
-  const Eigen::VectorXd s = m.partialPivLu().solve(b);
+  const Eigen::PartialPivLU<Eigen::MatrixXd> solver{m};
+  if (nc > 0 && rebuilds_ > 0) {
+    for (std::size_t i = 0; i < n; ++i) b(ix(i)) = m(ix(i), ix(i)) * v_[i];
+    const Eigen::VectorXd v = solver.solve(b);
+    for (std::size_t i = 0; i < n; ++i) v_[i] = v(ix(i));
+  }
+  const auto f = loads_at(time(), q_, v_[2]);
+  for (std::size_t i = 0; i < n; ++i) b(ix(i)) = f[i];
+  for (std::size_t p = 0; p < arms.size(); ++p) {
+    b(ix(n + 2 * p)) = v_[2] * v_[2] * arms[p].x;
+    b(ix(n + 2 * p + 1)) = v_[2] * v_[2] * arms[p].y;
+  }
+  const Eigen::VectorXd s = solver.solve(b);
   a_.assign(s.begin(), s.begin() + static_cast<std::ptrdiff_t>(n));
   for (std::size_t c = 0; c < nc; ++c) pin_force_[c] = s(ix(n + c));
   pull_.assign(n, 0.0);
@@ -79,12 +110,46 @@ FreeMotion::FreeMotion(const BlockOperator& block, Setup setup) : block_{&block}
   }
 }
 
+std::expected<void, MotionError> FreeMotion::rebuild() {
+  const auto u = since_build();
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(ix(u.size()));
+  for (std::size_t k = 0; k < modes_.eigenvalues.size(); ++k) w += v_[3 + k] * view(modes_.shapes).col(ix(k));
+  for (InnerPoint& p : inner_) p.at += inner_state(*block_, p, u).displacement;
+  if (!carried_) carried_.emplace(*block_);
+  auto next = carried_->advance(*block_, u, setup_.rebuilding.build);
+  if (!next) return std::unexpected(RebuildFailed{time(), next.error()});
+  const double turning = block_->inertia() * v_[2];
+  own_ = std::make_unique<BlockOperator>(*std::move(next));
+  block_ = own_.get();
+  for (std::size_t i = 0; i < u.size(); ++i) before_build_[i] += u[i];
+  adopt();
+  const std::size_t nm = modes_.eigenvalues.size();
+  const auto shapes = view(modes_.shapes).transpose();
+  const Eigen::Map<const Eigen::VectorXd> strained{carried_->strained().data(), ix(u.size())};
+  const Eigen::VectorXd forces = shapes * (view(block_->stiffness()) * strained);
+  const Eigen::VectorXd velocity = shapes * (view(block_->mass_matrix()) * w);
+  q_.resize(3 + nm);
+  v_.resize(3 + nm);
+  for (std::size_t k = 0; k < nm; ++k) {
+    q_[3 + k] = 0;
+    v_[3 + k] = velocity(ix(k));
+    internal_[k] = forces(ix(k));
+  }
+  v_[2] = turning / block_->inertia();
+  for (TimedLoad& load : setup_.loads) {
+    if (load.again) load.forces = load.again(*block_);
+  }
+  ++rebuilds_;
+  start();
+  return {};
+}
+
 std::vector<double> FreeMotion::loads_at(double time, const std::vector<double>& q, double spin) const {
   const std::size_t nm = modes_.eigenvalues.size();
   std::vector<double> f(3 + nm, 0.0);
   f[0] = block_->mass() * setup_.gravity.x;
   f[1] = block_->mass() * setup_.gravity.y;
-  for (std::size_t k = 0; k < nm; ++k) f[3 + k] = spin * spin * centrifugal_[k];
+  for (std::size_t k = 0; k < nm; ++k) f[3 + k] = spin * spin * centrifugal_[k] - internal_[k];
   const double angle = q[2];
   for (const TimedLoad& load : setup_.loads) {
     const double factor = load.factor(time);
@@ -210,7 +275,13 @@ std::expected<void, MotionError> FreeMotion::advance() {
   pin_force_ = std::move(force);
   pull_ = std::move(pull);
   ++steps_;
-  return {};
+  if (steep_.empty()) return {};
+  double bound = 0;
+  for (std::size_t k = 0; k < nm; ++k) bound += std::abs(q_[3 + k]) * steep_[k];
+  if (bound <= std::max(seen_, 0.5 * setup_.rebuilding.gradient)) return {};
+  const double steep = steepest(*block_, since_build());
+  seen_ = std::max(seen_, steep);
+  return steep > setup_.rebuilding.gradient ? rebuild() : std::expected<void, MotionError>{};
 }
 
 Vec2 FreeMotion::centroid() const noexcept { return {q_[0], q_[1]}; }
@@ -227,11 +298,19 @@ Vec2 FreeMotion::position(BoundaryPlace place) const {
   return centroid() + rotated(x, q_[2]);
 }
 
+std::vector<double> FreeMotion::since_build() const {
+  return expanded(modes_, std::span{q_}.subspan(3), block_->freedoms());
+}
+
 std::vector<double> FreeMotion::deformation() const {
-  std::vector<double> out(block_->freedoms(), 0.0);
-  for (std::size_t k = 0; k < modes_.eigenvalues.size(); ++k) {
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] += q_[3 + k] * modes_.shapes(i, k);
-  }
+  auto out = since_build();
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] += before_build_[i];
+  return out;
+}
+
+std::vector<double> FreeMotion::strained() const {
+  auto out = since_build();
+  for (std::size_t i = 0; carried_ && i < out.size(); ++i) out[i] += carried_->strained()[i];
   return out;
 }
 
@@ -247,8 +326,9 @@ Energy FreeMotion::energy() const {
   e.kinetic = 0.5 * block_->mass() * (v_[0] * v_[0] + v_[1] * v_[1]) + 0.5 * block_->inertia() * v_[2] * v_[2];
   for (std::size_t k = 0; k < modes_.eigenvalues.size(); ++k) {
     e.kinetic += 0.5 * v_[3 + k] * v_[3 + k];
-    e.elastic += 0.5 * modes_.eigenvalues[k] * q_[3 + k] * q_[3 + k];
+    e.elastic += 0.5 * modes_.eigenvalues[k] * q_[3 + k] * q_[3 + k] + internal_[k] * q_[3 + k];
   }
+  if (carried_) e.elastic += energy_of(*block_, carried_->strained());
   e.gravity = -block_->mass() * dot(setup_.gravity, centroid());
   return e;
 }
@@ -257,6 +337,22 @@ Vec2 FreeMotion::momentum() const noexcept { return block_->mass() * Vec2{v_[0],
 
 double FreeMotion::angular_momentum() const noexcept {
   return block_->inertia() * v_[2] + cross(Vec2{q_[0], q_[1]}, momentum());
+}
+
+std::size_t FreeMotion::follow(Vec2 inside) {
+  CLEAVE_ASSERT(rebuilds_ == 0);
+  inner_.push_back({inside, inside});
+  return inner_.size() - 1;
+}
+
+InnerState FreeMotion::inner(std::size_t point) const {
+  const InnerPoint& p = inner_[point];
+  InnerState out = inner_state(*block_, p, since_build());
+  if (rebuilds_ > 0) {
+    out.displacement += p.at - p.reference;
+    out.stress = inner_state(*block_, p, strained()).stress;
+  }
+  return out;
 }
 
 }  // namespace cleave::bem

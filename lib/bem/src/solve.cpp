@@ -1,6 +1,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/parallel.hpp"
@@ -25,8 +27,17 @@ class Rows {
  public:
   Rows(const System& system, Matrix& a, Eigen::VectorXd& b) : system_{system}, a_{a}, b_{b} {}
 
-  void add(const EquationGroup& group, const Integrator& integrator) const {
-    for (const Equation& q : group.equations) add(q, system_.regions[group.region], group.region, integrator);
+  /// Equations of one region, several at a time.
+  void add(std::span<const EquationGroup> groups, const Integrator& integrator) const {
+    std::vector<const Equation*> equations;
+    for (const EquationGroup& group : groups) {
+      for (const Equation& q : group.equations) equations.push_back(&q);
+    }
+    std::size_t k = 0;
+    for (; k + Integrator::lanes <= equations.size(); k += Integrator::lanes) {
+      add_lanes(std::span{equations}.subspan(k, Integrator::lanes), groups.front().region, integrator);
+    }
+    for (; k < equations.size(); ++k) add_one(*equations[k], groups.front().region, integrator);
   }
 
  private:
@@ -42,35 +53,64 @@ class Rows {
     for (std::uint32_t k = 0; k < u.count; ++k) put(q, u.terms[k].column, m * u.terms[k].direction);
   }
 
-  void add(const Equation& q, const ScaledRegion& region, std::size_t number, const Integrator& integrator) const {
-    const Mesh& mesh = region.mesh;
-    const std::size_t per = mesh.per_element();
-    Mat2 total;
-    ElementIntegrals part;
-    for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
-      std::optional<double> own;
-      for (const Equation::Own& o : q.own) {
-        if (o.element == e) own = o.s;
-      }
-      integrator.integrate(e, q.y, own, part);
-      for (std::size_t k = 0; k < per; ++k) {
-        if (!own) total += part.h[k];
-        const double sign = region.slot_sign[e][k];
-        const Affine& t = system_.traction[region.slot[e][k]];
-        put_constant(q, (-1.0 * part.g[k]) * (sign * t.constant - region.t_particular[e][k]));
-        for (std::uint32_t i = 0; i < t.count; ++i) {
-          put(q, t.terms[i].column, (-sign * part.g[k]) * t.terms[i].direction);
-        }
-        put_displacement(q, region, mesh.elements[e].node[k], part.h[k]);
-      }
+  static std::optional<double> own_of(const Equation& q, std::size_t element) {
+    for (const Equation::Own& o : q.own) {
+      if (o.element == element) return o.s;
     }
-    // u(x) - u(y) in place of u(x): free term, principal value and rigid motions in one identity.
+    return std::nullopt;
+  }
+
+  void put_element(const Equation& q, const ScaledRegion& region, std::size_t e, const ElementIntegrals& part) const {
+    for (std::size_t k = 0; k < region.mesh.per_element(); ++k) {
+      const double sign = region.slot_sign[e][k];
+      const Affine& t = system_.traction[region.slot[e][k]];
+      put_constant(q, (-1.0 * part.g[k]) * (sign * t.constant - region.t_particular[e][k]));
+      for (std::uint32_t i = 0; i < t.count; ++i) {
+        put(q, t.terms[i].column, (-sign * part.g[k]) * t.terms[i].direction);
+      }
+      put_displacement(q, region, region.mesh.elements[e].node[k], part.h[k]);
+    }
+  }
+
+  /// u(x) - u(y) in place of u(x): free term, principal value and rigid motions in one identity.
+  void put_point(const Equation& q, const ScaledRegion& region, std::size_t number, Mat2 total) const {
     Mat2 at = -1.0 * total;
     if (system_.extent != Extent::bounded && number == 0) {
       at.xx += 1;
       at.yy += 1;
     }
     for (const auto& [node, value] : q.at_point) put_displacement(q, region, node, value * at);
+  }
+
+  void add_one(const Equation& q, std::size_t number, const Integrator& integrator) const {
+    const ScaledRegion& region = system_.regions[number];
+    Mat2 total;
+    ElementIntegrals part;
+    for (std::size_t e = 0; e < region.mesh.elements.size(); ++e) {
+      const auto own = own_of(q, e);
+      integrator.integrate(e, q.y, own, part);
+      for (std::size_t k = 0; k < region.mesh.per_element() && !own; ++k) total += part.h[k];
+      put_element(q, region, e, part);
+    }
+    put_point(q, region, number, total);
+  }
+
+  void add_lanes(std::span<const Equation* const> q, std::size_t number, const Integrator& integrator) const {
+    const ScaledRegion& region = system_.regions[number];
+    std::array<Mat2, Integrator::lanes> total{};
+    std::array<Vec2, Integrator::lanes> y;
+    std::array<std::optional<double>, Integrator::lanes> own;
+    std::array<ElementIntegrals, Integrator::lanes> part;
+    for (std::size_t l = 0; l < q.size(); ++l) y[l] = q[l]->y;
+    for (std::size_t e = 0; e < region.mesh.elements.size(); ++e) {
+      for (std::size_t l = 0; l < q.size(); ++l) own[l] = own_of(*q[l], e);
+      integrator.integrate(e, y, own, part);
+      for (std::size_t l = 0; l < q.size(); ++l) {
+        for (std::size_t k = 0; k < region.mesh.per_element() && !own[l]; ++k) total[l] += part[l].h[k];
+        put_element(*q[l], region, e, part[l]);
+      }
+    }
+    for (std::size_t l = 0; l < q.size(); ++l) put_point(*q[l], region, number, total[l]);
   }
 
   const System& system_;
@@ -215,8 +255,18 @@ std::expected<Solution, SolveError> solve(const Problem& problem, const Options&
           options.integration);
     }
     const Rows assemble{system, a, b};
-    parallel_for(system.groups.size(), ThreadLimit{std::max(1U, options.threads)},
-                 [&](std::size_t g) { assemble.add(system.groups[g], integrators[system.groups[g].region]); });
+    // Groups in parcels of one region, the same ones for any number of threads.
+    constexpr std::size_t parcel = 2 * Integrator::lanes;
+    std::vector<std::span<const EquationGroup>> parcels;
+    for (std::size_t from = 0; from < system.groups.size();) {
+      std::size_t to = from + 1;
+      while (to < system.groups.size() && to - from < parcel && system.groups[to].region == system.groups[from].region)
+        ++to;
+      parcels.push_back(std::span{system.groups}.subspan(from, to - from));
+      from = to;
+    }
+    parallel_for(parcels.size(), ThreadLimit{std::max(1U, options.threads)},
+                 [&](std::size_t k) { assemble.add(parcels[k], integrators[parcels[k].front().region]); });
   }
   if (system.free_body) hold(system, a);
 

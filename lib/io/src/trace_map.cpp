@@ -52,14 +52,16 @@ bool add_geometry(const Json& geometry, TraceMap& map, std::size_t& skipped) {
   const Json& c = geometry["coordinates"];
   const auto add_line = [&](const Json& one) {
     auto line = points_of(one);
-    if (line) map.lines.push_back(*std::move(line));
-    return line.has_value();
+    if (!line || line->size() < 2) return false;
+    map.lines.push_back(*std::move(line));
+    return true;
   };
   const auto add_polygon = [&](const Json& rings) {
     if (!rings.is_array() || rings.empty()) return false;
     auto ring = points_of(rings[0]);
     if (!ring) return false;
     if (ring->size() > 1 && ring->front() == ring->back()) ring->pop_back();
+    if (ring->size() < 3) return false;
     if (rings.size() > 1) map.notes.emplace_back("holes of a polygon are left out");
     map.polygons.push_back(*std::move(ring));
     return true;
@@ -164,6 +166,11 @@ std::expected<TraceMap, ReadError> parse_table(std::string_view bytes, std::stri
                                  "give x1, y1, x2, y2, or trace, x, y"));
   }
   std::string last;
+  std::uint32_t begun = 0;  // line of the file
+  const auto one_point = [&] {
+    return std::unexpected(error(name, ReadFault::syntax, begun, "holds a trace of one point",
+                                 "give every trace two rows or more, one behind the other, or remove it"));
+  };
   for (const CsvTable::Row& row : table->rows) {
     const auto value = [&](std::size_t at) { return at < row.cells.size() ? number_of(row.cells[at]) : std::nullopt; };
     const auto a = value(segments ? *x1 : *x), b = value(segments ? *y1 : *y);
@@ -177,10 +184,15 @@ std::expected<TraceMap, ReadError> parse_table(std::string_view bytes, std::stri
       continue;
     }
     const std::string id = *trace < row.cells.size() ? row.cells[*trace] : std::string{};
-    if (map.lines.empty() || id != last) map.lines.emplace_back();
+    if (map.lines.empty() || id != last) {
+      if (!map.lines.empty() && map.lines.back().size() < 2) return one_point();
+      map.lines.emplace_back();
+      begun = row.line;
+    }
     last = id;
     map.lines.back().push_back({*a, *b});
   }
+  if (!map.lines.empty() && map.lines.back().size() < 2) return one_point();
   return map;
 }
 

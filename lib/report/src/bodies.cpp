@@ -1,5 +1,6 @@
 #include "cleave/report/bodies.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -109,7 +110,15 @@ std::string page_data(const scene::BodiesResult& result) {
     append_json_string(out, result.points[p].name);
     out += ",\"u\":";
     append_points(out, result.points[p].displacement, {});
-    out += "}";
+    out += ",\"s\":[";
+    for (std::size_t f = 0; f < result.points[p].stress.size(); ++f) {
+      const bem::Sym2 s = result.points[p].stress[f];
+      for (const double v : {s.xx, s.yy, s.xy}) {
+        if (out.back() != '[') out += ",";
+        short_number(out, v);
+      }
+    }
+    out += "]}";
   }
   out += "],\"energy\":[";
   for (std::size_t f = 0; f < result.energy.size(); ++f) {
@@ -190,6 +199,8 @@ series.forEach((s,i)=>{if(s.p.length>1)o+='<path fill="none" stroke="'+c[i%6]+'"
 el.innerHTML=o+'<text x="'+W/2+'" y="'+(H-6)+'" text-anchor="middle" font-size="12">'+xl+'</text><text transform="translate(13 '+H/2+') rotate(-90)" text-anchor="middle" font-size="12">'+yl+'</text></svg>';}
 const hist=k=>D.points.map(p=>({n:p.name,p:D.times.map((t,i)=>[t,p.u[2*i+k]])}));
 if(D.times.length>1){chart("ux",hist(0),"time (s)","x displacement (m)");chart("uy",hist(1),"time (s)","y displacement (m)");
+const sh=D.points.filter(p=>p.s.length);
+["xx","yy","xy"].forEach((n,k)=>chart("s"+n,sh.map(p=>({n:p.name,p:D.times.map((t,i)=>[t,p.s[3*i+k]])})),"time (s)","stress "+n+" (Pa)"));
 chart("energy",["kinetic","elastic","gravity"].map((n,k)=>({n:n,p:D.times.map((t,i)=>[t,D.energy[i][k]])})),"time (s)","energy (J/m)");}
 chart("trials",[{n:"",p:D.trials.filter(t=>t[1]>0&&t[2]>0).map(t=>[t[1],t[2]])}],"time (s)","estimated error",true);
 draw();
@@ -230,6 +241,10 @@ std::string bodies_summary_json(const scene::BodiesResult& result) {
       json.member("imbalance", body.imbalance);
     }
     if (body.error) json.member("estimated_error", *body.error);
+    if (result.steps > 0) {
+      json.member("rebuilds", static_cast<std::uint64_t>(body.rebuilds));
+      json.member("strain_since_build", body.strain_since_build);
+    }
     json.end_object();
   }
   json.end_array();
@@ -239,6 +254,13 @@ std::string bodies_summary_json(const scene::BodiesResult& result) {
     json.begin_object();
     json.member("name", point.name);
     write_pair(json, "displacement", point.displacement.empty() ? Vec2{} : point.displacement.back());
+    if (!point.stress.empty()) {
+      json.key("stress");
+      json.begin_array();
+      const bem::Sym2 s = point.stress.back();
+      for (const double v : {s.xx, s.yy, s.xy}) json.value(v);
+      json.end_array();
+    }
     json.end_object();
   }
   json.end_array();
@@ -260,14 +282,18 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
                           : "The run <strong>stopped</strong>: " + escape_xml(result.stopped_why) + ".";
   out += " Largest displacement " + display(result.largest_displacement) + " m";
   if (result.steps > 0) out += ", " + display_count(result.steps) + " steps";
+  const bool moving = result.steps > 0;
   out += ".</p>\n<div class=\"wide-table\"><table>\n" +
          table_row({"body", "elements", "unknowns", "largest displacement (m)", "rotation (°)", "estimated error",
-                    "condition", "method"},
+                    moving ? "rebuilds" : "condition", "method"},
                    true);
   for (const scene::BodyResult& body : result.bodies) {
     out += table_row({escape_xml(body.name), display_count(body.elements), display_count(body.unknowns),
                       display(body.largest), display(body.rotation * 180 / std::numbers::pi),
-                      body.error ? display(*body.error, 2) : "–", body.condition > 0 ? display(body.condition, 2) : "–",
+                      body.error ? display(*body.error, 2) : "–",
+                      moving               ? display_count(body.rebuilds)
+                      : body.condition > 0 ? display(body.condition, 2)
+                                           : "–",
                       escape_xml(body.method)});
   }
   out +=
@@ -299,14 +325,22 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
   if (result.times.size() > 1) {
     out += "<section><h2>Histories</h2>\n";
     if (!result.points.empty()) out += "<div id=\"ux\"></div><div id=\"uy\"></div>\n";
-    out += "<div id=\"energy\"></div>\n</section>\n";
+    out += "<div id=\"energy\"></div>\n";
+    if (std::ranges::any_of(result.points, [](const auto& p) { return !p.stress.empty(); }))
+      out += "<div id=\"sxx\"></div><div id=\"syy\"></div><div id=\"sxy\"></div>\n";
+    out += "</section>\n";
   }
   if (!result.points.empty()) {
     out += "<section><h2>Points</h2>\n<table>\n" +
-           table_row({"point", "x (m)", "y (m)", "u<sub>x</sub> (m)", "u<sub>y</sub> (m)"}, true);
+           table_row({"point", "x (m)", "y (m)", "u<sub>x</sub> (m)", "u<sub>y</sub> (m)", "xx (Pa)", "yy (Pa)",
+                      "xy (Pa)"},
+                     true);
     for (const scene::PointResult& p : result.points) {
       const Vec2 u = p.displacement.empty() ? Vec2{} : p.displacement.back();
-      out += table_row({escape_xml(p.name), display(p.at.x), display(p.at.y), display(u.x, 6), display(u.y, 6)});
+      out += table_row({escape_xml(p.name), display(p.at.x), display(p.at.y), display(u.x, 6), display(u.y, 6),
+                        p.stress.empty() ? "–" : display(p.stress.back().xx, 6),
+                        p.stress.empty() ? "–" : display(p.stress.back().yy, 6),
+                        p.stress.empty() ? "–" : display(p.stress.back().xy, 6)});
     }
     out += "</table>\n</section>\n";
   }
@@ -391,12 +425,17 @@ std::string bodies_vtu(const scene::BodiesResult& result, std::size_t frame) {
 }
 
 std::string bodies_points_csv(const scene::BodiesResult& result) {
-  std::string out = "time_s,point,x_m,y_m,displacement_x_m,displacement_y_m\n";
+  std::string out = "time_s,point,x_m,y_m,displacement_x_m,displacement_y_m,stress_xx_pa,stress_yy_pa,stress_xy_pa\n";
   for (std::size_t f = 0; f < result.times.size(); ++f) {
     for (const scene::PointResult& p : result.points) {
       if (f >= p.displacement.size()) continue;
       out += number(result.times[f]) + "," + csv_field(p.name) + "," + number(p.at.x) + "," + number(p.at.y) + "," +
-             number(p.displacement[f].x) + "," + number(p.displacement[f].y) + "\n";
+             number(p.displacement[f].x) + "," + number(p.displacement[f].y);
+      if (f < p.stress.size()) {
+        out += "," + number(p.stress[f].xx) + "," + number(p.stress[f].yy) + "," + number(p.stress[f].xy) + "\n";
+      } else {
+        out += ",,,\n";
+      }
     }
   }
   return out;

@@ -17,6 +17,7 @@ struct Point2 {
 [[nodiscard]] inline int turn(Point2 a, Point2 b, Point2 c) noexcept {
   const double left = (a.u - c.u) * (b.v - c.v);
   const double right = (a.v - c.v) * (b.u - c.u);
+  if (left == 0 && right == 0) return 0;  // along an axis: differences that are zero are so exactly
   const double det = left - right;
   // 3 + 16 eps times eps, eps = 2^-53 (Shewchuk 1997, ccwerrboundA).
   const double bound = 3.3306690738754716e-16 * (std::abs(left) + std::abs(right));

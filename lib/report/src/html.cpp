@@ -52,8 +52,8 @@ std::string cards(const Page& page) {
 
 std::string view_section(const Page& page, std::string& view_json) {
   if (page.complex == nullptr) return {};
-  const View3d view = pack_view(*page.complex, page.analysis, view_budget_bytes, page.support);
-  view_json = view.json;
+  View3d view = pack_view(*page.complex, page.analysis, view_budget_bytes, page.support);
+  view_json = std::move(view.json);
   std::string out =
       "<section id=\"view\"><h2>Blocks in three dimensions</h2>\n<div class=\"stage\">\n<div id=\"scene\">";
   out += "<div id=\"still\">" + still_picture(*page.complex, page.analysis) + "</div>";
@@ -363,7 +363,9 @@ std::string report_html(const Page& page) {
   out += "</main>\n<footer>Made by cleave " CLEAVE_VERSION
          ". The 3D view uses three.js (MIT licence, the three.js authors).</footer>\n";
   if (!view_json.empty()) {
-    out += "<script type=\"application/json\" id=\"data\">\n" + view_json + "</script>\n<script>\n";
+    out += "<script type=\"application/json\" id=\"data\">\n";
+    out = std::move(view_json.insert(0, out));  // the long text has room for the page around it
+    out += "</script>\n<script>\n";
     append(out, assets::three());
     out += "\n</script>\n<script>\n";
     append(out, assets::orbit_controls());

@@ -58,6 +58,13 @@ void JsonWriter::value(std::string_view text) {
   append_json_string(out_, text);
 }
 
+void JsonWriter::base64(std::span<const std::byte> bytes) {
+  separate();
+  out_ += '"';
+  append_base64(out_, bytes);
+  out_ += '"';
+}
+
 void JsonWriter::value(double number) {
   if (!std::isfinite(number)) return null();
   separate();

@@ -21,7 +21,23 @@ bool passes_a_vertex_twice(const std::vector<std::uint32_t>& loop) {
   return std::ranges::adjacent_find(sorted) != sorted.end();
 }
 
+/// The loops of a face by vertex number.
+void read_loops(const topology::BlockComplex& complex, const topology::Face& face, FaceLoops& loops) {
+  const auto all = complex.loops(face);
+  loops.resize(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    loops[i].clear();
+    for (const topology::VertexId v : all[i]) loops[i].push_back(v.value());
+  }
+}
+
 }  // namespace
+
+void append_triangles(const topology::BlockComplex& complex, const topology::Face& face,
+                      std::span<const geometry::Vec3> points, FaceLoops& loops, std::vector<Triangle>& triangles) {
+  read_loops(complex, face, loops);
+  report::append_triangles(loops, points, face.outward, triangles);
+}
 
 std::vector<Polygon> surface_of(const topology::BlockComplex& complex, topology::BlockId block,
                                 std::span<const geometry::Vec3> points, bool triangles_only) {
@@ -30,13 +46,7 @@ std::vector<Polygon> surface_of(const topology::BlockComplex& complex, topology:
   std::uint32_t number = 0;
   for (const topology::FaceId id : complex.blocks()[block].faces) {
     const topology::Face& face = complex.faces()[id];
-    loops.clear();
-    for (const auto& loop : complex.loops(face)) {
-      std::vector<std::uint32_t> corners;
-      corners.reserve(loop.size());
-      for (const topology::VertexId v : loop) corners.push_back(v.value());
-      loops.push_back(std::move(corners));
-    }
+    read_loops(complex, face, loops);
     const bool simple = loops.size() == 1 && !passes_a_vertex_twice(loops.front());
     if (simple && (!triangles_only || loops.front().size() == 3)) {
       polygons.push_back({.corners = std::move(loops.front()), .outward = face.outward, .face = number});

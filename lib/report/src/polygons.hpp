@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cleave/geometry/vec3.hpp"
+#include "cleave/report/triangulate.hpp"
 #include "cleave/topology/block_complex.hpp"
 
 namespace cleave::report::detail {
@@ -20,6 +21,11 @@ struct Polygon {
 /// With `triangles_only` every polygon is a triangle.
 [[nodiscard]] std::vector<Polygon> surface_of(const topology::BlockComplex& complex, topology::BlockId block,
                                               std::span<const geometry::Vec3> points, bool triangles_only);
+
+/// The triangles of one face of a block, as `surface_of` has them, put behind those that are there. `loops` is room to
+/// work in, kept from face to face.
+void append_triangles(const topology::BlockComplex& complex, const topology::Face& face,
+                      std::span<const geometry::Vec3> points, FaceLoops& loops, std::vector<Triangle>& triangles);
 
 /// Doubles points so that every edge is used once in each direction. `points` grows by the doubles.
 void separate_pinches(std::vector<Polygon>& polygons, std::vector<geometry::Vec3>& points);

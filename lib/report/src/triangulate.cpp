@@ -1,6 +1,7 @@
 #include "cleave/report/triangulate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -302,17 +303,59 @@ std::vector<Region> regions_of(std::span<const Loop> loops, std::span<const geom
   return regions;
 }
 
+/// Most faces are one convex loop, where every corner is an ear: the same triangles as the clipper's without asking.
+/// False, and nothing done, for any other face.
+bool append_convex(const Loop& loop, std::span<const geometry::Vec3> positions, geometry::Vec3 outward,
+                   std::vector<Triangle>& triangles) {
+  constexpr std::size_t most = 16;
+  const std::size_t count = loop.size();
+  if (count < 3 || count > most) return false;
+  std::array<Point2, most> at;
+  for (std::size_t i = 0; i < count; ++i) at[i] = seen(positions[loop[i]], outward);
+  // Left turns only, once around: directions go from left-to-right to right-to-left and back once.
+  std::size_t reversals = 0;
+  const auto forward = [&](std::size_t i) {
+    const Point2 a = at[i], b = at[(i + 1) % count];
+    return a.u != b.u ? a.u < b.u : a.v < b.v;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t next = (i + 1) % count;
+    if (turn(at[i], at[next], at[(i + 2) % count]) <= 0) return false;
+    if (forward(i) != forward(next)) ++reversals;
+  }
+  if (reversals != 2) return false;
+  std::array<std::size_t, most> previous, next;
+  for (std::size_t i = 0; i < count; ++i) {
+    previous[i] = (i + count - 1) % count;
+    next[i] = (i + 1) % count;
+  }
+  std::size_t n = 0;
+  for (std::size_t left = count; left > 3; --left) {
+    triangles.push_back({loop[previous[n]], loop[n], loop[next[n]]});
+    next[previous[n]] = next[n];
+    previous[next[n]] = previous[n];
+    n = next[next[n]];  // not the neighbour, as in Clipper::clip
+  }
+  triangles.push_back({loop[previous[n]], loop[n], loop[next[n]]});
+  return true;
+}
+
 }  // namespace
 
 std::vector<Triangle> triangulate(std::span<const std::vector<std::uint32_t>> loops,
                                   std::span<const geometry::Vec3> positions, geometry::Vec3 outward) {
-  std::vector<Region> regions = regions_of(loops, positions, outward);
   std::vector<Triangle> triangles;
-  for (const Region& region : regions) {
+  append_triangles(loops, positions, outward, triangles);
+  return triangles;
+}
+
+void append_triangles(std::span<const std::vector<std::uint32_t>> loops, std::span<const geometry::Vec3> positions,
+                      geometry::Vec3 outward, std::vector<Triangle>& triangles) {
+  if (loops.size() == 1 && append_convex(loops.front(), positions, outward, triangles)) return;
+  for (const Region& region : regions_of(loops, positions, outward)) {
     const auto part = Clipper{region, positions, outward}.run();
     triangles.insert(triangles.end(), part.begin(), part.end());
   }
-  return triangles;
 }
 
 }  // namespace cleave::report

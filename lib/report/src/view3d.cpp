@@ -25,9 +25,8 @@ static_assert(std::endian::native == std::endian::little);
 
 template <class T>
 void member_base64(JsonWriter& json, std::string_view name, const std::vector<T>& values) {
-  std::string text;
-  append_base64(text, std::as_bytes(std::span{values}));
-  json.member(name, text);
+  json.key(name);
+  json.base64(std::as_bytes(std::span{values}));
 }
 
 void member_vector(JsonWriter& json, std::string_view name, Vec3 v) {
@@ -117,6 +116,8 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
   constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> number(complex.vertices().size(), unused);
   std::vector<Vec3> points;
+  std::vector<Triangle> of_face;
+  FaceLoops loops;
   std::size_t bytes = 0;
   for (const BlockId id : by_importance(complex, analysis)) {
     bytes += view_bytes(complex, id);
@@ -134,14 +135,18 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
       faces.role.push_back(role_code(complex.faces()[face]));
       faces.triangles.push_back(0);
     }
-    for (const detail::Polygon& triangle : detail::surface_of(complex, id, complex.vertices().items(), true)) {
-      ++faces.triangles[first_face + triangle.face];
-      for (const std::uint32_t vertex : triangle.corners) {
-        if (number[vertex] == unused) {
-          number[vertex] = static_cast<std::uint32_t>(points.size());
-          points.push_back(complex.position(topology::VertexId{vertex}));
+    for (std::size_t f = 0; f < block.faces.size(); ++f) {
+      of_face.clear();
+      detail::append_triangles(complex, complex.faces()[block.faces[f]], complex.vertices().items(), loops, of_face);
+      faces.triangles[first_face + f] = static_cast<std::uint32_t>(of_face.size());
+      for (const Triangle& triangle : of_face) {
+        for (const std::uint32_t vertex : triangle) {
+          if (number[vertex] == unused) {
+            number[vertex] = static_cast<std::uint32_t>(points.size());
+            points.push_back(complex.position(topology::VertexId{vertex}));
+          }
+          triangles.push_back(number[vertex]);
         }
-        triangles.push_back(number[vertex]);
       }
     }
     ++view.shown;
@@ -166,6 +171,7 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
   }
 
   JsonWriter json;
+  json.reserve(std::min(bytes, budget) + 1'500'000);  // and the page around it
   json.begin_object();
   json.member("total", std::uint64_t{view.total});
   member_vector(json, "low", low);

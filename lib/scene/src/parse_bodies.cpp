@@ -261,8 +261,10 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, bem::Plan
   const auto young = own_young ? own_young : defaults.young;
   const auto poisson = own_poisson ? own_poisson : defaults.poisson;
   const double density = own_density.value_or(defaults.density);
-  if (!young && !body.has("young")) body.missing("young", "give Young's modulus in Pa here or in [rock], say 60e9");
-  if (!poisson && !body.has("poisson")) body.missing("poisson", "give Poisson's ratio here or in [rock], say 0.25");
+  if (!young && !body.has("young") && !defaults.young_given)
+    body.missing("young", "give Young's modulus in Pa here or in [rock], say 60e9");
+  if (!poisson && !body.has("poisson") && !defaults.poisson_given)
+    body.missing("poisson", "give Poisson's ratio here or in [rock], say 0.25");
   if (moving && !(density > 0)) body.error("density", "a moving body needs a density above 0", "give kg/m3, say 2700");
   auto material = bem::Material::make(pascals(young.value_or(1)), poisson.value_or(0.25),
                                       kilograms_per_cubic_metre(density), plane);

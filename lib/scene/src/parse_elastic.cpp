@@ -19,8 +19,8 @@ constexpr NumberRule any_time{0, false, 1e12, false, " s"};
 void parse_elastic_time(const TableReader& elastic, BodiesScene& scene) {
   const TomlTable* found = elastic.table("time");
   if (found == nullptr) return;
-  constexpr std::array<string_view, 9> keys{"end",   "step",    "scheme", "rho",  "beta",
-                                            "gamma", "damping", "frames", "modes"};
+  constexpr std::array<string_view, 11> keys{"end",     "step",   "scheme", "rho",     "beta",    "gamma",
+                                             "damping", "frames", "modes",  "rebuild", "estimate"};
   constexpr std::array<string_view, 4> schemes{"generalized_alpha", "newmark", "houbolt", "backward_euler"};
   const TableReader table{*found, elastic.line_of("time"), elastic.path_of("time"), elastic.problems(), keys};
   TimeSettings time;
@@ -47,18 +47,23 @@ void parse_elastic_time(const TableReader& elastic, BodiesScene& scene) {
   }
   time.frames = static_cast<std::size_t>(table.integer("frames", 1, 2000).value_or(60));
   time.modes = static_cast<std::size_t>(table.integer("modes", 0, 1000).value_or(40));
+  time.rebuild = table.number("rebuild", {0, false, 1, false, ""}).value_or(time.rebuild);
+  time.estimate = table.boolean("estimate").value_or(time.estimate);
   scene.time = time;
 }
 
 void parse_elastic_points(const TableReader& elastic, BodiesScene& scene) {
   const auto points = elastic.tables("points");
-  constexpr std::array<string_view, 3> point_keys{"name", "at", "body"};
+  constexpr std::array<string_view, 4> point_keys{"name", "at", "body", "stress"};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto table = reader(*points[i], fmt::format("elastic.points[{}]", i + 1), elastic.problems(), point_keys);
     const auto at = pair(table, "at", rule::coordinate);
     if (!table.has("at")) table.missing("at", "write at = [x, y]");
     if (!at) continue;
-    PointSpec point{.name = table.text("name").value_or(fmt::format("point {}", i + 1)), .at = *at, .body = 0};
+    PointSpec point{.name = table.text("name").value_or(fmt::format("point {}", i + 1)),
+                    .at = *at,
+                    .body = 0,
+                    .stress = table.boolean("stress").value_or(false)};
     const auto wanted = table.text("body");
     bool known = false;
     for (std::size_t b = 0; b < scene.bodies.size() && !known; ++b) {

@@ -76,6 +76,8 @@ RockDefaults parse_rock_defaults(const TableReader& root) {
   out.density = table.number("density", body_density_rule).value_or(out.density);
   out.young = table.number("young", young_rule);
   out.poisson = table.number("poisson", poisson_rule);
+  out.young_given = table.has("young");
+  out.poisson_given = table.has("poisson");
   return out;
 }
 

@@ -41,6 +41,7 @@ inline constexpr NumberRule body_density_rule{0, false, 1e5, false, " kg/m3"};
 struct RockDefaults {
   std::optional<double> young, poisson;
   double density = 2700;
+  bool young_given = false, poisson_given = false;  ///< rightly or wrongly (then reported there)
 };
 [[nodiscard]] RockDefaults parse_rock_defaults(const TableReader& root);
 

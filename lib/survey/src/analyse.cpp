@@ -209,6 +209,7 @@ class Analysis final {
 
   void lines(std::size_t k) {
     SetResult& set = out_.sets[k];
+    if (set.joints == 0) return;  // it has no mean
     std::size_t joints = 0;
     double normal_length = 0, area_length = 0;
     for (const LineSurvey& line : in_.lines) {
@@ -252,6 +253,7 @@ class Analysis final {
     std::vector<SeenLength> lengths;
     double sine_area = 0, area = 0, truncation = 0;
     Chords sum{0, 0, shape_area(set.shape), 0};
+    const bool oriented = set.joints > 0 || set.orientation_stated;
     for (std::size_t w = 0; w < in_.windows.size(); ++w) {
       std::vector<SeenTrace> own;
       for (std::size_t i = 0; i < seen_[w].size(); ++i) {
@@ -269,7 +271,9 @@ class Analysis final {
       counts.push_back(count(in_.windows[w].window, own));
       if (own.empty() && counts.back().width == 0) counts.back().width = width_across(in_.windows[w].window, {1, 0});
       const double a = counts.back().area;
-      sine_area += a * mean_plane_sine(set.orientation.mean, set.orientation.kappa, in_.windows[w].normal);
+      if (oriented) {
+        sine_area += a * mean_plane_sine(set.orientation.mean, set.orientation.kappa, in_.windows[w].normal);
+      }
       area += a;
     }
     set.traces = lengths.size();
@@ -284,7 +288,7 @@ class Analysis final {
           truncation));
     }
     const WindowCounts all = pooled(counts);
-    const double sine = set.joints > 0 || set.orientation_stated ? sine_area / area : 1;
+    const double sine = oriented ? sine_area / area : 1;
     set.p20 = p20(all, in_.confidence);
     set.p21 = p21(all, in_.confidence);
     set.mean_length = mean_length(all, in_.confidence);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <expected>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -38,6 +39,22 @@ struct BoundaryPlace {
   double s = 0;
 };
 
+/// Inner shape functions: product of the distances to the sides times x^i y^j, i + j < degree; each moves along x and
+/// along y.
+struct Bubbles {
+  std::vector<std::pair<Vec2, Vec2>> sides;  ///< a point of the side, its inward normal over `size`
+  std::size_t degree = 0;
+  double size = 1;  ///< m
+
+  struct Value {
+    double value;
+    Vec2 slope;  ///< 1/m
+  };
+  [[nodiscard]] std::size_t count() const noexcept { return degree * (degree + 1) / 2; }
+  /// At a point of the undeformed body, in its frame.
+  void evaluate(Vec2 at, std::vector<Value>& out) const;
+};
+
 /// Stiffness and mass of one elastic body in its own frame, symmetric by construction.
 ///
 /// Stiffness: symmetric Galerkin boundary elements (Sirtori 1979; Bonnet, Maier and Polizzotto 1998), K = D + B^T V^-1
@@ -54,6 +71,11 @@ class BlockOperator final {
                                                                      const Material& material,
                                                                      const BlockOptions& options);
 
+  /// The operator of this body in the shape that `freedoms` give it: stiffness of the deformed outline, mass and
+  /// bubbles of the material as they were, inertia of the new places. Same nodes and elements.
+  [[nodiscard]] std::expected<BlockOperator, BlockError> deformed(const std::vector<double>& freedoms,
+                                                                  const BlockOptions& options) const;
+
   [[nodiscard]] const Mesh& mesh() const noexcept { return mesh_; }  ///< metres, in the body's frame
   [[nodiscard]] Vec2 centroid() const noexcept { return centroid_; }
   [[nodiscard]] double mass() const noexcept { return mass_; }        ///< kg/m
@@ -65,6 +87,7 @@ class BlockOperator final {
   [[nodiscard]] const DenseMatrix& mass_matrix() const noexcept { return mass_matrix_; }
   /// Element-wise traction (Pa) of boundary displacements: rows element, local node, component.
   [[nodiscard]] const DenseMatrix& traction_of() const noexcept { return traction_of_; }
+  [[nodiscard]] const Bubbles& bubbles() const noexcept { return bubbles_; }
   [[nodiscard]] const Material& material() const noexcept { return material_; }
   /// Nodal forces (N/m) of element-wise tractions (Pa).
   [[nodiscard]] std::vector<double> forces_of(const std::vector<std::array<Vec2, 3>>& tractions) const;
@@ -83,6 +106,7 @@ class BlockOperator final {
   double mass_ = 0, inertia_ = 0, area_ = 0;
   Material material_;
   DenseMatrix stiffness_, mass_matrix_, traction_of_;
+  Bubbles bubbles_;
 };
 
 /// Natural vibrations: phi^T M phi = 1, eigenvalues ascending, rad^2/s^2.

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +30,8 @@ class JsonWriter final {
     literal(std::to_string(count));
   }
   void null() { literal("null"); }
+  /// The bytes as one string of base64.
+  void base64(std::span<const std::byte> bytes);
 
   void member(std::string_view name, const auto& content) {
     key(name);
@@ -36,6 +40,8 @@ class JsonWriter final {
 
   /// The text, ending with a line feed. All objects and arrays must be closed.
   [[nodiscard]] std::string finish() &&;
+  /// Room for that many bytes in all, to spare copies of long texts.
+  void reserve(std::size_t bytes) { out_.reserve(bytes); }
 
  private:
   struct Level {

@@ -61,6 +61,7 @@ struct PointSpec {
   std::string name;
   bem::Vec2 at;
   std::size_t body = 0;
+  bool stress = false;  ///< its history is asked for
 };
 
 struct TimeSettings {
@@ -70,6 +71,8 @@ struct TimeSettings {
   bem::Damping damping;
   std::size_t frames = 60;  ///< pictures kept
   std::size_t modes = 40;   ///< of free bodies
+  double rebuild = 0.02;    ///< change of the boundary's tangent at which operators are rebuilt; 0: never
+  bool estimate = true;     ///< of the error, by a run half as fine
 };
 
 struct BodiesScene {
@@ -119,7 +122,11 @@ struct BodyResult {
   std::vector<StressCell> cells;
   std::size_t elements = 0, unknowns = 0;
   double condition = 0, residual = 0, imbalance = 0, largest = 0;
-  std::optional<double> error;  ///< estimate, relative
+  /// Estimate, relative: static, the change to a mesh of half the elements; moving, to a run of half the elements and
+  /// modes and twice the step, largest over nodes and frames.
+  std::optional<double> error;
+  std::size_t rebuilds = 0;       ///< moving
+  double strain_since_build = 0;  ///< moving: largest change of the boundary's tangent since an operator was built
   std::string method;
 };
 
@@ -127,6 +134,7 @@ struct PointResult {
   std::string name;
   bem::Vec2 at;
   std::vector<bem::Vec2> displacement;  ///< a frame
+  std::vector<bem::Sym2> stress;        ///< a frame, where asked for, in the world's axes, Pa
 };
 
 /// Cost against error of the meshes tried (static scenes with a tolerance, or the picture of the report).

@@ -1,0 +1,7 @@
+/// Any bytes as a polygon file of dfnWorks: surfaces or an error, never a crash; line ends do not matter.
+
+#include "cleave/io/surfaces.hpp"
+#include "fuzz_target.hpp"
+#include "surfaces_check.hpp"
+
+CLEAVE_FUZZ_TARGET(bytes) { cleave::fuzz::check_reader(bytes, cleave::io::parse_dfnworks_polygons); }

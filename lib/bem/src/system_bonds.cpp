@@ -1,0 +1,139 @@
+#include "system_builder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "system_parts.hpp"
+
+namespace cleave::bem {
+namespace {
+
+std::uint32_t u32(std::size_t value) { return static_cast<std::uint32_t>(value); }
+
+}  // namespace
+
+std::optional<SolveError> SystemBuilder::bond() {
+  // Conditions by loop and side as meshed (loops may have been turned).
+  const bool exterior = problem_.extent != Extent::bounded;
+  for (std::size_t r = 0; r < problem_.regions.size(); ++r) {
+    auto checked = check_loops(problem_.regions[r].loops, exterior && r == 0);
+    std::vector<std::vector<std::size_t>> of_region;
+    for (const Loop& loop : checked->loops) {
+      std::vector<std::size_t> sides;
+      for (const Side& side : loop) sides.push_back(side.condition);
+      of_region.push_back(std::move(sides));
+    }
+    side_condition_.push_back(std::move(of_region));
+  }
+  std::vector<std::size_t> first(system_.regions.size());
+  std::size_t total = 0;
+  for (std::size_t r = 0; r < system_.regions.size(); ++r) {
+    first[r] = total;
+    total += system_.regions[r].mesh.nodes.size();
+  }
+  std::vector<std::size_t> parent(total);
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  const auto find = [&](std::size_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  struct Glued {
+    std::size_t region, element;
+  };
+  std::vector<Glued> glued;
+  for (std::size_t r = 0; r < system_.regions.size(); ++r) {
+    for (std::size_t e = 0; e < system_.regions[r].mesh.elements.size(); ++e) {
+      if (condition_of(r, system_.regions[r].mesh.elements[e]).bonded) glued.push_back({r, e});
+    }
+  }
+  partner_.resize(system_.regions.size());
+  for (std::size_t r = 0; r < system_.regions.size(); ++r) {
+    partner_[r].assign(system_.regions[r].mesh.elements.size(), std::nullopt);
+  }
+  for (const Glued& a : glued) {
+    if (partner_[a.region][a.element]) continue;
+    const Element& ea = system_.regions[a.region].mesh.elements[a.element];
+    for (const Glued& b : glued) {
+      if (b.region <= a.region || partner_[b.region][b.element]) continue;
+      const Element& eb = system_.regions[b.region].mesh.elements[b.element];
+      const double close = 1e-7 * norm(ea.c1);
+      if (norm(ea.at(-1) - eb.at(1)) < close && norm(ea.at(1) - eb.at(-1)) < close && norm(ea.c0 - eb.c0) < close) {
+        partner_[a.region][a.element] = {u32(b.region), u32(b.element)};
+        partner_[b.region][b.element] = {u32(a.region), u32(a.element)};
+        const std::size_t per = system_.regions[a.region].mesh.per_element();
+        for (std::size_t k = 0; k < per; ++k) {
+          parent[find(first[a.region] + ea.node[k])] = find(first[b.region] + eb.node[per - 1 - k]);
+        }
+        break;
+      }
+    }
+    if (!partner_[a.region][a.element]) return UnbondedSide{a.region, ea.loop, ea.side};
+  }
+  std::vector<std::uint32_t> number(total, UINT32_MAX);
+  std::uint32_t next = 0;
+  for (std::size_t r = 0; r < system_.regions.size(); ++r) {
+    for (std::size_t n = 0; n < system_.regions[r].mesh.nodes.size(); ++n) {
+      std::uint32_t& id = number[find(first[r] + n)];
+      if (id == UINT32_MAX) id = next++;
+      system_.regions[r].global[n] = id;
+    }
+  }
+  system_.displacement.resize(next);
+  groups_of_.resize(next);
+  return std::nullopt;
+}
+
+/// Rigid motions that no support feels, by the Gram matrix of what supports see of them.
+std::optional<SolveError> SystemBuilder::check_supports() {
+  if (problem_.extent != Extent::bounded) return std::nullopt;
+  // Bonded regions hold each other; regions that hang together are one body.
+  std::vector<std::size_t> body(system_.regions.size());
+  std::iota(body.begin(), body.end(), std::size_t{0});
+  const auto find = [&](std::size_t i) {
+    while (body[i] != i) i = body[i];
+    return i;
+  };
+  for (std::size_t r = 0; r < partner_.size(); ++r) {
+    for (const auto& p : partner_[r]) {
+      if (p) body[find(r)] = find(p->first);
+    }
+  }
+  for (std::size_t root = 0; root < system_.regions.size(); ++root) {
+    if (find(root) != root) continue;
+    std::vector<std::array<double, 3>> rows;
+    for (const SideGroup& g : groups_) {
+      if (find(g.region) != root || g.condition->bonded) continue;
+      const auto axes = g.axes();
+      const Vec2 x = 4 * system_.regions[g.region].mesh.nodes[g.node].x;  // about 1 at the body's ends
+      for (std::size_t k = 0; k < 2; ++k) {
+        const Component& c = g.condition->component[k];
+        if (c.given == Given::displacement || (c.given == Given::spring && c.stiffness > 0)) {
+          rows.push_back({axes[k].x, axes[k].y, cross(x, axes[k])});
+        }
+      }
+    }
+    const auto motions = free_motions(rows);
+    if (motions.empty()) continue;
+    if (options_.restrain && motions.size() == 3 && system_.regions.size() == 1) {
+      system_.free_body = true;
+      balance();
+      continue;
+    }
+    FreeMotions error;
+    for (const auto& m : motions) {
+      if (std::abs(m[2]) < 1e-6) {
+        error.motions.push_back(fmt::format("translation along ({:.3g}, {:.3g})", m[0] + 0.0, m[1] + 0.0));
+      } else {
+        const Vec2 pole = system_.origin + (system_.scale / 4) * Vec2{-m[1] / m[2], m[0] / m[2]};
+        error.motions.push_back(fmt::format("rotation about ({:.4g}, {:.4g})", pole.x, pole.y));
+      }
+    }
+    return error;
+  }
+  return std::nullopt;
+}
+
+}  // namespace cleave::bem

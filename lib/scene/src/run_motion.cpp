@@ -1,0 +1,364 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "body_runs.hpp"
+#include "cleave/bem/boundary_stress.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using bem::Vec2;
+
+/// A body in motion, whichever way it moves.
+struct Mover {
+  std::unique_ptr<bem::BlockOperator> block;
+  std::unique_ptr<bem::Vibration> vibration;
+  std::unique_ptr<bem::FreeMotion> free;
+
+  [[nodiscard]] std::expected<void, bem::MotionError> advance() const {
+    return vibration ? vibration->advance() : free->advance();
+  }
+  [[nodiscard]] Vec2 position(bem::BoundaryPlace place) const {
+    if (free) return free->position(place);
+    return block->centroid() + block->mesh().elements[place.element].at(place.s) + vibration->displacement_at(place);
+  }
+  [[nodiscard]] std::size_t follow(Vec2 at) const {
+    const Vec2 own = at - block->centroid();
+    return free ? free->follow(own) : vibration->follow(own);
+  }
+  [[nodiscard]] double angle() const { return free ? free->rotation() : 0; }
+  [[nodiscard]] Vec2 centre() const { return free ? free->centroid() : block->centroid(); }
+  [[nodiscard]] const bem::BlockOperator& now() const { return free ? free->block() : vibration->block(); }
+  [[nodiscard]] std::vector<double> strained() const { return free ? free->strained() : vibration->strained(); }
+  [[nodiscard]] std::size_t rebuilds() const { return free ? free->rebuilds() : vibration->rebuilds(); }
+  [[nodiscard]] double steepest() const { return free ? free->steepest_seen() : vibration->steepest_seen(); }
+};
+
+/// Stress in axes that the body has turned by `angle`.
+bem::Sym2 in_world(bem::Sym2 own, double angle) {
+  const double c = std::cos(angle), d = std::sin(angle);
+  return {c * c * own.xx - 2 * c * d * own.xy + d * d * own.yy, c * d * (own.xx - own.yy) + (c * c - d * d) * own.xy,
+          d * d * own.xx + 2 * c * d * own.xy + c * c * own.yy};
+}
+
+/// Nodal forces of a load on the body as it is now.
+std::vector<double> forces_of(const bem::BlockOperator& block, const BodySpec& spec, const BodyLoadSpec& load) {
+  const bem::Mesh& mesh = block.mesh();
+  if (load.sides.empty()) {
+    std::vector<double> f(block.freedoms(), 0.0);
+    block.add_point_force(block.place(load.at - block.centroid()), load.force, f);
+    return f;
+  }
+  std::vector<std::array<Vec2, 3>> t(mesh.elements.size());
+  const auto local = bem::local_nodes(mesh.order);
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+    const std::size_t side = spec.region.loops[mesh.elements[e].loop][mesh.elements[e].side].condition;
+    if (std::ranges::find(load.sides, side) == load.sides.end()) continue;
+    for (std::size_t a = 0; a < local.size(); ++a) {
+      t[e][a] = load.traction - load.pressure * mesh.elements[e].normal(local[a]);
+    }
+  }
+  return block.forces_of(t);
+}
+
+/// How finely: the run itself, or the one its error is estimated from (half as many elements and modes, twice the
+/// step).
+struct Fineness {
+  bool coarse = false;
+  [[nodiscard]] double step(const TimeSettings& time) const { return coarse ? 2 * time.step : time.step; }
+};
+
+std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned threads, Fineness fineness,
+                              Mover& mover) {
+  const BodySpec& spec = scene.bodies[b];
+  const TimeSettings& time = *scene.time;
+  std::vector<bem::Loop> loops = spec.region.loops;
+  bem::BlockOptions options;
+  options.mesh = scene.options.mesh;
+  options.threads = threads;
+  options.mesh.order =
+      scene.options.mesh.order == bem::Order::constant ? bem::Order::quadratic : scene.options.mesh.order;
+  if (options.mesh.element <= 0) {
+    Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
+    for (const bem::Side& side : spec.region.loops.front()) {
+      low = {std::min(low.x, side.start.x), std::min(low.y, side.start.y)};
+      high = {std::max(high.x, side.start.x), std::max(high.y, side.start.y)};
+    }
+    // Two elements on the shorter side are enough for the lowest vibrations.
+    options.mesh.element = std::max(high.x - low.x, high.y - low.y) / 4;
+  }
+  if (fineness.coarse) {
+    options.mesh.element *= 2;
+    options.mesh.arc_degrees *= 2;
+    for (bem::Loop& loop : loops) {
+      for (bem::Side& side : loop) side.elements = (side.elements + 1) / 2;
+    }
+  }
+  auto made = bem::BlockOperator::make(loops, spec.region.material, options);
+  if (!made) return problem_of(scene, b, describe(made.error()));
+  mover.block = std::make_unique<bem::BlockOperator>(*std::move(made));
+  const bem::BlockOperator& block = *mover.block;
+  std::vector<bem::TimedLoad> loads;
+  const bem::Mesh& mesh = block.mesh();
+  const auto side_number = [&](const bem::Element& e) { return spec.region.loops[e.loop][e.side].condition; };
+  for (const BodyLoadSpec& load : spec.loads) {
+    bem::TimedLoad timed{forces_of(block, spec, load), load.time, load.follows, {}};
+    if (load.follows && !load.sides.empty()) {
+      timed.again = [&spec, load](const bem::BlockOperator& now) { return forces_of(now, spec, load); };
+    }
+    loads.push_back(std::move(timed));
+  }
+  const bem::Rebuilding rebuilding{time.rebuild, options};
+  if (!spec.held) {
+    bem::FreeMotion::Setup setup{
+        .scheme = time.scheme,
+        .step = fineness.step(time),
+        .modes =
+            fineness.coarse ? std::max<std::size_t>(std::min<std::size_t>(time.modes, 6), time.modes / 2) : time.modes,
+        .gravity = scene.gravity,
+        .damping = time.damping,
+        .loads = std::move(loads),
+        .pins = {},
+        .velocity = spec.velocity,
+        .spin = spec.spin,
+        .rebuilding = rebuilding};
+    for (const Vec2 pin : spec.pins) {
+      const bem::BoundaryPlace place = block.place(pin - block.centroid());
+      const Vec2 on = block.centroid() + mesh.elements[place.element].at(place.s);
+      if (norm(on - pin) > 1e-3 * std::sqrt(block.area())) {
+        return problem_of(scene, b, fmt::format("the pin at ({:.6g}, {:.6g}) is not on the boundary", pin.x, pin.y));
+      }
+      setup.pins.push_back({place, on});
+    }
+    mover.free = std::make_unique<bem::FreeMotion>(block, std::move(setup));
+    return std::nullopt;
+  }
+  std::vector<bem::HeldFreedom> held;
+  std::vector<bem::NodeSpring> springs;
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+    for (const bem::Use& use : mesh.nodes[n].uses) {
+      const bem::Element& e = mesh.elements[use.element];
+      const bem::Condition& c = spec.region.conditions[side_number(e)];
+      const Vec2 normal = e.normal(bem::local_nodes(mesh.order)[use.local]);
+      const auto axes = c.axes == bem::Axes::normal
+                            ? std::array{bem::rotated(normal, c.turn), bem::rotated(bem::turned_left(normal), c.turn)}
+                            : std::array{bem::rotated({1, 0}, c.turn), bem::rotated({0, 1}, c.turn)};
+      for (std::size_t k = 0; k < 2; ++k) {
+        if (c.component[k].given == bem::Given::displacement) held.push_back({n, axes[k]});
+        if (c.component[k].given == bem::Given::spring) {
+          // Lumped by the node's share of the element.
+          const double share = mesh.order == bem::Order::quadratic ? (use.local == 1 ? 2.0 / 3 : 1.0 / 6) : 0.5;
+          springs.push_back({n, axes[k], c.component[k].stiffness * share * 2 * norm(e.c1)});
+        }
+      }
+    }
+  }
+  if (!(scene.gravity == Vec2{})) {
+    loads.push_back({block.forces_of_acceleration(scene.gravity), [](double) { return 1.0; }, false, {}});
+  }
+  mover.vibration = std::make_unique<bem::Vibration>(block, bem::supported_modes(block, held, springs), time.scheme,
+                                                     fineness.step(time), time.damping, std::move(loads));
+  mover.vibration->rebuild_by(rebuilding, held, springs);
+  if (!(spec.velocity == Vec2{}) || spec.spin != 0) {
+    std::vector<double> v(block.freedoms(), 0.0);
+    for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+      const Vec2 w = spec.velocity + spec.spin * bem::turned_left(mesh.nodes[n].x);
+      v[2 * n] = w.x;
+      v[2 * n + 1] = w.y;
+    }
+    mover.vibration->set_velocity(v);
+  }
+  return std::nullopt;
+}
+
+/// Where the nodes of the run's meshes are in a run with half as fine a mesh and twice the step, at every second step
+/// of those that are recorded: [record][body][node]. Empty when that run fails.
+using Track = std::vector<std::vector<std::vector<Vec2>>>;
+Track coarse_track(const BodiesScene& scene, unsigned threads, const std::vector<Mover>& fine, std::uint64_t steps,
+                   std::uint64_t every) {
+  std::vector<Mover> movers(scene.bodies.size());
+  std::vector<std::vector<bem::BoundaryPlace>> places(movers.size());
+  for (std::size_t b = 0; b < movers.size(); ++b) {
+    if (set_up(scene, b, threads, {.coarse = true}, movers[b])) return {};
+    for (const bem::Node& node : fine[b].block->mesh().nodes) places[b].push_back(movers[b].block->place(node.x));
+  }
+  Track track;
+  for (std::uint64_t step = 2; step <= steps; step += 2) {
+    for (const Mover& m : movers) {
+      if (!m.advance()) return {};
+    }
+    if (step % every != 0) continue;
+    auto& record = track.emplace_back(movers.size());
+    for (std::size_t b = 0; b < movers.size(); ++b) {
+      for (const bem::BoundaryPlace place : places[b]) record[b].push_back(movers[b].position(place));
+    }
+  }
+  return track;
+}
+
+}  // namespace
+
+std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, BodiesResult& result,
+                                  Progress& progress) {
+  const TimeSettings& time = *scene.time;
+  std::vector<Mover> movers(scene.bodies.size());
+  result.bodies.resize(scene.bodies.size());
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    if (auto wrong = set_up(scene, b, threads, {}, movers[b])) return wrong;
+    const bem::BlockOperator& block = *movers[b].block;
+    BodyResult& body = result.bodies[b];
+    body.name = scene.bodies[b].name;
+    body.method = movers[b].free ? "floating frame, symmetric Galerkin modes" : "symmetric Galerkin modes";
+    body.elements = block.mesh().elements.size();
+    body.unknowns = block.freedoms();
+    body.outline = along<Vec2>(
+        block.mesh(), [&](std::size_t e, double s) { return block.centroid() + block.mesh().elements[e].at(s); });
+  }
+  /// Points on the boundary are places of it; others are followed inside.
+  struct Followed {
+    std::optional<std::size_t> inner;
+    bem::BoundaryPlace place;
+  };
+  std::vector<Followed> followed;
+  for (const PointSpec& point : scene.points) {
+    const Mover& m = movers[point.body];
+    const bem::BlockOperator& block = *m.block;
+    const bem::BoundaryPlace place = block.place(point.at - block.centroid());
+    const Vec2 on = block.centroid() + block.mesh().elements[place.element].at(place.s);
+    const bool inside = norm(on - point.at) > 1e-3 * std::sqrt(block.area());
+    followed.push_back({inside ? std::optional{m.follow(point.at)} : std::nullopt, place});
+    result.points.push_back({point.name, inside ? point.at : on, {}, {}});
+  }
+  const auto steps = static_cast<std::uint64_t>(std::llround(time.end / time.step));
+  const std::uint64_t every = std::max<std::uint64_t>(1, steps / time.frames);
+  // The mean stretch of steps that both runs share.
+  const std::uint64_t shared = every % 2 == 0 ? every : 2 * every;
+  Track track;
+  if (time.estimate && steps >= 4) {
+    track = coarse_track(scene, threads, movers, steps, shared);
+    if (track.empty()) result.notes.push_back("the error could not be estimated: a run half as fine fails");
+  }
+  std::vector<double> differ(movers.size(), 0.0), moved(movers.size(), 0.0);
+  const auto compare = [&](std::uint64_t step) {
+    if (step == 0 || step % shared != 0 || step / shared > track.size()) return;
+    const auto& record = track[step / shared - 1];
+    for (std::size_t b = 0; b < movers.size(); ++b) {
+      const bem::Mesh& mesh = movers[b].block->mesh();
+      for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+        const bem::Use use = mesh.nodes[n].uses.front();
+        const bem::BoundaryPlace place{use.element, bem::local_nodes(mesh.order)[use.local]};
+        const Vec2 x = movers[b].position(place);
+        differ[b] = std::max(differ[b], norm(x - record[b][n]));
+        moved[b] = std::max(moved[b], norm(x - movers[b].block->centroid() - mesh.nodes[n].x));
+      }
+    }
+  };
+  // Stress costs a product with a dense matrix a frame: only for a picture that shows it.
+  const bool stressed = scene.stress && (scene.output.report || scene.output.vtu);
+  const auto record_stress = [&](const Mover& m, BodyResult& body) {
+    const auto u = m.strained();
+    const auto tractions = bem::tractions_of(m.now(), u);
+    const auto at = [&](std::size_t e, double s) {
+      return in_world(bem::boundary_stress(m.now(), {e, s}, u, tractions), m.angle());
+    };
+    body.stress_frames.push_back(along<bem::Sym2>(m.now().mesh(), at));
+    body.mises_frames.push_back(along<double>(m.now().mesh(), [&](std::size_t e, double s) {
+      const bem::Sym2 v = at(e, s);
+      const double z = m.block->material().out_of_plane(v);
+      return std::sqrt(0.5 * (std::pow(v.xx - v.yy, 2) + std::pow(v.yy - z, 2) + std::pow(z - v.xx, 2)) +
+                       3 * v.xy * v.xy);
+    }));
+  };
+  const auto record = [&](std::uint64_t step) {
+    result.times.push_back(static_cast<double>(step) * time.step);
+    std::array<double, 3> energy{};
+    for (std::size_t b = 0; b < movers.size(); ++b) {
+      const Mover& m = movers[b];
+      const bem::Mesh& mesh = m.block->mesh();
+      BodyResult& body = result.bodies[b];
+      body.frames.push_back(along<Vec2>(mesh, [&](std::size_t e, double s) { return m.position({e, s}); }));
+      if (stressed) record_stress(m, body);
+      if (m.free) {
+        body.centroid = m.free->centroid();
+        body.rotation = m.free->rotation();
+        const bem::Energy now = m.free->energy();
+        energy[0] += now.kinetic;
+        energy[1] += now.elastic;
+        energy[2] += now.gravity;
+      } else {
+        const auto u = m.vibration->displacement();
+        Vec2 mean;
+        double turn = 0, weight = 0;
+        for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+          const Vec2 v{u[2 * n], u[2 * n + 1]};
+          mean += v / static_cast<double>(mesh.nodes.size());
+          turn += cross(mesh.nodes[n].x, v);
+          weight += dot(mesh.nodes[n].x, mesh.nodes[n].x);
+        }
+        body.centroid = m.block->centroid() + mean;
+        body.rotation = turn / weight;
+        energy[0] += m.vibration->kinetic_energy();
+        energy[1] += m.vibration->elastic_energy();
+      }
+      for (std::size_t l = 0; l < body.outline.size(); ++l) {
+        for (std::size_t k = 0; k < body.outline[l].size(); ++k) {
+          body.largest = std::max(body.largest, norm(body.frames.back()[l][k] - body.outline[l][k]));
+        }
+      }
+      result.largest_displacement = std::max(result.largest_displacement, body.largest);
+    }
+    for (std::size_t p = 0; p < followed.size(); ++p) {
+      const Mover& m = movers[scene.points[p].body];
+      PointResult& out = result.points[p];
+      if (followed[p].inner) {
+        const bem::InnerState state =
+            m.free ? m.free->inner(*followed[p].inner) : m.vibration->inner(*followed[p].inner);
+        const Vec2 own = out.at - m.block->centroid() + state.displacement;
+        out.displacement.push_back(m.centre() + bem::rotated(own, m.angle()) - out.at);
+        if (scene.points[p].stress) out.stress.push_back(in_world(state.stress, m.angle()));
+        continue;
+      }
+      out.displacement.push_back(m.position(followed[p].place) - out.at);
+      if (scene.points[p].stress) {
+        const auto u = m.strained();
+        out.stress.push_back(
+            in_world(bem::boundary_stress(m.now(), followed[p].place, u, bem::tractions_of(m.now(), u)), m.angle()));
+      }
+    }
+    result.energy.push_back(energy);
+  };
+  record(0);
+  progress.begin("elastic", steps);
+  for (std::uint64_t step = 1; step <= steps; ++step) {
+    for (std::size_t b = 0; b < movers.size(); ++b) {
+      if (auto done = movers[b].advance(); !done) {
+        result.converged = false;
+        result.stopped_why = fmt::format("{}: {}", scene.bodies[b].name, describe(done.error()));
+        result.steps = step;
+        record(step - 1);
+        return std::nullopt;
+      }
+    }
+    result.steps = step;
+    if (step % every == 0 || step == steps) record(step);
+    compare(step);
+    progress.advance();
+  }
+  for (std::size_t b = 0; b < movers.size(); ++b) {
+    BodyResult& body = result.bodies[b];
+    body.rebuilds = movers[b].rebuilds();
+    body.strain_since_build = movers[b].steepest();
+    if (!track.empty() && moved[b] > 0) body.error = differ[b] / moved[b];
+    if (time.rebuild == 0 && movers[b].free && movers[b].free->relative_deformation() > 1e-2) {
+      result.notes.push_back(
+          fmt::format("{} is deformed by more than a hundredth of its size: the linear operator is at its limit",
+                      scene.bodies[b].name));
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace cleave::scene
