@@ -368,9 +368,9 @@ void add_rebuilding(study::Study& study) {
                            BackwardEuler{},
                            0.1 / w,
                            {.alpha = 2 * w},
-                           {{b.forces_of(end), [](double) { return 1.0; }, false, {}}}};
+                           {{b.forces_of(end), [w](double t) { return std::min(1.0, t * w / 20); }, false, {}}}};
           motion.rebuild_by({gradient, o}, held, {});
-          for (int k = 0; k < 400; ++k) (void)motion.advance();
+          for (int k = 0; k < 500; ++k) (void)motion.advance();
           error = std::abs(-motion.displacement_at(b.place({5, 0})).y / 10 / 0.49346 - 1);
           rebuilds = motion.rebuilds();
         },

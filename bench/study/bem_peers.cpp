@@ -184,6 +184,8 @@ bool run_program(const std::filesystem::path& folder) {
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  // It leaves a file of its own where it runs.
+  posix_spawn_file_actions_addchdir_np(&files, folder.c_str());
   pid_t child = 0;
   const int failed = posix_spawnp(&child, "ccx", &files, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&files);

@@ -92,7 +92,6 @@ TEST(ErrorEstimate, BoundsTheErrorOfTheSuddenlyLoadedBar) {
       most = std::max(most, exact);
     }
     ASSERT_TRUE(r.bodies[0].error.has_value());
-    std::printf("%g %d: true %.4f estimate %.4f\n", step, elements, worst / most, *r.bodies[0].error);
     // An upper figure, and not a wild one.
     EXPECT_GT(*r.bodies[0].error, worst / most);
     EXPECT_LT(*r.bodies[0].error, 10 * worst / most);

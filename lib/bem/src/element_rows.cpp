@@ -80,9 +80,10 @@ Integrator::Integrator(const Mesh& mesh, Medium medium, double tolerance)
     reach_curved_[k] = reach(near_margin + 4);
   }
   table_.reserve(mesh.elements.size() * table_size);
-  for (const Element& e : mesh.elements) {
-    for (const std::size_t n : orders) {
-      const GaussRule& rule = gauss(n);
+  // Order by order: far away all elements take the same one, and what is read then lies together.
+  for (const std::size_t n : orders) {
+    const GaussRule& rule = gauss(n);
+    for (const Element& e : mesh.elements) {
       for (std::size_t k = 0; k < n; ++k) {
         const Vec2 t = e.derivative(rule.s[k]);
         table_.push_back({e.at(rule.s[k]), rule.w[k] * turned_right(t), rule.w[k] * norm(t)});
@@ -340,7 +341,7 @@ void Integrator::integrate(std::size_t element, Vec2 source, std::optional<doubl
   } else if (const std::size_t k = order_at(e, source); k < orders.size()) {
     std::size_t first = 0;
     for (std::size_t i = 0; i < k; ++i) first += orders[i];
-    add_far(e, std::span{table_}.subspan(element * table_size + first, orders[k]),
+    add_far(e, std::span{table_}.subspan(first * mesh_->elements.size() + element * orders[k], orders[k]),
             std::span{shapes_}.subspan(first, orders[k]), source, out);
   } else {
     add_near(e, source, out);
@@ -369,7 +370,7 @@ void Integrator::integrate(std::size_t element, const std::array<Vec2, lanes>& s
   }
   std::size_t first = 0;
   for (std::size_t i = 0; i < k; ++i) first += orders[i];
-  add_far(std::span{table_}.subspan(element * table_size + first, orders[k]),
+  add_far(std::span{table_}.subspan(first * mesh_->elements.size() + element * orders[k], orders[k]),
           std::span{shapes_}.subspan(first, orders[k]), sources, out);
   if (!medium_.surface) return;
   for (std::size_t l = 0; l < lanes; ++l) add_surface(mesh_->elements[element], sources[l], own[l], out[l]);

@@ -79,7 +79,7 @@ class Integrator final {
   double log_tolerance_;                     // ln(1/tolerance)
   std::array<double, 10> reach_straight_{};  // smallest |z|^2 at which orders[k] suffices, real-axis worst case
   std::array<double, 10> reach_curved_{};
-  std::vector<TablePoint> table_;              // table_size an element
+  std::vector<TablePoint> table_;              // order by order, then element by element
   std::vector<std::array<double, 3>> shapes_;  // of the table's points
 };
 
