@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -195,6 +197,37 @@ TEST_F(ContactExamplesTest, RoofFallsBelowAndCarriesItselfAbove) {
   EXPECT_LT(result["energy"]["kinetic_j"].get<double>(), 1e-6 * -result["energy"]["gravity_j"].get<double>());
 }
 
+// Closed joints: at 35 degrees all five layers carry themselves by friction alone, nothing falls; at 5 degrees the roof
+// comes down between its abutments.
+TEST_F(ContactExamplesTest, RoofWithClosedJointsIsAnArchOfFiveLayers) {
+  std::string text = scene("tunnel_roof/tunnel_roof");
+  text.resize(text.find("[[body]]\nname = \"layer 1\""));
+  const auto row = [&](int layer, const std::string& name, double x, double width, int count) {
+    text += fmt::format(
+        "[[body]]\nname = \"{} {}\"\nrectangle = {{ corner = [{}, {}], width = {}, height = 1 }}\nrepeat = {{ count = "
+        "{}, shift = [1.5, 0] }}\n",
+        name, layer, x, 3 + layer, width, count);
+  };
+  for (const int layer : {1, 3, 5}) row(layer, "layer", -9, 1.5, 12);
+  for (const int layer : {2, 4}) {
+    row(layer, "left end of layer", -9, 0.75, 1);
+    row(layer, "layer", -8.25, 1.5, 11);
+    row(layer, "right end of layer", 8.25, 0.75, 1);
+  }
+  const auto stands = ran(with(text, "duration = 2", "duration = 0.3"));
+  EXPECT_LT(stands["max_displacement_m"].get<double>(), 1e-9);
+  double carried = 0;
+  for (const std::string support : {"left abutment", "right abutment"}) {
+    carried -= body(stands, support)["contact_force"][1].get<double>();
+  }
+  EXPECT_NEAR(carried / (5 * 18 * 2600 * 9.81), 1, 1e-6);
+  const double left = body(stands, "left abutment")["contact_force"][0].get<double>();
+  EXPECT_LT(left, -5e5);  // an arch thrusts
+  EXPECT_NEAR(body(stands, "right abutment")["contact_force"][0].get<double>(), -left, 1e-6 * -left);
+  const auto falls = ran(with(with(text, "duration = 2", "duration = 0.3"), "friction = 35", "friction = 5"));
+  for (const std::string layer : {"1", "3", "5"}) EXPECT_LT(at(falls, "layer " + layer)[1], -0.2) << layer;
+}
+
 TEST_F(ContactExamplesTest, ThreadsChangeNoByte) {
   write("s.toml", with(scene("two_layer_beam/two_layer_beam"), "element = 2", "element = 4"));
   ASSERT_EQ(cleave("run s.toml --quiet -o a --threads 1").code, 0);
@@ -214,7 +247,7 @@ TEST_F(ContactExamplesTest, SectionOfBlocksRuns) {
       "[[joint]]\nset = \"bedding\"\nplane = { through = [6, 2, 3], dip = 20, dip_direction = 270 }\n"
       "[[joint]]\nset = \"cross\"\nplane = { through = [5, 2, 3], dip = 70, dip_direction = 90 }\n"
       "[joints.bedding]\nfriction = 10\n[joints.cross]\nfriction = 30\ncohesion = 1000\n"
-      "[stability]\nfree = [\"top\", \"west\"]\n"
+      "[stability]\nfree = [\"top\", \"west\", \"north\", \"south\"]\n"
       "[output]\nreport = false\nsection = [{ through = [0, 2, 0], azimuth = 90 }, { name = \"plan\", level = 6 }]\n");
   const Ended cut = cleave("run rock.toml -o out");
   ASSERT_EQ(cut.code, 0) << cut.err;
@@ -232,7 +265,18 @@ TEST_F(ContactExamplesTest, SectionOfBlocksRuns) {
     moved += b["max_displacement_m"].get<double>() > 0.1 ? 1U : 0U;
   }
   EXPECT_EQ(fixed, 3U);
-  EXPECT_EQ(moved, 1U);                                       // the block upon the bedding slides to the west
+  EXPECT_EQ(moved, 1U);  // the block upon the bedding slides to the west
+  // The horizontal section lies in a plan without gravity: what nothing pushes rests; pushed to the west, what is free
+  // there leaves.
+  const std::string plan = read("out/section_plan.toml");
+  const Ended rests = cleave("run out/section_plan.toml --quiet -o plan");
+  ASSERT_EQ(rests.code, 0) << rests.err;
+  EXPECT_LT(nlohmann::json::parse(read("plan/summary.json"))["contact"]["max_displacement_m"].get<double>(), 1e-12);
+  EXPECT_NE(plan.find("gravity = [0, 0]"), std::string::npos) << plan;
+  const auto west = ran(with(plan, "gravity = [0, 0]", "gravity = [-5, 0]"));
+  std::size_t left = 0;
+  for (const auto& b : west["bodies"]) left += b["max_displacement_m"].get<double>() > 0.1 ? 1U : 0U;
+  EXPECT_EQ(left, 1U);
   ASSERT_EQ(cleave("run rock.toml --quiet -o out").code, 0);  // a result with sections is replaced
 }
 

@@ -188,9 +188,10 @@ BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, b
   return w;
 }
 
-std::optional<RigidForm> World::Impl::rigid_form(const Rows& rows, const Island& island) const {
+std::optional<RigidForm> World::Impl::rigid_form(const Rows& rows, const Island& island, bool stiffened) const {
   RigidForm form;
-  if (std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return shapes[b].modes > 0; })) return std::nullopt;
+  if (!stiffened && std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return shapes[b].modes > 0; }))
+    return std::nullopt;
   std::vector<std::uint32_t> number(size(), RigidForm::ground);
   for (const std::uint32_t b : island.bodies) {
     number[b] = static_cast<std::uint32_t>(form.inverse_mass.size());
@@ -269,13 +270,14 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   const std::size_t m = island.touches.size();
   ContactProblem problem;
   problem.w = delassus(rows, theta, step, false);
-  problem.rigid = rigid_form(rows, island);
+  problem.rigid = rigid_form(rows, island, false);
   problem.b.resize(m);
   problem.mu.resize(m);
   problem.cohesion.resize(m);
   problem.tension.resize(m);
   problem.start.resize(m);
   viscous.resize(m);
+  const std::vector<Vec2> forces = recall(list, island);
   double softest = 0;
   for (const std::size_t at : problem.w.diagonal) softest = std::max(softest, problem.w.values[at].xx);
   for (std::size_t k = 0; k < m; ++k) {
@@ -283,9 +285,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     const JointLaw& law = law_of(touch);
     const Bond* bond = bond_of(touch);
     const double feature = std::min(shapes[touch.i].feature, shapes[touch.j].feature);
-    const auto known = std::ranges::lower_bound(memory, key_of(touch), {}, &Memory::key);
-    const bool warm = known != memory.end() && known->key == key_of(touch);
-    const Vec2 force = warm ? known->force : Vec2{};
+    const Vec2 force = forces[k];
     bem::Mat2& diagonal = problem.w.values[problem.w.diagonal[k]];
     // Clamped on both sides (shapes vanish there but for rounding): nothing can move, no force is felt.
     const bool immovable = diagonal.xx <= 1e-20 * softest || diagonal.yy <= 1e-20 * softest;

@@ -197,6 +197,7 @@ bool FrontalFactor::factorise() {
   const auto size_of_block = static_cast<std::size_t>(w * w);
   std::vector<Eigen::MatrixXd> updates(fronts_.size());
   std::vector<std::uint32_t> local(nodes(), none);
+  std::vector<Eigen::Index> to;  // rows of the front that rows of an update go to
   for (std::size_t f = 0; f < fronts_.size(); ++f) {
     const Front& front = fronts_[f];
     const std::uint32_t pivots = front.last - front.first;
@@ -220,12 +221,14 @@ bool FrontalFactor::factorise() {
     for (const std::uint32_t child : front.children) {
       const std::vector<std::uint32_t>& rows = fronts_[child].rows;
       const Eigen::MatrixXd& update = updates[child];
-      for (std::size_t c = 0; c < rows.size(); ++c) {
-        const Eigen::Index j = w * static_cast<Eigen::Index>(local[rows[c]]);
-        for (std::size_t r = symmetric_ ? c : 0; r < rows.size(); ++r) {
-          const Eigen::Index i = w * static_cast<Eigen::Index>(local[rows[r]]);
-          full.block(i, j, w, w) +=
-              update.block(w * static_cast<Eigen::Index>(r), w * static_cast<Eigen::Index>(c), w, w);
+      to.clear();
+      for (const std::uint32_t row : rows) {
+        for (Eigen::Index k = 0; k < w; ++k) to.push_back(w * static_cast<Eigen::Index>(local[row]) + k);
+      }
+      for (Eigen::Index c = 0; c < update.cols(); ++c) {
+        const Eigen::Index j = to[static_cast<std::size_t>(c)];
+        for (Eigen::Index r = symmetric_ ? c : 0; r < update.rows(); ++r) {
+          full.coeffRef(to[static_cast<std::size_t>(r)], j) += update.coeff(r, c);
         }
       }
       updates[child].resize(0, 0);

@@ -53,7 +53,7 @@ double World::Impl::slow_down(const Island& island, const Rows& rows, double wan
 }
 
 /// Parts penetrating bodies: the least move in the norm of the masses that leaves no gap negative. Positions only.
-void World::Impl::project(Attempt& out) const {
+bool World::Impl::project(Attempt& out) const {
   std::vector<Island> islands = islands_of(out.touches);
   bool moved = false;
   for (Island& island : islands) {
@@ -82,7 +82,12 @@ void World::Impl::project(Attempt& out) const {
       const Touch& t = out.touches[island.touches[k]];
       problem.b.push_back({law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap, 0});
     }
-    const ContactSolution solution = solve(problem, options.solver);
+    problem.rigid = rigid_form(rows, island, true);
+    // A millionth of a penetration may stay; groups that resist are left for the next step.
+    SolverOptions how = options.solver;
+    how.accept = std::max(how.accept, 1e-6);
+    how.patience = std::min<std::size_t>(how.patience, 100);
+    const ContactSolution solution = solve(problem, how);
     if (solution.report.status != ContactReport::Status::converged) continue;  // left for the next step
     State shift;
     shift.v.assign(size(), {});
@@ -127,8 +132,8 @@ void World::Impl::project(Attempt& out) const {
     out.projected += lifted;
     moved = true;
   }
-  if (!moved) return;
-  place_all(out.state, out.corners, out.boxes);
+  if (moved) place_all(out.state, out.corners, out.boxes);
+  return moved;
 }
 
 }  // namespace cleave::dbem

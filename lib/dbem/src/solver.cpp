@@ -11,7 +11,7 @@ namespace cleave::dbem {
 
 std::string_view name_of(Method method) noexcept {
   switch (method) {
-    case Method::none: return "none";
+    case Method::none: return "none needed";
     case Method::open_close: return "open_close";
     case Method::newton: return "newton";
     case Method::continuation: return "continuation";
@@ -52,8 +52,11 @@ struct Tried {
   std::size_t iterations = 0;
 };
 
+/// Groups whose linear solves are dear.
+bool large(const ContactProblem& problem) { return problem.contacts() > 150; }
+
 Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, double tolerance, std::size_t most,
-             std::vector<Vec2> start, std::span<const Vec2> centre = {}) {
+             std::vector<Vec2> start, std::span<const Vec2> centre = {}, double give_up = 1e300) {
   const MapEvaluator evaluator{problem, soft, centre};
   Tried tried{std::move(start)};
   if (tried.p.empty()) tried.p.resize(problem.contacts());
@@ -62,6 +65,9 @@ Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, 
   std::vector<Vec2> rhs, next(problem.contacts());
   evaluator.evaluate(tried.p, map);
   std::size_t caught = 0;
+  const double hopeless = give_up * map.squared;
+  double least = map.squared;
+  std::size_t rounds = 0;
   while (tried.iterations < most) {
     if (evaluator.residual(map, tried.p) <= tolerance) {
       tried.converged = true;
@@ -94,8 +100,39 @@ Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, 
     if (!less) at(++caught % 2 == 1 ? 1.0 : std::max(best_step, 0.1));
     std::swap(tried.p, next);
     std::swap(map, trial);
+    if (map.squared > hopeless) return tried;
+    // About a centre, what goes round in circles is helped by more weight on the centre, not by patience.
+    rounds = map.squared < 0.9 * least ? 0 : rounds + 1;
+    least = std::min(least, map.squared);
+    if (!centre.empty() && large(problem) && rounds >= 8) return tried;
   }
   tried.converged = evaluator.residual(map, tried.p) <= std::max(tolerance, 1e-10);
+  return tried;
+}
+
+/// One linear solve with each contact in the state its force tells: open without one, slipping at the bound, else
+/// stuck. From step to step few states change, while the natural map at the old forces takes many for changed.
+Tried keep_states(PatternSolver& linear, const ContactProblem& problem, double soft = 0) {
+  const std::size_t m = problem.contacts();
+  Tried tried;
+  Pattern pattern{std::vector<std::uint8_t>(m), std::vector<std::uint8_t>(m), std::vector<double>(m)};
+  std::vector<Vec2> rhs(m);
+  for (std::size_t k = 0; k < m; ++k) {
+    const Vec2 p = problem.start[k];
+    const double bound = problem.mu[k] * p.x + problem.cohesion[k];
+    const bool closed = p.x > -problem.tension[k];
+    const bool stuck = closed && bound > 0 && std::abs(p.y) < bound * (1 - 1e-9);
+    const double sense = sign(p.y);
+    pattern.closed[k] = closed ? 1 : 0;
+    pattern.stuck[k] = stuck ? 1 : 0;
+    pattern.q[k] = closed && !stuck ? sense * problem.mu[k] : 0.0;
+    const bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
+    rhs[k].x = closed ? -problem.b[k].x + soft * d.xx * p.x : -problem.tension[k];
+    rhs[k].y = stuck ? -problem.b[k].y + soft * d.yy * p.y : closed ? sense * problem.cohesion[k] : p.y;
+  }
+  tried.p = linear.solve(problem, soft, pattern, rhs);
+  tried.iterations = 1;
+  if (tried.p.empty()) tried.p = problem.start;
   return tried;
 }
 
@@ -163,7 +200,7 @@ Tried open_close(PatternSolver& linear, const ContactProblem& problem, std::size
 Tried continuation(PatternSolver& linear, const ContactProblem& problem, const SolverOptions& options, double factor) {
   Tried tried;
   std::size_t iterations = 0;
-  for (double soft = 1; soft > 1e-9; soft /= factor) {
+  for (double soft = 1; soft > 1e-9 && iterations < options.patience; soft /= factor) {
     Tried stage = newton(linear, problem, soft, 1e-8, 40, std::move(tried.p));
     iterations += stage.iterations;
     tried = std::move(stage);
@@ -196,17 +233,22 @@ void sweep(const ContactProblem& problem, double soft, const std::vector<Vec2>& 
 /// Proximal points: Newton on W + e diag(W) about the last answer, e as small as Newton bears. Forces that equilibrium
 /// leaves open stay where they are instead of swinging, and what equilibrium fixes converges by e / (e + sigma). Inner
 /// answers need be no better than the outer ones (Rockafellar 1976).
-Tried proximal(PatternSolver& linear, const ContactProblem& problem, std::vector<Vec2> start, double enough) {
+Tried proximal(PatternSolver& linear, const ContactProblem& problem, std::vector<Vec2> start, double enough,
+               std::size_t patience) {
   const bool cold = start.empty();
   Tried tried{std::move(start)};
   if (cold) tried.p.resize(problem.contacts());
   std::vector<Vec2> centre = tried.p;
   double best = cold ? 1.0 : natural_residual(problem, tried.p);
   double soft = cold ? 1.0 : std::clamp(1e3 * best, 1e-5, 1e-2);
-  if (cold) sweep(problem, soft, centre, 50, tried.p);
+  if (cold) {
+    sweep(problem, soft, centre, 50, tried.p);
+  } else if (large(problem)) {
+    tried = keep_states(linear, problem, soft);
+  }
   std::size_t stale = 0;
   double least = 1e-7;
-  for (int outer = 0; outer < 60 && stale < 8; ++outer) {
+  for (int outer = 0; outer < 60 && stale < 8 && tried.iterations < patience; ++outer) {
     const double inner = std::clamp(1e-2 * best, 0.1 * enough, 1e-3);
     Tried stage = newton(linear, problem, soft, inner, 40, tried.p, centre);
     tried.iterations += stage.iterations;
@@ -235,16 +277,17 @@ class Cascade final {
   Cascade(PatternSolver& linear, const ContactProblem& problem, const SolverOptions& options)
       : linear_{linear}, problem_{problem}, options_{options} {}
 
-  /// Takes an answer if it is the best so far; true when it is good enough.
+  /// Takes an answer if it is the best so far; true when that is good enough, or patience is at an end.
   bool take(Tried tried, Method method) {
     iterations_ += tried.iterations;
     if (tried.p.size() != problem_.contacts()) return false;
     const double residual = natural_residual(problem_, tried.p);
-    if (std::isnan(residual) || residual >= best_) return false;
-    best_ = residual;
-    method_ = method;
-    p_ = std::move(tried.p);
-    return best_ <= options_.accept;
+    if (!std::isnan(residual) && residual < best_) {
+      best_ = residual;
+      method_ = method;
+      p_ = std::move(tried.p);
+    }
+    return best_ <= options_.accept || iterations_ >= options_.patience;
   }
 
   /// One more try from the best answer found.
@@ -278,7 +321,7 @@ class Cascade final {
 
   void run_all() {
     const bool warm = std::ranges::any_of(problem_.start, [](Vec2 v) { return v.x != 0 || v.y != 0; });
-    const bool large = problem_.contacts() > 150;
+    const bool large = dbem::large(problem_);
     // Linear solves of large groups are not spent on digits far below what is promised.
     const double target = large ? std::max(options_.target, 0.01 * options_.accept) : options_.target;
     const auto from_here = [&](std::vector<Vec2> start, std::size_t most) {
@@ -293,7 +336,7 @@ class Cascade final {
     const double enough = (wanders ? 0.1 : 0.01) * options_.accept;
     if (wanders) {
       if (warm && take(Tried{problem_.start}, Method::newton) && best_ <= enough) return;
-      if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}, enough),
+      if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}, enough, options_.patience),
                Method::continuation)) {
         return;
       }
@@ -301,17 +344,22 @@ class Cascade final {
     } else {
       if (!warm && shi()) return;
       // From a warm start a few iterations do or none will.
-      if (warm && take(from_here(problem_.start, most / 6), Method::newton)) return;
+      if (warm) {
+        Tried kept = keep_states(linear_, problem_);
+        iterations_ += kept.iterations;
+        if (take(newton(linear_, problem_, 0, target, most / 6, std::move(kept.p), {}, 1e4), Method::newton)) return;
+        if (!large && take(from_here(problem_.start, most / 6), Method::newton)) return;
+      }
       if (warm && !large && shi()) return;
       if (!large && take(from_here({}, most / 2), Method::newton)) return;
-      if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}, enough),
+      if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}, enough, options_.patience),
                Method::continuation)) {
         take(from_here(p_, 5), Method::continuation);  // the last digits
         return;
       }
     }
     if (take(from_here({}, most), Method::newton)) return;
-    if (warm && take(proximal(linear_, problem_, {}, enough), Method::continuation)) return;
+    if (warm && take(proximal(linear_, problem_, {}, enough, options_.patience), Method::continuation)) return;
     for (const double factor : {10.0, 3.0, 1.5}) {
       if (take(continuation(linear_, problem_, options_, factor), Method::continuation)) return;
     }

@@ -11,6 +11,9 @@ namespace cleave::dbem {
 
 namespace {
 
+/// Contacts of a group that may be tried for as long as it takes; linear solves a larger one is tried for.
+constexpr std::size_t patient_up_to = 300, patience_of_large = 100;
+
 /// Moves the centre of the regularisation to `found`; false when that changes no velocity that matters.
 bool centre(ContactProblem& problem, const std::vector<Vec2>& found, const std::vector<Vec2>& viscous) {
   double creep = 0, speed = 0;
@@ -33,16 +36,19 @@ bool centre(ContactProblem& problem, const std::vector<Vec2>& found, const std::
 /// Impulses of one group of bodies. Restitution at several contacts at once, or with friction, may ask for more energy
 /// than there is (Kane 1984): then half of it is asked for, and again.
 ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
-                                          const State& free, double step) const {
+                                          const State& free, double step, bool last) const {
   PatternSolver linear;
+  SolverOptions how = options.solver;
+  // What resists in a large group is sooner solved by shorter steps than by all that can be tried.
+  if (!last && island.touches.size() > patient_up_to) how.patience = std::min(how.patience, patience_of_large);
   for (std::size_t iterations = 0;;) {
     std::vector<Vec2> viscous;
     ContactProblem problem = problem_of(list, island, rows, state, free, step, viscous);
-    ContactSolution found = solve_again(problem, options.solver, linear);
+    ContactSolution found = solve_again(problem, how, linear);
     // The regularisation is centred on the forces found, and again, until it moves nothing.
     for (int centring = 0; centring < 4 && found.report.status == ContactReport::Status::converged; ++centring) {
       if (!centre(problem, found.impulse, viscous)) break;
-      ContactSolution again = solve_again(problem, options.solver, linear);
+      ContactSolution again = solve_again(problem, how, linear);
       again.report.iterations += found.report.iterations;
       if (again.report.status == ContactReport::Status::not_converged) break;
       found = std::move(again);
@@ -67,7 +73,7 @@ ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island
   }
 }
 
-std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& out) {
+std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last, Attempt& out) {
   std::vector<Touch> list = touches;
   std::vector<Touch> moved;
   std::vector<Rows> rows;
@@ -115,7 +121,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
     for (std::size_t s = 0; s < out.islands.size(); ++s) {
       Island& island = out.islands[s];
       if (island.theta < 1) rows[s] = rows_of(moved, island, mid);
-      solutions.push_back(solve_island(moved, island, rows[s], free, step));
+      solutions.push_back(solve_island(moved, island, rows[s], free, step, last));
       const ContactReport& report = solutions.back().report;
       if (report.status == ContactReport::Status::not_converged) {
         return Failure{report.residual, "the contact law was not met", 0};
@@ -227,7 +233,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
           out.broken.push_back(at->bond);
         }
       }
-      if (p != Vec2{}) out.memory.push_back({key_of(t), p / step, law.compliance});
+      if (p != Vec2{}) out.memory.push_back({key_of(t), p / step, law.compliance, t.point, t.normal});
       const Touch& at = moved[island.touches[k]];
       out.contacts.push_back({t.i, t.vertex, t.j, t.edge, anchor + at.point, at.normal, t.gap, p.x / step, p.y / step,
                               now.y, contact_state, bond != nullptr});
@@ -273,7 +279,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
       deepest = std::max(deepest, -t.gap / std::min(shapes[t.i].feature, shapes[t.j].feature));
     }
     if (deepest <= contact_depth) break;
-    project(out);
+    if (!project(out)) break;
     double limit_again = 0;
     find(out.state, out.corners, out.boxes, std::max(next_step, step), out.touches, limit_again);
     out.limit = std::min(out.limit, limit_again);
@@ -356,7 +362,7 @@ std::expected<StepReport, StepError> World::step(double at_most) {
   double shortest = step;
   for (int tries = 0;; ++tries) {
     Attempt trial;
-    const std::optional<Impl::Failure> failed = w.attempt(step, trial);
+    const std::optional<Impl::Failure> failed = w.attempt(step, cuts == w.options.cuts, trial);
     if (!failed) {
       trial.report.step = step;
       trial.report.time = w.time + step;

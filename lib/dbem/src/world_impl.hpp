@@ -59,6 +59,7 @@ struct Memory {
   TouchKey key;
   Vec2 force;         // N/m
   double compliance;  // m2/N
+  Vec2 point, normal;
 };
 
 struct Bond {
@@ -167,12 +168,14 @@ struct World::Impl {
   [[nodiscard]] std::vector<Island> islands_of(const std::vector<Touch>& list) const;
   [[nodiscard]] Rows rows_of(const std::vector<Touch>& list, const Island& island, const State& at) const;
   [[nodiscard]] BlockMatrix delassus(const Rows& rows, double theta, double step, bool rigid_only) const;
-  /// Nothing when a body of the group bends.
-  [[nodiscard]] std::optional<RigidForm> rigid_form(const Rows& rows, const Island& island) const;
+  /// Nothing when a body of the group bends and its modes are not left out (`stiffened`).
+  [[nodiscard]] std::optional<RigidForm> rigid_form(const Rows& rows, const Island& island, bool stiffened) const;
   /// Velocity of each contact (n, t) under the velocities of a state.
   [[nodiscard]] Vec2 velocity_of(const Rows& rows, std::size_t contact, const State& at) const;
   void add_impulse(const Rows& rows, std::size_t contact, Vec2 p, double theta, double step, State& at) const;
   [[nodiscard]] double mode_inverse(std::size_t body, std::size_t mode, double theta, double step) const;
+  /// Force of each contact of a group in the step before, 0 where there was none.
+  [[nodiscard]] std::vector<Vec2> recall(const std::vector<Touch>& list, const Island& island) const;
   [[nodiscard]] const Bond* bond_of(const Touch& t) const;
   [[nodiscard]] const JointLaw& law_of(const Touch& t) const;
   [[nodiscard]] ContactProblem problem_of(const std::vector<Touch>& list, const Island& island, const Rows& rows,
@@ -192,14 +195,14 @@ struct World::Impl {
     std::string reason;
     double factor = 0;  // > 0: not a failure; redo with this share of the step
   };
-  [[nodiscard]] std::optional<Failure> attempt(double step, Attempt& out);
+  [[nodiscard]] std::optional<Failure> attempt(double step, bool last, Attempt& out);
   [[nodiscard]] ContactSolution solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
-                                             const State& free, double step) const;
+                                             const State& free, double step, bool last) const;
   std::vector<std::uint8_t> hint;  // steps for which a body's group stays with the implicit rule
   void accept(Attempt&& done);
 
   // parting.cpp
-  void project(Attempt& out) const;
+  bool project(Attempt& out) const;  // false: nothing could be parted
   double slow_down(const Island& island, const Rows& rows, double wanted, State& at) const;
   bool add_missed(const Attempt& out, std::vector<Touch>& list) const;
 

@@ -1,0 +1,52 @@
+#include <algorithm>
+#include <array>
+
+#include "world_impl.hpp"
+
+namespace cleave::dbem {
+
+/// Where a corner meets a corner, or an edge that goes on straight, the pair may be named anew from step to step: the
+/// other body's corner, or the edge before or behind. What it carried is found under those names too, when the line is
+/// the same.
+std::vector<Vec2> World::Impl::recall(const std::vector<Touch>& list, const Island& island) const {
+  const std::size_t m = island.touches.size();
+  std::vector<Vec2> force(m);
+  std::vector<std::uint8_t> used(memory.size()), known(m);
+  const auto find_key = [&](const TouchKey& key) {
+    const auto at = std::ranges::lower_bound(memory, key, {}, &Memory::key);
+    return at != memory.end() && at->key == key ? static_cast<std::size_t>(at - memory.begin()) : memory.size();
+  };
+  for (std::size_t k = 0; k < m; ++k) {
+    const std::size_t at = find_key(key_of(list[island.touches[k]]));
+    if (at == memory.size()) continue;
+    force[k] = memory[at].force;
+    used[at] = known[k] = 1;
+  }
+  const auto next = [&](std::uint32_t corner, std::uint32_t body) {
+    return corner + 1 == corner_count(body) ? 0U : corner + 1;
+  };
+  const auto before = [&](std::uint32_t corner, std::uint32_t body) {
+    return corner == 0 ? static_cast<std::uint32_t>(corner_count(body)) - 1 : corner - 1;
+  };
+  for (std::size_t k = 0; k < m; ++k) {
+    if (known[k] != 0) continue;
+    const Touch& t = list[island.touches[k]];
+    const std::uint32_t corner = t.ratio < 0.5 ? t.edge : next(t.edge, t.j);
+    const std::uint32_t other_edge = t.ratio < 0.5 ? before(t.edge, t.j) : next(t.edge, t.j);
+    const std::array<TouchKey, 3> names{TouchKey{t.i, t.vertex, t.j, other_edge}, TouchKey{t.j, corner, t.i, t.vertex},
+                                        TouchKey{t.j, corner, t.i, before(t.vertex, t.i)}};
+    for (const TouchKey& name : names) {
+      const std::size_t at = find_key(name);
+      if (at == memory.size() || used[at] != 0) continue;
+      const double along = dot(memory[at].normal, t.normal) * (name.i == t.i ? 1 : -1);
+      const double feature = std::min(shapes[t.i].feature, shapes[t.j].feature);
+      if (along < 0.99 || norm(memory[at].point - t.point) > 0.1 * feature) continue;
+      force[k] = memory[at].force;  // of (n, t) turned round together on the other body: the same
+      used[at] = 1;
+      break;
+    }
+  }
+  return force;
+}
+
+}  // namespace cleave::dbem
