@@ -1,9 +1,11 @@
 /// Study "monte_carlo": half width of the 95 % interval against run time. Problems are quantities of a tunnel in three
 /// random sets (three estimates of one design), and the difference of two designs (friction 24 and 28 degrees).
 /// Methods: `plain`; for the difference `independent` (another seed for the second design) and `common` (the same
-/// random numbers: streams are keyed, so the second design sees the same joints). `error` is the relative half width,
-/// `condition` the coefficient of variation of what is averaged. Antithetic draws need a response that rises with every
-/// number drawn; key blocks do not, so there is no such method here.
+/// random numbers: streams are keyed, so the second design sees the same joints); for a random seismic coefficient
+/// `antithetic` (pairs u, 1 - u of its quantile) and `stratified` (eight strata) beside `plain`, on the scene of random
+/// joints (`seismic_random_rock`: support force, where the rock decides and neither helps) and on one rock for all
+/// (`seismic_fixed_rock`, where both do). `error` is the relative half width, `condition` the coefficient of variation
+/// of what is averaged. Antithetic joints would need a response that rises with every number drawn; key blocks do not.
 
 #include <fmt/format.h>
 
@@ -14,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/core/rng.hpp"
 #include "cleave/scene/monte_carlo.hpp"
 #include "cleave/scene/parse.hpp"
 #include "cleave/stochastic/intervals.hpp"
@@ -23,13 +26,14 @@
 namespace cleave {
 namespace {
 
-scene::Scene scene_of(double friction, std::uint64_t seed) {
+scene::Scene scene_of(double friction, std::uint64_t seed, const std::string& more = "") {
   std::string text = fmt::format(
       "schema = 1\nseed = {}\n[domain]\nbox = {{ min = [0, 0, 0], max = [24, 16, 24] }}\n[joints.default]\nfriction = "
       "{}\n[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = {{ shape = \"horseshoe\", width = 6, height = 6 "
       "}}\n"
       "axis = [[12, 0, 12], [12, 16, 12]]\n[output]\nblocks = \"key\"\n[monte_carlo]\nrealizations = 1\n",
       seed, friction);
+  text += more;
   const std::vector<std::pair<int, int>> orientations{{30, 30}, {60, 150}, {70, 270}};
   for (const auto& [dip, direction] : orientations) {
     text += fmt::format(
@@ -69,6 +73,58 @@ struct Curve {
     if (known) points.emplace_back(spent.cpu_s, relative);
   }
 };
+
+/// Random seismic coefficient: its quantile plain, in pairs, in strata. The unit that is averaged is the realization,
+/// the pair, the round of all strata.
+void study_seismic(study::Study& study, bool fixed_rock, std::vector<study::Series>& series) {
+  const std::uint64_t most = study.quick() ? 16 : 512;
+  constexpr std::uint64_t strata = 8;
+  scene::Scene scene = scene_of(28, 1, "[stability]\nseismic = [0.15, 0, 0]\n");
+  const stochastic::Questions questions = questions_of(scene);
+  // A rock in which more blocks fall the harder it shakes: below that the support force is a straight line.
+  std::uint64_t rock = 0;
+  const auto key_blocks = [&](double factor) {
+    scene.monte_carlo->seismic_factor.mean = factor;
+    return make_record(scene, questions, rock).all.count;
+  };
+  while (fixed_rock && rock < 300 && (key_blocks(0.2) == 0 || key_blocks(0.2) == key_blocks(1.8))) ++rock;
+  const std::string problem = fixed_rock ? "seismic_fixed_rock" : "seismic_random_rock";
+  struct Variant {
+    const char* method;
+    std::uint64_t size;  // realizations of a unit
+  };
+  for (const auto& [method, size] : {Variant{"plain", 1}, Variant{"antithetic", 2}, Variant{"stratified", strata}}) {
+    Curve curve{study, problem, method};
+    double sum = 0, u = 0;
+    std::uint64_t next = 8;
+    for (std::uint64_t k = 0; k < most; ++k) {
+      Rng rng{{.seed = 1, .realization = k, .purpose = 0xfffffff0U, .index = 0}};
+      const std::uint64_t part = k % size;
+      if (size == 2) {
+        u = part == 0 ? rng.uniform() : 1 - u;
+      } else {
+        u = (static_cast<double>(part) + rng.uniform()) / static_cast<double>(size);
+      }
+      // Factors from 0 to 2, as [monte_carlo] seismic_factor would draw them.
+      scene.monte_carlo->seismic_factor.mean = 2 * u;
+      stochastic::Record record;
+      const study::Cost cost =
+          study.measure([&] { record = make_record(scene, questions, fixed_rock ? rock : k); }, 0, 1);
+      curve.spent.wall_s += cost.wall_s;
+      curve.spent.cpu_s += cost.cpu_s;
+      curve.spent.peak_mb = std::max(curve.spent.peak_mb, cost.peak_mb);
+      sum += record.all.support_n;
+      if (part + 1 < size) continue;
+      curve.moments.add(sum / static_cast<double>(size));
+      sum = 0;
+      if (k + 1 >= next && curve.moments.count() > 1) {
+        curve.look();
+        next *= 2;
+      }
+    }
+    series.push_back({.name = problem.substr(8) + ", " + method, .points = curve.points, .line = true, .fit = true});
+  }
+}
 
 void study_monte_carlo(study::Study& study) {
   const std::uint64_t most = study.quick() ? 16 : 512;
@@ -123,6 +179,13 @@ void study_monte_carlo(study::Study& study) {
                          .y_label = "relative half width",
                          .series = {{.name = "common", .points = common.points, .line = true, .fit = true},
                                     {.name = "independent", .points = independent.points, .line = true, .fit = true}}});
+  std::vector<study::Series> variants;
+  study_seismic(study, false, variants);
+  study_seismic(study, true, variants);
+  study.plot("seismic", {.title = "random seismic coefficient: antithetic and stratified draws",
+                         .x_label = "processor time (s)",
+                         .y_label = "relative half width",
+                         .series = std::move(variants)});
 }
 
 }  // namespace

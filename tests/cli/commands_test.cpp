@@ -113,19 +113,19 @@ TEST_F(CommandsTest, OutputSettingsLeaveFilesOut) {
 // Only key blocks asked for: less is cut, and what is asked for is the same.
 TEST_F(CommandsTest, KeyBlocksAloneAreThoseOfTheWholeScene) {
   const std::string scene =
-      "schema = 1\nseed = 5\n[domain]\nbox = { min = [0, 0, 0], max = [60, 60, 60] }\n"
+      "schema = 1\nseed = 5\n[domain]\nbox = { min = [0, 0, 0], max = [120, 120, 120] }\n"
       "[[joint_set]]\nname = \"A\"\norientation = { dip = 30, dip_direction = 30, distribution = \"fisher\", kappa = "
       "80 }\n"
-      "shape = \"rectangle\"\nsize = { distribution = \"constant\", mean = 60 }\nintensity = { count = 14 }\n"
+      "shape = \"rectangle\"\nsize = { distribution = \"constant\", mean = 75 }\nintensity = { count = 40 }\n"
       "[[joint_set]]\nname = \"B\"\norientation = { dip = 80, dip_direction = 120, distribution = \"fisher\", kappa = "
       "80 }\n"
-      "shape = \"rectangle\"\nsize = { distribution = \"constant\", mean = 60 }\nintensity = { count = 14 }\n"
+      "shape = \"rectangle\"\nsize = { distribution = \"constant\", mean = 75 }\nintensity = { count = 40 }\n"
       "[[joint_set]]\nname = \"C\"\norientation = { dip = 75, dip_direction = 250, distribution = \"fisher\", kappa = "
       "80 }\n"
-      "shape = \"rectangle\"\nsize = { distribution = \"constant\", mean = 60 }\nintensity = { count = 14 }\n"
+      "shape = \"rectangle\"\nsize = { distribution = \"constant\", mean = 75 }\nintensity = { count = 40 }\n"
       "[joints.default]\nfriction = 20\n"
       "[[excavation]]\nname = \"tunnel\"\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 8 }\n"
-      "axis = [[30, 0, 30], [30, 60, 30]]\n";
+      "axis = [[60, 0, 60], [60, 120, 60]]\n";
   write("all.toml", scene);
   write("key.toml", scene + "[output]\nblocks = \"key\"\n");
   ASSERT_EQ(cleave("run --quiet all.toml -o all").code, 0);

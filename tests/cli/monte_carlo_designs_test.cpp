@@ -16,6 +16,26 @@ class DesignsTest : public ProgramTest {
   [[nodiscard]] json section(const std::string& out) const {
     return json::parse(read(out + "/summary.json"))["monte_carlo"];
   }
+  /// Runs a scene into the folder of its name.
+  void run(const std::string& name, const std::string& text) const {
+    write(name + ".toml", text);
+    const Ended ended = cleave("run " + name + ".toml -o " + name + " --quiet");
+    ASSERT_EQ(ended.code, 0) << name << ": " << ended.err;
+  }
+  [[nodiscard]] double mean_volume(const std::string& out) const {
+    return section(out)["quantities"]["key_block_volume_m3"]["mean"];
+  }
+  void expect_replayed(const std::string& out, int realization) const {
+    const Ended replay = cleave("replay " + out + " --realization " + std::to_string(realization));
+    EXPECT_EQ(replay.code, 0) << replay.err;
+    EXPECT_TRUE(replay.out.contains("is reproduced to the last digit")) << replay.out;
+  }
+  /// Quantities of the comparison of two results.
+  [[nodiscard]] json compared(const std::string& one, const std::string& other) const {
+    const Ended ended = cleave("compare " + one + " " + other + " -o difference.json");
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return json::parse(read("difference.json"))["quantities"];
+  }
   static std::string with_friction_law() {
     std::string text{small_scene};
     text.replace(text.find("friction = 20"), 13, "friction = { distribution = \"uniform\", min = 15, max = 45 }");
@@ -105,21 +125,12 @@ TEST_F(DesignsTest, StopsCountGeometries) {
 // The same joints in each realization, another level of the water: more water, no fewer key blocks on average.
 TEST_F(DesignsTest, WaterLevelsAreDrawnOnceARealization) {
   const std::string mc = "[monte_carlo]\nrealizations = 40\n";
-  write("dry.toml", std::string{small_scene} + mc);
-  write("wet.toml",
-        std::string{small_scene} + "water = { table = { distribution = \"uniform\", min = 0, max = 6 } }\n" + mc);
-  write("high.toml", std::string{small_scene} + "water = { table = 6 }\n" + mc);
-  for (const std::string name : {"dry", "wet", "high"}) {
-    ASSERT_EQ(cleave("run " + name + ".toml -o " + name + " --quiet").code, 0) << name;
-  }
-  const double dry = section("dry")["quantities"]["key_block_volume_m3"]["mean"];
-  const double wet = section("wet")["quantities"]["key_block_volume_m3"]["mean"];
-  const double high = section("high")["quantities"]["key_block_volume_m3"]["mean"];
-  EXPECT_LT(dry, wet);
-  EXPECT_LT(wet, high);
-  const Ended replay = cleave("replay wet --realization 11 -o again");
-  EXPECT_EQ(replay.code, 0) << replay.err;
-  EXPECT_TRUE(replay.out.contains("is reproduced to the last digit")) << replay.out;
+  run("dry", std::string{small_scene} + mc);
+  run("wet", std::string{small_scene} + "water = { table = { distribution = \"uniform\", min = 0, max = 6 } }\n" + mc);
+  run("high", std::string{small_scene} + "water = { table = 6 }\n" + mc);
+  EXPECT_LT(mean_volume("dry"), mean_volume("wet"));
+  EXPECT_LT(mean_volume("wet"), mean_volume("high"));
+  expect_replayed("wet", 11);
   // A single run is realization 0.
   write("one.toml",
         std::string{small_scene} + "water = { table = { distribution = \"normal\", mean = 3, std = 1 } }\n");
@@ -132,21 +143,14 @@ TEST_F(DesignsTest, WaterLevelsAreDrawnOnceARealization) {
 
 TEST_F(DesignsTest, ComparesDesignsOnCommonRandomNumbers) {
   const std::string mc = "[monte_carlo]\nrealizations = 60\n";
-  write("weak.toml", std::string{small_scene} + mc);
   std::string text{small_scene};
   text.replace(text.find("friction = 20"), 13, "friction = 24");
-  write("strong.toml", text + mc);
-  ASSERT_EQ(cleave("run weak.toml -o weak --quiet").code, 0);
-  ASSERT_EQ(cleave("run strong.toml -o strong --quiet").code, 0);
-  const Ended compared = cleave("compare weak strong -o difference.json");
-  ASSERT_EQ(compared.code, 0) << compared.err;
-  EXPECT_TRUE(compared.out.contains("60 pairs")) << compared.out;
-  const json volume = json::parse(read("difference.json"))["quantities"]["key_block_volume_m3"];
+  run("weak", std::string{small_scene} + mc);
+  run("strong", text + mc);
+  const json volume = compared("weak", "strong")["key_block_volume_m3"];
+  EXPECT_EQ(volume["pairs"], 60);
   EXPECT_LE(volume["difference"], 0);  // nothing gets weaker
-  EXPECT_NEAR(volume["difference"].get<double>(),
-              section("strong")["quantities"]["key_block_volume_m3"]["mean"].get<double>() -
-                  section("weak")["quantities"]["key_block_volume_m3"]["mean"].get<double>(),
-              1e-9);
+  EXPECT_NEAR(volume["difference"].get<double>(), mean_volume("strong") - mean_volume("weak"), 1e-9);
   EXPECT_GT(volume["gain"], 3);
   EXPECT_GT(volume["correlation"], 0.5);
   // Other random numbers or no Monte Carlo result: no comparison.
@@ -201,9 +205,7 @@ TEST_F(DesignsTest, OrdersOfExcavationInEveryRealization) {
               1e-9);
   EXPECT_NEAR(orders[0]["share_best"].get<double>() + orders[1]["share_best"].get<double>(), 1, 1e-12);
   EXPECT_TRUE(read("out/report.html").contains("<section id=\"orders\">"));
-  const Ended replay = cleave("replay out --realization 5");
-  EXPECT_EQ(replay.code, 0) << replay.err;
-  EXPECT_TRUE(replay.out.contains("is reproduced to the last digit")) << replay.out;
+  expect_replayed("out", 5);
 }
 
 TEST_F(DesignsTest, SupportDesignsComparedOnTheSameRock) {
@@ -212,23 +214,15 @@ TEST_F(DesignsTest, SupportDesignsComparedOnTheSameRock) {
            spacing + ", " + spacing +
            "]\ntendon = 100e3\nbond = 200e3\nplate = 50e3\nanchorage = 0.2\n[monte_carlo]\nrealizations = 10\n";
   };
-  write("wide.toml", design("3"));
-  write("tight.toml", design("1.2"));
-  for (const std::string name : {"wide", "tight"}) {
-    const Ended run = cleave("run " + name + ".toml -o " + name + " --quiet");
-    ASSERT_EQ(run.code, 0) << run.err;
-  }
+  run("wide", design("3"));
+  run("tight", design("1.2"));
   const json wide = section("wide")["quantities"];
   EXPECT_GT(wide["support_blocks_needing"]["mean"], 0);
   EXPECT_LE(wide["support_blocks_not_held"]["mean"], wide["support_blocks_needing"]["mean"]);
-  const Ended compared = cleave("compare wide tight -o difference.json");
-  ASSERT_EQ(compared.code, 0) << compared.err;
-  const json difference = json::parse(read("difference.json"))["quantities"];
+  const json difference = compared("wide", "tight");
   EXPECT_EQ(difference["support_blocks_needing"]["difference"], 0);
   EXPECT_LT(difference["support_not_held_m3"]["difference"], 0);
-  const Ended replay = cleave("replay wide --realization 3");
-  EXPECT_EQ(replay.code, 0) << replay.err;
-  EXPECT_TRUE(replay.out.contains("is reproduced to the last digit")) << replay.out;
+  expect_replayed("wide", 3);
 }
 
 // Two and three ranks (one hands out work) give the bytes of one process.

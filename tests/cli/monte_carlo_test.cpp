@@ -107,6 +107,26 @@ TEST_F(MonteCarloTest, KilledRunsResumeToTheSameBytes) {
   EXPECT_FALSE(exists("broken/realizations.csv.part"));
 }
 
+// A scene without a title goes by the name of its file, also when only its copy is left.
+TEST_F(MonteCarloTest, MergesAndReplaysKnowTheScenesName) {
+  std::string text = scene("realizations = 6");
+  text.erase(text.find("title"), text.find("[domain]") - text.find("title"));
+  write("untitled.toml", text);
+  for (const std::string k : {"1", "2"}) {
+    ASSERT_EQ(cleave("run untitled.toml -o part" + k + " --shard " + k + "/2 --quiet").code, 0);
+  }
+  fs::remove(path("untitled.toml"));
+  ASSERT_EQ(cleave("merge part1 part2 -o all --quiet").code, 0);
+  for (const std::string out : {"part1", "all"}) {
+    const json summary = json::parse(read(out + "/summary.json"));
+    EXPECT_EQ(summary["title"], "untitled.toml") << out;
+    EXPECT_EQ(summary["scene_file"], "untitled.toml") << out;
+    EXPECT_TRUE(read(out + "/report.html").contains("untitled.toml")) << out;
+  }
+  EXPECT_EQ(cleave("replay all --realization 2 --quiet").code, 0);
+  EXPECT_EQ(json::parse(read("all/realization_2/summary.json"))["title"], "untitled.toml (realization 2)");
+}
+
 TEST_F(MonteCarloTest, InterruptKeepsWhatIsDone) {
   write("s.toml", scene("realizations = 100000"));
   const Ended ended =

@@ -184,5 +184,52 @@ TEST_F(SurveyShapesTest, SimulatedMapsLieBesideTheMeasuredOne) {
   }
 }
 
+// A bent line: each joint is met by the piece it lies on, and only pieces that can meet a set count for it. Sets are
+// cut out of the stereonet by polygons; the map's north is 10 degrees off.
+TEST_F(SurveyShapesTest, BentLinesBoreholesAndPolygonsOnTheNet) {
+  std::string rows = "distance,trend,plunge\n";
+  for (int i = 0; i < 8; ++i) rows += std::to_string(0.5 + i) + ",80,0\n";           // poles to the east
+  for (int i = 0; i < 16; ++i) rows += std::to_string(10.2 + 0.6 * i) + ",350,0\n";  // to the north
+  write("bent.csv", rows);
+  write("hole.csv", "depth,dip,strike\n1,2,20\n2.5,2,200\n4,1,90\n");
+  const json result = survey(
+      "north = 10\n[[scanline]]\nname = \"L\"\npoints = [[0, 0, 0], [10, 0, 0], [10, 10, 0]]\nfile = \"bent.csv\"\n"
+      "[[borehole]]\nname = \"B\"\ntrend = 0\nplunge = 90\nlength = 5\nfile = \"hole.csv\"\n"
+      "[[set]]\nname = \"E\"\npolygon = [[60, 0], [100, 0], [100, 30], [60, 30]]\n"
+      "[[set]]\nname = \"N\"\npolygon = [[330, 0], [10, 0], [10, 30], [330, 30]]\n"
+      "[[set]]\nname = \"flat\"\npolygon = [[0, 60], [90, 60], [180, 60], [270, 60]]\n");
+  ASSERT_EQ(result["sets"].size(), 3U);
+  EXPECT_EQ(result["unassigned"], 0);
+  EXPECT_EQ(result["sets"][0]["joints"], 8);
+  EXPECT_EQ(result["sets"][1]["joints"], 16);
+  EXPECT_EQ(result["sets"][2]["joints"], 3);
+  EXPECT_NEAR(result["sets"][0]["orientation"]["dip"], 90, 1e-6);
+  // Parallel joints: N over the lengths projected on the normal; the hole adds nothing to upright joints.
+  EXPECT_NEAR(result["sets"][0]["p32"]["value"], 0.8, 1e-6);
+  EXPECT_NEAR(result["sets"][1]["p32"]["value"], 1.6, 1e-6);
+  EXPECT_NEAR(result["sets"][2]["p32"]["value"], 0.6, 0.05);
+  EXPECT_NEAR(result["lines"][1]["frequency"]["value"], 0.6, 1e-12);
+}
+
+// Circular windows have estimators of their own.
+TEST_F(SurveyShapesTest, CircularWindowsCountEndsAndCrossings) {
+  // Radius 2 about (5, 5): one trace inside, one with one end, one across.
+  write("t.csv", "x1,y1,x2,y2\n4,5,6,5\n5,5.5,5,9\n0,4,10,4\n");
+  const json window =
+      survey("[[window]]\ntraces = \"t.csv\"\ncircle = { centre = [5, 5], radius = 2 }\n")["windows"][0];
+  EXPECT_EQ(window["ends_2"], 1);
+  EXPECT_EQ(window["ends_1"], 1);
+  EXPECT_EQ(window["ends_0"], 1);
+  EXPECT_EQ(window["crossings"], 3);
+  double p21 = 0, mean = 0;
+  for (const json& e : window["estimates"]) {
+    if (e["method"] == "x/(4R)") p21 = e["value"];
+    if (e["method"] == "(pi R/2) x/m") mean = e["value"];
+  }
+  EXPECT_NEAR(p21, 3.0 / 8, 1e-12);
+  EXPECT_NEAR(mean, std::numbers::pi, 1e-12);
+  EXPECT_NEAR(window["length_inside_m"], 2 + 1.5 + 2 * std::sqrt(3.0), 1e-12);
+}
+
 }  // namespace
 }  // namespace cleave::cli::test

@@ -155,6 +155,14 @@ TEST(OrientationTest, PolygonsOnTheNet) {
   EXPECT_TRUE(pole_inside(line(100, 40), square));
   EXPECT_TRUE(pole_inside(-line(100, 40), square));
   EXPECT_FALSE(pole_inside(line(200, 40), square));
+  // On the rim: level poles, at either end, and those just below it between two corners.
+  const std::vector<Vec3> rim{line(60, 0), line(100, 0), line(100, 30), line(60, 30)};
+  for (const double trend : {65.0, 80.0, 95.0, 245.0, 260.0}) EXPECT_TRUE(pole_inside(line(trend, 0), rim)) << trend;
+  EXPECT_TRUE(pole_inside(line(80, 0.5), rim));
+  EXPECT_TRUE(pole_inside(line(80, 29), rim));
+  EXPECT_FALSE(pole_inside(line(80, 35), rim));
+  EXPECT_FALSE(pole_inside(line(260, 5), rim));
+  for (const double trend : {55.0, 105.0, 170.0}) EXPECT_FALSE(pole_inside(line(trend, 0), rim)) << trend;
 }
 
 TEST(OrientationTest, MeanCosinesByHand) {

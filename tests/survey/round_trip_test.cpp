@@ -223,16 +223,15 @@ TEST(RoundTripTest, CensoredLengthsGiveTheLawBack) {
 // below 0.3 m mapped. The intervals of mean and standard deviation of the diameters cover for every family.
 void expect_diameters_covered(Family family) {
   using dfn::SizeDistribution;
-  const auto size =
-      dfn::SizeLaw::make({.distribution = family == Family::exponential ? SizeDistribution::exponential
-                                          : family == Family::lognormal ? SizeDistribution::lognormal
-                                                                        : SizeDistribution::gamma,
-                          .mean = metres(2),
-                          .std = family == Family::exponential ? std::optional<Length>{} : metres(1),
-                          .exponent = {},
-                          .min = {},
-                          .max = metres(40)})
-          .value();
+  const auto size = dfn::SizeLaw::make({.distribution = family == Family::exponential ? SizeDistribution::exponential
+                                                        : family == Family::lognormal ? SizeDistribution::lognormal
+                                                                                      : SizeDistribution::gamma,
+                                        .mean = metres(2),
+                                        .std = family == Family::exponential ? std::optional<Length>{} : metres(1),
+                                        .exponent = {},
+                                        .min = {},
+                                        .max = metres(40)})
+                        .value();
   const dfn::JointSet set =
       dfn::JointSet::make({dfn::FisherOrientation{Dip::degrees(70), DipDirection::degrees(130), kappa},
                            dfn::Disc{size, 32}, dfn::FixedRotation{}, dfn::P32{2.5}})

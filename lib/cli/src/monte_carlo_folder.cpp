@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -39,6 +41,17 @@ std::expected<std::string, std::string> bytes_of(const fs::path& path) {
 }
 
 std::string copy_name(std::size_t number) { return fmt::format("scene_file_{}", number + 1); }
+
+/// Name of the scene file that a result comes from.
+std::optional<std::string> scene_name_of(const fs::path& result) {
+  const auto text = bytes_of(result / "summary.json");
+  if (!text) return std::nullopt;
+  const auto summary = nlohmann::json::parse(*text, nullptr, false);
+  if (!summary.is_object()) return std::nullopt;
+  const auto name = summary.find("scene_file");
+  if (name == summary.end() || !name->is_string()) return std::nullopt;
+  return name->get<std::string>();
+}
 
 }  // namespace
 
@@ -144,8 +157,8 @@ std::expected<scene::Scene, std::vector<scene::Problem>> load_copied_scene(const
   }
   // Files are asked for in the order in which the scene names them first: that of their copies.
   std::vector<std::string> names;
-  return scene::parse(
-      *text, shown, [&](const std::string& name) -> std::expected<scene::LoadedFile, scene::FileRefusal> {
+  auto scene =
+      scene::parse(*text, shown, [&](const std::string& name) -> std::expected<scene::LoadedFile, scene::FileRefusal> {
         const auto known = std::ranges::find(names, name);
         const auto number = static_cast<std::size_t>(known - names.begin());
         if (known == names.end()) names.push_back(name);
@@ -154,6 +167,12 @@ std::expected<scene::Scene, std::vector<scene::Problem>> load_copied_scene(const
           return std::unexpected(scene::FileRefusal{bytes.error(), "the result is not whole: run the scene again"});
         return scene::LoadedFile{*std::move(bytes), name};
       });
+  // The copy has another name than the scene had, which is its title where it states none.
+  if (const auto name = scene_name_of(result); scene && name) {
+    if (scene->title == scene->file_name) scene->title = *name;
+    scene->file_name = *name;
+  }
+  return scene;
 }
 
 }  // namespace cleave::cli

@@ -256,6 +256,7 @@ std::string monte_carlo_json(const MonteCarloPage& page) {
   JsonWriter json;
   json.begin_object();
   write_summary_head(json, page.summary);
+  json.member("scene_file", page.scene_file);
   write_section(json, page);
   json.end_object();
   return std::move(json).finish();

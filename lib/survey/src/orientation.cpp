@@ -321,17 +321,28 @@ Clustering cluster(std::span<const Vec3> normals, std::span<const double> weight
 }
 
 bool pole_inside(Vec3 normal, std::span<const Vec3> polygon) {
-  const auto flat = [](Vec3 v) {
-    if (v.z > 0) v = -v;
-    return std::array{v.x / (1 - v.z), v.y / (1 - v.z)};
+  constexpr double level = 1e-6;
+  const auto flat = [](Vec3 v) { return std::array{v.x / (1 - v.z), v.y / (1 - v.z)}; };
+  // Corners on the rim are taken beyond it: what lies on the rim between two of them is inside, not cut off by a chord.
+  const auto corner = [&](std::size_t i) {
+    const Vec3 v = polygon[i];
+    if (std::abs(v.z) < level) return std::array{2 * v.x, 2 * v.y};
+    return flat(v.z > 0 ? -v : v);
   };
-  const auto p = flat(normal);
-  bool inside = false;
-  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    const auto a = flat(polygon[i]), b = flat(polygon[j]);
-    if ((a[1] > p[1]) != (b[1] > p[1]) && p[0] < (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1]) + a[0]) inside = !inside;
-  }
-  return inside;
+  const auto holds = [&](std::array<double, 2> p) {
+    bool inside = false;
+    for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+      const auto one = corner(i), two = corner(j);
+      if ((one[1] > p[1]) != (two[1] > p[1]) &&
+          p[0] < (two[0] - one[0]) * (p[1] - one[1]) / (two[1] - one[1]) + one[0]) {
+        inside = !inside;
+      }
+    }
+    return inside;
+  };
+  // A level pole has two ends on the rim.
+  if (std::abs(normal.z) < level) return holds({normal.x, normal.y}) || holds({-normal.x, -normal.y});
+  return holds(flat(normal.z > 0 ? -normal : normal));
 }
 
 double mean_line_cosine(Vec3 mean, double kappa, Vec3 line) {

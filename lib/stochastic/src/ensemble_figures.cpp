@@ -1,0 +1,267 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "cleave/stochastic/ensemble.hpp"
+#include "number.hpp"
+
+/// What an ensemble says of the realizations it has seen.
+namespace cleave::stochastic {
+namespace {
+
+constexpr std::uint32_t resamples = 2000;
+
+std::vector<SizePoint> size_points(const std::vector<PairMoments>& below) {
+  std::vector<SizePoint> points;
+  for (std::size_t bin = 0; bin < below.size(); ++bin) {
+    if (!below[bin].has_ratio()) return {};
+    const double share = below[bin].ratio();
+    if (share <= 0) continue;
+    points.push_back({SizeHistogram::edge(bin + 1), share, below[bin].ratio_standard_error()});
+    if (share >= 1) break;
+  }
+  return points;
+}
+
+}  // namespace
+
+Estimate Ensemble::estimate(std::string name, const Moments& m, Method method) const {
+  const double skewness = m.skewness();
+  Estimate e{.name = std::move(name),
+             .method = method,
+             .realizations = m.count(),
+             .mean = m.mean(),
+             .standard_error = m.standard_error(),
+             .low = m.mean(),
+             .high = m.mean(),
+             .std = m.std(),
+             .skewness = skewness,
+             .smallest = m.smallest(),
+             .largest = m.largest(),
+             .optimistic = m.count() >= 3 && std::abs(skewness) / std::sqrt(number(m.count())) > 0.2,
+             .bootstrap = {}};
+  if (m.count() >= 2) {
+    const Interval t = t_interval(e.mean, e.standard_error, m.count(), options_.confidence);
+    e.low = t.low;
+    e.high = t.high;
+  }
+  return e;
+}
+
+/// Hits over realizations; a running mean would be off by rounding.
+double Ensemble::probability_of(const Moments& hits) const {
+  const double m = number(options_.strengths_per_geometry);
+  return std::round(hits.mean() * number(units_) * m) / (number(units_) * m);
+}
+
+/// Of the mean of 0 and 1: exact where realizations are independent; else with the effective sample size, which lies
+/// between the number of geometries and that of realizations.
+Interval Ensemble::probability_interval(const Moments& hits) const {
+  const std::uint64_t m = options_.strengths_per_geometry;
+  if (m == 1) {
+    const auto k = static_cast<std::uint64_t>(std::llround(hits.mean() * number(units_)));
+    return clopper_pearson(k, units_, options_.confidence);
+  }
+  const double p = std::clamp(hits.mean(), 0.0, 1.0), se = hits.standard_error();
+  const double effective =
+      se > 0 ? std::clamp(p * (1 - p) / (se * se), number(units_), number(units_ * m)) : number(units_);
+  return clopper_pearson_effective(p, effective, options_.confidence);
+}
+
+void Ensemble::add_orders(Figures& figures) const {
+  for (const OrderMoments& order : orders_) {
+    figures.orders.push_back(
+        {.key_blocks = estimate("key_blocks", order.count, Method::mean),
+         .key_m3 = estimate("key_m3", order.volume, Method::mean),
+         .key_blocks_minus_first = estimate("key_blocks_minus_first", order.count_difference, Method::mean),
+         .key_m3_minus_first = estimate("key_m3_minus_first", order.volume_difference, Method::mean),
+         .share_best = order.best.mean()});
+  }
+}
+
+void Ensemble::add_variances(Figures& figures) const {
+  const std::uint64_t m = options_.strengths_per_geometry;
+  if (m == 1 || units_ < 2) return;
+  for (std::size_t i = 0; i < quantities().size(); ++i) {
+    if (!has(quantities()[i]) || !quantities()[i].stability) continue;
+    const double strength = within_squares_[i] / number(units_ * (m - 1));
+    figures.variances.push_back(
+        {std::string{quantities()[i].name}, std::max(0.0, moments_[i].variance() - strength / number(m)), strength});
+  }
+}
+
+void Ensemble::add_estimates(Figures& figures) const {
+  for (std::size_t i = 0; i < quantities().size(); ++i) {
+    const Quantity& q = quantities()[i];
+    if (!has(q)) continue;
+    Estimate e = estimate(std::string{q.name}, moments_[i], Method::mean);
+    if (e.optimistic && q.quantiles) {
+      const std::vector<double> units = (options_.strengths_per_geometry > 1 ? means_[i] : values_[i]).all();
+      e.bootstrap = bca_mean(units, options_.confidence, resamples, options_.seed);
+    }
+    figures.estimates.push_back(std::move(e));
+  }
+  if (options_.stability && options_.tunnel_length_m) {
+    for (const std::string_view name : {"support_force_n", "support_force_transferred_n", "key_block_volume_m3"}) {
+      Estimate e = estimate(std::string{name} + "_per_metre", moments(name), Method::mean);
+      const double metres = *options_.tunnel_length_m;
+      for (double* value : {&e.mean, &e.standard_error, &e.low, &e.high, &e.std, &e.smallest, &e.largest}) {
+        *value /= metres;
+      }
+      figures.estimates.push_back(std::move(e));
+    }
+  }
+  if (options_.stability) {
+    figures.estimates.push_back(
+        estimate("key_block_mean_volume_per_realization_m3", mean_volume_per_realization_, Method::mean_of_ratios));
+  }
+  for (std::size_t i = 0; i < ratios().size(); ++i) {
+    if (!has(ratios()[i].stability, ratios()[i].whole_system) || !ratios_[i].has_ratio()) continue;
+    const PairMoments& pair = ratios_[i];
+    const double r = pair.ratio(), se = pair.ratio_standard_error();
+    const Interval t = pair.count() >= 2 ? t_interval(r, se, pair.count(), options_.confidence) : Interval{r, r};
+    figures.estimates.push_back({.name = std::string{ratios()[i].name},
+                                 .method = Method::ratio,
+                                 .realizations = pair.count(),
+                                 .mean = r,
+                                 .standard_error = se,
+                                 .low = t.low,
+                                 .high = t.high,
+                                 .std = se * std::sqrt(number(pair.count())),
+                                 .bootstrap = {}});
+  }
+}
+
+void Ensemble::add_quantiles(Figures& figures) const {
+  if (counted_ == 0) return;
+  for (std::size_t i = 0; i < quantities().size(); ++i) {
+    if (!quantities()[i].quantiles || values_[i].empty()) continue;
+    std::vector<double> sorted = values_[i].all();
+    if (sorted.empty()) continue;
+    std::ranges::sort(sorted);
+    for (const double p : {0.5, 0.9, 0.95, 0.99}) {
+      const auto rank = static_cast<std::size_t>(std::ceil(p * number(sorted.size())));
+      QuantileEstimate q{std::string{quantities()[i].name}, p, sorted[std::max<std::size_t>(rank, 1) - 1], {}};
+      if (const auto ranks = quantile_ranks(sorted.size(), p, options_.confidence)) {
+        q.interval = Interval{sorted[ranks->low - 1], sorted[ranks->high - 1]};
+      }
+      figures.quantiles.push_back(std::move(q));
+    }
+  }
+}
+
+void Ensemble::add_exceedances(Figures& figures) const {
+  if (units_ == 0 || !options_.stability) return;
+  for (std::size_t i = 0; i < exceeding_.size(); ++i) {
+    Exceedance e{.volume_m3 = options_.volumes_m3[i],
+                 .realizations = static_cast<std::uint64_t>(std::llround(exceeding_[i].mean() * number(counted_))),
+                 .probability = probability_of(exceeding_[i]),
+                 .interval = probability_interval(exceeding_[i]),
+                 .number = numbers_above_[i].mean(),
+                 .number_standard_error = numbers_above_[i].standard_error(),
+                 .per_metre = {},
+                 .per_metre_standard_error = {},
+                 .by_chainage = {},
+                 .by_chainage_interval = {}};
+    if (options_.tunnel_length_m) {
+      e.per_metre = e.number / *options_.tunnel_length_m;
+      e.per_metre_standard_error = e.number_standard_error / *options_.tunnel_length_m;
+    }
+    for (const Moments& hits : chainage_[i]) {
+      e.by_chainage.push_back(probability_of(hits));
+      e.by_chainage_interval.push_back(probability_interval(hits));
+    }
+    figures.exceedances.push_back(std::move(e));
+  }
+}
+
+void Ensemble::add_notes(Figures& figures) const {
+  std::string heavy;
+  double most = 0;
+  for (const Estimate& e : figures.estimates) {
+    if (!e.optimistic || e.name.ends_with("_per_metre")) continue;
+    heavy += (heavy.empty() ? "" : ", ") + e.name;
+    most = std::max(most, std::abs(e.skewness));
+  }
+  if (!heavy.empty()) {
+    figures.notes.push_back(
+        fmt::format("heavy tails (skewness up to {:.1f} over {} samples): the intervals of these are optimistic, they "
+                    "cover less than they say: {}",
+                    most, units_, heavy));
+  }
+  if (figures.failures > 0) {
+    figures.notes.push_back(
+        fmt::format("{} realizations could not be done and are not in the figures: large block systems are more likely "
+                    "among them, so the figures may lean to the small side",
+                    figures.failures));
+  }
+  if (options_.strengths_per_geometry > 1) {
+    figures.notes.push_back(
+        fmt::format("nested design: {} geometries with {} draws of strengths and loads each; the geometry is the "
+                    "sample unit, quantiles "
+                    "are those of the first draw of each",
+                    units_, options_.strengths_per_geometry));
+  }
+  if (!options_.stability || counted_ == 0) return;
+  if (stopped_ > 0) {
+    figures.notes.push_back(fmt::format(
+        "{} of {} realizations stopped at max_batches: figures of all batches are too small by what would still leave",
+        stopped_, counted_));
+  }
+  const auto& ratio = ratios_.front();
+  const double plain = mean_volume_per_realization_.mean();
+  if (ratio.has_ratio() && mean_volume_per_realization_.count() > 1 &&
+      std::abs(plain - ratio.ratio()) > 2 * ratio.ratio_standard_error()) {
+    figures.notes.push_back(fmt::format(
+        "mean volume of a key block: {:.4g} m3 as ratio of sums, {:.4g} m3 as mean over realizations; they differ "
+        "because realizations with many key blocks have larger ones: say which one you mean",
+        ratio.ratio(), plain));
+  }
+  if (figures.surface_fixed_share > 0.01 || figures.beside_fixed_share > 0.01) {
+    figures.notes.push_back(fmt::format(
+        "{:.1f} % of the blocks at free faces are held by the domain's border, {:.1f} % of the key-block volume lies "
+        "beside such blocks: above 1 % the domain is too small and key blocks are missed",
+        100 * figures.surface_fixed_share, 100 * figures.beside_fixed_share));
+  }
+}
+
+Figures Ensemble::figures() const {
+  Figures figures{.realizations = counted_,
+                  .confidence = options_.confidence,
+                  .estimates = {},
+                  .quantiles = {},
+                  .exceedances = {},
+                  .orders = {},
+                  .strengths_per_geometry = options_.strengths_per_geometry,
+                  .variances = {},
+                  .sizes = size_points(below_),
+                  .first_sizes = size_points(first_below_),
+                  .running_quantity = options_.running_quantity,
+                  .running = running_,
+                  .worst = worst_,
+                  .best = best_,
+                  .failed = failed_,
+                  .failures = failures_,
+                  .stopped_at_max_batches = stopped_,
+                  .surface_fixed_share = surface_ > 0 ? number(surface_fixed_) / number(surface_) : 0,
+                  .beside_fixed_share = key_volume_ > 0 ? beside_fixed_ / key_volume_ : 0,
+                  .notes = {},
+                  .hash = hash_.hex()};
+  if (units_ >= 2 && (running_.empty() || running_.back().realizations != counted_)) {
+    const Moments& m = moments_[running_index_];
+    figures.running.push_back(
+        {counted_, m.mean(), m.mean() - t_interval(m.mean(), m.standard_error(), units_, options_.confidence).low});
+  }
+  add_estimates(figures);
+  add_quantiles(figures);
+  add_exceedances(figures);
+  add_orders(figures);
+  add_variances(figures);
+  add_notes(figures);
+  return figures;
+}
+
+}  // namespace cleave::stochastic

@@ -1,0 +1,107 @@
+#include <utility>
+
+#include "cleave/stochastic/ensemble.hpp"
+#include "number.hpp"
+
+/// What is averaged over realizations: quantities of one, and ratios of sums over all.
+namespace cleave::stochastic {
+
+const std::vector<Quantity>& quantities() {
+  static const std::vector<Quantity> all{
+      {"key_block_volume_m3", [](const Record& r) { return r.all.volume_m3; }, true, false, true},
+      {"key_block_count", [](const Record& r) { return number(r.all.count); }, true, false, true},
+      {"key_block_largest_m3", [](const Record& r) { return r.all.largest_m3; }, true, false, true},
+      {"support_force_n", [](const Record& r) { return r.all.support_n; }, true, false, true},
+      {"support_force_transferred_n", [](const Record& r) { return r.all.support_transferred_n; }, true, false, false},
+      {"first_batch_volume_m3", [](const Record& r) { return r.first.volume_m3; }, true, false, true},
+      {"first_batch_count", [](const Record& r) { return number(r.first.count); }, true, false, true},
+      {"first_batch_largest_m3", [](const Record& r) { return r.first.largest_m3; }, true, false, true},
+      {"first_batch_support_force_n", [](const Record& r) { return r.first.support_n; }, true, false, false},
+      {"first_batch_support_force_transferred_n", [](const Record& r) { return r.first.support_transferred_n; }, true,
+       false, false},
+      {"batches", [](const Record& r) { return static_cast<double>(r.batches); }, true, false, false},
+      {"block_count", [](const Record& r) { return number(r.blocks); }, false, true, true},
+      {"block_mean_volume_m3", [](const Record& r) { return r.rock_m3 / number(r.blocks); }, false, true, false},
+      {"concave_block_count", [](const Record& r) { return number(r.concave_blocks); }, false, true, false},
+      {"joint_count", [](const Record& r) { return number(r.joints); }, false, false, false},
+      {"support_blocks_needing", [](const Record& r) { return r.support ? number(r.support->needing) : 0; }, true,
+       false, false, true},
+      {"support_blocks_not_held", [](const Record& r) { return r.support ? number(r.support->not_held) : 0; }, true,
+       false, true, true},
+      {"support_not_held_m3", [](const Record& r) { return r.support ? r.support->not_held_m3 : 0; }, true, false, true,
+       true},
+      {"support_missing_force_n", [](const Record& r) { return r.support ? r.support->missing_n : 0; }, true, false,
+       true, true},
+      {"support_fails",
+       [](const Record& r) {
+         return r.support && (r.support->not_held > 0 || r.support->failing_bodies > 0) ? 1.0 : 0.0;
+       },
+       true, false, false, true},
+      {"support_spot_bolts", [](const Record& r) { return r.support ? number(r.support->spot_bolts) : 0; }, true, false,
+       false, true},
+  };
+  return all;
+}
+
+const Quantity* quantity_named(std::string_view word) {
+  for (const Quantity& q : quantities()) {
+    if (q.name == word) return &q;
+  }
+  for (const Quantity& q : quantities()) {
+    for (const std::string_view unit : {"_m3", "_n"}) {
+      if (q.name.ends_with(unit) && q.name.substr(0, q.name.size() - unit.size()) == word) return &q;
+    }
+  }
+  return nullptr;
+}
+
+std::string_view name_of(Method method) noexcept {
+  switch (method) {
+    case Method::mean: return "mean";
+    case Method::ratio: return "ratio";
+    case Method::mean_of_ratios: return "mean_of_ratios";
+  }
+  std::unreachable();
+}
+
+const std::vector<Ensemble::Ratio>& Ensemble::ratios() {
+  static const auto all_count = [](const Record& r) { return number(r.all.count); };
+  static const auto first_count = [](const Record& r) { return number(r.first.count); };
+  static const std::vector<Ratio> list{
+      {"key_block_mean_volume_m3", [](const Record& r) { return r.all.volume_m3; }, all_count, true, false},
+      {"support_force_per_block_n", [](const Record& r) { return r.all.support_n; }, all_count, true, false},
+      {"support_force_transferred_per_block_n", [](const Record& r) { return r.all.support_transferred_n; }, all_count,
+       true, false},
+      {"share_falling", [](const Record& r) { return number(r.all.modes[0]); }, all_count, true, false},
+      {"share_lifting", [](const Record& r) { return number(r.all.modes[1]); }, all_count, true, false},
+      {"share_sliding", [](const Record& r) { return number(r.all.modes[2]); }, all_count, true, false},
+      {"share_wedge", [](const Record& r) { return number(r.all.modes[3]); }, all_count, true, false},
+      {"share_tetrahedral", [](const Record& r) { return number(r.all.shapes[0]); }, all_count, true, false},
+      {"share_pentahedral", [](const Record& r) { return number(r.all.shapes[1]); }, all_count, true, false},
+      {"share_hexahedral", [](const Record& r) { return number(r.all.shapes[2]); }, all_count, true, false},
+      {"share_higher", [](const Record& r) { return number(r.all.shapes[3]); }, all_count, true, false},
+      {"share_other", [](const Record& r) { return number(r.all.shapes[4]); }, all_count, true, false},
+      {"share_concave", [](const Record& r) { return number(r.all.concave); }, all_count, true, false},
+      {"sphericity", [](const Record& r) { return r.all.sphericity_sum; }, all_count, true, false},
+      {"first_batch_mean_volume_m3", [](const Record& r) { return r.first.volume_m3; }, first_count, true, false},
+      {"first_batch_support_force_per_block_n", [](const Record& r) { return r.first.support_n; }, first_count, true,
+       false},
+      {"first_batch_share_falling", [](const Record& r) { return number(r.first.modes[0]); }, first_count, true, false},
+      {"first_batch_share_lifting", [](const Record& r) { return number(r.first.modes[1]); }, first_count, true, false},
+      {"first_batch_share_sliding", [](const Record& r) { return number(r.first.modes[2]); }, first_count, true, false},
+      {"first_batch_share_wedge", [](const Record& r) { return number(r.first.modes[3]); }, first_count, true, false},
+      {"first_batch_share_tetrahedral", [](const Record& r) { return number(r.first.shapes[0]); }, first_count, true,
+       false},
+      {"first_batch_share_pentahedral", [](const Record& r) { return number(r.first.shapes[1]); }, first_count, true,
+       false},
+      {"first_batch_share_other",
+       [](const Record& r) { return number(r.first.shapes[2] + r.first.shapes[3] + r.first.shapes[4]); }, first_count,
+       true, false},
+      {"first_batch_sphericity", [](const Record& r) { return r.first.sphericity_sum; }, first_count, true, false},
+      {"concave_block_share", [](const Record& r) { return number(r.concave_blocks); },
+       [](const Record& r) { return number(r.blocks); }, false, true},
+  };
+  return list;
+}
+
+}  // namespace cleave::stochastic
