@@ -160,7 +160,45 @@ std::string words(double step) {
   return text;
 }
 
+/// Error of the way of the slider under a push along the slope that swings with time, closed form; empty when stopped.
+std::optional<double> swung(double step) {
+  const Case problem = slider();
+  const double up = 30 * degree, omega = 8, mass = 2000 * 0.5, push = 0.2 * mass * 9.81;
+  const Vec2 down{std::cos(up), -std::sin(up)};
+  dbem::Body slope{.name = "slope", .outline = problem.pieces[0].corners};
+  slope.held = {true, true, true};
+  dbem::Body block{.name = "block", .outline = problem.pieces[1].corners, .density = 2000};
+  // At the height of the base: the pressure stays on both corners.
+  block.forces.push_back({block.outline[1], push * down, [=](double t) { return std::cos(omega * t); }, false});
+  dbem::Laws laws;
+  laws.otherwise.friction = problem.friction;
+  auto world = dbem::World::make({slope, block}, laws, {.step = step, .displacement = 1});
+  if (!world) return std::nullopt;
+  while (world->time() < problem.end * (1 - 1e-12)) {
+    if (!world->step(problem.end - world->time())) return std::nullopt;
+  }
+  const double exact = 9.81 / 2 * (std::sin(up) - std::cos(up) * problem.friction) * problem.end * problem.end +
+                       push / mass / (omega * omega) * (1 - std::cos(omega * problem.end));
+  return std::abs(norm(world->displacement(1)) - exact) / exact;
+}
+
+/// Error against step, with its order.
+void order(Study& study) {
+  Plot plot{"Sliding block under a swinging push: error against step", "step (s)", "error of the way, relative", {}};
+  Series series{"cleave", {}, true, true};
+  for (const double step : {0.04, 0.02, 0.01, 0.005, 0.0025}) {
+    std::optional<double> error;
+    const Cost cost = study.measure([&] { error = swung(step); });
+    study.add({"slider_swung", "cleave", words(step), error, cost, std::nullopt,
+               error ? Status::converged : Status::stopped});
+    if (error) series.points.emplace_back(step, *error);
+  }
+  plot.series.push_back(std::move(series));
+  study.plot("order", plot);
+}
+
 void body(Study& study) {
+  order(study);
   const std::vector<Case> cases{slider(), stack(study.quick() ? 5 : 20), arch(12)};
   std::vector<double> steps{0.02, 0.01, 0.005, 0.0025};
   if (!study.quick()) steps.push_back(0.00125);

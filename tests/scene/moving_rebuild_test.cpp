@@ -57,6 +57,19 @@ TEST(Rebuilding, LargeStrainRebuildsAndSmallStrainDoesNot) {
   EXPECT_TRUE(large.notes.empty());
 }
 
+TEST(Rebuilding, ABodyThatIsTooDeformedStopsWithItsReason) {
+  // A hundred times its modulus, tension: no shape is left to go on with.
+  const BodiesResult r = moved(stretched(100, ""));
+  EXPECT_FALSE(r.converged);
+  EXPECT_NE(r.stopped_why.find("too deformed"), std::string::npos) << r.stopped_why;
+  for (const std::string bad : {", rebuild = -1", ", rebuild = 2", ", estimate = 1", ", rebild = 0.1"}) {
+    const auto scene = parse_bodies(stretched(0.1, bad), "s.toml");
+    ASSERT_FALSE(scene.has_value()) << bad;
+    EXPECT_NE(describe(scene.error().front()).find("elastic.time"), std::string::npos)
+        << describe(scene.error().front());
+  }
+}
+
 TEST(Rebuilding, PlanSaysWhatIsLeftOut) {
   const std::string asked = plan_of(stretched(0.1, ""));
   EXPECT_EQ(asked.find("no stress inside"), std::string::npos);

@@ -11,7 +11,7 @@ namespace cleave::dbem {
 
 std::string_view name_of(Method method) noexcept {
   switch (method) {
-    case Method::none: return "none";
+    case Method::none: return "none needed";
     case Method::open_close: return "open_close";
     case Method::newton: return "newton";
     case Method::continuation: return "continuation";
