@@ -155,6 +155,20 @@ TEST(Rebuild, KeepsPlaceMomentumAndAngularMomentum) {
   EXPECT_NEAR(motion.inner(inner).stress.xx / (1000 * motion.spin() * motion.spin() * (a * a - x * x) / 2), 1, 0.2);
 }
 
+TEST(Pin, TakesAwayTheVelocityThatItDoesNotAllow) {
+  // A rigid square that moves along x is caught at a corner: angular momentum about the pin stays, J w = m v arm.
+  const BlockOperator b =
+      BlockOperator::make({polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, 0, 2)}, testing::material(1e9, 0.25, 1000), {})
+          .value();
+  FreeMotion motion{b, {.step = 1e-3, .modes = 0, .pins = {{b.place({-0.5, -0.5}), {0, 0}}}, .velocity = {2, 0}}};
+  const double about_pin = b.inertia() + b.mass() * 0.5;
+  EXPECT_NEAR(motion.spin(), -b.mass() * 2 * 0.5 / about_pin, 1e-9);
+  const double start = motion.energy().kinetic;
+  EXPECT_NEAR(start, 0.5 * about_pin * motion.spin() * motion.spin(), 1e-6 * start);
+  for (int k = 0; k < 1000; ++k) ASSERT_TRUE(motion.advance().has_value());
+  EXPECT_NEAR(motion.energy().total() / start, 1, 1e-3);
+}
+
 TEST(InnerPoint, AxialWaveGivesItsStressInside) {
   // Column of the source, pull on its top in a ramp of one transit: d'Alembert's stress, with reflections.
   BlockOptions o;

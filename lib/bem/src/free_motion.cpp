@@ -90,7 +90,7 @@ void FreeMotion::start() {
   }
   m.topRightCorner(ix(n), ix(nc)) = -m.bottomLeftCorner(ix(nc), ix(n)).transpose();
   const Eigen::PartialPivLU<Eigen::MatrixXd> solver{m};
-  if (nc > 0 && rebuilds_ > 0) {
+  if (nc > 0) {
     for (std::size_t i = 0; i < n; ++i) b(ix(i)) = m(ix(i), ix(i)) * v_[i];
     const Eigen::VectorXd v = solver.solve(b);
     for (std::size_t i = 0; i < n; ++i) v_[i] = v(ix(i));

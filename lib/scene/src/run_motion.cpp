@@ -330,6 +330,12 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
     }
     result.energy.push_back(energy);
   };
+  const auto count_rebuilds = [&] {
+    for (std::size_t b = 0; b < movers.size(); ++b) {
+      result.bodies[b].rebuilds = movers[b].rebuilds();
+      result.bodies[b].strain_since_build = movers[b].steepest();
+    }
+  };
   record(0);
   progress.begin("elastic", steps);
   for (std::uint64_t step = 1; step <= steps; ++step) {
@@ -339,6 +345,7 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
         result.stopped_why = fmt::format("{}: {}", scene.bodies[b].name, describe(done.error()));
         result.steps = step;
         record(step - 1);
+        count_rebuilds();
         return std::nullopt;
       }
     }
@@ -347,10 +354,9 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
     compare(step);
     progress.advance();
   }
+  count_rebuilds();
   for (std::size_t b = 0; b < movers.size(); ++b) {
     BodyResult& body = result.bodies[b];
-    body.rebuilds = movers[b].rebuilds();
-    body.strain_since_build = movers[b].steepest();
     if (!track.empty() && moved[b] > 0) body.error = differ[b] / moved[b];
     if (time.rebuild == 0 && movers[b].free && movers[b].free->relative_deformation() > 1e-2) {
       result.notes.push_back(
