@@ -35,6 +35,9 @@ class ContactExamplesTest : public ProgramTest {
   }
   [[nodiscard]] nlohmann::json example(const std::string& name) const {
     auto result = ran(scene(name));
+    std::uint64_t iterations = 0;
+    for (const auto& solver : result["solvers"]) iterations += solver["iterations"].get<std::uint64_t>();
+    EXPECT_EQ(iterations, result["iterations"].get<std::uint64_t>()) << name;
     EXPECT_EQ(result["status"], "converged") << name;
     const std::string page = read("out/report.html");
     EXPECT_NE(page.find("id=\"play\""), std::string::npos);

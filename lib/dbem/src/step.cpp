@@ -117,6 +117,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
     out.report.residual = 0;
     out.report.iterations = out.report.stick = out.report.slip = out.report.opened = 0;
     out.report.solved_by.fill(0);
+    out.report.solves_by.fill(0);
     out.report.impact = false;
     for (std::size_t s = 0; s < out.islands.size(); ++s) {
       Island& island = out.islands[s];
@@ -132,6 +133,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
       out.report.slip += report.slip;
       out.report.opened += report.opened;
       ++out.report.solved_by[static_cast<std::size_t>(report.method)];
+      out.report.solves_by[static_cast<std::size_t>(report.method)] += report.iterations;
       out.report.impact = out.report.impact || island.impact;
       for (std::size_t k = 0; k < island.touches.size(); ++k) {
         const Vec2 p = solutions.back().impulse[k];

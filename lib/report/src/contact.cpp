@@ -92,6 +92,7 @@ std::string contact_summary_json(const scene::ContactResult& result) {
     json.begin_object();
     json.member("name", share.name);
     json.member("groups", share.groups);
+    json.member("iterations", share.iterations);
     json.end_object();
   }
   json.end_array();

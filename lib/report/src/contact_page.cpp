@@ -193,10 +193,10 @@ std::string solver_bars(const scene::ContactResult& result) {
   std::uint64_t all = 0;
   for (const scene::SolverShare& share : result.solvers) all += share.groups;
   if (all == 0) return "<p>Nothing touched.</p>\n";
-  std::string out = "<table>\n" + row({"solver", "groups of contacts solved", "share"}, true);
+  std::string out = "<table>\n" + row({"solver", "groups of contacts solved", "iterations", "share"}, true);
   for (const scene::SolverShare& share : result.solvers) {
     const double part = static_cast<double>(share.groups) / static_cast<double>(all);
-    out += row({escape_xml(share.name), display_count(share.groups),
+    out += row({escape_xml(share.name), display_count(share.groups), display_count(share.iterations),
                 "<span class=\"bar\" style=\"width:" + number(std::round(1000 * part) / 10) + "px\"></span> " +
                     display(100 * part, 3) + " %"});
   }

@@ -71,7 +71,10 @@ class Recorder final {
     result_.residual = std::max(result_.residual, report.residual);
     result_.largest_penetration = std::max(result_.largest_penetration, report.max_penetration);
     result_.iterations += report.iterations;
-    for (std::size_t m = 0; m < shares_.size(); ++m) shares_[m] += report.solved_by[m];
+    for (std::size_t m = 0; m < shares_.size(); ++m) {
+      shares_[m] += report.solved_by[m];
+      solves_[m] += report.solves_by[m];
+    }
     const dbem::Energy& energy = world_.energy();
     const double own = energy.total() - energy.work;
     result_.energy_gain = std::max(result_.energy_gain, own - lowest_);
@@ -153,7 +156,7 @@ class Recorder final {
     }
     for (std::size_t m = 0; m < shares_.size(); ++m) {
       if (shares_[m] > 0) {
-        result_.solvers.push_back({std::string{dbem::name_of(static_cast<dbem::Method>(m))}, shares_[m]});
+        result_.solvers.push_back({std::string{dbem::name_of(static_cast<dbem::Method>(m))}, shares_[m], solves_[m]});
       }
     }
   }
@@ -175,6 +178,7 @@ class Recorder final {
   ContactResult& result_;
   std::vector<Vec2> local_;
   std::array<std::uint64_t, 6> shares_{};
+  std::array<std::uint64_t, 6> solves_{};
   double gravity_ = 0, lowest_ = 0, angular_ = 0, scale_ = 0;
   Vec2 momentum_, expected_, weight_;
   bool grounded_ = false, loaded_ = false;

@@ -112,6 +112,7 @@ struct StepReport {
   double residual = 0;  ///< the worst of the islands
   std::size_t iterations = 0;
   std::array<std::size_t, 6> solved_by{};  ///< islands by Method
+  std::array<std::size_t, 6> solves_by{};  ///< iterations of those islands, by the Method that ended them
   double max_penetration = 0;              ///< m, after the step
   double max_speed = 0;                    ///< of a corner, m/s
   double max_displacement = 0;             ///< of a corner in this step, m

@@ -156,6 +156,7 @@ struct ContactHistory {
 struct SolverShare {
   std::string name;
   std::uint64_t groups = 0;
+  std::uint64_t iterations = 0;  ///< linear solves and pivots of those groups, other tries included
 };
 struct ContactBodyResult {
   std::string name;
