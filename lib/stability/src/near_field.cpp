@@ -94,12 +94,9 @@ std::optional<NearField> NearField::around_free_faces(const topology::CutInput& 
   near.free_max_ = free.max;
   near.domain_min_ = domain.min;
   near.domain_max_ = domain.max;
-  // Windows less deep hardly ever decide (docs/stability.md, "What it costs"), but a small domain has no room for more.
-  for (const double distances : {3.0, 1.5}) {
-    near.margin_.fill(std::max(depth, distances * spacing(input, domain)));
-    if (near.worth_while()) return near;
-  }
-  return std::nullopt;
+  near.margin_.fill(std::max(depth, 1.5 * spacing(input, domain)));
+  if (!near.worth_while()) return std::nullopt;
+  return near;
 }
 
 topology::Window NearField::window() const noexcept {
