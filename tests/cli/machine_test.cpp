@@ -6,20 +6,13 @@
 #include <array>
 
 #include "program.hpp"
+#include "sanitized.hpp"
 
 // What happens when the machine fails or the user interrupts.
 namespace cleave::cli::test {
 namespace {
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr bool sanitized = true;
-#else
-constexpr bool sanitized = false;
-#endif
-#else
-constexpr bool sanitized = false;
-#endif
+using support::sanitized;
 
 class MachineTest : public ProgramTest {
  protected:

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "program.hpp"
+#include "sanitized.hpp"
 
 namespace cleave::cli::test {
 namespace {
@@ -76,6 +77,7 @@ TEST_F(KeptRecordsTest, TunnelOfTheSource) {
 }
 // Ten realizations with the second largest block system of the medium scene among them, and 640: no more memory.
 TEST_F(KeptRecordsTest, MemoryDoesNotGrowWithTheRealizations) {
+  if (support::sanitized) GTEST_SKIP() << "sanitizers keep what was freed";
   std::string scene = text_of(std::string{CLEAVE_SOURCE_DIR} + "/examples/thesis_tunnel/medium.toml");
   scene.replace(scene.find("realizations = 10000"), 20, "realizations = 640");
   write("s.toml", scene);

@@ -128,6 +128,18 @@ TEST(OrientationTest, GirdlesAreNotFisher) {
   EXPECT_GT(bingham.k2, -10);
 }
 
+// Poles close together are a normal law in the plane: E x^2 = 1 / (2 |k|). Found by fuzzing: the law fell between the
+// rings of the integration, and k was not a number.
+TEST(OrientationTest, BinghamOfPolesCloseTogether) {
+  for (const double spread : {1e-2, 1e-4, 1e-6}) {
+    OrientationTensor tensor;
+    tensor.values = {1 - 3 * spread, 2 * spread, spread};
+    const BinghamFit fit = fit_bingham(tensor);
+    EXPECT_NEAR(fit.k1 * 2 * spread, -1, 4 * spread + 1e-3) << spread;
+    EXPECT_NEAR(fit.k2 * 4 * spread, -1, 8 * spread + 1e-3) << spread;
+  }
+}
+
 TEST(OrientationTest, ClustersAreFoundAndParallelJointsAreOneSet) {
   Rng rng{5};
   const std::array<Vec3, 3> means{Vec3{0, 0, 1}, normalized(Vec3{1, 0, 0.1}), normalized(Vec3{0, 1, 0.2})};

@@ -331,10 +331,9 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
     out += "</section>\n";
   }
   if (!result.points.empty()) {
-    out += "<section><h2>Points</h2>\n<table>\n" +
-           table_row({"point", "x (m)", "y (m)", "u<sub>x</sub> (m)", "u<sub>y</sub> (m)", "xx (Pa)", "yy (Pa)",
-                      "xy (Pa)"},
-                     true);
+    out += "<section><h2>Points</h2>\n<table>\n" + table_row({"point", "x (m)", "y (m)", "u<sub>x</sub> (m)",
+                                                              "u<sub>y</sub> (m)", "xx (Pa)", "yy (Pa)", "xy (Pa)"},
+                                                             true);
     for (const scene::PointResult& p : result.points) {
       const Vec2 u = p.displacement.empty() ? Vec2{} : p.displacement.back();
       out += table_row({escape_xml(p.name), display(p.at.x), display(p.at.y), display(u.x, 6), display(u.y, 6),

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
+#include "cleave/core/parallel.hpp"
 #include "cleave/dfn/sample.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/scene/survey_file.hpp"
@@ -106,6 +108,14 @@ std::optional<std::vector<survey::Polyline>> simulated_traces(const SurveyScene&
     if (!joints) return std::nullopt;
     auto sampled = dfn::sample(*joints, k, {lo, hi}, survey.input.seed, realization);
     if (!sampled) return std::nullopt;
+    // Most joints of the rock around do not reach the map: their corners need not be written out.
+    std::erase_if(*sampled, [&](const dfn::SampledJoint& joint) {
+      const auto* outline = std::get_if<dfn::JointOutline>(&joint.shape);
+      if (outline == nullptr) return false;
+      const double reach = outline->first * std::abs(dot(outline->along, map.normal)) +
+                           outline->second * std::abs(dot(outline->across, map.normal));
+      return std::abs(dot(joint.centre, map.normal)) > 1.001 * reach;
+    });
     for (const dfn::SampledJoint& joint : with_polygons(*std::move(sampled))) {
       const auto corners = std::get<geometry::Polygon>(joint.shape).corners();
       survey::Polyline line;
@@ -150,11 +160,15 @@ MapFigures map_figures(const survey::WindowSurvey& map, const std::vector<survey
 
 std::vector<MapFigures> simulated_figures(const SurveyScene& survey, const survey::SurveyResult& result,
                                           std::size_t window, std::uint64_t maps) {
-  std::vector<MapFigures> figures;
-  for (std::uint64_t k = 0; k < maps; ++k) {
+  const auto drawn = parallel_map(maps, ThreadLimit::all(), [&](std::size_t k) -> std::optional<MapFigures> {
     const auto traces = simulated_traces(survey, result, window, k);
-    if (!traces || traces->empty()) break;
-    figures.push_back(map_figures(survey.input.windows[window], *traces, 0));
+    if (!traces || traces->empty()) return std::nullopt;
+    return map_figures(survey.input.windows[window], *traces, 0);
+  });
+  std::vector<MapFigures> figures;
+  for (const auto& map : drawn) {
+    if (!map) break;
+    figures.push_back(*map);
   }
   return figures;
 }

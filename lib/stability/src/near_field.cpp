@@ -94,7 +94,7 @@ std::optional<NearField> NearField::around_free_faces(const topology::CutInput& 
   near.free_max_ = free.max;
   near.domain_min_ = domain.min;
   near.domain_max_ = domain.max;
-  near.margin_.fill(std::max(depth, 3 * spacing(input, domain)));
+  near.margin_.fill(std::max(depth, 1.5 * spacing(input, domain)));
   if (!near.worth_while()) return std::nullopt;
   return near;
 }

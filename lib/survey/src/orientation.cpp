@@ -90,22 +90,25 @@ double fisher_mean(Vec3 mean, double kappa, G&& g) {
   return sum / points;
 }
 
-/// ln of the mean of exp(k1 x^2 + k2 y^2) over the sphere, and the means of x^2 and y^2 under that law.
+/// The integral of exp(k1 x^2 + k2 y^2) over the half sphere, and the means of x^2 and y^2 under that law; k1 <= k2 <=
+/// 0 or near. Rings lie where a Fisher law of kappa = -k2 has them, at equal shares: laws that hold to a point do not
+/// fall between them.
 std::array<double, 3> bingham_moments(double k1, double k2) {
   constexpr int rings = 200;
+  const double kappa = std::max(1e-3, -std::max(k1, k2)), all = -std::expm1(-kappa);
   double f = 0, x2 = 0, y2 = 0;
   for (int i = 0; i < rings; ++i) {
-    const double z = (i + 0.5) / rings, s2 = 1 - z * z;
+    const double versine = -std::log1p(-all * (i + 0.5) / rings) / kappa, s2 = versine * (2 - versine);
     constexpr int around = 64;
     for (int j = 0; j < around; ++j) {
       const double c = std::cos(pi * (j + 0.5) / around), xx = s2 * c * c, yy = s2 - xx;
-      const double w = std::exp(k1 * xx + k2 * yy);
+      const double w = std::exp(k1 * xx + k2 * yy + kappa * versine);
       f += w;
       x2 += w * xx;
       y2 += w * yy;
     }
   }
-  return {f, x2 / f, y2 / f};
+  return {f * all / (kappa * rings), x2 / f, y2 / f};
 }
 
 }  // namespace
