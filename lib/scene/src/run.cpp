@@ -153,7 +153,7 @@ std::expected<System, topology::CutError> cut_all(const Scene& scene, const Draw
   topology::CutReport report = cut->report();
   std::string hash;
   auto complex = stage(Stage::audit, [&] {
-    auto audited = topology::audit(*std::move(cut));
+    auto audited = topology::audit(*std::move(cut), options.threads);
     if (audited) hash = topology::canonical_hash(audited->complex());
     return audited;
   });

@@ -146,7 +146,7 @@ std::expected<NearKeyBlocks, NearError> analyse_near_field(const topology::CutIn
     part.window = near ? std::optional{near->window()} : std::nullopt;
     auto cut = timer.run("cut", [&] { return topology::cut(part, options); });
     if (!cut) return std::unexpected(NearError{std::move(cut).error()});
-    auto audited = timer.run("audit", [&] { return topology::audit(*std::move(cut)); });
+    auto audited = timer.run("audit", [&] { return topology::audit(*std::move(cut), options.threads); });
     if (!audited) return std::unexpected(NearError{std::move(audited).error()});
     Analysis analysis = timer.run("stability", [&] { return analyse(*audited, only_key); });
     std::vector<topology::BlockId> undecided = analysis.undecided;
