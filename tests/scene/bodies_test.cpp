@@ -7,25 +7,18 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
+#include "plane_runs.hpp"
 
 namespace cleave::scene {
 namespace {
+
+using plane_runs::ran;
 
 const std::string rock = "[rock]\nyoung = 2.6\npoisson = 0.3\n";
 
 std::string first_problem(const std::string& text) {
   const auto scene = parse_bodies(text, "s.toml");
   return scene ? "" : describe(scene.error().front());
-}
-
-BodiesResult ran(const std::string& text) {
-  const auto scene = parse_bodies(text, "s.toml");
-  EXPECT_TRUE(scene.has_value()) << (scene ? "" : describe(scene.error().front()));
-  StageTimer timer;
-  Progress progress{ProgressStyle::quiet};
-  auto result = run(*scene, 1, timer, progress);
-  EXPECT_TRUE(result.has_value()) << (result ? "" : describe(result.error().front()));
-  return *std::move(result);
 }
 
 std::string refusal(const std::string& text) {

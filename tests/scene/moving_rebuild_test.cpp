@@ -4,22 +4,13 @@
 
 #include <cmath>
 
-#include "cleave/core/cost.hpp"
-#include "cleave/core/progress.hpp"
 #include "cleave/scene/bodies.hpp"
+#include "plane_runs.hpp"
 
 namespace cleave::scene {
 namespace {
 
-BodiesResult moved(const std::string& text) {
-  const auto scene = parse_bodies(text, "s.toml");
-  EXPECT_TRUE(scene.has_value()) << (scene ? "" : describe(scene.error().front()));
-  StageTimer timer;
-  Progress progress{ProgressStyle::quiet};
-  auto result = run(*scene, 1, timer, progress);
-  EXPECT_TRUE(result.has_value()) << (result ? "" : describe(result.error().front()));
-  return *std::move(result);
-}
+using plane_runs::ran;
 
 std::string plan_of(const std::string& text) {
   std::string all;
@@ -39,18 +30,18 @@ std::string stretched(double megapascals, const std::string& time) {
 }
 
 TEST(Rebuilding, LargeStrainRebuildsAndSmallStrainDoesNot) {
-  const BodiesResult small = moved(stretched(0.005, ""));
+  const BodiesResult small = ran(stretched(0.005, ""));
   EXPECT_EQ(small.bodies[0].rebuilds, 0U);
   EXPECT_NEAR(small.bodies[0].strain_since_build, 0.005, 1e-4);
   EXPECT_NEAR(small.points[1].displacement.back().x, 0.005, 2e-5);
-  const BodiesResult large = moved(stretched(0.2, ""));
+  const BodiesResult large = ran(stretched(0.2, ""));
   EXPECT_GE(large.bodies[0].rebuilds, 8U);
   EXPECT_NEAR(large.points[1].displacement.back().x, std::exp(0.2) - 1, 2e-3);
   // A point inside goes with it, and carries the pull.
   EXPECT_NEAR(large.points[0].displacement.back().x, 0.3 * (std::exp(0.2) - 1), 1e-3);
   EXPECT_NEAR(large.points[0].stress.back().xx, 0.2e6, 5e3);
   EXPECT_NEAR(large.points[0].stress.back().yy, 0, 2e3);
-  const BodiesResult never = moved(stretched(0.2, ", rebuild = 0"));
+  const BodiesResult never = ran(stretched(0.2, ", rebuild = 0"));
   EXPECT_EQ(never.bodies[0].rebuilds, 0U);
   EXPECT_NEAR(never.points[1].displacement.back().x, 0.2, 1e-3);
   EXPECT_FALSE(never.notes.empty());  // at its limit
@@ -59,7 +50,7 @@ TEST(Rebuilding, LargeStrainRebuildsAndSmallStrainDoesNot) {
 
 TEST(Rebuilding, ABodyThatIsTooDeformedStopsWithItsReason) {
   // A hundred times its modulus, tension: no shape is left to go on with.
-  const BodiesResult r = moved(stretched(100, ""));
+  const BodiesResult r = ran(stretched(100, ""));
   EXPECT_FALSE(r.converged);
   EXPECT_NE(r.stopped_why.find("too deformed"), std::string::npos) << r.stopped_why;
   for (const std::string bad : {", rebuild = -1", ", rebuild = 2", ", estimate = 1", ", rebild = 0.1"}) {
@@ -81,7 +72,7 @@ TEST(Rebuilding, PlanSaysWhatIsLeftOut) {
   const std::string key = ", stress = true }";
   bare.replace(bare.find(key), key.size(), " }");
   EXPECT_NE(plan_of(bare).find("no stress inside: no point asks for it"), std::string::npos);
-  EXPECT_TRUE(moved(bare).points[0].stress.empty());
+  EXPECT_TRUE(ran(bare).points[0].stress.empty());
 }
 
 /// Column of the source under a sudden pull, nu = 0.
@@ -96,7 +87,7 @@ TEST(ErrorEstimate, BoundsTheErrorOfTheSuddenlyLoadedBar) {
   const double c = std::sqrt(1e5);
   double before = 1;
   for (const auto& [step, elements] : {std::pair{2e-3, 2}, std::pair{1e-3, 4}, std::pair{2e-4, 8}}) {
-    const BodiesResult r = moved(column(step, elements));
+    const BodiesResult r = ran(column(step, elements));
     double worst = 0, most = 0;
     for (std::size_t f = 0; f < r.times.size(); ++f) {
       const double phase = std::fmod(r.times[f], 16 / c);
@@ -114,7 +105,7 @@ TEST(ErrorEstimate, BoundsTheErrorOfTheSuddenlyLoadedBar) {
 }
 
 TEST(ErrorEstimate, OfAFreeFallIsRounding) {
-  const BodiesResult r = moved(
+  const BodiesResult r = ran(
       "[rock]\nyoung = 1e9\npoisson = 0.25\n[elastic]\ngravity = 10\nstress = false\ntime = { end = 1, step = 0.01 }\n"
       "[[body]]\noutline = [[0, 0], [1, 0], [1, 1], [0, 1]]\n");
   ASSERT_TRUE(r.bodies[0].error.has_value());
@@ -129,9 +120,9 @@ TEST(InnerStress, StaticLimitOfAHeldBlockInTimeIsTheStaticScene) {
   const std::string head =
       "[rock]\nyoung = 1e7\npoisson = 0.25\ndensity = 10\n[elastic]\nstress = false\npoints = [{ at = [1.5, 0.6], "
       "stress = true }, { at = [2, 0], stress = true }]\n";
-  const BodiesResult fixed = moved(head + rest);
-  const BodiesResult slow = moved(
-      head + "time = { end = 400, step = 1, scheme = \"backward_euler\", frames = 1, estimate = false }\n" + rest);
+  const BodiesResult fixed = ran(head + rest);
+  const BodiesResult slow =
+      ran(head + "time = { end = 400, step = 1, scheme = \"backward_euler\", frames = 1, estimate = false }\n" + rest);
   for (std::size_t p = 0; p < 2; ++p) {
     const bem::Sym2 a = fixed.points[p].stress[0], b = slow.points[p].stress.back();
     const double size = std::abs(a.xx) + std::abs(a.yy) + std::abs(a.xy);
@@ -151,10 +142,10 @@ TEST(SizesApart, AMillimetreBesideAKilometreInOneScene) {
   };
   const std::string bodies = body("0", "0.001", "0.001") + body("1", "1001", "1000");
   const std::string head = "[rock]\nyoung = 1e9\npoisson = 0.25\n[elastic]\nstress = false\n";
-  const BodiesResult still = moved(head + bodies);
+  const BodiesResult still = ran(head + bodies);
   EXPECT_NEAR(still.bodies[0].largest / 1e-3 / (still.bodies[1].largest / 1e3), 1, 1e-9);
   const BodiesResult slow =
-      moved(head + "time = { end = 1e4, step = 100, scheme = \"backward_euler\", frames = 1 }\n" + bodies);
+      ran(head + "time = { end = 1e4, step = 100, scheme = \"backward_euler\", frames = 1 }\n" + bodies);
   EXPECT_NEAR(slow.bodies[0].largest / still.bodies[0].largest, 1, 1e-4);
   EXPECT_NEAR(slow.bodies[1].largest / still.bodies[1].largest, 1, 1e-4);
 }

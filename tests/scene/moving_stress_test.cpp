@@ -4,22 +4,13 @@
 
 #include <cmath>
 
-#include "cleave/core/cost.hpp"
-#include "cleave/core/progress.hpp"
 #include "cleave/scene/bodies.hpp"
+#include "plane_runs.hpp"
 
 namespace cleave::scene {
 namespace {
 
-BodiesResult ran(const std::string& text) {
-  const auto scene = parse_bodies(text, "s.toml");
-  EXPECT_TRUE(scene.has_value()) << (scene ? "" : describe(scene.error().front()));
-  StageTimer timer;
-  Progress progress{ProgressStyle::quiet};
-  auto result = run(*scene, 1, timer, progress);
-  EXPECT_TRUE(result.has_value()) << (result ? "" : describe(result.error().front()));
-  return *std::move(result);
-}
+using plane_runs::ran;
 
 const std::string rock = "[rock]\nyoung = 1e6\npoisson = 0.25\ndensity = 1\n";
 
