@@ -157,7 +157,8 @@ std::string nets_section(const scene::SurveyScene& scene, const survey::SurveyRe
 
 }  // namespace
 
-std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyResult& result) {
+std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyResult& result,
+                        std::span<const scene::MapsBeside> maps) {
   const std::string title = escape_xml(scene.input.title);
   std::string out = detail::page_begin(title, escape_xml(scene.file_name) + " · field survey · intervals at " +
                                                   display(100 * scene.input.confidence, 3) + " %");
@@ -172,7 +173,7 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
   out += "</section>\n";
   out += sets_section(result);
   out += nets_section(scene, result);
-  out += detail::survey_windows(scene, result);
+  out += detail::survey_windows(scene, result, maps);
   std::string histograms;
   for (const survey::SetResult& set : result.sets) histograms += length_histogram(set);
   if (!histograms.empty()) {
@@ -184,8 +185,8 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
         "(1/m)</th><th>RQD, measured</th><th>RQD, from the frequency</th></tr></thead><tbody>\n";
     for (const survey::LineResult& line : result.lines) {
       out += "<tr><td>" + escape_xml(line.name) + "</td><td>" + display(line.length) + "</td><td>" +
-             estimate_text(line.frequency) + "</td><td>" + display(line.rqd_measured, 3) + "</td><td>" +
-             display(line.rqd_of_frequency, 3) + "</td></tr>\n";
+             estimate_text(line.frequency) + "</td><td>" + estimate_text(line.rqd) + "</td><td>" +
+             estimate_text(line.rqd_by_frequency) + "</td></tr>\n";
     }
     out += "</tbody></table></section>\n";
   }

@@ -56,14 +56,19 @@ Sign exact_line(const Direction& i, const Direction& j, const std::array<Int128,
 
 }  // namespace
 
-ForceSigns::ForceSigns(const Resultant& resultant) : exact_{resultant.exact()} {
-  const geometry::Vec3 r = resultant.direction();
+ForceSigns::ForceSigns(const Resultant& resultant) : direction_{resultant.direction()}, exact_{resultant.exact()} {
+  const geometry::Vec3 r = direction_;
   // A direction given exactly is its own measure; else rounding is relative to the sum of what was added.
   const double scale = exact_ ? geometry::norm(r) : std::max(resultant.scale(), geometry::norm(r));
   scaled_ = r / scale;
-  integer_ = integers_along(r);
-  integer_bits_ = bits(integer_);
 }
+
+const std::array<Int128, 3>& ForceSigns::integer() {
+  if (!integer_) integer_ = integers_along(direction_);
+  return *integer_;
+}
+
+int ForceSigns::integer_bits() { return bits(integer()); }
 
 template <class Exact>
 Sign ForceSigns::decide(double value, Exact exact_sign) {
@@ -77,7 +82,7 @@ Sign ForceSigns::decide(double value, Exact exact_sign) {
 Sign ForceSigns::along(const Direction& n) {
   return decide(geometry::dot(n.unit(), scaled_), [&] {
     // 104 + 101 bits: too long for 128 in general.
-    return exact::sign_of<Wide>(dot3<Wide>(integers<Wide>(n.components()), integers<Wide>(integer_)));
+    return exact::sign_of<Wide>(dot3<Wide>(integers<Wide>(n.components()), integers<Wide>(integer())));
   });
 }
 
@@ -85,18 +90,18 @@ Sign ForceSigns::reaction(const Direction& i, const Direction& j) {
   const double value =
       geometry::dot(i.unit(), j.unit()) * geometry::dot(j.unit(), scaled_) - geometry::dot(i.unit(), scaled_);
   return decide(value, [&] {
-    if (bits(i.components()) + 2 * bits(j.components()) + integer_bits_ + 5 < 127) {
-      return exact_reaction<Int128>(i, j, integer_);
+    if (bits(i.components()) + 2 * bits(j.components()) + integer_bits() + 5 < 127) {
+      return exact_reaction<Int128>(i, j, integer());
     }
-    return exact_reaction<Wide>(i, j, integer_);
+    return exact_reaction<Wide>(i, j, integer());
   });
 }
 
 Sign ForceSigns::along_line(const Direction& i, const Direction& j) {
   return decide(geometry::dot(geometry::cross(i.unit(), j.unit()), scaled_), [&] {
-    if (bits(i.components()) + bits(j.components()) + integer_bits_ + 3 < 127)
-      return exact_line<Int128>(i, j, integer_);
-    return exact_line<Wide>(i, j, integer_);
+    if (bits(i.components()) + bits(j.components()) + integer_bits() + 3 < 127)
+      return exact_line<Int128>(i, j, integer());
+    return exact_line<Wide>(i, j, integer());
   });
 }
 
@@ -104,7 +109,7 @@ bool ForceSigns::parallel(const Direction& n) {
   const geometry::Vec3 c = geometry::cross(n.unit(), scaled_);
   const auto e = [&](std::size_t axis) {
     return [&, axis] {
-      return exact::sign_of<Wide>(cross3<Wide>(integers<Wide>(n.components()), integers<Wide>(integer_))[axis]);
+      return exact::sign_of<Wide>(cross3<Wide>(integers<Wide>(n.components()), integers<Wide>(integer()))[axis]);
     };
   };
   // Ask the largest first: the common answer then costs one comparison.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "cleave/exact/sign.hpp"
@@ -34,11 +35,15 @@ class ForceSigns final {
   template <class Exact>
   [[nodiscard]] exact::Sign decide(double value, Exact exact_sign);
 
-  geometry::Vec3 scaled_;  ///< r / scale
+  /// Integers parallel to r; made when a sign first asks for them, which few do.
+  [[nodiscard]] const std::array<exact::Int128, 3>& integer();
+  [[nodiscard]] int integer_bits();
+
+  geometry::Vec3 direction_;  ///< r
+  geometry::Vec3 scaled_;     ///< r / scale
   bool exact_;
-  std::array<exact::Int128, 3> integer_{};  ///< parallel to r
-  int integer_bits_ = 0;
   bool tie_ = false;
+  std::optional<std::array<exact::Int128, 3>> integer_;
 };
 
 }  // namespace cleave::stability

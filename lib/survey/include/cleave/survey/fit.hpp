@@ -68,6 +68,9 @@ struct Meeting {
                                    const std::function<std::optional<double>(const Fit&)>& figure,
                                    double confidence = 0.95);
 [[nodiscard]] double std_of(const Fit& fit);
+/// The parameters a and b themselves (b only where it is fitted): positive ones as `estimate_of`, mu of the lognormal
+/// law with a symmetric interval.
+[[nodiscard]] std::vector<Estimate> parameters_of(const Fit& fit, double confidence = 0.95);
 
 /// Complete data (spacings): maximum likelihood, Kolmogorov-Smirnov p-value by parametric bootstrap with refitting
 /// (`resamples`; 0: none).
