@@ -9,6 +9,7 @@
 #include "cleave/report/write.hpp"
 #include "cleave/scene/parse.hpp"
 #include "cleave/scene/run.hpp"
+#include "allocation.hpp"
 #include "command_monte_carlo.hpp"
 #include "commands.hpp"
 #include "figures.hpp"
@@ -77,6 +78,7 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
 }
 
 ExitCode run_scene(const RunArguments& arguments) {
+  keep_freed_memory(arguments.threads);
   InterruptWatch interrupts;  // before any other thread
   StageTimer timer;
   Progress progress{progress_style_of_stderr(arguments.quiet)};

@@ -154,7 +154,7 @@ std::expected<System, topology::CutError> cut_all(const Scene& scene, const Draw
   std::string hash;
   auto complex = stage(Stage::audit, [&] {
     auto audited = topology::audit(*std::move(cut), options.threads);
-    if (audited) hash = topology::canonical_hash(audited->complex());
+    if (audited) hash = topology::canonical_hash(audited->complex(), options.threads);
     return audited;
   });
   System system{std::move(complex), std::move(report), {}, std::move(hash), {}, {}};
@@ -204,7 +204,8 @@ std::expected<System, topology::CutError> cut_near_free_faces(const Scene& scene
     return System{std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}, {}, {}, {}, {}};
   }
   const topology::BlockComplex& complex = near->complex.complex();
-  System system{near->complex, complex.report(), near->analysis, topology::canonical_hash(complex), {}, {}};
+  System system{
+      near->complex, complex.report(), near->analysis, topology::canonical_hash(complex, options.threads), {}, {}};
   system.key_hash = hash_of_key_blocks(complex, near->analysis);
   if (near->window) {
     system.window = WindowInfo{
