@@ -190,6 +190,39 @@ TEST(KeyBlocksScene, ColumnsThatToppleAreToldAndCountOnlyWhenAsked) {
   EXPECT_FALSE(result_of(column("rotation = \"off\"\n")).analysis->judgements[0].rotation.has_value());
 }
 
+// A block that stays only because of a block in its middle is no key block, and is never passed over in silence.
+TEST(KeyBlocksScene, BlocksHeldFromWithinAreTold) {
+  std::string text = R"([domain]
+box = { min = [-6, -6, 0], max = [6, 6, 9] }
+[joints.default]
+friction = 35
+[stability]
+free = ["bottom"]
+)";
+  const auto plane = [&](double x, double y, double z, double dip, double direction) {
+    text += fmt::format("[[joint]]\nplane = {{ through = [{}, {}, {}], dip = {}, dip_direction = {} }}\n", x, y, z, dip,
+                        direction);
+  };
+  for (const double s : {-2.0, 2.0}) {
+    plane(s, 0, 0, 90, 90);
+    plane(0, s, 0, 90, 0);
+  }
+  plane(0, 0, 3, 0, 0);
+  const auto told = [](const RunResult& r) {
+    return std::ranges::count_if(r.notes, [](const std::string& n) { return n.contains("wholly inside it"); });
+  };
+  EXPECT_EQ(told(result_of(text)), 0);
+  for (const std::string_view side :
+       {"[[-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]", "[[-1, -1, 2], [1, -1, 2], [1, 1, 2], [-1, 1, 2]]",
+        "[[-1, -1, 1], [1, -1, 1], [1, -1, 2], [-1, -1, 2]]", "[[-1, 1, 1], [1, 1, 1], [1, 1, 2], [-1, 1, 2]]",
+        "[[-1, -1, 1], [-1, 1, 1], [-1, 1, 2], [-1, -1, 2]]", "[[1, -1, 1], [1, 1, 1], [1, 1, 2], [1, -1, 2]]"}) {
+    text += fmt::format("[[joint]]\npolygon = {}\n", side);
+  }
+  const RunResult boxed = result_of(text);
+  EXPECT_TRUE(boxed.analysis->batches.empty());
+  EXPECT_EQ(told(boxed), 1);
+}
+
 /// Random rock with a short tunnel in its middle, bolted, under water and load cases.
 std::string bolted_tunnel(std::uint64_t seed, std::string_view more) {
   std::string text = fmt::format("seed = {}\n[domain]\nbox = {{ min = [0, 0, 0], max = [60, 60, 60] }}\n", seed);
