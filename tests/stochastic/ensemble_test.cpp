@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "cleave/core/rng.hpp"
 
@@ -99,6 +102,30 @@ TEST(EnsembleTest, HeavyTailIsFlaggedWithABootstrap) {
   EXPECT_TRUE(std::ranges::any_of(h.notes, [](const std::string& n) { return n.contains("optimistic"); }));
   EXPECT_FALSE(find(l, "key_block_volume_m3").optimistic);
   EXPECT_FALSE(find(l, "key_block_volume_m3").bootstrap.has_value());
+}
+
+// Realizations with many key blocks that have larger ones, batches that were not all taken away: said where they are,
+// and only there.
+TEST(EnsembleTest, WhatBiasesTheFiguresIsNoted) {
+  const auto says = [](const Ensemble& ensemble, std::string_view words) {
+    const Figures f = ensemble.figures();
+    return std::ranges::any_of(f.notes, [&](const std::string& n) { return n.contains(words); });
+  };
+  Ensemble unequal{options()}, equal{options()};
+  for (std::uint64_t k = 0; k < 40; ++k) {
+    unequal.add(k % 2 == 0 ? record(k, {1}) : record(k, {9, 9, 9, 9}), "u");
+    Record stopped = k % 2 == 0 ? record(k, {2}) : record(k, {2, 2, 2, 2});
+    stopped.stopped_at_max_batches = k == 3;
+    stopped.surface_blocks = 10;
+    stopped.surface_blocks_fixed = 1;
+    equal.add(stopped, "e");
+  }
+  EXPECT_TRUE(says(unequal, "7.4 m3 as ratio of sums, 5 m3 as mean over realizations"));
+  EXPECT_FALSE(says(equal, "as ratio of sums"));
+  EXPECT_TRUE(says(equal, "1 of 40 realizations stopped at max_batches"));
+  EXPECT_FALSE(says(unequal, "stopped at max_batches"));
+  EXPECT_TRUE(says(equal, "10.0 % of the blocks at free faces are held by the domain's border"));
+  EXPECT_FALSE(says(unequal, "border"));
 }
 
 TEST(EnsembleTest, WordsOfScenesNameQuantities) {
