@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cleave/core/rng.hpp"
+#include "cleave/stochastic/intervals.hpp"
 
 namespace cleave::stochastic {
 namespace {
@@ -102,6 +103,34 @@ TEST(EnsembleTest, HeavyTailIsFlaggedWithABootstrap) {
   EXPECT_TRUE(std::ranges::any_of(h.notes, [](const std::string& n) { return n.contains("optimistic"); }));
   EXPECT_FALSE(find(l, "key_block_volume_m3").optimistic);
   EXPECT_FALSE(find(l, "key_block_volume_m3").bootstrap.has_value());
+}
+
+// The running mean with its band is that of the first n realizations, ever further apart, and ends with all of them.
+TEST(EnsembleTest, RunningMeansAreThoseOfTheFirstRealizations) {
+  Ensemble ensemble{options()};
+  Rng rng{5};
+  std::vector<double> volumes;
+  for (std::uint64_t k = 0; k < 203; ++k) {
+    volumes.push_back(rng.uniform());
+    ensemble.add(record(k, {volumes.back()}), "r");
+  }
+  const Figures f = ensemble.figures();
+  ASSERT_GT(f.running.size(), 20U);
+  EXPECT_EQ(f.running_quantity, "key_block_volume_m3");
+  EXPECT_EQ(f.running.front().realizations, 10U);
+  EXPECT_EQ(f.running.back().realizations, 203U);
+  std::uint64_t before = 0;
+  for (const RunningPoint& p : f.running) {
+    EXPECT_GT(p.realizations, before);
+    before = p.realizations;
+    double sum = 0, squares = 0;
+    for (std::size_t k = 0; k < p.realizations; ++k) sum += volumes[k];
+    const auto n = static_cast<double>(p.realizations);
+    for (std::size_t k = 0; k < p.realizations; ++k) squares += std::pow(volumes[k] - sum / n, 2);
+    const double error = std::sqrt(squares / (n - 1) / n);
+    EXPECT_NEAR(p.mean, sum / n, 1e-12);
+    EXPECT_NEAR(p.half_width, sum / n - t_interval(sum / n, error, p.realizations, 0.95).low, 1e-12);
+  }
 }
 
 // Realizations with many key blocks that have larger ones, batches that were not all taken away: said where they are,
