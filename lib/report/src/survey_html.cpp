@@ -24,33 +24,89 @@ using detail::PlotPoint;
 using geometry::Vec3;
 using survey::Estimate;
 
-/// Density of poles on the net as coloured cells, in multiples of uniform: Fisher kernels with kappa 100 (Diggle &
-/// Fisher 1985), about the 1 % counting circle.
-std::string contours(const std::vector<Vec3>& normals, const std::vector<double>& weights, Net net) {
-  constexpr double kernel = 100;
-  constexpr int cells = 60;
-  std::string out = "<svg viewBox=\"-110 -110 220 220\" role=\"img\" aria-label=\"Density of poles\">";
-  const std::size_t stride = std::max<std::size_t>(1, normals.size() / 2000);
-  for (int i = 0; i < cells; ++i) {
-    for (int j = 0; j < cells; ++j) {
-      const double x = (2.0 * i + 1) / cells - 1, y = (2.0 * j + 1) / cells - 1, r = std::hypot(x, y);
-      if (r > 1) continue;
-      const double theta = net == Net::equal_area ? 2 * std::asin(r / std::numbers::sqrt2) : 2 * std::atan(r);
-      const Vec3 d{r > 0 ? std::sin(theta) * x / r : 0, r > 0 ? std::sin(theta) * y / r : 0, -std::cos(theta)};
-      double density = 0, used = 0;
-      for (std::size_t k = 0; k < normals.size(); k += stride) {
-        density += weights[k] * std::exp(kernel * (std::abs(dot(normals[k], d)) - 1));
-        used += weights[k];
+/// Density of poles on the net in multiples of uniform, coloured, with contours at 2, 4, 8, 16: Fisher kernels with
+/// kappa 100 (Diggle & Fisher 1985), about the 1 % counting circle.
+class DensityNet final {
+ public:
+  DensityNet(const std::vector<Vec3>& normals, const std::vector<double>& weights, Net net) {
+    const std::size_t stride = std::max<std::size_t>(1, normals.size() / 2000);
+    for (std::size_t i = 0; i <= cells; ++i) {
+      for (std::size_t j = 0; j <= cells; ++j) {
+        const double x = place(i), y = place(j), r = std::hypot(x, y);
+        // Beyond the rim as on it, so that contours run up to it.
+        const double t = std::min(r, 1.0);
+        const double theta = net == Net::equal_area ? 2 * std::asin(t / std::numbers::sqrt2) : 2 * std::atan(t);
+        const Vec3 d{r > 0 ? std::sin(theta) * x / r : 0, r > 0 ? std::sin(theta) * y / r : 0, -std::cos(theta)};
+        double density = 0, used = 0;
+        for (std::size_t k = 0; k < normals.size(); k += stride) {
+          density += weights[k] * std::exp(kernel * (std::abs(dot(normals[k], d)) - 1));
+          used += weights[k];
+        }
+        at_.push_back(density * kernel / std::max(used, 1e-300));  // 1: uniform on the half sphere
       }
-      density *= kernel / std::max(used, 1e-300);  // 1: uniform on the half sphere
-      if (density < 1) continue;
-      const double shade = std::min(1.0, std::log2(density) / 5);
-      out += "<rect x=\"" + fixed(100 * x - 100.0 / cells) + "\" y=\"" + fixed(-100 * y - 100.0 / cells) +
-             "\" width=\"3.5\" height=\"3.5\" fill=\"#0072B2\" fill-opacity=\"" + fixed(0.08 + 0.82 * shade) + "\"/>";
     }
   }
-  return out + "<circle class=\"net-rim\" r=\"100\"/><path class=\"net-tick\" d=\"M0,-100V-105\"/></svg>";
-}
+
+  [[nodiscard]] std::string svg() const {
+    std::string out = "<svg viewBox=\"-110 -110 220 220\" role=\"img\" aria-label=\"Density of poles\">";
+    for (std::size_t i = 0; i < cells; ++i) {
+      for (std::size_t j = 0; j < cells; ++j) {
+        const double x = (place(i) + place(i + 1)) / 2, y = (place(j) + place(j + 1)) / 2;
+        const double density = (at(i, j) + at(i + 1, j) + at(i, j + 1) + at(i + 1, j + 1)) / 4;
+        if (std::hypot(x, y) > 1 || density < 1) continue;
+        const double shade = std::min(1.0, std::log2(density) / 5);
+        out += "<rect x=\"" + fixed(100 * place(i)) + "\" y=\"" + fixed(-100 * place(j + 1)) +
+               "\" width=\"3.5\" height=\"3.5\" fill=\"#0072B2\" fill-opacity=\"" + fixed(0.08 + 0.72 * shade) + "\"/>";
+      }
+    }
+    for (const double level : {2.0, 4.0, 8.0, 16.0}) {
+      const std::string path = contour(level);
+      if (path.empty()) continue;
+      out += "<path class=\"net-contour\" fill=\"none\" stroke=\"#14202b\" stroke-width=\"" +
+             fixed(0.3 + 0.04 * level) + "\" d=\"" + path + "\"><title>" + display(level, 2) +
+             " times uniform</title></path>";
+    }
+    return out + "<circle class=\"net-rim\" r=\"100\"/><path class=\"net-tick\" d=\"M0,-100V-105\"/></svg>";
+  }
+
+ private:
+  static constexpr double kernel = 100;
+  static constexpr std::size_t cells = 60;
+  static double place(std::size_t i) { return 2 * static_cast<double>(i) / cells - 1; }
+  [[nodiscard]] double at(std::size_t i, std::size_t j) const { return at_[i * (cells + 1) + j]; }
+
+  /// Straight pieces through the two halves of every cell.
+  [[nodiscard]] std::string contour(double level) const {
+    struct Node {
+      double x, y, value;
+    };
+    std::string path;
+    const auto through = [&](const std::array<Node, 3>& corner) {
+      std::array<std::pair<double, double>, 2> ends{};
+      std::size_t found = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Node &a = corner.at(k), &b = corner.at((k + 1) % 3);
+        if ((a.value < level) == (b.value < level)) continue;
+        const double t = (level - a.value) / (b.value - a.value);
+        ends.at(found++) = {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+      }
+      if (found < 2 || std::hypot(ends[0].first + ends[1].first, ends[0].second + ends[1].second) > 2) return;
+      path += "M" + fixed(100 * ends[0].first) + "," + fixed(-100 * ends[0].second) + "L" + fixed(100 * ends[1].first) +
+              "," + fixed(-100 * ends[1].second);
+    };
+    for (std::size_t i = 0; i < cells; ++i) {
+      for (std::size_t j = 0; j < cells; ++j) {
+        const auto node = [&](std::size_t u, std::size_t v) { return Node{place(u), place(v), at(u, v)}; };
+        const Node a = node(i, j), b = node(i + 1, j), c = node(i + 1, j + 1), d = node(i, j + 1);
+        through({a, b, c});
+        through({a, c, d});
+      }
+    }
+    return path;
+  }
+
+  std::vector<double> at_;
+};
 
 /// What a histogram shows: values, the laws fitted to them (the best first), and words.
 struct Lengths {
@@ -188,9 +244,9 @@ std::string nets_section(const scene::SurveyScene& scene, const survey::SurveyRe
   for (const Net net : {Net::equal_area, Net::equal_angle}) {
     const std::string name = net == Net::equal_area ? "equal area" : "equal angle";
     out += "<figure class=\"net\">" + stereonet_svg(poles, sets, net, 0) + "<figcaption>Poles, lower hemisphere, " +
-           name + ".</figcaption></figure><figure class=\"net\">" + contours(normals, weights, net) +
+           name + ".</figcaption></figure><figure class=\"net\">" + DensityNet{normals, weights, net}.svg() +
            "<figcaption>Density of poles, weighted against the bias of line or outcrop, " + name +
-           ": multiples of uniform above 1, by Fisher kernels (κ = 100).</figcaption></figure>\n";
+           ": contours at 2, 4, 8, 16 times uniform, by Fisher kernels (κ = 100).</figcaption></figure>\n";
   }
   out += "</div>\n";
   if (!result.silhouettes.empty()) {
