@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string>
 
 #include "program.hpp"
 
@@ -240,6 +241,33 @@ TEST_F(DesignsTest, RanksGiveTheSameBytes) {
     EXPECT_EQ(read("ranks" + n + "/realizations.csv"), read("one/realizations.csv"));
     EXPECT_TRUE(section("ranks" + n) == section("one")) << n;
   }
+}
+
+// Two real ranks on uneven realizations: neither has nothing to do for a tenth of the time (the least of three tries:
+// others use this machine, too).
+TEST_F(DesignsTest, RanksDoNotWait) {
+  const fs::path program = fs::path{CLEAVE_PROGRAM}.parent_path() / "cleave_mpi";
+  if (!fs::exists(program) || std::system("command -v mpirun > /dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "cleave_mpi or mpirun is not here";
+  }
+  write("s.toml", with_friction_law() + "[monte_carlo]\nrealizations = 600\n");
+  double least = 100;
+  for (int attempt = 0; attempt < 3 && least >= 10; ++attempt) {
+    const Ended run = shell("OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe -n 2 '" +
+                            program.string() + "' s.toml -o ranks; echo code $?");
+    if (!run.out.contains("code 0")) GTEST_SKIP() << "mpirun does not run here: " << run.err;
+    const std::string words = "ranks waited for work (share of the time):";
+    const std::size_t at = run.err.find(words);
+    ASSERT_NE(at, std::string::npos) << run.err;
+    std::istringstream shares{run.err.substr(at + words.size())};
+    double first = 0, second = 0;
+    char percent = 0;
+    ASSERT_TRUE(shares >> first >> percent >> second) << run.err;
+    least = std::min(least, std::max(first, second));
+    fs::remove_all(path("ranks"));
+  }
+  RecordProperty("waited_percent", std::to_string(least));
+  EXPECT_LT(least, 10);
 }
 
 }  // namespace

@@ -113,7 +113,29 @@ TEST_F(SurveyIntervalsTest, EveryEstimateHasItsInterval) {
   expect_between(result["windows"][0], "connections_per_trace", "window");
   EXPECT_GT(intervals, 100);
   const std::string page = read("out/report.html");
-  for (const char* part : {"connections per trace", "alignment", "RQD"}) EXPECT_TRUE(page.contains(part)) << part;
+  for (const char* part :
+       {"connections per trace", "alignment", "RQD", "Bingham k1", "Poles, lower hemisphere, equal area",
+        "Poles, lower hemisphere, equal angle", "Density of poles", "class=\"net-contour\"", "Rosette",
+        "Histogram of trace lengths", "Histogram of spacings", "Kolmogorov-Smirnov p = ", "for comparison only"}) {
+    EXPECT_TRUE(page.contains(part)) << part;
+  }
+  // The source's formulas stand beside by name, and say what they are.
+  const auto compared = [](const json& list, const std::string& method) {
+    for (const json& e : list) {
+      if (e["method"].get<std::string>().contains(method)) return e["note"].get<std::string>();
+    }
+    return std::string{"not there"};
+  };
+  for (const json& set : result["sets"]) {
+    if (set["name"] != "one" && set["name"] != "two") continue;
+    for (const char* method : {"A.26", "Kulatilake et al. 1993", "Zhang & Einstein 2000"}) {
+      EXPECT_TRUE(compared(set["comparisons"], method).starts_with("for comparison only")) << method;
+    }
+    ASSERT_TRUE(set["trace_lengths"][0].contains("p_value")) << set["name"];
+  }
+  EXPECT_TRUE(compared(result["windows"][0]["estimates"], "A.11").starts_with("for comparison only"));
+  EXPECT_TRUE(compared(result["windows"][0]["estimates"], "N/A").contains("for comparison only"));
+  EXPECT_TRUE(compared(result["lines"][0]["comparisons"], "thesis A.3").contains("for comparison only"));
 }
 
 }  // namespace

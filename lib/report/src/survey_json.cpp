@@ -3,6 +3,7 @@
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/report/json.hpp"
 #include "cleave/report/survey.hpp"
+#include "cleave/survey/comparison.hpp"
 
 namespace cleave::report {
 namespace {
@@ -111,6 +112,10 @@ void write_set(JsonWriter& json, const survey::SetResult& set, double confidence
     write_interval(json, "std", law.std);
     if (law.size_mean) write_interval(json, "size_mean", *law.size_mean);
     if (law.size_std) write_interval(json, "size_std", *law.size_std);
+    if (law.test) {
+      json.member("p_value", law.test->p_value);
+      json.member("p_value_traces", law.test->traces);
+    }
     if (law.sizes) {
       json.member("size_mean", law.sizes->mean);
       json.member("size_std", law.sizes->std);
@@ -125,6 +130,7 @@ void write_set(JsonWriter& json, const survey::SetResult& set, double confidence
     write_fit(json, fit, confidence);
     write_interval(json, "mean", estimate_of(fit, "", [](const survey::Fit& f) { return f.moment(1); }, confidence));
     write_interval(json, "std", estimate_of(fit, "", [](const survey::Fit& f) { return std_of(f); }, confidence));
+    json.member("p_value_textbook", survey::textbook_p_value(fit.distance, set.gaps.size()));
     const survey::ChiSquared chi = chi_squared(set.gaps, fit);
     if (chi.bins >= 3) {
       json.member("chi_squared", chi.statistic);
@@ -152,6 +158,10 @@ void write_set(JsonWriter& json, const survey::SetResult& set, double confidence
     json.member("method", size.method);
     json.end_object();
   }
+  json.end_array();
+  json.key("comparisons");
+  json.begin_array();
+  for (const Estimate& e : set.comparisons) write_estimate(json, e);
   json.end_array();
   if (set.size) {
     json.key("size");

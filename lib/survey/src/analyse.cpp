@@ -9,6 +9,7 @@
 
 #include "cleave/core/rng.hpp"
 #include "cleave/geometry/orientation.hpp"
+#include "cleave/survey/comparison.hpp"
 #include "cleave/survey/line.hpp"
 #include "set_laws.hpp"
 
@@ -282,6 +283,7 @@ class Analysis final {
     SetResult& set = out_.sets[k];
     std::vector<WindowCounts> counts;
     std::vector<SeenLength> lengths;
+    std::vector<WholeTrace> whole;
     double truncation = 0;
     Chords sum{0, 0, shape_area(set.shape), 0};
     for (std::size_t w = 0; w < in_.windows.size(); ++w) {
@@ -291,6 +293,12 @@ class Analysis final {
         own.push_back(seen_[w][i]);
         lengths.push_back({seen_[w][i].length, std::min(seen_[w][i].ends, 2U)});
         set.seen_lengths.push_back(seen_[w][i].length);
+        const SeenTrace& trace = seen_[w][i];
+        if (trace.ends != 2 || trace.crossings > 0) continue;
+        const Polyline& line = in_.windows[w].traces[trace.trace];
+        const MapPoint middle{(line.front().x + line.back().x) / 2, (line.front().y + line.back().y) / 2};
+        if (!holds(in_.windows[w].window, middle)) continue;  // a bent one
+        whole.push_back({trace.length, chord_through(in_.windows[w].window, middle, trace.direction)});
       }
       const auto traces = static_cast<double>(own.size());
       const Chords chords = chords_of(set.shape, trace_angle(set, in_.windows[w]));
@@ -329,6 +337,11 @@ class Analysis final {
     set.mean_length_counts = mean_length_by_counts(all, in_.confidence);
     set.p32_windows = over(*set.p21, sine, "P32", fmt::format("P21 / E sin V, E sin V = {:.4f}", *sine.value));
     detail::fit_laws(set, lengths, {all.area, all.width, truncation}, set.mean_length, in_.confidence);
+    for (FittedLaw& law : set.lengths) law.test = test_lengths(whole, truncation, law.fit.family, in_.seed);
+    set.comparisons = spread_as_measured(lengths, set.chords, in_.confidence);
+    if (!set.lengths.empty()) {
+      set.comparisons.push_back(p20_by_midpoints(lengths, set.lengths.front().fit, all.area, in_.confidence));
+    }
     if (!set.size) return;
     const double width = set.chords.width();
     if (!set.sizes.empty()) {
@@ -425,7 +438,12 @@ class Analysis final {
       for (const auto estimate : {p20, p21, mean_length, mean_length_by_counts, p20_plain}) {
         result.estimates.push_back(estimate(result.counts, in_.confidence));
       }
-      if (result.counts.circle) result.estimates.push_back(p21_by_crossings(result.counts, in_.confidence));
+      if (result.counts.circle) {
+        result.estimates.push_back(p21_by_crossings(result.counts, in_.confidence));
+        result.estimates.push_back(mean_length_by_number(result.counts, in_.confidence));
+      } else {
+        result.estimates.push_back(mean_length_by_pahl(result.counts, in_.confidence));
+      }
       const double mean = result.estimates[2].value.value_or(1);
       if (seen_[w].size() <= most_traces_of_nodes) {
         result.nodes = nodes(window.window, window.traces, 1e-3 * mean, in_.confidence);

@@ -152,7 +152,8 @@ void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meet
     // Pooled windows of equal shape: area over width of the sums.
     auto fit = fit_lengths(lengths, meeting, family);
     if (!fit) continue;
-    FittedLaw law{.fit = *std::move(fit), .sizes = {}, .mean = {}, .std = {}, .size_mean = {}, .size_std = {}};
+    FittedLaw law{
+        .fit = *std::move(fit), .sizes = {}, .mean = {}, .std = {}, .size_mean = {}, .size_std = {}, .test = {}};
     law.sizes = size_by_moments(law.fit, set.chords);
     law.mean = estimate_of(law.fit, "mean length", [](const Fit& f) { return f.moment(1); }, confidence);
     law.std = estimate_of(law.fit, "standard deviation", [](const Fit& f) { return std_of(f); }, confidence);

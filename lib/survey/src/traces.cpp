@@ -136,6 +136,22 @@ double width_across(const Window& window, MapPoint direction) noexcept {
                     window);
 }
 
+double chord_through(const Window& window, MapPoint inside, MapPoint direction) {
+  double far = 0;  // beyond the window from any point in it
+  std::visit(overloaded{
+                 [&](const CircleWindow& w) { far = 3 * w.radius; },
+                 [&](const PolygonWindow& w) {
+                   for (const MapPoint p : w.corners) far = std::max(far, distance(p, inside));
+                   far *= 1.5;
+                 },
+             },
+             window);
+  const MapPoint ahead{inside.x + far * direction.x, inside.y + far * direction.y},
+      behind{inside.x - far * direction.x, inside.y - far * direction.y};
+  const std::vector<double> to = cuts(window, inside, ahead), back = cuts(window, inside, behind);
+  return to.empty() || back.empty() ? 0 : far * (to.front() + back.front());
+}
+
 std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyline> traces, double border) {
   const auto seen_end = [&](MapPoint p) {
     return holds(window, p) && (border <= 0 || distance_to_border(window, p) > border) ? 1U : 0U;

@@ -74,6 +74,7 @@ struct FittedLaw {
   std::optional<SizeOfJoints> sizes;  ///< by moments, when a law of sizes has these traces
   Estimate mean, std;                 ///< of the lengths
   std::optional<Estimate> size_mean, size_std;
+  std::optional<LengthTest> test;  ///< of whole traces in windows
 };
 
 /// Of the joints, from the lengths as they were seen.
@@ -112,6 +113,7 @@ struct SetResult {
   std::optional<Estimate> m2, m3;               ///< E L^2/E L and E L^3/E L whatever the law (lengths: 2S/m; best fit)
   std::vector<Fit> spacings;                    ///< along the lines, by AIC; `estimate_of` has their intervals
   std::vector<double> gaps, seen_lengths;
+  std::vector<Estimate> comparisons;  ///< formulas of the source that are biased: for comparison only
   std::vector<std::string> notes;
 };
 

@@ -36,6 +36,9 @@ using Window = std::variant<CircleWindow, PolygonWindow>;
 /// Width of the window across a direction (unit vector), of its convex hull.
 [[nodiscard]] double width_across(const Window& window, MapPoint direction) noexcept;
 
+/// Length of the part of a line that the window shows around a point inside it (unit direction).
+[[nodiscard]] double chord_through(const Window& window, MapPoint inside, MapPoint direction);
+
 /// A trace as the window shows it.
 struct SeenTrace {
   std::size_t trace = 0;        ///< number of the polyline
