@@ -177,8 +177,8 @@ class Recorder final {
   const dbem::World& world_;
   ContactResult& result_;
   std::vector<Vec2> local_;
-  std::array<std::uint64_t, 6> shares_{};
-  std::array<std::uint64_t, 6> solves_{};
+  dbem::PerMethod<std::uint64_t> shares_{};
+  dbem::PerMethod<std::uint64_t> solves_{};
   double gravity_ = 0, lowest_ = 0, angular_ = 0, scale_ = 0;
   Vec2 momentum_, expected_, weight_;
   bool grounded_ = false, loaded_ = false;
