@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -281,6 +282,47 @@ TEST_F(ContactExamplesTest, SectionOfBlocksRuns) {
   for (const auto& b : west["bodies"]) left += b["max_displacement_m"].get<double>() > 0.1 ? 1U : 0U;
   EXPECT_EQ(left, 1U);
   ASSERT_EQ(cleave("run rock.toml --quiet -o out").code, 0);  // a result with sections is replaced
+}
+
+// A horizontal section has no weight in its plane: the seismic push of the rock mass moves the four wedges around the
+// shaft, each in its own way.
+TEST_F(ContactExamplesTest, WedgesAroundAShaftInPlanMoveAsTheClosedFormsSay) {
+  write("shaft.toml", scene("shaft_in_plan/shaft_in_plan"));
+  const Ended cut = cleave("run shaft.toml -o rock");
+  ASSERT_EQ(cut.code, 0) << cut.err;
+  EXPECT_NE(cut.out.find(" bodies, 384 m2"), std::string::npos) << cut.out;  // 20 m by 20 m without the shaft
+  const std::string plan = read("rock/section_plan.toml");
+  EXPECT_NE(plan.find("# Level z = 5 m; x = east, y = north."), std::string::npos) << plan;
+  write("plan.toml", plan);
+  ASSERT_EQ(cleave("run plan.toml --quiet -o whole").code, 0);  // as it is
+  EXPECT_TRUE(exists("whole/report.html"));
+  constexpr double end = 0.6, push = 0.26 * 9.81;
+  (void)ran(with(plan, "duration = 2", "duration = 0.6"));
+  std::istringstream rows{read("out/bodies.csv")};
+  std::string line;
+  std::getline(rows, line);
+  std::map<std::string, std::array<double, 3>> moved;  // x, y and rotation of the wedge behind each wall
+  while (std::getline(rows, line)) {
+    std::vector<std::string> cells;
+    std::istringstream row{line};
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    ASSERT_EQ(cells.size(), 11U) << line;
+    if (cells[1] == "1") continue;
+    const auto value = [&](std::size_t k) { return std::stod(cells[k]); };
+    const double x = value(3) - value(5) - 10, y = value(4) - value(6) - 10;  // of the start, from the middle
+    const std::string wall = std::abs(x) > std::abs(y) ? (x > 0 ? "east" : "west") : y > 0 ? "north" : "south";
+    EXPECT_NEAR(std::max(std::abs(x), std::abs(y)), 2 + 2.0 / 3, 1e-9) << line;
+    EXPECT_TRUE(moved.emplace(wall, std::array{value(5), value(6), value(7)}).second) << wall;
+  }
+  ASSERT_EQ(moved.size(), 4U);
+  const double free = push / 2 * end * end;
+  const double along = free * (56 - 33 * std::tan(30 * degree)) / 65;
+  EXPECT_NEAR(moved["east"][0], -12.0 / 13 * free, 1e-9);
+  EXPECT_NEAR(moved["east"][1], -5.0 / 13 * free, 1e-9);
+  EXPECT_NEAR(moved["north"][0], -0.6 * along, 1e-9);
+  EXPECT_NEAR(moved["north"][1], -0.8 * along, 1e-9);
+  for (const std::string wall : {"east", "north"}) EXPECT_NEAR(moved[wall][2], 0, 1e-7) << wall;
+  for (const std::string wall : {"south", "west"}) EXPECT_LT(std::hypot(moved[wall][0], moved[wall][1]), 1e-9) << wall;
 }
 
 // No equilibrium: the state reached is written, the exit code says so.
