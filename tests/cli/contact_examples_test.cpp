@@ -46,6 +46,8 @@ class ContactExamplesTest : public ProgramTest {
       EXPECT_EQ(page.find(wrong), std::string::npos) << name << ": no number for the page: " << wrong;
     }
     EXPECT_TRUE(exists("out/contact_0001.vtu"));
+    EXPECT_FALSE(result["points"].empty()) << name << ": no histories";
+    EXPECT_NE(page.find("<div id=\"ux\">"), std::string::npos) << name;
     return result;
   }
   [[nodiscard]] static std::vector<double> at(const nlohmann::json& result, const std::string& point) {
@@ -323,6 +325,30 @@ TEST_F(ContactExamplesTest, WedgesAroundAShaftInPlanMoveAsTheClosedFormsSay) {
   EXPECT_NEAR(moved["north"][1], -0.8 * along, 1e-9);
   for (const std::string wall : {"east", "north"}) EXPECT_NEAR(moved[wall][2], 0, 1e-7) << wall;
   for (const std::string wall : {"south", "west"}) EXPECT_LT(std::hypot(moved[wall][0], moved[wall][1]), 1e-9) << wall;
+}
+
+// A step that meets the contact law in no way, however short, is not taken: the run stops, and what it reached stays.
+TEST_F(ContactExamplesTest, AStepThatCannotBeSolvedStopsTheRun) {
+  // Pivoting alone refuses more than 100 contacts: a stack of 60 falls freely until it lands.
+  const std::string text =
+      "[contact]\nduration = 0.5\nstep = 0.01\nsolver = \"lemke\"\n"
+      "[[body]]\nname = \"floor\"\nfixed = true\nrectangle = { corner = [-2, -1], width = 5, height = 1 }\n"
+      "[[body]]\nname = \"b\"\nrectangle = { corner = [0, 0.2], width = 1, height = 1 }\nrepeat = { count = 60, "
+      "shift = [0, 1] }\n";
+  const auto stopped = ran(text, 4);
+  EXPECT_EQ(stopped["status"], "stopped");
+  EXPECT_NE(stopped["reason"].get<std::string>().find("the contact law was not met"), std::string::npos)
+      << stopped["reason"];
+  // The state is that of the last step that was solved.
+  const double end = stopped["end_time_s"].get<double>();
+  EXPECT_GT(end, 0.15);
+  EXPECT_LT(end, 0.25);
+  EXPECT_LE(stopped["residual"].get<double>(), 1e-8);
+  EXPECT_NEAR(body(stopped, "b 1")["centroid"][1].get<double>(), 0.7 - 9.81 / 2 * end * end, 1e-9);
+  for (const std::string file : {"report.html", "history.csv", "bodies.csv", "contact.pvd"}) {
+    EXPECT_TRUE(exists("out/" + file)) << file;
+  }
+  EXPECT_EQ(ran(with(text, "solver = \"lemke\"\n", ""))["status"], "converged");
 }
 
 // No equilibrium: the state reached is written, the exit code says so.
