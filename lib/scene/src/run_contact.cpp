@@ -113,9 +113,12 @@ class Recorder final {
     row.friction = energy.friction;
     row.lost = energy.lost;
     row.residual = report.residual;
-    row.contacts = report.contacts;
-    row.sticking = report.stick;
-    row.slipping = report.slip;
+    // Those of sleeping bodies carry on, though no step solves them.
+    for (const dbem::Contact& contact : world_.contacts()) {
+      ++row.contacts;
+      row.sticking += contact.state == dbem::ContactState::stick ? 1U : 0U;
+      row.slipping += contact.state == dbem::ContactState::slip ? 1U : 0U;
+    }
     row.iterations = report.iterations;
     row.points = displacements();
     result_.history.push_back(std::move(row));
