@@ -292,7 +292,7 @@ TEST_F(ContactExamplesTest, WedgesAroundAShaftInPlanMoveAsTheClosedFormsSay) {
   write("shaft.toml", scene("shaft_in_plan/shaft_in_plan"));
   const Ended cut = cleave("run shaft.toml -o rock");
   ASSERT_EQ(cut.code, 0) << cut.err;
-  EXPECT_NE(cut.out.find(" bodies, 384 m2"), std::string::npos) << cut.out;  // 20 m by 20 m without the shaft
+  EXPECT_NE(cut.out.find(" bodies, 180 m2"), std::string::npos) << cut.out;  // 14 m by 14 m without the shaft
   const std::string plan = read("rock/section_plan.toml");
   EXPECT_NE(plan.find("# Level z = 5 m; x = east, y = north."), std::string::npos) << plan;
   write("plan.toml", plan);

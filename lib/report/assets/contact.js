@@ -5,7 +5,7 @@ const byId = id => document.getElementById(id);
 const canvas = byId("view"), pen = canvas.getContext("2d");
 const slider = byId("frame"), play = byId("play"), arrows = byId("arrows"), size = byId("force"), scale = byId("scale"), colours = byId("colour");
 const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-const show = v => v === 0 ? "0" : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-3 ? v.toExponential(2) : String(+v.toPrecision(4));
+const show = v => v === 0 ? "0" : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-3 ? (+v.toPrecision(3)).toExponential() : String(+v.toPrecision(4));
 const N = D.bodies.length, F = D.frames.length;
 
 // Extent over all frames; bodies that left far away do not shrink the rest.
