@@ -9,18 +9,6 @@
 
 namespace cleave::dbem {
 
-std::string_view name_of(Method method) noexcept {
-  switch (method) {
-    case Method::none: return "none needed";
-    case Method::open_close: return "open_close";
-    case Method::newton: return "newton";
-    case Method::continuation: return "continuation";
-    case Method::lemke: return "lemke";
-    case Method::cascade: return "cascade";
-  }
-  return "";
-}
-
 namespace {
 
 double sign(double x) { return x < 0 ? -1.0 : 1.0; }
