@@ -112,6 +112,13 @@ TEST(CavityTest, ABlockWithAWayOutIsNotInside) {
   const Analysis a = analyse(complex, with);
   EXPECT_EQ(a.batches.size(), 2U);
   EXPECT_TRUE(held_from_within(complex, with, a).empty());
+  // Glued into its socket it stays, and bars the way of the block around it; but it is not inside.
+  Settings glued = with;
+  for (std::uint32_t joint = 5; joint < 11; ++joint)
+    glued.strengths.set(topology::JointId{joint}, strength(40, 0, 1e3));
+  const Analysis stuck = analyse(complex, glued);
+  EXPECT_TRUE(stuck.batches.empty());
+  EXPECT_TRUE(held_from_within(complex, glued, stuck).empty());
 }
 
 // Under every load there is, block and content together are what the same block is without the joints inside.
