@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "cleave/geometry/orientation.hpp"
@@ -204,17 +205,21 @@ std::string size_text(const survey::SetResult& set) {
 
 std::string sets_section(const survey::SurveyResult& result) {
   std::string out =
-      "<section id=\"sets\"><h2>Joint sets</h2>\n<div "
-      "class=\"scroll\"><table><thead><tr><th>Set</th><th>Joints</th><th>Traces"
-      "</th><th>Mean dip / dip direction</th><th>Concentration κ</th><th>P32 (1/m)</th><th>P30 (1/m³)</th><th>Mean "
-      "trace (m)</th><th>Size (m)</th></tr></thead><tbody>\n";
+      "<section id=\"sets\"><h2>Joint sets</h2>\n<div class=\"scroll\"><table><thead><tr><th>Set</th><th>Joints</th>"
+      "<th>Traces</th><th>Mean dip / dip direction</th><th>Concentration κ</th></tr></thead><tbody>\n";
   for (const survey::SetResult& set : result.sets) {
     const bool known = set.joints > 0 || set.orientation_stated;
     out += "<tr><td>" + escape_xml(set.name) + "</td><td>" + display_count(set.joints) + "</td><td>" +
            display_count(set.traces) + "</td><td>" + (known ? attitude_text(set) : "–") + "</td><td>" +
-           (known ? concentration_text(set) : "–") + "</td><td>" + (set.p32 ? estimate_text(*set.p32) : "–") +
-           "</td><td>" + (set.p30 ? estimate_text(*set.p30) : "–") + "</td><td>" +
-           (set.mean_length ? estimate_text(*set.mean_length) : "–") + "</td><td>" + size_text(set) + "</td></tr>\n";
+           (known ? concentration_text(set) : "–") + "</td></tr>\n";
+  }
+  out +=
+      "</tbody></table></div>\n<div class=\"scroll\"><table><thead><tr><th>Set</th><th>P32 (1/m)</th><th>P30 "
+      "(1/m³)</th><th>Mean trace (m)</th><th class=\"wide\">Size (m)</th></tr></thead><tbody>\n";
+  const auto cell = [](const std::optional<Estimate>& e) { return e ? estimate_text(*e) : std::string{"–"}; };
+  for (const survey::SetResult& set : result.sets) {
+    out += "<tr><td>" + escape_xml(set.name) + "</td><td>" + cell(set.p32) + "</td><td>" + cell(set.p30) + "</td><td>" +
+           cell(set.mean_length) + "</td><td class=\"wide\">" + size_text(set) + "</td></tr>\n";
   }
   out += "</tbody></table></div>\n<ul>\n";
   for (const survey::SetResult& set : result.sets) {
