@@ -160,17 +160,18 @@ TEST_F(ContactExamplesTest, FallingArchesTurnAboutHingesInTurn) {
     }
     turned.push_back(0);
     std::vector<int> found;
-    std::vector<bool> outside;
+    std::vector<int> outside;
     for (std::size_t k = 0; k + 1 < turned.size(); ++k) {
       const double opens = turned[k + 1] - turned[k];
       if (std::abs(opens) < 1e-3) continue;
       EXPECT_GT(std::abs(opens), 3) << name << ' ' << k;
       found.push_back(static_cast<int>(k));
-      outside.push_back(opens < 0);
+      outside.push_back(opens < 0 ? 1 : 0);
     }
     EXPECT_EQ(found, hinges) << name;
-    outside.erase(std::ranges::unique(outside).begin(), outside.end());
-    EXPECT_EQ(outside, (std::vector<bool>{true, false, true, false, true})) << name;
+    const auto twice = std::ranges::unique(outside);
+    outside.erase(twice.begin(), twice.end());
+    EXPECT_EQ(outside, (std::vector<int>{1, 0, 1, 0, 1})) << name;
   }
 }
 
@@ -358,22 +359,22 @@ TEST_F(ContactExamplesTest, WedgesAroundAShaftInPlanMoveAsTheClosedFormsSay) {
 
 // A step that meets the contact law in no way, however short, is not taken: the run stops, and what it reached stays.
 TEST_F(ContactExamplesTest, AStepThatCannotBeSolvedStopsTheRun) {
-  // Pivoting alone refuses more than 100 contacts: a stack of 60 falls freely until it lands.
+  // Pivoting alone refuses more than 100 contacts, which a stack of 60 has when all have landed.
   const std::string text =
       "[contact]\nduration = 0.5\nstep = 0.01\nsolver = \"lemke\"\n"
       "[[body]]\nname = \"floor\"\nfixed = true\nrectangle = { corner = [-2, -1], width = 5, height = 1 }\n"
       "[[body]]\nname = \"b\"\nrectangle = { corner = [0, 0.2], width = 1, height = 1 }\nrepeat = { count = 60, "
-      "shift = [0, 1] }\n";
+      "shift = [0, 1.001] }\n";
   const auto stopped = ran(text, 4);
   EXPECT_EQ(stopped["status"], "stopped");
   EXPECT_NE(stopped["reason"].get<std::string>().find("the contact law was not met"), std::string::npos)
       << stopped["reason"];
   // The state is that of the last step that was solved.
   const double end = stopped["end_time_s"].get<double>();
-  EXPECT_GT(end, 0.15);
-  EXPECT_LT(end, 0.25);
+  EXPECT_GT(end, 0.19);
+  EXPECT_LT(end, 0.3);
   EXPECT_LE(stopped["residual"].get<double>(), 1e-8);
-  EXPECT_NEAR(body(stopped, "b 1")["centroid"][1].get<double>(), 0.7 - 9.81 / 2 * end * end, 1e-9);
+  EXPECT_NEAR(body(stopped, "b 60")["centroid"][1].get<double>(), 0.7 + 59 * 1.001 - 9.81 / 2 * end * end, 1e-3);
   for (const std::string file : {"report.html", "history.csv", "bodies.csv", "contact.pvd"}) {
     EXPECT_TRUE(exists("out/" + file)) << file;
   }
