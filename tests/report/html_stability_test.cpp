@@ -240,8 +240,8 @@ TEST(HtmlStability, JointPyramidsAreDrawnOnTheirSides) {
   const std::string net = section(report_html(t.page), "maximum");
   EXPECT_EQ(count(net, "aria-label=\"Joint pyramids\""), 1U);
   for (const std::string_view code : {"000", "100", "010", "110", "001", "101", "011", "111"}) {
-    EXPECT_EQ(count(net, ">" + std::string{code} + "</text>"), 1U) << code;
-    const std::size_t from = net.find("data-code=\"" + std::string{code} + "\" d=\"M");
+    EXPECT_EQ(count(net, std::string{">"}.append(code).append("</text>")), 1U) << code;
+    const std::size_t from = net.find(std::string{"data-code=\""}.append(code).append("\" d=\"M"));
     ASSERT_NE(from, std::string::npos);
     std::string points = net.substr(from + 20, net.find('Z', from) - from - 20);
     std::ranges::replace(points, 'L', ' ');
