@@ -119,7 +119,7 @@ void study_seismic(study::Study& study, bool fixed_rock, std::vector<study::Seri
       if (part + 1 < size) continue;
       curve.moments.add(sum / static_cast<double>(size));
       sum = 0;
-      if (k + 1 >= next && curve.moments.count() > 1) {
+      if (k + 1 >= next && curve.moments.count() >= 8) {  // fewer pairs may agree by chance
         curve.look();
         next *= 2;
       }
