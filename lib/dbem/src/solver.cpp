@@ -348,9 +348,11 @@ class Cascade final {
         return;
       }
     }
-    const bool impatient = iterations_ >= options_.patience;
-    if (large && inside(impatient ? 200 : 400)) return;
-    if (impatient) return;
+    // Rather than cut the step of a large group at once: what made it hard is often there in a shorter one, too.
+    if (iterations_ >= options_.patience) {
+      if (large) inside(200);
+      return;
+    }
     if (wanders && shi()) return;
     if (take(from_here({}, most), Method::newton)) return;
     if (warm && take(proximal(linear_, problem_, {}, enough, options_.patience), Method::continuation)) return;
@@ -363,7 +365,7 @@ class Cascade final {
     if (!state.empty() && take(from_here(std::move(state), most), Method::newton)) return;
     if (problem_.contacts() <= 3 * most_for_lemke && take(pivot(), Method::lemke)) return;
     if (take(from_here(p_, most), Method::newton)) return;
-    if (!large && inside(400)) return;
+    if (inside(400)) return;
     // Sweeps creep up to an answer where Newton goes round in circles between the states of a few contacts.
     Tried swept{p_};
     for (int more = 0; more < 4; ++more) {
@@ -385,7 +387,7 @@ class Cascade final {
       done =
           (take(std::move(here), Method::interior) && best_ <= options_.accept) ||
           (take(newton(linear_, problem_, 0, options_.target, 10, p), Method::interior) && best_ <= options_.accept) ||
-          (take(proximal(linear_, problem_, p, 0.1 * options_.accept, 60), Method::interior) &&
+          (take(proximal(linear_, problem_, p, 0.1 * options_.accept, 20), Method::interior) &&
            best_ <= options_.accept);
       return done;
     });
