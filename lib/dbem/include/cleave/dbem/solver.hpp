@@ -54,6 +54,7 @@ enum class Method : std::uint8_t {
   newton,        ///< semi-smooth, on the natural map
   continuation,  ///< Newton along a falling compliance
   lemke,         ///< complementary pivoting, at most 100 contacts
+  interior,      ///< interior points on convex programmes, with Newton from there
   cascade,       ///< all of them, cheapest first: the default
 };
 /// Empty for what is no method. No default: the compiler asks for the name of a new one.
@@ -64,6 +65,7 @@ enum class Method : std::uint8_t {
     case Method::newton: return "newton";
     case Method::continuation: return "continuation";
     case Method::lemke: return "lemke";
+    case Method::interior: return "interior_points";
     case Method::cascade: return "cascade";
   }
   return "";
