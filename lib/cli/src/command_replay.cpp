@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <optional>
 
+#include "allocation.hpp"
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
 #include "cleave/scene/run.hpp"
-#include "allocation.hpp"
 #include "command_monte_carlo.hpp"
 #include "problems.hpp"
 #include "write_result.hpp"

@@ -4,12 +4,12 @@
 #include <string_view>
 #include <utility>
 
+#include "allocation.hpp"
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
 #include "cleave/report/write.hpp"
 #include "cleave/scene/parse.hpp"
 #include "cleave/scene/run.hpp"
-#include "allocation.hpp"
 #include "command_monte_carlo.hpp"
 #include "commands.hpp"
 #include "figures.hpp"
