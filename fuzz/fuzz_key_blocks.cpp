@@ -74,8 +74,10 @@ IntegerScene jointed_rock(cleave::support::ByteSource& bytes) {
     IntegerPoint normal{digit(-2, 2), digit(-2, 2), digit(-2, 2)};
     (set == 0 ? normal.x : set == 1 ? normal.y : normal.z) += 3;
     for (int n = digit(1, 5); n > 0; --n) {
-      auto joint = cleave::testing::covering_plane({digit(-6, 6), digit(-6, 6), digit(-6, 6)}, normal,
-                                                   digit(0, 2) == 0 ? digit(2, 6) : 30);
+      // One after the other: arguments of a call may be read in any order.
+      const IntegerPoint through{digit(-6, 6), digit(-6, 6), digit(-6, 6)};
+      const int reach = digit(0, 2) == 0 ? digit(2, 6) : 30;
+      auto joint = cleave::testing::covering_plane(through, normal, reach);
       if (cleave::testing::is_valid_polygon(joint)) scene.joints.push_back(std::move(joint));
     }
   }
@@ -135,15 +137,24 @@ Answer answer(const topology::BlockComplex& complex, const Analysis& analysis) {
   return out;
 }
 
+/// Rows are sorted by figures that rounding may turn over (congruent blocks), so each looks for its own among all that
+/// are left.
 std::string difference(const Answer& a, const Answer& b, double scale) {
   if (a.rows.size() != b.rows.size()) return fmt::format("{} and {} key blocks", a.rows.size(), b.rows.size());
+  std::vector<std::array<double, 4>> left = b.rows;
   for (std::size_t i = 0; i < a.rows.size(); ++i) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      const double size = k < 2 ? a.rows[i][k] : scale;
-      if (!(std::abs(a.rows[i][k] - b.rows[i][k]) <= 1e-9 * size)) {
-        return fmt::format("figure {} of key block {}: {} and {}", k, i, a.rows[i][k], b.rows[i][k]);
+    const auto same = std::ranges::find_if(left, [&](const std::array<double, 4>& row) {
+      for (std::size_t k = 0; k < 4; ++k) {
+        const double size = k < 2 ? a.rows[i][k] : scale;
+        if (!(std::abs(a.rows[i][k] - row[k]) <= 1e-9 * size)) return false;
       }
+      return true;
+    });
+    if (same == left.end()) {
+      return fmt::format("key block {} of batch {}, volume {}, forces {} and {}: not among the others", i, a.rows[i][0],
+                         a.rows[i][1], a.rows[i][2], a.rows[i][3]);
     }
+    left.erase(same);
   }
   return {};
 }

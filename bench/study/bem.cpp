@@ -357,7 +357,7 @@ void add_rebuilding(study::Study& study) {
   }
   const Modes modes = supported_modes(b, held);
   const double w = std::sqrt(modes.eigenvalues.front());
-  study::Series series{.name = "rebuilt", .points = {}, .line = true, .fit = true};
+  study::Series series{.name = "rebuilt", .points = {}, .line = true, .fit = false};
   for (const double gradient : study.quick() ? std::vector{0.0, 0.1} : std::vector{0.0, 0.2, 0.1, 0.05, 0.02, 0.01}) {
     double error = 0;
     std::size_t rebuilds = 0;

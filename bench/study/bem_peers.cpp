@@ -236,7 +236,7 @@ void study_peers(study::Study& study) {
                      .x_label = "processor time (s)",
                      .y_label = "relative error of displacement",
                      .series = {}};
-    study::Series own{.name = "cleave quadratic boundary elements", .points = {}, .line = true, .fit = true};
+    study::Series own{.name = "cleave, quadratic", .points = {}, .line = true, .fit = true};
     study::Series peer{.name = "CalculiX CPE8", .points = {}, .line = true, .fit = true};
     for (std::size_t k = 0; k < (study.quick() ? 2U : 5U); ++k) {
       Options options;

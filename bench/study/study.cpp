@@ -93,6 +93,11 @@ void Study::add(Row row) {
   rows_.push_back(std::move(row));
 }
 
+void Study::broken(const std::string& promise) {
+  kept_ = false;
+  fmt::print(stderr, "error: study {}: promise not kept: {}\n", name_, promise);
+}
+
 void Study::plot(const std::string& file, const Plot& plot) {
   good_ = write(std::filesystem::path{folder_} / fmt::format("{}-{}.svg", name_, file), svg(plot)) && good_;
 }
@@ -134,7 +139,7 @@ int run(const std::string& name, int argc, char** argv, const std::function<void
   }
   Study study{name, folder, quick};
   body(study);
-  return study.finish() ? 0 : 3;
+  return !study.finish() ? 3 : study.kept() ? 0 : 1;
 }
 
 }  // namespace cleave::study

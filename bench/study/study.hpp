@@ -44,6 +44,9 @@ class Study final {
   /// Also printed at once.
   void add(Row row);
   [[nodiscard]] const std::vector<Row>& rows() const noexcept { return rows_; }
+  /// Says that a promise was not kept: a message, and the study's exit code is 1.
+  void broken(const std::string& promise);
+  [[nodiscard]] bool kept() const noexcept { return kept_; }
   /// Written as NAME-FILE.svg.
   void plot(const std::string& file, const Plot& plot);
   /// Writes NAME.csv. False (and a message) when the folder cannot be written.
@@ -52,11 +55,12 @@ class Study final {
  private:
   std::string name_, folder_;
   bool quick_;
-  bool good_ = true;
+  bool good_ = true, kept_ = true;
   std::vector<Row> rows_;
 };
 
-/// The whole `main` of a study. Exit code 0; 2 for wrong arguments; 3 when nothing could be written.
+/// The whole `main` of a study. Exit code 0; 1 when a promise was not kept; 2 for wrong arguments; 3 when nothing could
+/// be written.
 [[nodiscard]] int run(const std::string& name, int argc, char** argv, const std::function<void(Study&)>& body);
 
 }  // namespace cleave::study

@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
+#include <tuple>
 
 #include "program.hpp"
 
@@ -45,6 +47,8 @@ class ContactExamplesTest : public ProgramTest {
       EXPECT_EQ(page.find(wrong), std::string::npos) << name << ": no number for the page: " << wrong;
     }
     EXPECT_TRUE(exists("out/contact_0001.vtu"));
+    EXPECT_FALSE(result["points"].empty()) << name << ": no histories";
+    EXPECT_NE(page.find("<div id=\"ux\">"), std::string::npos) << name;
     return result;
   }
   [[nodiscard]] static std::vector<double> at(const nlohmann::json& result, const std::string& point) {
@@ -139,6 +143,35 @@ TEST_F(ContactExamplesTest, ArchFallsOrStandsByItsThickness) {
   for (const std::string name : {"12_112", "21_112", "7_100"}) {
     const auto result = example("arch/arch_" + name);
     EXPECT_LT(result["max_displacement_m"].get<double>(), 1e-8) << name;
+  }
+}
+
+// An arch falls by turning about hinges that lie on its outside and its inside in turn: at the springings, the haunches
+// and the crown. A four-hinge mechanism and its mirror image, which a symmetric arch goes through at once; where the
+// crown is a stone, its hinge is on both sides of that. All else stays together.
+TEST_F(ContactExamplesTest, FallingArchesTurnAboutHingesInTurn) {
+  for (const auto& [name, stones, hinges] :
+       {std::tuple{std::string{"12_100"}, 12, std::vector<int>{0, 2, 6, 10, 12}},
+        std::tuple{std::string{"21_100"}, 21, std::vector<int>{0, 4, 10, 11, 17, 21}}}) {
+    const auto result = ran(with(scene("arch/arch_" + name), "duration = 0.8", "duration = 0.3"));
+    std::vector<double> turned{0};  // the right abutment, the stones, the left abutment
+    for (int k = 1; k <= stones; ++k) {
+      turned.push_back(body(result, "stone " + std::to_string(k))["rotation"].get<double>());
+    }
+    turned.push_back(0);
+    std::vector<int> found;
+    std::vector<int> outside;
+    for (std::size_t k = 0; k + 1 < turned.size(); ++k) {
+      const double opens = turned[k + 1] - turned[k];
+      if (std::abs(opens) < 1e-3) continue;
+      EXPECT_GT(std::abs(opens), 3) << name << ' ' << k;
+      found.push_back(static_cast<int>(k));
+      outside.push_back(opens < 0 ? 1 : 0);
+    }
+    EXPECT_EQ(found, hinges) << name;
+    const auto twice = std::ranges::unique(outside);
+    outside.erase(twice.begin(), twice.end());
+    EXPECT_EQ(outside, (std::vector<int>{1, 0, 1, 0, 1})) << name;
   }
 }
 
@@ -281,6 +314,71 @@ TEST_F(ContactExamplesTest, SectionOfBlocksRuns) {
   for (const auto& b : west["bodies"]) left += b["max_displacement_m"].get<double>() > 0.1 ? 1U : 0U;
   EXPECT_EQ(left, 1U);
   ASSERT_EQ(cleave("run rock.toml --quiet -o out").code, 0);  // a result with sections is replaced
+}
+
+// A horizontal section has no weight in its plane: the seismic push of the rock mass moves the four wedges around the
+// shaft, each in its own way.
+TEST_F(ContactExamplesTest, WedgesAroundAShaftInPlanMoveAsTheClosedFormsSay) {
+  write("shaft.toml", scene("shaft_in_plan/shaft_in_plan"));
+  const Ended cut = cleave("run shaft.toml -o rock");
+  ASSERT_EQ(cut.code, 0) << cut.err;
+  EXPECT_NE(cut.out.find(" bodies, 180 m2"), std::string::npos) << cut.out;  // 14 m by 14 m without the shaft
+  const std::string plan = read("rock/section_plan.toml");
+  EXPECT_NE(plan.find("# Level z = 5 m; x = east, y = north."), std::string::npos) << plan;
+  write("plan.toml", plan);
+  ASSERT_EQ(cleave("run plan.toml --quiet -o whole").code, 0);  // as it is
+  EXPECT_TRUE(exists("whole/report.html"));
+  constexpr double end = 0.6, push = 0.26 * 9.81;
+  (void)ran(with(plan, "duration = 2", "duration = 0.6"));
+  std::istringstream rows{read("out/bodies.csv")};
+  std::string line;
+  std::getline(rows, line);
+  std::map<std::string, std::array<double, 3>> moved;  // x, y and rotation of the wedge behind each wall
+  while (std::getline(rows, line)) {
+    std::vector<std::string> cells;
+    std::istringstream row{line};
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    ASSERT_EQ(cells.size(), 11U) << line;
+    if (cells[1] == "1") continue;
+    const auto value = [&](std::size_t k) { return std::stod(cells[k]); };
+    const double x = value(3) - value(5) - 10, y = value(4) - value(6) - 10;  // of the start, from the middle
+    const std::string wall = std::abs(x) > std::abs(y) ? (x > 0 ? "east" : "west") : y > 0 ? "north" : "south";
+    EXPECT_NEAR(std::max(std::abs(x), std::abs(y)), 2 + 2.0 / 3, 1e-9) << line;
+    EXPECT_TRUE(moved.emplace(wall, std::array{value(5), value(6), value(7)}).second) << wall;
+  }
+  ASSERT_EQ(moved.size(), 4U);
+  const double free = push / 2 * end * end;
+  const double along = free * (56 - 33 * std::tan(30 * degree)) / 65;
+  EXPECT_NEAR(moved["east"][0], -12.0 / 13 * free, 1e-9);
+  EXPECT_NEAR(moved["east"][1], -5.0 / 13 * free, 1e-9);
+  EXPECT_NEAR(moved["north"][0], -0.6 * along, 1e-9);
+  EXPECT_NEAR(moved["north"][1], -0.8 * along, 1e-9);
+  for (const std::string wall : {"east", "north"}) EXPECT_NEAR(moved[wall][2], 0, 1e-7) << wall;
+  for (const std::string wall : {"south", "west"}) EXPECT_LT(std::hypot(moved[wall][0], moved[wall][1]), 1e-9) << wall;
+}
+
+// A step that meets the contact law in no way, however short, is not taken: the run stops, and what it reached stays.
+TEST_F(ContactExamplesTest, AStepThatCannotBeSolvedStopsTheRun) {
+  // Pivoting alone refuses more than 100 contacts, which a stack of 60 has when all have landed.
+  const std::string text =
+      "[contact]\nduration = 0.5\nstep = 0.01\nsolver = \"lemke\"\n"
+      "[[body]]\nname = \"floor\"\nfixed = true\nrectangle = { corner = [-2, -1], width = 5, height = 1 }\n"
+      "[[body]]\nname = \"b\"\nrectangle = { corner = [0, 0.2], width = 1, height = 1 }\nrepeat = { count = 60, "
+      "shift = [0, 1.001] }\n";
+  const auto stopped = ran(text, 4);
+  EXPECT_EQ(stopped["status"], "stopped");
+  EXPECT_NE(stopped["reason"].get<std::string>().find("the contact law was not met"), std::string::npos)
+      << stopped["reason"];
+  // The state is that of the last step that was solved.
+  const double end = stopped["end_time_s"].get<double>();
+  EXPECT_GT(end, 0.19);
+  EXPECT_LT(end, 0.3);
+  EXPECT_LE(stopped["residual"].get<double>(), 1e-8);
+  EXPECT_NEAR(body(stopped, "b 60")["centroid"][1].get<double>(), 0.7 + 59 * 1.001 - 9.81 / 2 * end * end, 1e-3);
+  for (const std::string file : {"report.html", "history.csv", "bodies.csv", "contact.pvd"}) {
+    EXPECT_TRUE(exists("out/" + file)) << file;
+  }
+  EXPECT_EQ(ran(with(text, "solver = \"lemke\"\n", ""))["status"], "converged");
 }
 
 // No equilibrium: the state reached is written, the exit code says so.

@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string>
 
 #include "program.hpp"
 
@@ -239,6 +240,31 @@ TEST_F(DesignsTest, RanksGiveTheSameBytes) {
     if (!run.out.contains("code 0")) GTEST_SKIP() << "mpirun does not run here: " << run.err;
     EXPECT_EQ(read("ranks" + n + "/realizations.csv"), read("one/realizations.csv"));
     EXPECT_TRUE(section("ranks" + n) == section("one")) << n;
+  }
+}
+
+// How long each of two real ranks had nothing to do is said when they end. How much it is depends on what else the
+// machine does: docs/monte_carlo_checks.md has it measured, tests/stochastic has it simulated.
+TEST_F(DesignsTest, RanksSayHowLongTheyWaited) {
+  const fs::path program = fs::path{CLEAVE_PROGRAM}.parent_path() / "cleave_mpi";
+  if (!fs::exists(program) || std::system("command -v mpirun > /dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "cleave_mpi or mpirun is not here";
+  }
+  write("s.toml", with_friction_law() + "[monte_carlo]\nrealizations = 40\n");
+  const Ended run = shell("OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe -n 2 '" +
+                          program.string() + "' s.toml -o ranks; echo code $?");
+  if (!run.out.contains("code 0")) GTEST_SKIP() << "mpirun does not run here: " << run.err;
+  const std::string words = "ranks waited for work (share of the time):";
+  const std::size_t at = run.err.find(words);
+  ASSERT_NE(at, std::string::npos) << run.err;
+  std::istringstream shares{run.err.substr(at + words.size())};
+  for (int rank = 0; rank < 2; ++rank) {
+    double share = -1;
+    char percent = 0;
+    ASSERT_TRUE(shares >> share >> percent) << run.err;
+    EXPECT_EQ(percent, '%');
+    EXPECT_GE(share, 0);
+    EXPECT_LE(share, 100);
   }
 }
 

@@ -83,6 +83,20 @@ TEST_F(MonteCarloTest, ThreadsShardsAndMergesGiveTheSameBytes) {
   EXPECT_EQ(cleave("merge part1 other part3 -o mixed").code, 2);
 }
 
+// The script for job arrays, as a cluster would call it: the last task merges.
+TEST_F(MonteCarloTest, JobArrayGivesTheSameBytes) {
+  write("s.toml", scene("realizations = 20"));
+  ASSERT_EQ(cleave("run s.toml -o one --quiet").code, 0);
+  const std::string script = std::string{CLEAVE_SOURCE_DIR} + "/examples/cluster/monte_carlo.sbatch";
+  const Ended tasks = shell("mkdir bin && ln -s '" CLEAVE_PROGRAM
+                            "' bin/cleave && export PATH=\"$PWD/bin:$PATH\" SLURM_ARRAY_TASK_COUNT=3 "
+                            "SLURM_CPUS_PER_TASK=1; for k in 2 3 1; do SLURM_ARRAY_TASK_ID=$k bash '" +
+                            script + "' s.toml all || exit 1; [ $k = 1 ] || [ ! -e all ] || exit 2; done");
+  ASSERT_EQ(tasks.code, 0) << tasks.err;
+  EXPECT_EQ(section_text("all"), section_text("one"));
+  EXPECT_EQ(read("all/realizations.csv"), read("one/realizations.csv"));
+}
+
 // Killed at several moments, the same command goes on and ends with the bytes of an uninterrupted run.
 TEST_F(MonteCarloTest, KilledRunsResumeToTheSameBytes) {
   write("s.toml", scene("realizations = 400"));

@@ -226,6 +226,7 @@ TEST_F(SurveyShapesTest, CircularWindowsCountEndsAndCrossings) {
     if (e["method"] == "x/(4R)") p21 = e["value"];
     if (e["method"] == "(pi R/2) x/m") mean = e["value"];
   }
+  EXPECT_TRUE(window["estimates"].dump().contains("(A.13)"));
   EXPECT_NEAR(p21, 3.0 / 8, 1e-12);
   EXPECT_NEAR(mean, std::numbers::pi, 1e-12);
   EXPECT_NEAR(window["length_inside_m"], 2 + 1.5 + 2 * std::sqrt(3.0), 1e-12);

@@ -104,6 +104,21 @@ TEST(LargeGroupTest, AThousandBricksMoveOn) {
   }
 }
 
+// Given the speeds of slip the law is convex: from a cold start, with bricks that slide, stick and rock, interior
+// points find the motion that the cascade finds.
+TEST(InteriorTest, FindsTheMotionOfTheCascade) {
+  for (const double friction : {0.0, 0.1, 0.5}) {
+    auto world = World::make(wall(4, 5), law(friction), {.gravity = {3, -g}, .step = 2e-3});
+    ASSERT_TRUE(world.has_value());
+    const ContactProblem problem = world->problems(2e-3).front();
+    const ContactSolution inside = solve(problem, {.method = Method::interior}), all = solve(problem);
+    EXPECT_EQ(inside.report.status, ContactReport::Status::converged) << friction << ' ' << inside.report.residual;
+    EXPECT_EQ(inside.report.method, Method::interior);
+    const std::vector<Vec2> a = speeds(problem, inside.impulse), b = speeds(problem, all.impulse);
+    for (std::size_t k = 0; k < a.size(); ++k) EXPECT_LT(norm(a[k] - b[k]), 1e-7) << friction << ' ' << k;
+  }
+}
+
 TEST(ResidualTest, ALightBlockBesideAHeavyOneCounts) {
   // 10^-9 of the heavy block's impulse taken from under a light one is nothing to the first and a fall to the second.
   auto world = World::make(stack(8, 1e6), law(0.6), {.step = 5e-3});

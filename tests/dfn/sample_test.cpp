@@ -339,6 +339,30 @@ TEST(SampleTest, KeptJointsAreThoseThatCanReachTheBox) {
   EXPECT_GT(gaps, 0U);
 }
 
+// Level discs whose corners lie at 0, 90, 180 and 270 degrees meet the box where their centres lie in it grown by their
+// half diameters: as many of them are kept, of sizes from 0.5 to 60 m, most of them drawn far outside in vain.
+TEST(SampleTest, AsManyAreKeptAsReachTheBox) {
+  const SizeLaw law = SizeLaw::make({.distribution = SizeDistribution::power,
+                                     .mean = {},
+                                     .std = {},
+                                     .exponent = 1.2,
+                                     .min = metres(0.5),
+                                     .max = metres(60)})
+                          .value();
+  JointSetSpec s = fisher_squares(1, P30{0.3});
+  s.orientation =
+      UniformOrientation{Dip::degrees(0), DipDirection::degrees(0), Dip::degrees(0), DipDirection::degrees(0)};
+  s.shape = Disc{.size = law, .sides = 16};
+  const JointSet set = JointSet::make(s).value();
+  Mean kept;
+  for (std::uint64_t k = 0; k < 100; ++k) {
+    kept.add(static_cast<double>(sample(set, 0, box, 3, k).value().size()));
+  }
+  const double stretch = std::sqrt(2 * pi / (16 * std::sin(2 * pi / 16)));
+  const double exact = 0.3 * 20 * (20 * 30 + 50 * stretch * law.moment(1) + stretch * stretch * law.moment(2));
+  EXPECT_MEAN(kept, exact);
+}
+
 TEST(SampleTest, PersistentJointsArePlanesThroughTheBox) {
   JointSetSpec s = fisher_squares(20, Count{50});
   s.shape = Persistent{};

@@ -73,6 +73,9 @@ struct Tunnel {
     MaximumBlockRow row{.sets = {"A", "B", "C & D"}, .where = "roof", .block = {}};
     row.block.block.volume = 12.5;
     row.block.block.code = 5;
+    row.block.upward = {geometry::normalized({0.5, 0.1, 1}), geometry::normalized({-0.4, 0.6, 0.7}),
+                        geometry::normalized({-0.2, -0.9, 0.4})};
+    row.block.direction = {0, 0, -1};
     row.block.mode = stability::Mode::falling;
     page.maximum_blocks = {row};
     page.tan_friction = {0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5};
@@ -155,6 +158,50 @@ TEST(HtmlStability, FrictionCirclesAreNotTornAtTheRim) {
   }
 }
 
+// The net of a block: its planes, free surfaces dashed, friction circle and direction of motion, in both projections.
+TEST(HtmlStability, NetsShowFreeSurfacesFrictionAndDirection) {
+  const Tunnel t;
+  const std::string why = section(report_html(t.page), "why");
+  const std::string sliding = why.substr(why.find("<details id=\"why-7\""));
+  std::size_t nets = 0;
+  for (std::size_t at = sliding.find("Stereonet of the block"); at != std::string::npos;
+       at = sliding.find("Stereonet of the block", at + 1)) {
+    const std::string net = sliding.substr(at, sliding.find("</svg>", at) - at);
+    std::size_t free = 0;
+    for (const topology::FaceId id : t.complex.blocks()[topology::BlockId{7U}].faces) {
+      free += t.complex.faces()[id].role == topology::Role::free ? 1U : 0U;
+    }
+    EXPECT_EQ(count(net, "stroke-dasharray=\"4 3\""), free);
+    EXPECT_EQ(count(net, "stroke=\"#0072B2\""), 6 - free);
+    EXPECT_GE(count(net, "stroke=\"#D55E00\""), 1U);                     // friction circle
+    EXPECT_EQ(count(net, "stroke=\"#009E73\" stroke-width=\"3\""), 1U);  // where it goes
+    ++nets;
+  }
+  EXPECT_EQ(nets, 2U);
+}
+
+// Bars of the tornado: the input that matters most on top, each from its lower to its upper factor of safety.
+TEST(HtmlStability, SensitivityIsATornado) {
+  Tunnel t;
+  stability::Sensitivity row{.block = topology::BlockId{7U}, .share = 0.2, .base = 0.7};
+  row.friction = {0.5, 0.9};
+  row.cohesion = {0.65, 0.75};
+  row.water = {0.8, 0.6};
+  t.page.sensitivity = {row};
+  const std::string why = section(report_html(t.page), "why");
+  EXPECT_EQ(count(why, "aria-label=\"Sensitivity of the factor of safety\""), 1U);
+  const std::string drawing = why.substr(why.find("Sensitivity of the factor of safety"));
+  EXPECT_EQ(count(drawing.substr(0, drawing.find("</svg>")), "<rect "), 3U);
+  const std::size_t friction = drawing.find(">friction<"), water = drawing.find(">water<"),
+                    cohesion = drawing.find(">cohesion<");
+  EXPECT_LT(friction, water);
+  EXPECT_LT(water, cohesion);
+  EXPECT_NE(drawing.find("x=\"90\" y=\"6\" width=\"300\""), std::string::npos);    // 0.5 to 0.9: all of the width
+  EXPECT_NE(drawing.find("x=\"165\" y=\"32\" width=\"150\""), std::string::npos);  // 0.6 to 0.8
+  t.page.sensitivity.clear();
+  EXPECT_EQ(count(section(report_html(t.page), "why"), "Sensitivity of the factor of safety"), 0U);
+}
+
 TEST(HtmlStability, TurningBlocksAreMarkedInTheTable) {
   const Tunnel t;
   const std::string keys = section(report_html(t.page), "keys");
@@ -179,6 +226,41 @@ TEST(HtmlStability, LargestKeyBlocksHaveATable) {
   EXPECT_NE(maximum.find("A, B, C &amp; D</td><td>A, C &amp; D</td><td>roof</td><td>12.5</td>"), std::string::npos);
   t.page.maximum_blocks.clear();
   EXPECT_TRUE(section(report_html(t.page), "maximum").empty());
+}
+
+// Every point of a filled outline lies on the side of each plane that its code names, or on the plane.
+TEST(HtmlStability, JointPyramidsAreDrawnOnTheirSides) {
+  Tunnel t;
+  MaximumBlockRow row = t.page.maximum_blocks.front();
+  t.page.maximum_blocks.clear();
+  for (std::uint32_t code = 0; code < 8; ++code) {
+    row.block.block.code = code;
+    t.page.maximum_blocks.push_back(row);
+  }
+  const std::string net = section(report_html(t.page), "maximum");
+  EXPECT_EQ(count(net, "aria-label=\"Joint pyramids\""), 1U);
+  for (const std::string_view code : {"000", "100", "010", "110", "001", "101", "011", "111"}) {
+    EXPECT_EQ(count(net, std::string{">"}.append(code).append("</text>")), 1U) << code;
+    const std::size_t from = net.find(std::string{"data-code=\""}.append(code).append("\" d=\"M"));
+    ASSERT_NE(from, std::string::npos);
+    std::string points = net.substr(from + 20, net.find('Z', from) - from - 20);
+    std::ranges::replace(points, 'L', ' ');
+    std::ranges::replace(points, ',', ' ');
+    std::istringstream in{points};
+    std::size_t inside = 0;
+    for (double px = 0, py = 0; in >> px >> py;) {
+      const double x = (px - 245) / 100, y = (245 - py) / 100, r2 = x * x + y * y;
+      if (r2 > 400) continue;  // so far out that two digits say little
+      const geometry::Vec3 d{2 * x / (1 + r2), 2 * y / (1 + r2), (r2 - 1) / (1 + r2)};
+      for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_GT((code[i] == '0' ? 1 : -1) * dot(d, row.block.upward[i]), -1e-3) << code;
+      }
+      ++inside;
+    }
+    EXPECT_GT(inside, 60U) << code;
+  }
+  // Only the one that holds straight up is filled outside its outline.
+  EXPECT_EQ(count(net, "M0,0H490V490H0Z"), 1U);
 }
 
 TEST(HtmlStability, WithoutSupportThereIsNoSuchSection) {

@@ -7,11 +7,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <tuple>
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
+#include "cleave/geometry/orientation.hpp"
 #include "cleave/scene/run.hpp"
 #include "parse_support.hpp"
 
@@ -136,6 +139,11 @@ TEST(KeyBlocksScene, LargestKeyBlocksAreTheCuttersBlocks) {
   for (const MaximumRow& row : theory.maximum_blocks) {
     const stability::MaximumKeyBlock& b = row.block;
     EXPECT_EQ(row.sets, (std::array<std::string, 3>{"A", "B", "C"}));
+    const std::array<std::array<double, 2>, 3> planes{{{50, 80}, {55, 200}, {65, 310}}};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const geometry::Attitude attitude{Dip::degrees(planes[i][0]), DipDirection::degrees(planes[i][1])};
+      EXPECT_LT(geometry::norm(b.upward[i] - geometry::upward_normal(attitude)), 1e-9);
+    }
     // A hair nearer to the tunnel, so that edges that touch do not miss it by rounding.
     const RunResult cut = result_of(wedge_scene((1 - 1e-6) * b.block.apex[0], (1 - 1e-6) * b.block.apex[1]));
     const auto& complex = cut.complex->complex();
@@ -172,6 +180,36 @@ TEST(KeyBlocksScene, LargestKeyBlocksAreTheCuttersBlocks) {
   EXPECT_GE(sliding + wedges, 1U);
 }
 
+std::string example(const std::string& name) {
+  std::ifstream file{std::string{CLEAVE_SOURCE_DIR} + "/examples/" + name + "/" + name + ".toml"};
+  EXPECT_TRUE(file.is_open());
+  return {std::istreambuf_iterator<char>{file}, {}};
+}
+
+// Fu (2014), 5.2.1: many batches at the crossings of four tunnels, a concave block in the first.
+TEST(KeyBlocksScene, FourCrossingTunnelsFailInManyBatches) {
+  const RunResult r = result_of(example("four_tunnels"));
+  const auto& complex = r.complex->complex();
+  EXPECT_EQ(r.excavations.size(), 4U);
+  EXPECT_GE(r.analysis->batches.size(), 8U);
+  EXPECT_FALSE(r.analysis->stopped_at_max_batches);
+  std::size_t key = 0;
+  for (const stability::Batch& batch : r.analysis->batches) key += batch.blocks.size();
+  EXPECT_GE(key, 100U);
+  const auto& first = r.analysis->batches.at(0).blocks;
+  EXPECT_TRUE(std::ranges::any_of(first, [&](topology::BlockId id) { return !complex.blocks()[id].convex; }));
+}
+
+// Fu (2014), 4.5.3: bolts on three openings, every block that needs support looked at, bodies stitched together.
+TEST(KeyBlocksScene, PowerhouseIsSupportedInTwoSteps) {
+  const RunResult r = result_of(example("powerhouse"));
+  ASSERT_TRUE(r.support.has_value());
+  EXPECT_EQ(r.support->bolts.size() - r.support->spot_bolts, 1174U);
+  EXPECT_GT(r.support->blocks.size(), 10U);
+  EXPECT_FALSE(r.support->combined.empty());
+  EXPECT_GE(r.analysis->batches.size(), 6U);
+}
+
 TEST(KeyBlocksScene, ColumnsThatToppleAreToldAndCountOnlyWhenAsked) {
   const auto column = [](std::string_view rotation) {
     return fmt::format(
@@ -188,6 +226,39 @@ TEST(KeyBlocksScene, ColumnsThatToppleAreToldAndCountOnlyWhenAsked) {
   EXPECT_TRUE(std::ranges::any_of(flagged.notes, [](const std::string& n) { return n.contains("topple"); }));
   EXPECT_EQ(result_of(column("rotation = \"decide\"\n")).analysis->batches.size(), 1U);
   EXPECT_FALSE(result_of(column("rotation = \"off\"\n")).analysis->judgements[0].rotation.has_value());
+}
+
+// A block that stays only because of a block in its middle is no key block, and is never passed over in silence.
+TEST(KeyBlocksScene, BlocksHeldFromWithinAreTold) {
+  std::string text = R"([domain]
+box = { min = [-6, -6, 0], max = [6, 6, 9] }
+[joints.default]
+friction = 35
+[stability]
+free = ["bottom"]
+)";
+  const auto plane = [&](double x, double y, double z, double dip, double direction) {
+    text += fmt::format("[[joint]]\nplane = {{ through = [{}, {}, {}], dip = {}, dip_direction = {} }}\n", x, y, z, dip,
+                        direction);
+  };
+  for (const double s : {-2.0, 2.0}) {
+    plane(s, 0, 0, 90, 90);
+    plane(0, s, 0, 90, 0);
+  }
+  plane(0, 0, 3, 0, 0);
+  const auto told = [](const RunResult& r) {
+    return std::ranges::count_if(r.notes, [](const std::string& n) { return n.contains("wholly inside it"); });
+  };
+  EXPECT_EQ(told(result_of(text)), 0);
+  for (const std::string_view side :
+       {"[[-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]", "[[-1, -1, 2], [1, -1, 2], [1, 1, 2], [-1, 1, 2]]",
+        "[[-1, -1, 1], [1, -1, 1], [1, -1, 2], [-1, -1, 2]]", "[[-1, 1, 1], [1, 1, 1], [1, 1, 2], [-1, 1, 2]]",
+        "[[-1, -1, 1], [-1, 1, 1], [-1, 1, 2], [-1, -1, 2]]", "[[1, -1, 1], [1, 1, 1], [1, 1, 2], [1, -1, 2]]"}) {
+    text += fmt::format("[[joint]]\npolygon = {}\n", side);
+  }
+  const RunResult boxed = result_of(text);
+  EXPECT_TRUE(boxed.analysis->batches.empty());
+  EXPECT_EQ(told(boxed), 1);
 }
 
 /// Random rock with a short tunnel in its middle, bolted, under water and load cases.

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
 #include "cleave/scene/run.hpp"
@@ -78,6 +81,48 @@ TEST(LoadsSceneTest, EveryCaseIsJudged) {
   const auto factor = [](const stability::Analysis& a) { return a.judgements.at(0).factor_of_safety; };
   EXPECT_GT(factor(*result->analysis), 0);
   EXPECT_NE(factor(result->load_cases[1].analysis), factor(*result->analysis));
+}
+
+// W sin(dip) against (W cos(dip) - u A) tan(friction): the pressure of one set is on its joints and on no other's.
+TEST(LoadsSceneTest, PressureOfASetActsOnItsJointsOnly) {
+  const Scene scene = scene_of(R"([domain]
+box = { min = [0, 0, 0], max = [8, 8, 6] }
+[[joint]]
+plane = { through = [4, 4, 3], dip = 30, dip_direction = 90 }
+set = "bedding"
+[[joint]]
+plane = { through = [4, 4, 0.3], dip = 0, dip_direction = 0 }
+set = "base"
+[joints.default]
+friction = 50
+[stability]
+free = ["top", "east", "west", "north", "south"]
+[[load]]
+name = "bedding wet"
+water = { pressures = { bedding = 20e3 } }
+[[load]]
+name = "base wet"
+water = { pressures = { base = 20e3 } }
+)");
+  StageTimer timer;
+  Progress progress{ProgressStyle::quiet};
+  const auto result = run(scene, {}, timer, progress);
+  ASSERT_TRUE(result.has_value());
+  const auto& complex = result->complex->complex();
+  const double degree = 3.14159265358979323846 / 180, tangent = std::tan(50 * degree);
+  const auto upper = [&](const stability::Analysis& a) {
+    return *std::ranges::max_element(a.judgements, {},
+                                     [&](const auto& j) { return complex.blocks()[j.block].centroid.z; });
+  };
+  const stability::Judgement dry = upper(*result->analysis);
+  ASSERT_EQ(dry.pressing.size(), 1U);
+  const double area = complex.faces()[dry.pressing[0].face].area.si(), weight = dry.weight.si();
+  EXPECT_NEAR(area, 64 / std::cos(30 * degree), 1e-9);
+  EXPECT_NEAR(dry.factor_of_safety, tangent / std::tan(30 * degree), 1e-12);
+  ASSERT_EQ(result->load_cases.size(), 2U);
+  const double wet = (weight * std::cos(30 * degree) - 20e3 * area) * tangent / (weight * std::sin(30 * degree));
+  EXPECT_NEAR(upper(result->load_cases[0].analysis).factor_of_safety, wet, 1e-9);
+  EXPECT_EQ(upper(result->load_cases[1].analysis).factor_of_safety, dry.factor_of_safety);
 }
 
 TEST(LoadsSceneTest, ForcesOffTheRockAreRefused) {

@@ -7,6 +7,7 @@
 #include "cleave/core/rng.hpp"
 #include "cleave/stability/motion.hpp"
 #include "handmade.hpp"
+#include "oracles.hpp"
 
 namespace cleave::stability {
 namespace {
@@ -107,29 +108,7 @@ TEST(ConeTest, DimensionOfSimpleContacts) {
   EXPECT_EQ(dimension({integer(1, 1, -1), integer(-1, 1, -1), integer(0, -1, -1), integer(0, 0, 1)}), 0);
 }
 
-/// Rank of a set of integer vectors, by Gram-Schmidt in integers on at most three of them.
-int rank_of(const std::vector<std::array<int, 3>>& vectors) {
-  const auto cross = [](const auto& a, const auto& b) {
-    return std::array{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-  };
-  const std::array none{0, 0, 0};
-  std::array<int, 3> first = none, across = none;
-  for (const auto& v : vectors) {
-    if (v == none) continue;
-    if (first == none) {
-      first = v;
-    } else if (across == none) {
-      across = cross(first, v);
-    } else if (across[0] * v[0] + across[1] * v[1] + across[2] * v[2] != 0) {
-      return 3;
-    }
-  }
-  return across != none ? 2 : first != none ? 1 : 0;
-}
-
-// Normals with components -1, 0, 1: every generator of K (cross products of rows, perpendiculars within a plane of
-// rows) is an integer vector within [-4, 4]^3, so the rank of the admissible vectors of that box is the dimension of K,
-// exactly.
+// Normals with components -1, 0, 1, all small cones.
 TEST(ConeTest, DimensionAgreesWithExhaustionOverSmallVectors) {
   Rng rng{13};
   std::array<int, 4> seen{};
@@ -146,18 +125,7 @@ TEST(ConeTest, DimensionAgreesWithExhaustionOverSmallVectors) {
       normals.push_back(n);
       rows.push_back(integer(n[0], n[1], n[2]));
     }
-    std::vector<std::array<int, 3>> admissible;
-    constexpr int reach = 4;
-    for (int x = -reach; x <= reach; ++x) {
-      for (int y = -reach; y <= reach; ++y) {
-        for (int z = -reach; z <= reach; ++z) {
-          const bool ok =
-              std::ranges::all_of(normals, [&](const auto& n) { return n[0] * x + n[1] * y + n[2] * z >= 0; });
-          if (ok) admissible.push_back({x, y, z});
-        }
-      }
-    }
-    const int expected = rank_of(admissible);
+    const int expected = stability_oracle::dimension_by_exhaustion(normals);
     ++seen[static_cast<std::size_t>(expected)];
     ASSERT_EQ(int{Cone{rows}.dimension()}, expected) << "trial " << trial;
   }

@@ -13,109 +13,14 @@
 #include "cleave/stability/motion.hpp"
 #include "cleave/topology/cut.hpp"
 #include "handmade.hpp"
+#include "oracles.hpp"
 
 namespace cleave::stability {
 namespace {
 
 using geometry::Vec3;
 
-namespace oracle {
-
-using Real = long double;
-using V = std::array<Real, 3>;
-
-Real dot(const V& a, const V& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/// Solves the normal equations of the chosen columns by elimination with pivots; false when they are dependent.
-bool solve(const std::vector<V>& n, const std::vector<std::size_t>& chosen, const V& b, std::vector<Real>& x) {
-  const std::size_t m = chosen.size();
-  std::vector<std::vector<Real>> a(m, std::vector<Real>(m + 1));
-  for (std::size_t i = 0; i < m; ++i) {
-    for (std::size_t j = 0; j < m; ++j) a[i][j] = dot(n[chosen[i]], n[chosen[j]]);
-    a[i][m] = dot(n[chosen[i]], b);
-  }
-  for (std::size_t c = 0; c < m; ++c) {
-    std::size_t pivot = c;
-    for (std::size_t r = c; r < m; ++r) {
-      if (std::abs(a[r][c]) > std::abs(a[pivot][c])) pivot = r;
-    }
-    if (std::abs(a[pivot][c]) < 1e-14L) return false;
-    std::swap(a[c], a[pivot]);
-    for (std::size_t r = 0; r < m; ++r) {
-      if (r == c) continue;
-      const Real f = a[r][c] / a[c][c];
-      for (std::size_t k = c; k <= m; ++k) a[r][k] -= f * a[c][k];
-    }
-  }
-  x.resize(m);
-  for (std::size_t c = 0; c < m; ++c) x[c] = a[c][m] / a[c][c];
-  return true;
-}
-
-/// min |r + sum x n|, x >= 0: what is left, and how many x are above zero. `broken` plants a bug: it stops one face
-/// too early.
-struct Left {
-  V s;
-  std::size_t pressing;
-};
-Left residual(const std::vector<V>& n, const V& r, bool broken = false) {
-  std::vector<std::size_t> chosen;
-  std::vector<Real> x(n.size(), 0);
-  V s = r;
-  for (int iteration = 0; iteration < 200; ++iteration) {
-    std::size_t worst = n.size();
-    Real least = -1e-13L;
-    for (std::size_t k = 0; k < n.size(); ++k) {
-      if (x[k] > 0 || std::ranges::find(chosen, k) != chosen.end()) continue;
-      const Real along = dot(n[k], s);
-      if (along < least) {
-        least = along;
-        worst = k;
-      }
-    }
-    if (worst == n.size() || (broken && chosen.size() == 1)) break;
-    chosen.push_back(worst);
-    for (;;) {
-      std::vector<Real> y;
-      if (!solve(n, chosen, {-r[0], -r[1], -r[2]}, y)) {
-        x[chosen.back()] = 0;
-        chosen.pop_back();
-        break;
-      }
-      Real step = 1;
-      for (std::size_t i = 0; i < chosen.size(); ++i) {
-        if (y[i] <= 0) step = std::min(step, x[chosen[i]] / (x[chosen[i]] - y[i]));
-      }
-      for (std::size_t i = 0; i < chosen.size(); ++i) x[chosen[i]] += step * (y[i] - x[chosen[i]]);
-      if (step >= 1) break;
-      std::erase_if(chosen, [&](std::size_t k) {
-        if (x[k] > 1e-15L) return false;
-        x[k] = 0;
-        return true;
-      });
-    }
-    s = r;
-    for (std::size_t k = 0; k < n.size(); ++k) {
-      for (std::size_t c = 0; c < 3; ++c) s[c] += x[k] * n[k][c];
-    }
-  }
-  return {s, static_cast<std::size_t>(std::ranges::count_if(x, [](Real v) { return v > 1e-12L; }))};
-}
-
-/// K = {0} when the normals positively span space: every axis, both ways, is a non-negative sum of them.
-bool removable(const std::vector<V>& n) {
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (const Real sign : {-1.0L, 1.0L}) {
-      V e{};
-      e[c] = sign;
-      const V left = residual(n, e).s;
-      if (dot(left, left) > 1e-18L) return true;
-    }
-  }
-  return false;
-}
-
-}  // namespace oracle
+namespace oracle = stability_oracle::least_squares;
 
 struct Tally {
   std::size_t blocks = 0, concave = 0, moving = 0, wedges = 0, tapered = 0, ties = 0, wrong = 0, close = 0;

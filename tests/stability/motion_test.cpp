@@ -9,6 +9,7 @@
 #include "cleave/core/rng.hpp"
 #include "cleave/stability/motion.hpp"
 #include "handmade.hpp"
+#include "oracles.hpp"
 
 namespace cleave::stability {
 namespace {
@@ -111,55 +112,14 @@ TEST(MotionTest, DegenerateContacts) {
   EXPECT_EQ(under({}, down).kind, MotionKind::free);
 }
 
-/// Vectors of its own: an oracle shares no arithmetic with what it judges.
-namespace oracle {
-
-struct V {
-  double x, y, z;
-};
-V of(Vec3 a) { return {a.x, a.y, a.z}; }
-V sum(V a, double f, V b) { return {a.x + f * b.x, a.y + f * b.y, a.z + f * b.z}; }
-double times(V a, V b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-V across(V a, V b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-
-/// The residual of the non-negative least squares problem min |r + sum N n|, N >= 0, by exhaustion: the optimum is
-/// reached on linearly independent normals (Caratheodory), so it is the smallest over all sets of one, two and three
-/// whose unconstrained solution has N >= 0. Uses neither the sign conditions on the other rows nor the cone.
-V residual(const std::vector<V>& n, V r) {
-  V best = r;
-  const auto offer = [&](V s) {
-    if (times(s, s) < times(best, best)) best = s;
-  };
-  for (std::size_t i = 0; i < n.size(); ++i) {
-    const double ni = -times(n[i], r);
-    if (ni >= 0) offer(sum(r, ni, n[i]));
-    for (std::size_t j = i + 1; j < n.size(); ++j) {
-      const double c = times(n[i], n[j]), q = 1 - c * c;
-      if (q > 1e-14) {
-        const double a = (c * times(n[j], r) - times(n[i], r)) / q, b = (c * times(n[i], r) - times(n[j], r)) / q;
-        if (a >= 0 && b >= 0) offer(sum(sum(r, a, n[i]), b, n[j]));
-      }
-      for (std::size_t k = j + 1; k < n.size(); ++k) {
-        const double d = times(across(n[i], n[j]), n[k]);
-        if (std::abs(d) < 1e-14) continue;
-        const double a = -times(across(n[j], n[k]), r) / d, b = -times(across(n[k], n[i]), r) / d,
-                     e = -times(across(n[i], n[j]), r) / d;
-        if (a >= 0 && b >= 0 && e >= 0) offer({0, 0, 0});
-      }
-    }
-  }
-  return best;
-}
-
 /// How far `s` is from what the oracle says.
 double off(const std::vector<Vec3>& normals, Vec3 r, Vec3 s) {
+  using stability_oracle::exhaustion::V;
+  const auto of = [](Vec3 a) { return V{a.x, a.y, a.z}; };
   std::vector<V> n;
   for (const Vec3 normal : normals) n.push_back(of(normal));
-  const V left = sum(of(s), -1, residual(n, of(r)));
-  return std::sqrt(times(left, left));
+  return distance(of(s), residual(n, of(r)));
 }
-
-}  // namespace oracle
 
 Vec3 random_direction(Rng& rng) { return geometry::normalized({rng.normal(), rng.normal(), rng.normal()}); }
 
@@ -173,7 +133,7 @@ TEST(MotionTest, ProjectionIsTheResidualOfNonNegativeLeastSquares) {
     const Vec3 r = random_direction(rng);
     const Motion m = under(normals, r);
     ++kinds[m.kind];
-    ASSERT_LT(oracle::off(normals, r, m.s), 1e-12) << "trial " << trial;
+    ASSERT_LT(off(normals, r, m.s), 1e-12) << "trial " << trial;
     // Statics: r + sum N n = s.
     Vec3 sum = r;
     if (m.kind == MotionKind::one_plane || m.kind == MotionKind::two_planes)
@@ -210,7 +170,7 @@ TEST(MotionTest, ProjectionHoldsOnDegenerateCones) {
     const Motion m = under(normals, r);
     ++kinds[m.kind];
     // 1e-7: the test's own least squares lose half their digits where the residual is zero.
-    ASSERT_LT(oracle::off(units, r, m.s), 1e-7) << "trial " << trial;
+    ASSERT_LT(off(units, r, m.s), 1e-7) << "trial " << trial;
     EXPECT_FALSE(m.tie);
   }
   for (const MotionKind kind : {MotionKind::free, MotionKind::one_plane, MotionKind::two_planes, MotionKind::held}) {

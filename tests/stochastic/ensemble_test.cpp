@@ -5,8 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "cleave/core/rng.hpp"
+#include "cleave/stochastic/intervals.hpp"
 
 namespace cleave::stochastic {
 namespace {
@@ -99,6 +103,58 @@ TEST(EnsembleTest, HeavyTailIsFlaggedWithABootstrap) {
   EXPECT_TRUE(std::ranges::any_of(h.notes, [](const std::string& n) { return n.contains("optimistic"); }));
   EXPECT_FALSE(find(l, "key_block_volume_m3").optimistic);
   EXPECT_FALSE(find(l, "key_block_volume_m3").bootstrap.has_value());
+}
+
+// The running mean with its band is that of the first n realizations, ever further apart, and ends with all of them.
+TEST(EnsembleTest, RunningMeansAreThoseOfTheFirstRealizations) {
+  Ensemble ensemble{options()};
+  Rng rng{5};
+  std::vector<double> volumes;
+  for (std::uint64_t k = 0; k < 203; ++k) {
+    volumes.push_back(rng.uniform());
+    ensemble.add(record(k, {volumes.back()}), "r");
+  }
+  const Figures f = ensemble.figures();
+  ASSERT_GT(f.running.size(), 20U);
+  EXPECT_EQ(f.running_quantity, "key_block_volume_m3");
+  EXPECT_EQ(f.running.front().realizations, 10U);
+  EXPECT_EQ(f.running.back().realizations, 203U);
+  std::uint64_t before = 0;
+  for (const RunningPoint& p : f.running) {
+    EXPECT_GT(p.realizations, before);
+    before = p.realizations;
+    double sum = 0, squares = 0;
+    for (std::size_t k = 0; k < p.realizations; ++k) sum += volumes[k];
+    const auto n = static_cast<double>(p.realizations);
+    for (std::size_t k = 0; k < p.realizations; ++k) squares += std::pow(volumes[k] - sum / n, 2);
+    const double error = std::sqrt(squares / (n - 1) / n);
+    EXPECT_NEAR(p.mean, sum / n, 1e-12);
+    EXPECT_NEAR(p.half_width, sum / n - t_interval(sum / n, error, p.realizations, 0.95).low, 1e-12);
+  }
+}
+
+// Realizations with many key blocks that have larger ones, batches that were not all taken away: said where they are,
+// and only there.
+TEST(EnsembleTest, WhatBiasesTheFiguresIsNoted) {
+  const auto says = [](const Ensemble& ensemble, std::string_view words) {
+    const Figures f = ensemble.figures();
+    return std::ranges::any_of(f.notes, [&](const std::string& n) { return n.contains(words); });
+  };
+  Ensemble unequal{options()}, equal{options()};
+  for (std::uint64_t k = 0; k < 40; ++k) {
+    unequal.add(k % 2 == 0 ? record(k, {1}) : record(k, {9, 9, 9, 9}), "u");
+    Record stopped = k % 2 == 0 ? record(k, {2}) : record(k, {2, 2, 2, 2});
+    stopped.stopped_at_max_batches = k == 3;
+    stopped.surface_blocks = 10;
+    stopped.surface_blocks_fixed = 1;
+    equal.add(stopped, "e");
+  }
+  EXPECT_TRUE(says(unequal, "7.4 m3 as ratio of sums, 5 m3 as mean over realizations"));
+  EXPECT_FALSE(says(equal, "as ratio of sums"));
+  EXPECT_TRUE(says(equal, "1 of 40 realizations stopped at max_batches"));
+  EXPECT_FALSE(says(unequal, "stopped at max_batches"));
+  EXPECT_TRUE(says(equal, "10.0 % of the blocks at free faces are held by the domain's border"));
+  EXPECT_FALSE(says(unequal, "border"));
 }
 
 TEST(EnsembleTest, WordsOfScenesNameQuantities) {

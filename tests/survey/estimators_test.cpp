@@ -268,7 +268,7 @@ TEST(TracesTest, NodesOfASmallMap) {
   EXPECT_EQ(n.crossing, 1U);
   EXPECT_EQ(n.abutting, 1U);
   EXPECT_EQ(n.isolated, 7U);
-  EXPECT_DOUBLE_EQ(n.connections, 2 * 2 / 4.0);
+  EXPECT_DOUBLE_EQ(n.connections.value.value(), 2 * 2 / 4.0);
 }
 
 TEST(FitTest, LawsComeBackFromTheirOwnSamples) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -239,19 +240,31 @@ void expect_diameters_covered(Family family) {
   const double truth_std = family == Family::exponential ? 2 : 1;
   for (const double truncation : family == Family::exponential ? std::vector{0.0, 0.3} : std::vector{0.0}) {
     Coverage mean{"mean diameter", 2}, spread{"std of diameters", truth_std};
+    // Of the whole joints: P32 over their mean area, through the number seen and what each offers to be met.
+    Coverage p30{"P30", 2.5 / (pi / 4 * (4 + truth_std * truth_std))};
+    const double sine = mean_plane_sine(set.mean_normal(), kappa, {0, 0, 1});
     constexpr std::uint64_t outcrops = 1000;
     for (std::uint64_t k = 0; k < outcrops; ++k) {
       const Outcrop outcrop = map_of(set, k);
       std::vector<SeenLength> lengths;
       for (const SeenTrace& t : seen_through(window, outcrop.traces)) lengths.push_back({t.length, t.ends});
-      const auto fit = fit_discs(lengths, {area_of(window), 12, truncation}, family);
+      const Meeting meeting{area_of(window), 12, truncation};
+      const auto fit = fit_discs(lengths, meeting, family);
       ASSERT_TRUE(fit.has_value());
+      const auto mapped = static_cast<std::size_t>(
+          std::ranges::count_if(lengths, [&](const SeenLength& l) { return l.length >= truncation; }));
+      const Estimate offered =
+          estimate_of(*fit, "offered", [&](const Fit& f) { return sine * f.moment(1) * disc_chance(f, meeting); });
+      p30.look(over(frequency(mapped, 1), offered, "P30", ""));
       mean.look(estimate_of(*fit, "mean", [](const Fit& f) { return f.moment(1); }));
       spread.look(estimate_of(*fit, "std", [](const Fit& f) { return std_of(f); }));
     }
-    for (const Coverage* c : {&mean, &spread}) {
-      const std::string label =
-          std::string{name_of(family)} + (c == &mean ? "_mean_" : "_std_") + (truncation > 0 ? "truncated" : "all");
+    for (const Coverage* c : {&mean, &spread, &p30}) {
+      const std::string label = std::string{name_of(family)} +
+                                (c == &mean     ? "_mean_"
+                                 : c == &spread ? "_std_"
+                                                : "_p30_") +
+                                (truncation > 0 ? "truncated" : "all");
       testing::Test::RecordProperty(label, c->covered);
       EXPECT_GE(c->covered, 930) << label;
       EXPECT_LE(c->covered, 970) << label;

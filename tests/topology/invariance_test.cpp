@@ -159,6 +159,7 @@ TEST(Invariance, SharesOfThreadsDoNotMatter) {
       EXPECT_TRUE(same) << name;
       EXPECT_EQ(topology::audit(many, threads).value().certificate().volume,
                 topology::audit(one).value().certificate().volume);
+      EXPECT_EQ(canonical_hash(one, threads), canonical_hash(one)) << name;
     }
   }
 }

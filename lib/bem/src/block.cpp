@@ -1,5 +1,7 @@
 #include "cleave/bem/block.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -9,8 +11,8 @@
 #include "block_build.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "domain_rule.hpp"
-#include "fmt/format.h"
 #include "gauss.hpp"
+#include "with_eigen.hpp"
 
 namespace cleave::bem {
 
@@ -30,15 +32,6 @@ std::string describe(const BlockError& error) {
 namespace {
 
 using Eigen::MatrixXd;
-
-Eigen::Index ix(std::size_t i) { return static_cast<Eigen::Index>(i); }
-
-DenseMatrix dense(const MatrixXd& m) {
-  DenseMatrix out{static_cast<std::size_t>(m.rows()), static_cast<std::size_t>(m.cols()), {}};
-  const auto flat = m.reshaped();
-  out.values.assign(flat.begin(), flat.end());
-  return out;
-}
 
 MatrixXd rigid_motions(const Mesh& mesh, Eigen::Index freedoms) {
   MatrixXd rigid = MatrixXd::Zero(freedoms, 3);

@@ -10,14 +10,13 @@
 #include "domain_rule.hpp"
 #include "element_rows.hpp"
 #include "gauss.hpp"
+#include "with_eigen.hpp"
 
 namespace cleave::bem {
 namespace {
 
 using Eigen::MatrixXd;
 using Rows2 = Eigen::Matrix<double, 2, Eigen::Dynamic>;
-
-Eigen::Index ix(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 /// A polynomial field that is in equilibrium without body force.
 struct Field {

@@ -12,6 +12,7 @@
 #include "cleave/bem/statics.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "element_rows.hpp"
+#include "with_eigen.hpp"
 
 namespace cleave::bem {
 
@@ -35,15 +36,6 @@ std::string describe(const DrbemError& error) {
 namespace {
 
 using Eigen::MatrixXd;
-
-Eigen::Index ix(std::size_t i) { return static_cast<Eigen::Index>(i); }
-
-DenseMatrix dense(const MatrixXd& m) {
-  DenseMatrix out{static_cast<std::size_t>(m.rows()), static_cast<std::size_t>(m.cols()), {}};
-  const auto flat = m.reshaped();
-  out.values.assign(flat.begin(), flat.end());
-  return out;
-}
 
 /// A particular solution of Navier's equation L u = f e_m: u_mj and its traction, mu = 1.
 struct ParticularPair {

@@ -6,12 +6,9 @@
 #include "block_build.hpp"
 #include "cleave/bem/motion.hpp"
 #include "cleave/core/assert.hpp"
+#include "with_eigen.hpp"
 
 namespace cleave::bem {
-namespace {
-Eigen::Index ix(std::size_t i) { return static_cast<Eigen::Index>(i); }
-}  // namespace
-
 FreeMotion::FreeMotion(const BlockOperator& block, Setup setup) : block_{&block}, setup_{std::move(setup)} {
   CLEAVE_ASSERT(setup_.step > 0);
   before_build_.assign(block.freedoms(), 0.0);

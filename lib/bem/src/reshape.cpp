@@ -8,13 +8,12 @@
 #include "block_build.hpp"
 #include "cleave/bem/boundary_stress.hpp"
 #include "gauss.hpp"
+#include "with_eigen.hpp"
 
 namespace cleave::bem {
 namespace {
 
 constexpr std::size_t points = 3;  ///< of an element, where stress is kept
-
-Eigen::Index ix(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 Vec2 slope_along(const BlockOperator& block, BoundaryPlace at, const std::vector<double>& u) {
   const Element& e = block.mesh().elements[at.element];

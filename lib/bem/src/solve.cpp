@@ -8,6 +8,7 @@
 #include "cleave/core/parallel.hpp"
 #include "gauss.hpp"
 #include "system.hpp"
+#include "with_eigen.hpp"
 
 namespace cleave::bem {
 
@@ -20,8 +21,6 @@ struct SolutionMaker {
 namespace {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-Eigen::Index ix(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 class Rows {
  public:

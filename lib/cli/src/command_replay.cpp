@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "allocation.hpp"
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
 #include "cleave/scene/run.hpp"
@@ -14,6 +15,7 @@ namespace cleave::cli {
 
 ExitCode replay_realization(const ReplayArguments& arguments) {
   namespace fs = std::filesystem;
+  keep_freed_memory(arguments.threads);
   InterruptWatch interrupts;
   StageTimer timer;
   Progress progress{progress_style_of_stderr(arguments.quiet)};

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "allocation.hpp"
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
 #include "cleave/report/write.hpp"
@@ -77,6 +78,7 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
 }
 
 ExitCode run_scene(const RunArguments& arguments) {
+  keep_freed_memory(arguments.threads);
   InterruptWatch interrupts;  // before any other thread
   StageTimer timer;
   Progress progress{progress_style_of_stderr(arguments.quiet)};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -72,6 +73,11 @@ class PatternSolver final {
 /// `solve` with the factors of an earlier call on the same contacts.
 [[nodiscard]] ContactSolution solve_again(const ContactProblem& problem, const SolverOptions& options,
                                           PatternSolver& linear);
+
+/// Interior points on convex programmes, one after the other: shows `enough` the answer of each until it says so, up to
+/// `most` factors. Sure and slow; answers are as near as rounding lets a barrier come, a few linear solves short.
+void interior(const ContactProblem& problem, std::size_t most, std::size_t& factors,
+              const std::function<bool(const std::vector<Vec2>&)>& enough);
 
 /// Exact complementary pivoting; empty when it does not end. Counts pivots.
 [[nodiscard]] std::vector<Vec2> lemke(const ContactProblem& problem, std::size_t& pivots);

@@ -9,18 +9,6 @@
 
 namespace cleave::dbem {
 
-std::string_view name_of(Method method) noexcept {
-  switch (method) {
-    case Method::none: return "none needed";
-    case Method::open_close: return "open_close";
-    case Method::newton: return "newton";
-    case Method::continuation: return "continuation";
-    case Method::lemke: return "lemke";
-    case Method::cascade: return "cascade";
-  }
-  return "";
-}
-
 namespace {
 
 double sign(double x) { return x < 0 ? -1.0 : 1.0; }
@@ -112,13 +100,14 @@ Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, 
 
 /// One linear solve with each contact in the state its force tells: open without one, slipping at the bound, else
 /// stuck. From step to step few states change, while the natural map at the old forces takes many for changed.
-Tried keep_states(PatternSolver& linear, const ContactProblem& problem, double soft = 0) {
+Tried keep_states(PatternSolver& linear, const ContactProblem& problem, const std::vector<Vec2>& start,
+                  double soft = 0) {
   const std::size_t m = problem.contacts();
   Tried tried;
   Pattern pattern{std::vector<std::uint8_t>(m), std::vector<std::uint8_t>(m), std::vector<double>(m)};
   std::vector<Vec2> rhs(m);
   for (std::size_t k = 0; k < m; ++k) {
-    const Vec2 p = problem.start[k];
+    const Vec2 p = start[k];
     const double bound = problem.mu[k] * p.x + problem.cohesion[k];
     const bool closed = p.x > -problem.tension[k];
     const bool stuck = closed && bound > 0 && std::abs(p.y) < bound * (1 - 1e-9);
@@ -132,7 +121,7 @@ Tried keep_states(PatternSolver& linear, const ContactProblem& problem, double s
   }
   tried.p = linear.solve(problem, soft, pattern, rhs);
   tried.iterations = 1;
-  if (tried.p.empty()) tried.p = problem.start;
+  if (tried.p.empty()) tried.p = start;
   return tried;
 }
 
@@ -244,7 +233,7 @@ Tried proximal(PatternSolver& linear, const ContactProblem& problem, std::vector
   if (cold) {
     sweep(problem, soft, centre, 50, tried.p);
   } else if (large(problem)) {
-    tried = keep_states(linear, problem, soft);
+    tried = keep_states(linear, problem, centre, soft);
   }
   std::size_t stale = 0;
   double least = 1e-7;
@@ -337,15 +326,15 @@ class Cascade final {
     if (wanders) {
       if (warm && take(Tried{problem_.start}, Method::newton) && best_ <= enough) return;
       if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}, enough, options_.patience),
-               Method::continuation)) {
+               Method::continuation) &&
+          best_ <= options_.accept) {
         return;
       }
-      if (shi()) return;
     } else {
       if (!warm && shi()) return;
       // From a warm start a few iterations do or none will.
       if (warm) {
-        Tried kept = keep_states(linear_, problem_);
+        Tried kept = keep_states(linear_, problem_, problem_.start);
         iterations_ += kept.iterations;
         if (take(newton(linear_, problem_, 0, target, most / 6, std::move(kept.p), {}, 1e4), Method::newton)) return;
         if (!large && take(from_here(problem_.start, most / 6), Method::newton)) return;
@@ -353,11 +342,18 @@ class Cascade final {
       if (warm && !large && shi()) return;
       if (!large && take(from_here({}, most / 2), Method::newton)) return;
       if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}, enough, options_.patience),
-               Method::continuation)) {
+               Method::continuation) &&
+          best_ <= options_.accept) {
         take(from_here(p_, 5), Method::continuation);  // the last digits
         return;
       }
     }
+    // Rather than cut the step of a large group at once: what made it hard is often there in a shorter one, too.
+    if (iterations_ >= options_.patience) {
+      if (large) inside(200);
+      return;
+    }
+    if (wanders && shi()) return;
     if (take(from_here({}, most), Method::newton)) return;
     if (warm && take(proximal(linear_, problem_, {}, enough, options_.patience), Method::continuation)) return;
     for (const double factor : {10.0, 3.0, 1.5}) {
@@ -369,6 +365,7 @@ class Cascade final {
     if (!state.empty() && take(from_here(std::move(state), most), Method::newton)) return;
     if (problem_.contacts() <= 3 * most_for_lemke && take(pivot(), Method::lemke)) return;
     if (take(from_here(p_, most), Method::newton)) return;
+    if (inside(400)) return;
     // Sweeps creep up to an answer where Newton goes round in circles between the states of a few contacts.
     Tried swept{p_};
     for (int more = 0; more < 4; ++more) {
@@ -376,6 +373,25 @@ class Cascade final {
       sweep(problem_, 0, nowhere, 500, swept.p);
       if (take(swept, Method::continuation) || take(from_here(swept.p, 10), Method::newton)) return;
     }
+  }
+
+  /// Interior points until Newton, or proximal points, get home from one of them.
+  bool inside(std::size_t most) {
+    bool done = false;
+    std::size_t factors = 0, counted = 0;
+    interior(problem_, most, factors, [&](const std::vector<Vec2>& p) {
+      Tried here{p};
+      here.iterations = factors - counted;
+      counted = factors;
+      // Patience does not end here: nothing else is likelier to help.
+      done =
+          (take(std::move(here), Method::interior) && best_ <= options_.accept) ||
+          (take(newton(linear_, problem_, 0, options_.target, 10, p), Method::interior) && best_ <= options_.accept) ||
+          (take(proximal(linear_, problem_, p, 0.1 * options_.accept, 20), Method::interior) &&
+           best_ <= options_.accept);
+      return done;
+    });
+    return done;
   }
 
   static constexpr std::size_t most_for_lemke = 100;
@@ -433,6 +449,7 @@ ContactSolution solve_again(const ContactProblem& problem, const SolverOptions& 
         if (tries.take(continuation(linear, problem, options, factor), Method::continuation)) break;
       }
       break;
+    case Method::interior: tries.inside(400); break;
     case Method::lemke:
       if (problem.contacts() <= Cascade::most_for_lemke) tries.take(tries.pivot(), Method::lemke);
       break;

@@ -97,7 +97,15 @@ class Sampler final {
   [[nodiscard]] Vec3 centre(std::uint32_t i) const;
   [[nodiscard]] double rotation(std::uint32_t i) const;
   [[nodiscard]] std::optional<SampledJoint> plane(std::uint32_t i) const;
-  [[nodiscard]] JointOutline outline(std::uint32_t i, const detail::Frame& frame) const;
+  /// By (1 + 2e-9) of its half sizes in each direction.
+  [[nodiscard]] bool may_meet(std::uint32_t i, Vec3 centre, std::optional<detail::HalfAxes>& half);
+  [[nodiscard]] detail::HalfAxes half_axes(double u, std::uint32_t i) const {
+    return size_.draw(u, two_draws_ ? stream(Draw::aspect, i).uniform() : 0.5);
+  }
+  [[nodiscard]] double reach_of(const detail::HalfAxes& half) const {
+    return (1 + 2e-9) * (size_.sides() == 0 ? std::hypot(half.first, half.second) : std::max(half.first, half.second));
+  }
+  [[nodiscard]] JointOutline outline(std::uint32_t i, const detail::Frame& frame, const detail::HalfAxes& half) const;
   /// Whether the box around the corners meets the domain's.
   [[nodiscard]] bool corners_meet(const JointOutline& outline, Vec3 centre) const;
 
@@ -110,6 +118,7 @@ class Sampler final {
   bool two_draws_;
   detail::Frame mean_;
   std::vector<detail::FlatPoint> unit_;
+  std::vector<double> farthest_;  ///< reach of the joints whose number for the size lies below (k + 1)/farthest_.size()
 };
 
 std::uint32_t Sampler::count() const {
@@ -171,12 +180,24 @@ bool Sampler::corners_meet(const JointOutline& outline, Vec3 centre) const {
   return meets(domain_, lo, hi);
 }
 
-JointOutline Sampler::outline(std::uint32_t i, const detail::Frame& frame) const {
+/// Most joints of a grown region are too small to reach the box from where they lie: streams are keyed, so their
+/// orientations need not be drawn, nor their sizes where a table says enough.
+bool Sampler::may_meet(std::uint32_t i, Vec3 centre, std::optional<detail::HalfAxes>& half) {
+  const auto meets_within = [&](double r) { return meets(domain_, centre - Vec3{r, r, r}, centre + Vec3{r, r, r}); };
+  if (meets_within(0)) return true;
+  const double u = stream(Draw::size, i).uniform();
+  if (!farthest_.empty()) {
+    const auto bins = static_cast<double>(farthest_.size());
+    if (!meets_within(farthest_[static_cast<std::size_t>(u * bins)])) return false;
+  }
+  half = half_axes(u, i);
+  return meets_within(reach_of(*half));
+}
+
+JointOutline Sampler::outline(std::uint32_t i, const detail::Frame& frame, const detail::HalfAxes& half) const {
   const double angle = rotation(i);
   const Vec3 up_dip = cross(frame.normal, frame.strike);
   const double c = std::cos(angle), s = std::sin(angle);
-  const detail::HalfAxes half =
-      size_.draw(stream(Draw::size, i).uniform(), two_draws_ ? stream(Draw::aspect, i).uniform() : 0.5);
   return {c * frame.strike + s * up_dip, c * up_dip - s * frame.strike, half.first, half.second, size_.sides()};
 }
 
@@ -186,14 +207,24 @@ std::expected<std::vector<SampledJoint>, SampleError> Sampler::run() {
   std::vector<SampledJoint> joints;
   joints.reserve(n);
   const bool persistent = is_persistent(set_);
+  if (!persistent && n >= 4096 && volume(region_.box) > 1.5 * volume(domain_)) {
+    constexpr std::size_t bins = 256;
+    for (std::size_t k = 1; k <= bins; ++k) {
+      const double u = std::min(static_cast<double>(k) / bins, 1 - 0x1p-53);
+      farthest_.push_back((1 + 1e-6) * reach_of(size_.draw(u, 1 - 0x1p-53)));
+    }
+  }
   for (std::uint32_t i = 0; i < n; ++i) {
     if (persistent) {
       if (auto joint = plane(i)) joints.push_back(std::move(*joint));
       continue;
     }
-    const detail::Frame frame = draw_frame(set_.spec().orientation, mean_, stream(Draw::orientation, i));
     const Vec3 at = centre(i);
-    SampledJoint joint{outline(i, frame), at, frame.normal, i};
+    std::optional<detail::HalfAxes> axes;
+    if (!may_meet(i, at, axes)) continue;
+    if (!axes) axes = half_axes(stream(Draw::size, i).uniform(), i);
+    const detail::Frame frame = draw_frame(set_.spec().orientation, mean_, stream(Draw::orientation, i));
+    SampledJoint joint{outline(i, frame, *axes), at, frame.normal, i};
     const auto& drawn = std::get<JointOutline>(joint.shape);
     const Vec3 half = (1 + 1e-9) * detail::half_extents(drawn);
     if (!meets(domain_, at - half, at + half)) continue;

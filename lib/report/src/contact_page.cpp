@@ -238,7 +238,7 @@ std::string contact_report_html(const scene::ContactResult& result) {
       "forces\">"
       "</canvas>\n<p class=\"small\"><span class=\"key\" style=\"background:#1f5f8b\"></span>contact that sticks "
       "<span class=\"key\" style=\"background:#d1495b;margin-left:1em\"></span>that slips; a line through the contact "
-      "shows its force on both sides. <span class=\"key\" "
+      "shows its force on both sides (impacts cut short). <span class=\"key\" "
       "style=\"background:var(--wall);margin-left:1em\"></span>fixed."
       "</p>\n</section>\n<section><h2>Histories</h2>\n<div class=\"plots\">\n";
   if (!result.points.empty()) out += "<div id=\"ux\"></div><div id=\"uy\"></div>\n";

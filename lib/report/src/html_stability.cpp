@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "cleave/report/drawings.hpp"
 #include "cleave/report/text.hpp"
+#include "pyramid_net.hpp"
 #include "svg.hpp"
 
 namespace cleave::report {
@@ -435,7 +437,19 @@ std::string maximum_section(const Page& page) {
            std::string{stability::name(b.mode)} + "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" +
            display(b.target, 3) + "</td><td>" + display(b.required_pressure / 1000, 3) + "</td></tr>\n";
   }
-  return out + "</tbody></table></div></section>\n";
+  out += "</tbody></table></div>\n<div class=\"columns\">\n";
+  constexpr std::size_t most_nets = 4;
+  const std::span<const MaximumBlockRow> rows{page.maximum_blocks};
+  std::size_t nets = 0;
+  for (std::size_t from = 0, to = 0; from < rows.size() && nets < most_nets; from = to, ++nets) {
+    while (to < rows.size() && rows[to].block.planes == rows[from].block.planes) ++to;
+    out +=
+        "<figure>" + pyramid_net(rows.subspan(from, to - from)) +
+        "<figcaption>Joint pyramids, stereographic projection of the whole sphere: inside the dashed rim what looks "
+        "down. Digits: one a set, 1 below its plane. Filled: can come out at the tunnel (orange falls, green a wedge, "
+        "blue slides, grey stays). Crosses: direction of motion.</figcaption></figure>\n";
+  }
+  return out + "</div></section>\n";
 }
 
 }  // namespace cleave::report

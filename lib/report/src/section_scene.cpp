@@ -81,7 +81,9 @@ std::string scene_of(const scene::RunResult& result, const scene::SectionSpec& s
     }
     bodies += "outline = [" + outline + "]\njoint = [" + names + "]\n\n";
   }
-  const Vec3 gravity = result.stability ? result.stability->gravity : Vec3{0, 0, -9.81};
+  Vec3 gravity = result.stability ? result.stability->gravity : Vec3{0, 0, -9.81};
+  const bool shaken = result.stability && norm(result.stability->seismic) > 0;
+  if (shaken) gravity += norm(gravity) * result.stability->seismic;
   std::string out = "# Section of " + result.scene_file + ", written by cleave: run it with `cleave run`.\n";
   out += spec.horizontal ? "# Level z = " + number(spec.through.z) + " m; x = east, y = north.\n"
                          : "# Vertical, through (" + number(spec.through.x) + ", " + number(spec.through.y) +
@@ -93,6 +95,7 @@ std::string scene_of(const scene::RunResult& result, const scene::SectionSpec& s
         "# Cuts through rock: blocks that are rings in the section.\n[joints.intact]\nfriction = 60\ncohesion = "
         "1e9\ntension = 1e9\n\n";
   }
+  if (shaken) out += "# With the seismic push of [stability], held for the whole time.\n";
   out += "[contact]\nduration = 2\ngravity = [" + number(dot(plane.right, gravity)) + ", " +
          number(dot(plane.up, gravity)) + "]\n\n" + bodies;
   out.pop_back();

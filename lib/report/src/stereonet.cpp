@@ -8,6 +8,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "cleave/report/text.hpp"
+#include "cleave/survey/orientation.hpp"
 #include "svg.hpp"
 
 namespace cleave::report {
@@ -19,42 +20,6 @@ using geometry::Vec3;
 constexpr double radius = 220;
 constexpr double centre = 256;
 constexpr double pi = std::numbers::pi;
-
-// Rotations that make a symmetric matrix diagonal (Jacobi); good for any eigenvalues, repeated ones too.
-Vec3 largest_eigenvector(std::array<std::array<double, 3>, 3> m) {
-  std::array<std::array<double, 3>, 3> v{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  for (int sweep = 0; sweep < 50; ++sweep) {
-    double off = 0;
-    for (const auto& [p, q] : std::array<std::pair<std::size_t, std::size_t>, 3>{{{0, 1}, {0, 2}, {1, 2}}}) {
-      off += std::abs(m[p][q]);
-      if (m[p][q] == 0.0) continue;
-      const double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
-      const double t = (theta >= 0 ? 1.0 : -1.0) / (std::abs(theta) + std::sqrt(theta * theta + 1));
-      const double c = 1 / std::sqrt(t * t + 1), s = t * c;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const double mkp = m[k][p], mkq = m[k][q];
-        m[k][p] = c * mkp - s * mkq;
-        m[k][q] = s * mkp + c * mkq;
-      }
-      for (std::size_t k = 0; k < 3; ++k) {
-        const double mpk = m[p][k], mqk = m[q][k];
-        m[p][k] = c * mpk - s * mqk;
-        m[q][k] = s * mpk + c * mqk;
-      }
-      for (std::size_t k = 0; k < 3; ++k) {
-        const double vkp = v[k][p], vkq = v[k][q];
-        v[k][p] = c * vkp - s * vkq;
-        v[k][q] = s * vkp + c * vkq;
-      }
-    }
-    if (off == 0.0) break;
-  }
-  std::size_t best = 0;
-  for (std::size_t k = 1; k < 3; ++k) {
-    if (m[k][k] > m[best][best]) best = k;
-  }
-  return {v[0][best], v[1][best], v[2][best]};
-}
 
 std::string point(NetPoint p) { return fixed(centre + radius * p.x) + ',' + fixed(centre - radius * p.y); }
 
@@ -126,18 +91,13 @@ std::vector<NetPoint> great_circle(Vec3 normal, Net net, std::size_t count) {
 
 MeanPole mean_of(std::span<const Vec3> poles) {
   CLEAVE_ASSERT(!poles.empty());
-  std::array<std::array<double, 3>, 3> m{};
-  for (const Vec3& p : poles) {
-    const Vec3 n = normalized(p);
-    const std::array<double, 3> c{n.x, n.y, n.z};
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t j = 0; j < 3; ++j) m[i][j] += c[i] * c[j];
-    }
-  }
-  Vec3 mean = normalized(largest_eigenvector(m));
+  std::vector<Vec3> normals;
+  for (const Vec3& p : poles) normals.push_back(normalized(p));
+  const std::vector<double> weights(normals.size(), 1);
+  Vec3 mean = normalized(survey::orientation_tensor(normals, weights).vectors[0]);
   if (mean.z < 0) mean = -mean;
   Vec3 sum{};
-  for (const Vec3& p : poles) sum += (dot(p, mean) < 0 ? -1.0 : 1.0) * normalized(p);
+  for (const Vec3& n : normals) sum += (dot(n, mean) < 0 ? -1.0 : 1.0) * n;
   const auto n = static_cast<double>(poles.size());
   const double spread = n - norm(sum);
   double direction = std::atan2(mean.x, mean.y) * 180 / pi;

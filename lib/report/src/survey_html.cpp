@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "cleave/geometry/orientation.hpp"
@@ -24,95 +25,201 @@ using detail::PlotPoint;
 using geometry::Vec3;
 using survey::Estimate;
 
-/// Density of poles on the net as coloured cells, in multiples of uniform: Fisher kernels with kappa 100 (Diggle &
-/// Fisher 1985), about the 1 % counting circle.
-std::string contours(const std::vector<Vec3>& normals, const std::vector<double>& weights, Net net) {
-  constexpr double kernel = 100;
-  constexpr int cells = 60;
-  std::string out = "<svg viewBox=\"-110 -110 220 220\" role=\"img\" aria-label=\"Density of poles\">";
-  const std::size_t stride = std::max<std::size_t>(1, normals.size() / 2000);
-  for (int i = 0; i < cells; ++i) {
-    for (int j = 0; j < cells; ++j) {
-      const double x = (2.0 * i + 1) / cells - 1, y = (2.0 * j + 1) / cells - 1, r = std::hypot(x, y);
-      if (r > 1) continue;
-      const double theta = net == Net::equal_area ? 2 * std::asin(r / std::numbers::sqrt2) : 2 * std::atan(r);
-      const Vec3 d{r > 0 ? std::sin(theta) * x / r : 0, r > 0 ? std::sin(theta) * y / r : 0, -std::cos(theta)};
-      double density = 0, used = 0;
-      for (std::size_t k = 0; k < normals.size(); k += stride) {
-        density += weights[k] * std::exp(kernel * (std::abs(dot(normals[k], d)) - 1));
-        used += weights[k];
+/// Density of poles on the net in multiples of uniform, coloured, with contours at 2, 4, 8, 16: Fisher kernels with
+/// kappa 100 (Diggle & Fisher 1985), about the 1 % counting circle.
+class DensityNet final {
+ public:
+  DensityNet(const std::vector<Vec3>& normals, const std::vector<double>& weights, Net net) {
+    const std::size_t stride = std::max<std::size_t>(1, normals.size() / 2000);
+    for (std::size_t i = 0; i <= cells; ++i) {
+      for (std::size_t j = 0; j <= cells; ++j) {
+        const double x = place(i), y = place(j), r = std::hypot(x, y);
+        // Beyond the rim as on it, so that contours run up to it.
+        const double t = std::min(r, 1.0);
+        const double theta = net == Net::equal_area ? 2 * std::asin(t / std::numbers::sqrt2) : 2 * std::atan(t);
+        const Vec3 d{r > 0 ? std::sin(theta) * x / r : 0, r > 0 ? std::sin(theta) * y / r : 0, -std::cos(theta)};
+        double density = 0, used = 0;
+        for (std::size_t k = 0; k < normals.size(); k += stride) {
+          density += weights[k] * std::exp(kernel * (std::abs(dot(normals[k], d)) - 1));
+          used += weights[k];
+        }
+        at_.push_back(density * kernel / std::max(used, 1e-300));  // 1: uniform on the half sphere
       }
-      density *= kernel / std::max(used, 1e-300);  // 1: uniform on the half sphere
-      if (density < 1) continue;
-      const double shade = std::min(1.0, std::log2(density) / 5);
-      out += "<rect x=\"" + fixed(100 * x - 100.0 / cells) + "\" y=\"" + fixed(-100 * y - 100.0 / cells) +
-             "\" width=\"3.5\" height=\"3.5\" fill=\"#0072B2\" fill-opacity=\"" + fixed(0.08 + 0.82 * shade) + "\"/>";
     }
   }
-  return out + "<circle class=\"net-rim\" r=\"100\"/><path class=\"net-tick\" d=\"M0,-100V-105\"/></svg>";
-}
 
-std::string length_histogram(const survey::SetResult& set) {
-  if (set.seen_lengths.size() < 5 || set.lengths.empty()) return {};
-  std::vector<double> lengths = set.seen_lengths;
-  std::ranges::sort(lengths);
-  const double high = lengths[static_cast<std::size_t>(0.98 * static_cast<double>(lengths.size() - 1))];
+  [[nodiscard]] std::string svg() const {
+    std::string out = "<svg viewBox=\"-110 -110 220 220\" role=\"img\" aria-label=\"Density of poles\">";
+    for (std::size_t i = 0; i < cells; ++i) {
+      for (std::size_t j = 0; j < cells; ++j) {
+        const double x = (place(i) + place(i + 1)) / 2, y = (place(j) + place(j + 1)) / 2;
+        const double density = (at(i, j) + at(i + 1, j) + at(i, j + 1) + at(i + 1, j + 1)) / 4;
+        if (std::hypot(x, y) > 1 || density < 1) continue;
+        const double shade = std::min(1.0, std::log2(density) / 5);
+        out += "<rect x=\"" + fixed(100 * place(i)) + "\" y=\"" + fixed(-100 * place(j + 1)) +
+               "\" width=\"3.5\" height=\"3.5\" fill=\"#0072B2\" fill-opacity=\"" + fixed(0.08 + 0.72 * shade) + "\"/>";
+      }
+    }
+    for (const double level : {2.0, 4.0, 8.0, 16.0}) {
+      const std::string path = contour(level);
+      if (path.empty()) continue;
+      out += "<path class=\"net-contour\" fill=\"none\" stroke=\"#14202b\" stroke-width=\"" +
+             fixed(0.3 + 0.04 * level) + "\" d=\"" + path + "\"><title>" + display(level, 2) +
+             " times uniform</title></path>";
+    }
+    return out + "<circle class=\"net-rim\" r=\"100\"/><path class=\"net-tick\" d=\"M0,-100V-105\"/></svg>";
+  }
+
+ private:
+  static constexpr double kernel = 100;
+  static constexpr std::size_t cells = 60;
+  static double place(std::size_t i) { return 2 * static_cast<double>(i) / cells - 1; }
+  [[nodiscard]] double at(std::size_t i, std::size_t j) const { return at_[i * (cells + 1) + j]; }
+
+  /// Straight pieces through the two halves of every cell.
+  [[nodiscard]] std::string contour(double level) const {
+    struct Node {
+      double x, y, value;
+    };
+    std::string path;
+    const auto through = [&](const std::array<Node, 3>& corner) {
+      std::array<std::pair<double, double>, 2> ends{};
+      std::size_t found = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Node &a = corner.at(k), &b = corner.at((k + 1) % 3);
+        if ((a.value < level) == (b.value < level)) continue;
+        const double t = (level - a.value) / (b.value - a.value);
+        ends.at(found++) = {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+      }
+      if (found < 2 || std::hypot(ends[0].first + ends[1].first, ends[0].second + ends[1].second) > 2) return;
+      path += "M" + fixed(100 * ends[0].first) + "," + fixed(-100 * ends[0].second) + "L" + fixed(100 * ends[1].first) +
+              "," + fixed(-100 * ends[1].second);
+    };
+    for (std::size_t i = 0; i < cells; ++i) {
+      for (std::size_t j = 0; j < cells; ++j) {
+        const auto node = [&](std::size_t u, std::size_t v) { return Node{place(u), place(v), at(u, v)}; };
+        const Node a = node(i, j), b = node(i + 1, j), c = node(i + 1, j + 1), d = node(i, j + 1);
+        through({a, b, c});
+        through({a, c, d});
+      }
+    }
+    return path;
+  }
+
+  std::vector<double> at_;
+};
+
+/// What a histogram shows: values, the laws fitted to them (the best first), and words.
+struct Lengths {
+  std::vector<double> values;
+  std::vector<survey::Fit> laws;  ///< `p_value` is told where there is one
+  std::string axis, label, caption;
+};
+
+std::string histogram(Lengths shown) {
+  if (shown.values.size() < 5 || shown.laws.empty()) return {};
+  std::ranges::sort(shown.values);
+  const double high = shown.values[static_cast<std::size_t>(0.98 * static_cast<double>(shown.values.size() - 1))];
+  if (!(high > 0)) return {};
   constexpr std::size_t bins = 20;
   std::array<double, bins> counts{};
-  for (const double l : lengths) {
+  for (const double l : shown.values) {
     if (l < high) counts[static_cast<std::size_t>(l / high * bins)] += 1;
   }
-  const double width = high / bins, n = static_cast<double>(lengths.size());
+  const double width = high / bins, n = static_cast<double>(shown.values.size());
   double top = 0;
   for (const double c : counts) top = std::max(top, c / n / width);
-  Plot plot{Axis{0, high, false, "trace length (m)"}, detail::from_zero(1.2 * top, "density (1/m)"),
-            "Histogram of trace lengths with the fitted laws"};
+  Plot plot{Axis{0, high, false, shown.axis}, detail::from_zero(1.2 * top, "density (1/m)"), shown.label};
   for (std::size_t i = 0; i < bins; ++i) {
     plot.bar(width * static_cast<double>(i), width * static_cast<double>(i + 1), counts[i] / n / width, "#9aa5ae");
   }
   const char* style = "line-a";
   std::string names;
-  for (std::size_t k = 0; k < std::min<std::size_t>(2, set.lengths.size()); ++k) {
+  for (std::size_t k = 0; k < std::min<std::size_t>(2, shown.laws.size()); ++k) {
     std::vector<PlotPoint> line;
     for (int i = 1; i <= 200; ++i) {
       const double x = high * i / 200;
-      line.push_back({x, std::min(set.lengths[k].fit.density(x), 1.2 * top)});
+      line.push_back({x, std::min(shown.laws[k].density(x), 1.2 * top)});
     }
     plot.line(line, style);
     names += std::string{k == 0 ? "<span class=\"key-a\">" : ", <span class=\"key-b\">"} +
-             std::string{name_of(set.lengths[k].fit.family)} + "</span>";
+             std::string{name_of(shown.laws[k].family)} + "</span>";
+    if (shown.laws[k].p_value) names += " (Kolmogorov-Smirnov p = " + display(*shown.laws[k].p_value, 2) + ")";
     style = "line-b";
   }
-  return "<figure>" + std::move(plot).svg() + "<figcaption>" + escape_xml(set.name) +
-         ": lengths as seen, and the laws of the whole traces, fitted with censoring: " + names +
+  return "<figure>" + std::move(plot).svg() + "<figcaption>" + escape_xml(shown.caption) + ": " + names +
          ".</figcaption></figure>";
+}
+
+std::string length_histogram(const survey::SetResult& set) {
+  Lengths shown{set.seen_lengths,
+                {},
+                "trace length (m)",
+                "Histogram of trace lengths with the fitted laws",
+                set.name + ": lengths as seen, and the laws of the whole traces, fitted with censoring"};
+  for (const survey::FittedLaw& law : set.lengths) {
+    shown.laws.push_back(law.fit);
+    if (law.test) shown.laws.back().p_value = law.test->p_value;
+  }
+  return histogram(std::move(shown));
+}
+std::string spacing_histogram(const survey::SetResult& set) {
+  return histogram({set.gaps, set.spacings, "spacing along the mean normal (m)",
+                    "Histogram of spacings with the fitted laws", set.name + ": spacings and the laws fitted to them"});
+}
+
+std::string range(double low, double high, int digits = 3) {
+  return "(" + display(low, digits) + " … " + display(high, digits) + ")";
+}
+
+/// Dip and dip direction with what is known of their error.
+std::string attitude_text(const survey::SetResult& set) {
+  const geometry::Attitude mean = geometry::attitude_of(set.orientation.mean);
+  std::string out = display(mean.dip.degrees(), 3) + "° / " + display(mean.direction.degrees(), 4) + "°";
+  if (!set.orientation_stated) return out + " ± " + display(set.orientation.cone_degrees, 2) + "°";
+  if (set.direction) out += " " + range(set.direction->low, set.direction->high, 4);
+  return out + (set.direction ? ", dip stated" : " (stated)");
+}
+/// Kappa, and Bingham's parameters where Fisher's law is refused.
+std::string concentration_text(const survey::SetResult& set) {
+  const survey::FisherFit& fit = set.orientation;
+  if (set.joints < 2 && !(fit.kappa_high > 0))
+    return set.orientation_stated ? display(fit.kappa, 3) + " (stated)" : "–";
+  std::string out = display(fit.kappa, 3) + " " + range(fit.kappa_low, fit.kappa_high);
+  if (!fit.fisher) out += ", not Fisher";
+  if (const auto& b = set.bingham) {
+    const auto low = [](double k) { return std::isfinite(k) ? display(k, 3) : std::string{"−∞"}; };
+    out += ": Bingham k1 " + display(b->k1, 3) + " (" + low(b->first[0]) + " … " + display(b->first[1], 3) + "), k2 " +
+           display(b->k2, 3) + " (" + low(b->second[0]) + " … " + display(b->second[1], 3) + ")";
+  }
+  return out;
+}
+std::string size_text(const survey::SetResult& set) {
+  if (!set.size) return "–";
+  std::string out{name_of(set.size->family)};
+  if (!set.size_mean || !set.size_std) {
+    return out + " " + display(set.size->mean, 3) + " ± " + display(set.size->std, 3);
+  }
+  return out + ", mean " + estimate_text(*set.size_mean) + ", standard deviation " + estimate_text(*set.size_std);
 }
 
 std::string sets_section(const survey::SurveyResult& result) {
   std::string out =
-      "<section id=\"sets\"><h2>Joint sets</h2>\n<div "
-      "class=\"scroll\"><table><thead><tr><th>Set</th><th>Joints</th><th>Traces"
-      "</th><th>Mean dip / dip direction</th><th>Concentration κ</th><th>P32 (1/m)</th><th>Mean trace "
-      "(m)</th><th>Size (m)</th></tr></thead><tbody>\n";
+      "<section id=\"sets\"><h2>Joint sets</h2>\n<div class=\"scroll\"><table><thead><tr><th>Set</th><th>Joints</th>"
+      "<th>Traces</th><th>Mean dip / dip direction</th><th>Concentration κ</th></tr></thead><tbody>\n";
   for (const survey::SetResult& set : result.sets) {
-    const geometry::Attitude mean = geometry::attitude_of(set.orientation.mean);
     const bool known = set.joints > 0 || set.orientation_stated;
     out += "<tr><td>" + escape_xml(set.name) + "</td><td>" + display_count(set.joints) + "</td><td>" +
-           display_count(set.traces) + "</td><td>" +
-           (known ? display(mean.dip.degrees(), 3) + "° / " + display(mean.direction.degrees(), 4) + "°" +
-                        (set.orientation_stated ? " (stated)" : " ± " + display(set.orientation.cone_degrees, 2) + "°")
-                  : "–") +
-           "</td><td>" +
-           (set.joints > 1
-                ? display(set.orientation.kappa, 3) + " (" + display(set.orientation.kappa_low, 3) + " … " +
-                      display(set.orientation.kappa_high, 3) + ")" + (set.orientation.fisher ? "" : ", not Fisher")
-                : "–") +
-           "</td><td>" + (set.p32 ? estimate_text(*set.p32) : "–") + "</td><td>" +
-           (set.mean_length ? estimate_text(*set.mean_length) : "–") + "</td><td>" +
-           (set.size ? std::string{name_of(set.size->family)} + " " + display(set.size->mean, 3) + " ± " +
-                           display(set.size->std, 3)
-                     : "–") +
-           "</td></tr>\n";
+           display_count(set.traces) + "</td><td>" + (known ? attitude_text(set) : "–") + "</td><td>" +
+           (known ? concentration_text(set) : "–") + "</td></tr>\n";
+  }
+  out +=
+      "</tbody></table></div>\n<div class=\"scroll\"><table><thead><tr><th>Set</th><th>P32 (1/m)</th><th>P30 "
+      "(1/m³)</th><th>Mean trace (m)</th><th class=\"wide\">Size (m)</th></tr></thead><tbody>\n";
+  const auto cell = [](const std::optional<Estimate>& e) { return e ? estimate_text(*e) : std::string{"–"}; };
+  for (const survey::SetResult& set : result.sets) {
+    out += "<tr><td>" + escape_xml(set.name) + "</td><td>" + cell(set.p32) + "</td><td>" + cell(set.p30) + "</td><td>" +
+           cell(set.mean_length) + "</td><td class=\"wide\">" + size_text(set) + "</td></tr>\n";
   }
   out += "</tbody></table></div>\n<ul>\n";
   for (const survey::SetResult& set : result.sets) {
@@ -142,9 +249,9 @@ std::string nets_section(const scene::SurveyScene& scene, const survey::SurveyRe
   for (const Net net : {Net::equal_area, Net::equal_angle}) {
     const std::string name = net == Net::equal_area ? "equal area" : "equal angle";
     out += "<figure class=\"net\">" + stereonet_svg(poles, sets, net, 0) + "<figcaption>Poles, lower hemisphere, " +
-           name + ".</figcaption></figure><figure class=\"net\">" + contours(normals, weights, net) +
+           name + ".</figcaption></figure><figure class=\"net\">" + DensityNet{normals, weights, net}.svg() +
            "<figcaption>Density of poles, weighted against the bias of line or outcrop, " + name +
-           ": multiples of uniform above 1, by Fisher kernels (κ = 100).</figcaption></figure>\n";
+           ": contours at 2, 4, 8, 16 times uniform, by Fisher kernels (κ = 100).</figcaption></figure>\n";
   }
   out += "</div>\n";
   if (!result.silhouettes.empty()) {
@@ -157,7 +264,8 @@ std::string nets_section(const scene::SurveyScene& scene, const survey::SurveyRe
 
 }  // namespace
 
-std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyResult& result) {
+std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyResult& result,
+                        std::span<const scene::MapsBeside> maps) {
   const std::string title = escape_xml(scene.input.title);
   std::string out = detail::page_begin(title, escape_xml(scene.file_name) + " · field survey · intervals at " +
                                                   display(100 * scene.input.confidence, 3) + " %");
@@ -172,11 +280,16 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
   out += "</section>\n";
   out += sets_section(result);
   out += nets_section(scene, result);
-  out += detail::survey_windows(scene, result);
+  out += detail::survey_windows(scene, result, maps);
   std::string histograms;
   for (const survey::SetResult& set : result.sets) histograms += length_histogram(set);
   if (!histograms.empty()) {
     out += "<section id=\"lengths\"><h2>Trace lengths</h2><div class=\"columns\">" + histograms + "</div></section>\n";
+  }
+  std::string spacings;
+  for (const survey::SetResult& set : result.sets) spacings += spacing_histogram(set);
+  if (!spacings.empty()) {
+    out += "<section id=\"spacings\"><h2>Spacings</h2><div class=\"columns\">" + spacings + "</div></section>\n";
   }
   if (!result.lines.empty()) {
     out +=
@@ -184,8 +297,8 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
         "(1/m)</th><th>RQD, measured</th><th>RQD, from the frequency</th></tr></thead><tbody>\n";
     for (const survey::LineResult& line : result.lines) {
       out += "<tr><td>" + escape_xml(line.name) + "</td><td>" + display(line.length) + "</td><td>" +
-             estimate_text(line.frequency) + "</td><td>" + display(line.rqd_measured, 3) + "</td><td>" +
-             display(line.rqd_of_frequency, 3) + "</td></tr>\n";
+             estimate_text(line.frequency) + "</td><td>" + estimate_text(line.rqd) + "</td><td>" +
+             estimate_text(line.rqd_by_frequency) + "</td></tr>\n";
     }
     out += "</tbody></table></section>\n";
   }

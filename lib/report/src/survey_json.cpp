@@ -3,6 +3,7 @@
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/report/json.hpp"
 #include "cleave/report/survey.hpp"
+#include "cleave/survey/comparison.hpp"
 
 namespace cleave::report {
 namespace {
@@ -25,14 +26,16 @@ void write_estimate(JsonWriter& json, const Estimate& e) {
   json.end_object();
 }
 
-/// NAME_low and NAME_high, where there is an interval.
+/// NAME_low and NAME_high; null where there is no end.
+void write_interval(JsonWriter& json, const std::string& name, double low, double high) {
+  json.member(name + "_low", low);
+  json.member(name + "_high", high);
+}
 void write_interval(JsonWriter& json, const std::string& name, const Estimate& e) {
-  if (!e.value || !std::isfinite(e.high)) return;
-  json.member(name + "_low", e.low);
-  json.member(name + "_high", e.high);
+  if (e.value) write_interval(json, name, e.low, e.high);
 }
 
-void write_fit(JsonWriter& json, const survey::Fit& fit) {
+void write_fit(JsonWriter& json, const survey::Fit& fit, double confidence) {
   json.member("law", survey::name_of(fit.family));
   json.member("mean", fit.moment(1));
   json.member("std", std::sqrt(std::max(0.0, fit.moment(2) - fit.moment(1) * fit.moment(1))));
@@ -40,6 +43,7 @@ void write_fit(JsonWriter& json, const survey::Fit& fit) {
   json.member("b", fit.b);
   json.member("aic", fit.aic);
   json.member("kolmogorov_smirnov", fit.distance);
+  for (const Estimate& e : parameters_of(fit, confidence)) write_interval(json, e.name, e);
   if (fit.p_value) json.member("p_value", *fit.p_value);
 }
 
@@ -54,31 +58,39 @@ void write_size(JsonWriter& json, const survey::SizeOfJoints& law) {
   }
 }
 
-void write_set(JsonWriter& json, const survey::SetResult& set) {
+void write_orientation(JsonWriter& json, const survey::SetResult& set) {
+  const survey::FisherFit& fit = set.orientation;
+  const geometry::Attitude mean = geometry::attitude_of(fit.mean);
+  json.begin_object();
+  json.member("dip", mean.dip.degrees());
+  json.member("dip_direction", mean.direction.degrees());
+  if (set.direction) write_interval(json, "dip_direction", *set.direction);
+  json.member("measured", !set.orientation_stated);
+  json.member("cone_degrees", fit.cone_degrees);
+  json.member("kappa", fit.kappa);
+  // Stated figures have no error.
+  if (!set.orientation_stated || fit.kappa_high > 0) write_interval(json, "kappa", fit.kappa_low, fit.kappa_high);
+  json.member("effective_count", fit.effective_count);
+  json.member("capped", fit.capped);
+  json.member("fisher", fit.fisher);
+  json.member("statistic", fit.statistic);
+  if (set.bingham) {
+    json.member("bingham_k1", set.bingham->k1);
+    write_interval(json, "bingham_k1", set.bingham->first[0], set.bingham->first[1]);
+    json.member("bingham_k2", set.bingham->k2);
+    write_interval(json, "bingham_k2", set.bingham->second[0], set.bingham->second[1]);
+  }
+  json.end_object();
+}
+
+void write_set(JsonWriter& json, const survey::SetResult& set, double confidence) {
   json.begin_object();
   json.member("name", set.name);
   json.member("joints", set.joints);
   json.member("traces", set.traces);
   if (set.joints > 0 || set.orientation_stated) {
-    const geometry::Attitude mean = geometry::attitude_of(set.orientation.mean);
     json.key("orientation");
-    json.begin_object();
-    json.member("dip", mean.dip.degrees());
-    json.member("dip_direction", mean.direction.degrees());
-    json.member("measured", !set.orientation_stated);
-    json.member("cone_degrees", set.orientation.cone_degrees);
-    json.member("kappa", set.orientation.kappa);
-    json.member("kappa_low", set.orientation.kappa_low);
-    json.member("kappa_high", set.orientation.kappa_high);
-    json.member("effective_count", set.orientation.effective_count);
-    json.member("capped", set.orientation.capped);
-    json.member("fisher", set.orientation.fisher);
-    json.member("statistic", set.orientation.statistic);
-    if (set.bingham) {
-      json.member("bingham_k1", set.bingham->k1);
-      json.member("bingham_k2", set.bingham->k2);
-    }
-    json.end_object();
+    write_orientation(json, set);
   }
   json.key("estimates");
   json.begin_array();
@@ -95,11 +107,15 @@ void write_set(JsonWriter& json, const survey::SetResult& set) {
   json.begin_array();
   for (const survey::FittedLaw& law : set.lengths) {
     json.begin_object();
-    write_fit(json, law.fit);
+    write_fit(json, law.fit, confidence);
     write_interval(json, "mean", law.mean);
     write_interval(json, "std", law.std);
     if (law.size_mean) write_interval(json, "size_mean", *law.size_mean);
     if (law.size_std) write_interval(json, "size_std", *law.size_std);
+    if (law.test) {
+      json.member("p_value", law.test->p_value);
+      json.member("p_value_traces", law.test->traces);
+    }
     if (law.sizes) {
       json.member("size_mean", law.sizes->mean);
       json.member("size_std", law.sizes->std);
@@ -111,7 +127,10 @@ void write_set(JsonWriter& json, const survey::SetResult& set) {
   json.begin_array();
   for (const survey::Fit& fit : set.spacings) {
     json.begin_object();
-    write_fit(json, fit);
+    write_fit(json, fit, confidence);
+    write_interval(json, "mean", estimate_of(fit, "", [](const survey::Fit& f) { return f.moment(1); }, confidence));
+    write_interval(json, "std", estimate_of(fit, "", [](const survey::Fit& f) { return std_of(f); }, confidence));
+    json.member("p_value_textbook", survey::textbook_p_value(fit.distance, set.gaps.size()));
     const survey::ChiSquared chi = chi_squared(set.gaps, fit);
     if (chi.bins >= 3) {
       json.member("chi_squared", chi.statistic);
@@ -134,10 +153,15 @@ void write_set(JsonWriter& json, const survey::SetResult& set) {
     write_size(json, size.law);
     write_interval(json, "mean", size.mean);
     write_interval(json, "std", size.std);
+    if (size.exponent) write_interval(json, "exponent", *size.exponent);
     json.member("aic", size.aic);
     json.member("method", size.method);
     json.end_object();
   }
+  json.end_array();
+  json.key("comparisons");
+  json.begin_array();
+  for (const Estimate& e : set.comparisons) write_estimate(json, e);
   json.end_array();
   if (set.size) {
     json.key("size");
@@ -166,22 +190,24 @@ void write_map(JsonWriter& json, const scene::MapFigures& map) {
   json.end_object();
 }
 
-/// The measured map as a whole, and simulated ones of the fitted sets to lie beside it.
-void write_maps(JsonWriter& json, const scene::SurveyScene& survey, const survey::SurveyResult& result, std::size_t w) {
-  const survey::WindowSurvey& window = survey.input.windows[w];
+/// The measured map as a whole with its intervals, and simulated ones of the fitted sets to lie beside it.
+void write_maps(JsonWriter& json, const scene::MapsBeside& maps) {
   json.key("map");
-  write_map(json, scene::map_figures(window, window.traces, window.border));
+  write_map(json, maps.measured);
+  json.key("map_estimates");
+  json.begin_array();
+  for (const Estimate& e : maps.measured.estimates) write_estimate(json, e);
+  json.end_array();
   json.key("simulated_maps");
   json.begin_array();
-  const auto maps =
-      scene::simulated_figures(survey, result, w, window.traces.size() > 20'000 ? 1 : scene::simulated_maps);
-  for (const scene::MapFigures& map : maps) write_map(json, map);
+  for (const scene::MapFigures& map : maps.simulated) write_map(json, map);
   json.end_array();
 }
 
 }  // namespace
 
-std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyResult& result) {
+std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyResult& result,
+                        std::span<const scene::MapsBeside> maps) {
   JsonWriter json;
   json.begin_object();
   json.member("cleave", CLEAVE_VERSION);
@@ -195,6 +221,12 @@ std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyRe
   json.begin_array();
   for (const double v : result.tensor.values) json.value(v);
   json.end_array();
+  for (const std::size_t end : {std::size_t{0}, std::size_t{1}}) {
+    json.key(end == 0 ? "eigenvalues_low" : "eigenvalues_high");
+    json.begin_array();
+    for (const auto& interval : result.tensor_intervals) json.value(interval.at(end));
+    json.end_array();
+  }
   json.key("silhouettes");
   json.begin_array();
   for (const auto& [sets, value] : result.silhouettes) {
@@ -206,7 +238,7 @@ std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyRe
   json.end_array();
   json.key("sets");
   json.begin_array();
-  for (const survey::SetResult& set : result.sets) write_set(json, set);
+  for (const survey::SetResult& set : result.sets) write_set(json, set, survey.input.confidence);
   json.end_array();
   json.key("lines");
   json.begin_array();
@@ -248,11 +280,14 @@ std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyRe
     json.begin_array();
     for (const Estimate& e : window.estimates) write_estimate(json, e);
     json.end_array();
-    json.member("nodes_isolated", window.nodes.isolated);
-    json.member("nodes_abutting", window.nodes.abutting);
-    json.member("nodes_crossing", window.nodes.crossing);
-    json.member("connections_per_trace", window.nodes.connections);
-    write_maps(json, survey, result, w);
+    if (window.nodes) {
+      json.member("nodes_isolated", window.nodes->isolated);
+      json.member("nodes_abutting", window.nodes->abutting);
+      json.member("nodes_crossing", window.nodes->crossing);
+      json.member("connections_per_trace", window.nodes->connections.value.value_or(0));
+      write_interval(json, "connections_per_trace", window.nodes->connections);
+    }
+    write_maps(json, maps[w]);
     json.end_object();
   }
   json.end_array();

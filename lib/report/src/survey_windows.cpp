@@ -18,7 +18,8 @@ using survey::Estimate;
 
 std::string estimate_text(const Estimate& e) {
   if (!e.value) return "not estimable: " + escape_xml(e.note);
-  return display(*e.value) + " (" + display(e.low) + " … " + display(e.high) + ")";
+  return display(*e.value) + " (" + (std::isfinite(e.low) ? display(e.low) : "−∞") + " … " +
+         (std::isfinite(e.high) ? display(e.high) : "∞") + ")";
 }
 
 namespace {
@@ -92,12 +93,10 @@ std::string trace_map(const survey::WindowSurvey& window, const std::vector<surv
 }
 
 /// The measured map and simulated ones as figures.
-std::string beside(const scene::SurveyScene& scene, const survey::SurveyResult& result, std::size_t w) {
-  const survey::WindowSurvey& window = scene.input.windows[w];
-  const auto maps =
-      scene::simulated_figures(scene, result, w, window.traces.size() > 20'000 ? 1 : scene::simulated_maps);
+std::string beside(const scene::MapsBeside& both) {
+  const std::vector<scene::MapFigures>& maps = both.simulated;
   if (maps.empty()) return {};
-  const scene::MapFigures measured = scene::map_figures(window, window.traces, window.border);
+  const scene::MapFigures& measured = both.measured;
   std::string out = "<table><thead><tr><th class=\"wide\">Map as a whole</th><th>Measured</th><th>Simulated, mean of " +
                     std::to_string(maps.size()) + " maps (least … most)</th></tr></thead><tbody>\n";
   using scene::MapFigures;
@@ -133,7 +132,8 @@ std::string beside(const scene::SurveyScene& scene, const survey::SurveyResult& 
 
 }  // namespace
 
-std::string survey_windows(const scene::SurveyScene& scene, const survey::SurveyResult& result) {
+std::string survey_windows(const scene::SurveyScene& scene, const survey::SurveyResult& result,
+                           std::span<const scene::MapsBeside> maps) {
   std::string out;
   for (std::size_t w = 0; w < scene.input.windows.size(); ++w) {
     const survey::WindowSurvey& window = scene.input.windows[w];
@@ -142,7 +142,7 @@ std::string survey_windows(const scene::SurveyScene& scene, const survey::Survey
     out += "<section><h2>Outcrop " + escape_xml(window.name) + "</h2>\n<div class=\"columns\"><figure>" +
            trace_map(window, window.traces, id) + "<figcaption>Measured: " + display_count(figures.counts.traces()) +
            " traces meet the window.</figcaption></figure>";
-    const auto simulated = scene::simulated_traces(scene, result, w, 0);
+    const auto& simulated = maps[w].first;
     const bool laid_beside = simulated && !simulated->empty();
     if (laid_beside) {
       out += "<figure>" + trace_map(window, *simulated, id + "s") +
@@ -156,11 +156,16 @@ std::string survey_windows(const scene::SurveyScene& scene, const survey::Survey
     out +=
         "</div>\n<table><thead><tr><th class=\"wide\">Figure</th><th class=\"wide\">Method</th><th>Measured "
         "(interval)</th></tr></thead><tbody>\n";
-    for (const Estimate& e : figures.estimates) {
+    std::vector<Estimate> estimates = figures.estimates;
+    if (figures.nodes) estimates.push_back(figures.nodes->connections);
+    for (const Estimate& e : maps[w].measured.estimates) {
+      if (e.name == "direction" || e.name == "alignment") estimates.push_back(e);
+    }
+    for (const Estimate& e : estimates) {
       out += "<tr><td class=\"wide\">" + escape_xml(e.name) + (e.note.empty() ? "" : " (" + escape_xml(e.note) + ")") +
              "</td><td class=\"wide\">" + escape_xml(e.method) + "</td><td>" + estimate_text(e) + "</td></tr>\n";
     }
-    out += "</tbody></table>\n" + beside(scene, result, w) + "</section>\n";
+    out += "</tbody></table>\n" + beside(maps[w]) + "</section>\n";
   }
   return out;
 }

@@ -17,7 +17,25 @@ namespace {
 using bem::Vec2;
 using std::string_view;
 
-constexpr std::array<string_view, 5> solver_names{"cascade", "open_close", "newton", "continuation", "lemke"};
+/// Empty for what is no solver. No default: the compiler asks for the name of a new one.
+constexpr string_view solver_name(ContactSolver solver) noexcept {
+  switch (solver) {
+    case ContactSolver::cascade: return "cascade";
+    case ContactSolver::open_close: return "open_close";
+    case ContactSolver::newton: return "newton";
+    case ContactSolver::continuation: return "continuation";
+    case ContactSolver::lemke: return "lemke";
+  }
+  return "";
+}
+/// What a scene may say, in the order of the enumeration.
+constexpr auto solver_names = [] {
+  std::array<string_view, static_cast<std::size_t>(ContactSolver::lemke) + 1> names;
+  for (std::size_t k = 0; k < names.size(); ++k) names[k] = solver_name(static_cast<ContactSolver>(k));
+  return names;
+}();
+static_assert(solver_name(static_cast<ContactSolver>(solver_names.size())).empty(),
+              "a solver that no scene can ask for");
 
 /// A list of sides, counted from 1 in the order in which the corners are written.
 std::vector<std::size_t> sides_of(const TableReader& table, const ContactOutline& outline) {
@@ -406,7 +424,7 @@ void check_elastic(const ContactScene& scene, const TableReader& contact, Proble
 
 }  // namespace
 
-string_view name_of(ContactSolver solver) noexcept { return solver_names[static_cast<std::size_t>(solver)]; }
+string_view name_of(ContactSolver solver) noexcept { return solver_name(solver); }
 
 bool is_contact_scene(string_view text) {
   const auto tree = read_toml(text);

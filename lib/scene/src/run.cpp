@@ -12,6 +12,7 @@
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
 #include "cleave/stability/analyse.hpp"
+#include "cleave/stability/held_from_within.hpp"
 #include "cleave/stability/near_field.hpp"
 #include "cleave/topology/cut.hpp"
 #include "cleave/topology/sequence.hpp"
@@ -100,6 +101,26 @@ void add_rotation_note(const stability::Analysis& analysis, std::vector<std::str
                                   : "; counted as key blocks only with rotation = \"decide\""));
 }
 
+/// Blocks that only what lies inside them keeps in place: never left unsaid, for they are not in the batches.
+void add_enclosed_notes(const topology::AuditedComplex& complex, const stability::Settings& settings,
+                        const stability::Analysis& analysis, std::vector<std::string>& notes) {
+  constexpr std::size_t most = 10;
+  const auto rows = stability::held_from_within(complex, settings, analysis);
+  for (std::size_t i = 0; i < std::min(rows.size(), most); ++i) {
+    const stability::HeldFromWithin& row = rows[i];
+    notes.push_back(fmt::format(
+        "block {} is not in the batches only because {} {} wholly inside it: as one body {}, factor of safety {:.3g}, "
+        "net force {:.4g} kN",
+        row.block.value(),
+        row.inside.size() == 1 ? fmt::format("block {}", row.inside[0].value())
+                               : fmt::format("{} blocks", row.inside.size()),
+        row.inside.size() == 1 ? "lies" : "lie",
+        row.mode == stability::Mode::falling ? std::string{"they fall"} : fmt::format("they move ({})", name(row.mode)),
+        row.factor_of_safety, row.net.si() / 1000));
+  }
+  if (rows.size() > most) notes.push_back(fmt::format("and {} more blocks like that", rows.size() - most));
+}
+
 std::optional<Stage> stage_named(std::string_view name) {
   const auto it = std::ranges::find(all_stages, name, [](Stage stage) { return name_of(stage); });
   return it == all_stages.end() ? std::nullopt : std::optional{*it};
@@ -154,7 +175,7 @@ std::expected<System, topology::CutError> cut_all(const Scene& scene, const Draw
   std::string hash;
   auto complex = stage(Stage::audit, [&] {
     auto audited = topology::audit(*std::move(cut), options.threads);
-    if (audited) hash = topology::canonical_hash(audited->complex());
+    if (audited) hash = topology::canonical_hash(audited->complex(), options.threads);
     return audited;
   });
   System system{std::move(complex), std::move(report), {}, std::move(hash), {}, {}};
@@ -204,7 +225,8 @@ std::expected<System, topology::CutError> cut_near_free_faces(const Scene& scene
     return System{std::unexpected(std::get<topology::Certificate>(std::move(near).error())), {}, {}, {}, {}, {}};
   }
   const topology::BlockComplex& complex = near->complex.complex();
-  System system{near->complex, complex.report(), near->analysis, topology::canonical_hash(complex), {}, {}};
+  System system{
+      near->complex, complex.report(), near->analysis, topology::canonical_hash(complex, options.threads), {}, {}};
   system.key_hash = hash_of_key_blocks(complex, near->analysis);
   if (near->window) {
     system.window = WindowInfo{
@@ -417,6 +439,13 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     }
   }
   if (analysis) add_rotation_note(*analysis, notes);
+  if (analysis && system.complex) {
+    stability::Settings settings = settings_of(scene, *drawn);
+    if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
+      settings.left_out = micro_blocks(system.complex->complex(), scene.micro_blocks);
+    }
+    add_enclosed_notes(*system.complex, settings, *analysis, notes);
+  }
   if (system.window && system.window->truncated > 0 && analysis &&
       analysis->rotation == stability::RotationCheck::flag) {
     notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");

@@ -113,9 +113,12 @@ class Recorder final {
     row.friction = energy.friction;
     row.lost = energy.lost;
     row.residual = report.residual;
-    row.contacts = report.contacts;
-    row.sticking = report.stick;
-    row.slipping = report.slip;
+    // Those of sleeping bodies carry on, though no step solves them.
+    for (const dbem::Contact& contact : world_.contacts()) {
+      ++row.contacts;
+      row.sticking += contact.state == dbem::ContactState::stick ? 1U : 0U;
+      row.slipping += contact.state == dbem::ContactState::slip ? 1U : 0U;
+    }
     row.iterations = report.iterations;
     row.points = displacements();
     result_.history.push_back(std::move(row));
@@ -177,8 +180,8 @@ class Recorder final {
   const dbem::World& world_;
   ContactResult& result_;
   std::vector<Vec2> local_;
-  std::array<std::uint64_t, 6> shares_{};
-  std::array<std::uint64_t, 6> solves_{};
+  dbem::PerMethod<std::uint64_t> shares_{};
+  dbem::PerMethod<std::uint64_t> solves_{};
   double gravity_ = 0, lowest_ = 0, angular_ = 0, scale_ = 0;
   Vec2 momentum_, expected_, weight_;
   bool grounded_ = false, loaded_ = false;

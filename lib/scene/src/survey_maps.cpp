@@ -26,8 +26,6 @@ bool usable(const survey::SetResult& set) {
 
 namespace {
 
-constexpr std::size_t most_traces_of_nodes = 20000;
-
 dfn::SizeSpec size_spec(const survey::SetResult& set) {
   dfn::SizeSpec spec{.distribution = dfn::SizeDistribution::exponential,
                      .mean = metres(set.size->mean),
@@ -132,45 +130,75 @@ std::optional<std::vector<survey::Polyline>> simulated_traces(const SurveyScene&
   return traces;
 }
 
-MapFigures map_figures(const survey::WindowSurvey& map, const std::vector<survey::Polyline>& traces, double border) {
+MapFigures map_figures(const survey::WindowSurvey& map, const std::vector<survey::Polyline>& traces, double border,
+                       double confidence) {
   const auto seen = seen_through(map.window, traces, border);
   const survey::WindowCounts counts = count(map.window, seen);
   MapFigures figures;
   figures.traces = static_cast<double>(counts.traces());
-  figures.p20 = survey::p20(counts).value.value_or(0);
-  figures.p21 = survey::p21(counts).value.value_or(0);
-  figures.mean_length = survey::mean_length(counts).value.value_or(0);
-  if (seen.size() <= most_traces_of_nodes) {
-    figures.connections = nodes(map.window, traces, 1e-3 * figures.mean_length).connections;
+  figures.estimates = {survey::p20(counts, confidence), survey::p21(counts, confidence),
+                       survey::mean_length(counts, confidence)};
+  figures.p20 = figures.estimates[0].value.value_or(0);
+  figures.p21 = figures.estimates[1].value.value_or(0);
+  figures.mean_length = figures.estimates[2].value.value_or(0);
+  if (seen.size() <= survey::most_traces_of_nodes) {
+    const survey::Nodes met = nodes(map.window, traces, 1e-3 * figures.mean_length, confidence);
+    figures.connections = met.connections.value.value_or(0);
+    figures.estimates.push_back(met.connections);
   }
   const geometry::Vec3 y = cross(map.normal, map.x_axis);
-  double c = 0, s = 0, sum = 0;
+  std::vector<survey::WeightedAxis> axes;
   for (const survey::SeenTrace& t : seen) {
     const geometry::Vec3 d = t.direction.x * map.x_axis + t.direction.y * y;
-    const double twice = 2 * std::atan2(d.x, d.y);
-    c += t.length * std::cos(twice);
-    s += t.length * std::sin(twice);
-    sum += t.length;
+    axes.push_back({std::atan2(d.x, d.y), t.length});
   }
-  const double azimuth = std::atan2(s, c) / 2 * 180 / std::numbers::pi;
-  figures.direction = azimuth < 0 ? azimuth + 180 : azimuth;
-  figures.alignment = sum > 0 ? std::hypot(c, s) / sum : 0;
+  const survey::MeanAxis mean = mean_axis(axes, confidence);
+  figures.direction = mean.direction.value.value_or(0);
+  figures.alignment = mean.alignment.value.value_or(0);
+  figures.estimates.push_back(mean.direction);
+  figures.estimates.push_back(mean.alignment);
   return figures;
 }
 
-std::vector<MapFigures> simulated_figures(const SurveyScene& survey, const survey::SurveyResult& result,
-                                          std::size_t window, std::uint64_t maps) {
-  const auto drawn = parallel_map(maps, ThreadLimit::all(), [&](std::size_t k) -> std::optional<MapFigures> {
-    const auto traces = simulated_traces(survey, result, window, k);
+namespace {
+
+/// A simulated map.
+struct Drawn {
+  MapFigures figures;
+  std::optional<std::vector<survey::Polyline>> traces;  ///< of the first map
+};
+
+std::vector<Drawn> drawn_maps(const SurveyScene& survey, const survey::SurveyResult& result, std::size_t window,
+                              std::uint64_t maps) {
+  auto drawn = parallel_map(maps, ThreadLimit::all(), [&](std::size_t k) -> std::optional<Drawn> {
+    auto traces = simulated_traces(survey, result, window, k);
     if (!traces || traces->empty()) return std::nullopt;
-    return map_figures(survey.input.windows[window], *traces, 0);
+    Drawn map{map_figures(survey.input.windows[window], *traces, 0, survey.input.confidence), {}};
+    if (k == 0) map.traces = std::move(traces);
+    return map;
   });
-  std::vector<MapFigures> figures;
-  for (const auto& map : drawn) {
+  std::vector<Drawn> kept;
+  for (auto& map : drawn) {
     if (!map) break;
-    figures.push_back(*map);
+    kept.push_back(*std::move(map));
   }
-  return figures;
+  return kept;
+}
+
+}  // namespace
+
+std::vector<MapsBeside> maps_beside(const SurveyScene& survey, const survey::SurveyResult& result) {
+  std::vector<MapsBeside> all;
+  for (std::size_t w = 0; w < survey.input.windows.size(); ++w) {
+    const survey::WindowSurvey& window = survey.input.windows[w];
+    MapsBeside maps{map_figures(window, window.traces, window.border, survey.input.confidence), {}, {}};
+    for (Drawn& map : drawn_maps(survey, result, w, window.traces.size() > 20'000 ? 1 : simulated_maps)) {
+      if (map.traces) maps.first = std::move(map.traces);
+      maps.simulated.push_back(std::move(map.figures));
+    }
+    all.push_back(std::move(maps));
+  }
+  return all;
 }
 
 }  // namespace cleave::scene

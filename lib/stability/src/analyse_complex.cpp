@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "contacts.hpp"
+#include "fetch_ahead.hpp"
 #include "known_parts.hpp"
 #include "rotation_check.hpp"
 #include "transfer.hpp"
@@ -31,13 +32,16 @@ class Batches final {
     std::vector<BlockId> changed;
     for (const BlockId id : complex().blocks().ids()) {
       const topology::Block& block = complex().blocks()[id];
+      if (block.fixed) noted_in_[id] = never;
       if (block.free && !block.fixed) changed.push_back(id);
     }
     if (!model_.settings().left_out.empty()) changed = without_left_out(std::move(changed));
     for (std::uint32_t batch = 1; !changed.empty(); ++batch) {
       std::vector<BlockId> leaving;
-      for (const BlockId id : changed) {
-        if (judge_block(id, batch)) leaving.push_back(id);
+      beside_.clear();
+      for (std::size_t i = 0; i < changed.size(); ++i) {
+        fetch_ahead(complex(), changed, i);
+        if (judge_block(changed[i], batch)) leaving.push_back(changed[i]);
       }
       if (leaving.empty()) break;
       if (batch > model_.settings().max_batches) {
@@ -49,8 +53,9 @@ class Batches final {
     // An undecided block was taken to stay, to see at once which others are undecided.
     std::ranges::sort(analysis_.undecided);
     analysis_.undecided.erase(std::ranges::unique(analysis_.undecided).begin(), analysis_.undecided.end());
+    analysis_.judgements.reserve(judgements_.size() * chunk);
     for (const std::uint32_t slot : slot_) {
-      if (slot != none) analysis_.judgements.push_back(std::move(judgements_[slot]));
+      if (slot != none) analysis_.judgements.push_back(std::move(judgement_at(slot)));
     }
     analysis_.rotation = model_.settings().rotation;
     if (model_.settings().force_transfer && analysis_.undecided.empty()) transfer_forces(model_, analysis_);
@@ -71,13 +76,18 @@ class Batches final {
       if (!known_parts_.stays(id, batch, model_.settings().least_factor)) analysis_.undecided.push_back(id);
       return false;
     }
-    const std::uint8_t dimension = Cone{held.rows}.dimension();
+    Cone cone{held.rows};
+    const std::uint8_t dimension = cone.dimension();
     if (dimension == 0 || (model_.settings().strict && dimension < 3)) return false;
-    const Contacts contacts = model_.contacts(id, batch);
+    const std::size_t beside_before = beside_.size();
+    beside_.insert(beside_.end(), held.by.begin(), held.by.end());
+    const Contacts contacts = model_.contacts(id, batch, std::move(cone), held.exposed);
     const Verdict verdict = judge(contacts, model_.applied_forces(id, batch), model_.settings());
     analysis_.equilibrium_residual = std::max(analysis_.equilibrium_residual, verdict.residual);
 
-    Judgement judgement{.block = id};
+    slot_[id] = slot != none ? slot : new_slot(id);
+    Judgement& judgement = judgement_at(slot_[id]);
+    judgement = {.block = id};
     judgement.mode = verdict.mode;
     judgement.key = verdict.key;
     judgement.direction = verdict.direction;
@@ -89,6 +99,7 @@ class Batches final {
     }
     judgement.net = newtons(verdict.net);
     judgement.factor_of_safety = verdict.factor_of_safety;
+    judgement.pressing.reserve(verdict.resistance.pressing.size());
     for (const auto& [group, reaction] : verdict.resistance.pressing) {
       judgement.pressing.push_back({contacts.groups[group].face, newtons(reaction)});
     }
@@ -99,13 +110,7 @@ class Batches final {
       if (model_.settings().rotation == RotationCheck::decide && judgement.rotation->turns) judgement.key = true;
     }
     const bool leaves = judgement.key && !std::ranges::binary_search(held_, id);
-    if (slot != none) {
-      judgements_[slot] = std::move(judgement);
-      slot_[id] = slot;
-    } else {
-      slot_[id] = static_cast<std::uint32_t>(judgements_.size());
-      judgements_.push_back(std::move(judgement));
-    }
+    if (!leaves) beside_.resize(beside_before, id);
     return leaves;
   }
 
@@ -130,26 +135,29 @@ class Batches final {
     Volume volume;
     for (const BlockId id : leaving) {
       model_.remove(id, batch);
-      judgements_[slot_[id]].batch = batch;
+      noted_in_[id] = never;
+      judgement_at(slot_[id]).batch = batch;
       volume += complex().blocks()[id].volume;
     }
     std::vector<BlockId> changed;
-    for (const BlockId id : leaving) {
-      for (const topology::FaceId face : complex().blocks()[id].faces) {
-        for (const topology::Patch& patch : complex().patches(complex().faces()[face])) {
-          if (!patch.neighbour) continue;
-          std::uint32_t& noted = noted_in_[*patch.neighbour];
-          if (noted == batch) continue;
-          noted = batch;
-          const bool there = model_.removed_in(*patch.neighbour) == Model::stays;
-          if (there && !complex().blocks()[*patch.neighbour].fixed) changed.push_back(*patch.neighbour);
-        }
-      }
+    for (const BlockId id : beside_) {
+      std::uint32_t& noted = noted_in_[id];
+      if (noted >= batch) continue;
+      noted = batch;
+      changed.push_back(id);
     }
     std::ranges::sort(changed);
     analysis_.batches.push_back({.number = batch, .blocks = std::move(leaving), .volume = volume});
     return changed;
   }
+
+  /// Place for one more judgement; nothing that was judged before is moved.
+  std::uint32_t new_slot(BlockId id) {
+    if (judgements_.empty() || judgements_.back().size() == chunk) judgements_.emplace_back().reserve(chunk);
+    judgements_.back().push_back({.block = id});
+    return static_cast<std::uint32_t>((judgements_.size() - 1) * chunk + judgements_.back().size() - 1);
+  }
+  [[nodiscard]] Judgement& judgement_at(std::uint32_t slot) { return judgements_[slot / chunk][slot % chunk]; }
 
   Model model_;
   KnownParts known_parts_;
@@ -157,8 +165,12 @@ class Batches final {
   /// Judgements are large and few blocks are judged: the block's place among them, or none.
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
   IdVector<BlockId, std::uint32_t> slot_;
-  std::vector<Judgement> judgements_;
-  IdVector<BlockId, std::uint32_t> noted_in_;  ///< the last batch in which the block was found to be a neighbour
+  static constexpr std::size_t chunk = 128;
+  std::vector<std::vector<Judgement>> judgements_;
+  static constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
+  /// The last batch in which the block was found to be a neighbour; `never` for what is fixed or gone.
+  IdVector<BlockId, std::uint32_t> noted_in_;
+  std::vector<BlockId> beside_;  ///< the neighbours of the blocks found so far to leave in this batch
   Analysis analysis_;
 };
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include "cleave/stability/motion.hpp"
 #include "integers.hpp"
@@ -24,36 +25,42 @@ Sign minor_sign(const Direction& a, const Direction& b, std::size_t axis) {
 
 /// Rank of the chosen rows, 0 to 3.
 unsigned rank(std::span<const Direction> rows, const std::vector<bool>& chosen) {
-  std::vector<std::size_t> basis;
-  for (std::size_t k = 0; k < rows.size() && basis.size() < 3; ++k) {
+  std::array<std::size_t, 3> basis{};
+  unsigned size = 0;
+  for (std::size_t k = 0; k < rows.size() && size < 3; ++k) {
     if (!chosen[k]) continue;
-    const bool independent = basis.empty() || (basis.size() == 1 && !parallel(rows[basis[0]], rows[k])) ||
-                             (basis.size() == 2 && orientation(rows[basis[0]], rows[basis[1]], rows[k]) != Sign::zero);
-    if (independent) basis.push_back(k);
+    const bool independent = size == 0 || (size == 1 && !parallel(rows[basis[0]], rows[k])) ||
+                             (size == 2 && orientation(rows[basis[0]], rows[basis[1]], rows[k]) != Sign::zero);
+    if (independent) basis[size++] = k;
   }
-  return static_cast<unsigned>(basis.size());
+  return size;
 }
 
 /// Narrows `equalities` (rows that are zero all over K) by one candidate ray, on which row k has sign `sign(k)` or, for
-/// its opposite, minus that. Nothing happens when neither is in K.
+/// its opposite, minus that. Nothing happens when neither is in K. False when none is left: K has a solid angle, and no
+/// further ray tells more.
 template <class SignOfRow>
-void try_ray(std::size_t count, SignOfRow sign, std::vector<Sign>& signs, std::vector<bool>& equalities) {
+bool try_ray(std::size_t count, SignOfRow sign, std::vector<Sign>& signs, std::vector<bool>& equalities) {
   bool positive = false;
   bool negative = false;
   for (std::size_t k = 0; k < count; ++k) {
     signs[k] = sign(k);
     positive = positive || signs[k] == Sign::positive;
     negative = negative || signs[k] == Sign::negative;
-    if (positive && negative) return;
+    if (positive && negative) return true;
   }
+  bool left = false;
   for (std::size_t k = 0; k < count; ++k) {
     if (signs[k] != Sign::zero) equalities[k] = false;
+    left = left || equalities[k];
   }
+  return left;
 }
 
 }  // namespace
 
 Cone::Cone(std::span<const Direction> inward_normals) {
+  groups_.reserve(inward_normals.size());
   group_of_row_.reserve(inward_normals.size());
   for (const Direction& row : inward_normals) {
     const auto found = std::ranges::find(groups_, row);
@@ -79,7 +86,7 @@ std::uint8_t Cone::dimension() const {
           const bool on = k == i || k == j || rows[k].opposite_to(rows[i]) || rows[k].opposite_to(rows[j]);
           return on ? Sign::zero : orientation(rows[i], rows[j], rows[k]);
         };
-        try_ray(count, sign, signs, equalities);
+        if (!try_ray(count, sign, signs, equalities)) return 3;
       }
     }
   } else {
@@ -91,7 +98,8 @@ std::uint8_t Cone::dimension() const {
     std::size_t axis = 0;
     while (minor_sign(rows[0], rows[other], axis) == Sign::zero) ++axis;
     for (std::size_t i = 0; i < count; ++i) {
-      try_ray(count, [&](std::size_t k) { return minor_sign(rows[i], rows[k], axis); }, signs, equalities);
+      if (!try_ray(count, [&](std::size_t k) { return minor_sign(rows[i], rows[k], axis); }, signs, equalities))
+        return 3;
     }
   }
   return static_cast<std::uint8_t>(3 - rank(rows, equalities));

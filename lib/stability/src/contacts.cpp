@@ -37,46 +37,55 @@ Direction Model::inward(const topology::Face& face) {
   return face.block_on_positive_side ? *known : known->opposite();
 }
 
-Model::Held Model::held(topology::BlockId id, std::uint32_t batch) {
+Model::Held Model::held(topology::BlockId id, std::uint32_t batch) { return rows_of({&id, 1}, batch); }
+
+Model::Held Model::rows_of(std::span<const topology::BlockId> members, std::uint32_t batch) {
   rows_.clear();
+  by_.clear();
   bool exposed = false;
-  for (const topology::FaceId face_id : complex_->blocks()[id].faces) {
-    const topology::Face& face = complex_->faces()[face_id];
-    exposed = exposed || face.role == topology::Role::free;
-    if (face.role != topology::Role::joint) continue;
-    bool touches = false;
-    for (const topology::Patch& patch : complex_->patches(face)) {
-      if (!patch.neighbour) continue;
-      const bool there = present(*patch.neighbour, batch);
-      touches = touches || there;
-      exposed = exposed || !there;
+  for (const topology::BlockId id : members) {
+    for (const topology::FaceId face_id : complex_->blocks()[id].faces) {
+      const topology::Face& face = complex_->faces()[face_id];
+      exposed = exposed || face.role == topology::Role::free;
+      if (face.role != topology::Role::joint) continue;
+      const std::size_t before = by_.size();
+      for (const topology::Patch& patch : complex_->patches(face)) {
+        if (!patch.neighbour) continue;
+        if (!present(*patch.neighbour, batch)) {
+          exposed = true;
+          continue;
+        }
+        if (members.size() > 1 && std::ranges::binary_search(members, *patch.neighbour)) continue;
+        by_.push_back(*patch.neighbour);
+      }
+      if (by_.size() > before) rows_.push_back(inward(face));
     }
-    if (touches) rows_.push_back(inward(face));
   }
-  return {rows_, exposed};
+  return {rows_, by_, exposed};
 }
 
 Contacts Model::contacts(topology::BlockId id, std::uint32_t batch) { return contacts_of({&id, 1}, batch); }
 
 Contacts Model::contacts_of(std::span<const topology::BlockId> members, std::uint32_t batch) {
+  const Held held = rows_of(members, batch);
+  return strengths(members, batch, Cone{held.rows}, held.exposed);
+}
+
+Contacts Model::strengths(std::span<const topology::BlockId> members, std::uint32_t batch, Cone cone,
+                          bool exposed) const {
   const Settings& settings = *settings_;
-  std::vector<Direction> rows;
-  std::vector<Contact> faces;
-  bool exposed = false;
+  Contacts result{.cone = std::move(cone), .groups = {}, .exposed = exposed};
+  result.groups.reserve(result.cone.groups().size());
+  std::size_t row = 0;
   const auto add_face = [&](topology::FaceId face_id) {
     const topology::Face& face = complex_->faces()[face_id];
-    exposed = exposed || face.role == topology::Role::free;
     if (face.role != topology::Role::joint) return;
     Contact contact{.face = face_id};
     contact.smallest = settings.group_friction == GroupFriction::smallest;
     contact.divisor = settings.partial.friction();
     bool held = false;
     for (const topology::Patch& patch : complex_->patches(face)) {
-      if (!patch.neighbour) continue;
-      if (!present(*patch.neighbour, batch)) {
-        exposed = true;
-        continue;
-      }
+      if (!patch.neighbour || !present(*patch.neighbour, batch)) continue;
       if (members.size() > 1 && std::ranges::binary_search(members, *patch.neighbour)) continue;
       held = true;
       const JointStrength& strength = settings.strengths.of(patch.joint);
@@ -93,31 +102,22 @@ Contacts Model::contacts_of(std::span<const topology::BlockId> members, std::uin
       contact.tan_least = std::min(contact.tan_least, strength.tan_friction());
     }
     if (!held) return;
-    rows.push_back(inward(face));
-    faces.push_back(std::move(contact));
+    const std::uint32_t group = result.cone.group_of_row()[row++];
+    if (group == result.groups.size()) {  // groups come in the order of their first row
+      result.groups.push_back(std::move(contact));
+      return;
+    }
+    Contact& sum = result.groups[group];
+    sum.straight_area += contact.straight_area;
+    sum.tan_sum += contact.tan_sum;
+    sum.tan_least = std::min(sum.tan_least, contact.tan_least);
+    sum.curved.insert(sum.curved.end(), contact.curved.begin(), contact.curved.end());
+    sum.area += contact.area;
+    sum.cohesion += contact.cohesion;
+    sum.tension += contact.tension;
   };
   for (const topology::BlockId id : members) {
     for (const topology::FaceId face_id : complex_->blocks()[id].faces) add_face(face_id);
-  }
-
-  Contacts result{.cone = Cone{rows}, .groups = {}, .exposed = exposed};
-  std::vector<bool> seen(result.cone.groups().size(), false);
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    const std::uint32_t group = result.cone.group_of_row()[row];
-    Contact& face = faces[row];
-    if (!seen[group]) {  // groups come in the order of their first row
-      seen[group] = true;
-      result.groups.push_back(std::move(face));
-      continue;
-    }
-    Contact& sum = result.groups[group];
-    sum.straight_area += face.straight_area;
-    sum.tan_sum += face.tan_sum;
-    sum.tan_least = std::min(sum.tan_least, face.tan_least);
-    sum.curved.insert(sum.curved.end(), face.curved.begin(), face.curved.end());
-    sum.area += face.area;
-    sum.cohesion += face.cohesion;
-    sum.tension += face.tension;
   }
   for (Contact& group : result.groups) {
     if (group.straight_area > 0 || group.curved.empty()) {

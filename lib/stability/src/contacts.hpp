@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "cleave/core/id.hpp"
@@ -62,13 +63,18 @@ class Model final {
   [[nodiscard]] Direction inward(const topology::Face& face);
   [[nodiscard]] Contacts contacts(topology::BlockId block, std::uint32_t batch);
   /// Inward normals of the joint faces that still have a neighbour, and whether anything else is open: all that asks
-  /// whether the block can move. Of most blocks that is the last question, and strengths are not looked up. The rows
-  /// are valid until the next call.
+  /// whether the block can move. Of most blocks that is the last question, and strengths are not looked up. Both spans
+  /// are valid until the next call of this or of `contacts`.
   struct Held {
     std::span<const Direction> rows;
+    std::span<const topology::BlockId> by;  ///< the neighbours that are there, face by face, with repetitions
     bool exposed = false;
   };
   [[nodiscard]] Held held(topology::BlockId block, std::uint32_t batch);
+  /// What `held` found, with strengths: `cone` is that of its rows.
+  [[nodiscard]] Contacts contacts(topology::BlockId block, std::uint32_t batch, Cone cone, bool exposed) const {
+    return strengths({&block, 1}, batch, std::move(cone), exposed);
+  }
   /// Blocks taken as one body: faces between members are no contacts. `members` ascending.
   [[nodiscard]] Contacts contacts_of(std::span<const topology::BlockId> members, std::uint32_t batch);
   /// Weight, seismic force, water as the joints stand while batch `batch` is judged, and loads on free faces.
@@ -78,12 +84,17 @@ class Model final {
   [[nodiscard]] Force weight(const topology::Block& block) const;
 
  private:
+  [[nodiscard]] Held rows_of(std::span<const topology::BlockId> members, std::uint32_t batch);
+  [[nodiscard]] Contacts strengths(std::span<const topology::BlockId> members, std::uint32_t batch, Cone cone,
+                                   bool exposed) const;
+
   const topology::BlockComplex* complex_;
   const Settings* settings_;
   IdVector<topology::BlockId, std::uint32_t> removed_in_;
   IdVector<topology::PlaneId, std::optional<Direction>> directions_;
   IdVector<topology::BlockId, ForceSum> on_surfaces_;  ///< empty when there are none
   std::vector<Direction> rows_;                        ///< of the last `held`
+  std::vector<topology::BlockId> by_;                  ///< of the last `held`
 };
 
 }  // namespace cleave::stability

@@ -56,59 +56,55 @@ Sign exact_line(const Direction& i, const Direction& j, const std::array<Int128,
 
 }  // namespace
 
-ForceSigns::ForceSigns(const Resultant& resultant) : exact_{resultant.exact()} {
-  const geometry::Vec3 r = resultant.direction();
+ForceSigns::ForceSigns(const Resultant& resultant)
+    : direction_{resultant.direction()}, exact_{resultant.exact()}, bound_{exact_ ? filter_bound : uncertainty_bound} {
+  const geometry::Vec3 r = direction_;
   // A direction given exactly is its own measure; else rounding is relative to the sum of what was added.
   const double scale = exact_ ? geometry::norm(r) : std::max(resultant.scale(), geometry::norm(r));
   scaled_ = r / scale;
-  integer_ = integers_along(r);
-  integer_bits_ = bits(integer_);
 }
 
-template <class Exact>
-Sign ForceSigns::decide(double value, Exact exact_sign) {
-  if (std::abs(value) > (exact_ ? filter_bound : uncertainty_bound)) return value > 0 ? Sign::positive : Sign::negative;
-  const Sign sign = exact_sign();
-  if (exact_ || sign == Sign::zero) return sign;
+const std::array<Int128, 3>& ForceSigns::integer() {
+  if (!integer_) integer_ = integers_along(direction_);
+  return *integer_;
+}
+
+int ForceSigns::integer_bits() { return bits(integer()); }
+
+Sign ForceSigns::settle(Sign exactly) {
+  if (exact_ || exactly == Sign::zero) return exactly;
   tie_ = true;
   return Sign::zero;
 }
 
-Sign ForceSigns::along(const Direction& n) {
-  return decide(geometry::dot(n.unit(), scaled_), [&] {
-    // 104 + 101 bits: too long for 128 in general.
-    return exact::sign_of<Wide>(dot3<Wide>(integers<Wide>(n.components()), integers<Wide>(integer_)));
-  });
+Sign ForceSigns::along_exactly(const Direction& n) {
+  // 104 + 101 bits: too long for 128 in general.
+  return settle(exact::sign_of<Wide>(dot3<Wide>(integers<Wide>(n.components()), integers<Wide>(integer()))));
 }
 
-Sign ForceSigns::reaction(const Direction& i, const Direction& j) {
-  const double value =
-      geometry::dot(i.unit(), j.unit()) * geometry::dot(j.unit(), scaled_) - geometry::dot(i.unit(), scaled_);
-  return decide(value, [&] {
-    if (bits(i.components()) + 2 * bits(j.components()) + integer_bits_ + 5 < 127) {
-      return exact_reaction<Int128>(i, j, integer_);
-    }
-    return exact_reaction<Wide>(i, j, integer_);
-  });
+Sign ForceSigns::reaction_exactly(const Direction& i, const Direction& j) {
+  if (bits(i.components()) + 2 * bits(j.components()) + integer_bits() + 5 < 127) {
+    return settle(exact_reaction<Int128>(i, j, integer()));
+  }
+  return settle(exact_reaction<Wide>(i, j, integer()));
 }
 
-Sign ForceSigns::along_line(const Direction& i, const Direction& j) {
-  return decide(geometry::dot(geometry::cross(i.unit(), j.unit()), scaled_), [&] {
-    if (bits(i.components()) + bits(j.components()) + integer_bits_ + 3 < 127)
-      return exact_line<Int128>(i, j, integer_);
-    return exact_line<Wide>(i, j, integer_);
-  });
+Sign ForceSigns::along_line_exactly(const Direction& i, const Direction& j) {
+  if (bits(i.components()) + bits(j.components()) + integer_bits() + 3 < 127) {
+    return settle(exact_line<Int128>(i, j, integer()));
+  }
+  return settle(exact_line<Wide>(i, j, integer()));
 }
 
 bool ForceSigns::parallel(const Direction& n) {
   const geometry::Vec3 c = geometry::cross(n.unit(), scaled_);
-  const auto e = [&](std::size_t axis) {
-    return [&, axis] {
-      return exact::sign_of<Wide>(cross3<Wide>(integers<Wide>(n.components()), integers<Wide>(integer_))[axis]);
-    };
-  };
-  // Ask the largest first: the common answer then costs one comparison.
-  return decide(c.x, e(0)) == Sign::zero && decide(c.y, e(1)) == Sign::zero && decide(c.z, e(2)) == Sign::zero;
+  const std::array<double, 3> value{c.x, c.y, c.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (std::abs(value[axis]) > bound_) return false;
+    const Wide exactly = cross3<Wide>(integers<Wide>(n.components()), integers<Wide>(integer()))[axis];
+    if (settle(exact::sign_of<Wide>(exactly)) != Sign::zero) return false;
+  }
+  return true;
 }
 
 }  // namespace cleave::stability

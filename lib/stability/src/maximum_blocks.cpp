@@ -101,6 +101,7 @@ std::vector<MaximumKeyBlock> maximum_key_blocks(std::span<const TheoryPlane> pla
           for (std::size_t p = 0; p < 3; ++p) {
             rows.push_back(((code >> p) & 1U) != 0 ? upward[p].opposite() : upward[p]);
             inward[p] = rows.back().unit();
+            row.upward[p] = upward[p].unit();
           }
           row.areas = joint_areas(inward, block->face_vector);
           Loaded loaded{.contacts = {.cone = Cone{rows}, .groups = {}, .exposed = true}, .resultant = {}};

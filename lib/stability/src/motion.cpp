@@ -1,7 +1,10 @@
 #include "cleave/stability/motion.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "force_signs.hpp"
 
@@ -33,16 +36,19 @@ class Projector final {
         count_{static_cast<std::uint32_t>(rows_.size())} {}
 
   Motion find() {
-    along_.reserve(count_);
-    for (const Direction& n : rows_) along_.push_back(signs_.along(n));
+    // Nearly all blocks have few faces: no memory need be asked for.
+    if (count_ > few_.size()) many_.resize(count_);
+    along_ = count_ > few_.size() ? std::span<Along>{many_} : std::span<Along>{few_};
+    result_.touching.reserve(4);
+    for (std::uint32_t k = 0; k < count_; ++k) along_[k] = {signs_.along_in_double(rows_[k]), signs_.along(rows_[k])};
     const bool tie = signs_.take_tie();
-    if (free(tie)) return result_;
+    if (free(tie)) return std::move(result_);
     for (std::uint32_t i = 0; i < count_; ++i) {
-      if (one_plane(i)) return result_;
+      if (one_plane(i)) return std::move(result_);
     }
     for (std::uint32_t i = 0; i < count_; ++i) {
       for (std::uint32_t j = i + 1; j < count_; ++j) {
-        if (two_planes(i, j)) return result_;
+        if (two_planes(i, j)) return std::move(result_);
       }
     }
     result_ = {};
@@ -65,10 +71,21 @@ class Projector final {
     return true;
   }
 
+  /// k is i, or looks the other way: exactly 0 on what slides along i. Directions that are not nearly opposite cost no
+  /// comparison of integers.
+  [[nodiscard]] bool along(std::uint32_t k, std::uint32_t i) const {
+    return k == i || (dot(rows_[k].unit(), rows_[i].unit()) < -0.5 && rows_[k].opposite_to(rows_[i]));
+  }
+
+  /// Of row i when i and j press.
+  Sign reaction(std::uint32_t i, std::uint32_t j) {
+    return signs_.reaction(rows_[i], rows_[j], along_[i].value, along_[j].value);
+  }
+
   bool free(bool tie) {
-    result_ = {};
+    result_.touching.clear();
     for (std::uint32_t k = 0; k < count_; ++k) {
-      if (!admit(k, along_[k])) return false;
+      if (!admit(k, along_[k].sign)) return false;
     }
     result_.kind = MotionKind::free;
     result_.s = r_;
@@ -77,7 +94,7 @@ class Projector final {
   }
 
   bool one_plane(std::uint32_t i) {
-    if (along_[i] != Sign::negative) return false;
+    if (along_[i].sign != Sign::negative) return false;
     if (signs_.parallel(rows_[i])) {  // s = 0: held by this plane
       vanished_by_tie_ = signs_.take_tie() || vanished_by_tie_;
       return false;
@@ -86,10 +103,9 @@ class Projector final {
     const Vec3 n = rows_[i].unit();
     const Vec3 s = geometry::cross(n, geometry::cross(r_, n));
     if (vanishes(s)) return false;
-    result_ = {};
+    result_.touching.clear();
     for (std::uint32_t k = 0; k < count_; ++k) {
-      const bool on = k == i || rows_[k].opposite_to(rows_[i]);
-      if (!admit(k, on ? Sign::zero : -signs_.reaction(rows_[k], rows_[i]))) {
+      if (!admit(k, along(k, i) ? Sign::zero : -reaction(k, i))) {
         static_cast<void>(signs_.take_tie());
         return false;
       }
@@ -105,10 +121,10 @@ class Projector final {
   bool two_planes(std::uint32_t i, std::uint32_t j) {
     const Direction& a = rows_[i];
     const Direction& b = rows_[j];
-    if (a.opposite_to(b)) return false;
+    if (along(j, i)) return false;
     // A pair of rows that the resultant leaves cannot press.
-    if (along_[i] != Sign::negative && along_[j] != Sign::negative) return false;
-    if (signs_.reaction(a, b) == Sign::negative || signs_.reaction(b, a) == Sign::negative) {
+    if (along_[i].sign != Sign::negative && along_[j].sign != Sign::negative) return false;
+    if (reaction(i, j) == Sign::negative || reaction(j, i) == Sign::negative) {
       static_cast<void>(signs_.take_tie());
       return false;
     }
@@ -121,10 +137,9 @@ class Projector final {
     const Vec3 e = cross(a, b);
     const Vec3 s = e * (geometry::dot(e, r_) / geometry::dot(e, e));
     if (vanishes(s)) return false;
-    result_ = {};
+    result_.touching.clear();
     for (std::uint32_t k = 0; k < count_; ++k) {
-      const bool on = k == i || k == j || rows_[k].opposite_to(a) || rows_[k].opposite_to(b);
-      if (!admit(k, on ? Sign::zero : sense * orientation(a, b, rows_[k]))) return false;
+      if (!admit(k, along(k, i) || along(k, j) ? Sign::zero : sense * orientation(a, b, rows_[k]))) return false;
     }
     const auto [ni, nj] = pair_reactions(a, b, r_, e);
     result_.kind = MotionKind::two_planes;
@@ -139,7 +154,13 @@ class Projector final {
   Vec3 r_;
   ForceSigns signs_;
   std::uint32_t count_;
-  std::vector<Sign> along_;
+  struct Along {
+    double value;
+    Sign sign;
+  };
+  std::array<Along, 24> few_;
+  std::vector<Along> many_;
+  std::span<Along> along_;  ///< the resultant along each row
   Motion result_;
   bool vanished_by_tie_ = false;
 };

@@ -7,6 +7,7 @@
 #include <ranges>
 #include <utility>
 
+#include "fetch_ahead.hpp"
 #include "nonnegative.hpp"
 #include "verdict.hpp"
 
@@ -42,8 +43,8 @@ struct Push {
 };
 
 /// The effective faces E(b): patches to blocks of earlier batches that the motion goes into.
-std::vector<Push> effective_faces(Model& model, BlockId block, std::uint32_t batch, Vec3 direction) {
-  std::vector<Push> pushed;
+void effective_faces(Model& model, BlockId block, std::uint32_t batch, Vec3 direction, std::vector<Push>& pushed) {
+  pushed.clear();
   const Settings& settings = model.settings();
   for (const topology::FaceId id : model.complex().blocks()[block].faces) {
     const topology::Face& face = model.complex().faces()[id];
@@ -59,7 +60,6 @@ std::vector<Push> effective_faces(Model& model, BlockId block, std::uint32_t bat
                         strength.cohesion().si() * patch.area.si() / settings.partial.cohesion()});
     }
   }
-  return pushed;
 }
 
 /// The mode from before, with its formulas, under another resultant. Reactions that would have to pull are none.
@@ -107,11 +107,21 @@ Verdict kept_mode(const Contacts& contacts, const Resultant& resultant, const Ju
 class Passing final {
  public:
   Passing(Model& model, Analysis& analysis)
-      : model_{&model}, analysis_{&analysis}, received_(model.complex().blocks().size()) {}
+      : model_{&model},
+        analysis_{&analysis},
+        place_(model.complex().blocks().size()),
+        received_(analysis.judgements.size()) {
+    for (std::uint32_t i = 0; i < analysis.judgements.size(); ++i) place_[analysis.judgements[i].block] = i;
+  }
 
   void run() {
     for (const Batch& batch : analysis_->batches | std::views::reverse) {
-      for (const BlockId id : batch.blocks) judge_and_pass(id, batch.number);
+      for (std::size_t i = 0; i < batch.blocks.size(); ++i) {
+        if (i + 4 < batch.blocks.size())
+          __builtin_prefetch(&analysis_->judgements[place_[batch.blocks[i + 4]]].driving);
+        fetch_ahead(model_->complex(), batch.blocks, i);
+        judge_and_pass(batch.blocks[i], batch.number);
+      }
     }
   }
 
@@ -119,11 +129,15 @@ class Passing final {
   [[nodiscard]] const TransferReadings& readings() const { return model_->settings().transfer; }
 
   void judge_and_pass(BlockId id, std::uint32_t batch) {
-    Judgement& judgement = *std::ranges::lower_bound(analysis_->judgements, id, {}, &Judgement::block);
-    const Received incoming = received_[id];
+    const std::uint32_t place = place_[id];
+    Judgement& judgement = analysis_->judgements[place];
+    const Received incoming = received_[place];
     if (incoming.force == Vec3{}) {
       // Nothing was passed to it: what was found of it holds, and need not be found again.
-      Transferred result{.mode = judgement.mode, .key = judgement.key, .direction = judgement.direction};
+      Transferred& result = judgement.transferred.emplace();
+      result.mode = judgement.mode;
+      result.key = judgement.key;
+      result.direction = judgement.direction;
       result.driving = judgement.driving;
       result.resistance = judgement.resistance;
       result.net = judgement.net;
@@ -132,7 +146,6 @@ class Passing final {
       result.pressing = judgement.pressing;
       const bool slides = judgement.key && !(judgement.rotation && judgement.rotation->turns);
       if (slides && batch > 1) pass(id, batch, model_->applied_forces(id, batch).scale(), result);
-      judgement.transferred = std::move(result);
       return;
     }
     Resultant resultant = model_->applied_forces(id, batch);
@@ -151,6 +164,7 @@ class Passing final {
     result.factor_of_safety = verdict.factor_of_safety;
     result.received = incoming.force;
     result.tie = verdict.tie;
+    result.pressing.reserve(verdict.resistance.pressing.size());
     for (const auto& [group, reaction] : verdict.resistance.pressing) {
       result.pressing.push_back({contacts.groups[group].face, newtons(reaction)});
     }
@@ -162,7 +176,8 @@ class Passing final {
 
   /// `scale` of the forces that `result` was found from.
   void pass(BlockId id, std::uint32_t batch, double scale, Transferred& result) {
-    const auto pushed = effective_faces(*model_, id, batch, result.direction);
+    effective_faces(*model_, id, batch, result.direction, pushed_);
+    const std::vector<Push>& pushed = pushed_;
     double total = 0;
     for (const Push& push : pushed) total += push.weight;
     result.self_held = !(total > 0);
@@ -173,6 +188,7 @@ class Passing final {
     const std::vector<Vec3> forces = readings().along == TransferReadings::Along::normals
                                          ? along_normals(pushed, force, result)
                                          : in_line(pushed, total, force, result);
+    result.passes.reserve(pushed.size());
     for (std::size_t i = 0; i < pushed.size(); ++i) {
       if (forces[i] == Vec3{}) continue;
       const std::uint32_t theirs = model_->removed_in(pushed[i].onto);  // 0: left out from the start, holds nothing
@@ -180,8 +196,9 @@ class Passing final {
         result.lost += norm(forces[i]);
         continue;
       }
-      received_[pushed[i].onto].force += forces[i];
-      received_[pushed[i].onto].scale += scale * norm(forces[i]) / force;
+      Received& receiver = received_[place_[pushed[i].onto]];
+      receiver.force += forces[i];
+      receiver.scale += scale * norm(forces[i]) / force;
       result.passes.push_back({pushed[i].onto, forces[i]});
     }
   }
@@ -189,6 +206,7 @@ class Passing final {
   [[nodiscard]] std::vector<Vec3> in_line(const std::vector<Push>& pushed, double total, double force,
                                           Transferred& result) const {
     std::vector<Vec3> forces;
+    forces.reserve(pushed.size());
     for (const Push& push : pushed) {
       const double share = force * (push.weight / total);
       Vec3 f = share * result.direction;
@@ -229,7 +247,9 @@ class Passing final {
 
   Model* model_;
   Analysis* analysis_;
-  IdVector<BlockId, Received> received_;
+  IdVector<BlockId, std::uint32_t> place_;  ///< of a block's judgement; of any block of a batch there is one
+  std::vector<Received> received_;          ///< parallel to the judgements
+  std::vector<Push> pushed_;
 };
 
 }  // namespace

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
+#include "cleave/core/rng.hpp"
 #include "cleave/geometry/orientation.hpp"
+#include "cleave/survey/comparison.hpp"
 #include "cleave/survey/line.hpp"
 #include "set_laws.hpp"
 
@@ -61,7 +64,9 @@ class Analysis final {
                          : joint.window ? window_weight(joint.normal, *joint.window, 0, 1, 0, in_.weight_cap)
                                         : 1.0);
     }
-    if (!normals_.empty()) out_.tensor = orientation_tensor(normals_, weights_);
+    if (normals_.empty()) return;
+    out_.tensor = orientation_tensor(normals_, weights_);
+    out_.tensor_intervals = tensor_intervals(out_.tensor, normals_, weights_, in_.confidence);
   }
 
   std::size_t set_named(const std::string& name) {
@@ -133,20 +138,40 @@ class Analysis final {
                                         set.orientation.capped, in_.weight_cap));
       }
       if (!set.orientation.fisher) {
-        set.bingham = fit_bingham(orientation_tensor(set.normals, set.weights));
+        set.bingham = fit_bingham(set.normals, set.weights, in_.confidence);
         set.notes.emplace_back("Fisher's law is refused for these poles: sets.toml draws from the measured ones");
       }
       return;
     }
     const SetRule* rule = rule_of(set);
-    if (rule == nullptr || !rule->dip) return;
+    if (rule != nullptr && rule->dip) state(set, *rule);
+  }
+
+  /// The dip is stated; direction and concentration too, or they are those of the traces.
+  void state(SetResult& set, const SetRule& rule) const {
     set.orientation_stated = true;
-    double direction = rule->dip_direction.value_or(0);
-    if (!rule->dip_direction && rule->azimuth) direction = mean_azimuth(*rule->azimuth) + 90;
+    double direction = rule.dip_direction.value_or(0), kappa = rule.kappa.value_or(30);
+    if (rule.azimuth && !(rule.dip_direction && rule.kappa)) {
+      const MeanAxis traces = mean_azimuth(*rule.azimuth);
+      if (!rule.dip_direction) {
+        direction = traces.axis + 90;
+        set.direction = traces.direction;
+        const double turn = geometry::wrap_degrees(direction) - *traces.direction.value;
+        for (double* angle : {&*set.direction->value, &set.direction->low, &set.direction->high}) *angle += turn;
+        set.direction->name = "dip direction";
+      }
+      if (!rule.kappa && traces.kappa.value) {
+        kappa = *traces.kappa.value;
+        set.orientation.kappa_low = traces.kappa.low;
+        set.orientation.kappa_high = traces.kappa.high;
+      }
+    } else if (!rule.kappa) {
+      set.notes.push_back(fmt::format("kappa {} is assumed: neither stated nor to be had from traces", kappa));
+    }
     set.orientation.mean =
-        geometry::upward_normal({Dip::degrees(*rule->dip), DipDirection::degrees(geometry::wrap_degrees(direction))});
-    set.orientation.kappa = rule->kappa.value_or(azimuth_kappa_);
-    set.notes.push_back(fmt::format("dip {} degrees is stated, not measured", *rule->dip));
+        geometry::upward_normal({Dip::degrees(*rule.dip), DipDirection::degrees(geometry::wrap_degrees(direction))});
+    set.orientation.kappa = kappa;
+    set.notes.push_back(fmt::format("dip {} degrees is stated, not measured", *rule.dip));
   }
 
   static double azimuth_of(const WindowSurvey& window, MapPoint direction) {
@@ -160,22 +185,21 @@ class Analysis final {
     return geometry::wrap_degrees(azimuth - range.first) <= width ||
            geometry::wrap_degrees(azimuth + 180 - range.first) <= width;
   }
-  /// Axial mean, weighted by length; also sets the concentration that the scatter of strikes would have.
-  double mean_azimuth(std::pair<double, double> range) {
-    double c = 0, s = 0, sum = 0;
+  /// Of the traces within these azimuths, by length.
+  [[nodiscard]] MeanAxis mean_azimuth(std::pair<double, double> range) const {
+    std::vector<WeightedAxis> axes;
     for (const WindowSurvey& window : in_.windows) {
       for (const SeenTrace& t : seen_through(window.window, window.traces, window.border)) {
         const double a = azimuth_of(window, t.direction);
-        if (!within(a, range)) continue;
-        c += t.length * std::cos(2 * a / degrees);
-        s += t.length * std::sin(2 * a / degrees);
-        sum += t.length;
+        if (within(a, range)) axes.push_back({a / degrees, t.length});
       }
     }
-    const double r = sum > 0 ? std::hypot(c, s) / sum : 1;
-    // Strikes of steep joints scatter with variance 1/kappa; -ln r/2 is the variance of doubled angles over 4.
-    azimuth_kappa_ = r < 1 - 1e-9 ? 2 / -std::log(r) : 1e6;
-    return std::atan2(s, c) * degrees / 2;
+    return mean_axis(axes, in_.confidence);
+  }
+
+  [[nodiscard]] Estimate over_orientations(const SetResult& set,
+                                           const std::function<double(Vec3, double)>& figure) const {
+    return detail::over_orientations(set.orientation, figure, in_.confidence);
   }
 
   /// Each trace to the set whose mean plane leaves the nearest trace on the window.
@@ -211,25 +235,33 @@ class Analysis final {
     SetResult& set = out_.sets[k];
     if (set.joints == 0) return;  // it has no mean
     std::size_t joints = 0;
-    double normal_length = 0, area_length = 0;
     for (const LineSurvey& line : in_.lines) {
       std::vector<double> positions;
       for (std::size_t i = 0; i < line.joints.size(); ++i) {
         if (out_.set_of[line.joints[i]] == k) positions.push_back(line.positions[i]);
       }
       joints += positions.size();
-      for (const auto& [direction, length] : line.pieces) {
-        normal_length += length * std::abs(dot(set.orientation.mean, direction));
-        area_length += length * mean_line_cosine(set.orientation.mean, set.orientation.kappa, direction);
-      }
       const double cosine = std::abs(dot(set.orientation.mean, direction_at(line, line.length() / 2)));
       for (const double gap : gaps_of(std::move(positions))) set.gaps.push_back(gap * cosine);
     }
-    if (joints == 0 || !(area_length > 0)) return;
-    set.p10_normal = detail::scaled(frequency(joints, normal_length, in_.confidence), "P10 along the mean normal", 1,
-                                    "sum N / sum(L |n.l|), exact Poisson interval");
-    set.p32_lines = detail::scaled(frequency(joints, area_length, in_.confidence), "P32", 1,
-                                   "sum N / sum(L E|n.l|), exact Poisson interval");
+    const auto over_pieces = [&](auto&& cosine) {
+      double sum = 0;
+      for (const LineSurvey& line : in_.lines) {
+        for (const auto& [direction, length] : line.pieces) sum += length * cosine(direction);
+      }
+      return sum;
+    };
+    const Estimate normal_length = over_orientations(
+        set, [&](Vec3 mean, double) { return over_pieces([&](Vec3 l) { return std::abs(dot(mean, l)); }); });
+    const Estimate area_length = over_orientations(set, [&](Vec3 mean, double kappa) {
+      return over_pieces([&](Vec3 l) { return mean_line_cosine(mean, kappa, l); });
+    });
+    if (joints == 0 || !(*area_length.value > 0)) return;
+    const Estimate met = frequency(joints, 1, in_.confidence);
+    set.p10_normal = over(met, normal_length, "P10 along the mean normal",
+                          "sum N / sum(L |n.l|), exact Poisson interval with the error of the orientation");
+    set.p32_lines = over(met, area_length, "P32",
+                         "sum N / sum(L E|n.l|), exact Poisson interval with the error of the orientation");
     for (const Family family : {Family::exponential, Family::lognormal, Family::gamma}) {
       if (auto fit = fit_complete(set.gaps, family, set.gaps.size() <= 500 ? 199 : 0, in_.seed)) {
         set.spacings.push_back(*std::move(fit));
@@ -251,9 +283,9 @@ class Analysis final {
     SetResult& set = out_.sets[k];
     std::vector<WindowCounts> counts;
     std::vector<SeenLength> lengths;
-    double sine_area = 0, area = 0, truncation = 0;
+    std::vector<WholeTrace> whole;
+    double truncation = 0;
     Chords sum{0, 0, shape_area(set.shape), 0};
-    const bool oriented = set.joints > 0 || set.orientation_stated;
     for (std::size_t w = 0; w < in_.windows.size(); ++w) {
       std::vector<SeenTrace> own;
       for (std::size_t i = 0; i < seen_[w].size(); ++i) {
@@ -261,6 +293,12 @@ class Analysis final {
         own.push_back(seen_[w][i]);
         lengths.push_back({seen_[w][i].length, std::min(seen_[w][i].ends, 2U)});
         set.seen_lengths.push_back(seen_[w][i].length);
+        const SeenTrace& trace = seen_[w][i];
+        if (trace.ends != 2 || trace.crossings > 0) continue;
+        const Polyline& line = in_.windows[w].traces[trace.trace];
+        const MapPoint middle{(line.front().x + line.back().x) / 2, (line.front().y + line.back().y) / 2};
+        if (!holds(in_.windows[w].window, middle)) continue;  // a bent one
+        whole.push_back({trace.length, chord_through(in_.windows[w].window, middle, trace.direction)});
       }
       const auto traces = static_cast<double>(own.size());
       const Chords chords = chords_of(set.shape, trace_angle(set, in_.windows[w]));
@@ -270,11 +308,6 @@ class Analysis final {
       if (!own.empty()) truncation = std::max(truncation, in_.windows[w].truncation);
       counts.push_back(count(in_.windows[w].window, own));
       if (own.empty() && counts.back().width == 0) counts.back().width = width_across(in_.windows[w].window, {1, 0});
-      const double a = counts.back().area;
-      if (oriented) {
-        sine_area += a * mean_plane_sine(set.orientation.mean, set.orientation.kappa, in_.windows[w].normal);
-      }
-      area += a;
     }
     set.traces = lengths.size();
     if (lengths.empty()) return;
@@ -288,16 +321,45 @@ class Analysis final {
           truncation));
     }
     const WindowCounts all = pooled(counts);
-    const double sine = oriented ? sine_area / area : 1;
+    Estimate sine{"", 1, 1, 1, "", ""};
+    if (set.joints > 0 || set.orientation_stated) {
+      sine = over_orientations(set, [&](Vec3 mean, double kappa) {
+        double sines = 0;
+        for (std::size_t w = 0; w < counts.size(); ++w) {
+          sines += counts[w].area * mean_plane_sine(mean, kappa, in_.windows[w].normal);
+        }
+        return sines / all.area;
+      });
+    }
     set.p20 = p20(all, in_.confidence);
     set.p21 = p21(all, in_.confidence);
     set.mean_length = mean_length(all, in_.confidence);
     set.mean_length_counts = mean_length_by_counts(all, in_.confidence);
-    set.p32_windows = detail::scaled(*set.p21, "P32", 1 / sine, fmt::format("P21 / E sin V, E sin V = {:.4f}", sine));
-    detail::fit_laws(set, lengths, {all.area, all.width, truncation}, set.mean_length->value, in_.confidence);
-    if (set.size && set.p20->value) {
-      set.p30 = detail::scaled(*set.p20, "P30", 1 / (set.size->mean * set.chords.width() * sine),
-                               "P20 / (E[width across the traces] E sin V)");
+    set.p32_windows = over(*set.p21, sine, "P32", fmt::format("P21 / E sin V, E sin V = {:.4f}", *sine.value));
+    detail::fit_laws(set, lengths, {all.area, all.width, truncation}, set.mean_length, in_.confidence);
+    for (FittedLaw& law : set.lengths) law.test = test_lengths(whole, truncation, law.fit.family, in_.seed);
+    set.comparisons = spread_as_measured(lengths, set.chords, in_.confidence);
+    if (!set.lengths.empty()) {
+      set.comparisons.push_back(p20_by_midpoints(lengths, set.lengths.front().fit, all.area, in_.confidence));
+    }
+    if (!set.size) return;
+    const double width = set.chords.width();
+    if (!set.sizes.empty()) {
+      // Given how many were seen the laws are fitted to their lengths alone: both errors are independent.
+      const auto mapped = static_cast<std::size_t>(
+          std::ranges::count_if(lengths, [&](const SeenLength& l) { return l.length > 0 && l.length >= truncation; }));
+      const Estimate& offered = set.sizes.front().offered;
+      set.p30 = over(over(frequency(mapped, 1, in_.confidence), detail::scaled(offered, "", width, ""), "", ""), sine,
+                     "P30", "traces / E[(A + b l) width across the traces] E sin V under the law of sizes");
+    } else if (set.p20->value) {
+      // P20 over the mean size, itself from 2S/m: m^2/(S A) but for factors.
+      const auto m = static_cast<double>(all.ends()), squares = static_cast<double>(4 * all.n2 + all.n1);
+      const double variance = 4 * squares / (m * m) - 4 * all.sum_length_ends / (m * all.length) +
+                              all.sum_length2 / (all.length * all.length);
+      const double half = std::exp(normal_quantile(0.5 + in_.confidence / 2) * std::sqrt(std::max(0.0, variance)));
+      const double p30 = *set.p20->value / (set.size->mean * width);
+      set.p30 =
+          over({"", p30, p30 / half, p30 * half, "", ""}, sine, "P30", "P20 / (E[width across the traces] E sin V)");
     }
   }
 
@@ -306,7 +368,7 @@ class Analysis final {
     SetResult& set = out_.sets[k];
     if (set.traces > 0) return;
     std::vector<SeenLength> lengths;
-    double truncation = 0, sum = 0, ends = 0;
+    double truncation = 0;
     for (const LineSurvey& line : in_.lines) {
       for (std::size_t i = 0; i < line.lengths.size(); ++i) {
         if (!(line.lengths[i].length > 0)) continue;
@@ -316,22 +378,22 @@ class Analysis final {
       if (!line.lengths.empty()) truncation = std::max(truncation, line.truncation);
     }
     if (lengths.empty()) return;
-    for (const SeenLength& l : lengths) {
-      set.seen_lengths.push_back(l.length);
-      sum += l.length;
-      ends += l.ends;
-    }
+    for (const SeenLength& l : lengths) set.seen_lengths.push_back(l.length);
     set.traces_on_lines = lengths.size();
     set.chords = chords_of(set.shape, 0);
     if (set.shape.shape != JointShape::disc) {
       set.notes.emplace_back("traces on lines are taken as on a level outcrop: along the strike");
     }
     // Seen from the line both parts of a trace are drawn alike: S/m is the mean of an exponential law.
-    detail::fit_laws(set, lengths, {0, 1, truncation}, ends > 0 ? std::optional{sum / ends} : std::nullopt,
-                     in_.confidence);
-    if (set.size && set.p32_lines && set.p32_lines->value) {
+    detail::fit_laws(set, lengths, {0, 1, truncation}, detail::length_per_end(lengths, in_.confidence), in_.confidence);
+    if (!set.size || !set.p32_lines || !set.p32_lines->value) return;
+    if (!set.sizes.empty()) {
+      set.p30 = over(*set.p32_lines, detail::scaled(set.sizes.front().offered, "", shape_area(set.shape), ""), "P30",
+                     "P32 / E area");
+    } else {
       const double area = shape_area(set.shape) * size_moment(*set.size, 2);
-      set.p30 = detail::scaled(*set.p32_lines, "P30", 1 / area, "P32 / E area");
+      const double low = set.size_mean->low / set.size->mean, high = set.size_mean->high / set.size->mean;
+      set.p30 = over(*set.p32_lines, {"", area, area * low * low, area * high * high, "", ""}, "P30", "P32 / E area");
     }
   }
 
@@ -366,19 +428,26 @@ class Analysis final {
       result.rqd_by_frequency = rqd(result.frequency);
       if (gaps.size() > 1) {
         result.comparisons = {frequency_from_gaps(gaps, length, in_.confidence),
-                              frequency_by_truncated_exponential(gaps, length)};
+                              frequency_by_truncated_exponential(gaps, length, in_.confidence)};
       }
       out_.lines.push_back(std::move(result));
     }
     for (std::size_t w = 0; w < in_.windows.size(); ++w) {
       const WindowSurvey& window = in_.windows[w];
-      WindowResult result{window.name, count(window.window, seen_[w]), {}, {}};
+      WindowResult result{window.name, count(window.window, seen_[w]), {}, std::nullopt};
       for (const auto estimate : {p20, p21, mean_length, mean_length_by_counts, p20_plain}) {
         result.estimates.push_back(estimate(result.counts, in_.confidence));
       }
-      if (result.counts.circle) result.estimates.push_back(p21_by_crossings(result.counts, in_.confidence));
+      if (result.counts.circle) {
+        result.estimates.push_back(p21_by_crossings(result.counts, in_.confidence));
+        result.estimates.push_back(mean_length_by_number(result.counts, in_.confidence));
+      } else {
+        result.estimates.push_back(mean_length_by_pahl(result.counts, in_.confidence));
+      }
       const double mean = result.estimates[2].value.value_or(1);
-      if (seen_[w].size() <= 20000) result.nodes = nodes(window.window, window.traces, 1e-3 * mean);
+      if (seen_[w].size() <= most_traces_of_nodes) {
+        result.nodes = nodes(window.window, window.traces, 1e-3 * mean, in_.confidence);
+      }
       note_border(window);
       out_.windows.push_back(std::move(result));
     }
@@ -409,7 +478,6 @@ class Analysis final {
   std::vector<double> weights_;
   std::vector<std::vector<SeenTrace>> seen_;
   std::vector<std::vector<std::size_t>> trace_set_;
-  double azimuth_kappa_ = 30;
 };
 
 }  // namespace

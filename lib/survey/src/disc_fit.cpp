@@ -127,6 +127,15 @@ double disc_trace_above(const Fit& diameters, double l) {
   return integral(Density{diameters}, {diameters, l}, upper_end(diameters), l, 1) / diameters.moment(1);
 }
 
+double disc_chance(const Fit& diameters, const Meeting& meeting) {
+  const double mean = diameters.moment(1), l0 = meeting.truncation;
+  if (!(l0 > 0)) return meeting.chance(1, quarter_sine(2) * diameters.moment(2) / mean);
+  const Density f{diameters};
+  const Steps steps{diameters, l0};
+  const double upper = upper_end(diameters);
+  return meeting.chance(integral(f, steps, upper, l0, 1) / mean, integral(f, steps, upper, l0, 0) / mean);
+}
+
 std::optional<Fit> fit_discs(std::span<const SeenLength> all, const Meeting& meeting, Family family) {
   std::vector<SeenLength> lengths;
   double sum = 0, ended = 0, low = INFINITY, high = 0;

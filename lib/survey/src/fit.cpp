@@ -207,6 +207,16 @@ std::optional<Fit> fit_lengths(std::span<const SeenLength> all, const Meeting& m
   return fit;
 }
 
+Estimate over(const Estimate& a, const Estimate& b, std::string name, std::string method) {
+  Estimate e{std::move(name), {}, 0, INFINITY, std::move(method), a.value ? b.note : a.note};
+  if (!a.value || !b.value || !(*b.value > 0)) return e;
+  e.value = *a.value * (1 / *b.value);
+  const auto half = [](double one, double two) { return std::exp(std::hypot(std::log(one), std::log(two))); };
+  e.low = a.low > 0 && std::isfinite(b.high) ? *e.value / half(*a.value / a.low, b.high / *b.value) : 0;
+  e.high = *a.value > 0 && b.low > 0 ? *e.value * half(a.high / *a.value, *b.value / b.low) : INFINITY;
+  return e;
+}
+
 double std_of(const Fit& fit) { return std::sqrt(std::max(0.0, fit.moment(2) - fit.moment(1) * fit.moment(1))); }
 
 Estimate estimate_of(const Fit& fit, std::string name, const std::function<std::optional<double>(const Fit&)>& figure,
@@ -227,6 +237,27 @@ Estimate estimate_of(const Fit& fit, std::string name, const std::function<std::
   e.low = *e.value * std::exp(-half);
   e.high = *e.value * std::exp(half);
   return e;
+}
+
+std::vector<Estimate> parameters_of(const Fit& fit, double confidence) {
+  std::vector<Estimate> all;
+  if (fit.family == Family::lognormal) {
+    Estimate e{"a", fit.a, -INFINITY, INFINITY, "maximum likelihood, delta method", ""};
+    if (!fit.moved.empty()) {
+      double square = 0;
+      for (const auto& [a, b] : fit.moved) square += (a - fit.a) * (a - fit.a);
+      const double half = normal_quantile(0.5 + confidence / 2) * std::sqrt(square);
+      e.low = fit.a - half;
+      e.high = fit.a + half;
+    }
+    all.push_back(std::move(e));
+  } else {
+    all.push_back(estimate_of(fit, "a", [](const Fit& f) { return f.a; }, confidence));
+  }
+  if (detail::parameters(fit.family) == 2) {
+    all.push_back(estimate_of(fit, "b", [](const Fit& f) { return f.b; }, confidence));
+  }
+  return all;
 }
 
 std::optional<Fit> fit_complete(std::span<const double> values, Family family, std::uint32_t resamples,

@@ -58,18 +58,25 @@ Estimate frequency_from_gaps(std::span<const double> gaps, double length, double
   return e;
 }
 
-Estimate frequency_by_truncated_exponential(std::span<const double> gaps, double length) {
+Estimate frequency_by_truncated_exponential(std::span<const double> gaps, double length, double confidence) {
   Estimate e{"frequency", {}, 0, 0, "exponential law cut at L (thesis A.3, A.4)", "biased; for comparison only"};
   if (gaps.empty()) return e;
+  const auto solve = [&](double m) -> std::optional<double> {
+    if (!(m > 0) || m >= length / 2) return std::nullopt;
+    double low = 1e-9 / length, high = 10 / m;
+    for (int i = 0; i < 200; ++i) {
+      const double l = std::sqrt(low * high), y = l * length;
+      const double share = y < 1e-6 ? y / 2 : (1 - (1 + y) * std::exp(-y)) / -std::expm1(-y);
+      (share / l > m ? low : high) = l;
+    }
+    return std::sqrt(low * high);
+  };
   const double mean = mean_of(gaps);
-  if (mean >= length / 2) return e;
-  double low = 1e-9 / length, high = 10 / mean;
-  for (int i = 0; i < 200; ++i) {
-    const double l = std::sqrt(low * high), y = l * length;
-    const double share = y < 1e-6 ? y / 2 : (1 - (1 + y) * std::exp(-y)) / -std::expm1(-y);
-    (share / l > mean ? low : high) = l;
-  }
-  e.value = std::sqrt(low * high);
+  e.value = solve(mean);
+  if (!e.value) return e;
+  const double z = normal_quantile(0.5 + confidence / 2) / std::sqrt(static_cast<double>(gaps.size()));
+  e.low = solve(mean * std::exp(z)).value_or(0);
+  e.high = solve(mean * std::exp(-z)).value_or(INFINITY);
   return e;
 }
 

@@ -90,27 +90,6 @@ double fisher_mean(Vec3 mean, double kappa, G&& g) {
   return sum / points;
 }
 
-/// The integral of exp(k1 x^2 + k2 y^2) over the half sphere, and the means of x^2 and y^2 under that law; k1 <= k2 <=
-/// 0 or near. Rings lie where a Fisher law of kappa = -k2 has them, at equal shares: laws that hold to a point do not
-/// fall between them.
-std::array<double, 3> bingham_moments(double k1, double k2) {
-  constexpr int rings = 200;
-  const double kappa = std::max(1e-3, -std::max(k1, k2)), all = -std::expm1(-kappa);
-  double f = 0, x2 = 0, y2 = 0;
-  for (int i = 0; i < rings; ++i) {
-    const double versine = -std::log1p(-all * (i + 0.5) / rings) / kappa, s2 = versine * (2 - versine);
-    constexpr int around = 64;
-    for (int j = 0; j < around; ++j) {
-      const double c = std::cos(pi * (j + 0.5) / around), xx = s2 * c * c, yy = s2 - xx;
-      const double w = std::exp(k1 * xx + k2 * yy + kappa * versine);
-      f += w;
-      x2 += w * xx;
-      y2 += w * yy;
-    }
-  }
-  return {f * all / (kappa * rings), x2 / f, y2 / f};
-}
-
 }  // namespace
 
 double terzaghi_weight(Vec3 normal, Vec3 line, double cap) {
@@ -195,27 +174,6 @@ FisherFit fit_fisher(std::span<const Vec3> normals, std::span<const double> weig
     fit.fisher = fit.statistic < 1.094 && m < 3.25 * error;
   }
   return fit;
-}
-
-BinghamFit fit_bingham(const OrientationTensor& tensor) {
-  // Moment equations E x^2 = smallest, E y^2 = middle eigenvalue; Newton with numeric derivatives, damped.
-  double k1 = -1 / (2 * std::max(tensor.values[2], 1e-6)), k2 = -1 / (2 * std::max(tensor.values[1], 1e-6));
-  for (int round = 0; round < 60; ++round) {
-    const auto at = bingham_moments(k1, k2);
-    const double e1 = at[1] - tensor.values[2], e2 = at[2] - tensor.values[1];
-    if (std::abs(e1) + std::abs(e2) < 1e-10) break;
-    const double h1 = 1e-4 * (1 + std::abs(k1)), h2 = 1e-4 * (1 + std::abs(k2));
-    const auto d1 = bingham_moments(k1 + h1, k2), d2 = bingham_moments(k1, k2 + h2);
-    const double a = (d1[1] - at[1]) / h1, b = (d2[1] - at[1]) / h2, c = (d1[2] - at[2]) / h1, d = (d2[2] - at[2]) / h2;
-    const double det = a * d - b * c;
-    if (det == 0) break;
-    const auto step = [](double s, double k) {
-      return std::clamp(s, -0.5 * (1 + std::abs(k)), 0.5 * (1 + std::abs(k)));
-    };
-    k1 -= step((d * e1 - b * e2) / det, k1);
-    k2 -= step((a * e2 - c * e1) / det, k2);
-  }
-  return {k1, k2};
 }
 
 Clustering cluster(std::span<const Vec3> normals, std::span<const double> weights, std::size_t sets,

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "cleave/core/rng.hpp"
+
 namespace cleave::survey::detail {
 
 Estimate scaled(Estimate e, std::string name, double factor, std::string method) {
@@ -16,6 +18,40 @@ Estimate scaled(Estimate e, std::string name, double factor, std::string method)
   e.high *= factor;
   e.method = std::move(method);
   return e;
+}
+
+Estimate over_orientations(const FisherFit& fit, const std::function<double(geometry::Vec3, double)>& figure,
+                           double confidence) {
+  using geometry::Vec3;
+  Estimate e{"", figure(fit.mean, fit.kappa), 0, 0, "", ""};
+  e.low = e.high = *e.value;
+  if (fit.count < 3 || !std::isfinite(fit.kappa) || !(*e.value > 0)) return e;
+  const double turn = 1 / std::sqrt(fit.kappa * fit.effective_count);
+  const Vec3 some = std::abs(fit.mean.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 e1 = normalized(cross(fit.mean, some)), e2 = cross(fit.mean, e1);
+  const double wider = std::exp(1 / std::sqrt(std::max(1.0, fit.effective_count - 1)));
+  double square = 0;
+  for (const double moved :
+       {figure(normalized(fit.mean + turn * e1), fit.kappa), figure(normalized(fit.mean + turn * e2), fit.kappa),
+        figure(fit.mean, fit.kappa * wider)}) {
+    square += moved > 0 ? std::pow(std::log(moved / *e.value), 2) : 0;
+  }
+  const double half = std::exp(normal_quantile(0.5 + confidence / 2) * std::sqrt(square));
+  e.low = *e.value / half;
+  e.high = *e.value * half;
+  return e;
+}
+
+std::optional<Estimate> length_per_end(const std::vector<SeenLength>& lengths, double confidence) {
+  double sum = 0, ends = 0, square = 0;
+  for (const SeenLength& l : lengths) {
+    sum += l.length;
+    ends += l.ends;
+  }
+  if (!(ends > 0)) return std::nullopt;
+  for (const SeenLength& l : lengths) square += std::pow(l.length / sum - l.ends / ends, 2);
+  const double mean = sum / ends, half = std::exp(normal_quantile(0.5 + confidence / 2) * std::sqrt(square));
+  return Estimate{"mean trace length", mean, mean / half, mean * half, "S/m, delta method", ""};
 }
 
 namespace {
@@ -30,15 +66,50 @@ void undecided(SetResult& set, std::string_view of, Key key, const Laws& laws) {
                                   name_of(second), next - aic));
 }
 
+/// What a joint offers to be met, but for the angle it makes: in windows the area of places of its trace times its
+/// size, on lines its area (as shares of the shape of size 1).
+double offered(const Meeting& meeting, double chance, double mean, double square) {
+  return meeting.area > 0 ? chance * mean : square;
+}
+
+/// The law of sizes of shapes without a likelihood of their traces, by moments of a law of these.
+std::optional<SizeOfJoints> size_by_moments(const Fit& f, const Chords& chords) {
+  return f.family == Family::power ? power_size(size_moments(f.moment(1), 1, chords).m2, f.min, f.max)
+                                   : size_law(f.family, f.moment(1), f.moment(2), chords);
+}
+
+FittedSize sizes_by_moments(const FittedLaw& law, const Chords& chords, const Meeting& meeting, double confidence) {
+  FittedSize size{.law = *law.sizes,
+                  .mean = *law.size_mean,
+                  .std = *law.size_std,
+                  .exponent = {},
+                  .offered = {},
+                  .aic = law.fit.aic,
+                  .method = "moments of the traces"};
+  const auto figure = [&](auto&& of) {
+    return [&chords, of](const Fit& f) {
+      const auto sizes = size_by_moments(f, chords);
+      return sizes ? std::optional<double>{of(f, *sizes)} : std::nullopt;
+    };
+  };
+  if (law.fit.family == Family::power) {
+    size.exponent = estimate_of(law.fit, "exponent",
+                                figure([](const Fit&, const SizeOfJoints& l) { return l.exponent; }), confidence);
+  }
+  size.offered = estimate_of(law.fit, "offered", figure([&meeting](const Fit& f, const SizeOfJoints& l) {
+                               const double l0 = meeting.truncation;
+                               return offered(meeting, meeting.chance(1 - f.below(l0), f.mean_excess(l0)), l.mean,
+                                              size_moment(l, 2));
+                             }),
+                             confidence);
+  return size;
+}
+
 /// Round joints by the likelihood of their traces, rectangles by moments.
 void fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Meeting& meeting, double confidence) {
   if (!set.chords.disc) {
     for (const FittedLaw& law : set.lengths) {
-      if (!law.sizes) continue;
-      set.sizes.push_back(
-          {*law.sizes, law.size_mean.value_or(Estimate{"mean size", law.sizes->mean, 0, INFINITY, "", ""}),
-           law.size_std.value_or(Estimate{"standard deviation of the sizes", law.sizes->std, 0, INFINITY, "", ""}),
-           law.fit.aic, "moments of the traces"});
+      if (law.sizes) set.sizes.push_back(sizes_by_moments(law, set.chords, meeting, confidence));
     }
     return;
   }
@@ -51,8 +122,23 @@ void fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Mee
     const Estimate mean = estimate_of(*fit, "mean size", [](const Fit& f) { return f.moment(1); }, confidence);
     const Estimate spread =
         estimate_of(*fit, "standard deviation of the sizes", [](const Fit& f) { return std_of(f); }, confidence);
-    set.sizes.push_back({law, scaled(mean, mean.name, scale, mean.method),
-                         scaled(spread, spread.name, scale, spread.method), fit->aic, "likelihood of the traces"});
+    FittedSize size{.law = law,
+                    .mean = scaled(mean, mean.name, scale, mean.method),
+                    .std = scaled(spread, spread.name, scale, spread.method),
+                    .exponent = {},
+                    .offered = {},
+                    .aic = fit->aic,
+                    .method = "likelihood of the traces"};
+    if (family == Family::power) {
+      size.exponent = estimate_of(*fit, "exponent", [](const Fit& f) { return f.a; }, confidence);
+    }
+    size.offered = estimate_of(
+        *fit, "offered",
+        [&](const Fit& f) {
+          return offered(meeting, disc_chance(f, meeting), scale * f.moment(1), scale * scale * f.moment(2));
+        },
+        confidence);
+    set.sizes.push_back(std::move(size));
   }
   std::ranges::stable_sort(set.sizes, {}, &FittedSize::aic);
   undecided(set, "size", [](const FittedSize& l) { return std::pair{l.law.family, l.aic}; }, set.sizes);
@@ -61,19 +147,17 @@ void fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Mee
 }  // namespace
 
 void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meeting& meeting,
-              const std::optional<double>& mean, double confidence) {
+              const std::optional<Estimate>& mean, double confidence) {
   for (const Family family : {Family::exponential, Family::lognormal, Family::gamma, Family::power}) {
     // Pooled windows of equal shape: area over width of the sums.
     auto fit = fit_lengths(lengths, meeting, family);
     if (!fit) continue;
-    FittedLaw law{.fit = *std::move(fit), .sizes = {}, .mean = {}, .std = {}, .size_mean = {}, .size_std = {}};
-    law.sizes = size_law(family, law.fit.moment(1), law.fit.moment(2), set.chords);
-    if (family == Family::power) {
-      law.sizes = power_size(size_moments(law.fit.moment(1), 1, set.chords).m2, law.fit.min, law.fit.max);
-    }
+    FittedLaw law{
+        .fit = *std::move(fit), .sizes = {}, .mean = {}, .std = {}, .size_mean = {}, .size_std = {}, .test = {}};
+    law.sizes = size_by_moments(law.fit, set.chords);
     law.mean = estimate_of(law.fit, "mean length", [](const Fit& f) { return f.moment(1); }, confidence);
     law.std = estimate_of(law.fit, "standard deviation", [](const Fit& f) { return std_of(f); }, confidence);
-    if (law.sizes && family != Family::power) {
+    if (law.sizes) {
       law.size_mean = size_mean_by_moments(law.fit, set.chords, confidence);
       law.size_std = size_std_by_moments(law.fit, set.chords, confidence);
     }
@@ -107,9 +191,12 @@ void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meet
     set.size = set.sizes.front().law;
     set.size_mean = set.sizes.front().mean;
     set.size_std = set.sizes.front().std;
-  } else if (mean) {
+  } else if (mean && mean->value) {
     set.notes.emplace_back("the exponential law of sizes with the same mean trace is taken");
-    set.size = size_law(Family::exponential, *mean, 0, set.chords);
+    set.size = size_law(Family::exponential, *mean->value, 0, set.chords);
+    // Mean and standard deviation are both half the mean trace over that of the chords.
+    set.size_mean = scaled(*mean, "mean size", set.size->mean / *mean->value, mean->method);
+    set.size_std = scaled(*mean, "standard deviation of the sizes", set.size->std / *mean->value, mean->method);
   }
 }
 

@@ -148,7 +148,9 @@ Estimate by_moments(const Fit& lengths, const Chords& chords, std::string name, 
   return estimate_of(
       lengths, std::move(name),
       [&chords, figure](const Fit& fit) -> std::optional<double> {
-        const auto law = size_law(fit.family, fit.moment(1), fit.moment(2), chords);
+        const auto law = fit.family == Family::power
+                             ? power_size(size_moments(fit.moment(1), 1, chords).m2, fit.min, fit.max)
+                             : size_law(fit.family, fit.moment(1), fit.moment(2), chords);
         return law ? std::optional{(*law).*figure} : std::nullopt;
       },
       confidence);

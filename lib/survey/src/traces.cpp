@@ -136,6 +136,22 @@ double width_across(const Window& window, MapPoint direction) noexcept {
                     window);
 }
 
+double chord_through(const Window& window, MapPoint inside, MapPoint direction) {
+  double far = 0;  // beyond the window from any point in it
+  std::visit(overloaded{
+                 [&](const CircleWindow& w) { far = 3 * w.radius; },
+                 [&](const PolygonWindow& w) {
+                   for (const MapPoint p : w.corners) far = std::max(far, distance(p, inside));
+                   far *= 1.5;
+                 },
+             },
+             window);
+  const MapPoint ahead{inside.x + far * direction.x, inside.y + far * direction.y},
+      behind{inside.x - far * direction.x, inside.y - far * direction.y};
+  const std::vector<double> to = cuts(window, inside, ahead), back = cuts(window, inside, behind);
+  return to.empty() || back.empty() ? 0 : far * (to.front() + back.front());
+}
+
 std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyline> traces, double border) {
   const auto seen_end = [&](MapPoint p) {
     return holds(window, p) && (border <= 0 || distance_to_border(window, p) > border) ? 1U : 0U;
@@ -265,70 +281,6 @@ Estimate p20_plain(const WindowCounts& c, double confidence) {
   Estimate e = with_interval("P20", n / c.area, 1 / std::sqrt(n), confidence, "N/A");
   e.note = "biased: counts what reaches in; for comparison only";
   return e;
-}
-
-Nodes nodes(const Window& window, std::span<const Polyline> traces, double tolerance) {
-  // Segments sorted by x, swept: pairs whose boxes overlap.
-  struct Segment {
-    MapPoint a, b;
-    std::size_t trace;
-  };
-  std::vector<Segment> segments;
-  for (std::size_t i = 0; i < traces.size(); ++i) {
-    for (std::size_t k = 1; k < traces[i].size(); ++k) segments.push_back({traces[i][k - 1], traces[i][k], i});
-  }
-  const auto low = [](const Segment& s) { return std::min(s.a.x, s.b.x); };
-  const auto high = [](const Segment& s) { return std::max(s.a.x, s.b.x); };
-  std::ranges::sort(segments, {}, low);
-  const auto away = [](MapPoint p, const Segment& s) {
-    const MapPoint d = minus(s.b, s.a);
-    const double l2 = d.x * d.x + d.y * d.y;
-    const MapPoint f = minus(p, s.a);
-    const double t = l2 > 0 ? std::clamp((f.x * d.x + f.y * d.y) / l2, 0.0, 1.0) : 0.0;
-    return distance(p, between(s.a, s.b, t));
-  };
-  Nodes result;
-  std::vector<std::array<bool, 2>> abuts(traces.size(), {false, false});
-  std::uint64_t crossing = 0;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    for (std::size_t j = i + 1; j < segments.size() && low(segments[j]) <= high(segments[i]) + tolerance; ++j) {
-      const Segment &s = segments[i], &t = segments[j];
-      if (s.trace == t.trace) continue;
-      if (std::max(s.a.y, s.b.y) + tolerance < std::min(t.a.y, t.b.y) ||
-          std::max(t.a.y, t.b.y) + tolerance < std::min(s.a.y, s.b.y)) {
-        continue;
-      }
-      bool touches = false;
-      for (const auto& [own, other] : {std::pair{&s, &t}, std::pair{&t, &s}}) {
-        const Polyline& line = traces[own->trace];
-        for (const std::size_t end : {std::size_t{0}, std::size_t{1}}) {
-          const MapPoint p = end == 0 ? line.front() : line.back();
-          if (distance(p, own->a) > 0 && distance(p, own->b) > 0) continue;
-          if (away(p, *other) > tolerance) continue;
-          abuts[own->trace][end] = true;
-          touches = true;
-        }
-      }
-      if (touches) continue;
-      const MapPoint d = minus(s.b, s.a), e = minus(t.b, t.a);
-      const double det = cross_of(d, e);
-      if (det == 0) continue;
-      const double u = cross_of(minus(t.a, s.a), e) / det, v = cross_of(minus(t.a, s.a), d) / det;
-      if (u < 0 || u >= 1 || v < 0 || v >= 1) continue;
-      if (holds(window, between(s.a, s.b, u))) ++crossing;
-    }
-  }
-  for (std::size_t i = 0; i < traces.size(); ++i) {
-    if (traces[i].empty()) continue;
-    for (const std::size_t end : {std::size_t{0}, std::size_t{1}}) {
-      if (!holds(window, end == 0 ? traces[i].front() : traces[i].back())) continue;
-      (abuts[i][end] ? result.abutting : result.isolated) += 1;
-    }
-  }
-  result.crossing = crossing;
-  const double lines = number(result.isolated + result.abutting) / 2;
-  if (lines > 0) result.connections = 2 * number(result.abutting + result.crossing) / lines;
-  return result;
 }
 
 }  // namespace cleave::survey

@@ -6,20 +6,22 @@
 #include <string>
 #include <vector>
 
+#include "cleave/core/parallel.hpp"
 #include "cleave/topology/audit.hpp"
+#include "detail/pieces.hpp"
 
 namespace cleave::topology {
 
 using geometry::Vec3;
 
-std::string canonical_hash(const BlockComplex& complex) {
+std::string canonical_hash(const BlockComplex& complex, unsigned threads) {
   std::vector<BlockId> all;
   all.reserve(complex.blocks().size());
   for (const BlockId id : complex.blocks().ids()) all.push_back(id);
-  return canonical_hash(complex, all);
+  return canonical_hash(complex, all, threads);
 }
 
-std::string canonical_hash(const BlockComplex& complex, std::span<const BlockId> blocks) {
+std::string canonical_hash(const BlockComplex& complex, std::span<const BlockId> blocks, unsigned thread_count) {
   const auto mix = [](std::uint64_t h, std::uint64_t v) {
     h ^= v + 0x9E3779B97F4A7C15U + (h << 6U) + (h >> 2U);
     h ^= h >> 30U;
@@ -33,10 +35,7 @@ std::string canonical_hash(const BlockComplex& complex, std::span<const BlockId>
   const auto rounded = [&](double x) {
     return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x / cell + 0.381966011250105)));
   };
-  std::vector<std::uint64_t> digests;
-  std::vector<std::uint64_t> corners;
-  for (const BlockId id : blocks) {
-    const Block& block = complex.blocks()[id];
+  const auto digest_of = [&](const Block& block, std::vector<std::uint64_t>& corners) {
     corners.clear();
     for (const FaceId f : block.faces) {
       const Face& face = complex.faces()[f];
@@ -55,8 +54,14 @@ std::string canonical_hash(const BlockComplex& complex, std::span<const BlockId>
     std::uint64_t h = 0;
     for (const std::uint32_t count : {c.vertices, c.edges, c.faces, c.loops, c.shells, c.genus}) h = mix(h, count);
     for (const std::uint64_t corner : corners) h = mix(h, corner);
-    digests.push_back(h);
-  }
+    return h;
+  };
+  std::vector<std::uint64_t> digests(blocks.size());
+  const ThreadLimit threads{std::max(1U, thread_count)};
+  detail::in_pieces(blocks.size(), 2048, threads, [&](std::size_t first, std::size_t last) {
+    std::vector<std::uint64_t> corners;
+    for (std::size_t i = first; i < last; ++i) digests[i] = digest_of(complex.blocks()[blocks[i]], corners);
+  });
   std::ranges::sort(digests);
   std::uint64_t low = mix(1, digests.size()), high = mix(2, digests.size());
   for (const std::uint64_t d : digests) {

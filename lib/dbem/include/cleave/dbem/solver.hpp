@@ -54,9 +54,27 @@ enum class Method : std::uint8_t {
   newton,        ///< semi-smooth, on the natural map
   continuation,  ///< Newton along a falling compliance
   lemke,         ///< complementary pivoting, at most 100 contacts
+  interior,      ///< interior points on convex programmes, with Newton from there
   cascade,       ///< all of them, cheapest first: the default
 };
-[[nodiscard]] std::string_view name_of(Method method) noexcept;
+/// Empty for what is no method. No default: the compiler asks for the name of a new one.
+[[nodiscard]] constexpr std::string_view name_of(Method method) noexcept {
+  switch (method) {
+    case Method::none: return "none needed";
+    case Method::open_close: return "open_close";
+    case Method::newton: return "newton";
+    case Method::continuation: return "continuation";
+    case Method::lemke: return "lemke";
+    case Method::interior: return "interior_points";
+    case Method::cascade: return "cascade";
+  }
+  return "";
+}
+inline constexpr std::size_t method_count = static_cast<std::size_t>(Method::cascade) + 1;
+static_assert(name_of(static_cast<Method>(method_count)).empty(), "a method behind the last: counts would lack it");
+/// One number a method, in the order of `Method`.
+template <class Number>
+using PerMethod = std::array<Number, method_count>;
 
 struct SolverOptions {
   Method method = Method::cascade;

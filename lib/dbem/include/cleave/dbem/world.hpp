@@ -111,11 +111,11 @@ struct StepReport {
   std::size_t stick = 0, slip = 0, opened = 0, broken = 0;
   double residual = 0;  ///< the worst of the islands
   std::size_t iterations = 0;
-  std::array<std::size_t, 6> solved_by{};  ///< islands by Method
-  std::array<std::size_t, 6> solves_by{};  ///< iterations of those islands, by the Method that ended them
-  double max_penetration = 0;              ///< m, after the step
-  double max_speed = 0;                    ///< of a corner, m/s
-  double max_displacement = 0;             ///< of a corner in this step, m
+  PerMethod<std::size_t> solved_by{};  ///< islands
+  PerMethod<std::size_t> solves_by{};  ///< iterations of those islands, by the method that ended them
+  double max_penetration = 0;          ///< m, after the step
+  double max_speed = 0;                ///< of a corner, m/s
+  double max_displacement = 0;         ///< of a corner in this step, m
   double unbalanced = 0;  ///< largest force left over (mass times change of velocity over step) over the total weight
   bool impact = false;
 };

@@ -1,15 +1,18 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "cleave/scene/survey_file.hpp"
 
 namespace cleave::report {
 
-/// survey.json: all figures of a survey with their intervals.
-[[nodiscard]] std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyResult& result);
+/// survey.json: all figures of a survey with their intervals. `maps`: `scene::maps_beside`.
+[[nodiscard]] std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyResult& result,
+                                      std::span<const scene::MapsBeside> maps);
 /// report.html of a survey: stereonets (contoured, both projections), rosettes, histograms with the fitted laws, and
 /// simulated traces of the fitted sets beside the measured ones.
-[[nodiscard]] std::string survey_html(const scene::SurveyScene& survey, const survey::SurveyResult& result);
+[[nodiscard]] std::string survey_html(const scene::SurveyScene& survey, const survey::SurveyResult& result,
+                                      std::span<const scene::MapsBeside> maps);
 
 }  // namespace cleave::report

@@ -50,13 +50,22 @@ struct MapFigures {
   double connections = 0;  ///< per trace; 0 beyond 20,000 traces
   double direction = 0;    ///< axial mean of the traces by length, degrees from north, [0, 180)
   double alignment = 0;    ///< of the directions: 1 all parallel, 0 none preferred
+  /// p20, p21, mean length, connections, direction and alignment with their intervals (of the measured map; P20 and so
+  /// on for simulated ones, too).
+  std::vector<survey::Estimate> estimates;
 };
 [[nodiscard]] MapFigures map_figures(const survey::WindowSurvey& map, const std::vector<survey::Polyline>& traces,
-                                     double border);
-/// Of so many simulated maps (realizations 0, 1, ...); fewer when a network leaves no trace.
-[[nodiscard]] std::vector<MapFigures> simulated_figures(const SurveyScene& survey, const survey::SurveyResult& result,
-                                                        std::size_t window, std::uint64_t maps);
+                                     double border, double confidence = 0.95);
 /// 19 maps: a figure of the measured map lies outside all of them by chance once in ten.
 inline constexpr std::uint64_t simulated_maps = 19;
+
+/// A measured map, the simulated ones to lie beside it, and the traces of the first of these.
+struct MapsBeside {
+  MapFigures measured;
+  std::vector<MapFigures> simulated;
+  std::optional<std::vector<survey::Polyline>> first;
+};
+/// Of every window; one simulated map where more than 20,000 traces were measured, else 19.
+[[nodiscard]] std::vector<MapsBeside> maps_beside(const SurveyScene& survey, const survey::SurveyResult& result);
 
 }  // namespace cleave::scene

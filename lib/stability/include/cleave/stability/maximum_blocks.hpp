@@ -20,9 +20,10 @@ struct TheoryPlane {
 
 /// The largest block of three sets at a tunnel that could come out, and its statics.
 struct MaximumKeyBlock {
-  std::array<std::size_t, 3> planes{};  ///< which, ascending
-  MaximumBlock block;                   ///< bit i of its code: below planes[i]
-  std::array<double, 3> areas{};        ///< m2 of the joint faces
+  std::array<std::size_t, 3> planes{};        ///< which, ascending
+  std::array<geometry::Vec3, 3> upward = {};  ///< their unit normals
+  MaximumBlock block;                         ///< bit i of its code: below planes[i]
+  std::array<double, 3> areas{};              ///< m2 of the joint faces
   Force weight = {};
   Mode mode = Mode::stable;
   geometry::Vec3 direction = {};  ///< unit; zero where nothing drives it

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -73,12 +74,17 @@ struct FittedLaw {
   std::optional<SizeOfJoints> sizes;  ///< by moments, when a law of sizes has these traces
   Estimate mean, std;                 ///< of the lengths
   std::optional<Estimate> size_mean, size_std;
+  std::optional<LengthTest> test;  ///< of whole traces in windows
 };
 
 /// Of the joints, from the lengths as they were seen.
 struct FittedSize {
   SizeOfJoints law;
   Estimate mean, std;
+  std::optional<Estimate> exponent;  ///< of a power law
+  /// What a joint offers to be met: in windows the area of the places its trace may have times its size, on lines the
+  /// square of its size; means.
+  Estimate offered;
   double aic = 0;
   std::string method;
 };
@@ -91,6 +97,7 @@ struct SetResult {
   FisherFit orientation;
   std::optional<BinghamFit> bingham;  ///< when Fisher's law is refused
   bool orientation_stated = false;    ///< dip not measured: stated by the rule
+  std::optional<Estimate> direction;  ///< dip direction from the traces, where only the dip was stated; degrees
   std::vector<geometry::Vec3> normals;
   std::vector<double> weights;
   std::optional<Estimate> p10_normal;  ///< joints per metre along the mean normal, from lines
@@ -104,8 +111,9 @@ struct SetResult {
   std::optional<SizeOfJoints> size;             ///< taken
   std::optional<Estimate> size_mean, size_std;  ///< of it, when it comes from a fitted law
   std::optional<Estimate> m2, m3;               ///< E L^2/E L and E L^3/E L whatever the law (lengths: 2S/m; best fit)
-  std::vector<Fit> spacings;                    ///< along the lines, by AIC
+  std::vector<Fit> spacings;                    ///< along the lines, by AIC; `estimate_of` has their intervals
   std::vector<double> gaps, seen_lengths;
+  std::vector<Estimate> comparisons;  ///< formulas of the source that are biased: for comparison only
   std::vector<std::string> notes;
 };
 
@@ -122,7 +130,7 @@ struct WindowResult {
   std::string name;
   WindowCounts counts;
   std::vector<Estimate> estimates;
-  Nodes nodes;
+  std::optional<Nodes> nodes;  ///< of at most 20,000 traces
 };
 
 struct SurveyResult {
@@ -131,6 +139,7 @@ struct SurveyResult {
   std::vector<WindowResult> windows;
   std::vector<std::pair<std::size_t, double>> silhouettes;  ///< by number of clusters
   OrientationTensor tensor{};
+  std::array<std::array<double, 2>, 3> tensor_intervals{};
   std::size_t unassigned = 0;
   std::vector<std::size_t> set_of;  ///< of each orientation; Clustering::unassigned
   std::vector<std::string> notes;

@@ -14,4 +14,7 @@ struct Estimate {
   std::string note;
 };
 
+/// a/b of two positive estimates that scatter independently: their half widths on the logarithm are added as squares.
+[[nodiscard]] Estimate over(const Estimate& a, const Estimate& b, std::string name, std::string method);
+
 }  // namespace cleave::survey

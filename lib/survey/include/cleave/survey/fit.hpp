@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -68,6 +69,9 @@ struct Meeting {
                                    const std::function<std::optional<double>(const Fit&)>& figure,
                                    double confidence = 0.95);
 [[nodiscard]] double std_of(const Fit& fit);
+/// The parameters a and b themselves (b only where it is fitted): positive ones as `estimate_of`, mu of the lognormal
+/// law with a symmetric interval.
+[[nodiscard]] std::vector<Estimate> parameters_of(const Fit& fit, double confidence = 0.95);
 
 /// Complete data (spacings): maximum likelihood, Kolmogorov-Smirnov p-value by parametric bootstrap with refitting
 /// (`resamples`; 0: none).
@@ -82,5 +86,21 @@ struct ChiSquared {
   std::size_t bins = 0;
 };
 [[nodiscard]] ChiSquared chi_squared(std::span<const double> values, const Fit& fit);
+
+/// A trace that lies wholly in a window, and how long the part of its line is that the window shows around it.
+struct WholeTrace {
+  double length = 0, chord = 0;
+};
+/// Whether the lengths of whole traces can be of one law of the family. Given the chord c a trace within it has the
+/// density f(l) (c - l) above `truncation`, whatever its direction (centres are a Poisson process), so the others, cut
+/// off, need not be known. The law is fitted to a random half, then all are compared with it: so the Kolmogorov-Smirnov
+/// distance has the textbook's law although parameters are fitted (Durbin 1973, Stephens 1978). Empty for fewer than 20
+/// traces and for power laws, whose limits are the data's; of more than 1,000 a random part is taken.
+struct LengthTest {
+  double distance = 0, p_value = 1;
+  std::size_t traces = 0;
+};
+[[nodiscard]] std::optional<LengthTest> test_lengths(std::span<const WholeTrace> traces, double truncation,
+                                                     Family family, std::uint64_t seed);
 
 }  // namespace cleave::survey

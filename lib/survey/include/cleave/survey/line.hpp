@@ -17,7 +17,8 @@ namespace cleave::survey {
 /// lambda from the mean of complete gaps and L; empty when no lambda gives it (mean >= L/3).
 [[nodiscard]] Estimate frequency_from_gaps(std::span<const double> gaps, double length, double confidence = 0.95);
 /// For comparison only: the thesis's correction (A.3, A.4) by an exponential law cut at L, which is biased.
-[[nodiscard]] Estimate frequency_by_truncated_exponential(std::span<const double> gaps, double length);
+[[nodiscard]] Estimate frequency_by_truncated_exponential(std::span<const double> gaps, double length,
+                                                          double confidence = 0.95);
 
 /// Rock quality designation, %: 100 (1 + lambda t) e^-(lambda t) (Priest & Hudson 1976), and measured.
 [[nodiscard]] double rqd_of_frequency(double frequency, double threshold = 0.1);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -50,8 +51,19 @@ struct FisherFit {
 /// likelihood (Bingham 1974), the constant F by quadrature.
 struct BinghamFit {
   double k1 = 0, k2 = 0;
+  std::array<double, 2> first{-INFINITY, 0}, second{-INFINITY, 0};  ///< intervals of k1 and k2
 };
 [[nodiscard]] BinghamFit fit_bingham(const OrientationTensor& tensor);
+/// With intervals by the delta method from the scatter of (n.v)^2 (moments of an exponential family; the axes are
+/// asymptotically independent of k), on log(2.4 - k).
+[[nodiscard]] BinghamFit fit_bingham(std::span<const geometry::Vec3> normals, std::span<const double> weights,
+                                     double confidence = 0.95);
+
+/// Low and high of the tensor's three eigenvalues, by the scatter of (n.v)^2, on the logarithm of the odds.
+[[nodiscard]] std::array<std::array<double, 2>, 3> tensor_intervals(const OrientationTensor& tensor,
+                                                                    std::span<const geometry::Vec3> normals,
+                                                                    std::span<const double> weights,
+                                                                    double confidence = 0.95);
 
 /// Axial K-means (Hammah & Curran 1998): distance 1 - (n.v)^2, first centres by farthest point from the densest joint.
 struct Clustering {

@@ -75,6 +75,8 @@ struct SizeMoments {
 /// Density of trace lengths of discs with this law of diameters, and the probability of more than l.
 [[nodiscard]] double disc_trace_density(const Fit& diameters, double l);
 [[nodiscard]] double disc_trace_above(const Fit& diameters, double l);
+/// `Meeting::chance` of the traces of these discs.
+[[nodiscard]] double disc_chance(const Fit& diameters, const Meeting& meeting);
 
 /// Ellipse with axes a >= a/k seen along a trace at `beta` (radians) from the long axis in its plane: chords are those
 /// of a disc of diameter M a (Zhang, Einstein & Dershowitz 2002).

@@ -36,6 +36,9 @@ using Window = std::variant<CircleWindow, PolygonWindow>;
 /// Width of the window across a direction (unit vector), of its convex hull.
 [[nodiscard]] double width_across(const Window& window, MapPoint direction) noexcept;
 
+/// Length of the part of a line that the window shows around a point inside it (unit direction).
+[[nodiscard]] double chord_through(const Window& window, MapPoint inside, MapPoint direction);
+
 /// A trace as the window shows it.
 struct SeenTrace {
   std::size_t trace = 0;        ///< number of the polyline
@@ -84,11 +87,27 @@ struct WindowCounts {
 [[nodiscard]] Estimate p20_plain(const WindowCounts& c, double confidence = 0.95);
 
 /// Points where traces cross or touch, by kind: ends alone (I), on another trace (Y), crossings (X); connections per
-/// trace 4 (Y/2 + X)/(I + Y) (Sanderson & Nixon 2015: 2 (N_Y + N_X)/N_L with N_L = (N_I + N_Y)/2).
+/// trace 4 (Y + X)/(I + Y) (Sanderson & Nixon 2015: 2 (N_Y + N_X)/N_L with N_L = (N_I + N_Y)/2).
 struct Nodes {
   std::uint64_t isolated = 0, abutting = 0, crossing = 0;
-  double connections = 0;
+  Estimate connections;
 };
-[[nodiscard]] Nodes nodes(const Window& window, std::span<const Polyline> traces, double tolerance);
+[[nodiscard]] Nodes nodes(const Window& window, std::span<const Polyline> traces, double tolerance,
+                          double confidence = 0.95);
+/// Beyond so many traces of a map nodes are not looked for.
+inline constexpr std::size_t most_traces_of_nodes = 20'000;
+
+/// An axis (radians, a and a + pi are the same) that counts with a weight.
+struct WeightedAxis {
+  double angle = 0, weight = 1;
+};
+/// Mean of axes by doubling their angles (Mardia & Jupp 2000, 13.3); each axis counts as one independent piece.
+struct MeanAxis {
+  double axis = 0;     ///< degrees in (-90, 90]
+  Estimate direction;  ///< degrees, value in [0, 180), low <= value <= high
+  Estimate alignment;  ///< length of the resultant: 1 all parallel, 0 none preferred
+  Estimate kappa;      ///< Fisher's, of steep joints that leave such traces on a level outcrop: 2/-ln(alignment)
+};
+[[nodiscard]] MeanAxis mean_axis(std::span<const WeightedAxis> axes, double confidence = 0.95);
 
 }  // namespace cleave::survey

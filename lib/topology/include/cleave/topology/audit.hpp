@@ -48,8 +48,9 @@ class AuditedComplex final {
 
 /// Order-independent hash of the block system (counts and positions rounded exactly on a coarse grid): equal for every
 /// thread count, compiler and optimisation level, and for every order of the joints.
-[[nodiscard]] std::string canonical_hash(const BlockComplex& complex);
+[[nodiscard]] std::string canonical_hash(const BlockComplex& complex, unsigned threads = 1);
 /// The same of some of its blocks: equal for a block found in a window and in the whole scene.
-[[nodiscard]] std::string canonical_hash(const BlockComplex& complex, std::span<const BlockId> blocks);
+[[nodiscard]] std::string canonical_hash(const BlockComplex& complex, std::span<const BlockId> blocks,
+                                         unsigned threads = 1);
 
 }  // namespace cleave::topology
