@@ -53,6 +53,7 @@ class Batches final {
     // An undecided block was taken to stay, to see at once which others are undecided.
     std::ranges::sort(analysis_.undecided);
     analysis_.undecided.erase(std::ranges::unique(analysis_.undecided).begin(), analysis_.undecided.end());
+    if (model_.settings().rotation == RotationCheck::flag) flag_those_that_turn();
     analysis_.judgements.reserve(judgements_.size() * chunk);
     for (const std::uint32_t slot : slot_) {
       if (slot != none) analysis_.judgements.push_back(std::move(judgement_at(slot)));
@@ -105,13 +106,26 @@ class Batches final {
     }
     judgement.cone_dimension = dimension;
     judgement.tie = verdict.tie;
-    if (model_.settings().rotation != RotationCheck::off && !verdict.key) {
+    judged_in_[slot_[id]] = batch;
+    if (model_.settings().rotation == RotationCheck::decide && !verdict.key) {
       judgement.rotation = rotation_of(model_, id, batch, contacts, verdict);
-      if (model_.settings().rotation == RotationCheck::decide && judgement.rotation->turns) judgement.key = true;
+      if (judgement.rotation->turns) judgement.key = true;
     }
     const bool leaves = judgement.key && !std::ranges::binary_search(held_, id);
     if (!leaves) beside_.resize(beside_before, id);
     return leaves;
+  }
+
+  /// Where turning decides nothing it is asked once, at the end, of what stays: in the state that each was judged in
+  /// last, since which nothing beside it has left.
+  void flag_those_that_turn() {
+    for (const BlockId id : complex().blocks().ids()) {
+      if (slot_[id] == none || judgement_at(slot_[id]).key) continue;
+      const std::uint32_t batch = judged_in_[slot_[id]];
+      const Contacts contacts = model_.contacts(id, batch);
+      const Verdict verdict = judge(contacts, model_.applied_forces(id, batch), model_.settings());
+      judgement_at(slot_[id]).rotation = rotation_of(model_, id, batch, contacts, verdict);
+    }
   }
 
   /// Takes out what is left out, before the first batch: what it leaned on is exposed there.
@@ -155,6 +169,7 @@ class Batches final {
   std::uint32_t new_slot(BlockId id) {
     if (judgements_.empty() || judgements_.back().size() == chunk) judgements_.emplace_back().reserve(chunk);
     judgements_.back().push_back({.block = id});
+    judged_in_.push_back(0);
     return static_cast<std::uint32_t>((judgements_.size() - 1) * chunk + judgements_.back().size() - 1);
   }
   [[nodiscard]] Judgement& judgement_at(std::uint32_t slot) { return judgements_[slot / chunk][slot % chunk]; }
@@ -167,6 +182,7 @@ class Batches final {
   IdVector<BlockId, std::uint32_t> slot_;
   static constexpr std::size_t chunk = 128;
   std::vector<std::vector<Judgement>> judgements_;
+  std::vector<std::uint32_t> judged_in_;  ///< by slot: the batch in whose state the judgement was found last
   static constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
   /// The last batch in which the block was found to be a neighbour; `never` for what is fixed or gone.
   IdVector<BlockId, std::uint32_t> noted_in_;
