@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "elastic_body.hpp"
+#include "natural_map.hpp"
 #include "scenes.hpp"
 
 namespace cleave::dbem {
@@ -117,6 +118,22 @@ TEST(InteriorTest, FindsTheMotionOfTheCascade) {
     const std::vector<Vec2> a = speeds(problem, inside.impulse), b = speeds(problem, all.impulse);
     for (std::size_t k = 0; k < a.size(); ++k) EXPECT_LT(norm(a[k] - b[k]), 1e-7) << friction << ' ' << k;
   }
+}
+
+// A sliding wall: the first programme lets it dilate; the ones after it, each with the slip of the one before, do not.
+TEST(InteriorTest, ReachesTheLawByItself) {
+  auto world = World::make(wall(4, 5), law(0.1), {.gravity = {3, -g}, .step = 2e-3});
+  ASSERT_TRUE(world.has_value());
+  const ContactProblem problem = world->problems(2e-3).front();
+  std::vector<double> residuals;
+  std::size_t factors = 0;
+  interior(problem, 1000, factors, [&](const std::vector<Vec2>& impulses) {
+    residuals.push_back(natural_residual(problem, impulses));
+    return residuals.back() < 2e-4;  // the last digits are Newton's
+  });
+  ASSERT_GT(residuals.size(), 1U);
+  EXPECT_GT(residuals.front(), 1e-2);
+  EXPECT_LT(residuals.back(), 2e-4);
 }
 
 TEST(ResidualTest, ALightBlockBesideAHeavyOneCounts) {
