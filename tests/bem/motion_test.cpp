@@ -96,8 +96,10 @@ TEST(AxialWave, NewmarkOfTheSourceIsDampedAndEveryStepIsStable) {
   // The source's parameters: peaks 6.89e-5 and 7.07e-5 of the reference script, to its last digit (its mesh differs).
   EXPECT_NEAR(peak(Newmark{0.5, 1}, 5e-4, 0.1), 6.89e-5, 1.2e-7);
   EXPECT_NEAR(peak(Newmark{0.5, 1}, 2e-4, 0.1), 7.07e-5, 1.2e-7);
-  // Houbolt damps as much at this step; how good it is, is tested by its order.
-  EXPECT_NEAR(peak(Houbolt{}, 2e-4, 0.1), peak(Newmark{0.5, 1}, 2e-4, 0.1), 3e-6);
+  // The static answer twice over is 8e-5. Houbolt, of second order, loses less of it than this Newmark, of first.
+  const double houbolt = peak(Houbolt{}, 2e-4, 0.1);
+  EXPECT_GT(houbolt, peak(Newmark{0.5, 1}, 2e-4, 0.1) + 2e-6);
+  EXPECT_LT(houbolt, peak(Newmark{0.5, 1}, 2e-4, 0.1) + 3e-6);
   for (const double step : {1e-7, 1e-5, 1e-3, 1e-1, 10.0}) {
     for (const double l : modes.eigenvalues) {
       EXPECT_LE(spectral_radius(GeneralizedAlpha{0.8}, l * step * step), 1 + 1e-9);

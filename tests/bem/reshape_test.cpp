@@ -109,13 +109,13 @@ TEST(Rebuild, BentCantileverComesCloserToTheElastica) {
   // Bisshopp and Drucker (1945): P L^2 / E I = 2 gives 0.49346 L down and 0.16064 L back; a linear step 2/3 and 0.
   const Bent linear = bent(2, 0, 12);
   // Timoshenko (1921): shear adds 0.6 (thick / length)^2 of it.
-  EXPECT_NEAR(linear.down, 2.0 / 3 * (1 + 0.6 * 0.05 * 0.05), 3e-4);
+  EXPECT_NEAR(linear.down, 2.0 / 3 * (1 + 0.6 * 0.05 * 0.05), 1.5e-4);
   const Bent rebuilt = bent(2, 0.02, 12);
   EXPECT_GE(rebuilt.rebuilds, 10U);
-  EXPECT_NEAR(rebuilt.down, 0.49346, 0.002);
-  EXPECT_NEAR(rebuilt.shorter, 0.16064, 0.002);
+  EXPECT_NEAR(rebuilt.down, 0.49346, 0.0014);
+  EXPECT_NEAR(rebuilt.shorter, 0.16064, 0.0014);
   // Half way is already much closer than one step.
-  EXPECT_NEAR(bent(2, 0.1, 12).down, 0.49346, 0.02);
+  EXPECT_NEAR(bent(2, 0.1, 12).down, 0.49346, 0.016);
 }
 
 TEST(Rebuild, SmallStrainNeverRebuilds) {
@@ -153,7 +153,8 @@ TEST(Rebuild, KeepsPlaceMomentumAndAngularMomentum) {
   EXPECT_NEAR(motion.spin(), 10 * (1 - 2 * longer), 10 * longer);
   EXPECT_LT(motion.spin(), 10);
   const double a = 0.5, x = 0.4;
-  EXPECT_NEAR(motion.inner(inner).stress.xx / (1000 * motion.spin() * motion.spin() * (a * a - x * x) / 2), 1, 0.2);
+  EXPECT_NEAR(motion.inner(inner).stress.xx / (1000 * motion.spin() * motion.spin() * (a * a - x * x) / 2), 1,
+              0.13);  // the bar is 0.3 thick
 }
 
 TEST(Pin, TakesAwayTheVelocityThatItDoesNotAllow) {
