@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "audited.hpp"
 #include "cleave/geometry/solid.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/stability/held_from_within.hpp"
@@ -19,15 +20,8 @@ namespace {
 
 using geometry::Vec3;
 using handmade::radians;
+using statics::audited;
 using statics::strength;
-
-topology::AuditedComplex audited(const topology::CutInput& input) {
-  auto cut = topology::cut(input);
-  EXPECT_TRUE(cut.has_value()) << (cut ? std::string{} : describe(cut.error()));
-  auto result = topology::audit(*std::move(cut));
-  EXPECT_TRUE(result.has_value());
-  return *std::move(result);
-}
 
 /// Six rectangles: a closed box of joints.
 void add_box(topology::CutInput& input, Vec3 lo, Vec3 hi) {

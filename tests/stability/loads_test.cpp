@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "analyse_complex.hpp"
+#include "audited.hpp"
 #include "cleave/core/rng.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/geometry/solid.hpp"
@@ -30,19 +31,12 @@ using geometry::normalized;
 using geometry::Vec3;
 using handmade::radians;
 using handmade::upward;
+using statics::audited;
 using statics::find;
 using statics::strength;
 using topology::BlockId;
 
 geometry::Solid box(Vec3 low, Vec3 high) { return geometry::make_box(low, high).value(); }
-
-topology::AuditedComplex audited(const topology::CutInput& input) {
-  auto complex = topology::cut(input);
-  EXPECT_TRUE(complex.has_value());
-  auto result = topology::audit(*std::move(complex));
-  EXPECT_TRUE(result.has_value());
-  return *std::move(result);
-}
 
 Actions actions(ActionSpec spec) { return Actions::make(std::move(spec)).value(); }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "audited.hpp"
 #include "cleave/core/rng.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/geometry/solid.hpp"
@@ -21,6 +22,7 @@ namespace {
 using geometry::Attitude;
 using geometry::norm;
 using geometry::Vec3;
+using statics::audited;
 using statics::find;
 using statics::strength;
 using topology::BlockId;
@@ -32,14 +34,6 @@ topology::PersistentJoint persistent(Vec3 through, double dip, double direction)
 }
 
 topology::Joint polygon(std::vector<Vec3> corners) { return {{geometry::Polygon::make(std::move(corners)).value()}}; }
-
-topology::AuditedComplex audited(const topology::CutInput& input) {
-  auto complex = topology::cut(input);
-  EXPECT_TRUE(complex.has_value());
-  auto result = topology::audit(*std::move(complex));
-  EXPECT_TRUE(result.has_value());
-  return *std::move(result);
-}
 
 /// Density 2700, g 9.81.
 Settings rock(std::initializer_list<JointStrength> strengths) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "audited.hpp"
 #include "cleave/geometry/solid.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/topology/audit.hpp"
@@ -21,6 +22,7 @@ namespace {
 
 using geometry::Vec3;
 using handmade::radians;
+using statics::audited;
 using statics::strength;
 
 /// Axes down the dip (to the east), along strike and up from the plane.
@@ -52,14 +54,6 @@ void expect_finite(const Analysis& a) {
     EXPECT_TRUE(std::isfinite(j.transferred->net.si()) && geometry::is_finite(j.transferred->received));
     EXPECT_FALSE(std::isnan(j.transferred->factor_of_safety));
   }
-}
-
-topology::AuditedComplex audited(const topology::CutInput& input) {
-  auto cut = topology::cut(input);
-  EXPECT_TRUE(cut.has_value()) << (cut ? std::string{} : describe(cut.error()));
-  auto result = topology::audit(*std::move(cut));
-  EXPECT_TRUE(result.has_value());
-  return *std::move(result);
 }
 
 // A slab of 1e5 m3 on a plane that dips 40 degrees, and in its lower corner a cube of 1 mm on a joint of the same dip.

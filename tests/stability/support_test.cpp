@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "audited.hpp"
 #include "cleave/geometry/solid.hpp"
 #include "cleave/stability/bolt_patterns.hpp"
 #include "cleave/stability/sensitivity.hpp"
@@ -21,16 +22,9 @@ namespace {
 using geometry::norm;
 using geometry::Vec3;
 using handmade::radians;
+using statics::audited;
 using statics::strength;
 using topology::BlockId;
-
-topology::AuditedComplex audited(const topology::CutInput& input) {
-  auto complex = topology::cut(input);
-  EXPECT_TRUE(complex.has_value());
-  auto result = topology::audit(*std::move(complex));
-  EXPECT_TRUE(result.has_value());
-  return *std::move(result);
-}
 
 /// A slab of `height` m on a plane that dips `dip` to the east; x' down the dip from 0 to `length`, 2 m wide. Cuts
 /// across the slab at `cuts`. All sides but the base are free.
