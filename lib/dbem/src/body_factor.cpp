@@ -5,14 +5,12 @@
 namespace cleave::dbem {
 namespace {
 
-using Row = Eigen::RowVector3d;
-
-Row row(const std::array<double, 3>& r) { return {r[0], r[1], r[2]}; }
-
 /// Smallest E over diag W: what rounding of the factors bears.
 constexpr double least_softness = 1e-9;
 
-std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const RigidForm& form) {
+}  // namespace
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> links_of_bodies(const RigidForm& form) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
   for (const auto& [i, j] : form.sides) {
     if (i.body != RigidForm::ground && j.body != RigidForm::ground && i.body != j.body)
@@ -24,10 +22,33 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const RigidForm& form
   return out;
 }
 
-}  // namespace
+void add_masses(const RigidForm& form, FrontalFactor& factor) {
+  for (std::size_t b = 0; b < form.inverse_mass.size(); ++b) {
+    auto block = factor.block(b, b);
+    for (int d = 0; d < 3; ++d) {
+      // Freedoms that are held do not move.
+      const double inverse = form.inverse_mass[b][static_cast<std::size_t>(d)];
+      block(d, d) += inverse > 0 ? 1 / inverse : 1e30;
+    }
+  }
+}
+
+Vec2 softness_of(const ContactProblem& problem, std::size_t contact, double soft, double least) {
+  const RigidForm& form = *problem.rigid;
+  const bem::Mat2& w = problem.w.values[problem.w.diagonal[contact]];
+  Vec2 bodies{};
+  for (const RigidForm::Side& side : form.sides[contact]) {
+    if (side.body == RigidForm::ground) continue;
+    for (std::size_t d = 0; d < 3; ++d) {
+      bodies.x += side.n[d] * side.n[d] * form.inverse_mass[side.body][d];
+      bodies.y += side.t[d] * side.t[d] * form.inverse_mass[side.body][d];
+    }
+  }
+  return {std::max((1 + soft) * w.xx - bodies.x, least * w.xx), std::max((1 + soft) * w.yy - bodies.y, least * w.yy)};
+}
 
 BodyFactor::BodyFactor(const ContactProblem& problem)
-    : factor_{problem.rigid->inverse_mass.size(), 3, links(*problem.rigid)} {}
+    : factor_{problem.rigid->inverse_mass.size(), 3, links_of_bodies(*problem.rigid)} {}
 
 bool BodyFactor::compute(const ContactProblem& problem, double soft, const Pattern& pattern) {
   const RigidForm& form = *problem.rigid;
@@ -40,25 +61,9 @@ bool BodyFactor::compute(const ContactProblem& problem, double soft, const Patte
     if (pattern.closed[k] != 0 && pattern.stuck[k] == 0 && pattern.q[k] != 0) symmetric = false;
   }
   factor_.clear(symmetric);
-  for (std::size_t b = 0; b < form.inverse_mass.size(); ++b) {
-    auto block = factor_.block(b, b);
-    for (int d = 0; d < 3; ++d) {
-      const double inverse = form.inverse_mass[b][static_cast<std::size_t>(d)];
-      block(d, d) = inverse > 0 ? 1 / inverse : 1.0;
-    }
-  }
+  add_masses(form, factor_);
   for (std::size_t k = 0; k < m; ++k) {
-    const bem::Mat2& w = problem.w.values[problem.w.diagonal[k]];
-    Vec2 bodies{};
-    for (const RigidForm::Side& side : form.sides[k]) {
-      if (side.body == RigidForm::ground) continue;
-      for (std::size_t d = 0; d < 3; ++d) {
-        bodies.x += side.n[d] * side.n[d] * form.inverse_mass[side.body][d];
-        bodies.y += side.t[d] * side.t[d] * form.inverse_mass[side.body][d];
-      }
-    }
-    softness_[k] = {std::max((1 + soft) * w.xx - bodies.x, least_softness * w.xx),
-                    std::max((1 + soft) * w.yy - bodies.y, least_softness * w.yy)};
+    softness_[k] = softness_of(problem, k, soft, least_softness);
     const bool closed = pattern.closed[k] != 0, stuck = pattern.stuck[k] != 0;
     if (!closed && !stuck) continue;
     const double q = stuck ? 0.0 : pattern.q[k];
@@ -67,15 +72,9 @@ bool BodyFactor::compute(const ContactProblem& problem, double soft, const Patte
       for (const RigidForm::Side& b : form.sides[k]) {
         if (b.body == RigidForm::ground) continue;
         auto block = factor_.block(a.body, b.body);
-        if (closed) block.noalias() += (row(a.n) + q * row(a.t)).transpose() * (row(b.n) / softness_[k].x);
-        if (stuck) block.noalias() += row(a.t).transpose() * (row(b.t) / softness_[k].y);
+        if (closed) block.noalias() += (row_of(a.n) + q * row_of(a.t)).transpose() * (row_of(b.n) / softness_[k].x);
+        if (stuck) block.noalias() += row_of(a.t).transpose() * (row_of(b.t) / softness_[k].y);
       }
-    }
-  }
-  // Freedoms that are held do not move.
-  for (std::size_t b = 0; b < form.inverse_mass.size(); ++b) {
-    for (int d = 0; d < 3; ++d) {
-      if (form.inverse_mass[b][static_cast<std::size_t>(d)] <= 0) factor_.block(b, b)(d, d) += 1e30;
     }
   }
   return factor_.factorise();

@@ -8,6 +8,15 @@
 
 namespace cleave::dbem {
 
+/// A contact's row of J on one body.
+inline Eigen::RowVector3d row_of(const std::array<double, 3>& r) { return {r[0], r[1], r[2]}; }
+/// Pairs of bodies that share a contact.
+[[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> links_of_bodies(const RigidForm& form);
+/// M on the diagonal; freedoms that are held get a mass beyond all others.
+void add_masses(const RigidForm& form, FrontalFactor& factor);
+/// E of one contact, `soft` * diag W included; at least `least` * diag W.
+[[nodiscard]] Vec2 softness_of(const ContactProblem& problem, std::size_t contact, double soft, double least);
+
 /// Inverse of a reduced contact system in the freedoms of rigid bodies: with W = J M^-1 J^T + E, unknowns z = S^T p of
 /// closed and stuck contacts and equations R,
 ///   (E + R^T J M^-1 J^T S)^-1 = E^-1 - E^-1 R^T J (M + J^T S E^-1 R^T J)^-1 J^T S E^-1   (Woodbury 1950).

@@ -1,13 +1,28 @@
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
 
-#include "fronts.hpp"
+#include "barrier_factor.hpp"
 #include "natural_map.hpp"
 
 namespace cleave::dbem {
 namespace {
+
+/// Shares of the first complementarity at which a programme ends. Speeds that its contacts hardly decide are known to
+/// the root of it.
+constexpr double rough = 1e-6, fine = 1e-10;
+
+/// Of one contact: impulses, what excludes them, and what is left of each bound, which carries digits that its
+/// difference would lose.
+struct Values {
+  double n = 0, t = 0;
+  double pressed = 0;                    // n + tension
+  double open = 0;                       // speed of the gap
+  double room_ahead = 0, room_back = 0;  // mu n + c + t, mu n + c - t
+  double ahead = 0, back = 0;            // speeds of slip towards +t (t at its least) and -t
+};
 
 /// Interior points on the law with dilation mu * `slid`: given the speeds of slip, the law is that of a convex
 /// quadratic programme over the friction cones (Acary, Cadoux, Lemarechal and Malick 2011, for circular cones), which
@@ -15,190 +30,201 @@ namespace {
 class Interior final {
  public:
   explicit Interior(const ContactProblem& problem)
-      : problem_{problem},
-        m_{problem.contacts()},
-        factor_{m_, 2, links(problem.w)},
-        slid_(m_),
-        n_(m_),
-        t_(m_),
-        g_(m_),
-        ahead_(m_),
-        back_(m_),
-        dn_(m_),
-        dt_(m_),
-        dg_(m_),
-        da_(m_),
-        db_(m_) {
+      : problem_{problem}, m_{problem.contacts()}, factor_{problem}, slid_(m_), off_(m_), at_(m_), way_{}, d_(m_) {
     for (const Vec2 b : problem.b) speed_ = std::max({speed_, std::abs(b.x), std::abs(b.y)});
+    guess_slip();
+    start(1);
   }
 
   /// Solves for the present speeds of slip; `share`: of the first complementarity at which it is enough. Counts
   /// factors.
   bool solve(double share, std::size_t& factors) {
-    double first = -1;
     for (int k = 0; k < 60; ++k) {
       const double gap = complementarity();
-      if (first < 0) first = std::max(gap, whole_);
-      whole_ = std::max(whole_, first);
+      if (k == 0) whole_ = std::max(whole_, gap);
       if (!std::isfinite(gap)) return false;
       if (gap <= share * whole_) return true;
+      if (gap <= 0.1 * whole_) way_.push_back({gap / whole_, at_});
       ++factors;
-      if (!factorise()) return false;
-      direction(0, false);
-      const double reach = longest(1);
-      const double after = std::max(0.0, complementarity(reach));
-      const double centre = std::clamp(std::pow(after / gap, 3), 1e-3, 1.0);
-      direction(centre * gap, true);
-      double step = longest(0.99);
-      if (step < 0.1) {  // the corrector leads out of the cone
-        direction(std::max(0.5, centre) * gap, false);
-        step = longest(0.95);
-      }
+      const std::optional<double> step = factorise() ? direct(gap) : std::nullopt;
+      // Near the end rounding may be all that is left of a direction.
+      if (!step) return gap <= rough * whole_;
       for (std::size_t c = 0; c < m_; ++c) {
-        n_[c] += step * dn_[c];
-        t_[c] += step * dt_[c];
-        g_[c] += step * dg_[c];
-        ahead_[c] += step * da_[c];
-        back_[c] += step * db_[c];
+        at_[c].n += *step * d_[c].n;
+        at_[c].t += *step * d_[c].t;
+        at_[c].pressed += *step * d_[c].pressed;
+        at_[c].open += *step * d_[c].open;
+        at_[c].room_ahead += *step * d_[c].room_ahead;
+        at_[c].room_back += *step * d_[c].room_back;
+        at_[c].ahead += *step * d_[c].ahead;
+        at_[c].back += *step * d_[c].back;
       }
     }
     return false;
   }
 
-  /// Takes over the speeds of slip found, and moves inwards for the next programme; says by how much they changed, over
-  /// the largest speed.
+  /// How far the speeds of slip are from those the programme was made with, over the largest speed.
+  [[nodiscard]] double change() const {
+    double most = 0;
+    for (std::size_t c = 0; c < m_; ++c) most = std::max(most, std::abs(found_slip(c) - slid_[c]));
+    return most / speed_;
+  }
+
+  /// Moves the speeds of slip towards those found, and goes back along the way to where the next programme has room to
+  /// begin; says how far apart they were.
   double renew() {
-    double change = 0;
+    const double found = change();
+    double own = 0, both = 0, before = 0;
     for (std::size_t c = 0; c < m_; ++c) {
-      const double now = std::abs(ahead_[c] - back_[c]);
-      change = std::max(change, std::abs(now - slid_[c]));
-      slid_[c] = now;
+      const double off = found_slip(c) - slid_[c];
+      own += off * off;
+      both += off * off_[c];
+      before += off_[c] * off_[c];
+      off_[c] = off;
     }
-    change /= speed_;
-    start(std::clamp(change, 1e-6, 1.0));
-    return change;
+    // Speeds that change on as they did before have far to go: twice as fast. Where they turn round: half.
+    if (before > 0) {
+      const double alike = both / std::sqrt(own * before);
+      if (alike > 0.9) {
+        pace_ *= 2;
+      } else if (alike <= 0.5) {
+        pace_ = std::max(0.5 * pace_, alike < 0 ? 0.25 : 1.0);
+      }
+    }
+    for (std::size_t c = 0; c < m_; ++c) slid_[c] = std::max(0.0, slid_[c] + pace_ * off_[c]);
+    while (!way_.empty() && way_.back().share < 0.1 * found) way_.pop_back();
+    if (way_.empty()) {
+      start(std::clamp(found, 1e-6, 1.0));
+    } else {
+      at_ = std::move(way_.back().at);
+      way_.pop_back();
+    }
+    return found;
+  }
+
+  [[nodiscard]] std::vector<Vec2> impulses() const {
+    std::vector<Vec2> p(m_);
+    for (std::size_t c = 0; c < m_; ++c) p[c] = {at_[c].n, at_[c].t};
+    return p;
+  }
+
+ private:
+  struct Place {
+    double share;  // of the first complementarity
+    std::vector<Values> at;
+  };
+
+  [[nodiscard]] const bem::Mat2& diagonal(std::size_t c) const { return problem_.w.values[problem_.w.diagonal[c]]; }
+  /// No friction, no cohesion: no room for a tangential impulse.
+  [[nodiscard]] bool smooth(std::size_t c) const { return problem_.mu[c] <= 0 && problem_.cohesion[c] <= 0; }
+  [[nodiscard]] double found_slip(std::size_t c) const { return std::abs(at_[c].ahead - at_[c].back); }
+
+  [[nodiscard]] std::vector<Vec2> velocities(const std::vector<Vec2>& p) const {
+    std::vector<Vec2> y = problem_.b;
+    problem_.w.add_product(p, y);
+    return y;
+  }
+
+  /// Speeds of slip under the forces of a warm start: what slides, slides on.
+  void guess_slip() {
+    if (problem_.start.empty()) return;
+    const std::vector<Vec2> y = velocities(problem_.start);
+    for (std::size_t c = 0; c < m_; ++c) {
+      const Vec2 p = problem_.start[c];
+      const double bound = problem_.mu[c] * p.x + problem_.cohesion[c];
+      if (p.x > 0 && std::abs(p.y) >= bound * (1 - 1e-6)) slid_[c] = std::abs(y[c].y);
+    }
   }
 
   /// At least this far inside, over what the loads ask for.
   void start(double inside) {
     for (std::size_t c = 0; c < m_; ++c) {
+      Values& v = at_[c];
       const double e = inside * speed_;
-      n_[c] = std::max(n_[c], std::sqrt(inside) * speed_ / diagonal(c).xx);
-      t_[c] = 0;
-      g_[c] = std::max(g_[c], e);
-      ahead_[c] = std::max(ahead_[c], e);
-      back_[c] = std::max(back_[c], e);
+      v.n = std::max(v.n, std::sqrt(inside) * speed_ / diagonal(c).xx);
+      v.t = 0;
+      v.pressed = v.n + problem_.tension[c];
+      v.room_ahead = v.room_back = problem_.mu[c] * v.n + problem_.cohesion[c];
+      v.open = std::max(v.open, e);
+      v.ahead = std::max(v.ahead, e);
+      v.back = std::max(v.back, e);
     }
   }
-
-  [[nodiscard]] std::vector<Vec2> impulses() const {
-    std::vector<Vec2> p(m_);
-    for (std::size_t c = 0; c < m_; ++c) p[c] = {n_[c], t_[c]};
-    return p;
-  }
-
- private:
-  static std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const BlockMatrix& w) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
-    for (std::uint32_t r = 0; r < w.rows(); ++r) {
-      for (std::size_t at = w.starts[r]; at < w.starts[r + 1]; ++at) {
-        if (r < w.columns[at]) out.emplace_back(r, w.columns[at]);
-      }
-    }
-    return out;
-  }
-  [[nodiscard]] const bem::Mat2& diagonal(std::size_t c) const { return problem_.w.values[problem_.w.diagonal[c]]; }
-  /// No friction, no cohesion: no room for a tangential impulse.
-  [[nodiscard]] bool smooth(std::size_t c) const { return problem_.mu[c] <= 0 && problem_.cohesion[c] <= 0; }
-  /// Normal impulse above where the contact tears; what is left of friction against either sense of slip.
-  [[nodiscard]] double pressed(std::size_t c) const { return n_[c] + problem_.tension[c]; }
-  [[nodiscard]] double room_ahead(std::size_t c) const { return problem_.mu[c] * n_[c] + problem_.cohesion[c] + t_[c]; }
-  [[nodiscard]] double room_back(std::size_t c) const { return problem_.mu[c] * n_[c] + problem_.cohesion[c] - t_[c]; }
 
   /// Mean product of what excludes each other, after a share of the direction.
   [[nodiscard]] double complementarity(double share = 0) const {
     double sum = 0;
     for (std::size_t c = 0; c < m_; ++c) {
-      const double mu = problem_.mu[c];
-      sum += (pressed(c) + share * dn_[c]) * (g_[c] + share * dg_[c]);
+      const Values &v = at_[c], &d = d_[c];
+      sum += (v.pressed + share * d.pressed) * (v.open + share * d.open);
       if (smooth(c)) continue;
-      sum += (room_ahead(c) + share * (mu * dn_[c] + dt_[c])) * (ahead_[c] + share * da_[c]);
-      sum += (room_back(c) + share * (mu * dn_[c] - dt_[c])) * (back_[c] + share * db_[c]);
+      sum += (v.room_ahead + share * d.room_ahead) * (v.ahead + share * d.ahead);
+      sum += (v.room_back + share * d.room_back) * (v.back + share * d.back);
     }
     return sum / (3 * static_cast<double>(m_));
   }
 
-  /// What the barrier adds to W at a contact.
-  [[nodiscard]] bem::Mat2 barrier(std::size_t c) const {
-    const double n = g_[c] / pressed(c);
-    if (smooth(c)) return {n, 0, 0, 1e12 * diagonal(c).yy};
-    const double mu = problem_.mu[c], a = ahead_[c] / room_ahead(c), b = back_[c] / room_back(c);
-    return {n + mu * mu * (a + b), mu * (a - b), mu * (a - b), a + b};
-  }
-
   bool factorise() {
-    const BlockMatrix& w = problem_.w;
-    factor_.clear(true);
-    for (std::size_t r = 0; r < m_; ++r) {
-      for (std::size_t at = w.starts[r]; at < w.starts[r + 1]; ++at) {
-        bem::Mat2 v = w.values[at];
-        if (w.columns[at] == r) v += barrier(r);
-        auto block = factor_.block(r, w.columns[at]);
-        block(0, 0) = v.xx;
-        block(0, 1) = v.xy;
-        block(1, 0) = v.yx;
-        block(1, 1) = v.yy;
+    std::vector<Barrier> added(m_);
+    for (std::size_t c = 0; c < m_; ++c) {
+      const Values& v = at_[c];
+      added[c].normal = v.open / v.pressed;
+      if (smooth(c)) {
+        added[c].back = 1e12 * diagonal(c).yy;
+      } else {
+        added[c].ahead = v.ahead / v.room_ahead;
+        added[c].back = v.back / v.room_back;
       }
     }
-    return factor_.factorise();
+    return factor_.compute(std::move(added));
+  }
+
+  /// Mehrotra's direction, in `d_`, and how much of it to go; nothing where rounding is all that is left.
+  std::optional<double> direct(double gap) {
+    if (!direct(0, false)) return {};
+    const double after = std::max(0.0, complementarity(longest(1)));
+    const double centre = std::clamp(std::pow(after / gap, 3), 1e-3, 1.0);
+    if (!direct(centre * gap, true)) return {};
+    const double step = longest(0.99);
+    if (step >= 0.1) return step;
+    // The corrector leads out of the cone.
+    if (!direct(std::max(0.5, centre) * gap, false)) return {};
+    return longest(0.95);
   }
 
   /// Newton's direction towards products of `target`, less the second-order part of the direction before.
-  void direction(double target, bool corrected) {
-    std::vector<Vec2> y = problem_.b, right(m_);
-    problem_.w.add_product(impulses(), y);
+  bool direct(double target, bool corrected) {
+    const std::vector<Vec2> y = velocities(impulses());
+    std::vector<Vec2> right(m_), z;
     for (std::size_t c = 0; c < m_; ++c) {
-      const double mu = problem_.mu[c];
-      const double of_n = corrected ? dn_[c] * dg_[c] : 0;
-      const double kept_g = (target - of_n) / pressed(c) - g_[c];
-      right[c].x = g_[c] - y[c].x + kept_g;
-      dg_[c] = kept_g;
+      const Values& v = at_[c];
+      Values& d = d_[c];
+      const double mu = problem_.mu[c], sense = factor_.sense(c);
+      d.open = (target - (corrected ? d.pressed * d.open : 0)) / v.pressed;
       if (smooth(c)) {
-        right[c].y = 0;
+        right[c] = {d.open - y[c].x, 0};
         continue;
       }
-      const double of_a = corrected ? da_[c] * (mu * dn_[c] + dt_[c]) : 0;
-      const double of_b = corrected ? db_[c] * (mu * dn_[c] - dt_[c]) : 0;
-      const double kept_a = (target - of_a) / room_ahead(c) - ahead_[c];
-      const double kept_b = (target - of_b) / room_back(c) - back_[c];
-      right[c].x += mu * (ahead_[c] + back_[c] - slid_[c] + kept_a + kept_b);
-      right[c].y = ahead_[c] - back_[c] - y[c].y + kept_a - kept_b;
-      da_[c] = kept_a;
-      db_[c] = kept_b;
+      d.ahead = (target - (corrected ? d.ahead * d.room_ahead : 0)) / v.room_ahead;
+      d.back = (target - (corrected ? d.back * d.room_back : 0)) / v.room_back;
+      const double near = sense > 0 ? d.back : d.ahead, far = sense > 0 ? d.ahead : d.back;
+      right[c] = {d.open - y[c].x - mu * (slid_[c] + sense * y[c].y - 2 * far), near - far + sense * y[c].y};
     }
-    Eigen::VectorXd z(2 * static_cast<Eigen::Index>(m_));
-    const auto at = [](std::size_t c) { return 2 * static_cast<Eigen::Index>(c); };
-    for (std::size_t c = 0; c < m_; ++c) z.segment(at(c), 2) << right[c].x, right[c].y;
-    factor_.solve(z);
-    // Once more for what rounding left: near the end some barriers are 10^20 times others.
-    std::vector<Vec2> x(m_);
-    for (std::size_t c = 0; c < m_; ++c) x[c] = {z[at(c)], z[at(c) + 1]};
-    std::vector<Vec2> product(m_);
-    problem_.w.add_product(x, product);
+    if (!factor_.solve(right, z)) return false;
     for (std::size_t c = 0; c < m_; ++c) {
-      const Vec2 left = right[c] - product[c] - barrier(c) * x[c];
-      z.segment(at(c), 2) << left.x, left.y;
-    }
-    factor_.solve(z);
-    for (std::size_t c = 0; c < m_; ++c) {
-      const double mu = problem_.mu[c];
-      dn_[c] = x[c].x + z[at(c)];
-      dt_[c] = smooth(c) ? 0.0 : x[c].y + z[at(c) + 1];
-      dg_[c] -= g_[c] / pressed(c) * dn_[c];
+      const Values& v = at_[c];
+      Values& d = d_[c];
+      const double mu = problem_.mu[c], sense = factor_.sense(c);
+      d.n = d.pressed = z[c].x;
+      d.open -= v.open + v.open / v.pressed * d.pressed;
       if (smooth(c)) continue;
-      da_[c] -= ahead_[c] / room_ahead(c) * (mu * dn_[c] + dt_[c]);
-      db_[c] -= back_[c] / room_back(c) * (mu * dn_[c] - dt_[c]);
+      d.t = sense * (mu * z[c].x - z[c].y);
+      d.room_ahead = d.room_back = z[c].y;
+      (sense > 0 ? d.room_ahead : d.room_back) = 2 * mu * z[c].x - z[c].y;
+      d.ahead -= v.ahead + v.ahead / v.room_ahead * d.room_ahead;
+      d.back -= v.back + v.back / v.room_back * d.room_back;
     }
+    return true;
   }
 
   /// The longest part of the direction that keeps `share` of the way to the boundary.
@@ -208,25 +234,26 @@ class Interior final {
       if (change < 0) step = std::min(step, -share * value / change);
     };
     for (std::size_t c = 0; c < m_; ++c) {
-      const double mu = problem_.mu[c];
-      keep(pressed(c), dn_[c]);
-      keep(g_[c], dg_[c]);
+      const Values &v = at_[c], &d = d_[c];
+      keep(v.pressed, d.pressed);
+      keep(v.open, d.open);
       if (smooth(c)) continue;
-      keep(room_ahead(c), mu * dn_[c] + dt_[c]);
-      keep(room_back(c), mu * dn_[c] - dt_[c]);
-      keep(ahead_[c], da_[c]);
-      keep(back_[c], db_[c]);
+      keep(v.room_ahead, d.room_ahead);
+      keep(v.room_back, d.room_back);
+      keep(v.ahead, d.ahead);
+      keep(v.back, d.back);
     }
     return step;
   }
 
   const ContactProblem& problem_;
   std::size_t m_;
-  FrontalFactor factor_;
-  double speed_ = 0, whole_ = 0;
-  std::vector<double> slid_;
-  std::vector<double> n_, t_, g_, ahead_, back_;  // impulses; gap speed; slip towards +t (t at its least) and -t
-  std::vector<double> dn_, dt_, dg_, da_, db_;
+  BarrierFactor factor_;
+  double speed_ = 0, whole_ = 0, pace_ = 1;
+  std::vector<double> slid_, off_;  // speeds of slip; how far off they were
+  std::vector<Values> at_;
+  std::vector<Place> way_;
+  std::vector<Values> d_;
 };
 
 }  // namespace
@@ -234,13 +261,19 @@ class Interior final {
 void interior(const ContactProblem& problem, std::size_t most, std::size_t& factors,
               const std::function<bool(const std::vector<Vec2>&)>& enough) {
   Interior inside{problem};
-  inside.start(1);
-  double share = 1e-6;
+  double share = rough;
   while (factors < most) {
     if (!inside.solve(share, factors)) return;
-    if (enough(inside.impulses())) return;
+    // Speeds of slip that stay let one programme go on to its digits; what comes after an answer is dear in large
+    // groups, and seldom gets home from a rough one.
+    const bool goes_on = share > fine && inside.change() <= 1e-4;
+    if (!(goes_on && is_large(problem)) && enough(inside.impulses())) return;
+    if (goes_on) {
+      share = fine;
+      continue;
+    }
     const double change = inside.renew();
-    share = std::clamp(1e-4 * change, 1e-12, 1e-6);
+    share = std::clamp(1e-2 * change * change, 1e-18, rough);
   }
 }
 

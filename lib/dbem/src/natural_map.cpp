@@ -21,6 +21,16 @@ void BlockMatrix::add_product(const std::vector<Vec2>& x, std::vector<Vec2>& y) 
   }
 }
 
+std::vector<std::pair<std::uint32_t, std::uint32_t>> links_of_contacts(const BlockMatrix& w) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
+  for (std::uint32_t r = 0; r < w.rows(); ++r) {
+    for (std::size_t at = w.starts[r]; at < w.starts[r + 1]; ++at) {
+      if (r < w.columns[at]) out.emplace_back(r, w.columns[at]);
+    }
+  }
+  return out;
+}
+
 MapEvaluator::MapEvaluator(const ContactProblem& problem, double soft, std::span<const Vec2> centre)
     : problem_{&problem}, soft_{soft}, centre_{centre} {
   r_.resize(problem.contacts());

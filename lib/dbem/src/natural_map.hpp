@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "cleave/dbem/solver.hpp"
@@ -78,6 +79,12 @@ class PatternSolver final {
 /// `most` factors. Sure and slow; answers are as near as rounding lets a barrier come, a few linear solves short.
 void interior(const ContactProblem& problem, std::size_t most, std::size_t& factors,
               const std::function<bool(const std::vector<Vec2>&)>& enough);
+
+/// Groups whose linear solves are dear.
+[[nodiscard]] inline bool is_large(const ContactProblem& problem) { return problem.contacts() > 150; }
+
+/// Pairs of contacts that share a block of W.
+[[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> links_of_contacts(const BlockMatrix& w);
 
 /// Exact complementary pivoting; empty when it does not end. Counts pivots.
 [[nodiscard]] std::vector<Vec2> lemke(const ContactProblem& problem, std::size_t& pivots);

@@ -119,16 +119,6 @@ PatternSolver::~PatternSolver() = default;
 
 namespace {
 
-std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const BlockMatrix& w) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
-  for (std::uint32_t r = 0; r < w.rows(); ++r) {
-    for (std::size_t at = w.starts[r]; at < w.starts[r + 1]; ++at) {
-      if (r < w.columns[at]) out.emplace_back(r, w.columns[at]);
-    }
-  }
-  return out;
-}
-
 std::size_t changes(const Pattern& a, const Pattern& b) {
   std::size_t sum = 0;
   for (std::size_t k = 0; k < a.q.size(); ++k) {
@@ -292,7 +282,7 @@ std::vector<Vec2> PatternSolver::solve(const ContactProblem& problem, double sof
     // A factor made for other states of a few contacts does: each takes GMRES two steps more.
     if (!done && kept_ && kept_->soft == soft && changes(kept_->pattern, pattern) <= 3) done = iterate(12);
     if (!done) {
-      if (!kept_) kept_ = std::make_unique<Kept>(FrontalFactor{w.rows(), 2, links(w)});
+      if (!kept_) kept_ = std::make_unique<Kept>(FrontalFactor{w.rows(), 2, links_of_contacts(w)});
       if (factorise(*kept_, w, soft, pattern, number)) {
         done = iterate(20);
       } else {
