@@ -50,18 +50,46 @@ TEST(ContactScene, BadInputIsNamed) {
       {"[contact]\nduration = 1\nrigid = false\n[[body]]\n" + square, "no Young's modulus"},
       {motion + "[[body]]\ndensity = 0\n" + square, "body[1].density: a body that moves needs a mass"},
       {motion + "[[body]]\noutline = [[0, 0], [1, 1], [1, 0], [0, 1]]\n", "side 1 and side 3 meet"},
-      {motion + "[[body]]\noutline = [[0, 0], [1, 0]]\n", "fewer than three sides"},
+      {motion + "[[body]]\noutline = [[0, 0], [1, 0]]\n", "body[1].outline: has 2 corners"},
       {motion + "[[body]]\nname = \"a\"\n", "holds none of: outline, rectangle, polygon, circle, voussoir"},
       {motion + "[[body]]\nname = \"a\"\n" + square +
            "[[body]]\nname = \"a\"\nrectangle = { corner = [5, 0], width = 1, height = 1 }\n",
        "\"a\" is the name of the body of line 4, too"},
       {motion + "[[body]]\njoint = \"A\"\n" + square, "there is no [joints.A]"},
+      {motion + "[joints.bedding]\n[[body]]\njoint = \"beding\"\n" + square, "did you mean \"bedding\""},
+      {motion + "[[body]]\nname = \"\"\n" + square, "body[1].name: is empty"},
+      {motion + "gravity = -9.81\n[[body]]\n" + square, "contact.gravity: is -9.81; give a number from 0"},
       {motion + "[joints.A]\nfriction = 95\n[[body]]\n" + square, "joints.A.friction: is 95"},
       {motion + "[joints.A]\n[[body]]\njoint = [\"A\", \"A\"]\n" + square, "a list of 4, one a side"},
       {motion + "[[body]]\nfixed = true\nspin = 1\n" + square, "the body is fixed"},
       {motion + "[[body]]\nload = [{ side = 5, pressure = 1 }]\n" + square, "there is no side 5"},
+      {motion + "[[body]]\nload = [{ sides = [], pressure = 1 }]\n" + square, "load[1].sides: names no side"},
+      {motion + "[[body]]\nload = [{ side = 1, at = [0, 0], force = [1, 0] }]\n" + square, "side: stands beside force"},
+      {motion + "[[body]]\nload = [{ side = 1, at = [0, 0], pressure = 1 }]\n" + square, "at: stands beside pressure"},
+      {motion + "[[body]]\nload = [{ at = [4, 4], force = [1, 0] }]\n" + square, "(4, 4) lies outside \"body 1\""},
+      {"[rock]\nyoung = 1e9\npoisson = 0.2\n" + motion +
+           "rigid = false\n[[body]]\nload = [{ at = [0.5, 0.4], force = [0, 1] }]\n" + square,
+       "(0.5, 0.4) lies inside \"body 1\", which deforms"},
+      {motion + "[[body]]\nload = [{ at = [0, 0], force = [1, 0], time = { kind = \"step\", duration = 1 } }]\n" +
+           square,
+       "time.duration: has no meaning for kind = \"step\""},
+      {motion +
+           "[[body]]\nload = [{ at = [0, 0], force = [1, 0], time = { kind = \"harmonic\", frequency = 1, duration = "
+           "1 } }]\n" +
+           square,
+       "time.duration: has no meaning for kind = \"harmonic\""},
+      {"[contact]\nstatic = true\n[[body]]\nvelocity = [1, 0]\n" + square, "static = true starts from rest"},
+      {"[contact]\nstatic = true\n[[body]]\nload = [{ side = 1, pressure = 1, time = { kind = \"step\" } }]\n" + square,
+       "loads change with time in moving scenes only"},
+      {"[rock]\nyoung = 1e9\npoisson = 0.2\n" + motion +
+           "[[body]]\nvelocity = [1, 0]\nsupport = [{ side = 1, kind = \"fixed\" }]\n" + square,
+       "body[1].velocity: a clamped body starts at rest"},
       {motion + "[[body]]\nrepeat = { count = 2 }\n" + square, "repeat.shift: is missing"},
       {motion + "points = [{ at = [9, 9] }]\n[[body]]\n" + square, "lies in no body"},
+      {motion + "points = [{ at = [0, 0], body = \"bode 1\" }]\n[[body]]\n" + square,
+       "there is no body \"bode 1\"; did"},
+      {motion + "points = [{ name = \"p\", at = [0, 0] }, { name = \"p\", at = [1, 0] }]\n[[body]]\n" + square,
+       "points[2].name: \"p\" is the name of another point, too"},
       {motion + "[[body]]\nvoussoir = { centre = [0, 0], radius = 1, thickness = 3, from = 0, to = 10 }\n",
        "not less than twice the radius"},
       {motion + "[[body]]\n" + square +
@@ -76,6 +104,39 @@ TEST(ContactScene, BadInputIsNamed) {
   for (const auto& [text, want] : bad) {
     EXPECT_NE(first_problem(text).find(want), std::string::npos) << want << "\nbut: " << first_problem(text);
   }
+}
+
+TEST(ContactScene, AFixedBodyWithASupportIsOneProblem) {
+  const auto scene = parse_contact(motion +
+                                       "[[body]]\nfixed = true\nsupport = [{ side = 1, kind = \"fixed\" }]\n"
+                                       "rectangle = { corner = [0, 0], width = 1, height = 1 }\n" +
+                                       "[[body]]\nrectangle = { corner = [3, 0], width = 1, height = 1 }\n",
+                                   "s.toml");
+  ASSERT_FALSE(scene.has_value());
+  ASSERT_EQ(scene.error().size(), 1U) << describe(scene.error().back());
+  EXPECT_EQ(scene.error().front().what, "the whole body is fixed");
+}
+
+TEST(ContactScene, WhatIsLikelyASlipIsNoted) {
+  const std::string square = "rectangle = { corner = [0, 0], width = 1, height = 1 }\n";
+  const auto noted = [](const std::string& text, const std::string& want) {
+    for (const std::string& note : ran(text).notes) {
+      if (note.find(want) != std::string::npos) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(noted(motion + ground, "every body is fixed: nothing will move"));
+  EXPECT_FALSE(noted(motion + ground + "[[body]]\n" + square, "nothing will move"));
+  const std::string brief = "[contact]\nduration = 0.01\nstep = 0.01\n";
+  EXPECT_TRUE(noted(brief + "points = [{ at = [9, 9], body = \"b\" }]\n[[body]]\nname = \"b\"\n" + square,
+                    "lies outside \"b\": it moves as if it were a part of it"));
+  EXPECT_FALSE(
+      noted(brief + "points = [{ at = [1, 1], body = \"b\" }]\n[[body]]\nname = \"b\"\n" + square, "lies outside"));
+  const auto soft = [&](const std::string& young) {
+    return "[rock]\npoisson = 0.2\nyoung = " + young + "\n" + brief + "rigid = false\n[[body]]\n" + square;
+  };
+  EXPECT_TRUE(noted(soft("50"), "is young in Pa"));  // 50 GPa without its zeros
+  EXPECT_FALSE(noted(soft("50e9"), "is young in Pa"));
 }
 
 TEST(ContactScene, TouchingIsNoOverlapAndRoundingIsLetPass) {
