@@ -259,7 +259,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
     if (idle(b)) continue;
     double torque = 0;
     std::vector<double> modal;
-    const Vec2 force = force_on(state, b, time + 0.5 * step, torque, shapes[b].timed ? &modal : nullptr);
+    const Vec2 force = force_on(state, b, step, torque, shapes[b].timed ? &modal : nullptr);
     const Vec2 other = force - shapes[b].mass * options.gravity;
     out.work += dot(other, out.state.x[b] - state.x[b]) + torque * (out.state.angle[b] - state.angle[b]);
     for (std::size_t m = 0; m < modal.size(); ++m) {

@@ -312,7 +312,7 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
     }
   }
   s.to_rest = table.boolean("static").value_or(false);
-  double smallest = 1e300, fastest = 0;
+  double smallest = 1e300, fastest = 0, load_time = 1e300;
   for (const ContactBody& body : scene.bodies) {
     if (body.fixed || body.corners.size() < 3) continue;
     bem::Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
@@ -320,6 +320,7 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
       low = {std::min(low.x, p.x), std::min(low.y, p.y)};
       high = {std::max(high.x, p.x), std::max(high.y, p.y)};
     }
+    for (const ContactLoad& load : body.loads) load_time = std::min(load_time, load.time.fastest());
     smallest = std::min(smallest, norm(high - low));
     fastest = std::max(fastest, norm(body.velocity) + std::abs(body.spin) * norm(high - low) / 2);
   }
@@ -329,8 +330,15 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   double step = 1e-2;
   if (g > 0) step = 0.05 * std::sqrt(smallest / g);
   if (fastest > 0) step = std::min(step, 0.01 * smallest / fastest);
+  step = std::min(step, load_time / 20);
   s.step = table.number("step", time_rule).value_or(step);
   s.max_step = table.number("max_step", time_rule).value_or(s.step);
+  if (!s.to_rest && std::max(s.step, s.max_step) > load_time / 5) {
+    table.note(
+        table.has("max_step") ? "max_step" : "step",
+        fmt::format("is long for a load that changes within {:.3g} s: only its mean over each step acts", load_time),
+        fmt::format("use steps of {:.2g} s", load_time / 20));
+  }
   if (s.max_step < s.step) table.error("max_step", "is shorter than step", "make it as long, or longer");
   if (s.to_rest) {
     const double natural = g > 0 ? std::sqrt(size_of(scene, true) / g) : 1;
