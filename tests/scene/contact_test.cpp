@@ -147,6 +147,21 @@ TEST(ContactScene, TouchingIsNoOverlapAndRoundingIsLetPass) {
   EXPECT_NE(first_problem(a + "[[body]]\nrectangle = { corner = [0.9999, 0], width = 1, height = 1 }\n"), "");
 }
 
+TEST(ContactScene, OverlapsAreFoundInPilesAndInRows) {
+  for (const std::string shift : {"[0, 1]", "[1, 0]", "[0.6, 1]", "[1, 0.6]"}) {
+    const std::string pile = motion +
+                             "[[body]]\nname = \"b\"\nrectangle = { corner = [0, 0], width = 1, height = 1 }\n" +
+                             "repeat = { count = 9, shift = " + shift + " }\n";
+    EXPECT_EQ(first_problem(pile), "");
+    const std::string at =
+        shift == "[0, 1]" || shift == "[0.6, 1]" ? "width = 0.5, height = 9" : "width = 9, height = 0.5";
+    const auto scene = parse_contact(
+        pile + "[[body]]\nname = \"through\"\nrectangle = { corner = [0.25, 0.25], " + at + " }\n", "s.toml");
+    ASSERT_FALSE(scene.has_value());
+    EXPECT_EQ(scene.error().size(), shift == "[0, 1]" || shift == "[1, 0]" ? 9U : 2U) << shift;
+  }
+}
+
 TEST(ContactScene, OutlinesAreWhatTheySay) {
   const ContactScene s = parsed(
       motion +
@@ -192,6 +207,18 @@ TEST(ContactScene, PlanSaysRigidOrElasticAndWhy) {
 }
 
 // Unsupported scenes are legal: the block falls, exactly.
+TEST(ContactScene, PlanNamesTheFilesOfPointsOnlyWhereThereAreSome) {
+  const std::string body = "[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 1 }\n";
+  const auto files = [&](const std::string& text) {
+    for (const PlannedStage& stage : make_plan(parsed(text)).stages) {
+      if (stage.stage == Stage::write) return stage.why;
+    }
+    return std::string{};
+  };
+  EXPECT_EQ(files(motion + body).find("points.csv"), std::string::npos);
+  EXPECT_NE(files(motion + "points = [{ at = [0, 0] }]\n" + body).find("points.csv"), std::string::npos);
+}
+
 TEST(ContactScene, WithoutSupportItFalls) {
   const ContactResult r =
       ran(motion +
