@@ -253,6 +253,18 @@ TEST(ContactScene, ALoadShorterThanAStepKeepsItsImpulse) {
               1300 * std::pow(200 / (2.5 * std::numbers::pi), 2), 1e-3);
 }
 
+// Loose blocks that land on each other and bounce with friction: while they do, no step gains energy, weight included.
+TEST(ContactScene, BouncingWithFrictionGainsNothing) {
+  const ContactResult result = ran(
+      "[rock]\ndensity = 2600\n[contact]\nduration = 0.6\nstep = 0.005\nrestitution = 0.3\nrigid = true\n" + ground +
+      "[[body]]\nname = \"b\"\nrectangle = { corner = [0, 0.05], width = 1, height = 0.4 }\nrepeat = { count = 5, "
+      "shift "
+      "= [0.02, 0.45] }\n");
+  EXPECT_TRUE(result.converged) << result.stopped_why;
+  EXPECT_LT(result.history.back().gravity, -5000);
+  EXPECT_LT(result.energy_gain, 1e-9);  // of 7 kJ: it was 0.08 J
+}
+
 TEST(ContactScene, SidesHaveTheirOwnJoints) {
   const auto slid = [&](const std::string& joints) {
     const ContactResult r = ran(
