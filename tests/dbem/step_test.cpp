@@ -33,6 +33,36 @@ TEST(StepOrderTest, TheErrorFallsWithTheSquareOfTheStep) {
   EXPECT_NEAR(middle / fine, 4, 0.3);
 }
 
+// A force at a corner that turns with its body turns it ever faster: the angle is exact, the path (Fresnel's integrals)
+// of second order.
+TEST(StepOrderTest, AFollowingForceTurnsAtHalfTheStep) {
+  const auto path = [](double step) {
+    Body body;
+    body.name = "thruster";
+    body.outline = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+    body.density = 2600;
+    body.forces.push_back({.at = {0.5, -0.5}, .force = {0, 2600}, .follows = true});
+    WorldOptions options;
+    options.gravity = {};
+    options.step = step;
+    options.displacement = 1;
+    auto world = World::make({body}, {}, options).value();
+    while (world.time() < 1 - 1e-9) EXPECT_TRUE(world.step().has_value());
+    EXPECT_NEAR(world.rotation(0), 1.5, 1e-9);  // moment 1,300, inertia 2,600 / 6
+    return world.displacement(0);
+  };
+  // Velocity is the integral of (-sin, cos)(1.5 t^2), the path that of (1 - t) times it.
+  Vec2 exact;
+  constexpr int slices = 2000;
+  for (int k = 0; k < slices; ++k) {
+    const double t = (k + 0.5) / slices;
+    exact += (1 - t) / slices * Vec2{-std::sin(1.5 * t * t), std::cos(1.5 * t * t)};
+  }
+  const double coarse = norm(path(0.01) - exact), fine = norm(path(0.005) - exact);
+  EXPECT_LT(coarse, 2e-4);
+  EXPECT_NEAR(coarse / fine, 4, 0.3);
+}
+
 TEST(AdaptiveTest, StepsGrowWhileLittleMovesUpToTheLongest) {
   auto world = World::make(stack(4), law(0.6), {.step = 1e-3, .longest_step = 1e-2, .adaptive = true, .sleep = false});
   ASSERT_TRUE(world.has_value());

@@ -50,18 +50,46 @@ TEST(ContactScene, BadInputIsNamed) {
       {"[contact]\nduration = 1\nrigid = false\n[[body]]\n" + square, "no Young's modulus"},
       {motion + "[[body]]\ndensity = 0\n" + square, "body[1].density: a body that moves needs a mass"},
       {motion + "[[body]]\noutline = [[0, 0], [1, 1], [1, 0], [0, 1]]\n", "side 1 and side 3 meet"},
-      {motion + "[[body]]\noutline = [[0, 0], [1, 0]]\n", "fewer than three sides"},
+      {motion + "[[body]]\noutline = [[0, 0], [1, 0]]\n", "body[1].outline: has 2 corners"},
       {motion + "[[body]]\nname = \"a\"\n", "holds none of: outline, rectangle, polygon, circle, voussoir"},
       {motion + "[[body]]\nname = \"a\"\n" + square +
            "[[body]]\nname = \"a\"\nrectangle = { corner = [5, 0], width = 1, height = 1 }\n",
        "\"a\" is the name of the body of line 4, too"},
       {motion + "[[body]]\njoint = \"A\"\n" + square, "there is no [joints.A]"},
+      {motion + "[joints.bedding]\n[[body]]\njoint = \"beding\"\n" + square, "did you mean \"bedding\""},
+      {motion + "[[body]]\nname = \"\"\n" + square, "body[1].name: is empty"},
+      {motion + "gravity = -9.81\n[[body]]\n" + square, "contact.gravity: is -9.81; give a number from 0"},
       {motion + "[joints.A]\nfriction = 95\n[[body]]\n" + square, "joints.A.friction: is 95"},
       {motion + "[joints.A]\n[[body]]\njoint = [\"A\", \"A\"]\n" + square, "a list of 4, one a side"},
       {motion + "[[body]]\nfixed = true\nspin = 1\n" + square, "the body is fixed"},
       {motion + "[[body]]\nload = [{ side = 5, pressure = 1 }]\n" + square, "there is no side 5"},
+      {motion + "[[body]]\nload = [{ sides = [], pressure = 1 }]\n" + square, "load[1].sides: names no side"},
+      {motion + "[[body]]\nload = [{ side = 1, at = [0, 0], force = [1, 0] }]\n" + square, "side: stands beside force"},
+      {motion + "[[body]]\nload = [{ side = 1, at = [0, 0], pressure = 1 }]\n" + square, "at: stands beside pressure"},
+      {motion + "[[body]]\nload = [{ at = [4, 4], force = [1, 0] }]\n" + square, "(4, 4) lies outside \"body 1\""},
+      {"[rock]\nyoung = 1e9\npoisson = 0.2\n" + motion +
+           "rigid = false\n[[body]]\nload = [{ at = [0.5, 0.4], force = [0, 1] }]\n" + square,
+       "(0.5, 0.4) lies inside \"body 1\", which deforms"},
+      {motion + "[[body]]\nload = [{ at = [0, 0], force = [1, 0], time = { kind = \"step\", duration = 1 } }]\n" +
+           square,
+       "time.duration: has no meaning for kind = \"step\""},
+      {motion +
+           "[[body]]\nload = [{ at = [0, 0], force = [1, 0], time = { kind = \"harmonic\", frequency = 1, duration = "
+           "1 } }]\n" +
+           square,
+       "time.duration: has no meaning for kind = \"harmonic\""},
+      {"[contact]\nstatic = true\n[[body]]\nvelocity = [1, 0]\n" + square, "static = true starts from rest"},
+      {"[contact]\nstatic = true\n[[body]]\nload = [{ side = 1, pressure = 1, time = { kind = \"step\" } }]\n" + square,
+       "loads change with time in moving scenes only"},
+      {"[rock]\nyoung = 1e9\npoisson = 0.2\n" + motion +
+           "[[body]]\nvelocity = [1, 0]\nsupport = [{ side = 1, kind = \"fixed\" }]\n" + square,
+       "body[1].velocity: a clamped body starts at rest"},
       {motion + "[[body]]\nrepeat = { count = 2 }\n" + square, "repeat.shift: is missing"},
       {motion + "points = [{ at = [9, 9] }]\n[[body]]\n" + square, "lies in no body"},
+      {motion + "points = [{ at = [0, 0], body = \"bode 1\" }]\n[[body]]\n" + square,
+       "there is no body \"bode 1\"; did"},
+      {motion + "points = [{ name = \"p\", at = [0, 0] }, { name = \"p\", at = [1, 0] }]\n[[body]]\n" + square,
+       "points[2].name: \"p\" is the name of another point, too"},
       {motion + "[[body]]\nvoussoir = { centre = [0, 0], radius = 1, thickness = 3, from = 0, to = 10 }\n",
        "not less than twice the radius"},
       {motion + "[[body]]\n" + square +
@@ -78,12 +106,60 @@ TEST(ContactScene, BadInputIsNamed) {
   }
 }
 
+TEST(ContactScene, AFixedBodyWithASupportIsOneProblem) {
+  const auto scene = parse_contact(motion +
+                                       "[[body]]\nfixed = true\nsupport = [{ side = 1, kind = \"fixed\" }]\n"
+                                       "rectangle = { corner = [0, 0], width = 1, height = 1 }\n" +
+                                       "[[body]]\nrectangle = { corner = [3, 0], width = 1, height = 1 }\n",
+                                   "s.toml");
+  ASSERT_FALSE(scene.has_value());
+  ASSERT_EQ(scene.error().size(), 1U) << describe(scene.error().back());
+  EXPECT_EQ(scene.error().front().what, "the whole body is fixed");
+}
+
+TEST(ContactScene, WhatIsLikelyASlipIsNoted) {
+  const std::string square = "rectangle = { corner = [0, 0], width = 1, height = 1 }\n";
+  const auto noted = [](const std::string& text, const std::string& want) {
+    for (const std::string& note : ran(text).notes) {
+      if (note.find(want) != std::string::npos) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(noted(motion + ground, "every body is fixed: nothing will move"));
+  EXPECT_FALSE(noted(motion + ground + "[[body]]\n" + square, "nothing will move"));
+  const std::string brief = "[contact]\nduration = 0.01\nstep = 0.01\n";
+  EXPECT_TRUE(noted(brief + "points = [{ at = [9, 9], body = \"b\" }]\n[[body]]\nname = \"b\"\n" + square,
+                    "lies outside \"b\": it moves as if it were a part of it"));
+  EXPECT_FALSE(
+      noted(brief + "points = [{ at = [1, 1], body = \"b\" }]\n[[body]]\nname = \"b\"\n" + square, "lies outside"));
+  const auto soft = [&](const std::string& young) {
+    return "[rock]\npoisson = 0.2\nyoung = " + young + "\n" + brief + "rigid = false\n[[body]]\n" + square;
+  };
+  EXPECT_TRUE(noted(soft("50"), "is young in Pa"));  // 50 GPa without its zeros
+  EXPECT_FALSE(noted(soft("50e9"), "is young in Pa"));
+}
+
 TEST(ContactScene, TouchingIsNoOverlapAndRoundingIsLetPass) {
   const std::string a = motion + "[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 1 }\n";
   EXPECT_EQ(first_problem(a + "[[body]]\nrectangle = { corner = [1, 0.3], width = 1, height = 1 }\n"), "");
   EXPECT_EQ(first_problem(a + "[[body]]\nrectangle = { corner = [0.999999, 0], width = 1, height = 1 }\n"), "");
   EXPECT_EQ(first_problem(a + "[[body]]\nrectangle = { corner = [1, 1], width = 1, height = 1 }\n"), "");
   EXPECT_NE(first_problem(a + "[[body]]\nrectangle = { corner = [0.9999, 0], width = 1, height = 1 }\n"), "");
+}
+
+TEST(ContactScene, OverlapsAreFoundInPilesAndInRows) {
+  for (const std::string shift : {"[0, 1]", "[1, 0]", "[0.6, 1]", "[1, 0.6]"}) {
+    const std::string pile = motion +
+                             "[[body]]\nname = \"b\"\nrectangle = { corner = [0, 0], width = 1, height = 1 }\n" +
+                             "repeat = { count = 9, shift = " + shift + " }\n";
+    EXPECT_EQ(first_problem(pile), "");
+    const std::string at =
+        shift == "[0, 1]" || shift == "[0.6, 1]" ? "width = 0.5, height = 9" : "width = 9, height = 0.5";
+    const auto scene = parse_contact(
+        pile + "[[body]]\nname = \"through\"\nrectangle = { corner = [0.25, 0.25], " + at + " }\n", "s.toml");
+    ASSERT_FALSE(scene.has_value());
+    EXPECT_EQ(scene.error().size(), shift == "[0, 1]" || shift == "[1, 0]" ? 9U : 2U) << shift;
+  }
 }
 
 TEST(ContactScene, OutlinesAreWhatTheySay) {
@@ -131,6 +207,18 @@ TEST(ContactScene, PlanSaysRigidOrElasticAndWhy) {
 }
 
 // Unsupported scenes are legal: the block falls, exactly.
+TEST(ContactScene, PlanNamesTheFilesOfPointsOnlyWhereThereAreSome) {
+  const std::string body = "[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 1 }\n";
+  const auto files = [&](const std::string& text) {
+    for (const PlannedStage& stage : make_plan(parsed(text)).stages) {
+      if (stage.stage == Stage::write) return stage.why;
+    }
+    return std::string{};
+  };
+  EXPECT_EQ(files(motion + body).find("points.csv"), std::string::npos);
+  EXPECT_NE(files(motion + "points = [{ at = [0, 0] }]\n" + body).find("points.csv"), std::string::npos);
+}
+
 TEST(ContactScene, WithoutSupportItFalls) {
   const ContactResult r =
       ran(motion +
@@ -145,6 +233,38 @@ TEST(ContactScene, WithoutSupportItFalls) {
 }
 
 // Strengths by side: the block slides on the side whose joint is smooth and not on the other.
+TEST(ContactScene, ALoadShorterThanAStepKeepsItsImpulse) {
+  // 520 kN/m in a triangle of 5 ms on 2,600 kg/m: 0.5 m/s, however long the step.
+  const auto pulse = [](const std::string& step, const std::string& time) {
+    return "[rock]\ndensity = 2600\n[contact]\nduration = 1\ngravity = 0\nframes = 1\nrigid = true\n" + step +
+           "[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 1 }\n"
+           "load = [{ at = [0.5, 0.5], force = [520000, 0], time = { " +
+           time + " } }]\n";
+  };
+  for (const std::string step : {"step = 0.1\n", "step = 0.01\n", "step = 0.007\n", ""}) {
+    const ContactResult result = ran(pulse(step, "kind = \"pulse\", duration = 0.005"));
+    EXPECT_NEAR(result.history.back().kinetic, 0.5 * 2600 * 0.25, 1e-9) << step;
+    const bool noted = !result.notes.empty() && result.notes.front().find("is long for a load") != std::string::npos;
+    EXPECT_EQ(noted, !step.empty()) << step;
+  }
+  EXPECT_NEAR(ran(pulse("step = 0.1\n", "kind = \"ramp\", duration = 0.25")).history.back().kinetic,
+              1300 * std::pow(200 * (1 - 0.125), 2), 1e-3);
+  EXPECT_NEAR(ran(pulse("step = 0.1\n", "kind = \"harmonic\", frequency = 1.25")).history.back().kinetic,
+              1300 * std::pow(200 / (2.5 * std::numbers::pi), 2), 1e-3);
+}
+
+// Loose blocks that land on each other and bounce with friction: while they do, no step gains energy, weight included.
+TEST(ContactScene, BouncingWithFrictionGainsNothing) {
+  const ContactResult result = ran(
+      "[rock]\ndensity = 2600\n[contact]\nduration = 0.6\nstep = 0.005\nrestitution = 0.3\nrigid = true\n" + ground +
+      "[[body]]\nname = \"b\"\nrectangle = { corner = [0, 0.05], width = 1, height = 0.4 }\nrepeat = { count = 5, "
+      "shift "
+      "= [0.02, 0.45] }\n");
+  EXPECT_TRUE(result.converged) << result.stopped_why;
+  EXPECT_LT(result.history.back().gravity, -5000);
+  EXPECT_LT(result.energy_gain, 1e-9);  // of 7 kJ: it was 0.08 J
+}
+
 TEST(ContactScene, SidesHaveTheirOwnJoints) {
   const auto slid = [&](const std::string& joints) {
     const ContactResult r = ran(

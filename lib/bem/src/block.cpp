@@ -232,11 +232,22 @@ MatrixXd sprung(const BlockOperator& block, const std::vector<NodeSpring>& sprin
 Modes supported_modes(const BlockOperator& block, const std::vector<HeldFreedom>& held,
                       const std::vector<NodeSpring>& springs) {
   const MatrixXd z = left_free(block, held);
-  const MatrixXd k = z.transpose() * sprung(block, springs) * z;
   const MatrixXd m = z.transpose() * view(block.mass_matrix()) * z;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver{k, m};
-  const Eigen::VectorXd& l = solver.eigenvalues();
-  Modes out{{l.begin(), l.end()}, dense(z * solver.eigenvectors())};
+  // Waves along the boundary shorter than the points of the mass's quadrature move almost no mass: there the mass
+  // matrix is singular up to rounding, and factors of it drown slow modes in the rounding of endless frequencies. So
+  // the stiffness is factored, shifted by s (a frequency of the body's size) against rigid motions:
+  // M x = (K + s M) x / (lambda + s).
+  double extent = 0;
+  for (const Node& node : block.mesh().nodes) extent = std::max(extent, norm(node.x));
+  const double shift = block.material().mu() / (block.material().density() * extent * extent);
+  const MatrixXd k = z.transpose() * sprung(block, springs) * z + shift * m;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver{m, k};
+  // x^T K x is 1, so any mass left to a mode that has none up to rounding keeps its compliance exact.
+  const double least = 1e-14 * solver.eigenvalues().maxCoeff();
+  const Eigen::VectorXd inverse = solver.eigenvalues().reverse().cwiseMax(least);
+  const Eigen::VectorXd l = inverse.cwiseInverse().array() - shift;
+  const MatrixXd x = solver.eigenvectors().rowwise().reverse() * inverse.cwiseSqrt().cwiseInverse().asDiagonal();
+  Modes out{{l.begin(), l.end()}, dense(z * x)};
   // What is zero up to rounding is zero: a rigid motion.
   for (double& value : out.eigenvalues) {
     if (value < 1e-9 * out.eigenvalues[std::min<std::size_t>(3, out.eigenvalues.size() - 1)]) value = 0;

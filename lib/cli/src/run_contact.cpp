@@ -9,8 +9,11 @@ namespace cleave::cli {
 namespace {
 
 std::string figures_of(const scene::ContactResult& result) {
-  std::string text = fmt::format("{} steps to {:.6g} s, largest displacement {:.6g} m, residual {:.1e}\n", result.steps,
-                                 result.end_time, result.largest_displacement, result.residual);
+  const std::string end = !result.to_rest    ? fmt::format("to {:.6g} s", result.end_time)
+                          : result.converged ? "to rest"
+                                             : "without rest";
+  std::string text = fmt::format("{} steps {}, largest displacement {:.6g} m, residual {:.1e}\n", result.steps, end,
+                                 result.largest_displacement, result.residual);
   for (std::size_t p = 0; p < result.points.size() && !result.history.empty(); ++p) {
     const bem::Vec2 u = result.history.back().points[p];
     text += fmt::format("{}: displacement ({:.6g}, {:.6g}) m\n", result.points[p].name, u.x, u.y);
@@ -23,16 +26,18 @@ std::string figures_of(const scene::ContactResult& result) {
 ExitCode run_contact(const RunArguments& arguments, const scene::ContactScene& scene, StageTimer& timer,
                      Progress& progress, InterruptWatch& interrupts) {
   using Result = scene::ContactResult;
-  return run_plane<Result>(arguments, timer, interrupts,
-                           {.run = [&] { return scene::run(scene, arguments.threads, timer, progress); },
-                            .files = report::write_contact_files,
-                            .page = report::write_contact_report,
-                            .summary = report::write_contact_summary,
-                            .figures = figures_of,
-                            .complaint =
-                                [](const Result& result) {
-                                  return "contact: " + result.stopped_why + "; the state reached is in the result";
-                                }});
+  return run_plane<Result>(
+      arguments, timer, interrupts,
+      {.run = [&] { return scene::run(scene, arguments.threads, timer, progress); },
+       .files = report::write_contact_files,
+       .page = report::write_contact_report,
+       .summary = report::write_contact_summary,
+       .figures = figures_of,
+       .complaint =
+           [&](const Result& result) {
+             return "contact: " + result.stopped_why + "; the state reached is in the result" +
+                    (scene.settings.solver == scene::ContactSolver::cascade ? "" : "; try solver = \"cascade\"");
+           }});
 }
 
 }  // namespace cleave::cli

@@ -331,8 +331,9 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   return problem;
 }
 
-Vec2 World::Impl::force_on(const State& at, std::size_t body, double when, double& torque,
+Vec2 World::Impl::force_on(const State& at, std::size_t body, double step, double& torque,
                            std::vector<double>* modal) const {
+  const double when = time + 0.5 * step;
   const Shape& shape = shapes[body];
   Vec2 acceleration = options.gravity;
   if (options.ground) acceleration += -options.ground(when);
@@ -341,8 +342,8 @@ Vec2 World::Impl::force_on(const State& at, std::size_t body, double when, doubl
   if (modal != nullptr) modal->assign(shape.modes, 0.0);
   for (std::size_t q = 0; q < bodies[body].forces.size(); ++q) {
     const PointForce& load = bodies[body].forces[q];
-    const double factor = load.factor(when);
-    const double angle = at.angle[body];
+    const double factor = load.mean && step > 0 ? load.mean(time, time + step) : load.factor(when);
+    const double angle = at.angle[body] + 0.5 * step * at.spin[body];
     const Vec2 f = factor * (load.follows ? bem::rotated(load.force, angle) : load.force);
     const Vec2 local = load.at - shape.local_centroid;
     force += f;
@@ -363,13 +364,12 @@ Vec2 World::Impl::force_on(const State& at, std::size_t body, double when, doubl
 }
 
 void World::Impl::free_motion(const State& before, const std::vector<double>& theta, double step, State& free) const {
-  const double when = time + 0.5 * step;
   std::vector<double> modal;
   for (std::size_t b = 0; b < size(); ++b) {
     if (idle(b)) continue;
     const Shape& shape = shapes[b];
     double torque = 0;
-    const Vec2 force = force_on(before, b, when, torque, &modal);
+    const Vec2 force = force_on(before, b, step, torque, &modal);
     free.v[b] += step * Vec2{shape.inverse_x * force.x, shape.inverse_y * force.y};
     free.spin[b] += step * shape.inverse_spin * torque;
     for (std::size_t m = 0; m < shape.modes; ++m) {

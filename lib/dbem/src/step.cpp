@@ -67,6 +67,15 @@ ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island
       size += std::abs(dot(found.impulse[k], mean));
       asked = asked || law_of(list[island.touches[k]]).restitution > 0;
     }
+    // Loads work along the path of the whole step, but change the speed of the impact only until then: a body thrown
+    // back is lifted against them by more than they slowed it.
+    for (const std::uint32_t b : island.bodies) {
+      const double mass = shapes[b].mass, inertia = shapes[b].inertia, theta = island.theta;
+      const Vec2 path = theta * after.v[b] + (1 - theta) * state.v[b];
+      gain += mass * dot(free.v[b] - state.v[b], 0.5 * (state.v[b] + free.v[b]) - path);
+      const double turn = theta * after.spin[b] + (1 - theta) * state.spin[b];
+      gain += inertia * (free.spin[b] - state.spin[b]) * (0.5 * (state.spin[b] + free.spin[b]) - turn);
+    }
     if (!asked || gain <= 1e-12 * size) return found;
     island.rebound = island.rebound > 0.1 ? 0.5 * island.rebound : 0.0;
     iterations = found.report.iterations;
@@ -259,7 +268,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
     if (idle(b)) continue;
     double torque = 0;
     std::vector<double> modal;
-    const Vec2 force = force_on(state, b, time + 0.5 * step, torque, shapes[b].timed ? &modal : nullptr);
+    const Vec2 force = force_on(state, b, step, torque, shapes[b].timed ? &modal : nullptr);
     const Vec2 other = force - shapes[b].mass * options.gravity;
     out.work += dot(other, out.state.x[b] - state.x[b]) + torque * (out.state.angle[b] - state.angle[b]);
     for (std::size_t m = 0; m < modal.size(); ++m) {

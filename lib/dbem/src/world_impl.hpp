@@ -185,7 +185,8 @@ struct World::Impl {
   /// theta of each group: 1 where something hits or a body is marked.
   void mark_impacts(const std::vector<Touch>& list, std::vector<Island>& islands, double step,
                     const std::vector<std::uint8_t>& implicit, std::vector<Rows>& made) const;
-  [[nodiscard]] Vec2 force_on(const State& at, std::size_t body, double time, double& torque,
+  /// Mean over a step from `at`: at half its turn, with the mean of what changes in time.
+  [[nodiscard]] Vec2 force_on(const State& at, std::size_t body, double step, double& torque,
                               std::vector<double>* modal) const;
   void predict(const State& before, double step, std::size_t body, State& mid) const;
 

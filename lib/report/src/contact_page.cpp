@@ -192,6 +192,7 @@ std::string bodies_table(const scene::ContactResult& result) {
 std::string solver_bars(const scene::ContactResult& result) {
   std::uint64_t all = 0;
   for (const scene::SolverShare& share : result.solvers) all += share.groups;
+  if (all == 0 && result.steps == 0) return "<p>No step was solved.</p>\n";
   if (all == 0) return "<p>Nothing touched.</p>\n";
   std::string out = "<table>\n" + row({"solver", "groups of contacts solved", "iterations", "share"}, true);
   for (const scene::SolverShare& share : result.solvers) {
@@ -219,7 +220,9 @@ std::string contact_report_html(const scene::ContactResult& result) {
   out += result.converged ? card("run", "converged", display_count(result.steps) + " steps", "good")
                           : card("run", "stopped", escape_xml(result.stopped_why), "bad");
   out += card("largest displacement", display(result.largest_displacement, 4) + " m",
-              result.to_rest ? "at rest" : "after " + display(result.end_time, 4) + " s");
+              !result.to_rest    ? "after " + display(result.end_time, 4) + " s"
+              : result.converged ? "at rest"
+                                 : "not at rest: means nothing");
   const auto moving =
       static_cast<std::uint64_t>(std::ranges::count_if(result.bodies, [](const auto& b) { return !b.fixed; }));
   out += card("bodies that move", display_count(moving), result.elastic ? "elastic" : "rigid");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 
@@ -137,13 +138,17 @@ dbem::ModalBasis turned(const dbem::ModalBasis& modes, double angle) {
   return out;
 }
 
+std::function<double(double, double)> mean_of(const TimeFunction& time) {
+  return [time](double from, double to) { return time.mean(from, to); };
+}
+
 /// Nodal forces (in the shape's axes) as forces at the corners of the body.
 void add_nodal(const Shape& shape, double angle, const std::vector<double>& forces, const TimeFunction& time,
                bool follows, dbem::Body& body) {
   for (std::size_t v = 0; v < shape.node.size(); ++v) {
     const Vec2 f{forces[2 * shape.node[v]], forces[2 * shape.node[v] + 1]};
     if (f == Vec2{}) continue;
-    body.forces.push_back({body.outline[v], bem::rotated(f, angle), time, follows});
+    body.forces.push_back({body.outline[v], bem::rotated(f, angle), time, follows, mean_of(time)});
   }
 }
 
@@ -179,12 +184,12 @@ void load_elastic(const ContactBody& spec, const Shape& shape, double angle, Vec
 void load_rigid(const ContactBody& spec, dbem::Body& body) {
   for (const ContactLoad& load : spec.loads) {
     if (!load.side) {
-      body.forces.push_back({load.at - body.origin, load.force, load.time, load.follows});
+      body.forces.push_back({load.at - body.origin, load.force, load.time, load.follows, mean_of(load.time)});
       continue;
     }
     const Vec2 a = spec.corners[*load.side], b = spec.corners[(*load.side + 1) % spec.corners.size()];
     const Vec2 force = norm(b - a) * load.traction - load.pressure * bem::turned_right(b - a);
-    body.forces.push_back({(a + b) / 2 - body.origin, force, load.time, load.follows});
+    body.forces.push_back({(a + b) / 2 - body.origin, force, load.time, load.follows, mean_of(load.time)});
   }
 }
 

@@ -1,5 +1,7 @@
 #include "contact_outline.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -110,6 +112,10 @@ ContactOutline parse_contact_outline(const TableReader& body) {
   const std::size_t before = body.problems().errors();
   std::vector<Vec2> corners = written(body, key);
   if (body.problems().errors() != before || corners.empty()) return out;
+  if (corners.size() < 3) {
+    body.error(key, fmt::format("has {} corners, which make no outline", corners.size()), "write at least three");
+    return out;
+  }
   const auto checked = bem::check_loops({bem::polygon(corners)}, false);
   if (!checked) {
     body.error(key, describe(checked.error()), "mend the corners");

@@ -111,15 +111,28 @@ std::vector<Overlap> overlaps_of(const std::vector<Polygon>& polygons, double to
   std::vector<Box> boxes;
   boxes.reserve(polygons.size());
   for (const Polygon& polygon : polygons) boxes.push_back(box_of(polygon));
+  // Sweeps along the axis on which the boxes lie further apart: a pile of thousands has one place on the other.
+  const auto spread = [&](double Vec2::* axis) {
+    double low = 1e300, high = -1e300, widths = 0;
+    for (const Box& box : boxes) {
+      low = std::min(low, box.low.*axis);
+      high = std::max(high, box.high.*axis);
+      widths += box.high.*axis - box.low.*axis;
+    }
+    return widths > 0 ? (high - low) / widths : 0;
+  };
+  const bool upright = spread(&Vec2::y) > spread(&Vec2::x);
+  const auto along = upright ? &Vec2::y : &Vec2::x;
+  const auto other = upright ? &Vec2::x : &Vec2::y;
   std::vector<std::size_t> order(polygons.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return boxes[k].low.x; });
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return boxes[k].low.*along; });
   std::vector<Overlap> found;
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Box& a = boxes[order[i]];
-    for (std::size_t j = i + 1; j < order.size() && boxes[order[j]].low.x < a.high.x; ++j) {
+    for (std::size_t j = i + 1; j < order.size() && boxes[order[j]].low.*along < a.high.*along; ++j) {
       const Box& b = boxes[order[j]];
-      if (b.low.y >= a.high.y || a.low.y >= b.high.y) continue;
+      if (b.low.*other >= a.high.*other || a.low.*other >= b.high.*other) continue;
       Overlap deepest{std::min(order[i], order[j]), std::max(order[i], order[j]), tolerance, {}};
       probe(polygons[order[i]], polygons[order[j]], deepest);
       probe(polygons[order[j]], polygons[order[i]], deepest);

@@ -9,6 +9,7 @@
 #include "cleave/scene/contact.hpp"
 #include "contact_outline.hpp"
 #include "context.hpp"
+#include "nearest.hpp"
 #include "plane_input.hpp"
 
 namespace cleave::scene {
@@ -58,6 +59,7 @@ std::vector<std::size_t> sides_of(const TableReader& table, const ContactOutline
     if (word != nullptr && *word == "all") {
       for (std::size_t k = 0; k < count; ++k) out.push_back(k);
     } else if (array != nullptr) {
+      if (array->items.empty()) table.error("sides", "names no side", "write sides = [1, 2], or remove what holds it");
       for (const TomlNode& node : array->items) {
         if (const auto* n = std::get_if<std::int64_t>(&node.value)) {
           push(*n, "sides");
@@ -83,9 +85,18 @@ void parse_loads(const TableReader& body, const ContactOutline& outline, Contact
     const auto table = reader(*found[i], fmt::format("{}[{}]", body.path_of("load"), i + 1), body.problems(), keys);
     const TomlEntry* kind = table.one_of(kinds);
     if (kind == nullptr) continue;
+    const bool point = kind->key == "force";
+    for (const string_view key : {"side", "sides", "at"}) {
+      if (table.has(key) && point != (key == "at")) {
+        table.error(key, fmt::format("stands beside {}", kind->key),
+                    point ? "a force acts at a point: remove this key" : "it acts on whole sides: remove this key");
+      }
+    }
     ContactLoad load;
+    load.line = table.line();
     load.time = parse_time_function(table, load.follows);
-    if (kind->key == "force") {
+    load.timed = table.has("time");
+    if (point) {
       if (!table.has("at")) table.missing("at", "write where the force acts: at = [x, y]");
       load.at = pair(table, "at", rule::coordinate).value_or(Vec2{});
       load.force = pair(table, "force", value_rule).value_or(Vec2{});
@@ -117,6 +128,7 @@ void parse_supports(const TableReader& body, const ContactOutline& outline, Cont
       spec.held[side] = true;
     }
   }
+  if (spec.fixed) spec.held.clear();
   if (!found.empty() && spec.fixed) {
     body.error("support", "the whole body is fixed", "remove support, or fixed = true");
   }
@@ -127,7 +139,11 @@ struct JointNames {
   std::size_t of(const TableReader& table, string_view key, const std::string& name) const {
     const auto at = std::ranges::find(joints, name, &ContactJoint::name);
     if (at != joints.end()) return static_cast<std::size_t>(at - joints.begin());
-    table.error(key, fmt::format("there is no [joints.{}]", name), "add that table, or name one there is");
+    std::vector<string_view> known;
+    for (const ContactJoint& joint : joints) known.emplace_back(joint.name);
+    const auto guess = nearest(name, known);
+    table.error(key, fmt::format("there is no [joints.{}]", name),
+                guess ? fmt::format("did you mean \"{}\"?", *guess) : "add that table, or name one there is");
     return 0;
   }
 };
@@ -211,6 +227,12 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, const Joi
   for (const string_view key : {"velocity", "spin", "load"}) {
     if (spec.fixed && body.has(key)) body.error(key, "the body is fixed", "remove this key, or fixed = true");
   }
+  for (const string_view key : {"velocity", "spin"}) {
+    if (spec.clamped() && body.has(key)) {
+      body.error(key, "a clamped body starts at rest", "remove this key, or support");
+    }
+  }
+  if (spec.name.empty()) body.error("name", "is empty", "give a name, or remove the key");
   const Repeat repeat = parse_repeat(body);
   const bool many = body.has("repeat");
   for (std::size_t k = 0; k < repeat.count; ++k) {
@@ -285,11 +307,12 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
     if (std::holds_alternative<TomlArray>(g->node.value)) {
       s.gravity = pair(table, "gravity", rule::acceleration).value_or(Vec2{});
     } else {
-      s.gravity = {0, -table.number("gravity", rule::acceleration).value_or(0)};
+      constexpr NumberRule downwards{0, false, 1e3, false, " m/s2, downwards (a direction: [x, y])"};
+      s.gravity = {0, -table.number("gravity", downwards).value_or(0)};
     }
   }
   s.to_rest = table.boolean("static").value_or(false);
-  double smallest = 1e300, fastest = 0;
+  double smallest = 1e300, fastest = 0, load_time = 1e300;
   for (const ContactBody& body : scene.bodies) {
     if (body.fixed || body.corners.size() < 3) continue;
     bem::Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
@@ -297,6 +320,7 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
       low = {std::min(low.x, p.x), std::min(low.y, p.y)};
       high = {std::max(high.x, p.x), std::max(high.y, p.y)};
     }
+    for (const ContactLoad& load : body.loads) load_time = std::min(load_time, load.time.fastest());
     smallest = std::min(smallest, norm(high - low));
     fastest = std::max(fastest, norm(body.velocity) + std::abs(body.spin) * norm(high - low) / 2);
   }
@@ -306,8 +330,15 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   double step = 1e-2;
   if (g > 0) step = 0.05 * std::sqrt(smallest / g);
   if (fastest > 0) step = std::min(step, 0.01 * smallest / fastest);
+  step = std::min(step, load_time / 20);
   s.step = table.number("step", time_rule).value_or(step);
   s.max_step = table.number("max_step", time_rule).value_or(s.step);
+  if (!s.to_rest && std::max(s.step, s.max_step) > load_time / 5) {
+    table.note(
+        table.has("max_step") ? "max_step" : "step",
+        fmt::format("is long for a load that changes within {:.3g} s: only its mean over each step acts", load_time),
+        fmt::format("use steps of {:.2g} s", load_time / 20));
+  }
   if (s.max_step < s.step) table.error("max_step", "is shorter than step", "make it as long, or longer");
   if (s.to_rest) {
     const double natural = g > 0 ? std::sqrt(size_of(scene, true) / g) : 1;
@@ -344,6 +375,17 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   s.frames = static_cast<std::size_t>(table.integer("frames", 1, 5000).value_or(120));
 }
 
+bool holds(const ContactBody& body, Vec2 at) { return bem::inside({bem::polygon(body.corners)}, at); }
+
+/// On the outline, up to what rounding of written coordinates makes.
+bool lies_on(const ContactBody& body, Vec2 at) {
+  for (std::size_t k = 0; k < body.corners.size(); ++k) {
+    const Vec2 a = body.corners[k], d = body.corners[(k + 1) % body.corners.size()] - a;
+    if (norm(at - a - std::clamp(dot(at - a, d) / dot(d, d), 0.0, 1.0) * d) <= 1e-6 * norm(d)) return true;
+  }
+  return false;
+}
+
 /// The body that holds the point, or on whose outline it lies; one that moves goes before fixed ones.
 std::optional<std::size_t> body_at(const std::vector<ContactBody>& bodies, Vec2 at) {
   std::optional<std::size_t> best;
@@ -351,12 +393,7 @@ std::optional<std::size_t> body_at(const std::vector<ContactBody>& bodies, Vec2 
     if (!best || (bodies[*best].fixed && !bodies[b].fixed)) best = b;
   };
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const std::vector<Vec2>& corners = bodies[b].corners;
-    if (bem::inside({bem::polygon(corners)}, at)) take(b);
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      const Vec2 a = corners[k], d = corners[(k + 1) % corners.size()] - a;
-      if (norm(at - a - std::clamp(dot(at - a, d) / dot(d, d), 0.0, 1.0) * d) <= 1e-6 * norm(d)) take(b);
-    }
+    if (holds(bodies[b], at) || lies_on(bodies[b], at)) take(b);
   }
   return best;
 }
@@ -370,13 +407,27 @@ void parse_points(const TableReader& table, ContactScene& scene) {
     const auto at = pair(point, "at", rule::coordinate);
     if (!at) continue;
     PointSpec spec{.name = point.text("name").value_or(fmt::format("point {}", i + 1)), .at = *at, .body = 0};
+    if (spec.name.empty()) point.error("name", "is empty", "give a name, or remove the key");
+    if (std::ranges::find(scene.points, spec.name, &PointSpec::name) != scene.points.end()) {
+      point.error("name", fmt::format("\"{}\" is the name of another point, too", spec.name),
+                  "give each point a name of its own");
+      continue;
+    }
     if (const auto wanted = point.text("body")) {
       const auto body = std::ranges::find(scene.bodies, *wanted, &ContactBody::name);
       if (body == scene.bodies.end()) {
-        point.error("body", "there is no body of that name", "name one there is");
+        std::vector<string_view> known;
+        for (const ContactBody& b : scene.bodies) known.emplace_back(b.name);
+        const auto guess = nearest(*wanted, known);
+        point.error("body", fmt::format("there is no body \"{}\"", wanted->substr(0, 60)),
+                    guess ? fmt::format("did you mean \"{}\"?", *guess) : "name one there is");
         continue;
       }
       spec.body = static_cast<std::size_t>(body - scene.bodies.begin());
+      if (!holds(*body, *at) && !lies_on(*body, *at)) {
+        point.note("at", fmt::format("lies outside \"{}\": it moves as if it were a part of it", body->name),
+                   "write the place at the start of the run");
+      }
     } else if (const auto body = body_at(scene.bodies, *at)) {
       spec.body = *body;
     } else {
@@ -384,6 +435,42 @@ void parse_points(const TableReader& table, ContactScene& scene) {
       continue;
     }
     scene.points.push_back(std::move(spec));
+  }
+}
+
+/// A point force acts where a body is; elastic bodies are known on their outlines only.
+void check_forces(const ContactScene& scene, Problems& problems) {
+  const bool elastic = rigidity_of(scene).elastic;
+  for (const ContactBody& body : scene.bodies) {
+    if (body.corners.empty()) continue;
+    for (const ContactLoad& load : body.loads) {
+      if (load.side || lies_on(body, load.at)) continue;
+      const std::string place = fmt::format("({:.6g}, {:.6g})", load.at.x, load.at.y);
+      if (!holds(body, load.at)) {
+        problems.error(load.line, "body.load.at", fmt::format("{} lies outside \"{}\"", place, body.name),
+                       "a force acts on its body: move the point onto it");
+      } else if (elastic) {
+        problems.error(load.line, "body.load.at", fmt::format("{} lies inside \"{}\", which deforms", place, body.name),
+                       "point forces act on the outline of elastic bodies: move the point there, or rigid = true");
+      }
+    }
+  }
+}
+
+/// Relaxation starts at rest and knows no time.
+void check_rest(const ContactScene& scene, Problems& problems) {
+  if (!scene.settings.to_rest) return;
+  for (const ContactBody& body : scene.bodies) {
+    if (!(body.velocity == Vec2{}) || body.spin != 0) {
+      problems.error(body.line, "body.velocity",
+                     fmt::format("\"{}\" has a speed at the start, but static = true starts from rest", body.name),
+                     "remove velocity and spin, or static = true");
+    }
+    for (const ContactLoad& load : body.loads) {
+      if (!load.timed) continue;
+      problems.error(load.line, "body.load.time", "loads change with time in moving scenes only",
+                     "remove it, or static = true");
+    }
   }
 }
 
@@ -472,7 +559,14 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
     parse_points(contact, scene);
     check_elastic(scene, contact, problems);
   }
-  if (problems.errors() == 0) check_overlaps(scene, problems);
+  if (problems.errors() == 0) {
+    check_forces(scene, problems);
+    check_rest(scene, problems);
+    check_overlaps(scene, problems);
+  }
+  if (!scene.bodies.empty() && std::ranges::all_of(scene.bodies, &ContactBody::fixed)) {
+    problems.note(1, "body", "every body is fixed: nothing will move", "remove fixed = true where a body may move");
+  }
   if (problems.errors() != 0) return std::unexpected(std::move(problems).take_errors());
   scene.notes = std::move(problems).take_notes();
   return scene;

@@ -108,7 +108,8 @@ Plan make_plan(const ContactScene& scene) {
       case Stage::write: {
         std::string files = "summary.json, log.txt";
         if (scene.output.vtu) files += ", contact_NNNN.vtu, contact.pvd";
-        if (scene.output.csv) files += ", history.csv, points.csv, bodies.csv";
+        if (scene.output.csv) files += scene.points.empty() ? ", history.csv" : ", history.csv, points.csv";
+        if (scene.output.csv) files += ", bodies.csv";
         add(true, files);
         break;
       }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <utility>
 
 namespace cleave::scene {
 
@@ -57,11 +58,19 @@ TimeFunction parse_time_function(const TableReader& load, bool& follows) {
   const auto kind = table.choice("kind", kinds);
   if (!table.has("kind")) table.missing("kind", "write one of: step ramp pulse harmonic");
   out.kind = static_cast<TimeFunction::Kind>(kind.value_or(0));
-  if (out.kind == TimeFunction::Kind::ramp || out.kind == TimeFunction::Kind::pulse) {
+  const bool lasts = out.kind == TimeFunction::Kind::ramp || out.kind == TimeFunction::Kind::pulse;
+  if (lasts) {
     out.duration = table.need_number("duration", time_rule).value_or(1);
   }
   if (out.kind == TimeFunction::Kind::harmonic) {
     out.frequency = table.need_number("frequency", {0, true, 1e9, false, " Hz"}).value_or(1);
+  }
+  for (const auto& [key, used] : {std::pair{string_view{"duration"}, lasts},
+                                  std::pair{string_view{"frequency"}, out.kind == TimeFunction::Kind::harmonic}}) {
+    if (kind && !used && table.has(key)) {
+      table.error(key, fmt::format("has no meaning for kind = \"{}\"", kinds[*kind]),
+                  "duration belongs to ramp and pulse, frequency to harmonic: remove it");
+    }
   }
   follows = table.boolean("follows").value_or(false);
   return out;

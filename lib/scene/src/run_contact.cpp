@@ -17,6 +17,7 @@ using bem::Vec2;
 constexpr std::size_t most_rows = 2000;  // of the history
 constexpr double rest_criterion = 1e-7;  // unbalanced force over weight
 constexpr std::uint64_t most_rest_steps = 20000;
+constexpr double strain_too_large = 0.1;  // for bodies whose shape is that of the start
 
 dbem::Method method_of(ContactSolver solver) {
   switch (solver) {
@@ -286,9 +287,16 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
   result.scene_sha256 = scene.sha256;
   result.plan = make_plan(scene);
   result.output = scene.output;
-  result.elastic = rigidity_of(scene).elastic;
+  const RigidityChoice rigidity = rigidity_of(scene);
+  result.elastic = rigidity.elastic;
   result.to_rest = scene.settings.to_rest;
   for (const Problem& note : scene.notes) result.notes.push_back(describe(note));
+  if (rigidity.elastic && rigidity.strain > strain_too_large) {
+    result.notes.push_back(
+        fmt::format("strains may reach {:.1g}, but elastic bodies are computed for small ones: is young in Pa and "
+                    "density in kg/m3?",
+                    rigidity.strain));
+  }
   progress.begin("contact");
   auto wrong = timer.run("contact", [&]() -> std::optional<std::vector<Problem>> {
     auto prepared = prepare_bodies(scene, result.elastic, threads);

@@ -33,6 +33,8 @@ struct PointForce {
   Vec2 force;  ///< N/m; the world's axes unless `follows`
   std::function<double(double)> factor = [](double) { return 1.0; };
   bool follows = false;  ///< turns with the body
+  /// Mean of `factor` from one time to another; empty: its value in the middle, which misses what is shorter.
+  std::function<double(double, double)> mean = {};
 };
 
 /// Freedoms that keep the velocity they start with (0 unless given). All three: a fixed body, or, with modes, a clamped

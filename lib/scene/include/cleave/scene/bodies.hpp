@@ -29,6 +29,8 @@ struct TimeFunction {
   double duration = 0;   ///< s: ramp to 1, triangular pulse to 1 and back
   double frequency = 0;  ///< Hz: sine
   [[nodiscard]] double operator()(double t) const;
+  [[nodiscard]] double mean(double from, double to) const;  ///< exact; from < to
+  [[nodiscard]] double fastest() const;                     ///< s in which it changes; infinite: it does not
 };
 
 struct BodyLoadSpec {

@@ -32,11 +32,13 @@ struct ContactJoint {
 
 /// A load on one body of a scene of contact; times are those of the run.
 struct ContactLoad {
+  std::uint32_t line = 1;
   std::optional<std::size_t> side;  ///< of `ContactBody::corners`; none: a point force
   bem::Vec2 at, force;              ///< point force, N/m
   double pressure = 0;              ///< Pa
   bem::Vec2 traction;               ///< Pa
   TimeFunction time;
+  bool timed = false;    ///< it changes with time
   bool follows = false;  ///< turns with the body
 };
 
