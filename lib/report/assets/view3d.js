@@ -1,0 +1,434 @@
+// The blocks in 3D, where WebGL is there: the data of the page unpacked, drawn in layers, turned, cut and picked from. What is shown
+// is in `state`; after a change to it `rebuild` (what is drawn) or `restyle` (how) is to be called. Null without WebGL.
+const view3d = (function () {
+  'use strict';
+  const holder = document.getElementById('scene');
+  const source = document.getElementById('data');
+  if (!holder || !source || typeof THREE === 'undefined') return null;
+  const probe = document.createElement('canvas');
+  let context = null;
+  try { context = probe.getContext('webgl') || probe.getContext('experimental-webgl'); } catch (e) { context = null; }
+  if (!context) return null;  // the still picture and a sentence stay
+
+  const data = JSON.parse(source.textContent);
+  const bytes = function (text) {
+    const raw = atob(text), out = new Uint8Array(raw.length);
+    for (let i = 0; i < raw.length; ++i) out[i] = raw.charCodeAt(i);
+    return out.buffer;
+  };
+  const packed = new Uint16Array(bytes(data.positions));
+  const triangles = new Uint32Array(bytes(data.triangles));
+  const faceBlock = new Uint32Array(bytes(data.faceBlock));
+  const faceRole = new Uint8Array(bytes(data.faceRole));
+  const faceTriangles = new Uint32Array(bytes(data.faceTriangles));
+  const blockId = new Uint32Array(bytes(data.id));
+  const batch = new Uint16Array(bytes(data.batch));
+  const mode = new Uint8Array(bytes(data.mode));
+  const factor = new Float32Array(bytes(data.factor));
+  const volume = new Float32Array(bytes(data.volume));
+  const faceCount = new Uint32Array(bytes(data.faces));
+  const blocks = blockId.length;
+
+  const points = new Float32Array(packed.length);
+  for (let i = 0; i < packed.length; ++i) points[i] = (packed[i] / 65535 - 0.5) * data.size[i % 3];
+  const extent = Math.hypot(data.size[0], data.size[1], data.size[2]) || 1;
+
+  const indexOf = new Map();
+  for (let b = 0; b < blocks; ++b) indexOf.set(blockId[b], b);
+  const firstFace = new Uint32Array(blocks + 1), firstTriangle = new Uint32Array(faceBlock.length + 1);
+  for (let f = 0; f < faceBlock.length; ++f) {
+    firstTriangle[f + 1] = firstTriangle[f] + faceTriangles[f];
+    firstFace[faceBlock[f] + 1] = f + 1;
+  }
+  for (let b = 1; b <= blocks; ++b) firstFace[b] = Math.max(firstFace[b], firstFace[b - 1]);
+  const centre = new Float32Array(3 * blocks);
+  for (let b = 0; b < blocks; ++b) {
+    const from = 3 * firstTriangle[firstFace[b]], to = 3 * firstTriangle[firstFace[b + 1]];
+    for (let k = 0; k < 3; ++k) {
+      let sum = 0;
+      for (let i = from; i < to; ++i) sum += points[3 * triangles[i] + k];
+      centre[3 * b + k] = to > from ? sum / (to - from) : 0;
+    }
+  }
+  const judged = batch.some(function (n) { return n > 0; });
+  const walls = faceRole.some(function (r) { return r === 3; });
+  const isWall = function (role) { return role === 3 || (role === 2 && judged); };
+
+  // ---- colours ----------------------------------------------------------------------------------------------------
+  const batchColours = ['#D55E00', '#E69F00', '#0072B2', '#56B4E9', '#009E73', '#CC79A7', '#B8A800', '#7A5195'];
+  const laterColour = '#7d8590', staysColour = '#8fb3a8';
+  const batchColourOf = function (n) { return n === 0 ? staysColour : n > 8 ? laterColour : batchColours[n - 1]; };
+  const modeColours = ['#D55E00', '#CC79A7', '#0072B2', '#E69F00', '#8fb3a8', '#8fb3a8'];
+  const factorSteps = [
+    ['no strength: 0', '#7f2704', function (f) { return f <= 0; }],
+    ['below 0.5', '#d94801', function (f) { return f < 0.5; }],
+    ['0.5 to 1', '#fdae6b', function (f) { return f < 1; }],
+    ['1 to 1.5', '#9ecae1', function (f) { return f < 1.5; }],
+    ['1.5 and more', '#3182bd', function () { return true; }]];
+  const factorStep = function (f) { return factorSteps.findIndex(function (s) { return s[2](f); }); };
+  const css = function (name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); };
+
+  const movable = function (b) { return mode[b] < 4; };
+  const state = {
+    colourBy: 'batch', explode: 0, wallOpacity: 1, restOpacity: judged ? 0.05 : 1, axis: 'y', cut: 1, picked: -1,
+    batches: new Map(), modes: new Map()
+  };
+  const batchKey = function (b) { return batch[b] > 8 ? 9 : batch[b]; };
+  for (let b = 0; b < blocks; ++b) {
+    if (!movable(b)) continue;
+    const count = function (map, key, on) {
+      const entry = map.get(key) || { n: 0, on: on };
+      entry.n += 1;
+      map.set(key, entry);
+    };
+    count(state.batches, batchKey(b), batch[b] > 0);
+    count(state.modes, mode[b], true);
+  }
+  const shown = function (b) {
+    return movable(b) && state.batches.get(batchKey(b)).on && state.modes.get(mode[b]).on;
+  };
+  const colourOf = function (b) {
+    if (state.colourBy === 'mode') return modeColours[mode[b]];
+    if (state.colourBy === 'factor') return factorSteps[factorStep(factor[b])][1];
+    return batchColourOf(batch[b]);
+  };
+
+  // ---- the scene --------------------------------------------------------------------------------------------------
+  let renderer;
+  try {
+    renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
+  } catch (e) {
+    return null;
+  }
+  holder.classList.add('live');
+  renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+  renderer.localClippingEnabled = true;
+  renderer.domElement.tabIndex = 0;
+  renderer.domElement.setAttribute('role', 'img');
+  renderer.domElement.setAttribute('aria-label', 'Blocks in 3D; the table of key blocks below holds the same facts');
+  holder.prepend(renderer.domElement);
+  const printed = document.createElement('img');
+  printed.id = 'printed';
+  printed.alt = 'The 3D view as it was when printed';
+  holder.append(printed);
+
+  const scene = new THREE.Scene();
+  const camera = new THREE.PerspectiveCamera(32, 1, extent / 500, extent * 20);
+  camera.up.set(0, 0, 1);
+  scene.add(new THREE.HemisphereLight(0xffffff, 0xaab0b8, 0.8));
+  const lamp = new THREE.DirectionalLight(0xffffff, 0.42);
+  camera.add(lamp);
+  lamp.position.set(-0.6, 0.9, 1);
+  scene.add(camera);
+  const controls = new THREE.OrbitControls(camera, renderer.domElement);
+  controls.screenSpacePanning = true;
+  controls.enableKeys = false;
+
+  const section = new THREE.Plane(new THREE.Vector3(0, -1, 0), extent);
+  const lambert = function (options) {
+    return new THREE.MeshLambertMaterial(Object.assign({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide, polygonOffset: true,
+      polygonOffsetFactor: 1, polygonOffsetUnits: 1 }, options));
+  };
+  const layers = {
+    key: new THREE.Mesh(new THREE.BufferGeometry(), lambert({})),
+    wall: new THREE.Mesh(new THREE.BufferGeometry(), lambert({ clippingPlanes: [section] })),
+    rest: new THREE.Mesh(new THREE.BufferGeometry(), lambert({ clippingPlanes: [section] }))
+  };
+  const lines = {
+    key: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0x16191c })),
+    wall: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.55, clippingPlanes: [section] })),
+    rest: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.3, clippingPlanes: [section] })),
+    picked: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xffffff, depthTest: false }))
+  };
+  layers.wall.renderOrder = 1; layers.rest.renderOrder = 3; lines.picked.renderOrder = 9;
+  Object.values(layers).concat(Object.values(lines)).forEach(function (o) { o.frustumCulled = false; scene.add(o); });
+  // ---- bolts ------------------------------------------------------------------------------------------------------
+  const boltNames = ['hold', 'redundant', 'too short', 'in compression', 'serve no block', 'off the rock'];
+  const boltColours = ['#009E73', '#56B4E9', '#D55E00', '#CC79A7', '#9aa1a8', '#B8A800'];
+  const bolts = data.bolts ? new Float32Array(bytes(data.bolts)) : null;
+  const boltStatus = bolts ? new Uint8Array(bytes(data.boltStatus)) : null;
+  const boltServes = bolts ? new Uint32Array(bytes(data.boltServes)) : null;
+  const boltLayers = [];
+  if (bolts) {
+    boltNames.forEach(function (name, s) {
+      const list = [];
+      for (let i = 0; i < boltStatus.length; ++i) if (boltStatus[i] === s) for (let k = 0; k < 6; ++k) list.push(bolts[6 * i + k]);
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(list), 3));
+      const layer = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: boltColours[s], linewidth: 2 }));
+      layer.frustumCulled = false;
+      layer.renderOrder = 8;
+      layer.visible = list.length > 0;
+      boltLayers.push({ name: name, colour: boltColours[s], count: list.length / 6, layer: layer });
+      scene.add(layer);
+    });
+  }
+  const frame = new THREE.LineSegments(new THREE.EdgesGeometry(new THREE.BoxBufferGeometry(data.size[0], data.size[1], data.size[2])),
+    new THREE.LineBasicMaterial({ transparent: true, opacity: 0.5 }));
+  scene.add(frame);
+
+  const faceEdges = function (f, use) {
+    const from = firstTriangle[f], to = firstTriangle[f + 1];
+    if (to - from > 12) {
+      const seen = new Set();
+      for (let t = from; t < to; ++t) for (let k = 0; k < 3; ++k) seen.add(triangles[3 * t + k] * 4294967296 + triangles[3 * t + (k + 1) % 3]);
+      seen.forEach(function (e) {
+        const a = Math.floor(e / 4294967296), b = e % 4294967296;
+        if (!seen.has(b * 4294967296 + a)) use(a, b);
+      });
+      return;
+    }
+    for (let t = from; t < to; ++t) {
+      for (let k = 0; k < 3; ++k) {
+        const a = triangles[3 * t + k], b = triangles[3 * t + (k + 1) % 3];
+        let inner = false;
+        for (let u = from; u < to && !inner; ++u) {
+          for (let m = 0; m < 3; ++m) if (triangles[3 * u + m] === b && triangles[3 * u + (m + 1) % 3] === a) inner = true;
+        }
+        if (!inner) use(a, b);
+      }
+    }
+  };
+  const offset = [0, 0, 0];
+  const offsetOf = function (b) {
+    for (let k = 0; k < 3; ++k) offset[k] = (centre[3 * b + k] - focus[k]) * state.explode;
+    return offset;
+  };
+
+  // What is looked at: the excavation and the key blocks, else everything.
+  const focus = [0, 0, 0];
+  let reach = extent / 2;
+  (function () {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let f = 0; f < faceBlock.length; ++f) {
+      if (!(faceRole[f] === 3 || batch[faceBlock[f]] > 0)) continue;
+      for (let i = 3 * firstTriangle[f]; i < 3 * firstTriangle[f + 1]; ++i) {
+        for (let k = 0; k < 3; ++k) {
+          const v = points[3 * triangles[i] + k];
+          low[k] = Math.min(low[k], v); high[k] = Math.max(high[k], v);
+        }
+      }
+    }
+    if (low[0] > high[0]) return;
+    let sum = 0;
+    for (let k = 0; k < 3; ++k) { focus[k] = (low[k] + high[k]) / 2; sum += (high[k] - low[k]) * (high[k] - low[k]); }
+    reach = Math.max(Math.sqrt(sum) / 2, extent / 50);
+  })();
+
+  const restFace = function (f) {
+    if (state.explode > 0 || state.cut < 1) return true;
+    return faceRole[f] !== 0;
+  };
+  // The layer of a face, or null.
+  const layerOf = function (f) {
+    const b = faceBlock[f];
+    if (shown(b)) return 'key';
+    if (isWall(faceRole[f])) return state.wallOpacity > 0 ? 'wall' : null;
+    return state.restOpacity > 0 && restFace(f) ? 'rest' : null;
+  };
+
+  const blockOfTriangle = {};
+  const rebuild = function () {
+    const counts = { key: 0, wall: 0, rest: 0 };
+    const place = new Array(faceBlock.length);
+    for (let f = 0; f < faceBlock.length; ++f) {
+      place[f] = layerOf(f);
+      if (place[f]) counts[place[f]] += faceTriangles[f];
+    }
+    const wallColour = new THREE.Color(css('--wall')), restColour = new THREE.Color(css('--wall'));
+    const fill = {}, edges = { key: [], wall: [], rest: [] };
+    Object.keys(counts).forEach(function (name) {
+      fill[name] = { at: 0, position: new Float32Array(9 * counts[name]), normal: new Float32Array(9 * counts[name]), colour: new Uint8Array(9 * counts[name]) };
+      blockOfTriangle[name] = new Uint32Array(counts[name]);
+    });
+    const colour = new THREE.Color();
+    const drawRestEdges = state.restOpacity >= 0.2;
+    for (let f = 0; f < faceBlock.length; ++f) {
+      const name = place[f];
+      if (!name) continue;
+      const to = fill[name], b = faceBlock[f], move = offsetOf(b);
+      if (name === 'key') colour.set(colourOf(b)); else colour.copy(name === 'wall' ? wallColour : restColour);
+      // Neighbouring blocks of the rest differ a little, so that they can be told apart.
+      const tone = name === 'key' ? 1 : 0.9 + 0.1 * ((blockId[b] * 2654435761 >>> 8) % 97) / 97;
+      const r = Math.round(255 * colour.r * tone), g = Math.round(255 * colour.g * tone), bl = Math.round(255 * colour.b * tone);
+      for (let t = firstTriangle[f]; t < firstTriangle[f + 1]; ++t) {
+        const p = to.position, n = to.normal, o = 9 * to.at;
+        for (let k = 0; k < 3; ++k) {
+          const v = 3 * triangles[3 * t + k];
+          for (let c = 0; c < 3; ++c) p[o + 3 * k + c] = points[v + c] + move[c];
+          to.colour[o + 3 * k] = r; to.colour[o + 3 * k + 1] = g; to.colour[o + 3 * k + 2] = bl;
+        }
+        const ux = p[o + 3] - p[o], uy = p[o + 4] - p[o + 1], uz = p[o + 5] - p[o + 2];
+        const vx = p[o + 6] - p[o], vy = p[o + 7] - p[o + 1], vz = p[o + 8] - p[o + 2];
+        let x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+        const l = Math.hypot(x, y, z) || 1;
+        x /= l; y /= l; z /= l;
+        for (let k = 0; k < 3; ++k) { n[o + 3 * k] = x; n[o + 3 * k + 1] = y; n[o + 3 * k + 2] = z; }
+        blockOfTriangle[name][to.at++] = b;
+      }
+      if (name !== 'rest' || drawRestEdges) {
+        const list = edges[name];
+        faceEdges(f, function (i, j) {
+          list.push(points[3 * i] + move[0], points[3 * i + 1] + move[1], points[3 * i + 2] + move[2],
+            points[3 * j] + move[0], points[3 * j + 1] + move[1], points[3 * j + 2] + move[2]);
+        });
+      }
+    }
+    Object.keys(counts).forEach(function (name) {
+      const geometry = new THREE.BufferGeometry(), f = fill[name];
+      geometry.setAttribute('position', new THREE.BufferAttribute(f.position, 3));
+      geometry.setAttribute('normal', new THREE.BufferAttribute(f.normal, 3));
+      geometry.setAttribute('color', new THREE.BufferAttribute(f.colour, 3, true));
+      layers[name].geometry.dispose();
+      layers[name].geometry = geometry;
+      layers[name].visible = counts[name] > 0;
+      const wires = new THREE.BufferGeometry();
+      wires.setAttribute('position', new THREE.BufferAttribute(new Float32Array(edges[name]), 3));
+      lines[name].geometry.dispose();
+      lines[name].geometry = wires;
+      lines[name].visible = edges[name].length > 0;
+    });
+    const edgeColour = new THREE.Color(css('--edge'));
+    lines.wall.material.color.copy(edgeColour);
+    lines.rest.material.color.copy(edgeColour);
+    frame.material.color.copy(edgeColour);
+    style();
+    drawPicked();
+    render();
+  };
+
+  const style = function () {
+    [['wall', state.wallOpacity], ['rest', state.restOpacity]].forEach(function (pair) {
+      const material = layers[pair[0]].material;
+      material.opacity = pair[1];
+      material.transparent = pair[1] < 1;
+      material.depthWrite = pair[1] >= 1;
+      material.needsUpdate = true;
+    });
+    lines.rest.material.opacity = 0.6 * state.restOpacity;
+    lines.wall.material.opacity = 0.15 + 0.45 * state.wallOpacity;
+    const k = { x: 0, y: 1, z: 2 }[state.axis], half = data.size[k] / 2 * (1 + state.explode);
+    // From the side of the start view: south, east, above.
+    section.normal.set(k === 0 ? -1 : 0, k === 1 ? 1 : 0, k === 2 ? -1 : 0);
+    section.constant = state.cut >= 1 ? 100 * extent : half * (2 * state.cut - 1);
+    frame.visible = state.explode === 0;
+    boltLayers.forEach(function (b) { b.layer.visible = b.count > 0 && b.on !== false && state.explode === 0; });
+  };
+
+  const drawPicked = function () {
+    const list = [];
+    if (state.picked >= 0) {
+      const move = offsetOf(state.picked);
+      for (let f = firstFace[state.picked]; f < firstFace[state.picked + 1]; ++f) {
+        faceEdges(f, function (i, j) {
+          list.push(points[3 * i] + move[0], points[3 * i + 1] + move[1], points[3 * i + 2] + move[2],
+            points[3 * j] + move[0], points[3 * j + 1] + move[1], points[3 * j + 2] + move[2]);
+        });
+      }
+    }
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(list), 3));
+    lines.picked.geometry.dispose();
+    lines.picked.geometry = geometry;
+    lines.picked.visible = list.length > 0;
+    lines.picked.material.color.set(css('--ink'));
+  };
+
+  const compass = document.getElementById('compass');
+  const drawCompass = function () {
+    const arrows = [['E', new THREE.Vector3(1, 0, 0)], ['N', new THREE.Vector3(0, 1, 0)], ['up', new THREE.Vector3(0, 0, 1)]];
+    let text = '<svg viewBox="-42 -42 84 84">';
+    const turn = camera.matrixWorldInverse;
+    arrows.map(function (a) { return [a[0], a[1].transformDirection(turn)]; })
+      .sort(function (a, b) { return a[1].z - b[1].z; })
+      .forEach(function (a) {
+        const x = (26 * a[1].x).toFixed(1), y = (-26 * a[1].y).toFixed(1);
+        text += '<line x1="0" y1="0" x2="' + x + '" y2="' + y + '" stroke="' + css('--ink') + '" stroke-width="1.8" opacity="' + (a[1].z < -0.2 ? 0.4 : 1) + '"/>' +
+          '<text text-anchor="middle" x="' + (35 * a[1].x).toFixed(1) + '" y="' + (4 - 35 * a[1].y).toFixed(1) + '">' + a[0] + '</text>';
+      });
+    compass.innerHTML = text + '</svg>';
+  };
+
+  let pending = false;
+  const draw = function () {
+    pending = false;
+    renderer.render(scene, camera);
+    drawCompass();
+  };
+  const render = function () {
+    if (!pending) { pending = true; requestAnimationFrame(draw); }
+  };
+  const resize = function () {
+    const box = holder.getBoundingClientRect();
+    if (box.width < 2 || box.height < 2) return;
+    renderer.setSize(box.width, box.height, false);
+    camera.aspect = box.width / box.height;
+    camera.updateProjectionMatrix();
+    render();
+  };
+  const look = function (direction, target, radius) {
+    const d = new THREE.Vector3(direction[0], direction[1], direction[2]).normalize();
+    const narrow = Math.min(1, camera.aspect);
+    const distance = radius / Math.sin(camera.fov * Math.PI / 360) / narrow;
+    controls.target.set(target[0], target[1], target[2]);
+    camera.position.copy(controls.target).addScaledVector(d, distance * 0.86);
+    camera.lookAt(controls.target);
+    controls.update();
+    render();
+  };
+  const home = function () { look([0.62, -1, 0.55], focus, Math.max(reach, judged || walls ? 0 : extent / 2)); };
+
+  // ---- picking ----------------------------------------------------------------------------------------------------
+  const caster = new THREE.Raycaster();
+  const blockAt = function (clientX, clientY) {
+    const box = renderer.domElement.getBoundingClientRect();
+    caster.setFromCamera({ x: 2 * (clientX - box.left) / box.width - 1, y: 1 - 2 * (clientY - box.top) / box.height }, camera);
+    let best = null;
+    [['key', 0.01], ['wall', 0.3], ['rest', 0.3]].forEach(function (pair) {
+      const layer = layers[pair[0]];
+      if (!layer.visible || (pair[0] !== 'key' && layer.material.opacity < pair[1])) return;
+      caster.intersectObject(layer).forEach(function (hit) {
+        if (pair[0] !== 'key' && section.distanceToPoint(hit.point) < 0) return;
+        if (!best || hit.distance < best.distance) best = { distance: hit.distance, block: blockOfTriangle[pair[0]][hit.faceIndex] };
+      });
+    });
+    return best ? best.block : -1;
+  };
+  const onPick = function (listener) {
+    const down = { x: 0, y: 0 };
+    renderer.domElement.addEventListener('pointerdown', function (e) { down.x = e.clientX; down.y = e.clientY; });
+    renderer.domElement.addEventListener('pointerup', function (e) {
+      if (e.button !== 0 || Math.hypot(e.clientX - down.x, e.clientY - down.y) > 5) return;
+      listener(blockAt(e.clientX, e.clientY));
+    });
+  };
+  const servingBolts = function (b) {
+    let serving = 0;
+    for (let i = 0; i < boltServes.length; ++i) if (boltServes[i] === blockId[b]) ++serving;
+    return serving;
+  };
+
+  // ---- life -------------------------------------------------------------------------------------------------------
+  controls.addEventListener('change', render);
+  window.addEventListener('resize', resize);
+  window.addEventListener('beforeprint', function () {
+    renderer.render(scene, camera);
+    printed.src = renderer.domElement.toDataURL('image/png');
+  });
+  renderer.domElement.addEventListener('webglcontextlost', function (e) { e.preventDefault(); holder.classList.remove('live'); });
+  renderer.domElement.addEventListener('webglcontextrestored', function () { holder.classList.add('live'); rebuild(); });
+  const dark = window.matchMedia ? window.matchMedia('(prefers-color-scheme: dark)') : null;
+  if (dark && dark.addEventListener) dark.addEventListener('change', rebuild);
+
+  return {
+    state: state, rebuild: rebuild,
+    restyle: function () { style(); render(); },
+    start: function () { resize(); home(); rebuild(); },
+    look: look, home: home, extent: extent, focus: focus, reach: reach,
+    walls: faceRole.some(isWall), bolts: bolts ? boltLayers : null, servingBolts: servingBolts,
+    blocks: { id: blockId, mode: mode, volume: volume, faces: faceCount }, indexOf: indexOf,
+    batchColour: batchColourOf, modeColour: function (m) { return modeColours[m]; }, factorSteps: factorSteps,
+    place: holder.parentNode, onPick: onPick,
+    mark: function (b) { state.picked = b; drawPicked(); render(); }
+  };
+})();
