@@ -239,7 +239,8 @@ std::string contact_report_html(const scene::ContactResult& result) {
       ".ramp i{display:inline-block;width:140px;height:10px;margin:0 .5em;"
       "background:linear-gradient(90deg,#440154,#3b528b,#21918c,#5ec962,#fde725)}.controls .ramp[hidden]{display:none}"
       ".card "
-      "strong{font-size:1.35rem}section.cards{grid-template-columns:repeat(auto-fit,minmax(158px,1fr))}.note.bad{border-"
+      "strong{font-size:1.35rem}section.cards{grid-template-columns:repeat(auto-fit,minmax(158px,1fr))}.note.bad{"
+      "border-"
       "color:var(--bad);color:var(--bad)}"
       ".key{display:inline-block;width:12px;height:12px;border-radius:6px;vertical-align:-1px;margin-right:4px}"
       ".scroll{overflow-x:auto}@media print{.controls{display:none}}");
