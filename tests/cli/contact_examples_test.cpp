@@ -199,6 +199,23 @@ TEST_F(ContactExamplesTest, LongColumnsToppleAndShortOnesStay) {
 }
 
 // Limit equilibrium: 38.1512 degrees; with tan(friction) = 0.65 a horizontal bolt of 2012.87 kN/m.
+// Friction holds the wall on the ground; its left end has nothing to lean on.
+TEST_F(ContactExamplesTest, EndOfAPushedWallBreaksAwayAndTheRestStays) {
+  const auto result = example("brick_wall/brick_wall");
+  EXPECT_EQ(result["bodies"].size(), 85U);
+  const auto left = at(result, "top left");
+  EXPECT_LT(left[0], -0.3);
+  EXPECT_LT(left[1], -0.1);
+  const auto right = at(result, "top right");
+  EXPECT_LT(std::hypot(right[0], right[1]), 1e-6);
+  std::size_t fallen = 0;
+  for (const auto& b : result["bodies"]) fallen += b["max_displacement_m"].get<double>() > 0.1 ? 1U : 0U;
+  EXPECT_GT(fallen, 10U);
+  EXPECT_LT(fallen, 40U);
+  const double work = -result["energy"]["gravity_j"].get<double>();
+  EXPECT_LE(result["energy"]["largest_gain_j"].get<double>(), 1e-6 * work);
+}
+
 TEST_F(ContactExamplesTest, GoodmanAndBraysSlopeHasItsLimit) {
   EXPECT_LT(example("goodman_bray/stands")["max_displacement_m"].get<double>(), 1e-6);
   const auto falls = example("goodman_bray/falls");

@@ -80,6 +80,14 @@ TEST(Html, HoldsEverySectionAndTheSameBytesTwice) {
   EXPECT_NE(html.find("joint 7 lies outside"), std::string::npos);
   EXPECT_NE(html.find("REVISION=\"111\""), std::string::npos);
   EXPECT_NE(html.find("OrbitControls"), std::string::npos);
+  // Each script uses those before it.
+  std::size_t at = 0;
+  for (const char* script : {"const tables = (", "id=\"data\"", "REVISION=\"111\"",
+                             "OrbitControls = ", "const view3d = (", "if (!view3d) return;"}) {
+    const std::size_t found = html.find(script, at);
+    ASSERT_NE(found, std::string::npos) << script;
+    at = found;
+  }
   EXPECT_EQ(html, report_html(page));
 }
 
@@ -90,7 +98,9 @@ TEST(Html, WithoutBlocksThereIsStillAReport) {
   const std::string html = report_html(page);
   EXPECT_NE(html.find("not passed"), std::string::npos);
   EXPECT_EQ(html.find("id=\"view\""), std::string::npos);
-  EXPECT_LT(html.size(), 100'000U);  // and three.js is left out
+  EXPECT_LT(html.size(), 100'000U);  // and three.js is left out, with what draws by it
+  EXPECT_EQ(html.find("view3d"), std::string::npos);
+  EXPECT_NE(html.find("const tables = ("), std::string::npos);
 }
 
 TEST(View3d, EstimateBoundsTheSize) {

@@ -314,7 +314,7 @@ TEST(ContactScene, StackRestsRigidAndElastic) {
     // Each block carries those above and half of itself: 3.5 + 2.5 + 1.5 + 0.5 weights.
     const double shortened = 8 * weight / 1e8;
     EXPECT_NEAR(r.history.back().points[0].y, -shortened, 0.01 * shortened);
-    EXPECT_EQ(r.notes.back(), "1 elastic operator for 5 bodies");
+    EXPECT_EQ(r.notes.back(), "1 elastic operator of 5 bodies: those alike share one");
   }
 }
 
@@ -335,7 +335,7 @@ TEST(ContactScene, TurnedElasticBodiesShareAnOperator) {
                               "[[body]]\nname = \"b\"\nrectangle = { corner = [1, 0], width = 2, height = 1 }\n"
                               "load = [{ side = 2, pressure = 1e5 }, { side = 4, pressure = 1e5 }]\n"
                               "repeat = { count = 3, turn = 90, about = [0, 0] }\n");
-  EXPECT_EQ(r.notes.back(), "1 elastic operator for 3 bodies");
+  EXPECT_EQ(r.notes.back(), "1 elastic operator of 3 bodies: those alike share one");
   EXPECT_GT(r.bodies[0].largest, 1e-3);
   EXPECT_NEAR(r.bodies[1].largest, r.bodies[0].largest, 1e-9 * r.bodies[0].largest);
   EXPECT_NEAR(r.bodies[2].largest, r.bodies[0].largest, 1e-9 * r.bodies[0].largest);

@@ -5,31 +5,45 @@ const byId = id => document.getElementById(id);
 const canvas = byId("view"), pen = canvas.getContext("2d");
 const slider = byId("frame"), play = byId("play"), arrows = byId("arrows"), size = byId("force"), scale = byId("scale"), colours = byId("colour");
 const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-const show = v => v === 0 ? "0" : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-3 ? (+v.toPrecision(3)).toExponential() : String(+v.toPrecision(4));
+const plain = v => v === 0 ? "0" : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-3 ? (+v.toPrecision(3)).toExponential() : String(+v.toPrecision(4));
+const show = v => plain(v).replace(/-/g, "\u2212");
 const N = D.bodies.length, F = D.frames.length;
 
-// Extent over all frames; bodies that left far away do not shrink the rest.
+// Extent over all frames. A few bodies that left far away do not shrink the rest; many are followed.
 let low = [1e300, 1e300], high = [-1e300, -1e300], bent = 0;
-const peaks = [];
+const forces = [], moving = [], sizes = [];
 const grow = (x, y) => { low = [Math.min(low[0], x), Math.min(low[1], y)]; high = [Math.max(high[0], x), Math.max(high[1], y)]; };
-for (const b of D.bodies) for (let i = 0; i < b.o.length; i += 2) grow(b.c[0] + b.o[i], b.c[1] + b.o[i + 1]);
-const span = Math.max(high[0] - low[0], high[1] - low[1]) || 1, start = [low.slice(), high.slice()];
-for (const f of D.frames) {
-  for (let b = 0; b < N; b++) {
-    const x = f.p[3 * b], y = f.p[3 * b + 1];
-    if (x > start[0][0] - span / 2 && x < start[1][0] + span / 2 && y > start[0][1] - span / 2 && y < start[1][1] + span / 2) grow(x, y);
-    if (f.d[b]) for (const v of f.d[b]) bent = Math.max(bent, Math.abs(v));
+D.bodies.forEach((b, k) => {
+  let area = 0;
+  for (let i = 0; i < b.o.length; i += 2) {
+    const j = (i + 2) % b.o.length;
+    area += b.o[i] * b.o[j + 1] - b.o[j] * b.o[i + 1];
+    grow(b.c[0] + b.o[i], b.c[1] + b.o[i + 1]);
   }
-  let largest = 0;
-  for (let i = 0; i < f.c.length; i += 5) largest = Math.max(largest, Math.hypot(f.c[i + 2], f.c[i + 3]));
-  if (largest > 0) peaks.push(largest);
+  if (!b.f) { moving.push(k); sizes.push(Math.sqrt(Math.abs(area) / 2)); }
+});
+const span = Math.max(high[0] - low[0], high[1] - low[1]) || 1, start = [low.slice(), high.slice()];
+let reach = .5;
+const near = (f, b) => [0, 1].every(k => f.p[3 * b + k] > start[0][k] - reach * span && f.p[3 * b + k] < start[1][k] + reach * span);
+while (reach < 1e3 && moving.filter(b => !D.frames.every(f => near(f, b))).length > moving.length / 10) reach *= 1.5;
+for (const f of D.frames) {
+  for (const b of moving) {
+    if (!near(f, b)) continue;
+    const o = D.bodies[b].o, c = Math.cos(f.p[3 * b + 2]), s = Math.sin(f.p[3 * b + 2]);
+    for (let i = 0; i < o.length; i += 2) grow(f.p[3 * b] + c * o[i] - s * o[i + 1], f.p[3 * b + 1] + s * o[i] + c * o[i + 1]);
+  }
+  for (const b in f.d) for (const v of f.d[b]) bent = Math.max(bent, Math.abs(v));
+  for (let i = 0; i < f.c.length; i += 5) forces.push(Math.hypot(f.c[i + 2], f.c[i + 3]));
 }
-// Lines are scaled by what most frames have: an impact would make those of all the others points.
-peaks.sort((a, b) => a - b);
-const most = peaks.length ? peaks[Math.floor(.9 * (peaks.length - 1))] : 0, longest = 2.5;
-const whole = Math.max(high[0] - low[0], high[1] - low[1]) || 1, usual = bent > 0 ? Math.max(1, 0.03 * whole / bent) : 1;
+// Lines are scaled by what most contacts carry: an impact would make those of all the others points.
+const ofAll = (values, part) => values.length ? values.slice().sort((a, b) => a - b)[Math.floor(part * (values.length - 1))] : 0;
+const largest = forces.reduce((m, v) => Math.max(m, v), 0), most = ofAll(forces.filter(v => v > 1e-6 * largest), .9), longest = 2.5;
+const typical = ofAll(sizes, .5) || span;
+const whole = Math.max(high[0] - low[0], high[1] - low[1]) || 1, usual = bent > 0 ? Math.max(1, Math.min(.03 * whole, .08 * typical) / bent) : 1;
 if (!(bent > 0)) scale.parentNode.style.display = "none";
 if (F < 2) byId("player").style.display = "none";
+if (!forces.length) for (const part of [arrows.parentNode, size.parentNode, byId("states")]) part.style.display = "none";
+if (!D.bodies.some(b => b.f)) byId("fixed").style.display = "none";
 slider.max = F - 1;
 slider.value = F - 1;
 
@@ -39,25 +53,39 @@ function ramp(t) {
   const i = Math.floor(t), f = t - i;
   return "rgb(" + [0, 1, 2].map(k => Math.round(s[i][k] * (1 - f) + s[i + 1][k] * f)).join(",") + ")";
 }
-function shade(b, f) {
-  if (D.bodies[b].f) return css("--wall");
-  const kind = colours.value;
+function shade(b, f, kind) {
   if (kind === "rotation") return ramp(.5 + f.p[3 * b + 2] / (2 * D.turned || 1));
   if (kind === "displacement") return ramp(Math.hypot(f.p[3 * b] - D.bodies[b].c[0], f.p[3 * b + 1] - D.bodies[b].c[1]) / (D.moved || 1));
   return "#d9c9a8";
 }
+// The next smaller 1, 2 or 5 times a power of ten.
+const round = v => { const p = Math.pow(10, Math.floor(Math.log10(v))); return p * (v >= 5 * p ? 5 : v >= 2 * p ? 2 : 1); };
+function label(text, x, y, taken, width) {
+  const w = pen.measureText(text).width;
+  const boxes = [[6, -6], [6, 16], [-6 - w, -6], [-6 - w, 16], [6, -20], [6, 30], [-6 - w, -20], [-6 - w, 30]].map(d => [x + d[0], y + d[1] - 11, x + d[0] + w, y + d[1] + 3]);
+  const free = b => b[0] >= 0 && b[2] <= width && b[1] >= 0 && !taken.some(t => b[0] < t[2] && t[0] < b[2] && b[1] < t[3] && t[1] < b[3]);
+  const box = boxes.find(free) || boxes[0];
+  taken.push(box);
+  pen.strokeText(text, box[0], box[3] - 3);
+  pen.fillText(text, box[0], box[3] - 3);
+}
 function draw() {
-  const width = canvas.clientWidth, pad = .06 * whole;
-  const tall = Math.round(Math.min(window.innerHeight * .75, Math.max(240, width * (high[1] - low[1] + 2 * pad) / (high[0] - low[0] + 2 * pad))));
+  const width = canvas.clientWidth, pad = .04 * whole, foot = 34;
+  const tall = foot + Math.round(Math.min(window.innerHeight * .75, Math.max(200, width * (high[1] - low[1] + 2 * pad) / (high[0] - low[0] + 2 * pad))));
   const ratio = window.devicePixelRatio || 1;
   canvas.width = width * ratio; canvas.height = tall * ratio; canvas.style.height = tall + "px";
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
   pen.clearRect(0, 0, width, tall);
-  const k = Math.min(width / (high[0] - low[0] + 2 * pad), tall / (high[1] - low[1] + 2 * pad));
-  const X = x => width / 2 + (x - (low[0] + high[0]) / 2) * k, Y = y => tall / 2 - (y - (low[1] + high[1]) / 2) * k;
+  const k = Math.min(width / (high[0] - low[0] + 2 * pad), (tall - foot) / (high[1] - low[1] + 2 * pad));
+  const X = x => width / 2 + (x - (low[0] + high[0]) / 2) * k, Y = y => (tall - foot) / 2 - (y - (low[1] + high[1]) / 2) * k;
   const f = D.frames[Math.min(+slider.value, F - 1)], bend = usual * Math.pow(10, +scale.value);
+  const wall = css("--wall"), edge = css("--edge"), ink = css("--ink"), kind = colours.value;
   byId("time").textContent = show(f.t) + " s";
-  byId("bent").textContent = "x " + show(bend);
+  byId("bent").textContent = "\u00d7 " + show(bend);
+  byId("ramp").hidden = kind === "plain";
+  const most_turned = show(D.turned * 180 / Math.PI) + "\u00b0";
+  byId("ramp-low").textContent = kind === "rotation" && D.turned > 0 ? "\u2212" + most_turned : "0";
+  byId("ramp-high").textContent = kind === "rotation" ? most_turned : show(D.moved) + " m";
   pen.lineJoin = "round";
   for (let b = 0; b < N; b++) {
     const body = D.bodies[b], c = Math.cos(f.p[3 * b + 2]), s = Math.sin(f.p[3 * b + 2]), d = f.d[b];
@@ -68,33 +96,48 @@ function draw() {
       i ? pen.lineTo(X(x), Y(y)) : pen.moveTo(X(x), Y(y));
     }
     pen.closePath();
-    pen.fillStyle = shade(b, f);
+    pen.fillStyle = body.f ? wall : shade(b, f, kind);
     pen.fill();
-    pen.strokeStyle = css("--edge");
+    pen.strokeStyle = edge;
     pen.lineWidth = N > 400 ? .4 : 1;
     pen.stroke();
   }
+  // Half as long as a body is wide, for what most contacts carry.
+  const half = Math.min(.12 * Math.min(width, tall), Math.max(6, .5 * typical * k)) * Math.pow(10, +size.value);
   if (arrows.checked && most > 0) {
-    const long = .12 * Math.min(width, tall) * Math.pow(10, +size.value) / most;
+    const dot = Math.min(2.4, Math.max(.8, .05 * typical * k));
     for (let i = 0; i < f.c.length; i += 5) {
-      const of = long * Math.min(1, longest * most / Math.hypot(f.c[i + 2], f.c[i + 3]));
+      const of = half / most * Math.min(1, longest * most / Math.hypot(f.c[i + 2], f.c[i + 3]));
       const x = X(f.c[i]), y = Y(f.c[i + 1]), dx = of * f.c[i + 2], dy = -of * f.c[i + 3];
       pen.strokeStyle = pen.fillStyle = f.c[i + 4] ? "#d1495b" : "#1f5f8b";
-      pen.lineWidth = 1.6;
+      pen.lineWidth = N > 400 ? 1 : 1.6;
       pen.beginPath(); pen.moveTo(x - dx, y - dy); pen.lineTo(x + dx, y + dy); pen.stroke();
-      pen.beginPath(); pen.arc(x, y, 2.4, 0, 7); pen.fill();
+      pen.beginPath(); pen.arc(x, y, dot, 0, 7); pen.fill();
     }
   }
-  pen.fillStyle = css("--ink");
   pen.font = "12px system-ui, sans-serif";
-  for (const p of D.points) {
-    const u = f.u[p.k], x = X(p.x + u[0]), y = Y(p.y + u[1]);
-    pen.beginPath(); pen.arc(x, y, 3.5, 0, 7); pen.fill();
-    pen.fillText(p.n, x + 6, y - 6);
+  pen.fillStyle = ink;
+  const taken = D.points.map(p => { const x = X(p.x + f.u[p.k][0]), y = Y(p.y + f.u[p.k][1]); return [x - 3, y - 3, x + 3, y + 3]; });
+  for (const t of taken) { pen.beginPath(); pen.arc(t[0] + 3, t[1] + 3, 3.5, 0, 7); pen.fill(); }
+  pen.strokeStyle = css("--sheet");
+  pen.lineWidth = 3;
+  D.points.forEach((p, i) => label(p.n, taken[i][0] + 3, taken[i][1] + 3, taken, width));
+  // Rulers: metres, and the force of a line.
+  const ruler = (x, length, text, colour) => {
+    pen.strokeStyle = colour;
+    pen.lineWidth = 2;
+    pen.beginPath(); pen.moveTo(x, tall - 8); pen.lineTo(x + length, tall - 8); pen.stroke();
+    pen.fillText(text, x + length + 6, tall - 4);
+    return x + length + 34 + pen.measureText(text).width;
+  };
+  const metres = round(120 / k);
+  const next = ruler(8, metres * k, show(metres) + " m", ink);
+  if (arrows.checked && most > 0) {
+    const force = round(100 / (2 * half) * most);
+    ruler(next, force * 2 * half / most, show(force / 1e3) + " kN/m", "#1f5f8b");
   }
 }
 for (const control of [slider, arrows, size, scale, colours]) control.addEventListener("input", draw);
-window.addEventListener("resize", draw);
 let timer = null;
 play.addEventListener("click", () => {
   if (timer) { clearInterval(timer); timer = null; play.textContent = "Play"; return; }
@@ -103,17 +146,22 @@ play.addEventListener("click", () => {
   timer = setInterval(() => { slider.value = (+slider.value + 1) % F; draw(); }, 50);
 });
 
-function chart(id, series, xl, yl) {
+// `least`: the y axis spans no less, so that rounding does not look like motion. `zero`: it begins at 0; `count`: in whole numbers.
+function chart(id, series, yl, { least = 0, zero = false, count = false } = {}) {
   const el = byId(id);
   if (!el) return;
-  const W = 640, H = 280, m = [14, 14, 40, 78], hue = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#666666"];
+  const W = Math.max(340, Math.min(640, el.clientWidth || 640)), H = 280, m = [14, 14, 40, 78], hue = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#666666"];
   let x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300;
   for (const s of series) for (const p of s.p) { x0 = Math.min(x0, p[0]); x1 = Math.max(x1, p[0]); y0 = Math.min(y0, p[1]); y1 = Math.max(y1, p[1]); }
   if (!(x1 > x0)) { x0 -= .5; x1 += .5; }
+  x0 = Math.min(x0, D.history[0][0]);
+  if (zero) y0 = 0;
+  if (count) y1 = Math.max(y1, 1);
   if (!(y1 > y0)) { const d = Math.abs(y0) || 1; y0 -= d / 2; y1 += d / 2; }
+  if (y1 - y0 < least) { const middle = Math.abs(y0) < least && Math.abs(y1) < least ? 0 : (y0 + y1) / 2; y0 = middle - least / 2; y1 = middle + least / 2; }
   // Ticks at 1, 2 or 5 times a power of ten; the y axis ends at one.
   const between = (a, b) => { const p = Math.pow(10, Math.floor(Math.log10((b - a) / 4))), s = (b - a) / 4 / p; return p * (s <= 1 ? 1 : s <= 2 ? 2 : s <= 5 ? 5 : 10); };
-  const dx = between(x0, x1), dy = between(y0, y1), whole = (v, d) => Math.round(v / d) * d;
+  const dx = between(x0, x1), dy = count ? Math.max(1, between(y0, y1)) : between(y0, y1), whole = (v, d) => Math.round(v / d) * d;
   y0 = Math.floor(y0 / dy + 1e-9) * dy; y1 = Math.ceil(y1 / dy - 1e-9) * dy;
   // Names stand above the plot, in as many lines as they need.
   let names = "", at = m[3], line = 0;
@@ -127,7 +175,7 @@ function chart(id, series, xl, yl) {
   });
   if (names) m[0] += 8 + 15 * line;
   const X = v => m[3] + (v - x0) / (x1 - x0) * (W - m[1] - m[3]), Y = v => H - m[2] - (v - y0) / (y1 - y0) * (H - m[0] - m[2]);
-  let out = '<svg viewBox="0 0 ' + W + ' ' + H + '" role="img" aria-label="' + yl + ' against ' + xl + '" style="max-width:100%">' + names;
+  let out = '<svg viewBox="0 0 ' + W + ' ' + H + '" role="img" aria-label="' + yl + ' against ' + D.way + '" style="max-width:100%">' + names;
   for (let v = y0; v < y1 + dy / 2; v += dy) {
     const py = Y(v);
     out += '<path d="M' + m[3] + ' ' + py + 'H' + (W - m[1]) + '" stroke="#8884"/><text x="' + (m[3] - 6) + '" y="' + (py + 4) + '" text-anchor="end" font-size="11" fill="currentColor">' + show(whole(v, dy)) + '</text>';
@@ -138,16 +186,22 @@ function chart(id, series, xl, yl) {
   series.forEach((s, i) => {
     if (s.p.length > 1) out += '<path fill="none" stroke="' + hue[i % hue.length] + '" stroke-width="1.6" d="M' + s.p.map(p => X(p[0]).toFixed(1) + " " + Y(p[1]).toFixed(1)).join("L") + '"/>';
   });
-  el.innerHTML = out + '<text x="' + W / 2 + '" y="' + (H - 6) + '" text-anchor="middle" font-size="12" fill="currentColor">' + xl + '</text><text transform="translate(13 ' + H / 2 + ') rotate(-90)" text-anchor="middle" font-size="12" fill="currentColor">' + yl + '</text></svg>';
+  el.innerHTML = out + '<text x="' + W / 2 + '" y="' + (H - 6) + '" text-anchor="middle" font-size="12" fill="currentColor">' + D.way + '</text><text transform="translate(13 ' + H / 2 + ') rotate(-90)" text-anchor="middle" font-size="12" fill="currentColor">' + yl + '</text></svg>';
 }
 const H = D.history, column = k => H.map(r => [r[0], r[k]]);
-if (H.length > 1) {
+function plots() {
+  if (H.length < 2) return;
   const path = axis => D.points.map(p => ({ n: p.n, p: H.map(r => [r[0], r[10 + 2 * p.k + axis]]) }));
-  chart("ux", path(0), D.way, "x displacement (m)");
-  chart("uy", path(1), D.way, "y displacement (m)");
-  chart("energy", ["kinetic", "elastic", "gravity", "work of loads", "friction", "lost otherwise"].map((n, k) => ({ n: n, p: column(k + 1) })), D.way, "energy (J/m)");
-  chart("steps", [{ n: "", p: column(7) }], D.way, "step (s)");
-  chart("iterations", [{ n: "", p: column(8) }], D.way, "iterations in a step");
-  chart("contacts", [{ n: "", p: column(9) }], D.way, "contacts that carry");
+  chart("ux", path(0), "x displacement (m)", { least: 1e-9 * span });
+  chart("uy", path(1), "y displacement (m)", { least: 1e-9 * span });
+  const peak = H.reduce((m, r) => Math.max(m, ...r.slice(1, 7).map(Math.abs)), 0);
+  const unit = peak >= 2e6 ? [1e6, "MJ/m"] : peak >= 2e3 ? [1e3, "kJ/m"] : [1, "J/m"];
+  chart("energy", ["kinetic", "elastic", "gravity", "work of loads", "friction", "lost otherwise"].map((n, k) => ({ n: n, p: column(k + 1).map(p => [p[0], p[1] / unit[0]]) })), "energy (" + unit[1] + ")");
+  // The first row is the start, before any step.
+  chart("steps", [{ n: "", p: column(7).slice(1) }], "step (s)", { zero: true });
+  chart("iterations", [{ n: "", p: column(8).slice(1) }], "iterations in a step", { zero: true, count: true });
+  chart("contacts", [{ n: "", p: column(9).slice(1) }], "contacts that carry", { zero: true, count: true });
 }
-draw();
+function all() { draw(); plots(); }
+window.addEventListener("resize", all);
+all();

@@ -3,14 +3,16 @@
 #include <span>
 #include <string_view>
 
-/// Files embedded at build time : embed.cmake writes the sources.
+/// Files embedded at build time: embed.cmake writes the sources.
 namespace cleave::report::assets {
 
 /// In pieces: compilers limit the length of one literal.
 [[nodiscard]] std::span<const std::string_view> three();
 [[nodiscard]] std::span<const std::string_view> orbit_controls();
 [[nodiscard]] std::span<const std::string_view> style();
-[[nodiscard]] std::span<const std::string_view> script();
+[[nodiscard]] std::span<const std::string_view> tables();
+[[nodiscard]] std::span<const std::string_view> view();
+[[nodiscard]] std::span<const std::string_view> panel();
 [[nodiscard]] std::span<const std::string_view> contact();
 
 }  // namespace cleave::report::assets

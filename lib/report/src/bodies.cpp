@@ -271,7 +271,7 @@ std::string bodies_summary_json(const scene::BodiesResult& result) {
 
 std::string bodies_report_html(const scene::BodiesResult& result) {
   std::string out = plane_page_head(
-      result.title,
+      result.title, escape_xml(result.scene_file) + " · lengths in metres, x to the right, y up",
       ".controls label{display:inline-block;margin:.3em 1em .3em 0}#view{width:100%;display:block;background:#fff}"
       ".legend{height:12px;background:linear-gradient(90deg,#440154,#3b528b,#21918c,#5ec962,#fde725);max-width:560px}"
       ".legend-ends{display:flex;justify-content:space-between;gap:1em;max-width:560px;white-space:nowrap}"

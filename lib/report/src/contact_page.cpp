@@ -194,32 +194,61 @@ std::string solver_bars(const scene::ContactResult& result) {
   for (const scene::SolverShare& share : result.solvers) all += share.groups;
   if (all == 0 && result.steps == 0) return "<p>No step was solved.</p>\n";
   if (all == 0) return "<p>Nothing touched.</p>\n";
-  std::string out = "<table>\n" + row({"solver", "groups of contacts solved", "iterations", "share"}, true);
+  std::string out =
+      "<div class=\"scroll\"><table>\n" + row({"solver", "groups of contacts solved", "iterations", "", "share"}, true);
   for (const scene::SolverShare& share : result.solvers) {
     const double part = static_cast<double>(share.groups) / static_cast<double>(all);
     out += row({escape_xml(share.name), display_count(share.groups), display_count(share.iterations),
-                "<span class=\"bar\" style=\"width:" + number(std::round(1000 * part) / 10) + "px\"></span> " +
-                    display(100 * part, 3) + " %"});
+                "<i class=\"bar\" style=\"width:" + number(std::round(1000 * part) / 10) + "%\"></i>",
+                display(100 * part, 3) + " %"});
   }
-  return out + "</table>\n<p class=\"small\">" + display_count(result.iterations) +
+  return out + "</table></div>\n<p class=\"small\">" + display_count(result.iterations) +
          " linear solves and pivots in all; every answer is accepted by its residual only, the worst was " +
          display(result.residual, 2) + ".</p>\n";
 }
+
+/// What contact.js draws in and is steered by.
+constexpr std::string_view motion = R"html(<section><h2>Motion</h2>
+<p class="controls" id="player"><button id="play">Play</button>
+<label>frame <input id="frame" type="range" min="0" max="0" value="0"></label> <span id="time"></span></p>
+<p class="controls"><label><input id="arrows" type="checkbox" checked> contact forces</label>
+<label>their size <input id="force" type="range" min="-1" max="1.5" step="0.05" value="0"></label>
+<label>colour <select id="colour"><option>plain</option><option>displacement</option><option>rotation</option></select></label>
+<span class="ramp" id="ramp" hidden><span id="ramp-low"></span><i></i><span id="ramp-high"></span></span>
+<label>deformation <input id="scale" type="range" min="-2" max="2" step="0.05" value="0"> <span id="bent"></span></label></p>
+<canvas id="view" role="img" aria-label="bodies and contact forces"></canvas>
+<noscript><p>The picture and the plots need scripts; the tables and the files of the result do not.</p></noscript>
+<p class="small"><span id="states"><span class="key" style="background:#1f5f8b"></span>contact that sticks
+<span class="key" style="background:#d1495b;margin-left:1em"></span>that slips; a line through the contact shows its
+force on both sides (the largest cut short).</span>
+<span id="fixed"><span class="key" style="background:var(--wall)"></span>fixed</span></p>
+</section>
+<section><h2>Histories</h2>
+<div class="plots">
+)html";
 
 }  // namespace
 
 std::string contact_report_html(const scene::ContactResult& result) {
   std::string out = plane_page_head(
       result.title,
+      escape_xml(result.scene_file) +
+          " · lengths in metres, x to the right, y up; forces and energies per metre of thickness",
       ".controls label,.controls span{display:inline-block;margin:.2em 1em .2em 0}#view{width:100%;display:block}"
-      ".plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,460px),1fr));gap:12px}"
-      ".bar{display:inline-block;height:10px;background:var(--accent);vertical-align:middle}"
+      ".plots{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,460px),1fr));gap:12px}"
+      ".bar{display:block;height:10px;min-width:1px;margin-top:7px;background:var(--accent)}td:has(>.bar){width:30%}"
+      ".ramp i{display:inline-block;width:140px;height:10px;margin:0 .5em;"
+      "background:linear-gradient(90deg,#440154,#3b528b,#21918c,#5ec962,#fde725)}.controls .ramp[hidden]{display:none}"
+      ".card "
+      "strong{font-size:1.35rem}section.cards{grid-template-columns:repeat(auto-fit,minmax(158px,1fr))}.note.bad{"
+      "border-"
+      "color:var(--bad);color:var(--bad)}"
       ".key{display:inline-block;width:12px;height:12px;border-radius:6px;vertical-align:-1px;margin-right:4px}"
       ".scroll{overflow-x:auto}@media print{.controls{display:none}}");
   out += "<section class=\"cards\">\n";
   out += result.converged ? card("run", "converged", display_count(result.steps) + " steps", "good")
-                          : card("run", "stopped", escape_xml(result.stopped_why), "bad");
-  out += card("largest displacement", display(result.largest_displacement, 4) + " m",
+                          : card("run", "stopped", display_count(result.steps) + " steps", "bad");
+  out += card("largest displacement", display(result.largest_displacement, 3) + " m",
               !result.to_rest    ? "after " + display(result.end_time, 4) + " s"
               : result.converged ? "at rest"
                                  : "not at rest: means nothing");
@@ -227,37 +256,30 @@ std::string contact_report_html(const scene::ContactResult& result) {
       static_cast<std::uint64_t>(std::ranges::count_if(result.bodies, [](const auto& b) { return !b.fixed; }));
   out += card("bodies that move", display_count(moving), result.elastic ? "elastic" : "rigid");
   out += card("penetration", display(result.largest_penetration, 2) + " m", "largest, after a step");
-  out += card("energy gained from nothing", display(result.energy_gain, 2) + " J/m",
-              "momentum drift " + display(result.drift_momentum, 2));
-  out +=
-      "</section>\n<section><h2>Motion</h2>\n<p class=\"controls\" id=\"player\"><button id=\"play\">Play</button> "
-      "<label>frame <input id=\"frame\" type=\"range\" min=\"0\" max=\"0\" value=\"0\"></label> <span "
-      "id=\"time\"></span>"
-      "</p>\n<p class=\"controls\"><label><input id=\"arrows\" type=\"checkbox\" checked> contact forces</label>"
-      "<label>their size <input id=\"force\" type=\"range\" min=\"-1\" max=\"1.5\" step=\"0.05\" value=\"0\"></label>"
-      "<label>colour <select id=\"colour\"><option>plain</option><option>displacement</option><option>rotation</option>"
-      "</select></label><label>deformation <input id=\"scale\" type=\"range\" min=\"-2\" max=\"2\" step=\"0.05\" "
-      "value=\"0\"> <span id=\"bent\"></span></label></p>\n<canvas id=\"view\" aria-label=\"bodies and contact "
-      "forces\">"
-      "</canvas>\n<p class=\"small\"><span class=\"key\" style=\"background:#1f5f8b\"></span>contact that sticks "
-      "<span class=\"key\" style=\"background:#d1495b;margin-left:1em\"></span>that slips; a line through the contact "
-      "shows its force on both sides (impacts cut short). <span class=\"key\" "
-      "style=\"background:var(--wall);margin-left:1em\"></span>fixed."
-      "</p>\n</section>\n<section><h2>Histories</h2>\n<div class=\"plots\">\n";
+  out += card("energy gained", display(result.energy_gain, 2) + " J/m",
+              "from nothing; momentum drift " + display(result.drift_momentum, 2));
+  out += "</section>\n";
+  if (!result.converged) {
+    out += "<p class=\"note bad\">Stopped: " + escape_xml(result.stopped_why) +
+           ". What follows is the state that was reached.</p>\n";
+  }
+  for (const std::string& note : result.notes) out += "<p class=\"note\">Note: " + escape_xml(note) + "</p>\n";
+  out += motion;
   if (!result.points.empty()) out += "<div id=\"ux\"></div><div id=\"uy\"></div>\n";
   out += "<div id=\"energy\"></div><div id=\"contacts\"></div>\n</div>\n</section>\n";
   if (!result.points.empty()) {
-    out += "<section><h2>Points</h2>\n<table>\n" +
+    out += "<section><h2>Points</h2>\n<div class=\"scroll\"><table>\n" +
            row({"point", "x (m)", "y (m)", "u<sub>x</sub> (m)", "u<sub>y</sub> (m)"}, true);
     for (std::size_t p = 0; p < result.points.size(); ++p) {
       const Vec2 u = result.history.empty() ? Vec2{} : result.history.back().points[p];
       out += row({escape_xml(result.points[p].name), display(result.points[p].at.x), display(result.points[p].at.y),
                   display(u.x, 6), display(u.y, 6)});
     }
-    out += "</table>\n</section>\n";
+    out += "</table></div>\n</section>\n";
   }
   out += "<section><h2>Bodies</h2>\n" + bodies_table(result) + "</section>\n<section><h2>Solvers</h2>\n" +
-         solver_bars(result) + "<div class=\"plots\"><div id=\"steps\"></div><div id=\"iterations\"></div></div>\n" +
+         solver_bars(result) + "<div class=\"plots\"><div id=\"steps\"></div>" +
+         (result.solvers.empty() ? "" : "<div id=\"iterations\"></div>") + "</div>\n" +
          "</section>\n<section><h2>What ran</h2>\n<div class=\"scroll\"><table>\n"
          "<tr><th>stage</th><th></th><th class=\"wide\">why</th></tr>\n";
   for (const scene::PlannedStage& stage : result.plan.stages) {
@@ -266,7 +288,6 @@ std::string contact_report_html(const scene::ContactResult& result) {
   }
   out += "</table></div>\n<p>" + display(result.cost.wall_s, 3) + " s, " + display(result.cost.peak_rss_mb, 3) +
          " MB, " + std::to_string(result.cost.threads) + " threads.</p>\n";
-  for (const std::string& note : result.notes) out += "<p class=\"note\">Note: " + escape_xml(note) + "</p>\n";
   out += "</section>\n</main>\n<script type=\"application/json\" id=\"data\">" + page_data(result) +
          "</script>\n<script>\n";
   for (const std::string_view piece : assets::contact()) out += piece;

@@ -362,6 +362,9 @@ std::string report_html(const Page& page) {
   out += inputs_section(page);
   out += "</main>\n<footer>Made by cleave " CLEAVE_VERSION
          ". The 3D view uses three.js (MIT licence, the three.js authors).</footer>\n";
+  out += "<script>\n";
+  append(out, assets::tables());
+  out += "</script>\n";
   if (!view_json.empty()) {
     out += "<script type=\"application/json\" id=\"data\">\n";
     out = std::move(view_json.insert(0, out));  // the long text has room for the page around it
@@ -369,11 +372,12 @@ std::string report_html(const Page& page) {
     append(out, assets::three());
     out += "\n</script>\n<script>\n";
     append(out, assets::orbit_controls());
-    out += "\n</script>\n";
+    out += "\n</script>\n<script>\n";
+    append(out, assets::view());
+    append(out, assets::panel());
+    out += "</script>\n";
   }
-  out += "<script>\n";
-  append(out, assets::script());
-  return out + "</script>\n</body>\n</html>\n";
+  return out + "</body>\n</html>\n";
 }
 
 }  // namespace cleave::report

@@ -38,7 +38,7 @@ void write_pair(JsonWriter& json, std::string_view key, bem::Vec2 v) {
   json.end_array();
 }
 
-std::string plane_page_head(std::string_view title, std::string_view style) {
+std::string plane_page_head(std::string_view title, std::string_view sub, std::string_view style) {
   const std::string shown = escape_xml(title);
   std::string out =
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
@@ -50,7 +50,9 @@ std::string plane_page_head(std::string_view title, std::string_view style) {
   out += "\n";
   out += style;
   out += "\n</style>\n</head>\n<body>\n<header><p class=\"kicker\">cleave " CLEAVE_VERSION "</p><h1>";
-  return out + shown + "</h1></header>\n<main>\n";
+  out += shown + "</h1>\n<p class=\"sub\">";
+  out += sub;
+  return out + "</p></header>\n<main>\n";
 }
 
 }  // namespace cleave::report

@@ -27,7 +27,7 @@ void write_plane_head(JsonWriter& json, const Result& result) {
   write_summary_input(json, head.input);
 }
 
-/// A page up to its first section: `style` follows the style of all reports.
-[[nodiscard]] std::string plane_page_head(std::string_view title, std::string_view style);
+/// A page up to its first section: `style` follows the style of all reports; `sub` is a line below the title, as HTML.
+[[nodiscard]] std::string plane_page_head(std::string_view title, std::string_view sub, std::string_view style);
 
 }  // namespace cleave::report

@@ -69,6 +69,43 @@ stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const St
           .rotation = wanted.rotation};
 }
 
+stability::Settings settings_of(const Scene& scene, const Drawn& drawn) {
+  return settings_of(scene, drawn, *scene.stability, scene.stability->loads);
+}
+
+stability::Settings settings_on(const topology::BlockComplex& complex, const Scene& scene, const Drawn& drawn,
+                                const LoadSet& loads) {
+  stability::Settings settings = settings_of(scene, drawn, *scene.stability, loads);
+  if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
+    settings.left_out = micro_blocks(complex, scene.micro_blocks);
+  }
+  return settings;
+}
+
+std::vector<topology::BlockId> micro_blocks(const topology::BlockComplex& complex, const MicroBlocks& limits) {
+  std::vector<topology::BlockId> found;
+  for (const topology::BlockId id : complex.blocks().ids()) {
+    const topology::Block& block = complex.blocks()[id];
+    const bool micro = limits.thickness || limits.volume
+                           ? (limits.thickness && block.thickness.si() < limits.thickness->si()) ||
+                                 (limits.volume && block.volume.si() < limits.volume->si())
+                           : block.sliver;
+    if (micro) found.push_back(id);
+  }
+  return found;
+}
+
+SequenceResult judge_stages(const Scene& scene, const topology::SequentialCut& cut,
+                            const topology::StageBlocks& final_state, const Judge& judge) {
+  std::vector<std::uint32_t> stages;
+  std::vector<std::string> names;
+  for (const Excavation& excavation : scene.excavations) {
+    stages.push_back(excavation.stage);
+    names.push_back(excavation.name);
+  }
+  return run_sequence(cut, final_state, *scene.sequence, stages, names, judge);
+}
+
 std::vector<Problem> misplaced_loads(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
                                      const topology::BlockComplex& complex) {
   std::vector<Problem> problems;

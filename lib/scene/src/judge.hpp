@@ -10,6 +10,15 @@ namespace cleave::scene {
 /// What the analysis needs, from a scene and its drawn joints. Everything was checked when the scene was parsed.
 [[nodiscard]] stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
                                               const LoadSet& loads);
+/// Those of the base case.
+[[nodiscard]] stability::Settings settings_of(const Scene& scene, const Drawn& drawn);
+/// For these blocks: micro-blocks stay out of everything that is judged, where the scene asks for it.
+[[nodiscard]] stability::Settings settings_on(const topology::BlockComplex& complex, const Scene& scene,
+                                              const Drawn& drawn, const LoadSet& loads);
+
+/// The stages of [sequence], which the scene has.
+[[nodiscard]] SequenceResult judge_stages(const Scene& scene, const topology::SequentialCut& cut,
+                                          const topology::StageBlocks& final_state, const Judge& judge);
 
 /// Point and line forces of the base case and of the named ones that lie on no free face of the complex.
 [[nodiscard]] std::vector<Problem> misplaced_loads(const Scene& scene, const Drawn& drawn,

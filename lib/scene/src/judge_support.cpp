@@ -9,16 +9,6 @@ namespace {
 
 using stability::Bolt;
 
-/// Micro-blocks stay out of everything that is judged, where the scene asks for it.
-stability::Settings settings_on(const topology::AuditedComplex& complex, const Scene& scene, const Drawn& drawn,
-                                const LoadSet& loads) {
-  stability::Settings settings = settings_of(scene, drawn, *scene.stability, loads);
-  if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
-    settings.left_out = micro_blocks(complex.complex(), scene.micro_blocks);
-  }
-  return settings;
-}
-
 /// All bolts with the spacings times `scale`, another length, and the offsets moved by a share of a spacing.
 std::vector<Bolt> bolts_with(const SupportSettings& support, double scale, double length, double phase) {
   std::vector<Bolt> bolts = support.single;
@@ -75,27 +65,29 @@ double tunnel_length(const Scene& scene) {
 
 void judge_cases(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex, JudgedMore& more) {
   for (const LoadCase& load : scene.stability->cases) {
-    more.cases.push_back({load.name, stability::analyse(complex, settings_on(complex, scene, drawn, load.loads))});
+    more.cases.push_back(
+        {load.name, stability::analyse(complex, settings_on(complex.complex(), scene, drawn, load.loads))});
     note(more.cases.back().analysis.undecided, more);
   }
 }
 
 stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                                     const stability::Analysis& analysis) {
-  return check_support(complex, settings_on(complex, scene, drawn, scene.stability->loads), analysis,
+  return check_support(complex, settings_on(complex.complex(), scene, drawn, scene.stability->loads), analysis,
                        scene.support->plan);
 }
 
 void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                    const stability::Analysis& analysis, JudgedMore& more, bool designs) {
-  const stability::Settings settings = settings_on(complex, scene, drawn, scene.stability->loads);
+  const stability::Settings settings = settings_on(complex.complex(), scene, drawn, scene.stability->loads);
   const SupportSettings& support = *scene.support;
   more.support = judge_plan(scene, drawn, complex, analysis);
   note(more.support->undecided, more);
   for (std::size_t k = 0; k < more.cases.size(); ++k) {
     const LoadCase& load = scene.stability->cases[k];
-    more.support_cases.push_back({load.name, check_support(complex, settings_on(complex, scene, drawn, load.loads),
-                                                           more.cases[k].analysis, support.plan)});
+    more.support_cases.push_back(
+        {load.name, check_support(complex, settings_on(complex.complex(), scene, drawn, load.loads),
+                                  more.cases[k].analysis, support.plan)});
     note(more.support_cases.back().support.undecided, more);
   }
   if (!support.design || !designs || !more.undecided.empty()) return;
@@ -137,7 +129,7 @@ void judge_support(const Scene& scene, const Drawn& drawn, const topology::Audit
 void judge_sensitivity(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                        const stability::Analysis& analysis, JudgedMore& more) {
   more.sensitivity =
-      stability::sensitivity(complex, settings_on(complex, scene, drawn, scene.stability->loads), analysis);
+      stability::sensitivity(complex, settings_on(complex.complex(), scene, drawn, scene.stability->loads), analysis);
 }
 
 }  // namespace cleave::scene

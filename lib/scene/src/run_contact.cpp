@@ -316,8 +316,8 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
       return std::vector{Problem{scene.shown, 1, "contact", describe(world.error()), "change the bodies it names"}};
     }
     if (result.elastic) {
-      result.notes.push_back(fmt::format("{} elastic operator{} for {} bodies", prepared->operators,
-                                         prepared->operators == 1 ? "" : "s", scene.bodies.size()));
+      result.notes.push_back(fmt::format("{} elastic {} of {} bodies: those alike share one", prepared->operators,
+                                         prepared->operators == 1 ? "operator" : "operators", scene.bodies.size()));
     }
     Recorder recorder{scene, *prepared, *world, result};
     dbem::StepReport start;

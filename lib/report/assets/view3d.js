@@ -1,46 +1,14 @@
-// The page's behaviour: sortable tables, and the 3D view when WebGL is there. Everything else works without this script.
-'use strict';
-(function () {
-  // ---- tables -----------------------------------------------------------------------------------------------------
-  const pickListeners = [];
-  document.querySelectorAll('table.sortable').forEach(function (table) {
-    const body = table.tBodies[0];
-    const headings = Array.from(table.tHead.rows[0].cells);
-    headings.forEach(function (heading, column) {
-      heading.tabIndex = 0;
-      const sort = function () {
-        const down = heading.getAttribute('aria-sort') === 'ascending';
-        headings.forEach(function (h) { h.removeAttribute('aria-sort'); });
-        heading.setAttribute('aria-sort', down ? 'descending' : 'ascending');
-        const value = function (row) {
-          const cell = row.cells[column];
-          const text = cell.dataset.v;
-          return text === undefined ? cell.textContent : text === 'inf' ? Infinity : Number(text);
-        };
-        const rows = Array.from(body.rows).map(function (row, i) { return { row: row, v: value(row), i: i }; });
-        rows.sort(function (a, b) { return (a.v < b.v ? -1 : a.v > b.v ? 1 : a.i - b.i) * (down ? -1 : 1); });
-        rows.forEach(function (r) { body.appendChild(r.row); });
-      };
-      heading.addEventListener('click', sort);
-      heading.addEventListener('keydown', function (e) { if (e.key === 'Enter' || e.key === ' ') { e.preventDefault(); sort(); } });
-    });
-    body.addEventListener('click', function (e) {
-      const row = e.target.closest('tr');
-      if (row) pickListeners.forEach(function (f) { f(Number(row.dataset.block)); });
-    });
-  });
-
-  const rowOf = new Map();
-  document.querySelectorAll('tr[data-block]').forEach(function (row) { rowOf.set(Number(row.dataset.block), row); });
-
-  // ---- 3D view ----------------------------------------------------------------------------------------------------
+// The blocks in 3D, where WebGL is there: the data of the page unpacked, drawn in layers, turned, cut and picked from. What is shown
+// is in `state`; after a change to it `rebuild` (what is drawn) or `restyle` (how) is to be called. Null without WebGL.
+const view3d = (function () {
+  'use strict';
   const holder = document.getElementById('scene');
   const source = document.getElementById('data');
-  if (!holder || !source || typeof THREE === 'undefined') return;
+  if (!holder || !source || typeof THREE === 'undefined') return null;
   const probe = document.createElement('canvas');
   let context = null;
   try { context = probe.getContext('webgl') || probe.getContext('experimental-webgl'); } catch (e) { context = null; }
-  if (!context) return;  // the still picture and a sentence stay
+  if (!context) return null;  // the still picture and a sentence stay
 
   const data = JSON.parse(source.textContent);
   const bytes = function (text) {
@@ -60,7 +28,6 @@
   const volume = new Float32Array(bytes(data.volume));
   const faceCount = new Uint32Array(bytes(data.faces));
   const blocks = blockId.length;
-  const modeNames = ['falling', 'lifting', 'sliding', 'wedge', 'stable', 'tapered'];
 
   const points = new Float32Array(packed.length);
   for (let i = 0; i < packed.length; ++i) points[i] = (packed[i] / 65535 - 0.5) * data.size[i % 3];
@@ -90,6 +57,7 @@
   // ---- colours ----------------------------------------------------------------------------------------------------
   const batchColours = ['#D55E00', '#E69F00', '#0072B2', '#56B4E9', '#009E73', '#CC79A7', '#B8A800', '#7A5195'];
   const laterColour = '#7d8590', staysColour = '#8fb3a8';
+  const batchColourOf = function (n) { return n === 0 ? staysColour : n > 8 ? laterColour : batchColours[n - 1]; };
   const modeColours = ['#D55E00', '#CC79A7', '#0072B2', '#E69F00', '#8fb3a8', '#8fb3a8'];
   const factorSteps = [
     ['no strength: 0', '#7f2704', function (f) { return f <= 0; }],
@@ -122,7 +90,7 @@
   const colourOf = function (b) {
     if (state.colourBy === 'mode') return modeColours[mode[b]];
     if (state.colourBy === 'factor') return factorSteps[factorStep(factor[b])][1];
-    return batch[b] === 0 ? staysColour : batch[b] > 8 ? laterColour : batchColours[batch[b] - 1];
+    return batchColourOf(batch[b]);
   };
 
   // ---- the scene --------------------------------------------------------------------------------------------------
@@ -130,7 +98,7 @@
   try {
     renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
   } catch (e) {
-    return;
+    return null;
   }
   holder.classList.add('live');
   renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
@@ -191,7 +159,7 @@
       layer.frustumCulled = false;
       layer.renderOrder = 8;
       layer.visible = list.length > 0;
-      boltLayers.push({ name: name, count: list.length / 6, layer: layer });
+      boltLayers.push({ name: name, colour: boltColours[s], count: list.length / 6, layer: layer });
       scene.add(layer);
     });
   }
@@ -410,172 +378,11 @@
   };
   const home = function () { look([0.62, -1, 0.55], focus, Math.max(reach, judged || walls ? 0 : extent / 2)); };
 
-  // ---- panel ------------------------------------------------------------------------------------------------------
-  const panel = document.getElementById('panel');
-  panel.hidden = false;
-  const make = function (tag, attributes, parent) {
-    const element = document.createElement(tag);
-    Object.keys(attributes || {}).forEach(function (k) {
-      if (k === 'text') element.textContent = attributes[k]; else element.setAttribute(k, attributes[k]);
-    });
-    if (parent) parent.append(element);
-    return element;
-  };
-  const fieldset = function (title) {
-    const f = make('fieldset', {}, panel);
-    make('legend', { text: title }, f);
-    return f;
-  };
-  const slider = function (parent, text, value, min, max, change) {
-    const label = make('label', { class: 'range' }, parent);
-    make('span', { text: text }, label);
-    const input = make('input', { type: 'range', min: min, max: max, step: (max - min) / 100, value: value, 'aria-label': text }, label);
-    input.addEventListener('input', function () { change(Number(input.value)); });
-    return input;
-  };
-  const legend = {};
-  if (state.batches.size > 0) {
-    const by = fieldset('Key blocks');
-    const label = make('label', {}, by);
-    make('span', { text: 'Colour by' }, label);
-    const select = make('select', { 'aria-label': 'Colour by' }, label);
-    [['batch', 'batch'], ['mode', 'mode'], ['factor', 'factor of safety']].forEach(function (o) { make('option', { value: o[0], text: o[1] }, select); });
-    select.addEventListener('change', function () { state.colourBy = select.value; swatches(); rebuild(); });
-    const list = function (title, map, names, colours) {
-      const field = fieldset(title);
-      const box = make('div', { class: 'list' }, field);
-      Array.from(map.keys()).sort(function (a, b) { return (a || 99) - (b || 99); }).forEach(function (key) {
-        const entry = map.get(key), line = make('label', {}, box);
-        const input = make('input', { type: 'checkbox' }, line);
-        input.checked = entry.on;
-        input.addEventListener('change', function () { entry.on = input.checked; rebuild(); });
-        make('i', { class: 'swatch', style: 'background:' + colours(key) }, line);
-        make('span', { text: names(key) }, line);
-        make('span', { class: 'n', text: String(entry.n) }, line);
-      });
-      return field;
-    };
-    legend.batch = list('Batch', state.batches, function (k) { return k === 0 ? 'no batch: stays' : k > 8 ? 'batch 9 and later' : 'batch ' + k; },
-      function (k) { return k === 0 ? staysColour : k > 8 ? laterColour : batchColours[k - 1]; });
-    legend.mode = list('Mode', state.modes, function (k) { return modeNames[k]; }, function (k) { return modeColours[k]; });
-    legend.factor = fieldset('Factor of safety');
-    factorSteps.forEach(function (s) {
-      const line = make('label', {}, legend.factor);
-      make('i', { class: 'swatch', style: 'background:' + s[1] }, line);
-      make('span', { text: s[0] }, line);
-    });
-  }
-  const swatches = function () {
-    Object.keys(legend).forEach(function (name) {
-      legend[name].querySelectorAll('.swatch').forEach(function (s) { s.style.display = name === state.colourBy ? '' : 'none'; });
-    });
-    if (legend.factor) legend.factor.style.display = state.colourBy === 'factor' ? '' : 'none';
-  };
-  swatches();
-  const view = fieldset('Rock');
-  if (faceRole.some(isWall)) slider(view, 'Walls', state.wallOpacity, 0, 1, function (v) {
-    const crossing = (v > 0) !== (state.wallOpacity > 0);
-    state.wallOpacity = v;
-    if (crossing) rebuild(); else { style(); render(); }
-  });
-  slider(view, 'The rest', state.restOpacity, 0, 1, function (v) {
-    const crossing = (v > 0) !== (state.restOpacity > 0) || (v >= 0.2) !== (state.restOpacity >= 0.2);
-    state.restOpacity = v;
-    if (crossing) rebuild(); else { style(); render(); }
-  });
-  slider(view, 'Explode', 0, 0, 1, function (v) { state.explode = v; rebuild(); });
-  const cutLine = make('label', { class: 'range' }, view);
-  make('span', { text: 'Cut along' }, cutLine);
-  const axis = make('select', { 'aria-label': 'Axis of the cut' }, cutLine);
-  [['y', 'y'], ['x', 'x'], ['z', 'z']].forEach(function (o) { make('option', { value: o[0], text: o[1] }, axis); });
-  const cut = make('input', { type: 'range', min: 0, max: 1, step: 0.01, value: 1, 'aria-label': 'Position of the cut' }, cutLine);
-  const change = function () {
-    const crossing = (Number(cut.value) < 1) !== (state.cut < 1);
-    state.axis = axis.value;
-    state.cut = Number(cut.value);
-    if (crossing) rebuild(); else { style(); render(); }
-  };
-  axis.addEventListener('change', change);
-  cut.addEventListener('input', change);
-  if (bolts) {
-    const field = fieldset('Bolts');
-    const box = make('div', { class: 'list' }, field);
-    boltLayers.forEach(function (b, s) {
-      if (b.count === 0) return;
-      const line = make('label', {}, box);
-      const input = make('input', { type: 'checkbox' }, line);
-      input.checked = true;
-      input.addEventListener('change', function () { b.on = input.checked; style(); render(); });
-      make('i', { class: 'swatch', style: 'background:' + boltColours[s] }, line);
-      make('span', { text: b.name }, line);
-      make('span', { class: 'n', text: String(b.count) }, line);
-    });
-  }
-  const buttons = make('div', { class: 'buttons' }, panel);
-  [['Start view', home],
-    ['Whole', function () { look([0.62, -1, 0.55], [0, 0, 0], extent / 2 * (1 + state.explode)); }],
-    ['Top', function () { look([0, -0.001, 1], focus, reach); }],
-    ['From south', function () { look([0, -1, 0], focus, reach); }],
-    ['From east', function () { look([1, 0, 0], focus, reach); }]].forEach(function (b) {
-    make('button', { type: 'button', text: b[0] }, buttons).addEventListener('click', b[1]);
-  });
-  const pickedBox = make('div', { id: 'picked', 'aria-live': 'polite' }, holder.parentNode);
-
   // ---- picking ----------------------------------------------------------------------------------------------------
-  const short = function (v) { return !isFinite(v) || v >= 1e9 ? '\u221e' : String(Number(v.toPrecision(4))); };
-  const pick = function (b, scroll) {
-    if (state.picked >= 0) {
-      const old = rowOf.get(blockId[state.picked]);
-      if (old) old.classList.remove('picked');
-    }
-    state.picked = b;
-    pickedBox.textContent = '';
-    if (b >= 0) {
-      const row = rowOf.get(blockId[b]);
-      if (row) {
-        row.classList.add('picked');
-        const box = row.closest('.scroll');
-        if (scroll && box) box.scrollTop = row.offsetTop - box.clientHeight / 2;
-      }
-      make('strong', { text: 'Block ' + blockId[b] }, pickedBox);
-      const list = make('dl', {}, pickedBox);
-      const fact = function (name, value) { const pair = make('div', {}, list); make('dt', { text: name }, pair); make('dd', { text: value }, pair); };
-      if (row) {
-        const heads = row.closest('table').tHead.rows[0].cells;
-        for (let i = 1; i < heads.length; ++i) fact(heads[i].textContent, row.cells[i].textContent);
-      } else {
-        fact('Volume (m\u00b3)', short(volume[b]));
-        fact('Faces', String(faceCount[b]));
-        fact('State', mode[b] === 255 ? 'no free face, fixed, or not removable' : modeNames[mode[b]]);
-      }
-      if (bolts) {
-        let serving = 0;
-        for (let i = 0; i < boltServes.length; ++i) if (boltServes[i] === blockId[b]) ++serving;
-        fact('Bolts that serve it', String(serving));
-      }
-      // Its faces, forces and why it moves stand further down, for readers without a pointer too.
-      const why = document.getElementById('why-' + blockId[b]);
-      if (why) {
-        const details = make('div', { class: 'why' }, pickedBox);
-        Array.from(why.children).forEach(function (part) {
-          if (part.tagName !== 'SUMMARY') details.append(part.cloneNode(true));
-        });
-        const link = make('a', { href: '#why-' + blockId[b], text: 'Show below' }, pickedBox);
-        link.addEventListener('click', function () { why.open = true; });
-      }
-    } else {
-      make('span', { class: 'small', text: 'Click a block to see its figures.' }, pickedBox);
-    }
-    drawPicked();
-    render();
-  };
   const caster = new THREE.Raycaster();
-  const down = { x: 0, y: 0 };
-  renderer.domElement.addEventListener('pointerdown', function (e) { down.x = e.clientX; down.y = e.clientY; });
-  renderer.domElement.addEventListener('pointerup', function (e) {
-    if (e.button !== 0 || Math.hypot(e.clientX - down.x, e.clientY - down.y) > 5) return;
+  const blockAt = function (clientX, clientY) {
     const box = renderer.domElement.getBoundingClientRect();
-    caster.setFromCamera({ x: 2 * (e.clientX - box.left) / box.width - 1, y: 1 - 2 * (e.clientY - box.top) / box.height }, camera);
+    caster.setFromCamera({ x: 2 * (clientX - box.left) / box.width - 1, y: 1 - 2 * (clientY - box.top) / box.height }, camera);
     let best = null;
     [['key', 0.01], ['wall', 0.3], ['rest', 0.3]].forEach(function (pair) {
       const layer = layers[pair[0]];
@@ -585,10 +392,21 @@
         if (!best || hit.distance < best.distance) best = { distance: hit.distance, block: blockOfTriangle[pair[0]][hit.faceIndex] };
       });
     });
-    pick(best ? best.block : -1, true);
-  });
-  pickListeners.push(function (id) { if (indexOf.has(id)) pick(indexOf.get(id), false); });
-  pick(-1, false);
+    return best ? best.block : -1;
+  };
+  const onPick = function (listener) {
+    const down = { x: 0, y: 0 };
+    renderer.domElement.addEventListener('pointerdown', function (e) { down.x = e.clientX; down.y = e.clientY; });
+    renderer.domElement.addEventListener('pointerup', function (e) {
+      if (e.button !== 0 || Math.hypot(e.clientX - down.x, e.clientY - down.y) > 5) return;
+      listener(blockAt(e.clientX, e.clientY));
+    });
+  };
+  const servingBolts = function (b) {
+    let serving = 0;
+    for (let i = 0; i < boltServes.length; ++i) if (boltServes[i] === blockId[b]) ++serving;
+    return serving;
+  };
 
   // ---- life -------------------------------------------------------------------------------------------------------
   controls.addEventListener('change', render);
@@ -601,7 +419,16 @@
   renderer.domElement.addEventListener('webglcontextrestored', function () { holder.classList.add('live'); rebuild(); });
   const dark = window.matchMedia ? window.matchMedia('(prefers-color-scheme: dark)') : null;
   if (dark && dark.addEventListener) dark.addEventListener('change', rebuild);
-  resize();
-  home();
-  rebuild();
+
+  return {
+    state: state, rebuild: rebuild,
+    restyle: function () { style(); render(); },
+    start: function () { resize(); home(); rebuild(); },
+    look: look, home: home, extent: extent, focus: focus, reach: reach,
+    walls: faceRole.some(isWall), bolts: bolts ? boltLayers : null, servingBolts: servingBolts,
+    blocks: { id: blockId, mode: mode, volume: volume, faces: faceCount }, indexOf: indexOf,
+    batchColour: batchColourOf, modeColour: function (m) { return modeColours[m]; }, factorSteps: factorSteps,
+    place: holder.parentNode, onPick: onPick,
+    mark: function (b) { state.picked = b; drawPicked(); render(); }
+  };
 })();

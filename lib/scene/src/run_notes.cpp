@@ -1,0 +1,136 @@
+#include "run_notes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cleave/stability/held_from_within.hpp"
+
+namespace cleave::scene {
+namespace {
+
+void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::vector<std::string>& notes) {
+  if (report.joints_outside > 0) {
+    notes.push_back(fmt::format("{} of {} joints lie outside the rock and cut nothing", report.joints_outside, joints));
+  }
+  if (!report.dangling.empty()) {
+    notes.push_back(
+        fmt::format("{} of {} joints end inside the rock and part no two blocks", report.dangling.size(), joints));
+  }
+}
+
+void add_micro_note(const topology::BlockComplex& complex, const MicroBlocks& limits, std::vector<std::string>& notes) {
+  if (limits.policy == MicroBlockPolicy::keep) return;
+  const auto found = micro_blocks(complex, limits);
+  if (found.empty()) return;
+  double volume = 0;
+  for (const topology::BlockId b : found) volume += complex.blocks()[b].volume.si();
+  notes.push_back(fmt::format("{} of {} blocks are micro-blocks ({:.3g} m3 in all){}", found.size(),
+                              complex.blocks().size(), volume,
+                              limits.policy == MicroBlockPolicy::exclude ? ": left out of stability" : ""));
+}
+
+/// Blocks that translation leaves in place, but no statics does.
+void add_rotation_note(const stability::Analysis& analysis, std::vector<std::string>& notes) {
+  std::size_t turning = 0;
+  std::string first;
+  for (const stability::Judgement& j : analysis.judgements) {
+    if (!j.rotation || !j.rotation->turns) continue;
+    ++turning;
+    if (turning <= 10) first += (first.empty() ? "" : ", ") + std::to_string(j.block.value());
+  }
+  if (turning == 0) return;
+  notes.push_back(fmt::format("{} {} would turn or topple though {} cannot slide: {}{}{}", turning,
+                              turning == 1 ? "block" : "blocks", turning == 1 ? "it" : "they", first,
+                              turning > 10 ? ", ..." : "",
+                              analysis.rotation == stability::RotationCheck::decide
+                                  ? "; counted as key blocks"
+                                  : "; counted as key blocks only with rotation = \"decide\""));
+}
+
+/// Blocks that only what lies inside them keeps in place: never left unsaid, for they are not in the batches.
+void add_enclosed_notes(const topology::AuditedComplex& complex, const stability::Settings& settings,
+                        const stability::Analysis& analysis, std::vector<std::string>& notes) {
+  constexpr std::size_t most = 10;
+  const auto rows = stability::held_from_within(complex, settings, analysis);
+  for (std::size_t i = 0; i < std::min(rows.size(), most); ++i) {
+    const stability::HeldFromWithin& row = rows[i];
+    notes.push_back(fmt::format(
+        "block {} is not in the batches only because {} {} wholly inside it: as one body {}, factor of safety {:.3g}, "
+        "net force {:.4g} kN",
+        row.block.value(),
+        row.inside.size() == 1 ? fmt::format("block {}", row.inside[0].value())
+                               : fmt::format("{} blocks", row.inside.size()),
+        row.inside.size() == 1 ? "lies" : "lie",
+        row.mode == stability::Mode::falling ? std::string{"they fall"} : fmt::format("they move ({})", name(row.mode)),
+        row.factor_of_safety, row.net.si() / 1000));
+  }
+  if (rows.size() > most) notes.push_back(fmt::format("and {} more blocks like that", rows.size() - most));
+}
+
+std::string note_on(const WindowInfo& window) {
+  return fmt::format(
+      "only key blocks were asked for: of the rock only the box from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, "
+      "{:.6g}) "
+      "was cut; {} of its blocks go on outside it and are shown as far as it goes",
+      window.min.x, window.min.y, window.min.z, window.max.x, window.max.y, window.max.z, window.truncated);
+}
+
+}  // namespace
+
+std::vector<std::string> notes_of(const Scene& scene, const Drawn& drawn, const System& system, const JudgedMore& more,
+                                  const std::optional<FieldStressResult>& clamped) {
+  const std::optional<stability::Analysis>& analysis = system.analysis;
+  std::vector<std::string> notes;
+  for (const Problem& note : scene.notes) notes.push_back(describe(note));
+  if (system.window) {
+    notes.push_back(note_on(*system.window));
+  } else {
+    add_cut_notes(system.report, drawn.joints.size(), notes);
+  }
+  if (system.complex) add_micro_note(system.complex->complex(), scene.micro_blocks, notes);
+  if (analysis && analysis->stopped_at_max_batches) {
+    notes.push_back(
+        fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
+  }
+  if (more.support && !more.support->passes()) {
+    notes.push_back(
+        "the support does not reach the required factors of safety: see bolts.csv and the columns of key_blocks.csv");
+  }
+  for (const CaseSupport& load : more.support_cases) {
+    if (!load.support.passes()) {
+      notes.push_back(
+          fmt::format("load case {}: the support does not reach the required factors of safety: see support_blocks.csv",
+                      load.name));
+    }
+  }
+  if (analysis) add_rotation_note(*analysis, notes);
+  if (analysis && system.complex) {
+    add_enclosed_notes(*system.complex, settings_on(system.complex->complex(), scene, drawn, scene.stability->loads),
+                       *analysis, notes);
+  }
+  if (system.window && system.window->truncated > 0 && analysis &&
+      analysis->rotation == stability::RotationCheck::flag) {
+    notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");
+  }
+  if (clamped && !clamped->reached) {
+    notes.push_back(fmt::format("field stress: displacements of the section still change by {:.1e} (asked: {:.1e})",
+                                clamped->error, scene.field_stress->tolerance));
+  }
+  if (clamped && clamped->held > 0) {
+    notes.push_back(fmt::format("field stress: {} unstable {} held by the stress across {} joints; without it {}",
+                                clamped->held, clamped->held == 1 ? "block is" : "blocks are",
+                                clamped->held == 1 ? "its" : "their", clamped->held == 1 ? "it falls" : "they fall"));
+  }
+  for (const CaseResult& load : more.cases) {
+    std::size_t leaving = 0, base = 0;
+    for (const stability::Batch& batch : load.analysis.batches) leaving += batch.blocks.size();
+    for (const stability::Batch& batch : analysis->batches) base += batch.blocks.size();
+    if (leaving != base) {
+      notes.push_back(fmt::format("load case {}: {} key blocks, {} in the base case", load.name, leaving, base));
+    }
+  }
+  return notes;
+}
+
+}  // namespace cleave::scene

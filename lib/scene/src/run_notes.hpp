@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cleave/scene/run.hpp"
+#include "judge.hpp"
+#include "system.hpp"
+
+namespace cleave::scene {
+
+/// What a user should know of a run: what was left out, what may move beyond it, what does not reach its aim.
+[[nodiscard]] std::vector<std::string> notes_of(const Scene& scene, const Drawn& drawn, const System& system,
+                                                const JudgedMore& more,
+                                                const std::optional<FieldStressResult>& clamped);
+
+}  // namespace cleave::scene

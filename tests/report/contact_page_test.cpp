@@ -1,0 +1,109 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <string>
+
+#include "cleave/report/contact.hpp"
+
+namespace cleave::report {
+namespace {
+
+using bem::Vec2;
+
+scene::ContactResult falling(std::size_t bodies, std::size_t frames) {
+  scene::ContactResult result;
+  result.title = "Bricks & co";
+  result.scene_file = "bricks.toml";
+  result.points = {{.name = "top </script><b>", .at = {1, 2}, .body = 0}};
+  for (std::size_t b = 0; b < bodies; ++b) {
+    const Vec2 at{2 * static_cast<double>(b), 0.5};
+    scene::ContactBodyResult body;
+    body.name = "brick " + std::to_string(b + 1);
+    body.freedoms = 3;
+    body.start = body.centroid = at;
+    body.outline = {at + Vec2{-1, -0.5}, at + Vec2{1, -0.5}, at + Vec2{1, 0.5}, at + Vec2{-1, 0.5}};
+    result.bodies.push_back(std::move(body));
+  }
+  for (std::size_t f = 0; f < frames; ++f) {
+    const double t = 0.01 * static_cast<double>(f), y = -4.905 * t * t;
+    scene::ContactFrame frame;
+    frame.time = t;
+    frame.corners.resize(bodies);
+    for (const scene::ContactBodyResult& body : result.bodies) frame.places.push_back({body.start + Vec2{0, y}, 0});
+    frame.points = {{0, y}};
+    result.frames.push_back(std::move(frame));
+    scene::ContactHistory row;
+    row.time = t;
+    row.step = f > 0 ? 0.01 : 0;
+    row.points = {{0, y}};
+    result.history.push_back(std::move(row));
+  }
+  result.steps = frames - 1;
+  return result;
+}
+
+nlohmann::json data_of(const std::string& page) {
+  const std::string begin = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t from = page.find(begin) + begin.size();
+  return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
+}
+
+TEST(ContactPage, ScriptFindsAllThatItAsksFor) {
+  scene::ContactResult result = falling(2, 3);
+  result.solvers = {{.name = "newton", .groups = 3, .iterations = 5}};
+  const std::string page = contact_report_html(result);
+  const std::regex wanted{"byId\\(\"([a-z-]+)\"\\)|chart\\(\"([a-z]+)\""};
+  std::size_t found = 0;
+  for (std::sregex_iterator it{page.begin(), page.end(), wanted}, end; it != end; ++it, ++found) {
+    const std::string id = (*it)[1].matched ? (*it)[1].str() : (*it)[2].str();
+    EXPECT_NE(page.find("id=\"" + id + "\""), std::string::npos) << id;
+  }
+  EXPECT_GT(found, 15U);
+  EXPECT_FALSE(std::regex_search(page, std::regex{"(src|href)\\s*=\\s*[\"']|https?://"}));  // no network
+  EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
+}
+
+TEST(ContactPage, DataAreThoseOfTheRunWhateverTheNames) {
+  const auto data = data_of(contact_report_html(falling(2, 3)));
+  EXPECT_EQ(data["points"][0]["n"], "top </script><b>");
+  ASSERT_EQ(data["frames"].size(), 3U);
+  EXPECT_DOUBLE_EQ(data["frames"][2]["t"].get<double>(), 0.02);
+  EXPECT_NEAR(data["frames"][2]["p"][4].get<double>(), -4.905 * 0.0004, 1e-9);  // relative to the first body
+  EXPECT_DOUBLE_EQ(data["bodies"][1]["c"][0].get<double>(), 2);
+  EXPECT_EQ(data["history"].size(), 3U);
+}
+
+TEST(ContactPage, WhyItStoppedAndNotesStandBeforeThePicture) {
+  scene::ContactResult result = falling(1, 2);
+  result.converged = false;
+  result.to_rest = true;
+  result.stopped_why = "no step < 1e-9 s";
+  result.notes = {"no strength is stated"};
+  const std::string page = contact_report_html(result);
+  const std::size_t picture = page.find("<canvas");
+  EXPECT_LT(page.find("Stopped: no step &lt; 1e-9 s"), picture);
+  EXPECT_LT(page.find("Note: no strength is stated"), picture);
+  EXPECT_NE(page.find("not at rest"), std::string::npos);
+  EXPECT_EQ(page.find("converged</strong>"), std::string::npos);
+}
+
+TEST(ContactPage, WithoutContactThereIsNothingOnSolvers) {
+  const std::string page = contact_report_html(falling(1, 2));
+  EXPECT_NE(page.find("Nothing touched."), std::string::npos);
+  EXPECT_EQ(page.find("id=\"iterations\""), std::string::npos);
+}
+
+// The last frame stays when others are left out.
+TEST(ContactPage, ManyBodiesAreThinnedInTime) {
+  const std::string page = contact_report_html(falling(1000, 700));
+  EXPECT_LT(page.size(), 30'000'000U);
+  const auto data = data_of(page);
+  EXPECT_LT(data["frames"].size(), 500U);
+  EXPECT_GT(data["frames"].size(), 250U);
+  EXPECT_DOUBLE_EQ(data["frames"].back()["t"].get<double>(), 6.99);
+  EXPECT_NE(page.find("The 60 of 1000 that moved most"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cleave::report
