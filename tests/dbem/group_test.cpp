@@ -136,6 +136,50 @@ TEST(InteriorTest, ReachesTheLawByItself) {
   EXPECT_LT(residuals.back(), 2e-4);
 }
 
+// Pushed by more than friction holds, hundreds of joints slip at once, and none of the other methods gets home:
+// interior points do by themselves, in the freedoms of the bodies and in those of the contacts.
+TEST(InteriorTest, AWallPastItsFrictionIsSolved) {
+  auto world = World::make(wall(10, 10), law(0.5), {.gravity = {0.6 * g, -g}, .step = 1e-3});
+  ASSERT_TRUE(world.has_value());
+  ContactProblem problem = world->problems(1e-3).front();
+  for (const bool bodies : {true, false}) {
+    if (!bodies) problem.rigid.reset();
+    double residual = 1;
+    std::size_t factors = 0;
+    interior(problem, 1000, factors, [&](const std::vector<Vec2>& impulses) {
+      residual = natural_residual(problem, impulses);
+      return residual < 1e-8;
+    });
+    EXPECT_LT(residual, 1e-8) << bodies;
+  }
+}
+
+TEST(InteriorTest, AWallPastItsFrictionSlidesOnItsFloor) {
+  const Vec2 field{0.6 * g, -g};
+  auto world = World::make(wall(10, 10), law(0.5), {.gravity = field, .step = 1e-3});
+  ASSERT_TRUE(world.has_value());
+  double mass = 0;
+  for (std::size_t b = 1; b < world->size(); ++b) mass += world->mass(b);
+  for (int k = 0; k < 3; ++k) {
+    const Vec2 old = world->momentum();
+    const auto report = world->step();
+    ASSERT_TRUE(report.has_value()) << describe(report.error());
+    EXPECT_EQ(report->cuts, 0U);
+    EXPECT_LT(report->residual, 1e-8);
+    Vec2 floor{};
+    for (const Contact& c : world->contacts()) {
+      const Vec2 force = c.normal_force * c.normal + c.tangential_force * bem::turned_left(c.normal);
+      if (c.edge_body == 0) floor += force;
+      if (c.vertex_body == 0) floor += -force;
+    }
+    const Vec2 balance = (world->momentum() - old) / report->step - mass * field;
+    EXPECT_LT(norm(floor - balance), 1e-7 * mass * g) << k;
+    // All of the lowest course slides.
+    EXPECT_NEAR(floor.x, -0.5 * floor.y, 1e-6 * mass * g) << k;
+    EXPECT_NEAR(floor.y, mass * g, 0.05 * mass * g) << k;
+  }
+}
+
 TEST(ResidualTest, ALightBlockBesideAHeavyOneCounts) {
   // 10^-9 of the heavy block's impulse taken from under a light one is nothing to the first and a fall to the second.
   auto world = World::make(stack(8, 1e6), law(0.6), {.step = 5e-3});
