@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include "world_impl.hpp"
 
@@ -14,6 +15,14 @@ std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t k) {
     k = parent[k];
   }
   return k;
+}
+
+/// One value a mode.
+auto modal_row(std::span<const double> all, std::size_t from, std::size_t modes) {
+  return Eigen::Map<const Eigen::ArrayXd>(all.subspan(from, modes).data(), static_cast<Eigen::Index>(modes));
+}
+auto modal_row(std::span<double> all, std::size_t from, std::size_t modes) {
+  return Eigen::Map<Eigen::ArrayXd>(all.subspan(from, modes).data(), static_cast<Eigen::Index>(modes));
 }
 
 }  // namespace
@@ -83,13 +92,17 @@ Rows World::Impl::rows_of(const std::vector<Touch>& list, const Island& island, 
         const std::size_t from = edge_side ? touch.edge : touch.vertex;
         const std::size_t to = from + 1 == corner_count(body) ? 0 : from + 1;
         const double share = edge_side ? touch.ratio : 0.0;
+        const auto shape_of = [&](std::size_t corner, std::size_t axis) {
+          return modal_row(std::span{table}, (2 * corner + axis) * modes, modes);
+        };
+        const Eigen::ArrayXd x = (1 - share) * shape_of(from, 0) + share * shape_of(to, 0);
+        const Eigen::ArrayXd y = (1 - share) * shape_of(from, 1) + share * shape_of(to, 1);
+        rows.modal.resize(side.modal + 2 * modes);
+        std::size_t start = side.modal;
         for (const Vec2 d : {side.n, side.t}) {
           const Vec2 local{c * d.x + s * d.y, -s * d.x + c * d.y};
-          for (std::size_t m = 0; m < modes; ++m) {
-            const double x = (1 - share) * table[2 * from * modes + m] + share * table[2 * to * modes + m];
-            const double y = (1 - share) * table[(2 * from + 1) * modes + m] + share * table[(2 * to + 1) * modes + m];
-            rows.modal.push_back(local.x * x + local.y * y);
-          }
+          modal_row(std::span{rows.modal}, start, modes) = local.x * x + local.y * y;
+          start += modes;
         }
       }
       rows.sides.push_back(side);
@@ -137,11 +150,8 @@ BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, b
     }
     for (const std::uint32_t side : sides) {
       const std::size_t from = rows.sides[side].modal;
-      for (std::size_t q = 0; q < modes; ++q) {
-        const auto row = static_cast<Eigen::Index>(q);
-        shape_rows(row, place_in_body[side]) = rows.modal[from + q];
-        shape_rows(row, place_in_body[side] + 1) = rows.modal[from + modes + q];
-      }
+      shape_rows.col(place_in_body[side]) = modal_row(std::span{rows.modal}, from, modes).matrix();
+      shape_rows.col(place_in_body[side] + 1) = modal_row(std::span{rows.modal}, from + modes, modes).matrix();
     }
     const Eigen::MatrixXd scaled = inverse.asDiagonal() * shape_rows;
     bending[number[body]].noalias() = shape_rows.transpose() * scaled;
@@ -213,11 +223,10 @@ Vec2 World::Impl::velocity_of(const Rows& rows, std::size_t contact, const State
     sum.x += dot(s.n, at.v[s.body]) + s.turn_n * at.spin[s.body];
     sum.y += dot(s.t, at.v[s.body]) + s.turn_t * at.spin[s.body];
     const std::size_t modes = shapes[s.body].modes;
-    for (std::size_t k = 0; k < modes; ++k) {
-      const double de = at.de[first_mode[s.body] + k];
-      sum.x += rows.modal[s.modal + k] * de;
-      sum.y += rows.modal[s.modal + modes + k] * de;
-    }
+    if (modes == 0) continue;
+    const auto de = modal_row(std::span{at.de}, first_mode[s.body], modes);
+    sum.x += (modal_row(std::span{rows.modal}, s.modal, modes) * de).sum();
+    sum.y += (modal_row(std::span{rows.modal}, s.modal + modes, modes) * de).sum();
   }
   return sum;
 }
