@@ -323,7 +323,7 @@ class Cascade final {
     if (wanders) {
       if (warm && take(Tried{problem_.start}, Method::newton) && best_ <= enough) return;
       // Forces that nobody knows yet, of thousands of contacts: sweeps do not carry them through the group.
-      if (!warm && problem_.contacts() > 1000 && inside(1000)) return;
+      if (!warm && problem_.contacts() > 1000 && inside()) return;
       if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}, enough, options_.patience),
                Method::continuation) &&
           best_ <= options_.accept) {
@@ -349,7 +349,7 @@ class Cascade final {
     }
     // Rather than cut the step of a large group at once: what made it hard is often there in a shorter one, too.
     if (iterations_ >= options_.patience) {
-      if (large) inside(1000);
+      if (large) inside();
       return;
     }
     if (wanders && shi()) return;
@@ -364,7 +364,7 @@ class Cascade final {
     if (!state.empty() && take(from_here(std::move(state), most), Method::newton)) return;
     if (problem_.contacts() <= 3 * most_for_lemke && take(pivot(), Method::lemke)) return;
     if (take(from_here(p_, most), Method::newton)) return;
-    if (inside(1000)) return;
+    if (inside()) return;
     // Sweeps creep up to an answer where Newton goes round in circles between the states of a few contacts.
     Tried swept{p_};
     for (int more = 0; more < 4; ++more) {
@@ -375,7 +375,9 @@ class Cascade final {
   }
 
   /// Interior points until Newton, or proximal points, get home from one of them.
-  bool inside(std::size_t most) {
+  bool inside() {
+    // What does not end within a minute or two is left to shorter steps.
+    const std::size_t most = problem_.contacts() <= 5000 ? 1000 : 300;
     bool done = false;
     std::size_t factors = 0, counted = 0;
     interior(problem_, most, factors, [&](const std::vector<Vec2>& p) {
@@ -452,7 +454,7 @@ ContactSolution solve_again(const ContactProblem& problem, const SolverOptions& 
         if (tries.take(continuation(linear, problem, options, factor), Method::continuation)) break;
       }
       break;
-    case Method::interior: tries.inside(1000); break;
+    case Method::interior: tries.inside(); break;
     case Method::lemke:
       if (problem.contacts() <= Cascade::most_for_lemke) tries.take(tries.pivot(), Method::lemke);
       break;
