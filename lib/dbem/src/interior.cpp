@@ -83,8 +83,8 @@ class Interior final {
       off_[c] = off;
     }
     // Speeds that change on as they did before have far to go: twice as fast. Where they turn round: half.
-    if (before > 0) {
-      const double alike = both / std::sqrt(own * before);
+    if (own > 0 && before > 0) {
+      const double alike = both / (std::sqrt(own) * std::sqrt(before));
       if (alike > 0.9) {
         pace_ *= 2;
       } else if (alike <= 0.5) {
@@ -273,6 +273,7 @@ void interior(const ContactProblem& problem, std::size_t most, std::size_t& fact
       continue;
     }
     const double change = inside.renew();
+    if (change == 0) return;  // the next programme would be the same
     share = std::clamp(1e-2 * change * change, 1e-18, rough);
   }
 }
