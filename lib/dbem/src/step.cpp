@@ -211,6 +211,8 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
     place_all(out.state, out.corners, out.boxes);
     const double plan = std::max(next_step, step);
     find(out.state, out.corners, out.boxes, plan, out.touches, out.limit);
+    // What sleeps does not move: what runs into it wakes it, and the step is redone.
+    if (wake(out.touches, contact_depth)) return Failure{0, "", 1};
     clashes = clashes_of(out);
     if (out.report.retries < 8 && add_missed(out, clashes, list)) {
       ++out.report.retries;
@@ -369,8 +371,7 @@ void World::Impl::accept(Attempt&& done) {
 
 std::expected<StepReport, StepError> World::step(double at_most) {
   Impl& w = *impl_;
-  while (w.wake()) {
-    w.fat.clear();
+  while (w.wake(w.touches, std::numeric_limits<double>::infinity())) {
     w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
     w.seen_step = w.next_step;
   }
@@ -420,6 +421,10 @@ std::expected<StepReport, StepError> World::step(double at_most) {
       return report;
     }
     shortest = step;
+    if (failed->factor >= 1) {  // something woke
+      w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
+      continue;
+    }
     if (failed->factor > 0 && tries < 60) {
       step *= failed->factor;
       ++report.shortened;

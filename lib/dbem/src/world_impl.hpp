@@ -203,7 +203,7 @@ struct World::Impl {
   struct Failure {
     double residual = 0;
     std::string reason;
-    double factor = 0;   // > 0: not a failure; redo with this share of the step
+    double factor = 0;   // > 0: not a failure; redo with this share of the step; 1: with what woke
     bool clash = false;  // by bodies that would share space
   };
   [[nodiscard]] std::optional<Failure> attempt(double step, bool last, Attempt& out);
@@ -221,7 +221,8 @@ struct World::Impl {
   [[nodiscard]] double shortened_by_springs(const Attempt& out, BodyPair pair) const;
 
   // sleep.cpp
-  bool wake();
+  /// Wakes the groups that something awake touches closer than this share of the smaller feature.
+  bool wake(const std::vector<Touch>& list, double closer);
   void fall_asleep();
 
   // energy.cpp
