@@ -24,7 +24,7 @@ class Draws {
     return static_cast<std::size_t>(rng_.between(static_cast<std::int64_t>(low), static_cast<std::int64_t>(high)));
   }
   bool one_in(std::size_t n) { return count(1, n) == 1; }
-  double of(std::initializer_list<double> choices) { return choices.begin()[count(0, choices.size() - 1)]; }
+  double of(const std::vector<double>& choices) { return choices[count(0, choices.size() - 1)]; }
 
  private:
   Rng rng_;
