@@ -12,10 +12,10 @@ using namespace test;
 
 bool holds(const Builder& b) { return project(b.made(), 1).largest < 1e-8; }
 
-/// Where `holds` changes, to a relative 1e-8.
+/// Where `holds` changes.
 template <class Make>
 double least(Make&& make, double low, double high, bool holds_above) {
-  for (int k = 0; k < 30; ++k) {
+  for (int k = 0; k < 19; ++k) {
     const double middle = (low + high) / 2;
     (holds(make(middle)) == holds_above ? high : low) = middle;
   }
@@ -43,8 +43,9 @@ TEST(Chains, ColumnC2) {
 }
 
 TEST(Chains, ArchesC3ToC5) {
-  EXPECT_NEAR(least([](double t) { return arch(1, t, std::numbers::pi, 16, 1e3); }, .08, .13, true), 0.107237229, 1e-7);
-  EXPECT_NEAR(least([](double k) { return arch(10, 1.5, rad(157.5), 7, 1e3, {k, -1}); }, .3, .45, false), 0.3700106,
+  EXPECT_NEAR(least([](double t) { return arch(1, t, std::numbers::pi, 16, 1e3); }, .1071, .1074, true), 0.107237229,
+              1e-8);
+  EXPECT_NEAR(least([](double k) { return arch(10, 1.5, rad(157.5), 7, 1e3, {k, -1}); }, .369, .371, false), 0.3700106,
               2e-6);
   const Assembly semicircle = arch(1, .15, std::numbers::pi, 16, tan_deg(35)).made();
   const StaticFactor up = static_factor(semicircle);
@@ -70,11 +71,13 @@ TEST(Chains, TopplingColumnsC9) {
   EXPECT_NEAR(static_factor(toppling_columns(38.6598).made()).factor, 1.212857162, 2e-6);
   EXPECT_NEAR(static_factor(toppling_columns(38.6598, 2013).made()).factor, 1.361670342, 2e-6);
   const MovingFactor moving = moving_factor(toppling_columns(38.6598).made(), 1.212857162);
-  std::cout << "C9 moving " << moving.factor << (moving.settled ? " settled" : " unsettled") << '\n';
+  // From rest it stands at 1.01 and falls at 1.02 (contact code); the recursion of limiting equilibrium says 1.0185.
+  EXPECT_GT(moving.factor, 1.01);
+  EXPECT_LT(moving.factor, 1.05);
 }
 
 TEST(Chains, DomeC10) {
-  EXPECT_NEAR(least([](double t) { return lune(t); }, .02, .1, true), 0.0427473516, 1e-7);
+  EXPECT_NEAR(least([](double t) { return lune(t); }, .04, .045, true), 0.0427473516, 2e-8);
 }
 
 }  // namespace

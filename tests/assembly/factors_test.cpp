@@ -33,8 +33,8 @@ TEST(SingleBlocks, WedgeS2) {
   expect_factors(single({{plane(40, 130), m30}, {plane(60, 220), m30}}), 0.958055, m30 / tan_deg(33.357221));
 }
 TEST(SingleBlocks, HoekBrayS3) {
-  const Builder b =
-      single({{plane(45, 105), tan_deg(20), 500 * 5565.008}, {plane(70, 235), m30, 1000 * 6428.125}}, {0, 0, -28272195});
+  const Builder b = single({{plane(45, 105), tan_deg(20), 500 * 5565.008}, {plane(70, 235), m30, 1000 * 6428.125}},
+                           {0, 0, -28272195});
   expect_factors(b, 1.824059, 1.735577);
 }
 TEST(SingleBlocks, RoofWedgeS4) {
@@ -54,8 +54,8 @@ TEST(SingleBlocks, UnequalPlanesS8) {
   expect_factors(single({{plane(50, 0), tan_deg(51)}, {plane(50, 90), tan_deg(5)}}), 1.050977, 60.149144 / 64.440048);
 }
 TEST(SingleBlocks, CubeInWallS9) {
-  const Builder b = single(
-      {{{0, 0, 1}, m35}, {{0, 0, -1}, m35}, {{0, 1, 0}, m35}, {{0, -1, 0}, m35}, {{1, 0, 0}, m35}}, {.3, 0, -1});
+  const Builder b =
+      single({{{0, 0, 1}, m35}, {{0, 0, -1}, m35}, {{0, 1, 0}, m35}, {{0, -1, 0}, m35}, {{1, 0, 0}, m35}}, {.3, 0, -1});
   expect_factors(b, infinite, m35 / .3);
 }
 

@@ -74,12 +74,14 @@ Branch::Found Branch::judged(double divisor, State state) const {
 }
 
 Branch::Found Branch::by_newton(double divisor) {
-  State state = start_;
+  // From no forces: what locks at one strength must not drive or hold at the next.
+  State state = newton_.none();
+  state.v = start_.v;
   Problem problem{.law = Law::coulomb, .divisor = divisor};
   const bool bonds = has_bonds(*elements_);
   for (int round = 0; round < (bonds ? 4 : 1); ++round) {
     if (bonds) problem.pressing = pressing(*elements_, state);
-    (void)newton_.solve(problem, state, 1e-3);
+    (void)newton_.solve(problem, state, 1e-2);
   }
   return judged(divisor, std::move(state));
 }
@@ -99,7 +101,6 @@ Branch::Found Branch::by_thresholds(double divisor) {
       problem.threshold[k] = elements_->all()[k].friction / divisor * n;
     }
     problem.pressing = pressing(*elements_, state);
-    // From no forces: what is locked in by one strength must not hold at the next.
     State next = newton_.none();
     next.v = state.v;
     (void)newton_.solve(problem, next, 1e-2);
@@ -118,46 +119,24 @@ Branch::Found Branch::by_thresholds(double divisor) {
   return judged(divisor, std::move(state));
 }
 
-Branch::Found Branch::by_openings(double divisor) {
-  State state = start_;
-  Problem problem{.law = Law::cone, .divisor = divisor};
-  const std::size_t count = elements_->all().size();
-  problem.slid.assign(count, 0);
-  for (std::size_t k = 0; k < count; ++k) {
-    problem.slid[k] = elements_->relative(elements_->all()[k], state.v).tail<2>().norm();
-  }
-  double least = 1, pace = 1;
-  int worse = 0;
-  for (int round = 0; round < 120; ++round) {
-    problem.pressing = pressing(*elements_, state);
-    (void)newton_.solve(problem, state, 1e-3);
-    double change = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-      const double slip = elements_->relative(elements_->all()[k], state.v).tail<2>().norm();
-      change = std::max(change, std::abs(slip - problem.slid[k]));
-      problem.slid[k] += pace * (slip - problem.slid[k]);
-    }
-    if (change < 1e-13 || state.v.lpNorm<Eigen::Infinity>() < slow) break;
-    if (change > 0.9 * least) {
-      if (++worse % 8 == 7) pace *= 0.5;
-      if (worse > 25) break;
-    }
-    least = std::min(least, change);
-  }
-  return judged(divisor, std::move(state));
+/// Nothing moved: at rest where forces are there that hold.
+Branch::Found Branch::at_rest(double divisor) {
+  State state = newton_.none();
+  const Settled how = newton_.solve({.law = Law::cone, .divisor = divisor}, state);
+  Found found{.what = FromRest::unsettled, .state = std::move(state), .residual = how.off};
+  if (found.state.v.lpNorm<Eigen::Infinity>() <= slow) found.what = FromRest::rests;
+  return found;
 }
 
-Branch::Found Branch::at(double divisor) {
-  Found best = by_newton(divisor);
-  if (best.what == FromRest::moves) return best;
-  for (const auto way : {&Branch::by_thresholds, &Branch::by_openings}) {
-    Found found = (this->*way)(divisor);
+Branch::Found Branch::at(double divisor, Effort effort) {
+  Found found = by_newton(divisor);
+  if (found.what == FromRest::moves) return found;
+  if (effort == Effort::whole) {
+    found = by_thresholds(divisor);
     if (found.what == FromRest::moves) return found;
-    if (found.what == FromRest::rests || found.residual < best.residual) {
-      if (best.what != FromRest::rests) best = std::move(found);
-    }
   }
-  return best;
+  if (found.state.v.lpNorm<Eigen::Infinity>() <= slow) return at_rest(divisor);
+  return found;
 }
 
 }  // namespace cleave::assembly

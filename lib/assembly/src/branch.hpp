@@ -24,8 +24,9 @@ class Branch final {
     State state;
     double residual = 1;
   };
+  enum class Effort : std::uint8_t { newton, whole };
   /// Looks for motion at this strength; goes on from the last motion found.
-  [[nodiscard]] Found at(double divisor);
+  [[nodiscard]] Found at(double divisor, Effort effort = Effort::whole);
   /// Makes what was found the start of what follows.
   void keep(const Found& found) { start_ = found.state; }
   [[nodiscard]] Newton& newton() noexcept { return newton_; }
@@ -34,7 +35,7 @@ class Branch final {
   [[nodiscard]] Found judged(double divisor, State state) const;
   [[nodiscard]] Found by_newton(double divisor);
   [[nodiscard]] Found by_thresholds(double divisor);
-  [[nodiscard]] Found by_openings(double divisor);
+  [[nodiscard]] Found at_rest(double divisor);
 
   const Elements* elements_;
   Newton newton_;

@@ -84,8 +84,7 @@ ContactForces holding_forces(const Assembly& assembly, double factor, double pre
     for (std::size_t k = first; k < last; ++k) {
       const Element& e = elements.all()[k];
       const double unit = elements.newtons(e);
-      const Vec3 force =
-          unit * (state.x[k][0] * contact.normal + state.x[k][1] * t1 + state.x[k][2] * t2);
+      const Vec3 force = unit * (state.x[k][0] * contact.normal + state.x[k][1] * t1 + state.x[k][2] * t2);
       if (!e.bond) {
         out.at_points[c][point++] = force;
         continue;
@@ -128,7 +127,8 @@ StaticFactor static_factor(const Assembly& assembly) {
 Start start_from_rest(const Assembly& assembly, double factor) {
   const Elements elements{assembly};
   Branch branch{elements};
-  Start out{.found = FromRest::rests, .motion = Motion(elements.bodies()), .speed = std::vector<double>(elements.bodies())};
+  Start out{
+      .found = FromRest::rests, .motion = Motion(elements.bodies()), .speed = std::vector<double>(elements.bodies())};
   out.residual = 0;
   if (!branch.begin()) return out;
   Branch::Found found;
@@ -152,7 +152,8 @@ MovingFactor moving_factor(const Assembly& assembly, double up) {
   double good = infinite, bad = 0;
   bool settled = true;
   const auto look = [&](double f) {
-    const Branch::Found found = branch.at(f);
+    // What is known to move needs no search: only a start for those that are not.
+    const Branch::Found found = branch.at(f, f > 1.1 * up ? Branch::Effort::newton : Branch::Effort::whole);
     if (found.what == FromRest::moves) branch.keep(found);
     if (found.what == FromRest::moves || f > up * (1 + 1e-9)) {
       good = f;
@@ -166,7 +167,7 @@ MovingFactor moving_factor(const Assembly& assembly, double up) {
   }
   if (bad == 0) return {0, true};
   if (good == infinite) return {std::min(up, 1e3), false};
-  while (good > bad * (1 + 1e-9)) (void)look(std::sqrt(good * bad));
+  while (good > bad * (1 + 5e-8)) (void)look(std::sqrt(good * bad));
   return {std::min(good, up), settled};
 }
 

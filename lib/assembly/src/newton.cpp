@@ -49,8 +49,7 @@ void onto_disc(const Vector2d& t, double radius, Out& out) {
   } else if (radius > 0) {
     const Vector2d e = t / length;
     out.x.template tail<2>() = radius * e;
-    out.slope.template bottomRightCorner<2, 2>() =
-        radius / length * (Eigen::Matrix2d::Identity() - e * e.transpose());
+    out.slope.template bottomRightCorner<2, 2>() = radius / length * (Eigen::Matrix2d::Identity() - e * e.transpose());
   }
   out.any = out.any || radius > 0;
 }

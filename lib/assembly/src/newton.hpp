@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "elements.hpp"
 #include "cleave/linear/fronts.hpp"
+#include "elements.hpp"
 
 namespace cleave::assembly {
 

@@ -23,8 +23,8 @@ struct Projection {
 struct ContactForces {
   std::vector<std::vector<geometry::Vec3>> at_points, at_bonds;
 };
-/// Forces that hold the loads at strengths over `factor` (infinity: without strength), every point pressed by `prestress`
-/// times the largest load at least. They may lack balance: check them.
+/// Forces that hold the loads at strengths over `factor` (infinity: without strength), every point pressed by
+/// `prestress` times the largest load at least. They may lack balance: check them.
 [[nodiscard]] ContactForces holding_forces(const Assembly& assembly, double factor, double prestress = 0);
 
 /// The largest F at which strengths/F still admit balance: above it motion is certain whatever the law of flow, the
