@@ -1,6 +1,6 @@
 #include "detail/exact_volume.hpp"
 
-#include <boost/multiprecision/cpp_int.hpp>
+#include "cleave/exact/wide.hpp"
 
 namespace cleave::topology::detail {
 namespace {
