@@ -14,12 +14,13 @@ Wide widened(const Int192& value) noexcept {
 }
 
 Int192 narrowed(const Wide& value) noexcept {
-  const auto& backend = value.backend();
-  static_assert(sizeof(*backend.limbs()) == sizeof(std::uint64_t));
-  CLEAVE_ASSERT(backend.size() <= 3);
+  Wide rest = abs(value);
   Int192 out;
-  for (unsigned k = 0; k < backend.size(); ++k) out.words[k] = backend.limbs()[k];
-  CLEAVE_ASSERT((out.words[2] >> 63U) == 0);
+  for (std::uint64_t& word : out.words) {
+    word = static_cast<std::uint64_t>(rest & UINT64_MAX);
+    rest >>= 64U;
+  }
+  CLEAVE_ASSERT(rest == 0 && (out.words[2] >> 63U) == 0);
   return value < 0 ? -out : out;
 }
 
