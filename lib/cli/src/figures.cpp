@@ -1,4 +1,5 @@
 #include "figures.hpp"
+#include "cleave/core/version.hpp"
 
 #include <fmt/format.h>
 
@@ -59,7 +60,8 @@ std::string figures_of(const scene::RunResult& result) {
 }
 
 std::string log_of(const scene::RunResult& result) {
-  std::string text = fmt::format("cleave 0.1.0\nscene {} (sha256 {})\n", result.scene_file, result.scene_sha256);
+  std::string text =
+      fmt::format("cleave " CLEAVE_VERSION "\nscene {} (sha256 {})\n", result.scene_file, result.scene_sha256);
   for (const scene::InputFile& file : result.files) {
     text += fmt::format("file {} ({} bytes, sha256 {})\n", file.name, file.bytes, file.sha256);
   }

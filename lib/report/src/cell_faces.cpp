@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "cleave/core/version.hpp"
 #include "cleave/report/triangulate.hpp"
 
 namespace cleave::report::detail {

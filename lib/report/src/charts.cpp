@@ -69,17 +69,17 @@ std::string size_curve(std::vector<double> volumes) {
   return out + "</svg>";
 }
 
-std::string batch_bars(std::span<const BatchFigures> batches) {
+std::string batch_bars(std::span<const scene::BatchFigures> batches) {
   if (batches.empty()) return {};
   constexpr double left = 96, right = 400;
   const double row = batches.size() > 12 ? 18 : 30;
   double largest = 0;
-  for (const BatchFigures& batch : batches) largest = std::max(largest, batch.volume_m3);
+  for (const scene::BatchFigures& batch : batches) largest = std::max(largest, batch.volume_m3);
   const double height = row * static_cast<double>(batches.size()) + 20;
   std::string out =
       "<svg viewBox=\"0 0 520 " + fixed(height) + "\" role=\"img\" aria-label=\"Key block volume by batch\">";
   double y = 10;
-  for (const BatchFigures& batch : batches) {
+  for (const scene::BatchFigures& batch : batches) {
     const double width = largest > 0 ? (right - left) * batch.volume_m3 / largest : 0;
     out += text(left - 10, y + row * 0.65, "end", "batch " + std::to_string(batch.batch));
     out += "<rect x=\"" + fixed(left) + "\" y=\"" + fixed(y + row * 0.12) + "\" width=\"" +
