@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cleave/report/html.hpp"
+#include "cleave/report/key_blocks.hpp"
 #include "cleave/report/view3d.hpp"
 #include "hand_made.hpp"
 
@@ -53,10 +54,10 @@ struct Tunnel {
     bolt.direction = {0, 0, 1};
     bolt.length = 4;
     for (const auto status : {stability::BoltStatus::holds, stability::BoltStatus::too_short}) {
-      stability::BoltResult result{.bolt = bolt};
-      result.status = status;
-      if (status == stability::BoltStatus::holds) result.serves = topology::BlockId{3U};
-      support.bolts.push_back(result);
+      stability::BoltResult row{.bolt = bolt};
+      row.status = status;
+      if (status == stability::BoltStatus::holds) row.serves = topology::BlockId{3U};
+      support.bolts.push_back(row);
     }
     support.blocks = {{.block = topology::BlockId{3U}, .mode = stability::Mode::falling, .target = 1.5}};
     support.blocks[0].held = stability::Held::bolts;
@@ -68,7 +69,7 @@ struct Tunnel {
     figures.key_blocks = scene::count_key_blocks(analysis);
     figures.support = scene::count_support(support);
     figures.support_cases = {{"quake <1>", {.blocks = 5, .not_held = 2, .combined = 3, .combined_failing = 1}}};
-    scene::MaximumRow row{.sets = {"A", "B", "C & D"}, .where = "roof", .block = {}};
+    scene::MaximumRow row{.sets = {"A", "B", "C & D"}, .block = {}, .where = "roof"};
     row.block.block.volume = 12.5;
     row.block.block.code = 5;
     row.block.upward = {geometry::normalized({0.5, 0.1, 1}), geometry::normalized({-0.4, 0.6, 0.7}),

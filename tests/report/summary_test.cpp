@@ -126,7 +126,7 @@ scene::RunResult full() {
   r.figures.micro_blocks = scene::MicroBlockFigures{};
   r.field_stress = scene::FieldStressResult{};
   r.window = scene::WindowInfo{};
-  r.sequence = scene::SequenceResult{.stages = {{}}, .orders = {{.stages = {1}}}, .stage_of_block = {}};
+  r.sequence = scene::SequenceResult{.stages = {{}}, .orders = {scene::OrderResult{}}, .stage_of_block = {}};
   return r;
 }
 
@@ -147,8 +147,14 @@ TEST(SummaryJson, FitsItsSchema) {
     EXPECT_TRUE(whole.contains(section)) << section;
   }
   EXPECT_TRUE(whole["support"]["required_force_n_per_metre"].is_null());
-  expect_valid(schema, Json::parse(summary_json(scene::BodiesResult{.bodies = {{}}, .points = {{}}})), "elastic");
-  expect_valid(schema, Json::parse(summary_json(scene::ContactResult{.bodies = {{}}, .points = {{}}})), "contact");
+  scene::BodiesResult bodies;
+  bodies.bodies.emplace_back();
+  bodies.points.emplace_back();
+  expect_valid(schema, Json::parse(summary_json(bodies)), "elastic");
+  scene::ContactResult contact;
+  contact.bodies.emplace_back();
+  contact.points.emplace_back();
+  expect_valid(schema, Json::parse(summary_json(contact)), "contact");
 }
 
 // The schema in docs/ is what the figures say of themselves; CLEAVE_GOLDEN=1 in the environment writes it anew.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -95,11 +96,20 @@ std::string trend_and_plunge(const geometry::Vec3& d) {
   return whole(trend) + "° / " + (plunge < -0.5 ? "−" : "") + whole(std::abs(plunge)) + "°";
 }
 
+/// "roof, 12.4 m": where on the tunnel, and how far along it.
+std::string where(const scene::BlockPlace& place) {
+  std::string out{place.location};
+  if (place.chainage) out += ", " + display(*place.chainage, 3) + " m";
+  return out.empty() ? "–" : out;
+}
+
 std::string key_block_rows(const Page& page) {
   std::string out;
   for (const stability::Judgement& j : page.result.analysis->judgements) {
     if (!stability::moves(j.mode) && !j.key) continue;
     const topology::Block& block = page.complex->blocks()[j.block];
+    const std::vector<topology::JointId> joints = scene::joints_of(*page.complex, j.block);
+    const scene::BlockPlace place = scene::place_of(page.result, *page.complex, j.block, joints);
     out += "<tr data-block=\"" + std::to_string(j.block.value()) + "\"" + (j.key ? "" : " class=\"stays\"") + ">";
     cell(out, j.block.value(), std::to_string(j.block.value()));
     const std::string swatch =
@@ -108,7 +118,7 @@ std::string key_block_rows(const Page& page) {
          swatch + (j.batch ? std::to_string(*j.batch) : (j.key ? (j.transferred ? "held" : "later") : "stays")));
     out += "<td>";
     out += stability::name(j.mode);
-    out += "</td>";
+    out += "</td><td>" + where(place) + "</td>";
     cell(out, block.volume.si(), display(block.volume.si()));
     cell(out, j.weight.si(), display(j.weight.si() / 1000));
     out += "<td>" + trend_and_plunge(j.direction) + "</td>";
@@ -133,11 +143,13 @@ std::string key_block_rows(const Page& page) {
       out += !j.rotation ? "<td>–</td>" : j.rotation->turns ? "<td class=\"warn\">turns</td>" : "<td>no</td>";
     }
     cell(out, static_cast<double>(block.faces.size()), std::to_string(block.faces.size()));
-    std::string joints;
-    for (const topology::JointId joint : scene::joints_of(*page.complex, j.block)) {
-      joints += (joints.empty() ? "" : ", ") + std::to_string(joint.value());
+    std::string sets, numbers;
+    for (const scene::SetId set : place.sets)
+      sets += (sets.empty() ? "" : ", ") + escape_xml(page.result.sets[set].name);
+    for (const topology::JointId joint : joints) {
+      numbers += (numbers.empty() ? "" : ", ") + std::to_string(joint.value());
     }
-    out += "<td class=\"wide\">" + joints + "</td></tr>\n";
+    out += "<td>" + (sets.empty() ? "–" : sets) + "</td><td class=\"wide\">" + numbers + "</td></tr>\n";
   }
   return out;
 }
@@ -160,13 +172,14 @@ std::string key_blocks_section(const Page& page) {
       "hold are marked “stays”. "
       "Click a heading to sort, a row to find the block in the view. Directions are trend / plunge, downwards "
       "positive.</p>\n"
-      "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Block</th><th>Batch</th><th>Mode</th><th>Volume "
+      "<div class=\"scroll\"><table "
+      "class=\"sortable\"><thead><tr><th>Block</th><th>Batch</th><th>Mode</th><th>Where</th><th>Volume "
       "(m³)</th>"
       "<th>Weight (kN)</th><th>Direction</th><th>Net force (kN)</th><th>Factor of safety</th>";
   if (page.result.analysis->force_transfer) out += "<th>Net force, transferred (kN)</th><th>Factor, transferred</th>";
   if (page.result.field_stress) out += "<th>Factor, clamped by field stress</th>";
   if (page.result.analysis->rotation != stability::RotationCheck::off) out += "<th>Turns?</th>";
-  out += "<th>Faces</th><th class=\"wide\">Joints</th></tr></thead><tbody>\n";
+  out += "<th>Faces</th><th>Sets</th><th class=\"wide\">Joints</th></tr></thead><tbody>\n";
   out += rows + "</tbody></table></div>";
   if (page.result.field_stress) {
     const scene::FieldStressResult& f = *page.result.field_stress;
@@ -179,13 +192,29 @@ std::string key_blocks_section(const Page& page) {
   return out + "</section>\n";
 }
 
+/// "25", or "20 … 32" where joints differ.
+struct Range {
+  double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+  void add(double v) {
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
+  [[nodiscard]] std::string text() const {
+    return low == high ? display(low, 3) : display(low, 3) + " … " + display(high, 3);
+  }
+};
+
 std::string set_rows(const Page& page) {
   std::string out;
   for (const scene::SetId id : page.result.sets.ids()) {
     const std::size_t set = id.index();
     std::vector<geometry::Vec3> normals;
+    Range friction, cohesion;
     for (const scene::JointInfo& joint : page.result.joints) {
-      if (joint.set == id) normals.push_back(joint.normal);
+      if (joint.set != id) continue;
+      normals.push_back(joint.normal);
+      friction.add(joint.strength.friction.degrees());
+      cohesion.add(joint.strength.cohesion.si() / 1000);
     }
     if (normals.empty()) continue;
     const MeanPole mean = mean_of(normals);
@@ -193,7 +222,8 @@ std::string set_rows(const Page& page) {
            escape_xml(page.result.sets[id].name) + "</td><td>" + display_count(normals.size()) + "</td><td>" +
            display(std::round(mean.dip_degrees * 10) / 10) + "° / " +
            display(std::round(mean.dip_direction_degrees * 10) / 10) + "°</td><td>" +
-           (normals.size() > 1 ? display(mean.kappa, 3) : "–") + "</td></tr>\n";
+           (normals.size() > 1 ? display(mean.kappa, 3) : "–") + "</td><td>" + friction.text() + "</td><td>" +
+           cohesion.text() + "</td></tr>\n";
   }
   return out;
 }
@@ -220,7 +250,7 @@ std::string stereonet_section(const Page& page) {
   }
   out +=
       "</figcaption></figure>\n<div><table><thead><tr><th>Set</th><th>Joints</th><th>Mean dip / dip direction</th>"
-      "<th>Concentration κ</th></tr></thead><tbody>\n";
+      "<th>Concentration κ</th><th>Friction (°)</th><th>Cohesion (kPa)</th></tr></thead><tbody>\n";
   return out + set_rows(page) + "</tbody></table></div></div></section>\n";
 }
 
@@ -273,6 +303,30 @@ std::string loads_of(const scene::RunResult& result) {
   return out;
 }
 
+/// What the figures rest on and leave out.
+std::string limits_of(const scene::RunResult& r) {
+  std::string out =
+      "<h3>Assumptions and limits</h3>\n<ul>\n<li>Blocks are rigid. Joints are flat, have the Coulomb (or "
+      "Barton–Bandis) "
+      "strengths above and no stiffness.</li>\n";
+  const auto item = [&](std::string_view text) { out += "<li>" + std::string{text} + "</li>\n"; };
+  if (!r.analysis) {
+    item("Stability was not asked for: nothing is said of what moves.");
+    return out + "</ul>\n";
+  }
+  item("A block is judged by limit equilibrium of its translation, in the state after the batches before it.");
+  item(r.analysis->rotation == stability::RotationCheck::off
+           ? "Turning and toppling were not checked."
+           : "Turning is checked for blocks that cannot slide; no factor of safety against it is given.");
+  item(r.field_stress
+           ? "The stress of the rock is counted beside, in the columns “clamped”, not in the factors of safety."
+           : "In-situ stress is not counted.");
+  item("Sides of the domain that are not free hold what touches them.");
+  item(
+      "Earthquakes are static forces; blasting, creep, weathering and loss of strength with movement are not counted.");
+  return out + "</ul>\n";
+}
+
 std::string inputs_section(const Page& page) {
   const scene::RunResult& r = page.result;
   const scene::InputFigures& input = r.figures.input;
@@ -295,7 +349,7 @@ std::string inputs_section(const Page& page) {
   out += row("Planes merged by snap", display_count(input.merged_planes));
   if (!input.snapped.empty()) out += row("Joints changed by snap", display_count(input.snapped.size()));
   out += "</tbody></table>\n";
-  out += notes_list(r.notes);
+  out += limits_of(r) + notes_list(r.notes);
   return out + "</section>\n";
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cleave/report/drawings.hpp"
+#include "cleave/report/stereonet.hpp"
 #include "cleave/report/text.hpp"
 #include "pyramid_net.hpp"
 #include "svg.hpp"

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <concepts>
+#include <functional>
 #include <ranges>
 #include <string_view>
 #include <tuple>
