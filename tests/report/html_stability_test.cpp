@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/report/html.hpp"
-#include "cleave/report/key_blocks.hpp"
-#include "cleave/report/view3d.hpp"
 #include "hand_made.hpp"
+#include "html.hpp"
+#include "key_blocks.hpp"
+#include "view3d.hpp"
 
 namespace cleave::report {
 namespace {

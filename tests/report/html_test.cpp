@@ -1,4 +1,4 @@
-#include "cleave/report/html.hpp"
+#include "html.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <regex>
 #include <vector>
 
-#include "cleave/report/view3d.hpp"
 #include "hand_made.hpp"
+#include "view3d.hpp"
 
 namespace cleave::report {
 namespace {

@@ -8,10 +8,10 @@
 #include "assets.hpp"
 #include "cleave/core/expected.hpp"
 #include "cleave/report/json_fields.hpp"
-#include "cleave/report/summary.hpp"
-#include "cleave/report/text.hpp"
 #include "html_parts.hpp"
+#include "summary.hpp"
 #include "tables2d.hpp"
+#include "text.hpp"
 #include "vtu_writer.hpp"
 
 namespace cleave::report {

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "cleave/core/version.hpp"
-#include "cleave/report/triangulate.hpp"
+#include "triangulate.hpp"
 
 namespace cleave::report::detail {
 namespace {

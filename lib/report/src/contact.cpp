@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cleave/core/expected.hpp"
-#include "cleave/report/summary.hpp"
+#include "summary.hpp"
 #include "tables2d.hpp"
 #include "vtu_writer.hpp"
 

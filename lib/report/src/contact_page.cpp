@@ -6,8 +6,8 @@
 #include "assets.hpp"
 #include "cleave/report/contact.hpp"
 #include "cleave/report/json_fields.hpp"
-#include "cleave/report/text.hpp"
 #include "html_parts.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "cleave/report/json_fields.hpp"
-#include "cleave/report/text.hpp"
+#include "text.hpp"
 
 /// Tables of comma-separated values as visitors over the `fields` of a row: the header is the names, a flag is 1 or 0,
 /// a value that is not there an empty field, several are joined by `;`, and a point is three columns or two.

@@ -1,11 +1,11 @@
-#include "cleave/report/dangling.hpp"
+#include "dangling.hpp"
 
 #include <algorithm>
 #include <string_view>
 
 #include "cleave/core/version.hpp"
-#include "cleave/report/text.hpp"
-#include "cleave/report/triangulate.hpp"
+#include "text.hpp"
+#include "triangulate.hpp"
 #include "vtu_writer.hpp"
 
 namespace cleave::report {

@@ -1,4 +1,4 @@
-#include "cleave/report/html.hpp"
+#include "html.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,14 +10,14 @@
 
 #include "assets.hpp"
 #include "cleave/core/version.hpp"
-#include "cleave/report/drawings.hpp"
-#include "cleave/report/stereonet.hpp"
-#include "cleave/report/text.hpp"
-#include "cleave/report/view3d.hpp"
 #include "cleave/scene/places.hpp"
+#include "drawings.hpp"
 #include "html_parts.hpp"
 #include "html_stability.hpp"
 #include "stages_section.hpp"
+#include "stereonet.hpp"
+#include "text.hpp"
+#include "view3d.hpp"
 
 namespace cleave::report {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "assets.hpp"
 #include "cleave/core/version.hpp"
-#include "cleave/report/text.hpp"
+#include "text.hpp"
 
 namespace cleave::report::detail {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
-#include "cleave/report/text.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 

@@ -1,4 +1,4 @@
-#include "cleave/report/key_blocks.hpp"
+#include "key_blocks.hpp"
 
 #include <algorithm>
 #include <utility>

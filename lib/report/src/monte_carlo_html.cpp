@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "cleave/report/monte_carlo.hpp"
-#include "cleave/report/text.hpp"
 #include "html_parts.hpp"
 #include "plot.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {

@@ -1,6 +1,6 @@
 #include "stages_section.hpp"
 
-#include "cleave/report/text.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {

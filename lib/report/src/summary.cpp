@@ -1,4 +1,4 @@
-#include "cleave/report/summary.hpp"
+#include "summary.hpp"
 
 #include <utility>
 

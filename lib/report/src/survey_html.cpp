@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "cleave/geometry/orientation.hpp"
-#include "cleave/report/stereonet.hpp"
 #include "cleave/report/survey.hpp"
-#include "cleave/report/text.hpp"
 #include "html_parts.hpp"
 #include "plot.hpp"
+#include "stereonet.hpp"
 #include "survey_windows.hpp"
 #include "svg.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {

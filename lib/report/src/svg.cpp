@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "cleave/report/text.hpp"
+#include "text.hpp"
 
 namespace cleave::report::detail {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cleave/core/version.hpp"
-#include "cleave/report/modes.hpp"
+#include "modes.hpp"
 #include "vtu_writer.hpp"
 
 namespace cleave::report {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cleave/geometry/vec3.hpp"
-#include "cleave/report/text.hpp"
+#include "text.hpp"
 
 /// VTK's XML file of an unstructured grid; every .vtu of cleave is written with it.
 namespace cleave::report {

@@ -7,12 +7,12 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/report/cells.hpp"
-#include "cleave/report/dangling.hpp"
 #include "cleave/report/exports.hpp"
-#include "cleave/report/html.hpp"
-#include "cleave/report/key_blocks.hpp"
-#include "cleave/report/summary.hpp"
 #include "cleave/report/vtu.hpp"
+#include "dangling.hpp"
+#include "html.hpp"
+#include "key_blocks.hpp"
+#include "summary.hpp"
 
 namespace cleave::report {
 namespace {
