@@ -171,7 +171,7 @@ class SchemaFields final {
     if constexpr (is_a<T, std::optional>) {
       type(x.value_or(Sample<typename T::value_type>::make()));
     } else if constexpr (is_a<T, OrNull>) {
-      list("type", std::array<std::string_view, 2>{scalar<decltype(x.value.value())>(), "null"});
+      list("type", std::array<std::string_view, 2>{scalar<std::remove_cvref_t<decltype(x.value.value())>>(), "null"});
     } else if constexpr (!scalar<T>().empty()) {
       json_->member("type", scalar<T>());
       if constexpr (scalar<T>() == "integer") json_->member("minimum", 0U);
