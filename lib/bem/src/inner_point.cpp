@@ -18,25 +18,37 @@ InnerState inner_state(const BlockOperator& block, const InnerPoint& point, cons
   }
   const Nearest near = nearest(mesh, point.at);
   const Elastic elastic{1, block.material().nu()};
-  InnerState out;
   if (near.distance < 1e-9 * std::sqrt(block.area())) {
     const Gradient g = on_boundary(mesh, u, t, near.element, near.s, elastic.mu, elastic.nu);
     return {g.displacement, mu * g.stress};
   }
-  const Integrator integrator{mesh, {elastic}, 1e-9};
-  out.displacement = displacement_inside(integrator, u, t, point.at, near, false);
-  out.stress = mu * stress_inside(integrator, u, t, point.at, near, false);
+  // The inner motions' answers of the plane come off the boundary values and on again inside.
+  const Bubbles& bubbles = block.bubbles();
   std::vector<Bubbles::Value> values;
-  if (block.bubbles().count() > 0) block.bubbles().evaluate(point.reference, values);
-  Vec2 dx, dy;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    const Vec2 amplitude{freedoms[block.boundary_freedoms() + 2 * k], freedoms[block.boundary_freedoms() + 2 * k + 1]};
-    out.displacement += values[k].value * amplitude;
-    dx += values[k].slope.x * amplitude;
-    dy += values[k].slope.y * amplitude;
+  const auto answer = [&](Vec2 x) {
+    Bubbles::Value sum;
+    bubbles.evaluate(x, block.material(), values);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const double amplitude = freedoms[block.boundary_freedoms() + k];
+      sum.displacement += amplitude * values[k].displacement;
+      sum.stress += amplitude * values[k].stress;
+    }
+    return sum;
+  };
+  if (bubbles.count() > 0) {
+    for (std::size_t i = 0; i < u.size(); ++i) u[i] -= answer(mesh.nodes[i].x).displacement;
+    const auto local = local_nodes(mesh.order);
+    for (std::size_t e = 0; e < t.size(); ++e) {
+      for (std::size_t a = 0; a < local.size(); ++a) {
+        const Element& element = mesh.elements[e];
+        t[e][a] -= (1 / mu) * (answer(element.at(local[a])).stress * element.normal(local[a]));
+      }
+    }
   }
-  out.stress += block.material().stress({dx.x, 0.5 * (dx.y + dy.x), dy.y});
-  return out;
+  const Integrator integrator{mesh, {elastic}, 1e-9};
+  const Bubbles::Value own = answer(point.at);
+  return {displacement_inside(integrator, u, t, point.at, near, false) + own.displacement,
+          mu * stress_inside(integrator, u, t, point.at, near, false) + own.stress};
 }
 
 }  // namespace cleave::bem
