@@ -153,6 +153,8 @@ void BlockOperator::set_tractions(const DenseMatrix& of_boundary) {
   }
   MatrixXd all(t.rows(), t.cols() + nb);
   all << t, own - t * boundary;
+  bubbles_.on_nodes = dense(boundary);
+  bubbles_.on_elements = dense(own);
   traction_of_ = dense(all);
 }
 

@@ -304,7 +304,12 @@ BlockMass block_mass(const Mesh& mesh, const Material& material, const MatrixXd&
   // About a thousand points, whatever the number of strips the outline needs.
   const std::size_t strips = std::max<std::size_t>(1, domain_rule(mesh, 1).size());
   const double wanted = std::sqrt(1000.0 / static_cast<double>(strips));
-  const std::vector<DomainPoint> points = domain_rule(mesh, static_cast<std::size_t>(std::clamp(wanted, 8.0, 20.0)));
+  // At least two points to an element's length: the mass of what the boundary can follow.
+  double around = 0;
+  for (const Element& e : mesh.elements) around += 2 * norm(e.c1);
+  const double spacing = 0.5 * around / static_cast<double>(mesh.elements.size());
+  const std::vector<DomainPoint> points =
+      domain_rule(mesh, static_cast<std::size_t>(std::clamp(wanted, 8.0, 20.0)), spacing);
   const MatrixXd phi = static_extension(mesh, points, material, traction_of, options.threads);
   const auto n = phi.cols();
   BlockMass out;

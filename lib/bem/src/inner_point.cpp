@@ -24,29 +24,22 @@ InnerState inner_state(const BlockOperator& block, const InnerPoint& point, cons
   }
   // The inner motions' answers of the plane come off the boundary values and on again inside.
   const Bubbles& bubbles = block.bubbles();
+  Bubbles::Value own;
   std::vector<Bubbles::Value> values;
-  const auto answer = [&](Vec2 x) {
-    Bubbles::Value sum;
-    bubbles.evaluate(x, block.material(), values);
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      const double amplitude = freedoms[block.boundary_freedoms() + k];
-      sum.displacement += amplitude * values[k].displacement;
-      sum.stress += amplitude * values[k].stress;
+  bubbles.evaluate(point.at, block.material(), values);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double amplitude = freedoms[block.boundary_freedoms() + k];
+    own.displacement += amplitude * values[k].displacement;
+    own.stress += amplitude * values[k].stress;
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      u[i] -= amplitude * Vec2{bubbles.on_nodes(2 * i, k), bubbles.on_nodes(2 * i + 1, k)};
     }
-    return sum;
-  };
-  if (bubbles.count() > 0) {
-    for (std::size_t i = 0; i < u.size(); ++i) u[i] -= answer(mesh.nodes[i].x).displacement;
-    const auto local = local_nodes(mesh.order);
-    for (std::size_t e = 0; e < t.size(); ++e) {
-      for (std::size_t a = 0; a < local.size(); ++a) {
-        const Element& element = mesh.elements[e];
-        t[e][a] -= (1 / mu) * (answer(element.at(local[a])).stress * element.normal(local[a]));
-      }
+    const std::size_t per = mesh.per_element();
+    for (std::size_t r = 0; r < per * t.size(); ++r) {
+      t[r / per][r % per] -= (amplitude / mu) * Vec2{bubbles.on_elements(2 * r, k), bubbles.on_elements(2 * r + 1, k)};
     }
   }
   const Integrator integrator{mesh, {elastic}, 1e-9};
-  const Bubbles::Value own = answer(point.at);
   return {displacement_inside(integrator, u, t, point.at, near, false) + own.displacement,
           mu * stress_inside(integrator, u, t, point.at, near, false) + own.stress};
 }

@@ -56,6 +56,8 @@ struct Bubbles {
   std::vector<Field> fields;
   std::size_t degree = 0;  ///< of the forces: below this
   double size = 0;         ///< m
+  /// Displacement of the nodes and element-wise traction (Pa) of the answers of the plane, rows as of the operator.
+  DenseMatrix on_nodes, on_elements;
   [[nodiscard]] std::size_t count() const noexcept { return fields.size(); }
   /// The answers of the plane at a point of the body's frame.
   void evaluate(Vec2 at, const Material& material, std::vector<Value>& out) const;
