@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "cleave/core/expected.hpp"
@@ -76,6 +77,13 @@ std::string contact_summary_json(const scene::ContactResult& result) {
     json.end_object();
   }
   json.end_array();
+  json.key("estimated_error");
+  if (result.error) {
+    json.value(*result.error);
+  } else {
+    json.null();
+    json.member("no_estimate", result.no_estimate);
+  }
   json.member("mode", result.elastic ? "elastic" : "rigid");
   json.member("end_time_s", result.end_time);
   json.member("cut_steps", result.cut_steps);
@@ -105,6 +113,16 @@ std::string contact_summary_json(const scene::ContactResult& result) {
 std::string contact_vtu(const scene::ContactResult& result, std::size_t frame) {
   const scene::ContactFrame& now = result.frames[frame];
   std::string points, connectivity, offsets, types, displacement, force, body, fixed, state, rotation;
+  std::string stress, mises, safety;
+  const auto stressed = [&](const scene::NodeStress* at) {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    const auto put = [](std::string& out, double v, char end) { out += (std::isnan(v) ? "nan" : number(v)) + end; };
+    const bem::Sym2 s = at != nullptr ? at->stress : bem::Sym2{none, none, none};
+    for (const double v : {s.xx, s.xy, 0.0, s.xy, s.yy, 0.0, 0.0, 0.0}) put(stress, v, ' ');
+    put(stress, at != nullptr ? at->out_of_plane : none, '\n');
+    put(mises, at != nullptr ? at->von_mises : none, '\n');
+    put(safety, at != nullptr ? at->safety : none, '\n');
+  };
   std::size_t count = 0, cells = 0;
   const auto point = [&](Vec2 x, Vec2 u, Vec2 f) {
     points += number(x.x) + " " + number(x.y) + " 0\n";
@@ -124,11 +142,15 @@ std::string contact_vtu(const scene::ContactResult& result, std::size_t frame) {
   for (std::size_t b = 0; b < result.bodies.size(); ++b) {
     const auto corners = scene::corners_at(result, frame, b);
     const auto& start = result.bodies[b].outline;
-    for (std::size_t k = 0; k < corners.size(); ++k) point(corners[k], corners[k] - start[k], {});
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      point(corners[k], corners[k] - start[k], {});
+      stressed(k < now.stress[b].size() ? &now.stress[b][k] : nullptr);
+    }
     cell(7, b, result.bodies[b].fixed, -1, degrees(now.places[b].rotation));
   }
   for (const scene::ContactMark& mark : now.contacts) {
     point(mark.at, {}, mark.force);
+    stressed(nullptr);
     cell(1, mark.first, false, mark.state == scene::ContactMarkState::slip ? 1 : 0, 0);
   }
   const auto array = [](std::string_view type, std::string_view name, int components, const std::string& values) {
@@ -140,11 +162,13 @@ std::string contact_vtu(const scene::ContactResult& result, std::size_t frame) {
          "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" +
          std::to_string(count) + "\" NumberOfCells=\"" + std::to_string(cells) + "\">\n<PointData>\n" +
          array("Float64", "displacement", 3, displacement) + array("Float64", "force", 3, force) +
-         "</PointData>\n<CellData>\n" + array("Int32", "body", 1, body) + array("Int32", "fixed", 1, fixed) +
-         array("Int32", "state", 1, state) + array("Float64", "rotation", 1, rotation) + "</CellData>\n<Points>\n" +
-         array("Float64", "Points", 3, points) + "</Points>\n<Cells>\n" +
-         array("Int64", "connectivity", 1, connectivity + "\n") + array("Int64", "offsets", 1, offsets) +
-         array("UInt8", "types", 1, types) + "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+         array("Float64", "stress", 9, stress) + array("Float64", "von_mises", 1, mises) +
+         array("Float64", "safety", 1, safety) + "</PointData>\n<CellData>\n" + array("Int32", "body", 1, body) +
+         array("Int32", "fixed", 1, fixed) + array("Int32", "state", 1, state) +
+         array("Float64", "rotation", 1, rotation) + "</CellData>\n<Points>\n" + array("Float64", "Points", 3, points) +
+         "</Points>\n<Cells>\n" + array("Int64", "connectivity", 1, connectivity + "\n") +
+         array("Int64", "offsets", 1, offsets) + array("UInt8", "types", 1, types) +
+         "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
 }
 
 std::string contact_history_csv(const scene::ContactResult& result) {
@@ -181,11 +205,37 @@ std::string contact_bodies_csv(const scene::ContactResult& result) {
   return out;
 }
 
+/// Of the last frame: stress, principal stresses and their direction at the nodes of bodies that deform.
+std::string contact_stress_csv(const scene::ContactResult& result) {
+  std::string out =
+      "body,node,x_m,y_m,stress_xx_pa,stress_yy_pa,stress_xy_pa,stress_zz_pa,principal_1_pa,principal_2_pa,"
+      "direction_1_degrees,von_mises_pa,safety\n";
+  if (result.frames.empty()) return out;
+  const scene::ContactFrame& last = result.frames.back();
+  for (std::size_t b = 0; b < last.stress.size(); ++b) {
+    for (std::size_t v = 0; v < last.stress[b].size(); ++v) {
+      const scene::NodeStress& node = last.stress[b][v];
+      const bem::Sym2 s = node.stress;
+      const double mean = 0.5 * (s.xx + s.yy), radius = std::hypot(0.5 * (s.xx - s.yy), s.xy);
+      out += csv_field(result.bodies[b].name) + "," + std::to_string(v + 1);
+      for (const double x :
+           {last.corners[b][v].x, last.corners[b][v].y, s.xx, s.yy, s.xy, node.out_of_plane, mean + radius,
+            mean - radius, degrees(0.5 * std::atan2(2 * s.xy, s.xx - s.yy)), node.von_mises}) {
+        out += "," + number(x);
+      }
+      out += std::isnan(node.safety) ? std::string{","} : "," + number(node.safety);
+      out += "\n";
+    }
+  }
+  return out;
+}
+
 std::expected<void, WriteError> write_contact_files(const scene::ContactResult& result,
                                                     const std::filesystem::path& folder) {
   if (result.output.csv) {
     CLEAVE_CHECK(write_file(folder / "history.csv", contact_history_csv(result)));
     CLEAVE_CHECK(write_file(folder / "bodies.csv", contact_bodies_csv(result)));
+    if (result.elastic) CLEAVE_CHECK(write_file(folder / "stress.csv", contact_stress_csv(result)));
     if (!result.points.empty()) CLEAVE_CHECK(write_file(folder / "points.csv", contact_points_csv(result)));
   }
   if (!result.output.vtu) return {};
