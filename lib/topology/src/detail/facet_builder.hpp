@@ -95,6 +95,19 @@ class FacetBuilder final {
     return true;
   }
 
+  /// Facets of a folded polygon: each triangle on its own three corners. `sheet` stands for all of them, if given.
+  void add_folded(std::span<const std::array<exact::LatticePoint, 3>> triangles, Facet facet,
+                  const std::optional<exact::Plane>& sheet) {
+    if (sheet) {
+      facet.sheet = add_plane(*sheet).first;
+      out_.has_sheets = true;
+    }
+    for (const auto& [a, b, c] : triangles) {
+      const auto triangle = make_lattice_polygon({a, b, c});
+      if (triangle) add_polygon(*triangle, facet);
+    }
+  }
+
   /// Facets of a polygon with holes: triangles. False when outlines cross.
   bool add_with_holes(const LatticePolygon& polygon, std::vector<std::vector<exact::LatticePoint>> holes, Facet facet) {
     const auto [plane, same] = add_plane(polygon.plane);
@@ -290,7 +303,8 @@ class FacetBuilder final {
           .first_corner = 0,
           .corner_count = 0,
           .lo = {},
-          .hi = {}};
+          .hi = {},
+          .sheet = none};
 }
 
 }  // namespace cleave::topology::detail

@@ -24,7 +24,7 @@ class FitAuditor final {
   explicit FitAuditor(const BlockComplex& complex)
       : complex_{complex}, side_{complex.report().lattice_pitch_m * 0x1p48} {
     // Positions are good to 2^-43 of the lattice's extent.
-    tolerance_ = side_ * 0x1p-40;
+    tolerance_ = std::max(side_ * 0x1p-40, 4 * complex.report().bend_m);
     normals_.reserve(complex.planes().size());
     for (const exact::Plane& plane : complex.planes()) {
       const auto& q = plane.approx();

@@ -39,6 +39,7 @@ struct Facet {
   Index first_edge, edge_count;      ///< into Prepared::edges
   Index first_corner, corner_count;  ///< into Prepared::corners; none for half-space solids
   Vec lo, hi;                        ///< bounding box in units of 2^48 sites, grown so that it is safe
+  Index sheet = none;  ///< of a piece of a folded polygon: the facet plane that stands for all its pieces (folds.hpp)
 };
 
 struct Prepared {
@@ -60,6 +61,8 @@ struct Prepared {
   std::vector<Index> outside;  ///< joints whose box misses the domain's
   Index joint_count = 0, excavation_count = 0;
   bool keep_dangling = false;  ///< draw the outlines of all joints
+  bool has_sheets = false;     ///< some facets are pieces of folded polygons
+  double bend = 0;             ///< sites: the farthest that a corner of a sheet lies off its plane
 };
 
 [[nodiscard]] std::expected<Prepared, CutError> prepare(const CutInput& input);
