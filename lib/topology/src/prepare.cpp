@@ -201,7 +201,7 @@ class Preparation {
   SharedCorners shared_;
   std::vector<JointPolygon> polygons_;
   std::vector<std::uint8_t> beside_;          ///< polygons that miss the window, or that snap has left nothing of
-  std::vector<std::optional<Plane>> sheets_;  ///< of folded polygons: what stands for their pieces
+  std::vector<std::optional<Plane>> sheets_;  ///< of folded polygons and their neighbours: what stands for all pieces
   double farthest_ = 0;                       ///< coordinate of the domain, m
   bool boxed_ = false;                        ///< the domain is a box with its sides along the axes
   const LatticePolygon blank_{Plane::spanned({}, {1, 0, 0}, {0, 1, 0}).value(), {}, {}, true, true};
@@ -478,12 +478,13 @@ Preparation::Done Preparation::add_polygons() {
   for (std::size_t k = 0; k < polygons_.size(); ++k) {
     JointPolygon& entry = polygons_[k];
     if (beside_[k] != 0) continue;
-    const Facet facet = blank_facet(Owner::joint, entry.joint, 0);
+    Facet facet = blank_facet(Owner::joint, entry.joint, 0);
+    if (sheets_[k]) facet.sheet = builder_.add_sheet(*sheets_[k]);
     if (entry.folded) {
       const auto triangles =
           entry.holes.empty() ? fold(entry.corners) : triangulate_with_holes(entry.polygon, std::move(entry.holes));
       if (triangles.empty()) return std::unexpected(collapsed(entry.joint));
-      builder_.add_folded(triangles, facet, sheets_[k]);
+      builder_.add_folded(triangles, facet);
       continue;
     }
     if (!entry.holes.empty()) {
@@ -504,7 +505,7 @@ Preparation::Done Preparation::add_polygons() {
     }
     if (builder_.add_polygon(entry.polygon, facet, adopted, ended_on(entry.joint))) continue;
     if (!snapper_.active()) return std::unexpected(collapsed(entry.joint));
-    builder_.add_folded(fold(entry.corners), facet, std::nullopt);  // crossed itself once its corners were one
+    builder_.add_folded(fold(entry.corners), facet);  // crossed itself once its corners were one
   }
   return {};
 }
@@ -532,7 +533,7 @@ void Preparation::unite_sheets() {
       out_.bend = std::max(out_.bend, bend(entry, plane));
       SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) {
         for (const auto& [side, user] : users.of(a, b)) {
-          if (!polygons_[user].folded || sheets_[user] || bend(polygons_[user], plane) > flat) continue;
+          if (sheets_[user] || beside_[user] != 0 || bend(polygons_[user], plane) > flat) continue;
           sheets_[user] = plane;
           reached.push_back(user);
         }

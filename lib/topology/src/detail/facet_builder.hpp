@@ -95,13 +95,13 @@ class FacetBuilder final {
     return true;
   }
 
-  /// Facets of a folded polygon: each triangle on its own three corners. `sheet` stands for all of them, if given.
-  void add_folded(std::span<const std::array<exact::LatticePoint, 3>> triangles, Facet facet,
-                  const std::optional<exact::Plane>& sheet) {
-    if (sheet) {
-      facet.sheet = add_plane(*sheet).first;
-      out_.has_sheets = true;
-    }
+  /// The plane that stands for the pieces of folded polygons.
+  Index add_sheet(const exact::Plane& plane) {
+    out_.has_sheets = true;
+    return add_plane(plane).first;
+  }
+  /// Facets of a folded polygon: each triangle on its own three corners.
+  void add_folded(std::span<const std::array<exact::LatticePoint, 3>> triangles, const Facet& facet) {
     for (const auto& [a, b, c] : triangles) {
       const auto triangle = make_lattice_polygon({a, b, c});
       if (triangle) add_polygon(*triangle, facet);
