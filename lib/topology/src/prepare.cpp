@@ -131,6 +131,7 @@ class Preparation {
     out_.merged_planes = snapper_.merged_planes();
     out_.adopted_edges = snapper_.adopted_edges();
     out_.snapped = snapper_.changed();
+    std::ranges::sort(out_.outside);
     return std::move(out_);
   }
 
@@ -151,6 +152,14 @@ class Preparation {
   /// Wholly outside the domain: it cuts nothing, whatever its corners become.
   [[nodiscard]] bool left_out(std::size_t joint, const Bounds& polygon) const {
     return far_apart(polygon, domain_, 4 * input_.snap.si()) && !ended_on(joint);
+  }
+  [[nodiscard]] bool left_out(std::size_t joint, const PersistentJoint& plane) const {
+    const Vec3 p = point_of(plane),
+               size{domain_.hi[0] - domain_.lo[0], domain_.hi[1] - domain_.lo[1], domain_.hi[2] - domain_.lo[2]};
+    const std::array c{p.x, p.y, p.z};
+    double off = 0;
+    for (std::size_t k = 0; k < 3; ++k) off = std::max(off, std::abs(c[k] - (domain_.lo[k] + domain_.hi[k]) / 2));
+    return off > 16 * geometry::norm(size) && !ended_on(joint);
   }
   /// Of a box whose sides are those of the domain: for others nothing is known.
   [[nodiscard]] bool well_inside(const Bounds& polygon) const {
@@ -222,7 +231,9 @@ exact::Lattice Preparation::covering() const {
                               scene.add({box.hi[0], box.hi[1], box.hi[2]});
                             }
                           },
-                          [&](const PersistentJoint& joint) { scene.add(point_of(joint)); }},
+                          [&](const PersistentJoint& joint) {
+                            if (!left_out(j, joint)) scene.add(point_of(joint));
+                          }},
                input_.joints[j]);
   }
   return exact::Lattice::covering(scene.lo, scene.hi);
@@ -307,6 +318,10 @@ Preparation::Done Preparation::add_persistent() {
   for (std::size_t j = 0; j < input_.joints.size(); ++j) {
     const auto* persistent = std::get_if<PersistentJoint>(&input_.joints[j]);
     if (persistent == nullptr) continue;
+    if (left_out(j, *persistent)) {
+      out_.outside.push_back(static_cast<Index>(j));
+      continue;
+    }
     const auto plane = persistent_plane(point_of(*persistent), persistent->normal, lattice_);
     if (!plane) return std::unexpected(collapsed(j));
     snapper_.remember(*plane);
@@ -475,6 +490,17 @@ void Preparation::snap_planes() {
 }
 
 Preparation::Done Preparation::add_polygons() {
+  if (shared_.any()) {
+    std::vector<LatticePoint> corners;
+    for (const JointPolygon& entry : polygons_) {
+      corners.insert(corners.end(), entry.corners.begin(), entry.corners.end());
+      for (const auto& hole : entry.holes) corners.insert(corners.end(), hole.begin(), hole.end());
+    }
+    std::ranges::sort(corners);
+    const auto again = std::ranges::unique(corners);
+    corners.erase(again.begin(), again.end());
+    builder_.number_corners(std::move(corners));
+  }
   for (std::size_t k = 0; k < polygons_.size(); ++k) {
     JointPolygon& entry = polygons_[k];
     if (beside_[k] != 0) continue;
@@ -574,6 +600,15 @@ Preparation::Done Preparation::terminate() {
 }
 
 }  // namespace
+
+bool HeldCorners::common(std::initializer_list<Index> planes, int count) const {
+  const Index fewest = std::ranges::min(planes, {}, [&](Index p) { return of(p).size(); });
+  for (const Index corner : of(fewest)) {
+    const bool all = std::ranges::all_of(planes, [&](Index p) { return std::ranges::binary_search(of(p), corner); });
+    if (all && --count == 0) return true;
+  }
+  return false;
+}
 
 std::expected<Prepared, CutError> prepare(const CutInput& input) { return Preparation{input}.run(); }
 

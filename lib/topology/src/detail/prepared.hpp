@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <expected>
+#include <initializer_list>
+#include <span>
 #include <vector>
 
 #include "cleave/exact/lattice.hpp"
@@ -42,6 +44,18 @@ struct Facet {
   Index sheet = none;  ///< of a piece of a folded polygon: the facet plane that stands for all its pieces (folds.hpp)
 };
 
+/// Corners that planes are known to hold, by number: what is drawn from common corners meets in them, and that needs no
+/// determinant. Empty where no polygons share any.
+struct HeldCorners {
+  std::vector<Index> begin, corners;  ///< of each plane, ascending (CSR)
+  [[nodiscard]] bool any() const noexcept { return !corners.empty(); }
+  [[nodiscard]] std::span<const Index> of(Index plane) const {
+    return std::span{corners}.subspan(begin[plane], begin[plane + std::size_t{1}] - begin[plane]);
+  }
+  /// Whether all these planes hold `count` corners in common.
+  [[nodiscard]] bool common(std::initializer_list<Index> planes, int count) const;
+};
+
 struct Prepared {
   explicit Prepared(const exact::Lattice& l) noexcept : lattice{l} {}
   exact::Lattice lattice;
@@ -62,7 +76,8 @@ struct Prepared {
   Index joint_count = 0, excavation_count = 0;
   bool keep_dangling = false;  ///< draw the outlines of all joints
   bool has_sheets = false;     ///< some facets are pieces of folded polygons
-  double bend = 0;             ///< sites: the farthest that a corner of a sheet lies off its plane
+  HeldCorners held;
+  double bend = 0;  ///< sites: the farthest that a corner of a sheet lies off its plane
 };
 
 [[nodiscard]] std::expected<Prepared, CutError> prepare(const CutInput& input);
