@@ -87,10 +87,12 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
   std::vector<Touch> moved;
   std::vector<Rows> rows;
   std::vector<ContactSolution> solutions;
+  std::vector<Clash> clashes;
   std::vector<double> theta;
   std::vector<std::uint8_t> implicit(size());
   hint.resize(size());
   for (std::size_t b = 0; b < size(); ++b) implicit[b] = hint[b] > 0 ? 1 : 0;
+  torn_now.assign(sections.size(), 0);
   for (;;) {
     out.islands = islands_of(list);
     mark_impacts(list, out.islands, step, implicit, rows);
@@ -149,6 +151,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
         if (p != Vec2{}) add_impulse(rows[s], k, p, island.theta, step, out.state);
       }
     }
+    if (tear_sections(list, out, solutions, step)) continue;
     // The mean rule lets a contact that opens and shuts again within a step, or slip that turns round, bring in energy
     // of the order of (g step)^2: such groups are done again by the implicit rule, which cannot.
     bool gained = false;
@@ -210,7 +213,10 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
     place_all(out.state, out.corners, out.boxes);
     const double plan = std::max(next_step, step);
     find(out.state, out.corners, out.boxes, plan, out.touches, out.limit);
-    if (out.report.retries < 8 && add_missed(out, list)) {
+    // What sleeps does not move: what runs into it wakes it, and the step is redone.
+    if (wake(out.touches, contact_depth)) return Failure{0, "", 1};
+    clashes = clashes_of(out);
+    if (out.report.retries < 8 && add_missed(out, clashes, list)) {
       ++out.report.retries;
       continue;
     }
@@ -262,6 +268,9 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
       }
     }
   }
+  for (std::uint32_t b = 0; b < bonds.size(); ++b) {
+    if (!bonds[b].broken && torn_now[bonds[b].section] != 0) out.broken.push_back(b);
+  }
   // Work of the loads other than gravity, and what is left over at each body.
   double most_change = 0, most_pull = 0;
   for (std::size_t b = 0; b < size(); ++b) {
@@ -283,6 +292,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
   }
   out.report.unbalanced = most_pull > 0 ? most_change / most_pull : most_change;
 
+  bool parted = false;
   for (int pass = 0; pass < 3; ++pass) {
     double deepest = 0;
     for (const Touch& t : out.touches) {
@@ -291,13 +301,31 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
     }
     if (deepest <= contact_depth) break;
     if (!project(out)) break;
+    parted = true;
     double limit_again = 0;
     find(out.state, out.corners, out.boxes, std::max(next_step, step), out.touches, limit_again);
     out.limit = std::min(out.limit, limit_again);
   }
-  out.report.max_penetration = 0;
-  for (const Touch& t : out.touches) out.report.max_penetration = std::max(out.report.max_penetration, -t.gap);
+  if (parted) clashes = clashes_of(out);
+  for (const Clash& clash : clashes) {
+    if (clash.depth > clash.allowed + shortened_by_springs(out, clash.pair)) {
+      return Failure{out.report.residual,
+                     fmt::format("bodies '{}' and '{}' run into one another", bodies[clash.pair.a].name,
+                                 bodies[clash.pair.b].name),
+                     0, true};
+    }
+  }
   return std::nullopt;
+}
+
+/// How far springs in the joints of two bodies let them overlap.
+double World::Impl::shortened_by_springs(const Attempt& out, BodyPair pair) const {
+  double most = 0;
+  for (const Memory& m : out.memory) {
+    const bool between = (m.key.i == pair.a && m.key.j == pair.b) || (m.key.i == pair.b && m.key.j == pair.a);
+    if (between) most = std::max(most, 2 * m.compliance * std::abs(m.force.x));
+  }
+  return most;
 }
 
 void World::Impl::accept(Attempt&& done) {
@@ -348,8 +376,7 @@ void World::Impl::accept(Attempt&& done) {
 
 std::expected<StepReport, StepError> World::step(double at_most) {
   Impl& w = *impl_;
-  while (w.wake()) {
-    w.fat.clear();
+  while (w.wake(w.touches, std::numeric_limits<double>::infinity())) {
     w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
     w.seen_step = w.next_step;
   }
@@ -399,16 +426,23 @@ std::expected<StepReport, StepError> World::step(double at_most) {
       return report;
     }
     shortest = step;
+    if (failed->factor >= 1) {  // something woke
+      w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
+      continue;
+    }
     if (failed->factor > 0 && tries < 60) {
       step *= failed->factor;
       ++report.shortened;
       continue;
     }
     if (cuts == w.options.cuts || failed->factor > 0) {
+      w.torn_now.clear();
       return std::unexpected(StepFailed{w.time, shortest, failed->residual, failed->reason});
     }
     step /= 3;
     ++cuts;
+    double limit = 0;
+    if (failed->clash) w.find(w.state, w.corners, w.boxes, step, w.touches, limit);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "clash.hpp"
 #include "cleave/dbem/world.hpp"
 
 namespace cleave::dbem {
@@ -63,9 +64,16 @@ struct Memory {
 };
 
 struct Bond {
-  double cohesion;  // N/m
-  double tension;   // N/m
+  double cohesion;        // N/m
+  double tension;         // N/m
+  std::uint32_t section;  // of the joint it lies on
+  double at;              // along it, from its middle, m
   bool broken = false;
+};
+/// A closed stretch of a joint between two bodies: bends as one.
+struct JointSection {
+  double length;   // m
+  double tension;  // Pa
 };
 /// A corner at a body: what bonds are found by.
 struct BondKey {
@@ -94,6 +102,13 @@ struct Side {
 struct Rows {
   std::vector<Side> sides;    // two a contact: body of the corner, body of the edge
   std::vector<double> modal;  // unscaled
+};
+
+/// Two bodies that share space.
+struct Clash {
+  BodyPair pair;
+  double depth;    // m
+  double allowed;  // by the tolerance and by springs in their joints, m
 };
 
 /// A trial step.
@@ -130,10 +145,13 @@ struct World::Impl {
   std::vector<Vec2> corners;
   std::vector<Box> boxes, fat;
   std::vector<BodyPair> pairs;
+  Sweep sweep;  // of the check for overlaps
   std::vector<Touch> touches;
   std::vector<Memory> memory;
   std::vector<Bond> bonds;
   std::vector<BondKey> bond_keys;
+  std::vector<JointSection> sections;
+  std::vector<std::uint8_t> torn_now;  // sections, in the step that is being tried
   std::vector<std::uint8_t> asleep;
   std::vector<std::uint16_t> calm;
   std::vector<std::uint32_t> sleep_group;
@@ -190,11 +208,19 @@ struct World::Impl {
                               std::vector<double>* modal) const;
   void predict(const State& before, double step, std::size_t body, State& mid) const;
 
+  // sections.cpp
+  void make_bonds();
+  void add_bond(const Touch& t, const Bond& bond);
+  /// Marks the sections that do not carry what the contacts ask of them; false: none.
+  bool tear_sections(const std::vector<Touch>& list, const Attempt& out, const std::vector<ContactSolution>& solutions,
+                     double step);
+
   // step.cpp
   struct Failure {
     double residual = 0;
     std::string reason;
-    double factor = 0;  // > 0: not a failure; redo with this share of the step
+    double factor = 0;   // > 0: not a failure; redo with this share of the step; 1: with what woke
+    bool clash = false;  // by bodies that would share space
   };
   [[nodiscard]] std::optional<Failure> attempt(double step, bool last, Attempt& out);
   [[nodiscard]] ContactSolution solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
@@ -205,10 +231,14 @@ struct World::Impl {
   // parting.cpp
   bool project(Attempt& out) const;  // false: nothing could be parted
   double slow_down(const Island& island, const Rows& rows, double wanted, State& at) const;
-  bool add_missed(const Attempt& out, std::vector<Touch>& list) const;
+  bool add_missed(const Attempt& out, const std::vector<Clash>& clashes, std::vector<Touch>& list) const;
+  /// Every pair of bodies that overlap by more than rounding; tells the deepest in the report.
+  [[nodiscard]] std::vector<Clash> clashes_of(Attempt& out);
+  [[nodiscard]] double shortened_by_springs(const Attempt& out, BodyPair pair) const;
 
   // sleep.cpp
-  bool wake();
+  /// Wakes the groups that something awake touches closer than this share of the smaller feature.
+  bool wake(const std::vector<Touch>& list, double closer);
   void fall_asleep();
 
   // energy.cpp

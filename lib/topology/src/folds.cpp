@@ -10,7 +10,6 @@ namespace {
 using exact::Int128;
 using exact::LatticePoint;
 using exact::Sign;
-using exact::Wide;
 using Triangle = std::array<LatticePoint, 3>;
 
 std::array<Int128, 3> cross(LatticePoint u, LatticePoint v) {

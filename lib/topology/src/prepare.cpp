@@ -542,14 +542,14 @@ void Preparation::unite_sheets() {
   sheets_.assign(polygons_.size(), std::nullopt);
   if (std::ranges::none_of(polygons_, &JointPolygon::folded)) return;
   const SideUsers users{polygons_, shared_};
-  const double flat = std::max(flat_within, 64 * farthest_ * 0x1p-52 / lattice_.pitch());
   const auto bend = [&](const JointPolygon& entry, const Plane& plane) {
     double most = 0;
     for (const LatticePoint c : entry.corners) most = std::max(most, distance_sites(plane, c));
     return most;
   };
   for (std::size_t first = 0; first < polygons_.size(); ++first) {
-    if (!polygons_[first].folded || sheets_[first] || bend(polygons_[first], polygons_[first].polygon.plane) > flat)
+    if (!polygons_[first].folded || sheets_[first] ||
+        bend(polygons_[first], polygons_[first].polygon.plane) > flat_within)
       continue;
     const Plane& plane = polygons_[first].polygon.plane;
     sheets_[first] = plane;
@@ -559,7 +559,7 @@ void Preparation::unite_sheets() {
       out_.bend = std::max(out_.bend, bend(entry, plane));
       SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) {
         for (const auto& [side, user] : users.of(a, b)) {
-          if (sheets_[user] || beside_[user] != 0 || bend(polygons_[user], plane) > flat) continue;
+          if (sheets_[user] || beside_[user] != 0 || bend(polygons_[user], plane) > flat_within) continue;
           sheets_[user] = plane;
           reached.push_back(user);
         }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "detail/folds.hpp"
 #include "detail/side_users.hpp"
@@ -23,6 +24,9 @@ double distance(LatticePoint a, LatticePoint b) {
 double sine(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return length({a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]});
 }
+
+/// Puts planes in an order of their own.
+auto key_of(const Plane& plane) { return std::tuple{plane.normal(), plane.offset().words}; }
 
 /// Largest first, then by corners: whatever the order they came in.
 std::vector<std::size_t> ranked(std::span<const JointPolygon> polygons) {
@@ -203,8 +207,7 @@ void Snapper::merge_planes(std::vector<JointPolygon>& polygons, const SharedCorn
   std::vector<std::uint8_t> taken(polygons.size(), 0);
   const std::size_t first = surfaces_.size();
   std::ranges::sort(persistent_, [&](std::size_t a, std::size_t b) {
-    return std::pair{surfaces_[a].plane.normal(), surfaces_[a].plane.offset()} <
-           std::pair{surfaces_[b].plane.normal(), surfaces_[b].plane.offset()};
+    return key_of(surfaces_[a].plane) < key_of(surfaces_[b].plane);
   });
   std::vector<std::size_t> leaders;  // solids, persistent joints, then polygons
   for (std::size_t k = 0; k < first; ++k) {
@@ -271,8 +274,8 @@ std::vector<std::optional<HalfSpace>> Snapper::adopt_edges(
       if (!near_polygon(other, a) || !near_polygon(other, b)) continue;
       if (sine(own, other.plane.unit_normal()) < 1e-3) continue;  // the same plane: ending on it means nothing
       const double off = std::max(distance_sites(other.plane, a), distance_sites(other.plane, b));
-      const auto key = [](const LatticePolygon& p) { return std::pair{p.plane.normal(), p.plane.offset()}; };
-      if (nearest != nullptr && (off > least || (!(off < least) && key(*nearest) <= key(other)))) continue;
+      if (nearest != nullptr && (off > least || (!(off < least) && key_of(nearest->plane) <= key_of(other.plane))))
+        continue;
       // The polygon's inside is where its corner farthest from that plane lies.
       double farthest = 0;
       bool side = true;

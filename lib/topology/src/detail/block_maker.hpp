@@ -8,6 +8,8 @@
 
 namespace cleave::topology::detail {
 
+class FixedMeasure;
+
 /// What a half-face is to its block.
 struct Nature {
   Role role = Role::joint;
@@ -93,6 +95,7 @@ class BlockMaker final {
   [[nodiscard]] double area_of(const Loop& loop, geometry::Vec3 outward) const;
   [[nodiscard]] bool has_reflex_edge() const;
   void measure(Block& block, FaceId first);
+  [[nodiscard]] FixedMeasure measure_exactly();
   [[nodiscard]] double thickness(FaceId first);
   /// A flank whose face goes straight on beyond the edge, in one role: inside a merged face.
   [[nodiscard]] bool internal(Index flank) const;
