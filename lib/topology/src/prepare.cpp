@@ -536,35 +536,40 @@ Preparation::Done Preparation::add_polygons() {
   return {};
 }
 
-/// Folded polygons that share a side and lie on one plane, but for rounding, are one sheet: a flat fault drawn as a
-/// mesh is flat.
+/// Polygons that share sides and lie on one plane but for rounding are one sheet, and so is a folded polygon alone: a
+/// flat fault drawn as a mesh is flat.
 void Preparation::unite_sheets() {
   sheets_.assign(polygons_.size(), std::nullopt);
-  if (std::ranges::none_of(polygons_, &JointPolygon::folded)) return;
+  if (!shared_.any_side() && std::ranges::none_of(polygons_, &JointPolygon::folded)) return;
   const SideUsers users{polygons_, shared_};
-  const auto bend = [&](const JointPolygon& entry, const Plane& plane) {
+  const auto bend = [](const JointPolygon& entry, const Plane& plane) {
     double most = 0;
     for (const LatticePoint c : entry.corners) most = std::max(most, distance_sites(plane, c));
     return most;
   };
+  std::vector<std::uint8_t> seen = beside_;
   for (std::size_t first = 0; first < polygons_.size(); ++first) {
-    if (!polygons_[first].folded || sheets_[first] ||
-        bend(polygons_[first], polygons_[first].polygon.plane) > flat_within)
-      continue;
     const Plane& plane = polygons_[first].polygon.plane;
-    sheets_[first] = plane;
+    if (seen[first] != 0 || bend(polygons_[first], plane) > flat_within) continue;
     std::vector<std::size_t> reached{first};
+    seen[first] = 1;
+    bool bent = false;
+    double most = 0;
     for (std::size_t at = 0; at < reached.size(); ++at) {
       const JointPolygon& entry = polygons_[reached[at]];
-      out_.bend = std::max(out_.bend, bend(entry, plane));
+      bent = bent || entry.folded || !entry.polygon.plane.coincides_with(plane);
+      most = std::max(most, bend(entry, plane));
       SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) {
         for (const auto& [side, user] : users.of(a, b)) {
-          if (sheets_[user] || beside_[user] != 0 || bend(polygons_[user], plane) > flat_within) continue;
-          sheets_[user] = plane;
+          if (seen[user] != 0 || bend(polygons_[user], plane) > flat_within) continue;
+          seen[user] = 1;
           reached.push_back(user);
         }
       });
     }
+    if (!bent) continue;
+    for (const std::size_t k : reached) sheets_[k] = plane;
+    out_.bend = std::max(out_.bend, most);
   }
 }
 

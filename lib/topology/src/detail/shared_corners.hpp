@@ -29,6 +29,7 @@ class SharedCorners final {
   void finish();
 
   [[nodiscard]] bool any() const noexcept { return !sites_.empty(); }
+  [[nodiscard]] bool any_side() const noexcept { return !sides_.empty(); }
   /// Whether more than one polygon has the corner.
   [[nodiscard]] bool shared(exact::LatticePoint corner) const;
   /// Whether another polygon or a closed surface has the side.
