@@ -82,6 +82,19 @@ std::optional<Plane> persistent_plane(Vec3 through, Vec3 normal, const exact::La
   return Plane::spanned(lattice.snap(through.x, through.y, through.z), site(u), site(v));
 }
 
+/// The same corners in the same order, from whichever and whichever way round.
+bool same_ring(std::span<const LatticePoint> a, std::vector<LatticePoint> b) {
+  if (a.size() != b.size()) return false;
+  for (int way = 0; way < 2; ++way) {
+    const auto start = std::ranges::find(b, a.front());
+    if (start == b.end()) return false;
+    std::ranges::rotate(b, start);
+    if (std::ranges::equal(a, b)) return true;
+    std::ranges::reverse(b);
+  }
+  return false;
+}
+
 /// The point that tells which part of a joint is kept.
 LatticePoint middle_of(const std::variant<Joint, PersistentJoint>& joint, const exact::Lattice& lattice) {
   Vec3 middle{};
@@ -431,8 +444,10 @@ void Preparation::touch_domain() {
 Preparation::Done Preparation::make_polygon(std::size_t k) {
   JointPolygon& entry = polygons_[k];
   if (beside_[k] != 0) return {};
-  if (const Index first = shared_.first_like(static_cast<Index>(k)); first != k && beside_[first] == 0) {
+  const Index first = shared_.first_like(static_cast<Index>(k));
+  if (first != k && beside_[first] == 0 && same_ring(polygons_[first].corners, entry.corners)) {
     entry.polygon = polygons_[first].polygon;  // the same plane, from whichever corner it was begun
+    entry.corners = polygons_[first].corners;
   } else {
     auto made = make_lattice_polygon(entry.corners, shared_.among(entry.corners));
     if (!made && snapper_.active()) {
@@ -536,6 +551,24 @@ Preparation::Done Preparation::add_polygons() {
   return {};
 }
 
+/// Whether `next` lies beyond the side a b of `entry`, about along the plane, and not back over it.
+bool goes_on(const JointPolygon& entry, const JointPolygon& next, LatticePoint a, LatticePoint b, const Plane& plane) {
+  const auto n = plane.unit_normal();
+  const auto sense = [&](const JointPolygon& polygon) {
+    const auto m = polygon.polygon.plane.unit_normal();
+    const double cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+    if (std::abs(cosine) < 0.999) return 0;
+    const std::size_t count = polygon.corners.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const LatticePoint p = polygon.corners[i], q = polygon.corners[(i + 1) % count];
+      if (p == a && q == b) return cosine > 0 ? 1 : -1;
+      if (p == b && q == a) return cosine > 0 ? -1 : 1;
+    }
+    return 0;
+  };
+  return sense(entry) * sense(next) < 0;
+}
+
 /// Polygons that share sides and lie on one plane but for rounding are one sheet, and so is a folded polygon alone: a
 /// flat fault drawn as a mesh is flat.
 void Preparation::unite_sheets() {
@@ -561,7 +594,8 @@ void Preparation::unite_sheets() {
       most = std::max(most, bend(entry, plane));
       SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) {
         for (const auto& [side, user] : users.of(a, b)) {
-          if (seen[user] != 0 || bend(polygons_[user], plane) > flat_within) continue;
+          if (seen[user] != 0 || !goes_on(entry, polygons_[user], a, b, plane)) continue;
+          if (bend(polygons_[user], plane) > flat_within) continue;
           seen[user] = 1;
           reached.push_back(user);
         }
