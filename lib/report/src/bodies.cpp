@@ -240,7 +240,19 @@ std::string bodies_summary_json(const scene::BodiesResult& result) {
       json.member("condition", body.condition);
       json.member("imbalance", body.imbalance);
     }
-    if (body.error) json.member("estimated_error", *body.error);
+    json.key("estimated_error");
+    if (body.error) {
+      json.value(*body.error);
+    } else {
+      json.null();
+      json.member("no_estimate", body.no_estimate.empty() ? std::string{"nothing moves"} : body.no_estimate);
+    }
+    if (!body.modes_hz.empty()) {
+      json.key("modes_hz");
+      json.begin_array();
+      for (const double f : body.modes_hz) json.value(f);
+      json.end_array();
+    }
     if (result.steps > 0) {
       json.member("rebuilds", static_cast<std::uint64_t>(body.rebuilds));
       json.member("strain_since_build", body.strain_since_build);
@@ -296,8 +308,18 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
                                            : "–",
                       escape_xml(body.method)});
   }
+  out += "</table></div>\n";
+  for (const scene::BodyResult& body : result.bodies) {
+    if (!body.error && !body.no_estimate.empty()) {
+      out += "<p>" + escape_xml(body.name) + ": no estimate of the error: " + escape_xml(body.no_estimate) + ".</p>\n";
+    }
+    if (body.modes_hz.empty()) continue;
+    std::string list;
+    for (const double f : body.modes_hz) list += (list.empty() ? "" : ", ") + display(f, 5);
+    out += "<p>Natural frequencies of " + escape_xml(body.name) + ": " + list + " Hz.</p>\n";
+  }
   out +=
-      "</table></div>\n</section>\n<section><h2>Deformed shape</h2>\n<p class=\"controls\"><label>scale <input "
+      "</section>\n<section><h2>Deformed shape</h2>\n<p class=\"controls\"><label>scale <input "
       "id=\"scale\" "
       "type=\"range\" min=\"-2\" max=\"2\" step=\"0.05\" value=\"0\"></label><span id=\"scaled\"></span> <label>field "
       "<select id=\"field\"></select></label> <span><label>frame <input id=\"frame\" type=\"range\" min=\"0\" "

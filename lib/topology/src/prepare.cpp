@@ -277,12 +277,9 @@ Preparation::Done Preparation::add_solid(const geometry::Solid& solid, Owner own
                                          std::optional<std::uint32_t> excavation) {
   std::vector<LatticePoint> sites;
   for (const Vec3& v : solid.vertices()) sites.push_back(snapper_.site(v, none));
-  const auto volume = solid.from_half_spaces() ? add_half_spaces(solid, sites, builder_, out_, owner, index)
-                                               : add_surface(solid, sites, builder_, out_, owner, index);
-  if (!volume) {
-    return std::unexpected(CutError{SolidCollapsed{excavation, volume.error(), metres(lattice_.pitch())}});
-  }
-  if (owner == Owner::domain) out_.domain_volume = *volume;
+  const auto flat = solid.from_half_spaces() ? add_half_spaces(solid, sites, builder_, out_, owner, index)
+                                             : add_surface(solid, sites, builder_, out_, owner, index);
+  if (flat) return std::unexpected(CutError{SolidCollapsed{excavation, *flat, metres(lattice_.pitch())}});
   for (const auto& face : solid.faces()) {
     const std::size_t count = face.corners.size();
     for (std::size_t i = 0; i < count && !solid.from_half_spaces(); ++i) {
@@ -320,10 +317,7 @@ Preparation::Done Preparation::add_window() {
   };
   const LatticePoint lo = clamped(input_.window->min), hi = clamped(input_.window->max);
   if (!builder_.add_window(lo, hi)) return std::unexpected(CutError{WindowOutside{}});
-  const LatticePoint size = hi - lo;
-  out_.domain_volume = static_cast<double>(size.x) * lattice_.pitch() *
-                       (static_cast<double>(size.y) * lattice_.pitch()) *
-                       (static_cast<double>(size.z) * lattice_.pitch());
+  out_.domain_surface = surface_of_box(lo, hi);
   return {};
 }
 

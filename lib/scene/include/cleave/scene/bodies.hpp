@@ -71,10 +71,11 @@ struct TimeSettings {
   double step = 0;  ///< s
   bem::Scheme scheme;
   bem::Damping damping;
-  std::size_t frames = 60;  ///< pictures kept
-  std::size_t modes = 40;   ///< of free bodies
-  double rebuild = 0.02;    ///< change of the boundary's tangent at which operators are rebuilt; 0: never
-  bool estimate = true;     ///< of the error, by a run half as fine
+  std::size_t frames = 60;                                                ///< pictures kept
+  std::size_t modes = all_modes;                                          ///< of free bodies
+  static constexpr std::size_t all_modes = static_cast<std::size_t>(-1);  ///< as many as the mesh has
+  double rebuild = 0.02;  ///< change of the boundary's tangent at which operators are rebuilt; 0: never
+  bool estimate = true;   ///< of the error, by a run half as fine
 };
 
 struct BodiesScene {
@@ -85,7 +86,8 @@ struct BodiesScene {
   bem::Vec2 gravity;
   bem::Options options;
   std::optional<double> tolerance;
-  bool stress = false;  ///< contours of stress inside
+  bool stress = false;          ///< contours of stress inside
+  std::size_t frequencies = 0;  ///< natural ones that are asked for, of every body
   std::optional<TimeSettings> time;
   OutputSettings output;
   std::string shown, file_name, sha256;
@@ -124,9 +126,11 @@ struct BodyResult {
   std::vector<StressCell> cells;
   std::size_t elements = 0, unknowns = 0;
   double condition = 0, residual = 0, imbalance = 0, largest = 0;
-  /// Estimate, relative: static, the change to a mesh of half the elements; moving, to a run of half the elements and
-  /// modes and twice the step, largest over nodes and frames.
+  /// Estimate, relative, from runs with half and a quarter of the elements (moving: and modes, and two and four times
+  /// the step). Empty: there is none, and why.
   std::optional<double> error;
+  std::string no_estimate;
+  std::vector<double> modes_hz;   ///< lowest natural frequencies, as supported; free bodies: without rigid motions
   std::size_t rebuilds = 0;       ///< moving
   double strain_since_build = 0;  ///< moving: largest change of the boundary's tangent since an operator was built
   std::string method;
