@@ -373,6 +373,16 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   s.damping = table.number("damping", {0, false, 10, false, ""}).value_or(0);
   s.largest_move = table.number("largest_move", {0, true, 1, false, ""}).value_or(s.largest_move);
   s.frames = static_cast<std::size_t>(table.integer("frames", 1, 5000).value_or(120));
+  s.estimate = table.boolean("estimate").value_or(false);
+  if (const TomlTable* found = table.table("strength")) {
+    constexpr std::array<string_view, 3> strength_keys{"cohesion", "friction", "tension"};
+    const TableReader strength{*found, table.line_of("strength"), table.path_of("strength"), table.problems(),
+                               strength_keys};
+    s.strength =
+        RockStrength{.cohesion = strength.need_number("cohesion", {0, false, 1e12, false, " Pa"}).value_or(0),
+                     .friction = strength.need_number("friction", {0, false, 89, false, " degrees"}).value_or(0),
+                     .tension = strength.need_number("tension", {0, false, 1e12, false, " Pa"}).value_or(0)};
+  }
 }
 
 bool holds(const ContactBody& body, Vec2 at) { return bem::inside({bem::polygon(body.corners)}, at); }
@@ -547,9 +557,9 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
     parse_body(body, defaults, joints, scene.bodies, names);
   }
   if (found.empty()) problems.error(1, "body", "there is no body", "write at least one [[body]]");
-  constexpr std::array<string_view, 15> contact_keys{"gravity", "duration",    "step",   "max_step", "static",
-                                                     "solver",  "restitution", "rigid",  "plane",    "element",
-                                                     "modes",   "damping",     "frames", "points",   "largest_move"};
+  constexpr std::array<string_view, 17> contact_keys{
+      "strength", "estimate", "gravity", "duration", "step",    "max_step", "static", "solver",      "restitution",
+      "rigid",    "plane",    "element", "modes",    "damping", "frames",   "points", "largest_move"};
   const TomlTable* section = root.table("contact");
   const TomlTable empty;
   const TableReader contact{section != nullptr ? *section : empty, root.line_of("contact"), "contact", problems,
