@@ -16,6 +16,8 @@ constexpr std::size_t patient_up_to = 300, patience_of_large = 100;
 
 /// Share of the velocities of a group that rounding and the regularisation together may hide.
 constexpr double hidden = 1e-3;
+/// Velocities below this are none, m/s.
+constexpr double at_rest = 1e-9;
 
 struct Creep {
   double most = 0;   // velocity the regularisation lets contacts give way with, m/s
@@ -68,7 +70,7 @@ ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island
     // A light body between heavy ones turns the last digits of their forces into velocities: what then is left of the
     // motion is nobody's answer, however small the residual over those forces is.
     const double moved = std::max(creep.speed, step * norm(options.gravity));
-    if (creep.most + found.report.missed_speed > hidden * moved) {
+    if (creep.most + found.report.missed_speed > std::max(hidden * moved, at_rest)) {
       found.report.status = ContactReport::Status::not_converged;
     }
     found.report.iterations += iterations;
