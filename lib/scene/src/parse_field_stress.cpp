@@ -42,7 +42,8 @@ std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, c
                                                       const std::vector<Excavation>& excavations) {
   const TomlTable* found = root.table("field_stress");
   if (found == nullptr) return std::nullopt;
-  constexpr std::array<string_view, 6> keys{"tunnel", "stress", "gradient", "level", "surface", "tolerance"};
+  constexpr std::array<string_view, 7> keys{"tunnel",  "stress",          "gradient", "level",
+                                            "surface", "stiffness_ratio", "tolerance"};
   FieldStressSettings settings;
   settings.line = root.line_of("field_stress");
   const TableReader table{*found, settings.line, "field_stress", root.problems(), keys};
@@ -53,6 +54,7 @@ std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, c
   settings.gradient = components(table, "gradient").value_or(std::array<double, 6>{});
   settings.level = table.number("level", rule::coordinate).value_or(0);
   settings.surface = table.number("surface", rule::coordinate);
+  settings.stiffness_ratio = table.number("stiffness_ratio", {1e-3, false, 1e4, false, ""});
   settings.tolerance = table.number("tolerance", {1e-8, false, 0.1, false, ""}).value_or(1e-3);
   if (!rock.poisson) {
     root.problems().error(settings.line, "rock.poisson", "is missing",

@@ -95,6 +95,7 @@ class Batches final {
     judgement.weight = model_.weight(block);
     judgement.driving = newtons(verdict.driving);
     judgement.resistance = newtons(verdict.resistance.least);
+    judgement.cohesion_left_out = newtons(verdict.resistance.cohesion_left_out);
     if (verdict.resistance.greatest - verdict.resistance.least > 1e-9 * verdict.driving) {
       judgement.resistance_max = newtons(verdict.resistance.greatest);
     }

@@ -60,8 +60,8 @@ class Measuring final {
     tally.volume_m3 += volume;
     tally.largest_m3 = std::max(tally.largest_m3, volume);
     tally.support_n += std::max(0.0, judgement.net.si());
-    tally.support_transferred_n +=
-        std::max(0.0, judgement.transferred ? judgement.transferred->net.si() : judgement.net.si());
+    tally.support_transferred_n += judgement.transferred ? judgement.transferred->to_be_held().si()
+                                                         : std::max(Force{}, judgement.net).si();
     if (stability::moves(judgement.mode)) ++tally.modes[std::to_underlying(judgement.mode)];
     ++tally.shapes[std::to_underlying(shape_of(judgement.block))];
     tally.concave += block.convex ? 0U : 1U;

@@ -50,7 +50,7 @@ struct Tally {
   double volume_m3 = 0;
   double largest_m3 = 0;
   double support_n = 0;              ///< sum of the net forces
-  double support_transferred_n = 0;  ///< the same after force transfer (equal without it)
+  double support_transferred_n = 0;  ///< after force transfer, each force once, where it ends (equal without it)
   std::array<std::uint64_t, 4> modes{};
   std::array<std::uint64_t, 5> shapes{};
   std::uint64_t concave = 0;
