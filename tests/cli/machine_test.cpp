@@ -60,9 +60,18 @@ TEST_F(MachineTest, OutputThatCannotBePrintedIsTheMachinesFault) {
   EXPECT_EQ(shell("cleave init tunnel > /dev/full").code, 3);
 }
 
+// A reader that goes away leaves no folder behind.
+TEST_F(MachineTest, ABrokenPipeLeavesAWholeResult) {
+  write_grid(3);
+  const Ended ended = shell("(cleave run g.toml -o out; echo $? > code) | true");
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_TRUE(exists("out/summary.json"));
+  EXPECT_EQ(names(), (std::vector<std::string>{"code", "g.csv", "g.toml", "out"}));
+}
+
 TEST_F(MachineTest, InterruptEndsWith130AndLeavesNothing) {
   write_grid(sanitized ? 19 : 59);
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
     const std::string scene = path("g.toml").string(), out = path("out").string();
     std::array<std::string, 6> words{"cleave", "run", scene, "-o", out, "--quiet"};
     std::vector<char*> arguments;

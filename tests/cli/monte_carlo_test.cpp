@@ -141,6 +141,18 @@ TEST_F(MonteCarloTest, MergesAndReplaysKnowTheScenesName) {
   EXPECT_EQ(json::parse(read("all/realization_2/summary.json"))["title"], "untitled.toml (realization 2)");
 }
 
+TEST_F(MonteCarloTest, ShardsAndSeedsThatCannotBeAreRefused) {
+  write("s.toml", scene("realizations = 5"));
+  EXPECT_EQ(cleave("run s.toml -o out --quiet --shard 2/6").code, 2);
+  EXPECT_EQ(cleave("run s.toml -o out --quiet --shard 2/5").code, 0);
+  for (const std::string seed : {"9223372036854775808", "99999999999999999999", "-1", "1.5", "1e3", "x"}) {
+    const Ended ended = cleave("run s.toml -o seeded --quiet --seed " + seed);
+    EXPECT_EQ(ended.code, 2) << seed;
+    EXPECT_TRUE(ended.err.contains("--seed")) << ended.err;
+  }
+  EXPECT_EQ(cleave("run s.toml -o seeded --quiet --seed 9223372036854775807").code, 0);
+}
+
 TEST_F(MonteCarloTest, InterruptKeepsWhatIsDone) {
   write("s.toml", scene("realizations = 100000"));
   const Ended ended =
@@ -178,9 +190,16 @@ TEST_F(MonteCarloTest, ReplayReproducesAnyRealization) {
   }
   EXPECT_EQ(cleave("replay out --realization 20").code, 2);
   EXPECT_EQ(cleave("replay nowhere --realization 1").code, 2);
-  // The result with its replays is replaced as a whole.
+  // A file of the user's in one of them is not taken away.
   write("s.toml", scene("realizations = 5"));
-  ASSERT_EQ(cleave("run s.toml -o out --quiet").code, 0);
+  write("out/realization_7/thesis.doc", "precious");
+  EXPECT_EQ(cleave("run s.toml -o out --quiet").code, 2);
+  EXPECT_EQ(read("out/realization_7/thesis.doc"), "precious");
+  fs::remove(path("out/realization_7/thesis.doc"));
+  // The result with its replays is replaced as a whole, in one step: the folder is another one.
+  ASSERT_EQ(shell("stat -c %i out > before; cleave run s.toml -o out --quiet").code, 0);
+  EXPECT_EQ(shell("test $(stat -c %i out) != $(cat before)").code, 0);
+  fs::remove(path("before"));
   EXPECT_FALSE(exists("out/realization_7"));
   write("t.toml", small_scene);
   ASSERT_EQ(cleave("run t.toml -o out --quiet").code, 0);

@@ -106,6 +106,32 @@ TEST_F(OutFolderTest, NotWritableIsTheMachinesFault) {
   fs::permissions(path("closed"), fs::perms::owner_all);
 }
 
+// What a killed run leaves is taken away by the next one, also where both have the same process number, as in a
+// container; what a living run still writes to is not.
+TEST_F(OutFolderTest, FoldersOfKilledRunsAreTakenAway) {
+  for (const char* left : {"out.cleave-1", "out.cleave-77-0", "out.cleave-77-1.dead"}) {
+    fs::create_directory(path(left));
+    write(std::string{left} + "/blocks.vtu", "half");
+  }
+  fs::create_directory(path("out.cleave-mine"));
+  fs::create_directory(path("other.cleave-1-0"));
+  EXPECT_EQ(shell("mkdir out.cleave-$$-0; exec '" CLEAVE_PROGRAM "' run s.toml --quiet -o out").code, 0);
+  EXPECT_EQ(names(), (std::vector<std::string>{"other.cleave-1-0", "out", "out.cleave-mine", "s.toml"}));
+  // One that was killed inside its folder.
+  fs::create_directory(path("out/.cleave-5-0"));
+  EXPECT_EQ(run("out").code, 0);
+  EXPECT_EQ(names_in(path("out")), result_files);
+}
+
+TEST_F(OutFolderTest, FoldersOfLivingRunsStay) {
+  fs::create_directory(path("out.cleave-1-0"));
+  const Ended ended = shell("exec 9<out.cleave-1-0; flock 9; cleave run s.toml --quiet -o out");
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_TRUE(exists("out.cleave-1-0"));
+  EXPECT_EQ(run("out").code, 0);
+  EXPECT_FALSE(exists("out.cleave-1-0"));
+}
+
 TEST_F(OutFolderTest, WrongInputTakesFoldersAboveAwayAgain) {
   write("s.toml",
         "[domain]\nbox = { min = [0, 0, 0], max = [8, 8, 6] }\n[[excavation]]\nkind = \"polyhedron\"\nbox = { min = "

@@ -44,6 +44,19 @@ TEST_F(WrongInputTest, NotToml) { expect_text("# ok\nsolid cube\n", "error: s.to
 TEST_F(WrongInputTest, Binary) {
   expect_text(std::string(1000, '\x01') + std::string(10, '\0') + "\xff\xfe", "error: s.toml:1: TOML: ");
 }
+TEST_F(WrongInputTest, KeysWithoutEnd) {
+  std::string endless = "a";
+  for (int i = 0; i < 20'000; ++i) endless += ".a";
+  const std::string_view refused = "error: s.toml:2: TOML: a dotted key has too many parts";
+  expect_text("# ok\n" + endless + " = 1\n", refused);
+  expect_text("\n[" + endless + "]\n", refused);
+  expect_text("\nx = { " + endless + " = 1 }\n", refused);
+  // Dots in strings, comments and numbers are no parts of keys.
+  const std::string dots(40, '.');
+  const std::string fine =
+      "# " + dots + "\ntitle = \"" + dots + "\\\"" + dots + "\"\nseed = '''\n" + dots + "''' # " + dots + "\n";
+  expect_text(fine + std::string{box}, "error: s.toml:3: seed: ");
+}
 TEST_F(WrongInputTest, UnknownKey) {
   expect_text(with_box("[rock]\ndensty = 1\n"), "error: s.toml:4: rock.densty: unknown key; did you mean \"density\"?");
 }

@@ -164,6 +164,60 @@ TEST(BondTest, HoldsByTensionUntilItIsTooMuch) {
   }
 }
 
+/// Whether a block bonded to a fixed one still hangs there after a while.
+bool hangs(const Body& support, const Body& held, double tension) {
+  Laws laws = law(0.3);
+  laws.otherwise.tension = tension;
+  laws.otherwise.cohesion = 1e9;
+  World world = make({support, held}, laws, {.step = 1e-3});
+  std::size_t broken = 0;
+  while (world.time() < 0.05) {
+    const auto report = world.step();
+    EXPECT_TRUE(report.has_value());
+    if (!report) return false;
+    broken += report->broken;
+  }
+  const bool fell = norm(world.displacement(1)) > 1e-4;
+  EXPECT_EQ(fell, broken > 0);
+  return !fell;
+}
+
+TEST(BondTest, BendingIsCarriedByTheSectionOfTheJoint) {
+  // A console of length l and height h on a wall: the edge of its joint carries 6 M / h2 = 3 rho g l2 / h.
+  for (const double l : {0.3, 1.0, 4.0}) {
+    for (const double h : {0.5, 1.0}) {
+      const Body wall = fixed("wall", rectangle(-1, -2, 1, 4));
+      const double edge = 3 * 2600 * g * l * l / h;
+      EXPECT_TRUE(hangs(wall, block("console", rectangle(0, 0, l, h)), 1.01 * edge)) << l << ' ' << h;
+      EXPECT_FALSE(hangs(wall, block("console", rectangle(0, 0, l, h)), 0.99 * edge)) << l << ' ' << h;
+      // The same with more contacts along the joint.
+      const Body more = block("console", {{0, 0}, {l, 0}, {l, h}, {0, h}, {0, 0.7 * h}, {0, 0.4 * h}});
+      EXPECT_TRUE(hangs(wall, more, 1.01 * edge)) << l << ' ' << h;
+      EXPECT_FALSE(hangs(wall, more, 0.99 * edge)) << l << ' ' << h;
+    }
+  }
+}
+
+TEST(BondTest, PullAndBendingAddUpAtTheEdge) {
+  // A block of 2 x 1 m under a ceiling that covers half of it: W / b + 6 (W b / 2) / b2 = 4 W / b.
+  const double edge = 4 * 2 * 2600 * g;
+  for (const double factor : {0.99, 1.01}) {
+    EXPECT_EQ(hangs(fixed("ceiling", rectangle(-1, 0, 2, 1)), block("b", rectangle(0, -1, 2, 1)), factor * edge),
+              factor > 1);
+  }
+}
+
+TEST(BondTest, ANotchPartsAJointIntoTwoSections) {
+  // A block on two feet of 0.1 m, 0.8 m apart, under a ceiling: they carry W / 0.2, not W / 1. How rigid feet share a
+  // couple is not unique, so the upper bound leaves room.
+  const std::vector<Vec2> feet{{-0.5, -1},  {0.5, -1},    {0.5, 0},  {0.4, 0},
+                               {0.4, -0.1}, {-0.4, -0.1}, {-0.4, 0}, {-0.5, 0}};
+  const double pull = (1 - 0.08) * 2600 * g / 0.2;
+  for (const double factor : {0.9, 1.5}) {
+    EXPECT_EQ(hangs(fixed("ceiling", rectangle(-2, 0, 4, 1)), block("b", feet), factor * pull), factor > 1);
+  }
+}
+
 TEST(BondTest, DoesNotHealAndKeepsResidualFriction) {
   // A block pulled along a floor by a pulse stronger than its cohesion: afterwards only residual friction is left.
   Laws laws = law(std::tan(radians(40)));

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "cleave/exact/plane.hpp"
+#include "cleave/exact/wide.hpp"
 
 namespace cleave::testing {
 
@@ -39,7 +40,7 @@ template <std::size_t N>
 
 /// (n_x, n_y, n_z, d)
 [[nodiscard]] inline std::array<Integer, 4> coefficients(const exact::Plane& p) {
-  return {Integer{p.normal()[0]}, Integer{p.normal()[1]}, Integer{p.normal()[2]}, Integer{p.offset()}};
+  return {Integer{p.normal()[0]}, Integer{p.normal()[1]}, Integer{p.normal()[2]}, Integer{exact::widened(p.offset())}};
 }
 [[nodiscard]] inline Integer det4(const exact::Plane& p, const exact::Plane& q, const exact::Plane& r,
                                   const exact::Plane& s) {

@@ -119,7 +119,7 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
     return refuse("monte_carlo.stop looks at all realizations, a shard has only its own",
                   "give monte_carlo.realizations instead of stop");
   }
-  if (arguments.shard.number > settings.realizations / settings.strengths_per_geometry) {
+  if (arguments.shard.of > settings.realizations / settings.strengths_per_geometry) {
     return refuse("there are fewer realizations than shards", "ask for fewer shards");
   }
   auto copies = scene_copies(scene, arguments.scene);

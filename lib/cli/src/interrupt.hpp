@@ -7,9 +7,9 @@
 
 namespace cleave::cli {
 
-/// Turns SIGINT and SIGTERM into a clean end: from its construction on a thread of its own waits for them, calls
-/// `clean_up` and leaves the program with 130 at once, whatever the other threads do. Must be made before other
-/// threads, so that they inherit the mask.
+/// Turns SIGINT, SIGTERM, SIGHUP and SIGQUIT into a clean end: from its construction on a thread of its own waits for
+/// them, calls `clean_up` and leaves the program with 130 at once, whatever the other threads do. Must be made before
+/// other threads, so that they inherit the mask.
 class InterruptWatch final {
  public:
   InterruptWatch();

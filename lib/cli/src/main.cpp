@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <charconv>
 #include <cstdint>
@@ -63,9 +64,17 @@ void on_no_memory() {
 
 void watch_for_crashes() {
 #ifndef CLEAVE_SANITIZED  // a sanitizer tells more about a crash than we can
-  for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) ::signal(number, on_crash);
+  // A stack of its own: when the stack has run out the handler could not run on it.
+  static std::array<char, std::size_t{1} << 16U> handlers_stack;
+  const stack_t stack{.ss_sp = handlers_stack.data(), .ss_flags = 0, .ss_size = handlers_stack.size()};
+  ::sigaltstack(&stack, nullptr);
+  struct sigaction action{};
+  action.sa_handler = on_crash;
+  action.sa_flags = SA_ONSTACK;
+  for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) ::sigaction(number, &action, nullptr);
 #endif
   ::signal(SIGXFSZ, SIG_IGN);  // a file size limit is then a failed write like a full disk
+  ::signal(SIGPIPE, SIG_IGN);  // and so is a reader that has gone: folders under work are still taken away
   std::set_new_handler(on_no_memory);
 }
 
@@ -83,6 +92,14 @@ std::optional<stochastic::Shard> shard_of(const std::string& text) {
   const auto [last, wrong] = std::from_chars(std::to_address(rest.begin()), stop, shard.of);
   if (wrong != std::errc{} || last != stop || shard.number < 1 || shard.number > shard.of) return std::nullopt;
   return shard;
+}
+
+std::optional<std::uint64_t> seed_of(const std::string& text) {
+  std::int64_t seed = 0;
+  const char* const end = std::to_address(text.end());
+  const auto [stop, bad] = std::from_chars(std::to_address(text.begin()), end, seed);
+  if (bad != std::errc{} || stop != end || seed < 0) return std::nullopt;
+  return static_cast<std::uint64_t>(seed);
 }
 
 ExitCode run_program(int argc, char** argv) {
@@ -103,15 +120,17 @@ ExitCode run_program(int argc, char** argv) {
       ->required();
   run_command->add_option("--threads", run.threads, "threads to use; changes nothing but the time")
       ->check(CLI::Range(1, 1024));
-  std::int64_t seed = 0;
-  CLI::Option* seed_option = run_command->add_option("--seed", seed, "instead of the scene's seed")
-                                 ->check(CLI::Range(std::int64_t{0}, INT64_MAX));
+  std::string seed;
+  run_command->add_option("--seed", seed, "instead of the scene's seed");
   run_command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
   run_command->add_option("--shard", shard,
                           "part K/N of a Monte Carlo run, K from 1; merge the parts with cleave merge");
   run_command->callback([&] {
-    chosen = [&, seed_option] {
-      if (seed_option->count() > 0) run.seed = static_cast<std::uint64_t>(seed);
+    chosen = [&] {
+      if (!seed.empty() && !(run.seed = seed_of(seed))) {
+        complain("cleave run: --seed: \"" + seed + "\" is not a whole number from 0 to 9223372036854775807");
+        return ExitCode::wrong_input;
+      }
       if (shard.empty()) return run_scene(run);
       if (const auto part = shard_of(shard)) {
         run.shard = *part;
@@ -213,6 +232,9 @@ int main(int argc, char** argv) {
     end = run_program(argc, argv);
   } catch (const std::bad_alloc&) {
     write_raw(memory_text);
+    end = ExitCode::machine_failed;
+  } catch (const std::system_error& error) {  // no threads to be had, a file system that fails
+    complain(std::string{"machine: "} + error.what() + "; check limits, memory and disks, then try again");
     end = ExitCode::machine_failed;
   } catch (const std::exception& error) {
     complain(error.what());

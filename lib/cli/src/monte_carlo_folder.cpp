@@ -68,12 +68,15 @@ std::expected<MonteCarloFolder, OutError> MonteCarloFolder::prepare(const fs::pa
   if (!fs::is_directory(out, reason)) {
     return std::unexpected(wrong(out, "is not a folder", "name a new folder with -o"));
   }
+  remove_abandoned(out, "");
   fs::directory_iterator entries{out, reason};
   if (reason) return std::unexpected(failed(out, "the folder cannot be read", reason, "check its permissions"));
   bool any = false;
   for (const auto& entry : entries) {
-    any = true;
-    if (is_result_entry(entry)) continue;
+    if (is_result_entry(entry)) {
+      any = true;
+      continue;
+    }
     return std::unexpected(
         wrong(out, fmt::format("the folder holds \"{}\", which is not from cleave", entry.path().filename().string()),
               "name a new or an empty folder with -o"));
@@ -101,7 +104,24 @@ std::expected<MonteCarloFolder, OutError> MonteCarloFolder::prepare(const fs::pa
                                "name another folder with -o, or remove this one"));
 }
 
+bool MonteCarloFolder::publish_in_one_step(const std::vector<File>& files) const {
+  std::error_code reason;
+  const fs::path whole = fs::canonical(folder_, reason);
+  if (reason || whole == fs::current_path(reason)) return false;  // the shell stands in it: it must stay the same
+  fs::directory_iterator entries{whole, reason};
+  if (reason || !std::ranges::all_of(entries, is_result_entry)) return false;
+  const auto fresh = TemporaryFolder::make(whole);
+  if (!fresh) return false;
+  for (const File& file : files) {
+    if (!report::write_file(fresh->path() / file.name, file.content)) return false;
+  }
+  fs::create_hard_link(unfinished(), fresh->path() / records_name, reason);
+  // After the exchange the temporary name is that of the old folder, which goes with it.
+  return !reason && exchange_folders(fresh->path(), whole);
+}
+
 std::expected<void, OutError> MonteCarloFolder::publish(const std::vector<File>& files) {
+  if (publish_in_one_step(files)) return {};
   std::error_code reason;
   // The summary says that a result is whole: the old one goes first, the new one comes last.
   fs::remove(folder_ / "summary.json", reason);

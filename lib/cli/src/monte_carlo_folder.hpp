@@ -32,11 +32,13 @@ class MonteCarloFolder final {
   struct File {
     std::string name, content;
   };
-  /// Puts the files and the records under their final names; what an older result left is taken away. summary.json must
-  /// be the last one.
+  /// Puts the files and the records under their final names; what an older result left is taken away: in one step where
+  /// the file system can, else file by file, for which summary.json must be the last one.
   [[nodiscard]] std::expected<void, OutError> publish(const std::vector<File>& files);
 
  private:
+  /// Makes the whole result beside the folder and swaps the two; false, with nothing changed, where that cannot be.
+  [[nodiscard]] bool publish_in_one_step(const std::vector<File>& files) const;
   MonteCarloFolder(std::filesystem::path folder, bool resumed) : folder_{std::move(folder)}, resumed_{resumed} {}
   std::filesystem::path folder_;
   bool resumed_;

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <stdio.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -77,6 +78,20 @@ std::expected<void, OutError> may_be_replaced(const fs::path& folder, const fs::
   return {};
 }
 
+/// Whether what follows ".cleave-" is a name of ours: PROCESS-NUMBER, perhaps on its way to be removed.
+bool is_temporary_tail(std::string_view tail) {
+  if (tail.ends_with(".dead")) tail.remove_suffix(5);
+  return !tail.empty() && tail.find_first_not_of("0123456789-") == std::string_view::npos;
+}
+
+/// A descriptor that holds the lock of a folder, or -1 where it cannot be had (somebody's, or no locks there).
+int lock_of(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+  if (descriptor < 0 || ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  ::close(descriptor);
+  return -1;
+}
+
 /// Makes the missing folders above; the ones it made are listed so that they can be taken away again.
 std::expected<std::vector<fs::path>, OutError> make_parents(const fs::path& out, const fs::path& parent) {
   std::vector<fs::path> missing;
@@ -105,7 +120,7 @@ std::expected<std::vector<fs::path>, OutError> make_parents(const fs::path& out,
 
 /// Swaps two names in one step; where the file system cannot, the old one steps aside for a moment.
 std::error_code replace_folder(const fs::path& fresh, const fs::path& old) {
-  if (::renameat2(AT_FDCWD, fresh.c_str(), AT_FDCWD, old.c_str(), RENAME_EXCHANGE) == 0) {
+  if (exchange_folders(fresh, old)) {
     std::error_code ignored;
     fs::remove_all(fresh, ignored);
     return {};
@@ -126,6 +141,66 @@ std::error_code replace_folder(const fs::path& fresh, const fs::path& old) {
 
 }  // namespace
 
+bool exchange_folders(const fs::path& a, const fs::path& b) noexcept {
+  return ::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0;
+}
+
+void remove_abandoned(const fs::path& parent, const std::string& name) noexcept {
+  constexpr std::string_view mark = ".cleave-";
+  std::error_code reason;
+  std::vector<fs::path> found;
+  for (fs::directory_iterator entry{parent, reason}; !reason && entry != fs::directory_iterator{};
+       entry.increment(reason)) {
+    const std::string here = entry->path().filename().string();
+    const std::size_t at = here.rfind(mark);
+    if (at == std::string::npos || !here.starts_with(name) || at < name.size()) continue;
+    if (is_temporary_tail(std::string_view{here}.substr(at + mark.size()))) found.push_back(entry->path());
+  }
+  for (const fs::path& folder : found) {
+    const int lock = lock_of(folder);
+    if (lock < 0) continue;
+    fs::remove_all(folder, reason);
+    ::close(lock);
+  }
+}
+
+std::expected<TemporaryFolder, std::error_code> TemporaryFolder::make(const fs::path& base) {
+  remove_abandoned(base.parent_path(), base.filename().string());
+  std::error_code reason;
+  constexpr int enough = 1000;  // runs of one process number whose folders could not be removed
+  for (int number = 0; number < enough; ++number) {
+    const fs::path path = fmt::format("{}.cleave-{}-{}", base.string(), ::getpid(), number);
+    if (!fs::create_directory(path, reason)) {
+      if (reason) return std::unexpected(reason);
+      continue;
+    }
+    const int lock = lock_of(path);
+    // Between the two calls another run may have taken it for abandoned.
+    if (fs::is_directory(path, reason)) return TemporaryFolder{path, lock};
+    if (lock >= 0) ::close(lock);
+  }
+  return std::unexpected(std::make_error_code(std::errc::file_exists));
+}
+
+TemporaryFolder::TemporaryFolder(TemporaryFolder&& other) noexcept
+    : path_{std::exchange(other.path_, {})}, lock_{std::exchange(other.lock_, -1)} {}
+
+TemporaryFolder::~TemporaryFolder() {
+  remove();
+  if (lock_ >= 0) ::close(lock_);
+}
+
+void TemporaryFolder::remove() noexcept {
+  if (path_.empty()) return;
+  std::error_code failed;
+  // Renamed first: a writer that is still at work then finds no folder and cannot bring the old name back.
+  fs::path dead = path_;
+  dead += ".dead";
+  fs::rename(path_, dead, failed);
+  std::error_code ignored;
+  fs::remove_all(failed ? path_ : dead, ignored);
+}
+
 bool is_result_file(const std::string& name) {
   if (std::ranges::find(result_files, name) != result_files.end() || is_export(name)) return true;
   if (name.starts_with("blocks_stage_") && name.ends_with(".vtu")) return true;
@@ -136,6 +211,22 @@ bool is_result_file(const std::string& name) {
          name.find_first_not_of("0123456789", copy.size()) == std::string::npos;
 }
 
+namespace {
+
+/// A folder that is empty, or holds a finished result and no file of anybody else.
+bool holds_a_result_only(const fs::path& folder) {
+  std::error_code reason;
+  bool any = false;
+  for (fs::directory_iterator entry{folder, reason}; !reason && entry != fs::directory_iterator{};
+       entry.increment(reason)) {
+    if (!is_result_entry(*entry)) return false;
+    any = true;
+  }
+  return !reason && (!any || has_our_summary(folder));
+}
+
+}  // namespace
+
 bool is_result_entry(const fs::directory_entry& entry) {
   std::error_code reason;
   const std::string name = entry.path().filename().string();
@@ -143,7 +234,7 @@ bool is_result_entry(const fs::directory_entry& entry) {
   constexpr std::string_view replay = "realization_";
   return name.starts_with(replay) && name.size() > replay.size() &&
          name.find_first_not_of("0123456789", replay.size()) == std::string::npos && entry.is_directory(reason) &&
-         (has_our_summary(entry.path()) || fs::is_empty(entry.path(), reason));
+         holds_a_result_only(entry.path());
 }
 
 std::expected<OutFolder, OutError> OutFolder::prepare(const fs::path& out) {
@@ -158,6 +249,7 @@ std::expected<OutFolder, OutError> OutFolder::prepare(const fs::path& out) {
     if (reason) return std::unexpected(wrong(out, "is a link to nothing", "name a folder"));
     if (!fs::is_directory(target, reason))
       return std::unexpected(wrong(out, "is not a folder", "name a new folder with -o"));
+    remove_abandoned(target, "");
     if (auto allowed = may_be_replaced(target, out); !allowed) return std::unexpected(std::move(allowed).error());
   } else if (reason && itself.type() != fs::file_type::not_found) {
     return std::unexpected(failed(out, "cannot be looked at", reason, "check the path"));
@@ -165,18 +257,18 @@ std::expected<OutFolder, OutError> OutFolder::prepare(const fs::path& out) {
   auto made = make_parents(out, target.parent_path());
   if (!made) return std::unexpected(std::move(made).error());
 
-  const std::string tag = fmt::format(".cleave-{}", ::getpid());
   const fs::path here = fs::current_path(reason);
   const bool beside = !(exists && target == here);  // the shell stands in it: it must stay the same folder
-  const fs::path first = beside ? fs::path{target.string() + tag} : target / tag;
-  if (fs::create_directory(first, reason)) return OutFolder{target, first, std::move(*made)};
-  const std::error_code first_reason = reason;
-  if (exists && beside && fs::create_directory(target / tag, reason))
-    return OutFolder{target, target / tag, std::move(*made)};
-  OutFolder nothing{target, {}, std::move(*made)};  // takes the folders above away again
-  return std::unexpected(failed(out, "cannot be written",
-                                first_reason ? first_reason : std::make_error_code(std::errc::file_exists),
-                                "check its permissions and the space left, or name another folder"));
+  auto first = TemporaryFolder::make(beside ? target : target / "");
+  if (first) return OutFolder{target, *std::move(first), std::move(*made)};
+  const std::error_code why = first.error();
+  if (exists && beside) {
+    if (auto inside = TemporaryFolder::make(target / ""))
+      return OutFolder{target, *std::move(inside), std::move(*made)};
+  }
+  for (auto it = made->rbegin(); it != made->rend(); ++it) fs::remove(*it, reason);
+  return std::unexpected(
+      failed(out, "cannot be written", why, "check its permissions and the space left, or name another folder"));
 }
 
 OutFolder::OutFolder(OutFolder&& other) noexcept
@@ -190,20 +282,14 @@ OutFolder::~OutFolder() { discard(); }
 void OutFolder::discard() noexcept {
   if (!std::exchange(open_, false)) return;
   std::error_code ignored;
-  if (!temporary_.empty()) {
-    // Renamed first: a writer that is still at work then finds no folder and cannot bring the old name back.
-    fs::path dead = temporary_;
-    dead += ".dead";
-    fs::rename(temporary_, dead, ignored);
-    fs::remove_all(ignored ? temporary_ : dead, ignored);
-  }
+  temporary_.remove();
   for (auto it = made_.rbegin(); it != made_.rend(); ++it) fs::remove(*it, ignored);
 }
 
-std::expected<void, OutError> OutFolder::publish_file_by_file() {
+std::expected<void, OutError> OutFolder::publish_file_by_file(const fs::path& from) {
   std::error_code reason;
   std::vector<fs::path> names;
-  for (const auto& entry : fs::directory_iterator{temporary_, reason}) names.push_back(entry.path().filename());
+  for (const auto& entry : fs::directory_iterator{from, reason}) names.push_back(entry.path().filename());
   // The summary says that a result is whole: the old one goes first, the new one comes last.
   std::ranges::sort(names, {}, [](const fs::path& name) {
     return std::pair{name == "summary.json" || name == "survey.json", name.string()};
@@ -216,42 +302,43 @@ std::expected<void, OutError> OutFolder::publish_file_by_file() {
   }
   for (const fs::path& path : old) fs::remove_all(path, reason);
   for (const fs::path& name : names) {
-    fs::rename(temporary_ / name, final_ / name, reason);
+    fs::rename(from / name, final_ / name, reason);
     if (reason)
       return std::unexpected(failed(final_, "the result cannot be put there", reason, "check its permissions"));
   }
-  fs::remove(temporary_, reason);
+  fs::remove(from, reason);
   return {};
 }
 
 std::expected<void, OutError> OutFolder::publish() {
   std::error_code reason;
-  if (temporary_.parent_path() == final_) {
-    auto moved = publish_file_by_file();
-    if (moved) open_ = false;
+  const fs::path fresh = temporary_.path();
+  const auto done = [this](std::expected<void, OutError> moved) {
+    if (moved) {
+      open_ = false;
+      temporary_.release();
+    }
     return moved;
-  }
+  };
+  if (fresh.parent_path() == final_) return done(publish_file_by_file(fresh));
   if (fs::exists(final_, reason)) {
     // What came into the folder while we worked is not ours to take away.
     if (auto allowed = may_be_replaced(final_, final_); !allowed) return allowed;
-    reason = replace_folder(temporary_, final_);
+    reason = replace_folder(fresh, final_);
   } else {
-    fs::rename(temporary_, final_, reason);
+    fs::rename(fresh, final_, reason);
   }
   if (reason == std::errc::cross_device_link || reason == std::errc::device_or_resource_busy) {
     // The folder is a file system of its own (a mounted volume): its files are replaced one by one.
-    const fs::path inside = final_ / temporary_.filename();
-    fs::copy(temporary_, inside, fs::copy_options::recursive, reason);
+    const fs::path inside = final_ / fresh.filename();
+    fs::copy(fresh, inside, fs::copy_options::recursive, reason);
     if (!reason) {
-      fs::remove_all(std::exchange(temporary_, inside), reason);
-      auto moved = publish_file_by_file();
-      if (moved) open_ = false;
-      return moved;
+      temporary_.remove();
+      return done(publish_file_by_file(inside));
     }
   }
   if (reason) return std::unexpected(failed(final_, "the result cannot be put there", reason, "check its permissions"));
-  open_ = false;
-  return {};
+  return done({});
 }
 
 }  // namespace cleave::cli

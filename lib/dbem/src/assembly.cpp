@@ -251,7 +251,7 @@ const Bond* World::Impl::bond_of(const Touch& t) const {
   const auto at = std::ranges::lower_bound(bond_keys, wanted);
   if (at == bond_keys.end() || at->body != t.i || at->vertex != t.vertex || at->other != t.j) return nullptr;
   const Bond& bond = bonds[at->bond];
-  return bond.broken ? nullptr : &bond;
+  return bond.broken || (!torn_now.empty() && torn_now[bond.section] != 0) ? nullptr : &bond;
 }
 
 const JointLaw& World::Impl::law_of(const Touch& t) const {

@@ -2,10 +2,12 @@
 
 #include <vector>
 
-#include "fronts.hpp"
+#include "cleave/linear/fronts.hpp"
 #include "natural_map.hpp"
 
 namespace cleave::dbem {
+
+using linear::FrontalFactor;
 
 /// What the barrier of a contact adds to W: `normal` along n, `ahead` along (mu, 1), `back` along (mu, -1).
 struct Barrier {

@@ -3,10 +3,12 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "fronts.hpp"
+#include "cleave/linear/fronts.hpp"
 #include "natural_map.hpp"
 
 namespace cleave::dbem {
+
+using linear::FrontalFactor;
 
 /// A contact's row of J on one body.
 inline Eigen::RowVector3d row_of(const std::array<double, 3>& r) { return {r[0], r[1], r[2]}; }

@@ -91,6 +91,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
   std::vector<std::uint8_t> implicit(size());
   hint.resize(size());
   for (std::size_t b = 0; b < size(); ++b) implicit[b] = hint[b] > 0 ? 1 : 0;
+  torn_now.assign(sections.size(), 0);
   for (;;) {
     out.islands = islands_of(list);
     mark_impacts(list, out.islands, step, implicit, rows);
@@ -149,6 +150,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
         if (p != Vec2{}) add_impulse(rows[s], k, p, island.theta, step, out.state);
       }
     }
+    if (tear_sections(list, out, solutions, step)) continue;
     // The mean rule lets a contact that opens and shuts again within a step, or slip that turns round, bring in energy
     // of the order of (g step)^2: such groups are done again by the implicit rule, which cannot.
     bool gained = false;
@@ -261,6 +263,9 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
         }
       }
     }
+  }
+  for (std::uint32_t b = 0; b < bonds.size(); ++b) {
+    if (!bonds[b].broken && torn_now[bonds[b].section] != 0) out.broken.push_back(b);
   }
   // Work of the loads other than gravity, and what is left over at each body.
   double most_change = 0, most_pull = 0;
@@ -405,6 +410,7 @@ std::expected<StepReport, StepError> World::step(double at_most) {
       continue;
     }
     if (cuts == w.options.cuts || failed->factor > 0) {
+      w.torn_now.clear();
       return std::unexpected(StepFailed{w.time, shortest, failed->residual, failed->reason});
     }
     step /= 3;

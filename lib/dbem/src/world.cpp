@@ -148,37 +148,6 @@ std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
   return std::nullopt;
 }
 
-/// Bonds of the contacts there are at the start: each carries the strength of the length nearer to it than to others.
-void make_bonds(World::Impl& w) {
-  for (std::size_t k = 0; k < w.touches.size(); ++k) {
-    const Touch& t = w.touches[k];
-    const JointLaw& law = w.law_of(t);
-    if (law.cohesion <= 0 && law.tension <= 0) continue;
-    if (t.gap > 1e-6 * std::min(w.shapes[t.i].feature, w.shapes[t.j].feature)) continue;
-    const Vec2 along = bem::turned_left(t.normal);
-    double left = 0, right = 0;
-    for (const Touch& other : w.touches) {
-      const bool same = (other.i == t.i && other.j == t.j) || (other.i == t.j && other.j == t.i);
-      if (!same || std::abs(cross(other.normal, t.normal)) > 1e-3) continue;
-      const double at = dot(other.point - t.point, along);
-      if (at > 0 && (right <= 0 || at < right)) right = at;
-      if (at < 0 && (left <= 0 || -at < left)) left = -at;
-    }
-    const double length = 0.5 * (left + right);
-    const auto bond = static_cast<std::uint32_t>(w.bonds.size());
-    w.bonds.push_back({law.cohesion * length, law.tension * length});
-    w.bond_keys.push_back({t.i, t.vertex, t.j, bond});
-    // A contact of two corners may be found from either.
-    const auto corners = w.corners_of(w.corners, t.j);
-    for (std::uint32_t q = 0; q < corners.size(); ++q) {
-      if (norm(corners[q] - t.point) < 1e-5 * std::min(w.shapes[t.i].feature, w.shapes[t.j].feature)) {
-        w.bond_keys.push_back({t.j, q, t.i, bond});
-      }
-    }
-  }
-  std::ranges::sort(w.bond_keys);
-}
-
 std::optional<WorldError> find_overlap(World::Impl& w) {
   std::vector<Box> boxes = w.boxes;
   const std::vector<std::uint8_t> lazy(w.size(), 0);
@@ -256,7 +225,7 @@ std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws
   if (auto bad = find_overlap(w)) return std::unexpected(*std::move(bad));
   w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
   w.seen_step = w.next_step;
-  make_bonds(w);
+  w.make_bonds();
   w.energy.kinetic = w.kinetic_of(w.state);
   w.energy.potential = w.potential_of(w.state);
   w.start_energy = w.energy.total();

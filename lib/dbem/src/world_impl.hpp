@@ -63,9 +63,16 @@ struct Memory {
 };
 
 struct Bond {
-  double cohesion;  // N/m
-  double tension;   // N/m
+  double cohesion;        // N/m
+  double tension;         // N/m
+  std::uint32_t section;  // of the joint it lies on
+  double at;              // along it, from its middle, m
   bool broken = false;
+};
+/// A closed stretch of a joint between two bodies: bends as one.
+struct JointSection {
+  double length;   // m
+  double tension;  // Pa
 };
 /// A corner at a body: what bonds are found by.
 struct BondKey {
@@ -134,6 +141,8 @@ struct World::Impl {
   std::vector<Memory> memory;
   std::vector<Bond> bonds;
   std::vector<BondKey> bond_keys;
+  std::vector<JointSection> sections;
+  std::vector<std::uint8_t> torn_now;  // sections, in the step that is being tried
   std::vector<std::uint8_t> asleep;
   std::vector<std::uint16_t> calm;
   std::vector<std::uint32_t> sleep_group;
@@ -189,6 +198,13 @@ struct World::Impl {
   [[nodiscard]] Vec2 force_on(const State& at, std::size_t body, double step, double& torque,
                               std::vector<double>* modal) const;
   void predict(const State& before, double step, std::size_t body, State& mid) const;
+
+  // sections.cpp
+  void make_bonds();
+  void add_bond(const Touch& t, const Bond& bond);
+  /// Marks the sections that do not carry what the contacts ask of them; false: none.
+  bool tear_sections(const std::vector<Touch>& list, const Attempt& out, const std::vector<ContactSolution>& solutions,
+                     double step);
 
   // step.cpp
   struct Failure {

@@ -5,6 +5,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "cleave/exact/predicates.hpp"
+#include "cleave/exact/wide.hpp"
 
 namespace cleave::exact {
 namespace {
@@ -50,7 +51,7 @@ std::optional<Plane> Plane::spanned(LatticePoint a, LatticePoint u, LatticePoint
   if (factor > 1) {
     for (Int128& component : n) component /= factor;
   }
-  plane.offset_ = -(Wide{n[0]} * a.x + Wide{n[1]} * a.y + Wide{n[2]} * a.z);
+  plane.offset_ = narrowed(-(Wide{n[0]} * a.x + Wide{n[1]} * a.y + Wide{n[2]} * a.z));
   plane.set_approx();
   return plane;
 }
@@ -60,7 +61,7 @@ void Plane::set_approx() noexcept {
                                 static_cast<double>(normal_[2])};
   const int exponent = std::ilogb(std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])}));
   for (std::size_t i = 0; i < 3; ++i) approx_[i] = std::ldexp(n[i], -exponent);
-  approx_[3] = std::ldexp(offset_.convert_to<double>(), -exponent - 48);
+  approx_[3] = std::ldexp(widened(offset_).convert_to<double>(), -exponent - 48);
 }
 
 Plane Plane::flipped() const noexcept {
@@ -82,7 +83,7 @@ Sign Plane::side_of(LatticePoint p) const noexcept {
                        approx_[2] * std::ldexp(static_cast<double>(p.z), -48) + approx_[3];
   // |terms| <= 1, 1, 1, 3 and seven roundings: the error is below 64 u.
   if (const auto sign = sign_filtered(value, 64 * unit_roundoff)) return *sign;
-  return sign_of(Wide{normal_[0]} * p.x + Wide{normal_[1]} * p.y + Wide{normal_[2]} * p.z + offset_);
+  return sign_of(Wide{normal_[0]} * p.x + Wide{normal_[1]} * p.y + Wide{normal_[2]} * p.z + widened(offset_));
 }
 
 bool Plane::coincides_with(const Plane& other) const noexcept { return *this == other || *this == other.flipped(); }
@@ -98,6 +99,10 @@ Sign orientation(const Plane& a, const Plane& b, const Plane& c) noexcept {
   const PointApprox point = meet(line_of(a, b), c);
   if (const auto sign = det3_filtered(point)) return *sign;
   return det3_exact(a, b, c);
+}
+
+Sign dot_sign(const std::array<Int128, 3>& a, const std::array<Int128, 3>& b) noexcept {
+  return sign_of<Wide>(Wide{a[0]} * Wide{b[0]} + Wide{a[1]} * Wide{b[1]} + Wide{a[2]} * Wide{b[2]});
 }
 
 }  // namespace cleave::exact

@@ -1,6 +1,9 @@
 #include "cleave/exact/predicates.hpp"
 
+#include <cmath>
+
 #include "cleave/core/assert.hpp"
+#include "cleave/exact/wide.hpp"
 
 namespace cleave::exact {
 namespace {
@@ -14,15 +17,15 @@ std::array<Wide, 3> wide_normal(const Plane& plane) noexcept {
 ExactLine exact_line(const Plane& p, const Plane& q) noexcept {
   const auto a = wide_normal(p);
   const auto b = wide_normal(q);
-  const Wide& d = p.offset();
-  const Wide& e = q.offset();
+  const Wide d = widened(p.offset());
+  const Wide e = widened(q.offset());
   return {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]},
           {d * b[0] - e * a[0], d * b[1] - e * a[1], d * b[2] - e * a[2]}};
 }
 
 ExactPoint exact_meet(const ExactLine& line, const Plane& r) noexcept {
   const auto n = wide_normal(r);
-  const Wide& d = r.offset();
+  const Wide d = widened(r.offset());
   const auto& m = line.m;
   const auto& w = line.w;
   return {{n[1] * w[2] - n[2] * w[1] - d * m[0], n[2] * w[0] - n[0] * w[2] - d * m[1],
@@ -41,7 +44,7 @@ Sign det3_exact(const Plane& p, const Plane& q, const Plane& r) noexcept {
 Sign side_exact(const Plane& p, const Plane& q, const Plane& r, const Plane& s) noexcept {
   const ExactPoint point = exact_meet(exact_line(p, q), r);
   const auto n = wide_normal(s);
-  const Wide value = n[0] * point.x[0] + n[1] * point.x[1] + n[2] * point.x[2] + s.offset() * point.w;
+  const Wide value = n[0] * point.x[0] + n[1] * point.x[1] + n[2] * point.x[2] + widened(s.offset()) * point.w;
   return sign_of(value) * sign_of(point.w);
 }
 
@@ -53,7 +56,7 @@ Sign side_of_parallel_line(const Plane& p, const Plane& q, const Plane& s) noexc
     const double own = same ? plane->approx()[3] : -plane->approx()[3];
     // Same power of two for both, and each good to 4 u of at most 3.
     if (const auto sign = sign_filtered(s.approx()[3] - own, 64 * unit_roundoff)) return *sign;
-    return sign_of<Wide>(same ? Wide{s.offset() - plane->offset()} : Wide{s.offset() + plane->offset()});
+    return sign_of<Wide>(widened(s.offset()) - widened(same ? plane->offset() : -plane->offset()));
   }
   // x = nS x w - dS m equals -S(any point of the line) m there, so one non-zero component of m tells.
   const ExactLine line = exact_line(p, q);
@@ -62,6 +65,24 @@ Sign side_of_parallel_line(const Plane& p, const Plane& q, const Plane& s) noexc
   while (i < 3 && line.m[i] == 0) ++i;
   CLEAVE_ASSERT(i < 3);  // else P and Q are parallel
   return -(sign_of(point.x[i]) * sign_of(line.m[i]));
+}
+
+bool same_sense_exact(const Plane& p, const Plane& q, const Plane& r, const Plane& s) noexcept {
+  const ExactLine first = exact_line(p, q);
+  const ExactLine second = exact_line(r, s);
+  std::size_t k = 0;
+  while (k < 2 && second.m[k] == 0) ++k;
+  return (first.m[k] > 0) == (second.m[k] > 0);
+}
+
+std::array<double, 3> position_exact(const Plane& p, const Plane& q, const Plane& r) noexcept {
+  const ExactPoint point = exact_meet(exact_line(p, q), r);
+  std::array<double, 3> position{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    // Numerator and denominator may have 343 bits: both fit a double's range.
+    position[i] = std::ldexp(point.x[i].convert_to<double>() / point.w.convert_to<double>(), -48);
+  }
+  return position;
 }
 
 }  // namespace cleave::exact

@@ -1,6 +1,7 @@
 #include "toml_tree.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #define TOML_EXCEPTIONS 1
 #define TOML_HEADER_ONLY 1
 #define TOML_ENABLE_FORMATTERS 0
+#define TOML_MAX_NESTED_VALUES 64
 #include <toml++/impl/preprocessor.h>
 #undef TOML_ASSERT
 #undef TOML_ASSERT_ASSUME
@@ -74,9 +76,52 @@ TomlNode convert(const toml::node& node, std::uint32_t fallback_line) {
   std::unreachable();
 }
 
+/// Where the string that begins at `at` ends (after its last quote), or the end of the text.
+std::size_t end_of_string(std::string_view text, std::size_t at) {
+  const char quote = text[at];
+  const std::string_view rest = text.substr(at);
+  const bool lines = rest.size() >= 3 && rest[1] == quote && rest[2] == quote;
+  std::size_t i = at + (lines ? 3 : 1);
+  for (; i < text.size(); ++i) {
+    if (text[i] == '\\' && quote == '"') {
+      ++i;
+    } else if (lines ? text.substr(i, 3) == rest.substr(0, 3) : text[i] == quote || text[i] == '\n') {
+      return i + (lines ? 3 : 1);
+    }
+  }
+  return text.size();
+}
+
+/// The parser goes down one call a part of a dotted key and knows no end to it: the first line with a key of more parts
+/// than any scene has.
+std::optional<std::uint32_t> line_of_endless_key(std::string_view text) {
+  constexpr int most = 16;
+  std::uint32_t line = 1;
+  int dots = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      const std::size_t end = end_of_string(text, i);
+      line += static_cast<std::uint32_t>(std::ranges::count(text.substr(i, end - i), '\n'));
+      i = end - 1;
+    } else if (c == '#') {
+      i = std::min(text.find('\n', i), text.size()) - 1;
+    } else if (c == '.') {
+      if (++dots > most) return line;
+    } else if (c == '\n' || std::string_view{"=[]{},"}.contains(c)) {
+      dots = 0;
+      line += c == '\n' ? 1U : 0U;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::expected<TomlTable, TomlSyntaxError> read_toml(std::string_view text) {
+  if (const auto line = line_of_endless_key(text)) {
+    return std::unexpected(TomlSyntaxError{*line, "a dotted key has too many parts"});
+  }
   try {
     return convert_table(toml::parse(text));
   } catch (const toml::parse_error& error) {

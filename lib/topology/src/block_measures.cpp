@@ -4,12 +4,14 @@
 #include <numeric>
 
 #include "detail/block_maker.hpp"
+#include "detail/exact_volume.hpp"
 
 namespace cleave::topology::detail {
 
 using geometry::Vec3;
 
-/// Volume and centroid from the cones over the faces; the shell that holds the others becomes number 0.
+/// Volume and centroid from the cones over the faces, by integers where doubles cannot tell them to a thousandth; the
+/// shell that holds the others becomes number 0.
 void BlockMaker::measure(Block& block, FaceId first) {
   const auto half_faces = std::span{members_};
   const auto apex_of = [&](Index half_face) {
@@ -19,7 +21,7 @@ void BlockMaker::measure(Block& block, FaceId first) {
   const Vec3 apex = apex_of(half_faces.front());
   shell_volumes_.assign(shell_count_, 0);
   Vec3 moment{};
-  double volume = 0;
+  double volume = 0, error = 0;
   const auto faces = static_cast<Index>(face_begin_.size() - 1);
   for (Index face = 0; face < faces; ++face) {
     for (Index k = face_begin_[face]; k < face_begin_[face + 1]; ++k) {
@@ -30,9 +32,18 @@ void BlockMaker::measure(Block& block, FaceId first) {
       const double height = h % 2 == 0 ? -along : along;
       const double part = m.area * height;  // three volumes, exact where coordinates are round
       volume += part;
+      error += std::abs(m.area) + m.perimeter * std::abs(height);
       moment += (height / 4) * (m.area * from + m.moment3 / 3);
       shell_volumes_[shell_[face]] += part;
     }
+  }
+  std::optional<Vec3> centroid;
+  // Corners move by 2^-40 at most, and with them heights and areas along their rims.
+  if (!(error * 0x1p-40 <= volume * 0x1p-10)) {
+    const FixedMeasure exactly = measure_exactly();
+    volume = 3 * exactly.volume();
+    centroid = exactly.centroid();
+    if (!centroid) centroid = apex;
   }
   if (shell_count_ > 1) {
     const auto outer = static_cast<Index>(std::ranges::max_element(shell_volumes_) - shell_volumes_.begin());
@@ -47,7 +58,25 @@ void BlockMaker::measure(Block& block, FaceId first) {
   }
   volume /= 3;
   block.volume = cubic_metres(volume * parts_.scale * parts_.scale * parts_.scale);
-  block.centroid = parts_.origin + parts_.scale * (apex + (volume > 0 ? moment / volume : Vec3{}));
+  if (!centroid) centroid = apex + moment / volume;
+  block.centroid = parts_.origin + parts_.scale * *centroid;
+}
+
+/// Sets the volumes of the shells too.
+FixedMeasure BlockMaker::measure_exactly() {
+  ExactMeasures exactly{parts_.prepared, parts_.graph, parts_.arrangement};
+  if (shell_count_ > 1) {
+    const auto faces = static_cast<Index>(face_begin_.size() - 1);
+    std::vector<std::vector<Index>> shells(shell_count_);
+    for (Index face = 0; face < faces; ++face) {
+      auto& own = shells[shell_[face]];
+      own.insert(own.end(), members_.begin() + face_begin_[face], members_.begin() + face_begin_[face + 1]);
+    }
+    for (Index shell = 0; shell < shell_count_; ++shell) {
+      shell_volumes_[shell] = exactly.measure(shells[shell]).volume();
+    }
+  }
+  return exactly.measure(members_);
 }
 
 /// Smallest width across the largest faces (in units): a thin block is thin across a large face.

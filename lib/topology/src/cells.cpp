@@ -100,25 +100,40 @@ class CellFinder {
       if (volume[shell] < volume[outside_[piece]]) outside_[piece] = shell;
     }
     // Positions are good to 2^-43: so are the height of each face, and the area along its rim.
+    std::vector<Index> unclear;
     for (Index piece = 0; piece < outside_.size(); ++piece) {
-      if (several[piece] != 0 && volume[outside_[piece]] > -(error[outside_[piece]] * 0x1p-39)) {
-        outside_[piece] = exact_outside(piece);
-      }
+      if (several[piece] != 0 && volume[outside_[piece]] > -(error[outside_[piece]] * 0x1p-39))
+        unclear.push_back(piece);
     }
+    if (!unclear.empty()) find_exactly(unclear, volume);
   }
 
-  Index exact_outside(Index piece) {
-    Index first = none;
-    for (Index shell = 0; shell < shell_count_; ++shell) {
-      if (piece_of_shell_[shell] != piece) continue;
-      if (first == none) first = shell;
-      std::vector<Index> half_faces;
-      for (Index h = 0; h < 2 * faces_; ++h) {
-        if (shell_of_[h] == shell) half_faces.push_back(h);
-      }
-      if (exact_volume_sign(prepared_, graph_, arrangement_, half_faces) == exact::Sign::negative) return shell;
+  /// The outsides of pieces so thin that doubles do not tell, by integers; the likeliest shells are asked first.
+  void find_exactly(const std::vector<Index>& pieces, const std::vector<double>& volume) {
+    std::vector<Index> begin(shell_count_ + std::size_t{1}, 0);  // half-faces by shell (CSR)
+    for (const Index shell : shell_of_) {
+      if (shell != none) ++begin[shell + std::size_t{1}];
     }
-    return first;  // flat piece: all its shells are empty, any will do
+    begin_from_counts(begin);
+    std::vector<Index> half_faces(begin.back());
+    auto next = begin;
+    for (Index h = 0; h < shell_of_.size(); ++h) {
+      if (shell_of_[h] != none) half_faces[next[shell_of_[h]]++] = h;
+    }
+    std::vector<std::vector<Index>> shells(outside_.size());
+    for (Index shell = 0; shell < shell_count_; ++shell) shells[piece_of_shell_[shell]].push_back(shell);
+    parallel_for(pieces.size(), threads_, [&](std::size_t k) {
+      auto& own = shells[pieces[k]];
+      std::ranges::stable_sort(own, {}, [&](Index shell) { return volume[shell]; });
+      ExactMeasures exactly{prepared_, graph_, arrangement_};
+      const auto looks_out = [&](Index shell) {
+        return exactly.sign(std::span{half_faces}.subspan(
+                   begin[shell], begin[shell + std::size_t{1}] - begin[shell])) == exact::Sign::negative;
+      };
+      const auto found = std::ranges::find_if(own, looks_out);
+      // A flat piece: all its shells are empty, any will do.
+      outside_[pieces[k]] = found != own.end() ? *found : std::ranges::min(own);
+    });
   }
 
   // ---- which cell holds each connected piece -----------------------------------------------------------------------

@@ -1,6 +1,6 @@
 #include "detail/exact_volume.hpp"
 
-#include <boost/multiprecision/cpp_int.hpp>
+#include "cleave/core/assert.hpp"
 
 namespace cleave::topology::detail {
 namespace {
@@ -28,35 +28,60 @@ Rational determinant(const Point& a, const Point& b, const Point& c) {
 
 }  // namespace
 
-exact::Sign exact_volume_sign(const Prepared& prepared, const Graph& graph, const Arrangement& arrangement,
-                              std::span<const Index> half_faces) {
-  const auto start_of = [&](Index half_edge) -> const Vertex& {
-    const Edge& edge = graph.edges[graph.uses[half_edge / 2].edge];
-    return graph.vertices[half_edge % 2 == 0 ? edge.from : edge.to];
-  };
+void ExactMeasures::for_each_triangle(Index half_face, const auto& visit) const {
+  const PlaneFace& face = arrangement_.faces[half_face / 2];
+  const Index apex = arrangement_.start[arrangement_.loops[face.first_loop]];
+  for (Index l = face.first_loop; l < face.first_loop + face.loop_count; ++l) {
+    const Index start = arrangement_.loops[l];
+    Index h = start;
+    do {
+      const Index a = arrangement_.start[h];
+      h = arrangement_.next[h];
+      const Index b = arrangement_.start[h];
+      if (a == apex || b == apex) continue;
+      // The positive half-face sees its cell on the side of the normal: the outward normal is the other way.
+      if (half_face % 2 == 0) {
+        visit(apex, b, a);
+      } else {
+        visit(apex, a, b);
+      }
+    } while (h != start);
+  }
+}
+
+const exact::FixedPoint& ExactMeasures::point(Index vertex) {
+  const auto [entry, added] = points_.try_emplace(vertex);
+  if (added) {
+    const auto& planes = graph_.vertices[vertex].planes;
+    const auto meet =
+        exact::fixed_meet(prepared_.planes[planes[0]], prepared_.planes[planes[1]], prepared_.planes[planes[2]]);
+    CLEAVE_ASSERT(meet.has_value());
+    entry->second = *meet;
+  }
+  return entry->second;
+}
+
+FixedMeasure ExactMeasures::measure(std::span<const Index> half_faces) {
+  const Index first = arrangement_.loops[arrangement_.faces[half_faces.front() / 2].first_loop];
+  FixedMeasure measure{point(arrangement_.start[first])};
+  for (const Index half_face : half_faces) {
+    for_each_triangle(half_face, [&](Index a, Index b, Index c) {
+      // Three look-ups: a reference into the map outlives those after it.
+      measure.add(point(a), point(b), point(c));
+    });
+  }
+  return measure;
+}
+
+exact::Sign ExactMeasures::sign(std::span<const Index> half_faces) {
+  if (const auto sign = measure(half_faces).sign()) return *sign;
+  // Thinner than 2^-64 of a site, or flat: rationals, whose denominators grow with the number of corners.
   Rational six_volumes = 0;
   for (const Index half_face : half_faces) {
-    const PlaneFace& face = arrangement.faces[half_face / 2];
-    const Point apex = position(prepared, start_of(arrangement.loops[face.first_loop]));
-    Rational part = 0;
-    for (Index l = face.first_loop; l < face.first_loop + face.loop_count; ++l) {
-      const Index start = arrangement.loops[l];
-      Index h = start;
-      Point a = position(prepared, start_of(h));
-      do {
-        const Index g = arrangement.next[h];
-        Point b = position(prepared, start_of(g));
-        part += determinant(apex, a, b);
-        a = std::move(b);
-        h = g;
-      } while (h != start);
-    }
-    // The positive half-face sees its cell on the side of the normal: the outward normal is the other way.
-    if (half_face % 2 == 0) {
-      six_volumes -= part;
-    } else {
-      six_volumes += part;
-    }
+    for_each_triangle(half_face, [&](Index a, Index b, Index c) {
+      six_volumes += determinant(position(prepared_, graph_.vertices[a]), position(prepared_, graph_.vertices[b]),
+                                 position(prepared_, graph_.vertices[c]));
+    });
   }
   return exact::sign_of(six_volumes);
 }

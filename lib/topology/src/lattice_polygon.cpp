@@ -12,7 +12,6 @@ namespace {
 using exact::Int128;
 using exact::LatticePoint;
 using exact::Sign;
-using exact::Wide;
 
 std::array<double, 3> as_double(LatticePoint p) {
   return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
@@ -62,7 +61,7 @@ Sign turn(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint along) no
   // Differences and `along` are exact; each term has two roundings, the sum at most six more.
   if (const auto sign = exact::sign_filtered(sum, 16 * exact::unit_roundoff * magnitude)) return *sign;
   const auto n = cross(u, v);
-  return exact::sign_of<Wide>(Wide{n[0]} * along.x + Wide{n[1]} * along.y + Wide{n[2]} * along.z);
+  return exact::dot_sign(n, {along.x, along.y, along.z});
 }
 
 std::optional<LatticePolygon> make_lattice_polygon(std::vector<LatticePoint> corners,
@@ -109,9 +108,7 @@ std::optional<LatticePolygon> make_lattice_polygon(std::vector<LatticePoint> cor
   if (!plane) return std::nullopt;
 
   const auto area = vector_area();
-  const auto& n = plane->normal();
-  const Sign sense =
-      exact::sign_of<Wide>(Wide{n[0]} * Wide{area[0]} + Wide{n[1]} * Wide{area[1]} + Wide{n[2]} * Wide{area[2]});
+  const Sign sense = exact::dot_sign(plane->normal(), area);
   if (sense == Sign::zero) return std::nullopt;
   LatticePolygon polygon{sense == Sign::positive ? *plane : plane->flipped(), {}, {}, true, true};
   polygon.along = direction_along(polygon.plane);

@@ -8,6 +8,8 @@
 
 namespace cleave::topology::detail {
 
+class FixedMeasure;
+
 /// What a half-face is to its block.
 struct Nature {
   Role role = Role::joint;
@@ -82,6 +84,7 @@ class BlockMaker final {
   [[nodiscard]] bool turns_left(const Loop& loop, Index plane) const;
   [[nodiscard]] bool has_reflex_edge() const;
   void measure(Block& block, FaceId first);
+  [[nodiscard]] FixedMeasure measure_exactly();
   [[nodiscard]] double thickness(FaceId first);
   /// A flank whose face goes straight on beyond the edge, in one role: inside a merged face.
   [[nodiscard]] bool internal(Index flank) const;

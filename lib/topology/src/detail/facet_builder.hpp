@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <optional>
 #include <span>
 #include <unordered_map>
@@ -22,7 +21,7 @@ inline constexpr double box_margin = 0x1p-36;
 
 struct PlaneKey {
   std::array<exact::Int128, 3> normal;
-  exact::Wide offset;
+  exact::Int192 offset;
   friend bool operator==(const PlaneKey&, const PlaneKey&) = default;
 };
 struct PlaneKeyHash {
@@ -36,7 +35,7 @@ struct PlaneKeyHash {
       mix(static_cast<std::uint64_t>(c));
       mix(static_cast<std::uint64_t>(c >> 64));
     }
-    mix(std::bit_cast<std::uint64_t>(key.offset.convert_to<double>()));
+    for (const std::uint64_t word : key.offset.words) mix(word);
     return h;
   }
 };

@@ -14,13 +14,7 @@ namespace cleave::topology::detail {
                                                          const exact::Plane& q, const exact::Plane& r) {
   constexpr double w_min = 0x1p-2;  // error <= (1024 u + |x| 1024 u) / |W|, and |x| <= 1/2
   if (std::abs(point.w) >= w_min) return {point.x[0] / point.w, point.x[1] / point.w, point.x[2] / point.w};
-  const exact::ExactPoint exact_point = exact::exact_meet(exact::exact_line(p, q), r);
-  std::array<double, 3> position{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    // Numerator and denominator may have 343 bits: both fit a double's range.
-    position[i] = std::ldexp(exact_point.x[i].convert_to<double>() / exact_point.w.convert_to<double>(), -48);
-  }
-  return position;
+  return exact::position_exact(p, q, r);
 }
 
 }  // namespace cleave::topology::detail

@@ -71,11 +71,7 @@ class Signs final {
     constexpr double bound = 64 * exact::unit_roundoff;  // the components' error is below 48 u
     if (std::abs(a.m[axis]) > bound && std::abs(b.m[axis]) > bound) return (a.m[axis] > 0) == (b.m[axis] > 0);
     ++exact_;
-    const exact::ExactLine first = exact::exact_line(planes_[p], planes_[q]);
-    const exact::ExactLine second = exact::exact_line(planes_[r], planes_[s]);
-    std::size_t k = 0;
-    while (k < 2 && second.m[k] == 0) ++k;
-    return (first.m[k] > 0) == (second.m[k] > 0);
+    return exact::same_sense_exact(planes_[p], planes_[q], planes_[r], planes_[s]);
   }
   [[nodiscard]] bool same_sense(Index p, Index q, const exact::LineApprox& b, Index r, Index s) noexcept {
     return same_sense(exact::line_of(planes_[p], planes_[q]), p, q, b, r, s);

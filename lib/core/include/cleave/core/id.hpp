@@ -4,8 +4,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <ranges>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -30,7 +29,47 @@ class Id final {
   std::uint32_t value_;
 };
 
-/// A vector that only ids of its own kind can index; every access is checked.
+/// Neighbouring ids: first, first + 1, ...
+template <class Id>
+class IdRange final {
+ public:
+  class Iterator {
+   public:
+    using value_type = Id;
+    using difference_type = std::ptrdiff_t;
+    Iterator() = default;
+    explicit Iterator(std::uint32_t at) noexcept : at_{at} {}
+    [[nodiscard]] Id operator*() const noexcept { return Id{at_}; }
+    Iterator& operator++() noexcept {
+      ++at_;
+      return *this;
+    }
+    Iterator operator++(int) noexcept { return Iterator{at_++}; }
+    friend bool operator==(Iterator, Iterator) noexcept = default;
+
+   private:
+    std::uint32_t at_ = 0;
+  };
+
+  IdRange() = default;
+  IdRange(Id first, std::uint32_t count) noexcept : first_{first.value()}, count_{count} {}
+
+  [[nodiscard]] std::size_t size() const noexcept { return count_; }
+  [[nodiscard]] bool empty() const noexcept { return count_ == 0; }
+  [[nodiscard]] Id operator[](std::size_t k) const {
+    CLEAVE_ASSERT(k < count_);
+    return Id{first_ + static_cast<std::uint32_t>(k)};
+  }
+  [[nodiscard]] Id front() const { return (*this)[0]; }
+  [[nodiscard]] Iterator begin() const noexcept { return Iterator{first_}; }
+  [[nodiscard]] Iterator end() const noexcept { return Iterator{first_ + count_}; }
+
+ private:
+  std::uint32_t first_ = 0, count_ = 0;
+};
+
+/// A vector that only ids of its own kind can index; every access is checked, in every build and in that of whoever
+/// uses the library.
 template <class Id, class T>
 class IdVector final {
  public:
@@ -38,8 +77,8 @@ class IdVector final {
   explicit IdVector(std::size_t count, const T& value = T{}) : items_(count, value) {}
   explicit IdVector(std::vector<T> items) noexcept : items_{std::move(items)} {}
 
-  [[nodiscard]] decltype(auto) operator[](std::same_as<Id> auto id) { return items_[id.index()]; }
-  [[nodiscard]] decltype(auto) operator[](std::same_as<Id> auto id) const { return items_[id.index()]; }
+  [[nodiscard]] decltype(auto) operator[](std::same_as<Id> auto id) { return items_[checked(id)]; }
+  [[nodiscard]] decltype(auto) operator[](std::same_as<Id> auto id) const { return items_[checked(id)]; }
 
   [[nodiscard]] std::size_t size() const noexcept { return items_.size(); }
   [[nodiscard]] bool empty() const noexcept { return items_.empty(); }
@@ -51,8 +90,8 @@ class IdVector final {
   }
 
   /// All ids in order.
-  [[nodiscard]] auto ids() const {
-    return std::views::iota(std::size_t{0}, items_.size()) | std::views::transform([](std::size_t i) { return Id{i}; });
+  [[nodiscard]] IdRange<Id> ids() const noexcept {
+    return {Id{std::uint32_t{0}}, static_cast<std::uint32_t>(items_.size())};
   }
   [[nodiscard]] auto begin() { return items_.begin(); }
   [[nodiscard]] auto end() { return items_.end(); }
@@ -63,6 +102,10 @@ class IdVector final {
   friend bool operator==(const IdVector&, const IdVector&) = default;
 
  private:
+  [[nodiscard]] std::size_t checked(Id id) const noexcept {
+    CLEAVE_ASSERT(id.index() < items_.size());
+    return id.index();
+  }
   std::vector<T> items_;
 };
 

@@ -3,9 +3,9 @@
 #include <array>
 #include <optional>
 
+#include "cleave/exact/integer.hpp"
 #include "cleave/exact/lattice.hpp"
 #include "cleave/exact/sign.hpp"
-#include "cleave/exact/wide.hpp"
 
 namespace cleave::exact {
 
@@ -23,7 +23,7 @@ class Plane final {
   [[nodiscard]] static std::optional<Plane> spanned(LatticePoint a, LatticePoint u, LatticePoint v) noexcept;
 
   [[nodiscard]] const std::array<Int128, 3>& normal() const noexcept { return normal_; }
-  [[nodiscard]] const Wide& offset() const noexcept { return offset_; }
+  [[nodiscard]] const Int192& offset() const noexcept { return offset_; }
   /// (n_x, n_y, n_z, d) scaled, see the class comment.
   [[nodiscard]] const std::array<double, 4>& approx() const noexcept { return approx_; }
   [[nodiscard]] Plane flipped() const noexcept;
@@ -45,11 +45,14 @@ class Plane final {
   Plane() = default;
   void set_approx() noexcept;
   std::array<Int128, 3> normal_{};
-  Wide offset_ = 0;
+  Int192 offset_{};
   std::array<double, 4> approx_{};
 };
 
 /// Sign of the determinant of the three normals (rows a, b, c); exact, filtered. (a x b) . c
 [[nodiscard]] Sign orientation(const Plane& a, const Plane& b, const Plane& c) noexcept;
+
+/// Sign of a . b; exact for components below 2^127 and products below 2^500.
+[[nodiscard]] Sign dot_sign(const std::array<Int128, 3>& a, const std::array<Int128, 3>& b) noexcept;
 
 }  // namespace cleave::exact

@@ -76,16 +76,10 @@ struct PointApprox {
 /// Precondition: P, Q, R meet in one point.
 [[nodiscard]] Sign side_exact(const Plane& p, const Plane& q, const Plane& r, const Plane& s) noexcept;
 
-/// The line of two planes and the meet of three in integers.
-struct ExactLine {
-  std::array<Wide, 3> m, w;
-};
-struct ExactPoint {
-  std::array<Wide, 3> x;
-  Wide w;
-};
-[[nodiscard]] ExactLine exact_line(const Plane& p, const Plane& q) noexcept;
-[[nodiscard]] ExactPoint exact_meet(const ExactLine& line, const Plane& r) noexcept;
+/// Of two parallel lines: do nP x nQ and nR x nS have the same sense?
+[[nodiscard]] bool same_sense_exact(const Plane& p, const Plane& q, const Plane& r, const Plane& s) noexcept;
+/// The meet of three planes in units of 2^48 sites, from the integers: correct to about 2^-51 of its size.
+[[nodiscard]] std::array<double, 3> position_exact(const Plane& p, const Plane& q, const Plane& r) noexcept;
 
 /// Where P and Q's line runs parallel to S (their det3 is zero): the side of S on which the line lies, zero when it
 /// lies in S. Precondition: P and Q are not parallel.

@@ -2,14 +2,32 @@
 
 #include <boost/multiprecision/cpp_int.hpp>
 
+#include "cleave/exact/integer.hpp"
+#include "cleave/exact/plane.hpp"
+
 namespace cleave::exact {
 
 /// Fixed 512-bit signed integer without heap: every determinant of the cutter fits (design: <= 480 bits).
+///
+/// For source files only: no public header includes this one, for it brings some 600 headers of Boost with it.
 using Wide = boost::multiprecision::number<
     boost::multiprecision::cpp_int_backend<512, 512, boost::multiprecision::signed_magnitude,
                                            boost::multiprecision::unchecked, void>,
     boost::multiprecision::et_off>;
 
-__extension__ using Int128 = __int128;  ///< g++ and clang both have it; the components of a plane's normal fit in it
+[[nodiscard]] Wide widened(const Int192& value) noexcept;
+/// Precondition: |value| < 2^191.
+[[nodiscard]] Int192 narrowed(const Wide& value) noexcept;
+
+/// The line of two planes and the meet of three in integers.
+struct ExactLine {
+  std::array<Wide, 3> m, w;
+};
+struct ExactPoint {
+  std::array<Wide, 3> x;
+  Wide w;
+};
+[[nodiscard]] ExactLine exact_line(const Plane& p, const Plane& q) noexcept;
+[[nodiscard]] ExactPoint exact_meet(const ExactLine& line, const Plane& r) noexcept;
 
 }  // namespace cleave::exact

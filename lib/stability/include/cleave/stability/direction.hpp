@@ -3,9 +3,9 @@
 #include <array>
 #include <optional>
 
+#include "cleave/exact/integer.hpp"
 #include "cleave/exact/plane.hpp"
 #include "cleave/exact/sign.hpp"
-#include "cleave/exact/wide.hpp"
 #include "cleave/geometry/vec3.hpp"
 
 namespace cleave::stability {

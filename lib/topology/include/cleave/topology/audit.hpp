@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <expected>
-#include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cleave/topology/block_complex.hpp"

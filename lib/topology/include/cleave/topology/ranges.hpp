@@ -5,48 +5,13 @@
 #include <iterator>
 #include <span>
 
-#include "cleave/core/assert.hpp"
+#include "cleave/core/id.hpp"
 #include "cleave/topology/ids.hpp"
 
 namespace cleave::topology {
 
 /// Neighbouring face numbers: the faces of one block.
-class FaceRange final {
- public:
-  class Iterator {
-   public:
-    using value_type = FaceId;
-    using difference_type = std::ptrdiff_t;
-    Iterator() = default;
-    explicit Iterator(std::uint32_t at) noexcept : at_{at} {}
-    [[nodiscard]] FaceId operator*() const noexcept { return FaceId{at_}; }
-    Iterator& operator++() noexcept {
-      ++at_;
-      return *this;
-    }
-    Iterator operator++(int) noexcept { return Iterator{at_++}; }
-    friend bool operator==(Iterator, Iterator) noexcept = default;
-
-   private:
-    std::uint32_t at_ = 0;
-  };
-
-  FaceRange() = default;
-  FaceRange(FaceId first, std::uint32_t count) noexcept : first_{first.value()}, count_{count} {}
-
-  [[nodiscard]] std::size_t size() const noexcept { return count_; }
-  [[nodiscard]] bool empty() const noexcept { return count_ == 0; }
-  [[nodiscard]] FaceId operator[](std::size_t k) const {
-    CLEAVE_ASSERT(k < count_);
-    return FaceId{first_ + static_cast<std::uint32_t>(k)};
-  }
-  [[nodiscard]] FaceId front() const { return (*this)[0]; }
-  [[nodiscard]] Iterator begin() const noexcept { return Iterator{first_}; }
-  [[nodiscard]] Iterator end() const noexcept { return Iterator{first_ + count_}; }
-
- private:
-  std::uint32_t first_ = 0, count_ = 0;
-};
+using FaceRange = IdRange<FaceId>;
 
 /// The loops of one face, each a span of corners; the outer loop first.
 class LoopRange final {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace cleave::dbem {
+namespace cleave::linear {
 
 /// Factors of a sparse matrix of square blocks whose pattern is symmetric (its values need not be), by dense fronts
 /// over the elimination tree (Duff and Reid 1983; supernodes: Ashcraft and Grimes 1989). Rows are swapped within the
@@ -52,4 +52,4 @@ class FrontalFactor final {
   std::vector<Factor> factors_;
 };
 
-}  // namespace cleave::dbem
+}  // namespace cleave::linear

@@ -1,4 +1,4 @@
-#include "fronts.hpp"
+#include "cleave/linear/fronts.hpp"
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/Sparse>
@@ -6,7 +6,7 @@
 #include <numeric>
 #include <span>
 
-namespace cleave::dbem {
+namespace cleave::linear {
 namespace {
 
 constexpr auto none = static_cast<std::uint32_t>(-1);
@@ -314,4 +314,4 @@ void FrontalFactor::solve(Eigen::VectorXd& x) const {
   }
 }
 
-}  // namespace cleave::dbem
+}  // namespace cleave::linear

@@ -1,0 +1,135 @@
+#include "cleave/assembly/assembly.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace cleave::assembly {
+namespace {
+
+using geometry::Vec3;
+
+std::optional<std::string> problem_of(const Body& body) {
+  if (!is_finite(body.centroid)) return "its centroid is not finite";
+  if (!is_finite(body.force) || !is_finite(body.moment)) return "its load is not finite";
+  if (!(body.mass > 0) || !std::isfinite(body.mass)) return "its mass is not positive";
+  const auto& [xx, yy, zz, xy, yz, zx] = body.inertia;
+  const double second = xx * yy - xy * xy;
+  const double third = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
+  if (!(xx > 0 && second > 0 && third > 0 && std::isfinite(third))) return "its inertia is not positive definite";
+  return {};
+}
+
+bool at_least_zero(double value) { return value >= 0 && std::isfinite(value); }
+
+std::optional<std::string> problem_of(const Contact& contact, std::size_t bodies) {
+  if (contact.body >= bodies || (contact.other && *contact.other >= bodies)) return "it names a body that is not there";
+  if (contact.other == contact.body) return "it holds a body against itself";
+  if (!(std::abs(norm(contact.normal) - 1) <= 1e-9)) return "its normal is no unit vector";
+  if (contact.points.empty()) return "it has no point";
+  if (!std::ranges::all_of(contact.points, geometry::is_finite)) return "a point is not finite";
+  if (!at_least_zero(contact.friction)) return "its friction is not zero or more";
+  if (!(contact.most > 0)) return "what the rock beside it carries is not positive";
+  for (const Bond& bond : contact.bonds) {
+    if (!std::ranges::all_of(bond.corners, geometry::is_finite)) return "a corner of a bond is not finite";
+    if (!at_least_zero(bond.cohesion) || !at_least_zero(bond.tension))
+      return "the strength of a bond is not zero or more";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string describe(const BadAssembly& error) { return error.which + ": " + error.what; }
+
+std::expected<Assembly, BadAssembly> Assembly::make(AssemblySpec spec) {
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
+    if (auto problem = problem_of(spec.bodies[b])) {
+      return std::unexpected(BadAssembly{"body " + std::to_string(b), std::move(*problem)});
+    }
+  }
+  for (std::size_t c = 0; c < spec.contacts.size(); ++c) {
+    if (auto problem = problem_of(spec.contacts[c], spec.bodies.size())) {
+      return std::unexpected(BadAssembly{"contact " + std::to_string(c), std::move(*problem)});
+    }
+  }
+  return Assembly{std::move(spec)};
+}
+
+Assembly::Assembly(AssemblySpec spec) : spec_{std::move(spec)} {
+  std::vector<double> arm(spec_.bodies.size(), 0);
+  const auto reach = [&](std::uint32_t b, Vec3 p) { arm[b] = std::max(arm[b], norm(p - spec_.bodies[b].centroid)); };
+  for (const Contact& contact : spec_.contacts) {
+    for (const Vec3 p : contact.points) {
+      reach(contact.body, p);
+      if (contact.other) reach(*contact.other, p);
+    }
+  }
+  for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
+    load_ = std::max(load_, norm(spec_.bodies[b].force));
+    if (turns(spec_.freedom) && arm[b] > 0) load_ = std::max(load_, norm(spec_.bodies[b].moment) / arm[b]);
+  }
+}
+
+Assembly Assembly::part(std::span<const std::uint32_t> members, Others others) const {
+  constexpr auto outside = static_cast<std::uint32_t>(-1);
+  AssemblySpec spec{.freedom = spec_.freedom};
+  std::vector<std::uint32_t> number(spec_.bodies.size(), outside);
+  for (const std::uint32_t b : members) {
+    number[b] = static_cast<std::uint32_t>(spec.bodies.size());
+    spec.bodies.push_back(spec_.bodies[b]);
+  }
+  for (const Contact& contact : spec_.contacts) {
+    const bool first = number[contact.body] != outside;
+    const bool second = contact.other && number[*contact.other] != outside;
+    if (!first && !second) continue;
+    if (others == Others::gone && (!first || (contact.other && !second))) continue;
+    Contact own = contact;
+    if (!first) {
+      own.body = number[*contact.other];
+      own.other.reset();
+      own.normal = -contact.normal;
+    } else {
+      own.body = number[contact.body];
+      own.other = second ? std::optional{number[*contact.other]} : std::nullopt;
+    }
+    spec.contacts.push_back(std::move(own));
+  }
+  return Assembly{std::move(spec)};
+}
+
+Assembly Assembly::with(Freedom freedom) const {
+  AssemblySpec spec = spec_;
+  spec.freedom = freedom;
+  return Assembly{std::move(spec)};
+}
+
+std::vector<std::vector<std::uint32_t>> connected_parts(const Assembly& assembly, std::span<const std::uint8_t> among) {
+  std::vector<std::uint32_t> root(assembly.bodies().size());
+  std::iota(root.begin(), root.end(), 0U);
+  const auto find = [&](std::uint32_t b) {
+    while (root[b] != b) b = root[b] = root[root[b]];
+    return b;
+  };
+  for (const Contact& contact : assembly.contacts()) {
+    if (!contact.other || among[contact.body] == 0 || among[*contact.other] == 0) continue;
+    const std::uint32_t a = find(contact.body), b = find(*contact.other);
+    root[std::max(a, b)] = std::min(a, b);
+  }
+  constexpr auto none = static_cast<std::uint32_t>(-1);
+  std::vector<std::uint32_t> place(root.size(), none);
+  std::vector<std::vector<std::uint32_t>> parts;
+  for (std::uint32_t b = 0; b < root.size(); ++b) {
+    if (among[b] == 0) continue;
+    const std::uint32_t top = find(b);
+    if (place[top] == none) {
+      place[top] = static_cast<std::uint32_t>(parts.size());
+      parts.emplace_back();
+    }
+    parts[place[top]].push_back(b);
+  }
+  return parts;
+}
+
+}  // namespace cleave::assembly

@@ -1,0 +1,142 @@
+#include "branch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cleave::assembly {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// Below this share of the load a force counts as none: rounding would feed wedging.
+constexpr double no_force = 1e-9;
+
+/// By element: whether the patch of a bond presses.
+std::vector<std::uint8_t> pressing(const Elements& elements, const State& state) {
+  const std::vector<Element>& all = elements.all();
+  std::vector<std::uint8_t> out(all.size(), 0);
+  for (std::size_t first = 0; first < all.size();) {
+    std::size_t last = first;
+    bool presses = false;
+    for (; last < all.size() && all[last].contact == all[first].contact; ++last) {
+      presses = presses || (!all[last].bond && state.x[last][0] > no_force);
+    }
+    for (; first < last; ++first) out[first] = presses ? 1 : 0;
+  }
+  return out;
+}
+
+bool has_bonds(const Elements& elements) {
+  return std::ranges::any_of(elements.all(), [](const Element& e) { return e.bond; });
+}
+
+}  // namespace
+
+double violation(const Elements& elements, double divisor, const State& state) {
+  VectorXd left = state.v - elements.load();
+  const double speed = std::max(state.v.lpNorm<Eigen::Infinity>(), slow);
+  const std::vector<std::uint8_t> presses = pressing(elements, state);
+  double most = 0;
+  for (std::size_t k = 0; k < elements.all().size(); ++k) {
+    const Element& e = elements.all()[k];
+    const Vector3d& x = state.x[k];
+    elements.add_force(e, -x, left);
+    const Vector3d u = elements.relative(e, state.v) / speed;
+    const double slip = u.tail<2>().norm(), shear = x.tail<2>().norm();
+    const double open = e.bond ? -e.tension / divisor : 0;  // least normal force
+    double cap = e.friction / divisor * std::max(0.0, x[0]);
+    if (e.bond) {
+      cap = presses[k] != 0 ? e.cohesion / divisor : 0;
+      most = std::max({most, x[0], std::abs(x[0] * std::max(0.0, -u[0])), std::max(0.0, u[0]) * (x[0] - open)});
+    } else {
+      most = std::max({most, -u[0], x[0] * std::abs(u[0])});
+    }
+    most = std::max({most, open - x[0], shear - cap, std::abs(x.tail<2>().dot(u.tail<2>()) + cap * slip)});
+  }
+  return std::max(most, left.lpNorm<Eigen::Infinity>());
+}
+
+Branch::Branch(const Elements& elements) : elements_{&elements}, newton_{elements}, start_{newton_.none()} {}
+
+bool Branch::begin() {
+  start_ = newton_.none();
+  (void)newton_.solve({.law = Law::frictionless}, start_);
+  return start_.v.lpNorm<Eigen::Infinity>() > slow;
+}
+
+Branch::Found Branch::judged(double divisor, State state) const {
+  Found found{.what = FromRest::unsettled, .state = std::move(state), .residual = 1};
+  found.residual = violation(*elements_, divisor, found.state);
+  if (!(found.residual <= exact_enough)) return found;
+  found.what = found.state.v.lpNorm<Eigen::Infinity>() > slow ? FromRest::moves : FromRest::rests;
+  return found;
+}
+
+Branch::Found Branch::by_newton(double divisor) {
+  // From no forces: what locks at one strength must not drive or hold at the next.
+  State state = newton_.none();
+  state.v = start_.v;
+  Problem problem{.law = Law::coulomb, .divisor = divisor};
+  const bool bonds = has_bonds(*elements_);
+  for (int round = 0; round < (bonds ? 4 : 1); ++round) {
+    if (bonds) problem.pressing = pressing(*elements_, state);
+    (void)newton_.solve(problem, state, 1e-2);
+  }
+  return judged(divisor, std::move(state));
+}
+
+Branch::Found Branch::by_thresholds(double divisor) {
+  State state = start_;
+  Problem problem{.law = Law::tresca, .divisor = divisor};
+  const std::size_t count = elements_->all().size();
+  problem.threshold.assign(count, 0);
+  std::vector<double> normal(count);
+  for (std::size_t k = 0; k < count; ++k) normal[k] = state.x[k][0];
+  double least = 1;
+  int worse = 0;
+  for (int round = 0; round < 120; ++round) {
+    for (std::size_t k = 0; k < count; ++k) {
+      const double n = normal[k] > no_force ? normal[k] : 0;
+      problem.threshold[k] = elements_->all()[k].friction / divisor * n;
+    }
+    problem.pressing = pressing(*elements_, state);
+    State next = newton_.none();
+    next.v = state.v;
+    (void)newton_.solve(problem, next, 1e-2);
+    double change = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const double n = next.x[k][0];
+      change = std::max(change, std::abs(n - normal[k]));
+      normal[k] = round < 30 ? n : 0.5 * (normal[k] + n);
+    }
+    state = std::move(next);
+    if (change < 1e-12 || state.v.lpNorm<Eigen::Infinity>() < slow) break;
+    worse = change > 0.9 * least ? worse + 1 : 0;
+    least = std::min(least, change);
+    if (worse > 25) break;
+  }
+  return judged(divisor, std::move(state));
+}
+
+/// Nothing moved: at rest where forces are there that hold.
+Branch::Found Branch::at_rest(double divisor) {
+  State state = newton_.none();
+  const Settled how = newton_.solve({.law = Law::cone, .divisor = divisor}, state);
+  Found found{.what = FromRest::unsettled, .state = std::move(state), .residual = how.off};
+  if (found.state.v.lpNorm<Eigen::Infinity>() <= slow) found.what = FromRest::rests;
+  return found;
+}
+
+Branch::Found Branch::at(double divisor, Effort effort) {
+  Found found = by_newton(divisor);
+  if (found.what == FromRest::moves) return found;
+  if (effort == Effort::whole) {
+    found = by_thresholds(divisor);
+    if (found.what == FromRest::moves) return found;
+  }
+  if (found.state.v.lpNorm<Eigen::Infinity>() <= slow) return at_rest(divisor);
+  return found;
+}
+
+}  // namespace cleave::assembly

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "cleave/assembly/factors.hpp"
+#include "newton.hpp"
+
+namespace cleave::assembly {
+
+/// Largest violation of the Coulomb problem from rest with strengths over `divisor`: balance, no pull, no overlap, no
+/// pressure where it opens, friction within its bound and against the slip. Forces relative to the load, rates to the
+/// largest.
+[[nodiscard]] double violation(const Elements& elements, double divisor, const State& state);
+
+/// Solutions of the Coulomb problem from rest, from low strength to high: a solution that moves at one strength is the
+/// start at the next.
+class Branch final {
+ public:
+  explicit Branch(const Elements& elements);
+  Branch(const Elements&&) = delete;
+
+  /// Whether anything moves without friction. What follows needs it.
+  [[nodiscard]] bool begin();
+  struct Found {
+    FromRest what = FromRest::unsettled;
+    State state;
+    double residual = 1;
+  };
+  enum class Effort : std::uint8_t { newton, whole };
+  /// Looks for motion at this strength; goes on from the last motion found.
+  [[nodiscard]] Found at(double divisor, Effort effort = Effort::whole);
+  /// Makes what was found the start of what follows.
+  void keep(const Found& found) { start_ = found.state; }
+  [[nodiscard]] Newton& newton() noexcept { return newton_; }
+
+ private:
+  [[nodiscard]] Found judged(double divisor, State state) const;
+  [[nodiscard]] Found by_newton(double divisor);
+  [[nodiscard]] Found by_thresholds(double divisor);
+  [[nodiscard]] Found at_rest(double divisor);
+
+  const Elements* elements_;
+  Newton newton_;
+  State start_;
+};
+
+/// Below this share of free fall nothing counts as moving.
+inline constexpr double slow = 1e-8;
+/// What a solution may violate.
+inline constexpr double exact_enough = 1e-6;
+
+}  // namespace cleave::assembly

@@ -1,0 +1,174 @@
+#include "cleave/assembly/factors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "branch.hpp"
+#include "elements.hpp"
+#include "newton.hpp"
+
+namespace cleave::assembly {
+namespace {
+
+using Eigen::VectorXd;
+using geometry::Vec3;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+/// Factors beyond are told from infinity and 0 no more.
+constexpr double largest_factor = 1e4, least_factor = 1e-4;
+
+std::vector<double> speeds(const Elements& elements, const VectorXd& v) {
+  std::vector<double> out(elements.bodies());
+  for (std::size_t b = 0; b < out.size(); ++b) {
+    out[b] = v.segment(elements.width() * static_cast<Eigen::Index>(b), elements.width()).norm();
+  }
+  return out;
+}
+
+Problem static_problem(double factor) {
+  if (factor == infinite) return {.law = Law::frictionless};
+  return {.law = Law::cone, .divisor = factor};
+}
+
+/// Speed of the projection, 0 when forces hold the loads.
+class Drive final {
+ public:
+  explicit Drive(const Elements& elements) : newton_{elements}, state_{newton_.none()} {}
+  double operator()(double factor) {
+    State state = state_;
+    const Settled how = newton_.solve(static_problem(factor), state, 1e-2);
+    settled_ = settled_ && how.off < 1e-8;
+    const double speed = state.v.lpNorm<Eigen::Infinity>();
+    state_ = std::move(state);
+    return speed > 1e-10 ? speed : 0;
+  }
+  [[nodiscard]] bool settled() const noexcept { return settled_; }
+
+ private:
+  Newton newton_;
+  State state_;
+  bool settled_ = true;
+};
+
+}  // namespace
+
+Projection project(const Assembly& assembly, double factor) {
+  const Elements elements{assembly};
+  Newton newton{elements};
+  State state = newton.none();
+  const Settled how = newton.solve(static_problem(factor), state);
+  Projection out{.motion = elements.motion_of(state.v), .speed = speeds(elements, state.v)};
+  for (const double s : out.speed) out.largest = std::max(out.largest, s);
+  out.settled = how.off < 1e-8 && how.violation < 1e-8;
+  return out;
+}
+
+ContactForces holding_forces(const Assembly& assembly, double factor, double prestress) {
+  const Elements elements{assembly};
+  Newton newton{elements};
+  State state = newton.none();
+  Problem problem = static_problem(factor);
+  problem.least_normal = prestress;
+  (void)newton.solve(problem, state);
+  ContactForces out;
+  out.at_points.resize(assembly.contacts().size());
+  out.at_bonds.resize(assembly.contacts().size());
+  for (std::size_t c = 0; c < assembly.contacts().size(); ++c) {
+    const Contact& contact = assembly.contacts()[c];
+    const auto [t1, t2] = tangents(contact.normal);
+    out.at_points[c].resize(contact.points.size());
+    out.at_bonds[c].resize(contact.bonds.size());
+    const auto [first, last] = elements.of_contact(c);
+    std::size_t point = 0, bond = 0;
+    for (std::size_t k = first; k < last; ++k) {
+      const Element& e = elements.all()[k];
+      const double unit = elements.newtons(e);
+      const Vec3 force = unit * (state.x[k][0] * contact.normal + state.x[k][1] * t1 + state.x[k][2] * t2);
+      if (!e.bond) {
+        out.at_points[c][point++] = force;
+        continue;
+      }
+      while (!(contact.bonds[bond].cohesion > 0) && !(contact.bonds[bond].tension > 0)) ++bond;
+      out.at_bonds[c][bond++] = force;
+    }
+  }
+  return out;
+}
+
+StaticFactor static_factor(const Assembly& assembly) {
+  const Elements elements{assembly};
+  Drive drive{elements};
+  if (drive(largest_factor) == 0) return {infinite, infinite, drive.settled()};
+  if (drive(least_factor) > 0) return {0, 0, drive.settled()};
+  double low = least_factor, high = largest_factor;
+  double before = 0, speed_before = 0, speed = drive(high);
+  const auto look = [&](double f) {
+    const double found = drive(f);
+    if (found == 0) {
+      low = f;
+      return;
+    }
+    before = std::exchange(high, f);
+    speed_before = std::exchange(speed, found);
+  };
+  for (int k = 0; k < 200 && high > low * (1 + 1e-9); ++k) {
+    look(std::sqrt(low * high));
+    // The speed grows in proportion above the factor.
+    if (!(before > high) || !(speed_before > speed) || high > 3 * low) continue;
+    const double guess = high - speed * (before - high) / (speed_before - speed);
+    for (const double f : {guess * (1 - 2e-10), guess * (1 + 2e-10), guess + 0.01 * (high - guess)}) {
+      if (f > low && f < high) look(f);
+    }
+  }
+  return {high, low, drive.settled()};
+}
+
+Start start_from_rest(const Assembly& assembly, double factor) {
+  const Elements elements{assembly};
+  Branch branch{elements};
+  Start out{
+      .found = FromRest::rests, .motion = Motion(elements.bodies()), .speed = std::vector<double>(elements.bodies())};
+  out.residual = 0;
+  if (!branch.begin()) return out;
+  Branch::Found found;
+  for (double f = std::max(30.0, 4 * factor);; f = std::max(factor, 0.8 * f)) {
+    found = branch.at(f);
+    if (found.what == FromRest::moves) branch.keep(found);
+    if (f <= factor) break;
+  }
+  out.found = found.what;
+  out.motion = elements.motion_of(found.state.v);
+  out.speed = speeds(elements, found.state.v);
+  out.residual = found.residual;
+  return out;
+}
+
+MovingFactor moving_factor(const Assembly& assembly, double up) {
+  const Elements elements{assembly};
+  Branch branch{elements};
+  if (!branch.begin()) return {infinite, true};
+  // Above `up` it moves whether a solution was checked or not.
+  double good = infinite, bad = 0;
+  bool settled = true;
+  const auto look = [&](double f) {
+    // What is known to move needs no search: only a start for those that are not.
+    const Branch::Found found = branch.at(f, f > 1.1 * up ? Branch::Effort::newton : Branch::Effort::whole);
+    if (found.what == FromRest::moves) branch.keep(found);
+    if (found.what == FromRest::moves || f > up * (1 + 1e-9)) {
+      good = f;
+      return true;
+    }
+    bad = f;
+    settled = found.what == FromRest::rests;
+    return false;
+  };
+  for (double f = 1e3; f > least_factor && look(f); f *= 0.9) {
+  }
+  if (bad == 0) return {0, true};
+  if (good == infinite) return {std::min(up, 1e3), false};
+  while (good > bad * (1 + 5e-8)) (void)look(std::sqrt(good * bad));
+  return {std::min(good, up), settled};
+}
+
+}  // namespace cleave::assembly

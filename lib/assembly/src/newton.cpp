@@ -1,0 +1,280 @@
+#include "newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace cleave::assembly {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// Up to so many rows a dense factor is as good.
+constexpr Index few_rows = 72;
+/// Rates below are none: free fall has about 1.
+constexpr double at_rest = 1e-14;
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Elements& elements) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
+  for (const Element& e : elements.all()) {
+    if (!e.other) continue;
+    const std::pair link{std::min(e.body, *e.other), std::max(e.body, *e.other)};
+    if (out.empty() || out.back() != link) out.push_back(link);
+  }
+  return out;
+}
+
+}  // namespace
+
+/// Projection of w on what an element can carry, its derivative, and the envelope that it is the gradient of.
+struct Newton::Local {
+  Vector3d x = Vector3d::Zero();
+  Matrix3d slope = Matrix3d::Zero();
+  bool any = false;  ///< slope is not zero
+};
+
+namespace {
+
+template <class Out>
+void onto_disc(const Vector2d& t, double radius, Out& out) {
+  const double length = t.norm();
+  if (length <= radius) {
+    out.x.template tail<2>() = t;
+    out.slope.template bottomRightCorner<2, 2>().setIdentity();
+  } else if (radius > 0) {
+    const Vector2d e = t / length;
+    out.x.template tail<2>() = radius * e;
+    out.slope.template bottomRightCorner<2, 2>() = radius / length * (Eigen::Matrix2d::Identity() - e * e.transpose());
+  }
+  out.any = out.any || radius > 0;
+}
+
+template <class Out>
+void onto_cone(const Vector3d& w, double mu, Out& out) {
+  const Vector2d t = w.tail<2>();
+  const double length = t.norm();
+  if (length <= mu * w[0]) {
+    out.x = w;
+    out.slope.setIdentity();
+    out.any = true;
+    return;
+  }
+  if (mu * length <= -w[0]) return;
+  const double normal = (w[0] + mu * length) / (1 + mu * mu);
+  const Vector2d e = t / length;
+  out.x << normal, mu * normal * e;
+  const Vector3d along = Vector3d{1, mu * e[0], mu * e[1]};
+  out.slope = along * along.transpose() / (1 + mu * mu);
+  out.slope.template bottomRightCorner<2, 2>() +=
+      mu * normal / length * (Eigen::Matrix2d::Identity() - e * e.transpose());
+  out.any = true;
+}
+
+}  // namespace
+
+Newton::Local Newton::local(const Problem& problem, std::size_t k, const Vector3d& w) const {
+  const Element& e = elements_->all()[k];
+  Local out;
+  if (e.bond) {
+    if (problem.law == Law::frictionless) return out;
+    const bool holds = problem.pressing.empty() || problem.pressing[k] != 0;
+    const double tension = e.tension / problem.divisor;
+    out.x[0] = std::clamp(w[0], -tension, 0.0);
+    if (w[0] < 0 && w[0] > -tension) {
+      out.slope(0, 0) = 1;
+      out.any = true;
+    }
+    onto_disc(w.tail<2>(), holds ? e.cohesion / problem.divisor : 0, out);
+    return out;
+  }
+  const double mu = e.friction / problem.divisor;
+  if (problem.law == Law::cone && mu > 0) {
+    onto_cone(w, mu, out);
+    return out;
+  }
+  if (w[0] > problem.least_normal) {
+    out.x[0] = w[0];
+    out.slope(0, 0) = 1;
+    out.any = true;
+  } else {
+    out.x[0] = problem.least_normal;
+  }
+  switch (problem.law) {
+    case Law::frictionless:
+    case Law::cone: break;
+    case Law::tresca: onto_disc(w.tail<2>(), problem.threshold[k], out); break;
+    case Law::coulomb: {
+      const double radius = mu * out.x[0];
+      onto_disc(w.tail<2>(), radius, out);
+      const double length = w.tail<2>().norm();
+      if (length > radius && w[0] > 0 && mu > 0) out.slope.bottomLeftCorner<2, 1>() = mu / length * w.tail<2>();
+      break;
+    }
+  }
+  return out;
+}
+
+Newton::Newton(const Elements& elements) : elements_{&elements}, dense_{elements.load().size() <= few_rows} {
+  if (!dense_) factor_.emplace(elements.bodies(), elements.width(), links(elements));
+}
+
+State Newton::none() const {
+  return {VectorXd::Zero(elements_->load().size()), std::vector<Vector3d>(elements_->all().size(), Vector3d::Zero())};
+}
+
+double Newton::evaluate(const Problem& problem, const State& at, double rho, const VectorXd& v, VectorXd& gradient,
+                        std::vector<Local>* locals) const {
+  gradient = -elements_->load();
+  double value = 0.5 * v.squaredNorm() - elements_->load().dot(v);
+  VectorXd forces = VectorXd::Zero(v.size());
+  for (std::size_t k = 0; k < elements_->all().size(); ++k) {
+    const Element& e = elements_->all()[k];
+    Vector3d u = elements_->relative(e, v);
+    if (!problem.slid.empty() && !e.bond) u[0] += e.friction / problem.divisor * problem.slid[k];
+    const Vector3d w = at.x[k] - u / rho;
+    const Local own = local(problem, k, w);
+    elements_->add_force(e, own.x, forces);
+    // Moreau's envelope: (|w|^2 - |w - P w|^2) / 2 = w.P w - |P w|^2 / 2.
+    value += rho * (w.dot(own.x) - 0.5 * own.x.squaredNorm());
+    if (locals != nullptr) (*locals)[k] = own;
+  }
+  gradient += v - forces;
+  return value;
+}
+
+bool Newton::direct(const std::vector<Local>& locals, double rho, bool symmetric, const VectorXd& gradient,
+                    VectorXd& step) {
+  ++factors_;
+  const Index w = elements_->width();
+  const std::size_t n = elements_->bodies();
+  MatrixXd whole;
+  if (dense_) {
+    whole = MatrixXd::Identity(gradient.size(), gradient.size());
+  } else {
+    factor_->clear(symmetric);
+    for (std::size_t b = 0; b < n; ++b) factor_->block(b, b).diagonal().setOnes();
+  }
+  const auto add = [&](std::size_t row, std::size_t column, const auto& value) {
+    if (dense_) {
+      whole.block(w * static_cast<Index>(row), w * static_cast<Index>(column), w, w) += value;
+    } else {
+      factor_->block(row, column) += value;
+    }
+  };
+  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+  const std::vector<Element>& all = elements_->all();
+  for (std::size_t first = 0; first < all.size();) {
+    const Element& lead = all[first];
+    Block own = Block::Zero(w, w), other = own, cross = own, back = own;
+    bool any = false;
+    std::size_t k = first;
+    for (; k < all.size() && all[k].contact == lead.contact; ++k) {
+      if (!locals[k].any) continue;
+      any = true;
+      const Rows left = all[k].on_body * (locals[k].slope / rho);
+      own.noalias() += left * all[k].on_body.transpose();
+      if (!lead.other) continue;
+      const Rows right = all[k].on_other * (locals[k].slope / rho);
+      other.noalias() += right * all[k].on_other.transpose();
+      cross.noalias() += left * all[k].on_other.transpose();
+      back.noalias() += right * all[k].on_body.transpose();
+    }
+    first = k;
+    if (!any) continue;
+    add(lead.body, lead.body, own);
+    if (!lead.other) continue;
+    add(*lead.other, *lead.other, other);
+    add(lead.body, *lead.other, cross);
+    add(*lead.other, lead.body, back);
+  }
+  step = -gradient;
+  if (!dense_) {
+    if (!factor_->factorise()) return false;
+    factor_->solve(step);
+  } else if (symmetric) {
+    const Eigen::LLT<MatrixXd> factor{whole};
+    if (factor.info() != Eigen::Success) return false;
+    factor.solveInPlace(step);
+  } else {
+    step = whole.partialPivLu().solve(step).eval();
+  }
+  return step.allFinite();
+}
+
+double Newton::inner(const Problem& problem, State& state, double rho) {
+  const bool convex = problem.law != Law::coulomb;
+  std::vector<Local> locals(elements_->all().size());
+  VectorXd gradient, tried_gradient, step, tried;
+  double value = evaluate(problem, state, rho, state.v, gradient, &locals);
+  double size = gradient.lpNorm<Eigen::Infinity>();
+  const double enough = std::max(1e-15, 1e-16 * state.v.lpNorm<Eigen::Infinity>() / rho);
+  int stuck = 0;
+  for (int iteration = 0; iteration < 80 && size > enough; ++iteration) {
+    if (!direct(locals, rho, convex, gradient, step)) break;
+    const double slope = gradient.dot(step);
+    double share = 1, best = 0, best_size = size;
+    for (int halving = 0; halving < 30; ++halving, share *= 0.5) {
+      tried = state.v + share * step;
+      const double found = evaluate(problem, state, rho, tried, tried_gradient, nullptr);
+      const double found_size = tried_gradient.lpNorm<Eigen::Infinity>();
+      // Near the end the value has no digits left; what remains of the gradient has.
+      if ((convex && found <= value + 1e-4 * share * slope) || found_size <= (1 - 0.1 * share) * size) {
+        best = share;
+        break;
+      }
+      if (found_size < best_size) {
+        best = share;
+        best_size = found_size;
+        if (!convex && halving > 6) break;
+      }
+    }
+    if (!(best > 0)) break;
+    state.v += best * step;
+    value = evaluate(problem, state, rho, state.v, gradient, &locals);
+    const double before = std::exchange(size, gradient.lpNorm<Eigen::Infinity>());
+    stuck = size > 0.5 * before && size < 1e-9 ? stuck + 1 : 0;
+    if (stuck > 3) break;
+  }
+  for (std::size_t k = 0; k < locals.size(); ++k) state.x[k] = locals[k].x;
+  return size;
+}
+
+Settled Newton::solve(const Problem& problem, State& state, double rough) {
+  Settled result;
+  const unsigned before = factors_;
+  // Forces that grow far before they hold need less weight; where rates are large that would cost their digits.
+  constexpr double fine = 1e-5, finest = 1e-13;
+  double rho = rough, last = 1;
+  int idle = 0;
+  for (int outer = 0; outer < 100; ++outer) {
+    const std::vector<Vector3d> old = state.x;
+    result.off = inner(problem, state, rho);
+    if (problem.law == Law::coulomb && result.off > 1e-6) break;  // not convex, and lost
+    double change = 0;
+    for (std::size_t k = 0; k < old.size(); ++k) {
+      change = std::max(change, (state.x[k] - old[k]).lpNorm<Eigen::Infinity>());
+    }
+    result.violation = rho * change;
+    const double speed = state.v.lpNorm<Eigen::Infinity>();
+    if (speed < at_rest) break;
+    const double fall = last > 0 ? result.violation / last : 0;
+    last = result.violation;
+    if (rho > 1.01 * fine) {
+      rho = std::max(fine, 0.1 * rho);
+      continue;
+    }
+    if (result.violation <= 2e-16 * speed) break;
+    if (fall > 0.2) rho = std::max(finest, (fall > 0.8 ? 0.01 : 0.1) * rho);
+    idle = fall > 0.5 ? idle + 1 : 0;
+    if (idle > 14) break;
+  }
+  result.factors = factors_ - before;
+  return result;
+}
+
+}  // namespace cleave::assembly

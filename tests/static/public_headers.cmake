@@ -1,0 +1,28 @@
+# cmake -DCOMPILER=... -DROOT=... -P public_headers.cmake
+# Which headers does a public header bring with it? None of Boost: `cleave/exact/wide.hpp` alone may, which no public header
+# includes. Nor of Eigen, but `cleave/linear/fronts.hpp`.
+file(GLOB headers ${ROOT}/lib/*/include/cleave/*/*.hpp)
+list(FILTER headers EXCLUDE REGEX "/(exact/wide|linear/fronts)\\.hpp$")
+list(LENGTH headers count)
+if(count LESS 50)
+  message(FATAL_ERROR "only ${count} headers found under ${ROOT}")
+endif()
+file(GLOB roots ${ROOT}/lib/*/include)
+list(TRANSFORM roots PREPEND -I)
+set(text "")
+foreach(header IN LISTS headers)
+  string(APPEND text "#include \"${header}\"\n")
+endforeach()
+file(WRITE ${WORK}/public_headers.cpp "${text}")
+execute_process(COMMAND ${COMPILER} -std=c++23 ${roots} -M ${WORK}/public_headers.cpp
+  OUTPUT_VARIABLE needed RESULT_VARIABLE failed)
+if(failed)
+  message(FATAL_ERROR "the public headers cannot be preprocessed")
+endif()
+string(REGEX MATCHALL "[^ \n]*/boost/[^ \n]*" boost "${needed}")
+list(LENGTH boost number)
+if(number GREATER 0)
+  list(GET boost 0 first)
+  message(FATAL_ERROR "the public headers bring ${number} headers of Boost, ${first} among them")
+endif()
+message(STATUS "${count} public headers, none of Boost")
