@@ -291,7 +291,7 @@ TEST(StabilityTables, RowsOfTheFilesBesideKeyBlocks) {
   const std::string blocks = support_blocks_csv(cases);
   EXPECT_TRUE(blocks.contains("\nbase,3,falling,1.5,"));
   EXPECT_TRUE(blocks.contains("\n\"a,b\",3,falling,1.5,"));
-  EXPECT_TRUE(combined_blocks_csv(cases).contains("\nbase,0,3;7,0,0,1,wedge,1,0,0,0,0\n"));
+  EXPECT_TRUE(combined_blocks_csv(cases).contains("\nbase,0,3;7,0,1,wedge,1,0,0,0,0,,,0,0\n"));
   EXPECT_TRUE(maximum_blocks_csv(t.page.maximum_blocks).contains("\nA,B,C & D,101,roof,0,0,12.5,"));
   const std::string keys = key_blocks_csv(t.complex, t.analysis);
   EXPECT_TRUE(keys.contains(",faces,joints,turns\n"));

@@ -163,8 +163,8 @@ std::string key_blocks_section(const Page& page) {
   out += rows + "</tbody></table></div>";
   if (page.field_stress != nullptr) {
     const scene::FieldStressResult& f = *page.field_stress;
-    out += "<p class=\"small\">Clamped: equilibrium with the normal and shear forces of the rock around “" + escape_xml(f.tunnel) +
-           "” across the joints (elastic section, " + display_count(f.elements) +
+    out += "<p class=\"small\">Clamped: equilibrium with the normal and shear forces of the rock around “" +
+           escape_xml(f.tunnel) + "” across the joints (elastic section, " + display_count(f.elements) +
            " boundary elements, estimated error " + display(f.error, 2) + "). " + display_count(f.held) +
            (f.held == 1 ? " block that would fall is" : " blocks that would fall are") +
            " held by it. The stress goes when the rock loosens: do not count on it for support.</p>";

@@ -333,43 +333,63 @@ std::string why_section(const Page& page) {
   return out + "</section>\n";
 }
 
+/// "–" where there is no value.
+std::string maybe(const std::optional<double>& value) { return value ? display(*value, 3) : "–"; }
+
 std::string support_section(const Page& page) {
   if (page.support == nullptr || !page.summary.support) return {};
   const SupportFigures& f = *page.summary.support;
-  std::string out = "<section id=\"support\"><h2>Support</h2>\n<p>" +
-                    std::string{f.passes ? "Every block reaches its target." : "Some blocks miss their target."} + " " +
-                    display_count(f.blocks) + " blocks need support: " + display_count(f.held_by_bolts) +
-                    " held by bolts, " + display_count(f.held_by_shotcrete) + " by shotcrete, " +
-                    display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" +
-                    display_count(f.spot_bolts) + " spot bolts): " + display_count(f.bolts_used) + " needed, " +
-                    display_count(f.bolts_redundant) + " redundant, " + display_count(f.bolts_too_short) +
-                    " too short. " + display_count(f.combined) + " bodies stitched together by bolts, " +
-                    display_count(f.combined_failing) + " of them below their target.";
+  std::string out =
+      "<section id=\"support\"><h2>Support</h2>\n<p>" +
+      std::string{f.passes ? "Every block reaches its target." : "Some blocks miss their target."} + " " +
+      display_count(f.blocks) + " blocks need support: " + display_count(f.held_by_bolts) + " held by bolts, " +
+      display_count(f.held_by_shotcrete) + " by shotcrete, " + display_count(f.held_by_both) + " by both together, " +
+      display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" + display_count(f.spot_bolts) +
+      " spot bolts): " + display_count(f.bolts_used) + " needed, " + display_count(f.bolts_redundant) + " redundant, " +
+      display_count(f.bolts_too_short) + " too short. " + display_count(f.combined) +
+      " bodies stitched together by bolts, " + display_count(f.combined_failing) + " of them below their target.";
   if (f.required_force_n_per_metre) {
     out += " Required force: " + display(*f.required_force_n_per_metre / 1000, 3) + " kN per metre of tunnel.";
   }
+  if (f.small_blocks > 0) {
+    out += " " + display_count(f.small_blocks) + " of the blocks have less free face than spot_area (" +
+           display_count(f.small_not_held) + " of them not held): their pressures are left out below.";
+  }
   out += "</p>\n";
+  if (!f.pressures.empty()) {
+    out +=
+        "<h3>Required pressure</h3><table id=\"pressures\"><thead><tr><th>Where</th><th>Blocks</th><th>Free face "
+        "(m²)</th><th>On half of it at most (kPa)</th><th>On 90 % of it</th><th>Largest</th></tr></thead><tbody>\n";
+    for (const PressureFigures& p : f.pressures) {
+      out += "<tr><td>" + p.where + "</td><td>" + display_count(p.blocks) + "</td><td>" + display(p.free_area_m2, 3) +
+             "</td><td>" + display(p.median_pa / 1000, 3) + "</td><td>" + display(p.p90_pa / 1000, 3) + "</td><td>" +
+             display(p.largest_pa / 1000, 3) + "</td></tr>\n";
+    }
+    out += "</tbody></table>\n";
+  }
   if (!page.support->blocks.empty()) {
     out +=
         "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Block</th><th>Mode</th><th>Net force (kN)</th>"
-        "<th>Factor</th><th>Target</th><th>Held by</th><th>Bolts</th><th>Factor with bolts</th><th>Share used</th>"
+        "<th>Factor</th><th>Target</th><th>Held by</th><th>Factor with support</th><th>Bolts</th><th>Bolts "
+        "alone</th><th>Shotcrete alone</th><th>Share of bolts</th>"
         "<th>Missing (kN)</th><th>Required force (kN)</th><th>Required pressure (kPa)</th></tr></thead><tbody>\n";
     for (const stability::SupportedBlock& b : page.support->blocks) {
       out += "<tr data-block=\"" + std::to_string(b.block.value()) + "\"><td>" + std::to_string(b.block.value()) +
              "</td><td>" + std::string{stability::name(b.mode)} + "</td><td>" + display(b.net_force / 1000) +
              "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" + display(b.target, 3) + "</td><td>" +
-             std::string{stability::name(b.held)} + "</td><td>" + std::to_string(b.bolts) + "</td><td>" +
-             display(b.factor_with_bolts, 3) + "</td><td>" + (b.mobilised <= 1 ? display(b.mobilised, 3) : "–") +
-             "</td><td>" + display(b.missing_force / 1000) + "</td><td>" + display(b.required_force / 1000) +
-             "</td><td>" + display(b.required_pressure / 1000, 3) + "</td></tr>\n";
+             std::string{stability::name(b.held)} + "</td><td>" + maybe(b.factor_with_support) + "</td><td>" +
+             std::to_string(b.bolts) + "</td><td>" + display(b.factor_with_bolts, 3) + "</td><td>" +
+             (b.factor_with_shotcrete > 0 ? display(b.factor_with_shotcrete, 3) : "–") + "</td><td>" +
+             maybe(b.mobilised) + "</td><td>" + display(b.missing_force / 1000) + "</td><td>" +
+             display(b.required_force / 1000) + "</td><td>" + display(b.required_pressure / 1000, 3) + "</td></tr>\n";
     }
     out += "</tbody></table></div>\n";
   }
   if (!page.support->combined.empty()) {
     out +=
         "<h3>Stitched bodies</h3><div class=\"scroll\"><table id=\"combined\"><thead><tr><th>Blocks</th><th>Volume "
-        "(m³)</th><th>Mode</th><th>Net force (kN)</th><th>Factor</th><th>Target</th><th>Passes</th><th>Missing "
-        "(kN)</th></tr></thead><tbody>\n";
+        "(m³)</th><th>Mode</th><th>Net force (kN)</th><th>Factor</th><th>Bolts that leave it</th><th>Factor with "
+        "them</th><th>Target</th><th>Passes</th><th>Missing (kN)</th></tr></thead><tbody>\n";
     for (const stability::CombinedBlock& b : page.support->combined) {
       constexpr std::size_t most_named = 12;
       std::string members;
@@ -377,13 +397,11 @@ std::string support_section(const Page& page) {
         members += (k == 0 ? "" : ", ") + std::to_string(b.members[k].value());
       }
       if (b.members.size() > most_named) members += " and " + display_count(b.members.size() - most_named) + " more";
-      const std::string mode = b.immovable   ? "held by rock that stays"
-                               : b.removable ? std::string{stability::name(b.mode)}
-                                             : "cannot move";
+      const std::string mode = b.removable ? std::string{stability::name(b.mode)} : "cannot move";
       out += "<tr><td class=\"wide\">" + members + "</td><td>" + display(b.volume) + "</td><td>" + mode + "</td><td>" +
              display(b.net_force / 1000) + "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" +
-             display(b.target, 3) + "</td><td>" + (b.passes ? "yes" : "no") + "</td><td>" +
-             display(b.missing_force / 1000) + "</td></tr>\n";
+             display_count(b.bolts) + "</td><td>" + maybe(b.factor_with_support) + "</td><td>" + display(b.target, 3) +
+             "</td><td>" + (b.passes ? "yes" : "no") + "</td><td>" + display(b.missing_force / 1000) + "</td></tr>\n";
     }
     out += "</tbody></table></div>\n";
   }
@@ -401,16 +419,23 @@ std::string support_section(const Page& page) {
   }
   if (!f.designs.empty()) {
     out +=
-        "<h3>Search for a pattern</h3><table><thead><tr><th>Length (m)</th><th>Spacing times</th><th>Bolts</th>"
-        "<th>Cost</th></tr></thead><tbody>\n";
+        "<h3>Search for a pattern</h3><table><thead><tr><th>Length (m)</th><th>Spacing times</th><th>Spacing (m)</th>"
+        "<th>Rings</th><th>Bolts</th><th>Cost</th><th>Random offsets that fail</th><th>Governing "
+        "block</th></tr></thead><tbody>\n";
     for (const DesignFigures& d : f.designs) {
       out += "<tr><td>" + display(d.length_m, 3) + "</td><td>" + (d.found ? display(d.scale, 3) : "none passes") +
-             "</td><td>" + (d.found ? display_count(d.bolts) : "–") + "</td><td>" +
-             (d.found ? display(d.cost, 4) : "–") + "</td></tr>\n";
+             "</td><td>" + display(d.spacing_m[0], 3) + " × " + display(d.spacing_m[1], 3) + "</td><td>" +
+             (d.rings > 0 ? display_count(d.rings) : "–") + "</td><td>" + (d.found ? display_count(d.bolts) : "–") +
+             "</td><td>" + (d.found ? display(d.cost, 4) : "–") + "</td><td>" + display_count(d.failing) + " of " +
+             display_count(d.offsets) + " (" + display(100 * d.failing_share[0], 2) + " to " +
+             display(100 * d.failing_share[1], 2) + " %)</td><td>" +
+             (d.governing ? std::to_string(*d.governing) : "–") + "</td></tr>\n";
     }
     out +=
-        "</tbody></table><p class=\"small\">Widest spacing at which every offset of the pattern that was tried holds "
-        "all blocks, alone and stitched.</p>\n";
+        "</tbody></table><p class=\"small\">Widest spacing at which every offset of the search holds all blocks, alone "
+        "and stitched; spacing of the first pattern, of the tightest where none passes. At other offsets the pattern "
+        "may fail: share with its 95 % interval. The governing block misses its target most often, or has the least "
+        "margin.</p>\n";
   }
   return out + "</section>\n";
 }

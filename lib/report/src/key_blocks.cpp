@@ -51,6 +51,11 @@ void append_transferred(std::string& out, const stability::Judgement& j) {
   }
 }
 
+/// Nothing where there is no value.
+void append_optional(std::string& out, const std::optional<double>& value) {
+  if (value) append_number(out, *value);
+}
+
 void append_supported(std::string& out, const stability::Judgement& j, const stability::SupportResult& support) {
   const auto found = std::ranges::lower_bound(support.blocks, j.block, {}, &stability::SupportedBlock::block);
   const bool listed = found != support.blocks.end() && found->block == j.block;
@@ -64,10 +69,11 @@ void append_supported(std::string& out, const stability::Judgement& j, const sta
   out += ',';
   out += stability::name(found->held);
   out += ',' + std::to_string(found->bolts);
-  const double factor =
-      found->held == stability::Held::shotcrete ? found->factor_with_shotcrete : found->factor_with_bolts;
-  for (const double value :
-       {found->mobilised, factor, found->missing_force, found->required_force, found->required_pressure}) {
+  out += ',';
+  append_optional(out, found->mobilised);
+  out += ',';
+  append_optional(out, found->factor_with_support);
+  for (const double value : {found->missing_force, found->required_force, found->required_pressure}) {
     out += ',';
     append_number(out, value);
   }
@@ -163,7 +169,8 @@ std::string key_blocks_csv(const topology::BlockComplex& complex, const stabilit
 std::string support_blocks_csv(std::span<const NamedSupport> cases) {
   std::string out{
       "case,block,mode,target,net_force_n,factor_of_safety,held_by,bolts,factor_with_bolts,factor_with_shotcrete,"
-      "mobilised_share,missing_force_n,required_force_n,required_pressure_pa,free_area_m2,shotcrete_thickness_m\n"};
+      "factor_with_support,mobilised_share,missing_force_n,required_force_n,required_pressure_pa,free_area_m2,"
+      "shotcrete_thickness_m\n"};
   for (const NamedSupport& load : cases) {
     for (const stability::SupportedBlock& b : load.support->blocks) {
       out += csv_text(load.name) + ',' + std::to_string(b.block.value()) + ',';
@@ -175,8 +182,16 @@ std::string support_blocks_csv(std::span<const NamedSupport> cases) {
       out += ',';
       out += stability::name(b.held);
       out += ',' + std::to_string(b.bolts);
-      for (const double value : {b.factor_with_bolts, b.factor_with_shotcrete, b.mobilised, b.missing_force,
-                                 b.required_force, b.required_pressure, b.free_area, b.needed_thickness}) {
+      for (const double value : {b.factor_with_bolts, b.factor_with_shotcrete}) {
+        out += ',';
+        append_number(out, value);
+      }
+      for (const auto& value : {b.factor_with_support, b.mobilised}) {
+        out += ',';
+        append_optional(out, value);
+      }
+      for (const double value :
+           {b.missing_force, b.required_force, b.required_pressure, b.free_area, b.needed_thickness}) {
         out += ',';
         append_number(out, value);
       }
@@ -188,7 +203,8 @@ std::string support_blocks_csv(std::span<const NamedSupport> cases) {
 
 std::string combined_blocks_csv(std::span<const NamedSupport> cases) {
   std::string out{
-      "case,body,members,volume_m3,fixed,removable,mode,target,net_force_n,factor_of_safety,passes,missing_force_n\n"};
+      "case,body,members,volume_m3,removable,mode,target,net_force_n,factor_of_safety,bolts_leaving,"
+      "bolt_force_n,factor_with_support,mobilised_share,passes,missing_force_n\n"};
   for (const NamedSupport& load : cases) {
     for (std::size_t i = 0; i < load.support->combined.size(); ++i) {
       const stability::CombinedBlock& b = load.support->combined[i];
@@ -198,12 +214,17 @@ std::string combined_blocks_csv(std::span<const NamedSupport> cases) {
       }
       out += ',';
       append_number(out, b.volume);
-      out += b.immovable ? ",1" : ",0";
       out += b.removable ? ",1," : ",0,";
       if (b.removable) out += stability::name(b.mode);
       for (const double value : {b.target, b.net_force, b.factor_of_safety}) {
         out += ',';
         append_number(out, value);
+      }
+      out += ',' + std::to_string(b.bolts) + ',';
+      append_number(out, b.bolt_force);
+      for (const auto& value : {b.factor_with_support, b.mobilised}) {
+        out += ',';
+        append_optional(out, value);
       }
       out += b.passes ? ",1," : ",0,";
       append_number(out, b.missing_force);

@@ -219,6 +219,19 @@ void write_section(JsonWriter& json, const MonteCarloPage& page) {
   for (const std::uint64_t k : f.failed) json.value(k);
   json.end_array();
   json.member("stopped_at_max_batches", f.stopped_at_max_batches);
+  json.member("free_area_fixed_share", f.free_area_fixed_share);
+  if (f.middle_fixed_share) json.member("middle_area_fixed_share", *f.middle_fixed_share);
+  if (f.guard_length_m) json.member("guard_length_m", *f.guard_length_m);
+  json.key("factors_of_safety");
+  json.begin_array();
+  for (const auto& point : f.factors) {
+    json.begin_object();
+    json.member("factor", point.factor);
+    json.member("share_below", point.share_below);
+    json.member("number_below", point.number_below);
+    json.end_object();
+  }
+  json.end_array();
   json.member("surface_blocks_fixed_share", f.surface_fixed_share);
   json.member("key_volume_beside_fixed_share", f.beside_fixed_share);
   json.key("notes");

@@ -1,7 +1,10 @@
 #include "cleave/report/summary.hpp"
 
 #include <algorithm>
+#include <numbers>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "cleave/report/json.hpp"
 #include "cleave/report/modes.hpp"
@@ -145,6 +148,7 @@ void write_support(JsonWriter& json, const SupportFigures& f) {
   json.member("blocks", f.blocks);
   json.member("held_by_bolts", f.held_by_bolts);
   json.member("held_by_shotcrete", f.held_by_shotcrete);
+  json.member("held_by_both", f.held_by_both);
   json.member("not_held", f.not_held);
   json.member("bolts", f.bolts);
   json.member("spot_bolts", f.spot_bolts);
@@ -157,6 +161,22 @@ void write_support(JsonWriter& json, const SupportFigures& f) {
   if (f.required_force_n_per_metre) json.member("required_force_n_per_metre", *f.required_force_n_per_metre);
   json.member("largest_required_pressure_pa", f.largest_required_pressure_pa);
   json.member("missing_force_n", f.missing_force_n);
+  json.key("pressures");
+  json.begin_array();
+  for (const PressureFigures& p : f.pressures) {
+    json.begin_object();
+    json.member("where", p.where);
+    json.member("blocks", p.blocks);
+    json.member("free_area_m2", p.free_area_m2);
+    json.member("median_pa", p.median_pa);
+    json.member("p90_pa", p.p90_pa);
+    json.member("largest_pa", p.largest_pa);
+    json.end_object();
+  }
+  json.end_array();
+  json.member("small_blocks", f.small_blocks);
+  json.member("small_not_held", f.small_not_held);
+  json.member("small_required_force_n", f.small_required_force_n);
   if (!f.designs.empty()) {
     json.key("designs");
     json.begin_array();
@@ -167,6 +187,16 @@ void write_support(JsonWriter& json, const SupportFigures& f) {
       json.member("spacing_scale", d.scale);
       json.member("bolts", d.bolts);
       json.member("cost", d.cost);
+      json.key("spacing_m");
+      json.begin_array();
+      for (const double spacing : d.spacing_m) json.value(spacing);
+      json.end_array();
+      json.member("rings", d.rings);
+      json.member("offsets", d.offsets);
+      json.member("offsets_failing", d.failing);
+      json.member("failing_share_low", d.failing_share[0]);
+      json.member("failing_share_high", d.failing_share[1]);
+      if (d.governing) json.member("governing_block", *d.governing);
       json.end_object();
     }
     json.end_array();
@@ -315,6 +345,43 @@ KeyBlockFigures count_key_blocks(const stability::Analysis& analysis, const std:
   return figures;
 }
 
+namespace {
+
+/// By the way the blocks' free faces look: down within 45 degrees is the roof, up the floor.
+std::vector<PressureFigures> pressures_of(const stability::SupportResult& support) {
+  std::vector<PressureFigures> out;
+  for (const auto& [where, low, high] : {std::tuple{"roof", -2.0, -std::numbers::sqrt2 / 2},
+                                         {"walls", -std::numbers::sqrt2 / 2, std::numbers::sqrt2 / 2},
+                                         {"floor", std::numbers::sqrt2 / 2, 2.0}}) {
+    std::vector<std::pair<double, double>> rows;  // pressure, area
+    PressureFigures side{.where = where};
+    for (const stability::SupportedBlock& b : support.blocks) {
+      const double z = b.free_outward.z;
+      if (b.small || !(z >= low && z < high)) continue;
+      rows.emplace_back(b.required_pressure, b.free_area);
+      side.free_area_m2 += b.free_area;
+    }
+    if (rows.empty()) continue;
+    std::ranges::sort(rows);
+    side.blocks = rows.size();
+    const auto at = [&](double share) {
+      double area = 0;
+      for (const auto& [pressure, part] : rows) {
+        area += part;
+        if (area >= share * side.free_area_m2) return pressure;
+      }
+      return rows.back().first;
+    };
+    side.median_pa = at(0.5);
+    side.p90_pa = at(0.9);
+    side.largest_pa = rows.back().first;
+    out.push_back(side);
+  }
+  return out;
+}
+
+}  // namespace
+
 SupportFigures count_support(const stability::SupportResult& support) {
   SupportFigures f;
   f.passes = support.passes();
@@ -324,11 +391,19 @@ SupportFigures count_support(const stability::SupportResult& support) {
   for (const stability::SupportedBlock& b : support.blocks) {
     f.held_by_bolts += b.held == stability::Held::bolts ? 1U : 0U;
     f.held_by_shotcrete += b.held == stability::Held::shotcrete ? 1U : 0U;
+    f.held_by_both += b.held == stability::Held::together ? 1U : 0U;
     f.not_held += b.held == stability::Held::not_held ? 1U : 0U;
     f.required_force_n += b.required_force;
     f.missing_force_n += b.missing_force;
-    f.largest_required_pressure_pa = std::max(f.largest_required_pressure_pa, b.required_pressure);
+    if (b.small) {
+      ++f.small_blocks;
+      f.small_not_held += b.held == stability::Held::not_held ? 1U : 0U;
+      f.small_required_force_n += b.required_force;
+    } else {
+      f.largest_required_pressure_pa = std::max(f.largest_required_pressure_pa, b.required_pressure);
+    }
   }
+  f.pressures = pressures_of(support);
   for (const stability::BoltResult& bolt : support.bolts) {
     f.bolts_used += bolt.status == stability::BoltStatus::holds ? 1U : 0U;
     f.bolts_redundant += bolt.status == stability::BoltStatus::redundant ? 1U : 0U;

@@ -142,7 +142,9 @@ Summary summarize(const scene::RunResult& result) {
       summary.support->required_force_n_per_metre = summary.support->required_force_n / result.tunnel_length;
     }
     for (const scene::DesignResult& d : result.designs) {
-      summary.support->designs.push_back({d.length, d.found, d.scale, d.bolts, d.cost});
+      summary.support->designs.push_back({d.length, d.found, d.scale, d.bolts, d.cost, d.spacing, d.rings, d.offsets,
+                                          d.failing, d.failing_share,
+                                          d.governing ? std::optional{d.governing->value()} : std::nullopt});
     }
     for (const scene::CaseSupport& load : result.support_cases) {
       const SupportFigures f = count_support(load.support);

@@ -216,7 +216,7 @@ void parse_shotcrete(const TableReader& owner, SupportSettings& support) {
 void parse_design(const TableReader& owner, SupportSettings& support) {
   const TomlTable* found = owner.table("design");
   if (found == nullptr) return;
-  constexpr std::array<string_view, 5> keys{"lengths", "scale", "phases", "cost_per_bolt", "cost_per_metre"};
+  constexpr std::array<string_view, 6> keys{"lengths", "scale", "phases", "cost_per_bolt", "cost_per_metre", "offsets"};
   const TableReader table{*found, owner.line_of("design"), owner.path_of("design"), owner.problems(), keys};
   DesignSettings design;
   const TomlEntry* lengths = table.find("lengths");
@@ -243,6 +243,7 @@ void parse_design(const TableReader& owner, SupportSettings& support) {
   design.phases = static_cast<std::uint32_t>(table.integer("phases", 1, 64).value_or(4));
   design.cost_per_bolt = table.number("cost_per_bolt", capacity_rule).value_or(0);
   design.cost_per_metre = table.number("cost_per_metre", capacity_rule).value_or(1);
+  design.offsets = static_cast<std::uint32_t>(table.integer("offsets", 1, 10000).value_or(40));
   if (support.patterns.empty()) {
     owner.error("design", "there is no pattern to space", "add [[support.bolts]] with tunnel or grid");
     return;

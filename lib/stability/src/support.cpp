@@ -119,6 +119,8 @@ class Check final {
         entry.free_area += face.area.si();
         push -= face.area.si() * face.outward;
       }
+      entry.small = entry.free_area < plan_->spot_area;
+      if (norm(push) > 1e-9 * entry.free_area) entry.free_outward = -push / norm(push);
       entry.required_direction = best_direction(*body);
       const double most = 1.05 * body->target * body->bare.driving;
       entry.required_force = least_multiple(*body, most * entry.required_direction, most);

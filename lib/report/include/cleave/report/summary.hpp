@@ -141,6 +141,11 @@ struct DesignFigures {
   double scale;  ///< of the scene's spacings
   std::uint64_t bolts;
   double cost;
+  std::array<double, 2> spacing_m{};  ///< of the first pattern
+  std::uint64_t rings = 0;
+  std::uint64_t offsets = 0, failing = 0;  ///< drawn at random
+  std::array<double, 2> failing_share{};   ///< 95 % interval
+  std::optional<std::uint32_t> governing = {};
 };
 
 /// The support under one named load case.
@@ -158,13 +163,26 @@ struct MaximumFigures {
   double largest_required_pressure_pa = 0;
 };
 
+/// Pressure on the free faces of blocks that need support, at one side of the opening; small blocks left out.
+struct PressureFigures {
+  std::string where;  ///< "roof", "walls", "floor"
+  std::uint64_t blocks = 0;
+  double free_area_m2 = 0;
+  /// Pa: on half, on 90 % of that area no more than this is required; and the most. Infinite where none does.
+  double median_pa = 0, p90_pa = 0, largest_pa = 0;
+};
+
 struct SupportFigures {
   bool passes = false;
-  std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, not_held = 0;
+  std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, held_by_both = 0, not_held = 0;
   std::uint64_t bolts = 0, spot_bolts = 0, bolts_used = 0, bolts_redundant = 0, bolts_too_short = 0;
   std::uint64_t combined = 0, combined_failing = 0;
   double required_force_n = 0, largest_required_pressure_pa = 0, missing_force_n = 0;
   std::optional<double> required_force_n_per_metre = {};  ///< of tunnel, where there is one
+  std::vector<PressureFigures> pressures = {};
+  /// Blocks with less free face than `spot_area`: not in the pressures; their forces are in `required_force_n`.
+  std::uint64_t small_blocks = 0, small_not_held = 0;
+  double small_required_force_n = 0;
   std::vector<DesignFigures> designs = {};
   std::vector<SupportCaseFigures> cases = {};  ///< of [[load]]
 };

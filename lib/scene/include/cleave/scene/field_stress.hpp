@@ -28,9 +28,9 @@ struct FieldStressSettings {
 
 /// Joint faces of a block on one plane.
 struct ClampedPlane {
-  topology::FaceId face;    ///< the first one
-  double area = 0;          ///< m2, still in contact
-  double normal_force = 0;  ///< N, of the field; compression positive
+  topology::FaceId face;            ///< the first one
+  double area = 0;                  ///< m2, still in contact
+  double normal_force = 0;          ///< N, of the field; compression positive
   geometry::Vec3 shear_force = {};  ///< N, of the field: of the rock outside on the block
 };
 
@@ -40,8 +40,8 @@ struct ClampedBlock {
   /// Largest factor on all strengths at which normal and shear forces of its joints still balance its loads
   /// (stability/clamping.hpp).
   double factor_of_safety = 0;
-  double compression = 0;       ///< N, sum over planes in compression
-  double tension = 0;           ///< N, sum over planes in tension, >= 0: such joints open
+  double compression = 0;  ///< N, sum over planes in compression
+  double tension = 0;      ///< N, sum over planes in tension, >= 0: such joints open
   std::vector<ClampedPlane> planes = {};
 };
 

@@ -73,6 +73,15 @@ struct DesignResult {
   double scale = 0;  ///< on the scene's spacings
   std::size_t bolts = 0;
   double cost = 0;
+  /// Of the first pattern, m: along a tunnel's axis and around its section, or across and down a grid.
+  std::array<double, 2> spacing{};
+  std::size_t rings = 0;  ///< of the first pattern; 0: a grid
+  /// Offsets drawn at random in both directions, and how many of them fail.
+  std::uint64_t offsets = 0, failing = 0;
+  std::array<double, 2> failing_share{};  ///< Clopper-Pearson, 95 %
+  /// The block that decides: misses its target at the most of these offsets; where none fails, with the least factor
+  /// over target. Where no pattern is found, of the tightest one.
+  std::optional<topology::BlockId> governing = {};
 };
 
 enum class JointOrigin : std::uint8_t { measured, drawn };

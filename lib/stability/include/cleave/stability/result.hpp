@@ -106,6 +106,8 @@ struct Analysis {
   /// id.
   std::vector<Judgement> judgements = {};
   std::vector<Batch> batches = {};
+  /// Blocks that something is open to but that no direction lets go, in the state they are judged in last; ascending.
+  std::vector<topology::BlockId> tapered = {};
   /// Unstable blocks are left (key, without batch): they would have left in the next batch.
   bool stopped_at_max_batches = false;
   bool force_transfer = false;

@@ -111,6 +111,8 @@ struct SupportedBlock {
   Held held = Held::not_held;
   std::uint32_t bolts = 0;                 ///< that act on it
   double free_area = 0;                    ///< m2
+  bool small = false;                      ///< below the plan's `spot_area`
+  geometry::Vec3 free_outward = {};        ///< mean of its free faces' outward normals by area; zero when they cancel
   double required_force = 0;               ///< N: least single force that reaches the target without other support
   geometry::Vec3 required_direction = {};  ///< unit, of that force
   double required_pressure = 0;            ///< Pa on its free faces that reaches the target; inf when none does
