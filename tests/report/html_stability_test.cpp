@@ -59,8 +59,7 @@ struct Tunnel {
     }
     support.blocks = {{.block = topology::BlockId{3U}, .mode = stability::Mode::falling, .target = 1.5}};
     support.blocks[0].held = stability::Held::bolts;
-    support.combined = {
-        {.members = {topology::BlockId{3U}, topology::BlockId{7U}}, .immovable = false, .removable = true}};
+    support.combined = {{.members = {topology::BlockId{3U}, topology::BlockId{7U}}, .removable = true}};
     support.combined[0].mode = stability::Mode::wedge;
     support.combined[0].passes = false;
     page.complex = &complex;
