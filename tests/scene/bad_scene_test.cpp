@@ -138,10 +138,23 @@ INSTANTIATE_TEST_SUITE_P(
             "s.toml:4: joints.default.friction: is -5; give a number at least 0 and below 90 degrees"},
         Bad{"FrictionOf90", with_box("[joints.default]\nfriction = 90\n"),
             "s.toml:4: joints.default.friction: is 90; give a number at least 0 and below 90 degrees"},
-        Bad{"FrictionWithUnit", with_box("[joints.default]\nfriction = \"30 deg\"\n"),
-            "s.toml:4: joints.default.friction: is text but must be a number; write a bare number at least 0 and below "
-            "90 degrees, "
-            "without quotes and unit"},
+        Bad{"FrictionWithUnitOfAnotherKind", with_box("[joints.default]\nfriction = \"30 kN\"\n"),
+            "s.toml:4: joints.default.friction: is \"30 kN\", which is no number with a unit of degrees; write a bare "
+            "number at least 0 and below 90 degrees, or a text with a unit such as \"35 deg\" (units: deg, degrees, °, "
+            "rad)"},
+        Bad{"CountWithUnit", with_box("[stability]\nmax_batches = \"30 m\"\n"),
+            "s.toml:4: stability.max_batches: is text but must be a whole number; give a whole number from 1 to "
+            "1000000"},
+        Bad{"RatioWithUnit", with_box("[stability]\nseismic = [\"1 m\", 0, 0]\n"),
+            "s.toml:4: stability.seismic: is text but must be a number; write a bare number from -1000 to 1000, "
+            "without "
+            "quotes and unit"},
+        Bad{"PropertiesOfNoJoint",
+            with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"bedding\"\n"
+                     "[joints.beding]\nfriction = 12\n"),
+            "s.toml:6: joints.beding: no joint belongs to this set; did you mean \"bedding\"?"},
+        Bad{"OldAndNewName", with_box("[stability]\nstrict = true\nrequire_open_cone = true\n"),
+            "s.toml:4: stability.strict: stands beside \"require_open_cone\", its new name; give one of them"},
         Bad{"FrictionLawWithoutMax",
             with_box("[joints.default]\nfriction = { distribution = \"uniform\", min = 20 }\n"),
             "s.toml:4: joints.default.friction.max: is missing; add min and max, in degrees"},
@@ -229,7 +242,7 @@ INSTANTIATE_TEST_SUITE_P(
             with_box("[[excavation]]\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 2, width = 2 "
                      "}\naxis = [[4, 0, 3], "
                      "[4, 8, 3]]\n"),
-            "s.toml:5: excavation[1].section.width: unknown key; known here: diameter, radius, shape, segments"},
+            "s.toml:5: excavation[1].section.width: unknown key; known here: shape, segments, diameter, radius"},
         Bad{"NoAxis", with_box("[[excavation]]\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 2 }\n"),
             "s.toml:3: excavation[1].axis: is missing; add axis = [[x, y, z], [x, y, z]]"},
         Bad{"FaceOutOfRange",

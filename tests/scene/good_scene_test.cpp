@@ -207,13 +207,54 @@ TEST(SceneTest, PropertiesFallBackToDefault) {
   EXPECT_EQ(properties(1).cohesion.quantile(0.3), pascals(5e3));
 }
 
-TEST(SceneTest, PropertiesOfNoJointAreNoted) {
+TEST(SceneTest, NumbersMayBeTextsWithAUnit) {
+  const Scene scene = scene_of(with_box(
+      "[[joint]]\nplane = { through = [4, \"400 cm\", 3], dip = \"60 deg\", dip_direction = 270 }\n"
+      "[joints.default]\nfriction = { distribution = \"uniform\", min = \"20 deg\", max = 40 }\ncohesion = \"50 kPa\"\n"
+      "tension = \"0.01 MPa\"\n[rock]\ndensity = \"26 kN/m3\"\n"
+      "[stability]\nfree = [\"top\"]\nwater = { table = \"20m\", unit_weight = \"9.81 kN/m3\" }\n"
+      "[support]\nshotcrete = { thickness = \"75 mm\", strength = \"2 MPa\" }\n"
+      "spot = { length = 3, tendon_capacity = \"200 kN\", bond_strength = \"300 kN/m\", anchorage = \"500 mm\" }\n"));
+  const JointProperties& joint = scene.sets[SetId{std::size_t{0}}].properties;
+  EXPECT_EQ(joint.cohesion.mean, 50e3);
+  EXPECT_EQ(joint.tension.mean, 10e3);
+  EXPECT_EQ(joint.friction.min, 20);
+  EXPECT_DOUBLE_EQ(scene.rock.density.si(), 26000 / 9.81);
+  EXPECT_EQ(scene.stability->loads.water->unit_weight, 9810);
+  EXPECT_EQ(scene.support->plan.shotcrete->thickness, 0.075);
+  EXPECT_EQ(scene.support->plan.spot->type.tendon, 200e3);
+  EXPECT_EQ(scene.support->plan.spot->type.anchorage, 0.5);
+  EXPECT_TRUE(scene.notes.empty());
+}
+
+TEST(SceneTest, BareNumbersFarFromUsualOnesNameTheLikelyUnit) {
   const Scene scene =
-      scene_of(with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"bedding\"\n"
-                        "[joints.beding]\nfriction = 12\n"));
+      scene_of(with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\n"
+                        "[joints.default]\nfriction = 0.6\ncohesion = 50\n[rock]\ndensity = 27\nyoung = 40\n"
+                        "[stability]\nfree = [\"top\"]\nwater = { table = 20, unit_weight = 9.81 }\n"
+                        "[support]\nshotcrete = { thickness = 75, strength = 2e6 }\n"
+                        "spot = { length = 3, tendon_capacity = 200, bond_strength = 300e3, anchorage = 0.5 }\n"));
+  std::vector<std::string> meant;
+  for (const Problem& note : scene.notes) meant.push_back(note.key + ": " + note.remedy);
+  EXPECT_EQ(meant,
+            (std::vector<std::string>{"joints.default.friction: if it is meant in rad, write \"0.6 rad\"",
+                                      "joints.default.cohesion: if it is meant in kPa, write \"50 kPa\"",
+                                      "rock.density: if it is meant in kN/m3, write \"27 kN/m3\"",
+                                      "rock.young: if it is meant in GPa, write \"40 GPa\"",
+                                      "stability.water.unit_weight: if it is meant in kN/m3, write \"9.81 kN/m3\"",
+                                      "support.spot.tendon_capacity: if it is meant in kN, write \"200 kN\"",
+                                      "support.shotcrete.thickness: if it is meant in mm, write \"75 mm\""}));
+}
+
+TEST(SceneTest, OldNamesOfKeysAreReadWithANote) {
+  const Scene scene = scene_of(with_box(
+      "[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\n[joints.default]\nfriction = 30\n"
+      "[rock]\ndensity = 2700\n[stability]\nfree = [\"top\"]\nstrict = true\n"));
+  EXPECT_TRUE(scene.stability->strict);
   ASSERT_EQ(scene.notes.size(), 1U);
   EXPECT_EQ(describe(scene.notes[0]),
-            "s.toml:6: joints.beding: no joint belongs to this set; did you mean \"bedding\"?");
+            "s.toml:11: stability.strict: is now called \"require_open_cone\"; write the new "
+            "name: the old one goes with the next version");
 }
 
 TEST(SceneTest, FreeFacesAndGravity) {

@@ -3,7 +3,7 @@
 #include "cleave/scene/run.hpp"
 #include "parse_support.hpp"
 
-// Keys of [[joint]] beyond its shape: holes, ends_on, surface; and keep_dangling. Domain: 8 x 8 x 6 m.
+// Keys of [[joint]] beyond its shape: holes, terminates_at, surface; and keep_dangling. Domain: 8 x 8 x 6 m.
 
 namespace cleave::scene::test {
 namespace {
@@ -46,20 +46,20 @@ TEST(JointKeys, EndsOn) {
   const std::string flat = "[[joint]]\nname = \"bed\"\nplane = { through = [4, 4, 3], dip = 0, dip_direction = 0 }\n";
   const std::string upright = "[[joint]]\nplane = { through = [4, 4, 5], dip = 90, dip_direction = 90 }\n";
   EXPECT_EQ(blocks_of(flat + upright), 4U);
-  EXPECT_EQ(blocks_of(flat + upright + "ends_on = [\"bed\"]\n"), 3U);
-  EXPECT_EQ(blocks_of(upright + "ends_on = [\"bed\"]\n" + flat), 3U) << "names may come later";
-  EXPECT_EQ(error_of(with_box(upright + "ends_on = [\"bad\"]\n" + flat)),
-            "s.toml:4: joint.ends_on: no joint has the name \"bad\"; give a joint that name, or remove it");
+  EXPECT_EQ(blocks_of(flat + upright + "terminates_at = [\"bed\"]\n"), 3U);
+  EXPECT_EQ(blocks_of(upright + "terminates_at = [\"bed\"]\n" + flat), 3U) << "names may come later";
+  EXPECT_EQ(error_of(with_box(upright + "terminates_at = [\"bad\"]\n" + flat)),
+            "s.toml:4: joint.terminates_at: no joint has the name \"bad\"; give a joint that name, or remove it");
   EXPECT_EQ(error_of(with_box(flat + flat)),
             "s.toml:7: joint[2].name: \"bed\" is the name of another joint; choose another");
   const Scene through = scene_of(with_box(
-      flat + "[[joint]]\nplane = { through = [4, 4, 3], dip = 90, dip_direction = 90 }\nends_on = [\"bed\"]\n"));
+      flat + "[[joint]]\nplane = { through = [4, 4, 3], dip = 90, dip_direction = 90 }\nterminates_at = [\"bed\"]\n"));
   StageTimer timer;
   Progress progress{ProgressStyle::quiet};
   const auto refused = run(through, {.threads = 1}, timer, progress);
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().front().line, 7U);
-  EXPECT_EQ(refused.error().front().key, "joint.ends_on");
+  EXPECT_EQ(refused.error().front().key, "joint.terminates_at");
 }
 
 TEST(JointKeys, ASurfaceOfAnObjFile) {

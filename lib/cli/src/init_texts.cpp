@@ -300,8 +300,8 @@ axis = [[12, 0, 12], [12, 20, 12]]
 
 [monte_carlo]
 realizations = 100             # or stop = { quantity = "key_block_volume", relative_half_width = 0.1, max = 5000 }
-volumes = [0.1, 1, 10]         # m3: the probability of a key block above each
-chainage_parts = 10            # of the tunnel's axis
+volume_thresholds = [0.1, 1, 10]         # m3: the probability of a key block above each
+chainage_bins = 10            # of the tunnel's axis
 )toml";
 
 }  // namespace

@@ -56,8 +56,13 @@ double World::Impl::speed_bound(const State& at, std::size_t body) const {
 }
 
 Drift World::Impl::drift(const State& at, const TouchKey& pair, double step) const {
-  const Vec2 vi = at.v[pair.i] - at.spin[pair.i] * bem::turned_left(at.x[pair.i]);
-  const Vec2 vj = at.v[pair.j] - at.spin[pair.j] * bem::turned_left(at.x[pair.j]);
+  const auto speed = [&](std::uint32_t b) {
+    const Shape& shape = shapes[b];
+    const Vec2 fall{shape.inverse_x > 0 ? step * options.gravity.x : 0,
+                    shape.inverse_y > 0 ? step * options.gravity.y : 0};
+    return at.v[b] + fall - at.spin[b] * bem::turned_left(at.x[b]);
+  };
+  const Vec2 vi = speed(pair.i), vj = speed(pair.j);
   return {step * (vi - vj), step * (at.spin[pair.i] - at.spin[pair.j])};
 }
 
@@ -102,7 +107,13 @@ void World::Impl::find(const State& at, const std::vector<Vec2>& all, const std:
     if (rate > 0) longest = std::min(longest, std::max(distance, 0.25 * feature) / rate);
     const double margin = rate * step + 1e-6 * feature;
     if (distance > margin) continue;
-    find_touches(placed(all, box, a), placed(all, box, b), {margin, std::max(margin, 0.3 * feature), 1e-5 * feature},
+    const double near = 1e-5 * feature;
+    find_touches(placed(all, box, a), placed(all, box, b),
+                 {.margin = margin,
+                  .depth = std::max(margin, 0.3 * feature),
+                  .near = near,
+                  .corner = std::clamp(margin, near, 0.3 * feature),
+                  .touching = 2 * contact_depth * feature},
                  drift(at, {a, 0, b, 0}, step), out);
   }
 }

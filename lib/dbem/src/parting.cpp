@@ -5,27 +5,54 @@
 
 namespace cleave::dbem {
 
-/// A corner that ended inside a body without a contact of its own: finds the edge it came through. True when one was
-/// added to the list.
-bool World::Impl::add_missed(const Attempt& out, std::vector<Touch>& list) const {
-  bool added = false;
-  const auto local = [](const State& at, std::uint32_t body, Vec2 p) {
-    return bem::rotated(p - at.x[body], -at.angle[body]);
+std::vector<Clash> World::Impl::clashes_of(Attempt& out) {
+  std::vector<std::uint8_t> lazy(size());
+  for (std::size_t b = 0; b < size(); ++b) lazy[b] = idle(b) ? 1 : 0;
+  const auto solid = [&](std::uint32_t b) {
+    return Solid{corners_of(out.corners, b), out.boxes[b], shapes[b].convex && shapes[b].modes == 0};
   };
-  for (const Touch& t : out.touches) {
-    const double feature = std::min(shapes[t.i].feature, shapes[t.j].feature);
-    if (t.gap > -1e-4 * feature) continue;
-    const Vec2 from = local(state, t.j, corners[first_corner[t.i] + t.vertex]);
-    const Vec2 to = local(out.state, t.j, out.corners[first_corner[t.i] + t.vertex]);
-    const std::size_t edge = first_crossing(shapes[t.j].corners, from, to);
-    if (edge == static_cast<std::size_t>(-1)) continue;
-    Touch missed = t;
-    missed.edge = static_cast<std::uint32_t>(edge);
-    const TouchKey key = key_of(missed);
-    if (std::ranges::any_of(list, [&](const Touch& other) { return key_of(other) == key; })) continue;
-    renew_touch(missed, corners_of(corners, t.i), corners_of(corners, t.j));
-    list.push_back(missed);
-    added = true;
+  std::vector<Clash> found;
+  out.report.max_penetration = 0;
+  for (const BodyPair pair : sweep.pairs(out.boxes, lazy)) {
+    const double feature = std::min(shapes[pair.a].feature, shapes[pair.b].feature);
+    const double rounding = contact_depth * feature;
+    const double depth = clash_depth(solid(pair.a), solid(pair.b), rounding);
+    out.report.max_penetration = std::max(out.report.max_penetration, depth);
+    if (depth > rounding) found.push_back({pair, depth, std::max(options.overlap * feature, 2 * rounding)});
+  }
+  return found;
+}
+
+/// Corners that went into a body in a step that ended in an overlap: finds the edges they came through. True when one
+/// was added to the list.
+bool World::Impl::add_missed(const Attempt& out, const std::vector<Clash>& clashes, std::vector<Touch>& list) const {
+  bool added = false;
+  const auto enter = [&](std::uint32_t i, std::uint32_t j, double rounding) {
+    for (std::size_t v = 0; v < corner_count(i); ++v) {
+      if (shapes[i].sharp[v] == 0) continue;
+      const std::size_t edge = first_crossing(corners_of(corners, j), corners_of(out.corners, j),
+                                              corners[first_corner[i] + v], out.corners[first_corner[i] + v], rounding);
+      if (edge == static_cast<std::size_t>(-1)) continue;
+      Touch missed{.i = i,
+                   .vertex = static_cast<std::uint32_t>(v),
+                   .j = j,
+                   .edge = static_cast<std::uint32_t>(edge),
+                   .gap = 0,
+                   .ratio = 0,
+                   .normal = {},
+                   .point = {}};
+      const TouchKey key = key_of(missed);
+      if (std::ranges::any_of(list, [&](const Touch& other) { return key_of(other) == key; })) continue;
+      renew_touch(missed, corners_of(corners, i), corners_of(corners, j));
+      list.push_back(missed);
+      added = true;
+    }
+  };
+  for (const Clash& clash : clashes) {
+    if (clash.depth <= clash.allowed) continue;
+    const double rounding = 2 * contact_depth * std::min(shapes[clash.pair.a].feature, shapes[clash.pair.b].feature);
+    enter(clash.pair.a, clash.pair.b, rounding);
+    enter(clash.pair.b, clash.pair.a, rounding);
   }
   return added;
 }

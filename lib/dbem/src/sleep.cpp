@@ -5,11 +5,12 @@
 
 namespace cleave::dbem {
 
-bool World::Impl::wake() {
+bool World::Impl::wake(const std::vector<Touch>& list, double closer) {
   if (std::ranges::none_of(asleep, [](std::uint8_t a) { return a != 0; })) return false;
   std::vector<std::uint8_t> rouse(groups, 0);
   bool any = false;
-  for (const Touch& t : touches) {
+  for (const Touch& t : list) {
+    if (t.gap > closer * std::min(shapes[t.i].feature, shapes[t.j].feature)) continue;
     for (const auto& [a, b] : {std::pair{t.i, t.j}, std::pair{t.j, t.i}}) {
       if (asleep[a] != 0 && !idle(b)) rouse[sleep_group[a]] = 1;
       if (asleep[a] != 0 && shapes[b].fixed && !still(b)) rouse[sleep_group[a]] = 1;
@@ -22,6 +23,7 @@ bool World::Impl::wake() {
       any = true;
     }
   }
+  if (any) fat.clear();
   return any;
 }
 

@@ -87,6 +87,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
   std::vector<Touch> moved;
   std::vector<Rows> rows;
   std::vector<ContactSolution> solutions;
+  std::vector<Clash> clashes;
   std::vector<double> theta;
   std::vector<std::uint8_t> implicit(size());
   hint.resize(size());
@@ -212,7 +213,10 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
     place_all(out.state, out.corners, out.boxes);
     const double plan = std::max(next_step, step);
     find(out.state, out.corners, out.boxes, plan, out.touches, out.limit);
-    if (out.report.retries < 8 && add_missed(out, list)) {
+    // What sleeps does not move: what runs into it wakes it, and the step is redone.
+    if (wake(out.touches, contact_depth)) return Failure{0, "", 1};
+    clashes = clashes_of(out);
+    if (out.report.retries < 8 && add_missed(out, clashes, list)) {
       ++out.report.retries;
       continue;
     }
@@ -288,6 +292,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
   }
   out.report.unbalanced = most_pull > 0 ? most_change / most_pull : most_change;
 
+  bool parted = false;
   for (int pass = 0; pass < 3; ++pass) {
     double deepest = 0;
     for (const Touch& t : out.touches) {
@@ -296,13 +301,31 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
     }
     if (deepest <= contact_depth) break;
     if (!project(out)) break;
+    parted = true;
     double limit_again = 0;
     find(out.state, out.corners, out.boxes, std::max(next_step, step), out.touches, limit_again);
     out.limit = std::min(out.limit, limit_again);
   }
-  out.report.max_penetration = 0;
-  for (const Touch& t : out.touches) out.report.max_penetration = std::max(out.report.max_penetration, -t.gap);
+  if (parted) clashes = clashes_of(out);
+  for (const Clash& clash : clashes) {
+    if (clash.depth > clash.allowed + shortened_by_springs(out, clash.pair)) {
+      return Failure{out.report.residual,
+                     fmt::format("bodies '{}' and '{}' run into one another", bodies[clash.pair.a].name,
+                                 bodies[clash.pair.b].name),
+                     0, true};
+    }
+  }
   return std::nullopt;
+}
+
+/// How far springs in the joints of two bodies let them overlap.
+double World::Impl::shortened_by_springs(const Attempt& out, BodyPair pair) const {
+  double most = 0;
+  for (const Memory& m : out.memory) {
+    const bool between = (m.key.i == pair.a && m.key.j == pair.b) || (m.key.i == pair.b && m.key.j == pair.a);
+    if (between) most = std::max(most, 2 * m.compliance * std::abs(m.force.x));
+  }
+  return most;
 }
 
 void World::Impl::accept(Attempt&& done) {
@@ -353,8 +376,7 @@ void World::Impl::accept(Attempt&& done) {
 
 std::expected<StepReport, StepError> World::step(double at_most) {
   Impl& w = *impl_;
-  while (w.wake()) {
-    w.fat.clear();
+  while (w.wake(w.touches, std::numeric_limits<double>::infinity())) {
     w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
     w.seen_step = w.next_step;
   }
@@ -404,6 +426,10 @@ std::expected<StepReport, StepError> World::step(double at_most) {
       return report;
     }
     shortest = step;
+    if (failed->factor >= 1) {  // something woke
+      w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
+      continue;
+    }
     if (failed->factor > 0 && tries < 60) {
       step *= failed->factor;
       ++report.shortened;
@@ -415,6 +441,8 @@ std::expected<StepReport, StepError> World::step(double at_most) {
     }
     step /= 3;
     ++cuts;
+    double limit = 0;
+    if (failed->clash) w.find(w.state, w.corners, w.boxes, step, w.touches, limit);
   }
 }
 

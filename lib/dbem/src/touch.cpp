@@ -25,6 +25,17 @@ Wedge wedge_at(std::span<const Vec2> c, std::size_t k) {
   return {c[next(k, c.size())] - c[k], c[before(k, c.size())] - c[k]};
 }
 
+/// Edges of two corners that face each other and close away from them: no line parts the two corners there.
+enum class Facing : std::uint8_t { none, back_and_out, out_and_back };  // of i, of j
+Facing facing_edges(const Wedge& i, const Wedge& j) {
+  const double a2 = turn(i.out, i.back);
+  const double b1 = turn(i.out, j.out);
+  const double b2 = b1 + turn(j.out, j.back);
+  if (b1 < a2 - 1e-9) return Facing::back_and_out;
+  if (b2 > 2 * pi + 1e-9) return Facing::out_and_back;
+  return Facing::none;
+}
+
 struct Against {
   double gap, ratio;
   Vec2 normal;
@@ -44,26 +55,77 @@ Touch touch_of(const Placed& i, std::size_t vertex, const Placed& j, std::size_t
           a.gap,  std::clamp(a.ratio, 0.0, 1.0),      a.normal, i.corners[vertex]};
 }
 
-/// Corner p of i near corner q of j, both sharp: one contact along the entrance line that is less penetrated.
-void corner_on_corner(const Placed& i, std::size_t p, const Placed& j, std::size_t q, double margin, const Drift& drift,
-                      std::vector<Touch>& out) {
-  const EntranceLines lines = entrance_lines(wedge_at(i.corners, p), wedge_at(j.corners, q));
-  const Vec2 d = i.corners[p] - j.corners[q];
-  double first = dot(lines.first, d);
-  double last = dot(lines.last, d);
-  if (std::max(first, last) > margin) return;
-  const double size = std::max(norm(i.corners[p] - i.corners[next(p, i.corners.size())]), norm(d));
-  if (std::abs(first - last) < 1e-12 * size) {
-    // Equal gaps: the line along which the corners part (or enter later) is the one that allows more.
-    const Vec2 moved = d + drift.at(i.corners[p]);
-    first = dot(lines.first, moved);
-    last = dot(lines.last, moved);
+/// When the way from gap `from` to gap `to` lies behind a line, as shares of the way.
+struct Behind {
+  double since = 2, until = 2;
+};
+Behind behind(double from, double to, double tolerance) {
+  if (from < -tolerance) return {-1, to < 0 ? 2 : from / (from - to)};
+  if (to >= 0) return {};
+  return {std::max(0.0, from / (from - to)), 2};
+}
+
+/// One of the two lines that bound what is forbidden to corner p of i at corner q of j.
+struct Line {
+  Touch touch;   // clamped ratio
+  double ratio;  // of the foot along the edge, not clamped
+  double after;  // gap at the end of the predicted motion
+};
+
+Line line_of(const Placed& i, std::size_t vertex, const Placed& j, std::size_t edge, Vec2 motion) {
+  const Touch t = touch_of(i, vertex, j, edge);
+  return {t, against(j.corners, edge, i.corners[vertex]).ratio, t.gap + dot(t.normal, motion)};
+}
+
+/// How far the foot lies off the edge, in lengths of the edge.
+double off(const Line& line) { return std::max({0.0, -line.ratio, line.ratio - 1}); }
+
+/// Which line of a corner pair holds: the one the predicted way comes through, which is the one it crosses last. Any
+/// line with a positive gap keeps the bodies apart; the choice is which of them does not stop what would pass by.
+/// Nothing when the way leads round behind the corner.
+const Line* holding_line(const Line& first, const Line& last, double tolerance) {
+  const double size = std::max(std::abs(first.touch.gap), std::abs(last.touch.gap));
+  const double drift = std::abs(first.after - first.touch.gap) + std::abs(last.after - last.touch.gap);
+  const bool level = std::abs(first.touch.gap - last.touch.gap) <= 1e-12 * size + 1e-3 * tolerance;
+  if (level && std::abs(first.after - last.after) <= 1e-9 * (size + drift) + 1e-3 * tolerance) {
+    return off(last) < off(first) ? &last : &first;  // one line by two names: where the foot lies on the edge
   }
-  const bool use_first = first >= last;
-  const bool edge_of_j = use_first ? lines.first_is_edge_of_j : lines.last_is_edge_of_j;
-  const std::size_t edge_j = use_first ? q : before(q, j.corners.size());
-  const std::size_t edge_i = use_first ? p : before(p, i.corners.size());
-  out.push_back(edge_of_j ? touch_of(i, p, j, edge_j) : touch_of(j, q, i, edge_i));
+  const Behind a = behind(first.touch.gap, first.after, tolerance);
+  const Behind b = behind(last.touch.gap, last.after, tolerance);
+  if (a.since < 0 && b.since < 0) return first.touch.gap >= last.touch.gap ? &first : &last;  // in: the shallower
+  if (a.since < 0 || b.since < 0) {
+    const Line& outside = a.since < 0 ? last : first;
+    const double in = a.since < 0 ? b.since : a.since;
+    const double out = a.since < 0 ? a.until : b.until;
+    return in < 2 && out < in ? nullptr : &outside;
+  }
+  if (std::abs(a.since - b.since) > 1e-9) return a.since > b.since ? &first : &last;
+  return first.after >= last.after ? &first : &last;
+}
+
+/// Corner p of i near corner q of j, both sharp: at most one contact, a corner of one against an edge of the other.
+void corner_on_corner(const Placed& i, std::size_t p, const Placed& j, std::size_t q, const Reach& reach,
+                      const Drift& drift, std::vector<Touch>& out) {
+  const Wedge own = wedge_at(i.corners, p), other = wedge_at(j.corners, q);
+  const Vec2 motion = drift.at(i.corners[p]);
+  const std::size_t before_p = before(p, i.corners.size()), before_q = before(q, j.corners.size());
+  // i's corner against an edge of j, or j's against one of i: seen from i, j's corner moves the other way.
+  const auto on_j = [&](std::size_t edge) { return line_of(i, p, j, edge, motion); };
+  const auto on_i = [&](std::size_t edge) { return line_of(j, q, i, edge, -motion); };
+  const auto keep = [&](const Line& line) {
+    if (line.touch.gap < reach.margin && line.touch.gap > -reach.depth) out.push_back(line.touch);
+  };
+  // Faces that close away from the corners: the corners may still meet when the bodies turn.
+  if (const Facing facing = facing_edges(own, other); facing != Facing::none) {
+    const Line theirs = on_j(facing == Facing::back_and_out ? q : before_q);
+    const Line ours = on_i(facing == Facing::back_and_out ? before_p : p);
+    keep(off(ours) < off(theirs) ? ours : theirs);
+    return;
+  }
+  const EntranceLines lines = entrance_lines(own, other);
+  const Line first = lines.first_is_edge_of_j ? on_j(q) : on_i(p);
+  const Line last = lines.last_is_edge_of_j ? on_j(before_q) : on_i(before_p);
+  if (const Line* line = holding_line(first, last, reach.touching)) keep(*line);
 }
 
 bool overlap_boxes(const Box& a, const Box& b, double margin) {
@@ -85,14 +147,15 @@ struct Candidate {
 /// direction has made them.
 void one_direction(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift, bool corners_too,
                    std::vector<Touch>& out) {
-  const auto [margin, depth, near] = reach;
+  const auto [margin, depth, near, corner, touching] = reach;
+
   const std::size_t n = j.corners.size();
   std::vector<Candidate> found;
   for (std::size_t v = 0; v < i.corners.size(); ++v) {
     const Vec2 p = i.corners[v];
     if (i.sharp[v] == 0 || !in_box(j.box, p, std::max(margin, near))) continue;
     std::size_t close = n;
-    double closest = near;
+    double closest = reach.corner;
     for (std::size_t q = 0; q < n; ++q) {
       const double distance = norm(p - j.corners[q]);
       if (distance < closest) {
@@ -102,11 +165,11 @@ void one_direction(const Placed& i, const Placed& j, const Reach& reach, const D
     }
     if (close < n) {
       if (j.sharp[close] != 0) {
-        if (corners_too) corner_on_corner(i, v, j, close, margin, drift, out);
+        if (corners_too) corner_on_corner(i, v, j, close, reach, drift, out);
       } else {  // in a concave corner: both edges hold it
         for (const std::size_t edge : {before(close, n), close}) {
           const Touch t = touch_of(i, v, j, edge);
-          if (t.gap < margin) out.push_back(t);
+          if (t.gap < margin && t.gap > -depth) out.push_back(t);
         }
       }
     }
@@ -174,15 +237,16 @@ void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const 
   touch.normal = a.normal;
 }
 
-std::size_t first_crossing(std::span<const Vec2> corners, Vec2 from, Vec2 to) {
-  const std::size_t n = corners.size();
+std::size_t first_crossing(std::span<const Vec2> before, std::span<const Vec2> after, Vec2 from, Vec2 to,
+                           double rounding) {
+  const std::size_t n = before.size();
   std::size_t best = n;
   double earliest = 2;
   for (std::size_t e = 0; e < n; ++e) {
-    const Against a = against(corners, e, from);
-    const Against b = against(corners, e, to);
-    if (a.gap < 0 || b.gap >= 0) continue;
-    const double t = a.gap / (a.gap - b.gap);
+    const Against a = against(before, e, from);
+    const Against b = against(after, e, to);
+    if (a.gap < -rounding || b.gap >= std::min(a.gap, 0.0)) continue;
+    const double t = std::max(a.gap, 0.0) / (std::max(a.gap, 0.0) - b.gap);
     const double foot = a.ratio + t * (b.ratio - a.ratio);
     if (foot < -1e-9 || foot > 1 + 1e-9 || t >= earliest) continue;
     earliest = t;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "clash.hpp"
 #include "cleave/dbem/world.hpp"
 
 namespace cleave::dbem {
@@ -103,6 +104,13 @@ struct Rows {
   std::vector<double> modal;  // unscaled
 };
 
+/// Two bodies that share space.
+struct Clash {
+  BodyPair pair;
+  double depth;    // m
+  double allowed;  // by the tolerance and by springs in their joints, m
+};
+
 /// A trial step.
 struct Attempt {
   State state;
@@ -137,6 +145,7 @@ struct World::Impl {
   std::vector<Vec2> corners;
   std::vector<Box> boxes, fat;
   std::vector<BodyPair> pairs;
+  Sweep sweep;  // of the check for overlaps
   std::vector<Touch> touches;
   std::vector<Memory> memory;
   std::vector<Bond> bonds;
@@ -210,7 +219,8 @@ struct World::Impl {
   struct Failure {
     double residual = 0;
     std::string reason;
-    double factor = 0;  // > 0: not a failure; redo with this share of the step
+    double factor = 0;   // > 0: not a failure; redo with this share of the step; 1: with what woke
+    bool clash = false;  // by bodies that would share space
   };
   [[nodiscard]] std::optional<Failure> attempt(double step, bool last, Attempt& out);
   [[nodiscard]] ContactSolution solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
@@ -221,10 +231,14 @@ struct World::Impl {
   // parting.cpp
   bool project(Attempt& out) const;  // false: nothing could be parted
   double slow_down(const Island& island, const Rows& rows, double wanted, State& at) const;
-  bool add_missed(const Attempt& out, std::vector<Touch>& list) const;
+  bool add_missed(const Attempt& out, const std::vector<Clash>& clashes, std::vector<Touch>& list) const;
+  /// Every pair of bodies that overlap by more than rounding; tells the deepest in the report.
+  [[nodiscard]] std::vector<Clash> clashes_of(Attempt& out);
+  [[nodiscard]] double shortened_by_springs(const Attempt& out, BodyPair pair) const;
 
   // sleep.cpp
-  bool wake();
+  /// Wakes the groups that something awake touches closer than this share of the smaller feature.
+  bool wake(const std::vector<Touch>& list, double closer);
   void fall_asleep();
 
   // energy.cpp

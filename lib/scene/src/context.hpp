@@ -70,10 +70,9 @@ void find_notes(const Scene& scene, const TableReader& root);
 
 /// Friction as a number of degrees or a distribution table.
 [[nodiscard]] std::optional<FrictionLaw> parse_friction(const TableReader& table, std::string_view key);
-/// A number or a distribution table of numbers that `allowed` accepts; `min`, `max` are its limits where it states
-/// none.
-[[nodiscard]] std::optional<NumberLaw> parse_number_law(const TableReader& table, std::string_view key,
-                                                        const NumberRule& allowed, double min = 0, double max = 1e3);
+/// A number or a distribution table of numbers; `min`, `max` are its limits where it states none.
+[[nodiscard]] std::optional<NumberLaw> parse_number_law(const TableReader& table, std::string_view key, double min = 0,
+                                                        double max = 1e3);
 /// [monte_carlo]; empty when the scene has none.
 [[nodiscard]] std::optional<MonteCarloSettings> parse_monte_carlo(const TableReader& root);
 

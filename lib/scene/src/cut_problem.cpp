@@ -24,7 +24,7 @@ Problem problem_of(const topology::CutError& error, const Scene& scene, const Dr
                                },
                                [&](const topology::TerminationUndecided& e) {
                                  const MeasuredJoint& joint = scene.joints[e.joint.index()];
-                                 return Problem{joint.file, joint.line, "joint.ends_on", what, ""};
+                                 return Problem{joint.file, joint.line, "joint.terminates_at", what, ""};
                                },
                                [&](const topology::DomainSwallowed&) {
                                  const std::uint32_t line =

@@ -7,39 +7,62 @@
 #include <utility>
 
 #include "drawing_order.hpp"
+#include "key_tables.hpp"
 
 namespace cleave::scene {
 namespace {
 
 using std::string_view;
 
-constexpr NumberRule probability_rule{0, false, 1, false, ""};
-constexpr NumberRule share_rule{0, true, 1, false, ""};
+constexpr NumberRule angle_rule{0, false, 60, false, " degrees"};
+constexpr NumberRule elongation_rule{1.2, false, 1e6, false, ""};
+constexpr NumberRule variation_rule{0, true, 10, false, ""};
+constexpr std::array<string_view, 8> models{"baecher", "enhanced_baecher", "veneziano", "dershowitz",
+                                            "mosaic",  "hierarchical",     "mit",       "orthogonal"};
+constexpr std::array<string_view, 3> seed_words{"poisson", "grid", "jittered"};
+constexpr std::array<string_view, 3> gap_words{"poisson", "constant", "lognormal"};
+
+const KeyTable& zone_keys() {
+  static const KeyTable keys{
+      .name = "joint_set.zones",
+      .keys = {{"min", key::vector(rule::coordinate), required, "m, the lowest corner"},
+               {"max", key::vector(rule::coordinate), required, "m, the highest corner"},
+               {"probability", key::number(rule::probability), required, "that a polygon in it is kept"}}};
+  return keys;
+}
+
+const KeyTable& gap_keys() {
+  static const KeyTable keys{
+      .name = "joint_set.gaps",
+      .keys = {{"distribution", key::word(gap_words), required, "law of the distances of the planes"},
+               {"variation", key::number(variation_rule), "", "standard deviation over mean, of `lognormal`"}}};
+  return keys;
+}
 
 /// Which keys beside those of every set a model takes.
 bool takes(std::size_t model, string_view key) {
   switch (model) {
-    case 1: return key == "terminate_at" || key == "probability";
+    case 1: return key == "terminates_at" || key == "probability";
     case 2:
     case 3: return key == "share";
     case 4: return key == "share" || key == "seeds";
-    case 5: return key == "terminate_at" || key == "share";
+    case 5: return key == "terminates_at" || key == "share";
     case 6:
       return key == "share" || key == "min_corners" || key == "min_angle" || key == "max_elongation" ||
-             key == "zones" || key == "shift" || key == "turn_kappa";
+             key == "zones" || key == "shift" || key == "rotation_kappa";
     case 7: return key == "gaps" || key == "bridge";
     default: return false;
   }
 }
 
-/// Numbers of the sets that `terminate_at` names; without it all [[joint_set]]s above.
+/// Numbers of the sets that `terminates_at` names; without it all [[joint_set]]s above.
 std::vector<std::size_t> parse_terminate_at(const TableReader& set, const OtherSets& others) {
   std::vector<std::size_t> numbers;
-  if (!set.has("terminate_at")) {
+  if (!set.has("terminates_at")) {
     for (std::size_t i = 0; i < others.own; ++i) numbers.push_back(i);
     return numbers;
   }
-  for (const std::string& name : set.texts("terminate_at").value_or(std::vector<std::string>{})) {
+  for (const std::string& name : set.texts("terminates_at").value_or(std::vector<std::string>{})) {
     const std::size_t before = numbers.size();
     for (std::size_t i = 0; i < others.drawn.size(); ++i) {
       if (i != others.own && others.drawn[i] == name) numbers.push_back(i);
@@ -48,7 +71,7 @@ std::vector<std::size_t> parse_terminate_at(const TableReader& set, const OtherS
       numbers.push_back(others.drawn.size() + given->second.index());
     }
     if (numbers.size() != before) continue;
-    set.error("terminate_at",
+    set.error("terminates_at",
               name == others.drawn[others.own] ? fmt::format("\"{}\" is this set itself", name.substr(0, 60))
                                                : fmt::format("there are no joints of a set \"{}\"", name.substr(0, 60)),
               "name other sets, of [[joint_set]] or [[joint]]");
@@ -58,14 +81,9 @@ std::vector<std::size_t> parse_terminate_at(const TableReader& set, const OtherS
 
 std::vector<dfn::Zone> parse_zones(const TableReader& set) {
   std::vector<dfn::Zone> zones;
-  const auto found = set.tables("zones");
-  constexpr std::array<string_view, 3> keys{"min", "max", "probability"};
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto* table = std::get_if<TomlTable>(&found[i]->value);
-    const TableReader zone{*table, found[i]->line, fmt::format("{}[{}]", set.path_of("zones"), i + 1), set.problems(),
-                           keys};
-    const auto min = zone.need_vec3("min", rule::coordinate), max = zone.need_vec3("max", rule::coordinate);
-    const auto probability = zone.need_number("probability", probability_rule);
+  for (const TableReader& zone : set.each("zones")) {
+    const auto min = zone.need_vec3("min"), max = zone.need_vec3("max");
+    const auto probability = zone.need_number("probability");
     if (min && max && probability) zones.push_back({*min, *max, *probability});
   }
   return zones;
@@ -73,41 +91,62 @@ std::vector<dfn::Zone> parse_zones(const TableReader& set) {
 
 }  // namespace
 
-std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& others,
-                                      std::span<const string_view> set_keys) {
-  constexpr std::array<string_view, 8> models{"baecher", "enhanced_baecher", "veneziano", "dershowitz",
-                                              "mosaic",  "hierarchical",     "mit",       "orthogonal"};
+std::vector<Key> model_keys() {
+  return {{"model", key::word(models), "\"baecher\"",
+           "`baecher`: centres, orientations and sizes independent of each other; the others below"},
+          {"terminates_at", key::texts(), "all random sets above",
+           "names of other sets, random or given, anywhere in the scene, but not in a circle (`enhanced_baecher`, "
+           "`hierarchical`)",
+           "terminate_at"},
+          {"probability", key::number(rule::probability), "1",
+           "that a joint ends where it meets one of them (`enhanced_baecher`)"},
+          {"share", key::either({key::number(rule::share), key::array(key::number(rule::probability), 3, 3)}), "0.5",
+           "probability that a polygon is a joint (1 in `mosaic`); `hierarchical`: bounded by none, one, two or more "
+           "older joints, `[0.1, 0.5, 1]`"},
+          {"seeds", key::word(seed_words), "\"poisson\"", "of the cells (`mosaic`)"},
+          {"min_corners", key::whole(3, 8), "4", "polygons with fewer corners are no joints (`mit`)"},
+          {"min_angle", key::number(angle_rule), "60", "degrees, smallest angle of a polygon (`mit`)"},
+          {"max_elongation", key::number(elongation_rule), "1.6", "of a polygon (`mit`)"},
+          {"zones", key::tables(&zone_keys), "[]", "boxes with a probability of their own (`mit`)"},
+          {"shift", key::number(rule::length_or_zero), "0", "m, of each polygon (`mit`)"},
+          {"rotation_kappa", key::number(rule::kappa), "", "kappa of a Fisher rotation of each polygon (`mit`)",
+           "turn_kappa"},
+          {"gaps", key::either({key::word(gap_words), key::table(&gap_keys)}), "\"poisson\"",
+           "distances of the planes: a law, or `{ distribution, variation }` (`orthogonal`)"},
+          {"bridge", size_type(), "the law of `size`", "m, rock between the joints of a row (`orthogonal`)"}};
+}
+
+std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& others) {
   std::size_t model = 0;
   if (set.has("model")) {
-    const auto word = set.choice("model", models);
+    const auto word = set.choice("model");
     if (!word) return std::nullopt;
     model = *word;
   }
-  for (const string_view key : set_keys) {
+  for (const Key& own_key : model_keys()) {
+    const string_view key = own_key.name;
     if (key == "probability" && model == 0) continue;
     const bool own =
         std::ranges::any_of(std::array{1U, 2U, 3U, 4U, 5U, 6U, 7U}, [&](std::size_t m) { return takes(m, key); });
     if (!own || !set.has(key) || takes(model, key)) continue;
-    if (model == 0 && key == "terminate_at") continue;
+    if (model == 0 && key == "terminates_at") continue;
     set.error(key, fmt::format("has no meaning for the model \"{}\"", models[model]),
               "remove it, or take another model");
   }
   // A Baecher set that ends at others is an enhanced Baecher set.
-  if (model == 0 && set.has("terminate_at")) model = 1;
-  const auto share = [&](double otherwise) { return set.number("share", share_rule).value_or(otherwise); };
+  if (model == 0 && set.has("terminates_at")) model = 1;
+  const auto share = [&](double otherwise) { return set.number("share").value_or(otherwise); };
   switch (model) {
     case 1: {
       auto ends_at = parse_terminate_at(set, others);
-      const double probability = set.number("probability", probability_rule).value_or(1);
+      const double probability = set.value("probability");
       if (ends_at.empty()) return dfn::Baecher{};
       return dfn::EnhancedBaecher{std::move(ends_at), probability};
     }
     case 2: return dfn::Veneziano{share(0.5)};
     case 3: return dfn::Dershowitz{share(0.5)};
     case 4: {
-      constexpr std::array<string_view, 3> seeds{"poisson", "grid", "jittered"};
-      const auto word = set.choice("seeds", seeds);
-      return dfn::Mosaic{static_cast<dfn::Mosaic::Seeds>(word.value_or(0)), share(1)};
+      return dfn::Mosaic{set.word<dfn::Mosaic::Seeds>("seeds"), share(1)};
     }
     case 5: {
       dfn::Hierarchical hierarchical{parse_terminate_at(set, others), {0.1, 0.5, 1}};
@@ -122,7 +161,7 @@ std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& o
         }
         for (std::size_t i = 0; i < 3; ++i) {
           hierarchical.share[i] =
-              set.number_of(list->items[i], fmt::format("{}[{}]", set.path_of("share"), i + 1), probability_rule)
+              set.number_of(list->items[i], fmt::format("{}[{}]", set.path_of("share"), i + 1), rule::probability)
                   .value_or(0);
         }
       }
@@ -130,34 +169,25 @@ std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& o
     }
     case 6: {
       dfn::Mit mit;
-      constexpr NumberRule angle{0, false, 60, false, " degrees"};
-      constexpr NumberRule elongation{1.2, false, 1e6, false, ""};
-      constexpr NumberRule kappa_rule{0, false, 1e12, false, ""};
       mit.share = share(0.5);
-      mit.min_corners = static_cast<std::uint32_t>(set.integer("min_corners", 3, 8).value_or(4));
-      mit.min_angle = set.number("min_angle", angle).value_or(mit.min_angle);
-      mit.max_elongation = set.number("max_elongation", elongation).value_or(mit.max_elongation);
+      mit.min_corners = static_cast<std::uint32_t>(set.count("min_corners"));
+      mit.min_angle = set.value("min_angle");
+      mit.max_elongation = set.value("max_elongation");
       if (set.has("zones")) mit.zones = parse_zones(set);
-      mit.shift = set.number("shift", rule::length_or_zero).value_or(0);
-      mit.turn_kappa = set.number("turn_kappa", kappa_rule);
+      mit.shift = set.value("shift");
+      mit.turn_kappa = set.number("rotation_kappa");
       return mit;
     }
     case 7: {
       dfn::Orthogonal orthogonal;
       if (const TomlEntry* gaps = set.find("gaps")) {
-        constexpr std::array<string_view, 3> laws{"poisson", "constant", "lognormal"};
-        constexpr std::array<string_view, 2> keys{"distribution", "variation"};
-        constexpr NumberRule variation{0, true, 10, false, ""};
-        if (const auto* table = std::get_if<TomlTable>(&gaps->node.value)) {
-          const TableReader reader{*table, gaps->line, set.path_of("gaps"), set.problems(), keys};
-          if (!reader.has("distribution")) {
-            reader.missing("distribution", "add distribution = \"poisson\"");
-          } else if (const auto word = reader.choice("distribution", laws)) {
-            orthogonal.gaps = static_cast<dfn::Orthogonal::Gaps>(*word);
-          }
-          orthogonal.gap_variation = reader.number("variation", variation).value_or(orthogonal.gap_variation);
-        } else if (const auto word = set.choice("gaps", laws)) {
-          orthogonal.gaps = static_cast<dfn::Orthogonal::Gaps>(*word);
+        if (std::holds_alternative<TomlTable>(gaps->node.value)) {
+          const TableReader table = *set.sub("gaps");
+          if (!table.has("distribution")) table.missing("distribution", "add distribution = \"poisson\"");
+          orthogonal.gaps = static_cast<dfn::Orthogonal::Gaps>(table.choice("distribution").value_or(0));
+          orthogonal.gap_variation = table.number("variation").value_or(orthogonal.gap_variation);
+        } else {
+          orthogonal.gaps = set.word<dfn::Orthogonal::Gaps>("gaps");
         }
       }
       // Without a law of their own, bridges are as long as joints.
@@ -178,7 +208,7 @@ void refuse_circles(std::span<const TableReader> sets, const std::vector<RandomS
   const std::vector<std::size_t> order = drawing_order(joint_sets);
   for (std::size_t i = 0; i < sets.size(); ++i) {
     if (std::ranges::find(order, i) != order.end()) continue;
-    sets[i].error("terminate_at", "ends at sets that end at this one: nothing is older", "leave one of them out");
+    sets[i].error("terminates_at", "ends at sets that end at this one: nothing is older", "leave one of them out");
     return;
   }
 }

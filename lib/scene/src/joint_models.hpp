@@ -19,10 +19,9 @@ struct OtherSets {
   std::size_t own = 0;                                   ///< the one that is read
 };
 
-/// The model of a [[joint_set]] with its own keys; those of other models are wrong. In `terminate_at` a number below
+/// The model of a [[joint_set]] with its own keys; those of other models are wrong. In `terminates_at` a number below
 /// `others.drawn.size()` is that of a [[joint_set]], one beyond it that of a set of given joints.
-[[nodiscard]] std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& others,
-                                                    std::span<const std::string_view> set_keys);
+[[nodiscard]] std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& others);
 
 /// A law of sizes under `key`.
 [[nodiscard]] std::optional<dfn::SizeLaw> parse_size(const TableReader& set, std::string_view key);

@@ -10,17 +10,15 @@
 #include "cleave/core/sha256.hpp"
 #include "cleave/stochastic/ensemble.hpp"
 #include "context.hpp"
+#include "key_tables.hpp"
 
 namespace cleave::scene {
 namespace {
 
 using std::string_view;
 
-constexpr std::array<string_view, 13> root_keys{"schema", "title",      "seed",     "snap",      "nonplanar",
-                                                "north",  "domain",     "joint",    "joint_set", "joints",
-                                                "rock",   "excavation", "stability"};
-constexpr std::array<string_view, 9> more_root_keys{
-    "output", "sequence", "keep_dangling", "micro_blocks", "monte_carlo", "load", "support", "include", "field_stress"};
+constexpr NumberRule snap_rule{0, false, 1e6, false, " m"};
+constexpr std::array<string_view, 2> nonplanar_words{"refuse", "triangulate"};
 constexpr std::array<string_view, 3> plane_sections{"body", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
@@ -127,8 +125,6 @@ struct Header {
 
 Header parse_header(const TableReader& root, Context& context, const std::string& shown) {
   Header header;
-  constexpr std::array<string_view, 2> policies{"refuse", "triangulate"};
-  constexpr NumberRule snap_rule{0, false, 1e6, false, " m"};
   if (const TomlEntry* schema = root.find("schema")) {
     const auto* number = std::get_if<std::int64_t>(&schema->node.value);
     if (number == nullptr || *number != 1) {
@@ -136,15 +132,52 @@ Header parse_header(const TableReader& root, Context& context, const std::string
     }
   }
   header.title = root.text("title").value_or(stem_of(shown));
-  if (const auto seed = root.integer("seed", 0, INT64_MAX)) header.seed = static_cast<std::uint64_t>(*seed);
-  if (const auto snap = root.number("snap", snap_rule)) header.snap = metres(*snap);
-  header.keep_dangling = root.boolean("keep_dangling").value_or(false);
-  if (const auto policy = root.choice("nonplanar", policies)) context.triangulate = *policy == 1;
-  if (const auto north = root.number("north", rule::turn)) context.north = *north;
+  header.seed = static_cast<std::uint64_t>(root.count("seed"));
+  header.snap = metres(root.value("snap"));
+  header.keep_dangling = root.flag("keep_dangling");
+  context.triangulate = root.choice("nonplanar") == std::size_t{1};
+  context.north = root.value("north");
   return header;
 }
 
 }  // namespace
+
+const KeyTable& scene_keys() {
+  static const KeyTable keys{
+      .name = "scene",
+      .keys = {
+          {"schema", key::whole(1, 1), "1", "version of this format"},
+          {"title", key::text(), "the file's name", "shown in the results"},
+          {"seed", key::whole(0, INT64_MAX), "1", "whole number from 0; `cleave run --seed` overrides it"},
+          {"snap", key::number(snap_rule), "0",
+           "m; above 0 near-coincident planes merge and edges within this distance of another joint adopt its plane"},
+          {"nonplanar", key::word(nonplanar_words), "\"refuse\"",
+           "or `\"triangulate\"`: polygons (and faces of `domain.corners`) whose corners lie further than max(1e-6 of "
+           "the "
+           "size, 8 ulp of the largest coordinate) from their plane"},
+          {"keep_dangling", key::flag(), "false",
+           "true keeps the parts of joints that separate nothing (dangling ends, membranes, isolated joints): "
+           "`dangling.vtu`, `dangling.obj` and `summary.json` say in which block each lies; the blocks are the same"},
+          {"north", key::number(rule::turn), "0",
+           "degrees from y to true north, clockwise; dip directions count from true north"},
+          {"include", key::either({key::texts(), key::text()}), "[]",
+           "files whose joints, joint sets and `[joints.NAME]` are taken as if they stood here"},
+          {"domain", key::table(&domain_keys), required, "the rock"},
+          {"joint", key::tables(&joint_keys), "", "joints that are given"},
+          {"joint_set", key::tables(&joint_set_keys), "", "joints drawn at random"},
+          {"joints", key::named(key::table(&strength_keys)), "", "strength by set; `[joints.default]` for the rest"},
+          {"rock", key::table(&rock_keys), "", "properties of the rock"},
+          {"excavation", key::tables(&excavation_keys), "", "what is taken out, in order"},
+          {"stability", key::table(&stability_keys), "", "key blocks"},
+          {"load", key::tables(&load_keys), "", "load cases"},
+          {"field_stress", key::table(&field_stress_keys), "", "clamping by the stress around a tunnel"},
+          {"support", key::table(&support_keys), "", "bolts and shotcrete"},
+          {"sequence", key::table(&sequence_keys), "", "excavation in stages"},
+          {"micro_blocks", key::table(&micro_blocks_keys), "", "blocks thinner or smaller than a limit"},
+          {"monte_carlo", key::table(&monte_carlo_keys), "", "many realizations instead of one run"},
+          {"output", key::table(&output_keys), "", "files of the result"}}};
+  return keys;
+}
 
 std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::string& shown,
                                                  const ReadFile& read_file) {
@@ -162,9 +195,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   TomlTable table = without_plane_sections(std::move(*tree), problems);
   std::vector<InputFile> included;
   take_includes(table, problems, read_file, included);
-  std::vector<string_view> known{root_keys.begin(), root_keys.end()};
-  known.insert(known.end(), more_root_keys.begin(), more_root_keys.end());
-  const TableReader root{table, 1, "", problems, known};
+  const TableReader root{table, 1, "", problems, scene_keys()};
 
   Context context{.problems = problems, .read_file = read_file};
   context.files = std::move(included);

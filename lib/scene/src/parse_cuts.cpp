@@ -9,6 +9,7 @@
 #include "cleave/geometry/terrain.hpp"
 #include "cleave/io/height_grid.hpp"
 #include "file_input.hpp"
+#include "key_tables.hpp"
 #include "solid_input.hpp"
 
 namespace cleave::scene {
@@ -17,29 +18,30 @@ namespace {
 using std::string_view;
 using Pairs = std::vector<std::array<double, 2>>;
 
-/// [[a, b], [a, b], ...]; reports what is not.
-std::optional<Pairs> pairs_of(const TableReader& table, string_view key, string_view form) {
-  const TomlEntry* entry = table.find(key);
-  if (entry == nullptr) {
-    table.missing(key, fmt::format("add {} = {} in metres", key, form));
-    return std::nullopt;
-  }
-  Pairs pairs;
-  const auto* array = std::get_if<TomlArray>(&entry->node.value);
-  bool good = array != nullptr;
-  for (std::size_t i = 0; good && i < array->items.size(); ++i) {
-    const auto* pair = std::get_if<TomlArray>(&array->items[i].value);
-    good = pair != nullptr && pair->items.size() == 2;
-    if (!good) break;
-    const std::string path = fmt::format("{}[{}]", table.path_of(key), i + 1);
-    const auto a = table.number_of(pair->items[0], path, rule::coordinate);
-    const auto b = table.number_of(pair->items[1], path, rule::coordinate);
-    if (!a || !b) return std::nullopt;
-    pairs.push_back({*a, *b});
-  }
-  if (good) return pairs;
-  table.error(key, "is not a list of pairs", fmt::format("write {} = {} in metres", key, form));
-  return std::nullopt;
+constexpr NumberRule bench_angle_rule{0, true, 90, false, " degrees"};
+
+const KeyTable& profile_keys() {
+  static const KeyTable keys{
+      .name = "profile",
+      .keys = {{"origin", key::pair(rule::coordinate), "[0, 0]", "m, where s = 0"},
+               {"direction", key::number(rule::dip_direction), required, "degrees, the azimuth in which s grows"},
+               {"points", key::pairs(), required,
+                "`[[s, z], ...]` in m, s growing; the same all along the strike; level beyond its ends"}}};
+  return keys;
+}
+
+std::vector<Key> grid_file_keys() {
+  return {
+      {"file", key::text(), required,
+       "height grid (`.asc`, `.grd`, `.xyz`, `.txt`, `.csv`) or mesh (`.stl`, `.obj`, `.ply`)"},
+      {"every", key::whole(1, 10'000), "1", "of grids: takes each n-th row and column, counted from the south-west"},
+      {"window", key::pairs(), "", "of grids: the part between two corners, `[[x, y], [x, y]]` in m"}};
+}
+
+/// Pairs that have to be there.
+std::optional<Pairs> need_pairs(const TableReader& table, string_view key, string_view form) {
+  if (!table.has(key)) table.missing(key, fmt::format("add {} = {} in metres", key, form));
+  return table.pairs(key);
 }
 
 geometry::Reach reach_of(const geometry::Solid& domain) {
@@ -49,13 +51,10 @@ geometry::Reach reach_of(const geometry::Solid& domain) {
 
 std::optional<geometry::Solid> parse_plane_cut(const Context& context, const TableReader& slope,
                                                const geometry::Solid& domain) {
-  constexpr std::array<string_view, 3> keys{"through", "dip", "dip_direction"};
-  const TomlTable* found = slope.table("plane");
-  if (found == nullptr) return std::nullopt;
-  const TableReader table{*found, slope.line_of("plane"), slope.path_of("plane"), slope.problems(), keys};
-  const auto through = table.need_vec3("through", rule::coordinate);
-  const auto dip = table.need_number("dip", rule::dip);
-  const auto direction = table.need_number("dip_direction", rule::dip_direction);
+  const auto table = slope.sub("plane");
+  if (!table) return std::nullopt;
+  const auto through = table->need_vec3("through");
+  const auto dip = table->need_number("dip"), direction = table->need_number("dip_direction");
   if (!through || !dip || !direction) return std::nullopt;
   auto solid = geometry::make_plane_cut({*through, {Dip::degrees(*dip), context.turned(*direction)}}, reach_of(domain));
   if (solid) return std::move(*solid);
@@ -65,23 +64,16 @@ std::optional<geometry::Solid> parse_plane_cut(const Context& context, const Tab
 
 std::optional<geometry::Solid> parse_profile_cut(const Context& context, const TableReader& slope,
                                                  const geometry::Solid& domain) {
-  constexpr std::array<string_view, 3> keys{"origin", "direction", "points"};
-  const TomlTable* found = slope.table("profile");
-  if (found == nullptr) return std::nullopt;
-  const TableReader table{*found, slope.line_of("profile"), slope.path_of("profile"), slope.problems(), keys};
-  const auto direction = table.need_number("direction", rule::dip_direction);
-  const auto points = pairs_of(table, "points", "[[s, z], [s, z], ...]");
+  const auto found = slope.sub("profile");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
+  const auto direction = table.need_number("direction");
+  const auto points = need_pairs(table, "points", "[[s, z], [s, z], ...]");
   std::array<double, 2> origin{};
-  if (const TomlEntry* entry = table.find("origin")) {
-    const auto* pair = std::get_if<TomlArray>(&entry->node.value);
-    if (pair == nullptr || pair->items.size() != 2) {
-      table.error("origin", "is not a pair", "write origin = [x, y] in metres");
-      return std::nullopt;
-    }
-    const auto x = table.number_of(pair->items[0], table.path_of("origin"), rule::coordinate);
-    const auto y = table.number_of(pair->items[1], table.path_of("origin"), rule::coordinate);
-    if (!x || !y) return std::nullopt;
-    origin = {*x, *y};
+  if (table.has("origin")) {
+    const auto given = table.pair("origin");
+    if (!given) return std::nullopt;
+    origin = *given;
   }
   if (!direction || !points) return std::nullopt;
   auto solid = geometry::make_profile_cut({origin, context.turned(*direction), *points}, reach_of(domain));
@@ -98,10 +90,10 @@ std::optional<geometry::Ground> ground_of_grid(Context& context, const TableRead
     return std::nullopt;
   }
   for (const std::string& note : grid->notes) context.problems.note_in(loaded.shown, 1, "file", note, "");
-  const auto every = static_cast<std::uint32_t>(owner.integer("every", 1, 10'000).value_or(1));
+  const auto every = static_cast<std::uint32_t>(owner.count("every"));
   std::uint32_t first_column = 0, last_column = grid->columns - 1, first_row = 0, last_row = grid->rows - 1;
   if (owner.has("window")) {
-    const auto window = pairs_of(owner, "window", "[[x, y], [x, y]]");
+    const auto window = need_pairs(owner, "window", "[[x, y], [x, y]]");
     if (!window) return std::nullopt;
     if (window->size() != 2 || !((*window)[0][0] < (*window)[1][0]) || !((*window)[0][1] < (*window)[1][1])) {
       owner.error("window", "is no south-west and north-east corner", "write window = [[x, y], [x, y]]");
@@ -158,10 +150,9 @@ std::optional<geometry::Ground> parse_ground(Context& context, const TableReader
 
 std::optional<geometry::Solid> parse_surface_cut(Context& context, const TableReader& slope,
                                                  const geometry::Solid& domain) {
-  constexpr std::array<string_view, 3> keys{"file", "every", "window"};
-  const TomlTable* found = slope.table("surface");
-  if (found == nullptr) return std::nullopt;
-  const TableReader table{*found, slope.line_of("surface"), slope.path_of("surface"), slope.problems(), keys};
+  const auto found = slope.sub("surface");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
   const auto ground = parse_ground(context, table);
   if (!ground) return std::nullopt;
   double level = box_of(domain).max.z;
@@ -174,14 +165,51 @@ std::optional<geometry::Solid> parse_surface_cut(Context& context, const TableRe
   return std::nullopt;
 }
 
+constexpr std::array<string_view, 3> slope_kinds{"plane", "profile", "surface"};
+
 }  // namespace
 
+const KeyTable& ground_keys() {
+  static const KeyTable keys{.name = "surface", .keys = grid_file_keys()};
+  return keys;
+}
+
+const KeyTable& terrain_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "terrain", .keys = grid_file_keys()};
+    table.keys.push_back({"base", key::number(rule::coordinate), required, "m, a level below all of the ground"});
+    return table;
+  }();
+  return keys;
+}
+
+std::vector<Key> slope_keys() {
+  return {{"plane", key::table(&plane_keys), "",
+           "`{ through, dip, dip_direction }`: half-space; a vertical plane takes the side to which it dips"},
+          {"profile", key::table(&profile_keys), "",
+           "`{ origin = [x, y], direction, points = [[s, z], ...] }`: s in m from `origin` towards the azimuth "
+           "`direction`, growing; the same all along the strike; level beyond its ends"},
+          {"surface", key::table(&ground_keys), "",
+           "`{ file = \"FILE\" }`: a ground surface as for the domain's `terrain`, with `every` and `window`; what "
+           "lies beside it stays"}};
+}
+
+std::vector<Key> bench_keys() {
+  return {{"plan", key::pairs(), required,
+           "`[[x, y], ...]` in m: the crest of the uppermost bench, in either sense; it may leave the domain"},
+          {"top", key::number(rule::coordinate), "the top of the domain", "m, level of the crest"},
+          {"height", key::number(rule::length), required, "m, of a bench"},
+          {"width", key::number(rule::length_or_zero), required, "m, of the berms between benches"},
+          {"angle", key::number(bench_angle_rule), required, "degrees from horizontal, of a bench's face"},
+          {"count", key::whole(1, 1000), required, "benches"},
+          {"stage_each", key::flag(), "false", "true: each bench has its own stage, from `stage` on"}};
+}
+
 std::optional<geometry::Solid> parse_terrain(Context& context, const TableReader& owner) {
-  constexpr std::array<string_view, 4> keys{"file", "base", "every", "window"};
-  const TomlTable* found = owner.table("terrain");
-  if (found == nullptr) return std::nullopt;
-  const TableReader table{*found, owner.line_of("terrain"), owner.path_of("terrain"), owner.problems(), keys};
-  const auto base = table.need_number("base", rule::coordinate);
+  const auto found = owner.sub("terrain");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
+  const auto base = table.need_number("base");
   const auto ground = parse_ground(context, table);
   if (!base || !ground) return std::nullopt;
   auto solid = geometry::close_ground(*ground, *base);
@@ -198,8 +226,7 @@ std::optional<geometry::Solid> parse_terrain(Context& context, const TableReader
 }
 
 std::optional<geometry::Solid> parse_slope(Context& context, const TableReader& slope, const geometry::Solid& domain) {
-  constexpr std::array<string_view, 3> kinds{"plane", "profile", "surface"};
-  const TomlEntry* kind = slope.one_of(kinds);
+  const TomlEntry* kind = slope.one_of(slope_kinds);
   if (kind == nullptr) return std::nullopt;
   if (kind->key == "plane") return parse_plane_cut(context, slope, domain);
   if (kind->key == "profile") return parse_profile_cut(context, slope, domain);
@@ -207,14 +234,13 @@ std::optional<geometry::Solid> parse_slope(Context& context, const TableReader& 
 }
 
 std::optional<std::vector<geometry::Solid>> parse_benches(const TableReader& table, const geometry::Solid& domain) {
-  constexpr NumberRule angle_rule{0, true, 90, false, " degrees"};
-  const auto plan = pairs_of(table, "plan", "[[x, y], [x, y], ...]");
+  const auto plan = need_pairs(table, "plan", "[[x, y], [x, y], ...]");
   const Box box = box_of(domain);
-  const double top = table.has("top") ? table.number("top", rule::coordinate).value_or(0) : box.max.z;
-  const auto height = table.need_number("height", rule::length);
-  const auto width = table.need_number("width", rule::length_or_zero);
-  const auto angle = table.need_number("angle", angle_rule);
-  const auto count = table.integer("count", 1, 1000);
+  const double top = table.has("top") ? table.number("top").value_or(0) : box.max.z;
+  const auto height = table.need_number("height");
+  const auto width = table.need_number("width");
+  const auto angle = table.need_number("angle");
+  const auto count = table.integer("count");
   if (!table.has("count")) table.missing("count", "add count = 4, the number of benches");
   if (!plan || !height || !width || !angle || !count) return std::nullopt;
   const double reach = geometry::norm(box.max - box.min);

@@ -6,19 +6,42 @@
 #include <utility>
 
 #include "context.hpp"
+#include "key_tables.hpp"
 #include "solid_input.hpp"
 
 namespace cleave::scene {
 
 using std::string_view;
 
+const KeyTable& box_keys() {
+  static const KeyTable keys{.name = "box",
+                             .keys = {{"min", key::vector(rule::coordinate), required, "m, the lowest corner"},
+                                      {"max", key::vector(rule::coordinate), required, "m, the highest corner"}}};
+  return keys;
+}
+
+const KeyTable& domain_keys() {
+  static const KeyTable keys{
+      .name = "domain",
+      .keys = {{"box", key::table(&box_keys), "",
+                "`{ min = [x, y, z], max = [x, y, z] }`: faces `west east south north bottom top` (x-, x+, y-, y+, z-, "
+                "z+)"},
+               {"corners", key::points(), "",
+                "8 points: convex hexahedron; bit 0, 1, 2 of a corner's number is its x, y, z side, which also names "
+                "the faces"},
+               {"mesh", key::text(), "",
+                "closed surface in a file, faces outwards: `.stl`, `.obj`, `.ply`, `.dxf`, `.ts`"},
+               {"terrain", key::table(&terrain_keys), "",
+                "`{ file = \"FILE\", base = z }`: the rock between a ground surface and the level `base` below it; "
+                "faces as for a box, the ground is `top`"}},
+      .one_of = {{"box", "corners", "mesh", "terrain"}}};
+  return keys;
+}
+
 std::optional<geometry::Solid> parse_box(const TableReader& owner) {
-  constexpr std::array<string_view, 2> keys{"min", "max"};
-  const TomlTable* found = owner.table("box");
-  if (found == nullptr) return std::nullopt;
-  const TableReader box{*found, owner.line_of("box"), owner.path_of("box"), owner.problems(), keys};
-  const auto low = box.need_vec3("min", rule::coordinate);
-  const auto high = box.need_vec3("max", rule::coordinate);
+  const auto box = owner.sub("box");
+  if (!box) return std::nullopt;
+  const auto low = box->need_vec3("min"), high = box->need_vec3("max");
   if (!low || !high) return std::nullopt;
   const std::array<std::pair<double, double>, 3> sides{{{low->x, high->x}, {low->y, high->y}, {low->z, high->z}}};
   constexpr std::array<string_view, 3> names{"x", "y", "z"};
@@ -60,15 +83,14 @@ std::optional<geometry::Solid> parse_corners(const Context& context, const Table
 }
 
 std::optional<geometry::Solid> parse_domain(Context& context, const TableReader& root) {
-  constexpr std::array<string_view, 4> keys{"box", "corners", "mesh", "terrain"};
   if (!root.has("domain")) {
     root.missing("domain", "add [domain] with box = { min = [0, 0, 0], max = [80, 80, 60] }, corners, mesh or terrain");
     return std::nullopt;
   }
-  const TomlTable* found = root.table("domain");
-  if (found == nullptr) return std::nullopt;
-  const TableReader domain{*found, root.line_of("domain"), "domain", root.problems(), keys};
-  const TomlEntry* kind = domain.one_of(keys);
+  const auto found = root.sub("domain");
+  if (!found) return std::nullopt;
+  const TableReader& domain = *found;
+  const TomlEntry* kind = domain.one_of();
   if (kind == nullptr) return std::nullopt;
   if (kind->key == "box") return parse_box(domain);
   if (kind->key == "corners") return parse_corners(context, domain);

@@ -6,6 +6,7 @@
 
 #include "cleave/geometry/tunnel.hpp"
 #include "context.hpp"
+#include "key_tables.hpp"
 #include "solid_input.hpp"
 
 namespace cleave::scene {
@@ -13,17 +14,52 @@ namespace {
 
 using std::string_view;
 
-Length dimension(const TableReader& section, string_view key) {
-  return metres(section.need_number(key, rule::length).value_or(0));
+constexpr std::array<string_view, 8> shapes{"circle",    "ellipse",   "rectangle", "d_shape",
+                                            "horseshoe", "trapezoid", "arch",      "polygon"};
+enum Kind : std::size_t { tunnel, slope, benches, mesh, polyhedron };
+constexpr std::array<string_view, 5> kinds{"tunnel", "slope", "benches", "mesh", "polyhedron"};
+
+const KeyTable& profile_shape_keys() {
+  const Key width{"width", key::number(rule::length), required, "m"},
+      height{"height", key::number(rule::length), required, "m"};
+  const Key wall{"wall", key::number(rule::length_or_zero), "", "m, height of the walls; or the whole `height`"};
+  const Key whole{"height", key::number(rule::length), "", "m, of the whole; or that of the walls, `wall`"};
+  static const KeyTable keys{
+      .name = "excavation.section",
+      .keys = {{"shape", key::word(shapes), required, "of the opening"},
+               {"segments", key::whole(2, 1024), "16", "chords of a half circle"}},
+      .select = "shape",
+      .variants = {{"circle",
+                    {{"diameter", key::number(rule::length), "", "m, or `radius`; polygon of the circle's area"},
+                     {"radius", key::number(rule::length), "", "m"}}},
+                   {"ellipse", {width, height}},
+                   {"rectangle", {width, height}},
+                   {"d_shape", {width, wall, whole}},
+                   {"horseshoe", {width, height}},
+                   {"trapezoid",
+                    {width,
+                     {"top_width", key::number(rule::length), required, "m, of the roof; `width` is that of the floor"},
+                     height}},
+                   {"arch",
+                    {width,
+                     wall,
+                     whole,
+                     {"rise", key::number(rule::length), required, "m, of the circular arc over the walls"}}},
+                   {"polygon",
+                    {{"corners", key::pairs(), required,
+                      "`[[u, v], ...]` in m, u to the right and v up, looking along the axis"}}}}};
+  return keys;
 }
+
+Length dimension(const TableReader& section, string_view key) { return metres(section.need_number(key).value_or(0)); }
 
 /// Height of the walls under an arch that rises `rise`: given as `wall`, or as `height` of the whole section.
 Length wall_height(const TableReader& section, Length rise) {
   constexpr std::array<string_view, 2> keys{"wall", "height"};
   const TomlEntry* given = section.one_of(keys);
   if (given == nullptr) return metres(0);
-  if (given->key == "wall") return metres(section.number("wall", rule::length_or_zero).value_or(0));
-  const auto height = section.number("height", rule::length);
+  if (given->key == "wall") return metres(section.number("wall").value_or(0));
+  const auto height = section.number("height");
   if (height && *height < rise.si()) {
     section.error("height", fmt::format("is {} m, less than the {} m that the arch rises", *height, rise.si()),
                   "give a greater height or a smaller width");
@@ -35,72 +71,28 @@ Length circle_diameter(const TableReader& section) {
   constexpr std::array<string_view, 2> keys{"diameter", "radius"};
   const TomlEntry* given = section.one_of(keys);
   if (given == nullptr) return metres(0);
-  return metres(section.number(given->key, rule::length).value_or(0) * (given->key == "radius" ? 2 : 1));
+  return metres(section.number(given->key).value_or(0) * (given->key == "radius" ? 2 : 1));
 }
 
 std::optional<geometry::PolygonSection> parse_outline(const TableReader& section) {
-  const TomlEntry* entry = section.find("corners");
-  if (entry == nullptr) {
-    section.missing("corners", "add corners = [[u, v], [u, v], ...] in metres");
-    return std::nullopt;
-  }
+  if (!section.has("corners")) section.missing("corners", "add corners = [[u, v], [u, v], ...] in metres");
+  const auto corners = section.pairs("corners");
+  if (!corners) return std::nullopt;
   geometry::PolygonSection outline;
-  const auto* array = std::get_if<TomlArray>(&entry->node.value);
-  bool good = array != nullptr;
-  for (std::size_t i = 0; array != nullptr && i < array->items.size(); ++i) {
-    const auto* pair = std::get_if<TomlArray>(&array->items[i].value);
-    if (pair == nullptr || pair->items.size() != 2) {
-      good = false;
-      break;
-    }
-    const std::string path = fmt::format("{}[{}]", section.path_of("corners"), i + 1);
-    const auto u = section.number_of(pair->items[0], path, rule::coordinate);
-    const auto v = section.number_of(pair->items[1], path, rule::coordinate);
-    if (!u || !v) return std::nullopt;
-    outline.corners.push_back({*u, *v});
-  }
-  if (good) return outline;
-  section.error("corners", "is not a list of pairs", "write corners = [[u, v], [u, v], ...] in metres");
-  return std::nullopt;
+  for (const auto& [u, v] : *corners) outline.corners.push_back({u, v});
+  return outline;
 }
 
 std::optional<geometry::Section> parse_section(const TableReader& tunnel, geometry::TunnelOptions& options) {
-  constexpr std::array<string_view, 8> shapes{"circle",    "ellipse",   "rectangle", "d_shape",
-                                              "horseshoe", "trapezoid", "arch",      "polygon"};
-  using Keys = std::vector<string_view>;
-  const std::array<Keys, 8> keys_of{Keys{"diameter", "radius"},
-                                    Keys{"width", "height"},
-                                    Keys{"width", "height"},
-                                    Keys{"width", "wall", "height"},
-                                    Keys{"width", "height"},
-                                    Keys{"width", "top_width", "height"},
-                                    Keys{"width", "wall", "height", "rise"},
-                                    Keys{"corners"}};
   if (!tunnel.has("section")) {
     tunnel.missing("section", "add section = { shape = \"horseshoe\", width = 10, height = 10 }");
     return std::nullopt;
   }
-  const TomlTable* found = tunnel.table("section");
-  if (found == nullptr) return std::nullopt;
-  const std::uint32_t line = tunnel.line_of("section");
-  const std::string path = tunnel.path_of("section");
-  std::optional<std::size_t> shape;
-  {
-    // The shape decides which keys are known, so it is looked at first, alone.
-    TomlTable only;
-    for (const TomlEntry& entry : found->entries) {
-      if (entry.key == "shape") only.entries.push_back(entry);
-    }
-    constexpr std::array<string_view, 1> shape_key{"shape"};
-    const TableReader reader{only, line, path, tunnel.problems(), shape_key};
-    if (reader.need_text("shape")) shape = reader.choice("shape", shapes);
-  }
+  const auto found = tunnel.sub("section");
+  const auto shape = found ? found->variant() : std::nullopt;
   if (!shape) return std::nullopt;
-  Keys known = keys_of[*shape];
-  known.insert(known.end(), {"shape", "segments"});
-  const TableReader section{*found, line, path, tunnel.problems(), known};
-  if (const auto segments = section.integer("segments", 2, 1024))
-    options.segments = static_cast<std::uint32_t>(*segments);
+  const TableReader& section = *found;
+  options.segments = static_cast<std::uint32_t>(section.count("segments"));
   if (*shape == 7) {
     auto outline = parse_outline(section);
     if (!outline) return std::nullopt;
@@ -142,7 +134,7 @@ std::optional<geometry::Solid> parse_tunnel(const TableReader& tunnel, std::opti
   if (!tunnel.has("axis")) tunnel.missing("axis", "add axis = [[x, y, z], [x, y, z]]");
   const auto axis = tunnel.points("axis");
   if (tunnel.has("up")) {
-    options.up = tunnel.vec3("up", rule::coordinate);
+    options.up = tunnel.vec3("up");
     if (!options.up) return std::nullopt;
   }
   if (!section || !axis) return std::nullopt;
@@ -196,8 +188,8 @@ std::optional<geometry::Solid> parse_faces(const TableReader& owner) {
 }
 
 std::optional<geometry::Solid> parse_polyhedron(const Context& context, const TableReader& owner) {
-  constexpr std::array<string_view, 3> kinds{"box", "corners", "vertices"};
-  const TomlEntry* kind = owner.one_of(kinds);
+  constexpr std::array<string_view, 3> forms{"box", "corners", "vertices"};
+  const TomlEntry* kind = owner.one_of(forms);
   if (kind == nullptr) return std::nullopt;
   if (kind->key == "box") return parse_box(owner);
   if (kind->key == "corners") return parse_corners(context, owner);
@@ -205,33 +197,14 @@ std::optional<geometry::Solid> parse_polyhedron(const Context& context, const Ta
 }
 
 /// What one [[excavation]] takes out: one solid, or one a bench.
-std::vector<Excavation> parse_excavation(Context& context, const TomlTable& table, std::uint32_t line,
-                                         std::size_t number, const std::optional<geometry::Solid>& domain) {
-  enum Kind : std::size_t { tunnel, slope, benches, mesh, polyhedron };
-  constexpr std::array<string_view, 5> kinds{"tunnel", "slope", "benches", "mesh", "polyhedron"};
-  using Keys = std::vector<string_view>;
-  const std::array<Keys, 5> keys_of{Keys{"section", "axis", "up"}, Keys{"plane", "profile", "surface"},
-                                    Keys{"plan", "top", "height", "width", "angle", "count", "stage_each"},
-                                    Keys{"file"}, Keys{"box", "corners", "vertices", "faces"}};
-  const std::string path = fmt::format("excavation[{}]", number);
-  std::optional<std::size_t> kind;
-  {
-    TomlTable only;
-    for (const TomlEntry& entry : table.entries) {
-      if (entry.key == "kind") only.entries.push_back(entry);
-    }
-    constexpr std::array<string_view, 1> kind_key{"kind"};
-    const TableReader reader{only, line, path, context.problems, kind_key};
-    if (reader.need_text("kind")) kind = reader.choice("kind", kinds);
-  }
+std::vector<Excavation> parse_excavation(Context& context, const TableReader& reader,
+                                         const std::optional<geometry::Solid>& domain) {
+  const auto kind = reader.variant();
   if (!kind) return {};
-  Keys known = keys_of[*kind];
-  known.insert(known.end(), {"name", "kind", "stage"});
-  const TableReader reader{table, line, path, context.problems, known};
   const auto name = reader.text("name");
-  const auto stage = reader.integer("stage", 1, 10'000);
+  const auto stage = static_cast<std::uint32_t>(reader.count("stage"));
   std::optional<TunnelLine> tunnel_line;
-  const bool each = reader.boolean("stage_each").value_or(false);
+  const bool each = *kind == benches && reader.flag("stage_each");
   std::vector<geometry::Solid> solids;
   const auto add = [&](std::optional<geometry::Solid> solid) {
     if (solid) solids.push_back(std::move(*solid));
@@ -250,34 +223,57 @@ std::vector<Excavation> parse_excavation(Context& context, const TomlTable& tabl
   }
   std::vector<Excavation> excavations;
   // The room above the first bench belongs to it.
-  const std::size_t above = *kind == benches && !solids.empty() &&
-                                    static_cast<std::int64_t>(solids.size()) > *reader.integer("count", 1, 1000)
-                                ? 1
-                                : 0;
+  const std::size_t above =
+      *kind == benches && !solids.empty() && static_cast<std::int64_t>(solids.size()) > reader.count("count") ? 1 : 0;
   for (std::size_t i = 0; i < solids.size(); ++i) {
     const std::size_t bench = i < above ? 0 : i - above;
-    std::string shown = name.value_or(path);
+    std::string shown = name.value_or(reader.path());
     if (*kind == benches) shown += i < above ? " above" : fmt::format(" bench {}", bench + 1);
-    excavations.push_back(
-        {.name = std::move(shown),
-         .stage = static_cast<std::uint32_t>(stage.value_or(1)) + (each ? static_cast<std::uint32_t>(bench) : 0U),
-         .solid = std::move(solids[i]),
-         .axis = *kind == tunnel ? reader.points("axis").value_or(std::vector<geometry::Vec3>{})
-                                 : std::vector<geometry::Vec3>{},
-         .line = line,
-         .tunnel = tunnel_line});
+    excavations.push_back({.name = std::move(shown),
+                           .stage = stage + (each ? static_cast<std::uint32_t>(bench) : 0U),
+                           .solid = std::move(solids[i]),
+                           .axis = *kind == tunnel ? reader.points("axis").value_or(std::vector<geometry::Vec3>{})
+                                                   : std::vector<geometry::Vec3>{},
+                           .line = reader.line(),
+                           .tunnel = tunnel_line});
   }
   return excavations;
 }
 
 }  // namespace
 
+std::vector<Key> tunnel_keys() {
+  return {{"section", key::table(&profile_shape_keys), required,
+           "`{ shape = \"horseshoe\", width = 10, height = 10 }`, below"},
+          {"axis", key::points(), required,
+           "two points or more, through the centre of the section's bounding box: straight, bent or curved"},
+          {"up", key::vector(rule::coordinate), "[0, 0, 1]", "upwards in the section, where the axis is vertical"}};
+}
+
+const KeyTable& excavation_keys() {
+  static const KeyTable keys{
+      .name = "excavation",
+      .keys = {{"name", key::text(), "`excavation[N]`", "of the opening"},
+               {"kind", key::word(kinds), required, "what is taken out"},
+               {"stage", key::whole(1, 10'000), "1", "see `[sequence]`"}},
+      .select = "kind",
+      .variants = {{"tunnel", tunnel_keys()},
+                   {"slope", slope_keys()},
+                   {"benches", bench_keys()},
+                   {"mesh", {{"file", key::text(), required, "a closed surface as for the domain"}}},
+                   {"polyhedron",
+                    {{"box", key::table(&box_keys), "", "as for the domain"},
+                     {"corners", key::points(), "", "as for the domain"},
+                     {"vertices", key::points(), "", "with `faces`"},
+                     {"faces", key::array(key::array(key::whole(1, 1'000'000'000), 3)), "",
+                      "`[[1, 2, 3], ...]`: numbers of vertices from 1, counter-clockwise seen from outside"}}}}};
+  return keys;
+}
+
 void parse_excavations(Context& context, const TableReader& root, const std::optional<geometry::Solid>& domain,
                        std::vector<Excavation>& excavations) {
-  const auto found = root.tables("excavation");
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto* table = std::get_if<TomlTable>(&found[i]->value);
-    for (Excavation& excavation : parse_excavation(context, *table, found[i]->line, i + 1, domain)) {
+  for (const TableReader& table : root.each("excavation")) {
+    for (Excavation& excavation : parse_excavation(context, table, domain)) {
       excavations.push_back(std::move(excavation));
     }
   }

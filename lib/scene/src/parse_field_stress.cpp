@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "context.hpp"
+#include "key_tables.hpp"
 #include "nearest.hpp"
 
 namespace cleave::scene {
@@ -13,20 +14,12 @@ namespace {
 
 using std::string_view;
 
-std::optional<std::array<double, 6>> components(const TableReader& table, string_view key) {
-  const TomlEntry* entry = table.find(key);
-  if (entry == nullptr) return std::nullopt;
-  const auto* array = std::get_if<TomlArray>(&entry->node.value);
-  if (array == nullptr || array->items.size() != 6) {
-    table.error(key, "must be six numbers", "write [xx, yy, zz, xy, yz, zx] in Pa, compression negative");
-    return std::nullopt;
-  }
+constexpr NumberRule stress_rule{-1e15, false, 1e15, false, " Pa"};
+constexpr NumberRule gradient_rule{-1e15, false, 1e15, false, " Pa/m"};
+
+std::array<double, 6> components(const TableReader& table, string_view key) {
   std::array<double, 6> out{};
-  for (std::size_t i = 0; i < 6; ++i) {
-    const auto value = table.number_of(array->items[i], table.path_of(key), rule::any);
-    if (!value) return std::nullopt;
-    out[i] = *value;
-  }
+  if (const auto values = table.numbers(key)) std::ranges::copy(*values, out.begin());
   return out;
 }
 
@@ -38,24 +31,40 @@ double largest(const std::array<double, 6>& values) {
 
 }  // namespace
 
+const KeyTable& field_stress_keys() {
+  static const KeyTable keys{
+      .name = "field_stress",
+      .keys = {
+          {"tunnel", key::text(), "the only one", "name of an excavation of kind tunnel with an axis of two points"},
+          {"stress", key::array(key::number(stress_rule), 6, 6), required,
+           "`[xx, yy, zz, xy, yz, zx]` of the undisturbed rock at `level`, Pa, compression negative"},
+          {"gradient", key::array(key::number(gradient_rule), 6, 6), "0",
+           "the same per metre upwards (weight of the rock: zz = density x gravity); level upright tunnels only"},
+          {"level", key::number(rule::coordinate), "0", "z in m"},
+          {"surface", key::number(rule::coordinate), "",
+           "z of the free ground surface above (half plane); none: infinite rock"},
+          {"tolerance", key::number({1e-8, false, 0.1, false, ""}), "1e-3",
+           "elements are doubled until displacements of the section change by less, relative; a note says when three "
+           "doublings do not do"}}};
+  return keys;
+}
+
 std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, const Rock& rock,
                                                       const std::vector<Excavation>& excavations) {
-  const TomlTable* found = root.table("field_stress");
-  if (found == nullptr) return std::nullopt;
-  constexpr std::array<string_view, 7> keys{"tunnel",  "stress",          "gradient", "level",
-                                            "surface", "stiffness_ratio", "tolerance"};
+  const auto found = root.sub("field_stress");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
   FieldStressSettings settings;
-  settings.line = root.line_of("field_stress");
-  const TableReader table{*found, settings.line, "field_stress", root.problems(), keys};
+  settings.line = table.line();
   if (!table.has("stress")) {
     table.missing("stress", "write stress = [xx, yy, zz, xy, yz, zx] in Pa, compression negative");
   }
-  settings.stress = components(table, "stress").value_or(std::array<double, 6>{});
-  settings.gradient = components(table, "gradient").value_or(std::array<double, 6>{});
-  settings.level = table.number("level", rule::coordinate).value_or(0);
-  settings.surface = table.number("surface", rule::coordinate);
-  settings.stiffness_ratio = table.number("stiffness_ratio", {1e-3, false, 1e4, false, ""});
-  settings.tolerance = table.number("tolerance", {1e-8, false, 0.1, false, ""}).value_or(1e-3);
+  settings.stress = components(table, "stress");
+  settings.gradient = components(table, "gradient");
+  settings.level = table.value("level");
+  settings.surface = table.number("surface");
+  settings.stiffness_ratio = table.number("stiffness_ratio");
+  settings.tolerance = table.value("tolerance");
   if (!rock.poisson) {
     root.problems().error(settings.line, "rock.poisson", "is missing",
                           "stress along the tunnel needs Poisson's ratio: give poisson in [rock], say 0.25");

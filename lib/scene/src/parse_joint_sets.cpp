@@ -11,25 +11,89 @@
 #include "cleave/io/joint_csv.hpp"
 #include "context.hpp"
 #include "joint_models.hpp"
+#include "key_tables.hpp"
 
 namespace cleave::scene {
 namespace {
 
 using std::string_view;
 
-constexpr std::array<string_view, 23> set_keys{
-    "name",      "model",          "orientation", "shape",        "size",        "size_2", "aspect", "rotation",
-    "sides",     "intensity",      "set",         "terminate_at", "probability", "share",  "seeds",  "min_corners",
-    "min_angle", "max_elongation", "zones",       "shift",        "turn_kappa",  "gaps",   "bridge"};
+constexpr NumberRule spread_rule{0, false, 360, false, " degrees"};
+constexpr NumberRule exponent_rule{0, true, 100, false, ""};
+constexpr NumberRule aspect_rule{0, true, 1e6, false, ""};
+constexpr NumberRule per_metre_rule{0, false, 1e9, false, " 1/m"};
+constexpr NumberRule per_volume_rule{0, false, 1e9, false, ""};
+constexpr std::int64_t most_sides = 256;
+constexpr std::array<string_view, 5> orientation_laws{"fisher", "uniform", "normal", "constant", "bootstrap"};
+constexpr std::array<string_view, 6> size_laws{"constant", "normal", "exponential", "lognormal", "power", "gamma"};
+constexpr std::array<dfn::SizeDistribution, 6> size_kinds{
+    dfn::SizeDistribution::constant,  dfn::SizeDistribution::normal, dfn::SizeDistribution::exponential,
+    dfn::SizeDistribution::lognormal, dfn::SizeDistribution::power,  dfn::SizeDistribution::gamma};
+constexpr std::array<string_view, 1> persistent_word{"persistent"};
+constexpr std::array<string_view, 3> rotation_laws{"uniform", "normal", "constant"};
+constexpr std::array<string_view, 5> shape_words{"rectangle", "square", "disc", "ellipse", "polygon"};
 
-/// The words a key `distribution` may hold, and those that a later version will take.
-std::optional<std::size_t> distribution_of(const TableReader& table, std::span<const string_view> now,
-                                           std::span<const string_view> later = {}) {
+const KeyTable& orientation_keys() {
+  static const KeyTable keys{
+      .name = "orientation",
+      .keys = {{"dip", key::number(rule::dip), "", "degrees, of the mean plane"},
+               {"dip_direction", key::number(rule::dip_direction), "", "degrees, of the mean plane"},
+               {"distribution", key::word(orientation_laws), "\"constant\"",
+                "`\"fisher\"` with `kappa`; `\"uniform\"` with `dip_range`, `dip_direction_range`; `\"normal\"` with "
+                "`dip_std`, `dip_direction_std`; `\"constant\"`: all parallel; or `\"bootstrap\"` with `file`, `set` "
+                "and `jitter`"},
+               {"kappa", key::number(rule::kappa), "", "concentration of the Fisher law"},
+               {"dip_range", key::number(rule::dip), "", "degrees, plus or minus"},
+               {"dip_direction_range", key::number(rule::half_turn), "", "degrees, plus or minus"},
+               {"dip_std", key::number(rule::dip), "", "degrees"},
+               {"dip_direction_std", key::number(rule::half_turn), "", "degrees"},
+               {"file", key::text(), "", "a table of orientations, drawn with replacement"},
+               {"set", key::text(), "", "only the rows of this set"},
+               {"jitter", key::number(rule::kappa), "", "kappa of a Fisher rotation of each draw"}}};
+  return keys;
+}
+
+const KeyTable& size_keys() {
+  static const KeyTable keys{
+      .name = "size",
+      .keys = {{"distribution", key::word(size_laws), required, "law of the size"},
+               {"mean", key::number(rule::length), "", "m, before the law is cut to `min`..`max`"},
+               {"std", key::number(rule::length_or_zero), "", "m, before the law is cut"},
+               {"min", key::number(rule::length_or_zero), "", "m"},
+               {"max", key::number(rule::length), "", "m"},
+               {"exponent", key::number(exponent_rule), "", "of the power law"}}};
+  return keys;
+}
+
+const KeyTable& rotation_keys() {
+  static const KeyTable keys{.name = "rotation",
+                             .keys = {{"distribution", key::word(rotation_laws), required, "law of the rotation"},
+                                      {"min", key::number(rule::turn), "", "degrees"},
+                                      {"max", key::number(rule::turn), "", "degrees"},
+                                      {"mean", key::number(rule::turn), "", "degrees"},
+                                      {"std", key::number(spread_rule), "", "degrees"}}};
+  return keys;
+}
+
+const KeyTable& intensity_keys() {
+  static const KeyTable keys{
+      .name = "intensity",
+      .keys = {{"count", key::whole(0, 10'000'000), "", "exactly so many centres, in the domain's box"},
+               {"p32", key::number(per_metre_rule), "", "1/m, area in a volume"},
+               {"p30", key::number(per_volume_rule), "", "1/m3, centres in a volume"},
+               {"p10", key::number(per_metre_rule), "", "1/m, number along the mean normal"},
+               {"spacing", key::number(rule::length), "", "m, along the mean normal"}},
+      .one_of = {{"count", "p32", "p30", "p10", "spacing"}}};
+  return keys;
+}
+
+/// `distribution` of a table that has no default of it.
+std::optional<std::size_t> distribution_of(const TableReader& table, string_view example) {
   if (!table.has("distribution")) {
-    table.missing("distribution", fmt::format("add distribution = \"{}\"", now.front()));
+    table.missing("distribution", fmt::format("add distribution = \"{}\"", example));
     return std::nullopt;
   }
-  return table.choice("distribution", now, later);
+  return table.choice("distribution");
 }
 
 /// Normals of a table of orientations, drawn with replacement.
@@ -37,8 +101,7 @@ std::optional<dfn::OrientationLaw> parse_bootstrap(Context& context, const Table
   for (const string_view key : {"dip", "dip_direction"}) {
     if (table.has(key)) table.error(key, "has no meaning for the distribution \"bootstrap\"", "remove it");
   }
-  constexpr NumberRule kappa_rule{0, false, 1e12, false, ""};
-  const auto jitter = table.number("jitter", kappa_rule);
+  const auto jitter = table.number("jitter");
   const auto only = table.text("set");
   if (!table.has("file")) {
     table.missing("file", "add file = \"poles.csv\" with columns dip and dip_direction");
@@ -68,19 +131,14 @@ std::optional<dfn::OrientationLaw> parse_bootstrap(Context& context, const Table
 }
 
 std::optional<dfn::OrientationLaw> parse_orientation(Context& context, const TableReader& set) {
-  constexpr std::array<string_view, 5> laws{"fisher", "uniform", "normal", "constant", "bootstrap"};
   if (!set.has("orientation")) {
     set.missing("orientation",
                 "add orientation = { dip = 30, dip_direction = 30, distribution = \"fisher\", kappa = 40 }");
     return std::nullopt;
   }
-  const TomlTable* found = set.table("orientation");
-  if (found == nullptr) return std::nullopt;
-  constexpr std::array<string_view, 11> keys{
-      "dip",       "dip_direction",       "distribution",      "kappa", "dip_std",
-      "dip_range", "dip_direction_range", "dip_direction_std", "file",  "jitter",
-      "set"};
-  const TableReader table{*found, set.line_of("orientation"), set.path_of("orientation"), set.problems(), keys};
+  const auto found = set.sub("orientation");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
   if (const auto* word = table.find("distribution")) {
     const auto* text = std::get_if<std::string>(&word->node.value);
     if (text != nullptr && *text == "bootstrap") return parse_bootstrap(context, table);
@@ -91,36 +149,33 @@ std::optional<dfn::OrientationLaw> parse_orientation(Context& context, const Tab
                   "remove it, or set distribution = \"bootstrap\"");
     }
   }
-  const auto dip = table.need_number("dip", rule::dip);
-  const auto direction = table.need_number("dip_direction", rule::dip_direction);
-  const auto law = table.has("distribution") ? table.choice("distribution", laws) : std::optional<std::size_t>{3};
+  const auto dip = table.need_number("dip"), direction = table.need_number("dip_direction");
+  const auto law = table.has("distribution") ? table.choice("distribution") : std::optional<std::size_t>{3};
   if (!law) return std::nullopt;
 
   constexpr std::array<std::pair<string_view, std::size_t>, 5> own{
       {{"kappa", 0}, {"dip_range", 1}, {"dip_direction_range", 1}, {"dip_std", 2}, {"dip_direction_std", 2}}};
   for (const auto& [key, owner] : own) {
     if (owner == *law || !table.has(key)) continue;
-    table.error(key, fmt::format("has no meaning for the distribution \"{}\"", laws[*law]),
-                fmt::format("remove it, or set distribution = \"{}\"", laws[owner]));
+    table.error(key, fmt::format("has no meaning for the distribution \"{}\"", orientation_laws[*law]),
+                fmt::format("remove it, or set distribution = \"{}\"", orientation_laws[owner]));
   }
-  constexpr NumberRule half_turn{0, false, 180, false, " degrees"};
-  constexpr NumberRule kappa_rule{0, false, 1e12, false, ""};
   switch (*law) {
     case 0: {
-      const auto kappa = table.need_number("kappa", kappa_rule);
+      const auto kappa = table.need_number("kappa");
       if (!dip || !direction || !kappa) return std::nullopt;
       return dfn::FisherOrientation{Dip::degrees(*dip), context.turned(*direction), *kappa};
     }
     case 1: {
-      const auto a = table.need_number("dip_range", rule::dip);
-      const auto b = table.need_number("dip_direction_range", half_turn);
+      const auto a = table.need_number("dip_range");
+      const auto b = table.need_number("dip_direction_range");
       if (!dip || !direction || !a || !b) return std::nullopt;
       return dfn::UniformOrientation{Dip::degrees(*dip), context.turned(*direction), Dip::degrees(*a),
                                      DipDirection::degrees(*b)};
     }
     case 2: {
-      const auto a = table.need_number("dip_std", rule::dip);
-      const auto b = table.need_number("dip_direction_std", half_turn);
+      const auto a = table.need_number("dip_std");
+      const auto b = table.need_number("dip_direction_std");
       if (!dip || !direction || !a || !b) return std::nullopt;
       return dfn::NormalOrientation{Dip::degrees(*dip), context.turned(*direction), Dip::degrees(*a),
                                     DipDirection::degrees(*b)};
@@ -134,6 +189,40 @@ std::optional<dfn::OrientationLaw> parse_orientation(Context& context, const Tab
 
 }  // namespace
 
+KeyType size_type() {
+  return key::either({key::number(rule::length), key::word(persistent_word), key::table(&size_keys)});
+}
+
+const KeyTable& joint_set_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{
+        .name = "joint_set",
+        .keys = {
+            {"name", key::text(), "\"default\"", "the set, for `[joints.NAME]`"},
+            {"orientation", key::table(&orientation_keys), required,
+             "`dip`, `dip_direction` and the law of the deviations from them, below"},
+            {"shape", key::either({key::word(shape_words), key::text()}), "\"rectangle\"",
+             "`\"square\"`, `\"disc\"`, `\"ellipse\"`, `\"polygon(6)\"`; `\"disc(16)\"`, `\"ellipse(16)\"` or `sides = "
+             "16` for another number of sides than 32"},
+            {"sides", key::whole(3, most_sides), "32", "of discs, ellipses and polygons"},
+            {"size", size_type(), required,
+             "m: side, or diameter (ellipse: first axis; polygon: through the corners). A number, `\"persistent\"`, or "
+             "a law, below"},
+            {"size_2", size_type(), "an independent draw of `size`",
+             "rectangles and ellipses: own law of the second side"},
+            {"aspect", key::number(aspect_rule), "",
+             "rectangles and ellipses: first side over second, instead of `size_2`"},
+            {"rotation", key::either({key::number(rule::turn), key::table(&rotation_keys)}), "0",
+             "degrees in the joint's plane from strike, or a law `uniform` (`min`, `max`) or `normal` (`mean`, `std`)"},
+            {"intensity", key::table(&intensity_keys), required,
+             "one of `count` (exactly so many centres in the domain's box), `p32` (1/m), `p30` (1/m3), `p10` (1/m "
+             "along the mean normal), `spacing` (m)"}}};
+    for (Key& key : model_keys()) table.keys.push_back(std::move(key));
+    return table;
+  }();
+  return keys;
+}
+
 std::optional<dfn::SizeLaw> parse_size(const TableReader& set, string_view key) {
   const TomlEntry* entry = set.find(key);
   if (entry == nullptr) return std::nullopt;
@@ -146,34 +235,26 @@ std::optional<dfn::SizeLaw> parse_size(const TableReader& set, string_view key) 
                 " (size alone may also be \"persistent\")");
       return std::nullopt;
     }
-    const auto value = set.number(key, rule::length);
+    const auto value = set.number(key);
     if (!value) return std::nullopt;
     spec.mean = metres(*value);
   } else {
-    constexpr std::array<string_view, 6> keys{"distribution", "mean", "std", "min", "max", "exponent"};
-    constexpr std::array<string_view, 6> laws{"constant", "normal", "exponential", "lognormal", "power", "gamma"};
-    constexpr std::array<dfn::SizeDistribution, 6> kinds{
-        dfn::SizeDistribution::constant,  dfn::SizeDistribution::normal, dfn::SizeDistribution::exponential,
-        dfn::SizeDistribution::lognormal, dfn::SizeDistribution::power,  dfn::SizeDistribution::gamma};
-    constexpr NumberRule exponent_rule{0, true, 100, false, ""};
-    const TomlTable* found = set.table(key);
-    if (found == nullptr) return std::nullopt;
     const std::size_t before = set.problems().errors();
-    const TableReader table{*found, entry->line, path, set.problems(), keys};
-    const auto law = distribution_of(table, laws);
-    const auto length = [&](string_view name, const NumberRule& allowed) -> std::optional<Length> {
-      const auto value = table.number(name, allowed);
+    const TableReader table = *set.sub(key);
+    const auto law = distribution_of(table, size_laws.front());
+    const auto length = [&](string_view name) -> std::optional<Length> {
+      const auto value = table.number(name);
       return value ? std::optional{metres(*value)} : std::nullopt;
     };
-    spec.mean = length("mean", rule::length);
-    spec.std = length("std", rule::length_or_zero);
-    spec.min = length("min", rule::length_or_zero);
-    spec.max = length("max", rule::length);
-    spec.exponent = table.number("exponent", exponent_rule);
+    spec.mean = length("mean");
+    spec.std = length("std");
+    spec.min = length("min");
+    spec.max = length("max");
+    spec.exponent = table.number("exponent");
     // A lower limit of 0 says no more than that sizes are positive.
     if (spec.min && spec.min->si() == 0) spec.min = std::nullopt;
     if (!law || set.problems().errors() != before) return std::nullopt;
-    spec.distribution = kinds[*law];
+    spec.distribution = size_kinds[*law];
   }
   auto law = dfn::SizeLaw::make(spec);
   if (law) return std::move(*law);
@@ -199,20 +280,15 @@ std::optional<dfn::RotationLaw> parse_rotation(const TableReader& set) {
   const TomlEntry* entry = set.find("rotation");
   if (entry == nullptr) return dfn::FixedRotation{};
   if (!std::holds_alternative<TomlTable>(entry->node.value)) {
-    const auto angle = set.number("rotation", rule::turn);
+    const auto angle = set.number("rotation");
     if (!angle) return std::nullopt;
     return dfn::FixedRotation{dfn::Rotation::degrees(*angle)};
   }
-  constexpr std::array<string_view, 5> keys{"distribution", "min", "max", "mean", "std"};
-  constexpr std::array<string_view, 3> laws{"uniform", "normal", "constant"};
-  const TomlTable* found = set.table("rotation");
-  if (found == nullptr) return std::nullopt;
-  const TableReader table{*found, entry->line, set.path_of("rotation"), set.problems(), keys};
-  const auto law = distribution_of(table, laws);
+  const TableReader table = *set.sub("rotation");
+  const auto law = distribution_of(table, rotation_laws.front());
   if (!law) return std::nullopt;
-  constexpr NumberRule spread{0, false, 360, false, " degrees"};
   if (*law == 0) {
-    const auto from = table.need_number("min", rule::turn), to = table.need_number("max", rule::turn);
+    const auto from = table.need_number("min"), to = table.need_number("max");
     if (!from || !to) return std::nullopt;
     if (*from > *to) {
       table.error("min", fmt::format("is {}, above max = {}", *from, *to), "swap them");
@@ -220,10 +296,10 @@ std::optional<dfn::RotationLaw> parse_rotation(const TableReader& set) {
     }
     return dfn::UniformRotation{dfn::Rotation::degrees(*from), dfn::Rotation::degrees(*to)};
   }
-  const auto mean = table.need_number("mean", rule::turn);
+  const auto mean = table.need_number("mean");
   if (*law == 2)
     return mean ? std::optional<dfn::RotationLaw>{dfn::FixedRotation{dfn::Rotation::degrees(*mean)}} : std::nullopt;
-  const auto std = table.need_number("std", spread);
+  const auto std = table.need_number("std");
   if (!mean || !std) return std::nullopt;
   return dfn::NormalRotation{dfn::Rotation::degrees(*mean), dfn::Rotation::degrees(*std)};
 }
@@ -233,19 +309,17 @@ std::optional<dfn::Intensity> parse_intensity(const TableReader& set) {
     set.missing("intensity", "add intensity = { p32 = 0.1 }, or count, p10, p30, spacing");
     return std::nullopt;
   }
-  constexpr std::array<string_view, 5> keys{"count", "p32", "p30", "p10", "spacing"};
-  constexpr NumberRule per_metre{0, false, 1e9, false, " 1/m"};
-  const TomlTable* found = set.table("intensity");
-  if (found == nullptr) return std::nullopt;
-  const TableReader table{*found, set.line_of("intensity"), set.path_of("intensity"), set.problems(), keys};
-  const TomlEntry* entry = table.one_of(keys);
+  const auto found = set.sub("intensity");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
+  const TomlEntry* entry = table.one_of();
   if (entry == nullptr) return std::nullopt;
   if (entry->key == "count") {
-    const auto count = table.integer("count", 0, 10'000'000);
+    const auto count = table.integer("count");
     if (!count) return std::nullopt;
     return dfn::Count{static_cast<std::uint64_t>(*count)};
   }
-  const auto value = table.number(entry->key, entry->key == "spacing" ? rule::length : per_metre);
+  const auto value = table.number(entry->key);
   if (!value) return std::nullopt;
   if (entry->key == "p32") return dfn::P32{*value};
   if (entry->key == "p30") return dfn::P30{*value};
@@ -260,16 +334,14 @@ struct ShapeWord {
 
 /// "rectangle", "disc", "polygon(6)", ...
 std::optional<ShapeWord> parse_shape_word(const TableReader& set) {
-  constexpr std::array<string_view, 5> shapes{"rectangle", "square", "disc", "ellipse", "polygon"};
-  constexpr std::int64_t most_sides = 256;
   std::optional<std::uint32_t> sides;
-  if (const auto given = set.integer("sides", 3, most_sides)) sides = static_cast<std::uint32_t>(*given);
+  if (const auto given = set.integer("sides")) sides = static_cast<std::uint32_t>(*given);
   if (!set.has("shape")) return ShapeWord{0, sides};
   const auto word = set.text("shape");
   if (!word) return std::nullopt;
   const std::size_t open = word->find('(');
   if (open == std::string::npos || !word->ends_with(')')) {
-    const auto kind = set.choice("shape", shapes);
+    const auto kind = set.choice("shape");
     if (!kind) return std::nullopt;
     if (*kind == 4 && !sides) {
       set.error("shape", "does not say how many sides the polygon has", "write shape = \"polygon(6)\"");
@@ -283,8 +355,8 @@ std::optional<ShapeWord> parse_shape_word(const TableReader& set) {
   const char* const end = std::to_address(digits.end());
   const auto [stop, failed] = std::from_chars(std::to_address(digits.begin()), end, count);
   const bool whole = failed == std::errc{} && stop == end && count >= 3 && count <= most_sides;
-  for (std::size_t kind = 2; kind < shapes.size(); ++kind) {
-    if (shapes[kind] == name && whole) return ShapeWord{kind, count};
+  for (std::size_t kind = 2; kind < shape_words.size(); ++kind) {
+    if (shape_words[kind] == name && whole) return ShapeWord{kind, count};
   }
   set.error("shape", fmt::format("\"{}\" is not known", word->substr(0, 60)),
             fmt::format("write polygon(N), disc(N) or ellipse(N) with N from 3 to {}", most_sides));
@@ -302,8 +374,7 @@ std::optional<dfn::SecondSize> parse_second(const TableReader& set) {
     return *law;
   }
   if (set.has("aspect")) {
-    constexpr NumberRule aspect_rule{0, true, 1e6, false, ""};
-    const auto ratio = set.number("aspect", aspect_rule);
+    const auto ratio = set.number("aspect");
     if (!ratio) return std::nullopt;
     return dfn::AspectRatio{*ratio};
   }
@@ -347,8 +418,7 @@ void parse_joint_set(Context& context, const TableReader& set, const OtherSets& 
                      std::vector<RandomSet>& joint_sets) {
   const std::size_t before = context.problems.errors();
   auto name = set.text("name");
-  if (set.has("set")) set.error("set", "is no key of a [[joint_set]]", "write name instead");
-  const auto model = parse_model(set, others, set_keys);
+  const auto model = parse_model(set, others);
   const bool mosaic = model && std::holds_alternative<dfn::Mosaic>(*model);
   const bool sizeless =
       mosaic ||
@@ -392,14 +462,11 @@ void parse_joint_set(Context& context, const TableReader& set, const OtherSets& 
 
 void parse_joint_sets(Context& context, const TableReader& root, const std::vector<MeasuredJoint>& given,
                       std::vector<RandomSet>& joint_sets) {
-  const auto found = root.tables("joint_set");
-  std::vector<TableReader> sets;
+  const std::vector<TableReader> sets = root.each("joint_set");
   OtherSets others;
   for (const MeasuredJoint& joint : given) others.given.try_emplace(context.sets[joint.set].name, joint.set);
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto* table = std::get_if<TomlTable>(&found[i]->value);
-    sets.emplace_back(*table, found[i]->line, fmt::format("joint_set[{}]", i + 1), context.problems, set_keys);
-    const auto* name = sets[i].find("name");
+  for (const TableReader& set : sets) {
+    const auto* name = set.find("name");
     const auto* text = name == nullptr ? nullptr : std::get_if<std::string>(&name->node.value);
     others.drawn.push_back(text == nullptr ? "default" : *text);
   }

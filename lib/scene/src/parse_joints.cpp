@@ -11,15 +11,26 @@
 #include "cleave/geometry/shapes.hpp"
 #include "context.hpp"
 #include "joint_files.hpp"
+#include "key_tables.hpp"
 
 namespace cleave::scene {
 namespace {
 
 using std::string_view;
 
+const KeyTable& disc_keys() {
+  static const KeyTable keys{
+      .name = "joint.disc",
+      .keys = {{"centre", key::vector(rule::coordinate), required, "m"},
+               {"dip", key::number(rule::dip), required, "degrees"},
+               {"dip_direction", key::number(rule::dip_direction), required, "degrees"},
+               {"radius", key::number(rule::length), required, "m"},
+               {"sides", key::whole(3, 1024), "32", "of the regular polygon of the disc's area"}}};
+  return keys;
+}
+
 std::optional<geometry::Attitude> parse_attitude(const Context& context, const TableReader& table) {
-  const auto dip = table.need_number("dip", rule::dip);
-  const auto direction = table.need_number("dip_direction", rule::dip_direction);
+  const auto dip = table.need_number("dip"), direction = table.need_number("dip_direction");
   if (!dip || !direction) return std::nullopt;
   return geometry::Attitude{Dip::degrees(*dip), context.turned(*direction)};
 }
@@ -27,26 +38,22 @@ std::optional<geometry::Attitude> parse_attitude(const Context& context, const T
 using Geometry = std::variant<topology::Joint, topology::PersistentJoint>;
 
 std::optional<Geometry> parse_plane(const Context& context, const TableReader& joint) {
-  constexpr std::array<string_view, 3> keys{"through", "dip", "dip_direction"};
-  const TomlTable* found = joint.table("plane");
-  if (found == nullptr) return std::nullopt;
-  const TableReader table{*found, joint.line_of("plane"), joint.path_of("plane"), joint.problems(), keys};
-  const auto through = table.need_vec3("through", rule::coordinate);
-  const auto attitude = parse_attitude(context, table);
+  const auto table = joint.sub("plane");
+  if (!table) return std::nullopt;
+  const auto through = table->need_vec3("through");
+  const auto attitude = parse_attitude(context, *table);
   if (!through || !attitude) return std::nullopt;
   return topology::PersistentJoint{*through, geometry::upward_normal(*attitude)};
 }
 
 std::optional<Geometry> parse_disc(const Context& context, const TableReader& joint) {
-  constexpr std::array<string_view, 5> keys{"centre", "dip", "dip_direction", "radius", "sides"};
-  const TomlTable* found = joint.table("disc");
-  if (found == nullptr) return std::nullopt;
-  const TableReader table{*found, joint.line_of("disc"), joint.path_of("disc"), joint.problems(), keys};
-  const auto centre = table.need_vec3("centre", rule::coordinate);
-  const auto attitude = parse_attitude(context, table);
-  const auto radius = table.need_number("radius", rule::length);
-  const std::int64_t sides = table.has("sides") ? table.integer("sides", 3, 1024).value_or(0) : 32;
-  if (!centre || !attitude || !radius || sides == 0) return std::nullopt;
+  const auto table = joint.sub("disc");
+  if (!table) return std::nullopt;
+  const auto centre = table->need_vec3("centre");
+  const auto attitude = parse_attitude(context, *table);
+  const auto radius = table->need_number("radius");
+  const std::int64_t sides = table->count("sides");
+  if (!centre || !attitude || !radius) return std::nullopt;
   auto polygon = geometry::disc(*centre, *attitude, metres(*radius), static_cast<std::uint32_t>(sides));
   if (!polygon) {
     joint.error("disc", describe(polygon.error()), "");
@@ -101,13 +108,14 @@ std::optional<Geometry> parse_polygon(const Context& context, const TableReader&
   return std::move(*shape);
 }
 
-/// ends_on of all joints, once all names are known.
+/// terminates_at of all joints, once all names are known.
 void resolve_terminations(Context& context, const std::vector<MeasuredJoint>& joints) {
   for (std::size_t j = 0; j < joints.size(); ++j) {
     for (const std::string& name : joints[j].ends_on) {
       const auto at = std::ranges::find(joints, name, &MeasuredJoint::name);
       const auto problem = [&](std::string what, std::string remedy) {
-        context.problems.error_in(joints[j].file, joints[j].line, "joint.ends_on", std::move(what), std::move(remedy));
+        context.problems.error_in(joints[j].file, joints[j].line, "joint.terminates_at", std::move(what),
+                                  std::move(remedy));
       };
       if (at == joints.end()) {
         problem(fmt::format("no joint has the name \"{}\"", name.substr(0, 60)),
@@ -141,13 +149,49 @@ OwnStrength parse_own_strength(const TableReader& joint, bool is_file) {
       return own;
     }
   }
-  if (const auto friction = joint.number("friction", rule::friction)) own.friction = FrictionAngle::degrees(*friction);
-  if (const auto cohesion = joint.number("cohesion", rule::stress)) own.cohesion = pascals(*cohesion);
-  if (const auto tension = joint.number("tension", rule::stress)) own.tension = pascals(*tension);
+  if (const auto friction = joint.number("friction")) own.friction = FrictionAngle::degrees(*friction);
+  if (const auto cohesion = joint.number("cohesion")) own.cohesion = pascals(*cohesion);
+  if (const auto tension = joint.number("tension")) own.tension = pascals(*tension);
   return own;
 }
 
 }  // namespace
+
+const KeyTable& plane_keys() {
+  static const KeyTable keys{.name = "plane",
+                             .keys = {{"through", key::vector(rule::coordinate), required, "m, a point of the plane"},
+                                      {"dip", key::number(rule::dip), required, "degrees"},
+                                      {"dip_direction", key::number(rule::dip_direction), required, "degrees"}}};
+  return keys;
+}
+
+const KeyTable& joint_keys() {
+  static const KeyTable keys{
+      .name = "joint",
+      .keys = {{"file", key::text(), "",
+                "`.obj`: each face one joint; `.csv`: each row one joint (below); `.stl`, `.ply`: the whole surface "
+                "one joint; `.dxf`, `.ts`, `.fab`, `.dat`: polygons and surfaces ([formats](formats.md))"},
+               {"plane", key::table(&plane_keys), "",
+                "`{ through, dip, dip_direction }`: persistent: cuts the whole domain"},
+               {"disc", key::table(&disc_keys), "",
+                "`{ centre, dip, dip_direction, radius, sides = 32 }`: regular polygon of the disc's area"},
+               {"polygon", key::points(), "", "`[[x, y, z], ...]`: simple, planar, convex or not"},
+               {"holes", key::array(key::points()), "",
+                "beside `polygon`: outlines of holes in its plane, strictly inside it and apart from each other"},
+               {"set", key::text(), "\"default\"",
+                "name of its set; for `.dxf`, `.ts` and `.fab` the layer, object or set that the file names"},
+               {"name", key::text(), "", "of a single joint"},
+               {"terminates_at", key::texts(), "[]", "names of flat joints: it ends on their planes, below", "ends_on"},
+               {"surface", key::flag(), "true of `.stl`, `.ply`",
+                "of mesh files: true makes the whole mesh one joint, false each face a joint of its own"},
+               {"wrap", key::flag(), "false", "of CSV files: accept dips and directions outside 0..90 and 0..360"},
+               {"friction", key::number(rule::friction), "that of its set",
+                "degrees, of this joint alone (not of files: there it is a column)"},
+               {"cohesion", key::number(rule::strength), "that of its set", "Pa, of this joint alone"},
+               {"tension", key::number(rule::strength), "that of its set", "Pa, of this joint alone"}},
+      .one_of = {{"file", "plane", "disc", "polygon"}}};
+  return keys;
+}
 
 std::expected<topology::Joint, std::string> joint_of(std::vector<geometry::Vec3> corners, bool triangulate) {
   topology::Joint joint;
@@ -168,17 +212,11 @@ std::expected<topology::Joint, std::string> joint_of(std::vector<geometry::Vec3>
 }
 
 void parse_joints(Context& context, const TableReader& root, std::vector<MeasuredJoint>& joints) {
-  constexpr std::array<string_view, 13> keys{"file", "plane", "disc",    "polygon",  "holes",    "set",    "surface",
-                                             "wrap", "name",  "ends_on", "friction", "cohesion", "tension"};
-  constexpr std::array<string_view, 4> kinds{"file", "plane", "disc", "polygon"};
-  const auto found = root.tables("joint");
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto* table = std::get_if<TomlTable>(&found[i]->value);
-    const TableReader joint{*table, found[i]->line, fmt::format("joint[{}]", i + 1), context.problems, keys};
+  for (const TableReader& joint : root.each("joint")) {
     const auto set = joint.text("set");
     const auto name = joint.text("name");
-    const auto ends_on = joint.texts("ends_on").value_or(std::vector<std::string>{});
-    const TomlEntry* kind = joint.one_of(kinds);
+    const auto ends_on = joint.texts("terminates_at").value_or(std::vector<std::string>{});
+    const TomlEntry* kind = joint.one_of();
     if (kind == nullptr) continue;
     for (const string_view key : {"wrap", "surface"}) {
       if (joint.has(key) && kind->key != "file") joint.error(key, "has a meaning for files only", "remove it");

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "context.hpp"
+#include "key_tables.hpp"
 #include "nearest.hpp"
 
 namespace cleave::scene {
@@ -17,6 +18,47 @@ using std::string_view;
 
 constexpr NumberRule pressure_rule{-1e15, false, 1e15, false, " Pa"};
 constexpr NumberRule force_rule{-1e15, false, 1e15, false, " N"};
+constexpr NumberRule line_force_rule{-1e15, false, 1e15, false, " N/m"};
+constexpr NumberRule weight_rule{0, false, 1e5, false, " N/m3", 5000, 50000};
+constexpr NumberRule combine_rule{0, false, 1e3, false, ""};
+
+const KeyTable& water_keys() {
+  static const KeyTable keys{
+      .name = "water",
+      .keys = {
+          {"table", number_or_law<rule::coordinate>(), "",
+           "level of the water table, m; a law: one level a realization (a single run has that of realization 0)"},
+          {"unit_weight", key::number(weight_rule), "9810", "N/m3"},
+          {"free_faces", key::flag(), "false", "true: water also presses on free faces (a lake, a flooded opening)"},
+          {"pressures", key::named(key::number(rule::stress)), "",
+           "`{ SET = Pa }`: the mean pressure in all joints of a set, in place of the table"}}};
+  return keys;
+}
+
+const KeyTable& surcharge_keys() {
+  static const KeyTable keys{.name = "surcharge",
+                             .keys = {{"on", key::text(), "\"all\"", "an excavation or a face of the domain"},
+                                      {"within", key::table(&box_keys), "", "a box that cuts the loaded area out"},
+                                      {"traction", key::vector(pressure_rule), "", "Pa, `[x, y, z]`"},
+                                      {"pressure", key::number(pressure_rule), "", "Pa, against the rock"}}};
+  return keys;
+}
+
+const KeyTable& point_keys() {
+  static const KeyTable keys{
+      .name = "point",
+      .keys = {{"at", key::vector(rule::coordinate), required, "m; a free face must lie within 5 cm"},
+               {"force", key::vector(force_rule), required, "N"}}};
+  return keys;
+}
+
+const KeyTable& line_keys() {
+  static const KeyTable keys{.name = "line",
+                             .keys = {{"from", key::vector(rule::coordinate), required, "m"},
+                                      {"to", key::vector(rule::coordinate), required, "m"},
+                                      {"force_per_metre", key::vector(line_force_rule), required, "N/m"}}};
+  return keys;
+}
 
 std::optional<FreeSurface> parse_surface(const TableReader& table, const std::optional<geometry::Solid>& domain,
                                          const std::vector<Excavation>& excavations) {
@@ -40,11 +82,9 @@ std::optional<FreeSurface> parse_surface(const TableReader& table, const std::op
 }
 
 std::optional<stability::WaterTable> parse_water(const Context& context, const TableReader& owner, LoadSet& loads) {
-  const TomlTable* found = owner.table("water");
-  if (found == nullptr) return std::nullopt;
-  constexpr std::array<string_view, 4> keys{"table", "unit_weight", "free_faces", "pressures"};
-  constexpr NumberRule weight{0, false, 1e5, false, " N/m3"};
-  const TableReader table{*found, owner.line_of("water"), owner.path_of("water"), owner.problems(), keys};
+  const auto found = owner.sub("water");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
   if (!table.has("table") && !table.has("pressures")) {
     table.missing("table", "add table = 20.0 (its level, m) or pressures = { SET = Pa }");
   }
@@ -66,30 +106,27 @@ std::optional<stability::WaterTable> parse_water(const Context& context, const T
       }
     }
   }
-  const auto law = parse_number_law(table, "table", rule::coordinate, -1e12, 1e12);
+  const auto law = parse_number_law(table, "table", -1e12, 1e12);
   const auto level = law ? std::optional{law->quantile(0.5)} : std::nullopt;
   if (law && law->kind != FrictionLaw::Kind::constant) loads.water_level = *law;
-  const auto unit_weight = table.number("unit_weight", weight);
-  const auto free_faces = table.boolean("free_faces");
+  const double unit_weight = table.value("unit_weight");
+  const bool free_faces = table.flag("free_faces");
   if (!level) {
     for (const string_view key : {"unit_weight", "free_faces"}) {
       if (!table.has("table") && table.has(key)) table.error(key, "has a meaning beside table only", "remove it");
     }
     return std::nullopt;
   }
-  return stability::WaterTable{
-      .level = *level, .unit_weight = unit_weight.value_or(9810), .on_free_faces = free_faces.value_or(false)};
+  return stability::WaterTable{.level = *level, .unit_weight = unit_weight, .on_free_faces = free_faces};
 }
 
 std::optional<stability::Box> parse_within(const TableReader& owner) {
-  const TomlTable* found = owner.table("within");
-  if (found == nullptr) return std::nullopt;
-  constexpr std::array<string_view, 2> keys{"min", "max"};
-  const TableReader table{*found, owner.line_of("within"), owner.path_of("within"), owner.problems(), keys};
-  const auto min = table.need_vec3("min", rule::coordinate), max = table.need_vec3("max", rule::coordinate);
+  const auto table = owner.sub("within");
+  if (!table) return std::nullopt;
+  const auto min = table->need_vec3("min"), max = table->need_vec3("max");
   if (!min || !max) return std::nullopt;
   if (!(min->x < max->x && min->y < max->y && min->z < max->z)) {
-    table.error("max", "is not above min on each axis", "swap them");
+    table->error("max", "is not above min on each axis", "swap them");
     return std::nullopt;
   }
   return stability::Box{*min, *max};
@@ -98,8 +135,8 @@ std::optional<stability::Box> parse_within(const TableReader& owner) {
 void parse_surcharge(const TableReader& table, const std::optional<geometry::Solid>& domain,
                      const std::vector<Excavation>& excavations, LoadSet& loads) {
   const auto surface = parse_surface(table, domain, excavations);
-  const auto traction = table.vec3("traction", pressure_rule);
-  const auto pressure = table.number("pressure", pressure_rule);
+  const auto traction = table.vec3("traction");
+  const auto pressure = table.number("pressure");
   if (!table.has("traction") && !table.has("pressure")) {
     table.missing("traction", "add traction = [x, y, z] (Pa) or pressure (Pa, against the rock)");
   }
@@ -147,56 +184,70 @@ void add(LoadSet& sum, const LoadSet& part, double factor) {
 
 }  // namespace
 
+std::vector<Key> load_set_keys() {
+  return {
+      {"seismic", key::vector(rule::ratio), "[0, 0, 0]", "pseudo-static force / weight, in the direction given"},
+      {"water", key::table(&water_keys), "",
+       "`{ table, unit_weight = 9810, free_faces = false, pressures = { SET = Pa } }`, below"},
+      {"surcharge", key::tables(&surcharge_keys), "",
+       "`[{ on = \"all\", within = { min, max }, traction = [x, y, z], pressure }]`: Pa on free faces; `on` names an "
+       "excavation or a face of the domain, `within` a box that cuts the loaded area out; `pressure` acts against "
+       "the rock"},
+      {"point", key::tables(&point_keys), "",
+       "`[{ at = [x, y, z], force = [x, y, z] }]`, N; a free face must lie within 5 cm, else the run ends with 2"},
+      {"line", key::tables(&line_keys), "",
+       "`[{ from, to, force_per_metre }]`, N/m along a straight line on free faces"}};
+}
+
+const KeyTable& load_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{
+        .name = "load",
+        .keys = {{"name", key::text(), required, "of the case"},
+                 {"combine", key::named(key::number(combine_rule)), "",
+                  "`{ NAME = factor }` adds earlier cases times a factor; of two water tables the higher one "
+                  "counts, of two pressures of a set the larger"}}};
+    for (Key& key : load_set_keys()) table.keys.push_back(std::move(key));
+    return table;
+  }();
+  return keys;
+}
+
 LoadSet parse_load_set(const Context& context, const TableReader& table, const std::optional<geometry::Solid>& domain,
                        const std::vector<Excavation>& excavations) {
   LoadSet loads{.line = table.line()};
-  if (const auto seismic = table.vec3("seismic", rule::ratio)) loads.seismic = *seismic;
+  if (const auto seismic = table.vec3("seismic")) loads.seismic = *seismic;
   loads.water = parse_water(context, table, loads);
-  const auto each = [&](string_view key, std::span<const string_view> keys, auto&& parse) {
-    const auto nodes = table.tables(key);
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      parse(TableReader{*std::get_if<TomlTable>(&nodes[i]->value), nodes[i]->line,
-                        fmt::format("{}[{}]", table.path_of(key), i + 1), table.problems(), keys});
-    }
-  };
-  constexpr std::array<string_view, 4> surcharge_keys{"on", "within", "traction", "pressure"};
-  constexpr std::array<string_view, 2> point_keys{"at", "force"};
-  constexpr std::array<string_view, 3> line_keys{"from", "to", "force_per_metre"};
-  each("surcharge", surcharge_keys, [&](const TableReader& t) { parse_surcharge(t, domain, excavations, loads); });
-  each("point", point_keys, [&](const TableReader& t) {
-    const auto at = t.need_vec3("at", rule::coordinate), force = t.need_vec3("force", force_rule);
+  for (const TableReader& t : table.each("surcharge")) parse_surcharge(t, domain, excavations, loads);
+  for (const TableReader& t : table.each("point")) {
+    const auto at = t.need_vec3("at"), force = t.need_vec3("force");
     if (at && force) loads.points.push_back({*at, *force});
-  });
-  each("line", line_keys, [&](const TableReader& t) {
-    const auto from = t.need_vec3("from", rule::coordinate), to = t.need_vec3("to", rule::coordinate);
-    const auto force = t.need_vec3("force_per_metre", force_rule);
-    if (!from || !to || !force) return;
+  }
+  for (const TableReader& t : table.each("line")) {
+    const auto from = t.need_vec3("from"), to = t.need_vec3("to");
+    const auto force = t.need_vec3("force_per_metre");
+    if (!from || !to || !force) continue;
     if (*from == *to) {
       t.error("to", "is the same point as from", "use point = { at, force }");
-      return;
+      continue;
     }
     loads.lines.push_back({*from, *to, *force});
-  });
+  }
   return loads;
 }
 
 std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader& root,
                                        const std::optional<geometry::Solid>& domain,
                                        const std::vector<Excavation>& excavations, const LoadSet& base) {
-  constexpr std::array<string_view, 7> keys{"name", "combine", "seismic", "water", "surcharge", "point", "line"};
-  constexpr NumberRule factor_rule{0, false, 1e3, false, ""};
   std::vector<LoadCase> cases;
   std::vector<LoadSet> own;
-  const auto found = root.tables("load");
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const TableReader table{*std::get_if<TomlTable>(&found[i]->value), found[i]->line, fmt::format("load[{}]", i + 1),
-                            root.problems(), keys};
+  for (const TableReader& table : root.each("load")) {
     const auto name = table.need_text("name");
     LoadSet loads = parse_load_set(context, table, domain, excavations);
     if (const TomlTable* combine = table.table("combine")) {
       for (const TomlEntry& entry : combine->entries) {
         const std::string path = table.path_of("combine") + "." + entry.key;
-        const auto factor = table.number_of(entry.node, path, factor_rule);
+        const auto factor = table.number_of(entry.node, path, combine_rule);
         const auto other = std::ranges::find(cases, entry.key, &LoadCase::name);
         if (other == cases.end()) {
           root.problems().error(entry.line, path, "is no load that stands before this one",
@@ -224,7 +275,7 @@ std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader
       std::erase_if(total.pressures, [&](const auto& entry) { return entry.first == set; });
     }
     add(total, loads, 1);
-    total.line = found[i]->line;
+    total.line = table.line();
     cases.push_back({*name, std::move(total)});
   }
   return cases;

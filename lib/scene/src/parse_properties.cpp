@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "context.hpp"
+#include "key_tables.hpp"
 #include "nearest.hpp"
 
 namespace cleave::scene {
@@ -28,39 +29,45 @@ struct Law {
   std::optional<double> mean, std, min, max;
 };
 
-std::optional<Law> parse_law(const TableReader& owner, string_view key, const NumberRule& allowed) {
+constexpr NumberRule correlation_rule{-1, false, 1, false, ""};
+constexpr NumberRule roughness_rule{0, true, 20, false, ""};
+constexpr NumberRule wall_rule{0, true, 1e15, false, " Pa", 1e5, 1e9};
+constexpr NumberRule young_rule{0, true, 1e15, false, " Pa", 1e8, 1e13};
+constexpr NumberRule poisson_rule{-1, true, 0.5, true, ""};
+constexpr std::array<string_view, 5> law_words{"uniform", "normal", "lognormal", "exponential", "constant"};
+constexpr std::array<Kind, 5> law_kinds{Kind::uniform, Kind::normal, Kind::lognormal, Kind::exponential,
+                                        Kind::constant};
+
+std::optional<Law> parse_law(const TableReader& owner, string_view key) {
   const TomlEntry* entry = owner.find(key);
   if (entry == nullptr) return std::nullopt;
   if (!std::holds_alternative<TomlTable>(entry->node.value)) {
-    const auto value = owner.number(key, allowed);
+    const auto value = owner.number(key);
     if (!value) return std::nullopt;
     return Law{.kind = Kind::constant, .mean = *value, .std = {}, .min = {}, .max = {}};
   }
-  constexpr std::array<string_view, 5> keys{"distribution", "mean", "std", "min", "max"};
-  constexpr std::array<string_view, 5> laws{"uniform", "normal", "lognormal", "exponential", "constant"};
-  constexpr std::array<string_view, 2> later{"gamma", "power"};
-  constexpr std::array<Kind, 5> kinds{Kind::uniform, Kind::normal, Kind::lognormal, Kind::exponential, Kind::constant};
   const std::size_t before = owner.problems().errors();
-  const TableReader table{*owner.table(key), entry->line, owner.path_of(key), owner.problems(), keys};
+  const TableReader table = *owner.sub(key);
+  const string_view unit = table.rule_of("min").unit;
   if (!table.has("distribution")) {
     table.missing("distribution",
                   "add distribution = \"uniform\" (with min and max) or \"normal\" (with mean and std)");
     return std::nullopt;
   }
-  const auto word = table.choice("distribution", laws, later);
+  const auto word = table.choice("distribution");
   if (!word) return std::nullopt;
   Law law;
-  law.kind = kinds[*word];
+  law.kind = law_kinds[*word];
   const bool uniform = law.kind == Kind::uniform;
   const bool with_std = law.kind == Kind::normal || law.kind == Kind::lognormal;
   if (uniform && (!table.has("min") || !table.has("max"))) {
     table.missing(table.has("min") ? "max" : "min",
-                  allowed.unit.empty() ? "add min and max" : fmt::format("add min and max, in{}", allowed.unit));
+                  unit.empty() ? "add min and max" : fmt::format("add min and max, in{}", unit));
   }
-  law.min = table.number("min", allowed);
-  law.max = table.number("max", allowed);
-  law.mean = uniform ? table.number("mean", allowed) : table.need_number("mean", allowed);
-  law.std = with_std ? table.need_number("std", allowed) : table.number("std", allowed);
+  law.min = table.number("min");
+  law.max = table.number("max");
+  law.mean = uniform ? table.number("mean") : table.need_number("mean");
+  law.std = with_std ? table.need_number("std") : table.number("std");
   if (uniform && law.mean) table.error("mean", "has no meaning for the distribution \"uniform\"", "remove it");
   if (!with_std && law.std) table.error("std", "has no meaning for this distribution", "remove it");
   if (owner.problems().errors() != before) return std::nullopt;
@@ -70,7 +77,7 @@ std::optional<Law> parse_law(const TableReader& owner, string_view key, const Nu
   }
   const bool positive = law.kind == Kind::lognormal || law.kind == Kind::exponential;
   if (positive && *law.mean <= 0) {
-    table.error("mean", "is 0", fmt::format("give a mean above 0{}", allowed.unit));
+    table.error("mean", "is 0", fmt::format("give a mean above 0{}", unit));
     return std::nullopt;
   }
   // A law that lies almost wholly outside its limits would put every draw on a limit.
@@ -97,15 +104,12 @@ std::optional<Own> own_law(const std::optional<Law>& law) {
 }
 
 Stated parse_one(const TableReader& table) {
-  constexpr NumberRule correlation{-1, false, 1, false, ""};
-  constexpr NumberRule roughness{0, true, 20, false, ""};
-  constexpr NumberRule wall{0, true, 1e15, false, " Pa"};
   Stated stated{parse_friction(table, "friction"),
-                own_law<StressLaw>(parse_law(table, "cohesion", rule::stress)),
-                own_law<StressLaw>(parse_law(table, "tension", rule::stress)),
-                table.number("friction_cohesion_correlation", correlation),
-                table.number("jrc", roughness),
-                table.number("jcs", wall)};
+                own_law<StressLaw>(parse_law(table, "cohesion")),
+                own_law<StressLaw>(parse_law(table, "tension")),
+                table.number("friction_cohesion_correlation"),
+                table.number("jrc"),
+                table.number("jcs")};
   if (table.has("jrc") != table.has("jcs")) {
     table.missing(table.has("jrc") ? "jcs" : "jrc", "Barton-Bandis needs both: jrc = 8, jcs = 50e6");
   }
@@ -141,13 +145,55 @@ JointProperties with(JointProperties base, const Stated& stated) {
 
 }  // namespace
 
-std::optional<FrictionLaw> parse_friction(const TableReader& owner, string_view key) {
-  return own_law<FrictionLaw>(parse_law(owner, key, rule::friction));
+KeyTable make_law_keys(const NumberRule& rule) {
+  NumberRule limit = rule;
+  limit.usual_low = limit.usual_high = 0;
+  return {.name = rule.unit.empty() ? std::string{"law"} : fmt::format("law in{}", rule.unit),
+          .keys = {{"distribution", key::word(law_words), required,
+                    "`uniform` has `min` and `max`, `normal` and "
+                    "`lognormal` have `mean` and `std`, `exponential` and `constant` have `mean`"},
+                   {"mean", key::number(rule), "", "of the law before it is cut to `min`..`max`"},
+                   {"std", key::number(limit), "", "of the law before it is cut"},
+                   {"min", key::number(limit), "", "lower limit"},
+                   {"max", key::number(limit), "", "upper limit"}}};
 }
 
-std::optional<NumberLaw> parse_number_law(const TableReader& owner, string_view key, const NumberRule& allowed,
-                                          double min, double max) {
-  const auto stated = parse_law(owner, key, allowed);
+const KeyTable& strength_keys() {
+  static const KeyTable keys{
+      .name = "joints",
+      .keys = {
+          {"friction", number_or_law<rule::friction>(), "30",
+           "degrees, a number or a law: `uniform` with `min`, `max`; `normal`, `lognormal` with `mean`, `std`; "
+           "`exponential` with `mean`; each with optional `min`, `max`; one value a joint"},
+          {"cohesion", number_or_law<rule::strength>(), "0", "Pa, a number or a law"},
+          {"tension", number_or_law<rule::strength>(), "0", "Pa, strength of a joint that opens; a number or a law"},
+          {"friction_cohesion_correlation", key::number(correlation_rule), "0",
+           "ties friction and cohesion of a joint together (Gaussian copula; each keeps its law)"},
+          {"jrc", key::number(roughness_rule), "",
+           "joint roughness: with `jcs` the law of Barton and Bandis takes the place of the straight one: "
+           "`friction` is then the residual angle, there is no cohesion, and the angle stays between residual and "
+           "70 degrees"},
+          {"jcs", key::number(wall_rule), "", "Pa, strength of the joint walls"}}};
+  return keys;
+}
+
+const KeyTable& rock_keys() {
+  static const KeyTable keys{
+      .name = "rock",
+      .keys = {{"density", key::number(rule::density), "2700",
+                "kg/m3; a text may state a unit weight (`\"26 kN/m3\"`), which is divided by 9.81 m/s2"},
+               {"young", key::number(young_rule), "", "Pa, of bodies that state none"},
+               {"poisson", key::number(poisson_rule), "",
+                "Poisson's ratio of bodies that state none, and of `[field_stress]`"}}};
+  return keys;
+}
+
+std::optional<FrictionLaw> parse_friction(const TableReader& owner, string_view key) {
+  return own_law<FrictionLaw>(parse_law(owner, key));
+}
+
+std::optional<NumberLaw> parse_number_law(const TableReader& owner, string_view key, double min, double max) {
+  const auto stated = parse_law(owner, key);
   auto law = own_law<NumberLaw>(stated);
   if (!law) return law;
   // Laws of positive numbers begin at 0.
@@ -158,8 +204,6 @@ std::optional<NumberLaw> parse_number_law(const TableReader& owner, string_view 
 }
 
 void parse_properties(Context& context, const TableReader& root) {
-  constexpr std::array<string_view, 6> keys{"friction", "cohesion", "tension", "friction_cohesion_correlation",
-                                            "jrc",      "jcs"};
   const TomlTable* found = root.table("joints");
   if (found == nullptr) return;
   std::vector<std::pair<std::string, Stated>> stated;
@@ -167,13 +211,13 @@ void parse_properties(Context& context, const TableReader& root) {
     const std::string path = "joints." + entry.key;
     const auto* table = std::get_if<TomlTable>(&entry.node.value);
     if (table == nullptr) {
-      const bool property = std::ranges::find(keys, entry.key) != keys.end();
+      const bool property = strength_keys().find(entry.key, std::nullopt) != nullptr;
       context.problems.error(entry.line, path,
                              fmt::format("is {} but must be a table of a joint set", kind_of(entry.node)),
                              property ? "put it under [joints.default]" : "write [joints.NAME] with the name of a set");
       continue;
     }
-    stated.emplace_back(entry.key, parse_one(TableReader{*table, entry.line, path, context.problems, keys}));
+    stated.emplace_back(entry.key, parse_one(TableReader{*table, entry.line, path, context.problems, strength_keys()}));
   }
   JointProperties base;
   for (const auto& [name, properties] : stated) {
@@ -192,30 +236,21 @@ void parse_properties(Context& context, const TableReader& root) {
       context.sets[id].properties = with(base, properties);
       used = true;
     }
-    if (used) continue;
+    if (used || context.problems.errors() != 0) continue;  // its joints may be among what is wrong
     const auto guess = nearest(name, names);
     const auto entry = std::ranges::find(found->entries, name, &TomlEntry::key);
-    context.problems.note(entry->line, "joints." + name, "no joint belongs to this set",
-                          guess ? fmt::format("did you mean \"{}\"?", *guess) : "remove it, or name a set so");
+    context.problems.error(entry->line, "joints." + name, "no joint belongs to this set",
+                           guess ? fmt::format("did you mean \"{}\"?", *guess) : "remove it, or name a set so");
   }
 }
 
 Rock parse_rock(const TableReader& root) {
   Rock rock;
-  const TomlTable* found = root.table("rock");
-  if (found == nullptr) return rock;
-  constexpr std::array<string_view, 3> keys{"density", "young", "poisson"};
-  constexpr NumberRule young{0, true, 1e15, false, " Pa"};
-  constexpr NumberRule poisson{-1, true, 0.5, true, ""};
-  const TableReader table{*found, root.line_of("rock"), "rock", root.problems(), keys};
-  if (const auto density = table.number("density", rule::density)) {
-    rock.density = kilograms_per_cubic_metre(*density);
-    if (*density < 100) {
-      table.note("density", fmt::format("is only {} kg/m3", *density), "give kg/m3, not t/m3: rock has 2000 to 3300");
-    }
-  }
-  static_cast<void>(table.number("young", young));  // stresses around a tunnel do not depend on it
-  rock.poisson = table.number("poisson", poisson);
+  const auto table = root.sub("rock");
+  if (!table) return rock;
+  rock.density = kilograms_per_cubic_metre(table->value("density"));
+  static_cast<void>(table->number("young"));  // stresses around a tunnel do not depend on it
+  rock.poisson = table->number("poisson");
   return rock;
 }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "context.hpp"
+#include "key_tables.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -52,7 +53,39 @@ void parse_orders(const TableReader& table, SequenceSettings& settings) {
   }
 }
 
+constexpr std::array<string_view, 2> fallen_words{"stay_out", "put_back"};
+constexpr std::array<string_view, 1> all_orders{"all"};
+constexpr std::array<string_view, 3> policies{"keep", "report", "exclude"};
+
 }  // namespace
+
+const KeyTable& sequence_keys() {
+  static const KeyTable keys{
+      .name = "sequence",
+      .keys = {
+          {"fallen", key::word(fallen_words), "\"stay_out\"",
+           "key blocks of a stage have fallen when the next one begins; `\"put_back\"`: they are held and stay in "
+           "place"},
+          {"compare_orders", key::either({key::word(all_orders), key::array(key::array(key::whole(1, 10'000)))}), "",
+           "`\"all\"` orders of the stages (up to 6), or a list such as `[[1, 2, 3], [2, 1, 3]]`: the volume of key "
+           "blocks of each"}}};
+  return keys;
+}
+
+const KeyTable& micro_blocks_keys() {
+  static const KeyTable keys{
+      .name = "micro_blocks",
+      .keys = {
+          {"policy", key::word(policies), "\"report\"",
+           "`\"keep\"`: say nothing; `\"report\"`: count them in `summary.json` and the notes; `\"exclude\"`: also "
+           "leave them out of stability: not judged, in no batch, and holding nothing (their neighbours find a "
+           "free face there)"},
+          {"thickness", key::number(rule::length), "",
+           "m: a block below it, or below `volume`, is a micro-block. Neither: thinner than 1e-6 of the domain's "
+           "extent"},
+          {"volume", key::number(rule::volume), "", "m3: a block below it is a micro-block"}}};
+  return keys;
+}
 
 std::optional<SequenceSettings> parse_sequence(const TableReader& root, const std::vector<Excavation>& excavations) {
   SequenceSettings settings;
@@ -60,18 +93,13 @@ std::optional<SequenceSettings> parse_sequence(const TableReader& root, const st
   std::ranges::sort(settings.stages);
   const auto repeated = std::ranges::unique(settings.stages);
   settings.stages.erase(repeated.begin(), repeated.end());
-  if (const TomlTable* found = root.table("sequence")) {
-    constexpr std::array<string_view, 2> keys{"fallen", "compare_orders"};
-    constexpr std::array<string_view, 2> ways{"stay_out", "put_back"};
-    const TableReader table{*found, root.line_of("sequence"), "sequence", root.problems(), keys};
+  if (const auto table = root.sub("sequence")) {
     if (settings.stages.size() < 2 && root.problems().errors() == 0) {
       root.error("sequence", "asks for excavation in stages, but all excavations are of one stage",
                  "give the excavations different `stage` numbers, or remove the section");
     }
-    if (const auto way = table.choice("fallen", ways)) {
-      settings.fallen = *way == 0 ? Fallen::stay_out : Fallen::put_back;
-    }
-    parse_orders(table, settings);
+    settings.fallen = table->word<Fallen>("fallen");
+    parse_orders(*table, settings);
   }
   if (settings.stages.size() < 2) return std::nullopt;
   return settings;
@@ -79,14 +107,11 @@ std::optional<SequenceSettings> parse_sequence(const TableReader& root, const st
 
 MicroBlocks parse_micro_blocks(const TableReader& root) {
   MicroBlocks limits;
-  const TomlTable* found = root.table("micro_blocks");
-  if (found == nullptr) return limits;
-  constexpr std::array<string_view, 3> keys{"policy", "thickness", "volume"};
-  constexpr std::array<string_view, 3> policies{"keep", "report", "exclude"};
-  const TableReader table{*found, root.line_of("micro_blocks"), "micro_blocks", root.problems(), keys};
-  if (const auto policy = table.choice("policy", policies)) limits.policy = static_cast<MicroBlockPolicy>(*policy);
-  if (const auto thickness = table.number("thickness", rule::length)) limits.thickness = metres(*thickness);
-  if (const auto volume = table.number("volume", rule::length)) limits.volume = cubic_metres(*volume);
+  const auto table = root.sub("micro_blocks");
+  if (!table) return limits;
+  limits.policy = table->word<MicroBlockPolicy>("policy");
+  if (const auto thickness = table->number("thickness")) limits.thickness = metres(*thickness);
+  if (const auto volume = table->number("volume")) limits.volume = cubic_metres(*volume);
   return limits;
 }
 

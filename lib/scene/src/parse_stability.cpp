@@ -6,6 +6,7 @@
 
 #include "cleave/stability/maximum_blocks.hpp"
 #include "context.hpp"
+#include "key_tables.hpp"
 #include "nearest.hpp"
 
 namespace cleave::scene {
@@ -36,30 +37,65 @@ std::vector<std::uint32_t> parse_free(const TableReader& table, const std::optio
   return tags;
 }
 
+using Readings = stability::TransferReadings;
+
+constexpr NumberRule gravity_rule{0, false, 1e3, false, " m/s2"};
+constexpr NumberRule azimuth_rule = rule::turn;
+constexpr std::array<string_view, 2> reach_words{"any_earlier", "adjacent"};
+constexpr std::array<string_view, 2> force_words{"net", "driving"};
+constexpr std::array<string_view, 2> along_words{"motion", "normals"};
+constexpr std::array<string_view, 2> receiver_words{"judged_anew", "keeps_mode"};
+constexpr std::array<string_view, 2> stabilised_words{"keeps_batch", "batches_anew"};
+constexpr std::array<string_view, 2> interface_words{"ignored", "strength"};
+constexpr std::array<string_view, 3> rotation_words{"off", "flag", "decide"};
+constexpr std::array<string_view, 2> group_frictions{"area_mean", "smallest"};
+constexpr std::array<string_view, 2> extents{"all", "key"};
+
+const KeyTable& partial_keys() {
+  static const KeyTable keys{.name = "partial",
+                             .keys = {{"friction", key::number(rule::factor), "1", "divides tan(friction)"},
+                                      {"cohesion", key::number(rule::factor), "1", "divides cohesion and tension"},
+                                      {"weight", key::number(rule::factor), "1", "multiplies the weight"}}};
+  return keys;
+}
+
+const KeyTable& target_keys() {
+  static const KeyTable keys{.name = "target",
+                             .keys = {{"falling", key::number(rule::factor), "1.5", "also of lifting"},
+                                      {"sliding", key::number(rule::factor), "1.3", "also of wedges"}}};
+  return keys;
+}
+
+const KeyTable& transfer_keys() {
+  static const KeyTable keys{
+      .name = "force_transfer",
+      .keys = {{"reach", key::word(reach_words), "\"any_earlier\"", "batches that forces pass to"},
+               {"force", key::word(force_words), "\"net\"", "what passes on"},
+               {"along", key::word(along_words), "\"motion\"", "direction in which it passes"},
+               {"receiver", key::word(receiver_words), "\"judged_anew\"", "motion of the block that receives"},
+               {"stabilised", key::word(stabilised_words), "\"keeps_batch\"", "a block that forces make stable"},
+               {"interface", key::word(interface_words), "\"ignored\"", "shear that a face can carry"}}};
+  return keys;
+}
+
+const KeyTable& maximum_keys() {
+  static const KeyTable keys{
+      .name = "maximum_blocks",
+      .keys = {{"tunnel", key::text(), required, "name of an excavation of kind tunnel"},
+               {"sets", key::texts(), "", "joint sets, three at least; none: all that have joints"}}};
+  return keys;
+}
+
 PartialFactors parse_partial(const TableReader& stability) {
-  PartialFactors factors;
-  const TomlTable* found = stability.table("partial");
-  if (found == nullptr) return factors;
-  constexpr std::array<string_view, 3> keys{"friction", "cohesion", "weight"};
-  constexpr NumberRule factor{0, true, 100, false, ""};
-  const TableReader table{*found, stability.line_of("partial"), stability.path_of("partial"), stability.problems(),
-                          keys};
-  factors.friction = table.number("friction", factor).value_or(1);
-  factors.cohesion = table.number("cohesion", factor).value_or(1);
-  factors.weight = table.number("weight", factor).value_or(1);
-  return factors;
+  const auto table = stability.sub("partial");
+  if (!table) return {};
+  return {table->value("friction"), table->value("cohesion"), table->value("weight")};
 }
 
 std::optional<Targets> parse_target(const TableReader& stability) {
-  const TomlTable* found = stability.table("target");
-  if (found == nullptr) return std::nullopt;
-  constexpr std::array<string_view, 2> keys{"falling", "sliding"};
-  constexpr NumberRule factor{0, true, 100, false, ""};
-  const TableReader table{*found, stability.line_of("target"), stability.path_of("target"), stability.problems(), keys};
-  Targets targets;
-  targets.falling = table.number("falling", factor).value_or(targets.falling);
-  targets.sliding = table.number("sliding", factor).value_or(targets.sliding);
-  return targets;
+  const auto table = stability.sub("target");
+  if (!table) return std::nullopt;
+  return Targets{.falling = table->value("falling"), .sliding = table->value("sliding")};
 }
 
 /// true, false, or a table of readings (docs/stability.md).
@@ -67,34 +103,25 @@ void parse_transfer(const TableReader& stability, StabilitySettings& settings) {
   const TomlEntry* entry = stability.find("force_transfer");
   if (entry == nullptr) return;
   if (!std::holds_alternative<TomlTable>(entry->node.value)) {
-    if (const auto transfer = stability.boolean("force_transfer")) settings.force_transfer = *transfer;
+    settings.force_transfer = stability.flag("force_transfer");
     return;
   }
-  using Readings = stability::TransferReadings;
-  constexpr std::array<string_view, 6> keys{"reach", "force", "along", "receiver", "stabilised", "interface"};
-  const TableReader table{std::get<TomlTable>(entry->node.value), stability.line_of("force_transfer"),
-                          stability.path_of("force_transfer"), stability.problems(), keys};
-  const auto second = [&](string_view key, string_view first, string_view other) {
-    const std::array<string_view, 2> words{first, other};
-    return table.choice(key, words).value_or(0) == 1;
-  };
-  Readings& readings = settings.transfer;
-  if (second("reach", "any_earlier", "adjacent")) readings.reach = Readings::Reach::adjacent;
-  if (second("force", "net", "driving")) readings.force = Readings::Force::driving;
-  if (second("along", "motion", "normals")) readings.along = Readings::Along::normals;
-  if (second("receiver", "judged_anew", "keeps_mode")) readings.receiver = Readings::Receiver::keeps_mode;
-  if (second("stabilised", "keeps_batch", "batches_anew")) readings.stabilised = Readings::Stabilised::batches_anew;
-  if (second("interface", "ignored", "strength")) readings.interface = Readings::Interface::strength;
+  const TableReader table = *stability.sub("force_transfer");
+  settings.transfer = {.reach = table.word<Readings::Reach>("reach"),
+                       .force = table.word<Readings::Force>("force"),
+                       .along = table.word<Readings::Along>("along"),
+                       .receiver = table.word<Readings::Receiver>("receiver"),
+                       .stabilised = table.word<Readings::Stabilised>("stabilised"),
+                       .interface = table.word<Readings::Interface>("interface")};
 }
 
 std::optional<MaximumBlockSettings> parse_maximum_blocks(const Context& context, const TableReader& stability,
                                                          const std::vector<Excavation>& excavations) {
-  const TomlTable* found = stability.table("maximum_blocks");
-  if (found == nullptr) return std::nullopt;
-  constexpr std::array<string_view, 2> keys{"tunnel", "sets"};
+  const auto found = stability.sub("maximum_blocks");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
   MaximumBlockSettings settings;
-  settings.line = stability.line_of("maximum_blocks");
-  const TableReader table{*found, settings.line, stability.path_of("maximum_blocks"), stability.problems(), keys};
+  settings.line = table.line();
   const auto name = table.need_text("tunnel");
   if (!name) return std::nullopt;
   std::vector<string_view> tunnels;
@@ -138,27 +165,89 @@ std::optional<MaximumBlockSettings> parse_maximum_blocks(const Context& context,
   return settings;
 }
 
+const KeyTable& cross_section_keys() {
+  static const KeyTable keys{
+      .name = "output.section",
+      .keys = {{"name", key::text(), "", "makes the file `section_NAME.toml`"},
+               {"through", key::vector(rule::coordinate), "", "m, a point of a vertical section"},
+               {"azimuth", key::number(azimuth_rule), "90",
+                "degrees clockwise from north: where the x axis of a vertical section points"},
+               {"level", key::number(rule::coordinate), "", "m, z of a horizontal section"}},
+      .one_of = {{"azimuth", "level"}}};
+  return keys;
+}
+
 }  // namespace
+
+const KeyTable& stability_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{
+        .name = "stability",
+        .keys = {
+            {"free", key::texts(), "[]", "faces of the domain that are free; all others are rock that stays"},
+            {"gravity", key::either({key::number(gravity_rule), key::vector(rule::acceleration)}), "9.81",
+             "m/s2 downwards, or a vector"},
+        }};
+    for (Key& key : load_set_keys()) table.keys.push_back(std::move(key));
+    const std::vector<Key> more{
+        {"target", key::table(&target_keys), "",
+         "`{ falling = 1.5, sliding = 1.3 }`: required factors of safety. Blocks below are counted (`below_target`) "
+         "and "
+         "`[support]` is checked against them"},
+        {"partial", key::table(&partial_keys), "",
+         "`{ friction, cohesion, weight }`: tan(friction), cohesion and tension are divided, weight is multiplied"},
+        {"force_transfer", key::either({key::flag(), key::table(&transfer_keys)}), "true",
+         "net forces of later batches pass to earlier ones; a table chooses between readings of Fu (2014): `{ reach = "
+         "\"any_earlier\"/\"adjacent\", force = \"net\"/\"driving\", along = \"motion\"/\"normals\", receiver = "
+         "\"judged_anew\"/\"keeps_mode\", stabilised = \"keeps_batch\"/\"batches_anew\", interface = "
+         "\"ignored\"/\"strength\" }`, [stability.md](stability.md)"},
+        {"rotation", key::word(rotation_words), "\"flag\"",
+         "single blocks that cannot slide are asked whether they turn (topple, twist): `\"flag\"` tells, `\"decide\"` "
+         "makes those that do key blocks, `\"off\"` does not ask. Ensembles only ask with `\"decide\"`"},
+        {"maximum_blocks", key::table(&maximum_keys), "",
+         "`{ tunnel = \"NAME\", sets = [\"A\", \"B\", \"C\"] }`: largest key blocks that persistent joints of the "
+         "sets' "
+         "mean orientations can make at a straight tunnel with a convex section; without `sets` all that have joints"},
+        {"max_batches", key::whole(1, 1'000'000), "50", "batches at most"},
+        {"require_open_cone", key::flag(), "false",
+         "true: a block counts as removable only when it can leave all its contacts at once", "strict"},
+        {"cohesion_on_parallel_faces", key::flag(), "false",
+         "true: cohesion counts on faces that are only brushed, too", "parallel_contact"},
+        {"group_friction", key::word(group_frictions), "\"area_mean\"",
+         "friction of coplanar contacts with several joints: mean by area, or `\"smallest\"`"}};
+    table.keys.insert(table.keys.end(), more.begin(), more.end());
+    return table;
+  }();
+  return keys;
+}
+
+const KeyTable& output_keys() {
+  static const KeyTable keys{
+      .name = "output",
+      .keys = {
+          {"vtu", key::flag(), "true", "write `blocks.vtu`"},
+          {"csv", key::flag(), "true", "write `key_blocks.csv`"},
+          {"report", key::flag(), "true", "write `report.html`"},
+          {"exports", key::array(key::word(known_exports)), "[]",
+           "the blocks for other programs, as `blocks.obj` and so on, below"},
+          {"blocks", key::word(extents), "\"all\"", "`\"key\"`: only key blocks are asked for, below"},
+          {"section", key::tables(&cross_section_keys), "", "sections of the blocks as scenes of contact, below"}}};
+  return keys;
+}
 
 ParsedStability parse_stability(const Context& context, const TableReader& root,
                                 const std::optional<geometry::Solid>& domain,
                                 const std::vector<Excavation>& excavations) {
-  constexpr std::array<string_view, 16> keys{
-      "rotation", "maximum_blocks", "free",      "gravity", "seismic", "partial", "force_transfer",   "max_batches",
-      "target",   "water",          "surcharge", "point",   "line",    "strict",  "parallel_contact", "group_friction"};
-  constexpr std::array<string_view, 2> frictions{"area_mean", "smallest"};
   ParsedStability result;
   StabilitySettings settings;
-  const TomlTable* found = root.table("stability");
-  if (found != nullptr) {
-    const TableReader table{*found, root.line_of("stability"), "stability", root.problems(), keys};
+  if (const auto found = root.sub("stability")) {
+    const TableReader& table = *found;
     result.free_domain_tags = parse_free(table, domain);
     if (const TomlEntry* gravity = table.find("gravity")) {
-      constexpr NumberRule strength{0, false, 1e3, false, " m/s2"};
       if (std::holds_alternative<TomlArray>(gravity->node.value)) {
-        if (const auto vector = table.vec3("gravity", rule::acceleration)) settings.gravity = *vector;
-      } else if (const auto value = table.number("gravity", strength)) {
-        settings.gravity = {0, 0, -*value};
+        if (const auto vector = table.vec3("gravity")) settings.gravity = *vector;
+      } else {
+        settings.gravity = {0, 0, -table.value("gravity")};
       }
     }
     settings.loads = parse_load_set(context, table, domain, excavations);
@@ -166,19 +255,12 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
     settings.partial = parse_partial(table);
     settings.target = parse_target(table);
     parse_transfer(table, settings);
-    constexpr std::array<string_view, 3> rotations{"off", "flag", "decide"};
-    constexpr std::array checks{stability::RotationCheck::off, stability::RotationCheck::flag,
-                                stability::RotationCheck::decide};
-    if (const auto word = table.choice("rotation", rotations)) settings.rotation = checks.at(*word);
+    settings.rotation = table.word<stability::RotationCheck>("rotation");
     settings.maximum_blocks = parse_maximum_blocks(context, table, excavations);
-    if (const auto most = table.integer("max_batches", 1, 1'000'000)) {
-      settings.max_batches = static_cast<std::uint32_t>(*most);
-    }
-    settings.strict = table.boolean("strict").value_or(false);
-    settings.parallel_contact = table.boolean("parallel_contact").value_or(false);
-    if (table.choice("group_friction", frictions).value_or(0) == 1) {
-      settings.group_friction = stability::GroupFriction::smallest;
-    }
+    settings.max_batches = static_cast<std::uint32_t>(table.count("max_batches"));
+    settings.strict = table.flag("require_open_cone");
+    settings.parallel_contact = table.flag("cohesion_on_parallel_faces");
+    settings.group_friction = table.word<stability::GroupFriction>("group_friction");
   }
   settings.cases = parse_load_cases(context, root, domain, excavations, settings.loads);
   // Without anything free no block can move, so there is nothing to judge, [stability] or not.
@@ -187,18 +269,14 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
 }
 
 OutputSettings parse_output(const TableReader& root) {
-  constexpr std::array<string_view, 6> keys{"vtu", "report", "csv", "exports", "blocks", "section"};
   OutputSettings output;
-  const TomlTable* found = root.table("output");
-  if (found == nullptr) return output;
-  const TableReader table{*found, root.line_of("output"), "output", root.problems(), keys};
-  output.vtu = table.boolean("vtu").value_or(output.vtu);
-  output.csv = table.boolean("csv").value_or(output.csv);
-  output.report = table.boolean("report").value_or(output.report);
-  if (table.has("blocks")) {
-    constexpr std::array<string_view, 2> extents{"all", "key"};
-    output.only_key_blocks = table.choice("blocks", extents) == std::size_t{1};
-  }
+  const auto found = root.sub("output");
+  if (!found) return output;
+  const TableReader& table = *found;
+  output.vtu = table.flag("vtu");
+  output.csv = table.flag("csv");
+  output.report = table.flag("report");
+  output.only_key_blocks = table.choice("blocks") == std::size_t{1};
   for (const std::string& name : table.texts("exports").value_or(std::vector<std::string>{})) {
     if (std::ranges::find(known_exports, name) == known_exports.end()) {
       table.error("exports", fmt::format("\"{}\" is not known", name),
@@ -208,13 +286,7 @@ OutputSettings parse_output(const TableReader& root) {
       output.exports.push_back(name);
     }
   }
-  const auto sections = table.tables("section");
-  for (std::size_t i = 0; i < sections.size(); ++i) {
-    constexpr std::array<string_view, 4> section_keys{"name", "through", "azimuth", "level"};
-    constexpr std::array<string_view, 2> kinds{"azimuth", "level"};
-    const TableReader section{*std::get_if<TomlTable>(&sections[i]->value), sections[i]->line,
-                              sections.size() == 1 ? "output.section" : fmt::format("output.section[{}]", i + 1),
-                              root.problems(), section_keys};
+  for (const TableReader& section : table.each("section")) {
     SectionSpec spec;
     spec.name = section.text("name").value_or("");
     if (!std::ranges::all_of(spec.name, [](char c) {
@@ -225,14 +297,14 @@ OutputSettings parse_output(const TableReader& root) {
     if (std::ranges::find(output.sections, spec.name, &SectionSpec::name) != output.sections.end()) {
       section.error("name", "is that of an earlier section", "give each section a name of its own");
     }
-    const TomlEntry* kind = section.one_of(kinds);
+    const TomlEntry* kind = section.one_of();
     if (kind == nullptr) continue;
     spec.horizontal = kind->key == "level";
     if (spec.horizontal) {
-      spec.through.z = section.number("level", rule::coordinate).value_or(0);
+      spec.through.z = section.number("level").value_or(0);
     } else {
-      spec.through = section.need_vec3("through", rule::coordinate).value_or(geometry::Vec3{});
-      spec.azimuth = section.number("azimuth", rule::turn).value_or(90) + root.number("north", rule::turn).value_or(0);
+      spec.through = section.need_vec3("through").value_or(geometry::Vec3{});
+      spec.azimuth = section.value("azimuth") + root.value("north");
     }
     output.sections.push_back(std::move(spec));
   }

@@ -9,6 +9,7 @@
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "context.hpp"
+#include "key_tables.hpp"
 #include "nearest.hpp"
 
 namespace cleave::scene {
@@ -17,44 +18,115 @@ namespace {
 using geometry::Vec3;
 using std::string_view;
 
-constexpr NumberRule capacity_rule{0, false, 1e12, false, ""};
+constexpr NumberRule capacity_rule{0, false, 1e12, false, " N", 1e3, 1e8};
+constexpr NumberRule bond_rule{0, false, 1e12, false, " N/m", 1e3, 1e9};
+constexpr NumberRule bolt_length_rule = rule::length.usually(0.2, 200);
+constexpr NumberRule thickness_rule = rule::length.usually(0.005, 2);
+constexpr NumberRule shotcrete_rule{0, true, 1e12, false, " Pa", 1e4, 1e9};
+constexpr NumberRule adhesion_rule{0, false, 1e15, false, " Pa", 1e3, 1e9};
+constexpr NumberRule area_rule{0, false, 1e9, false, " m2"};
+constexpr NumberRule arc_rule{-180, false, 180, false, " degrees"};
+constexpr NumberRule inclination_rule{-80, false, 80, false, " degrees"};
+constexpr NumberRule plunge_rule{-89, false, 89, false, " degrees"};
+constexpr NumberRule cost_rule{0, false, 1e12, false, ""};
+constexpr std::array<string_view, 2> actions{"passive", "active"};
 
-/// Keys length, tendon, plate, bond, anchorage.
-std::optional<stability::BoltType> parse_type(const TableReader& table) {
-  const auto tendon = table.need_number("tendon", capacity_rule);
-  const auto bond = table.need_number("bond", capacity_rule);
-  const auto anchorage = table.need_number("anchorage", rule::length_or_zero);
-  const auto plate = table.number("plate", capacity_rule);
-  if (!tendon || !bond || !anchorage) return std::nullopt;
-  return stability::BoltType{.tendon = *tendon, .plate = plate.value_or(0), .bond = *bond, .anchorage = *anchorage};
+/// length and the capacities of one bolt, of patterns and of spot bolts.
+std::vector<Key> bolt_keys() {
+  return {{"length", key::number(bolt_length_rule), required, "m"},
+          {"tendon_capacity", key::number(capacity_rule), required, "N", "tendon"},
+          {"plate_capacity", key::number(capacity_rule), "0", "N, 0 = none", "plate"},
+          {"bond_strength", key::number(bond_rule), required, "N/m of gripped length", "bond"},
+          {"anchorage", key::number(rule::length_or_zero), required, "m that must be gripped"}};
 }
 
-std::optional<std::array<double, 2>> pair_of(const TableReader& table, string_view key, const NumberRule& rule) {
-  const TomlEntry* entry = table.find(key);
-  if (entry == nullptr) return std::nullopt;
-  const auto* array = std::get_if<TomlArray>(&entry->node.value);
-  if (array == nullptr || array->items.size() != 2) {
-    table.error(key, "must be two numbers", "write [2.5, 2.0]");
-    return std::nullopt;
-  }
-  const auto a = table.number_of(array->items[0], table.path_of(key) + "[1]", rule);
-  const auto b = table.number_of(array->items[1], table.path_of(key) + "[2]", rule);
-  if (!a || !b) return std::nullopt;
-  return std::array{*a, *b};
+const KeyTable& grid_keys() {
+  static const KeyTable keys{
+      .name = "support.bolts.grid",
+      .keys = {{"corner", key::vector(rule::coordinate), required, "m"},
+               {"dip", key::number(rule::dip), required, "degrees, of the plane"},
+               {"dip_direction", key::number(rule::dip_direction), required, "degrees, of the plane"},
+               {"width", key::number(rule::length), required, "m, along strike, to the right seen from the air"},
+               {"height", key::number(rule::length), required, "m, down the dip"}}};
+  return keys;
+}
+
+const KeyTable& group_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{
+        .name = "support.bolts",
+        .keys = {{"name", key::text(), "`bolts N`", "of the group"},
+                 {"tunnel", key::text(), "", "rings on the excavation of kind tunnel of this name"},
+                 {"grid", key::table(&grid_keys), "",
+                  "a grid in a plane, from `corner` along strike (to the right seen from the air) and down the dip"},
+                 {"at", key::points(), "", "single bolts with one `direction`"},
+                 {"direction", key::vector(rule::any), "", "of single bolts, into the rock"},
+                 {"spacing", key::pair(rule::length), "",
+                  "m: along the axis and around the section; of a grid across and down the dip"},
+                 {"offset", key::pair(rule::length_or_zero), "[0, 0]", "m, of the first bolt"},
+                 {"arc", key::pair(arc_rule), "all round",
+                  "of rings: degrees from up to the right in which the wall's normal must lie"},
+                 {"inclination", key::number(inclination_rule), "0",
+                  "of rings: degrees from the normal towards the axis's end"},
+                 {"plunge", key::number(plunge_rule), "",
+                  "of grids: degrees below horizontal, against the dip direction; none: at right angles to the plane"},
+                 {"stagger", key::flag(), "false", "every other row is shifted by half a spacing"}},
+        .one_of = {{"tunnel", "grid", "at"}}};
+    for (Key& key : bolt_keys()) table.keys.push_back(std::move(key));
+    return table;
+  }();
+  return keys;
+}
+
+const KeyTable& spot_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "support.spot", .keys = bolt_keys()};
+    table.keys.push_back({"max_per_block", key::whole(1, 1000), "20", "bolts of one block", "most"});
+    return table;
+  }();
+  return keys;
+}
+
+const KeyTable& shotcrete_keys() {
+  static const KeyTable keys{.name = "support.shotcrete",
+                             .keys = {{"thickness", key::number(thickness_rule), required, "m"},
+                                      {"strength", key::number(shotcrete_rule), required, "Pa, in shear"},
+                                      {"adhesion", key::number(adhesion_rule), "0", "Pa"},
+                                      {"bond_width", key::number(rule::length), "0.03", "m"}}};
+  return keys;
+}
+
+const KeyTable& design_keys() {
+  static const KeyTable keys{
+      .name = "support.design",
+      .keys = {
+          {"lengths", key::array(key::number(rule::length), 1), required, "m, of bolts"},
+          {"scale", key::pair(rule::factor), "[0.25, 4]", "tightest and widest multiple of the patterns' spacings"},
+          {"phases", key::whole(1, 64), "4", "offsets of the pattern that must all pass"},
+          {"offsets", key::whole(1, 10000), "40", "drawn at random, at which the pattern found is tried"},
+          {"cost_per_bolt", key::number(cost_rule), "0", "in any currency"},
+          {"cost_per_metre", key::number(cost_rule), "1", "of bolt"}}};
+  return keys;
+}
+
+/// Keys of `bolt_keys` but the length.
+std::optional<stability::BoltType> parse_type(const TableReader& table) {
+  const auto tendon = table.need_number("tendon_capacity");
+  const auto bond = table.need_number("bond_strength");
+  const auto anchorage = table.need_number("anchorage");
+  const double plate = table.value("plate_capacity");
+  if (!tendon || !bond || !anchorage) return std::nullopt;
+  return stability::BoltType{.tendon = *tendon, .plate = plate, .bond = *bond, .anchorage = *anchorage};
 }
 
 void parse_rings(const TableReader& table, const std::vector<Excavation>& excavations, stability::RingPattern ring,
                  SupportSettings& support) {
   const auto name = table.text("tunnel");
-  const auto spacing = pair_of(table, "spacing", rule::length);
+  const auto spacing = table.pair("spacing");
   if (!table.has("spacing")) table.missing("spacing", "add spacing = [along the axis, around the section], m");
-  const auto offset = pair_of(table, "offset", rule::length_or_zero);
-  constexpr NumberRule angle{-180, false, 180, false, " degrees"};
-  constexpr NumberRule tilt{-80, false, 80, false, " degrees"};
-  const auto arc = pair_of(table, "arc", angle);
+  const auto offset = table.pair("offset");
+  const auto arc = table.pair("arc");
   if (arc && !((*arc)[0] < (*arc)[1])) table.error("arc", "its first angle is not below its second", "swap them");
-  const auto stagger = table.boolean("stagger");
-  const auto inclination = table.number("inclination", tilt);
   if (!name || !spacing) return;
   std::vector<string_view> known;
   for (const Excavation& excavation : excavations) {
@@ -68,8 +140,8 @@ void parse_rings(const TableReader& table, const std::vector<Excavation>& excava
     ring.offset_along = offset ? (*offset)[0] : 0;
     ring.offset_around = offset ? (*offset)[1] : 0;
     if (arc) ring.arc = *arc;
-    ring.stagger = stagger.value_or(false);
-    ring.inclination = inclination.value_or(0);
+    ring.stagger = table.flag("stagger");
+    ring.inclination = table.value("inclination");
     const auto bolts = bolts_of(ring);
     if (bolts.size() > 200'000) {
       table.error("spacing", fmt::format("makes {} bolts", bolts.size()), "space them wider");
@@ -85,20 +157,16 @@ void parse_rings(const TableReader& table, const std::vector<Excavation>& excava
 }
 
 void parse_grid(const TableReader& owner, stability::GridPattern grid, SupportSettings& support) {
-  const TomlTable* found = owner.table("grid");
-  const auto spacing = pair_of(owner, "spacing", rule::length);
+  const auto found = owner.sub("grid");
+  const auto spacing = owner.pair("spacing");
   if (!owner.has("spacing")) owner.missing("spacing", "add spacing = [across, down the dip], m");
-  const auto offset = pair_of(owner, "offset", rule::length_or_zero);
-  const auto stagger = owner.boolean("stagger");
-  constexpr NumberRule tilt{-89, false, 89, false, " degrees"};
-  const auto plunge = owner.number("plunge", tilt);
-  if (found == nullptr) return;
-  constexpr std::array<string_view, 5> keys{"corner", "dip", "dip_direction", "width", "height"};
-  const TableReader table{*found, owner.line_of("grid"), owner.path_of("grid"), owner.problems(), keys};
-  const auto corner = table.need_vec3("corner", rule::coordinate);
-  const auto dip = table.need_number("dip", rule::dip);
-  const auto direction = table.need_number("dip_direction", rule::dip_direction);
-  const auto width = table.need_number("width", rule::length), height = table.need_number("height", rule::length);
+  const auto offset = owner.pair("offset");
+  const auto plunge = owner.number("plunge");
+  if (!found) return;
+  const TableReader& table = *found;
+  const auto corner = table.need_vec3("corner");
+  const auto dip = table.need_number("dip"), direction = table.need_number("dip_direction");
+  const auto width = table.need_number("width"), height = table.need_number("height");
   if (!corner || !dip || !direction || !width || !height || !spacing) return;
   const Vec3 normal =
       geometry::upward_normal({Dip::degrees(*dip), DipDirection::degrees(*direction == 360 ? 0 : *direction)});
@@ -112,7 +180,7 @@ void parse_grid(const TableReader& owner, stability::GridPattern grid, SupportSe
   grid.spacing_down = (*spacing)[1];
   grid.offset_across = offset ? (*offset)[0] : 0;
   grid.offset_down = offset ? (*offset)[1] : 0;
-  grid.stagger = stagger.value_or(false);
+  grid.stagger = owner.flag("stagger");
   if (plunge) {
     const double p = *plunge * (3.14159265358979323846 / 180);
     grid.direction = {-std::cos(p) * std::sin(a), -std::cos(p) * std::cos(a), -std::sin(p)};
@@ -129,19 +197,14 @@ void parse_grid(const TableReader& owner, stability::GridPattern grid, SupportSe
 }
 
 void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavations, SupportSettings& support) {
-  constexpr std::array<string_view, 16> keys{"name",   "tunnel", "grid",        "at",       "direction", "spacing",
-                                             "offset", "arc",    "inclination", "plunge",   "stagger",   "length",
-                                             "tendon", "plate",  "bond",        "anchorage"};
-  constexpr std::array<string_view, 3> kinds{"tunnel", "grid", "at"};
-  const auto nodes = root.tables("bolts");
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const TableReader table{*std::get_if<TomlTable>(&nodes[i]->value), nodes[i]->line,
-                            fmt::format("support.bolts[{}]", i + 1), root.problems(), keys};
+  const std::vector<TableReader> tables = root.each("bolts");
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const TableReader& table = tables[i];
     support.groups.push_back(table.text("name").value_or(fmt::format("bolts {}", i + 1)));
     const auto group = static_cast<std::uint32_t>(i);
-    const auto length = table.need_number("length", rule::length);
+    const auto length = table.need_number("length");
     const auto type = parse_type(table);
-    const TomlEntry* kind = table.one_of(kinds);
+    const TomlEntry* kind = table.one_of();
     if (kind == nullptr) continue;
     const auto misused = [&](std::initializer_list<string_view> others) {
       for (const string_view key : others) {
@@ -167,7 +230,7 @@ void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavat
     } else {
       misused({"spacing", "offset", "arc", "inclination", "stagger", "plunge"});
       const auto at = table.points("at");
-      const auto direction = table.need_vec3("direction", rule::any);
+      const auto direction = table.need_vec3("direction");
       if (!at || !direction) continue;
       if (!(geometry::norm(*direction) > 0)) {
         table.error("direction", "is the zero vector", "give the way into the rock");
@@ -184,66 +247,43 @@ void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavat
 }
 
 void parse_spot(const TableReader& owner, SupportSettings& support) {
-  const TomlTable* found = owner.table("spot");
-  if (found == nullptr) return;
-  constexpr std::array<string_view, 6> keys{"length", "tendon", "plate", "bond", "anchorage", "most"};
-  const TableReader table{*found, owner.line_of("spot"), owner.path_of("spot"), owner.problems(), keys};
-  const auto length = table.need_number("length", rule::length);
-  const auto type = parse_type(table);
-  const auto most = table.integer("most", 1, 1000);
-  if (!length || !type) return;
-  support.plan.spot =
-      stability::SpotBolts{.type = *type, .length = *length, .most = static_cast<std::uint32_t>(most.value_or(20))};
+  const auto table = owner.sub("spot");
+  if (!table) return;
+  const auto length = table->need_number("length");
+  const auto type = parse_type(*table);
+  const auto most = static_cast<std::uint32_t>(table->count("max_per_block"));
+  if (length && type) support.plan.spot = stability::SpotBolts{.type = *type, .length = *length, .most = most};
 }
 
 void parse_shotcrete(const TableReader& owner, SupportSettings& support) {
-  const TomlTable* found = owner.table("shotcrete");
-  if (found == nullptr) return;
-  constexpr std::array<string_view, 4> keys{"thickness", "strength", "adhesion", "bond_width"};
-  const TableReader table{*found, owner.line_of("shotcrete"), owner.path_of("shotcrete"), owner.problems(), keys};
-  const auto thickness = table.need_number("thickness", rule::length);
-  constexpr NumberRule strength_rule{0, true, 1e12, false, " Pa"};
-  const auto strength = table.need_number("strength", strength_rule);
-  const auto adhesion = table.number("adhesion", rule::stress);
-  const auto width = table.number("bond_width", rule::length);
+  const auto table = owner.sub("shotcrete");
+  if (!table) return;
+  const auto thickness = table->need_number("thickness"), strength = table->need_number("strength");
+  const double adhesion = table->value("adhesion"), width = table->value("bond_width");
   if (!thickness || !strength) return;
-  support.plan.shotcrete = stability::Shotcrete{.thickness = *thickness,
-                                                .shear_strength = *strength,
-                                                .adhesion = adhesion.value_or(0),
-                                                .bond_width = width.value_or(0.03)};
+  support.plan.shotcrete = stability::Shotcrete{
+      .thickness = *thickness, .shear_strength = *strength, .adhesion = adhesion, .bond_width = width};
 }
 
 void parse_design(const TableReader& owner, SupportSettings& support) {
-  const TomlTable* found = owner.table("design");
-  if (found == nullptr) return;
-  constexpr std::array<string_view, 6> keys{"lengths", "scale", "phases", "cost_per_bolt", "cost_per_metre", "offsets"};
-  const TableReader table{*found, owner.line_of("design"), owner.path_of("design"), owner.problems(), keys};
+  const auto table = owner.sub("design");
+  if (!table) return;
   DesignSettings design;
-  const TomlEntry* lengths = table.find("lengths");
-  if (lengths == nullptr) {
-    table.missing("lengths", "add lengths = [3, 4, 5], m");
+  if (!table->has("lengths")) {
+    table->missing("lengths", "add lengths = [3, 4, 5], m");
     return;
   }
-  if (const auto* array = std::get_if<TomlArray>(&lengths->node.value); array != nullptr && !array->items.empty()) {
-    for (std::size_t i = 0; i < array->items.size(); ++i) {
-      const auto length =
-          table.number_of(array->items[i], fmt::format("{}[{}]", table.path_of("lengths"), i + 1), rule::length);
-      if (length) design.lengths.push_back(*length);
-    }
-  } else {
-    table.error("lengths", "must be a list of numbers", "write lengths = [3, 4, 5], m");
-  }
-  constexpr NumberRule scale_rule{0, true, 100, false, ""};
-  if (const auto scale = pair_of(table, "scale", scale_rule)) {
+  design.lengths = table->numbers("lengths").value_or(std::vector<double>{});
+  if (const auto scale = table->pair("scale")) {
     design.tightest = (*scale)[0];
     design.widest = (*scale)[1];
     if (!(design.tightest < design.widest))
-      table.error("scale", "its first number is not below its second", "swap them");
+      table->error("scale", "its first number is not below its second", "swap them");
   }
-  design.phases = static_cast<std::uint32_t>(table.integer("phases", 1, 64).value_or(4));
-  design.cost_per_bolt = table.number("cost_per_bolt", capacity_rule).value_or(0);
-  design.cost_per_metre = table.number("cost_per_metre", capacity_rule).value_or(1);
-  design.offsets = static_cast<std::uint32_t>(table.integer("offsets", 1, 10000).value_or(40));
+  design.phases = static_cast<std::uint32_t>(table->count("phases"));
+  design.offsets = static_cast<std::uint32_t>(table->count("offsets"));
+  design.cost_per_bolt = table->value("cost_per_bolt");
+  design.cost_per_metre = table->value("cost_per_metre");
   if (support.patterns.empty()) {
     owner.error("design", "there is no pattern to space", "add [[support.bolts]] with tunnel or grid");
     return;
@@ -253,22 +293,43 @@ void parse_design(const TableReader& owner, SupportSettings& support) {
 
 }  // namespace
 
+const KeyTable& support_keys() {
+  static const KeyTable keys{
+      .name = "support",
+      .keys = {
+          {"bolts", key::tables(&group_keys), "", "groups of bolts, below"},
+          {"spot", key::table(&spot_keys), "",
+           "bolts added one by one to blocks that pattern and shotcrete do not hold, below"},
+          {"shotcrete", key::table(&shotcrete_keys), "",
+           "holds blocks of any size by shear along the edge of their free faces against rock that stays, limited by "
+           "adhesion where stated; counts together with bolts; bending between bolts is not checked; below"},
+          {"spot_area", key::number(area_rule), "0.5",
+           "m2 of free face of a block: below, it is small: no spot bolts, and apart in the summary"},
+          {"action", key::word(actions), "\"passive\"",
+           "`\"active\"`: tensioned bolts, in the factor of bolts alone (`factor_with_bolts`) only; what holds is "
+           "decided "
+           "by the factor with everything"},
+          {"key_only", key::flag(), "false", "true: only blocks that need support are stitched together"},
+          {"design", key::table(&design_keys), "",
+           "for each length the widest multiple of the patterns' spacings at which every one of `phases` offsets "
+           "passes both steps; then what share of offsets drawn at random fails, below"}}};
+  return keys;
+}
+
 std::optional<SupportSettings> parse_support(const TableReader& root, const std::vector<Excavation>& excavations,
                                              const std::optional<StabilitySettings>& stability) {
-  const TomlTable* found = root.table("support");
-  if (found == nullptr) return std::nullopt;
-  constexpr std::array<string_view, 7> keys{"bolts", "spot", "shotcrete", "design", "action", "spot_area", "key_only"};
-  constexpr std::array<string_view, 2> actions{"passive", "active"};
-  const TableReader table{*found, root.line_of("support"), "support", root.problems(), keys};
+  const auto found = root.sub("support");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
   SupportSettings support;
-  support.line = root.line_of("support");
+  support.line = table.line();
   parse_bolts(table, excavations, support);
   parse_spot(table, support);
   parse_shotcrete(table, support);
   parse_design(table, support);
-  support.plan.active = table.choice("action", actions).value_or(0) == 1;
-  support.plan.spot_area = table.number("spot_area", rule::length_or_zero).value_or(0.5);
-  support.plan.key_only = table.boolean("key_only").value_or(false);
+  support.plan.active = table.choice("action") == std::size_t{1};
+  support.plan.spot_area = table.value("spot_area");
+  support.plan.key_only = table.flag("key_only");
   if (stability && stability->target) {
     support.plan.target_falling = stability->target->falling;
     support.plan.target_sliding = stability->target->sliding;

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <tuple>
 #include <utility>
 
+#include "cleave/core/assert.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "nearest.hpp"
 
@@ -26,6 +28,12 @@ std::string list_of(std::span<const std::string_view> words) {
   std::string text;
   for (const std::string_view word : words) text += (text.empty() ? "" : ", ") + std::string{word};
   return text;
+}
+
+/// How numbers of an array are written: "a, b".
+std::string form_of(const KeyType& array) {
+  if (array.low == array.high && array.low <= 3) return array.low == 2 ? "a, b" : "x, y, z";
+  return "a, b, c, ...";
 }
 
 }  // namespace
@@ -82,14 +90,58 @@ std::vector<Problem> Problems::take_errors() && {
 }
 std::vector<Problem> Problems::take_notes() && { return std::move(notes_); }
 
-bool NumberRule::accepts(double v) const noexcept {
-  return (low_open ? v > low : v >= low) && (high_open ? v < high : v <= high);
+TableReader::TableReader(const TomlTable& table, std::uint32_t line, std::string path, Problems& problems,
+                         const KeyTable& keys)
+    : table_{&table}, line_{line}, path_{std::move(path)}, problems_{&problems}, keys_{&keys} {
+  if (!keys.select.empty()) {
+    const Key& select = declared(keys.select);
+    if (has(select.name)) {
+      variant_ = choice(select.name);
+      if (!variant_) return;  // what else is known depends on it
+    } else if (select.standard == required) {
+      missing(select.name, fmt::format("add {} = \"...\"", select.name));
+      return;
+    } else {
+      variant_ = word_number(select.name);
+    }
+  }
+  report_unknown();
 }
 
-std::string NumberRule::words() const {
-  if (!low_open && !high_open) return fmt::format("from {:g} to {:g}{}", low, high, unit);
-  return fmt::format("{} {:g} and {} {:g}{}", low_open ? "above" : "at least", low, high_open ? "below" : "at most",
-                     high, unit);
+void TableReader::report_unknown() const {
+  const std::vector<std::string_view> known = keys_->names(variant_);
+  for (const TomlEntry& entry : table_->entries) {
+    if (std::ranges::find(known, entry.key) != known.end()) continue;
+    const auto renamed = std::ranges::find_if(
+        known, [&](std::string_view name) { return declared(name).was == entry.key && !entry.key.empty(); });
+    if (renamed != known.end()) {
+      if (std::ranges::find(table_->entries, *renamed, &TomlEntry::key) != table_->entries.end()) {
+        problems_->error(entry.line, path_of(entry.key), fmt::format("stands beside \"{}\", its new name", *renamed),
+                         "give one of them");
+      } else {
+        problems_->note(entry.line, path_of(entry.key), fmt::format("is now called \"{}\"", *renamed),
+                        "write the new name: the old one goes with the next version");
+      }
+      continue;
+    }
+    const auto guess = nearest(entry.key, known);
+    problems_->error(
+        entry.line, path_of(entry.key), "unknown key",
+        guess ? fmt::format("did you mean \"{}\"?", *guess) : fmt::format("known here: {}", list_of(known)));
+  }
+}
+
+const Key& TableReader::declared(std::string_view key) const {
+  CLEAVE_ASSERT(keys_ != nullptr);
+  const Key* found = keys_->find(key, variant_);
+  CLEAVE_ASSERT(found != nullptr);
+  return *found;
+}
+
+const KeyType& TableReader::type_of(std::string_view key, KeyType::Form form) const {
+  const KeyType* type = declared(key).type.as(form);
+  CLEAVE_ASSERT(type != nullptr);
+  return *type;
 }
 
 TableReader::TableReader(const TomlTable& table, std::uint32_t line, std::string path, Problems& problems,
@@ -110,7 +162,9 @@ TableReader::TableReader(const TomlTable& table, std::uint32_t line, std::string
 }
 
 std::string TableReader::path_of(std::string_view key) const {
-  const std::string_view shown = key.empty() ? std::string_view{"\"\""} : key;  // TOML allows a key without letters
+  const TomlEntry* entry = find(key);
+  const std::string_view written = entry == nullptr ? key : std::string_view{entry->key};  // its old name, perhaps
+  const std::string_view shown = written.empty() ? std::string_view{"\"\""} : written;  // TOML allows it
   return path_.empty() ? std::string{shown} : fmt::format("{}.{}", path_, shown);
 }
 std::uint32_t TableReader::line_of(std::string_view key) const {
@@ -118,7 +172,12 @@ std::uint32_t TableReader::line_of(std::string_view key) const {
   return entry == nullptr ? line_ : entry->line;
 }
 const TomlEntry* TableReader::find(std::string_view key) const {
-  const auto it = std::ranges::find(table_->entries, key, &TomlEntry::key);
+  auto it = std::ranges::find(table_->entries, key, &TomlEntry::key);
+  if (it == table_->entries.end() && keys_ != nullptr) {
+    const Key* declared = keys_->find(key, variant_);
+    if (declared == nullptr || declared->was.empty()) return nullptr;
+    it = std::ranges::find(table_->entries, declared->was, &TomlEntry::key);
+  }
   return it == table_->entries.end() ? nullptr : &*it;
 }
 void TableReader::error(std::string_view key, std::string what, std::string remedy) const {
@@ -152,15 +211,27 @@ const TomlEntry* TableReader::one_of(std::span<const std::string_view> keys) con
 std::optional<double> TableReader::number_of(const TomlNode& node, const std::string& path,
                                              const NumberRule& rule) const {
   double value = 0;
+  bool bare = true;
+  const std::string example = unit_example(rule);
   if (const auto* whole = std::get_if<std::int64_t>(&node.value)) {
     value = static_cast<double>(*whole);
   } else if (const auto* real = std::get_if<double>(&node.value)) {
     value = *real;
+  } else if (const auto* text = std::get_if<std::string>(&node.value); text != nullptr && !example.empty()) {
+    const auto stated = with_unit(*text, rule);
+    if (!stated) {
+      problems_->error(node.line, path,
+                       fmt::format("is {}, which is no number with a unit of{}", in_quotes(*text), rule.unit),
+                       fmt::format("write a bare number {}, or a text with a unit such as \"{}\" (units: {})",
+                                   rule.words(), example, list_of(unit_symbols(rule))));
+      return std::nullopt;
+    }
+    value = *stated;
+    bare = false;
   } else {
-    const bool is_text = std::holds_alternative<std::string>(node.value);
     problems_->error(node.line, path, fmt::format("is {} but must be a number", kind_of(node)),
-                     is_text ? fmt::format("write a bare number {}, without quotes and unit", rule.words())
-                             : fmt::format("give a number {}", rule.words()));
+                     text != nullptr ? fmt::format("write a bare number {}, without quotes and unit", rule.words())
+                                     : fmt::format("give a number {}", rule.words()));
     return std::nullopt;
   }
   if (!std::isfinite(value)) {
@@ -171,6 +242,15 @@ std::optional<double> TableReader::number_of(const TomlNode& node, const std::st
   if (!rule.accepts(value)) {
     problems_->error(node.line, path, fmt::format("is {}", value), fmt::format("give a number {}", rule.words()));
     return std::nullopt;
+  }
+  const double size = std::abs(value);
+  if (bare && size > 0 && (size < rule.usual_low || (rule.usual_high > 0 && size > rule.usual_high))) {
+    if (const auto unit = likely_unit(value, rule)) {
+      problems_->note(node.line, path,
+                      fmt::format("is {}{}, which is far from usual ({:g} to {:g})", value, rule.unit, rule.usual_low,
+                                  rule.usual_high),
+                      fmt::format("if it is meant in {0}, write \"{1} {0}\"", *unit, value));
+    }
   }
   return value;
 }
@@ -192,6 +272,115 @@ std::optional<geometry::Vec3> TableReader::vec3_of(const TomlNode& node, const s
   const auto z = number_of(array->items[2], path, rule);
   if (!x || !y || !z) return std::nullopt;
   return geometry::Vec3{*x, *y, *z};
+}
+
+const NumberRule& TableReader::rule_of(std::string_view key) const { return type_of(key, KeyType::Form::number).rule; }
+std::optional<double> TableReader::number(std::string_view key) const {
+  return number(key, type_of(key, KeyType::Form::number).rule);
+}
+std::optional<std::int64_t> TableReader::integer(std::string_view key) const {
+  const KeyType& type = type_of(key, KeyType::Form::whole);
+  return integer(key, type.low, type.high);
+}
+std::optional<std::size_t> TableReader::choice(std::string_view key) const {
+  return choice(key, type_of(key, KeyType::Form::word).words);
+}
+std::optional<geometry::Vec3> TableReader::vec3(std::string_view key) const {
+  return vec3(key, type_of(key, KeyType::Form::array).of.front().rule);
+}
+std::optional<double> TableReader::need_number(std::string_view key) const {
+  return need_number(key, type_of(key, KeyType::Form::number).rule);
+}
+std::optional<geometry::Vec3> TableReader::need_vec3(std::string_view key) const {
+  return need_vec3(key, type_of(key, KeyType::Form::array).of.front().rule);
+}
+
+std::optional<std::vector<double>> TableReader::numbers(std::string_view key) const {
+  const TomlEntry* entry = find(key);
+  if (entry == nullptr) return std::nullopt;
+  const KeyType& type = type_of(key, KeyType::Form::array);
+  const auto* array = std::get_if<TomlArray>(&entry->node.value);
+  const auto length = array == nullptr ? -1 : static_cast<std::int64_t>(array->items.size());
+  if (length < type.low || length > type.high) {
+    const std::string how_many = type.low == type.high ? fmt::format("{} numbers", type.low)
+                                 : type.high == key::any_length
+                                     ? fmt::format("a list of {} or more numbers", type.low)
+                                     : fmt::format("a list of at most {} numbers", type.high);
+    error(key, fmt::format("must be {}", how_many), fmt::format("write {} = [{}]", key, form_of(type)));
+    return std::nullopt;
+  }
+  std::vector<double> values;
+  for (std::size_t i = 0; i < array->items.size(); ++i) {
+    const auto value = number_of(array->items[i], fmt::format("{}[{}]", path_of(key), i + 1), type.of.front().rule);
+    if (value) values.push_back(*value);
+  }
+  if (values.size() != array->items.size()) return std::nullopt;
+  return values;
+}
+
+std::optional<std::array<double, 2>> TableReader::pair(std::string_view key) const {
+  const auto values = numbers(key);
+  if (!values) return std::nullopt;
+  return std::array{values->at(0), values->at(1)};
+}
+
+std::optional<std::vector<std::array<double, 2>>> TableReader::pairs(std::string_view key) const {
+  const TomlEntry* entry = find(key);
+  if (entry == nullptr) return std::nullopt;
+  const NumberRule& rule = type_of(key, KeyType::Form::array).of.front().of.front().rule;
+  const auto* array = std::get_if<TomlArray>(&entry->node.value);
+  std::vector<std::array<double, 2>> result;
+  for (std::size_t i = 0; array != nullptr && i < array->items.size(); ++i) {
+    const auto* items = std::get_if<TomlArray>(&array->items[i].value);
+    if (items == nullptr || items->items.size() != 2) {
+      array = nullptr;
+      break;
+    }
+    const std::string path = fmt::format("{}[{}]", path_of(key), i + 1);
+    const auto a = number_of(items->items[0], path, rule), b = number_of(items->items[1], path, rule);
+    if (!a || !b) return std::nullopt;
+    result.push_back({*a, *b});
+  }
+  if (array != nullptr) return result;
+  error(key, "is not a list of pairs", fmt::format("write {} = [[a, b], [a, b], ...]", key));
+  return std::nullopt;
+}
+
+std::optional<TableReader> TableReader::sub(std::string_view key) const {
+  const TomlTable* found = table(key);
+  if (found == nullptr) return std::nullopt;
+  return TableReader{*found, line_of(key), path_of(key), *problems_, type_of(key, KeyType::Form::table).keys()};
+}
+
+std::vector<TableReader> TableReader::each(std::string_view key) const {
+  std::vector<TableReader> readers;
+  const std::vector<const TomlNode*> found = tables(key);
+  const KeyTable& keys = type_of(key, KeyType::Form::array).of.front().keys();
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    readers.push_back(TableReader{std::get<TomlTable>(found[i]->value), found[i]->line,
+                                  fmt::format("{}[{}]", path_of(key), i + 1), *problems_, keys});
+  }
+  return readers;
+}
+
+const TomlEntry* TableReader::one_of(std::size_t n) const { return one_of(keys_->one_of.at(n)); }
+
+double TableReader::value(std::string_view key) const {
+  if (const auto given = number(key)) return *given;
+  return std::strtod(std::string{declared(key).standard}.c_str(), nullptr);
+}
+std::int64_t TableReader::count(std::string_view key) const {
+  if (const auto given = integer(key)) return *given;
+  return std::strtoll(std::string{declared(key).standard}.c_str(), nullptr, 10);
+}
+bool TableReader::flag(std::string_view key) const { return boolean(key).value_or(declared(key).standard == "true"); }
+std::size_t TableReader::word_number(std::string_view key) const {
+  if (const auto given = choice(key)) return *given;
+  const std::string_view standard = declared(key).standard;
+  const auto& words = type_of(key, KeyType::Form::word).words;
+  const auto at =
+      std::ranges::find_if(words, [&](std::string_view word) { return standard == fmt::format("\"{}\"", word); });
+  return at == words.end() ? 0 : static_cast<std::size_t>(at - words.begin());
 }
 
 std::optional<double> TableReader::number(std::string_view key, const NumberRule& rule) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -11,6 +12,7 @@
 
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene/problem.hpp"
+#include "keys.hpp"
 #include "toml_tree.hpp"
 
 namespace cleave::scene {
@@ -35,37 +37,40 @@ class Problems final {
   std::size_t error_count_ = 0;
 };
 
-/// What a number may be. `unit` is "" or starts with a blank (" m").
-struct NumberRule {
-  double low;
-  bool low_open;
-  double high;
-  bool high_open;
-  std::string_view unit;
-  /// "from 0 to 90 degrees", "above 0 and below ..."
-  [[nodiscard]] std::string words() const;
-  [[nodiscard]] bool accepts(double v) const noexcept;
-};
-
-namespace rule {
-inline constexpr NumberRule coordinate{-1e9, false, 1e9, false, " m"};
-inline constexpr NumberRule length{0, true, 1e9, false, " m"};
-inline constexpr NumberRule length_or_zero{0, false, 1e9, false, " m"};
-inline constexpr NumberRule dip{0, false, 90, false, " degrees"};
-inline constexpr NumberRule dip_direction{0, false, 360, false, " degrees"};
-inline constexpr NumberRule turn{-360, false, 360, false, " degrees"};
-inline constexpr NumberRule friction{0, false, 90, true, " degrees"};
-inline constexpr NumberRule stress{0, false, 1e15, false, " Pa"};
-inline constexpr NumberRule density{0, true, 1e5, false, " kg/m3"};
-inline constexpr NumberRule acceleration{-1e3, false, 1e3, false, " m/s2"};
-inline constexpr NumberRule ratio{-1e3, false, 1e3, false, ""};
-inline constexpr NumberRule any{-1e15, false, 1e15, false, ""};
-}  // namespace rule
-
-/// Typed access to one table: each function reports what is wrong under the key's full path and line, and returns
-/// empty. The constructor reports every key that is neither known nor promised for a later version.
+/// Typed access to one table by the declaration of its keys: each function reports what is wrong under the key's full
+/// path and line, and returns empty. The constructor reports every key that is not known.
 class TableReader final {
  public:
+  TableReader(const TomlTable& table, std::uint32_t line, std::string path, Problems& problems, const KeyTable& keys);
+  /// The word of the key that chooses among the variants of the keys; empty where it is missing or wrong (reported).
+  [[nodiscard]] std::optional<std::size_t> variant() const noexcept { return variant_; }
+
+  // By the declaration of the key; empty when the key is absent (no report) or wrong (reported).
+  [[nodiscard]] std::optional<double> number(std::string_view key) const;
+  [[nodiscard]] std::optional<std::int64_t> integer(std::string_view key) const;
+  [[nodiscard]] std::optional<std::size_t> choice(std::string_view key) const;
+  [[nodiscard]] std::optional<geometry::Vec3> vec3(std::string_view key) const;
+  [[nodiscard]] std::optional<std::array<double, 2>> pair(std::string_view key) const;
+  [[nodiscard]] std::optional<std::vector<std::array<double, 2>>> pairs(std::string_view key) const;
+  [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key) const;
+  /// The table of a key, or of each item of a list of tables.
+  [[nodiscard]] std::optional<TableReader> sub(std::string_view key) const;
+  [[nodiscard]] std::vector<TableReader> each(std::string_view key) const;
+  [[nodiscard]] const NumberRule& rule_of(std::string_view key) const;
+  /// Of the n-th list of keys that exclude each other.
+  [[nodiscard]] const TomlEntry* one_of(std::size_t n = 0) const;
+  // An absent key is reported too.
+  [[nodiscard]] std::optional<double> need_number(std::string_view key) const;
+  [[nodiscard]] std::optional<geometry::Vec3> need_vec3(std::string_view key) const;
+  // With the declared default.
+  [[nodiscard]] double value(std::string_view key) const;
+  [[nodiscard]] std::int64_t count(std::string_view key) const;
+  [[nodiscard]] bool flag(std::string_view key) const;
+  template <class Enumeration>
+  [[nodiscard]] Enumeration word(std::string_view key) const {
+    return static_cast<Enumeration>(word_number(key));
+  }
+
   TableReader(const TomlTable& table, std::uint32_t line, std::string path, Problems& problems,
               std::span<const std::string_view> known, std::span<const std::string_view> later = {});
 
@@ -111,10 +116,17 @@ class TableReader final {
                                                       const NumberRule& rule) const;
 
  private:
+  [[nodiscard]] const Key& declared(std::string_view key) const;
+  [[nodiscard]] const KeyType& type_of(std::string_view key, KeyType::Form form) const;
+  [[nodiscard]] std::size_t word_number(std::string_view key) const;
+  void report_unknown() const;
+
   const TomlTable* table_;
   std::uint32_t line_;
   std::string path_;
   Problems* problems_;
+  const KeyTable* keys_ = nullptr;
+  std::optional<std::size_t> variant_ = std::nullopt;
 };
 
 /// What a node is, in words: "text", "a table", ...

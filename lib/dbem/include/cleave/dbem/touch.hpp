@@ -64,7 +64,11 @@ struct Placed {
 struct Reach {
   double margin;  ///< gaps below this, m
   double depth;   ///< penetrations up to this, m
-  double near;    ///< corners closer than this are decided by the cone rule, m
+  double near;    ///< places closer than this are one, m
+  /// Pairs of corners closer than this are decided by the cone rule, m: as far as they can move in the step, and no
+  /// farther than the cone holds (the smaller feature).
+  double corner;
+  double touching;  ///< penetrations up to this are rounding, m
 };
 /// Appends every contact of the two bodies. `drift` (of i relative to j) decides between two entrance lines with equal
 /// gaps. Edge against edge gives the two ends of the common interval; a corner in a concave corner gives both edges.
@@ -73,9 +77,10 @@ void find_touches(const Placed& i, const Placed& j, const Reach& reach, const Dr
 /// Gap, foot, normal and point of a known pair of corner and edge at new places of the corners.
 void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const Vec2> corners_j);
 
-/// The edge of the polygon that a point moving from `from` to `to` crosses first from outside, in axes fixed to the
-/// polygon; npos when none.
-[[nodiscard]] std::size_t first_crossing(std::span<const Vec2> corners, Vec2 from, Vec2 to);
+/// The edge of a polygon that moves from `before` to `after` which a point moving from `from` to `to` crosses first
+/// from outside (or from a penetration of `rounding`); npos when none.
+[[nodiscard]] std::size_t first_crossing(std::span<const Vec2> before, std::span<const Vec2> after, Vec2 from, Vec2 to,
+                                         double rounding = 0);
 
 /// Depth of the deepest corner of one inside the other, 0 when they do not overlap by more than `tolerance`.
 struct Overlap {

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cleave/dbem/touch.hpp"
+
+/// Overlaps of outlines as they lie: what every step is judged by. Shares nothing with the search for contacts.
+namespace cleave::dbem {
+
+/// An outline for the check.
+struct Solid {
+  std::span<const Vec2> corners;
+  Box box;
+  bool convex;
+};
+
+/// How deep two outlines overlap, m; at most `enough` may be missing. Convex ones: the least move that parts them (the
+/// best of the lines along their edges). Others: the area they share over its longest extent, by levels.
+[[nodiscard]] double clash_depth(const Solid& a, const Solid& b, double enough);
+
+/// Bodies in the order of their boxes along one axis, kept from call to call: a step changes little of it.
+class Sweep final {
+ public:
+  /// Pairs (a < b, in order) whose boxes share more than a line; pairs of two `idle` bodies are left out.
+  [[nodiscard]] std::vector<BodyPair> pairs(std::span<const Box> boxes, std::span<const std::uint8_t> idle);
+
+ private:
+  std::vector<std::uint32_t> order_;
+  double Vec2::* along_ = &Vec2::x;
+  double Vec2::* across_ = &Vec2::y;
+  void choose_axis(std::span<const Box> boxes);
+};
+
+}  // namespace cleave::dbem

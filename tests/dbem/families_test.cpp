@@ -1,0 +1,186 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "clash.hpp"
+#include "cleave/core/rng.hpp"
+#include "contact_families.hpp"
+#include "scenes.hpp"
+#include "trials.hpp"
+
+namespace cleave::dbem {
+namespace {
+
+using namespace scenes;
+using testing::contact_family_names;
+using testing::ContactFamily;
+using testing::ContactOutcome;
+using testing::ContactScene;
+
+class FamilyTest : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(FamilyTest, NothingPassesThroughAnythingAndNoEnergyComes) {
+  const auto family = static_cast<ContactFamily>(GetParam());
+  int stopped = 0;
+  const int trials = testing::trials(60, 4);
+  for (int seed = 0; seed < trials; ++seed) {
+    const ContactScene scene = make_contact_scene(family, static_cast<std::uint64_t>(seed));
+    const ContactOutcome outcome = run_contact_scene(scene);
+    if (!outcome.made) continue;
+    EXPECT_LT(outcome.overlap, 1e-6) << seed;
+    EXPECT_LT(outcome.energy_gain, 1e-9) << seed;
+    EXPECT_LT(outcome.momentum, 1e-11) << seed;
+    stopped += outcome.stopped ? 1 : 0;
+  }
+  EXPECT_LE(stopped, trials / 50);
+}
+
+INSTANTIATE_TEST_SUITE_P(Contact, FamilyTest, ::testing::Range<std::size_t>(0, contact_family_names.size()),
+                         [](const auto& one) { return std::string{contact_family_names[one.param]}; });
+
+ContactScene drop_onto_equal(double step, bool held) {
+  ContactScene scene;
+  const auto put = [&](std::vector<Vec2> ring, bool fix) {
+    scene.parts.push_back({ring});
+    scene.bodies.push_back(fix ? fixed("", ring) : block("", ring));
+  };
+  put(rectangle(-5, -1, 10, 1), true);
+  put(rectangle(0, 0, 1, 5), held);
+  put(rectangle(0, 5.001, 1, 1), false);
+  scene.laws = law(0.5);
+  scene.options.step = step;
+  scene.until = 1.2;
+  return scene;
+}
+
+TEST(OverlapSceneTest, ABlockDroppedOntoOneOfEqualWidthStaysOnIt) {
+  for (const double step : {1e-4, 1e-3, 5e-3, 2e-2}) {
+    for (const bool held : {true, false}) {
+      const ContactOutcome outcome = run_contact_scene(drop_onto_equal(step, held));
+      ASSERT_FALSE(outcome.stopped) << outcome.why;
+      EXPECT_NEAR(outcome.places[2].y, 5.5, 1e-6) << step;
+      EXPECT_NEAR(outcome.places[2].x, 0.5, 1e-6) << step;
+    }
+  }
+}
+
+TEST(OverlapSceneTest, OpenColumnsCloseAndStandAsHighAsTheirBlocks) {
+  for (const double gap : {1e-5, 1e-3, 1e-2}) {
+    for (const bool quasi_static : {false, true}) {
+      std::vector<Body> bodies{fixed("floor", rectangle(-5, -1, 10, 1))};
+      for (int k = 0; k < 8; ++k) bodies.push_back(block("", rectangle(0, k * (1 + gap) + gap, 1, 1)));
+      auto world = World::make(bodies, law(0.5), {.step = 5e-3, .quasi_static = quasi_static});
+      ASSERT_TRUE(world.has_value());
+      run(*world, quasi_static ? 3.0 : 1.0);
+      EXPECT_NEAR(world->centroid(8).y, 7.5, 1e-6) << gap;
+    }
+  }
+}
+
+TEST(OverlapSceneTest, AnAcuteToeDoesNotEnterTheBlockBeforeIt) {
+  for (const double degrees : {15.0, 30.0, 45.0, 60.0, 75.0, 89.0}) {
+    for (const bool held : {true, false}) {
+      const double run_out = 1 / std::tan(radians(degrees));
+      std::vector<Body> bodies{
+          fixed("floor", rectangle(-10, -1, 20, 1)),
+          block("wedge", {{-run_out - 1, 0}, {0, 0}, {-run_out, 1}, {-run_out - 1, 1}}),
+          held ? fixed("block", rectangle(0.05, 0, 1, 1)) : block("block", rectangle(0.05, 0, 1, 1))};
+      bodies[1].velocity = {2, 0};
+      auto world = World::make(bodies, law(0.2), {.step = 5e-3});
+      ASSERT_TRUE(world.has_value());
+      run(*world, 0.5);
+      if (held) {
+        EXPECT_LT(world->outline(1)[1].x, 0.05 + 1e-7) << degrees;
+      }
+      const auto a = world->outline(1), b = world->outline(2);
+      EXPECT_LT(clash_depth({a, box_of(a), true}, {b, box_of(b), true}, 1e-12), 1e-7) << degrees << held;
+    }
+  }
+}
+
+/// The outlines at the end, as a sorted list of rounded centroids.
+std::vector<std::pair<long, long>> rounded(std::vector<Vec2> places) {
+  std::vector<std::pair<long, long>> out;
+  for (const Vec2 p : places) out.emplace_back(std::lround(p.x * 1e5), std::lround(p.y * 1e5));
+  std::ranges::sort(out);
+  return out;
+}
+
+TEST(MetamorphicTest, AQuarterTurnAMirrorAndAnotherOrderChangeNothingInOrderlyScenes) {
+  for (const ContactFamily family : {ContactFamily::dropped, ContactFamily::column, ContactFamily::row}) {
+    for (int seed = 0; seed < testing::trials(15, 2); ++seed) {
+      ContactScene scene = make_contact_scene(family, static_cast<std::uint64_t>(seed));
+      scene.until = std::min(scene.until, 0.3);
+      const ContactOutcome plain = run_contact_scene(scene);
+      ContactOutcome quarter = run_contact_scene(turned_by_a_quarter(scene));
+      ContactOutcome mirror = run_contact_scene(mirrored(scene));
+      const ContactOutcome order = run_contact_scene(reversed_order(scene));
+      for (Vec2& p : quarter.places) p = {p.y, -p.x};
+      for (Vec2& p : mirror.places) p = {-p.x, p.y};
+      for (const ContactOutcome& other : {quarter, mirror, order}) {
+        const auto a = rounded(plain.places), b = rounded(other.places);
+        ASSERT_EQ(a.size(), b.size());
+        for (std::size_t k = 0; k < a.size(); ++k) {
+          EXPECT_NEAR(static_cast<double>(a[k].first), static_cast<double>(b[k].first), 2) << seed;
+          EXPECT_NEAR(static_cast<double>(a[k].second), static_cast<double>(b[k].second), 2) << seed;
+        }
+      }
+    }
+  }
+}
+
+TEST(ClashTest, MeasuresKnownOverlaps) {
+  const auto depth = [](const std::vector<Vec2>& a, const std::vector<Vec2>& b, bool convex) {
+    return clash_depth({a, box_of(a), convex}, {b, box_of(b), convex}, 1e-12);
+  };
+  const auto square = rectangle(0, 0, 1, 1);
+  for (const double deep : {1e-8, 1e-4, 0.1}) {
+    // Beside one another: the whole side; by levels the same width.
+    EXPECT_NEAR(depth(square, rectangle(1 - deep, 0, 1, 1), true), deep, 1e-12);
+    EXPECT_NEAR(depth(square, rectangle(1 - deep, 0, 1, 1), false), deep, 0.01 * deep);
+    EXPECT_NEAR(depth(square, rectangle(0, 1 - deep, 1, 1), false), deep, 0.01 * deep);
+  }
+  // A toe that lies on the same line as the side it enters.
+  const std::vector<Vec2> toe{{-1, 0}, {0.01, 0}, {-1, 1}};
+  EXPECT_GT(depth(toe, square, true), 5e-3);
+  EXPECT_GT(depth(toe, square, false), 2e-3);
+  // An L around a square touches it on two sides and shares nothing.
+  const std::vector<Vec2> ell{{-1, -1}, {2, -1}, {2, 0}, {0, 0}, {0, 2}, {-1, 2}};
+  EXPECT_EQ(depth(ell, square, false), 0);
+  EXPECT_NEAR(depth(ell, rectangle(-1e-3, 0, 1, 1), false), 1e-3, 1e-5);
+  // Bars that cross without a corner inside.
+  EXPECT_GT(depth(rectangle(-1, 0.4, 3, 0.2), rectangle(0.4, -1, 0.2, 3), false), 0.1);
+  EXPECT_GT(depth(rectangle(-1, 0.4, 3, 0.2), rectangle(0.4, -1, 0.2, 3), true), 0.1);
+}
+
+TEST(ClashTest, TheSweepFindsThePairsOfBruteForceAsBodiesMove) {
+  Rng rng{5};
+  std::vector<Box> boxes(80);
+  std::vector<std::uint8_t> idle(boxes.size());
+  for (std::uint8_t& i : idle) i = rng.uniform() < 0.3 ? 1 : 0;
+  for (Box& box : boxes) {
+    box.low = {10 * rng.uniform(), 15 * rng.uniform()};
+    box.high = box.low + Vec2{2 * rng.uniform(), 2 * rng.uniform()};
+  }
+  Sweep sweep;
+  for (int round = 0; round < 30; ++round) {
+    std::vector<BodyPair> expected;
+    for (std::uint32_t a = 0; a < boxes.size(); ++a) {
+      for (std::uint32_t b = a + 1; b < boxes.size(); ++b) {
+        const bool meet = boxes[a].low.x < boxes[b].high.x && boxes[b].low.x < boxes[a].high.x &&
+                          boxes[a].low.y < boxes[b].high.y && boxes[b].low.y < boxes[a].high.y;
+        if (meet && !(idle[a] != 0 && idle[b] != 0)) expected.push_back({a, b});
+      }
+    }
+    EXPECT_EQ(sweep.pairs(boxes, idle), expected);
+    for (Box& box : boxes) {
+      const Vec2 by{rng.uniform() - 0.5, rng.uniform() - 0.5};
+      box.low += by;
+      box.high += by;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cleave::dbem
