@@ -258,7 +258,7 @@ TEST(FieldStressScene, DeepBelowTheGroundTheHalfPlaneIsThePlane) {
 
 TEST(FieldStressScene, MistakesAreNamed) {
   const auto wrong = [](std::string_view stress, std::string_view more) { return error_of(roof(stress, 0, more)); };
-  EXPECT_NE(wrong("[1, 2]", "").find("field_stress.stress: must be six numbers"), std::string::npos);
+  EXPECT_NE(wrong("[1, 2]", "").find("field_stress.stress: must be 6 numbers"), std::string::npos);
   EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "tunnel = \"tunel\"\n").find("did you mean \"tunnel\"?"), std::string::npos);
   EXPECT_NE(wrong("[0, 0, -1e6, 0, 0, 0]", "surface = 100\n").find("carries a traction"), std::string::npos);
   EXPECT_NE(wrong("[-1e6, 0, 0, 0, 0, 0]", "surface = 2\n").find("is not above the tunnel"), std::string::npos);

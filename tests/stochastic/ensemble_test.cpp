@@ -201,16 +201,16 @@ TEST(EnsembleTest, WhatBiasesTheFiguresIsNoted) {
     unequal.add(k % 2 == 0 ? record(k, {1}) : record(k, {9, 9, 9, 9}), "u");
     Record stopped = k % 2 == 0 ? record(k, {2}) : record(k, {2, 2, 2, 2});
     stopped.stopped_at_max_batches = k == 3;
-    stopped.surface_blocks = 10;
-    stopped.surface_blocks_fixed = 1;
+    stopped.free_m2 = 10;
+    stopped.free_fixed_m2 = 2;
     equal.add(stopped, "e");
   }
   EXPECT_TRUE(says(unequal, "7.4 m3 as ratio of sums, 5 m3 as mean over realizations"));
   EXPECT_FALSE(says(equal, "as ratio of sums"));
   EXPECT_TRUE(says(equal, "1 of 40 realizations stopped at max_batches"));
   EXPECT_FALSE(says(unequal, "stopped at max_batches"));
-  EXPECT_TRUE(says(equal, "10.0 % of the blocks at free faces are held by the domain's border"));
-  EXPECT_FALSE(says(unequal, "border"));
+  EXPECT_TRUE(says(equal, "20.0 % of the area of excavations belongs to blocks that touch fixed sides of the domain"));
+  EXPECT_FALSE(says(unequal, "fixed sides"));
 }
 
 TEST(EnsembleTest, WordsOfScenesNameQuantities) {
