@@ -436,8 +436,8 @@ std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, 
   parse_plane_head(root, text, shown, scene);
   const RockDefaults defaults = parse_rock_defaults(root);
   bem::PlaneState plane = bem::PlaneState::strain;
-  constexpr std::array<string_view, 9> elastic_keys{"plane",       "gravity", "order", "element", "tolerance",
-                                                    "integration", "points",  "time",  "stress"};
+  constexpr std::array<string_view, 10> elastic_keys{"plane",       "gravity", "order", "element", "tolerance",
+                                                     "integration", "points",  "time",  "stress",  "frequencies"};
   const TomlTable empty;
   const TomlTable* section = root.table("elastic");
   const TableReader elastic{section != nullptr ? *section : empty, root.line_of("elastic"), "elastic", problems,
@@ -451,6 +451,7 @@ std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, 
     scene.options.integration = elastic.number("integration", {1e-15, false, 1e-2, false, ""}).value_or(1e-10);
     scene.tolerance = elastic.number("tolerance", {1e-12, false, 1, false, ""});
     scene.stress = elastic.boolean("stress").value_or(true);
+    scene.frequencies = static_cast<std::size_t>(elastic.integer("frequencies", 0, 100).value_or(0));
     if (const TomlEntry* g = elastic.find("gravity")) {
       if (std::holds_alternative<TomlArray>(g->node.value)) {
         scene.gravity = pair(elastic, "gravity", rule::acceleration).value_or(Vec2{});

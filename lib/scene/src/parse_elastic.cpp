@@ -46,7 +46,7 @@ void parse_elastic_time(const TableReader& elastic, BodiesScene& scene) {
     time.damping.beta = damping.number("beta", any_time).value_or(0);
   }
   time.frames = static_cast<std::size_t>(table.integer("frames", 1, 2000).value_or(60));
-  time.modes = static_cast<std::size_t>(table.integer("modes", 0, 1000).value_or(40));
+  if (const auto modes = table.integer("modes", 0, 1000)) time.modes = static_cast<std::size_t>(*modes);
   time.rebuild = table.number("rebuild", {0, false, 1, false, ""}).value_or(time.rebuild);
   time.estimate = table.boolean("estimate").value_or(time.estimate);
   scene.time = time;
