@@ -132,7 +132,7 @@ class DesignSearch {
     const stochastic::Interval share = stochastic::clopper_pearson(row.failing, row.offsets, 0.95);
     row.failing_share = {share.low, share.high};
     if (!missing.empty()) {
-      row.governing = std::ranges::max_element(missing, {}, [](const auto& m) { return m.second; })->first;
+      row.governing = std::ranges::max_element(missing, {}, [](const auto& m) { return m.second; })->first.value();
       return;
     }
     plan_.factors = true;
@@ -142,7 +142,7 @@ class DesignSearch {
     const auto ask = [&](topology::BlockId block, std::optional<double> factor, double target) {
       if (!factor || !(*factor / target < least)) return;
       least = *factor / target;
-      row.governing = block;
+      row.governing = block.value();
     };
     for (const stability::SupportedBlock& b : result.blocks) ask(b.block, b.factor_with_support, b.target);
     for (const stability::CombinedBlock& b : result.combined) ask(b.members.front(), b.factor_with_support, b.target);

@@ -175,7 +175,7 @@ struct DesignResult {
   std::array<double, 2> failing_share{};  ///< Clopper-Pearson, 95 %
   /// The block that decides: misses its target at the most of these offsets; where none fails, with the least factor
   /// over target. Where no pattern is found, of the tightest one.
-  std::optional<topology::BlockId> governing = {};
+  std::optional<std::uint32_t> governing = {};
 };
 template <class V>
 void fields(V& v, const DesignResult& x) {
