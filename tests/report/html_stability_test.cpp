@@ -61,8 +61,7 @@ struct Tunnel {
     }
     support.blocks = {{.block = topology::BlockId{3U}, .mode = stability::Mode::falling, .target = 1.5}};
     support.blocks[0].held = stability::Held::bolts;
-    support.combined = {
-        {.members = {topology::BlockId{3U}, topology::BlockId{7U}}, .immovable = false, .removable = true}};
+    support.combined = {{.members = {topology::BlockId{3U}, topology::BlockId{7U}}, .removable = true}};
     support.combined[0].mode = stability::Mode::wedge;
     support.combined[0].passes = false;
     scene::Figures& figures = result.figures;
@@ -295,7 +294,7 @@ TEST(StabilityTables, RowsOfTheFilesBesideKeyBlocks) {
   const std::string blocks = support_blocks_csv(t.result);
   EXPECT_TRUE(blocks.contains("\nbase,3,falling,1.5,"));
   EXPECT_TRUE(blocks.contains("\n\"a,b\",3,falling,1.5,"));
-  EXPECT_TRUE(combined_blocks_csv(t.result).contains("\nbase,0,3;7,0,0,1,wedge,1,0,0,0,0\n"));
+  EXPECT_TRUE(combined_blocks_csv(t.result).contains("\nbase,0,3;7,0,1,wedge,1,0,0,0,0,,,0,0\n"));
   EXPECT_TRUE(maximum_blocks_csv(t.result).contains("\nA,B,C & D,101,roof,0,0,12.5,"));
   t.result.support.reset();
   const std::string keys = key_blocks_csv(t.complex, t.result);

@@ -101,6 +101,20 @@ TEST(KeyBlocksScene, TheSearchFindsTheWidestPatternThatPasses) {
   const std::size_t bolts = result_of(slope(found.scale, found.scale, 0.5, 0.5, "")).support->bolts.size();
   EXPECT_EQ(found.bolts, bolts);
   EXPECT_NEAR(found.cost, static_cast<double>(bolts) * (10 + 2 * 12), 1e-9);
+  // At other places than those of the search it may fail: that is told, with the block that decides.
+  EXPECT_EQ(found.offsets, 40U);
+  EXPECT_LE(found.failing, found.offsets);
+  EXPECT_LE(found.failing_share[0], static_cast<double>(found.failing) / 40);
+  EXPECT_GE(found.failing_share[1], static_cast<double>(found.failing) / 40);
+  EXPECT_GT(found.failing_share[1], 0);
+  EXPECT_NEAR(found.spacing[0], found.scale, 1e-12);
+  EXPECT_TRUE(found.governing.has_value());
+  EXPECT_EQ(r.designs[0].failing, r.designs[0].offsets);
+  // The same seed, the same offsets.
+  const RunResult again = result_of(slope(
+      1, 1, 0.5, 0.5,
+      "[support.design]\nlengths = [12]\nscale = [0.5, 4]\nphases = 3\ncost_per_bolt = 10\ncost_per_metre = 2\n"));
+  EXPECT_EQ(again.designs.at(0).failing, found.failing);
 }
 
 /// Tunnel 6 x 6 m along y and three sets; their planes go through `apex`, (x, z) from the tunnel's middle.

@@ -148,6 +148,7 @@ TEST(BatchesTest, FixedAndBuriedBlocksAreNotJudged) {
   const Analysis a = analyse_complex(complex.build(), settings({strength(0)}));
   EXPECT_TRUE(a.judgements.empty());
   EXPECT_TRUE(a.batches.empty());
+  EXPECT_EQ(a.tapered, std::vector{tapered});  // said, though not judged
   EXPECT_FALSE(a.stopped_at_max_batches);
 }
 

@@ -56,6 +56,39 @@ TEST(ResistanceTest, SlidingOnAPlane) {
   EXPECT_FALSE(rough.batch.has_value());
 }
 
+// Cohesion of a wall on which nothing presses does not count; the more the resultant stands against it, the more of it
+// does, up to one degree: no jump between an upright joint and one that is nearly so.
+TEST(ResistanceTest, CohesionDoesNotJumpWhereAJointStandsUpright) {
+  const Settings with = settings({strength(30, 1680)});
+  const auto factor = [&](double dip, const Settings& s) {
+    return judge_one({{upward(dip, 90)}, {-upward(dip, 90)}}, s).factor_of_safety;
+  };
+  EXPECT_EQ(factor(90, with), 0);
+  EXPECT_NEAR(factor(90 - 1e-6, with), 0, 1e-4);  // was 16.8
+  double before = factor(90, with);
+  for (double dip = 89.99; dip > 88; dip -= 0.01) {
+    const double here = factor(dip, with);
+    EXPECT_GE(here, before - 1e-3) << dip;
+    EXPECT_LT(here - before, 0.2) << dip;
+    before = here;
+  }
+  EXPECT_NEAR(factor(88.9, with),
+              (100 * std::cos(radians(88.9)) * std::tan(radians(30)) + 1680) / (100 * std::sin(radians(88.9))), 1e-9);
+  // Asked for, cohesion of both walls counts, and it does not jump either where one begins to open.
+  Settings both = with;
+  both.parallel_contact = true;
+  EXPECT_NEAR(factor(90, both), 33.6, 1e-9);
+  EXPECT_NEAR(factor(90 - 1e-6, both), 33.6, 1e-3);
+  const auto between = [&](double other) {
+    return judge_one({{upward(80, 90)}, {-upward(other, 90)}}, both).factor_of_safety;
+  };
+  EXPECT_NEAR(between(80 - 1e-6), between(80), 1e-3);
+  EXPECT_NEAR(between(80) - between(75), 1680 / (100 * std::sin(radians(80))), 1e-9);
+  EXPECT_EQ(judge_one({{upward(90, 90)}}, both).cohesion_left_out.si(), 0);
+  EXPECT_NEAR(judge_one({{upward(90, 90)}}, with).cohesion_left_out.si(), 1680, 1e-9);
+  EXPECT_EQ(judge_one({{upward(40, 90)}}, with).cohesion_left_out.si(), 0);
+}
+
 // Friction equal to the dip: FoS is 1 to rounding, and 1 holds.
 TEST(ResistanceTest, LimitEquilibriumHolds) {
   for (int dip = 5; dip < 90; dip += 5) {

@@ -101,6 +101,11 @@ TEST(TransferTest, ThreeSlabs) {
   EXPECT_NEAR(after(a, slabs[0]).net.si(), 7341899.649, 1e-2);
   EXPECT_NEAR(after(a, slabs[1]).net.si(), 4894599.766, 1e-2);
   EXPECT_NEAR(after(a, slabs[2]).net.si(), 2447299.883, 1e-2);
+  // All of it hangs on the first: each force counts once, where it ends.
+  double to_be_held = 0;
+  for (const auto slab : slabs) to_be_held += after(a, slab).to_be_held().si();
+  EXPECT_NEAR(to_be_held, 7341899.649, 1e-2);
+  EXPECT_NEAR(after(a, slabs[2]).to_be_held().si(), 0, 1e-6);
   EXPECT_LT(a.equilibrium_residual, 1e-12);
 }
 

@@ -43,6 +43,62 @@ const Estimate& find(const Figures& figures, std::string_view name) {
   return *std::ranges::find(figures.estimates, name, &Estimate::name);
 }
 
+// The alarm that the domain is too small goes by area: it does not ring where little is held, and says how long the
+// tunnel should be where the ends are.
+TEST(EnsembleTest, AreaAtTheEndsTellsTheGuardLength) {
+  const auto figures_of = [](double fixed, double middle_fixed) {
+    Ensemble ensemble{options()};  // 50 m of tunnel
+    for (std::uint64_t k = 0; k < 3; ++k) {
+      Record r = record(k, {2});
+      r.surface_blocks = 100;
+      r.surface_blocks_fixed = 90;
+      r.free_m2 = 1000;
+      r.free_fixed_m2 = fixed;
+      r.middle_m2 = 500;
+      r.middle_fixed_m2 = middle_fixed;
+      ensemble.add(r, "x");
+    }
+    return ensemble.figures();
+  };
+  const auto said = [](const Figures& f, std::string_view what) {
+    return std::ranges::any_of(f.notes, [&](const std::string& note) { return note.contains(what); });
+  };
+  EXPECT_FALSE(said(figures_of(90, 0), "fixed sides of the domain"));
+  const Figures ends = figures_of(240, 0);  // six metres at each end
+  EXPECT_DOUBLE_EQ(ends.free_area_fixed_share, 0.24);
+  EXPECT_DOUBLE_EQ(ends.guard_length_m.value(), 6);
+  EXPECT_TRUE(said(ends, "about 6 m at each end of the tunnel are lost"));
+  EXPECT_TRUE(said(ends, "120 m long"));
+  const Figures sides = figures_of(300, 150);
+  EXPECT_DOUBLE_EQ(sides.guard_length_m.value(), 0);
+  EXPECT_TRUE(said(sides, "more room to the sides"));
+}
+
+TEST(EnsembleTest, FactorsAndPressuresAreDistributed) {
+  Ensemble ensemble{options()};
+  for (std::uint64_t k = 0; k < 4; ++k) {
+    Record r = record(k, k == 0 ? std::vector<double>{} : std::vector<double>{2});
+    r.free_m2 = 200;
+    r.all.support_transferred_n = 1000.0 * static_cast<double>(k);
+    r.largest_pressure_pa = static_cast<double>(k);
+    r.factors.resize(factor_bins);
+    r.factors[0] = 1;                // below 0.1
+    r.factors[9] = k;                // 0.9 to 1
+    r.factors[factor_bins - 1] = 2;  // 3 and more
+    ensemble.add(r, "x");
+  }
+  const Figures f = ensemble.figures();
+  EXPECT_DOUBLE_EQ(find(f, "probability_of_failure").mean, 0.75);
+  EXPECT_DOUBLE_EQ(find(f, "support_pressure_pa").mean, 7.5);
+  EXPECT_DOUBLE_EQ(find(f, "largest_support_pressure_pa").mean, 1.5);
+  ASSERT_EQ(f.factors.size(), factor_bins - 1);
+  EXPECT_DOUBLE_EQ(f.factors[0].factor, 0.1);
+  EXPECT_DOUBLE_EQ(f.factors[0].share_below, 4.0 / 18);
+  EXPECT_DOUBLE_EQ(f.factors[9].share_below, 10.0 / 18);
+  EXPECT_DOUBLE_EQ(f.factors.back().share_below, 10.0 / 18);
+  EXPECT_DOUBLE_EQ(f.factors[9].number_below, 2.5);
+}
+
 TEST(EnsembleTest, FiguresByHand) {
   Ensemble ensemble{options()};
   ensemble.add(record(0, {2, 4}), "a");
@@ -145,16 +201,16 @@ TEST(EnsembleTest, WhatBiasesTheFiguresIsNoted) {
     unequal.add(k % 2 == 0 ? record(k, {1}) : record(k, {9, 9, 9, 9}), "u");
     Record stopped = k % 2 == 0 ? record(k, {2}) : record(k, {2, 2, 2, 2});
     stopped.stopped_at_max_batches = k == 3;
-    stopped.surface_blocks = 10;
-    stopped.surface_blocks_fixed = 1;
+    stopped.free_m2 = 10;
+    stopped.free_fixed_m2 = 2;
     equal.add(stopped, "e");
   }
   EXPECT_TRUE(says(unequal, "7.4 m3 as ratio of sums, 5 m3 as mean over realizations"));
   EXPECT_FALSE(says(equal, "as ratio of sums"));
   EXPECT_TRUE(says(equal, "1 of 40 realizations stopped at max_batches"));
   EXPECT_FALSE(says(unequal, "stopped at max_batches"));
-  EXPECT_TRUE(says(equal, "10.0 % of the blocks at free faces are held by the domain's border"));
-  EXPECT_FALSE(says(unequal, "border"));
+  EXPECT_TRUE(says(equal, "20.0 % of the area of excavations belongs to blocks that touch fixed sides of the domain"));
+  EXPECT_FALSE(says(unequal, "fixed sides"));
 }
 
 TEST(EnsembleTest, WordsOfScenesNameQuantities) {

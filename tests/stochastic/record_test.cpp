@@ -38,6 +38,15 @@ Record example(std::uint64_t k) {
     t->shapes = {5, 4, 3, 2, 1};
     t->sphericity_sum = 0.1;
   }
+  r.free_m2 = 100 * rng.uniform();
+  r.free_fixed_m2 = rng.uniform();
+  r.middle_m2 = 50 * rng.uniform();
+  r.middle_fixed_m2 = rng.uniform();
+  r.largest_pressure_pa = 1e4 * rng.uniform();
+  if (k % 2 == 1) {
+    r.factors.resize(factor_bins);
+    r.factors[3] = k;
+  }
   r.above = {7, 0, 3};
   r.chainage_m3 = {0, 0.1, 1e-300, 12345.678};
   if (k % 2 == 0) r.support = Supported{9, k, rng.uniform(), 1e6 * rng.uniform(), 3, 1};

@@ -335,15 +335,15 @@ std::string why_section(const Page& page) {
 std::string support_section(const Page& page) {
   if (!page.result.support || !page.figures().support) return {};
   const scene::SupportFigures& f = *page.figures().support;
-  std::string out = "<section id=\"support\"><h2>Support</h2>\n<p>" +
-                    std::string{f.passes ? "Every block reaches its target." : "Some blocks miss their target."} + " " +
-                    display_count(f.blocks) + " blocks need support: " + display_count(f.held_by_bolts) +
-                    " held by bolts, " + display_count(f.held_by_shotcrete) + " by shotcrete, " +
-                    display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" +
-                    display_count(f.spot_bolts) + " spot bolts): " + display_count(f.bolts_used) + " needed, " +
-                    display_count(f.bolts_redundant) + " redundant, " + display_count(f.bolts_too_short) +
-                    " too short. " + display_count(f.combined) + " bodies stitched together by bolts, " +
-                    display_count(f.combined_failing) + " of them below their target.";
+  std::string out =
+      "<section id=\"support\"><h2>Support</h2>\n<p>" +
+      std::string{f.passes ? "Every block reaches its target." : "Some blocks miss their target."} + " " +
+      display_count(f.blocks) + " blocks need support: " + display_count(f.held_by_bolts) + " held by bolts, " +
+      display_count(f.held_by_shotcrete) + " by shotcrete, " + display_count(f.held_by_both) + " by both together, " +
+      display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" + display_count(f.spot_bolts) +
+      " spot bolts): " + display_count(f.bolts_used) + " needed, " + display_count(f.bolts_redundant) + " redundant, " +
+      display_count(f.bolts_too_short) + " too short. " + display_count(f.combined) +
+      " bodies stitched together by bolts, " + display_count(f.combined_failing) + " of them below their target.";
   if (page.result.tunnel_length > 0) {
     out += " Required force: " + display(f.required_force_n / page.result.tunnel_length / 1000, 3) +
            " kN per metre of tunnel.";
@@ -352,16 +352,19 @@ std::string support_section(const Page& page) {
   if (!page.result.support->blocks.empty()) {
     out +=
         "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Block</th><th>Mode</th><th>Net force (kN)</th>"
-        "<th>Factor</th><th>Target</th><th>Held by</th><th>Bolts</th><th>Factor with bolts</th><th>Share used</th>"
+        "<th>Factor</th><th>Target</th><th>Held by</th><th>Bolts</th><th>Bolts alone</th><th>Factor with "
+        "support</th><th>Share used</th>"
         "<th>Missing (kN)</th><th>Required force (kN)</th><th>Required pressure (kPa)</th></tr></thead><tbody>\n";
     for (const stability::SupportedBlock& b : page.result.support->blocks) {
       out += "<tr data-block=\"" + std::to_string(b.block.value()) + "\"><td>" + std::to_string(b.block.value()) +
              "</td><td>" + std::string{stability::name(b.mode)} + "</td><td>" + display(b.net_force / 1000) +
              "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" + display(b.target, 3) + "</td><td>" +
              std::string{stability::name(b.held)} + "</td><td>" + std::to_string(b.bolts) + "</td><td>" +
-             display(b.factor_with_bolts, 3) + "</td><td>" + (b.mobilised <= 1 ? display(b.mobilised, 3) : "–") +
-             "</td><td>" + display(b.missing_force / 1000) + "</td><td>" + display(b.required_force / 1000) +
-             "</td><td>" + display(b.required_pressure / 1000, 3) + "</td></tr>\n";
+             display(b.factor_with_bolts, 3) + "</td><td>" +
+             (b.factor_with_support ? display(*b.factor_with_support, 3) : "–") + "</td><td>" +
+             (b.mobilised ? display(*b.mobilised, 3) : "–") + "</td><td>" + display(b.missing_force / 1000) +
+             "</td><td>" + display(b.required_force / 1000) + "</td><td>" + display(b.required_pressure / 1000, 3) +
+             "</td></tr>\n";
     }
     out += "</tbody></table></div>\n";
   }
@@ -377,9 +380,7 @@ std::string support_section(const Page& page) {
         members += (k == 0 ? "" : ", ") + std::to_string(b.members[k].value());
       }
       if (b.members.size() > most_named) members += " and " + display_count(b.members.size() - most_named) + " more";
-      const std::string mode = b.immovable   ? "held by rock that stays"
-                               : b.removable ? std::string{stability::name(b.mode)}
-                                             : "cannot move";
+      const std::string mode = b.removable ? std::string{stability::name(b.mode)} : "cannot move";
       out += "<tr><td class=\"wide\">" + members + "</td><td>" + display(b.volume) + "</td><td>" + mode + "</td><td>" +
              display(b.net_force / 1000) + "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" +
              display(b.target, 3) + "</td><td>" + (b.passes ? "yes" : "no") + "</td><td>" +

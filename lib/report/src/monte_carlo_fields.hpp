@@ -28,6 +28,12 @@ void fields(V& v, const SizePoint& x) {
   v("standard_error", x.standard_error);
 }
 template <class V>
+void fields(V& v, const FactorPoint& x) {
+  v("factor", x.factor);
+  v("share_below", x.share_below);
+  v("number_below", x.number_below, "mean a realization");
+}
+template <class V>
 void fields(V& v, const RunningPoint& x) {
   v("realizations", x.realizations);
   v("mean", x.mean);
@@ -147,6 +153,11 @@ void fields(V& v, const MonteCarloPage& x) {
       w("failures", f.failures);
       w("failed_realizations", f.failed);
       w("stopped_at_max_batches", f.stopped_at_max_batches);
+      w("free_area_fixed_share", f.free_area_fixed_share,
+        "of the area of excavations, that of blocks that a fixed side of the domain holds");
+      w("middle_area_fixed_share", f.middle_fixed_share, "the same in the middle half of the tunnel");
+      w("guard_length_m", f.guard_length_m, "lost at each end of the tunnel to blocks that the domain holds");
+      w("factors_of_safety", f.factors, "distribution over the blocks that would move without friction");
       w("surface_blocks_fixed_share", f.surface_fixed_share);
       w("key_volume_beside_fixed_share", f.beside_fixed_share);
       w("notes", f.notes);

@@ -64,16 +64,13 @@ void supported_fields(V& v, const stability::Judgement& j, const stability::Supp
   const std::string_view held = b != nullptr              ? name(b->held)
                                 : j.batch && *j.batch > 1 ? "held by earlier batches"
                                                           : "none needed";
-  const double factor = b == nullptr                            ? j.factor_of_safety
-                        : b->held == stability::Held::shotcrete ? b->factor_with_shotcrete
-                                                                : b->factor_with_bolts;
+  const std::optional<double> factor = b == nullptr ? std::optional{j.factor_of_safety} : b->factor_with_support;
   const stability::SupportedBlock none{.block = topology::BlockId{0U}};
   const stability::SupportedBlock& s = b != nullptr ? *b : none;
   v("held_by_supported", held, "`[support]`: what holds the block");
   v("bolts_supported", s.bolts, "how many bolts");
-  v("mobilised_share_supported", b != nullptr ? s.mobilised : 0.0,
-    "share of their capacity that the target takes; 2: all of it is not enough");
-  v("factor_of_safety_supported", factor);
+  v("mobilised_share_supported", s.mobilised, "share of their capacity that the target takes; empty where none does");
+  v("factor_of_safety_supported", factor, "with all support: at the target exactly where the block is held");
   v("missing_force_n_supported", s.missing_force, "what the block lacks to its target");
   v("required_force_n_supported", s.required_force, "least single force that gives the target");
   v("required_pressure_pa_supported", s.required_pressure, "the same as a pressure on its free faces");
@@ -191,9 +188,10 @@ void fields(V& v, const SupportBlockRow& x) {
   v("factor_of_safety", x.b.factor_of_safety, "without support");
   v("held_by", name(x.b.held));
   v("bolts", x.b.bolts);
-  v("factor_with_bolts", x.b.factor_with_bolts);
-  v("factor_with_shotcrete", x.b.factor_with_shotcrete);
-  v("mobilised_share", x.b.mobilised);
+  v("factor_with_bolts", x.b.factor_with_bolts, "bolts alone, a partial sum");
+  v("factor_with_shotcrete", x.b.factor_with_shotcrete, "shotcrete alone, a partial sum");
+  v("factor_with_support", x.b.factor_with_support, "with everything: at least the target exactly where it is held");
+  v("mobilised_share", x.b.mobilised, "of the bolts; empty where no share holds");
   v("missing_force_n", x.b.missing_force);
   v("required_force_n", x.b.required_force);
   v("required_pressure_pa", x.b.required_pressure);
@@ -212,12 +210,15 @@ void fields(V& v, const CombinedBlockRow& x) {
   v("body", x.number, "from 0");
   v("members", x.b.members, "blocks, joined by `;`");
   v("volume_m3", x.b.volume);
-  v("fixed", x.b.immovable, "1 when a member is rock that stays");
   v("removable", x.b.removable);
   v("mode", when(x.b.removable, name(x.b.mode)));
   v("target", x.b.target);
   v("net_force_n", x.b.net_force);
-  v("factor_of_safety", x.b.factor_of_safety);
+  v("factor_of_safety", x.b.factor_of_safety, "without bolts");
+  v("bolts_leaving", x.b.bolts, "that hold it to rock outside");
+  v("bolt_force_n", x.b.bolt_force, "what they can carry there, sum");
+  v("factor_with_support", x.b.factor_with_support, "with them");
+  v("mobilised_share", x.b.mobilised, "of them; empty where no share holds");
   v("passes", x.b.passes);
   v("missing_force_n", x.b.missing_force);
 }

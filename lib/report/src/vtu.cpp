@@ -35,6 +35,9 @@ void write_analysis(VtuWriter& vtu, const Cells& cells, const stability::Analysi
       row.factor_known = std::isinf(j.factor_of_safety) ? 2 : 1;
     }
   }
+  for (const topology::BlockId b : analysis.tapered) {
+    if (b.index() < blocks) rows[b.index()].mode = std::to_underlying(stability::Mode::tapered);
+  }
   const auto column = [&]<class T>(std::string_view name, T Row::* member) {
     std::vector<T> values;
     values.reserve(cells.size());

@@ -8,6 +8,7 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/expected.hpp"
 #include "cleave/core/parallel.hpp"
+#include "cleave/stability/clamping.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -102,21 +103,21 @@ std::expected<TunnelField, bem::SolveError> TunnelField::make(const Scene& scene
   return out;
 }
 
-double TunnelField::normal_stress(Vec3 at, Vec3 normal) const {
+Vec3 TunnelField::traction(Vec3 at, Vec3 normal) const {
   const Vec2 x{dot(at - origin_, right_), dot(at - origin_, up_)};
   const bem::Solution& solution = section_->solution;
-  if (!solution.region_at(x)) return 0;
+  if (!solution.region_at(x)) return {};
   const bem::Sym2 in_plane = solution.stress(0, x);
   const auto far = [&](std::size_t i) { return far_[i] + x.y * slope_[i]; };
   // Plane strain: what is added along the axis follows from what is added across it.
   const double axial = far(2) + poisson_ * (in_plane.xx + in_plane.yy - far(0) - far(1));
   const Vec2 shear = along_ ? along_->shear(x) : Vec2{};
   const double u = dot(normal, right_), v = dot(normal, up_), w = dot(normal, axis_);
-  return u * u * in_plane.xx + v * v * in_plane.yy + w * w * axial + 2 * u * v * in_plane.xy +
-         2 * w * (u * shear.x + v * shear.y);
+  return (u * in_plane.xx + v * in_plane.xy + w * shear.x) * right_ +
+         (u * in_plane.xy + v * in_plane.yy + w * shear.y) * up_ + (u * shear.x + v * shear.y + w * axial) * axis_;
 }
 
-double compression_on(const topology::BlockComplex& complex, const topology::Face& face, const TunnelField& field) {
+Vec3 force_on(const topology::BlockComplex& complex, const topology::Face& face, const TunnelField& field) {
   // Coordinates in the face's plane.
   const Vec3 n = face.outward;
   const Vec3 helper = std::abs(n.z) < 0.7 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
@@ -143,7 +144,8 @@ double compression_on(const topology::BlockComplex& complex, const topology::Fac
   // Slabs between corners: their parts inside the face are trapezoids, however many loops it has.
   const auto integral = [&](std::size_t points) {
     const Rule rule = gauss_of(points);
-    double sum = 0, magnitude = 0;
+    Vec3 sum;
+    double magnitude = 0;
     for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
       const double low = levels[l], high = levels[l + 1];
       if (!(high - low > 1e-12 * (levels.back() - levels.front()))) continue;
@@ -162,19 +164,19 @@ double compression_on(const topology::BlockComplex& complex, const topology::Fac
           for (std::size_t j = 0; j < points; ++j) {
             const double x = 0.5 * (left + right) + 0.5 * (right - left) * rule.s[j];
             const double w = 0.25 * (high - low) * (right - left) * rule.w[i] * rule.w[j];
-            const double f = w * field.normal_stress(face.centroid + x * a + y * b, n);
+            const Vec3 f = w * field.traction(face.centroid + x * a + y * b, n);
             sum += f;
-            magnitude += std::abs(f);
+            magnitude += norm(f);
           }
         }
       }
     }
-    return std::pair{-sum, magnitude};
+    return std::pair{sum, magnitude};
   };
   auto [value, size] = integral(2);
   for (const std::size_t points : {4U, 6U, 9U}) {
     const auto [finer, finer_size] = integral(points);
-    const bool settled = std::abs(finer - value) <= 1e-3 * finer_size;
+    const bool settled = norm(finer - value) <= 1e-3 * finer_size;
     value = finer;
     if (settled) break;
   }
@@ -183,12 +185,63 @@ double compression_on(const topology::BlockComplex& complex, const topology::Fac
 
 namespace {
 
-/// The share of a face that is still in contact when the block is judged, with its strength by patches.
-struct Contact {
-  double area = 0;
-  double normal = 0;  ///< N
-  std::vector<std::pair<const stability::JointStrength*, double>> parts;
-};
+constexpr std::uint32_t never = UINT32_MAX;
+
+/// The joint faces of a block that are still in contact when it is judged, with what the field puts across them.
+std::vector<std::pair<topology::FaceId, stability::ClampedContact>> contacts_of(
+    const topology::BlockComplex& complex, const stability::Judgement& judged, const TunnelField& field,
+    const std::vector<std::uint32_t>& leaves, const stability::StrengthTable& strengths) {
+  std::vector<std::pair<topology::FaceId, stability::ClampedContact>> out;
+  for (const topology::FaceId id : complex.blocks()[judged.block].faces) {
+    const topology::Face& face = complex.faces()[id];
+    if (face.role != topology::Role::joint) continue;
+    stability::ClampedContact contact{.inward = -face.outward};
+    for (const topology::Patch& patch : complex.patches(face)) {
+      if (!patch.neighbour || leaves[patch.neighbour->index()] < judged.batch.value_or(never)) continue;
+      contact.area += patch.area.si();
+      contact.strengths.emplace_back(&strengths.of(patch.joint), patch.area.si());
+    }
+    if (!(contact.area > 0)) continue;
+    const Vec3 force = std::min(1.0, contact.area / face.area.si()) * force_on(complex, face, field);
+    contact.normal = dot(force, contact.inward);
+    contact.shear = force - contact.normal * contact.inward;
+    out.emplace_back(id, std::move(contact));
+  }
+  return out;
+}
+
+/// What acts on a block that would move, without its joints: what is left to drive it and what its planes take up.
+Vec3 applied_to(const stability::Judgement& judged, const topology::BlockComplex& complex) {
+  Vec3 sum = judged.driving.si() * judged.direction;
+  for (const stability::Pressing& p : judged.pressing) sum += p.reaction.si() * complex.faces()[p.face].outward;
+  return sum;
+}
+
+ClampedBlock clamp(const topology::BlockComplex& complex, const stability::Judgement& judged, const TunnelField& field,
+                   const std::vector<std::uint32_t>& leaves, const stability::Settings& settings,
+                   std::optional<double> stiffness_ratio) {
+  ClampedBlock out{.block = judged.block};
+  // Faces on one plane are told as one.
+  std::map<std::pair<topology::PlaneId, bool>, ClampedPlane> planes;
+  std::vector<stability::ClampedContact> contacts;
+  for (auto& [id, contact] : contacts_of(complex, judged, field, leaves, settings.strengths)) {
+    const topology::Face& face = complex.faces()[id];
+    ClampedPlane& plane =
+        planes.try_emplace({face.plane, face.block_on_positive_side}, ClampedPlane{.face = id}).first->second;
+    plane.area += contact.area;
+    plane.normal_force += contact.normal;
+    plane.shear_force += contact.shear;
+    contacts.push_back(std::move(contact));
+  }
+  for (const auto& [key, plane] : planes) {
+    out.planes.push_back(plane);
+    out.compression += std::max(0.0, plane.normal_force);
+    out.tension += std::max(0.0, -plane.normal_force);
+  }
+  out.factor_of_safety =
+      stability::clamped_factor(contacts, applied_to(judged, complex), stiffness_ratio, settings.partial);
+  return out;
+}
 
 }  // namespace
 
@@ -205,7 +258,6 @@ FieldStressResult clamp_blocks(const Scene& scene, const TunnelField& field, con
   result.condition = section.solution.diagnostics().condition;
   result.residual = section.solution.diagnostics().residual;
 
-  constexpr std::uint32_t never = UINT32_MAX;
   std::vector<std::uint32_t> leaves(complex.blocks().size(), never);
   for (const topology::BlockId id : settings.left_out) leaves[id.index()] = 0;
   for (const stability::Judgement& j : analysis.judgements) {
@@ -223,62 +275,7 @@ FieldStressResult clamp_blocks(const Scene& scene, const TunnelField& field, con
     result.blocks.push_back({.block = j.block});
   }
   parallel_for(judged.size(), ThreadLimit{std::max(1U, threads)}, [&](std::size_t k) {
-    const stability::Judgement& j = *judged[k];
-    const std::uint32_t state = j.batch.value_or(never);
-    ClampedBlock& out = result.blocks[k];
-    // Faces on one plane act as one.
-    std::map<std::pair<topology::PlaneId, bool>, std::pair<topology::FaceId, Contact>> planes;
-    for (const topology::FaceId id : complex.blocks()[j.block].faces) {
-      const topology::Face& face = complex.faces()[id];
-      if (face.role != topology::Role::joint) continue;
-      double touching = 0;
-      auto& [first, contact] =
-          planes.try_emplace({face.plane, face.block_on_positive_side}, id, Contact{}).first->second;
-      for (const topology::Patch& patch : complex.patches(face)) {
-        if (!patch.neighbour || leaves[patch.neighbour->index()] < state) continue;
-        touching += patch.area.si();
-        contact.parts.emplace_back(&settings.strengths.of(patch.joint), patch.area.si());
-      }
-      if (touching <= 0) continue;
-      contact.area += touching;
-      contact.normal += compression_on(complex, face, field) * std::min(1.0, touching / face.area.si());
-    }
-    double strength = j.resistance.si();
-    for (const auto& [key, entry] : planes) {
-      const auto& [id, contact] = entry;
-      if (!(contact.area > 0)) continue;
-      out.planes.push_back({id, contact.area, contact.normal});
-      out.compression += std::max(0.0, contact.normal);
-      out.tension += std::max(0.0, -contact.normal);
-      double reaction = 0;
-      bool pressing = false;
-      for (const stability::Pressing& p : j.pressing) {
-        const topology::Face& face = complex.faces()[p.face];
-        if (std::pair{face.plane, face.block_on_positive_side} == key) {
-          reaction = p.reaction.si();
-          pressing = true;
-        }
-      }
-      // The joint carries at least what statics asks of it; more where the rock presses harder.
-      const double normal = std::max(contact.normal, reaction);
-      if (!(normal > reaction)) continue;
-      const double across = dot(j.direction, complex.faces()[id].outward);
-      const double share = std::sqrt(std::max(0.0, 1 - across * across));
-      const auto friction = [&](double force) {
-        double tangent = 0;
-        for (const auto& [joint, area] : contact.parts) {
-          tangent += joint->tan_friction(pascals(force / contact.area)) * area / contact.area;
-        }
-        return force * tangent / settings.partial.friction();
-      };
-      strength += share * (friction(normal) - friction(reaction));
-      if (!pressing) {
-        for (const auto& [joint, area] : contact.parts) {
-          strength += share * joint->cohesion().si() * area / settings.partial.cohesion();
-        }
-      }
-    }
-    out.factor_of_safety = j.driving.si() > 0 ? strength / j.driving.si() : INFINITY;
+    result.blocks[k] = clamp(complex, *judged[k], field, leaves, settings, wanted.stiffness_ratio);
   });
   for (std::size_t k = 0; k < judged.size(); ++k) {
     if (judged[k]->key && result.blocks[k].factor_of_safety >= 1) ++result.held;

@@ -13,8 +13,9 @@ class TunnelField final {
   [[nodiscard]] static std::expected<TunnelField, bem::SolveError> make(const Scene& scene,
                                                                         const FieldStressSettings& settings,
                                                                         unsigned threads);
-  /// Normal stress (tension positive, Pa) on a plane with this unit normal at a point of the rock; 0 in the opening.
-  [[nodiscard]] double normal_stress(geometry::Vec3 at, geometry::Vec3 normal) const;
+  /// Traction (Pa) on a plane with this unit normal at a point of the rock, of the side that the normal points to on
+  /// the other; zero in the opening.
+  [[nodiscard]] geometry::Vec3 traction(geometry::Vec3 at, geometry::Vec3 normal) const;
   [[nodiscard]] const bem::Refined& section() const noexcept { return *section_; }
 
  private:
@@ -25,9 +26,9 @@ class TunnelField final {
   double poisson_ = 0.25;
 };
 
-/// -integral of the normal stress over a face, N (compression positive). Smooth fields to about 1e-3.
-[[nodiscard]] double compression_on(const topology::BlockComplex& complex, const topology::Face& face,
-                                    const TunnelField& field);
+/// Integral of the traction over a face, N: the force of the rock outside on the block. Smooth fields to about 1e-3.
+[[nodiscard]] geometry::Vec3 force_on(const topology::BlockComplex& complex, const topology::Face& face,
+                                      const TunnelField& field);
 
 /// Factors of safety with the field's stress across the joints of each block at the tunnel.
 [[nodiscard]] FieldStressResult clamp_blocks(const Scene& scene, const TunnelField& field,

@@ -89,10 +89,17 @@ SupportFigures count_support(const stability::SupportResult& support) {
   for (const stability::SupportedBlock& b : support.blocks) {
     f.held_by_bolts += b.held == stability::Held::bolts ? 1U : 0U;
     f.held_by_shotcrete += b.held == stability::Held::shotcrete ? 1U : 0U;
+    f.held_by_both += b.held == stability::Held::together ? 1U : 0U;
     f.not_held += b.held == stability::Held::not_held ? 1U : 0U;
     f.required_force_n += b.required_force;
     f.missing_force_n += b.missing_force;
-    f.largest_required_pressure_pa = std::max(f.largest_required_pressure_pa, b.required_pressure);
+    if (b.small) {
+      ++f.small_blocks;
+      f.small_not_held += b.held == stability::Held::not_held ? 1U : 0U;
+      f.small_required_force_n += b.required_force;
+    } else {
+      f.largest_required_pressure_pa = std::max(f.largest_required_pressure_pa, b.required_pressure);
+    }
   }
   for (const stability::BoltResult& bolt : support.bolts) {
     f.bolts_used += bolt.status == stability::BoltStatus::holds ? 1U : 0U;

@@ -47,10 +47,10 @@ void judge_cases(const Scene& scene, const Drawn& drawn, const topology::Audited
 /// the scene asks for them.
 void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                    const stability::Analysis& analysis, JudgedMore& more, bool designs = true);
-/// The support plan as it stands, under the base case; no design is searched for.
+/// The support plan as it stands, under the base case; no design is searched for. Without `factors` the verdicts alone.
 [[nodiscard]] stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn,
                                                   const topology::AuditedComplex& complex,
-                                                  const stability::Analysis& analysis);
+                                                  const stability::Analysis& analysis, bool factors);
 void judge_sensitivity(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                        const stability::Analysis& analysis, JudgedMore& more);
 void judge_maximum_blocks(const Scene& scene, const Drawn& drawn, JudgedMore& more);

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "cleave/core/assert.hpp"
 #include "cleave/scene/places.hpp"
 #include "cleave/stability/maximum_blocks.hpp"
 #include "judge.hpp"
@@ -70,10 +71,11 @@ void judge_maximum_blocks(const Scene& scene, const Drawn& drawn, JudgedMore& mo
   const Targets target = scene.stability->target.value_or(Targets{});
   const auto partial = stability::PartialFactors::make(
       scene.stability->partial.friction, scene.stability->partial.cohesion, scene.stability->partial.weight);
+  CLEAVE_ASSERT(partial.has_value());  // the parser takes no other
   const stability::TheoryLoads loads{.density = scene.rock.density,
                                      .gravity = scene.stability->gravity,
                                      .seismic = scene.stability->seismic,
-                                     .partial = partial.value_or(stability::PartialFactors{}),
+                                     .partial = *partial,
                                      .target_falling = target.falling,
                                      .target_sliding = target.sliding};
   for (auto& block : stability::maximum_key_blocks(planes, tunnel, loads)) {

@@ -1,7 +1,15 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
 
 #include "cleave/core/overloaded.hpp"
+#include "cleave/core/rng.hpp"
+#include "cleave/stochastic/intervals.hpp"
 #include "judge.hpp"
 
 namespace cleave::scene {
@@ -9,32 +17,144 @@ namespace {
 
 using stability::Bolt;
 
+/// Shares of a spacing by which offsets move.
+struct Phase {
+  double along = 0, around = 0;
+};
+
 /// All bolts with the spacings times `scale`, another length, and the offsets moved by a share of a spacing.
-std::vector<Bolt> bolts_with(const SupportSettings& support, double scale, double length, double phase) {
+std::vector<Bolt> bolts_with(const SupportSettings& support, double scale, double length, Phase phase) {
   std::vector<Bolt> bolts = support.single;
   for (const auto& pattern : support.patterns) {
-    const auto more =
-        std::visit(overloaded{[&](stability::RingPattern ring) {
-                                ring.along *= scale;
-                                ring.around *= scale;
-                                ring.offset_along = std::fmod(ring.offset_along + phase * ring.along, ring.along);
-                                ring.offset_around = std::fmod(ring.offset_around + phase * ring.around, ring.around);
-                                ring.length = length;
-                                return bolts_of(ring);
-                              },
-                              [&](stability::GridPattern grid) {
-                                grid.spacing_across *= scale;
-                                grid.spacing_down *= scale;
-                                grid.offset_across += phase * grid.spacing_across;
-                                grid.offset_down += phase * grid.spacing_down;
-                                grid.length = length;
-                                return bolts_of(grid);
-                              }},
-                   pattern);
+    const auto more = std::visit(
+        overloaded{[&](stability::RingPattern ring) {
+                     ring.along *= scale;
+                     ring.around *= scale;
+                     ring.offset_along = std::fmod(ring.offset_along + phase.along * ring.along, ring.along);
+                     ring.offset_around = std::fmod(ring.offset_around + phase.around * ring.around, ring.around);
+                     ring.length = length;
+                     return bolts_of(ring);
+                   },
+                   [&](stability::GridPattern grid) {
+                     grid.spacing_across *= scale;
+                     grid.spacing_down *= scale;
+                     grid.offset_across += phase.along * grid.spacing_across;
+                     grid.offset_down += phase.around * grid.spacing_down;
+                     grid.length = length;
+                     return bolts_of(grid);
+                   }},
+        pattern);
     bolts.insert(bolts.end(), more.begin(), more.end());
   }
   return bolts;
 }
+
+/// Beside those of draw.cpp for the whole scene.
+constexpr auto offsets_stream = static_cast<Draw>(66);
+
+/// Looks for the widest spacings of one length of bolt.
+class DesignSearch {
+ public:
+  using Check = std::function<stability::SupportResult(const stability::SupportPlan&)>;
+  DesignSearch(const SupportSettings& support, double length, std::uint64_t seed, Check check)
+      : support_{&support}, length_{length}, seed_{seed}, check_{std::move(check)}, plan_{support.plan} {
+    plan_.spot.reset();  // spot bolts would hide what the pattern lacks
+    plan_.factors = false;
+  }
+
+  DesignResult run() {
+    const DesignSettings& design = *support_->design;
+    DesignResult row{.length = length_};
+    double low = design.tightest, high = design.widest;
+    row.found = passes(low);
+    if (row.found) {
+      if (passes(high)) {
+        low = high;
+      } else {
+        for (int i = 0; i < 7; ++i) {
+          const double middle = std::sqrt(low * high);
+          (passes(middle) ? low : high) = middle;
+        }
+      }
+      row.bolts = bolts_with(*support_, low, length_, {}).size();
+      row.cost = static_cast<double>(row.bolts) * (design.cost_per_bolt + design.cost_per_metre * length_);
+    }
+    row.scale = low;
+    describe(low, row);
+    try_offsets(low, row);
+    if (!row.found) row.scale = 0;
+    return row;
+  }
+
+ private:
+  /// A pattern is as good as its worst place: every phase must pass.
+  bool passes(double scale) {
+    for (std::uint32_t k = 0; k < support_->design->phases; ++k) {
+      const double phase = static_cast<double>(k) / support_->design->phases;
+      plan_.bolts = bolts_with(*support_, scale, length_, {phase, phase});
+      if (!check_(plan_).passes()) return false;
+    }
+    return true;
+  }
+
+  void describe(double scale, DesignResult& row) const {
+    std::visit(overloaded{[&](const stability::RingPattern& ring) {
+                            row.spacing = {scale * ring.along, scale * ring.around};
+                            double length = 0;
+                            for (std::size_t i = 0; i + 1 < ring.axis.size(); ++i)
+                              length += geometry::norm(ring.axis[i + 1] - ring.axis[i]);
+                            const double offset = std::fmod(ring.offset_along, row.spacing[0]);
+                            row.rings = static_cast<std::size_t>((length - offset) / row.spacing[0]) + 1;
+                          },
+                          [&](const stability::GridPattern& grid) {
+                            row.spacing = {scale * grid.spacing_across, scale * grid.spacing_down};
+                          }},
+               support_->patterns.front());
+  }
+
+  /// The phases of the search are a few places of the pattern; what share of all places fails is another question.
+  void try_offsets(double scale, DesignResult& row) {
+    std::map<topology::BlockId, std::uint64_t> missing;
+    Rng rng{{.seed = seed_, .purpose = stream_purpose(0, offsets_stream), .index = 0}};
+    row.offsets = support_->design->offsets;
+    for (std::uint64_t k = 0; k < row.offsets; ++k) {
+      const double along = rng.uniform(), around = rng.uniform();
+      plan_.bolts = bolts_with(*support_, scale, length_, {along, around});
+      const stability::SupportResult result = check_(plan_);
+      row.failing += result.passes() ? 0U : 1U;
+      for (const stability::SupportedBlock& b : result.blocks) {
+        if (b.held == stability::Held::not_held) ++missing[b.block];
+      }
+      for (const stability::CombinedBlock& b : result.combined) {
+        if (!b.passes) ++missing[b.members.front()];
+      }
+    }
+    const stochastic::Interval share = stochastic::clopper_pearson(row.failing, row.offsets, 0.95);
+    row.failing_share = {share.low, share.high};
+    if (!missing.empty()) {
+      row.governing = std::ranges::max_element(missing, {}, [](const auto& m) { return m.second; })->first.value();
+      return;
+    }
+    plan_.factors = true;
+    plan_.bolts = bolts_with(*support_, scale, length_, {});
+    double least = std::numeric_limits<double>::infinity();
+    const stability::SupportResult result = check_(plan_);
+    const auto ask = [&](topology::BlockId block, std::optional<double> factor, double target) {
+      if (!factor || !(*factor / target < least)) return;
+      least = *factor / target;
+      row.governing = block.value();
+    };
+    for (const stability::SupportedBlock& b : result.blocks) ask(b.block, b.factor_with_support, b.target);
+    for (const stability::CombinedBlock& b : result.combined) ask(b.members.front(), b.factor_with_support, b.target);
+    plan_.factors = false;
+  }
+
+  const SupportSettings* support_;
+  double length_;
+  std::uint64_t seed_;
+  Check check_;
+  stability::SupportPlan plan_;
+};
 
 void note(const std::vector<topology::BlockId>& undecided, JudgedMore& more) {
   more.undecided.insert(more.undecided.end(), undecided.begin(), undecided.end());
@@ -72,16 +192,17 @@ void judge_cases(const Scene& scene, const Drawn& drawn, const topology::Audited
 }
 
 stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
-                                    const stability::Analysis& analysis) {
-  return check_support(complex, settings_on(complex.complex(), scene, drawn, scene.stability->loads), analysis,
-                       scene.support->plan);
+                                    const stability::Analysis& analysis, bool factors) {
+  stability::SupportPlan plan = scene.support->plan;
+  plan.factors = factors;
+  return check_support(complex, settings_on(complex.complex(), scene, drawn, scene.stability->loads), analysis, plan);
 }
 
 void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
                    const stability::Analysis& analysis, JudgedMore& more, bool designs) {
   const stability::Settings settings = settings_on(complex.complex(), scene, drawn, scene.stability->loads);
   const SupportSettings& support = *scene.support;
-  more.support = judge_plan(scene, drawn, complex, analysis);
+  more.support = judge_plan(scene, drawn, complex, analysis, designs);
   note(more.support->undecided, more);
   for (std::size_t k = 0; k < more.cases.size(); ++k) {
     const LoadCase& load = scene.stability->cases[k];
@@ -91,38 +212,13 @@ void judge_support(const Scene& scene, const Drawn& drawn, const topology::Audit
     note(more.support_cases.back().support.undecided, more);
   }
   if (!support.design || !designs || !more.undecided.empty()) return;
-  const DesignSettings& design = *support.design;
-  for (const double length : design.lengths) {
-    // Spot bolts would hide what the pattern lacks.
-    stability::SupportPlan plan = support.plan;
-    plan.spot.reset();
-    // A pattern is as good as its worst place: every phase must pass.
-    const auto passes = [&](double scale) {
-      for (std::uint32_t k = 0; k < design.phases; ++k) {
-        plan.bolts = bolts_with(support, scale, length, static_cast<double>(k) / design.phases);
-        const stability::SupportResult result = check_support(complex, settings, analysis, plan);
-        note(result.undecided, more);
-        if (!result.passes()) return false;
-      }
-      return true;
-    };
-    DesignResult row{.length = length};
-    double low = design.tightest, high = design.widest;
-    if (passes(low)) {
-      row.found = true;
-      if (passes(high)) {
-        low = high;
-      } else {
-        for (int i = 0; i < 7; ++i) {
-          const double middle = std::sqrt(low * high);
-          (passes(middle) ? low : high) = middle;
-        }
-      }
-      row.scale = low;
-      row.bolts = bolts_with(support, low, length, 0).size();
-      row.cost = static_cast<double>(row.bolts) * (design.cost_per_bolt + design.cost_per_metre * length);
-    }
-    more.designs.push_back(row);
+  const auto check = [&](const stability::SupportPlan& plan) {
+    stability::SupportResult result = check_support(complex, settings, analysis, plan);
+    note(result.undecided, more);
+    return result;
+  };
+  for (const double length : support.design->lengths) {
+    more.designs.push_back(DesignSearch{support, length, scene.seed, check}.run());
   }
 }
 

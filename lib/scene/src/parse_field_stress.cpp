@@ -43,6 +43,9 @@ const KeyTable& field_stress_keys() {
           {"level", key::number(rule::coordinate), "0", "z in m"},
           {"surface", key::number(rule::coordinate), "",
            "z of the free ground surface above (half plane); none: infinite rock"},
+          {"stiffness_ratio", key::number({1e-3, false, 1e4, false, ""}), "",
+           "normal over shear stiffness of the joints, from which forces follow as the block comes out; none: the "
+           "least factor of the ratios 1, 10, 100 and 1000"},
           {"tolerance", key::number({1e-8, false, 0.1, false, ""}), "1e-3",
            "elements are doubled until displacements of the section change by less, relative; a note says when three "
            "doublings do not do"}}};
@@ -63,6 +66,7 @@ std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, c
   settings.gradient = components(table, "gradient");
   settings.level = table.value("level");
   settings.surface = table.number("surface");
+  settings.stiffness_ratio = table.number("stiffness_ratio");
   settings.tolerance = table.value("tolerance");
   if (!rock.poisson) {
     root.problems().error(settings.line, "rock.poisson", "is missing",

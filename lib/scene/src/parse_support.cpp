@@ -97,13 +97,15 @@ const KeyTable& shotcrete_keys() {
 }
 
 const KeyTable& design_keys() {
-  static const KeyTable keys{.name = "support.design",
-                             .keys = {{"lengths", key::array(key::number(rule::length), 1), required, "m, of bolts"},
-                                      {"scale", key::pair(rule::factor), "[0.25, 4]",
-                                       "tightest and widest multiple of the patterns' spacings"},
-                                      {"phases", key::whole(1, 64), "4", "offsets of the pattern that must all pass"},
-                                      {"cost_per_bolt", key::number(cost_rule), "0", "in any currency"},
-                                      {"cost_per_metre", key::number(cost_rule), "1", "of bolt"}}};
+  static const KeyTable keys{
+      .name = "support.design",
+      .keys = {
+          {"lengths", key::array(key::number(rule::length), 1), required, "m, of bolts"},
+          {"scale", key::pair(rule::factor), "[0.25, 4]", "tightest and widest multiple of the patterns' spacings"},
+          {"phases", key::whole(1, 64), "4", "offsets of the pattern that must all pass"},
+          {"offsets", key::whole(1, 10000), "40", "drawn at random, at which the pattern found is tried"},
+          {"cost_per_bolt", key::number(cost_rule), "0", "in any currency"},
+          {"cost_per_metre", key::number(cost_rule), "1", "of bolt"}}};
   return keys;
 }
 
@@ -279,6 +281,7 @@ void parse_design(const TableReader& owner, SupportSettings& support) {
       table->error("scale", "its first number is not below its second", "swap them");
   }
   design.phases = static_cast<std::uint32_t>(table->count("phases"));
+  design.offsets = static_cast<std::uint32_t>(table->count("offsets"));
   design.cost_per_bolt = table->value("cost_per_bolt");
   design.cost_per_metre = table->value("cost_per_metre");
   if (support.patterns.empty()) {
@@ -293,20 +296,23 @@ void parse_design(const TableReader& owner, SupportSettings& support) {
 const KeyTable& support_keys() {
   static const KeyTable keys{
       .name = "support",
-      .keys = {{"bolts", key::tables(&group_keys), "", "groups of bolts, below"},
-               {"spot", key::table(&spot_keys), "",
-                "bolts added one by one to blocks that the pattern does not hold, below"},
-               {"shotcrete", key::table(&shotcrete_keys), "",
-                "holds blocks whose free face is smaller than `spot_area`, by shear along its edge, limited by "
-                "adhesion where stated, below"},
-               {"spot_area", key::number(area_rule), "0.5", "m2 of free face"},
-               {"action", key::word(actions), "\"passive\"",
-                "`\"active\"`: tensioned bolts, in the printed factor of safety only; what holds is decided by the "
-                "share of the bolts that must be mobilised"},
-               {"key_only", key::flag(), "false", "true: only blocks that need support are stitched together"},
-               {"design", key::table(&design_keys), "",
-                "for each length the widest multiple of the patterns' spacings at which every one of `phases` offsets "
-                "passes both steps, below"}}};
+      .keys = {
+          {"bolts", key::tables(&group_keys), "", "groups of bolts, below"},
+          {"spot", key::table(&spot_keys), "",
+           "bolts added one by one to blocks that pattern and shotcrete do not hold, below"},
+          {"shotcrete", key::table(&shotcrete_keys), "",
+           "holds blocks of any size by shear along the edge of their free faces against rock that stays, limited by "
+           "adhesion where stated; counts together with bolts; bending between bolts is not checked; below"},
+          {"spot_area", key::number(area_rule), "0.5",
+           "m2 of free face of a block: below, it is small: no spot bolts, and apart in the summary"},
+          {"action", key::word(actions), "\"passive\"",
+           "`\"active\"`: tensioned bolts, in the factor of bolts alone (`factor_with_bolts`) only; what holds is "
+           "decided "
+           "by the factor with everything"},
+          {"key_only", key::flag(), "false", "true: only blocks that need support are stitched together"},
+          {"design", key::table(&design_keys), "",
+           "for each length the widest multiple of the patterns' spacings at which every one of `phases` offsets "
+           "passes both steps; then what share of offsets drawn at random fails, below"}}};
   return keys;
 }
 

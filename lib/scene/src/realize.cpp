@@ -31,7 +31,7 @@ void judge_realized(const Scene& scene, const std::optional<topology::Sequential
   if (in_stages && final_state) realized.sequence = judge_stages(scene, *in_stages, *final_state, judge);
   realized.analysis = judge(*realized.complex);
   if (scene.support) {
-    realized.support = judge_plan(scene, realized.drawn, *realized.complex, *realized.analysis);
+    realized.support = judge_plan(scene, realized.drawn, *realized.complex, *realized.analysis, false);
   }
 }
 

@@ -68,6 +68,22 @@ void add_enclosed_notes(const topology::AuditedComplex& complex, const stability
   if (rows.size() > most) notes.push_back(fmt::format("and {} more blocks like that", rows.size() - most));
 }
 
+/// Blocks that slide along joints whose cohesion nothing presses into use.
+void add_cohesion_note(const stability::Analysis& analysis, std::vector<std::string>& notes) {
+  std::size_t blocks = 0;
+  double largest = 0;
+  for (const stability::Judgement& j : analysis.judgements) {
+    if (!j.key || !(j.cohesion_left_out.si() > 0)) continue;
+    ++blocks;
+    largest = std::max(largest, j.cohesion_left_out.si());
+  }
+  if (blocks == 0) return;
+  notes.push_back(fmt::format(
+      "{} key {} along joints with cohesion on which nothing presses (upright joints, say), up to {:.3g} kN of it: it "
+      "is not counted; parallel_contact = true counts it",
+      blocks, blocks == 1 ? "block moves" : "blocks move", largest / 1000));
+}
+
 std::string note_on(const WindowInfo& window) {
   return fmt::format(
       "only key blocks were asked for: of the rock only the box from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, "
@@ -104,6 +120,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Drawn& drawn, const 
                       load.name));
     }
   }
+  if (analysis) add_cohesion_note(*analysis, notes);
   if (analysis) add_rotation_note(*analysis, notes);
   if (analysis && system.complex) {
     add_enclosed_notes(*system.complex, settings_on(system.complex->complex(), scene, drawn, scene.stability->loads),

@@ -53,6 +53,9 @@ class Batches final {
     // An undecided block was taken to stay, to see at once which others are undecided.
     std::ranges::sort(analysis_.undecided);
     analysis_.undecided.erase(std::ranges::unique(analysis_.undecided).begin(), analysis_.undecided.end());
+    std::ranges::sort(analysis_.tapered);
+    analysis_.tapered.erase(std::ranges::unique(analysis_.tapered).begin(), analysis_.tapered.end());
+    std::erase_if(analysis_.tapered, [&](BlockId id) { return slot_[id] != none; });  // let go later
     if (model_.settings().rotation == RotationCheck::flag) flag_those_that_turn();
     analysis_.judgements.reserve(judgements_.size() * chunk);
     for (const std::uint32_t slot : slot_) {
@@ -79,7 +82,10 @@ class Batches final {
     }
     Cone cone{held.rows};
     const std::uint8_t dimension = cone.dimension();
-    if (dimension == 0 || (model_.settings().strict && dimension < 3)) return false;
+    if (dimension == 0 || (model_.settings().strict && dimension < 3)) {
+      analysis_.tapered.push_back(id);
+      return false;
+    }
     const std::size_t beside_before = beside_.size();
     beside_.insert(beside_.end(), held.by.begin(), held.by.end());
     const Contacts contacts = model_.contacts(id, batch, std::move(cone), held.exposed);
@@ -95,6 +101,7 @@ class Batches final {
     judgement.weight = model_.weight(block);
     judgement.driving = newtons(verdict.driving);
     judgement.resistance = newtons(verdict.resistance.least);
+    judgement.cohesion_left_out = newtons(verdict.resistance.cohesion_left_out);
     if (verdict.resistance.greatest - verdict.resistance.least > 1e-9 * verdict.driving) {
       judgement.resistance_max = newtons(verdict.resistance.greatest);
     }

@@ -34,6 +34,22 @@ bool gripped(const Grip& grip, const BoltType& type) {
   return grip.gripped >= type.anchorage && grip.gripped > 0;
 }
 
+BodyGrip grip_of(const std::vector<Pierced>& path, std::span<const BlockId> members, const BoltType& type,
+                 const std::function<bool(BlockId)>& stays) {
+  BodyGrip grip;
+  for (const Pierced& p : path) {
+    if (std::ranges::binary_search(members, p.block)) {
+      grip.inside += p.to - p.from;
+      grip.anchored = 0;
+      grip.gripped = grip.gripped || gripped(grip_of(path, p.block), type);
+    } else if (grip.inside > 0 && stays(p.block)) {
+      grip.anchored += p.to - p.from;
+    }
+  }
+  grip.collar = !path.empty() && std::ranges::binary_search(members, path.front().block);
+  return grip;
+}
+
 std::vector<std::vector<BlockId>> stitched(const topology::BlockComplex& complex, const std::vector<BoltResult>& bolts,
                                            const std::function<bool(BlockId)>& count) {
   std::vector<std::uint32_t> parent(complex.blocks().size());

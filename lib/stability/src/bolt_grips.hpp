@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "cleave/stability/support.hpp"
@@ -18,6 +19,16 @@ struct Grip {
 [[nodiscard]] Grip grip_of(const std::vector<Pierced>& path, topology::BlockId block);
 /// Held by the plate or over the anchorage length.
 [[nodiscard]] bool gripped(const Grip& grip, const BoltType& type);
+
+/// How a bolt holds a body of stitched blocks to what lies outside and behind its last metre in it.
+struct BodyGrip {
+  bool gripped = false;  ///< some member of the body is
+  double inside = 0;     ///< m in members
+  double anchored = 0;   ///< m behind the body in blocks that stay
+  bool collar = false;   ///< its head is on a member
+};
+[[nodiscard]] BodyGrip grip_of(const std::vector<Pierced>& path, std::span<const topology::BlockId> members,
+                               const BoltType& type, const std::function<bool(topology::BlockId)>& stays);
 
 /// Blocks that bolts stitch together, of those that `count`: groups of two and more, ascending; by lowest id.
 [[nodiscard]] std::vector<std::vector<topology::BlockId>> stitched(const topology::BlockComplex& complex,

@@ -20,15 +20,42 @@ Pressings of_motion(const Motion& motion) {
   std::unreachable();
 }
 
-double strength_of(const Contacts& contacts, const Motion& motion, const Pressings& pressing, bool parallel_contact) {
-  double sum = 0;
-  for (const auto& [group, reaction] : pressing) {
-    sum += reaction * contacts.groups[group].tan_at(reaction);
-    if (!parallel_contact && reaction > 0) sum += contacts.groups[group].cohesion;
+/// What cohesion is worth at a face to which something stands at this small angle (sine): nothing at none, all from one
+/// degree on. So nothing jumps where a wall stands exactly along the resultant, or the motion exactly along a wall.
+double ramp(double sine) {
+  constexpr double full = 0.01745240643728351;  // sin 1 degree
+  return std::clamp(sine / full, 0.0, 1.0);
+}
+
+struct Cohesion {
+  double counted = 0;
+  double left_out = 0;  ///< of faces that do not open
+};
+/// Cohesion of the faces that the resultant presses on; `parallel_contact`: of all that do not open, too.
+Cohesion cohesion_of(const Contacts& contacts, const Resultant& resultant, const Motion& motion,
+                     const Pressings& pressing, bool parallel_contact) {
+  Cohesion sum;
+  const double load = geometry::norm(resultant.newtons()), driving = geometry::norm(motion.s);
+  for (std::uint32_t group = 0; group < contacts.groups.size(); ++group) {
+    const double cohesion = contacts.groups[group].cohesion;
+    if (!(cohesion > 0)) continue;
+    double pressed = 0;
+    for (const auto& [presses, reaction] : pressing) {
+      if (presses == group && load > 0) pressed = ramp(reaction / load);
+    }
+    const double opens = geometry::dot(contacts.cone.groups()[group].unit(), motion.s) / driving;
+    const double touches = std::ranges::binary_search(motion.touching, group) ? 1 : 1 - ramp(opens);
+    const double share = parallel_contact ? std::max(pressed, touches) : pressed;
+    sum.counted += share * cohesion;
+    sum.left_out += std::max(0.0, touches - share) * cohesion;
   }
-  if (parallel_contact) {
-    for (const std::uint32_t group : motion.touching) sum += contacts.groups[group].cohesion;
-  }
+  return sum;
+}
+
+double strength_of(const Contacts& contacts, const Resultant& resultant, const Motion& motion,
+                   const Pressings& pressing, bool parallel_contact) {
+  double sum = cohesion_of(contacts, resultant, motion, pressing, parallel_contact).counted;
+  for (const auto& [group, reaction] : pressing) sum += reaction * contacts.groups[group].tan_at(reaction);
   return sum;
 }
 
@@ -50,7 +77,7 @@ Resistance resistance(const Contacts& contacts, const Resultant& resultant, cons
   Resistance result;
   if (motion.kind == MotionKind::none || motion.kind == MotionKind::held) return result;
   result.pressing = of_motion(motion);
-  result.least = strength_of(contacts, motion, result.pressing, parallel_contact);
+  result.least = strength_of(contacts, resultant, motion, result.pressing, parallel_contact);
   result.greatest = result.least;
   if (motion.kind != MotionKind::free && motion.touching.size() > result.pressing.size()) {
     const auto& touching = motion.touching;
@@ -59,7 +86,7 @@ Resistance resistance(const Contacts& contacts, const Resultant& resultant, cons
         const auto pair = reactions(contacts.cone, resultant, touching[a], touching[b]);
         if (!pair) continue;
         Pressings pressing{{touching[a], pair->first}, {touching[b], pair->second}};
-        const double sum = strength_of(contacts, motion, pressing, parallel_contact);
+        const double sum = strength_of(contacts, resultant, motion, pressing, parallel_contact);
         result.greatest = std::max(result.greatest, sum);
         if (sum < result.least) {
           result.least = sum;
@@ -68,6 +95,7 @@ Resistance resistance(const Contacts& contacts, const Resultant& resultant, cons
       }
     }
   }
+  result.cohesion_left_out = cohesion_of(contacts, resultant, motion, result.pressing, parallel_contact).left_out;
   const double opening = tension(contacts, motion);
   result.least += opening;
   result.greatest += opening;

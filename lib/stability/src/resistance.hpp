@@ -12,11 +12,13 @@ namespace cleave::stability {
 struct Resistance {
   double least = 0;
   double greatest = 0;
+  double cohesion_left_out = 0;                            ///< of faces that do not open but that nothing presses
   std::vector<std::pair<std::uint32_t, double>> pressing;  ///< group and reaction of the least one
 };
 
-/// Friction and cohesion of the pressing groups, tension of those that open. Where three or more coplanar normals
-/// touch, the reactions are not unique: all pairs that carry the force are tried.
+/// Friction and cohesion of the pressing groups, tension of those that open. Cohesion counts in full where the
+/// resultant stands at a degree and more to the plane, in proportion to that angle's sine below. Where three or more
+/// coplanar normals touch, the reactions are not unique: all pairs that carry the force are tried.
 [[nodiscard]] Resistance resistance(const Contacts& contacts, const Resultant& resultant, const Motion& motion,
                                     bool parallel_contact);
 

@@ -87,6 +87,12 @@ class Check final {
     return body;
   }
 
+  /// `whole` times the least share of the force that holds the body; infinite when none does.
+  [[nodiscard]] double least_multiple(const Body& body, Vec3 force, double whole) const {
+    const auto least = least_share(body, {.force = force}, *settings_);
+    return least ? whole * least->share : infinite;
+  }
+
   void find_needy() {
     received_by_ = IdVector<BlockId, ForceSum>(complex_->blocks().size());
     for (const Judgement& giver : analysis_->judgements) {
@@ -113,13 +119,15 @@ class Check final {
         entry.free_area += face.area.si();
         push -= face.area.si() * face.outward;
       }
+      entry.small = entry.free_area < plan_->spot_area;
+      if (norm(push) > 1e-9 * entry.free_area) entry.free_outward = -push / norm(push);
       entry.required_direction = best_direction(*body);
       const double most = 1.05 * body->target * body->bare.driving;
-      entry.required_force = most * least_share(*body, most * entry.required_direction, *settings_, 1).share;
+      entry.required_force = least_multiple(*body, most * entry.required_direction, most);
       entry.required_pressure = infinite;
       if (const double against = -dot(push, body->bare.direction); against > 1e-9 * norm(push)) {
         const double limit = 4 * body->target * body->bare.driving / against;
-        entry.required_pressure = limit * least_share(*body, limit * push, *settings_, 1).share;
+        entry.required_pressure = least_multiple(*body, limit * push, limit);
       }
       needy_[id] = static_cast<std::uint32_t>(bodies_.size());
       bodies_.push_back(*std::move(body));
@@ -192,49 +200,48 @@ class Check final {
   }
 
   void check_block(std::size_t i) {
-    SupportedBlock& entry = result_.blocks[i];
     const Body& body = bodies_[i];
+    const double layer = plan_->shotcrete ? shotcrete(result_.blocks[i]) : 0;
+    layers_.push_back(layer);
+    Help help;
     const auto look = [&] {
-      const Vec3 force = bolt_force(entry.block, entry.bolts);
+      SupportedBlock& entry = result_.blocks[i];
+      help = {bolt_force(entry.block, entry.bolts), layer};
       entry.factor_with_bolts =
-          entry.bolts > 0 ? fixed_mode_factor(body, force, plan_->active) : entry.factor_of_safety;
-      const Least least = entry.bolts > 0 ? least_share(body, force, *settings_, 1) : Least{};
-      entry.mobilised = std::isfinite(least.share) ? least.share : 2;
-      entry.mode_held = std::isfinite(least.share) ? least.mode : entry.mode;
-      if (std::isfinite(least.share)) entry.held = Held::bolts;
+          entry.bolts > 0 ? fixed_mode_factor(body, help.force, plan_->active) : entry.factor_of_safety;
+      const auto bolts = least_share(body, {help.force, 0}, *settings_);
+      const auto both = bolts || layer == 0 ? bolts : least_share(body, help, *settings_);
+      entry.mobilised = both.transform([](const Share& s) { return s.share; });
+      entry.mode_held = both ? both->mode : entry.mode;
+      entry.held = bolts ? Held::bolts : !both ? Held::not_held : both->share > 0 ? Held::together : Held::shotcrete;
+      // Beyond everything in full, along the best direction.
       entry.missing_force = 0;
-      if (entry.held != Held::bolts) {
-        // Beyond the bolts in full, along the best direction.
-        const double most = 2 * body.target * (body.bare.driving + norm(force));
-        Body bolted = body;
-        bolted.resultant.add(force / body.target, norm(force) / body.target);
-        const Least more = least_share(bolted, most * entry.required_direction, *settings_, 1);
-        entry.missing_force = std::isfinite(more.share) ? most * more.share : infinite;
-      }
+      if (both) return;
+      const double most = 2 * body.target * (body.bare.driving + norm(help.force));
+      Body helped = body;
+      helped.resultant.add(help.force / body.target, norm(help.force) / body.target);
+      const auto more = least_share(helped, {most * entry.required_direction, layer}, *settings_);
+      entry.missing_force = more ? most * more->share : infinite;
     };
     look();
-    if (plan_->shotcrete) shotcrete(entry);
-    if (entry.held == Held::not_held && plan_->spot && entry.free_area >= plan_->spot_area)
-      place_spot_bolts(entry, look);
-    if (entry.held == Held::not_held && entry.factor_with_shotcrete >= entry.target &&
-        entry.free_area < plan_->spot_area) {
-      entry.held = Held::shotcrete;
-      entry.missing_force = 0;
-    }
+    if (result_.blocks[i].held == Held::not_held && plan_->spot && result_.blocks[i].free_area >= plan_->spot_area)
+      place_spot_bolts(result_.blocks[i], look);
+    if (plan_->factors) result_.blocks[i].factor_with_support = factor_with(body, help, *settings_);
   }
 
-  void shotcrete(SupportedBlock& entry) {
+  /// What the layer can carry round the block, N.
+  double shotcrete(SupportedBlock& entry) {
     const Shotcrete& layer = *plan_->shotcrete;
     const double perimeter =
         keyed_perimeter(*complex_, entry.block, [&](BlockId other) { return needy_[other] != none; });
     double hold = perimeter * layer.thickness * layer.shear_strength;
     if (layer.adhesion > 0) hold = std::min(hold, perimeter * layer.bond_width * layer.adhesion);
-    // A block between 1 and its target has no net force: what it lacks is the resistance up to the target.
     const Body& body = bodies_[needy_[entry.block]];
-    const double lack = body.target * body.bare.driving - body.bare.resistance.least;
-    const double net = std::max(entry.net_force, lack / body.target);
-    entry.factor_with_shotcrete = net > 0 ? hold / net : infinite;
-    entry.needed_thickness = perimeter > 0 ? entry.target * net / (perimeter * layer.shear_strength) : infinite;
+    const double rock = body.bare.resistance.least;
+    entry.factor_with_shotcrete = (rock + hold) / body.bare.driving;
+    const double lack = body.target * body.bare.driving - rock;
+    entry.needed_thickness = perimeter > 0 ? lack / (perimeter * layer.shear_strength) : infinite;
+    return hold;
   }
 
   template <class Look>
@@ -265,7 +272,7 @@ class Check final {
         BoltStatus status{};
         const Capacity c = action(bolt, p.block, status);
         const SupportedBlock& entry = result_.blocks[needy_[p.block]];
-        const double used = c.force * std::min(1.0, entry.mobilised);
+        const double used = c.force * entry.mobilised.value_or(1);
         if (!holds || c.force > 0) {
           if (used > most) {
             most = used;
@@ -278,45 +285,70 @@ class Check final {
         }
         if (!(c.force > 0)) continue;
         holds = true;
-        if (entry.held != Held::bolts) {
+        if (entry.held == Held::not_held) {
           needed = true;
           continue;
         }
         std::uint32_t left = 0;
-        const Vec3 rest = bolt_force(p.block, left, number);
-        needed = needed || !std::isfinite(least_share(bodies_[needy_[p.block]], rest, *settings_, 1).share);
+        const std::uint32_t place = needy_[p.block];
+        const Help rest{bolt_force(p.block, left, number), layers_[place]};
+        needed = needed || !least_share(bodies_[place], rest, *settings_);
       }
       if (holds) bolt.status = needed ? BoltStatus::holds : BoltStatus::redundant;
     }
   }
 
+  /// A block of step 2 that may move: fixed ones stay whatever they are bolted to.
+  [[nodiscard]] bool can_be_member(BlockId id) const {
+    return !complex_->blocks()[id].fixed && (!plan_->key_only || needy_[id] != none);
+  }
+
+  /// What bolts that leave a body can do for it: each its capacity where it leaves.
+  [[nodiscard]] Help bolts_leaving(std::span<const BlockId> members, Vec3 motion, CombinedBlock& entry) const {
+    Help help;
+    for (const BoltResult& bolt : result_.bolts) {
+      const BoltType& type = bolt.bolt.type;
+      const BodyGrip grip = grip_of(bolt.pierced, members, type, [&](BlockId id) { return !can_be_member(id); });
+      if (!grip.gripped || !(grip.anchored > 0) || grip.anchored < type.anchorage) continue;
+      if (dot(bolt.bolt.direction, motion) > 0) continue;  // its motion would shorten it
+      const double force = capacity(type, grip.collar && type.plate > 0, grip.inside, grip.anchored).force;
+      if (!(force > 0)) continue;
+      help.force += force * bolt.bolt.direction;
+      entry.bolt_force += force;
+      ++entry.bolts;
+    }
+    return help;
+  }
+
+  void judge_combined(CombinedBlock& entry) {
+    entry.factor_of_safety = infinite;
+    const auto body = body_of(entry.members);
+    entry.removable = body.has_value();
+    entry.mode = body ? body->bare.mode : Mode::tapered;
+    if (plan_->factors) entry.factor_with_support = infinite;
+    if (!body || !moves(entry.mode)) return;
+    entry.target = body->target;
+    entry.net_force = body->bare.net;
+    entry.factor_of_safety = body->bare.factor_of_safety;
+    const Help help = bolts_leaving(entry.members, body->bare.direction, entry);
+    const auto least = least_share(*body, help, *settings_);
+    entry.mobilised = least.transform([](const Share& s) { return s.share; });
+    entry.passes = least.has_value();
+    if (plan_->factors) entry.factor_with_support = factor_with(*body, help, *settings_);
+    if (entry.passes) return;
+    Body helped = *body;
+    helped.resultant.add(help.force / body->target, norm(help.force) / body->target);
+    const double most = 2 * body->target * (body->bare.driving + norm(help.force));
+    entry.missing_force = least_multiple(helped, most * best_direction(*body), most);
+  }
+
   /// Step 2: blocks gripped by one bolt are one body.
   void combine() {
-    const auto counts = [&](BlockId id) { return !plan_->key_only || needy_[id] != none; };
-    for (auto& members : stitched(*complex_, result_.bolts, counts)) {
-      CombinedBlock body{.members = members};
-      for (const BlockId id : members) {
-        body.immovable = body.immovable || complex_->blocks()[id].fixed;
-        body.volume += complex_->blocks()[id].volume.si();
-      }
-      body.factor_of_safety = infinite;
-      if (!body.immovable) {
-        if (const auto found = body_of(members)) {
-          body.removable = true;
-          body.mode = found->bare.mode;
-          body.target = found->target;
-          body.net_force = found->bare.net;
-          body.factor_of_safety = found->bare.factor_of_safety;
-          body.passes = !moves(body.mode) || !found->lacks();
-          if (!body.passes) {
-            const double most = 1.05 * found->target * found->bare.driving;
-            body.missing_force = most * least_share(*found, most * best_direction(*found), *settings_, 1).share;
-          }
-        } else {
-          body.mode = Mode::tapered;
-        }
-      }
-      result_.combined.push_back(std::move(body));
+    for (auto& members : stitched(*complex_, result_.bolts, [&](BlockId id) { return can_be_member(id); })) {
+      CombinedBlock entry{.members = std::move(members)};
+      for (const BlockId id : entry.members) entry.volume += complex_->blocks()[id].volume.si();
+      judge_combined(entry);
+      result_.combined.push_back(std::move(entry));
     }
   }
 
@@ -330,6 +362,7 @@ class Check final {
   IdVector<BlockId, std::uint32_t> needy_;  ///< index into bodies_ and result_.blocks
   IdVector<BlockId, ForceSum> received_by_;
   std::vector<Body> bodies_;
+  std::vector<double> layers_;  ///< N, parallel to bodies_: what shotcrete can carry
   std::map<BlockId, std::vector<std::uint32_t>> through_;
   SupportResult result_;
 };

@@ -32,6 +32,7 @@ std::string_view name(Held held) noexcept {
   switch (held) {
     case Held::bolts: return "bolts";
     case Held::shotcrete: return "shotcrete";
+    case Held::together: return "bolts and shotcrete";
     case Held::not_held: return "not held";
   }
   std::unreachable();

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
+#include <vector>
 
 namespace cleave::stability {
 namespace {
@@ -19,12 +23,37 @@ struct AtShare {
   Mode mode;
 };
 
-/// The body with an extra force, strength and force both reduced by the target.
-AtShare with_force(const Body& body, Vec3 force, const Settings& settings) {
+/// The body with a share of the help, strengths and help reduced by the target.
+AtShare with_share(const Body& body, const Help& help, double share, const Settings& settings) {
+  const Vec3 force = share / body.target * help.force;
   Resultant r = body.resultant;
-  r.add(force / body.target, norm(force) / body.target);
+  r.add(force, norm(force));
   const Verdict v = judge(body.contacts, r, settings);
-  return {v.driving - v.resistance.least / body.target, v.driving, v.mode};
+  return {v.driving - (v.resistance.least + help.resistance) / body.target, v.driving, v.mode};
+}
+
+/// Where a function with one valley is least on [low, high]; the best of the points looked at.
+template <class Function>
+double valley(double low, double high, Function&& of) {
+  constexpr double golden = 0.6180339887498949;
+  double a = high - golden * (high - low), b = low + golden * (high - low);
+  double at_a = of(a), at_b = of(b);
+  for (int i = 0; i < 80 && a < b; ++i) {
+    if (at_a <= at_b) {
+      high = b;
+      b = a;
+      at_b = at_a;
+      a = high - golden * (high - low);
+      at_a = of(a);
+    } else {
+      low = a;
+      a = b;
+      at_a = at_b;
+      b = low + golden * (high - low);
+      at_b = of(b);
+    }
+  }
+  return at_a <= at_b ? a : b;
 }
 
 }  // namespace
@@ -33,35 +62,60 @@ double target_of(Mode mode, const SupportPlan& plan) {
   return mode == Mode::falling || mode == Mode::lifting ? plan.target_falling : plan.target_sliding;
 }
 
-Least least_share(const Body& body, Vec3 force, const Settings& settings, double limit) {
-  const auto holds = [&](double share, Mode& mode) {
-    const AtShare at = with_force(body, share * force, settings);
-    mode = at.mode;
-    return at.lack <= rounding * body.bare.driving;
-  };
-  Mode mode = Mode::stable;
-  double below = 0;
-  if (holds(0, mode)) return {0, mode};
+std::optional<Share> least_share(const Body& body, const Help& help, const Settings& settings, double limit) {
+  const auto at = [&](double share) { return with_share(body, help, share, settings); };
+  const auto holds = [&](const AtShare& there) { return there.lack <= rounding * body.bare.driving; };
+  if (const AtShare none = at(0); holds(none)) return Share{0, none.mode};
+  if (help.force == Vec3{}) return std::nullopt;
   constexpr int steps = 32;
-  for (int i = 1; i <= steps; ++i) {
-    double above = limit * i / steps;
-    if (!holds(above, mode)) {
-      below = above;
-      continue;
-    }
-    for (int k = 0; k < 60 && above - below > 1e-13 * limit; ++k) {
-      const double middle = 0.5 * (below + above);
-      Mode there = Mode::stable;
-      if (holds(middle, there)) {
-        above = middle;
-        mode = there;
-      } else {
-        below = middle;
-      }
-    }
-    return {above, mode};
+  std::vector<std::pair<double, double>> looked;  // share, lack
+  const auto look = [&](double share) {
+    const AtShare there = at(share);
+    looked.insert(std::ranges::lower_bound(looked, std::pair{share, there.lack}), {share, there.lack});
+    return holds(there);
+  };
+  bool found = false;
+  for (int i = 1; i <= steps && !found; ++i) found = look(limit * i / steps);
+  if (!found) found = look(valley(0, limit, [&](double share) { return at(share).driving; }));
+  if (!found) {
+    // Between the two neighbours of the best of them.
+    const auto best = std::ranges::min_element(looked, {}, &std::pair<double, double>::second);
+    const double low = best == looked.begin() ? 0 : std::prev(best)->first;
+    const double high = std::next(best) == looked.end() ? limit : std::next(best)->first;
+    found = look(valley(low, high, [&](double share) { return at(share).lack; }));
   }
-  return {};
+  if (!found) return std::nullopt;
+  const auto first =
+      std::ranges::find_if(looked, [&](const auto& there) { return there.second <= rounding * body.bare.driving; });
+  double above = first->first, below = first == looked.begin() ? 0 : std::prev(first)->first;
+  for (int k = 0; k < 60 && above - below > 1e-13 * limit; ++k) {
+    const double middle = 0.5 * (below + above);
+    (holds(at(middle)) ? above : below) = middle;
+  }
+  return Share{above, at(above).mode};
+}
+
+double factor_with(Body body, const Help& help, const Settings& settings) {
+  if (help.force == Vec3{} && help.resistance == 0) return body.bare.factor_of_safety;
+  constexpr double most = 1e6;
+  const double target = body.target;
+  const auto held = [&](double factor) {
+    body.target = factor;
+    return least_share(body, help, settings).has_value();
+  };
+  double low = 0, high = target;
+  if (held(target)) {
+    low = target;
+    for (high = 2 * low; high < most && held(high); high *= 2) low = high;
+    if (high >= most) return infinite;
+  } else {
+    low = std::min(target, body.bare.factor_of_safety);  // strength alone
+  }
+  while (high - low > 1e-6 * high) {
+    const double middle = 0.5 * (low + high);
+    (held(middle) ? low : high) = middle;
+  }
+  return low;
 }
 
 double fixed_mode_factor(const Body& body, Vec3 bolts, bool active) {

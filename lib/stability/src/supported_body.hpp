@@ -1,6 +1,6 @@
 #pragma once
 
-#include <limits>
+#include <optional>
 
 #include "cleave/stability/support.hpp"
 #include "contacts.hpp"
@@ -21,14 +21,28 @@ struct Body {
 
 [[nodiscard]] double target_of(Mode mode, const SupportPlan& plan);
 
-struct Least {
-  double share = std::numeric_limits<double>::infinity();  ///< infinite: not found up to the limit
+/// What support can do for a body.
+struct Help {
+  geometry::Vec3 force = {};  ///< N: forces with a direction, of which as much is mobilised as holds it
+  double resistance = 0;      ///< N against the motion, whichever it is
+};
+
+/// A share of a force that holds a body, and its mode then.
+struct Share {
+  double share = 0;
   Mode mode = Mode::stable;
 };
-/// Smallest share of `force` in [0, limit] that holds the body, strength and force both reduced by the target: 32
-/// steps, then bisection in the first that does. (The lack of hold is continuous but where cohesion is lost with a
-/// wall, so a scan comes first.)
-[[nodiscard]] Least least_share(const Body& body, geometry::Vec3 force, const Settings& settings, double limit);
+/// Smallest share of `help.force` in [0, limit] that holds the body, strengths, force and resistance all reduced by its
+/// target; empty where none does. The driving force is convex along the line of shares, so where it is least is found
+/// first: a body that can move both ways is held on a narrow interval around there. The lack of hold is continuous but
+/// where cohesion is lost with a wall, so 32 steps are looked at too; bisection then finds where the first interval
+/// begins.
+[[nodiscard]] std::optional<Share> least_share(const Body& body, const Help& help, const Settings& settings,
+                                               double limit = 1);
+
+/// The largest factor on strengths, force and resistance at which some share in [0, 1] holds the body: it is >= its
+/// target exactly where `least_share` finds a share. Relative error 1e-6; infinite above 1e6.
+[[nodiscard]] double factor_with(Body body, const Help& help, const Settings& settings);
 
 /// Factor of safety in the mode without bolts (Fu 2014, 4.8 to 4.10) under the sum of the bolts' forces.
 [[nodiscard]] double fixed_mode_factor(const Body& body, geometry::Vec3 bolts, bool active);

@@ -171,6 +171,12 @@ void Ensemble::add_extremes(const Record& record) {
   stopped_ += record.stopped_at_max_batches ? 1U : 0U;
   surface_ += record.surface_blocks;
   surface_fixed_ += record.surface_blocks_fixed;
+  free_ += record.free_m2;
+  free_fixed_ += record.free_fixed_m2;
+  middle_ += record.middle_m2;
+  middle_fixed_ += record.middle_fixed_m2;
+  factors_.resize(std::max(factors_.size(), record.factors.size()));
+  for (std::size_t i = 0; i < record.factors.size(); ++i) factors_[i] += record.factors[i];
   key_volume_ += record.all.volume_m3;
   beside_fixed_ += record.key_beside_fixed_m3;
 }

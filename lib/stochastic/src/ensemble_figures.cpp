@@ -220,11 +220,44 @@ void Ensemble::add_notes(Figures& figures) const {
         "because realizations with many key blocks have larger ones: say which one you mean",
         ratio.ratio(), plain));
   }
-  if (figures.surface_fixed_share > 0.01 || figures.beside_fixed_share > 0.01) {
-    figures.notes.push_back(fmt::format(
-        "{:.1f} % of the blocks at free faces are held by the domain's border, {:.1f} % of the key-block volume lies "
-        "beside such blocks: above 1 % the domain is too small and key blocks are missed",
-        100 * figures.surface_fixed_share, 100 * figures.beside_fixed_share));
+  constexpr double alarm = 0.1;
+  if (figures.free_area_fixed_share > alarm) {
+    std::string what = fmt::format(
+        "{:.1f} % of the area of excavations belongs to blocks that touch fixed sides of the domain and cannot move: "
+        "key "
+        "blocks are missed there",
+        100 * figures.free_area_fixed_share);
+    if (figures.middle_fixed_share && *figures.middle_fixed_share > alarm) {
+      what += fmt::format(
+          "; {:.1f} % of the middle half of the tunnel does: give it more room to the sides, above and "
+          "below",
+          100 * *figures.middle_fixed_share);
+    } else if (figures.guard_length_m) {
+      what += fmt::format(
+          "; about {:.3g} m at each end of the tunnel are lost (guard length): leave them out when you "
+          "count per metre, or make the tunnel {:.3g} m long, where they are 10 %",
+          *figures.guard_length_m, 2 * *figures.guard_length_m / alarm);
+    }
+    figures.notes.push_back(std::move(what));
+  }
+}
+
+void Ensemble::add_border(Figures& figures) const {
+  figures.free_area_fixed_share = free_ > 0 ? free_fixed_ / free_ : 0;
+  if (!options_.tunnel_length_m || !(middle_ > 0)) return;
+  const double middle = middle_fixed_ / middle_;
+  figures.middle_fixed_share = middle;
+  // What the ends lose beyond what the sides hold everywhere, as a length.
+  const double ends = middle < 1 ? std::max(0.0, figures.free_area_fixed_share - middle) / (1 - middle) : 0;
+  figures.guard_length_m = 0.5 * *options_.tunnel_length_m * ends;
+}
+
+void Ensemble::add_factors(Figures& figures) const {
+  const double all = number(std::accumulate(factors_.begin(), factors_.end(), std::uint64_t{0}));
+  double below = 0;
+  for (std::size_t i = 0; i + 1 < factors_.size(); ++i) {
+    below += number(factors_[i]);
+    figures.factors.push_back({factor_step * number(i + 1), below / all, counted_ > 0 ? below / number(counted_) : 0});
   }
 }
 
@@ -260,6 +293,8 @@ Figures Ensemble::figures() const {
   add_exceedances(figures);
   add_orders(figures);
   add_variances(figures);
+  add_border(figures);
+  add_factors(figures);
   add_notes(figures);
   return figures;
 }

@@ -34,9 +34,13 @@ class Measuring final {
     record.above.resize(questions_.volumes_m3.size());
     if (!questions_.axis.empty()) record.chainage_m3.resize(questions_.chainage_parts);
     for (const stability::Judgement& judgement : analysis_.judgements) {
+      count_factor(record, judgement);
       if (!judgement.batch) continue;
       add(record.all, judgement);
-      if (*judgement.batch == 1) add(record.first, judgement);
+      if (*judgement.batch == 1) {
+        add(record.first, judgement);
+        record.largest_pressure_pa = std::max(record.largest_pressure_pa, pressure_on(judgement));
+      }
       const Block& block = complex_.blocks()[judgement.block];
       for (std::size_t i = 0; i < record.above.size(); ++i) {
         record.above[i] += block.volume.si() > questions_.volumes_m3[i] ? 1U : 0U;
@@ -53,6 +57,28 @@ class Measuring final {
   }
 
  private:
+  static double to_be_held(const stability::Judgement& judgement) {
+    return judgement.transferred ? judgement.transferred->to_be_held().si() : std::max(0.0, judgement.net.si());
+  }
+
+  /// Pa over the block's free faces.
+  [[nodiscard]] double pressure_on(const stability::Judgement& judgement) const {
+    double area = 0;
+    for (const auto id : complex_.blocks()[judgement.block].faces) {
+      const Face& face = complex_.faces()[id];
+      if (face.role == Role::free) area += face.area.si();
+    }
+    return area > 0 ? to_be_held(judgement) / area : 0;
+  }
+
+  static void count_factor(Record& record, const stability::Judgement& judgement) {
+    if (!stability::moves(judgement.mode)) return;
+    record.factors.resize(factor_bins);
+    const double at = judgement.factor_of_safety / factor_step;
+    const double last = static_cast<double>(factor_bins - 1);
+    ++record.factors[static_cast<std::size_t>(at < last ? std::max(0.0, at) : last)];
+  }
+
   void add(Tally& tally, const stability::Judgement& judgement) {
     const Block& block = complex_.blocks()[judgement.block];
     const double volume = block.volume.si();
@@ -61,7 +87,7 @@ class Measuring final {
     tally.largest_m3 = std::max(tally.largest_m3, volume);
     tally.support_n += std::max(0.0, judgement.net.si());
     tally.support_transferred_n +=
-        std::max(0.0, judgement.transferred ? judgement.transferred->net.si() : judgement.net.si());
+        judgement.transferred ? judgement.transferred->to_be_held().si() : std::max(Force{}, judgement.net).si();
     if (stability::moves(judgement.mode)) ++tally.modes[std::to_underlying(judgement.mode)];
     ++tally.shapes[std::to_underlying(shape_of(judgement.block))];
     tally.concave += block.convex ? 0U : 1U;
@@ -136,6 +162,30 @@ double chainage_of(std::span<const geometry::Vec3> axis, geometry::Vec3 point) n
   return best;
 }
 
+namespace {
+
+/// How much of the free face of excavations belongs to blocks that the domain's border holds.
+void measure_border(const BlockComplex& complex, const Questions& questions, Record& record) {
+  const double length = length_of(questions.axis);
+  for (const Block& block : complex.blocks()) {
+    if (!block.free) continue;
+    for (const auto id : block.faces) {
+      const Face& face = complex.faces()[id];
+      if (face.role != Role::free || !face.excavation) continue;
+      const double area = face.area.si();
+      record.free_m2 += area;
+      record.free_fixed_m2 += block.fixed ? area : 0;
+      if (!(length > 0)) continue;
+      const double at = chainage_of(questions.axis, face.centroid);
+      if (at < 0.25 * length || at > 0.75 * length) continue;
+      record.middle_m2 += area;
+      record.middle_fixed_m2 += block.fixed ? area : 0;
+    }
+  }
+}
+
+}  // namespace
+
 Record measure(const BlockComplex& complex, const stability::Analysis* analysis, const Questions& questions) {
   Record record;
   record.blocks = complex.blocks().size();
@@ -145,6 +195,7 @@ Record measure(const BlockComplex& complex, const stability::Analysis* analysis,
     record.surface_blocks += block.free ? 1U : 0U;
     record.surface_blocks_fixed += block.free && block.fixed ? 1U : 0U;
   }
+  measure_border(complex, questions, record);
   if (analysis != nullptr) Measuring{complex, *analysis, questions}.count(record);
   return record;
 }

@@ -20,6 +20,10 @@ const std::vector<Quantity>& quantities() {
       {"first_batch_support_force_transferred_n", [](const Record& r) { return r.first.support_transferred_n; }, true,
        false, false},
       {"batches", [](const Record& r) { return static_cast<double>(r.batches); }, true, false, false},
+      {"probability_of_failure", [](const Record& r) { return r.all.count > 0 ? 1.0 : 0.0; }, true, false, false},
+      {"support_pressure_pa",
+       [](const Record& r) { return r.free_m2 > 0 ? r.all.support_transferred_n / r.free_m2 : 0; }, true, false, true},
+      {"largest_support_pressure_pa", [](const Record& r) { return r.largest_pressure_pa; }, true, false, true},
       {"block_count", [](const Record& r) { return number(r.blocks); }, false, true, true},
       {"block_mean_volume_m3", [](const Record& r) { return r.rock_m3 / number(r.blocks); }, false, true, false},
       {"concave_block_count", [](const Record& r) { return number(r.concave_blocks); }, false, true, false},
@@ -48,7 +52,7 @@ const Quantity* quantity_named(std::string_view word) {
     if (q.name == word) return &q;
   }
   for (const Quantity& q : quantities()) {
-    for (const std::string_view unit : {"_m3", "_n"}) {
+    for (const std::string_view unit : {"_m3", "_n", "_pa"}) {
       if (q.name.ends_with(unit) && q.name.substr(0, q.name.size() - unit.size()) == word) return &q;
     }
   }

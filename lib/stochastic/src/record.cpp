@@ -196,7 +196,8 @@ double SizeHistogram::edge(std::size_t bin) noexcept {
 
 std::string_view record_columns() noexcept {
   return "realization,outcome,joints,blocks,rock_m3,concave_blocks,batches,stopped_at_max_batches,surface_blocks,"
-         "surface_blocks_fixed,key_beside_fixed_m3,"
+         "surface_blocks_fixed,key_beside_fixed_m3,free_m2,free_fixed_m2,middle_m2,middle_fixed_m2,largest_pressure_pa,"
+         "factors,"
          "count,volume_m3,largest_m3,support_n,support_transferred_n,falling,lifting,sliding,wedge,tetrahedral,"
          "pentahedral,hexahedral,higher,other,concave,sphericity_sum,sizes,"
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
@@ -217,6 +218,9 @@ std::string line_of(const Record& r) {
   w.number(r.surface_blocks);
   w.number(r.surface_blocks_fixed);
   w.number(r.key_beside_fixed_m3);
+  for (const double value : {r.free_m2, r.free_fixed_m2, r.middle_m2, r.middle_fixed_m2, r.largest_pressure_pa})
+    w.number(value);
+  w.list(std::span{r.factors});
   w.tally(r.all);
   w.tally(r.first);
   w.list(std::span{r.above});
@@ -249,6 +253,10 @@ std::optional<Record> record_of(std::string_view line) {
   r.number(record.surface_blocks);
   r.number(record.surface_blocks_fixed);
   r.number(record.key_beside_fixed_m3);
+  for (double* value : {&record.free_m2, &record.free_fixed_m2, &record.middle_m2, &record.middle_fixed_m2,
+                        &record.largest_pressure_pa})
+    r.number(*value);
+  r.list(record.factors);
   r.tally(record.all);
   r.tally(record.first);
   r.list(record.above);
@@ -257,6 +265,7 @@ std::optional<Record> record_of(std::string_view line) {
   r.list(support);
   r.list(orders);
   if (!take(support, record.support) || !take(orders, record.orders)) return std::nullopt;
+  if (!record.factors.empty() && record.factors.size() != factor_bins) return std::nullopt;
   if (!r.good() || outcome > static_cast<unsigned>(Outcome::refused) || stopped > 1) return std::nullopt;
   record.outcome = static_cast<Outcome>(outcome);
   record.stopped_at_max_batches = stopped == 1;

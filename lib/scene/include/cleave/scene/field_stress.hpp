@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cleave/core/fields.hpp"
+#include "cleave/geometry/vec3.hpp"
 #include "cleave/topology/ids.hpp"
 
 /// Stress of the rock around a tunnel, and what it does to key blocks: [field_stress].
@@ -22,23 +23,28 @@ struct FieldStressSettings {
   double level = 0;                  ///< z, m
   std::optional<double> surface;     ///< z of the free ground surface; empty: infinite rock
   double poisson = 0.25;
+  /// Normal over shear stiffness of the joints; empty: the least factor over a range of them.
+  std::optional<double> stiffness_ratio;
   double tolerance = 1e-3;  ///< of displacements of the section, relative
   std::uint32_t line = 1;   ///< in the scene file
 };
 
 /// Joint faces of a block on one plane.
 struct ClampedPlane {
-  topology::FaceId face;    ///< the first one
-  double area = 0;          ///< m2, still in contact
-  double normal_force = 0;  ///< N, of the field; compression positive
+  topology::FaceId face;            ///< the first one
+  double area = 0;                  ///< m2, still in contact
+  double normal_force = 0;          ///< N, of the field; compression positive
+  geometry::Vec3 shear_force = {};  ///< N, of the field: of the rock outside on the block
 };
 
 /// A block of key_blocks.csv with the stress of the rock across its joints.
 struct ClampedBlock {
   topology::BlockId block;
-  double factor_of_safety = 0;  ///< of the same motion; infinite when nothing drives it
-  double compression = 0;       ///< N, sum over planes in compression
-  double tension = 0;           ///< N, sum over planes in tension, >= 0: counted as no stress
+  /// Largest factor on all strengths at which normal and shear forces of its joints still balance its loads
+  /// (stability/clamping.hpp).
+  double factor_of_safety = 0;
+  double compression = 0;  ///< N, sum over planes in compression
+  double tension = 0;      ///< N, sum over planes in tension, >= 0: such joints open
   std::vector<ClampedPlane> planes = {};
 };
 

@@ -167,6 +167,15 @@ struct DesignResult {
   double scale = 0;  ///< on the scene's spacings
   std::size_t bolts = 0;
   double cost = 0;
+  /// Of the first pattern, m: along a tunnel's axis and around its section, or across and down a grid.
+  std::array<double, 2> spacing{};
+  std::size_t rings = 0;  ///< of the first pattern; 0: a grid
+  /// Offsets drawn at random in both directions, and how many of them fail.
+  std::uint64_t offsets = 0, failing = 0;
+  std::array<double, 2> failing_share{};  ///< Clopper-Pearson, 95 %
+  /// The block that decides: misses its target at the most of these offsets; where none fails, with the least factor
+  /// over target. Where no pattern is found, of the tightest one.
+  std::optional<std::uint32_t> governing = {};
 };
 template <class V>
 void fields(V& v, const DesignResult& x) {
@@ -175,14 +184,24 @@ void fields(V& v, const DesignResult& x) {
   v("spacing_scale", x.scale, "on the scene's spacings");
   v("bolts", x.bolts);
   v("cost", x.cost);
+  v("spacing_m", x.spacing, "of the first pattern, of the tightest where none is found");
+  v("rings", x.rings, "of the first pattern; 0: a grid");
+  v("offsets", x.offsets, "drawn at random, at which the pattern was tried");
+  v("offsets_failing", x.failing);
+  v("failing_share_low", x.failing_share[0], "95 % interval of the share of offsets that fail");
+  v("failing_share_high", x.failing_share[1]);
+  v("governing_block", x.governing, "misses its target most often, or has the least margin");
 }
 
 struct SupportFigures {
   bool passes = false;
-  std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, not_held = 0;
+  std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, held_by_both = 0, not_held = 0;
   std::uint64_t bolts = 0, spot_bolts = 0, bolts_used = 0, bolts_redundant = 0, bolts_too_short = 0;
   std::uint64_t combined = 0, combined_failing = 0;
   double required_force_n = 0, largest_required_pressure_pa = 0, missing_force_n = 0;
+  /// Blocks with less free face than `spot_area`: not in the largest pressure.
+  std::uint64_t small_blocks = 0, small_not_held = 0;
+  double small_required_force_n = 0;
 };
 /// The support under one named load case.
 struct SupportCaseFigures {
@@ -206,6 +225,7 @@ void support_fields(V& v, const SupportFigures& x, double tunnel_length, const s
   v("blocks", x.blocks, "blocks below their target without support");
   v("held_by_bolts", x.held_by_bolts);
   v("held_by_shotcrete", x.held_by_shotcrete);
+  v("held_by_both", x.held_by_both, "neither bolts nor shotcrete alone, both together");
   v("not_held", x.not_held);
   v("bolts", x.bolts);
   v("spot_bolts", x.spot_bolts);
@@ -216,7 +236,11 @@ void support_fields(V& v, const SupportFigures& x, double tunnel_length, const s
   v("combined_failing", x.combined_failing);
   v("required_force_n", or_null(x.required_force_n), "sum over blocks of the least single force; null: none is enough");
   v("required_force_n_per_metre", when(tunnel_length > 0, or_null(x.required_force_n / tunnel_length)), "of tunnel");
-  v("largest_required_pressure_pa", or_null(x.largest_required_pressure_pa), "null: none is enough");
+  v("largest_required_pressure_pa", or_null(x.largest_required_pressure_pa),
+    "on blocks that are not small; null: none is enough");
+  v("small_blocks", x.small_blocks, "with less free face than spot_area");
+  v("small_not_held", x.small_not_held);
+  v("small_required_force_n", or_null(x.small_required_force_n), "null: none is enough");
   v("missing_force_n", or_null(x.missing_force_n), "null: no force is enough");
   v("designs", when_any(designs), "[support.design]: what was found for each length");
   v("load_cases", when_any(cases), "the same check under each [[load]]");

@@ -180,6 +180,7 @@ struct DesignSettings {
   double tightest = 0.25, widest = 4;  ///< factors on the scene's spacings
   std::uint32_t phases = 4;            ///< offsets of the pattern that must all pass
   double cost_per_bolt = 0, cost_per_metre = 1;
+  std::uint32_t offsets = 40;  ///< drawn at random, at which the pattern found is tried
 };
 
 struct SupportSettings {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -60,6 +61,10 @@ struct Transferred {
   std::vector<Pressing> pressing = {};  ///< under the forces received
   std::vector<Pressing> added = {};     ///< reading `normals`: what its own planes take up of the force it passes on
   double lost = 0;                      ///< N of its net force that the reading of the transfer could not pass on
+
+  /// What has to be held at this block: its net force without what blocks of earlier batches received of it. Over all
+  /// blocks each force counts once, where it ends.
+  [[nodiscard]] Force to_be_held() const noexcept { return newtons(std::max(0.0, net.si() - passed.si() + lost)); }
 };
 
 /// What the analysis says of one block in one state.
@@ -76,6 +81,8 @@ struct Judgement {
   /// The largest R over the pairs of planes that may press, when three or more planes through one line press and R is
   /// not unique.
   std::optional<Force> resistance_max = {};
+  /// Cohesion of joints that the motion does not open but that nothing presses on: not in R.
+  Force cohesion_left_out = {};
   Force net = {};               ///< F = T - R, positive = unstable
   double factor_of_safety = 0;  ///< R/T; +inf when T = 0; 0 for falling without strength
   std::vector<Pressing> pressing = {};
@@ -99,6 +106,8 @@ struct Analysis {
   /// id.
   std::vector<Judgement> judgements = {};
   std::vector<Batch> batches = {};
+  /// Blocks that something is open to but that no direction lets go, in the state they are judged in last; ascending.
+  std::vector<topology::BlockId> tapered = {};
   /// Unstable blocks are left (key, without batch): they would have left in the next batch.
   bool stopped_at_max_batches = false;
   bool force_transfer = false;

@@ -44,13 +44,14 @@ struct SpotBolts {
 struct SupportPlan {
   std::vector<Bolt> bolts = {};
   std::optional<Shotcrete> shotcrete = {};
-  std::optional<SpotBolts> spot = {};  ///< placed where step 1 fails on a face of `spot_area` or more
+  std::optional<SpotBolts> spot = {};  ///< placed where all else fails on a face of `spot_area` or more
   double target_falling = 1.5;
   double target_sliding = 1.3;
   /// Bolts tensioned before the rock moves: they reduce the driving force (else they add to the resistance).
   bool active = false;
-  double spot_area = 0.5;  ///< m2 of free face: below, shotcrete holds a block; from there on bolts do
+  double spot_area = 0.5;  ///< m2 of free face below which no spot bolts are placed
   bool key_only = false;   ///< stitch only blocks that need support
+  bool factors = true;     ///< find each block's factor with the support: verdicts do without
 };
 
 /// Empty: the plan is sound.
@@ -84,7 +85,13 @@ struct BoltResult {
   double used = 0;      ///< N, mobilised share of it
 };
 
-enum class Held : std::uint8_t { bolts, shotcrete, not_held };
+/// What brings a block to its target.
+enum class Held : std::uint8_t {
+  bolts,      ///< alone
+  shotcrete,  ///< alone
+  together,   ///< neither alone, both together
+  not_held,
+};
 [[nodiscard]] std::string_view name(Held held) noexcept;
 
 /// One block that misses its target without support, in the state after excavation, forces of later batches on it.
@@ -94,31 +101,40 @@ struct SupportedBlock {
   double target = 1;
   double net_force = 0;              ///< N without support
   double factor_of_safety = 0;       ///< without support
-  double factor_with_bolts = 0;      ///< fixed mode, passive or active form
-  double factor_with_shotcrete = 0;  ///< ring shear over net force; 0 without shotcrete
-  double mobilised = 0;              ///< least share of the bolts that holds it at the target; 2 when all do not
-  Mode mode_held = Mode::stable;     ///< at that share
+  double factor_with_bolts = 0;      ///< bolts alone, fixed mode, passive or active form: a partial sum
+  double factor_with_shotcrete = 0;  ///< shotcrete alone, a partial sum; 0 without shotcrete
+  /// The factor of safety with everything: largest factor on all strengths and capacities at which some share of the
+  /// bolts holds it. At least `target` exactly for blocks that are held. Empty where the plan asks for no factors.
+  std::optional<double> factor_with_support = {};
+  std::optional<double> mobilised = {};  ///< least share of the bolts that holds it; empty when no share does
+  Mode mode_held = Mode::stable;         ///< at that share
   Held held = Held::not_held;
   std::uint32_t bolts = 0;                 ///< that act on it
   double free_area = 0;                    ///< m2
+  bool small = false;                      ///< below the plan's `spot_area`
+  geometry::Vec3 free_outward = {};        ///< mean of its free faces' outward normals by area; zero when they cancel
   double required_force = 0;               ///< N: least single force that reaches the target without other support
   geometry::Vec3 required_direction = {};  ///< unit, of that force
   double required_pressure = 0;            ///< Pa on its free faces that reaches the target; inf when none does
-  double missing_force = 0;                ///< N beyond the bolts, 0 when held
+  double missing_force = 0;                ///< N beyond all support, 0 when held
   double needed_thickness = 0;             ///< m of shotcrete; 0 without shotcrete
 };
 
-/// Blocks stitched together by bolts, tested as one body (step 2).
+/// Blocks stitched together by bolts, tested as one body (step 2). Fixed blocks are never members: bolts that end in
+/// them hold the body with what they can carry there.
 struct CombinedBlock {
   std::vector<topology::BlockId> members = {};
-  bool immovable = false;  ///< a member is fixed
   bool removable = false;
-  Mode mode = Mode::stable;
+  Mode mode = Mode::stable;  ///< without bolts
   double target = 1;
-  double net_force = 0;  ///< N
-  double factor_of_safety = 0;
+  double net_force = 0;                            ///< N without bolts
+  double factor_of_safety = 0;                     ///< without bolts
+  std::uint32_t bolts = 0;                         ///< that hold it to rock outside
+  double bolt_force = 0;                           ///< N, sum of what they can carry there
+  std::optional<double> factor_with_support = {};  ///< with them; empty where the plan asks for no factors
+  std::optional<double> mobilised = {};            ///< least share of them that holds it
   bool passes = true;
-  double missing_force = 0;  ///< N
+  double missing_force = 0;  ///< N beyond them
   double volume = 0;         ///< m3
 };
 

@@ -84,6 +84,13 @@ struct SizePoint {
   double volume_m3 = 0, share = 0, standard_error = 0;
 };
 
+/// One point of the distribution of factors of safety, of the blocks that would move without friction.
+struct FactorPoint {
+  double factor = 0;
+  double share_below = 0;   ///< of those blocks, all realizations
+  double number_below = 0;  ///< mean a realization
+};
+
 struct RunningPoint {
   std::uint64_t realizations = 0;
   double mean = 0, half_width = 0;
@@ -111,6 +118,11 @@ struct Figures {
   std::vector<std::uint64_t> failed;  ///< realizations that could not be done, at most 1000 listed
   std::uint64_t failures = 0;
   std::uint64_t stopped_at_max_batches = 0;
+  std::vector<FactorPoint> factors = {};  ///< empty when there are no such blocks
+  /// Of the area of excavations' free faces, that of blocks which the domain's border holds; in the middle half of the
+  /// tunnel; and the length at each end of the tunnel that is lost so, m.
+  double free_area_fixed_share = 0;
+  std::optional<double> middle_fixed_share = {}, guard_length_m = {};
   double surface_fixed_share = 0;  ///< of blocks at free faces, those with a fixed face
   double beside_fixed_share = 0;   ///< of key-block volume, what lies beside a block with a fixed face
   std::vector<std::string> notes;
@@ -169,6 +181,8 @@ class Ensemble final {
   void add_estimates(Figures& figures) const;
   void add_quantiles(Figures& figures) const;
   void add_exceedances(Figures& figures) const;
+  void add_border(Figures& figures) const;
+  void add_factors(Figures& figures) const;
   void add_notes(Figures& figures) const;
 
   EnsembleOptions options_;
@@ -199,6 +213,8 @@ class Ensemble final {
   std::vector<std::uint64_t> failed_;
   std::uint64_t failures_ = 0, stopped_ = 0;
   std::uint64_t surface_ = 0, surface_fixed_ = 0;
+  double free_ = 0, free_fixed_ = 0, middle_ = 0, middle_fixed_ = 0;  // m2
+  std::vector<std::uint64_t> factors_;
   double key_volume_ = 0, beside_fixed_ = 0;
   Sha256 hash_;
 };

@@ -50,7 +50,7 @@ struct Tally {
   double volume_m3 = 0;
   double largest_m3 = 0;
   double support_n = 0;              ///< sum of the net forces
-  double support_transferred_n = 0;  ///< the same after force transfer (equal without it)
+  double support_transferred_n = 0;  ///< after force transfer, each force once, where it ends (equal without it)
   std::array<std::uint64_t, 4> modes{};
   std::array<std::uint64_t, 5> shapes{};
   std::uint64_t concave = 0;
@@ -77,6 +77,10 @@ struct OrderTally {
   friend bool operator==(const OrderTally&, const OrderTally&) = default;
 };
 
+/// Bins of Record::factors.
+inline constexpr std::size_t factor_bins = 31;
+inline constexpr double factor_step = 0.1;
+
 struct Record {
   std::uint64_t realization = 0;
   Outcome outcome = Outcome::done;
@@ -89,6 +93,13 @@ struct Record {
   std::uint64_t surface_blocks = 0;        ///< with a free face
   std::uint64_t surface_blocks_fixed = 0;  ///< of those, with a fixed face: they cannot move (domain too small?)
   double key_beside_fixed_m3 = 0;          ///< volume of key blocks with a neighbour that has a fixed face
+  /// m2 of free faces of excavations, and of those of blocks with a fixed face; `middle`: in the middle half of the
+  /// axis.
+  double free_m2 = 0, free_fixed_m2 = 0, middle_m2 = 0, middle_fixed_m2 = 0;
+  /// Pa: the largest force to be held at a block of the first batch over its free area.
+  double largest_pressure_pa = 0;
+  /// Blocks that would move without friction, by factor of safety: below 0.1, 0.2, ... 3.0, and above; empty when none.
+  std::vector<std::uint64_t> factors;
   Tally all, first;
   std::vector<std::uint64_t> above;  ///< key blocks above each of the volumes asked for
   std::vector<double> chainage_m3;   ///< largest key block in each part of the axis; empty without a tunnel
