@@ -79,7 +79,7 @@ class HandMade {
     }
     block.volume = cubic_metres(volume);
     block.centroid = data_.origin + o;
-    data_.domain_volume += block.volume;
+    data_.rock_volume += block.volume;
     return data_.blocks.push_back(block);
   }
 

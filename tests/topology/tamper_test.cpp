@@ -192,7 +192,7 @@ TEST(Audit, NoticesAWrongNeighbour) {
 TEST(Audit, NoticesWrongMeasures) {
   expect_noticed(
       [](Data& d) {
-        d.domain_volume = 1.000001 * d.domain_volume;
+        d.rock_volume = 1.000001 * d.rock_volume;
         return true;
       },
       "the domain larger than its blocks");

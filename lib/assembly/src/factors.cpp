@@ -131,9 +131,12 @@ Start start_from_rest(const Assembly& assembly, double factor) {
       .found = FromRest::rests, .motion = Motion(elements.bodies()), .speed = std::vector<double>(elements.bodies())};
   out.residual = 0;
   if (!branch.begin()) return out;
+  // Large assemblies take larger steps.
+  const bool large = elements.bodies() > 60;
+  const double step = large ? 0.5 : 0.8;
   Branch::Found found;
-  for (double f = std::max(30.0, 4 * factor);; f = std::max(factor, 0.8 * f)) {
-    found = branch.at(f);
+  for (double f = (large ? 8 : 30) * factor;; f = std::max(factor, step * f)) {
+    found = branch.at(f, large && f > factor ? Branch::Effort::newton : Branch::Effort::whole);
     if (found.what == FromRest::moves) branch.keep(found);
     if (f <= factor) break;
   }

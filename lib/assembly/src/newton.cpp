@@ -249,6 +249,7 @@ Settled Newton::solve(const Problem& problem, State& state, double rough) {
   const unsigned before = factors_;
   // Forces that grow far before they hold need less weight; where rates are large that would cost their digits.
   constexpr double fine = 1e-5, finest = 1e-13;
+  const bool far = problem.law == Law::cone || problem.law == Law::frictionless;
   double rho = rough, last = 1;
   int idle = 0;
   for (int outer = 0; outer < 100; ++outer) {
@@ -268,11 +269,13 @@ Settled Newton::solve(const Problem& problem, State& state, double rough) {
       rho = std::max(fine, 0.1 * rho);
       continue;
     }
-    if (result.violation <= 2e-16 * speed) break;
-    if (fall > 0.2) rho = std::max(finest, (fall > 0.8 ? 0.01 : 0.1) * rho);
+    if (result.violation <= (far ? 2e-16 : 1e-15) * speed) break;
+    if (fall > 0.2) rho = std::max({finest, far ? 0 : 1e-8 * speed, (fall > 0.8 ? 0.01 : 0.1) * rho});
     idle = fall > 0.5 ? idle + 1 : 0;
     if (idle > 14) break;
   }
+  // Small weights cost digits of balance where rates are large: back.
+  if (rho < 1e-3 * fine && state.v.lpNorm<Eigen::Infinity>() > at_rest) result.off = inner(problem, state, fine);
   result.factors = factors_ - before;
   return result;
 }

@@ -33,6 +33,10 @@ Int128 greatest_common_divisor(Int128 a, Int128 b) noexcept {
   return a;
 }
 
+Int192 dot(const std::array<Int128, 3>& a, LatticePoint b) noexcept {
+  return Int192::product(a[0], b.x) + Int192::product(a[1], b.y) + Int192::product(a[2], b.z);
+}
+
 }  // namespace
 
 std::optional<Plane> Plane::through(LatticePoint a, LatticePoint b, LatticePoint c) noexcept {
@@ -51,7 +55,7 @@ std::optional<Plane> Plane::spanned(LatticePoint a, LatticePoint u, LatticePoint
   if (factor > 1) {
     for (Int128& component : n) component /= factor;
   }
-  plane.offset_ = narrowed(-(Wide{n[0]} * a.x + Wide{n[1]} * a.y + Wide{n[2]} * a.z));
+  plane.offset_ = -dot(n, a);
   plane.set_approx();
   return plane;
 }
@@ -61,7 +65,7 @@ void Plane::set_approx() noexcept {
                                 static_cast<double>(normal_[2])};
   const int exponent = std::ilogb(std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])}));
   for (std::size_t i = 0; i < 3; ++i) approx_[i] = std::ldexp(n[i], -exponent);
-  approx_[3] = std::ldexp(widened(offset_).convert_to<double>(), -exponent - 48);
+  approx_[3] = std::ldexp(offset_.as_double(), -exponent - 48);
 }
 
 Plane Plane::flipped() const noexcept {
@@ -83,7 +87,7 @@ Sign Plane::side_of(LatticePoint p) const noexcept {
                        approx_[2] * std::ldexp(static_cast<double>(p.z), -48) + approx_[3];
   // |terms| <= 1, 1, 1, 3 and seven roundings: the error is below 64 u.
   if (const auto sign = sign_filtered(value, 64 * unit_roundoff)) return *sign;
-  return sign_of(Wide{normal_[0]} * p.x + Wide{normal_[1]} * p.y + Wide{normal_[2]} * p.z + widened(offset_));
+  return sign_of(dot(normal_, p) + offset_);
 }
 
 bool Plane::coincides_with(const Plane& other) const noexcept { return *this == other || *this == other.flipped(); }
@@ -104,5 +108,7 @@ Sign orientation(const Plane& a, const Plane& b, const Plane& c) noexcept {
 Sign dot_sign(const std::array<Int128, 3>& a, const std::array<Int128, 3>& b) noexcept {
   return sign_of<Wide>(Wide{a[0]} * Wide{b[0]} + Wide{a[1]} * Wide{b[1]} + Wide{a[2]} * Wide{b[2]});
 }
+
+Sign dot_sign(const std::array<Int128, 3>& a, LatticePoint b) noexcept { return sign_of(dot(a, b)); }
 
 }  // namespace cleave::exact

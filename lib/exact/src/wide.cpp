@@ -1,11 +1,15 @@
 #include "cleave/exact/wide.hpp"
 
-#include "cleave/core/assert.hpp"
+#include <cmath>
 
 namespace cleave::exact {
 
 Wide widened(const Int192& value) noexcept {
-  const bool negative = (value.words[2] >> 63U) != 0;
+  const std::uint64_t sign = value.negative() ? ~std::uint64_t{0} : 0;
+  if (value.words[2] == sign && (value.words[1] >> 63U) == (sign & 1U)) {  // nearly always
+    return static_cast<Int128>((static_cast<Int192::Word2>(value.words[1]) << 64U) | value.words[0]);
+  }
+  const bool negative = value.negative();
   const Int192 size = negative ? -value : value;
   Wide out = size.words[2];
   for (const std::size_t k : {1U, 0U}) out = (out << 64U) | size.words[k];
@@ -13,15 +17,12 @@ Wide widened(const Int192& value) noexcept {
   return out;
 }
 
-Int192 narrowed(const Wide& value) noexcept {
-  Wide rest = abs(value);
-  Int192 out;
-  for (std::uint64_t& word : out.words) {
-    word = static_cast<std::uint64_t>(rest & UINT64_MAX);
-    rest >>= 64U;
-  }
-  CLEAVE_ASSERT(rest == 0 && (out.words[2] >> 63U) == 0);
-  return value < 0 ? -out : out;
+double Int192::as_double() const noexcept {
+  const Int192 size = negative() ? -*this : *this;
+  double value = static_cast<double>(size.words[0]);
+  value += std::ldexp(static_cast<double>(size.words[1]), 64);
+  value += std::ldexp(static_cast<double>(size.words[2]), 128);
+  return negative() ? -value : value;
 }
 
 }  // namespace cleave::exact

@@ -1,7 +1,9 @@
 #include "detail/assemble.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -9,6 +11,7 @@
 
 #include "detail/block_maker.hpp"
 #include "detail/dangling.hpp"
+#include "detail/exact_volume.hpp"
 #include "detail/pieces.hpp"
 
 namespace cleave::topology::detail {
@@ -186,24 +189,57 @@ class VertexNumbers {
   std::vector<Index> number_;
 };
 
-/// Volume of the cells of the domain that are not rock, from their own walls; units^3.
-double void_volume(const BlockParts& parts, const Cells& cells) {
-  double volume = 0;
-  for (Index h = 0; h < cells.of_half_face.size(); ++h) {
-    const Index cell = cells.of_half_face[h];
-    if (cell == none || cells.in_domain[cell] == 0 || cells.rock[cell] != 0) continue;
-    if (cells.of_half_face[h ^ 1U] == cell) continue;
-    volume += h % 2 == 0 ? -parts.measures[h / 2].cone : parts.measures[h / 2].cone;
+/// Volume of the domain in doubles, units^3; empty where too much cancels.
+std::optional<double> domain_volume(std::span<const std::array<exact::FixedPoint, 3>> surface) {
+  double sum = 0, size = 0;
+  const exact::FixedPoint origin = surface[0][0];
+  for (const auto& triangle : surface) {
+    std::array<Vec, 3> p;
+    for (std::size_t c = 0; c < 3; ++c) {
+      p[c] = exact::as_position({triangle[c][0] - origin[0], triangle[c][1] - origin[1], triangle[c][2] - origin[2]});
+    }
+    const auto& [u, v, w] = p;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
+      const double first = v[i] * w[j], second = v[j] * w[i];
+      sum += u[k] * (first - second);
+      size += std::abs(u[k]) * (std::abs(first) + std::abs(second));
+    }
   }
-  return volume / 3;
+  if (!(size * 0x1p-50 <= sum * 0x1p-37)) return std::nullopt;
+  return sum / 6;
+}
+
+/// Volume of the domain less that of its part that is not rock, from the surface of the one and the walls of the other;
+/// units^3. By integers where little rock is left of large volumes.
+double rock_volume(const BlockParts& parts, const Cells& cells) {
+  const auto in_void = [&](Index h) {
+    const Index cell = cells.of_half_face[h];
+    return cell != none && cells.in_domain[cell] != 0 && cells.rock[cell] == 0;
+  };
+  std::vector<Index> walls;  // seen from the rock
+  double empty = 0;
+  for (Index h = 0; h < cells.of_half_face.size(); ++h) {
+    if (!in_void(h) || in_void(h ^ 1U)) continue;
+    walls.push_back(h ^ 1U);
+    empty += h % 2 == 0 ? -parts.measures[h / 2].cone : parts.measures[h / 2].cone;
+  }
+  const auto& surface = parts.prepared.domain_surface;
+  if (const auto domain = domain_volume(surface)) {
+    if (*domain - empty / 3 > *domain / 64) return *domain - empty / 3;
+  }
+  FixedMeasure rock{surface[0][0]};
+  for (const auto& [a, b, c] : surface) rock.add(a, b, c);
+  ExactMeasures exactly{parts.prepared, parts.graph, parts.arrangement};
+  for (const Index wall : walls) exactly.add(rock, wall);
+  return rock.volume();
 }
 
 void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Data& out) {
   const Prepared& prepared = parts.prepared;
   out.planes = IdVector<PlaneId, exact::Plane>{std::vector<exact::Plane>(
       prepared.planes.begin(), prepared.planes.begin() + static_cast<std::ptrdiff_t>(prepared.facet_planes))};
-  out.domain_volume = cubic_metres(prepared.domain_volume);
-  out.excavated_volume = cubic_metres(void_volume(parts, cells) * parts.scale * parts.scale * parts.scale);
+  out.rock_volume = cubic_metres(rock_volume(parts, cells) * parts.scale * parts.scale * parts.scale);
   CutReport& report = out.report;
   report.lattice_pitch_m = prepared.lattice.pitch();
   report.largest_snap_m = prepared.largest_snap;

@@ -127,8 +127,9 @@ class CellFinder {
       std::ranges::stable_sort(own, {}, [&](Index shell) { return volume[shell]; });
       ExactMeasures exactly{prepared_, graph_, arrangement_};
       const auto looks_out = [&](Index shell) {
-        return exactly.sign(std::span{half_faces}.subspan(
-                   begin[shell], begin[shell + std::size_t{1}] - begin[shell])) == exact::Sign::negative;
+        const std::size_t count = begin[shell + std::size_t{1}] - begin[shell];
+        const exact::Sign is_outside = exactly.sign(std::span{half_faces}.subspan(begin[shell], count));
+        return is_outside == exact::Sign::negative;
       };
       const auto found = std::ranges::find_if(own, looks_out);
       // A flat piece: all its shells are empty, any will do.

@@ -64,13 +64,12 @@ const exact::FixedPoint& ExactMeasures::point(Index vertex) {
 FixedMeasure ExactMeasures::measure(std::span<const Index> half_faces) {
   const Index first = arrangement_.loops[arrangement_.faces[half_faces.front() / 2].first_loop];
   FixedMeasure measure{point(arrangement_.start[first])};
-  for (const Index half_face : half_faces) {
-    for_each_triangle(half_face, [&](Index a, Index b, Index c) {
-      // Three look-ups: a reference into the map outlives those after it.
-      measure.add(point(a), point(b), point(c));
-    });
-  }
+  for (const Index half_face : half_faces) add(measure, half_face);
   return measure;
+}
+
+void ExactMeasures::add(FixedMeasure& measure, Index half_face) {
+  for_each_triangle(half_face, [&](Index a, Index b, Index c) { measure.add(point(a), point(b), point(c)); });
 }
 
 exact::Sign ExactMeasures::sign(std::span<const Index> half_faces) {

@@ -61,7 +61,7 @@ Sign turn(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint along) no
   // Differences and `along` are exact; each term has two roundings, the sum at most six more.
   if (const auto sign = exact::sign_filtered(sum, 16 * exact::unit_roundoff * magnitude)) return *sign;
   const auto n = cross(u, v);
-  return exact::dot_sign(n, {along.x, along.y, along.z});
+  return exact::dot_sign(n, along);
 }
 
 std::optional<LatticePolygon> make_lattice_polygon(std::vector<LatticePoint> corners,

@@ -172,24 +172,22 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
   builder.adoption_margin_ = box_margin + 4 * input.snap.si() / lattice.pitch() * lattice_unit;
   const auto add_solid = [&](const geometry::Solid& solid, Owner owner, Index index) {
     const auto sites = sites_of(solid.vertices());
-    auto volume = solid.from_half_spaces() ? add_half_spaces(solid, sites, builder, out, owner, index)
-                                           : add_surface(solid, sites, builder, out, owner, index);
+    const auto collapsed = solid.from_half_spaces() ? add_half_spaces(solid, sites, builder, out, owner, index)
+                                                    : add_surface(solid, sites, builder, out, owner, index);
     for (const auto& face : solid.faces()) {
       std::vector<LatticePoint> corners;
       for (const std::uint32_t v : face.corners) corners.push_back(sites[v]);
       if (auto polygon = make_lattice_polygon(std::move(corners))) snapper.remember(*polygon);
     }
-    return volume;
+    return collapsed;
   };
-  const auto domain_volume = add_solid(input.domain, Owner::domain, 0);
-  if (!domain_volume) {
-    return std::unexpected(CutError{SolidCollapsed{std::nullopt, domain_volume.error(), metres(lattice.pitch())}});
+  if (const auto collapsed = add_solid(input.domain, Owner::domain, 0)) {
+    return std::unexpected(CutError{SolidCollapsed{std::nullopt, *collapsed, metres(lattice.pitch())}});
   }
-  out.domain_volume = *domain_volume;
   for (std::size_t e = 0; e < input.excavations.size(); ++e) {
-    if (const auto volume = add_solid(input.excavations[e], Owner::excavation, static_cast<Index>(e)); !volume) {
+    if (const auto collapsed = add_solid(input.excavations[e], Owner::excavation, static_cast<Index>(e))) {
       return std::unexpected(
-          CutError{SolidCollapsed{static_cast<std::uint32_t>(e), volume.error(), metres(lattice.pitch())}});
+          CutError{SolidCollapsed{static_cast<std::uint32_t>(e), *collapsed, metres(lattice.pitch())}});
     }
   }
 
@@ -209,10 +207,7 @@ std::expected<Prepared, CutError> prepare(const CutInput& input) {
     narrow(0, window_min.x, window_max.x);
     narrow(1, window_min.y, window_max.y);
     narrow(2, window_min.z, window_max.z);
-    const LatticePoint size = hi - lo;
-    out.domain_volume = static_cast<double>(size.x) * lattice.pitch() *
-                        (static_cast<double>(size.y) * lattice.pitch()) *
-                        (static_cast<double>(size.z) * lattice.pitch());
+    out.domain_surface = surface_of_box(lo, hi);
   }
 
   // Joints: first all polygons on the lattice (with corners, then planes snapped), then their facets (with edges

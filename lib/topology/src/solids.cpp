@@ -1,6 +1,8 @@
 #include "detail/solids.hpp"
 
 #include <algorithm>
+#include <array>
+#include <vector>
 
 #include "cleave/geometry/triangulate.hpp"
 #include "detail/position.hpp"
@@ -8,24 +10,34 @@
 namespace cleave::topology::detail {
 namespace {
 
+using exact::FixedPoint;
 using exact::LatticePoint;
 using exact::Plane;
-using exact::Sign;
 using geometry::Vec3;
 
-/// Six times the volume.
-double six_volumes(const Vec& o, const Vec& a, const Vec& b, const Vec& c) {
-  const Vec u{a[0] - o[0], a[1] - o[1], a[2] - o[2]}, v{b[0] - o[0], b[1] - o[1], b[2] - o[2]},
-      w{c[0] - o[0], c[1] - o[1], c[2] - o[2]};
-  return (u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0]));
+FixedPoint fixed(LatticePoint p) {
+  const auto shifted = [](std::int64_t c) { return static_cast<exact::Int128>(c) * (exact::Int128{1} << 64); };
+  return {shifted(p.x), shifted(p.y), shifted(p.z)};
 }
-
-Vec relative(const exact::Lattice& lattice, LatticePoint p) { return lattice.relative(p); }
 
 }  // namespace
 
-std::expected<double, Index> add_half_spaces(const geometry::Solid& solid, std::span<const LatticePoint> sites,
-                                             FacetBuilder& builder, Prepared& out, Owner owner, Index owner_index) {
+std::vector<std::array<FixedPoint, 3>> surface_of_box(LatticePoint lo, LatticePoint hi) {
+  std::vector<std::array<FixedPoint, 3>> triangles;
+  const auto corner = [&](unsigned k) {
+    return fixed({(k & 1U) != 0 ? hi.x : lo.x, (k & 2U) != 0 ? hi.y : lo.y, (k & 4U) != 0 ? hi.z : lo.z});
+  };
+  constexpr std::array<std::array<unsigned, 4>, 6> sides{
+      {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+  for (const auto& [a, b, c, d] : sides) {
+    triangles.push_back({corner(a), corner(b), corner(c)});
+    triangles.push_back({corner(a), corner(c), corner(d)});
+  }
+  return triangles;
+}
+
+std::optional<Index> add_half_spaces(const geometry::Solid& solid, std::span<const LatticePoint> sites,
+                                     FacetBuilder& builder, Prepared& out, Owner owner, Index owner_index) {
   const auto faces = solid.faces();
   std::vector<HalfSpace> inside(faces.size());
   Vec lo{1, 1, 1}, hi{-1, -1, -1};
@@ -41,7 +53,7 @@ std::expected<double, Index> add_half_spaces(const geometry::Solid& solid, std::
     std::vector<LatticePoint> corners;
     for (const std::uint32_t v : faces[f].corners) corners.push_back(sites[v]);
     const auto polygon = make_lattice_polygon(std::move(corners));
-    if (!polygon) return std::unexpected(static_cast<Index>(f));
+    if (!polygon) return static_cast<Index>(f);
     const auto [plane, same] = builder.add_plane(polygon->plane);
     inside[f] = {plane, !same};
   }
@@ -66,6 +78,7 @@ std::expected<double, Index> add_half_spaces(const geometry::Solid& solid, std::
   }
   // The corners that the planes really have.
   std::vector<Vec> corners(sites.size());
+  std::vector<FixedPoint> exact_corners(sites.size());
   for (std::size_t v = 0; v < sites.size(); ++v) {
     std::vector<Index> meeting;
     for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -73,38 +86,36 @@ std::expected<double, Index> add_half_spaces(const geometry::Solid& solid, std::
         meeting.push_back(inside[f].plane);
       }
     }
-    if (meeting.size() != 3) return std::unexpected(Index{0});
+    if (meeting.size() != 3) return Index{0};
     const Plane &p = out.planes[meeting[0]], &q = out.planes[meeting[1]], &r = out.planes[meeting[2]];
-    if (exact::det3_exact(p, q, r) == Sign::zero) return std::unexpected(Index{0});
+    const auto exact_corner = exact::fixed_meet(p, q, r);
+    if (!exact_corner) return Index{0};
+    exact_corners[v] = *exact_corner;
     corners[v] = meet_position(exact::meet(exact::line_of(p, q), r), p, q, r);
   }
-  double volume = 0;
-  for (const auto& face : faces) {
-    for (std::size_t i = 1; i + 1 < face.corners.size(); ++i) {
-      volume +=
-          six_volumes(corners[0], corners[face.corners[0]], corners[face.corners[i]], corners[face.corners[i + 1]]);
-    }
-  }
-  const double side = out.lattice.pitch() * 0x1p48;
   if (owner == Owner::domain) {
+    for (const auto& face : faces) {
+      for (std::size_t i = 1; i + 1 < face.corners.size(); ++i) {
+        out.domain_surface.push_back(
+            {exact_corners[face.corners[0]], exact_corners[face.corners[i]], exact_corners[face.corners[i + 1]]});
+      }
+    }
     out.clip = inside;
     builder.set_domain_corners(std::move(corners));
   }
-  return volume * side * side * side / 6;
+  return std::nullopt;
 }
 
-std::expected<double, Index> add_surface(const geometry::Solid& solid, std::span<const LatticePoint> sites,
-                                         FacetBuilder& builder, const Prepared& out, Owner owner, Index owner_index) {
-  double volume = 0;
-  const Vec origin = relative(out.lattice, sites[0]);
+std::optional<Index> add_surface(const geometry::Solid& solid, std::span<const LatticePoint> sites,
+                                 FacetBuilder& builder, Prepared& out, Owner owner, Index owner_index) {
+  const auto bound = [&](LatticePoint a, LatticePoint b, LatticePoint c) {
+    if (owner == Owner::domain) out.domain_surface.push_back({fixed(a), fixed(b), fixed(c)});
+  };
   const auto faces = solid.faces();
   for (std::size_t f = 0; f < faces.size(); ++f) {
     std::vector<LatticePoint> corners;
     for (const std::uint32_t v : faces[f].corners) corners.push_back(sites[v]);
     const Facet facet = blank_facet(owner, owner_index, faces[f].tag);
-    const auto add_volume = [&](LatticePoint a, LatticePoint b, LatticePoint c) {
-      volume += six_volumes(origin, relative(out.lattice, a), relative(out.lattice, b), relative(out.lattice, c));
-    };
     auto polygon = make_lattice_polygon(corners);
     if (!polygon) {
       // A face that the lattice has flattened to a line or point bounds nothing, if its neighbours still close over it:
@@ -112,26 +123,26 @@ std::expected<double, Index> add_surface(const geometry::Solid& solid, std::span
       const bool vanished =
           corners.size() == 3 && (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]);
       if (vanished) continue;
-      return std::unexpected(static_cast<Index>(f));
+      return static_cast<Index>(f);
     }
     if (polygon->exactly_planar) {
-      for (std::size_t i = 1; i + 1 < corners.size(); ++i) add_volume(corners[0], corners[i], corners[i + 1]);
-      if (!builder.add_polygon(*polygon, facet)) return std::unexpected(static_cast<Index>(f));
+      for (std::size_t i = 1; i + 1 < corners.size(); ++i) bound(corners[0], corners[i], corners[i + 1]);
+      if (!builder.add_polygon(*polygon, facet)) return static_cast<Index>(f);
       continue;
     }
     // The triangles that the solid was checked with; corners on a straight side stay, since the neighbour may use them.
     std::vector<Vec3> exact_corners;
     for (const std::uint32_t v : faces[f].corners) exact_corners.push_back(solid.vertices()[v]);
     const auto triangles = geometry::triangulate(exact_corners);
-    if (!triangles || triangles->size() + 2 != corners.size()) return std::unexpected(static_cast<Index>(f));
+    if (!triangles || triangles->size() + 2 != corners.size()) return static_cast<Index>(f);
     for (const auto& [a, b, c] : *triangles) {
       const auto triangle = make_lattice_polygon({corners[a], corners[b], corners[c]});
-      if (!triangle) return std::unexpected(static_cast<Index>(f));
-      add_volume(corners[a], corners[b], corners[c]);
-      if (!builder.add_polygon(*triangle, facet)) return std::unexpected(static_cast<Index>(f));
+      if (!triangle) return static_cast<Index>(f);
+      bound(corners[a], corners[b], corners[c]);
+      if (!builder.add_polygon(*triangle, facet)) return static_cast<Index>(f);
     }
   }
-  return volume / 6;
+  return std::nullopt;
 }
 
 }  // namespace cleave::topology::detail

@@ -17,6 +17,7 @@ class ExactMeasures final {
 
   /// Of half-faces that close, seen from the side they look to: positive when they enclose it.
   [[nodiscard]] FixedMeasure measure(std::span<const Index> half_faces);
+  void add(FixedMeasure& measure, Index half_face);
   /// Sign of the enclosed volume; exact.
   [[nodiscard]] exact::Sign sign(std::span<const Index> half_faces);
 

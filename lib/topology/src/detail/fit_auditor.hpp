@@ -68,6 +68,12 @@ class FitAuditor final {
     }
     return out;
   }
+  /// `measured`, or the volume by integers where doubles are not good to `relative`.
+  [[nodiscard]] double volume(BlockId b, double measured, double relative) const {
+    double surface = 0;
+    for (const FaceId f : complex_.blocks()[b].faces) surface += complex_.faces()[f].area.si();
+    return tolerance_ * surface <= relative * measured ? measured : exactly_.measure(b).volume;
+  }
   /// Faces that are not among those of the block they name.
   [[nodiscard]] std::uint64_t faces_without_block() const {
     std::uint64_t lost = 0;

@@ -19,8 +19,6 @@ class FixedMeasure final {
 
   /// Counter-clockwise seen from outside.
   void add(const exact::FixedPoint& a, const exact::FixedPoint& b, const exact::FixedPoint& c);
-  /// The triangle seen from the other side.
-  void take(const exact::FixedPoint& a, const exact::FixedPoint& b, const exact::FixedPoint& c) { add(a, c, b); }
 
   /// Sign of the volume; empty when it is smaller than what the rounding of the corners may do.
   [[nodiscard]] std::optional<exact::Sign> sign() const;

@@ -5,6 +5,7 @@
 #include <expected>
 #include <vector>
 
+#include "cleave/exact/fixed.hpp"
 #include "cleave/exact/lattice.hpp"
 #include "cleave/exact/plane.hpp"
 #include "cleave/topology/block_complex.hpp"
@@ -52,7 +53,8 @@ struct Prepared {
   std::vector<Facet> facets;
   std::vector<Index> facets_begin, facets_on;  ///< facets of each facet plane (CSR)
   std::vector<HalfSpace> clip;  ///< half-spaces of the window and of a convex domain; edges of joints already
-  double domain_volume = 0;     ///< m3; of the window when there is one
+  /// What bounds the domain, or the window when there is one: triangles, counter-clockwise seen from outside.
+  std::vector<std::array<exact::FixedPoint, 3>> domain_surface;
   bool windowed = false;
   double largest_snap = 0;  ///< m
   std::uint64_t merged_planes = 0, adopted_edges = 0;

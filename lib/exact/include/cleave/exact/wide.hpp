@@ -16,8 +16,6 @@ using Wide = boost::multiprecision::number<
     boost::multiprecision::et_off>;
 
 [[nodiscard]] Wide widened(const Int192& value) noexcept;
-/// Precondition: |value| < 2^191.
-[[nodiscard]] Int192 narrowed(const Wide& value) noexcept;
 
 /// The line of two planes and the meet of three in integers.
 struct ExactLine {

@@ -130,9 +130,8 @@ class BlockComplex final {
     std::vector<Patch> patches;              ///< of all faces
     IdVector<BlockId, Block> blocks;
     IdVector<PlaneId, exact::Plane>
-        planes;               ///< exact coefficients in lattice units; normals point to the positive side
-    Volume domain_volume;     ///< of the domain solid
-    Volume excavated_volume;  ///< of the part of the domain that is void
+        planes;          ///< exact coefficients in lattice units; normals point to the positive side
+    Volume rock_volume;  ///< of the domain (or window) less what is excavated, from their own surfaces
     CutReport report;
     std::optional<Dangling> dangling = {};  ///< when asked for
 
@@ -161,7 +160,7 @@ class BlockComplex final {
   [[nodiscard]] const IdVector<BlockId, Block>& blocks() const noexcept { return data_.blocks; }
   [[nodiscard]] const IdVector<PlaneId, exact::Plane>& planes() const noexcept { return data_.planes; }
   /// Volume of the domain less what is excavated.
-  [[nodiscard]] Volume rock_volume() const noexcept { return data_.domain_volume - data_.excavated_volume; }
+  [[nodiscard]] Volume rock_volume() const noexcept { return data_.rock_volume; }
   [[nodiscard]] const CutReport& report() const noexcept { return data_.report; }
   [[nodiscard]] const Data& data() const noexcept { return data_; }
 

@@ -1,0 +1,197 @@
+#include "cleave/assembly/groups.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "branch.hpp"
+
+namespace cleave::assembly {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+/// Larger groups get no factors.
+constexpr std::size_t most_for_factors = 40;
+/// A body belongs to a motion when it has this share of its largest rate.
+constexpr double belongs = 1e-6;
+
+std::vector<std::uint8_t> moving_ones(const std::vector<double>& speed) {
+  double most = 0;
+  for (const double s : speed) most = std::max(most, s);
+  std::vector<std::uint8_t> out(speed.size(), 0);
+  for (std::size_t b = 0; b < speed.size(); ++b) out[b] = most > slow && speed[b] > belongs * most ? 1 : 0;
+  return out;
+}
+
+Motion of_members(const Motion& motion, const std::vector<std::uint32_t>& members) {
+  Motion out;
+  for (const std::uint32_t b : members) out.push_back(motion[b]);
+  return out;
+}
+
+bool apart(double up, double moving) { return !(up <= 1.05 * moving); }
+
+}  // namespace
+
+std::string_view name(Verdict verdict) noexcept {
+  switch (verdict) {
+    case Verdict::certain: return "certain";
+    case Verdict::unsafe: return "unsafe";
+    case Verdict::in_doubt: return "in_doubt";
+    case Verdict::no_motion_found: return "no_motion_found";
+    case Verdict::stands: return "stands";
+  }
+  std::unreachable();
+}
+
+Judged judge(const Assembly& assembly) {
+  Judged out;
+  out.up = static_factor(assembly);
+  out.moving = moving_factor(assembly, out.up.factor);
+  const Projection drive = project(assembly, 1);
+  if (drive.largest > slow) {
+    if (auto proof = check_motion(assembly, 1, drive.motion)) {
+      out.verdict = Verdict::certain;
+      out.motion = drive.motion;
+      out.moves = std::move(*proof);
+      return out;
+    }
+  }
+  const Start start = start_from_rest(assembly, 1);
+  if (start.found == FromRest::moves || out.moving.factor < 1) {
+    out.verdict = Verdict::unsafe;
+    if (start.found == FromRest::moves) out.motion = start.motion;
+    out.moving.factor = std::min(out.moving.factor, 1.0);
+    return out;
+  }
+  if (out.moving.factor == infinite) {
+    if (auto proof = check_rest(assembly, infinite, holding_forces(assembly, infinite, 1e-3))) {
+      out.verdict = Verdict::stands;
+      out.stands = *proof;
+      return out;
+    }
+  }
+  const bool settled = start.found == FromRest::rests && out.moving.settled && out.up.settled;
+  const bool one = assembly.bodies().size() == 1 && !turns(assembly.freedom());
+  out.verdict =
+      settled && (one || !apart(out.up.factor, out.moving.factor)) ? Verdict::no_motion_found : Verdict::in_doubt;
+  return out;
+}
+
+namespace {
+
+/// One island.
+class Search final {
+ public:
+  explicit Search(const Assembly& island) : island_{island}, taken_(island.bodies().size(), 0) {}
+
+  /// False when it stands without friction.
+  bool run() {
+    const Projection free = project(island_, infinite);
+    if (free.settled && !(free.largest > slow)) return false;
+    find_certain();
+    const Start start = start_from_rest(island_, 1);
+    switch (start.found) {
+      case FromRest::moves: take(moving_ones(start.speed), Verdict::unsafe, start.motion); break;
+      case FromRest::rests: break;
+      case FromRest::unsettled: look_closer(moving_ones(free.speed)); break;
+    }
+    return true;
+  }
+  [[nodiscard]] std::vector<Group>& groups() noexcept { return groups_; }
+
+ private:
+  void find_certain() {
+    const Projection drive = project(island_, 1);
+    for (std::vector<std::uint32_t>& members : connected_parts(island_, moving_ones(drive.speed))) {
+      const Assembly part = island_.part(members, Assembly::Others::fixed);
+      Motion motion = of_members(drive.motion, members);
+      auto proof = check_motion(part, 1, motion);
+      // What cannot be proved is left to the search from rest.
+      if (!proof) continue;
+      add(std::move(members), Verdict::certain, std::move(motion)).proof = std::move(*proof);
+    }
+  }
+
+  void take(std::vector<std::uint8_t> among, Verdict verdict, const Motion& motion) {
+    for (std::size_t b = 0; b < among.size(); ++b) among[b] = among[b] != 0 && taken_[b] == 0 ? 1 : 0;
+    for (std::vector<std::uint32_t>& members : connected_parts(island_, among)) {
+      Motion own = of_members(motion, members);
+      add(std::move(members), verdict, std::move(own));
+    }
+  }
+
+  /// The island as a whole did not settle: part by part, what else is there taken to be fixed.
+  void look_closer(std::vector<std::uint8_t> among) {
+    for (std::size_t b = 0; b < among.size(); ++b) among[b] = among[b] != 0 && taken_[b] == 0 ? 1 : 0;
+    for (std::vector<std::uint32_t>& members : connected_parts(island_, among)) {
+      Motion motion(members.size());
+      Verdict verdict = Verdict::in_doubt;
+      if (members.size() < island_.bodies().size()) {
+        const Start start = start_from_rest(island_.part(members, Assembly::Others::fixed), 1);
+        if (start.found == FromRest::rests) continue;
+        if (start.found == FromRest::moves) {
+          const std::vector<std::uint8_t> moves = moving_ones(start.speed);
+          std::vector<std::uint8_t> whole(among.size(), 0);
+          Motion wide(among.size());
+          for (std::size_t k = 0; k < members.size(); ++k) {
+            whole[members[k]] = moves[k];
+            wide[members[k]] = start.motion[k];
+          }
+          take(std::move(whole), Verdict::unsafe, wide);
+          continue;
+        }
+      }
+      add(std::move(members), verdict, std::move(motion));
+    }
+  }
+
+  Group& add(std::vector<std::uint32_t> members, Verdict verdict, Motion motion) {
+    for (const std::uint32_t b : members) taken_[b] = 1;
+    Group& group = groups_.emplace_back();
+    group.verdict = verdict;
+    group.motion = std::move(motion);
+    group.factors = members.size() <= most_for_factors;
+    if (group.factors) {
+      const Assembly part = island_.part(members, Assembly::Others::fixed);
+      group.up = static_factor(part);
+      group.moving = moving_factor(part, group.up.factor);
+    } else {
+      group.up.factor = verdict == Verdict::certain ? 1 : infinite;
+      group.moving.factor = 1;
+      group.moving.settled = false;
+    }
+    // It moves at strengths as they are.
+    if (verdict != Verdict::in_doubt) group.moving.factor = std::min(group.moving.factor, 1.0);
+    group.bodies = std::move(members);
+    return group;
+  }
+
+  const Assembly& island_;
+  std::vector<std::uint8_t> taken_;
+  std::vector<Group> groups_;
+};
+
+}  // namespace
+
+Groups find_groups(const Assembly& assembly) {
+  Groups out;
+  const std::vector<std::uint8_t> all(assembly.bodies().size(), 1);
+  for (const std::vector<std::uint32_t>& members : connected_parts(assembly, all)) {
+    const Assembly island = assembly.part(members, Assembly::Others::fixed);
+    Search search{island};
+    if (!search.run()) {
+      out.held += members.size();
+      continue;
+    }
+    for (Group& group : search.groups()) {
+      for (std::uint32_t& b : group.bodies) b = members[b];
+      out.groups.push_back(std::move(group));
+    }
+  }
+  std::ranges::sort(out.groups, {}, [](const Group& g) { return g.bodies.front(); });
+  return out;
+}
+
+}  // namespace cleave::assembly

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "cleave/assembly/groups.hpp"
+#include "cleave/stability/analyse.hpp"
+
+namespace cleave::stability {
+
+/// What key groups are for.
+enum class GroupsCheck : std::uint8_t {
+  off,
+  note,  ///< found and said; batches of key blocks stay as they are
+};
+
+/// Blocks that move together, or may.
+struct KeyGroup {
+  std::uint32_t batch = 0;  ///< 1, 2, ...: in whose state it was found; groups of a state leave together
+  assembly::Verdict verdict = assembly::Verdict::in_doubt;
+  bool moments = false;                        ///< blocks turn: translation alone does not move them
+  std::vector<topology::BlockId> blocks = {};  ///< ascending
+  std::vector<assembly::Rate> rates = {};      ///< of `blocks`: m/s2 and 1/s2, about their centroids
+  Volume volume = {};
+  geometry::Vec3 direction = {};  ///< unit, of the largest block; zero when in doubt
+  double factor_up = 0;           ///< above it motion is certain; infinite when there is no such factor
+  double factor_move = 0;         ///< factor of safety of the group
+  bool factors = true;            ///< false: too large a group for factors
+};
+
+struct KeyGroups {
+  std::vector<KeyGroup> groups = {};  ///< by batch, then by lowest block
+  std::size_t blocks = 0;             ///< looked at together in the first state
+  bool stopped_at_max_batches = false;
+  /// A block that is known in part only was taken to stay beside a block that moves.
+  bool at_the_edge = false;
+};
+
+/// Blocks near free faces judged together, state by state: first in translation, then with moments. What is farther off
+/// is taken to be fixed, which only adds support; the near part grows until no group touches its end.
+[[nodiscard]] KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings);
+
+}  // namespace cleave::stability

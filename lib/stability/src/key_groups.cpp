@@ -1,0 +1,166 @@
+#include "cleave/stability/key_groups.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "assembly_of.hpp"
+#include "contacts.hpp"
+
+namespace cleave::stability {
+namespace {
+
+using assembly::Freedom;
+using assembly::Verdict;
+using geometry::Vec3;
+using topology::BlockId;
+
+/// Layers of blocks behind the exposed ones that are looked at first; as many more when a group touches the last.
+constexpr std::uint32_t first_layers = 3;
+
+class Search final {
+ public:
+  Search(const topology::BlockComplex& complex, const Settings& settings)
+      : model_{complex, settings}, layers_{first_layers} {}
+
+  KeyGroups run() {
+    const std::uint32_t most = model_.settings().max_batches;
+    for (std::uint32_t batch = 1;; ++batch) {
+      std::vector<KeyGroup> found = state(batch);
+      std::vector<BlockId> leaving;
+      for (const KeyGroup& group : found) {
+        if (group.verdict != Verdict::in_doubt) leaving.insert(leaving.end(), group.blocks.begin(), group.blocks.end());
+      }
+      if (!leaving.empty() && batch > most) {
+        out_.stopped_at_max_batches = true;
+        break;
+      }
+      for (KeyGroup& group : found) {
+        // What is in doubt stays, and is said of the last state that has it.
+        if (group.verdict != Verdict::in_doubt || leaving.empty()) out_.groups.push_back(std::move(group));
+      }
+      if (leaving.empty()) break;
+      for (const BlockId id : leaving) model_.remove(id, batch);
+    }
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] const topology::BlockComplex& complex() const noexcept { return model_.complex(); }
+  /// May be moved: a block that is known in part only is taken to stay.
+  [[nodiscard]] bool may_move(BlockId id, std::uint32_t batch) const {
+    const topology::Block& block = complex().blocks()[id];
+    return !block.fixed && !block.truncated && model_.present(id, batch) && block.volume.si() > 0;
+  }
+
+  template <class Visit>
+  void neighbours(BlockId id, Visit&& visit) const {
+    for (const topology::FaceId face : complex().blocks()[id].faces) {
+      for (const topology::Patch& patch : complex().patches(complex().faces()[face])) {
+        if (patch.neighbour) visit(*patch.neighbour);
+      }
+    }
+  }
+
+  /// Blocks with something open, and those within some layers of them.
+  [[nodiscard]] std::vector<BlockId> near(std::uint32_t batch) {
+    IdVector<BlockId, std::uint8_t> taken(complex().blocks().size(), 0);
+    std::vector<BlockId> all, layer;
+    for (const BlockId id : complex().blocks().ids()) {
+      if (!may_move(id, batch) || !model_.held(id, batch).exposed) continue;
+      taken[id] = 1;
+      layer.push_back(id);
+    }
+    for (std::uint32_t k = 0;; ++k) {
+      all.insert(all.end(), layer.begin(), layer.end());
+      if (k >= layers_ || layer.empty()) break;
+      std::vector<BlockId> next;
+      for (const BlockId id : layer) {
+        neighbours(id, [&](BlockId other) {
+          if (taken[other] != 0 || !may_move(other, batch)) return;
+          taken[other] = 1;
+          next.push_back(other);
+        });
+      }
+      layer = std::move(next);
+    }
+    std::ranges::sort(all);
+    return all;
+  }
+
+  /// Groups of one state; with more layers as long as one touches what is taken to be fixed and is not.
+  std::vector<KeyGroup> state(std::uint32_t batch) {
+    for (;;) {
+      const std::vector<BlockId> blocks = near(batch);
+      if (batch == 1) out_.blocks = blocks.size();
+      if (blocks.empty()) return {};
+      std::vector<KeyGroup> found = groups_of(blocks, batch);
+      bool touches = false;
+      for (const KeyGroup& group : found) {
+        for (const BlockId id : group.blocks) {
+          neighbours(id, [&](BlockId other) {
+            if (std::ranges::binary_search(blocks, other)) return;
+            touches = touches || may_move(other, batch);
+            out_.at_the_edge = out_.at_the_edge || complex().blocks()[other].truncated;
+          });
+        }
+      }
+      if (!touches) return found;
+      layers_ += first_layers;
+    }
+  }
+
+  std::vector<KeyGroup> groups_of(const std::vector<BlockId>& blocks, std::uint32_t batch) {
+    const assembly::Assembly whole = assembly_of(model_, blocks, batch);
+    std::array<std::vector<assembly::Group>, 2> found{assembly::find_groups(whole.with(Freedom::translation)).groups,
+                                                      assembly::find_groups(whole.with(Freedom::rigid)).groups};
+    std::vector<std::uint8_t> taken(blocks.size(), 0);
+    std::vector<KeyGroup> out;
+    // Every block once: as what moves before what is in doubt, and as what translation moves before what turns.
+    for (const bool doubt : {false, true}) {
+      for (const bool moments : {false, true}) {
+        for (const assembly::Group& group : found[moments ? 1 : 0]) {
+          if ((group.verdict == Verdict::in_doubt) != doubt) continue;
+          if (std::ranges::any_of(group.bodies, [&](std::uint32_t b) { return taken[b] != 0; })) continue;
+          for (const std::uint32_t b : group.bodies) taken[b] = 1;
+          out.push_back(said(group, blocks, batch, moments));
+        }
+      }
+    }
+    std::ranges::sort(out, {}, [](const KeyGroup& g) { return g.blocks.front(); });
+    return out;
+  }
+
+  KeyGroup said(const assembly::Group& group, const std::vector<BlockId>& blocks, std::uint32_t batch, bool moments) {
+    KeyGroup out{.batch = batch, .verdict = group.verdict, .moments = moments};
+    out.rates = group.motion;
+    double largest = 0;
+    for (std::size_t k = 0; k < group.bodies.size(); ++k) {
+      const BlockId id = blocks[group.bodies[k]];
+      const topology::Block& block = complex().blocks()[id];
+      out.blocks.push_back(id);
+      out.volume += block.volume;
+      const Vec3 velocity = group.motion[k].velocity;
+      if (block.volume.si() > largest && norm(velocity) > 0) {
+        largest = block.volume.si();
+        out.direction = normalized(velocity);
+      }
+    }
+    out.factor_up = group.up.factor;
+    out.factor_move = group.moving.factor;
+    out.factors = group.factors;
+    return out;
+  }
+
+  Model model_;
+  std::uint32_t layers_;
+  KeyGroups out_;
+};
+
+}  // namespace
+
+KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings) {
+  return Search{complex.complex(), settings}.run();
+}
+
+}  // namespace cleave::stability

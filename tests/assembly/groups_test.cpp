@@ -1,0 +1,136 @@
+#include "cleave/assembly/groups.hpp"
+
+#include <gtest/gtest.h>
+
+#include "cases.hpp"
+#include "chains.hpp"
+#include "cleave/core/rng.hpp"
+
+namespace cleave::assembly {
+namespace {
+
+using namespace test;
+
+TEST(Verdicts, OfTheCases) {
+  EXPECT_EQ(judge(toe(false).made()).verdict, Verdict::certain);
+  // Held by locked-in forces between its sides alone.
+  EXPECT_EQ(judge(toe(true).made()).verdict, Verdict::unsafe);
+  EXPECT_EQ(judge(toe_section().made()).verdict, Verdict::certain);
+  EXPECT_EQ(judge(interlocked().made()).verdict, Verdict::certain);
+  EXPECT_EQ(judge(drawer(true).made()).verdict, Verdict::no_motion_found);
+  EXPECT_EQ(judge(drawer(false).made()).verdict, Verdict::certain);
+  EXPECT_EQ(judge(leaning(2).made()).verdict, Verdict::no_motion_found);
+  EXPECT_EQ(judge(voussoirs().made()).verdict, Verdict::unsafe);
+  EXPECT_EQ(judge(level_stack().made()).verdict, Verdict::no_motion_found);
+  EXPECT_EQ(judge(ploughing(e3).made()).verdict, Verdict::certain);
+  EXPECT_EQ(judge(single({{plane(60, 0), 0}, {plane(60, 120), 0}, {plane(60, 240), 0}}).made()).verdict,
+            Verdict::stands);
+}
+
+TEST(Verdicts, FactorsFarApartAreInDoubt) {
+  const Judged columns = judge(toppling_columns(38.6598).made());
+  EXPECT_EQ(columns.verdict, Verdict::in_doubt);
+  EXPECT_EQ(judge(ploughing(e1).made()).verdict, Verdict::no_motion_found);
+}
+
+TEST(KeyGroups, TellGroupsFromWhatHolds) {
+  Builder b = toe(true);
+  const std::uint32_t holds = b.block({0, 0, -50}, 50);
+  b.contact(holds, rock, {sin_deg(20), 0, cos_deg(20)}, tan_deg(30));
+  const std::uint32_t slides = b.block({0, 0, -50}, 50);
+  b.contact(slides, rock, {sin_deg(31), 0, cos_deg(31)}, tan_deg(30));
+  const std::uint32_t wedged = b.block({0, 0, -1}, 1);
+  for (const Vec3 n : {plane(60, 0), plane(60, 120), plane(60, 240)}) b.contact(wedged, rock, n, 0);
+  const Groups found = find_groups(b.made());
+  ASSERT_EQ(found.groups.size(), 2U);
+  EXPECT_EQ(found.groups[0].bodies, (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(found.groups[0].verdict, Verdict::unsafe);
+  EXPECT_NEAR(found.groups[0].moving.factor, 0.942790, 1e-6);
+  EXPECT_EQ(found.groups[1].bodies, (std::vector<std::uint32_t>{slides}));
+  EXPECT_EQ(found.groups[1].verdict, Verdict::certain);
+  EXPECT_TRUE(found.groups[1].proof.has_value());
+  EXPECT_NEAR(found.groups[1].up.factor, tan_deg(30) / tan_deg(31), 1e-7);
+  EXPECT_EQ(found.held, 1U);
+}
+
+// The certificate is a function of the input: in another order the same blocks move at the same rates.
+TEST(KeyGroups, DoNotDependOnTheOrder) {
+  const Builder b = toppling_columns(30);
+  Builder turned{Freedom::section};
+  const auto count = static_cast<std::uint32_t>(b.spec.bodies.size());
+  for (std::uint32_t k = count; k-- > 0;) turned.spec.bodies.push_back(b.spec.bodies[k]);
+  for (std::size_t k = b.spec.contacts.size(); k-- > 0;) {
+    Contact c = b.spec.contacts[k];
+    c.body = count - 1 - c.body;
+    if (c.other) c.other = count - 1 - *c.other;
+    turned.spec.contacts.push_back(c);
+  }
+  const Projection p = project(b.made(), 1), q = project(turned.made(), 1);
+  ASSERT_GT(p.largest, 1e-3);
+  for (std::uint32_t k = 0; k < count; ++k) EXPECT_NEAR(p.speed[k], q.speed[count - 1 - k], 1e-9);
+}
+
+/// Key block theory of a block on two planes, in closed form (Goodman and Shi 1985, with true reactions).
+double conventional(const std::vector<Side>& sides, Vec3 r) {
+  const auto fits = [&](Vec3 s) {
+    return std::ranges::all_of(sides, [&](const Side& k) { return dot(k.normal, s) >= -1e-12 * norm(r); });
+  };
+  if (fits(r)) return 0;
+  for (const Side& k : sides) {
+    const double n = -dot(k.normal, r);
+    const Vec3 s = r + n * k.normal;
+    if (n > 0 && norm(s) > 1e-12 && fits(s)) return n * k.friction / norm(s);
+  }
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    for (std::size_t j = i + 1; j < sides.size(); ++j) {
+      const double a = dot(sides[i].normal, r), b = dot(sides[j].normal, r), c = dot(sides[i].normal, sides[j].normal);
+      const double q = 1 - c * c, ni = (c * b - a) / q, nj = (c * a - b) / q;
+      const Vec3 e = normalized(cross(sides[i].normal, sides[j].normal));
+      const Vec3 s = dot(e, r) * e;
+      if (q > 1e-9 && ni >= 0 && nj >= 0 && norm(s) > 1e-12 && fits(s)) {
+        return (ni * sides[i].friction + nj * sides[j].friction) / norm(s);
+      }
+    }
+  }
+  return infinite;
+}
+
+// One block in translation: the moving factor is that of key block theory (T3), the static one no less.
+TEST(KeyGroups, OneBlockIsKeyBlockTheory) {
+  Rng rng{20261123};
+  const auto number = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(rng.between(0, 1 << 30)) / static_cast<double>(1 << 30);
+  };
+  int finite = 0, wedged = 0, certain = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    SCOPED_TRACE(trial);
+    const auto count = rng.between(1, 4);
+    std::vector<Side> sides;
+    for (int k = 0; k < count; ++k) {
+      Vec3 n{number(-1, 1), number(-1, 1), number(-1, 1)};
+      if (norm(n) < 0.1) n = {1, 0, 0};
+      sides.push_back({normalized(n), number(0.1, 1.2)});
+    }
+    const double factor = conventional(sides, {0, 0, -1});
+    const Judged got = judge(single(sides).made());
+    EXPECT_GE(got.up.factor, got.moving.factor * (1 - 1e-6));
+    if (factor == 0 || factor == infinite) {
+      EXPECT_EQ(got.moving.factor, factor);
+    } else {
+      EXPECT_NEAR(got.moving.factor, factor, 2e-6 * factor);
+      ++finite;
+      if (got.up.factor > 1.001 * factor) ++wedged;
+    }
+    const bool unsafe = got.verdict == Verdict::certain || got.verdict == Verdict::unsafe;
+    if (std::abs(factor - 1) > 1e-5) {
+      EXPECT_EQ(unsafe, factor < 1) << factor;
+    }
+    certain += got.verdict == Verdict::certain ? 1 : 0;
+  }
+  EXPECT_GT(finite, 300);
+  EXPECT_GT(wedged, 50);
+  EXPECT_GT(certain, 100);
+}
+
+}  // namespace
+}  // namespace cleave::assembly

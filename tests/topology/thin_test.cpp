@@ -1,0 +1,180 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "complexes.hpp"
+
+// Rock thinner than doubles can measure passes its certificate, with the right volumes: needles between planes close
+// together, plates and shells as domains, surfaces that nearly coincide.
+
+namespace cleave::testing {
+namespace {
+
+constexpr double unit_of_float = 0x1p-32;
+
+/// Numbers for one scene.
+class Draw {
+ public:
+  explicit Draw(std::uint64_t key) : state_{key * 0x9E3779B97F4A7C15U + 1} {}
+  double operator()(double from, double to) {
+    state_ = (state_ ^ (state_ >> 31U)) * 0xBF58476D1CE4E5B9U + 0x94D049BB133111EBU;
+    return from + (to - from) * static_cast<double>(state_ >> 32U) * unit_of_float;
+  }
+  Vec3 direction() {
+    for (;;) {
+      const Vec3 v{(*this)(-1, 1), (*this)(-1, 1), (*this)(-1, 1)};
+      if (const double n = geometry::norm(v); n < 1 && n > 0.1) return v / n;
+    }
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// A box of some metres with two or three pairs of planes 1e-2 to 1e-13 m apart, at the origin or at 5e6 m.
+topology::CutInput needles(std::uint64_t key) {
+  Draw draw{key};
+  const double far = key % 2 == 0 ? 0 : 5e6, size = std::pow(10, draw(-1, 2));
+  const Vec3 centre{far, 0.9 * far, far / 1e4}, half{size / 2, size / 2, size / 2};
+  topology::CutInput input = scene(box(centre - half, centre + half));
+  for (int pair = 0; pair < 2 + static_cast<int>(key % 3 == 0); ++pair) {
+    const Vec3 n = draw.direction(), u = geometry::normalized(geometry::cross(n, draw.direction()));
+    const Vec3 v = geometry::cross(n, u), at = centre + 0.3 * size * draw(0, 1) * draw.direction();
+    const double gap = std::pow(10, draw(-13, -2)), reach = (key % 5 == 0 ? draw(0.2, 0.8) : 2) * size;
+    input.joints.emplace_back(parallelogram(at, reach * u, reach * v));
+    const double tilt = key % 7 == 0 ? 0.3 * gap / reach : 0;
+    const Vec3 turned = u + (tilt * draw(-1, 1)) * n;
+    input.joints.emplace_back(parallelogram(at + gap * n, reach * turned, reach * v));
+  }
+  return input;
+}
+
+TEST(Thin, NeedlesPassTheirCertificate) {
+  std::size_t blocks = 0;
+  for (std::uint64_t key = 1; key <= 600; ++key) {
+    const auto audited = topology::audit(topology::cut(needles(key)).value());
+    ASSERT_TRUE(audited) << "scene " << key << ": " << audited.error().misfits << " misfits, volume off by "
+                         << audited.error().volume_relative_error;
+    blocks += audited->complex().blocks().size();
+  }
+  EXPECT_GT(blocks, 600U * 4);
+}
+
+TEST(Thin, NeedlesHaveTheirVolume) {
+  for (const double gap : {0x1p-10, 0x1p-20, 0x1p-26, 0x1p-32, 0x1p-38}) {
+    topology::CutInput input = scene(box({-8, -8, -8}, {8, 8, 8}));
+    for (const double at : {1.0, 1.0 + gap}) {
+      input.joints.emplace_back(rectangle(0, at, {-9, -9}, {9, 9}));
+      // Turned by 45 degrees, and a whole number of lattice steps apart.
+      input.joints.emplace_back(joint({{-9, -9 + at, -9}, {9, 9 + at, -9}, {9, 9 + at, 9}, {-9, -9 + at, 9}}));
+    }
+    const auto all = volumes(input);
+    ASSERT_EQ(all.size(), 9U);
+    // A parallelogram of sides gap and gap sqrt(2), 16 m long.
+    EXPECT_NEAR(all.front() / (gap * gap * 16), 1, 1e-9) << gap;
+  }
+}
+
+// A plane across a needle shares it out to the last digits that its gap has.
+TEST(Thin, PartsOfANeedleAddUp) {
+  for (std::uint64_t key = 1; key <= 60; ++key) {
+    Draw draw{key};
+    const double gap = std::pow(10, draw(-12, -6));
+    topology::CutInput input = scene(box({-5, -5, -5}, {5, 5, 5}));
+    const Vec3 along = draw.direction();
+    for (int pair = 0; pair < 2; ++pair) {
+      const Vec3 n = geometry::normalized(geometry::cross(along, draw.direction())), v = geometry::cross(n, along);
+      for (const double at : {0.0, gap}) input.joints.emplace_back(parallelogram(at * n, 20 * along, 20 * v));
+    }
+    const auto whole = volumes(input);
+    const Vec3 u = geometry::normalized(geometry::cross(along, draw.direction()));
+    input.joints.emplace_back(parallelogram(draw(-1, 1) * along, 20 * u, 20 * geometry::cross(along, u)));
+    const auto parts = volumes(input);
+    ASSERT_EQ(whole.size(), 9U);
+    ASSERT_EQ(parts.size(), 18U);
+    EXPECT_NEAR((parts[0] + parts[1]) / whole[0], 1, 1e-9) << key << ", " << gap;
+  }
+}
+
+/// Outside and inside of a box with walls of `thickness` as one surface, turned.
+geometry::Solid shell(double half, double thickness) {
+  std::vector<Vec3> vertices;
+  std::vector<geometry::SolidFace> faces;
+  constexpr std::array<std::array<std::uint32_t, 4>, 6> sides{
+      {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+  const Vec3 u = Vec3{2, 3, 6} / 7.0, v = Vec3{3, -6, 2} / 7.0, w = geometry::cross(u, v);
+  for (const bool inner : {false, true}) {
+    const auto base = static_cast<std::uint32_t>(vertices.size());
+    const double r = inner ? half - thickness : half;
+    for (unsigned k = 0; k < 8; ++k) {
+      vertices.push_back(((k & 1U) != 0 ? r : -r) * u + ((k & 2U) != 0 ? r : -r) * v + ((k & 4U) != 0 ? r : -r) * w);
+    }
+    for (const auto& [a, b, c, d] : sides) {
+      for (auto corners : {std::vector{a, b, c}, std::vector{a, c, d}}) {
+        if (inner) std::swap(corners[1], corners[2]);
+        for (std::uint32_t& corner : corners) corner += base;
+        faces.push_back({.corners = std::move(corners), .tag = 0});
+      }
+    }
+  }
+  return geometry::Solid::make(std::move(vertices), std::move(faces), {"wall"}).value();
+}
+
+TEST(Thin, ShellsPassTheirCertificate) {
+  for (const double thickness : {1e-1, 1e-3, 1e-5, 1e-7, 1e-9}) {
+    topology::CutInput as_domain = scene(shell(5, thickness));
+    topology::CutInput as_excavation = scene(box({-5, -5, -5}, {5, 5, 5}));
+    as_excavation.excavations.push_back(
+        box(Vec3{-5, -5, -5} + thickness * Vec3{1, 1, 1}, Vec3{5, 5, 5} - thickness * Vec3{1, 1, 1}));
+    for (topology::CutInput* input : {&as_domain, &as_excavation}) {
+      for (std::uint64_t k = 1; k < 5; ++k) {
+        Draw draw{k};
+        const Vec3 n = draw.direction(), u = geometry::normalized(geometry::cross(n, draw.direction()));
+        input->joints.emplace_back(parallelogram(0.3 * n, 20 * u, 20 * geometry::cross(n, u)));
+      }
+      const auto audited = topology::audit(topology::cut(*input).value());
+      ASSERT_TRUE(audited) << thickness << ": " << audited.error().misfits << " misfits, volume off by "
+                           << audited.error().volume_relative_error;
+      const double wall = 1000 - 8 * std::pow(5 - thickness, 3);
+      EXPECT_NEAR(audited->certificate().volume.si() / wall, 1, 1e-3) << thickness;
+    }
+  }
+}
+
+// A rough surface and a copy of it that differs inside its rim only: they float in the domain and enclose many thin
+// blocks, however large the domain is.
+TEST(Thin, SurfacesThatNearlyCoincideFloatInAnyDomain) {
+  constexpr int n = 8;
+  const auto blocks_in = [&](double extent) {
+    topology::CutInput input = scene(box({-extent, -extent, -extent}, {extent, extent, extent}));
+    for (const double noise : {0.0, 1e-3}) {
+      Draw draw{11};
+      std::vector<std::vector<Vec3>> at(n + 1, std::vector<Vec3>(n + 1));
+      for (int i = 0; i <= n; ++i) {
+        for (int j = 0; j <= n; ++j) {
+          const bool rim = i == 0 || j == 0 || i == n || j == n;
+          const double rough = draw(-20, 20), off = draw(-1, 1);
+          at[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = {100.0 * i, 100.0 * j,
+                                                                          rough + (rim ? 0 : noise * off)};
+        }
+      }
+      topology::Joint surface;
+      for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t j = 0; j < n; ++j) {
+          for (const auto& [b, c] :
+               {std::pair{at[i + 1][j], at[i + 1][j + 1]}, std::pair{at[i + 1][j + 1], at[i][j + 1]}}) {
+            surface.polygons.push_back(geometry::Polygon::make({at[i][j], b, c}).value());
+          }
+        }
+      }
+      input.joints.emplace_back(std::move(surface));
+    }
+    return count_blocks(input);
+  };
+  const std::size_t blocks = blocks_in(1e3);
+  EXPECT_GT(blocks, 5U);
+  EXPECT_EQ(blocks_in(1e6), blocks);
+}
+
+}  // namespace
+}  // namespace cleave::testing
