@@ -2,12 +2,14 @@
 """Compares what two builds of cleave make of the same scenes: tests/compare_builds.py OLD NEW [--check] [--limit S] [--old-root DIR] [PATTERN]
 
 Runs every scene of examples, tests/regression and tests/workloads whose path holds PATTERN with both programs and
-compares exit code, messages, summary.json (but cost and version) and every CSV file to the last digit. With --check
-only `cleave check` and `cleave plan` are compared. Keys that only NEW has are listed, and no difference. A scene that
+compares exit code, messages, summary.json (but cost and version) and every CSV file, column by column, to the last digit. With --check
+only `cleave check` and `cleave plan` are compared. Keys and columns that only NEW has are listed, and no difference. A scene that
 takes longer than S seconds (60) in both is left out and counted. Ends with 1 when anything differs. --old-root
 is the checkout whose scenes OLD runs, where keys were renamed since.
 """
 import argparse
+import csv
+import io
 import json
 import pathlib
 import subprocess
@@ -60,6 +62,27 @@ def differences(old, new):
     return told
 
 
+def table_differences(name, old, new):
+    """Column by column: columns that only the new table has are no difference."""
+    if old == new:
+        return []
+    if old is None or new is None:
+        return [f"+ {name}"] if old is None else [f"lost {name}"]
+    rows = [list(csv.reader(io.StringIO(text.decode()))) for text in (old, new)]
+    if not rows[0] or not rows[1] or len(rows[0]) != len(rows[1]):
+        return [f"{name}: {len(rows[0])} lines -> {len(rows[1])}"]
+    told = [f"+ {name}: {column}" for column in rows[1][0] if column not in rows[0][0]]
+    for i, column in enumerate(rows[0][0]):
+        if column not in rows[1][0]:
+            told.append(f"{name}: lost column {column}")
+            continue
+        k = rows[1][0].index(column)
+        changed = [n for n, (a, b) in enumerate(zip(*rows)) if a[i] != b[k]]
+        if changed:
+            told.append(f"{name}: {column} differs in {len(changed)} rows, first {rows[0][changed[0]][i]} -> {rows[1][changed[0]][k]}")
+    return told
+
+
 def run_both(scene, roots, programs, limit):
     with tempfile.TemporaryDirectory() as place:
         folders = [pathlib.Path(place) / name for name in ("old", "new")]
@@ -75,8 +98,7 @@ def run_both(scene, roots, programs, limit):
         told += differences(*(summary_of(f) for f in folders))
         tables = [{f.name: f.read_bytes() for f in folder.glob("*.csv")} for folder in folders]
         for name in sorted(tables[0].keys() | tables[1].keys()):
-            if tables[0].get(name) != tables[1].get(name):
-                told.append(f"{name} differs")
+            told += table_differences(name, tables[0].get(name), tables[1].get(name))
         return told
 
 

@@ -59,6 +59,40 @@ TEST(Block, ModesOfTheColumnAgainstRitz) {
   EXPECT_NEAR(b.displacement_at(b.place({0, 2}), u).y, 3.7196e-5, 2e-8);
 }
 
+/// First frequencies (Hz) of NAFEMS FV32: a membrane of 10 m that tapers from 5 to 1 m, clamped at its wide end.
+std::vector<double> tapered_membrane(std::size_t along, std::size_t bubbles = BlockOptions::by_mesh) {
+  const Material m = testing::material(200e9, 0.3, 8000, PlaneState::stress);
+  const BlockOperator b =
+      BlockOperator::make({polygon({{0, -2.5}, {10, -0.5}, {10, 0.5}, {0, 2.5}}, 0, along)}, m, per_side(bubbles))
+          .value();
+  std::vector<HeldFreedom> held;
+  for (std::size_t i = 0; i < b.mesh().nodes.size(); ++i) {
+    if (std::abs(b.mesh().nodes[i].x.x + b.centroid().x) < 1e-9) {
+      held.push_back({i, {1, 0}});
+      held.push_back({i, {0, 1}});
+    }
+  }
+  std::vector<double> out;
+  for (const double l : supported_modes(b, held).eigenvalues) out.push_back(std::sqrt(l) / (2 * std::numbers::pi));
+  return out;
+}
+
+TEST(Block, FrequenciesOfATaperedMembrane) {
+  const std::vector<double> nafems{44.623, 130.03, 162.70, 246.05, 379.90, 391.44};
+  std::vector<double> worst;
+  for (const std::size_t along : {4U, 8U, 12U}) {
+    const auto f = tapered_membrane(along);
+    worst.push_back(0);
+    for (std::size_t k = 0; k < nafems.size(); ++k)
+      worst.back() = std::max(worst.back(), std::abs(f[k] / nafems[k] - 1));
+  }
+  EXPECT_LT(worst[0], 2e-2);
+  EXPECT_LT(worst[1], 1e-3);
+  EXPECT_LT(worst[2], 7e-4);
+  // Two more degrees of inner motions on the same mesh.
+  EXPECT_GT(std::abs(tapered_membrane(8, 4)[4] / nafems[4] - 1), 1e-2);
+}
+
 TEST(Block, GravityExcitesNoElasticModeAndShapesMayBeAnything) {
   const std::vector<std::vector<Loop>> shapes{
       {polygon({{0, 0}, {3, -0.4}, {3.5, 1.1}, {1.7, 0.9}, {0.4, 2}}, 0, 2)},                              // concave

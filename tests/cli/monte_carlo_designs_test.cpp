@@ -244,7 +244,7 @@ TEST_F(DesignsTest, RanksGiveTheSameBytes) {
 }
 
 // How long each of two real ranks had nothing to do is said when they end. How much it is depends on what else the
-// machine does: docs/monte_carlo_checks.md has it measured, tests/stochastic has it simulated.
+// machine does: docs/dev/monte_carlo_checks.md has it measured, tests/stochastic has it simulated.
 TEST_F(DesignsTest, RanksSayHowLongTheyWaited) {
   const fs::path program = fs::path{CLEAVE_PROGRAM}.parent_path() / "cleave_mpi";
   if (!fs::exists(program) || std::system("command -v mpirun > /dev/null 2>&1") != 0) {

@@ -1,14 +1,16 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
-#include "cleave/stability/result.hpp"
+#include "cleave/scene/run_result.hpp"
 #include "cleave/topology/block_complex.hpp"
 
 /// Block systems written down by hand, so that the writers are tested without the cutter.
@@ -180,6 +182,19 @@ inline stability::Judgement judgement(std::uint32_t block, stability::Mode mode,
           .pressing = {},
           .cone_dimension = 3,
           .tie = false};
+}
+
+/// A joint of a set with friction `tangent`.
+inline scene::JointInfo joint(Vec3 normal, std::uint32_t set, double tangent = 0.5) {
+  return {.set = scene::SetId{set},
+          .origin = scene::JointOrigin::drawn,
+          .source = {},
+          .strength = {.friction = FrictionAngle::degrees(std::atan(tangent) * 180 / std::numbers::pi),
+                       .cohesion = {},
+                       .tension = {}},
+          .normal = normal,
+          .dip = {},
+          .dip_direction = {}};
 }
 
 }  // namespace cleave::report::testing

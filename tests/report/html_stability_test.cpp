@@ -12,9 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/report/html.hpp"
-#include "cleave/report/view3d.hpp"
 #include "hand_made.hpp"
+#include "html.hpp"
+#include "key_blocks.hpp"
+#include "view3d.hpp"
 
 namespace cleave::report {
 namespace {
@@ -35,9 +36,10 @@ std::string section(const std::string& html, const std::string& id) {
 
 struct Tunnel {
   topology::BlockComplex complex = grid(3);
-  stability::Analysis analysis;
-  stability::SupportResult support, quake;
-  Page page;
+  scene::RunResult result = scene::empty_result();
+  stability::Analysis& analysis = result.analysis.emplace();
+  stability::SupportResult& support = result.support.emplace();
+  Page page{result, &complex};
 
   Tunnel() {
     analysis.judgements = {judgement(3, stability::Mode::falling, 1, 0), judgement(7, stability::Mode::sliding, 2, 0.7),
@@ -52,10 +54,10 @@ struct Tunnel {
     bolt.direction = {0, 0, 1};
     bolt.length = 4;
     for (const auto status : {stability::BoltStatus::holds, stability::BoltStatus::too_short}) {
-      stability::BoltResult result{.bolt = bolt};
-      result.status = status;
-      if (status == stability::BoltStatus::holds) result.serves = topology::BlockId{3U};
-      support.bolts.push_back(result);
+      stability::BoltResult row{.bolt = bolt};
+      row.status = status;
+      if (status == stability::BoltStatus::holds) row.serves = topology::BlockId{3U};
+      support.bolts.push_back(row);
     }
     support.blocks = {{.block = topology::BlockId{3U}, .mode = stability::Mode::falling, .target = 1.5}};
     support.blocks[0].held = stability::Held::bolts;
@@ -63,22 +65,24 @@ struct Tunnel {
         {.members = {topology::BlockId{3U}, topology::BlockId{7U}}, .immovable = false, .removable = true}};
     support.combined[0].mode = stability::Mode::wedge;
     support.combined[0].passes = false;
-    page.complex = &complex;
-    page.analysis = &analysis;
-    page.support = &support;
-    page.summary.key_blocks = count_key_blocks(analysis);
-    page.summary.support = count_support(support);
-    page.summary.support->cases = {{"quake <1>", false, 5, 2, 3, 1}};
-    page.support_cases = {{"quake <1>", &quake}};
-    MaximumBlockRow row{.sets = {"A", "B", "C & D"}, .where = "roof", .block = {}};
+    scene::Figures& figures = result.figures;
+    figures.key_blocks = scene::count_key_blocks(analysis);
+    figures.support = scene::count_support(support);
+    figures.support_cases = {{"quake <1>", {.blocks = 5, .not_held = 2, .combined = 3, .combined_failing = 1}}};
+    scene::MaximumRow row{.sets = {"A", "B", "C & D"}, .block = {}, .where = "roof"};
     row.block.block.volume = 12.5;
     row.block.block.code = 5;
     row.block.upward = {geometry::normalized({0.5, 0.1, 1}), geometry::normalized({-0.4, 0.6, 0.7}),
                         geometry::normalized({-0.2, -0.9, 0.4})};
     row.block.direction = {0, 0, -1};
     row.block.mode = stability::Mode::falling;
-    page.maximum_blocks = {row};
-    page.tan_friction = {0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5};
+    result.maximum_blocks = {row};
+    set_friction(0.5);
+  }
+  void set_friction(double tangent) {
+    result.joints =
+        IdVector<topology::JointId, scene::JointInfo>{std::vector<scene::JointInfo>(8, joint({0, 0, 1}, 0, tangent))};
+    result.sets = IdVector<scene::SetId, scene::SetInfo>{{{"A", 8}}};
   }
 };
 
@@ -114,7 +118,7 @@ TEST(HtmlStability, WeightIsDrawnAlongGravity) {
     return block.substr(0, block.find("equal area"));
   };
   EXPECT_NE(drawing().find(">Q</text>"), std::string::npos);  // gravity straight down: something else pulls aside
-  t.page.gravity = {6, 0, -8};
+  t.result.stability = scene::StabilitySettings{.gravity = {6, 0, -8}};
   const std::string along = drawing();
   EXPECT_EQ(along.find(">Q</text>"), std::string::npos);
   EXPECT_NE(along.find(">W</text>"), std::string::npos);
@@ -126,7 +130,7 @@ TEST(HtmlStability, FrictionCirclesAreNotTornAtTheRim) {
   Tunnel t;
   const double degree = std::numbers::pi / 180;
   for (int degrees = 5; degrees < 90; degrees += 5) {
-    t.page.tan_friction.assign(8, std::tan(degrees * degree));
+    t.set_friction(std::tan(degrees * degree));
     // A plane as steep as leaves its pole this far above the rim, dipping any way.
     topology::BlockComplex::Data data = t.complex.data();
     for (topology::Face& face : data.faces) {
@@ -187,7 +191,7 @@ TEST(HtmlStability, SensitivityIsATornado) {
   row.friction = {0.5, 0.9};
   row.cohesion = {0.65, 0.75};
   row.water = {0.8, 0.6};
-  t.page.sensitivity = {row};
+  t.result.sensitivity = {row};
   const std::string why = section(report_html(t.page), "why");
   EXPECT_EQ(count(why, "aria-label=\"Sensitivity of the factor of safety\""), 1U);
   const std::string drawing = why.substr(why.find("Sensitivity of the factor of safety"));
@@ -198,7 +202,7 @@ TEST(HtmlStability, SensitivityIsATornado) {
   EXPECT_LT(water, cohesion);
   EXPECT_NE(drawing.find("x=\"90\" y=\"6\" width=\"300\""), std::string::npos);    // 0.5 to 0.9: all of the width
   EXPECT_NE(drawing.find("x=\"165\" y=\"32\" width=\"150\""), std::string::npos);  // 0.6 to 0.8
-  t.page.sensitivity.clear();
+  t.result.sensitivity.clear();
   EXPECT_EQ(count(section(report_html(t.page), "why"), "Sensitivity of the factor of safety"), 0U);
 }
 
@@ -207,7 +211,7 @@ TEST(HtmlStability, TurningBlocksAreMarkedInTheTable) {
   const std::string keys = section(report_html(t.page), "keys");
   EXPECT_NE(keys.find("<th>Turns?</th>"), std::string::npos);
   EXPECT_EQ(count(keys, ">turns</td>"), 1U);
-  EXPECT_EQ(t.page.summary.key_blocks->turning, 1U);
+  EXPECT_EQ(t.result.figures.key_blocks->turning, 1U);
 }
 
 TEST(HtmlStability, SupportShowsBlocksBodiesAndLoadCases) {
@@ -224,18 +228,18 @@ TEST(HtmlStability, LargestKeyBlocksHaveATable) {
   Tunnel t;
   const std::string maximum = section(report_html(t.page), "maximum");
   EXPECT_NE(maximum.find("A, B, C &amp; D</td><td>A, C &amp; D</td><td>roof</td><td>12.5</td>"), std::string::npos);
-  t.page.maximum_blocks.clear();
+  t.result.maximum_blocks.clear();
   EXPECT_TRUE(section(report_html(t.page), "maximum").empty());
 }
 
 // Every point of a filled outline lies on the side of each plane that its code names, or on the plane.
 TEST(HtmlStability, JointPyramidsAreDrawnOnTheirSides) {
   Tunnel t;
-  MaximumBlockRow row = t.page.maximum_blocks.front();
-  t.page.maximum_blocks.clear();
+  scene::MaximumRow row = t.result.maximum_blocks.front();
+  t.result.maximum_blocks.clear();
   for (std::uint32_t code = 0; code < 8; ++code) {
     row.block.block.code = code;
-    t.page.maximum_blocks.push_back(row);
+    t.result.maximum_blocks.push_back(row);
   }
   const std::string net = section(report_html(t.page), "maximum");
   EXPECT_EQ(count(net, "aria-label=\"Joint pyramids\""), 1U);
@@ -265,8 +269,8 @@ TEST(HtmlStability, JointPyramidsAreDrawnOnTheirSides) {
 
 TEST(HtmlStability, WithoutSupportThereIsNoSuchSection) {
   Tunnel t;
-  t.page.support = nullptr;
-  t.page.summary.support.reset();
+  t.result.support.reset();
+  t.result.figures.support.reset();
   EXPECT_TRUE(section(report_html(t.page), "support").empty());
 }
 
@@ -286,16 +290,17 @@ TEST(HtmlStability, BoltsAreInTheView) {
 }
 
 TEST(StabilityTables, RowsOfTheFilesBesideKeyBlocks) {
-  const Tunnel t;
-  const std::vector<NamedSupport> cases{{"base", &t.support}, {"a,b", &t.support}};
-  const std::string blocks = support_blocks_csv(cases);
+  Tunnel t;
+  t.result.support_cases = {{"a,b", t.support}};
+  const std::string blocks = support_blocks_csv(t.result);
   EXPECT_TRUE(blocks.contains("\nbase,3,falling,1.5,"));
   EXPECT_TRUE(blocks.contains("\n\"a,b\",3,falling,1.5,"));
-  EXPECT_TRUE(combined_blocks_csv(cases).contains("\nbase,0,3;7,0,0,1,wedge,1,0,0,0,0\n"));
-  EXPECT_TRUE(maximum_blocks_csv(t.page.maximum_blocks).contains("\nA,B,C & D,101,roof,0,0,12.5,"));
-  const std::string keys = key_blocks_csv(t.complex, t.analysis);
-  EXPECT_TRUE(keys.contains(",faces,joints,turns\n"));
-  EXPECT_TRUE(keys.contains("9,,0,sliding,1,1000,0,0,-1,800,1.2,6,7,1\n"));
+  EXPECT_TRUE(combined_blocks_csv(t.result).contains("\nbase,0,3;7,0,0,1,wedge,1,0,0,0,0\n"));
+  EXPECT_TRUE(maximum_blocks_csv(t.result).contains("\nA,B,C & D,101,roof,0,0,12.5,"));
+  t.result.support.reset();
+  const std::string keys = key_blocks_csv(t.complex, t.result);
+  EXPECT_TRUE(keys.contains(",faces,joints,turns,x_m,"));
+  EXPECT_TRUE(keys.contains("9,,0,sliding,1,1000,0,0,-1,800,1.2,6,7,1,"));
 }
 
 }  // namespace

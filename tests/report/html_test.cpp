@@ -1,4 +1,4 @@
-#include "cleave/report/html.hpp"
+#include "html.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,46 +10,44 @@
 #include <regex>
 #include <vector>
 
-#include "cleave/report/view3d.hpp"
 #include "hand_made.hpp"
+#include "view3d.hpp"
 
 namespace cleave::report {
 namespace {
 
 using namespace testing;
 
-Page example(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
-  Page page;
-  page.summary.title = "Tunnel <script>alert(1)</script> & co";
-  page.summary.blocks = count_blocks(complex, "0123abcd");
-  page.summary.certificate.passed = true;
-  page.summary.key_blocks = count_key_blocks(analysis);
-  page.summary.plan = {{.stage = "cut", .run = true, .why = "always"},
-                       {.stage = "contact", .run = false, .why = "no bodies"}};
-  page.summary.cost.stages = {{.stage = "cut", .wall_s = 0.5, .cpu_s = 0.4, .peak_rss_mb = 12}};
-  page.summary.input.joints = 2;
-  page.scene_file = "tunnel.toml";
-  page.notes = {"joint 7 lies outside the domain"};
-  page.sets = {{"A", 1}, {"B", 1}};
-  page.joints = {{{0.5, 0, 0.5}, 0}, {{0, 0.3, 0.8}, 1}};
-  page.complex = &complex;
-  page.analysis = &analysis;
-  return page;
-}
-
 struct Example {
   topology::BlockComplex complex = grid(3);
-  stability::Analysis analysis{
-      .judgements = {judgement(3, stability::Mode::falling, 1, 0), judgement(7, stability::Mode::sliding, 2, 0.7)},
-      .batches = {{.number = 1, .blocks = {topology::BlockId{3U}}, .volume = cubic_metres(1)},
-                  {.number = 2, .blocks = {topology::BlockId{7U}}, .volume = cubic_metres(1)}},
-      .stopped_at_max_batches = false};
+  scene::RunResult result = scene::empty_result();
+
+  Example() {
+    result.analysis = stability::Analysis{
+        .judgements = {judgement(3, stability::Mode::falling, 1, 0), judgement(7, stability::Mode::sliding, 2, 0.7)},
+        .batches = {{.number = 1, .blocks = {topology::BlockId{3U}}, .volume = cubic_metres(1)},
+                    {.number = 2, .blocks = {topology::BlockId{7U}}, .volume = cubic_metres(1)}},
+        .stopped_at_max_batches = false};
+    result.title = "Tunnel <script>alert(1)</script> & co";
+    result.figures.blocks = scene::count_blocks(complex, "0123abcd");
+    result.complex.error().passed = true;
+    result.figures.key_blocks = scene::count_key_blocks(*result.analysis);
+    result.plan.stages = {{.stage = scene::Stage::cut, .run = true, .why = "always"},
+                          {.stage = scene::Stage::contact, .run = false, .why = "no bodies"}};
+    result.cost.stages = {{.stage = scene::Stage::cut, .wall_s = 0.5, .cpu_s = 0.4, .peak_rss_mb = 12}};
+    result.figures.input.joints = 2;
+    result.scene_file = "tunnel.toml";
+    result.notes = {"joint 7 lies outside the domain"};
+    result.sets = IdVector<scene::SetId, scene::SetInfo>{{{"A", 1}, {"B", 1}}};
+    for (const std::uint32_t set : {0U, 1U}) result.joints.push_back(joint({0.5, 0.2 * set, 0.5}, set));
+  }
+  [[nodiscard]] Page page() const { return {result, &complex}; }
 };
 
 // No source of anything may lie outside the file.
 TEST(Html, AsksTheNetworkForNothing) {
   const Example e;
-  const std::string html = report_html(example(e.complex, e.analysis));
+  const std::string html = report_html(e.page());
   const std::size_t code = html.find("<script>");
   const std::string page = html.substr(0, code);
   EXPECT_EQ(page.find("http://"), std::string::npos);
@@ -63,14 +61,14 @@ TEST(Html, AsksTheNetworkForNothing) {
 
 TEST(Html, UserTextIsEscaped) {
   const Example e;
-  const std::string html = report_html(example(e.complex, e.analysis));
+  const std::string html = report_html(e.page());
   EXPECT_EQ(html.find("<script>alert(1)"), std::string::npos);
   EXPECT_NE(html.find("Tunnel &lt;script&gt;alert(1)&lt;/script&gt; &amp; co"), std::string::npos);
 }
 
 TEST(Html, HoldsEverySectionAndTheSameBytesTwice) {
   const Example e;
-  const Page page = example(e.complex, e.analysis);
+  const Page page = e.page();
   const std::string html = report_html(page);
   for (const char* id :
        {"id=\"view\"", "id=\"keys\"", "id=\"net\"", "id=\"blocks\"", "id=\"plan\"", "id=\"cost\"", "id=\"inputs\""}) {
@@ -92,10 +90,10 @@ TEST(Html, HoldsEverySectionAndTheSameBytesTwice) {
 }
 
 TEST(Html, WithoutBlocksThereIsStillAReport) {
-  Page page;
-  page.summary.title = "Failed";
-  page.summary.plan = {{.stage = "cut", .run = true, .why = "always"}};
-  const std::string html = report_html(page);
+  scene::RunResult result = scene::empty_result();
+  result.title = "Failed";
+  result.plan.stages = {{.stage = scene::Stage::cut, .run = true, .why = "always"}};
+  const std::string html = report_html({result});
   EXPECT_NE(html.find("not passed"), std::string::npos);
   EXPECT_EQ(html.find("id=\"view\""), std::string::npos);
   EXPECT_LT(html.size(), 100'000U);  // and three.js is left out, with what draws by it
@@ -119,7 +117,7 @@ TEST(View3d, EstimateBoundsTheSize) {
 // blocks.
 TEST(View3d, BudgetKeepsWhatMoves) {
   const Example e;
-  const View3d view = pack_view(e.complex, &e.analysis, 3 * view_bytes(e.complex, topology::BlockId{0U}));
+  const View3d view = pack_view(e.complex, &*e.result.analysis, 3 * view_bytes(e.complex, topology::BlockId{0U}));
   EXPECT_EQ(view.shown, 3U);
   EXPECT_EQ(view.total, 27U);
   const auto json = nlohmann::json::parse(view.json);

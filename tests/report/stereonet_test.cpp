@@ -1,4 +1,4 @@
-#include "cleave/report/stereonet.hpp"
+#include "stereonet.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cleave/report/text.hpp"
+#include "text.hpp"
 
 #include <gtest/gtest.h>
 

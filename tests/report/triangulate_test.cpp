@@ -1,4 +1,4 @@
-#include "cleave/report/triangulate.hpp"
+#include "triangulate.hpp"
 
 #include <gtest/gtest.h>
 

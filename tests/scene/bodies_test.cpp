@@ -74,6 +74,39 @@ TEST(BodiesScene, KirschTunnel) {
   EXPECT_LT(*r.bodies[0].error, 1e-3);
 }
 
+TEST(BodiesScene, NaturalFrequenciesOfATaperedMembrane) {
+  // NAFEMS FV32.
+  const std::string scene =
+      "[rock]\nyoung = 200e9\npoisson = 0.3\ndensity = 8000\n[elastic]\nplane = \"stress\"\nstress = false\nelement = "
+      "0.9\nfrequencies = 6\nMOVING[[body]]\noutline = [[0, -2.5], [10, -0.5], [10, 0.5], [0, 2.5]]\nsupport = [{ side "
+      "= 4, "
+      "kind = \"fixed\" }]\n";
+  const std::vector<double> nafems{44.623, 130.03, 162.70, 246.05, 379.90, 391.44};
+  for (const std::string moving : {"", "time = { end = 1e-3, step = 1e-4 }\n"}) {
+    std::string text = scene;
+    text.replace(text.find("MOVING"), 6, moving);
+    const BodiesResult r = ran(text);
+    ASSERT_EQ(r.bodies[0].modes_hz.size(), nafems.size());
+    for (std::size_t k = 0; k < nafems.size(); ++k) EXPECT_NEAR(r.bodies[0].modes_hz[k] / nafems[k], 1, 2e-3) << k;
+  }
+}
+
+TEST(BodiesScene, AnEstimateThatIsNoneSaysWhy) {
+  // A beam of 1,000 x 1 m on a few elements: what halving changes is no error any more.
+  const BodiesResult r = ran(rock +
+                             "[elastic]\nstress = false\n[[body]]\noutline = [[0, 0], [1000, 0], [1000, 1], [0, "
+                             "1]]\nsupport = [{ side = 4, kind = "
+                             "\"fixed\" }]\nload = [{ side = 2, traction = [0, -1] }]\n");
+  const double beam = 4e9 * (1 - 0.3 * 0.3) / 2.6;  // P L^3 / 3 E I
+  const double wrong = std::abs(r.bodies[0].largest / beam - 1);
+  if (r.bodies[0].error) {
+    EXPECT_GT(*r.bodies[0].error, wrong / 2);
+  } else {
+    EXPECT_FALSE(r.bodies[0].no_estimate.empty());
+    EXPECT_FALSE(r.notes.empty());
+  }
+}
+
 TEST(BodiesScene, TurnedOutlineKeepsItsSides) {
   // The same column under its weight, written both ways round: base fixed by rollers, sides by rollers.
   const std::string head =

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -97,6 +98,25 @@ TEST(KeyGroupsTest, OneBlockIsAsBefore) {
   EXPECT_EQ(found.groups[0].blocks, alone.batches[0].blocks);
   EXPECT_NEAR(found.groups[0].factor_move, std::tan(std::numbers::pi / 6) / slope, 1e-6);
   EXPECT_NEAR(alone.judgements[0].factor_of_safety, found.groups[0].factor_move, 1e-6);
+}
+
+// "decide": the group's blocks become key blocks of its batch.
+TEST(KeyGroupsTest, BecomeKeyBlocks) {
+  const auto complex = audited(slab_behind_toe());
+  const Settings settings = statics::settings({strength(30)});
+  Analysis analysis = analyse(complex, settings);
+  const KeyGroups found = find_key_groups(complex, settings);
+  decide_by_groups(complex, settings, found, analysis);
+  ASSERT_EQ(analysis.batches.size(), 1U);
+  EXPECT_EQ(analysis.batches[0].blocks, found.groups.at(0).blocks);
+  EXPECT_NEAR(analysis.batches[0].volume.si(), 330.8620205076, 1e-6);
+  for (const BlockId id : analysis.batches[0].blocks) {
+    const auto it = std::ranges::find(analysis.judgements, id, &Judgement::block);
+    ASSERT_NE(it, analysis.judgements.end());
+    EXPECT_TRUE(it->key);
+    EXPECT_EQ(it->batch, 1U);
+    EXPECT_NEAR(it->factor_of_safety, 0.942790, 1e-6);
+  }
 }
 
 }  // namespace

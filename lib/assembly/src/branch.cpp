@@ -57,6 +57,29 @@ double violation(const Elements& elements, double divisor, const State& state) {
   return std::max(most, left.lpNorm<Eigen::Infinity>());
 }
 
+std::vector<std::uint8_t> unsettled_bodies(const Elements& elements, double divisor, const State& state) {
+  std::vector<std::uint8_t> out(elements.bodies(), 0);
+  const double speed = std::max(state.v.lpNorm<Eigen::Infinity>(), slow);
+  for (std::size_t b = 0; b < out.size(); ++b) {
+    const auto own = state.v.segment(elements.width() * static_cast<Eigen::Index>(b), elements.width());
+    if (own.lpNorm<Eigen::Infinity>() > std::max(1e-6 * speed, slow)) out[b] = 1;
+  }
+  const std::vector<std::uint8_t> presses = pressing(elements, state);
+  for (std::size_t k = 0; k < elements.all().size(); ++k) {
+    const Element& e = elements.all()[k];
+    const Vector3d& x = state.x[k];
+    const Vector3d u = elements.relative(e, state.v) / speed;
+    const double cohesion = e.bond && presses[k] != 0 ? e.cohesion / divisor : 0;
+    const double cap = e.friction / divisor * std::max(0.0, x[0]) + cohesion, shear = x.tail<2>().norm();
+    double wrong = std::max(shear - cap, std::abs(x.tail<2>().dot(u.tail<2>()) + cap * u.tail<2>().norm()));
+    if (!e.bond) wrong = std::max({wrong, -u[0], x[0] * std::abs(u[0])});
+    if (!(wrong > 1e-4)) continue;
+    out[e.body] = 1;
+    if (e.other) out[*e.other] = 1;
+  }
+  return out;
+}
+
 Branch::Branch(const Elements& elements) : elements_{&elements}, newton_{elements}, start_{newton_.none()} {}
 
 bool Branch::begin() {
@@ -95,7 +118,8 @@ Branch::Found Branch::by_thresholds(double divisor) {
   for (std::size_t k = 0; k < count; ++k) normal[k] = state.x[k][0];
   double least = 1;
   int worse = 0;
-  for (int round = 0; round < 120; ++round) {
+  const auto budget = static_cast<unsigned>(allowed_ / elements_->bodies()) + newton_.factors();
+  for (int round = 0; round < 120 && newton_.factors() < budget; ++round) {
     for (std::size_t k = 0; k < count; ++k) {
       const double n = normal[k] > no_force ? normal[k] : 0;
       problem.threshold[k] = elements_->all()[k].friction / divisor * n;

@@ -10,6 +10,12 @@ namespace cleave::assembly {
 /// largest.
 [[nodiscard]] double violation(const Elements& elements, double divisor, const State& state);
 
+/// Bodies that move in a state, and those beside a contact that violates the conditions.
+[[nodiscard]] std::vector<std::uint8_t> unsettled_bodies(const Elements& elements, double divisor, const State& state);
+
+/// `start_from_rest`, and where nothing was settled the bodies that it did not settle of.
+[[nodiscard]] Start start_from_rest(const Assembly& assembly, double factor, std::vector<std::uint8_t>& unsettled);
+
 /// Solutions of the Coulomb problem from rest, from low strength to high: a solution that moves at one strength is the
 /// start at the next.
 class Branch final {
@@ -27,6 +33,8 @@ class Branch final {
   enum class Effort : std::uint8_t { newton, whole };
   /// Looks for motion at this strength; goes on from the last motion found.
   [[nodiscard]] Found at(double divisor, Effort effort = Effort::whole);
+  /// Linear solves that a search by thresholds may take, times the number of bodies.
+  void allow(unsigned solves) { allowed_ = solves; }
   /// Makes what was found the start of what follows.
   void keep(const Found& found) { start_ = found.state; }
   [[nodiscard]] Newton& newton() noexcept { return newton_; }
@@ -40,6 +48,7 @@ class Branch final {
   const Elements* elements_;
   Newton newton_;
   State start_;
+  unsigned allowed_ = 60'000;
 };
 
 /// Below this share of free fall nothing counts as moving.

@@ -125,21 +125,27 @@ StaticFactor static_factor(const Assembly& assembly) {
 }
 
 Start start_from_rest(const Assembly& assembly, double factor) {
+  std::vector<std::uint8_t> unsettled;
+  return start_from_rest(assembly, factor, unsettled);
+}
+
+Start start_from_rest(const Assembly& assembly, double factor, std::vector<std::uint8_t>& unsettled) {
   const Elements elements{assembly};
   Branch branch{elements};
+  branch.allow(100'000);
   Start out{
       .found = FromRest::rests, .motion = Motion(elements.bodies()), .speed = std::vector<double>(elements.bodies())};
   out.residual = 0;
   if (!branch.begin()) return out;
-  // Large assemblies take larger steps.
-  const bool large = elements.bodies() > 60;
-  const double step = large ? 0.5 : 0.8;
+  // Large assemblies go there at once: what does not settle is looked at part by part.
+  const bool large = elements.bodies() > 24;
   Branch::Found found;
-  for (double f = (large ? 8 : 30) * factor;; f = std::max(factor, step * f)) {
-    found = branch.at(f, large && f > factor ? Branch::Effort::newton : Branch::Effort::whole);
+  for (double f = (large ? 1 : 30) * factor;; f = std::max(factor, 0.8 * f)) {
+    found = branch.at(f, elements.bodies() > 100 ? Branch::Effort::newton : Branch::Effort::whole);
     if (found.what == FromRest::moves) branch.keep(found);
     if (f <= factor) break;
   }
+  if (found.what == FromRest::unsettled) unsettled = unsettled_bodies(elements, factor, found.state);
   out.found = found.what;
   out.motion = elements.motion_of(found.state.v);
   out.speed = speeds(elements, found.state.v);
@@ -166,11 +172,13 @@ MovingFactor moving_factor(const Assembly& assembly, double up) {
     settled = found.what == FromRest::rests;
     return false;
   };
-  for (double f = 1e3; f > least_factor && look(f); f *= 0.9) {
+  // Large assemblies take larger steps, and end sooner.
+  const bool large = elements.bodies() > 16;
+  for (double f = large ? 32 : 1e3; f > (large ? 1e-2 : least_factor) && look(f); f *= large ? 0.7 : 0.9) {
   }
   if (bad == 0) return {0, true};
-  if (good == infinite) return {std::min(up, 1e3), false};
-  while (good > bad * (1 + 5e-8)) (void)look(std::sqrt(good * bad));
+  if (good == infinite) return {std::min(up, bad), false};
+  while (good > bad * (1 + (large ? 1e-4 : 5e-8))) (void)look(std::sqrt(good * bad));
   return {std::min(good, up), settled};
 }
 

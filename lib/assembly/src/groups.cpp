@@ -12,7 +12,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Larger groups get no factors.
-constexpr std::size_t most_for_factors = 40;
+constexpr std::size_t most_for_factors = 4;
 /// A body belongs to a motion when it has this share of its largest rate.
 constexpr double belongs = 1e-6;
 
@@ -91,11 +91,12 @@ class Search final {
     const Projection free = project(island_, infinite);
     if (free.settled && !(free.largest > slow)) return false;
     find_certain();
-    const Start start = start_from_rest(island_, 1);
+    std::vector<std::uint8_t> unsettled;
+    const Start start = start_from_rest(island_, 1, unsettled);
     switch (start.found) {
       case FromRest::moves: take(moving_ones(start.speed), Verdict::unsafe, start.motion); break;
       case FromRest::rests: break;
-      case FromRest::unsettled: look_closer(moving_ones(free.speed)); break;
+      case FromRest::unsettled: look_closer(std::move(unsettled)); break;
     }
     return true;
   }
@@ -122,7 +123,7 @@ class Search final {
     }
   }
 
-  /// The island as a whole did not settle: part by part, what else is there taken to be fixed.
+  /// The island as a whole did not settle: part by part, what settled taken to be fixed.
   void look_closer(std::vector<std::uint8_t> among) {
     for (std::size_t b = 0; b < among.size(); ++b) among[b] = among[b] != 0 && taken_[b] == 0 ? 1 : 0;
     for (std::vector<std::uint32_t>& members : connected_parts(island_, among)) {

@@ -214,7 +214,7 @@ double Newton::inner(const Problem& problem, State& state, double rho) {
   double size = gradient.lpNorm<Eigen::Infinity>();
   const double enough = std::max(1e-15, 1e-16 * state.v.lpNorm<Eigen::Infinity>() / rho);
   int stuck = 0;
-  for (int iteration = 0; iteration < 80 && size > enough; ++iteration) {
+  for (int iteration = 0; iteration < (convex ? 80 : 30) && size > enough; ++iteration) {
     if (!direct(locals, rho, convex, gradient, step)) break;
     const double slope = gradient.dot(step);
     double share = 1, best = 0, best_size = size;

@@ -70,7 +70,7 @@ std::expected<BlockOperator, BlockError> BlockOperator::make(const std::vector<L
     block.traction_of_ = dense(k.traction_of);
     return block;
   }
-  BlockMass m = block_mass(block.mesh_, checked->loops, area.centroid, material, k.traction_of, options);
+  BlockMass m = block_mass(block.mesh_, material, k.traction_of, options);
   const auto all = m.mass.rows();
   MatrixXd stiffness = MatrixXd::Zero(all, all);
   stiffness.topLeftCorner(n, n) = k.stiffness;
@@ -84,7 +84,7 @@ std::expected<BlockOperator, BlockError> BlockOperator::make(const std::vector<L
   block.stiffness_ = dense(stiffness);
   block.mass_matrix_ = dense(m.mass);
   block.bubbles_ = m.bubbles;
-  block.traction_of_ = dense(k.traction_of);
+  block.set_tractions(dense(k.traction_of));
   return block;
 }
 
@@ -113,12 +113,49 @@ std::expected<BlockOperator, BlockError> BlockOperator::deformed(const std::vect
   MatrixXd stiffness = view(stiffness_);
   stiffness.topLeftCorner(k.stiffness.rows(), k.stiffness.rows()) = k.stiffness;
   out.stiffness_ = dense(stiffness);
-  out.traction_of_ = dense(k.traction_of);
+  out.set_tractions(dense(k.traction_of));
   if (!mass_matrix_.values.empty()) {
     const Eigen::VectorXd turn = rigid_motions(out.mesh_, ix(mass_matrix_.rows)).col(2);
     out.inertia_ = turn.dot(view(mass_matrix_) * turn);
   }
   return out;
+}
+
+/// Of boundary freedoms, and of inner motions: their own less those of the static extension of their boundary values.
+void BlockOperator::set_tractions(const DenseMatrix& of_boundary) {
+  const MatrixXd t = view(of_boundary);
+  const auto nb = ix(bubbles_.count());
+  if (nb == 0) {
+    traction_of_ = of_boundary;
+    return;
+  }
+  MatrixXd boundary(t.cols(), nb), own(t.rows(), nb);
+  std::vector<Bubbles::Value> at;
+  for (std::size_t i = 0; i < mesh_.nodes.size(); ++i) {
+    bubbles_.evaluate(mesh_.nodes[i].x, material_, at);
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      boundary(ix(2 * i), ix(k)) = at[k].displacement.x;
+      boundary(ix(2 * i + 1), ix(k)) = at[k].displacement.y;
+    }
+  }
+  const auto local = local_nodes(mesh_.order);
+  for (std::size_t e = 0; e < mesh_.elements.size(); ++e) {
+    for (std::size_t a = 0; a < local.size(); ++a) {
+      bubbles_.evaluate(mesh_.elements[e].at(local[a]), material_, at);
+      const Vec2 n = mesh_.elements[e].normal(local[a]);
+      const auto row = ix(2 * (e * local.size() + a));
+      for (std::size_t k = 0; k < at.size(); ++k) {
+        const Vec2 traction = at[k].stress * n;
+        own(row, ix(k)) = traction.x;
+        own(row + 1, ix(k)) = traction.y;
+      }
+    }
+  }
+  MatrixXd all(t.rows(), t.cols() + nb);
+  all << t, own - t * boundary;
+  bubbles_.on_nodes = dense(boundary);
+  bubbles_.on_elements = dense(own);
+  traction_of_ = dense(all);
 }
 
 std::vector<double> BlockOperator::forces_of(const std::vector<std::array<Vec2, 3>>& tractions) const {

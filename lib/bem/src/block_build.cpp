@@ -221,21 +221,17 @@ GalerkinStiffness galerkin_stiffness(const Mesh& given, Elastic elastic, const B
   return out;
 }
 
-BlockMass block_mass(const Mesh& mesh, const std::vector<Loop>& loops, Vec2 origin, const Material& material,
-                     const MatrixXd& traction_of, const BlockOptions& options) {
-  // About a thousand points, whatever the number of strips the outline needs.
-  const std::size_t strips = std::max<std::size_t>(1, domain_rule(mesh, 1).size());
-  const double wanted = std::sqrt(1000.0 / static_cast<double>(strips));
-  const std::vector<DomainPoint> points = domain_rule(mesh, static_cast<std::size_t>(std::clamp(wanted, 8.0, 20.0)));
+namespace {
+
+/// Static extension of the boundary values to every point: Phi = G T - H, taken against rigid motions like the rows of
+/// the boundary so that points close to it lose nothing.
+MatrixXd static_extension(const Mesh& mesh, const std::vector<DomainPoint>& points, const Material& material,
+                          const MatrixXd& traction_of, unsigned threads) {
   const std::size_t per = mesh.per_element();
-  const auto n = ix(2 * mesh.nodes.size());
-  const auto nt = ix(2 * per * mesh.elements.size());
-  // Static extension of the boundary values to every point: Phi = G T - H, taken against rigid motions like the rows
-  // of the boundary so that points close to it lose nothing.
   const Integrator integrator{mesh, {{material.mu(), material.nu()}}, 1e-9};
-  MatrixXd g = MatrixXd::Zero(ix(2 * points.size()), nt);
-  MatrixXd phi = MatrixXd::Zero(ix(2 * points.size()), n);
-  parallel_for(points.size(), ThreadLimit{std::max(1U, options.threads)}, [&](std::size_t q) {
+  MatrixXd g = MatrixXd::Zero(ix(2 * points.size()), ix(2 * per * mesh.elements.size()));
+  MatrixXd phi = MatrixXd::Zero(ix(2 * points.size()), ix(2 * mesh.nodes.size()));
+  parallel_for(points.size(), ThreadLimit{std::max(1U, threads)}, [&](std::size_t q) {
     const Vec2 y = points[q].x;
     const auto row = ix(2 * q);
     ElementIntegrals part;
@@ -256,49 +252,87 @@ BlockMass block_mass(const Mesh& mesh, const std::vector<Loop>& loops, Vec2 orig
     }
   });
   phi.noalias() += g * traction_of;
+  return phi;
+}
 
-  const Bubbles shapes = bubbles_of(loops, origin, options.bubbles);
-  const std::size_t bubbles = shapes.count();
-  MatrixXd value(ix(points.size()), ix(bubbles)), slope(ix(2 * points.size()), ix(bubbles));  // points x functions
+struct InnerMotions {
+  MatrixXd value;      // rows x, y of each point
+  MatrixXd stiffness;  // empty: not positive, the boundary is too coarse for them
+};
+InnerMotions inner_motions(const Mesh& mesh, const std::vector<DomainPoint>& points, const Material& material,
+                           const MatrixXd& phi, const Bubbles& shapes) {
+  const auto nb = ix(shapes.count());
+  MatrixXd boundary(phi.cols(), nb), force = MatrixXd::Zero(phi.rows(), nb);
+  InnerMotions out;
+  out.value.resize(phi.rows(), nb);
   std::vector<Bubbles::Value> at;
-  for (std::size_t q = 0; q < points.size() && bubbles > 0; ++q) {
-    shapes.evaluate(points[q].x, at);
-    for (std::size_t k = 0; k < bubbles; ++k) {
-      value(ix(q), ix(k)) = at[k].value;
-      slope(ix(2 * q), ix(k)) = at[k].slope.x;
-      slope(ix(2 * q + 1), ix(k)) = at[k].slope.y;
+  const auto put = [&](MatrixXd& m, std::size_t row, Vec2 x) {
+    shapes.evaluate(x, material, at);
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      m(ix(2 * row), ix(k)) = at[k].displacement.x;
+      m(ix(2 * row + 1), ix(k)) = at[k].displacement.y;
+    }
+  };
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i) put(boundary, i, mesh.nodes[i].x);
+  const double unit = material.mu() / (shapes.size * shapes.size);
+  for (std::size_t q = 0; q < points.size(); ++q) {
+    put(out.value, q, points[q].x);
+    for (std::size_t k = 0; k < shapes.count(); ++k) {
+      force(ix(2 * q + k % 2), ix(k)) = unit * points[q].w * shapes.force(k, points[q].x);
     }
   }
-  const auto nb = ix(2 * bubbles);
-  MatrixXd all = MatrixXd::Zero(ix(2 * points.size()), n + nb);
+  out.value -= phi * boundary;
+  // Work of the stress of one on the strain of another is that of its force on the other.
+  const MatrixXd work = out.value.transpose() * force;
+  const MatrixXd k = 0.5 * (work + work.transpose());
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver{k, Eigen::EigenvaluesOnly};
+  // What is not well above the error of the extension is no motion of the body: then the boundary is too coarse.
+  if (solver.eigenvalues().minCoeff() > 0.25 * (work - work.transpose()).norm()) out.stiffness = k;
+  return out;
+}
+
+/// Four degrees with 8 elements, one more with every eight.
+std::size_t degree_of(const Mesh& mesh, std::size_t asked) {
+  if (asked != BlockOptions::by_mesh) return asked;
+  return std::clamp<std::size_t>(3 + mesh.elements.size() / 8, 3, 8);
+}
+
+}  // namespace
+
+BlockMass block_mass(const Mesh& mesh, const Material& material, const MatrixXd& traction_of,
+                     const BlockOptions& options) {
+  // About a thousand points, whatever the number of strips the outline needs.
+  const std::size_t strips = std::max<std::size_t>(1, domain_rule(mesh, 1).size());
+  const double wanted = std::sqrt(1000.0 / static_cast<double>(strips));
+  // At least two points to an element's length: the mass of what the boundary can follow.
+  double around = 0;
+  for (const Element& e : mesh.elements) around += 2 * norm(e.c1);
+  const double spacing = 0.5 * around / static_cast<double>(mesh.elements.size());
+  const std::vector<DomainPoint> points =
+      domain_rule(mesh, static_cast<std::size_t>(std::clamp(wanted, 8.0, 20.0)), spacing);
+  const MatrixXd phi = static_extension(mesh, points, material, traction_of, options.threads);
+  const auto n = phi.cols();
+  BlockMass out;
+  InnerMotions inner;
+  for (std::size_t degree = degree_of(mesh, options.bubbles); degree > 0; --degree) {
+    out.bubbles = bubbles_of(mesh, points, material, degree);
+    inner = inner_motions(mesh, points, material, phi, out.bubbles);
+    if (inner.stiffness.size() > 0) break;
+    out.bubbles = {};
+    inner = {};
+  }
+  const auto nb = ix(out.bubbles.count());
+  MatrixXd all(phi.rows(), n + nb);
   all.leftCols(n) = phi;
-  for (std::size_t k = 0; k < bubbles; ++k) {
-    for (std::size_t q = 0; q < points.size(); ++q) {
-      all(ix(2 * q), n + ix(2 * k)) = value(ix(q), ix(k));
-      all(ix(2 * q + 1), n + ix(2 * k + 1)) = value(ix(q), ix(k));
-    }
-  }
-  Eigen::VectorXd weight(ix(2 * points.size()));
+  if (nb > 0) all.rightCols(nb) = inner.value;
+  Eigen::VectorXd weight(phi.rows());
   for (std::size_t q = 0; q < points.size(); ++q)
     weight(ix(2 * q)) = weight(ix(2 * q + 1)) = material.density() * points[q].w;
-  BlockMass out;
-  out.bubbles = shapes;
   const MatrixXd weighted = weight.cwiseSqrt().asDiagonal() * all;
   out.mass = MatrixXd::Zero(n + nb, n + nb);
   out.mass.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
   out.mass.triangularView<Eigen::StrictlyUpper>() = out.mass.transpose();
-  out.bubble_stiffness = MatrixXd::Zero(nb, nb);
-  for (std::size_t a = 0; a < bubbles; ++a) {
-    for (std::size_t b = 0; b < bubbles; ++b) {
-      Eigen::Matrix2d m = Eigen::Matrix2d::Zero();  // integral of d_i a d_j b
-      for (std::size_t q = 0; q < points.size(); ++q) {
-        m += points[q].w * slope.col(ix(a)).segment<2>(ix(2 * q)) * slope.col(ix(b)).segment<2>(ix(2 * q)).transpose();
-      }
-      out.bubble_stiffness.block<2, 2>(ix(2 * a), ix(2 * b)) = material.lambda() * m + material.mu() * m.transpose() +
-                                                               material.mu() * m.trace() * Eigen::Matrix2d::Identity();
-    }
-  }
-  out.bubble_stiffness = (0.5 * (out.bubble_stiffness + out.bubble_stiffness.transpose())).eval();
+  out.bubble_stiffness = nb > 0 ? inner.stiffness : MatrixXd::Zero(0, 0);
   return out;
 }
 

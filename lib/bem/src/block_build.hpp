@@ -7,6 +7,7 @@
 
 #include "cleave/bem/block.hpp"
 #include "cleave/bem/kelvin.hpp"
+#include "domain_rule.hpp"
 
 namespace cleave::bem {
 
@@ -33,10 +34,9 @@ struct BlockMass {
   Eigen::MatrixXd bubble_stiffness;
   Bubbles bubbles;
 };
-/// Of a convex polygon without holes; none for other shapes. `degree`: polynomials below it.
-[[nodiscard]] Bubbles bubbles_of(const std::vector<Loop>& loops, Vec2 origin, std::size_t degree);
-[[nodiscard]] BlockMass block_mass(const Mesh& mesh, const std::vector<Loop>& loops, Vec2 origin,
-                                   const Material& material, const Eigen::MatrixXd& traction_of,
+[[nodiscard]] Bubbles bubbles_of(const Mesh& mesh, const std::vector<DomainPoint>& points, const Material& material,
+                                 std::size_t degree);
+[[nodiscard]] BlockMass block_mass(const Mesh& mesh, const Material& material, const Eigen::MatrixXd& traction_of,
                                    const BlockOptions& options);
 
 /// Nodal forces of element-wise tractions: integral of N_a N_b.

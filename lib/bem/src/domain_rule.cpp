@@ -66,7 +66,7 @@ AreaMoments area_moments(const Mesh& mesh) {
   return out;
 }
 
-std::vector<DomainPoint> domain_rule(const Mesh& mesh, std::size_t n) {
+std::vector<DomainPoint> domain_rule(const Mesh& mesh, std::size_t n, double spacing) {
   std::vector<Piece> pieces;
   std::vector<double> levels;
   for (const Element& e : merged(mesh)) {
@@ -87,9 +87,19 @@ std::vector<DomainPoint> domain_rule(const Mesh& mesh, std::size_t n) {
   const double span = levels.back() - levels.front();
   std::vector<DomainPoint> out;
   const GaussRule& rule = gauss(n);
-  const auto share = [&](std::size_t k) { return 0.5 * (1 - std::cos(std::numbers::pi * 0.5 * (1 + rule.s[k]))); };
-  const auto weight = [&](std::size_t k) {
-    return 0.25 * rule.w[k] * std::numbers::pi * std::sin(std::numbers::pi * 0.5 * (1 + rule.s[k]));
+  // Point k of parts that are even in the angle of the cosine map.
+  const auto angle = [&](std::size_t k, std::size_t parts) {
+    const auto part = static_cast<double>(k / n);
+    return std::numbers::pi * (part + 0.5 * (1 + rule.s[k % n])) / static_cast<double>(parts);
+  };
+  const auto share = [&](std::size_t k, std::size_t parts) { return 0.5 * (1 - std::cos(angle(k, parts))); };
+  const auto weight = [&](std::size_t k, std::size_t parts) {
+    return 0.25 * rule.w[k % n] * std::numbers::pi / static_cast<double>(parts) * std::sin(angle(k, parts));
+  };
+  const auto parts_of = [&](double length) {
+    if (!(spacing > 0)) return std::size_t{1};
+    const double wanted = 0.5 * std::numbers::pi * length / (static_cast<double>(n) * spacing);
+    return static_cast<std::size_t>(std::clamp(std::ceil(wanted), 1.0, 50.0));
   };
   double low = levels.front();
   for (std::size_t k = 1; k < levels.size(); ++k) {
@@ -103,13 +113,15 @@ std::vector<DomainPoint> domain_rule(const Mesh& mesh, std::size_t n) {
     std::ranges::sort(crossed, {}, [&](const Piece* p) { return across(*p, middle); });
     // A cosine map both ways: arcs leave their highest point like a square root, and the fields have logarithms at
     // corners.
-    for (std::size_t i = 0; i < n; ++i) {
-      const double y = low + (high - low) * share(i);
+    const std::size_t up = parts_of(high - low);
+    for (std::size_t i = 0; i < up * n; ++i) {
+      const double y = low + (high - low) * share(i, up);
       for (std::size_t s = 0; s + 1 < crossed.size(); s += 2) {
         const double left = across(*crossed[s], y);
-        const double right = across(*crossed[s + 1], y);
-        for (std::size_t j = 0; j < n; ++j) {
-          out.push_back({{left + share(j) * (right - left), y}, (high - low) * weight(i) * weight(j) * (right - left)});
+        const double width = across(*crossed[s + 1], y) - left;
+        const std::size_t over = parts_of(width);
+        for (std::size_t j = 0; j < over * n; ++j) {
+          out.push_back({{left + share(j, over) * width, y}, (high - low) * weight(i, up) * weight(j, over) * width});
         }
       }
     }

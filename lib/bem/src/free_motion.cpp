@@ -188,7 +188,6 @@ std::expected<void, MotionError> FreeMotion::advance() {
   std::vector<double> a = a_, q(n), v(n);
   std::vector<double> force = pin_force_;
   std::vector<double> residual(n + nc), pull(n, 0.0);
-  Eigen::MatrixXd matrix;
   Eigen::VectorXd right(ix(n + nc));
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(ix(nc), ix(n));
   // What forces are measured by: weight, inertia, and loads even where they balance each other.
@@ -254,17 +253,19 @@ std::expected<void, MotionError> FreeMotion::advance() {
       }
       continue;
     }
-    if (matrix.rows() == 0) matrix.resize(ix(n + nc), ix(n + nc));
-    matrix.setZero();
+    // Masses are diagonal, so the pin forces come first: c J D^-1 J^T f = r_pins - J D^-1 r.
+    Eigen::VectorXd diagonal(ix(n));
     for (std::size_t i = 0; i < n; ++i) {
-      matrix(ix(i), ix(i)) =
+      diagonal(ix(i)) =
           (1 - g.am) * mass_of(i) + (1 - g.af) * (h * h * g.beta * stiffness_of(i) + h * g.gamma * drag_of(i));
     }
-    matrix.topRightCorner(ix(n), ix(nc)) = -(1 - g.af) * jacobian.transpose();
-    matrix.bottomLeftCorner(ix(nc), ix(n)) = jacobian;
-    const Eigen::VectorXd d = matrix.partialPivLu().solve(right);
+    const Eigen::MatrixXd spread = diagonal.cwiseInverse().asDiagonal() * jacobian.transpose();
+    const Eigen::VectorXd alone = diagonal.cwiseInverse().asDiagonal() * right.head(ix(n));
+    const Eigen::MatrixXd matrix = (1 - g.af) * jacobian * spread;
+    const Eigen::VectorXd more = matrix.partialPivLu().solve(right.tail(ix(nc)) - jacobian * alone);
+    const Eigen::VectorXd d = alone + (1 - g.af) * spread * more;
     for (std::size_t i = 0; i < n; ++i) a[i] += d(ix(i));
-    for (std::size_t c = 0; c < nc; ++c) force[c] += d(ix(n + c));
+    for (std::size_t c = 0; c < nc; ++c) force[c] += more(ix(c));
   }
   q_ = std::move(q);
   v_ = std::move(v);

@@ -18,25 +18,30 @@ InnerState inner_state(const BlockOperator& block, const InnerPoint& point, cons
   }
   const Nearest near = nearest(mesh, point.at);
   const Elastic elastic{1, block.material().nu()};
-  InnerState out;
   if (near.distance < 1e-9 * std::sqrt(block.area())) {
     const Gradient g = on_boundary(mesh, u, t, near.element, near.s, elastic.mu, elastic.nu);
     return {g.displacement, mu * g.stress};
   }
-  const Integrator integrator{mesh, {elastic}, 1e-9};
-  out.displacement = displacement_inside(integrator, u, t, point.at, near, false);
-  out.stress = mu * stress_inside(integrator, u, t, point.at, near, false);
+  // The inner motions' answers of the plane come off the boundary values and on again inside.
+  const Bubbles& bubbles = block.bubbles();
+  Bubbles::Value own;
   std::vector<Bubbles::Value> values;
-  if (block.bubbles().count() > 0) block.bubbles().evaluate(point.reference, values);
-  Vec2 dx, dy;
+  bubbles.evaluate(point.at, block.material(), values);
   for (std::size_t k = 0; k < values.size(); ++k) {
-    const Vec2 amplitude{freedoms[block.boundary_freedoms() + 2 * k], freedoms[block.boundary_freedoms() + 2 * k + 1]};
-    out.displacement += values[k].value * amplitude;
-    dx += values[k].slope.x * amplitude;
-    dy += values[k].slope.y * amplitude;
+    const double amplitude = freedoms[block.boundary_freedoms() + k];
+    own.displacement += amplitude * values[k].displacement;
+    own.stress += amplitude * values[k].stress;
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      u[i] -= amplitude * Vec2{bubbles.on_nodes(2 * i, k), bubbles.on_nodes(2 * i + 1, k)};
+    }
+    const std::size_t per = mesh.per_element();
+    for (std::size_t r = 0; r < per * t.size(); ++r) {
+      t[r / per][r % per] -= (amplitude / mu) * Vec2{bubbles.on_elements(2 * r, k), bubbles.on_elements(2 * r + 1, k)};
+    }
   }
-  out.stress += block.material().stress({dx.x, 0.5 * (dx.y + dy.x), dy.y});
-  return out;
+  const Integrator integrator{mesh, {elastic}, 1e-9};
+  return {displacement_inside(integrator, u, t, point.at, near, false) + own.displacement,
+          mu * stress_inside(integrator, u, t, point.at, near, false) + own.stress};
 }
 
 }  // namespace cleave::bem

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "block_build.hpp"
 #include "cleave/bem/boundary_stress.hpp"
@@ -58,11 +59,11 @@ Mat2 gradient_at(const BlockOperator& block, BoundaryPlace at, const std::vector
   return {strain.xx, strain.xy - turn, strain.xy + turn, strain.yy};
 }
 
-/// Nodal displacement whose boundary stress is closest to the one given.
-Eigen::VectorXd closest(const BlockOperator& block, const std::vector<Sym2>& stress) {
+/// Nodal displacement whose boundary stress, with that of the inner motions, is closest to the one given.
+Eigen::VectorXd closest(const BlockOperator& block, const std::vector<Sym2>& stress, const Eigen::VectorXd& inner) {
   const Mesh& mesh = block.mesh();
   const std::size_t per = mesh.per_element();
-  const auto n = ix(2 * mesh.nodes.size());
+  const auto n = ix(block.freedoms());
   const Eigen::Map<const Eigen::MatrixXd> traction_of = view(block.traction_of());
   Eigen::MatrixXd a(ix(3 * stress.size()), n);
   Eigen::VectorXd b(ix(3 * stress.size()));
@@ -102,7 +103,9 @@ Eigen::VectorXd closest(const BlockOperator& block, const std::vector<Sym2>& str
     }
   }
   // Rigid motions carry no stress: the solution without them.
-  return a.completeOrthogonalDecomposition().solve(b);
+  const auto nodal = n - inner.size();
+  b -= a.rightCols(inner.size()) * inner;
+  return a.leftCols(nodal).completeOrthogonalDecomposition().solve(b);
 }
 
 }  // namespace
@@ -156,10 +159,13 @@ std::expected<BlockOperator, BlockError> CarriedStress::advance(const BlockOpera
       kept = turned(kept, f.angle) + now.material().stress(f.strain);
     }
   }
-  const Eigen::VectorXd u = closest(*next, stress_);
+  // Inner motions go on from where they are.
+  const std::size_t nodal = now.boundary_freedoms();
+  for (std::size_t i = nodal; i < freedoms.size(); ++i) strained_[i] += freedoms[i];
+  const auto own = std::span{strained_}.subspan(nodal);
+  const Eigen::Map<const Eigen::VectorXd> inner{own.data(), ix(own.size())};
+  const Eigen::VectorXd u = closest(*next, stress_, inner);
   std::copy(u.begin(), u.end(), strained_.begin());
-  // Bubbles are inner motions: they go on from where they are.
-  for (std::size_t i = now.boundary_freedoms(); i < freedoms.size(); ++i) strained_[i] += freedoms[i];
   return next;
 }
 

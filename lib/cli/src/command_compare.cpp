@@ -6,7 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "cleave/report/json.hpp"
+#include "cleave/core/version.hpp"
+#include "cleave/report/json_fields.hpp"
 #include "cleave/report/write.hpp"
 #include "cleave/scene/monte_carlo.hpp"
 #include "cleave/stochastic/paired.hpp"
@@ -58,33 +59,24 @@ std::string text_of(const std::vector<PairedEstimate>& rows) {
 std::string json_of(const std::vector<PairedEstimate>& rows, const std::string& first, const std::string& second,
                     double confidence, const std::vector<std::string>& notes) {
   report::JsonWriter json;
-  json.begin_object();
-  json.member("cleave", "0.1.0");
-  json.member("first", std::string_view{first});
-  json.member("second", std::string_view{second});
-  json.member("confidence", confidence);
-  json.key("quantities");
-  json.begin_object();
-  for (const PairedEstimate& r : rows) {
-    json.key(r.name);
-    json.begin_object();
-    json.member("pairs", r.pairs);
-    json.member("first", r.first);
-    json.member("second", r.second);
-    json.member("difference", r.difference);
-    json.member("standard_error", r.standard_error);
-    json.member("low", r.interval.low);
-    json.member("high", r.interval.high);
-    json.member("correlation", r.correlation);
-    if (r.gain) json.member("gain", *r.gain);
-    json.end_object();
-  }
-  json.end_object();
-  json.key("notes");
-  json.begin_array();
-  for (const std::string& note : notes) json.value(std::string_view{note});
-  json.end_array();
-  json.end_object();
+  report::JsonFields{json}.put(group([&](auto& v) {
+    v("cleave", CLEAVE_VERSION);
+    v("first", first);
+    v("second", second);
+    v("confidence", confidence);
+    v("quantities", by_name(rows, &PairedEstimate::name, [](auto& q, const PairedEstimate& r) {
+        q("pairs", r.pairs);
+        q("first", r.first);
+        q("second", r.second);
+        q("difference", r.difference);
+        q("standard_error", r.standard_error);
+        q("low", r.interval.low);
+        q("high", r.interval.high);
+        q("correlation", r.correlation);
+        q("gain", r.gain);
+      }));
+    v("notes", notes);
+  }));
   return std::move(json).finish();
 }
 

@@ -10,6 +10,7 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/core/version.hpp"
 #include "cleave/io/mesh_write.hpp"
 #include "cleave/io/network_write.hpp"
 #include "cleave/report/exports.hpp"
@@ -39,7 +40,7 @@ struct Converted {
 };
 
 Converted faces_as(const io::MeshData& mesh, const std::string& ending) {
-  const std::array<std::string, 2> comments{"written by cleave 0.1.0",
+  const std::array<std::string, 2> comments{"written by cleave " CLEAVE_VERSION,
                                             "unit as in the file it was converted from; z up; no offset"};
   Converted result;
   result.bytes = ending == ".obj"   ? io::write_obj(mesh, comments)

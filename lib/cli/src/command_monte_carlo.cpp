@@ -8,6 +8,7 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
+#include "cleave/core/version.hpp"
 #include "cleave/report/monte_carlo.hpp"
 #include "cleave/report/write.hpp"
 #include "cleave/scene/monte_carlo.hpp"
@@ -23,12 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 using stochastic::Estimate;
 
-constexpr const char* version = "0.1.0";
-
 std::string figures_text(const report::MonteCarloPage& page) {
   const stochastic::Figures& f = page.result.figures;
-  std::string text = fmt::format("{}\nrealizations {} ({}), seed {}\n", page.summary.title, f.realizations,
-                                 name_of(page.result.stopped_by), page.summary.seed);
+  std::string text = fmt::format("{}\nrealizations {} ({}), seed {}\n", page.title, f.realizations,
+                                 name_of(page.result.stopped_by), page.seed);
   for (const Estimate& e : f.estimates) {
     if (e.name.starts_with("share") || e.name.starts_with("first_batch_share")) continue;
     text += fmt::format("  {:<44} {:>12.5g} +- {:<10.3g} [{:.5g}, {:.5g}]\n", e.name, e.mean, e.standard_error, e.low,
@@ -38,16 +37,16 @@ std::string figures_text(const report::MonteCarloPage& page) {
     text += fmt::format("  P(key block above {:g} m3){:>24.5g} [{:.5g}, {:.5g}]\n", e.volume_m3, e.probability,
                         e.interval.low, e.interval.high);
   }
-  text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", page.summary.cost.wall_s,
-                      page.summary.cost.cpu_s, page.summary.cost.peak_rss_mb, page.summary.cost.threads);
+  text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", page.cost.wall_s,
+                      page.cost.cpu_s, page.cost.peak_rss_mb, page.cost.threads);
   return text;
 }
 
 std::string log_text(const report::MonteCarloPage& page) {
   std::string text =
-      fmt::format("cleave {}\nscene {} (sha256 {})\n\nplan\n", version, page.scene_file, page.summary.scene_sha256);
-  for (const auto& row : page.summary.plan) {
-    text += fmt::format("  {:<12} {:<9} {}\n", row.stage, row.run ? "run" : "left out", row.why);
+      fmt::format("cleave {}\nscene {} (sha256 {})\n\nplan\n", version, page.scene_file, page.scene_sha256);
+  for (const scene::PlannedStage& row : page.plan.stages) {
+    text += fmt::format("  {:<12} {:<9} {}\n", name_of(row.stage), row.run ? "run" : "left out", row.why);
   }
   text += "\nresult\n" + figures_text(page);
   if (!page.result.figures.notes.empty() || !page.notes.empty()) text += "\nnotes\n";
@@ -127,8 +126,10 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
     complain(copies.error().message);
     return copies.error().code;
   }
-  const std::string header = header_of(stochastic::RunIdentity{
-      .version = version, .scene_sha256 = scene_and_files_sha256(scene), .seed = scene.seed, .shard = arguments.shard});
+  const std::string header = header_of(stochastic::RunIdentity{.version = CLEAVE_VERSION,
+                                                               .scene_sha256 = scene_and_files_sha256(scene),
+                                                               .seed = scene.seed,
+                                                               .shard = arguments.shard});
   auto folder = MonteCarloFolder::prepare(arguments.out, header);
   if (!folder) {
     complain(folder.error().message);
@@ -155,9 +156,10 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
   }};
   auto result = timer.run("monte_carlo", [&] {
     if (make != nullptr) {
-      return scene::run_monte_carlo(scene, *make, folder->unfinished(), arguments.shard, version, watch);
+      return scene::run_monte_carlo(scene, *make, folder->unfinished(), arguments.shard, CLEAVE_VERSION, watch);
     }
-    return scene::run_monte_carlo(scene, arguments.threads, folder->unfinished(), arguments.shard, version, watch);
+    return scene::run_monte_carlo(scene, arguments.threads, folder->unfinished(), arguments.shard, CLEAVE_VERSION,
+                                  watch);
   });
   progress.end();
   if (!result) {

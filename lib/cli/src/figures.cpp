@@ -1,4 +1,5 @@
 #include "figures.hpp"
+#include "cleave/core/version.hpp"
 
 #include <fmt/format.h>
 
@@ -7,15 +8,11 @@
 namespace cleave::cli {
 namespace {
 
-std::string block_lines(const topology::AuditedComplex& audited) {
-  const topology::BlockComplex& complex = audited.complex();
-  const topology::Certificate& certificate = audited.certificate();
-  const auto concave = std::ranges::count_if(complex.blocks(), [](const topology::Block& b) { return !b.convex; });
-  const auto slivers = std::ranges::count_if(complex.blocks(), [](const topology::Block& b) { return b.sliver; });
+std::string block_lines(const scene::BlockFigures& blocks, const topology::Certificate& certificate) {
   return fmt::format(
       "blocks       {} ({} concave, {} slivers), volume {:.6g} m3\n"
       "certificate  passed: volume error {:.1e}, face vectors {:.1e}\n",
-      complex.blocks().size(), concave, slivers, certificate.volume.si(), certificate.volume_relative_error,
+      blocks.count, blocks.concave, blocks.slivers, certificate.volume.si(), certificate.volume_relative_error,
       certificate.face_vector_max_relative);
 }
 
@@ -25,41 +22,34 @@ std::string certificate_line(const topology::Certificate& c) {
       c.euler_violations, c.open_shells, c.unpaired_patches, c.volume_relative_error);
 }
 
-std::string key_block_lines(const stability::Analysis& analysis) {
-  std::size_t count = 0;
-  Volume volume;
-  for (const stability::Batch& batch : analysis.batches) {
-    count += batch.blocks.size();
-    volume += batch.volume;
-  }
+std::string key_block_lines(const scene::KeyBlockFigures& key) {
   std::string text =
-      fmt::format("key blocks   {} in {} batches, volume {:.6g} m3\n", count, analysis.batches.size(), volume.si());
+      fmt::format("key blocks   {} in {} batches, volume {:.6g} m3\n", key.count, key.batches.size(), key.volume_m3);
   constexpr std::size_t shown = 8;
-  for (std::size_t i = 0; i < std::min(shown, analysis.batches.size()); ++i) {
-    const stability::Batch& batch = analysis.batches[i];
-    text += fmt::format("  batch {:<4}  {} blocks, {:.6g} m3\n", batch.number, batch.blocks.size(), batch.volume.si());
+  for (std::size_t i = 0; i < std::min(shown, key.batches.size()); ++i) {
+    const scene::BatchFigures& batch = key.batches[i];
+    text += fmt::format("  batch {:<4}  {} blocks, {:.6g} m3\n", batch.batch, batch.count, batch.volume_m3);
   }
-  if (analysis.batches.size() > shown) text += fmt::format("  and {} more batches\n", analysis.batches.size() - shown);
+  if (key.batches.size() > shown) text += fmt::format("  and {} more batches\n", key.batches.size() - shown);
   return text;
 }
 
 }  // namespace
 
 std::string figures_of(const scene::RunResult& result) {
-  std::string text = fmt::format("{}\njoints       {}, seed {}\n", result.title, result.joints.size(), result.seed);
-  if (result.complex) {
-    text += block_lines(*result.complex);
-  } else {
-    text += certificate_line(result.complex.error());
-  }
-  if (result.analysis) text += key_block_lines(*result.analysis);
+  std::string text =
+      fmt::format("{}\njoints       {}, seed {}\n", result.title, result.figures.input.joints, result.seed);
+  const scene::Figures& figures = result.figures;
+  text += figures.blocks ? block_lines(*figures.blocks, result.certificate()) : certificate_line(result.certificate());
+  if (figures.key_blocks) text += key_block_lines(*figures.key_blocks);
   text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", result.cost.wall_s,
                       result.cost.cpu_s, result.cost.peak_rss_mb, result.cost.threads);
   return text;
 }
 
 std::string log_of(const scene::RunResult& result) {
-  std::string text = fmt::format("cleave 0.1.0\nscene {} (sha256 {})\n", result.scene_file, result.scene_sha256);
+  std::string text =
+      fmt::format("cleave " CLEAVE_VERSION "\nscene {} (sha256 {})\n", result.scene_file, result.scene_sha256);
   for (const scene::InputFile& file : result.files) {
     text += fmt::format("file {} ({} bytes, sha256 {})\n", file.name, file.bytes, file.sha256);
   }

@@ -20,6 +20,7 @@
 #include <thread>
 #include <vector>
 
+#include "cleave/core/version.hpp"
 #include "commands.hpp"
 
 namespace cleave::cli {
@@ -104,7 +105,7 @@ std::optional<std::uint64_t> seed_of(const std::string& text) {
 
 ExitCode run_program(int argc, char** argv) {
   CLI::App app{"Cuts rock into blocks by its joints, exactly, and finds the blocks that will move.", "cleave"};
-  app.set_version_flag("--version", "cleave 0.1.0");
+  app.set_version_flag("--version", "cleave " CLEAVE_VERSION);
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done, 1 a bug in cleave, 2 the input is wrong, 3 the machine failed, 4 a check did not hold, 130 "

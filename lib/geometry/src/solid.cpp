@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "cleave/core/disjoint_sets.hpp"
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/triangulate.hpp"
@@ -43,22 +44,8 @@ struct EdgeUse {
   [[nodiscard]] friend auto operator<=>(const EdgeUse&, const EdgeUse&) = default;
 };
 
-/// Union of face numbers into shells.
-class Groups final {
- public:
-  explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::uint32_t{0}); }
-  [[nodiscard]] std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a), b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
+/// Face numbers in shells.
+using Groups = DisjointSets<std::uint32_t>;
 
 /// Checks that each edge is used once in each direction; joins neighbours in `groups`.
 std::expected<void, SolidError> check_edges(std::span<const Vec3> vertices, std::span<const SolidFace> faces,
@@ -190,7 +177,7 @@ std::expected<Solid, SolidError> Solid::make(std::vector<Vec3> vertices, std::ve
   std::vector<std::uint32_t> shell(faces.size());
   std::uint32_t shells = 0;
   for (std::uint32_t f = 0; f < faces.size(); ++f) {  // a root is the lowest number of its shell, so it comes first
-    const std::uint32_t root = groups.root(f);
+    const std::uint32_t root = groups.find(f);
     shell[f] = root == f ? shells++ : shell[root];
   }
   const auto [volume, noise] = measure(vertices, faces);

@@ -33,7 +33,7 @@
     const label = make('label', {}, by);
     make('span', { text: 'Colour by' }, label);
     const select = make('select', { 'aria-label': 'Colour by' }, label);
-    [['batch', 'batch'], ['mode', 'mode'], ['factor', 'factor of safety']].forEach(function (o) { make('option', { value: o[0], text: o[1] }, select); });
+    [['batch', 'batch'], ['mode', 'mode'], ['factor', 'factor of safety'], ['volume', 'volume']].forEach(function (o) { make('option', { value: o[0], text: o[1] }, select); });
     select.addEventListener('change', function () { state.colourBy = select.value; swatches(); view3d.rebuild(); });
     const list = function (title, map, names, colours) {
       const field = fieldset(title);
@@ -52,20 +52,39 @@
     legend.batch = list('Batch', state.batches, function (k) { return k === 0 ? 'no batch: stays' : k > 8 ? 'batch 9 and later' : 'batch ' + k; },
       view3d.batchColour);
     legend.mode = list('Mode', state.modes, function (k) { return modeNames[k]; }, view3d.modeColour);
-    legend.factor = fieldset('Factor of safety');
-    view3d.factorSteps.forEach(function (s) {
-      const line = make('label', {}, legend.factor);
-      make('i', { class: 'swatch', style: 'background:' + s[1] }, line);
-      make('span', { text: s[0] }, line);
-    });
+    const steps = function (title, rows) {
+      const field = fieldset(title);
+      rows.forEach(function (s) {
+        const line = make('label', {}, field);
+        make('i', { class: 'swatch', style: 'background:' + s[1] }, line);
+        make('span', { text: s[0] }, line);
+      });
+      return field;
+    };
+    legend.factor = steps('Factor of safety', view3d.factorSteps);
+    legend.volume = steps('Volume', view3d.volumeSteps);
   }
   const swatches = function () {
     Object.keys(legend).forEach(function (name) {
       legend[name].querySelectorAll('.swatch').forEach(function (s) { s.style.display = name === state.colourBy ? '' : 'none'; });
     });
-    if (legend.factor) legend.factor.style.display = state.colourBy === 'factor' ? '' : 'none';
+    ['factor', 'volume'].forEach(function (name) { if (legend[name]) legend[name].style.display = state.colourBy === name ? '' : 'none'; });
   };
   swatches();
+  const find = fieldset('Find a block');
+  const line = make('label', {}, find);
+  const search = make('input', { type: 'number', min: 0, step: 1, id: 'find', placeholder: 'number', 'aria-label': 'Number of the block to find' }, line);
+  const found = make('span', { class: 'small', 'aria-live': 'polite' }, line);
+  const goTo = function (id) {
+    const known = view3d.indexOf.has(id);
+    found.textContent = known ? '' : tables.row(id) ? 'not in the view' : 'not shown here';
+    if (!known) return false;
+    pick(view3d.indexOf.get(id), true);
+    view3d.zoomTo(state.picked);
+    return true;
+  };
+  search.addEventListener('change', function () { if (search.value !== '') goTo(Number(search.value)); });
+  search.addEventListener('keydown', function (e) { if (e.key === 'Enter' && search.value !== '') { e.preventDefault(); goTo(Number(search.value)); } });
   const view = fieldset('Rock');
   if (view3d.walls) slider(view, 'Walls', state.wallOpacity, 0, 1, function (v) {
     const crossing = (v > 0) !== (state.wallOpacity > 0);
@@ -105,15 +124,31 @@
       make('span', { class: 'n', text: String(b.count) }, line);
     });
   }
+  const parallelLine = make('label', {}, view);
+  const parallel = make('input', { type: 'checkbox' }, parallelLine);
+  make('span', { text: 'Parallel projection' }, parallelLine);
+  parallel.addEventListener('change', function () { view3d.parallel(parallel.checked); });
+  const savePicture = function () {
+    const link = make('a', { href: view3d.picture(), download: 'blocks.png' }, document.body);
+    link.click();
+    link.remove();
+  };
   const buttons = make('div', { class: 'buttons' }, panel);
   [['Start view', view3d.home],
     ['Whole', function () { view3d.look([0.62, -1, 0.55], [0, 0, 0], view3d.extent / 2 * (1 + state.explode)); }],
     ['Top', function () { view3d.look([0, -0.001, 1], view3d.focus, view3d.reach); }],
     ['From south', function () { view3d.look([0, -1, 0], view3d.focus, view3d.reach); }],
-    ['From east', function () { view3d.look([1, 0, 0], view3d.focus, view3d.reach); }]].forEach(function (b) {
+    ['From east', function () { view3d.look([1, 0, 0], view3d.focus, view3d.reach); }],
+    ['Save picture', savePicture]].forEach(function (b) {
     make('button', { type: 'button', text: b[0] }, buttons).addEventListener('click', b[1]);
   });
   const pickedBox = make('div', { id: 'picked', 'aria-live': 'polite' }, view3d.place);
+
+  // One block without the other key blocks, among rock that is faint.
+  const only = function (b) {
+    state.only = b;
+    view3d.rebuild();
+  };
 
   // ---- the picked block -------------------------------------------------------------------------------------------
   const short = function (v) { return !isFinite(v) || v >= 1e9 ? '\u221e' : String(Number(v.toPrecision(4))); };
@@ -123,6 +158,7 @@
       if (old) old.classList.remove('picked');
     }
     pickedBox.textContent = '';
+    if (state.only >= 0 && state.only !== b) only(-1);
     if (b >= 0) {
       const row = tables.row(blocks.id[b]);
       if (row) {
@@ -130,7 +166,12 @@
         const box = row.closest('.scroll');
         if (scroll && box) box.scrollTop = row.offsetTop - box.clientHeight / 2;
       }
-      make('strong', { text: 'Block ' + blocks.id[b] }, pickedBox);
+      const head = make('div', { class: 'buttons' }, pickedBox);
+      make('strong', { text: 'Block ' + blocks.id[b] }, head);
+      make('button', { type: 'button', text: 'Go to it' }, head).addEventListener('click', function () { view3d.zoomTo(b); });
+      const alone = make('button', { type: 'button', text: 'Alone', 'aria-pressed': String(state.only === b) }, head);
+      alone.addEventListener('click', function () { only(state.only === b ? -1 : b); alone.setAttribute('aria-pressed', String(state.only === b)); });
+      make('a', { href: '#block-' + blocks.id[b], text: 'Link' }, head);
       const list = make('dl', {}, pickedBox);
       const fact = function (name, value) { const pair = make('div', {}, list); make('dt', { text: name }, pair); make('dd', { text: value }, pair); };
       if (row) {
@@ -158,7 +199,42 @@
     view3d.mark(b);
   };
   view3d.onPick(function (b) { pick(b, true); });
-  tables.onPick(function (id) { if (view3d.indexOf.has(id)) pick(view3d.indexOf.get(id), false); });
+  tables.onPick(function (id) {
+    if (!view3d.indexOf.has(id)) return;
+    pick(view3d.indexOf.get(id), false);
+    view3d.zoomTo(state.picked);
+    view3d.holder.scrollIntoView({ block: 'nearest' });
+  });
+
+  // ---- keys, and links to a block ---------------------------------------------------------------------------------
+  const order = Array.from(view3d.indexOf.keys()).filter(function (id) { return blocks.mode[view3d.indexOf.get(id)] < 4; }).sort(function (a, b) { return a - b; });
+  const step = function (by) {
+    if (order.length === 0) return;
+    const at = state.picked >= 0 ? order.indexOf(blocks.id[state.picked]) : by > 0 ? -1 : 0;
+    goTo(order[(at + by + order.length) % order.length]);
+  };
+  const keys = {
+    ArrowLeft: function () { view3d.turn(-0.1, 0); }, ArrowRight: function () { view3d.turn(0.1, 0); },
+    ArrowUp: function () { view3d.turn(0, 0.1); }, ArrowDown: function () { view3d.turn(0, -0.1); },
+    '+': function () { view3d.zoom(0.87); }, '=': function () { view3d.zoom(0.87); }, '-': function () { view3d.zoom(1.15); },
+    n: function () { step(1); }, p: function () { step(-1); }, Home: view3d.home,
+    f: function () { if (state.picked >= 0) view3d.zoomTo(state.picked); },
+    i: function () { if (state.picked >= 0) { const b = state.picked; only(state.only === b ? -1 : b); } },
+    Escape: function () { only(-1); pick(-1, false); }
+  };
+  view3d.canvas.addEventListener('keydown', function (e) {
+    const key = keys[e.key.length === 1 ? e.key.toLowerCase() : e.key];
+    if (!key || e.ctrlKey || e.metaKey || e.altKey) return;
+    e.preventDefault();
+    key();
+  });
+  const follow = function () {
+    const link = /^#block-(\d+)$/.exec(location.hash);
+    if (link && goTo(Number(link[1]))) view3d.holder.scrollIntoView({ block: 'nearest' });
+  };
+  window.addEventListener('hashchange', follow);
+
   pick(-1, false);
   view3d.start();
+  follow();
 })();

@@ -65,12 +65,14 @@ const view3d = (function () {
     ['0.5 to 1', '#fdae6b', function (f) { return f < 1; }],
     ['1 to 1.5', '#9ecae1', function (f) { return f < 1.5; }],
     ['1.5 and more', '#3182bd', function () { return true; }]];
+  const volumeSteps = [['below 0.1 m\u00b3', '#440154', 0.1], ['0.1 to 1', '#3b528b', 1], ['1 to 10', '#21918c', 10],
+    ['10 to 100', '#5ec962', 100], ['100 m\u00b3 and more', '#fde725', Infinity]];
   const factorStep = function (f) { return factorSteps.findIndex(function (s) { return s[2](f); }); };
   const css = function (name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); };
 
   const movable = function (b) { return mode[b] < 4; };
   const state = {
-    colourBy: 'batch', explode: 0, wallOpacity: 1, restOpacity: judged ? 0.05 : 1, axis: 'y', cut: 1, picked: -1,
+    colourBy: 'batch', explode: 0, wallOpacity: 1, restOpacity: judged ? 0.05 : 1, axis: 'y', cut: 1, picked: -1, only: -1, parallel: false,
     batches: new Map(), modes: new Map()
   };
   const batchKey = function (b) { return batch[b] > 8 ? 9 : batch[b]; };
@@ -85,11 +87,13 @@ const view3d = (function () {
     count(state.modes, mode[b], true);
   }
   const shown = function (b) {
+    if (state.only >= 0) return b === state.only;
     return movable(b) && state.batches.get(batchKey(b)).on && state.modes.get(mode[b]).on;
   };
   const colourOf = function (b) {
     if (state.colourBy === 'mode') return modeColours[mode[b]];
-    if (state.colourBy === 'factor') return factorSteps[factorStep(factor[b])][1];
+    if (state.colourBy === 'factor') return movable(b) ? factorSteps[factorStep(factor[b])][1] : staysColour;
+    if (state.colourBy === 'volume') return volumeSteps.find(function (s) { return volume[b] < s[2]; })[1];
     return batchColourOf(batch[b]);
   };
 
@@ -105,7 +109,8 @@ const view3d = (function () {
   renderer.localClippingEnabled = true;
   renderer.domElement.tabIndex = 0;
   renderer.domElement.setAttribute('role', 'img');
-  renderer.domElement.setAttribute('aria-label', 'Blocks in 3D; the table of key blocks below holds the same facts');
+  renderer.domElement.setAttribute('aria-label', 'Blocks in 3D. Keys: arrows turn, + and - zoom, N and P next and previous key block, ' +
+    'F goes to the picked block, I shows it alone, Escape lets it go, Home is the start view. The table of key blocks holds the same facts.');
   holder.prepend(renderer.domElement);
   const printed = document.createElement('img');
   printed.id = 'printed';
@@ -223,6 +228,7 @@ const view3d = (function () {
   const layerOf = function (f) {
     const b = faceBlock[f];
     if (shown(b)) return 'key';
+    if (state.only >= 0 && state.restOpacity === 0) return null;
     if (isWall(faceRole[f])) return state.wallOpacity > 0 ? 'wall' : null;
     return state.restOpacity > 0 && restFace(f) ? 'rest' : null;
   };
@@ -350,10 +356,23 @@ const view3d = (function () {
   };
 
   let pending = false;
+  // The bar is as long as a round number of metres at the distance of what is looked at.
+  const scaleBar = document.createElement('div');
+  scaleBar.id = 'scale-bar';
+  holder.append(scaleBar);
+  const drawScale = function () {
+    const height = renderer.domElement.clientHeight || 1;
+    const metres = 2 * camera.position.distanceTo(controls.target) * Math.tan(camera.fov * Math.PI / 360) / height;
+    const power = Math.pow(10, Math.floor(Math.log10(120 * metres)));
+    const length = [5, 2, 1].map(function (m) { return m * power; }).find(function (l) { return l <= 120 * metres; }) || power;
+    scaleBar.style.width = (length / metres).toFixed(1) + 'px';
+    scaleBar.textContent = Number(length.toPrecision(3)) + ' m';
+  };
   const draw = function () {
     pending = false;
     renderer.render(scene, camera);
     drawCompass();
+    drawScale();
   };
   const render = function () {
     if (!pending) { pending = true; requestAnimationFrame(draw); }
@@ -370,6 +389,9 @@ const view3d = (function () {
     const d = new THREE.Vector3(direction[0], direction[1], direction[2]).normalize();
     const narrow = Math.min(1, camera.aspect);
     const distance = radius / Math.sin(camera.fov * Math.PI / 360) / narrow;
+    camera.near = Math.max(distance - 20 * extent, extent / 500);
+    camera.far = distance + 20 * extent;
+    camera.updateProjectionMatrix();
     controls.target.set(target[0], target[1], target[2]);
     camera.position.copy(controls.target).addScaledVector(d, distance * 0.86);
     camera.lookAt(controls.target);
@@ -377,6 +399,56 @@ const view3d = (function () {
     render();
   };
   const home = function () { look([0.62, -1, 0.55], focus, Math.max(reach, judged || walls ? 0 : extent / 2)); };
+
+  // ---- going about -------------------------------------------------------------------------------------------------
+  const direction = function () {
+    const d = new THREE.Vector3().subVectors(camera.position, controls.target);
+    return [d.x, d.y, d.z];
+  };
+  const zoomTo = function (b) {
+    const move = offsetOf(b), low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let i = 3 * firstTriangle[firstFace[b]]; i < 3 * firstTriangle[firstFace[b + 1]]; ++i) {
+      for (let k = 0; k < 3; ++k) {
+        const v = points[3 * triangles[i] + k] + move[k];
+        low[k] = Math.min(low[k], v); high[k] = Math.max(high[k], v);
+      }
+    }
+    if (low[0] > high[0]) return;
+    const middle = low.map(function (v, k) { return (v + high[k]) / 2; });
+    const radius = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 2;
+    look(direction(), middle, Math.max(1.6 * radius, extent / 200));
+  };
+  const turn = function (sideways, upwards) {
+    const d = new THREE.Spherical().setFromVector3(new THREE.Vector3().subVectors(camera.position, controls.target).applyAxisAngle(new THREE.Vector3(1, 0, 0), -Math.PI / 2));
+    d.theta += sideways;
+    d.phi = Math.min(Math.PI - 0.01, Math.max(0.01, d.phi - upwards));
+    camera.position.copy(new THREE.Vector3().setFromSpherical(d).applyAxisAngle(new THREE.Vector3(1, 0, 0), Math.PI / 2)).add(controls.target);
+    camera.lookAt(controls.target);
+    controls.update();
+    render();
+  };
+  const zoom = function (factor) {
+    camera.position.sub(controls.target).multiplyScalar(factor).add(controls.target);
+    controls.update();
+    render();
+  };
+  // From so far away that parallel lines stay parallel to the eye.
+  const parallel = function (on) {
+    const radius = camera.position.distanceTo(controls.target) * Math.tan(camera.fov * Math.PI / 360);
+    state.parallel = on;
+    camera.fov = on ? 1 : 32;
+    camera.position.sub(controls.target).setLength(radius / Math.tan(camera.fov * Math.PI / 360)).add(controls.target);
+    const distance = camera.position.distanceTo(controls.target);
+    camera.near = Math.max(distance - 20 * extent, extent / 500);
+    camera.far = distance + 20 * extent;
+    camera.updateProjectionMatrix();
+    controls.update();
+    render();
+  };
+  const picture = function () {
+    renderer.render(scene, camera);
+    return renderer.domElement.toDataURL('image/png');
+  };
 
   // ---- picking ----------------------------------------------------------------------------------------------------
   const caster = new THREE.Raycaster();
@@ -428,7 +500,8 @@ const view3d = (function () {
     walls: faceRole.some(isWall), bolts: bolts ? boltLayers : null, servingBolts: servingBolts,
     blocks: { id: blockId, mode: mode, volume: volume, faces: faceCount }, indexOf: indexOf,
     batchColour: batchColourOf, modeColour: function (m) { return modeColours[m]; }, factorSteps: factorSteps,
-    place: holder.parentNode, onPick: onPick,
+    place: holder.parentNode, holder: holder, canvas: renderer.domElement, onPick: onPick, volumeSteps: volumeSteps,
+    zoomTo: zoomTo, turn: turn, zoom: zoom, parallel: parallel, picture: picture,
     mark: function (b) { state.picked = b; drawPicked(); render(); }
   };
 })();

@@ -14,5 +14,7 @@ namespace cleave::report::assets {
 [[nodiscard]] std::span<const std::string_view> view();
 [[nodiscard]] std::span<const std::string_view> panel();
 [[nodiscard]] std::span<const std::string_view> contact();
+[[nodiscard]] std::span<const std::string_view> bodies();
+[[nodiscard]] std::span<const std::string_view> scene2d();
 
 }  // namespace cleave::report::assets

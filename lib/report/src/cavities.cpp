@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "disjoint_sets.hpp"
+#include "cleave/core/disjoint_sets.hpp"
 #include "plane_split.hpp"
 
 namespace cleave::report::detail {
@@ -19,7 +19,7 @@ constexpr std::array<double Vec3::*, 3> axes{&Vec3::x, &Vec3::y, &Vec3::z};
 
 // The parts of a surface that hang together by edges, in the order of their first polygons.
 std::vector<Surface> shells_of(const Surface& polygons) {
-  DisjointSets shells{polygons.size()};
+  DisjointSets<> shells{polygons.size()};
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> first_use;
   for (std::size_t p = 0; p < polygons.size(); ++p) {
     const auto& corners = polygons[p].corners;

@@ -5,7 +5,8 @@
 #include <limits>
 #include <map>
 
-#include "cleave/report/triangulate.hpp"
+#include "cleave/core/version.hpp"
+#include "triangulate.hpp"
 
 namespace cleave::report::detail {
 namespace {

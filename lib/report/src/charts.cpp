@@ -2,30 +2,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "cleave/report/drawings.hpp"
-#include "cleave/report/text.hpp"
+#include "drawings.hpp"
 #include "svg.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
-namespace {
-
-using detail::fixed;
-
-std::string text(double x, double y, std::string_view anchor, std::string_view content) {
-  std::string out = "<text x=\"" + fixed(x) + "\" y=\"" + fixed(y) + "\" text-anchor=\"";
-  out += anchor;
-  out += "\">";
-  out += content;
-  return out + "</text>";
-}
-
-std::string power_of_ten(int exponent) {
-  if (exponent >= -3 && exponent <= 5) return display(std::pow(10.0, exponent));
-  return "10<tspan dy=\"-6\" font-size=\"11\">" + std::string{exponent < 0 ? "−" : ""} +
-         std::to_string(std::abs(exponent)) + "</tspan>";
-}
-
-}  // namespace
+using detail::fixed, detail::power_of_ten, detail::text;
 
 std::string size_curve(std::vector<double> volumes) {
   std::erase_if(volumes, [](double v) { return !(v > 0) || !std::isfinite(v); });
@@ -69,17 +51,17 @@ std::string size_curve(std::vector<double> volumes) {
   return out + "</svg>";
 }
 
-std::string batch_bars(std::span<const BatchFigures> batches) {
+std::string batch_bars(std::span<const scene::BatchFigures> batches) {
   if (batches.empty()) return {};
   constexpr double left = 96, right = 400;
   const double row = batches.size() > 12 ? 18 : 30;
   double largest = 0;
-  for (const BatchFigures& batch : batches) largest = std::max(largest, batch.volume_m3);
+  for (const scene::BatchFigures& batch : batches) largest = std::max(largest, batch.volume_m3);
   const double height = row * static_cast<double>(batches.size()) + 20;
   std::string out =
       "<svg viewBox=\"0 0 520 " + fixed(height) + "\" role=\"img\" aria-label=\"Key block volume by batch\">";
   double y = 10;
-  for (const BatchFigures& batch : batches) {
+  for (const scene::BatchFigures& batch : batches) {
     const double width = largest > 0 ? (right - left) * batch.volume_m3 / largest : 0;
     out += text(left - 10, y + row * 0.65, "end", "batch " + std::to_string(batch.batch));
     out += "<rect x=\"" + fixed(left) + "\" y=\"" + fixed(y + row * 0.12) + "\" width=\"" +

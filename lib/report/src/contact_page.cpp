@@ -1,44 +1,68 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "assets.hpp"
 #include "cleave/report/contact.hpp"
-#include "cleave/report/text.hpp"
-#include "plane_parts.hpp"
+#include "cleave/report/json_fields.hpp"
+#include "html_parts.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {
 
 using bem::Vec2;
-
-/// Seven significant digits: enough for a picture, half of the bytes.
-void short_number(std::string& out, double v) {
-  if (!std::isfinite(v) || std::abs(v) < 1e-99) {  // far below, powers of ten overflow
-    out += "0";
-    return;
-  }
-  const double power = std::floor(std::log10(std::abs(v))) - 6;
-  // 10^-power is a whole power of ten: multiplying and dividing by it gives short decimals.
-  const double rounded = power < 0 ? std::round(v * std::pow(10, -power)) / std::pow(10, -power)
-                                   : std::round(v / std::pow(10, power)) * std::pow(10, power);
-  append_number(out, rounded);
-}
-
-void numbers(std::string& out, std::initializer_list<double> values) {
-  bool first = true;
-  for (const double v : values) {
-    if (!first) out += ",";
-    first = false;
-    short_number(out, v);
-  }
-}
+using detail::data_script, detail::key_figure, detail::page_begin, detail::page_foot, detail::page_end, detail::script,
+    detail::table_row, detail::plan_section, detail::cost_section;
 
 /// Frames and rows are thinned so that a page stays below some tens of megabytes.
 std::size_t stride(std::size_t count, double each, double most) {
   std::size_t step = 1;
   while (static_cast<double>(count / step) * each > most) ++step;
   return step;
+}
+
+template <class Row>
+std::vector<const Row*> thinned(const std::vector<Row>& rows, std::size_t step) {
+  std::vector<const Row*> out;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (k % step == 0 || k + 1 == rows.size()) out.push_back(&rows[k]);
+  }
+  return out;
+}
+
+std::array<Short, 2> pair(Vec2 v) { return {{{v.x}, {v.y}}}; }
+void add(std::vector<Short>& out, Vec2 v) { out.insert(out.end(), {{v.x}, {v.y}}); }
+
+/// One picture: time, places, what deforms beyond them, contacts, points.
+void frame_fields(JsonFields& v, const scene::ContactResult& result, const scene::ContactFrame& frame, Vec2 origin) {
+  std::vector<Short> places, contacts;
+  for (const scene::ContactPlacement& place : frame.places) {
+    add(places, place.centroid - origin);
+    places.push_back({place.rotation});
+  }
+  for (const scene::ContactMark& mark : frame.contacts) {
+    add(contacts, mark.at - origin);
+    add(contacts, mark.force);
+    contacts.push_back({mark.state == scene::ContactMarkState::slip ? 1.0 : 0.0});
+  }
+  v("t", Short{frame.time});
+  v("p", places);
+  v("d", group([&](auto& d) {
+      for (std::size_t b = 0; b < frame.corners.size(); ++b) {
+        if (frame.corners[b].empty()) continue;
+        const scene::ContactBodyResult& body = result.bodies[b];
+        std::vector<Short> beyond;
+        for (std::size_t k = 0; k < body.outline.size(); ++k) {
+          add(beyond, frame.corners[b][k] - frame.places[b].centroid -
+                          bem::rotated(body.outline[k] - body.start, frame.places[b].rotation));
+        }
+        d(std::to_string(b), beyond);
+      }
+    }));
+  v("c", contacts);
+  v("u", each_as(frame.points, pair));
 }
 
 std::string page_data(const scene::ContactResult& result) {
@@ -49,116 +73,48 @@ std::string page_data(const scene::ContactResult& result) {
     turned = std::max(turned, std::abs(body.rotation));
     moved = std::max(moved, norm(body.centroid - body.start));
   }
-  std::string out = "{\"way\":";
-  append_json_string(out, result.to_rest ? "relaxation time (s)" : "time (s)");
-  out += ",\"turned\":";
-  short_number(out, turned);
-  out += ",\"moved\":";
-  short_number(out, moved);
-  out += ",\"bodies\":[";
-  for (std::size_t b = 0; b < result.bodies.size(); ++b) {
-    const scene::ContactBodyResult& body = result.bodies[b];
-    out += b > 0 ? ",{\"n\":" : "{\"n\":";
-    append_json_string(out, body.name);
-    out += body.fixed ? ",\"f\":1,\"c\":[" : ",\"f\":0,\"c\":[";
-    numbers(out, {body.start.x - origin.x, body.start.y - origin.y});
-    out += "],\"o\":[";
-    for (std::size_t k = 0; k < body.outline.size(); ++k) {
-      if (k > 0) out += ",";
-      numbers(out, {body.outline[k].x - body.start.x, body.outline[k].y - body.start.y});
-    }
-    out += "]}";
-  }
-  double each = 3 * static_cast<double>(result.bodies.size());
+  double each_frame = 3 * static_cast<double>(result.bodies.size());
   std::size_t most_contacts = 0;
   for (const scene::ContactFrame& frame : result.frames) most_contacts = std::max(most_contacts, frame.contacts.size());
-  each += 5 * static_cast<double>(most_contacts);
+  each_frame += 5 * static_cast<double>(most_contacts);
   for (const scene::ContactBodyResult& body : result.bodies) {
-    if (body.elastic) each += 2 * static_cast<double>(body.outline.size());
+    if (body.elastic) each_frame += 2 * static_cast<double>(body.outline.size());
   }
-  const std::size_t skip = stride(result.frames.size(), each, 1.5e6);
-  out += "],\"frames\":[";
-  bool first = true;
-  for (std::size_t f = 0; f < result.frames.size(); ++f) {
-    if (f % skip != 0 && f + 1 != result.frames.size()) continue;
-    const scene::ContactFrame& frame = result.frames[f];
-    out += first ? "{\"t\":" : ",{\"t\":";
-    first = false;
-    short_number(out, frame.time);
-    out += ",\"p\":[";
-    for (std::size_t b = 0; b < frame.places.size(); ++b) {
-      if (b > 0) out += ",";
-      numbers(out,
-              {frame.places[b].centroid.x - origin.x, frame.places[b].centroid.y - origin.y, frame.places[b].rotation});
-    }
-    out += "],\"d\":{";
-    bool first_body = true;
-    for (std::size_t b = 0; b < frame.corners.size(); ++b) {
-      if (frame.corners[b].empty()) continue;
-      out += first_body ? "\"" : ",\"";
-      first_body = false;
-      out += std::to_string(b) + "\":[";
-      const scene::ContactBodyResult& body = result.bodies[b];
-      for (std::size_t k = 0; k < body.outline.size(); ++k) {
-        const Vec2 rigid =
-            frame.places[b].centroid + bem::rotated(body.outline[k] - body.start, frame.places[b].rotation);
-        if (k > 0) out += ",";
-        numbers(out, {frame.corners[b][k].x - rigid.x, frame.corners[b][k].y - rigid.y});
-      }
-      out += "]";
-    }
-    out += "},\"c\":[";
-    for (std::size_t c = 0; c < frame.contacts.size(); ++c) {
-      const scene::ContactMark& mark = frame.contacts[c];
-      if (c > 0) out += ",";
-      numbers(out, {mark.at.x - origin.x, mark.at.y - origin.y, mark.force.x, mark.force.y,
-                    mark.state == scene::ContactMarkState::slip ? 1.0 : 0.0});
-    }
-    out += "],\"u\":[";
-    for (std::size_t p = 0; p < frame.points.size(); ++p) {
-      out += p > 0 ? ",[" : "[";
-      numbers(out, {frame.points[p].x, frame.points[p].y});
-      out += "]";
-    }
-    out += "]}";
-  }
-  out += "],\"points\":[";
-  for (std::size_t p = 0; p < result.points.size(); ++p) {
-    out += p > 0 ? ",{\"k\":" : "{\"k\":";
-    out += std::to_string(p) + ",\"n\":";
-    append_json_string(out, result.points[p].name);
-    out += ",\"x\":";
-    short_number(out, result.points[p].at.x - origin.x);
-    out += ",\"y\":";
-    short_number(out, result.points[p].at.y - origin.y);
-    out += "}";
-  }
-  const std::size_t rows = stride(result.history.size(), 1, 1200);
-  out += "],\"history\":[";
-  for (std::size_t k = 0; k < result.history.size(); ++k) {
-    if (k % rows != 0 && k + 1 != result.history.size()) continue;
-    const scene::ContactHistory& row = result.history[k];
-    out += k > 0 ? ",[" : "[";
-    numbers(out, {row.time, row.kinetic, row.elastic, row.gravity, row.work, row.friction, row.lost, row.step,
-                  static_cast<double>(row.iterations), static_cast<double>(row.sticking + row.slipping)});
-    for (const Vec2 u : row.points) {
-      out += ",";
-      numbers(out, {u.x, u.y});
-    }
-    out += "]";
-  }
-  return out + "]}";
-}
-
-std::string row(std::initializer_list<std::string> cells, bool head = false) {
-  std::string out = "<tr>";
-  for (const std::string& cell : cells) out += (head ? "<th>" : "<td>") + cell + (head ? "</th>" : "</td>");
-  return out + "</tr>\n";
-}
-
-std::string card(const std::string& label, const std::string& value, const std::string& below, const char* kind = "") {
-  return std::string{"<div class=\"card "} + kind + "\"><span class=\"label\">" + label + "</span><strong>" + value +
-         "</strong><span class=\"below\">" + below + "</span></div>\n";
+  const auto frames = thinned(result.frames, stride(result.frames.size(), each_frame, 1.5e6));
+  const auto rows = thinned(result.history, stride(result.history.size(), 1, 1200));
+  JsonWriter json{JsonLayout::compact};
+  JsonFields{json}.put(group([&](auto& v) {
+    v("way", result.to_rest ? "relaxation time (s)" : "time (s)");
+    v("turned", Short{turned});
+    v("moved", Short{moved});
+    v("bodies", each(result.bodies, [&](auto& b, const scene::ContactBodyResult& body) {
+        std::vector<Short> outline;
+        for (const Vec2 p : body.outline) add(outline, p - body.start);
+        b("n", body.name);
+        b("f", body.fixed ? 1U : 0U);
+        b("c", pair(body.start - origin));
+        b("o", outline);
+      }));
+    v("frames",
+      each(frames, [&](auto& f, const scene::ContactFrame* frame) { frame_fields(f, result, *frame, origin); }));
+    v("points", each(result.points, [&](auto& p, const scene::PointSpec& point, std::size_t k) {
+        p("k", k);
+        p("n", point.name);
+        p("x", Short{point.at.x - origin.x});
+        p("y", Short{point.at.y - origin.y});
+      }));
+    v("history", each_as(rows, [](const scene::ContactHistory* row) {
+        std::vector<Short> out;
+        for (const double value :
+             {row->time, row->kinetic, row->elastic, row->gravity, row->work, row->friction, row->lost, row->step,
+              static_cast<double>(row->iterations), static_cast<double>(row->sticking + row->slipping)}) {
+          out.push_back({value});
+        }
+        for (const Vec2 u : row->points) add(out, u);
+        return out;
+      }));
+  }));
+  return std::move(json).finish();
 }
 
 std::string bodies_table(const scene::ContactResult& result) {
@@ -170,16 +126,16 @@ std::string bodies_table(const scene::ContactResult& result) {
   if (order.size() > most) {
     std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::size_t b) { return result.bodies[b].largest; });
   }
-  std::string out =
-      "<div class=\"scroll\"><table>\n" + row({"body", "freedoms", "largest displacement (m)", "u<sub>x</sub> (m)",
-                                               "u<sub>y</sub> (m)", "rotation (°)", "contact force on it (kN/m)"},
-                                              true);
+  std::string out = "<div class=\"scroll\"><table>\n" +
+                    table_row({"body", "freedoms", "largest displacement (m)", "u<sub>x</sub> (m)", "u<sub>y</sub> (m)",
+                               "rotation (°)", "contact force on it (kN/m)"},
+                              true);
   for (std::size_t k = 0; k < order.size() && k < most; ++k) {
     const scene::ContactBodyResult& body = result.bodies[order[k]];
-    out += row({escape_xml(body.name), display_count(body.freedoms), display(body.largest),
-                display(body.centroid.x - body.start.x), display(body.centroid.y - body.start.y),
-                display(body.rotation * 180 / std::numbers::pi),
-                display(body.force.x / 1e3) + ", " + display(body.force.y / 1e3)});
+    out += table_row({escape_xml(body.name), display_count(body.freedoms), display(body.largest),
+                      display(body.centroid.x - body.start.x), display(body.centroid.y - body.start.y),
+                      display(body.rotation * 180 / std::numbers::pi),
+                      display(body.force.x / 1e3) + ", " + display(body.force.y / 1e3)});
   }
   out += "</table></div>\n";
   if (order.size() > most) {
@@ -194,13 +150,13 @@ std::string solver_bars(const scene::ContactResult& result) {
   for (const scene::SolverShare& share : result.solvers) all += share.groups;
   if (all == 0 && result.steps == 0) return "<p>No step was solved.</p>\n";
   if (all == 0) return "<p>Nothing touched.</p>\n";
-  std::string out =
-      "<div class=\"scroll\"><table>\n" + row({"solver", "groups of contacts solved", "iterations", "", "share"}, true);
+  std::string out = "<div class=\"scroll\"><table>\n" +
+                    table_row({"solver", "groups of contacts solved", "iterations", "", "share"}, true);
   for (const scene::SolverShare& share : result.solvers) {
     const double part = static_cast<double>(share.groups) / static_cast<double>(all);
-    out += row({escape_xml(share.name), display_count(share.groups), display_count(share.iterations),
-                "<i class=\"bar\" style=\"width:" + number(std::round(1000 * part) / 10) + "%\"></i>",
-                display(100 * part, 3) + " %"});
+    out += table_row({escape_xml(share.name), display_count(share.groups), display_count(share.iterations),
+                      "<i class=\"bar\" style=\"width:" + number(std::round(1000 * part) / 10) + "%\"></i>",
+                      display(100 * part, 3) + " %"});
   }
   return out + "</table></div>\n<p class=\"small\">" + display_count(result.iterations) +
          " linear solves and pivots in all; every answer is accepted by its residual only, the worst was " +
@@ -230,34 +186,24 @@ force on both sides (the largest cut short).</span>
 }  // namespace
 
 std::string contact_report_html(const scene::ContactResult& result) {
-  std::string out = plane_page_head(
-      result.title,
-      escape_xml(result.scene_file) +
-          " · lengths in metres, x to the right, y up; forces and energies per metre of thickness",
-      ".controls label,.controls span{display:inline-block;margin:.2em 1em .2em 0}#view{width:100%;display:block}"
-      ".plots{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,460px),1fr));gap:12px}"
-      ".bar{display:block;height:10px;min-width:1px;margin-top:7px;background:var(--accent)}td:has(>.bar){width:30%}"
-      ".ramp i{display:inline-block;width:140px;height:10px;margin:0 .5em;"
-      "background:linear-gradient(90deg,#440154,#3b528b,#21918c,#5ec962,#fde725)}.controls .ramp[hidden]{display:none}"
-      ".card "
-      "strong{font-size:1.35rem}section.cards{grid-template-columns:repeat(auto-fit,minmax(158px,1fr))}.note.bad{"
-      "border-"
-      "color:var(--bad);color:var(--bad)}"
-      ".key{display:inline-block;width:12px;height:12px;border-radius:6px;vertical-align:-1px;margin-right:4px}"
-      ".scroll{overflow-x:auto}@media print{.controls{display:none}}");
+  std::string out = page_begin(escape_xml(result.title.empty() ? "cleave report" : result.title),
+                               escape_xml(result.scene_file) +
+                                   " · lengths in metres, x to the right, y up; forces and "
+                                   "energies per metre of thickness",
+                               assets::scene2d());
   out += "<section class=\"cards\">\n";
-  out += result.converged ? card("run", "converged", display_count(result.steps) + " steps", "good")
-                          : card("run", "stopped", display_count(result.steps) + " steps", "bad");
-  out += card("largest displacement", display(result.largest_displacement, 3) + " m",
-              !result.to_rest    ? "after " + display(result.end_time, 4) + " s"
-              : result.converged ? "at rest"
-                                 : "not at rest: means nothing");
+  out += result.converged ? key_figure("run", "converged", display_count(result.steps) + " steps", "good")
+                          : key_figure("run", "stopped", display_count(result.steps) + " steps", "bad");
+  out += key_figure("largest displacement", display(result.largest_displacement, 3) + " m",
+                    !result.to_rest    ? "after " + display(result.end_time, 4) + " s"
+                    : result.converged ? "at rest"
+                                       : "not at rest: means nothing");
   const auto moving =
       static_cast<std::uint64_t>(std::ranges::count_if(result.bodies, [](const auto& b) { return !b.fixed; }));
-  out += card("bodies that move", display_count(moving), result.elastic ? "elastic" : "rigid");
-  out += card("penetration", display(result.largest_penetration, 2) + " m", "largest, after a step");
-  out += card("energy gained", display(result.energy_gain, 2) + " J/m",
-              "from nothing; momentum drift " + display(result.drift_momentum, 2));
+  out += key_figure("bodies that move", display_count(moving), result.elastic ? "elastic" : "rigid");
+  out += key_figure("penetration", display(result.largest_penetration, 2) + " m", "largest, after a step");
+  out += key_figure("energy gained", display(result.energy_gain, 2) + " J/m",
+                    "from nothing; momentum drift " + display(result.drift_momentum, 2));
   out += "</section>\n";
   if (!result.converged) {
     out += "<p class=\"note bad\">Stopped: " + escape_xml(result.stopped_why) +
@@ -269,29 +215,20 @@ std::string contact_report_html(const scene::ContactResult& result) {
   out += "<div id=\"energy\"></div><div id=\"contacts\"></div>\n</div>\n</section>\n";
   if (!result.points.empty()) {
     out += "<section><h2>Points</h2>\n<div class=\"scroll\"><table>\n" +
-           row({"point", "x (m)", "y (m)", "u<sub>x</sub> (m)", "u<sub>y</sub> (m)"}, true);
+           table_row({"point", "x (m)", "y (m)", "u<sub>x</sub> (m)", "u<sub>y</sub> (m)"}, true);
     for (std::size_t p = 0; p < result.points.size(); ++p) {
       const Vec2 u = result.history.empty() ? Vec2{} : result.history.back().points[p];
-      out += row({escape_xml(result.points[p].name), display(result.points[p].at.x), display(result.points[p].at.y),
-                  display(u.x, 6), display(u.y, 6)});
+      out += table_row({escape_xml(result.points[p].name), display(result.points[p].at.x),
+                        display(result.points[p].at.y), display(u.x, 6), display(u.y, 6)});
     }
     out += "</table></div>\n</section>\n";
   }
   out += "<section><h2>Bodies</h2>\n" + bodies_table(result) + "</section>\n<section><h2>Solvers</h2>\n" +
          solver_bars(result) + "<div class=\"plots\"><div id=\"steps\"></div>" +
-         (result.solvers.empty() ? "" : "<div id=\"iterations\"></div>") + "</div>\n" +
-         "</section>\n<section><h2>What ran</h2>\n<div class=\"scroll\"><table>\n"
-         "<tr><th>stage</th><th></th><th class=\"wide\">why</th></tr>\n";
-  for (const scene::PlannedStage& stage : result.plan.stages) {
-    out += "<tr><td>" + std::string{scene::name_of(stage.stage)} + "</td><td>" + (stage.run ? "run" : "left out") +
-           "</td><td class=\"wide\">" + escape_xml(stage.why) + "</td></tr>\n";
-  }
-  out += "</table></div>\n<p>" + display(result.cost.wall_s, 3) + " s, " + display(result.cost.peak_rss_mb, 3) +
-         " MB, " + std::to_string(result.cost.threads) + " threads.</p>\n";
-  out += "</section>\n</main>\n<script type=\"application/json\" id=\"data\">" + page_data(result) +
-         "</script>\n<script>\n";
-  for (const std::string_view piece : assets::contact()) out += piece;
-  out += "</script>\n</body>\n</html>\n";
+         (result.solvers.empty() ? "" : "<div id=\"iterations\"></div>") + "</div>\n" + "</section>\n";
+  out += plan_section(result.plan) + cost_section(result.cost) + page_foot();
+  out += data_script(page_data(result)) + script(assets::contact());
+  out += page_end;
   return out;
 }
 

@@ -1,10 +1,12 @@
-#include "cleave/report/dangling.hpp"
+#include "dangling.hpp"
 
 #include <algorithm>
 #include <string_view>
 
-#include "cleave/report/text.hpp"
-#include "cleave/report/triangulate.hpp"
+#include "cleave/core/version.hpp"
+#include "text.hpp"
+#include "triangulate.hpp"
+#include "vtu_writer.hpp"
 
 namespace cleave::report {
 namespace {
@@ -31,12 +33,6 @@ std::vector<std::uint32_t> without_spikes(const std::vector<topology::VertexId>&
 const topology::Dangling& dangling_of(const topology::BlockComplex& complex) {
   static const topology::Dangling nothing{};
   return complex.data().dangling ? *complex.data().dangling : nothing;
-}
-
-void append_array(std::string& out, std::string_view type, std::string_view name, std::string_view values,
-                  std::string_view more = "") {
-  out += "<DataArray type=\"" + std::string{type} + "\" Name=\"" + std::string{name} + "\"" + std::string{more} +
-         " format=\"ascii\">\n" + std::string{values} + "</DataArray>\n";
 }
 
 std::string one_line(std::string_view text) {
@@ -84,37 +80,35 @@ DanglingMesh make_dangling_mesh(const topology::BlockComplex& complex) {
 std::string dangling_vtu(const topology::BlockComplex& complex, std::string_view title) {
   const DanglingMesh mesh = make_dangling_mesh(complex);
   const auto& pieces = dangling_of(complex).pieces;
-  std::string points, connectivity, ends, types, piece, joint, block, isolated;
-  for (const geometry::Vec3& p : mesh.points) points += number(p.x) + ' ' + number(p.y) + ' ' + number(p.z) + '\n';
+  std::vector<std::int64_t> connectivity, ends, piece, joint, block;
+  std::vector<std::uint8_t> isolated;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const topology::DanglingPiece& own = pieces[mesh.piece[t]];
-    for (const std::uint32_t v : mesh.triangles[t]) connectivity += std::to_string(v) + ' ';
-    connectivity += '\n';
-    ends += std::to_string(3 * (t + 1)) + '\n';
-    types += "5\n";
-    piece += std::to_string(mesh.piece[t]) + '\n';
-    joint += std::to_string(own.joint.value()) + '\n';
-    block += std::to_string(own.block.value()) + '\n';
-    isolated += own.isolated ? "1\n" : "0\n";
+    for (const std::uint32_t v : mesh.triangles[t]) connectivity.push_back(v);
+    ends.push_back(static_cast<std::int64_t>(3 * (t + 1)));
+    piece.push_back(mesh.piece[t]);
+    joint.push_back(own.joint.value());
+    block.push_back(own.block.value());
+    isolated.push_back(own.isolated ? 1 : 0);
   }
-  std::string out =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<FieldData>\n<Array type=\"String\" "
-      "Name=\"title\" NumberOfTuples=\"1\" format=\"ascii\">";
-  for (const char c : title) out += std::to_string(static_cast<unsigned char>(c)) + ' ';
-  out += "0 </Array>\n</FieldData>\n<Piece NumberOfPoints=\"" + std::to_string(mesh.points.size()) +
-         "\" NumberOfCells=\"" + std::to_string(mesh.triangles.size()) + "\">\n<Points>\n";
-  append_array(out, "Float64", "Points", points, " NumberOfComponents=\"3\"");
-  out += "</Points>\n<Cells>\n";
-  append_array(out, "Int64", "connectivity", connectivity);
-  append_array(out, "Int64", "offsets", ends);
-  append_array(out, "UInt8", "types", types);
-  out += "</Cells>\n<CellData>\n";
-  append_array(out, "Int64", "piece", piece);
-  append_array(out, "Int64", "joint", joint);
-  append_array(out, "Int64", "block", block);
-  append_array(out, "UInt8", "isolated", isolated);
-  return out + "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+  VtuWriter vtu{VtuFormat::ascii};
+  vtu.begin("FieldData");
+  vtu.strings("title", {std::string{title}});
+  vtu.end("FieldData");
+  vtu.begin_piece(mesh.points.size(), mesh.triangles.size());
+  vtu.points(mesh.points);
+  vtu.begin("Cells");
+  vtu.array("connectivity", connectivity);
+  vtu.array("offsets", ends);
+  vtu.array("types", std::vector<std::uint8_t>(mesh.triangles.size(), 5));  // VTK_TRIANGLE
+  vtu.end("Cells");
+  vtu.begin("CellData");
+  vtu.array("piece", piece);
+  vtu.array("joint", joint);
+  vtu.array("block", block);
+  vtu.array("isolated", isolated);
+  vtu.end("CellData");
+  return std::move(vtu).finish();
 }
 
 std::string dangling_obj(const topology::BlockComplex& complex, std::string_view title) {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "cell_faces.hpp"
-#include "cleave/report/text.hpp"
 #include "export_writers.hpp"
+#include "text.hpp"
 
 namespace cleave::report::detail {
 namespace {

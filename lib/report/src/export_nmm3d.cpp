@@ -1,8 +1,8 @@
 #include <string>
 
 #include "cell_faces.hpp"
-#include "cleave/report/text.hpp"
 #include "export_writers.hpp"
+#include "text.hpp"
 
 namespace cleave::report::detail {
 

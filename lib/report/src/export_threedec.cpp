@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "cell_faces.hpp"
-#include "cleave/report/text.hpp"
 #include "convex_parts.hpp"
 #include "export_writers.hpp"
+#include "text.hpp"
 
 namespace cleave::report::detail {
 namespace {

@@ -1,19 +1,32 @@
 #pragma once
 
+#include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 
-#include "cleave/report/summary.hpp"
+#include "cleave/scene/run_result.hpp"
 
-/// Pieces that all of cleave's pages share.
+/// Pieces that all of cleave's pages share. Text given is HTML.
 namespace cleave::report::detail {
 
-/// Up to and with <main>: title, style, heading. `sub` is HTML.
-[[nodiscard]] std::string page_begin(const std::string& title, const std::string& sub);
-[[nodiscard]] std::string page_end();
+/// Up to and with <main>: title, style, heading, a line below it. `style` follows the style of all pages.
+[[nodiscard]] std::string page_begin(const std::string& title, const std::string& sub,
+                                     std::span<const std::string_view> style = {});
+/// From </main> to the foot; `more` stands in the footer.
+[[nodiscard]] std::string page_foot(std::string_view more = {});
+[[nodiscard]] std::string script(std::span<const std::string_view> pieces);
+/// The data that a page's scripts read.
+[[nodiscard]] std::string data_script(std::string_view json);
+inline constexpr std::string_view page_end = "</body>\n</html>\n";
+
 [[nodiscard]] std::string key_figure(std::string_view label, const std::string& figure, const std::string& below,
                                      std::string_view kind = "");
-[[nodiscard]] std::string plan_part(const Summary& summary);
-[[nodiscard]] std::string cost_part(const CostTable& cost);
+[[nodiscard]] std::string table_row(std::initializer_list<std::string> cells, bool head = false);
+/// A row of a table of facts.
+[[nodiscard]] std::string fact(std::string_view name, const std::string& value, std::string_view kind = "");
+[[nodiscard]] std::string plan_section(const scene::Plan& plan);
+[[nodiscard]] std::string cost_section(const scene::RunCost& cost);
+[[nodiscard]] std::string notes_list(std::span<const std::string> notes);
 
 }  // namespace cleave::report::detail

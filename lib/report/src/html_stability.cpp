@@ -7,10 +7,11 @@
 #include <span>
 #include <utility>
 
-#include "cleave/report/drawings.hpp"
-#include "cleave/report/text.hpp"
+#include "drawings.hpp"
 #include "pyramid_net.hpp"
+#include "stereonet.hpp"
 #include "svg.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {
@@ -78,8 +79,7 @@ std::string block_net(const Page& page, const stability::Judgement& j, Net net) 
   }
   for (const stability::Pressing& pressing : j.pressing) {
     const topology::Face& face = complex.faces()[pressing.face];
-    const double tangent =
-        face.joint && face.joint->index() < page.tan_friction.size() ? page.tan_friction[face.joint->index()] : 0;
+    const double tangent = face.joint ? page.tan_friction(*face.joint) : 0;
     const Vec3 pole = face.outward.z > 0 ? -face.outward : face.outward;
     out +=
         small_circle(pole, std::atan(tangent) * 180 / std::numbers::pi, net, "stroke=\"#D55E00\" stroke-width=\"1.4\"");
@@ -178,9 +178,7 @@ std::string face_table(const Page& page, const stability::Judgement& j) {
     const auto pressed = std::ranges::find(j.pressing, id, &stability::Pressing::face);
     const double along = -dot(face.outward, j.direction);
     const bool joint = face.role == topology::Role::joint;
-    const double friction = joint && face.joint && face.joint->index() < page.tan_friction.size()
-                                ? std::atan(page.tan_friction[face.joint->index()]) * to_degrees
-                                : 0;
+    const double friction = joint && face.joint ? std::atan(page.tan_friction(*face.joint)) * to_degrees : 0;
     out += "<tr><td>" + std::to_string(++number) + "</td><td>" + behind + "</td><td>" + display(std::round(dip)) +
            "° / " + display(std::round(trend)) + "°</td><td>" + display(face.area.si(), 3) + "</td><td>" +
            (joint ? display(friction, 3) : "–") + "</td><td>" +
@@ -199,7 +197,8 @@ std::string face_table(const Page& page, const stability::Judgement& j) {
 /// Forces in the plane of gravity and of the motion, to one scale, gravity downwards on the page: weight, reactions,
 /// resistance, driving force, and all other loads (water, quake, surcharge) summed up, from W + Q + sum N = T.
 std::string force_arrows(const Page& page, const stability::Judgement& j) {
-  const Vec3 up = norm(page.gravity) > 0 ? geometry::normalized(-page.gravity) : Vec3{0, 0, 1};
+  const Vec3 gravity = page.result.stability ? page.result.stability->gravity : Vec3{0, 0, -9.81};
+  const Vec3 up = norm(gravity) > 0 ? geometry::normalized(-gravity) : Vec3{0, 0, 1};
   Vec3 h = j.direction - dot(j.direction, up) * up;
   if (!(norm(h) > 1e-9)) h = geometry::cross(up, std::abs(up.y) < 0.9 ? Vec3{0, 1, 0} : Vec3{1, 0, 0});
   h = geometry::normalized(h);
@@ -292,9 +291,9 @@ constexpr std::size_t most_explained = 60;
 }  // namespace
 
 std::string why_section(const Page& page) {
-  if (page.analysis == nullptr || page.complex == nullptr) return {};
+  if (!page.result.analysis || page.complex == nullptr) return {};
   std::vector<const stability::Judgement*> keys;
-  for (const stability::Judgement& j : page.analysis->judgements) {
+  for (const stability::Judgement& j : page.result.analysis->judgements) {
     if (j.key) keys.push_back(&j);
   }
   if (keys.empty()) return {};
@@ -316,8 +315,8 @@ std::string why_section(const Page& page) {
            "<figcaption>equal area</figcaption></figure><figure>" + block_net(page, j, Net::equal_angle) +
            "<figcaption>equal angle</figcaption></figure></div>\n<div class=\"scroll\">" + face_table(page, j) +
            "</div>\n";
-    const auto row = std::ranges::find(page.sensitivity, j.block, &stability::Sensitivity::block);
-    if (row != page.sensitivity.end()) {
+    const auto row = std::ranges::find(page.result.sensitivity, j.block, &stability::Sensitivity::block);
+    if (row != page.result.sensitivity.end()) {
       const std::string drawing = tornado(*row);
       if (!drawing.empty()) {
         out += "<figure class=\"half\">" + drawing + "<figcaption>Factor of safety when one input is " +
@@ -334,8 +333,8 @@ std::string why_section(const Page& page) {
 }
 
 std::string support_section(const Page& page) {
-  if (page.support == nullptr || !page.summary.support) return {};
-  const SupportFigures& f = *page.summary.support;
+  if (!page.result.support || !page.figures().support) return {};
+  const scene::SupportFigures& f = *page.figures().support;
   std::string out = "<section id=\"support\"><h2>Support</h2>\n<p>" +
                     std::string{f.passes ? "Every block reaches its target." : "Some blocks miss their target."} + " " +
                     display_count(f.blocks) + " blocks need support: " + display_count(f.held_by_bolts) +
@@ -345,16 +344,17 @@ std::string support_section(const Page& page) {
                     display_count(f.bolts_redundant) + " redundant, " + display_count(f.bolts_too_short) +
                     " too short. " + display_count(f.combined) + " bodies stitched together by bolts, " +
                     display_count(f.combined_failing) + " of them below their target.";
-  if (f.required_force_n_per_metre) {
-    out += " Required force: " + display(*f.required_force_n_per_metre / 1000, 3) + " kN per metre of tunnel.";
+  if (page.result.tunnel_length > 0) {
+    out += " Required force: " + display(f.required_force_n / page.result.tunnel_length / 1000, 3) +
+           " kN per metre of tunnel.";
   }
   out += "</p>\n";
-  if (!page.support->blocks.empty()) {
+  if (!page.result.support->blocks.empty()) {
     out +=
         "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Block</th><th>Mode</th><th>Net force (kN)</th>"
         "<th>Factor</th><th>Target</th><th>Held by</th><th>Bolts</th><th>Factor with bolts</th><th>Share used</th>"
         "<th>Missing (kN)</th><th>Required force (kN)</th><th>Required pressure (kPa)</th></tr></thead><tbody>\n";
-    for (const stability::SupportedBlock& b : page.support->blocks) {
+    for (const stability::SupportedBlock& b : page.result.support->blocks) {
       out += "<tr data-block=\"" + std::to_string(b.block.value()) + "\"><td>" + std::to_string(b.block.value()) +
              "</td><td>" + std::string{stability::name(b.mode)} + "</td><td>" + display(b.net_force / 1000) +
              "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" + display(b.target, 3) + "</td><td>" +
@@ -365,12 +365,12 @@ std::string support_section(const Page& page) {
     }
     out += "</tbody></table></div>\n";
   }
-  if (!page.support->combined.empty()) {
+  if (!page.result.support->combined.empty()) {
     out +=
         "<h3>Stitched bodies</h3><div class=\"scroll\"><table id=\"combined\"><thead><tr><th>Blocks</th><th>Volume "
         "(m³)</th><th>Mode</th><th>Net force (kN)</th><th>Factor</th><th>Target</th><th>Passes</th><th>Missing "
         "(kN)</th></tr></thead><tbody>\n";
-    for (const stability::CombinedBlock& b : page.support->combined) {
+    for (const stability::CombinedBlock& b : page.result.support->combined) {
       constexpr std::size_t most_named = 12;
       std::string members;
       for (std::size_t k = 0; k < std::min(b.members.size(), most_named); ++k) {
@@ -387,24 +387,24 @@ std::string support_section(const Page& page) {
     }
     out += "</tbody></table></div>\n";
   }
-  if (!f.cases.empty()) {
+  if (!page.figures().support_cases.empty()) {
     out +=
         "<h3>Under the load cases</h3><table id=\"support-cases\"><thead><tr><th>Case</th><th>Passes</th><th>Blocks "
         "that need support</th><th>Not held</th><th>Stitched bodies</th><th>Of them "
         "failing</th></tr></thead><tbody>\n";
-    for (const SupportCaseFigures& c : f.cases) {
-      out += "<tr><td>" + escape_xml(c.name) + "</td><td>" + (c.passes ? "yes" : "no") + "</td><td>" +
+    for (const auto& [name, c] : page.figures().support_cases) {
+      out += "<tr><td>" + escape_xml(name) + "</td><td>" + (c.passes ? "yes" : "no") + "</td><td>" +
              display_count(c.blocks) + "</td><td>" + display_count(c.not_held) + "</td><td>" +
              display_count(c.combined) + "</td><td>" + display_count(c.combined_failing) + "</td></tr>\n";
     }
     out += "</tbody></table><p class=\"small\">Block by block: support_blocks.csv, combined_blocks.csv.</p>\n";
   }
-  if (!f.designs.empty()) {
+  if (!page.result.designs.empty()) {
     out +=
         "<h3>Search for a pattern</h3><table><thead><tr><th>Length (m)</th><th>Spacing times</th><th>Bolts</th>"
         "<th>Cost</th></tr></thead><tbody>\n";
-    for (const DesignFigures& d : f.designs) {
-      out += "<tr><td>" + display(d.length_m, 3) + "</td><td>" + (d.found ? display(d.scale, 3) : "none passes") +
+    for (const scene::DesignResult& d : page.result.designs) {
+      out += "<tr><td>" + display(d.length, 3) + "</td><td>" + (d.found ? display(d.scale, 3) : "none passes") +
              "</td><td>" + (d.found ? display_count(d.bolts) : "–") + "</td><td>" +
              (d.found ? display(d.cost, 4) : "–") + "</td></tr>\n";
     }
@@ -416,7 +416,7 @@ std::string support_section(const Page& page) {
 }
 
 std::string maximum_section(const Page& page) {
-  if (page.maximum_blocks.empty()) return {};
+  if (page.result.maximum_blocks.empty()) return {};
   std::string out =
       "<section id=\"maximum\"><h2>Largest key blocks of block theory</h2>\n<p class=\"small\">What joints without "
       "end, "
@@ -424,7 +424,7 @@ std::string maximum_section(const Page& page) {
       "are upper bounds.</p>\n<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Sets</th><th>Below</th>"
       "<th>Where</th><th>Volume (m³)</th><th>Weight (kN)</th><th>Height (m)</th><th>Face (m²)</th><th>Mode</th>"
       "<th>Factor</th><th>Target</th><th>Required pressure (kPa)</th></tr></thead><tbody>\n";
-  for (const MaximumBlockRow& row : page.maximum_blocks) {
+  for (const scene::MaximumRow& row : page.result.maximum_blocks) {
     const stability::MaximumKeyBlock& b = row.block;
     std::string below;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -439,7 +439,7 @@ std::string maximum_section(const Page& page) {
   }
   out += "</tbody></table></div>\n<div class=\"columns\">\n";
   constexpr std::size_t most_nets = 4;
-  const std::span<const MaximumBlockRow> rows{page.maximum_blocks};
+  const std::span<const scene::MaximumRow> rows{page.result.maximum_blocks};
   std::size_t nets = 0;
   for (std::size_t from = 0, to = 0; from < rows.size() && nets < most_nets; from = to, ++nets) {
     while (to < rows.size() && rows[to].block.planes == rows[from].block.planes) ++to;

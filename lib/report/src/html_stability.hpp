@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "cleave/report/html.hpp"
+#include "html.hpp"
 
 namespace cleave::report {
 

@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "cleave/report/monte_carlo.hpp"
-#include "cleave/report/text.hpp"
 #include "html_parts.hpp"
 #include "plot.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {
@@ -279,17 +279,13 @@ std::string notes_section(const MonteCarloPage& page) {
 }
 
 std::string inputs_section(const MonteCarloPage& page) {
-  const auto row = [](std::string_view name, const std::string& value) {
-    std::string line = "<tr><th scope=\"row\">";
-    line += name;
-    return line + "</th><td class=\"wide\">" + value + "</td></tr>\n";
-  };
+  const auto row = [](std::string_view name, const std::string& value) { return detail::fact(name, value, "wide"); };
   std::string out = "<section id=\"inputs\"><h2>Inputs</h2>\n<table class=\"facts\"><tbody>\n";
-  out += row("Scene", escape_xml(page.scene_file) + " <code>" + escape_xml(page.summary.scene_sha256) + "</code>");
-  for (const FileRow& file : page.files) {
+  out += row("Scene", escape_xml(page.scene_file) + " <code>" + escape_xml(page.scene_sha256) + "</code>");
+  for (const scene::InputFile& file : page.files) {
     out += row("File", escape_xml(file.name) + " <code>" + escape_xml(file.sha256) + "</code>");
   }
-  out += row("Seed", std::to_string(page.summary.seed));
+  out += row("Seed", std::to_string(page.seed));
   out += row("Hash of the records", "<code>" + escape_xml(page.result.figures.hash) + "</code>");
   return out + "</tbody></table></section>\n";
 }
@@ -298,14 +294,14 @@ std::string inputs_section(const MonteCarloPage& page) {
 
 std::string monte_carlo_html(const MonteCarloPage& page) {
   const Figures& f = page.result.figures;
-  const std::string title = escape_xml(page.summary.title.empty() ? "cleave report" : page.summary.title);
+  const std::string title = escape_xml(page.title.empty() ? "cleave report" : page.title);
   std::string shard;
   if (page.result.shard.of > 1) {
     shard = " · part " + std::to_string(page.result.shard.number) + " of " + std::to_string(page.result.shard.of) +
             ": merge all parts before you use the figures";
   }
   std::string out = detail::page_begin(
-      title, escape_xml(page.scene_file) + " · Monte Carlo, seed " + std::to_string(page.summary.seed) + shard);
+      title, escape_xml(page.scene_file) + " · Monte Carlo, seed " + std::to_string(page.seed) + shard);
   out += cards(page);
   const std::string figures = running_figure(f) + size_figure(f) + exceedance_figure(f) + chainage_figure(page);
   if (!figures.empty()) {
@@ -319,10 +315,10 @@ std::string monte_carlo_html(const MonteCarloPage& page) {
   out += quantile_table(f);
   out += extremes_section(f);
   out += notes_section(page);
-  out += detail::plan_part(page.summary);
-  out += detail::cost_part(page.summary.cost);
+  out += detail::plan_section(page.plan);
+  out += detail::cost_section(page.cost);
   out += inputs_section(page);
-  return out + detail::page_end();
+  return out + detail::page_foot() + std::string{detail::page_end};
 }
 
 }  // namespace cleave::report

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
-#include "disjoint_sets.hpp"
+#include "cleave/core/disjoint_sets.hpp"
 #include "polygons.hpp"
 
 namespace cleave::report::detail {
@@ -141,7 +141,7 @@ void insert(std::vector<Polygon>& polygons, std::vector<Polygon>& more, const Us
 // The polygons with a point of its own for every fan at the ends of pinched edges.
 std::vector<Polygon> with_doubled_points(std::vector<Polygon> polygons, const std::vector<Use>& uses,
                                          std::vector<Vec3>& points, Through through) {
-  DisjointSets fans{uses.size()};
+  DisjointSets<> fans{uses.size()};
   std::vector<std::uint32_t> pinched;
   for (std::size_t i = 0; i < uses.size();) {
     std::size_t end = i;

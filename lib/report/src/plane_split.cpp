@@ -4,7 +4,7 @@
 #include <array>
 #include <map>
 
-#include "cleave/report/triangulate.hpp"
+#include "triangulate.hpp"
 
 namespace cleave::report::detail {
 namespace {

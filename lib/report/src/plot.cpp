@@ -3,21 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cleave/report/text.hpp"
 #include "svg.hpp"
+#include "text.hpp"
 
 namespace cleave::report::detail {
 namespace {
 
 constexpr double left = 74, right = 504, top = 14, bottom = 262;
-
-std::string text(double x, double y, std::string_view anchor, std::string_view content) {
-  std::string out = "<text x=\"" + fixed(x) + "\" y=\"" + fixed(y) + "\" text-anchor=\"";
-  out += anchor;
-  out += "\">";
-  out += content;
-  return out + "</text>";
-}
 
 double share(const Axis& axis, double v) {
   const double s =
@@ -32,12 +24,6 @@ double round_step(double span) {
     if (raw <= m * power) return m * power;
   }
   return 10 * power;
-}
-
-std::string power_of_ten(int exponent) {
-  if (exponent >= -3 && exponent <= 5) return display(std::pow(10.0, exponent));
-  return "10<tspan dy=\"-6\" font-size=\"11\">" + std::string{exponent < 0 ? "−" : ""} +
-         std::to_string(std::abs(exponent)) + "</tspan>";
 }
 
 std::string path_of(const std::vector<PlotPoint>& points, auto&& at_x, auto&& at_y, bool reversed) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "cleave/report/triangulate.hpp"
+#include "triangulate.hpp"
 
 namespace cleave::report::detail {
 namespace {

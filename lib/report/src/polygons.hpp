@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "cleave/geometry/vec3.hpp"
-#include "cleave/report/triangulate.hpp"
 #include "cleave/topology/block_complex.hpp"
+#include "triangulate.hpp"
 
 namespace cleave::report::detail {
 

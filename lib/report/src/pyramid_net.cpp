@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/report/stereonet.hpp"
-#include "cleave/report/text.hpp"
+#include "stereonet.hpp"
 #include "svg.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {
@@ -77,7 +77,7 @@ std::string_view colour(stability::Mode mode) {
 
 }  // namespace
 
-std::string pyramid_net(std::span<const MaximumBlockRow> rows) {
+std::string pyramid_net(std::span<const scene::MaximumRow> rows) {
   const std::array<Vec3, 3>& upward = rows.front().block.upward;
   const double size = 2 * centre;
   std::string out = "<svg viewBox=\"0 0 " + fixed(size) + ' ' + fixed(size) +
@@ -88,7 +88,7 @@ std::string pyramid_net(std::span<const MaximumBlockRow> rows) {
     const std::array<Vec3, 3> corners = corners_of(upward, code);
     std::string digits;
     for (std::size_t i = 0; i < 3; ++i) digits += ((code >> i) & 1U) != 0 ? '1' : '0';
-    const auto row = std::ranges::find(rows, code, [](const MaximumBlockRow& r) { return r.block.block.code; });
+    const auto row = std::ranges::find(rows, code, [](const scene::MaximumRow& r) { return r.block.block.code; });
     if (row != rows.end()) {
       std::vector<Vec3> around;
       for (std::size_t i = 0; i < 3; ++i) add_arc(corners[i], corners[(i + 1) % 3], around);

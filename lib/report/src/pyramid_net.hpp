@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "cleave/report/key_blocks.hpp"
+#include "key_blocks.hpp"
 
 namespace cleave::report {
 
@@ -11,6 +11,6 @@ namespace cleave::report {
 /// hemisphere inside the rim, the upper one outside. The planes' great circles, the eight pyramids with their codes
 /// (1: below that set's plane), and filled those that can come out at the tunnel. `rows` are of the same three sets and
 /// not empty.
-[[nodiscard]] std::string pyramid_net(std::span<const MaximumBlockRow> rows);
+[[nodiscard]] std::string pyramid_net(std::span<const scene::MaximumRow> rows);
 
 }  // namespace cleave::report

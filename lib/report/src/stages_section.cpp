@@ -1,6 +1,6 @@
 #include "stages_section.hpp"
 
-#include "cleave/report/text.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {
@@ -11,36 +11,37 @@ std::string numbers(const std::vector<std::uint32_t>& stages) {
   return out;
 }
 
-std::string order_rows(const SequenceFigures& sequence) {
+std::string order_rows(const scene::SequenceResult& sequence) {
   std::string out;
   for (std::size_t i = 0; i < sequence.orders.size(); ++i) {
-    const OrderFigures& order = sequence.orders[i];
+    const scene::OrderResult& order = sequence.orders[i];
     const char* remark = i == sequence.best ? "smallest volume" : i == 0 ? "the scene's" : "";
-    out += "<tr><td>" + numbers(order.stages) + "</td><td>" + display_count(order.count) + "</td><td>" +
-           display(order.volume_m3) + "</td><td>" + remark + "</td></tr>\n";
+    out += "<tr><td>" + numbers(order.stages) + "</td><td>" + display_count(order.key_blocks) + "</td><td>" +
+           display(order.key_volume.si()) + "</td><td>" + remark + "</td></tr>\n";
   }
   return out;
 }
 
 }  // namespace
 
-std::string stages_section(const SequenceFigures& sequence) {
+std::string stages_section(const scene::SequenceResult& sequence) {
   std::string out =
       "<section id=\"stages\"><h2>Excavation in stages</h2>\n<p class=\"small\">The rock after each stage. Key blocks "
       "that leave in a stage ";
-  out += sequence.fallen == "stay_out" ? "stay out: the next stage finds their room empty."
-                                       : "are held in place: the next stage finds them where they were.";
+  out += sequence.fallen == scene::Fallen::stay_out ? "stay out: the next stage finds their room empty."
+                                                    : "are held in place: the next stage finds them where they were.";
   out +=
       " A block that left in part in an earlier stage is not new.</p>\n<table><thead><tr><th>Stage</th><th>Taken "
       "out</th><th>Blocks</th><th>Rock (m³)</th><th>Key blocks</th><th>of them new</th><th>New (m³)</th></tr></thead>"
       "<tbody>\n";
-  for (const StageFigures& stage : sequence.stages) {
+  for (const scene::StageResult& stage : sequence.stages) {
     std::string names;
     for (const std::string& name : stage.excavations) names += (names.empty() ? "" : ", ") + escape_xml(name);
     out += "<tr><td>" + std::to_string(stage.stage) + "</td><td>" + names + "</td><td>" +
-           (stage.passed ? display_count(stage.blocks) : std::string{"certificate did not pass"}) + "</td><td>" +
-           display(stage.volume_m3) + "</td><td>" + display_count(stage.key_blocks.count) + "</td><td>" +
-           display_count(stage.new_count) + "</td><td>" + display(stage.new_volume_m3) + "</td></tr>\n";
+           (stage.passed() ? display_count(stage.blocks.count) : std::string{"certificate did not pass"}) +
+           "</td><td>" + display(stage.blocks.volume_m3) + "</td><td>" + display_count(stage.key_blocks.count) +
+           "</td><td>" + display_count(stage.new_key_blocks) + "</td><td>" + display(stage.new_key_volume.si()) +
+           "</td></tr>\n";
   }
   out += "</tbody></table>\n";
   if (sequence.orders.size() > 1) {

@@ -2,11 +2,11 @@
 
 #include <string>
 
-#include "cleave/report/summary.hpp"
+#include "cleave/scene/sequence.hpp"
 
 namespace cleave::report {
 
 /// The part of report.html about excavation in stages and the orders that were compared.
-[[nodiscard]] std::string stages_section(const SequenceFigures& sequence);
+[[nodiscard]] std::string stages_section(const scene::SequenceResult& sequence);
 
 }  // namespace cleave::report

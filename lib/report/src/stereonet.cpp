@@ -1,4 +1,4 @@
-#include "cleave/report/stereonet.hpp"
+#include "stereonet.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
-#include "cleave/report/text.hpp"
 #include "cleave/survey/orientation.hpp"
 #include "svg.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "cleave/report/drawings.hpp"
+#include "drawings.hpp"
 #include "polygons.hpp"
 #include "svg.hpp"
 

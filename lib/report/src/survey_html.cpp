@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "cleave/geometry/orientation.hpp"
-#include "cleave/report/stereonet.hpp"
 #include "cleave/report/survey.hpp"
-#include "cleave/report/text.hpp"
 #include "html_parts.hpp"
 #include "plot.hpp"
+#include "stereonet.hpp"
 #include "survey_windows.hpp"
 #include "svg.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {
@@ -306,7 +306,7 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
   for (const std::string& note : result.notes) notes += "<li>" + escape_xml(note) + "</li>\n";
   for (const scene::Problem& note : scene.notes) notes += "<li>" + escape_xml(describe(note)) + "</li>\n";
   if (!notes.empty()) out += "<section id=\"notes\"><h2>Notes</h2><ul>\n" + notes + "</ul></section>\n";
-  return out + detail::page_end();
+  return out + detail::page_foot() + std::string{detail::page_end};
 }
 
 }  // namespace cleave::report

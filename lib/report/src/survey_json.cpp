@@ -1,302 +1,250 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
+#include "cleave/core/version.hpp"
 #include "cleave/geometry/orientation.hpp"
-#include "cleave/report/json.hpp"
+#include "cleave/report/json_fields.hpp"
 #include "cleave/report/survey.hpp"
 #include "cleave/survey/comparison.hpp"
 
-namespace cleave::report {
-namespace {
+/// The figures of a survey.
+namespace cleave::survey {
 
-using survey::Estimate;
-
-void write_estimate(JsonWriter& json, const Estimate& e) {
-  json.begin_object();
-  json.member("name", e.name);
-  if (e.value) {
-    json.member("value", *e.value);
-    json.member("low", e.low);
-    json.member("high", e.high);
-  } else {
-    json.key("value");
-    json.null();
-  }
-  json.member("method", e.method);
-  if (!e.note.empty()) json.member("note", e.note);
-  json.end_object();
+template <class V>
+void fields(V& v, const Estimate& x) {
+  v("name", x.name);
+  v("value", OrNull<double>{x.value});
+  v("low", when(x.value.has_value(), x.low));
+  v("high", when(x.value.has_value(), x.high));
+  v("method", x.method);
+  v("note", when(!x.note.empty(), x.note));
 }
 
 /// NAME_low and NAME_high; null where there is no end.
-void write_interval(JsonWriter& json, const std::string& name, double low, double high) {
-  json.member(name + "_low", low);
-  json.member(name + "_high", high);
+template <class V>
+void interval_fields(V& v, const std::string& name, double low, double high) {
+  v(name + "_low", low);
+  v(name + "_high", high);
 }
-void write_interval(JsonWriter& json, const std::string& name, const Estimate& e) {
-  if (e.value) write_interval(json, name, e.low, e.high);
+template <class V>
+void interval_fields(V& v, const std::string& name, const Estimate& e) {
+  if (e.value) interval_fields(v, name, e.low, e.high);
 }
-
-void write_fit(JsonWriter& json, const survey::Fit& fit, double confidence) {
-  json.member("law", survey::name_of(fit.family));
-  json.member("mean", fit.moment(1));
-  json.member("std", std::sqrt(std::max(0.0, fit.moment(2) - fit.moment(1) * fit.moment(1))));
-  json.member("a", fit.a);
-  json.member("b", fit.b);
-  json.member("aic", fit.aic);
-  json.member("kolmogorov_smirnov", fit.distance);
-  for (const Estimate& e : parameters_of(fit, confidence)) write_interval(json, e.name, e);
-  if (fit.p_value) json.member("p_value", *fit.p_value);
+template <class V>
+void interval_fields(V& v, const std::string& name, const std::optional<Estimate>& e) {
+  if (e) interval_fields(v, name, *e);
 }
 
-void write_size(JsonWriter& json, const survey::SizeOfJoints& law) {
-  json.member("law", survey::name_of(law.family));
-  json.member("mean", law.mean);
-  json.member("std", law.std);
-  if (law.family == survey::Family::power) {
-    json.member("exponent", law.exponent);
-    json.member("min", law.min);
-    json.member("max", law.max);
-  }
+template <class V>
+void fit_fields(V& v, const Fit& fit, double confidence) {
+  v("law", name_of(fit.family));
+  v("mean", fit.moment(1));
+  v("std", std::sqrt(std::max(0.0, fit.moment(2) - fit.moment(1) * fit.moment(1))));
+  v("a", fit.a);
+  v("b", fit.b);
+  v("aic", fit.aic);
+  v("kolmogorov_smirnov", fit.distance);
+  for (const Estimate& e : parameters_of(fit, confidence)) interval_fields(v, e.name, e);
+  v("p_value", fit.p_value);
 }
 
-void write_orientation(JsonWriter& json, const survey::SetResult& set) {
-  const survey::FisherFit& fit = set.orientation;
+template <class V>
+void fields(V& v, const SizeOfJoints& law) {
+  const bool power = law.family == Family::power;
+  v("law", name_of(law.family));
+  v("mean", law.mean);
+  v("std", law.std);
+  v("exponent", when(power, law.exponent));
+  v("min", when(power, law.min));
+  v("max", when(power, law.max));
+}
+
+template <class V>
+void orientation_fields(V& v, const SetResult& set) {
+  const FisherFit& fit = set.orientation;
   const geometry::Attitude mean = geometry::attitude_of(fit.mean);
-  json.begin_object();
-  json.member("dip", mean.dip.degrees());
-  json.member("dip_direction", mean.direction.degrees());
-  if (set.direction) write_interval(json, "dip_direction", *set.direction);
-  json.member("measured", !set.orientation_stated);
-  json.member("cone_degrees", fit.cone_degrees);
-  json.member("kappa", fit.kappa);
+  v("dip", mean.dip.degrees());
+  v("dip_direction", mean.direction.degrees());
+  interval_fields(v, "dip_direction", set.direction);
+  v("measured", !set.orientation_stated);
+  v("cone_degrees", fit.cone_degrees);
+  v("kappa", fit.kappa);
   // Stated figures have no error.
-  if (!set.orientation_stated || fit.kappa_high > 0) write_interval(json, "kappa", fit.kappa_low, fit.kappa_high);
-  json.member("effective_count", fit.effective_count);
-  json.member("capped", fit.capped);
-  json.member("fisher", fit.fisher);
-  json.member("statistic", fit.statistic);
+  if (!set.orientation_stated || fit.kappa_high > 0) interval_fields(v, "kappa", fit.kappa_low, fit.kappa_high);
+  v("effective_count", fit.effective_count);
+  v("capped", fit.capped);
+  v("fisher", fit.fisher);
+  v("statistic", fit.statistic);
   if (set.bingham) {
-    json.member("bingham_k1", set.bingham->k1);
-    write_interval(json, "bingham_k1", set.bingham->first[0], set.bingham->first[1]);
-    json.member("bingham_k2", set.bingham->k2);
-    write_interval(json, "bingham_k2", set.bingham->second[0], set.bingham->second[1]);
+    v("bingham_k1", set.bingham->k1);
+    interval_fields(v, "bingham_k1", set.bingham->first[0], set.bingham->first[1]);
+    v("bingham_k2", set.bingham->k2);
+    interval_fields(v, "bingham_k2", set.bingham->second[0], set.bingham->second[1]);
   }
-  json.end_object();
 }
 
-void write_set(JsonWriter& json, const survey::SetResult& set, double confidence) {
-  json.begin_object();
-  json.member("name", set.name);
-  json.member("joints", set.joints);
-  json.member("traces", set.traces);
-  if (set.joints > 0 || set.orientation_stated) {
-    json.key("orientation");
-    write_orientation(json, set);
+template <class V>
+void trace_length_fields(V& v, const FittedLaw& law, double confidence) {
+  fit_fields(v, law.fit, confidence);
+  interval_fields(v, "mean", law.mean);
+  interval_fields(v, "std", law.std);
+  interval_fields(v, "size_mean", law.size_mean);
+  interval_fields(v, "size_std", law.size_std);
+  if (law.test) {
+    v("p_value", law.test->p_value);
+    v("p_value_traces", law.test->traces);
   }
-  json.key("estimates");
-  json.begin_array();
+  if (law.sizes) {
+    v("size_mean", law.sizes->mean);
+    v("size_std", law.sizes->std);
+  }
+}
+
+template <class V>
+void spacing_fields(V& v, const SetResult& set, const Fit& fit, double confidence) {
+  fit_fields(v, fit, confidence);
+  interval_fields(v, "mean", estimate_of(fit, "", [](const Fit& f) { return f.moment(1); }, confidence));
+  interval_fields(v, "std", estimate_of(fit, "", [](const Fit& f) { return std_of(f); }, confidence));
+  v("p_value_textbook", textbook_p_value(fit.distance, set.gaps.size()));
+  const ChiSquared chi = chi_squared(set.gaps, fit);
+  if (chi.bins >= 3) {
+    v("chi_squared", chi.statistic);
+    v("chi_squared_bins", chi.bins);
+    v("chi_squared_p_low", chi.p_low);
+    v("chi_squared_p_high", chi.p_high);
+  }
+}
+
+template <class V>
+void set_fields(V& v, const SetResult& set, double confidence) {
+  v("name", set.name);
+  v("joints", set.joints);
+  v("traces", set.traces);
+  v("orientation", when(set.joints > 0 || set.orientation_stated, group([&](auto& w) { orientation_fields(w, set); })));
+  std::vector<Estimate> estimates;
   for (const auto* e : {&set.p10_normal, &set.p20, &set.p21, &set.mean_length, &set.mean_length_counts, &set.p32_lines,
                         &set.p32_windows, &set.p30, &set.m2, &set.m3}) {
-    if (*e) write_estimate(json, **e);
+    if (*e) estimates.push_back(**e);
   }
-  json.end_array();
-  if (set.p32) {
-    json.key("p32");
-    write_estimate(json, *set.p32);
-  }
-  json.key("trace_lengths");
-  json.begin_array();
-  for (const survey::FittedLaw& law : set.lengths) {
-    json.begin_object();
-    write_fit(json, law.fit, confidence);
-    write_interval(json, "mean", law.mean);
-    write_interval(json, "std", law.std);
-    if (law.size_mean) write_interval(json, "size_mean", *law.size_mean);
-    if (law.size_std) write_interval(json, "size_std", *law.size_std);
-    if (law.test) {
-      json.member("p_value", law.test->p_value);
-      json.member("p_value_traces", law.test->traces);
-    }
-    if (law.sizes) {
-      json.member("size_mean", law.sizes->mean);
-      json.member("size_std", law.sizes->std);
-    }
-    json.end_object();
-  }
-  json.end_array();
-  json.key("spacings");
-  json.begin_array();
-  for (const survey::Fit& fit : set.spacings) {
-    json.begin_object();
-    write_fit(json, fit, confidence);
-    write_interval(json, "mean", estimate_of(fit, "", [](const survey::Fit& f) { return f.moment(1); }, confidence));
-    write_interval(json, "std", estimate_of(fit, "", [](const survey::Fit& f) { return std_of(f); }, confidence));
-    json.member("p_value_textbook", survey::textbook_p_value(fit.distance, set.gaps.size()));
-    const survey::ChiSquared chi = chi_squared(set.gaps, fit);
-    if (chi.bins >= 3) {
-      json.member("chi_squared", chi.statistic);
-      json.member("chi_squared_bins", chi.bins);
-      json.member("chi_squared_p_low", chi.p_low);
-      json.member("chi_squared_p_high", chi.p_high);
-    }
-    json.end_object();
-  }
-  json.end_array();
-  json.member("shape", survey::name_of(set.shape.shape));
-  if (set.shape.shape != survey::JointShape::disc) {
-    json.member("aspect", set.shape.aspect);
-    json.member("rotation", set.shape.rotation);
-  }
-  json.key("sizes");
-  json.begin_array();
-  for (const survey::FittedSize& size : set.sizes) {
-    json.begin_object();
-    write_size(json, size.law);
-    write_interval(json, "mean", size.mean);
-    write_interval(json, "std", size.std);
-    if (size.exponent) write_interval(json, "exponent", *size.exponent);
-    json.member("aic", size.aic);
-    json.member("method", size.method);
-    json.end_object();
-  }
-  json.end_array();
-  json.key("comparisons");
-  json.begin_array();
-  for (const Estimate& e : set.comparisons) write_estimate(json, e);
-  json.end_array();
-  if (set.size) {
-    json.key("size");
-    json.begin_object();
-    write_size(json, *set.size);
-    if (set.size_mean) write_interval(json, "mean", *set.size_mean);
-    if (set.size_std) write_interval(json, "std", *set.size_std);
-    json.end_object();
-  }
-  json.key("notes");
-  json.begin_array();
-  for (const std::string& note : set.notes) json.value(std::string_view{note});
-  json.end_array();
-  json.end_object();
+  v("estimates", estimates);
+  v("p32", set.p32);
+  v("trace_lengths", each(set.lengths, [&](auto& w, const FittedLaw& x) { trace_length_fields(w, x, confidence); }));
+  v("spacings", each(set.spacings, [&](auto& w, const Fit& fit) { spacing_fields(w, set, fit, confidence); }));
+  const bool disc = set.shape.shape == JointShape::disc;
+  v("shape", name_of(set.shape.shape));
+  v("aspect", when(!disc, set.shape.aspect));
+  v("rotation", when(!disc, set.shape.rotation));
+  v("sizes", each(set.sizes, [](auto& w, const FittedSize& size) {
+      fields(w, size.law);
+      interval_fields(w, "mean", size.mean);
+      interval_fields(w, "std", size.std);
+      interval_fields(w, "exponent", size.exponent);
+      w("aic", size.aic);
+      w("method", size.method);
+    }));
+  v("comparisons", set.comparisons);
+  v("size", when(set.size.has_value(), group([&](auto& w) {
+                   fields(w, *set.size);
+                   interval_fields(w, "mean", set.size_mean);
+                   interval_fields(w, "std", set.size_std);
+                 })));
+  v("notes", set.notes);
 }
 
-void write_map(JsonWriter& json, const scene::MapFigures& map) {
-  json.begin_object();
-  json.member("traces", map.traces);
-  json.member("p20", map.p20);
-  json.member("p21", map.p21);
-  json.member("mean_length_m", map.mean_length);
-  json.member("connections_per_trace", map.connections);
-  json.member("direction", map.direction);
-  json.member("alignment", map.alignment);
-  json.end_object();
+template <class V>
+void fields(V& v, const LineResult& line) {
+  v("name", line.name);
+  v("length_m", line.length);
+  v("frequency", line.frequency);
+  v("rqd_measured", line.rqd_measured);
+  v("rqd_of_frequency", line.rqd_of_frequency);
+  v("rqd", std::array{line.rqd, line.rqd_by_frequency});
+  v("comparisons", line.comparisons);
+}
+
+template <class V>
+void window_fields(V& v, const WindowResult& window) {
+  const WindowCounts& c = window.counts;
+  v("name", window.name);
+  v("area_m2", c.area);
+  v("traces", c.traces());
+  v("ends_0", c.n0);
+  v("ends_1", c.n1);
+  v("ends_2", c.n2);
+  v("length_inside_m", c.length);
+  v("crossings", c.crossings);
+  v("estimates", window.estimates);
+  if (window.nodes) {
+    v("nodes_isolated", window.nodes->isolated);
+    v("nodes_abutting", window.nodes->abutting);
+    v("nodes_crossing", window.nodes->crossing);
+    v("connections_per_trace", window.nodes->connections.value.value_or(0));
+    interval_fields(v, "connections_per_trace", window.nodes->connections);
+  }
+}
+
+}  // namespace cleave::survey
+
+namespace cleave::scene {
+
+template <class V>
+void fields(V& v, const MapFigures& map) {
+  v("traces", map.traces);
+  v("p20", map.p20);
+  v("p21", map.p21);
+  v("mean_length_m", map.mean_length);
+  v("connections_per_trace", map.connections);
+  v("direction", map.direction);
+  v("alignment", map.alignment);
 }
 
 /// The measured map as a whole with its intervals, and simulated ones of the fitted sets to lie beside it.
-void write_maps(JsonWriter& json, const scene::MapsBeside& maps) {
-  json.key("map");
-  write_map(json, maps.measured);
-  json.key("map_estimates");
-  json.begin_array();
-  for (const Estimate& e : maps.measured.estimates) write_estimate(json, e);
-  json.end_array();
-  json.key("simulated_maps");
-  json.begin_array();
-  for (const scene::MapFigures& map : maps.simulated) write_map(json, map);
-  json.end_array();
+template <class V>
+void fields(V& v, const MapsBeside& maps) {
+  v("map", maps.measured);
+  v("map_estimates", maps.measured.estimates);
+  v("simulated_maps", maps.simulated);
 }
 
-}  // namespace
+}  // namespace cleave::scene
+
+namespace cleave::report {
 
 std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyResult& result,
                         std::span<const scene::MapsBeside> maps) {
+  std::vector<std::string> notes = result.notes;
+  for (const scene::Problem& note : survey.notes) notes.push_back(describe(note));
+  const auto end = [](std::size_t which) {
+    return [which](const std::array<double, 2>& interval) { return interval.at(which); };
+  };
   JsonWriter json;
-  json.begin_object();
-  json.member("cleave", CLEAVE_VERSION);
-  json.member("schema", 1U);
-  json.member("title", survey.input.title);
-  json.member("survey_sha256", survey.sha256);
-  json.member("confidence", survey.input.confidence);
-  json.member("orientations", survey.input.orientations.size());
-  json.member("unassigned", result.unassigned);
-  json.key("eigenvalues");
-  json.begin_array();
-  for (const double v : result.tensor.values) json.value(v);
-  json.end_array();
-  for (const std::size_t end : {std::size_t{0}, std::size_t{1}}) {
-    json.key(end == 0 ? "eigenvalues_low" : "eigenvalues_high");
-    json.begin_array();
-    for (const auto& interval : result.tensor_intervals) json.value(interval.at(end));
-    json.end_array();
-  }
-  json.key("silhouettes");
-  json.begin_array();
-  for (const auto& [sets, value] : result.silhouettes) {
-    json.begin_object();
-    json.member("sets", sets);
-    json.member("silhouette", value);
-    json.end_object();
-  }
-  json.end_array();
-  json.key("sets");
-  json.begin_array();
-  for (const survey::SetResult& set : result.sets) write_set(json, set, survey.input.confidence);
-  json.end_array();
-  json.key("lines");
-  json.begin_array();
-  for (const survey::LineResult& line : result.lines) {
-    json.begin_object();
-    json.member("name", line.name);
-    json.member("length_m", line.length);
-    json.key("frequency");
-    write_estimate(json, line.frequency);
-    json.member("rqd_measured", line.rqd_measured);
-    json.member("rqd_of_frequency", line.rqd_of_frequency);
-    json.key("rqd");
-    json.begin_array();
-    write_estimate(json, line.rqd);
-    write_estimate(json, line.rqd_by_frequency);
-    json.end_array();
-    json.key("comparisons");
-    json.begin_array();
-    for (const Estimate& e : line.comparisons) write_estimate(json, e);
-    json.end_array();
-    json.end_object();
-  }
-  json.end_array();
-  json.key("windows");
-  json.begin_array();
-  for (std::size_t w = 0; w < result.windows.size(); ++w) {
-    const survey::WindowResult& window = result.windows[w];
-    const survey::WindowCounts& c = window.counts;
-    json.begin_object();
-    json.member("name", window.name);
-    json.member("area_m2", c.area);
-    json.member("traces", c.traces());
-    json.member("ends_0", c.n0);
-    json.member("ends_1", c.n1);
-    json.member("ends_2", c.n2);
-    json.member("length_inside_m", c.length);
-    json.member("crossings", c.crossings);
-    json.key("estimates");
-    json.begin_array();
-    for (const Estimate& e : window.estimates) write_estimate(json, e);
-    json.end_array();
-    if (window.nodes) {
-      json.member("nodes_isolated", window.nodes->isolated);
-      json.member("nodes_abutting", window.nodes->abutting);
-      json.member("nodes_crossing", window.nodes->crossing);
-      json.member("connections_per_trace", window.nodes->connections.value.value_or(0));
-      write_interval(json, "connections_per_trace", window.nodes->connections);
-    }
-    write_maps(json, maps[w]);
-    json.end_object();
-  }
-  json.end_array();
-  json.key("notes");
-  json.begin_array();
-  for (const std::string& note : result.notes) json.value(std::string_view{note});
-  for (const scene::Problem& note : survey.notes) json.value(std::string_view{describe(note)});
-  json.end_array();
-  json.end_object();
+  JsonFields{json}.put(group([&](auto& v) {
+    v("cleave", version);
+    v("schema", 1U);
+    v("title", survey.input.title);
+    v("survey_sha256", survey.sha256);
+    v("confidence", survey.input.confidence);
+    v("orientations", survey.input.orientations.size());
+    v("unassigned", result.unassigned);
+    v("eigenvalues", result.tensor.values);
+    v("eigenvalues_low", each_as(result.tensor_intervals, end(0)));
+    v("eigenvalues_high", each_as(result.tensor_intervals, end(1)));
+    v("silhouettes", each(result.silhouettes, [](auto& w, const auto& row) {
+        w("sets", row.first);
+        w("silhouette", row.second);
+      }));
+    v("sets",
+      each(result.sets, [&](auto& w, const survey::SetResult& set) { set_fields(w, set, survey.input.confidence); }));
+    v("lines", result.lines);
+    v("windows", each(result.windows, [&](auto& w, const survey::WindowResult& window, std::size_t i) {
+        window_fields(w, window);
+        fields(w, maps[i]);
+      }));
+    v("notes", notes);
+  }));
   return std::move(json).finish();
 }
 

@@ -1,4 +1,4 @@
-#include "cleave/report/triangulate.hpp"
+#include "triangulate.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "cleave/report/view3d.hpp"
+#include "view3d.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "cleave/report/json.hpp"
-#include "cleave/report/text.hpp"
 #include "cleave/report/vtu.hpp"
 #include "polygons.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {

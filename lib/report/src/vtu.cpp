@@ -1,70 +1,17 @@
 #include "cleave/report/vtu.hpp"
 
-#include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
-#include <limits>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "cleave/report/modes.hpp"
-#include "cleave/report/text.hpp"
+#include "cleave/core/version.hpp"
+#include "modes.hpp"
+#include "vtu_writer.hpp"
 
 namespace cleave::report {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory, little-endian");
-
-template <class T>
-constexpr std::string_view type_name() {
-  if constexpr (std::is_same_v<T, double>) return "Float64";
-  if constexpr (std::is_same_v<T, std::int64_t>) return "Int64";
-  if constexpr (std::is_same_v<T, std::int32_t>) return "Int32";
-  if constexpr (std::is_same_v<T, std::uint8_t>) return "UInt8";
-}
-
-// One header for the byte count, then the bytes, encoded as one run (what VTK expects of uncompressed inline data).
-template <class T>
-void append_array(std::string& out, std::string_view name, const std::vector<T>& values, int components = 1) {
-  static_assert(!std::is_same_v<T, bool>);
-  out += "<DataArray type=\"";
-  out += type_name<T>();
-  out += "\" Name=\"";
-  out += name;
-  if (components != 1) out += "\" NumberOfComponents=\"" + std::to_string(components);
-  out += "\" format=\"binary\">";
-  const std::uint64_t bytes = values.size() * sizeof(T);
-  std::vector<std::byte> data(sizeof bytes + bytes);
-  std::memcpy(data.data(), &bytes, sizeof bytes);
-  if (bytes > 0) std::memcpy(std::span{data}.subspan(sizeof bytes).data(), values.data(), bytes);
-  append_base64(out, data);
-  out += "</DataArray>\n";
-}
-
-// Text in VTK XML: the codes of the characters, each string ended by 0.
-void append_strings(std::string& out, std::string_view name, const std::vector<std::string>& texts) {
-  out += "<Array type=\"String\" Name=\"";
-  out += name;
-  out += "\" NumberOfTuples=\"" + std::to_string(texts.size()) + "\" format=\"ascii\">";
-  for (const std::string& text : texts) {
-    for (const char c : text) out += std::to_string(static_cast<unsigned char>(c)) + ' ';
-    out += "0 ";
-  }
-  out += "</Array>\n";
-}
-
-void append_points(std::string& out, const Cells& cells) {
-  std::vector<double> flat;
-  flat.reserve(3 * cells.points.size());
-  for (const geometry::Vec3& p : cells.points) flat.insert(flat.end(), {p.x, p.y, p.z});
-  out += "<Points>\n";
-  append_array(out, "Points", flat, 3);
-  out += "</Points>\n";
-}
-
-void append_analysis(std::string& out, const Cells& cells, const stability::Analysis& analysis) {
+void write_analysis(VtuWriter& vtu, const Cells& cells, const stability::Analysis& analysis) {
   struct Row {
     std::int32_t batch = -1;
     std::uint8_t mode = mode_not_judged;
@@ -92,71 +39,61 @@ void append_analysis(std::string& out, const Cells& cells, const stability::Anal
     std::vector<T> values;
     values.reserve(cells.size());
     for (const topology::BlockId b : cells.block) values.push_back(rows[b.index()].*member);
-    append_array(out, name, values);
+    vtu.array(name, values);
   };
   column("batch", &Row::batch);
   column("mode", &Row::mode);
   column("key", &Row::key);
   column("factor_of_safety", &Row::factor);
   column("factor_known", &Row::factor_known);
-  std::vector<double> forces;
-  for (const topology::BlockId b : cells.block) {
-    const geometry::Vec3 f = rows[b.index()].net_force;
-    forces.insert(forces.end(), {f.x, f.y, f.z});
-  }
-  append_array(out, "net_force", forces, 3);
+  std::vector<geometry::Vec3> forces;
+  for (const topology::BlockId b : cells.block) forces.push_back(rows[b.index()].net_force);
+  vtu.vectors("net_force", forces);
 }
 
 }  // namespace
 
 std::string blocks_vtu(const Cells& cells, const stability::Analysis* analysis, const VtuText& text) {
-  std::string out;
-  out.reserve(11 * (3 * cells.points.size() + cells.face_stream.size() + cells.connectivity.size() + 5 * cells.size()) +
-              4096);
-  // Two hyphens may not stand in a comment.
-  std::string title = escape_xml(text.title);
-  for (std::size_t i; (i = title.find("--")) != std::string::npos;) title.replace(i, 2, "- -");
-  out += "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-  out += "<!-- cleave " CLEAVE_VERSION "; scene: " + title +
-         "; metres, x east, y north, z up, no offset subtracted; `block` counts from 0. A block with cavities is "
-         "several cells of one"
-         " `block`. factor_of_safety: 1e9 = infinite, -1 = none (see factor_known) -->\n";
-  out +=
-      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-      "header_type=\"UInt64\">\n<UnstructuredGrid>\n";
-  out += "<FieldData>\n";
-  append_strings(out, "title", {text.title});
-  append_strings(out, "scene_file", {text.scene_file});
+  VtuWriter vtu{
+      VtuFormat::binary,
+      "cleave " CLEAVE_VERSION "; scene: " + text.title +
+          "; metres, x east, y north, z up, no offset subtracted; `block` counts from 0. A block with "
+          "cavities is several cells of one `block`. factor_of_safety: 1e9 = infinite, -1 = none (see "
+          "factor_known)",
+      11 * (3 * cells.points.size() + cells.face_stream.size() + cells.connectivity.size() + 5 * cells.size())};
+  vtu.begin("FieldData");
+  vtu.strings("title", {text.title});
+  vtu.strings("scene_file", {text.scene_file});
   if (analysis != nullptr) {
     std::vector<std::string> names;
     for (const stability::Mode mode : all_modes) names.emplace_back(stability::name(mode));
-    append_strings(out, "mode_names", names);
+    vtu.strings("mode_names", names);
   }
-  out += "</FieldData>\n";
-  out += "<Piece NumberOfPoints=\"" + std::to_string(cells.points.size()) + "\" NumberOfCells=\"" +
-         std::to_string(cells.size()) + "\">\n";
-  append_points(out, cells);
-  out += "<Cells>\n";
-  append_array(out, "connectivity", cells.connectivity);
-  append_array(out, "offsets", cells.ends);
-  append_array(out, "types", std::vector<std::uint8_t>(cells.size(), 42));  // VTK_POLYHEDRON
-  append_array(out, "faces", cells.face_stream);
-  append_array(out, "faceoffsets", cells.face_ends);
-  out += "</Cells>\n<CellData>\n";
+  vtu.end("FieldData");
+  vtu.begin_piece(cells.points.size(), cells.size());
+  vtu.points(cells.points);
+  vtu.begin("Cells");
+  vtu.array("connectivity", cells.connectivity);
+  vtu.array("offsets", cells.ends);
+  vtu.array("types", std::vector<std::uint8_t>(cells.size(), 42));  // VTK_POLYHEDRON
+  vtu.array("faces", cells.face_stream);
+  vtu.array("faceoffsets", cells.face_ends);
+  vtu.end("Cells");
+  vtu.begin("CellData");
   std::vector<std::int64_t> blocks;
   blocks.reserve(cells.size());
   for (const topology::BlockId b : cells.block) blocks.push_back(b.value());
-  append_array(out, "block", blocks);
-  append_array(out, "volume", cells.volume);
+  vtu.array("block", blocks);
+  vtu.array("volume", cells.volume);
   if (!text.stage_of_block.empty()) {
     std::vector<std::int32_t> stages;
     stages.reserve(cells.size());
     for (const topology::BlockId b : cells.block) stages.push_back(text.stage_of_block[b.index()]);
-    append_array(out, "stage", stages);
+    vtu.array("stage", stages);
   }
-  if (analysis != nullptr) append_analysis(out, cells, *analysis);
-  out += "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
-  return out;
+  if (analysis != nullptr) write_analysis(vtu, cells, *analysis);
+  vtu.end("CellData");
+  return std::move(vtu).finish();
 }
 
 }  // namespace cleave::report

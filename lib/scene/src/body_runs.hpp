@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cleave/bem/block.hpp"
 #include "cleave/core/progress.hpp"
 #include "cleave/scene/bodies.hpp"
 
@@ -28,6 +29,25 @@ std::vector<std::vector<Value>> along(const bem::Mesh& mesh, const At& at) {
   for (auto& loop : loops) loop.push_back(loop.front());
   return loops;
 }
+
+/// An estimate of the error, or why there is none.
+struct ErrorEstimate {
+  std::optional<double> error;
+  std::string why_not;
+};
+/// From the change between runs of a quarter and half the elements, and from that to the run itself. Changes that fall
+/// like a geometric series add up to the last times r / (1 - r).
+[[nodiscard]] ErrorEstimate estimate_from(double first_change, double last_change);
+
+/// Lowest natural frequencies of a body with these supports, Hz; without rigid motions.
+[[nodiscard]] std::vector<double> frequencies_of(const bem::Modes& modes, std::size_t count);
+
+/// Held freedoms and springs of a body's sides on a block operator.
+struct NodeSupports {
+  std::vector<bem::HeldFreedom> held;
+  std::vector<bem::NodeSpring> springs;
+};
+[[nodiscard]] NodeSupports supports_of(const bem::BlockOperator& block, const BodySpec& spec);
 
 /// Scenes with [elastic.time]. Notes, frames and histories go into the result.
 [[nodiscard]] std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, BodiesResult& result,

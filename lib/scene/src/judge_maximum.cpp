@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "cleave/scene/places.hpp"
 #include "cleave/stability/maximum_blocks.hpp"
 #include "judge.hpp"
 
@@ -38,13 +39,6 @@ stability::JointStrength strength_of(const JointProperties& p) {
                               : stability::JointStrength::make(p.friction.quantile(half), p.cohesion.quantile(half),
                                                                p.tension.quantile(half));
   return made.value_or(stability::JointStrength::make(FrictionAngle::degrees(0)).value());
-}
-
-std::string_view where(const stability::MaximumBlock& block) {
-  const double angle = std::atan2(block.apex[0], block.apex[1]) * 180 / std::numbers::pi;  // from up to the right
-  if (std::abs(angle) <= 45) return "roof";
-  if (std::abs(angle) >= 135) return "floor";
-  return angle > 0 ? "right wall" : "left wall";
 }
 
 }  // namespace
@@ -83,7 +77,8 @@ void judge_maximum_blocks(const Scene& scene, const Drawn& drawn, JudgedMore& mo
                                      .target_falling = target.falling,
                                      .target_sliding = target.sliding};
   for (auto& block : stability::maximum_key_blocks(planes, tunnel, loads)) {
-    MaximumRow row{.sets = {}, .block = block, .where = std::string{where(block.block)}};
+    MaximumRow row{
+        .sets = {}, .block = block, .where = std::string{location_of(block.block.apex[0], block.block.apex[1])}};
     for (std::size_t i = 0; i < 3; ++i) row.sets[i] = scene.sets[used[block.planes[i]]].name;
     more.maximum_blocks.push_back(std::move(row));
   }

@@ -527,6 +527,7 @@ std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, 
     scene.options.integration = elastic.value("integration");
     scene.tolerance = elastic.number("tolerance");
     scene.stress = elastic.flag("stress");
+    scene.frequencies = static_cast<std::size_t>(elastic.count("frequencies"));
     if (const TomlEntry* g = elastic.find("gravity")) {
       if (std::holds_alternative<TomlArray>(g->node.value)) {
         scene.gravity = pair(elastic, "gravity").value_or(Vec2{});

@@ -29,20 +29,22 @@ const KeyTable& damping_keys() {
 const KeyTable& time_keys() {
   static const KeyTable keys{
       .name = "elastic.time",
-      .keys = {{"end", key::number(time_rule), required, "s"},
-               {"step", key::number(time_rule), required, "s"},
-               {"scheme", key::word(schemes), "\"generalized_alpha\"", "integration in time"},
-               {"rho", key::number({0, false, 1, false, ""}), "0.8", "spectral radius of `generalized_alpha`"},
-               {"beta", key::number({0, true, 1, false, ""}), "0.25", "of `newmark`"},
-               {"gamma", key::number({0.5, false, 1, false, ""}), "0.5", "of `newmark`"},
-               {"damping", key::table(&damping_keys), "", "`{ share, alpha, beta }`"},
-               {"frames", key::whole(1, 2000), "60", "pictures kept"},
-               {"modes", key::whole(0, 1000), "40", "of each body"},
-               {"rebuild", key::number({0, false, 1, false, ""}), "0.02",
-                "change of the boundary's tangent (stretch, or local rotation against the body) since its operator was "
-                "built, at which it is built again in the deformed shape; 0: never"},
-               {"estimate", key::flag(), "true",
-                "of the error, by a second run of half the elements and modes and twice the step"}}};
+      .keys = {
+          {"end", key::number(time_rule), required, "s"},
+          {"step", key::number(time_rule), required, "s"},
+          {"scheme", key::word(schemes), "\"generalized_alpha\"", "integration in time"},
+          {"rho", key::number({0, false, 1, false, ""}), "0.8", "spectral radius of `generalized_alpha`"},
+          {"beta", key::number({0, true, 1, false, ""}), "0.25", "of `newmark`"},
+          {"gamma", key::number({0.5, false, 1, false, ""}), "0.5", "of `newmark`"},
+          {"damping", key::table(&damping_keys), "", "`{ share, alpha, beta }`"},
+          {"frames", key::whole(1, 2000), "60", "pictures kept"},
+          {"modes", key::whole(0, 1000), "", "of each body; none: of free bodies all that the mesh has"},
+          {"rebuild", key::number({0, false, 1, false, ""}), "0.02",
+           "change of the boundary's tangent (stretch, or local rotation against the body) since its operator was "
+           "built, at which it is built again in the deformed shape; 0: never"},
+          {"estimate", key::flag(), "true",
+           "of the error, by two more runs of half and a quarter of the elements and modes and two and four times the "
+           "step"}}};
   return keys;
 }
 
@@ -74,6 +76,9 @@ const KeyTable& elastic_keys() {
                {"points", key::tables(&point_keys), "[]",
                 "displacements (and with `stress` the stress) on the boundary or inside, in summary.json, points.csv "
                 "and the report; of each frame in moving scenes"},
+               {"frequencies", key::whole(0, 100), "0",
+                "so many natural frequencies of every body that stands alone, in summary.json and the report (moving "
+                "scenes: 6 without it)"},
                {"time", key::table(&time_keys), "none: static", "bodies move, below"}}};
   return keys;
 }
@@ -100,7 +105,7 @@ void parse_elastic_time(const TableReader& elastic, BodiesScene& scene) {
     time.damping.beta = damping->value("beta");
   }
   time.frames = static_cast<std::size_t>(table.count("frames"));
-  time.modes = static_cast<std::size_t>(table.count("modes"));
+  if (const auto modes = table.integer("modes")) time.modes = static_cast<std::size_t>(*modes);
   time.rebuild = table.value("rebuild");
   time.estimate = table.flag("estimate");
   scene.time = time;

@@ -187,8 +187,9 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
 
   std::vector<std::string> notes = notes_of(scene, *drawn, system, more, clamped);
   std::vector<ExcavationInfo> excavations;
-  for (const Excavation& excavation : scene.excavations) excavations.push_back({excavation.name, excavation.stage});
-  return RunResult{.title = scene.title,
+  for (const Excavation& excavation : scene.excavations)
+    excavations.push_back({excavation.name, excavation.stage, excavation.tunnel});
+  RunResult result{.title = scene.title,
                    .seed = scene.seed,
                    .scene_file = scene.file_name,
                    .scene_sha256 = scene.sha256,
@@ -220,6 +221,8 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .sensitivity = std::move(more.sensitivity),
                    .load_cases = std::move(more.cases),
                    .notes = std::move(notes)};
+  result.figures = count(result);
+  return result;
 }
 
 }  // namespace cleave::scene

@@ -59,6 +59,32 @@ void add_cells(const bem::Solution& solution, std::size_t region, BodyResult& bo
 
 using Problems = std::vector<Problem>;
 
+/// Natural frequencies of bodies that stand alone, on the mesh of the answer.
+std::optional<Problem> add_frequencies(const BodiesScene& scene, unsigned threads, BodiesResult& result) {
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const BodySpec& spec = scene.bodies[b];
+    if (spec.bonded || spec.extent != bem::Extent::bounded || !spec.pins.empty()) {
+      result.notes.push_back(fmt::format("{}: no natural frequencies of bonded, pinned or infinite bodies", spec.name));
+      continue;
+    }
+    bem::BlockOptions options;
+    options.mesh = scene.options.mesh;
+    options.threads = threads;
+    if (options.mesh.order == bem::Order::constant) options.mesh.order = bem::Order::quadratic;
+    if (options.mesh.element <= 0) {
+      Box box;
+      for (const Vec2 x : result.bodies[b].outline.front()) box.add(x);
+      options.mesh.element = std::max(box.high.x - box.low.x, box.high.y - box.low.y) / 16;
+    }
+    auto made = bem::BlockOperator::make(spec.region.loops, spec.region.material, options);
+    if (!made) return problem_of(scene, b, describe(made.error()));
+    const NodeSupports supports = supports_of(*made, spec);
+    result.bodies[b].modes_hz =
+        frequencies_of(bem::supported_modes(*made, supports.held, supports.springs), scene.frequencies);
+  }
+  return std::nullopt;
+}
+
 std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, BodiesResult& result) {
   // Bonded bodies are one problem; others stand alone, each with a dense system of its own.
   std::vector<std::vector<std::size_t>> groups;
@@ -98,8 +124,9 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
     double error = 0;
     const std::string names = group.size() == 1 ? first.name : "bonded bodies";
     const bool refine = scene.tolerance.has_value();
-    // Each result has an estimate: the same on half as many elements (a mesh pair), or as many doublings as asked.
+    // Each result has an estimate: the same on half and a quarter of the elements, or as many doublings as asked.
     bem::Options coarse = options;
+    if (!refine && coarse.mesh.element > 0) coarse.mesh.element *= 2;
     if (!refine && coarse.mesh.element <= 0) {
       Box box;
       for (const bem::Region& region : problem.regions) {
@@ -107,12 +134,18 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
           for (std::size_t s = 0; s < loop.size(); ++s) box.add(loop[s].start), box.add(bem::point_on(loop, s, 0.5).x);
         }
       }
-      coarse.mesh.element = std::max(box.high.x - box.low.x, box.high.y - box.low.y) / 8;
+      coarse.mesh.element = std::max(box.high.x - box.low.x, box.high.y - box.low.y) / 4;
     }
     auto refined =
-        bem::solve_to(problem, refine ? options : coarse, refine ? *scene.tolerance : 1e-300, refine ? 6 : 2);
+        bem::solve_to(problem, refine ? options : coarse, refine ? *scene.tolerance : 1e-300, refine ? 6 : 3);
     if (!refined) return problem_of(scene, group.front(), describe(refined.error()));
     error = refined->error;
+    const std::size_t changes = refined->series.size();
+    const ErrorEstimate estimate =
+        changes < 2 ? ErrorEstimate{error, ""}
+                    : estimate_from(refined->series[changes - 2].error, refined->series[changes - 1].error);
+    if (!estimate.error)
+      result.notes.push_back(fmt::format("{}: no estimate of the error: {}", names, estimate.why_not));
     if (refine && !refined->reached) {
       result.converged = false;
       result.stopped_why = fmt::format("{}: the displacement still changes by {:.1e} (asked: {:.1e}) after {} meshes",
@@ -135,7 +168,8 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
       body.condition = d.condition;
       body.residual = d.residual;
       body.imbalance = d.imbalance;
-      body.error = error;
+      body.error = estimate.error;
+      body.no_estimate = estimate.why_not;
       body.outline = along<Vec2>(part.mesh, [&](std::size_t e, double s) { return solution->boundary(k, e, s).x; });
       body.frames = {along<Vec2>(part.mesh, [&](std::size_t e, double s) {
         const bem::BoundaryPoint p = solution->boundary(k, e, s);
@@ -171,7 +205,7 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
     }
   }
   result.times = {0};
-  return std::nullopt;
+  return scene.frequencies > 0 ? add_frequencies(scene, threads, result) : std::nullopt;
 }
 
 }  // namespace

@@ -29,6 +29,11 @@ struct Mover {
     const Vec2 own = at - block->centroid();
     return free ? free->follow(own) : vibration->follow(own);
   }
+  /// Of a pinned body there are none: its pins are no part of its modes.
+  [[nodiscard]] std::vector<double> frequencies(std::size_t count) const {
+    if (free && free->pinned()) return {};
+    return frequencies_of(free ? free->modes() : vibration->modes(), count);
+  }
   [[nodiscard]] double angle() const { return free ? free->rotation() : 0; }
   [[nodiscard]] Vec2 centre() const { return free ? free->centroid() : block->centroid(); }
   [[nodiscard]] const bem::BlockOperator& now() const { return free ? free->block() : vibration->block(); }
@@ -64,11 +69,14 @@ std::vector<double> forces_of(const bem::BlockOperator& block, const BodySpec& s
   return block.forces_of(t);
 }
 
-/// How finely: the run itself, or the one its error is estimated from (half as many elements and modes, twice the
-/// step).
+/// How finely: the run itself (1), or those its error is estimated from: half and a quarter of the elements and modes,
+/// two and four times the step.
 struct Fineness {
-  bool coarse = false;
-  [[nodiscard]] double step(const TimeSettings& time) const { return coarse ? 2 * time.step : time.step; }
+  std::size_t coarse = 1;
+  [[nodiscard]] double step(const TimeSettings& time) const { return static_cast<double>(coarse) * time.step; }
+  [[nodiscard]] std::size_t modes(std::size_t given) const {
+    return given == TimeSettings::all_modes ? given : std::max(std::min<std::size_t>(given, 6), given / coarse);
+  }
 };
 
 std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned threads, Fineness fineness,
@@ -90,11 +98,11 @@ std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned 
     // Two elements on the shorter side are enough for the lowest vibrations.
     options.mesh.element = std::max(high.x - low.x, high.y - low.y) / 4;
   }
-  if (fineness.coarse) {
-    options.mesh.element *= 2;
-    options.mesh.arc_degrees *= 2;
+  if (fineness.coarse > 1) {
+    options.mesh.element *= static_cast<double>(fineness.coarse);
+    options.mesh.arc_degrees = std::min(45.0, options.mesh.arc_degrees * static_cast<double>(fineness.coarse));
     for (bem::Loop& loop : loops) {
-      for (bem::Side& side : loop) side.elements = (side.elements + 1) / 2;
+      for (bem::Side& side : loop) side.elements = (side.elements + fineness.coarse - 1) / fineness.coarse;
     }
   }
   auto made = bem::BlockOperator::make(loops, spec.region.material, options);
@@ -103,7 +111,6 @@ std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned 
   const bem::BlockOperator& block = *mover.block;
   std::vector<bem::TimedLoad> loads;
   const bem::Mesh& mesh = block.mesh();
-  const auto side_number = [&](const bem::Element& e) { return spec.region.loops[e.loop][e.side].condition; };
   for (const BodyLoadSpec& load : spec.loads) {
     bem::TimedLoad timed{forces_of(block, spec, load), load.time, load.follows, {}};
     if (load.follows && !load.sides.empty()) {
@@ -113,18 +120,16 @@ std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned 
   }
   const bem::Rebuilding rebuilding{time.rebuild, options};
   if (!spec.held) {
-    bem::FreeMotion::Setup setup{
-        .scheme = time.scheme,
-        .step = fineness.step(time),
-        .modes =
-            fineness.coarse ? std::max<std::size_t>(std::min<std::size_t>(time.modes, 6), time.modes / 2) : time.modes,
-        .gravity = scene.gravity,
-        .damping = time.damping,
-        .loads = std::move(loads),
-        .pins = {},
-        .velocity = spec.velocity,
-        .spin = spec.spin,
-        .rebuilding = rebuilding};
+    bem::FreeMotion::Setup setup{.scheme = time.scheme,
+                                 .step = fineness.step(time),
+                                 .modes = fineness.modes(time.modes),
+                                 .gravity = scene.gravity,
+                                 .damping = time.damping,
+                                 .loads = std::move(loads),
+                                 .pins = {},
+                                 .velocity = spec.velocity,
+                                 .spin = spec.spin,
+                                 .rebuilding = rebuilding};
     for (const Vec2 pin : spec.pins) {
       const bem::BoundaryPlace place = block.place(pin - block.centroid());
       const Vec2 on = block.centroid() + mesh.elements[place.element].at(place.s);
@@ -136,26 +141,7 @@ std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned 
     mover.free = std::make_unique<bem::FreeMotion>(block, std::move(setup));
     return std::nullopt;
   }
-  std::vector<bem::HeldFreedom> held;
-  std::vector<bem::NodeSpring> springs;
-  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-    for (const bem::Use& use : mesh.nodes[n].uses) {
-      const bem::Element& e = mesh.elements[use.element];
-      const bem::Condition& c = spec.region.conditions[side_number(e)];
-      const Vec2 normal = e.normal(bem::local_nodes(mesh.order)[use.local]);
-      const auto axes = c.axes == bem::Axes::normal
-                            ? std::array{bem::rotated(normal, c.turn), bem::rotated(bem::turned_left(normal), c.turn)}
-                            : std::array{bem::rotated({1, 0}, c.turn), bem::rotated({0, 1}, c.turn)};
-      for (std::size_t k = 0; k < 2; ++k) {
-        if (c.component[k].given == bem::Given::displacement) held.push_back({n, axes[k]});
-        if (c.component[k].given == bem::Given::spring) {
-          // Lumped by the node's share of the element.
-          const double share = mesh.order == bem::Order::quadratic ? (use.local == 1 ? 2.0 / 3 : 1.0 / 6) : 0.5;
-          springs.push_back({n, axes[k], c.component[k].stiffness * share * 2 * norm(e.c1)});
-        }
-      }
-    }
-  }
+  const auto [held, springs] = supports_of(block, spec);
   if (!(scene.gravity == Vec2{})) {
     loads.push_back({block.forces_of_acceleration(scene.gravity), [](double) { return 1.0; }, false, {}});
   }
@@ -174,19 +160,19 @@ std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned 
   return std::nullopt;
 }
 
-/// Where the nodes of the run's meshes are in a run with half as fine a mesh and twice the step, at every second step
-/// of those that are recorded: [record][body][node]. Empty when that run fails.
+/// Where the nodes of the run's meshes are in a coarser run, at each `every`th step of the run itself: [record][body]
+/// [node]. Empty when that run fails.
 using Track = std::vector<std::vector<std::vector<Vec2>>>;
-Track coarse_track(const BodiesScene& scene, unsigned threads, const std::vector<Mover>& fine, std::uint64_t steps,
-                   std::uint64_t every) {
+Track coarse_track(const BodiesScene& scene, unsigned threads, const std::vector<Mover>& fine, Fineness fineness,
+                   std::uint64_t steps, std::uint64_t every) {
   std::vector<Mover> movers(scene.bodies.size());
   std::vector<std::vector<bem::BoundaryPlace>> places(movers.size());
   for (std::size_t b = 0; b < movers.size(); ++b) {
-    if (set_up(scene, b, threads, {.coarse = true}, movers[b])) return {};
+    if (set_up(scene, b, threads, fineness, movers[b])) return {};
     for (const bem::Node& node : fine[b].block->mesh().nodes) places[b].push_back(movers[b].block->place(node.x));
   }
   Track track;
-  for (std::uint64_t step = 2; step <= steps; step += 2) {
+  for (std::uint64_t step = fineness.coarse; step <= steps; step += fineness.coarse) {
     for (const Mover& m : movers) {
       if (!m.advance()) return {};
     }
@@ -214,6 +200,7 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
     body.method = movers[b].free ? "floating frame, symmetric Galerkin modes" : "symmetric Galerkin modes";
     body.elements = block.mesh().elements.size();
     body.unknowns = block.freedoms();
+    body.modes_hz = movers[b].frequencies(scene.frequencies > 0 ? scene.frequencies : 6);
     body.outline = along<Vec2>(
         block.mesh(), [&](std::size_t e, double s) { return block.centroid() + block.mesh().elements[e].at(s); });
   }
@@ -234,24 +221,33 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
   }
   const auto steps = static_cast<std::uint64_t>(std::llround(time.end / time.step));
   const std::uint64_t every = std::max<std::uint64_t>(1, steps / time.frames);
-  // The mean stretch of steps that both runs share.
-  const std::uint64_t shared = every % 2 == 0 ? every : 2 * every;
-  Track track;
-  if (time.estimate && steps >= 4) {
-    track = coarse_track(scene, threads, movers, steps, shared);
-    if (track.empty()) result.notes.push_back("the error could not be estimated: a run half as fine fails");
+  // Steps that all three runs share.
+  const std::uint64_t shared = 4 * std::max<std::uint64_t>(1, steps / 480);
+  Track half, quarter;
+  std::string none;
+  if (!time.estimate) {
+    none = "switched off";
+  } else if (steps < 8) {
+    none = "fewer than eight steps";
+  } else {
+    half = coarse_track(scene, threads, movers, {2}, steps, shared);
+    quarter = coarse_track(scene, threads, movers, {4}, steps, shared);
+    if (half.empty() || quarter.empty()) {
+      none = half.empty() ? "a run half as fine fails" : "a run a quarter as fine fails";
+      result.notes.push_back("the error could not be estimated: " + none);
+    }
   }
-  std::vector<double> differ(movers.size(), 0.0), moved(movers.size(), 0.0);
+  std::vector<double> first(movers.size(), 0.0), last = first, moved = first;
   const auto compare = [&](std::uint64_t step) {
-    if (step == 0 || step % shared != 0 || step / shared > track.size()) return;
-    const auto& record = track[step / shared - 1];
+    const std::uint64_t at = step / shared;
+    if (!none.empty() || step == 0 || step % shared != 0 || at > std::min(half.size(), quarter.size())) return;
     for (std::size_t b = 0; b < movers.size(); ++b) {
       const bem::Mesh& mesh = movers[b].block->mesh();
       for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
         const bem::Use use = mesh.nodes[n].uses.front();
-        const bem::BoundaryPlace place{use.element, bem::local_nodes(mesh.order)[use.local]};
-        const Vec2 x = movers[b].position(place);
-        differ[b] = std::max(differ[b], norm(x - record[b][n]));
+        const Vec2 x = movers[b].position({use.element, bem::local_nodes(mesh.order)[use.local]});
+        last[b] = std::max(last[b], norm(x - half[at - 1][b][n]));
+        first[b] = std::max(first[b], norm(half[at - 1][b][n] - quarter[at - 1][b][n]));
         moved[b] = std::max(moved[b], norm(x - movers[b].block->centroid() - mesh.nodes[n].x));
       }
     }
@@ -357,7 +353,12 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
   count_rebuilds();
   for (std::size_t b = 0; b < movers.size(); ++b) {
     BodyResult& body = result.bodies[b];
-    if (!track.empty() && moved[b] > 0) body.error = differ[b] / moved[b];
+    body.no_estimate = none;
+    if (none.empty() && moved[b] > 0) {
+      const ErrorEstimate estimate = estimate_from(first[b] / moved[b], last[b] / moved[b]);
+      body.error = estimate.error;
+      body.no_estimate = estimate.why_not;
+    }
     if (time.rebuild == 0 && movers[b].free && movers[b].free->relative_deformation() > 1e-2) {
       result.notes.push_back(
           fmt::format("{} is deformed by more than a hundredth of its size: the linear operator is at its limit",

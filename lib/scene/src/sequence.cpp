@@ -109,7 +109,11 @@ SequenceResult run_sequence(const topology::SequentialCut& cut, const topology::
         for (std::size_t e = 0; e < names.size(); ++e) {
           if (stage_of_excavation[e] == stage) row.excavations.push_back(names[e]);
         }
-        if (row.complex && *row.complex) row.block_hash = topology::canonical_hash((*row.complex)->complex());
+        if (row.complex && *row.complex) {
+          row.block_hash = topology::canonical_hash((*row.complex)->complex());
+          row.blocks = count_blocks((*row.complex)->complex(), row.block_hash);
+        }
+        if (row.analysis) row.key_blocks = count_key_blocks(*row.analysis);
         for (const auto& [volume, cells] : step.left) {
           for (const CellId cell : cells) {
             const auto block = final_state.block_of_cell[cell.index()];

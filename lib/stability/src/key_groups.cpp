@@ -21,7 +21,7 @@ constexpr std::uint32_t first_layers = 3;
 class Search final {
  public:
   Search(const topology::BlockComplex& complex, const Settings& settings)
-      : model_{complex, settings}, layers_{first_layers} {}
+      : model_{complex, settings}, layers_{first_layers}, doubted_(complex.blocks().size(), 0) {}
 
   KeyGroups run() {
     const std::uint32_t most = model_.settings().max_batches;
@@ -36,11 +36,17 @@ class Search final {
         break;
       }
       for (KeyGroup& group : found) {
-        // What is in doubt stays, and is said of the last state that has it.
-        if (group.verdict != Verdict::in_doubt || leaving.empty()) out_.groups.push_back(std::move(group));
+        // What is in doubt stays: it is said once.
+        if (group.verdict == Verdict::in_doubt) {
+          const bool known = std::ranges::any_of(group.blocks, [&](BlockId id) { return doubted_[id] != 0; });
+          for (const BlockId id : group.blocks) doubted_[id] = 1;
+          if (known) continue;
+        }
+        out_.groups.push_back(std::move(group));
       }
       if (leaving.empty()) break;
       for (const BlockId id : leaving) model_.remove(id, batch);
+      left_ = std::move(leaving);
     }
     return std::move(out_);
   }
@@ -66,11 +72,16 @@ class Search final {
   [[nodiscard]] std::vector<BlockId> near(std::uint32_t batch) {
     IdVector<BlockId, std::uint8_t> taken(complex().blocks().size(), 0);
     std::vector<BlockId> all, layer;
-    for (const BlockId id : complex().blocks().ids()) {
-      if (!may_move(id, batch) || !model_.held(id, batch).exposed) continue;
+    const auto begin = [&](BlockId id) {
+      if (taken[id] != 0 || !may_move(id, batch) || !model_.held(id, batch).exposed) return;
       taken[id] = 1;
       layer.push_back(id);
+    };
+    if (left_.empty()) {
+      for (const BlockId id : complex().blocks().ids()) begin(id);
     }
+    // Later states differ beside what has left alone.
+    for (const BlockId id : left_) neighbours(id, begin);
     for (std::uint32_t k = 0;; ++k) {
       all.insert(all.end(), layer.begin(), layer.end());
       if (k >= layers_ || layer.empty()) break;
@@ -94,6 +105,10 @@ class Search final {
       const std::vector<BlockId> blocks = near(batch);
       if (batch == 1) out_.blocks = blocks.size();
       if (blocks.empty()) return {};
+      if (blocks.size() > most_together) {
+        out_.too_many = true;
+        return {};
+      }
       std::vector<KeyGroup> found = groups_of(blocks, batch);
       bool touches = false;
       for (const KeyGroup& group : found) {
@@ -154,6 +169,8 @@ class Search final {
 
   Model model_;
   std::uint32_t layers_;
+  std::vector<BlockId> left_;                ///< in the batch before
+  IdVector<BlockId, std::uint8_t> doubted_;  ///< said to be in doubt
   KeyGroups out_;
 };
 
@@ -161,6 +178,35 @@ class Search final {
 
 KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings) {
   return Search{complex.complex(), settings}.run();
+}
+
+void decide_by_groups(const topology::AuditedComplex& complex, const Settings& settings, const KeyGroups& groups,
+                      Analysis& analysis) {
+  const Model model{complex.complex(), settings};
+  for (const KeyGroup& group : groups.groups) {
+    if (group.verdict == Verdict::in_doubt) continue;
+    for (std::size_t k = 0; k < group.blocks.size(); ++k) {
+      const BlockId id = group.blocks[k];
+      const topology::Block& block = complex.complex().blocks()[id];
+      auto it = std::ranges::lower_bound(analysis.judgements, id, {}, &Judgement::block);
+      if (it == analysis.judgements.end() || it->block != id) {
+        it = analysis.judgements.insert(it, {.block = id, .mode = Mode::tapered});
+        it->weight = model.weight(block);
+      }
+      if (it->batch) continue;
+      it->key = true;
+      it->batch = group.batch;
+      it->factor_of_safety = std::min(it->factor_of_safety, group.factor_move);
+      const Vec3 velocity = group.rates[k].velocity;
+      if (norm(velocity) > 0) it->direction = normalized(velocity);
+      while (analysis.batches.size() < group.batch) {
+        analysis.batches.push_back({.number = static_cast<std::uint32_t>(analysis.batches.size() + 1)});
+      }
+      Batch& batch = analysis.batches[group.batch - 1];
+      batch.blocks.insert(std::ranges::lower_bound(batch.blocks, id), id);
+      batch.volume += block.volume;
+    }
+  }
 }
 
 }  // namespace cleave::stability

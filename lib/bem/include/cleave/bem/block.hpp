@@ -17,10 +17,10 @@ struct BlockOptions {
   MeshSize mesh;
   /// Gauss points of the outer integral on an element. 12: symmetric to 1e-7; 28: to rounding.
   std::size_t outer_points = 12;
-  /// Inner shape functions: edge distances times polynomials of degree below this. Only convex polygons without holes
-  /// have them; others get none.
-  std::size_t bubbles = 3;
-  bool mass = true;  ///< false: stiffness only
+  /// Inner motions: of body forces that are polynomials of degree below this.
+  std::size_t bubbles = by_mesh;
+  static constexpr std::size_t by_mesh = static_cast<std::size_t>(-1);  ///< as fine as the boundary
+  bool mass = true;                                                     ///< false: stiffness only
   double integration = 1e-11;
   unsigned threads = 1;
 };
@@ -39,20 +39,30 @@ struct BoundaryPlace {
   double s = 0;
 };
 
-/// Inner shape functions: product of the distances to the sides times x^i y^j, i + j < degree; each moves along x and
-/// along y.
+/// Inner motions of a body of any shape: the answer of the plane to a polynomial body force, less the static extension
+/// of its boundary values. They vanish on the boundary, their stress is in equilibrium with the force, and they take no
+/// energy together with static extensions. Weight, spin and angular acceleration are among the forces, so their stress
+/// is exact from degree 2 on.
 struct Bubbles {
-  std::vector<std::pair<Vec2, Vec2>> sides;  ///< a point of the side, its inward normal over `size`
-  std::size_t degree = 0;
-  double size = 1;  ///< m
-
-  struct Value {
-    double value;
-    Vec2 slope;  ///< 1/m
+  struct Field {
+    std::vector<double> force;                        ///< coefficients; field 2 k pushes along x, 2 k + 1 along y
+    std::array<std::vector<double>, 2> displacement;  ///< shear modulus 1, lengths over `size`
+    std::array<std::vector<double>, 4> slope;         ///< of component k along axis a at 2 k + a
   };
-  [[nodiscard]] std::size_t count() const noexcept { return degree * (degree + 1) / 2; }
-  /// At a point of the undeformed body, in its frame.
-  void evaluate(Vec2 at, std::vector<Value>& out) const;
+  struct Value {
+    Vec2 displacement;
+    Sym2 stress;  ///< Pa, for an amplitude of 1 m
+  };
+  std::vector<Field> fields;
+  std::size_t degree = 0;  ///< of the forces: below this
+  double size = 0;         ///< m
+  /// Displacement of the nodes and element-wise traction (Pa) of the answers of the plane, rows as of the operator.
+  DenseMatrix on_nodes, on_elements;
+  [[nodiscard]] std::size_t count() const noexcept { return fields.size(); }
+  /// The answers of the plane at a point of the body's frame.
+  void evaluate(Vec2 at, const Material& material, std::vector<Value>& out) const;
+  /// Of a field, times shear modulus over size^2: the force per area, along the field's axis.
+  [[nodiscard]] double force(std::size_t field, Vec2 at) const;
 };
 
 /// Stiffness and mass of one elastic body in its own frame, symmetric by construction.
@@ -85,7 +95,7 @@ class BlockOperator final {
   [[nodiscard]] std::size_t boundary_freedoms() const noexcept { return 2 * mesh_.nodes.size(); }
   [[nodiscard]] const DenseMatrix& stiffness() const noexcept { return stiffness_; }
   [[nodiscard]] const DenseMatrix& mass_matrix() const noexcept { return mass_matrix_; }
-  /// Element-wise traction (Pa) of boundary displacements: rows element, local node, component.
+  /// Element-wise traction (Pa) of the freedoms: rows element, local node, component.
   [[nodiscard]] const DenseMatrix& traction_of() const noexcept { return traction_of_; }
   [[nodiscard]] const Bubbles& bubbles() const noexcept { return bubbles_; }
   [[nodiscard]] const Material& material() const noexcept { return material_; }
@@ -101,6 +111,7 @@ class BlockOperator final {
 
  private:
   explicit BlockOperator(Material material) : material_{material} {}
+  void set_tractions(const DenseMatrix& of_boundary);
   Mesh mesh_;
   Vec2 centroid_;
   double mass_ = 0, inertia_ = 0, area_ = 0;

@@ -69,6 +69,7 @@ class Vibration final {
   [[nodiscard]] std::vector<double> displacement() const;  ///< freedoms, since the start
   /// Newest operator, and the freedoms whose linear field on it carries the stress now.
   [[nodiscard]] const BlockOperator& block() const noexcept { return *block_; }
+  [[nodiscard]] const Modes& modes() const noexcept { return modes_; }
   [[nodiscard]] std::vector<double> strained() const;
   /// Follows a point inside (first shape, body's frame: relative to the centroid) from now on; its number.
   std::size_t follow(Vec2 inside);
@@ -150,6 +151,8 @@ class FreeMotion final {
   [[nodiscard]] Vec2 velocity() const noexcept { return {v_[0], v_[1]}; }
   [[nodiscard]] double spin() const noexcept { return v_[2]; }
   [[nodiscard]] Vec2 position(BoundaryPlace place) const;
+  [[nodiscard]] const Modes& modes() const noexcept { return modes_; }
+  [[nodiscard]] bool pinned() const noexcept { return !setup_.pins.empty(); }
   /// Elastic displacement in the body's frame, since the start.
   [[nodiscard]] std::vector<double> deformation() const;
   /// Largest elastic displacement over the body's size.

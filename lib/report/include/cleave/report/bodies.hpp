@@ -9,8 +9,6 @@
 
 namespace cleave::report {
 
-/// summary.json of a scene of bodies; keys in the order of docs/summary.schema.json.
-[[nodiscard]] std::string bodies_summary_json(const scene::BodiesResult& result);
 /// report.html: deformed shape with a slider of scale, animation, contours of stress, histories, error against time.
 [[nodiscard]] std::string bodies_report_html(const scene::BodiesResult& result);
 /// Outlines as poly-lines and the stress cells as quads at one frame, undeformed, with displacement as an array.

@@ -10,8 +10,6 @@
 
 namespace cleave::report {
 
-/// summary.json of a scene of contact; keys in the order of docs/summary.schema.json.
-[[nodiscard]] std::string contact_summary_json(const scene::ContactResult& result);
 /// report.html: animation with contact forces, energy, histories of points, what each solver did.
 [[nodiscard]] std::string contact_report_html(const scene::ContactResult& result);
 /// Bodies as polygons and closed contacts as points at one frame, where they are then. Cell arrays `body` (of contacts:

@@ -10,11 +10,20 @@
 
 namespace cleave::report {
 
+/// A number of seven digits: enough for a picture, half of the bytes. Not finite: 0.
+struct Short {
+  double value = 0;
+};
+
+enum class JsonLayout : std::uint8_t { lines, compact };
+
 /// Writes JSON with the keys in the order of the calls, two blanks a level, numbers as the shortest round trip.
 ///
 /// There is no NaN or infinity in JSON: they are written as null (say why in a key beside it).
 class JsonWriter final {
  public:
+  explicit JsonWriter(JsonLayout layout = JsonLayout::lines) noexcept : layout_{layout} {}
+
   void begin_object();
   void end_object();
   void begin_array();
@@ -23,6 +32,7 @@ class JsonWriter final {
   void value(std::string_view text);
   void value(const char* text) { value(std::string_view{text}); }
   void value(double number);
+  void value(Short number);
   void value(std::same_as<bool> auto flag) { literal(flag ? "true" : "false"); }
   void value(std::unsigned_integral auto count)
     requires(!std::same_as<decltype(count), bool>)
@@ -52,6 +62,9 @@ class JsonWriter final {
   void literal(std::string_view text);
   void close(char bracket);
 
+  void new_line();
+
+  JsonLayout layout_;
   std::string out_;
   std::vector<Level> levels_;
   bool after_key_ = false;

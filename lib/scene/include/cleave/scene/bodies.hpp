@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <expected>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -71,10 +72,11 @@ struct TimeSettings {
   double step = 0;  ///< s
   bem::Scheme scheme;
   bem::Damping damping;
-  std::size_t frames = 60;  ///< pictures kept
-  std::size_t modes = 40;   ///< of free bodies
-  double rebuild = 0.02;    ///< change of the boundary's tangent at which operators are rebuilt; 0: never
-  bool estimate = true;     ///< of the error, by a run half as fine
+  std::size_t frames = 60;                                                ///< pictures kept
+  std::size_t modes = all_modes;                                          ///< of free bodies
+  static constexpr std::size_t all_modes = static_cast<std::size_t>(-1);  ///< as many as the mesh has
+  double rebuild = 0.02;  ///< change of the boundary's tangent at which operators are rebuilt; 0: never
+  bool estimate = true;   ///< of the error, by a run half as fine
 };
 
 struct BodiesScene {
@@ -85,7 +87,8 @@ struct BodiesScene {
   bem::Vec2 gravity;
   bem::Options options;
   std::optional<double> tolerance;
-  bool stress = false;  ///< contours of stress inside
+  bool stress = false;          ///< contours of stress inside
+  std::size_t frequencies = 0;  ///< natural ones that are asked for, of every body
   std::optional<TimeSettings> time;
   OutputSettings output;
   std::string shown, file_name, sha256;
@@ -124,9 +127,11 @@ struct BodyResult {
   std::vector<StressCell> cells;
   std::size_t elements = 0, unknowns = 0;
   double condition = 0, residual = 0, imbalance = 0, largest = 0;
-  /// Estimate, relative: static, the change to a mesh of half the elements; moving, to a run of half the elements and
-  /// modes and twice the step, largest over nodes and frames.
+  /// Estimate, relative, from runs with half and a quarter of the elements (moving: and modes, and two and four times
+  /// the step). Empty: there is none, and why.
   std::optional<double> error;
+  std::string no_estimate;
+  std::vector<double> modes_hz;   ///< lowest natural frequencies, as supported; free bodies: without rigid motions
   std::size_t rebuilds = 0;       ///< moving
   double strain_since_build = 0;  ///< moving: largest change of the boundary's tangent since an operator was built
   std::string method;
@@ -165,6 +170,58 @@ struct BodiesResult {
   std::vector<MeshTrial> trials;
   std::vector<std::string> notes;
 };
+
+/// Section `elastic`.
+template <class V>
+void plane_fields(V& v, const BodiesResult& x) {
+  v("elastic", group([&](auto& w) {
+      w("status", one_of(x.converged ? "converged" : "stopped", {"converged", "stopped"}));
+      w("reason", when(!x.converged, x.stopped_why), "why it stopped");
+      w("steps", x.steps, "time steps; 0 for a static scene");
+      w("residual", x.residual, "of the linear systems, relative");
+      w("max_displacement_m", x.largest_displacement);
+      w("bodies", each(x.bodies, [&](auto& b, const BodyResult& body) {
+          b("name", body.name);
+          b("centroid", body.centroid, "at the end, m");
+          b("rotation", body.rotation * 180 / std::numbers::pi,
+            "at the end, degrees counter-clockwise, whole turns counted");
+          b("method", body.method);
+          b("elements", body.elements);
+          b("unknowns", body.unknowns);
+          b("max_displacement_m", body.largest);
+          b("condition", when(body.condition > 0, body.condition),
+            "estimate of the system's condition number; static scenes");
+          b("imbalance", when(body.condition > 0, body.imbalance),
+            "sum of all forces over the sum of their magnitudes; static scenes");
+          b("estimated_error", OrNull<double>{body.error},
+            "relative, of displacement: from runs with half and a quarter of the elements (moving bodies: and modes, "
+            "and two and four times the step); null: there is none, see no_estimate");
+          b("no_estimate",
+            when(!body.error, body.no_estimate.empty() ? std::string{"nothing moves"} : body.no_estimate),
+            "why there is no estimate");
+          b("modes_hz", when_any(body.modes_hz),
+            "lowest natural frequencies, as supported; free bodies without rigid motions; none of pinned, bonded and "
+            "infinite bodies");
+          b("rebuilds", when(x.steps > 0, body.rebuilds),
+            "moving bodies: how often the operator was rebuilt in the deformed shape");
+          b("strain_since_build", when(x.steps > 0, body.strain_since_build),
+            "moving bodies: largest change of the boundary's tangent since an operator was built");
+        }));
+      w("points", each(x.points, [&](auto& p, const PointResult& point) {
+          p("name", point.name);
+          p("displacement", point.displacement.empty() ? bem::Vec2{} : point.displacement.back(), "at the end, m");
+          const bem::Sym2 s = point.stress.empty() ? bem::Sym2{} : point.stress.back();
+          p("stress", when(!point.stress.empty(), std::array{s.xx, s.yy, s.xy}),
+            "[xx, yy, xy] at the end, Pa, where asked for");
+        }));
+    }),
+    "Scenes of bodies only (then there are no `blocks`).");
+}
+template <class V>
+void fields(V& v, const BodiesResult& x) {
+  v("input", InputFigures{});
+  plane_fields(v, x);
+}
 
 [[nodiscard]] std::expected<BodiesResult, std::vector<Problem>> run(const BodiesScene& scene, unsigned threads,
                                                                     StageTimer& timer, Progress& progress);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -194,6 +195,65 @@ struct ContactResult {
   std::uint64_t iterations = 0;
   std::vector<std::string> notes;
 };
+
+/// Section `contact`.
+template <class V>
+void plane_fields(V& v, const ContactResult& x) {
+  const ContactHistory last = x.history.empty() ? ContactHistory{} : x.history.back();
+  v("contact", group([&](auto& w) {
+      w("status", one_of(x.converged ? "converged" : "stopped", {"converged", "stopped"}));
+      w("reason", when(!x.converged, x.stopped_why), "why it stopped");
+      w("steps", x.steps);
+      w("residual", x.residual, "of the contact law, relative; the worst of all steps");
+      w("max_displacement_m", x.largest_displacement, "of a corner, in any frame");
+      w("bodies", each(x.bodies, [](auto& b, const ContactBodyResult& body) {
+          b("name", body.name);
+          b("centroid", body.centroid, "at the end, m");
+          b("rotation", body.rotation * 180 / std::numbers::pi,
+            "since the start, degrees counter-clockwise, whole turns counted");
+          b("fixed", body.fixed);
+          b("max_displacement_m", body.largest);
+          b("contact_force", body.force, "sum of the contact forces on it in the last step, N/m");
+        }));
+      w("points", each(x.points, [&](auto& p, const PointSpec& point, std::size_t at) {
+          p("name", point.name);
+          p("displacement", at < last.points.size() ? last.points[at] : bem::Vec2{}, "at the end, m");
+        }));
+      w("mode", one_of(x.elastic ? "elastic" : "rigid", {"rigid", "elastic"}));
+      w("end_time_s", x.end_time);
+      w("cut_steps", x.cut_steps, "times a step was shortened because it failed");
+      w("largest_penetration_m", x.largest_penetration, "after a step");
+      w("energy", group([&](auto& e) {
+          e("kinetic_j", last.kinetic);
+          e("elastic_j", last.elastic);
+          e("gravity_j", last.gravity);
+          e("work_j", last.work);
+          e("friction_j", last.friction);
+          e("lost_j", last.lost);
+          e("largest_gain_j", x.energy_gain);
+        }),
+        "J/m at the end; gravity (potential) from 0 at the start, work of loads, friction and other losses since the "
+        "start; largest_gain_j is the largest rise of kinetic + elastic + gravity - work in the run");
+      w("drift", group([&](auto& d) {
+          d("momentum", x.drift_momentum);
+          d("angular_momentum", x.drift_angular);
+        }),
+        "largest departure of momentum from what weight and supports give, relative (0 in scenes with loads or at "
+        "rest); of angular momentum where nothing acts from outside");
+      w("solvers", each(x.solvers, [](auto& s, const SolverShare& share) {
+          s("name", share.name);
+          s("groups", share.groups, "groups of contacts whose answer it found");
+          s("iterations", share.iterations, "linear solves and pivots for those groups, other tries included");
+        }));
+      w("iterations", x.iterations, "linear solves and pivots in all");
+    }),
+    "Scenes of bodies in contact only (then there are no `blocks`).");
+}
+template <class V>
+void fields(V& v, const ContactResult& x) {
+  v("input", InputFigures{});
+  plane_fields(v, x);
+}
 
 /// Where the corners of a body are drawn in a frame.
 [[nodiscard]] std::vector<bem::Vec2> corners_at(const ContactResult& result, std::size_t frame, std::size_t body);

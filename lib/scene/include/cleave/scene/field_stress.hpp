@@ -1,12 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "cleave/core/fields.hpp"
 #include "cleave/topology/ids.hpp"
 
 /// Stress of the rock around a tunnel, and what it does to key blocks: [field_stress].
@@ -47,6 +50,24 @@ struct FieldStressResult {
   double condition = 0, residual = 0;
   std::vector<ClampedBlock> blocks = {};  ///< in order of block; those that lie at the tunnel
   std::uint64_t held = 0;                 ///< unstable without, stable with the stress
+
+  /// Infinite when no block has a finite one.
+  [[nodiscard]] double lowest_factor_of_safety() const {
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const ClampedBlock& block : blocks) lowest = std::min(lowest, block.factor_of_safety);
+    return lowest;
+  }
 };
+template <class V>
+void fields(V& v, const FieldStressResult& x) {
+  v("tunnel", x.tunnel);
+  v("elements", x.elements);
+  v("error", x.error, "estimate from two meshes, of displacement, relative");
+  v("condition", x.condition);
+  v("residual", x.residual);
+  v("blocks", x.blocks.size(), "blocks at the tunnel that were judged");
+  v("held", x.held, "unstable without this stress, stable with it");
+  v("lowest_factor_of_safety", or_null(x.lowest_factor_of_safety()), "with it; null: none is finite");
+}
 
 }  // namespace cleave::scene

@@ -9,9 +9,12 @@
 
 #include "cleave/core/id.hpp"
 #include "cleave/core/quantity.hpp"
+#include "cleave/core/version.hpp"
 #include "cleave/geometry/vec3.hpp"
+#include "cleave/scene/figures.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene/scene.hpp"
+#include "cleave/scene/sequence.hpp"
 #include "cleave/stability/maximum_blocks.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/stability/sensitivity.hpp"
@@ -24,11 +27,18 @@ namespace cleave::scene {
 
 /// What one stage cost. CPU time is that of all threads; the peak is the process's high-water mark at the stage's end.
 struct StageCost {
-  Stage stage;
+  Stage stage = Stage::read;
   double wall_s = 0;
   double cpu_s = 0;
   double peak_rss_mb = 0;
 };
+template <class V>
+void fields(V& v, const StageCost& x) {
+  v("stage", name_of(x.stage));
+  v("wall_s", x.wall_s);
+  v("cpu_s", x.cpu_s);
+  v("peak_rss_mb", x.peak_rss_mb, "high-water mark of the process at the end of the stage");
+}
 
 /// What the run cost so far. `stages` holds only stages that ran, in order.
 struct RunCost {
@@ -38,6 +48,33 @@ struct RunCost {
   unsigned threads = 1;
   std::vector<StageCost> stages;
 };
+template <class V>
+void fields(V& v, const RunCost& x) {
+  v("wall_s", x.wall_s);
+  v("cpu_s", x.cpu_s, "of all threads");
+  v("peak_rss_mb", x.peak_rss_mb);
+  v("threads", x.threads);
+  v("stages", x.stages);
+}
+template <class V>
+void fields(V& v, const PlannedStage& x) {
+  v("stage", one_of(name_of(x.stage), {"read", "draw", "cut", "audit", "stability", "support", "monte_carlo", "elastic",
+                                       "contact", "write", "report"}));
+  v("run", x.run);
+  v("why", x.why);
+}
+
+/// What every summary.json begins with. `Result`: a result of any kind of scene.
+template <class V, class Result>
+void head_fields(V& v, const Result& x) {
+  v("cleave", version, "version of the program");
+  v("schema", 1U, "version of this schema");
+  v("title", x.title);
+  v("seed", x.seed);
+  v("scene_sha256", x.scene_sha256, "of the scene file's bytes, hexadecimal");
+  v("plan", x.plan.stages);
+  v("cost", x.cost);
+}
 
 struct Strength {
   FrictionAngle friction;
@@ -66,15 +103,6 @@ struct MaximumRow {
   std::string where;  ///< "roof", "floor", "right wall", "left wall" (looking along the axis)
 };
 
-/// What the search for a pattern found for one length of bolt.
-struct DesignResult {
-  double length;
-  bool found = false;
-  double scale = 0;  ///< on the scene's spacings
-  std::size_t bolts = 0;
-  double cost = 0;
-};
-
 enum class JointOrigin : std::uint8_t { measured, drawn };
 
 /// A joint as it went into the cutter; its polygon(s) or plane are RunResult::input.joints[id.index()].
@@ -93,16 +121,10 @@ struct SetInfo {
   std::uint64_t joints = 0;
 };
 
-/// The part of the rock that was cut when only key blocks were asked for.
-struct WindowInfo {
-  geometry::Vec3 min, max;      ///< m
-  unsigned rounds = 1;          ///< how many windows were cut before this one was large enough
-  std::uint64_t truncated = 0;  ///< blocks that go on outside it
-};
-
 struct ExcavationInfo {
   std::string name;
   std::uint32_t stage = 1;
+  std::optional<TunnelLine> tunnel = {};
 };
 
 /// Everything that is known at the end of `scene::run`, and all that the writers need: they take it by const reference
@@ -120,49 +142,99 @@ struct ExcavationInfo {
 ///   it does them, and writes summary.json last, so that all costs are in it but its own few milliseconds. report.html
 ///   shows the costs known when it is written.
 struct RunResult {
-  std::string title;
+  std::string title = {};
   std::uint64_t seed = 1;
-  std::string scene_file;    ///< name without folder
-  std::string scene_sha256;  ///< of the scene file's bytes, hex
-  std::vector<InputFile> files;
+  std::string scene_file = {};    ///< name without folder
+  std::string scene_sha256 = {};  ///< of the scene file's bytes, hex
+  std::vector<InputFile> files = {};
   double north =
       0;  ///< degrees from +y to true north, clockwise: add nothing to dip directions, turn only the north arrow
 
-  Plan plan;
-  RunCost cost;
-  OutputSettings output;
-  Rock rock;
-  std::optional<StabilitySettings> stability;
+  Plan plan = {};
+  RunCost cost = {};
+  OutputSettings output = {};
+  Rock rock = {};
+  std::optional<StabilitySettings> stability = {};
 
-  topology::CutInput input;                       ///< domain, joints and excavations as cut, for drawing
-  IdVector<SetId, SetInfo> sets;                  ///< only sets with at least one joint have `joints` > 0
-  IdVector<topology::JointId, JointInfo> joints;  ///< as many as input.joints, same order
-  std::vector<ExcavationInfo> excavations;        ///< as many as input.excavations, same order
+  topology::CutInput input;                            ///< domain, joints and excavations as cut, for drawing
+  IdVector<SetId, SetInfo> sets = {};                  ///< only sets with at least one joint have `joints` > 0
+  IdVector<topology::JointId, JointInfo> joints = {};  ///< as many as input.joints, same order
+  std::vector<ExcavationInfo> excavations = {};        ///< as many as input.excavations, same order
 
   std::expected<topology::AuditedComplex, topology::Certificate> complex;
-  std::string block_hash;  ///< topology::canonical_hash; empty when the certificate failed
+  std::string block_hash = {};  ///< topology::canonical_hash; empty when the certificate failed
   /// The same of the blocks of all batches: equal whether all the rock was cut or only that near free faces; empty
   /// without analysis.
-  std::string key_block_hash;
-  std::optional<WindowInfo> window;  ///< when not all the rock was cut
-  std::optional<stability::Analysis> analysis;
+  std::string key_block_hash = {};
+  std::optional<WindowInfo> window = {};  ///< when not all the rock was cut
+  std::optional<stability::Analysis> analysis = {};
   /// Stage by stage, where excavations have different stages; `complex` and `analysis` then are those of the rock when
   /// all are out and no block has left before.
-  std::optional<SequenceResult> sequence;
+  std::optional<SequenceResult> sequence = {};
 
-  MicroBlocks micro_blocks;  ///< the scene's policy
+  MicroBlocks micro_blocks = {};  ///< the scene's policy
   /// Where the scene has [field_stress] and something is judged.
-  std::optional<FieldStressResult> field_stress;
-  std::optional<stability::SupportResult> support;
-  std::vector<CaseSupport> support_cases;  ///< of [[load]], in scene order
-  std::vector<std::string> bolt_groups;    ///< names, by Bolt::group
-  std::vector<DesignResult> designs;
-  std::vector<MaximumRow> maximum_blocks;
-  double tunnel_length = 0;                         ///< m, of all tunnels
-  std::vector<stability::Sensitivity> sensitivity;  ///< of the blocks of the first batch
-  std::vector<CaseResult> load_cases;               ///< of [[load]], in scene order; the base case is `analysis`
+  std::optional<FieldStressResult> field_stress = {};
+  std::optional<stability::SupportResult> support = {};
+  std::vector<CaseSupport> support_cases = {};  ///< of [[load]], in scene order
+  std::vector<std::string> bolt_groups = {};    ///< names, by Bolt::group
+  std::vector<DesignResult> designs = {};
+  std::vector<MaximumRow> maximum_blocks = {};
+  double tunnel_length = 0;                              ///< m, of all tunnels
+  std::vector<stability::Sensitivity> sensitivity = {};  ///< of the blocks of the first batch
+  std::vector<CaseResult> load_cases = {};               ///< of [[load]], in scene order; the base case is `analysis`
 
-  std::vector<std::string> notes;  ///< what a user should know: joints outside the domain, what was left out
+  std::vector<std::string> notes = {};  ///< what a user should know: joints outside the domain, what was left out
+
+  Figures figures = {};  ///< `count` of all that
+
+  [[nodiscard]] const topology::Certificate& certificate() const noexcept {
+    return complex ? complex->certificate() : complex.error();
+  }
 };
+
+template <class V>
+void fields(V& v, const RunResult& x) {
+  const Figures& f = x.figures;
+  v("input", f.input);
+  v("blocks", group([&](auto& w) { block_fields(w, f.blocks, x.certificate(), x.window); }),
+    "When the certificate did not pass, the figures of the blocks are null and `reason` says so.");
+  const KeyBlockFigures& key = f.key_blocks ? *f.key_blocks : KeyBlockFigures{};
+  v("key_blocks", when(f.key_blocks.has_value(), group([&](auto& w) {
+                         fields(w, key);
+                         w("hash", x.key_block_hash,
+                           "of the blocks of all batches: the same whether all the rock was cut or only that near "
+                           "free faces");
+                         w("load_cases", when_any(f.load_cases), "under each [[load]]");
+                       })),
+    "Blocks that leave.");
+  const SupportFigures& support = f.support ? *f.support : SupportFigures{};
+  v("support", when(f.support.has_value(), group([&](auto& w) {
+                      support_fields(w, support, x.tunnel_length, x.designs, f.support_cases);
+                    })),
+    "Check of [support] in the state after excavation; forces in N, pressures in Pa.");
+  v("field_stress", x.field_stress,
+    "Key blocks at a tunnel with the stress of the rock across their joints ([field_stress]); error, condition and "
+    "residual are those of the elastic section.");
+  v("maximum_blocks", f.maximum_blocks,
+    "Largest key blocks that persistent joints of the sets' mean orientations can make at a tunnel "
+    "(stability.maximum_blocks).");
+  v("micro_blocks", f.micro_blocks,
+    "Blocks below the limits of [micro_blocks], or thinner than 1e-6 of the domain; absent with policy = \"keep\".");
+  const topology::Dangling none{};
+  const topology::Dangling* kept =
+      x.complex && x.complex->complex().data().dangling ? &*x.complex->complex().data().dangling : nullptr;
+  const topology::Dangling& d = kept != nullptr ? *kept : none;
+  v("dangling", when(kept != nullptr, group([&](auto& w) {
+                       w("pieces", d.pieces.size(), "flat parts, each inside one block");
+                       w("area_m2", d.area);
+                       w("free_edges", d.free_edges, "edges that end in the rock");
+                       w("free_edge_length_m", d.free_edge_length);
+                       w("joints", d.joints, "joints with such parts");
+                       w("isolated_joints", d.isolated_joints, "of them those that meet no other joint and no face");
+                     })),
+    "Parts of joints that bound no block, with keep_dangling = true.");
+  v("sequence", x.sequence, "Excavation in stages: the rock after each, and the orders that were compared.");
+}
 
 }  // namespace cleave::scene

@@ -16,7 +16,6 @@
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene/field_stress.hpp"
 #include "cleave/scene/problem.hpp"
-#include "cleave/scene/sequence.hpp"
 #include "cleave/stability/actions.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/stability/bolt_patterns.hpp"
@@ -238,6 +237,21 @@ struct OutputSettings {
 /// What [output] exports may name; docs/formats.md has the files.
 inline constexpr std::array<std::string_view, 8> known_exports{"obj",   "ply",    "stl",   "3dec",
                                                                "3dec5", "lsdyna", "nmm3d", "dda"};
+
+/// What becomes of the blocks that leave in one stage before the next one is excavated.
+enum class Fallen : std::uint8_t {
+  stay_out,  ///< they have fallen: their room is void from then on
+  put_back,  ///< they were held in place: the next stage finds them where they were
+};
+
+/// [sequence]: the excavations are taken out stage by stage.
+struct SequenceSettings {
+  Fallen fallen = Fallen::stay_out;
+  /// Stage numbers of the excavations in ascending order, each once.
+  std::vector<std::uint32_t> stages;
+  /// Other orders of the same stages to compare with that one.
+  std::vector<std::vector<std::uint32_t>> orders;
+};
 
 /// A file that the scene names, as read.
 struct InputFile {

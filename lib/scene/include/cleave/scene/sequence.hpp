@@ -10,26 +10,12 @@
 #include <vector>
 
 #include "cleave/core/quantity.hpp"
+#include "cleave/scene/figures.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/sequence.hpp"
 
 namespace cleave::scene {
-
-/// What becomes of the blocks that leave in one stage before the next one is excavated.
-enum class Fallen : std::uint8_t {
-  stay_out,  ///< they have fallen: their room is void from then on
-  put_back,  ///< they were held in place: the next stage finds them where they were
-};
-
-/// [sequence]: the excavations are taken out stage by stage.
-struct SequenceSettings {
-  Fallen fallen = Fallen::stay_out;
-  /// Stage numbers of the excavations in ascending order, each once.
-  std::vector<std::uint32_t> stages;
-  /// Other orders of the same stages to compare with that one.
-  std::vector<std::vector<std::uint32_t>> orders;
-};
 
 /// The rock after one stage.
 struct StageResult {
@@ -41,7 +27,26 @@ struct StageResult {
   std::optional<stability::Analysis> analysis;
   std::uint64_t new_key_blocks = 0;  ///< of the blocks that leave, those without a part that left in an earlier stage
   Volume new_key_volume;
+  BlockFigures blocks = {};  ///< of `complex`
+  KeyBlockFigures key_blocks = {};
+  [[nodiscard]] bool passed() const noexcept { return !complex || complex->has_value(); }
 };
+template <class V>
+void fields(V& v, const StageResult& x) {
+  v("stage", x.stage);
+  v("excavations", x.excavations);
+  v("certificate_passed", x.passed());
+  v("block_count", x.blocks.count);
+  v("block_volume_m3", x.blocks.volume_m3);
+  v("hash", x.block_hash);
+  v("key_blocks", group([&](auto& w) {
+      fields(w, x.key_blocks);
+      w("hash", "");
+    }),
+    "as the section key_blocks of the whole result");
+  v("new_key_block_count", x.new_key_blocks, "without blocks of which a part left in an earlier stage");
+  v("new_key_block_volume_m3", x.new_key_volume);
+}
 
 struct OrderResult {
   std::vector<std::uint32_t> stages;
@@ -50,6 +55,14 @@ struct OrderResult {
   std::uint64_t key_blocks = 0;  ///< sums over the stages
   Volume key_volume;
 };
+template <class V>
+void fields(V& v, const OrderResult& x) {
+  v("stages", x.stages);
+  v("key_block_count", x.key_blocks);
+  v("key_block_volume_m3", x.key_volume);
+  v("new_count", x.new_key_blocks, "one a stage, in this order");
+  v("new_volume_m3", x.new_key_volume);
+}
 
 struct SequenceResult {
   Fallen fallen = Fallen::stay_out;
@@ -59,6 +72,13 @@ struct SequenceResult {
   /// By block of the final state: the first stage in which a part of it left; -1 for a block that stays.
   std::vector<std::int32_t> stage_of_block;
 };
+template <class V>
+void fields(V& v, const SequenceResult& x) {
+  v("fallen", one_of(x.fallen == Fallen::stay_out ? "stay_out" : "put_back", {"stay_out", "put_back"}));
+  v("stages", x.stages);
+  v("orders", x.orders, "the scene's own order first");
+  v("best_order", x.best, "from 0: the order with the smallest volume of key blocks");
+}
 
 /// Judges an audited complex.
 using Judge = std::function<stability::Analysis(const topology::AuditedComplex&)>;

@@ -12,7 +12,8 @@ namespace cleave::stability {
 /// What key groups are for.
 enum class GroupsCheck : std::uint8_t {
   off,
-  note,  ///< found and said; batches of key blocks stay as they are
+  note,    ///< found and said; batches of key blocks stay as they are
+  decide,  ///< blocks of groups that are not in doubt are key blocks too
 };
 
 /// Blocks that move together, or may.
@@ -33,6 +34,8 @@ struct KeyGroups {
   std::vector<KeyGroup> groups = {};  ///< by batch, then by lowest block
   std::size_t blocks = 0;             ///< looked at together in the first state
   bool stopped_at_max_batches = false;
+  /// More blocks than are looked at together: nothing was looked for.
+  bool too_many = false;
   /// A block that is known in part only was taken to stay beside a block that moves.
   bool at_the_edge = false;
 };
@@ -40,5 +43,13 @@ struct KeyGroups {
 /// Blocks near free faces judged together, state by state: first in translation, then with moments. What is farther off
 /// is taken to be fixed, which only adds support; the near part grows until no group touches its end.
 [[nodiscard]] KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings);
+
+/// Makes the blocks of groups that are not in doubt key blocks of the batch that their group was found in, where they are
+/// in no batch. `analysis` and `groups` are of this complex.
+void decide_by_groups(const topology::AuditedComplex& complex, const Settings& settings, const KeyGroups& groups,
+                      Analysis& analysis);
+
+/// At most so many blocks are looked at together.
+inline constexpr std::size_t most_together = 800;
 
 }  // namespace cleave::stability

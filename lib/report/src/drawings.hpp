@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cleave/report/summary.hpp"
+#include "cleave/scene/figures.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/topology/block_complex.hpp"
 
@@ -24,6 +24,6 @@ namespace cleave::report {
 [[nodiscard]] std::string size_curve(std::vector<double> volumes);
 
 /// Volume and number of the key blocks, one bar a batch.
-[[nodiscard]] std::string batch_bars(std::span<const BatchFigures> batches);
+[[nodiscard]] std::string batch_bars(std::span<const scene::BatchFigures> batches);
 
 }  // namespace cleave::report

@@ -1,0 +1,59 @@
+#include <string>
+#include <string_view>
+
+#include "key_blocks.hpp"
+#include "tables.hpp"
+#include "tables2d.hpp"
+
+namespace cleave::report {
+namespace {
+
+/// A visitor that writes what each column says; columns without words of their own join the one before.
+class ColumnHelp final {
+ public:
+  template <class T>
+  void operator()(std::string_view name, const T& /*value*/, std::string_view help = {}) {
+    if (help.empty() && !names_.empty()) {
+      names_.append(", `").append(name).append("`");
+      return;
+    }
+    flush();
+    names_ = "`" + std::string{name} + "`";
+    help_ = help;
+  }
+  [[nodiscard]] std::string rows() && {
+    flush();
+    return std::move(out_);
+  }
+
+ private:
+  void flush() {
+    if (!names_.empty()) out_ += "| " + names_ + " | " + help_ + " |\n";
+  }
+  std::string out_, names_, help_;
+};
+
+template <class Row>
+std::string table(std::string_view file, const Row& sample) {
+  ColumnHelp help;
+  fields(help, sample);
+  return "### " + std::string{file} + "\n| column | meaning |\n|---|---|\n" + std::move(help).rows() + "\n";
+}
+
+}  // namespace
+
+std::string columns_of_tables() {
+  const stability::Judgement judgement{.block = topology::BlockId{0U}};
+  const stability::SupportedBlock supported{.block = topology::BlockId{0U}};
+  const stability::BoltResult bolt{};
+  const stability::CombinedBlock combined{};
+  const TableParts all{.force_transfer = true, .rotation = true, .support = true, .field_stress = true};
+  return table("key_blocks.csv", KeyBlockRow{.j = judgement, .parts = all}) +
+         table("load_cases.csv", LoadCaseRow{"", judgement}) + table("bolts.csv", BoltRow{.pattern = {}, .b = bolt}) +
+         table("support_blocks.csv", SupportBlockRow{"", supported}) +
+         table("combined_blocks.csv", CombinedBlockRow{.load = "", .b = combined}) +
+         table("maximum_blocks.csv", scene::MaximumRow{}) + table("points.csv", StressPointRow{}) +
+         table("history.csv", scene::ContactHistory{}) + table("bodies.csv", scene::ContactBodyResult{});
+}
+
+}  // namespace cleave::report

@@ -1,0 +1,158 @@
+#pragma once
+
+#include <string>
+
+#include "cleave/core/fields.hpp"
+#include "cleave/report/monte_carlo.hpp"
+
+/// The figures of a Monte Carlo run in summary.json.
+namespace cleave::stochastic {
+
+template <class V>
+void fields(V& v, const Interval& x) {
+  v("low", x.low);
+  v("high", x.high);
+}
+/// What is known of an estimate among others of its kind.
+template <class V>
+void mean_fields(V& v, const Estimate& x) {
+  v("mean", x.mean);
+  v("standard_error", x.standard_error);
+  v("low", x.low);
+  v("high", x.high);
+}
+template <class V>
+void fields(V& v, const SizePoint& x) {
+  v("volume_m3", x.volume_m3);
+  v("share_below", x.share);
+  v("standard_error", x.standard_error);
+}
+template <class V>
+void fields(V& v, const RunningPoint& x) {
+  v("realizations", x.realizations);
+  v("mean", x.mean);
+  v("half_width", x.half_width);
+}
+template <class V>
+void fields(V& v, const Extreme& x) {
+  v("realization", x.realization);
+  v("key_block_volume_m3", x.volume_m3);
+  v("key_block_count", x.count);
+}
+template <class V>
+void fields(V& v, const QuantileEstimate& x) {
+  v("quantity", x.name);
+  v("p", x.p);
+  v("value", x.value);
+  v("low", or_null(x.interval, &Interval::low));
+  v("high", or_null(x.interval, &Interval::high));
+  v("reason", when(!x.interval, "not available: too few realizations"));
+}
+template <class V>
+void fields(V& v, const Exceedance& x) {
+  v("volume_m3", x.volume_m3);
+  v("realizations", x.realizations, "with a key block above this volume");
+  v("probability", x.probability);
+  fields(v, x.interval);
+  v("number", x.number, "mean number of such blocks a realization");
+  v("number_standard_error", x.number_standard_error);
+  v("per_metre", x.per_metre);
+  v("per_metre_standard_error", x.per_metre_standard_error);
+  v("by_chainage", when_any(each(x.by_chainage, [&](auto& w, double probability, std::size_t part) {
+      w("probability", probability);
+      fields(w, part < x.by_chainage_interval.size() ? x.by_chainage_interval[part] : Interval{});
+    })));
+}
+
+}  // namespace cleave::stochastic
+
+namespace cleave::report {
+
+template <class V>
+void quantity_fields(V& v, const stochastic::Estimate& x, double confidence) {
+  const bool ratio = x.method == stochastic::Method::ratio;
+  mean_fields(v, x);
+  v("confidence", confidence);
+  v("std", x.std);
+  v("method", one_of(stochastic::name_of(x.method), {"mean", "ratio", "mean_of_ratios"}));
+  v("realizations", x.realizations);
+  v("smallest", when(!ratio, x.smallest));
+  v("largest", when(!ratio, x.largest));
+  v("skewness", when(!ratio, x.skewness));
+  v("optimistic", when(!ratio, x.optimistic), "heavy tail: the interval covers less than it says");
+  const stochastic::Interval bootstrap = x.bootstrap.value_or(stochastic::Interval{});
+  v("bootstrap_low", when(x.bootstrap.has_value(), bootstrap.low));
+  v("bootstrap_high", when(x.bootstrap.has_value(), bootstrap.high));
+}
+
+template <class V>
+void order_fields(V& v, const stochastic::OrderFigures& x, const std::vector<std::uint32_t>& stages) {
+  const auto mean = [](const stochastic::Estimate& e) { return group([&e](auto& w) { mean_fields(w, e); }); };
+  v("stages", stages);
+  v("key_blocks", mean(x.key_blocks));
+  v("key_volume_m3", mean(x.key_m3));
+  v("key_blocks_minus_first", mean(x.key_blocks_minus_first));
+  v("key_volume_minus_first_m3", mean(x.key_m3_minus_first));
+  v("share_best", x.share_best);
+}
+
+template <class V>
+void fields(V& v, const MonteCarloPage& x) {
+  const stochastic::Figures& f = x.result.figures;
+  const scene::StoppedBy stopped = x.result.stopped_by;
+  v("scene_file", x.scene_file, "of Monte Carlo runs: name of the scene's file, without its folder");
+  v("monte_carlo", group([&](auto& w) {
+      w("realizations", f.realizations);
+      w("seed", x.seed);
+      w("stopped_by", one_of(name_of(stopped), {"realizations", "precision", "max"}));
+      w("status", one_of(f.failures > 0                     ? "incomplete"
+                         : stopped == scene::StoppedBy::max ? "not converged"
+                                                            : "done",
+                         {"done", "not converged", "incomplete"}));
+      w("interval_kind", when(!x.stop_quantity.empty(), "sequential, fixed looks"));
+      w("shard", group([&](auto& s) {
+          s("number", x.result.shard.number);
+          s("of", x.result.shard.of);
+        }));
+      w("quantities",
+        by_name(f.estimates, &stochastic::Estimate::name,
+                [&](auto& q, const stochastic::Estimate& e) { quantity_fields(q, e, f.confidence); }),
+        "by name");
+      w("quantiles", f.quantiles);
+      w("exceedance", f.exceedances);
+      w("orders",
+        when_any(each(f.orders,
+                      [&](auto& o, const stochastic::OrderFigures& order, std::size_t at) {
+                        order_fields(o, order, at < x.orders.size() ? x.orders[at] : std::vector<std::uint32_t>{});
+                      })),
+        "orders of the excavation stages, the scene's own first; differences are paired");
+      w("nested", when(f.strengths_per_geometry != 1, group([&](auto& n) {
+                         n("strengths_per_geometry", f.strengths_per_geometry);
+                         n("variances",
+                           by_name(f.variances, &stochastic::VarianceShare::name,
+                                   [](auto& s, const stochastic::VarianceShare& share) {
+                                     s("geometry", share.geometry);
+                                     s("strength", share.strength);
+                                   }),
+                           "by quantity");
+                       })));
+      w("size_distribution", f.sizes);
+      w("first_batch_size_distribution", f.first_sizes);
+      w("running", group([&](auto& r) {
+          r("quantity", f.running_quantity);
+          r("points", f.running);
+        }));
+      w("worst", f.worst);
+      w("best", f.best);
+      w("failures", f.failures);
+      w("failed_realizations", f.failed);
+      w("stopped_at_max_batches", f.stopped_at_max_batches);
+      w("surface_blocks_fixed_share", f.surface_fixed_share);
+      w("key_volume_beside_fixed_share", f.beside_fixed_share);
+      w("notes", f.notes);
+      w("hash", f.hash);
+    }),
+    "the same bytes for any number of threads, shards and interruptions");
+}
+
+}  // namespace cleave::report

@@ -1,0 +1,258 @@
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cleave/core/fields.hpp"
+#include "cleave/scene/places.hpp"
+#include "cleave/scene/run_result.hpp"
+
+/// Rows of the tables a run of blocks writes, each column once.
+namespace cleave::report {
+
+/// What the tables have by the analysis of a run.
+struct TableParts {
+  bool force_transfer = false, rotation = false, support = false, field_stress = false;
+};
+
+struct KeyBlockRow {
+  const stability::Judgement& j;
+  double volume_m3 = 0;
+  std::size_t faces = 0;
+  std::vector<topology::JointId> joints = {};
+  TableParts parts = {};
+  const stability::SupportedBlock* supported = nullptr;
+  const scene::ClampedBlock* clamped = nullptr;
+  scene::BlockPlace place = {};
+  std::vector<std::string> sets = {};
+};
+
+template <class V>
+void direction_fields(V& v, const geometry::Vec3& d, std::string_view x, std::string_view y, std::string_view z) {
+  v(x, d.x);
+  v(y, d.y);
+  v(z, d.z);
+}
+
+/// The block with the forces that later batches pass to it; one that nothing was passed to keeps its values.
+template <class V>
+void transferred_fields(V& v, const stability::Judgement& j) {
+  const stability::Transferred t =
+      j.transferred.value_or(stability::Transferred{.mode = j.mode,
+                                                    .key = j.key,
+                                                    .direction = j.direction,
+                                                    .driving = j.driving,
+                                                    .resistance = j.resistance,
+                                                    .net = j.net,
+                                                    .factor_of_safety = j.factor_of_safety});
+  v("key_transferred", t.key,
+    "the same block with the forces that later batches pass to it; one that nothing is passed to repeats its values");
+  v("mode_transferred", name(t.mode));
+  direction_fields(v, t.direction, "direction_x_transferred", "direction_y_transferred", "direction_z_transferred");
+  v("net_force_n_transferred", t.net);
+  v("factor_of_safety_transferred", t.factor_of_safety);
+  v("passed_n_transferred", t.passed, "what the block passes on");
+  v("lost_n_transferred", t.lost, "what of it the scene's reading of the transfer loses");
+}
+
+template <class V>
+void supported_fields(V& v, const stability::Judgement& j, const stability::SupportedBlock* b) {
+  // Of a later batch: it stays when the first one is held. Otherwise it needs nothing.
+  const std::string_view held = b != nullptr              ? name(b->held)
+                                : j.batch && *j.batch > 1 ? "held by earlier batches"
+                                                          : "none needed";
+  const double factor = b == nullptr                            ? j.factor_of_safety
+                        : b->held == stability::Held::shotcrete ? b->factor_with_shotcrete
+                                                                : b->factor_with_bolts;
+  const stability::SupportedBlock none{.block = topology::BlockId{0U}};
+  const stability::SupportedBlock& s = b != nullptr ? *b : none;
+  v("held_by_supported", held, "`[support]`: what holds the block");
+  v("bolts_supported", s.bolts, "how many bolts");
+  v("mobilised_share_supported", b != nullptr ? s.mobilised : 0.0,
+    "share of their capacity that the target takes; 2: all of it is not enough");
+  v("factor_of_safety_supported", factor);
+  v("missing_force_n_supported", s.missing_force, "what the block lacks to its target");
+  v("required_force_n_supported", s.required_force, "least single force that gives the target");
+  v("required_pressure_pa_supported", s.required_pressure, "the same as a pressure on its free faces");
+}
+
+template <class V>
+void clamped_fields(V& v, const scene::ClampedBlock* clamped) {
+  using C = scene::ClampedBlock;
+  const auto of = [&](double C::* figure) {
+    return clamped != nullptr ? std::optional{clamped->*figure} : std::nullopt;
+  };
+  const auto factor = of(&C::factor_of_safety);
+  v("key_clamped", factor ? std::optional{*factor < 1} : std::nullopt,
+    "`[field_stress]`: the same motion with the stress of the rock across the block's joints; empty for blocks that "
+    "are "
+    "not at the tunnel");
+  v("factor_of_safety_clamped", factor);
+  v("compression_n_clamped", of(&C::compression), "sum over planes");
+  v("tension_n_clamped", of(&C::tension), "sum over planes; counted as no stress");
+}
+
+template <class V>
+void place_fields(V& v, const scene::BlockPlace& place, const std::vector<std::string>& sets) {
+  v("x_m", place.centroid.x, "centroid of the block");
+  v("y_m", place.centroid.y);
+  v("z_m", place.centroid.z);
+  v("location", place.location,
+    "`roof`, `floor`, `left wall`, `right wall` of a tunnel (looking along its axis); `face`: a tunnel's heading and "
+    "any "
+    "other free face");
+  v("chainage_m", place.chainage, "along the tunnel's axis; empty where there is no tunnel");
+  v("free_area_m2", place.free_area, "of the block's free faces");
+  v("sets", sets, "joint sets that bound the block, joined by `;`");
+}
+
+template <class V>
+void fields(V& v, const KeyBlockRow& x) {
+  v("block", x.j.block, "number from 0, as in `blocks.vtu`");
+  v("batch", x.j.batch, "when it leaves, from 1; empty for a block that stays");
+  v("key", x.j.key, "1 when unstable");
+  v("mode", name(x.j.mode), "`falling`, `lifting`, `sliding`, `wedge`");
+  v("volume_m3", x.volume_m3);
+  v("weight_n", x.j.weight);
+  v("direction_x", x.j.direction.x, "unit vector of first motion");
+  v("direction_y", x.j.direction.y);
+  v("direction_z", x.j.direction.z);
+  v("net_force_n", x.j.net, "driving force less resistance: positive when unstable");
+  v("factor_of_safety", x.j.factor_of_safety, "`inf` when nothing drives the block");
+  v("faces", x.faces, "how many faces the block has");
+  v("joints", x.joints, "numbers of the joints it touches, joined by `;`");
+  if (x.parts.force_transfer) transferred_fields(v, x.j);
+  if (x.parts.rotation) {
+    v("turns", x.j.rotation ? std::optional{x.j.rotation->turns} : std::nullopt,
+      "rotational check: 1 when no forces at its contacts hold the block against turning, 0 when some do; empty for a "
+      "block that translation moves");
+  }
+  if (x.parts.support) supported_fields(v, x.j, x.supported);
+  if (x.parts.field_stress) clamped_fields(v, x.clamped);
+  place_fields(v, x.place, x.sets);
+}
+
+struct LoadCaseRow {
+  std::string_view load;
+  const stability::Judgement& j;
+  double volume_m3 = 0;
+};
+template <class V>
+void fields(V& v, const LoadCaseRow& x) {
+  v("case", x.load, "name of the [[load]]; `base` without one");
+  v("block", x.j.block);
+  v("batch", x.j.batch);
+  v("key", x.j.key);
+  v("mode", name(x.j.mode));
+  v("volume_m3", x.volume_m3);
+  direction_fields(v, x.j.direction, "direction_x", "direction_y", "direction_z");
+  v("net_force_n", x.j.net);
+  v("factor_of_safety", x.j.factor_of_safety);
+}
+
+struct BoltRow {
+  std::size_t number = 0;
+  std::string pattern;
+  const stability::BoltResult& b;
+  std::vector<std::string> blocks = {};
+};
+template <class V>
+void fields(V& v, const BoltRow& x) {
+  v("bolt", x.number, "from 0");
+  v("pattern", x.pattern, "name of its pattern, or `spot`");
+  v("x", x.b.bolt.collar.x, "of its collar, m");
+  v("y", x.b.bolt.collar.y);
+  v("z", x.b.bolt.collar.z);
+  direction_fields(v, x.b.bolt.direction, "direction_x", "direction_y", "direction_z");
+  v("length_m", x.b.bolt.length);
+  v("status", name(x.b.status), "whether it holds a block, is redundant, too short or pierces nothing");
+  v("limit", when(x.b.capacity > 0, name(x.b.limit)), "what its capacity is limited by");
+  v("serves", x.b.serves, "the block that takes most of it");
+  v("capacity_n", x.b.capacity);
+  v("used_n", x.b.used);
+  v("blocks", x.blocks,
+    "blocks it goes through, with the metres from the collar at which it enters and leaves each (`12:0-1.5;7:1.5-3`)");
+}
+
+struct SupportBlockRow {
+  std::string_view load;
+  const stability::SupportedBlock& b;
+};
+template <class V>
+void fields(V& v, const SupportBlockRow& x) {
+  v("case", x.load, "name of the [[load]]; `base` without one");
+  v("block", x.b.block);
+  v("mode", name(x.b.mode));
+  v("target", x.b.target, "required factor of safety");
+  v("net_force_n", x.b.net_force);
+  v("factor_of_safety", x.b.factor_of_safety, "without support");
+  v("held_by", name(x.b.held));
+  v("bolts", x.b.bolts);
+  v("factor_with_bolts", x.b.factor_with_bolts);
+  v("factor_with_shotcrete", x.b.factor_with_shotcrete);
+  v("mobilised_share", x.b.mobilised);
+  v("missing_force_n", x.b.missing_force);
+  v("required_force_n", x.b.required_force);
+  v("required_pressure_pa", x.b.required_pressure);
+  v("free_area_m2", x.b.free_area);
+  v("shotcrete_thickness_m", x.b.needed_thickness, "that would hold the block alone");
+}
+
+struct CombinedBlockRow {
+  std::string_view load;
+  std::size_t number = 0;
+  const stability::CombinedBlock& b;
+};
+template <class V>
+void fields(V& v, const CombinedBlockRow& x) {
+  v("case", x.load, "name of the [[load]]; `base` without one");
+  v("body", x.number, "from 0");
+  v("members", x.b.members, "blocks, joined by `;`");
+  v("volume_m3", x.b.volume);
+  v("fixed", x.b.immovable, "1 when a member is rock that stays");
+  v("removable", x.b.removable);
+  v("mode", when(x.b.removable, name(x.b.mode)));
+  v("target", x.b.target);
+  v("net_force_n", x.b.net_force);
+  v("factor_of_safety", x.b.factor_of_safety);
+  v("passes", x.b.passes);
+  v("missing_force_n", x.b.missing_force);
+}
+
+}  // namespace cleave::report
+
+namespace cleave::scene {
+template <class V>
+void fields(V& v, const MaximumRow& x) {
+  const stability::MaximumKeyBlock& b = x.block;
+  std::string below;
+  for (std::size_t i = 0; i < 3; ++i) below += ((b.block.code >> i) & 1U) != 0 ? '1' : '0';
+  v("set_1", x.sets[0], "joint sets");
+  v("set_2", x.sets[1]);
+  v("set_3", x.sets[2]);
+  v("below", below, "one digit a set, 1 when the block lies below its plane");
+  v("where", x.where);
+  v("apex_right_m", b.block.apex[0], "from the tunnel's centre, looking along its axis");
+  v("apex_up_m", b.block.apex[1]);
+  v("volume_m3", b.block.volume);
+  v("weight_n", b.weight);
+  v("height_m", b.block.height);
+  v("face_area_m2", b.block.face_area);
+  v("joint_area_1_m2", b.areas[0]);
+  v("joint_area_2_m2", b.areas[1]);
+  v("joint_area_3_m2", b.areas[2]);
+  v("mode", name(b.mode));
+  v("direction_x", b.direction.x);
+  v("direction_y", b.direction.y);
+  v("direction_z", b.direction.z);
+  v("driving_n", b.driving);
+  v("resistance_n", b.resistance);
+  v("net_force_n", b.net);
+  v("factor_of_safety", b.factor_of_safety);
+  v("target", b.target, "required factor of safety");
+  v("required_pressure_pa", b.required_pressure, "on the free face, for that target");
+}
+}  // namespace cleave::scene

@@ -1,0 +1,68 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "body_runs.hpp"
+
+namespace cleave::scene {
+
+using bem::Vec2;
+
+ErrorEstimate estimate_from(double first_change, double last_change) {
+  constexpr double rounding = 1e-8;  // below it changes are no series
+  constexpr double too_much = 0.3;
+  constexpr double slowest = 0.85, fastest = 0.4;  // ratios of a series that are believed
+  if (!std::isfinite(first_change) || !std::isfinite(last_change))
+    return {std::nullopt, "the coarser runs differ without bound"};
+  if (last_change <= rounding) return {std::max(first_change * 0.01, last_change), ""};
+  const double ratio = first_change > 0 ? last_change / first_change : 1.0;
+  if (ratio > slowest) {
+    return {std::nullopt, fmt::format("half the elements change it by {:.2g}, a quarter by {:.2g} more: this does not "
+                                      "fall as in a series",
+                                      last_change, first_change)};
+  }
+  const double share = std::max(ratio, fastest);
+  const double error = last_change * share / (1 - share);
+  if (error > too_much) {
+    return {std::nullopt,
+            fmt::format("half the elements change it by {:.2g}: too coarse for an estimate", last_change)};
+  }
+  return {error, ""};
+}
+
+std::vector<double> frequencies_of(const bem::Modes& modes, std::size_t count) {
+  std::vector<double> out;
+  for (const double value : modes.eigenvalues) {
+    if (out.size() == count) break;
+    if (value > 0) out.push_back(std::sqrt(value) / (2 * std::numbers::pi));
+  }
+  return out;
+}
+
+NodeSupports supports_of(const bem::BlockOperator& block, const BodySpec& spec) {
+  const bem::Mesh& mesh = block.mesh();
+  NodeSupports out;
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+    for (const bem::Use& use : mesh.nodes[n].uses) {
+      const bem::Element& e = mesh.elements[use.element];
+      const bem::Condition& c = spec.region.conditions[spec.region.loops[e.loop][e.side].condition];
+      const Vec2 normal = e.normal(bem::local_nodes(mesh.order)[use.local]);
+      const auto axes = c.axes == bem::Axes::normal
+                            ? std::array{bem::rotated(normal, c.turn), bem::rotated(bem::turned_left(normal), c.turn)}
+                            : std::array{bem::rotated({1, 0}, c.turn), bem::rotated({0, 1}, c.turn)};
+      for (std::size_t k = 0; k < 2; ++k) {
+        if (c.component[k].given == bem::Given::displacement) out.held.push_back({n, axes[k]});
+        if (c.component[k].given == bem::Given::spring) {
+          // Lumped by the node's share of the element.
+          const double share = mesh.order == bem::Order::quadratic ? (use.local == 1 ? 2.0 / 3 : 1.0 / 6) : 0.5;
+          out.springs.push_back({n, axes[k], c.component[k].stiffness * share * 2 * norm(e.c1)});
+        }
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace cleave::scene

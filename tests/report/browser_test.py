@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""Drives report.html in a headless Chromium: `browser_test.py CHROMIUM CLEAVE SCENE WORK`.
+
+The page gets one more script that clicks, types and presses keys as a reader would and writes what it found into the
+page; the page is read back with --dump-dom. Without WebGL in the browser the 3D part is left out, and that is said.
+"""
+import html
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+chromium, cleave, scene, work = sys.argv[1], sys.argv[2], sys.argv[3], Path(sys.argv[4])
+
+DRIVER = r"""
+<script>
+window.addEventListener('load', function () {
+  const found = {};
+  const check = function (name, value) { found[name] = value; };
+  try {
+    const page = document.scrollingElement;
+    check('fits', page.scrollWidth <= page.clientWidth);
+    check('view', typeof view3d !== 'undefined' && view3d !== null);
+    const row = document.querySelector('#keys tr[data-block]');
+    const id = Number(row.dataset.block);
+    const dark = getComputedStyle(document.body).backgroundColor;
+    check('background', dark);
+    document.querySelector('#keys th').click();
+    check('sorts', document.querySelector('#keys th').getAttribute('aria-sort') === 'ascending');
+    if (found.view) {
+      const picked = function () { return view3d.state.picked < 0 ? -1 : view3d.blocks.id[view3d.state.picked]; };
+      const key = function (name) { view3d.canvas.dispatchEvent(new KeyboardEvent('keydown', { key: name, bubbles: true, cancelable: true })); };
+      check('link', location.hash === '#block-' + id ? picked() === id : 'no hash');
+      key('Escape');
+      check('escape', picked() === -1);
+      row.click();
+      check('row', picked() === id && row.classList.contains('picked'));
+      key('i');
+      check('alone', view3d.state.only === view3d.state.picked);
+      key('Escape');
+      check('together', view3d.state.only === -1);
+      const search = document.getElementById('find');
+      search.value = String(id);
+      search.dispatchEvent(new KeyboardEvent('keydown', { key: 'Enter', bubbles: true, cancelable: true }));
+      check('search', picked() === id);
+      key('n');
+      check('next', picked() >= 0);
+      key('ArrowLeft'); key('+'); key('-'); key('Home'); key('f');
+      view3d.parallel(true);
+      view3d.parallel(false);
+      check('picture', view3d.picture().indexOf('data:image/png') === 0);
+    }
+  } catch (e) {
+    check('error', String(e));
+  }
+  const out = document.createElement('pre');
+  out.id = 'found';
+  out.hidden = true;
+  out.textContent = JSON.stringify(found);
+  document.body.append(out);
+});
+</script>
+"""
+
+
+def drive(page, width, *more):
+    flags = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+             f"--user-data-dir={work / 'profile'}", f"--window-size={width},900", "--virtual-time-budget=10000", "--dump-dom"]
+    done = subprocess.run([chromium, *flags, *more, page], capture_output=True, text=True, timeout=240)
+    found = re.search(r'<pre id="found"[^>]*>(.*?)</pre>', done.stdout, re.S)
+    if not found:
+        sys.exit(f"the page did not come to its end: {done.stderr[-2000:]}")
+    return json.loads(html.unescape(found.group(1)))
+
+
+work.mkdir(parents=True, exist_ok=True)
+out = work / "result"
+subprocess.run([cleave, "run", scene, "-o", out, "--quiet"], check=True)
+text = (out / "report.html").read_text()
+page = work / "page.html"
+page.write_text(text.replace("</body>", DRIVER + "</body>"))
+block = re.search(r'<section id="keys">.*?<tr data-block="(\d+)"', text, re.S).group(1)
+address = f"file://{page.resolve()}#block-{block}"
+
+wide = drive(address, 1280)
+print("1280 px:", wide)
+expected = ["fits", "sorts"]
+if wide["view"]:
+    expected += ["link", "escape", "row", "alone", "together", "search", "next", "picture"]
+else:
+    print("this browser has no WebGL: the 3D view was not driven")
+wrong = [name for name in expected if wide.get(name) is not True] + (["error"] if "error" in wide else [])
+
+# Chromium's window is at least 500 px wide, so the phone is a frame in the page.
+frame = work / "phone.html"
+frame.write_text(f'<!doctype html><body style="margin:0"><iframe id="f" src="page.html" style="width:390px;height:800px;border:0"></iframe>'
+                 '<script>window.addEventListener("load",function(){const d=document.getElementById("f").contentDocument;'
+                 'const p=document.createElement("pre");p.id="found";const r=d&&d.scrollingElement;'
+                 'p.textContent=JSON.stringify({scroll:r?r.scrollWidth:-1,width:r?r.clientWidth:-1'
+                 '});document.body.append(p);});</script>')
+phone = drive(f"file://{frame.resolve()}", 800, "--allow-file-access-from-files")
+print("390 px:", phone)
+if phone["scroll"] > phone["width"] or phone["width"] <= 0:
+    wrong.append("390 px")
+
+dark = drive(address, 1280, "--blink-settings=preferredColorScheme=0")
+print("dark:", dark["background"])
+if dark["background"] == wide["background"]:
+    wrong.append("dark")
+if wrong:
+    sys.exit("wrong: " + ", ".join(wrong))
