@@ -79,6 +79,26 @@ class ContactExamplesTest : public ProgramTest {
   }
 };
 
+TEST_F(ContactExamplesTest, ElasticArchesDoWhatRigidOnesDo) {
+  const auto falls = example("arch/arch_12_100_elastic"), stands = example("arch/arch_12_112_elastic");
+  EXPECT_EQ(falls["mode"], "elastic");
+  EXPECT_LT(at(falls, "crown")[1], -0.5);
+  EXPECT_NEAR(at(stands, "crown")[1], 0, 1e-3);
+  // Stress of its thrust, in every frame and as a table.
+  const std::string vtu = read("out/contact_0001.vtu");
+  for (const std::string array : {"stress", "von_mises", "safety"}) {
+    EXPECT_NE(vtu.find("Name=\"" + array + "\""), std::string::npos) << array;
+  }
+  EXPECT_TRUE(exists("out/stress.csv"));
+}
+
+TEST_F(ContactExamplesTest, ElasticColumnsTopple) {
+  const auto result = example("toppling_columns/toppling_columns_elastic");
+  EXPECT_LT(body(result, "column 1")["max_displacement_m"].get<double>(), 0.05);
+  EXPECT_LT(body(result, "column 2")["max_displacement_m"].get<double>(), 0.05);
+  for (const std::string top : {"top of 3", "top of 7", "top of 10"}) EXPECT_LT(at(result, top)[1], -1) << top;
+}
+
 TEST_F(ContactExamplesTest, ForcesMoveAColumnLikeTheTractionTheyReplace) {
   (void)example("concentrated_forces/traction");
   const auto whole = history();

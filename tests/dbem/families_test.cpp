@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "clash.hpp"
@@ -95,6 +96,50 @@ TEST(OverlapSceneTest, AnAcuteToeDoesNotEnterTheBlockBeforeIt) {
       }
       const auto a = world->outline(1), b = world->outline(2);
       EXPECT_LT(clash_depth({a, box_of(a), true}, {b, box_of(b), true}, 1e-12), 1e-7) << degrees << held;
+    }
+  }
+}
+
+TEST(GasTest, APolygonGasKeepsItsEnergy) {
+  for (int seed = 0; seed < testing::trials(60, 4); ++seed) {
+    const ContactScene scene = make_contact_scene(ContactFamily::gas, static_cast<std::uint64_t>(seed));
+    const ContactOutcome outcome = run_contact_scene(scene);
+    ASSERT_FALSE(outcome.stopped) << outcome.why;
+    EXPECT_NEAR(outcome.energy_left, 1, 0.05) << seed;
+  }
+}
+
+/// What the floor carries over the weight of all, after 0.3 s; nothing when the run was stopped.
+std::optional<double> carried(double ratio, bool dropped, double step) {
+  const double heavy = 1e5;
+  std::vector<Body> bodies{fixed("floor", rectangle(-5, -1, 10, 1)),
+                           block("light", rectangle(-0.5, 0, 1, 1), heavy / ratio),
+                           block("light too", rectangle(1, 0, 1, 1), heavy / ratio),
+                           block("heavy", rectangle(-0.5, dropped ? 1.001 : 1, 2.5, 1), heavy)};
+  auto world = World::make(bodies, law(0.5), {.step = step}).value();
+  while (world.time() < 0.3) {
+    if (!world.step(0.3 - world.time() + 1e-9)) return std::nullopt;
+  }
+  double sum = 0, weight = 0;
+  for (const Contact& c : world.contacts()) {
+    if (c.edge_body == 0 || c.vertex_body == 0) sum += c.normal_force * c.normal.y * (c.edge_body == 0 ? 1 : -1);
+  }
+  for (std::size_t b = 1; b < world.size(); ++b) weight += world.mass(b) * g;
+  return sum / weight;
+}
+
+TEST(MassRatioTest, TheFloorCarriesTheWeightOrTheRunIsStopped) {
+  for (const bool dropped : {false, true}) {
+    for (const double step : {1e-3, 1e-2}) {
+      for (const double ratio : {1e3, 1e6, 1e9}) {
+        const std::optional<double> share = carried(ratio, dropped, step);
+        ASSERT_TRUE(share.has_value()) << ratio;
+        EXPECT_NEAR(*share, 1, 1e-4) << ratio;
+      }
+      for (const double ratio : {1e11, 1e13, 1e15}) {  // rounding hides the forces: never a wrong answer
+        const std::optional<double> share = carried(ratio, dropped, step);
+        EXPECT_NEAR(share.value_or(1), 1, 1e-2) << ratio;
+      }
     }
   }
 }

@@ -1,5 +1,6 @@
 #include "cleave/scene/contact.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -325,6 +326,66 @@ TEST(ContactScene, NoRestIsSaid) {
   EXPECT_FALSE(r.converged);
   EXPECT_NE(r.stopped_why.find("did not come to rest"), std::string::npos);
   EXPECT_FALSE(r.frames.empty());
+}
+
+TEST(ContactScene, ErrorOfTheStepsIsEstimatedOrNot) {
+  // A block of 0.4 x 1 m rocks on its base; the answer of a hundredth of the step is the exact one.
+  const auto rocking = [](double step, bool asked) {
+    return "[rock]\ndensity = 2000\n[joints.default]\nfriction = 60\n[contact]\nduration = 0.6\nrigid = true\nstep = " +
+           fmt::format("{}", step) + (asked ? "\nestimate = true" : "") +
+           "\n[[body]]\nname = \"floor\"\nfixed = true\nrectangle = { corner = [-5, -1], width = 10, height = 1 }\n"
+           "[[body]]\nname = \"b\"\nrectangle = { corner = [0, 0], width = 0.4, height = 1, angle = 8 }\n";
+  };
+  const ContactResult fine = ran(rocking(2e-5, false));
+  EXPECT_FALSE(fine.error.has_value());
+  EXPECT_NE(fine.no_estimate.find("contact.estimate"), std::string::npos);
+  std::size_t given = 0;
+  for (const double step : {4e-3, 2e-3, 1e-3, 5e-4}) {
+    const ContactResult r = ran(rocking(step, true));
+    ASSERT_TRUE(r.converged);
+    const auto own = corners_at(r, r.frames.size() - 1, 1), exact = corners_at(fine, fine.frames.size() - 1, 1);
+    double wrong = 0;
+    for (std::size_t k = 0; k < own.size(); ++k) wrong = std::max(wrong, norm(own[k] - exact[k]));
+    wrong /= r.largest_displacement;
+    EXPECT_NE(r.error.has_value(), !r.no_estimate.empty());
+    if (!r.error) continue;
+    ++given;
+    EXPECT_GT(*r.error, wrong / 3) << step;
+    EXPECT_LT(*r.error, 10 * wrong + 1e-6) << step;
+  }
+  EXPECT_GE(given, 1U);
+}
+
+TEST(ContactScene, StressOfAStackIsItsWeightAndSafetyThatOfItsStrength) {
+  // Two blocks of 1 x 2 m on a floor at rest, Poisson's ratio 0: -rho g (4 - y) up the stack. Mohr and Coulomb without
+  // confinement: 2 c cos(phi) / (1 - sin(phi)) over it.
+  for (const double angle : {0.0, 90.0}) {
+    const std::string turned = angle == 0 ? "rectangle = { corner = [0, 0], width = 1, height = 2 }\n"
+                                          : "rectangle = { corner = [1, 0], width = 2, height = 1, angle = 90 }\n";
+    const ContactResult r =
+        ran("[rock]\ndensity = 2000\nyoung = 1e9\npoisson = 0\n[contact]\nstatic = true\nduration = 100\nstep = 0.05\n"
+            "gravity = 10\nrigid = false\nstrength = { cohesion = 1e5, friction = 30, tension = 1e4 }\n[[body]]\nname "
+            "= \"floor\"\nfixed = true\n"
+            "rectangle = { corner = [-2, -1], width = 5, height = 1 }\n[[body]]\nname = \"b\"\n" +
+            turned + "repeat = { count = 2, shift = [0, 2] }\n");
+    ASSERT_TRUE(r.converged);
+    const ContactFrame& last = r.frames.back();
+    EXPECT_TRUE(last.stress[0].empty());
+    for (std::size_t b = 1; b < 3; ++b) {
+      ASSERT_EQ(last.stress[b].size(), last.corners[b].size());
+      ASSERT_GE(last.stress[b].size(), 16U);
+      for (std::size_t v = 0; v < last.stress[b].size(); ++v) {
+        const double weight = 2e4 * (4 - last.corners[b][v].y);
+        const NodeStress& node = last.stress[b][v];
+        EXPECT_NEAR(node.stress.yy, -weight, 1500) << angle << ' ' << b << ' ' << v;
+        EXPECT_NEAR(node.stress.xx, 0, 1500);
+        EXPECT_NEAR(node.stress.xy, 0, 1500);
+        if (weight < 1e4) continue;
+        EXPECT_NEAR(node.von_mises / weight, 1, 0.15);
+        EXPECT_NEAR(node.safety * weight / (2e5 * std::sqrt(3.0)), 1, 0.15);
+      }
+    }
+  }
 }
 
 // Chapter 6 and 7 agree: a turned, repeated elastic body has the modes of its shape turned.

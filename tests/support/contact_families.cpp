@@ -122,7 +122,7 @@ void fill_toe(Draws& draw, ContactScene& s) {
   add(s, turned(rectangle(-12, -1, 24, 1), tilt), true);
   const double run = height / std::tan(toe);
   add(s, turned({{-run - 1, 0}, {0, 0}, {-run, height}, {-run - 1, height}}, tilt), false, {}, v);
-  const double lean = draw.of({0, 0, 0.2, -0.2});
+  const double lean = draw.of({0, 0, 0.2, 0.1});
   add(s, turned({{gap, 0}, {gap + size, 0}, {gap + size + lean, size}, {gap + lean, size}}, tilt), held);
   s.options.gravity = weight ? bem::rotated({0, -9.81}, tilt) : Vec2{};
   s.until = 0.8;

@@ -314,7 +314,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
       diagonal.xx += soft;
       diagonal.yy += soft;
       b += (1 / theta) * (Vec2{touch.gap, -law.compliance * force.y} / step + (1 - theta) * old);
-    } else if (old.x < -1e-6 && touch.gap + step * old.x <= 0 && law.restitution > 0) {
+    } else if (bounces(touch, old.x, step)) {
       // Away at e times the speed of approach, less what the loads take in the rest of the step: bouncing gains
       // nothing.
       const double away = -island.rebound * law.restitution * old.x + std::min(0.0, b.x - old.x);

@@ -23,6 +23,16 @@ std::vector<Clash> World::Impl::clashes_of(Attempt& out) {
   return found;
 }
 
+/// How far springs in the joints of two bodies let them overlap.
+double World::Impl::shortened_by_springs(const Attempt& out, BodyPair pair) const {
+  double most = 0;
+  for (const Memory& m : out.memory) {
+    const bool between = (m.key.i == pair.a && m.key.j == pair.b) || (m.key.i == pair.b && m.key.j == pair.a);
+    if (between) most = std::max(most, 2 * m.compliance * std::abs(m.force.x));
+  }
+  return most;
+}
+
 /// Corners that went into a body in a step that ended in an overlap: finds the edges they came through. True when one
 /// was added to the list.
 bool World::Impl::add_missed(const Attempt& out, const std::vector<Clash>& clashes, std::vector<Touch>& list) const {

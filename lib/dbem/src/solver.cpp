@@ -287,6 +287,7 @@ class Cascade final {
     evaluator.evaluate(p_, map);
     ContactReport& report = solution.report;
     report.residual = evaluator.residual(map, p_);
+    report.missed_speed = map.fastest;
     report.method = method_;
     report.iterations = iterations_;
     report.status =

@@ -14,21 +14,32 @@ namespace {
 /// Contacts of a group that may be tried for as long as it takes; linear solves a larger one is tried for.
 constexpr std::size_t patient_up_to = 300, patience_of_large = 100;
 
-/// Moves the centre of the regularisation to `found`; false when that changes no velocity that matters.
-bool centre(ContactProblem& problem, const std::vector<Vec2>& found, const std::vector<Vec2>& viscous) {
-  double creep = 0, speed = 0;
+/// Share of the velocities of a group that rounding and the regularisation together may hide.
+constexpr double hidden = 1e-3;
+/// Velocities below this are none, m/s.
+constexpr double at_rest = 1e-9;
+
+struct Creep {
+  double most = 0;   // velocity the regularisation lets contacts give way with, m/s
+  double speed = 0;  // largest velocity of the problem, m/s
+};
+Creep creep_of(const ContactProblem& problem, const std::vector<Vec2>& found, const std::vector<Vec2>& viscous) {
+  Creep creep;
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Vec2 change = found[k] - problem.start[k];
-    creep = std::max({creep, viscous[k].x * std::abs(change.x), viscous[k].y * std::abs(change.y)});
-    speed = std::max({speed, std::abs(problem.b[k].x), std::abs(problem.b[k].y)});
+    creep.most = std::max({creep.most, viscous[k].x * std::abs(change.x), viscous[k].y * std::abs(change.y)});
+    creep.speed = std::max({creep.speed, std::abs(problem.b[k].x), std::abs(problem.b[k].y)});
   }
-  if (creep <= 1e-8 * speed) return false;
+  return creep;
+}
+
+/// Moves the centre of the regularisation to `found`.
+void centre(ContactProblem& problem, const std::vector<Vec2>& found, const std::vector<Vec2>& viscous) {
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Vec2 change = found[k] - problem.start[k];
     problem.b[k] += -Vec2{viscous[k].x * change.x, viscous[k].y * change.y};
   }
   problem.start = found;
-  return true;
 }
 
 }  // namespace
@@ -46,15 +57,25 @@ ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island
     ContactProblem problem = problem_of(list, island, rows, state, free, step, viscous);
     ContactSolution found = solve_again(problem, how, linear);
     // The regularisation is centred on the forces found, and again, until it moves nothing.
-    for (int centring = 0; centring < 4 && found.report.status == ContactReport::Status::converged; ++centring) {
-      if (!centre(problem, found.impulse, viscous)) break;
+    Creep creep;
+    for (int centring = 0; found.report.status == ContactReport::Status::converged; ++centring) {
+      creep = creep_of(problem, found.impulse, viscous);
+      if (creep.most <= 1e-8 * creep.speed || centring >= (creep.most <= hidden * creep.speed ? 4 : 40)) break;
+      centre(problem, found.impulse, viscous);
       ContactSolution again = solve_again(problem, how, linear);
       again.report.iterations += found.report.iterations;
       if (again.report.status == ContactReport::Status::not_converged) break;
       found = std::move(again);
     }
+    // A light body between heavy ones turns the last digits of their forces into velocities: what then is left of the
+    // motion is nobody's answer, however small the residual over those forces is.
+    const double moved = std::max(creep.speed, step * norm(options.gravity));
+    if (creep.most + found.report.missed_speed > std::max(hidden * moved, at_rest)) {
+      found.report.status = ContactReport::Status::not_converged;
+    }
     found.report.iterations += iterations;
     if (!island.impact || island.rebound == 0 || found.report.status != ContactReport::Status::converged) return found;
+    if (until_first_bounce(list, island, rows, found, step) < 1) return found;  // the step will be shortened
     State after = free;
     for (std::size_t k = 0; k < found.impulse.size(); ++k) {
       if (found.impulse[k] != Vec2{}) add_impulse(rows, k, found.impulse[k], island.theta, step, after);
@@ -62,9 +83,10 @@ ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island
     double gain = 0, size = 0;
     bool asked = false;
     for (std::size_t k = 0; k < found.impulse.size(); ++k) {
-      const Vec2 mean = 0.5 * (velocity_of(rows, k, free) + velocity_of(rows, k, after));
-      gain += dot(found.impulse[k], mean);
-      size += std::abs(dot(found.impulse[k], mean));
+      const Vec2 first = velocity_of(rows, k, free), then = velocity_of(rows, k, after);
+      gain += 0.5 * dot(found.impulse[k], first + then);
+      // Of the two parts: their sum vanishes where all is given back.
+      size += std::abs(dot(found.impulse[k], first)) + std::abs(dot(found.impulse[k], then));
       asked = asked || law_of(list[island.touches[k]]).restitution > 0;
     }
     // Loads work along the path of the whole step, but change the speed of the impact only until then: a body thrown
@@ -137,6 +159,9 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
       const ContactReport& report = solutions.back().report;
       if (report.status == ContactReport::Status::not_converged) {
         return Failure{report.residual, "the contact law was not met", 0};
+      }
+      if (const double share = until_first_bounce(moved, island, rows[s], solutions.back(), step); share < 1) {
+        return Failure{0, "", share};
       }
       out.report.residual = std::max(out.report.residual, report.residual);
       out.report.iterations += report.iterations;
@@ -316,16 +341,6 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
     }
   }
   return std::nullopt;
-}
-
-/// How far springs in the joints of two bodies let them overlap.
-double World::Impl::shortened_by_springs(const Attempt& out, BodyPair pair) const {
-  double most = 0;
-  for (const Memory& m : out.memory) {
-    const bool between = (m.key.i == pair.a && m.key.j == pair.b) || (m.key.i == pair.b && m.key.j == pair.a);
-    if (between) most = std::max(most, 2 * m.compliance * std::abs(m.force.x));
-  }
-  return most;
 }
 
 void World::Impl::accept(Attempt&& done) {

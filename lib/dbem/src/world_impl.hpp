@@ -225,6 +225,9 @@ struct World::Impl {
   [[nodiscard]] std::optional<Failure> attempt(double step, bool last, Attempt& out);
   [[nodiscard]] ContactSolution solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
                                              const State& free, double step, bool last) const;
+  [[nodiscard]] bool bounces(const Touch& touch, double closing, double step) const;
+  [[nodiscard]] double until_first_bounce(const std::vector<Touch>& list, const Island& island, const Rows& rows,
+                                          const ContactSolution& found, double step) const;
   std::vector<std::uint8_t> hint;  // steps for which a body's group stays with the implicit rule
   void accept(Attempt&& done);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <numbers>
 #include <optional>
 #include <string_view>
@@ -37,6 +38,32 @@ void fields(V& v, const StressPointRow& x) {
   v("stress_xx_pa", when(x.stress.has_value(), s.xx), "where it was asked for");
   v("stress_yy_pa", when(x.stress.has_value(), s.yy));
   v("stress_xy_pa", when(x.stress.has_value(), s.xy));
+}
+
+/// Stress at a node of a body that deforms.
+struct NodeStressRow {
+  std::string_view body = {};
+  std::uint64_t node = 0;
+  bem::Vec2 at = {};
+  scene::NodeStress stress = {};
+};
+template <class V>
+void fields(V& v, const NodeStressRow& x) {
+  const bem::Sym2 s = x.stress.stress;
+  const double mean = 0.5 * (s.xx + s.yy), radius = std::hypot(0.5 * (s.xx - s.yy), s.xy);
+  v("body", x.body);
+  v("node", x.node, "from 1, along the outline");
+  v("x_m", x.at.x, "at the end");
+  v("y_m", x.at.y);
+  v("stress_xx_pa", s.xx, "tension positive");
+  v("stress_yy_pa", s.yy);
+  v("stress_xy_pa", s.xy);
+  v("stress_zz_pa", x.stress.out_of_plane);
+  v("principal_1_pa", mean + radius, "in the plane");
+  v("principal_2_pa", mean - radius);
+  v("direction_1_degrees", 0.5 * std::atan2(2 * s.xy, s.xx - s.yy) * 180 / std::numbers::pi, "from the x axis");
+  v("von_mises_pa", x.stress.von_mises);
+  v("safety", when(!std::isnan(x.stress.safety), x.stress.safety), "where a strength is stated");
 }
 
 }  // namespace cleave::report

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "body_runs.hpp"
@@ -9,6 +10,24 @@
 namespace cleave::scene {
 
 using bem::Vec2;
+
+bem::Sym2 in_world(bem::Sym2 own, double angle) {
+  const double c = std::cos(angle), d = std::sin(angle);
+  return {c * c * own.xx - 2 * c * d * own.xy + d * d * own.yy, c * d * (own.xx - own.yy) + (c * c - d * d) * own.xy,
+          d * d * own.xx + 2 * c * d * own.xy + c * c * own.yy};
+}
+
+double von_mises(bem::Sym2 v, double z) {
+  const double squares = std::pow(v.xx - v.yy, 2) + std::pow(v.yy - z, 2) + std::pow(z - v.xx, 2);
+  return std::sqrt(0.5 * squares + 3 * v.xy * v.xy);
+}
+
+std::array<double, 3> principal(bem::Sym2 v, double z) {
+  const double mean = 0.5 * (v.xx + v.yy), radius = std::hypot(0.5 * (v.xx - v.yy), v.xy);
+  std::array<double, 3> out{mean + radius, mean - radius, z};
+  std::ranges::sort(out, std::greater{});
+  return out;
+}
 
 ErrorEstimate estimate_from(double first_change, double last_change) {
   constexpr double rounding = 1e-8;  // below it changes are no series
@@ -19,7 +38,7 @@ ErrorEstimate estimate_from(double first_change, double last_change) {
   if (last_change <= rounding) return {std::max(first_change * 0.01, last_change), ""};
   const double ratio = first_change > 0 ? last_change / first_change : 1.0;
   if (ratio > slowest) {
-    return {std::nullopt, fmt::format("half the elements change it by {:.2g}, a quarter by {:.2g} more: this does not "
+    return {std::nullopt, fmt::format("half the fineness changes it by {:.2g}, a quarter by {:.2g} more: this does not "
                                       "fall as in a series",
                                       last_change, first_change)};
   }
@@ -27,7 +46,7 @@ ErrorEstimate estimate_from(double first_change, double last_change) {
   const double error = last_change * share / (1 - share);
   if (error > too_much) {
     return {std::nullopt,
-            fmt::format("half the elements change it by {:.2g}: too coarse for an estimate", last_change)};
+            fmt::format("half the fineness changes it by {:.2g}: too coarse for an estimate", last_change)};
   }
   return {error, ""};
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -29,6 +30,12 @@ std::vector<std::vector<Value>> along(const bem::Mesh& mesh, const At& at) {
   for (auto& loop : loops) loop.push_back(loop.front());
   return loops;
 }
+
+/// Stress in axes that the body has turned by `angle`.
+[[nodiscard]] bem::Sym2 in_world(bem::Sym2 own, double angle);
+[[nodiscard]] double von_mises(bem::Sym2 in_plane, double out_of_plane);
+/// Largest, middle and smallest, tension positive.
+[[nodiscard]] std::array<double, 3> principal(bem::Sym2 in_plane, double out_of_plane);
 
 /// An estimate of the error, or why there is none.
 struct ErrorEstimate {

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "cleave/bem/block.hpp"
+#include "cleave/bem/boundary_stress.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -28,6 +29,7 @@ struct Shape {
   std::vector<SideNode> outline;
   std::vector<std::size_t> node;  ///< of the mesh, of each outline corner
   dbem::ModalBasis modes;
+  PreparedBodies::StressOfModes stress;
 };
 
 double longest(const ContactBody& body) {
@@ -58,6 +60,29 @@ Problem refused(const ContactScene& scene, std::size_t body, const std::string& 
           "change its outline or contact.element, or write rigid = true"};
 }
 
+/// At the first node of every element and at its inner one, in the order of the outline: where two elements meet, the
+/// mean of both.
+std::vector<bem::Sym2> stress_of_modes(const bem::BlockOperator& block, const bem::Modes& modes, std::size_t count) {
+  const bem::Mesh& mesh = block.mesh();
+  const std::size_t nodes = mesh.per_element() - 1, elements = mesh.elements.size();
+  std::vector<bem::Sym2> out(nodes * elements * count);
+  std::vector<double> u(block.freedoms());
+  for (std::size_t m = 0; m < count; ++m) {
+    for (std::size_t i = 0; i < u.size(); ++i) u[i] = modes.shapes(i, m);
+    const auto tractions = bem::tractions_of(block, u);
+    const auto local = bem::local_nodes(mesh.order);
+    for (std::size_t e = 0; e < elements; ++e) {
+      const std::size_t before = e == 0 ? elements - 1 : e - 1;
+      for (std::size_t a = 0; a < nodes; ++a) {
+        bem::Sym2 s = bem::boundary_stress(block, {e, local[a]}, u, tractions);
+        if (a == 0) s = 0.5 * (s + bem::boundary_stress(block, {before, 1}, u, tractions));
+        out[(e * nodes + a) * count + m] = s;
+      }
+    }
+  }
+  return out;
+}
+
 std::expected<Shape, Problem> make_shape(const ContactScene& scene, std::size_t index, unsigned threads) {
   const ContactBody& body = scene.bodies[index];
   const ContactSettings& settings = scene.settings;
@@ -66,6 +91,7 @@ std::expected<Shape, Problem> make_shape(const ContactScene& scene, std::size_t 
   if (!material) return std::unexpected(refused(scene, index, describe(material.error())));
   bem::BlockOptions options;
   options.threads = threads;
+  options.bubbles = 3;  // what weight and turning need; the contacts act on the boundary
   options.mesh.element = settings.element;
   if (options.mesh.element <= 0) {
     Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
@@ -77,7 +103,7 @@ std::expected<Shape, Problem> make_shape(const ContactScene& scene, std::size_t 
   }
   auto made = bem::BlockOperator::make({bem::polygon(body.corners)}, *material, options);
   if (!made) return std::unexpected(refused(scene, index, describe(made.error())));
-  Shape shape{&body, *std::move(made), {}, {}, {}};
+  Shape shape{&body, *std::move(made), {}, {}, {}, {}};
   const bem::Mesh& mesh = shape.block.mesh();
   for (const bem::Element& element : mesh.elements) {
     const std::size_t nodes = mesh.per_element() - 1;  // the last one belongs to the next element
@@ -119,6 +145,8 @@ std::expected<Shape, Problem> make_shape(const ContactScene& scene, std::size_t 
       }
     }
   }
+  shape.stress.poisson = settings.plane == bem::PlaneState::strain ? *body.poisson : 0;
+  shape.stress.values = stress_of_modes(shape.block, modes, count);
   return shape;
 }
 
@@ -214,6 +242,7 @@ std::expected<PreparedBodies, std::vector<Problem>> prepare_bodies(const Contact
       if (!spec.fixed) load_rigid(spec, body);
       out.bodies.push_back(std::move(body));
       out.elements.push_back(0);
+      out.stress.emplace_back();
       continue;
     }
     std::optional<double> angle;
@@ -240,8 +269,10 @@ std::expected<PreparedBodies, std::vector<Problem>> prepare_bodies(const Contact
     load_elastic(spec, shape, *angle, scene.settings.gravity, body);
     out.bodies.push_back(std::move(body));
     out.elements.push_back(shape.block.mesh().elements.size());
+    out.stress.push_back(PreparedBodies::OwnStress{found, *angle});
   }
   out.operators = shapes.size();
+  for (Shape& shape : shapes) out.shapes.push_back(std::move(shape.stress));
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <expected>
+#include <optional>
 #include <vector>
 
 #include "cleave/dbem/body.hpp"
@@ -12,7 +13,18 @@ namespace cleave::scene {
 struct PreparedBodies {
   std::vector<dbem::Body> bodies;
   std::vector<std::size_t> elements;  ///< boundary elements of each, 0: rigid
-  std::size_t operators = 0;          ///< elastic operators built: one for each shape and material
+  /// Stress at the corners of an elastic body for a unit amplitude of each mode: corner v, mode m at v * modes + m.
+  struct StressOfModes {
+    std::vector<bem::Sym2> values;  ///< Pa/m, axes of the shape
+    double poisson = 0;             ///< 0 in plane stress: none out of the plane
+  };
+  std::vector<StressOfModes> shapes;
+  struct OwnStress {
+    std::size_t shape;
+    double angle;  ///< of the body against its shape, at the start
+  };
+  std::vector<std::optional<OwnStress>> stress;  ///< of each body; rigid ones have none
+  std::size_t operators = 0;                     ///< elastic operators built: one for each shape and material
 };
 
 /// Rigid ones as they stand. Elastic ones with the modes of their boundary-element operator, one corner a node; bodies

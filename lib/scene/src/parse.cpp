@@ -150,7 +150,9 @@ const KeyTable& scene_keys() {
           {"title", key::text(), "the file's name", "shown in the results"},
           {"seed", key::whole(0, INT64_MAX), "1", "whole number from 0; `cleave run --seed` overrides it"},
           {"snap", key::number(snap_rule), "0",
-           "m; above 0 near-coincident planes merge and edges within this distance of another joint adopt its plane"},
+           "m; above 0 corners closer than this become one, near-coincident planes merge and edges within this "
+           "distance of another joint end on it, whatever the order of the joints; what is closed stays closed. "
+           "Polygons that share corners part the rock without it"},
           {"nonplanar", key::word(nonplanar_words), "\"refuse\"",
            "or `\"triangulate\"`: polygons (and faces of `domain.corners`) whose corners lie further than max(1e-6 of "
            "the "

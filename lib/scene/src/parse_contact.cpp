@@ -75,6 +75,14 @@ const KeyTable& repeat_keys() {
   return keys;
 }
 
+const KeyTable& rock_strength_keys() {
+  static const KeyTable keys{.name = "contact.strength",
+                             .keys = {{"cohesion", key::number({0, false, 1e12, false, " Pa"}), required, "Pa"},
+                                      {"friction", key::number({0, false, 89, false, " degrees"}), required, "degrees"},
+                                      {"tension", key::number({0, false, 1e12, false, " Pa"}), required, "Pa"}}};
+  return keys;
+}
+
 const KeyTable& history_point_keys() {
   static const KeyTable keys{.name = "contact.points", .keys = history_keys()};
   return keys;
@@ -109,6 +117,11 @@ const KeyTable& contact_keys() {
           {"plane", key::word(plane_words), "\"strain\"", "of elastic bodies: plane strain or plane stress"},
           {"element", key::number(rule::length), "a quarter of the body", "m, longest element of elastic bodies"},
           {"modes", key::whole(0, 10'000), "0", "of an elastic body; 0: all, which keeps static compliance exact"},
+          {"estimate", key::flag(), "false",
+           "true: an estimate of the error of the steps, by two more runs with twice and four times the step"},
+          {"strength", key::table(&rock_strength_keys), "",
+           "`{ cohesion, friction, tension }` of the rock of elastic bodies (Pa, degrees, Pa): `safety` of their "
+           "stress"},
           {"damping", key::number({0, false, 10, false, ""}), "0", "share of critical damping of elastic vibrations"}}};
   return keys;
 }
@@ -467,6 +480,12 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   s.damping = table.value("damping");
   s.largest_move = table.value("max_displacement");
   s.frames = static_cast<std::size_t>(table.count("frames"));
+  s.estimate = table.flag("estimate");
+  if (const auto strength = table.sub("strength")) {
+    s.strength = RockStrength{.cohesion = strength->need_number("cohesion").value_or(0),
+                              .friction = strength->need_number("friction").value_or(0),
+                              .tension = strength->need_number("tension").value_or(0)};
+  }
 }
 
 bool holds(const ContactBody& body, Vec2 at) { return bem::inside({bem::polygon(body.corners)}, at); }

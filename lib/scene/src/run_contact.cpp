@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
 
+#include "body_runs.hpp"
 #include "cleave/dbem/world.hpp"
 #include "cleave/scene/contact.hpp"
 #include "cleave/scene/run.hpp"
@@ -30,11 +34,23 @@ dbem::Method method_of(ContactSolver solver) {
   return dbem::Method::cascade;
 }
 
+/// By how much all stress may grow together: Mohr and Coulomb on the largest and smallest principal stress, and the
+/// tension cut-off.
+double safety_of(const std::array<double, 3>& principal, const RockStrength& strength) {
+  const double friction = strength.friction * std::numbers::pi / 180;
+  const double shear = 0.5 * (principal[0] - principal[2]), pressure = -0.5 * (principal[0] + principal[2]);
+  const double driving = shear - pressure * std::sin(friction);
+  double out = most_safety;
+  if (driving > 0) out = std::min(out, strength.cohesion * std::cos(friction) / driving);
+  if (principal[0] > 0) out = std::min(out, strength.tension / principal[0]);
+  return out;
+}
+
 /// Follows a run and writes down what is asked for.
 class Recorder final {
  public:
   Recorder(const ContactScene& scene, const PreparedBodies& prepared, const dbem::World& world, ContactResult& result)
-      : scene_{scene}, world_{world}, result_{result} {
+      : scene_{scene}, prepared_{prepared}, world_{world}, result_{result} {
     result.points = scene.points;
     for (const PointSpec& point : scene.points) local_.push_back(point.at - prepared.bodies[point.body].origin);
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
@@ -129,6 +145,7 @@ class Recorder final {
     ContactFrame frame;
     frame.time = time;
     frame.corners.resize(result_.bodies.size());
+    frame.stress.resize(result_.bodies.size());
     for (std::size_t b = 0; b < result_.bodies.size(); ++b) {
       ContactBodyResult& body = result_.bodies[b];
       body.centroid = body.start + world_.displacement(b);
@@ -141,6 +158,7 @@ class Recorder final {
       }
       result_.largest_displacement = std::max(result_.largest_displacement, body.largest);
       if (body.elastic) frame.corners[b] = corners;
+      if (body.elastic && (scene_.output.vtu || scene_.output.csv)) frame.stress[b] = stress_of(b);
     }
     for (const dbem::Contact& contact : world_.contacts()) {
       if (contact.state == dbem::ContactState::open) continue;
@@ -177,7 +195,29 @@ class Recorder final {
     return out;
   }
 
+  /// At the corners of an elastic body.
+  [[nodiscard]] std::vector<NodeStress> stress_of(std::size_t body) const {
+    const PreparedBodies::OwnStress own = *prepared_.stress[body];
+    const PreparedBodies::StressOfModes& shape = prepared_.shapes[own.shape];
+    const std::vector<double> amplitudes = world_.modal_amplitudes(body);
+    std::vector<NodeStress> out(amplitudes.empty() ? 0 : shape.values.size() / amplitudes.size());
+    for (std::size_t v = 0; v < out.size(); ++v) {
+      bem::Sym2 sum;
+      for (std::size_t m = 0; m < amplitudes.size(); ++m)
+        sum += amplitudes[m] * shape.values[v * amplitudes.size() + m];
+      NodeStress& node = out[v];
+      node.stress = in_world(sum, own.angle + world_.rotation(body));
+      node.out_of_plane = shape.poisson * (sum.xx + sum.yy);
+      node.von_mises = von_mises(node.stress, node.out_of_plane);
+      node.safety = scene_.settings.strength
+                        ? safety_of(principal(node.stress, node.out_of_plane), *scene_.settings.strength)
+                        : std::numeric_limits<double>::quiet_NaN();
+    }
+    return out;
+  }
+
   const ContactScene& scene_;
+  const PreparedBodies& prepared_;
   const dbem::World& world_;
   ContactResult& result_;
   std::vector<Vec2> local_;
@@ -228,6 +268,55 @@ void follow(const ContactScene& scene, dbem::World& world, Recorder& recorder, C
     recorder.row(last);
     recorder.frame(world.time());
   }
+}
+
+/// Where all corners are after the whole time with steps `longer` times as long; empty when that run stops.
+std::vector<std::vector<Vec2>> outlines_with(const ContactScene& scene, dbem::World world, double longer) {
+  const ContactSettings& s = scene.settings;
+  const double step = longer * s.step;
+  world.set_step(step);
+  double next = step;
+  while (world.time() < s.duration * (1 - 1e-12)) {
+    const double left = s.duration - world.time();
+    auto report = world.step(left < next * (1 + 1e-9) ? left : left < 2 * next ? left / 2 : left);
+    if (!report) return {};
+    if (report->cuts == 0 && report->shortened == 0) next = std::max(next, report->step);
+  }
+  std::vector<std::vector<Vec2>> out;
+  for (std::size_t b = 0; b < world.size(); ++b) out.push_back(world.outline(b));
+  return out;
+}
+
+double largest_change(const std::vector<std::vector<Vec2>>& a, const std::vector<std::vector<Vec2>>& b) {
+  double out = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    for (std::size_t c = 0; c < a[k].size(); ++c) out = std::max(out, norm(a[k][c] - b[k][c]));
+  }
+  return out;
+}
+
+/// Of the steps of a run that has ended at `world`, from the same start with steps twice and four times as long.
+void estimate_steps(const ContactScene& scene, const std::optional<dbem::World>& start, const dbem::World& world,
+                    ContactResult& result) {
+  if (!start) {
+    result.no_estimate = "not asked for: contact.estimate";
+    return;
+  }
+  if (!result.converged || scene.settings.to_rest || !(result.largest_displacement > 0)) {
+    result.no_estimate = "the run has no steps in time to its end";
+    return;
+  }
+  std::vector<std::vector<Vec2>> own;
+  for (std::size_t b = 0; b < world.size(); ++b) own.push_back(world.outline(b));
+  const auto twice = outlines_with(scene, *start, 2), four = outlines_with(scene, *start, 4);
+  if (twice.empty() || four.empty()) {
+    result.no_estimate = "a run with longer steps stops";
+    return;
+  }
+  const ErrorEstimate estimate = estimate_from(largest_change(twice, four) / result.largest_displacement,
+                                               largest_change(own, twice) / result.largest_displacement);
+  result.error = estimate.error;
+  result.no_estimate = estimate.why_not;
 }
 
 /// Implicit steps, each from rest, until nothing gains speed.
@@ -319,6 +408,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
       result.notes.push_back(fmt::format("{} elastic {} of {} bodies: those alike share one", prepared->operators,
                                          prepared->operators == 1 ? "operator" : "operators", scene.bodies.size()));
     }
+    const std::optional<dbem::World> begin = s.estimate ? std::optional{*world} : std::nullopt;
     Recorder recorder{scene, *prepared, *world, result};
     dbem::StepReport start;
     recorder.row(start);
@@ -329,6 +419,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
       follow(scene, *world, recorder, result, progress);
     }
     recorder.finish();
+    estimate_steps(scene, begin, *world, result);
     return std::nullopt;
   });
   progress.end();

@@ -42,13 +42,6 @@ struct Mover {
   [[nodiscard]] double steepest() const { return free ? free->steepest_seen() : vibration->steepest_seen(); }
 };
 
-/// Stress in axes that the body has turned by `angle`.
-bem::Sym2 in_world(bem::Sym2 own, double angle) {
-  const double c = std::cos(angle), d = std::sin(angle);
-  return {c * c * own.xx - 2 * c * d * own.xy + d * d * own.yy, c * d * (own.xx - own.yy) + (c * c - d * d) * own.xy,
-          d * d * own.xx + 2 * c * d * own.xy + c * c * own.yy};
-}
-
 /// Nodal forces of a load on the body as it is now.
 std::vector<double> forces_of(const bem::BlockOperator& block, const BodySpec& spec, const BodyLoadSpec& load) {
   const bem::Mesh& mesh = block.mesh();
@@ -160,6 +153,14 @@ std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned 
   return std::nullopt;
 }
 
+/// Waves as short as a body is thick are those of its static extension where it is longer than its inner motions
+/// follow: runs of any fineness then agree on what is wrong.
+bool is_too_long(const bem::BlockOperator& block) {
+  double extent = 0;
+  for (const bem::Node& node : block.mesh().nodes) extent = std::max(extent, 2 * norm(node.x));
+  return extent * extent > 2 * static_cast<double>(block.bubbles().degree) * block.area();
+}
+
 /// Where the nodes of the run's meshes are in a coarser run, at each `every`th step of the run itself: [record][body]
 /// [node]. Empty when that run fails.
 using Track = std::vector<std::vector<std::vector<Vec2>>>;
@@ -263,9 +264,7 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
     body.stress_frames.push_back(along<bem::Sym2>(m.now().mesh(), at));
     body.mises_frames.push_back(along<double>(m.now().mesh(), [&](std::size_t e, double s) {
       const bem::Sym2 v = at(e, s);
-      const double z = m.block->material().out_of_plane(v);
-      return std::sqrt(0.5 * (std::pow(v.xx - v.yy, 2) + std::pow(v.yy - z, 2) + std::pow(z - v.xx, 2)) +
-                       3 * v.xy * v.xy);
+      return von_mises(v, m.block->material().out_of_plane(v));
     }));
   };
   const auto record = [&](std::uint64_t step) {
@@ -354,7 +353,9 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
   for (std::size_t b = 0; b < movers.size(); ++b) {
     BodyResult& body = result.bodies[b];
     body.no_estimate = none;
-    if (none.empty() && moved[b] > 0) {
+    if (none.empty() && is_too_long(*movers[b].block)) {
+      body.no_estimate = "the body is longer than its inner motions follow: waves as short as it is thick may be wrong";
+    } else if (none.empty() && moved[b] > 0) {
       const ErrorEstimate estimate = estimate_from(first[b] / moved[b], last[b] / moved[b]);
       body.error = estimate.error;
       body.no_estimate = estimate.why_not;

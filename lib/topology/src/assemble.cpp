@@ -62,6 +62,24 @@ void link_present(Cells& cells, BlockParts& parts, ThreadLimit threads) {
       all ? std::move(cells.links) : link_around_edges(parts.graph, parts.arrangement, parts.present, threads);
 }
 
+/// Which faces are pieces of folded polygons, and what walking over them needs.
+void find_sheets(BlockParts& parts) {
+  const Arrangement& arrangement = parts.arrangement;
+  if (!parts.prepared.has_sheets) return;
+  parts.sheets.assign(arrangement.faces.size(), none);
+  for (std::size_t f = 0; f < arrangement.faces.size(); ++f) {
+    const PlaneFace& face = arrangement.faces[f];
+    for (Index c = face.first_cover; c < face.first_cover + face.cover_count; ++c) {
+      parts.sheets[f] = std::min(parts.sheets[f], parts.prepared.facets[arrangement.covers[c]].sheet);
+    }
+  }
+  parts.before.assign(arrangement.next.size(), none);
+  for (Index h = 0; h < arrangement.next.size(); ++h) {
+    if (arrangement.next[h] != none) parts.before[arrangement.next[h]] = h;
+  }
+  parts.straight = 64 * (parts.prepared.bend + 4) * 0x1p-48;
+}
+
 double extent_of_domain(const CutInput& input) {
   double extent = 0;
   const auto vertices = input.domain.vertices();
@@ -243,6 +261,7 @@ void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Da
   CutReport& report = out.report;
   report.lattice_pitch_m = prepared.lattice.pitch();
   report.largest_snap_m = prepared.largest_snap;
+  report.bend_m = prepared.bend * prepared.lattice.pitch();
   report.merged_planes = prepared.merged_planes;
   report.adopted_edges = prepared.adopted_edges;
   report.snapped = prepared.snapped;
@@ -285,6 +304,9 @@ BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, con
                    .links = {},
                    .begin = {},
                    .half_faces = {},
+                   .sheets = {},
+                   .before = {},
+                   .straight = 0,
                    .scale = prepared.lattice.pitch() * 0x1p48,
                    .sliver_below = 1e-6 * extent_of_domain(input),
                    .origin = {origin[0], origin[1], origin[2]}};
@@ -294,6 +316,7 @@ BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, con
   }
   number_blocks(cells, parts, threads);
   link_present(cells, parts, threads);
+  find_sheets(parts);
   BlockComplex::Data out;
   out.origin = parts.origin;
   MadeBlocks made;

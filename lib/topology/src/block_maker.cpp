@@ -48,10 +48,15 @@ Nature BlockParts::nature(Index half_face) const {
 }
 
 bool BlockMaker::internal(Index flank) const {
-  if (parts_.links.to[flank] != (flank ^ 2U)) return false;  // the other half-edge of the same use, same side
-  const Index a = 2 * parts_.arrangement.face[flank / 2] + flank % 2;
-  const Index b = 2 * parts_.arrangement.face[(flank / 2) ^ 1U] + flank % 2;
-  if (a == b) return true;
+  const Index to = parts_.links.to[flank];
+  const bool flat = to == (flank ^ 2U);  // the other half-edge of the same use, same side
+  if (!flat && parts_.sheets.empty()) return false;
+  const Index a = parts_.half_face_of(flank), b = parts_.half_face_of(to);
+  if (a == b) return flat;
+  if (!parts_.sheets.empty()) {
+    const Index sheet = parts_.sheets[a / 2];
+    if (sheet != parts_.sheets[b / 2] || (!flat && sheet == none)) return false;
+  }
   const bool a_joint = parts_.block_of[a ^ 1U] != none, b_joint = parts_.block_of[b ^ 1U] != none;
   if (a_joint || b_joint) return a_joint == b_joint;
   return parts_.nature(a).role == parts_.nature(b).role;
@@ -83,10 +88,11 @@ Block BlockMaker::make(Index block) {
     made.fixed = made.fixed || added.role == Role::fixed;
     made.truncated = made.truncated || added.role == Role::window;
     made.free = made.free || added.role == Role::free;
-    made.convex = made.convex && added.hole_count == 0;
   }
   measure(made, first);
-  made.convex = made.convex && shell_count_ == 1 && !has_reflex_edge();
+  // A hole of a face needs no look: what fills it is flush with the face (another role), or goes down from it and turns
+  // in again at a re-entrant edge.
+  made.convex = shell_count_ == 1 && !has_reflex_edge();
   const std::int64_t v = vertex_count_, e = edge_sides_ / 2, f = faces, l = static_cast<std::int64_t>(loops_.size()),
                      s = shell_count_;
   const std::int64_t twice_genus = 2 * s - (v - e + f - (l - f));
@@ -118,9 +124,9 @@ void BlockMaker::group_faces(std::span<const Index> half_faces) {
       Index h = start;
       do {
         const Index flank = 2 * h + side;
-        if (parts_.links.to[flank] == (flank ^ 2U) && internal(flank)) {
+        if ((parts_.links.to[flank] == (flank ^ 2U) || !parts_.sheets.empty()) && internal(flank)) {
           any_internal_ = true;
-          const Index other = 2 * parts_.arrangement.face[h ^ 1U] + side;
+          const Index other = parts_.half_face_of(parts_.links.to[flank]);
           if (other < half_faces[k]) {
             const auto at = std::ranges::lower_bound(half_faces, other);
             const Index a = find(static_cast<Index>(at - half_faces.begin())), b = find(k);
@@ -170,6 +176,7 @@ void BlockMaker::walk_loops(Index half_face, Index face) {
 }
 
 void BlockMaker::walk_loop(Index start, Index face) {
+  if (!parts_.sheets.empty()) return walk_folded_loop(start, face);
   const auto first = static_cast<Index>(sides_.size());
   const Index side = start % 2;
   // A block on the negative side sees the plane's normal as its outward normal and goes with the half-edges; one on the
@@ -195,6 +202,27 @@ void BlockMaker::walk_loop(Index start, Index face) {
     }
   }
   loops_.push_back({first, count});
+}
+
+/// Counter-clockwise seen from outside the block, from piece to piece of a folded polygon, whose planes may have their
+/// normals on different sides.
+void BlockMaker::walk_folded_loop(Index start, Index face) {
+  const auto first = static_cast<Index>(sides_.size());
+  const auto after = [&](Index flank) {
+    const Index h = flank / 2;
+    return 2 * (flank % 2 == 1 ? parts_.arrangement.next[h] : parts_.before[h]) + flank % 2;
+  };
+  Index flank = start;
+  do {
+    const auto at = static_cast<Index>(sides_.size());
+    place_[flank] = at;
+    const Index h = flank / 2;
+    sides_.push_back({flank, parts_.arrangement.start[flank % 2 == 1 ? h ^ 1U : h], at + 1, none, face, false});
+    flank = after(flank);
+    while (any_internal_ && internal(flank)) flank = after(parts_.links.to[flank]);
+  } while (flank != start);
+  sides_.back().next = first;
+  loops_.push_back({first, static_cast<Index>(sides_.size()) - first});
 }
 
 void BlockMaker::pair_sides() {
@@ -246,7 +274,8 @@ void BlockMaker::count_vertices() {
     } while (at != side);
     if (size == 2) {
       const Index out = sides_[side].next, other = sides_[out].partner;
-      if (line_of(side) == line_of(out) && line_of(other) == line_of(sides_[other].next)) {
+      if ((line_of(side) == line_of(out) && line_of(other) == line_of(sides_[other].next)) ||
+          (!parts_.sheets.empty() && straight_on_a_sheet(side))) {
         sides_[side].dropped = sides_[other].dropped = true;
         edge_sides_ -= 2;  // two edges become one
         continue;
@@ -257,15 +286,32 @@ void BlockMaker::count_vertices() {
   }
 }
 
+/// A side that crosses a folded polygon is bent where it passes from one piece to the next, by no more than the pieces
+/// are: that is no corner.
+bool BlockMaker::straight_on_a_sheet(Index side) const {
+  const auto sheet = [&](Index s) { return parts_.sheets[parts_.arrangement.face[sides_[s].flank / 2]]; };
+  const Index out = sides_[side].next;
+  if (sheet(side) == none && sheet(sides_[side].partner) == none) return false;
+  const Vec3 at = parts_.position(sides_[side].head), to = parts_.position(sides_[out].head);
+  // Where the side starts: the head of its partner, which goes the other way.
+  const Vec3 from = parts_.position(sides_[sides_[side].partner].head);
+  const Vec3 chord = to - from;
+  const double length = geometry::norm(chord);
+  return length > 0 && geometry::dot(at - from, chord) > 0 && geometry::dot(to - at, chord) > 0 &&
+         geometry::norm(geometry::cross(at - from, chord)) <= parts_.straight * length;
+}
+
 void BlockMaker::add_face(Index face, Index block) {
   const std::span members = std::span{members_}.subspan(face_begin_[face], face_begin_[face + 1] - face_begin_[face]);
   const Index first = members.front();
   const PlaneFace& plane_face = parts_.arrangement.faces[first / 2];
-  const Vec3 normal = parts_.normals[plane_face.plane];
-  const bool positive = first % 2 == 0;
+  const Index plane = parts_.plane_of(first / 2);
+  const Vec3 normal = parts_.normals[plane];
+  const bool positive =
+      (first % 2 == 0) == (plane == plane_face.plane || geometry::dot(normal, parts_.normals[plane_face.plane]) > 0);
   const Nature nature = parts_.nature(first);
   Face made{.block = BlockId{block},
-            .plane = PlaneId{plane_face.plane},
+            .plane = PlaneId{plane},
             .block_on_positive_side = positive,
             .role = nature.role,
             .shell = shell_[face],
@@ -324,7 +370,9 @@ void BlockMaker::add_loops(Index face, Face& made) {
   made.first_hole = static_cast<Index>(out_.hole_starts.size());
   if (loops.size() > 1) {
     const auto outer =
-        std::ranges::find_if(loops, [&](const Loop& loop) { return turns_left(loop, made.plane.value()); });
+        parts_.sheets.empty()
+            ? std::ranges::find_if(loops, [&](const Loop& loop) { return turns_left(loop, made.plane.value()); })
+            : std::ranges::max_element(loops, {}, [&](const Loop& loop) { return area_of(loop, made.outward); });
     if (outer != loops.end()) std::swap(*loops.begin(), *outer);
   }
   for (const Loop& loop : loops) {
@@ -353,6 +401,16 @@ bool BlockMaker::turns_left(const Loop& loop, Index plane) const {
     turning += flank % 2 == 1 ? left : -left;
   }
   return turning > 0;
+}
+
+/// Twice the area inside a loop; less than nothing for a hole. Around a hole goes a larger loop.
+double BlockMaker::area_of(const Loop& loop, Vec3 outward) const {
+  const Vec3 apex = parts_.position(sides_[loop.first].head);
+  Vec3 sum{};
+  for (Index k = loop.first; k < loop.first + loop.count; ++k) {
+    sum += geometry::cross(parts_.position(sides_[k].head) - apex, parts_.position(sides_[sides_[k].next].head) - apex);
+  }
+  return geometry::dot(sum, outward);
 }
 
 bool BlockMaker::has_reflex_edge() const {

@@ -53,7 +53,7 @@ std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOption
   using namespace detail;
   const ThreadLimit threads{std::max(1U, options.threads)};
   CLEAVE_TRY(const Prepared prepared, prepare(input));
-  Signs signs{prepared.planes};
+  Signs signs{prepared};
   constexpr std::size_t limit = std::size_t{1} << 29U;
   const Traces traces = find_traces(prepared, signs, threads);
   const Graph graph = build_graph(prepared, traces, signs, threads);

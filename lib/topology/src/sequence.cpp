@@ -31,7 +31,7 @@ SequentialCut::~SequentialCut() = default;
 std::expected<SequentialCut, CutError> SequentialCut::make(CutInput input, const CutOptions& options) {
   const ThreadLimit threads{std::max(1U, options.threads)};
   CLEAVE_TRY(Prepared prepared, prepare(input));
-  Signs signs{prepared.planes};
+  Signs signs{prepared};
   const Traces traces = find_traces(prepared, signs, threads);
   Graph graph = build_graph(prepared, traces, signs, threads);
   if (graph.uses.size() > (std::size_t{1} << 29U)) return std::unexpected(CutError{TooLarge{"edges"}});

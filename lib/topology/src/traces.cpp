@@ -188,6 +188,7 @@ std::vector<std::uint8_t> planes_with_outlines(const Prepared& prepared) {
   std::vector<std::uint8_t> with_outlines(prepared.facet_planes, 0);
   for (Index p = 0; p < prepared.facet_planes; ++p) {
     const Index first = prepared.facets_begin[p], last = prepared.facets_begin[p + std::size_t{1}];
+    if (first == last) continue;  // stands for a folded polygon
     const bool joint = prepared.facets[prepared.facets_on[first]].owner == Owner::joint;
     with_outlines[p] = last - first >= 2 || (prepared.keep_dangling && joint) ? 1 : 0;
   }

@@ -30,11 +30,19 @@ struct BlockParts {
   std::vector<std::uint8_t> present;           ///< of each face: it has different blocks on its sides
   Links links;                                 ///< between the present faces
   std::vector<Index> begin, half_faces;        ///< half-faces of each block in order (CSR)
+  std::vector<Index> sheets;                   ///< of each face: Facet::sheet; empty where no polygon is folded
+  std::vector<Index> before;                   ///< with sheets: of each half-edge, the one before it in its loop
+  double straight = 0;                         ///< with sheets: units that a side of one may be bent by
   double scale = 0;                            ///< m of a unit, a power of two
   double sliver_below = 0;                     ///< m
   geometry::Vec3 origin;                       ///< m
 
   [[nodiscard]] Nature nature(Index half_face) const;
+  /// The plane that a face is on: that of its sheet where it is a piece of one.
+  [[nodiscard]] Index plane_of(Index face) const {
+    return sheets.empty() || sheets[face] == none ? arrangement.faces[face].plane : sheets[face];
+  }
+  [[nodiscard]] Index half_face_of(Index flank) const { return 2 * arrangement.face[flank / 2] + flank % 2; }
   [[nodiscard]] geometry::Vec3 position(Index vertex) const {
     const Vec& p = positions[vertex];
     return {p[0], p[1], p[2]};
@@ -76,12 +84,15 @@ class BlockMaker final {
   void group_faces(std::span<const Index> half_faces);
   void walk_loops(Index half_face, Index face);
   void walk_loop(Index start, Index face);
+  void walk_folded_loop(Index start, Index face);
+  [[nodiscard]] bool straight_on_a_sheet(Index side) const;
   void pair_sides();
   void count_vertices();
   void find_shells();
   void add_face(Index face, Index block);
   void add_loops(Index face, Face& made);
   [[nodiscard]] bool turns_left(const Loop& loop, Index plane) const;
+  [[nodiscard]] double area_of(const Loop& loop, geometry::Vec3 outward) const;
   [[nodiscard]] bool has_reflex_edge() const;
   void measure(Block& block, FaceId first);
   [[nodiscard]] FixedMeasure measure_exactly();

@@ -62,6 +62,7 @@ class FacetBuilder final {
     std::vector<exact::Plane> own_edges;
     std::vector<HalfSpace> pool_edges;
     std::vector<Vec> corners;
+    std::vector<std::array<Index, 2>> edge_corners = {};  ///< numbers of the corners that each own edge plane holds
   };
 
   /// Facets of one polygon: itself when convex, its triangles when not. False when it crosses itself on the lattice.
@@ -92,6 +93,19 @@ class FacetBuilder final {
       add_convex(corners, polygon, facet, adopted.empty() ? std::span<const std::optional<HalfSpace>>{} : sides);
     }
     return true;
+  }
+
+  /// The plane that stands for the pieces of folded polygons.
+  Index add_sheet(const exact::Plane& plane) {
+    out_.has_sheets = true;
+    return add_plane(plane).first;
+  }
+  /// Facets of a folded polygon: each triangle on its own three corners.
+  void add_folded(std::span<const std::array<exact::LatticePoint, 3>> triangles, const Facet& facet) {
+    for (const auto& [a, b, c] : triangles) {
+      const auto triangle = make_lattice_polygon({a, b, c});
+      if (triangle) add_polygon(*triangle, facet);
+    }
   }
 
   /// Facets of a polygon with holes: triangles. False when outlines cross.
@@ -136,20 +150,20 @@ class FacetBuilder final {
         // is void is told by crossing closed surfaces.) Sides that the whole domain lies inside of are then no longer
         // needed, nor are sides of the domain that cut nothing off; but where sides of the joint go, those of the
         // domain must stay, unless they are parallel to it.
-        const auto without = std::ranges::remove_if(piece.own_edges, [&](const exact::Plane& edge) {
-          return !domain_corners_.empty() && safely_inside(domain_corners_, edge, true);
-        });
-        const bool whole = without.empty();
-        piece.own_edges.erase(without.begin(), without.end());
+        const bool whole = !drop_edges_beyond_domain(piece);
         for (const HalfSpace& side : out_.clip) {
           const exact::Plane& plane = out_.planes[side.plane];
           const bool cuts_nothing = !piece.corners.empty() && safely_inside(piece.corners, plane, side.inside_positive);
           if (!cuts_nothing || !(whole || plane.parallel_to(out_.planes[facet.plane]))) out_.edges.push_back(side);
         }
       }
-      for (const exact::Plane& edge : piece.own_edges) {
-        out_.edges.push_back({static_cast<Index>(out_.planes.size()), true});
-        out_.planes.push_back(edge);
+      for (std::size_t e = 0; e < piece.own_edges.size(); ++e) {
+        const auto number = static_cast<Index>(out_.planes.size());
+        if (!piece.edge_corners.empty()) {
+          for (const Index corner : piece.edge_corners[e]) held_.emplace_back(number, corner);
+        }
+        out_.edges.push_back({number, true});
+        out_.planes.push_back(piece.own_edges[e]);
       }
       facet.edge_count = static_cast<Index>(out_.edges.size()) - facet.first_edge;
       facet.first_corner = static_cast<Index>(out_.corners.size());
@@ -163,7 +177,11 @@ class FacetBuilder final {
     out_.facets_on.resize(out_.facets.size());
     auto next = out_.facets_begin;
     for (Index f = 0; f < out_.facets.size(); ++f) out_.facets_on[next[out_.facets[f].plane]++] = f;
+    finish_held();
   }
+
+  /// From here on it is kept which corners planes hold. `corners`: sorted, all that facets will have.
+  void number_corners(std::vector<exact::LatticePoint> corners) { numbered_ = std::move(corners); }
 
   /// The sides of the window, which clip the joints. False when it is flat on the lattice.
   bool add_window(exact::LatticePoint lo, exact::LatticePoint hi) {
@@ -194,6 +212,46 @@ class FacetBuilder final {
   }
 
  private:
+  /// Whether there were any.
+  bool drop_edges_beyond_domain(Piece& piece) const {
+    if (domain_corners_.empty()) return false;
+    std::size_t kept = 0;
+    for (std::size_t e = 0; e < piece.own_edges.size(); ++e) {
+      if (safely_inside(domain_corners_, piece.own_edges[e], true)) continue;
+      if (kept != e) piece.own_edges[kept] = piece.own_edges[e];
+      if (!piece.edge_corners.empty()) piece.edge_corners[kept] = piece.edge_corners[e];
+      ++kept;
+    }
+    if (kept == piece.own_edges.size()) return false;
+    piece.own_edges.erase(piece.own_edges.begin() + static_cast<std::ptrdiff_t>(kept), piece.own_edges.end());
+    return true;
+  }
+
+  void finish_held() {
+    if (held_.empty()) return;
+    std::ranges::sort(held_);
+    const auto again = std::ranges::unique(held_);
+    held_.erase(again.begin(), again.end());
+    out_.held.begin.assign(out_.planes.size() + 1, 0);
+    for (const auto& [plane, corner] : held_) {
+      ++out_.held.begin[plane + std::size_t{1}];
+      out_.held.corners.push_back(corner);
+    }
+    for (std::size_t p = 1; p < out_.held.begin.size(); ++p) out_.held.begin[p] += out_.held.begin[p - 1];
+  }
+  [[nodiscard]] Index number_of(exact::LatticePoint corner) const {
+    const auto found = std::ranges::lower_bound(numbered_, corner);
+    return found != numbered_.end() && *found == corner ? static_cast<Index>(found - numbered_.begin()) : none;
+  }
+  void hold_corners(Piece& piece, std::span<const exact::LatticePoint> corners, const exact::Plane& plane,
+                    std::span<const std::optional<HalfSpace>> adopted) {
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const exact::LatticePoint a = corners[i], b = corners[(i + 1) % corners.size()];
+      if (plane.side_of(a) == exact::Sign::zero) held_.emplace_back(piece.facet.plane, number_of(a));
+      if (adopted.empty() || !adopted[i]) piece.edge_corners.push_back({number_of(a), number_of(b)});
+    }
+  }
+
   static Vec grown(exact::LatticePoint p, double by) {
     return {static_cast<double>(p.x) * lattice_unit + by, static_cast<double>(p.y) * lattice_unit + by,
             static_cast<double>(p.z) * lattice_unit + by};
@@ -245,6 +303,7 @@ class FacetBuilder final {
       }
       piece.corners.push_back(projected);
     }
+    if (!numbered_.empty()) hold_corners(piece, corners, polygon.plane, adopted);
     // An adopted edge may move the outline by up to the snapping distance: corners are no longer safe for quick
     // rejection.
     const bool moved = !piece.pool_edges.empty();
@@ -270,6 +329,8 @@ class FacetBuilder final {
   Prepared& out_;
   std::unordered_map<PlaneKey, Index, PlaneKeyHash> numbers_;
   std::vector<Piece> pieces_;
+  std::vector<exact::LatticePoint> numbered_;
+  std::vector<std::pair<Index, Index>> held_;  ///< plane, corner
   std::vector<Vec> domain_corners_;
   Vec window_lo_{}, window_hi_{};
 
@@ -289,7 +350,8 @@ class FacetBuilder final {
           .first_corner = 0,
           .corner_count = 0,
           .lo = {},
-          .hi = {}};
+          .hi = {},
+          .sheet = none};
 }
 
 }  // namespace cleave::topology::detail

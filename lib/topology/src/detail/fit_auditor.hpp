@@ -25,7 +25,7 @@ class FitAuditor final {
   explicit FitAuditor(const BlockComplex& complex)
       : complex_{complex},
         side_{complex.report().lattice_pitch_m * 0x1p48},
-        tolerance_{side_ * 0x1p-40},  // positions are good to that
+        tolerance_{std::max(side_ * 0x1p-40, 4 * complex.report().bend_m)},  // positions are good to that
         exactly_{complex, tolerance_} {
     normals_.reserve(complex.planes().size());
     for (const exact::Plane& plane : complex.planes()) {

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <expected>
+#include <initializer_list>
+#include <span>
 #include <vector>
 
 #include "cleave/exact/fixed.hpp"
@@ -40,6 +42,19 @@ struct Facet {
   Index first_edge, edge_count;      ///< into Prepared::edges
   Index first_corner, corner_count;  ///< into Prepared::corners; none for half-space solids
   Vec lo, hi;                        ///< bounding box in units of 2^48 sites, grown so that it is safe
+  Index sheet = none;  ///< of a piece of a folded polygon: the facet plane that stands for all its pieces (folds.hpp)
+};
+
+/// Corners that planes are known to hold, by number: what is drawn from common corners meets in them, and that needs no
+/// determinant. Empty where no polygons share any.
+struct HeldCorners {
+  std::vector<Index> begin, corners;  ///< of each plane, ascending (CSR)
+  [[nodiscard]] bool any() const noexcept { return !corners.empty(); }
+  [[nodiscard]] std::span<const Index> of(Index plane) const {
+    return std::span{corners}.subspan(begin[plane], begin[plane + std::size_t{1}] - begin[plane]);
+  }
+  /// Whether all these planes hold `count` corners in common.
+  [[nodiscard]] bool common(std::initializer_list<Index> planes, int count) const;
 };
 
 struct Prepared {
@@ -62,6 +77,9 @@ struct Prepared {
   std::vector<Index> outside;  ///< joints whose box misses the domain's
   Index joint_count = 0, excavation_count = 0;
   bool keep_dangling = false;  ///< draw the outlines of all joints
+  bool has_sheets = false;     ///< some facets are pieces of folded polygons
+  HeldCorners held;
+  double bend = 0;  ///< sites: the farthest that a corner of a sheet lies off its plane
 };
 
 [[nodiscard]] std::expected<Prepared, CutError> prepare(const CutInput& input);

@@ -14,10 +14,14 @@ namespace cleave::topology::detail {
 /// at once: each takes one of its own (`another`), and the counts are added up afterwards.
 class Signs final {
  public:
-  explicit Signs(std::span<const exact::Plane> planes) noexcept : planes_{planes} {}
+  explicit Signs(const Prepared& prepared) noexcept : planes_{prepared.planes}, held_{&prepared.held} {}
 
   /// For the same planes, with nothing counted.
-  [[nodiscard]] Signs another() const noexcept { return Signs{planes_}; }
+  [[nodiscard]] Signs another() const noexcept {
+    Signs fresh = *this;
+    fresh.calls_ = fresh.exact_ = 0;
+    return fresh;
+  }
   void add_counts(const Signs& other) noexcept {
     calls_ += other.calls_;
     exact_ += other.exact_;
@@ -29,6 +33,7 @@ class Signs final {
   [[nodiscard]] exact::Sign det3(const exact::PointApprox& point, Index p, Index q, Index r) noexcept {
     ++calls_;
     if (const auto sign = exact::det3_filtered(point)) return *sign;
+    if (held_->any() && held_->common({p, q, r}, 2)) return exact::Sign::zero;  // they hold one line
     ++exact_;
     // Nearly always two of them are parallel, and two equal normals tell that faster than a determinant.
     if (planes_[q].parallel_to(planes_[r]) || planes_[p].parallel_to(planes_[r])) return exact::Sign::zero;
@@ -43,6 +48,7 @@ class Signs final {
     if (s == p || s == q || s == r) return exact::Sign::zero;
     ++calls_;
     if (const auto sign = exact::side_filtered(point, planes_[s])) return *sign;
+    if (held_->any() && held_->common({p, q, r, s}, 1)) return exact::Sign::zero;
     ++exact_;
     return exact::side_exact(planes_[p], planes_[q], planes_[r], planes_[s]);
   }
@@ -55,6 +61,7 @@ class Signs final {
   [[nodiscard]] exact::Sign parallel_side(Index p, Index q, Index s) noexcept {
     if (s == p || s == q) return exact::Sign::zero;
     ++calls_;
+    if (held_->any() && held_->common({p, q, s}, 2)) return exact::Sign::zero;
     ++exact_;
     return exact::side_of_parallel_line(planes_[p], planes_[q], planes_[s]);
   }
@@ -82,6 +89,7 @@ class Signs final {
 
  private:
   std::span<const exact::Plane> planes_;
+  const HeldCorners* held_;
   std::uint64_t calls_ = 0, exact_ = 0;
 };
 

@@ -6,41 +6,47 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "cleave/exact/lattice.hpp"
 #include "cleave/geometry/box_tree.hpp"
 #include "cleave/geometry/vec3.hpp"
-#include "detail/lattice_polygon.hpp"
-#include "detail/prepared.hpp"
+#include "detail/joint_polygon.hpp"
+#include "detail/shared_corners.hpp"
+#include "detail/weld.hpp"
 
 namespace cleave::topology::detail {
 
-/// The only tolerance of the cutter, at its border: with a snapping distance > 0, corners closer than it become one
-/// lattice site, a polygon all of whose corners lie that close to the plane of an earlier polygon near it takes that
-/// plane, and a joint's side that lies that close to another polygon ends on that polygon's plane. Polygons are near
-/// each other when their boxes, grown by the distance, meet; a tree over the boxes finds them, so the cost is O(n log
-/// n) where few do. With distance 0 it only rounds to the lattice. What was moved is recorded.
+/// The only tolerance of the cutter, at its border. With a snapping distance d > 0
+///   1. corners closer than d, and those closer than d to these, become one lattice site (Weld);
+///   2. polygons near each other whose corners lie within d of the plane of one of them take that plane, unless a side
+///      that they share with others would come off it;
+///   3. a joint's side of its own that lies within d of another polygon ends on that polygon's plane.
+/// Nothing depends on the order of the joints. Polygons are near each other when their boxes, grown by d, meet; a tree
+/// over the boxes finds them. With distance 0 it only rounds to the lattice. What was moved is recorded.
 class Snapper final {
  public:
   Snapper(const exact::Lattice& lattice, double distance_m);
 
   [[nodiscard]] bool active() const noexcept { return distance_ > 0; }
-  [[nodiscard]] exact::LatticePoint site(geometry::Vec3 p);
-  /// From here on moves are put down to this joint.
-  void begin_joint(Index joint) noexcept { joint_ = joint; }
-  /// A surface that later polygons may snap to.
+  /// All corners first, those of solids and of joints; then `weld`; then `site` says what became of each.
+  void add_corner(geometry::Vec3 p, bool of_solid);
+  void weld() { weld_.finish(); }
+  [[nodiscard]] exact::LatticePoint site(geometry::Vec3 p, Index joint);
+  /// A surface that polygons may snap to.
   void remember(const LatticePolygon& polygon);
   void remember(const exact::Plane& persistent);
-  /// All polygons that may take other planes, once the solids and persistent joints are remembered.
-  void begin_merging(std::span<const LatticePolygon* const> polygons);
-  /// For each of them, in that order.
-  void merge_plane(LatticePolygon& polygon);
-  /// For each side of the polygon (corner i to i + 1) the half-space it ends on, if any.
+
+  /// Gives polygons that are meant to lie on one plane that plane.
+  void merge_planes(std::vector<JointPolygon>& polygons, const SharedCorners& shared);
+  /// After the planes: for each side of the polygon (corner i to i + 1) the half-space it ends on, if any.
   [[nodiscard]] std::vector<std::optional<HalfSpace>> adopt_edges(
-      const LatticePolygon& polygon, const std::function<std::pair<Index, bool>(const exact::Plane&)>& number_of);
+      std::span<const JointPolygon> polygons, std::size_t which, const SharedCorners& shared,
+      const std::function<std::pair<Index, bool>(const exact::Plane&)>& number_of);
+  /// Where shared corners go that lie within the distance of another polygon: just through it, if all polygons there
+  /// are on one side of it.
+  [[nodiscard]] Moves moves_through(std::span<const JointPolygon> polygons, const SharedCorners& shared);
 
   [[nodiscard]] double largest_move() const noexcept { return largest_move_; }
   /// The joints that were changed, by number.
@@ -49,29 +55,31 @@ class Snapper final {
   [[nodiscard]] std::uint64_t adopted_edges() const noexcept { return adopted_edges_; }
 
  private:
-  using Cell = std::array<std::int64_t, 3>;
-  struct CellHash {
-    std::size_t operator()(const Cell& cell) const noexcept;
-  };
-  [[nodiscard]] double distance_sites(const exact::Plane& plane, exact::LatticePoint p) const;
+  void index(std::span<const JointPolygon> polygons);
+  [[nodiscard]] const LatticePolygon& surface(std::span<const JointPolygon> polygons, std::size_t k) const {
+    return k < surfaces_.size() ? surfaces_[k] : polygons[k - surfaces_.size()].polygon;
+  }
   [[nodiscard]] bool near_polygon(const LatticePolygon& polygon, exact::LatticePoint p) const;
+  [[nodiscard]] bool near_plane(const LatticePolygon& polygon, const exact::Plane& plane) const;
   [[nodiscard]] geometry::Bounds bounds_of(std::span<const exact::LatticePoint> corners) const;
   /// Numbers of the surfaces near a box, persistent ones too, ascending.
   [[nodiscard]] std::vector<std::size_t> near(const geometry::Bounds& box) const;
+  [[nodiscard]] std::vector<std::size_t> group_about(std::span<const JointPolygon> polygons, std::size_t leader,
+                                                     const std::vector<std::uint8_t>& taken) const;
+  void take_plane(JointPolygon& entry, const LatticePolygon& leader);
 
-  /// Puts a move down to the joint in hand.
-  SnappedJoint& note(double moved_m);
+  /// Puts a move down to a joint.
+  SnappedJoint& note(Index joint, double moved_m);
 
   exact::Lattice lattice_;
-  double distance_;                                                             ///< m
-  double distance_sites_;                                                       ///< lattice sites
-  std::unordered_map<Cell, std::vector<exact::LatticePoint>, CellHash> cells_;  ///< sites given so far
-  std::vector<LatticePolygon> surfaces_;  ///< solids, persistent joints, then polygons as their planes are settled
+  double distance_;        ///< m
+  double distance_sites_;  ///< lattice sites
+  Weld weld_;
+  std::vector<LatticePolygon> surfaces_;  ///< faces of solids and persistent joints; joint polygons are numbered on
   std::vector<std::size_t> persistent_;   ///< which of them have no end
   std::vector<std::size_t> boxed_;        ///< which surface each box is of
   std::vector<geometry::Bounds> boxes_;
   std::unique_ptr<geometry::BoxTree> tree_;  ///< over `boxes_`
-  Index joint_ = none;
   std::map<Index, SnappedJoint> changed_;
   double largest_move_ = 0;
   std::uint64_t merged_planes_ = 0, adopted_edges_ = 0;

@@ -96,6 +96,7 @@ struct ContactReport {
   /// The larger of: in impulses, over max(|p|, max |b / diag W|); in velocities, over max |b|
   /// (or 10^-6 of the largest W p, where rounding begins).
   double residual = 0;
+  double missed_speed = 0;  ///< largest velocity by which a contact misses the law, m/s
   Method method = Method::none;
   std::size_t iterations = 0;  ///< linear solves or pivots, of all tries
   std::size_t stick = 0, slip = 0, opened = 0;

@@ -68,6 +68,13 @@ enum class Rigidity : std::uint8_t {
   elastic,
 };
 
+/// Mohr and Coulomb's with a tension cut-off; of the rock of elastic bodies.
+struct RockStrength {
+  double cohesion = 0;  ///< Pa
+  double friction = 0;  ///< degrees
+  double tension = 0;   ///< Pa
+};
+
 struct ContactSettings {
   bem::Vec2 gravity{0, -9.81};
   bool to_rest = false;  ///< static: relaxation
@@ -83,6 +90,8 @@ struct ContactSettings {
   double damping = 0;          ///< share of critical damping of elastic vibrations
   double largest_move = 0.05;  ///< of the scene's extent, in one step
   std::size_t frames = 120;
+  std::optional<RockStrength> strength;
+  bool estimate = false;  ///< of the error of the steps, by two more runs with longer ones
 };
 
 struct ContactScene {
@@ -137,10 +146,19 @@ struct ContactMark {
   std::uint32_t first = 0, second = 0;
   ContactMarkState state = ContactMarkState::stick;
 };
+/// Stress at a corner (or node) of a body that deforms: scene's axes, tension positive, Pa.
+struct NodeStress {
+  bem::Sym2 stress;
+  double out_of_plane = 0;
+  double von_mises = 0;
+  double safety = 0;  ///< strength over stress, at most `most_safety`; not a number where no strength is stated
+};
+constexpr double most_safety = 1000;
 struct ContactFrame {
   double time = 0;  ///< s
   std::vector<ContactPlacement> places;
   std::vector<std::vector<bem::Vec2>> corners;  ///< of bodies that deform, as drawn; empty ones are rigid
+  std::vector<std::vector<NodeStress>> stress;  ///< of the same corners
   std::vector<ContactMark> contacts;
   std::vector<bem::Vec2> points;  ///< displacements
 };
@@ -186,7 +204,11 @@ struct ContactResult {
   bool elastic = false;
   bool to_rest = false;
   double drift_momentum = 0, drift_angular = 0;  ///< relative, see docs/contact.md
-  double energy_gain = 0;                        ///< J/m beyond the work done; 0 when it never grew
+  /// Of the places of all corners at the end, relative to the largest displacement, from runs with two and four times
+  /// the step. Empty: there is none, and why.
+  std::optional<double> error;
+  std::string no_estimate;
+  double energy_gain = 0;  ///< J/m beyond the work done; 0 when it never grew
   std::vector<ContactBodyResult> bodies;
   std::vector<PointSpec> points;
   std::vector<ContactFrame> frames;
@@ -206,6 +228,10 @@ void plane_fields(V& v, const ContactResult& x) {
       w("steps", x.steps);
       w("residual", x.residual, "of the contact law, relative; the worst of all steps");
       w("max_displacement_m", x.largest_displacement, "of a corner, in any frame");
+      w("estimated_error", when(x.error.has_value(), x.error.value_or(0)),
+        "of the places of all corners at the end, over the largest displacement, from runs with two and four times the "
+        "step");
+      w("no_estimate", when(!x.error && !x.no_estimate.empty(), x.no_estimate), "why there is no estimate");
       w("bodies", each(x.bodies, [](auto& b, const ContactBodyResult& body) {
           b("name", body.name);
           b("centroid", body.centroid, "at the end, m");

@@ -66,7 +66,7 @@ struct Block {
   EulerCounts counts;
   Volume volume;
   geometry::Vec3 centroid;  ///< m, absolute
-  bool convex;              ///< exact: no re-entrant edge, one shell, no hole
+  bool convex;              ///< exact: no re-entrant edge, one shell
   bool fixed;               ///< has a face of Role::fixed
   bool free;                ///< has a face of Role::free
   /// Smallest width over the face normals (m): distance between the face's plane and the farthest vertex.
@@ -107,6 +107,7 @@ struct SnappedJoint {
 struct CutReport {
   double lattice_pitch_m = 0;
   double largest_snap_m = 0;
+  double bend_m = 0;  ///< the farthest that a corner lies off its face's plane, where polygons share edges; else 0
   std::uint64_t merged_planes = 0;    ///< by `snap`
   std::uint64_t adopted_edges = 0;    ///< by `snap`
   std::vector<SnappedJoint> snapped;  ///< all joints that `snap` changed, by number

@@ -1,0 +1,32 @@
+#include <algorithm>
+
+#include "world_impl.hpp"
+
+namespace cleave::dbem {
+
+bool World::Impl::bounces(const Touch& touch, double closing, double step) const {
+  return closing < -1e-6 && touch.gap + step * closing <= 0 && law_of(touch).restitution > 0;
+}
+
+/// Two impacts one after the other in one step: the second would give nothing back, for at the start of the step its
+/// bodies did not yet close. The share of the step that ends with the first one; 1 where there is no second.
+double World::Impl::until_first_bounce(const std::vector<Touch>& list, const Island& island, const Rows& rows,
+                                       const ContactSolution& found, double step) const {
+  if (!island.impact || step <= 0.02 * options.step) return 1;
+  double first = step;
+  bool second = false;
+  for (std::size_t k = 0; k < island.touches.size(); ++k) {
+    const Touch& touch = list[island.touches[k]];
+    if (law_of(touch).restitution <= 0) continue;
+    const double closing = velocity_of(rows, k, state).x;
+    if (bounces(touch, closing, step)) {
+      first = std::min(first, std::max(touch.gap, 0.0) / -closing);
+    } else {
+      const double feature = std::min(shapes[touch.i].feature, shapes[touch.j].feature);
+      second = second || (found.impulse[k].x > 0 && touch.gap > 2 * contact_depth * feature);
+    }
+  }
+  return second ? std::clamp(1.0001 * first / step, 0.02, 0.5) : 1;
+}
+
+}  // namespace cleave::dbem

@@ -1,0 +1,204 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "closed_sets.hpp"
+#include "complexes.hpp"
+
+// The border of the exact world: surfaces that are closed on paper part the rock when they come in rounded doubles, at
+// any place, turn and size.
+
+namespace cleave::testing {
+namespace {
+
+using support::ClosedSet;
+using support::Corners;
+using support::Placement;
+
+support::Uniform uniform(std::uint64_t seed) {
+  return [random = std::mt19937_64{seed}]() mutable { return static_cast<double>(random() >> 11U) * 0x1p-53; };
+}
+Placement turned(const support::Uniform& u) { return {{6 * u(), 6 * u(), 6 * u()}, 1, {}}; }
+constexpr double degree = std::numbers::pi / 180;
+
+/// One polygon a joint.
+void add(topology::CutInput& input, const std::vector<Corners>& polygons) {
+  for (const Corners& corners : polygons) input.joints.emplace_back(joint(corners));
+}
+/// In a box twice as wide as it needs.
+topology::CutInput in_a_box(const ClosedSet& set, const Placement& at) {
+  const double half = 2 * at.scale;
+  auto input = scene(box(at.shift - Vec3{half, half, half}, at.shift + Vec3{half, half, half}));
+  add(input, placed(set, at).polygons);
+  return input;
+}
+std::size_t convex_blocks(const topology::BlockComplex& complex) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(complex.blocks(), [](const topology::Block& b) { return b.convex; }));
+}
+void expect_parts(const ClosedSet& set, const Placement& at) {
+  const auto input = in_a_box(set, at);
+  const auto audited = certified(input);
+  EXPECT_EQ(audited.complex().blocks().size(), set.parts + 1) << set.name;
+  if (set.convex) {
+    EXPECT_EQ(convex_blocks(audited.complex()), set.parts) << set.name;
+  }
+}
+
+TEST(SharedSides, ACubeOfSquaresTurned) {
+  expect_parts(support::cube_of_squares(), {{30 * degree, 20 * degree, 0}, 1, {}});
+  const auto u = uniform(1);
+  for (int k = 0; k < 12; ++k) {
+    const auto audited = certified(in_a_box(support::cube_of_squares(), turned(u)));
+    ASSERT_EQ(audited.complex().blocks().size(), 2U);
+    const auto own = shapes(audited.complex());
+    EXPECT_EQ(own[0].counts, cuboid) << "faces stay whole";
+    EXPECT_NEAR(own[0].volume, 1, 1e-12);
+  }
+}
+
+TEST(SharedSides, Dodecahedra) {
+  const auto u = uniform(2);
+  for (int k = 0; k < 12; ++k) {
+    expect_parts(support::dodecahedron(), turned(u));
+    const auto audited = certified(in_a_box(support::dodecahedron(), turned(u)));
+    EXPECT_EQ(shapes(audited.complex())[0].counts, (std::array<unsigned, 6>{20, 30, 12, 12, 1, 0}));
+  }
+}
+
+TEST(SharedSides, AFaultAsAMeshOfQuads) {
+  const auto u = uniform(3);
+  for (int k = 0; k < 12; ++k) {
+    const Placement at = turned(u);
+    std::vector<Corners> quads;
+    for (int i = -6; i < 6; ++i) {
+      for (int j = -6; j < 6; ++j) {
+        const auto p = [&](int a, int b) { return at({0.4 * a, 0.4 * b, 0.1}); };
+        quads.push_back({p(i, j), p(i + 1, j), p(i + 1, j + 1), p(i, j + 1)});
+      }
+    }
+    auto input = scene(box({-1, -1, -1}, {1, 1, 1}));
+    topology::Joint fault;
+    for (const Corners& quad : quads) fault.polygons.push_back(geometry::Polygon::make(quad).value());
+    input.joints.emplace_back(fault);
+    const auto audited = certified(input);
+    EXPECT_EQ(audited.complex().blocks().size(), 2U);
+    EXPECT_EQ(convex_blocks(audited.complex()), 2U);
+  }
+}
+
+TEST(SharedSides, VoronoiCells) {
+  for (const std::size_t cells : {10U, 50U, 300U}) {
+    const auto u = uniform(cells);
+    auto input = scene(box({-0.6, -0.6, -0.6}, {0.6, 0.6, 0.6}));
+    add(input, support::voronoi(cells, u, 0.6, false).polygons);
+    const auto audited = certified(input);
+    EXPECT_EQ(audited.complex().blocks().size(), cells);
+    EXPECT_EQ(convex_blocks(audited.complex()), cells);
+    expect_parts(support::voronoi(cells, u), turned(u));
+  }
+}
+
+TEST(SharedSides, VoronoiCellsCutByPlanes) {
+  // What crosses a folded face is bent by rounding where it passes from piece to piece: no corner, no face more.
+  const auto u = uniform(5);
+  for (int k = 0; k < 6; ++k) {
+    const Placement at = turned(u);
+    auto input = in_a_box(support::voronoi(8, u), at);
+    input.joints.emplace_back(topology::PersistentJoint{{0.01, 0.02, 0.03}, geometry::normalized({u(), u(), 1})});
+    const auto audited = certified(input);
+    EXPECT_EQ(convex_blocks(audited.complex()), audited.complex().blocks().size() - 2);
+    for (const topology::Block& block : audited.complex().blocks()) {
+      if (!block.convex) continue;
+      EXPECT_EQ(2 * block.counts.edges, 3 * block.counts.vertices) << "three edges at every corner";
+    }
+  }
+}
+
+TEST(SharedSides, AnySetAnywhere) {
+  const auto u = uniform(6);
+  for (int k = 0; k < 300; ++k) {
+    const ClosedSet set = support::any_closed_set(u);
+    Placement at = turned(u);
+    at.scale = std::pow(10, 9 * u() - 3);
+    if (k % 3 == 0) at.shift = {5e6, -3e6, 1e3};
+    const auto input = in_a_box(set, at);
+    EXPECT_EQ(count_blocks(input), set.parts + 1) << set.name << ", " << at.scale << ", set " << k;
+  }
+}
+
+/// The faces of all blocks as joints of a new scene, as a file of them is read back.
+topology::CutInput read_back(const topology::BlockComplex& complex, geometry::Solid domain) {
+  auto input = scene(std::move(domain));
+  for (const topology::Face& face : complex.faces()) {
+    Corners corners;
+    for (const topology::VertexId v : complex.loops(face)[0]) corners.push_back(complex.position(v));
+    input.joints.emplace_back(joint(corners));
+  }
+  return input;
+}
+
+TEST(SharedSides, TheProgramsOwnBlocks) {
+  const auto u = uniform(7);
+  for (int k = 0; k < 24; ++k) {
+    auto input = scene(box({0, 0, 0}, {10, 10, 10}));
+    for (int p = 0; p < 2 + k % 5; ++p) {
+      input.joints.emplace_back(topology::PersistentJoint{{10 * u(), 10 * u(), 10 * u()},
+                                                          geometry::normalized({u() - 0.5, u() - 0.5, u() - 0.5})});
+    }
+    const auto first = certified(input);
+    const auto again = certified(read_back(first.complex(), box({0, 0, 0}, {10, 10, 10})));
+    EXPECT_EQ(again.complex().blocks().size(), first.complex().blocks().size()) << k;
+    EXPECT_EQ(convex_blocks(again.complex()), first.complex().blocks().size()) << k;
+  }
+}
+
+TEST(SharedSides, ARectangleInAHexahedronTurnedAlike) {
+  const auto u = uniform(8);
+  for (int k = 0; k < 10; ++k) {
+    const Placement at{{6 * u(), 6 * u(), 6 * u()}, 10, k % 2 == 0 ? Vec3{} : Vec3{5e6, 2e6, 100}};
+    std::array<Vec3, 8> corners;
+    for (std::size_t c = 0; c < 8; ++c) {
+      corners[c] = at({c % 2 == 0 ? -1.0 : 1.0, c / 2 % 2 == 0 ? -1.0 : 1.0, c / 4 == 0 ? -1.0 : 1.0});
+    }
+    auto input = scene(geometry::make_hexahedron(corners).value());
+    const double z = u() - 0.5, tilt = 0.3 * u();
+    add(input, {{at({-1, -1, z - tilt}), at({1, -1, z + tilt}), at({1, 1, z + tilt}), at({-1, 1, z - tilt})}});
+    EXPECT_EQ(count_blocks(input), 2U);
+    // The same as two polygons that share a side.
+    input.joints.clear();
+    add(input, {{at({-1, -1, z - tilt}), at({0, -1, z}), at({0, 1, z}), at({-1, 1, z - tilt})},
+                {at({0, -1, z}), at({1, -1, z + tilt}), at({1, 1, z + tilt}), at({0, 1, z})}});
+    EXPECT_EQ(count_blocks(input), 2U);
+  }
+}
+
+TEST(Lattice, JointsFarOutsideChangeNothing) {
+  const auto input = [](bool far) {
+    auto made = scene(box({0, 0, 0}, {10, 10, 10}),
+                      {rectangle(2, 5, {-1, -1}, {11, 11}), rectangle(2, 5 + 1e-6, {-1, -1}, {11, 11})});
+    if (far) {
+      made.joints.emplace_back(rectangle(0, 5e8, {5e8, 5e8}, {5e8 + 10, 5e8 + 10}));
+      made.joints.emplace_back(topology::PersistentJoint{{5e8, 0, 0}, {1, 0, 0}});
+    }
+    return made;
+  };
+  EXPECT_EQ(count_blocks(input(false)), 3U);
+  EXPECT_EQ(count_blocks(input(true)), 3U);
+  EXPECT_EQ(hash_of(input(true)), hash_of(input(false)));
+}
+
+TEST(Convex, WhereAnExcavationEndsAtAJoint) {
+  auto input = scene(box({0, 0, 0}, {10, 10, 10}), {rectangle(2, 5, {-1, -1}, {11, 11})}, {box({3, 3, 5}, {7, 7, 8})});
+  const auto audited = certified(input);
+  ASSERT_EQ(audited.complex().blocks().size(), 2U);
+  for (const topology::Block& block : audited.complex().blocks()) {
+    EXPECT_EQ(block.convex, block.centroid.z < 5) << "the one below is a cuboid, whatever is on the other side";
+  }
+}
+
+}  // namespace
+}  // namespace cleave::testing
