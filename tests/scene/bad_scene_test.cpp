@@ -245,6 +245,16 @@ INSTANTIATE_TEST_SUITE_P(
             "s.toml:5: excavation[1].section.width: unknown key; known here: shape, segments, diameter, radius"},
         Bad{"NoAxis", with_box("[[excavation]]\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 2 }\n"),
             "s.toml:3: excavation[1].axis: is missing; add axis = [[x, y, z], [x, y, z]]"},
+        Bad{"TunnelBesideTheRock",
+            with_box("[[excavation]]\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 2 }\n"
+                     "axis = [[40, 0, 3], [40, 8, 3]]\n"),
+            "s.toml:3: excavation[1]: removes no rock: it lies wholly outside the domain; move it into the domain, or "
+            "enlarge the domain"},
+        Bad{"SlopeAboveTheRock",
+            with_box(
+                "[[excavation]]\nkind = \"slope\"\nplane = { through = [0, 0, 40], dip = 30, dip_direction = 90 }\n"),
+            "s.toml:3: excavation[1]: removes no rock: it lies wholly outside the domain; move it into the domain, or "
+            "enlarge the domain"},
         Bad{"FaceOutOfRange",
             with_box("[[excavation]]\nkind = \"polyhedron\"\nvertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, "
                      "1]]\nfaces = [[1, 3, 2], "

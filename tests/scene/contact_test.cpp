@@ -62,7 +62,7 @@ TEST(ContactScene, BadInputIsNamed) {
       {motion + "gravity = -9.81\n[[body]]\n" + square, "contact.gravity: is -9.81; give a number from 0"},
       {motion + "[joints.A]\nfriction = 95\n[[body]]\n" + square, "joints.A.friction: is 95"},
       {motion + "[joints.A]\n[[body]]\njoint = [\"A\", \"A\"]\n" + square, "a list of 4, one a side"},
-      {motion + "[[body]]\nfixed = true\nspin = 1\n" + square, "the body is fixed"},
+      {motion + "[[body]]\nfixed = true\nangular_velocity = 1\n" + square, "the body is fixed"},
       {motion + "[[body]]\nload = [{ side = 5, pressure = 1 }]\n" + square, "there is no side 5"},
       {motion + "[[body]]\nload = [{ sides = [], pressure = 1 }]\n" + square, "load[1].sides: names no side"},
       {motion + "[[body]]\nload = [{ side = 1, at = [0, 0], force = [1, 0] }]\n" + square, "side: stands beside force"},
@@ -171,7 +171,7 @@ TEST(ContactScene, OutlinesAreWhatTheySay) {
       "load = [{ side = 1, pressure = 5 }]\n"
       "[[body]]\nname = \"disc\"\ncircle = { centre = [9, 0], radius = 2, sides = 12 }\n"
       "[[body]]\nname = \"stone\"\nvoussoir = { centre = [20, 0], radius = 1, thickness = 0.2, from = 0, to = 30 }\n"
-      "repeat = { count = 6, turn = 30, about = [20, 0] }\n");
+      "repeat = { count = 6, rotation = 30, centre = [20, 0] }\n");
   ASSERT_EQ(s.bodies.size(), 8U);
   // The side as written from (0, 0) to (0, 1) keeps its joint and load.
   const ContactBody& turned = s.bodies[0];
@@ -221,10 +221,10 @@ TEST(ContactScene, PlanNamesTheFilesOfPointsOnlyWhereThereAreSome) {
 }
 
 TEST(ContactScene, WithoutSupportItFalls) {
-  const ContactResult r =
-      ran(motion +
-          "largest_move = 1\n"
-          "[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 1 }\nvelocity = [2, 0]\nspin = 1\n");
+  const ContactResult r = ran(
+      motion +
+      "max_displacement = 1\n"
+      "[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 1 }\nvelocity = [2, 0]\nangular_velocity = 1\n");
   EXPECT_TRUE(r.converged);
   EXPECT_EQ(r.steps, 100U);
   EXPECT_NEAR(r.bodies[0].centroid.y, 0.5 - 9.81 / 2, 1e-12);
@@ -395,7 +395,7 @@ TEST(ContactScene, TurnedElasticBodiesShareAnOperator) {
   const ContactResult r = ran(head +
                               "[[body]]\nname = \"b\"\nrectangle = { corner = [1, 0], width = 2, height = 1 }\n"
                               "load = [{ side = 2, pressure = 1e5 }, { side = 4, pressure = 1e5 }]\n"
-                              "repeat = { count = 3, turn = 90, about = [0, 0] }\n");
+                              "repeat = { count = 3, rotation = 90, centre = [0, 0] }\n");
   EXPECT_EQ(r.notes.back(), "1 elastic operator of 3 bodies: those alike share one");
   EXPECT_GT(r.bodies[0].largest, 1e-3);
   EXPECT_NEAR(r.bodies[1].largest, r.bodies[0].largest, 1e-9 * r.bodies[0].largest);

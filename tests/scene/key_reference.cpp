@@ -22,7 +22,10 @@ struct Root {
   const KeyTable& (*keys)();
 };
 const std::vector<Root>& roots() {
-  static const std::vector<Root> all{{"Blocks in three dimensions", &scene_keys}};
+  static const std::vector<Root> all{{"Blocks in three dimensions", &scene_keys},
+                                     {"Elastic bodies", &elastic_scene_keys},
+                                     {"Bodies in contact", &contact_scene_keys},
+                                     {"Field data", &survey_keys}};
   return all;
 }
 
@@ -118,8 +121,10 @@ std::string type_schema(const KeyType& type) {
 
 /// A default that JSON can hold as it is written.
 bool is_value(string_view standard) {
-  return !standard.empty() && (standard == "true" || standard == "false" || standard.front() == '"' ||
-                               standard.front() == '[' || (standard.front() >= '0' && standard.front() <= '9'));
+  if (standard.empty()) return false;
+  const bool digit = standard.front() >= '0' && standard.front() <= '9';
+  if (digit) return standard.find_first_not_of("0123456789.e-") == string_view::npos;
+  return standard == "true" || standard == "false" || standard.front() == '"' || standard.front() == '[';
 }
 
 std::string key_schema(const Key& key) {
@@ -230,7 +235,11 @@ std::string schema_text() {
   for (const Root& root : roots()) {
     kinds.push_back(fmt::format(R"(  {{"title": {}, "$ref": "#/$defs/{}"}})", quoted(root.title), root.keys().name));
   }
-  each_table([&](const KeyTable& table) { tables.push_back(table_schema(table)); });
+  std::set<std::string> names;
+  each_table([&](const KeyTable& table) {
+    if (!names.insert(table.name).second) tables.push_back(fmt::format("two tables are called {}", table.name));
+    tables.push_back(table_schema(table));
+  });
   return fmt::format(R"({{
  "$schema": "https://json-schema.org/draft/2020-12/schema",
  "title": "cleave scene",

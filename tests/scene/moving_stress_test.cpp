@@ -35,7 +35,7 @@ TEST(MovingStress, TurnsWithTheBody) {
   const BodiesResult r =
       ran(rock +
           "[elastic]\ntime = { end = 1, step = 0.01, frames = 2, modes = 1000, damping = { share = 1 } }\n[[body]]\n"
-          "outline = [[-1, -0.5], [1, -0.5], [1, 0.5], [-1, 0.5]]\nspin = 1.5707963267948966\n"
+          "outline = [[-1, -0.5], [1, -0.5], [1, 0.5], [-1, 0.5]]\nangular_velocity = 1.5707963267948966\n"
           "load = [{ side = 2, traction = [1000, 0], time = { kind = \"step\", follows = true } },\n"
           "        { side = 4, traction = [-1000, 0], time = { kind = \"step\", follows = true } }]\n");
   EXPECT_NEAR(r.bodies[0].rotation, 1.5707963267948966, 1e-6);

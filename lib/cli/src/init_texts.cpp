@@ -249,7 +249,7 @@ rectangle = { corner = [4, 1.5], width = 1, height = 3.5, angle = 20.55604521958
 # [[body]]                     # an arch: one stone, turned eleven times more
 # name = "stone"
 # voussoir = { centre = [0, 0], radius = 5, thickness = 0.6, from = 0, to = 15 }
-# repeat = { count = 12, turn = 15, about = [0, 0] }
+# repeat = { count = 12, rotation = 15, centre = [0, 0] }
 )toml";
 
 constexpr std::string_view monte_carlo =

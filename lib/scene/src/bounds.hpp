@@ -16,5 +16,8 @@ struct Box {
 [[nodiscard]] Box box_of(const geometry::Solid& solid) noexcept;
 /// No common point.
 [[nodiscard]] bool apart(const Box& a, const Box& b) noexcept;
+/// No common volume, for certain: a side of the boxes or the plane of a face of one of them parts them. Bodies that
+/// only a plane between edges parts count as not parted.
+[[nodiscard]] bool parted(const geometry::Solid& a, const geometry::Solid& b) noexcept;
 
 }  // namespace cleave::scene

@@ -18,22 +18,57 @@ using std::string_view;
 
 constexpr double degree = std::numbers::pi / 180;
 
-TableReader inner(const TableReader& body, string_view key, const TomlTable& table, std::span<const string_view> keys) {
-  return {table, body.line_of(key), body.path_of(key), body.problems(), keys};
+const KeyTable& rectangle_keys() {
+  static const KeyTable keys{
+      .name = "body.rectangle",
+      .keys = {{"corner", key::pair(rule::coordinate), required, "`[x, y]` in m"},
+               {"width", key::number(rule::length), required, "m"},
+               {"height", key::number(rule::length), required, "m"},
+               {"angle", key::number(rule::turn), "0", "degrees about its corner, counter-clockwise"}}};
+  return keys;
+}
+
+const KeyTable& polygon_keys() {
+  static const KeyTable keys{.name = "body.polygon",
+                             .keys = {{"centre", key::pair(rule::coordinate), required, "`[x, y]` in m"},
+                                      {"radius", key::number(rule::length), required, "m, through the corners"},
+                                      {"sides", key::whole(3, 10'000), required, "of the regular polygon"},
+                                      {"angle", key::number(rule::turn), "0", "degrees, counter-clockwise"}}};
+  return keys;
+}
+
+const KeyTable& circle_keys() {
+  static const KeyTable keys{.name = "body.circle",
+                             .keys = {{"centre", key::pair(rule::coordinate), required, "`[x, y]` in m"},
+                                      {"radius", key::number(rule::length), required, "m"},
+                                      {"sides", key::whole(6, 10'000), "32", "of the polygon of the circle's area"}}};
+  return keys;
+}
+
+const KeyTable& voussoir_keys() {
+  static const KeyTable keys{
+      .name = "body.voussoir",
+      .keys = {{"centre", key::pair(rule::coordinate), required, "`[x, y]` in m"},
+               {"radius", key::number(rule::length), required, "m, mean radius of the arch"},
+               {"thickness", key::number(rule::length), required, "m"},
+               {"from", key::number(rule::turn), required, "degrees counter-clockwise from the x axis"},
+               {"to", key::number(rule::turn), required, "degrees counter-clockwise from the x axis"},
+               {"chords", key::whole(1, 1000), "4", "of each arc"}}};
+  return keys;
 }
 
 Vec2 need_pair(const TableReader& table, string_view key) {
   if (!table.has(key)) table.missing(key, "write " + std::string{key} + " = [x, y]");
-  return pair(table, key, rule::coordinate).value_or(Vec2{});
+  return pair(table, key).value_or(Vec2{});
 }
 
 Vec2 direction(double degrees) { return {std::cos(degrees * degree), std::sin(degrees * degree)}; }
 
 std::vector<Vec2> rectangle(const TableReader& table) {
   const Vec2 corner = need_pair(table, "corner");
-  const double width = table.need_number("width", rule::length).value_or(1);
-  const double height = table.need_number("height", rule::length).value_or(1);
-  const double angle = table.number("angle", rule::turn).value_or(0) * degree;
+  const double width = table.need_number("width").value_or(1);
+  const double height = table.need_number("height").value_or(1);
+  const double angle = table.value("angle") * degree;
   std::vector<Vec2> out;
   for (const Vec2 p : {Vec2{0, 0}, Vec2{width, 0}, Vec2{width, height}, Vec2{0, height}}) {
     out.push_back(corner + (angle == 0 ? p : bem::rotated(p, angle)));
@@ -52,11 +87,11 @@ std::vector<Vec2> regular(Vec2 centre, double radius, std::int64_t sides, double
 /// A stone of an arch: a sector of a ring, its arcs as chords.
 std::vector<Vec2> voussoir(const TableReader& table) {
   const Vec2 centre = need_pair(table, "centre");
-  const double radius = table.need_number("radius", rule::length).value_or(1);
-  const double thickness = table.need_number("thickness", rule::length).value_or(0.1);
-  const double from = table.need_number("from", rule::turn).value_or(0);
-  const double to = table.need_number("to", rule::turn).value_or(10);
-  const auto chords = static_cast<int>(table.integer("chords", 1, 1000).value_or(4));
+  const double radius = table.need_number("radius").value_or(1);
+  const double thickness = table.need_number("thickness").value_or(0.1);
+  const double from = table.need_number("from").value_or(0);
+  const double to = table.need_number("to").value_or(10);
+  const auto chords = static_cast<int>(table.count("chords"));
   if (!(thickness < 2 * radius))
     table.error("thickness", "is not less than twice the radius", "make the stone thinner");
   if (!(to > from) || !(to - from < 180)) {
@@ -73,38 +108,40 @@ std::vector<Vec2> voussoir(const TableReader& table) {
 }
 
 std::vector<Vec2> written(const TableReader& body, string_view& key) {
-  constexpr std::array<string_view, 5> kinds{"outline", "rectangle", "polygon", "circle", "voussoir"};
-  const TomlEntry* entry = body.one_of(kinds);
+  const TomlEntry* entry = body.one_of();
   if (entry == nullptr) return {};
   key = entry->key;
   if (key == "outline") return corners_of(body, entry->node, body.path_of(key)).value_or(std::vector<Vec2>{});
-  const TomlTable* table = body.table(key);
-  if (table == nullptr) return {};
-  if (key == "rectangle") {
-    constexpr std::array<string_view, 4> keys{"corner", "width", "height", "angle"};
-    return rectangle(inner(body, key, *table, keys));
-  }
+  const auto found = body.sub(key);
+  if (!found) return {};
+  const TableReader& t = *found;
+  if (key == "rectangle") return rectangle(t);
+  if (key == "voussoir") return voussoir(t);
+  const Vec2 centre = need_pair(t, "centre");
+  const double radius = t.need_number("radius").value_or(1);
   if (key == "polygon") {
-    constexpr std::array<string_view, 4> keys{"centre", "radius", "sides", "angle"};
-    const auto t = inner(body, key, *table, keys);
     if (!t.has("sides")) t.missing("sides", "write how many: sides = 6");
-    return regular(need_pair(t, "centre"), t.need_number("radius", rule::length).value_or(1),
-                   t.integer("sides", 3, 10000).value_or(6), t.number("angle", rule::turn).value_or(0));
+    return regular(centre, radius, t.integer("sides").value_or(6), t.value("angle"));
   }
-  if (key == "circle") {
-    constexpr std::array<string_view, 3> keys{"centre", "radius", "sides"};
-    const auto t = inner(body, key, *table, keys);
-    const std::int64_t sides = t.integer("sides", 6, 10000).value_or(32);
-    const double angle = 2 * std::numbers::pi / static_cast<double>(sides);
-    // Of the circle's area, with a flat side below.
-    const double radius = t.need_number("radius", rule::length).value_or(1) * std::sqrt(angle / std::sin(angle));
-    return regular(need_pair(t, "centre"), radius, sides, -90 + 180.0 / static_cast<double>(sides));
-  }
-  constexpr std::array<string_view, 6> keys{"centre", "radius", "thickness", "from", "to", "chords"};
-  return voussoir(inner(body, key, *table, keys));
+  const std::int64_t sides = t.count("sides");
+  const double angle = 2 * std::numbers::pi / static_cast<double>(sides);
+  // Of the circle's area, with a flat side below.
+  return regular(centre, radius * std::sqrt(angle / std::sin(angle)), sides, -90 + 180.0 / static_cast<double>(sides));
 }
 
 }  // namespace
+
+std::vector<Key> outline_keys() {
+  return {
+      {"outline", key::pairs(), "", "corners in m, counter-clockwise, convex or not; no holes"},
+      {"rectangle", key::table(&rectangle_keys), "", "`{ corner, width, height, angle = 0 }`: turned about its corner"},
+      {"polygon", key::table(&polygon_keys), "",
+       "`{ centre, radius, sides, angle = 0 }`: regular; `radius` through the corners"},
+      {"circle", key::table(&circle_keys), "", "`{ centre, radius, sides = 32 }`: a polygon of the circle's area"},
+      {"voussoir", key::table(&voussoir_keys), "",
+       "`{ centre, radius, thickness, from, to, chords = 4 }`: stone of an arch of this mean radius, degrees "
+       "counter-clockwise from the x axis"}};
+}
 
 ContactOutline parse_contact_outline(const TableReader& body) {
   ContactOutline out;

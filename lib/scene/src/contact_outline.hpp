@@ -15,6 +15,8 @@ struct ContactOutline {
 };
 
 /// One of `outline`, `rectangle`, `polygon`, `circle`, `voussoir`; simple, anticlockwise (turned with a note when not).
+/// Keys of the outline of a body; exactly one is given.
+[[nodiscard]] std::vector<Key> outline_keys();
 [[nodiscard]] ContactOutline parse_contact_outline(const TableReader& body);
 
 }  // namespace cleave::scene

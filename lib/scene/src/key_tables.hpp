@@ -21,6 +21,11 @@ namespace cleave::scene {
 [[nodiscard]] const KeyTable& rock_keys();
 [[nodiscard]] const KeyTable& field_stress_keys();
 
+[[nodiscard]] const KeyTable& elastic_scene_keys();  ///< elastic bodies
+[[nodiscard]] const KeyTable& elastic_keys();
+[[nodiscard]] const KeyTable& contact_scene_keys();  ///< bodies in contact
+[[nodiscard]] const KeyTable& survey_keys();         ///< field data
+
 /// seismic, water, surcharge, point and line: of [stability] and of [[load]].
 [[nodiscard]] std::vector<Key> load_set_keys();
 /// min and max, of a box.

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -17,17 +18,109 @@ using bem::Vec2;
 using std::string_view;
 
 constexpr double radians = std::numbers::pi / 180;
+constexpr NumberRule stiffness_rule{0, false, 1e18, false, " Pa/m"};
+constexpr NumberRule gradient_rule{-1e18, false, 1e18, false, " Pa/m"};
+constexpr std::array<string_view, 7> support_words{"fixed",        "roller", "symmetry", "spring",
+                                                   "displacement", "bonded", "pin"};
+constexpr std::array<string_view, 3> extent_words{"bounded", "plane", "half_plane"};  // of bem::Extent
+
+const KeyTable& circle_keys() {
+  static const KeyTable keys{.name = "circle",
+                             .keys = {{"centre", key::pair(rule::coordinate), required, "`[x, y]` in m"},
+                                      {"radius", key::number(rule::length), required, "m"}}};
+  return keys;
+}
+
+const KeyTable& arc_keys() {
+  static const KeyTable keys{
+      .name = "body.arcs",
+      .keys = {{"side", key::whole(1, 100'000), required, "a side, counted from 1"},
+               {"through", key::pair(rule::coordinate), required, "`[x, y]` in m, a point of the arc"},
+               {"hole", key::whole(1, 1000), "", "of a hole; none: of the outline"}}};
+  return keys;
+}
+
+Key hole_key() { return {"hole", key::whole(1, 1000), "", "of a hole, counted from 1, round ones after the others"}; }
+
+const KeyTable& body_support_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "elastic body.support", .keys = side_keys()};
+    const std::vector<Key> more{
+        hole_key(),
+        {"kind", key::word(support_words), required,
+         "`fixed`; `roller`; `symmetry`; `spring`; `displacement`; `bonded` to another body's side; `pin`: moving "
+         "bodies that turn"},
+        {"at", key::pair(rule::coordinate), "", "`[x, y]` in m, of a pin"},
+        {"normal", key::number(stiffness_rule), "0", "Pa/m, of a spring"},
+        {"along", key::number(stiffness_rule), "0", "Pa/m, of a spring"},
+        {"value", key::pair(rule::coordinate), "", "`[x, y]` in m, of a displacement"},
+        {"angle", key::number(rule::turn), "the normal", "degrees, of a roller: the direction held"}};
+    table.keys.insert(table.keys.end(), more.begin(), more.end());
+    return table;
+  }();
+  return keys;
+}
+
+const KeyTable& load_keys_of_body() {
+  static const KeyTable keys = [] {
+    KeyTable table{
+        .name = "elastic body.load", .keys = body_load_keys(), .one_of = {{"pressure", "traction", "force"}}};
+    table.keys.push_back(hole_key());
+    return table;
+  }();
+  return keys;
+}
+
+const KeyTable& in_situ_keys() {
+  static const KeyTable keys{.name = "body.in_situ",
+                             .keys = {{"stress", key::vector(pressure_rule), required,
+                                       "`[sxx, syy, sxy]` at `level`, Pa, compression negative"},
+                                      {"level", key::number(rule::coordinate), "0", "m, y"},
+                                      {"gradient", key::vector(gradient_rule), "0", "change per metre upwards"}}};
+  return keys;
+}
+
+const KeyTable& elastic_body_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{
+        .name = "elastic body",
+        .keys = {{"name", key::text(), "`body N`", "in the results"},
+                 {"outline", key::pairs(), "",
+                  "corners in m, counter-clockwise; side k runs from corner k to the next (clockwise is turned, with a "
+                  "note)"},
+                 {"circle", key::table(&circle_keys), "", "`{ centre, radius }` instead of `outline`; two sides"},
+                 {"arcs", key::tables(&arc_keys), "[]",
+                  "`[{ side, through, hole }]`: makes a side the arc of a circle through a point"},
+                 {"holes", key::array(key::pairs()), "[]",
+                  "outlines; `hole = N` names one in supports, loads, arcs (round ones count on)"},
+                 {"round_holes", key::tables(&circle_keys), "[]", "circles"},
+                 {"support", key::tables(&body_support_keys), "[]", "sides that are held, below"},
+                 {"load", key::tables(&load_keys_of_body), "[]", "what acts on it, below"},
+                 {"velocity", key::pair(speed_rule), "[0, 0]", "m/s at the start, less what pins do not allow"},
+                 {"angular_velocity", key::number(angular_velocity_rule), "0", "rad/s at the start", "spin"},
+                 {"extent", key::word(extent_words), "\"bounded\"",
+                  "`\"plane\"`: infinite around its holes; `\"half_plane\"` below `surface`"},
+                 {"surface", key::number(rule::coordinate), "", "m, y of the surface of a half plane"},
+                 {"in_situ", key::table(&in_situ_keys), "", "`{ stress, level, gradient }`: stress before loading"},
+                 {"grading", key::number({1, false, 6, false, ""}), "2 static, 1 moving",
+                  "element ends at (k/n)^grading from corners"},
+                 {"elements", key::whole(1, 10'000), "from `element`", "number on every side"}}};
+    for (Key& key : material_keys()) table.keys.push_back(std::move(key));
+    return table;
+  }();
+  return keys;
+}
 
 std::optional<bem::Sym2> stress_of(const TableReader& table, string_view key) {
-  const auto v = table.vec3(key, value_rule);
+  const auto v = table.vec3(key);
   if (!v) return std::nullopt;
   return bem::Sym2{v->x, v->z, v->y};  // written xx, yy, xy
 }
 
 std::optional<bem::Loop> circle_of(const TableReader& table, bool clockwise) {
-  const auto centre = pair(table, "centre", rule::coordinate);
+  const auto centre = pair(table, "centre");
   if (!table.has("centre")) table.missing("centre", "write centre = [x, y]");
-  const auto radius = table.need_number("radius", rule::length);
+  const auto radius = table.need_number("radius");
   if (!centre || !radius) return std::nullopt;
   return bem::circle(*centre, *radius, clockwise);
 }
@@ -46,8 +139,6 @@ struct Outline {
 };
 
 void parse_outline(const TableReader& body, Outline& outline, bool infinite) {
-  constexpr std::array<string_view, 2> circle_keys{"centre", "radius"};
-  constexpr std::array<string_view, 3> arc_keys{"side", "through", "hole"};
   if (infinite) {
     if (body.has("outline") || body.has("circle")) {
       body.error(body.has("outline") ? "outline" : "circle", "an infinite body has no outline",
@@ -55,9 +146,8 @@ void parse_outline(const TableReader& body, Outline& outline, bool infinite) {
     }
   } else if (const TomlEntry* entry = body.find("outline")) {
     if (auto corners = corners_of(body, entry->node, body.path_of("outline"))) outline.add(bem::polygon(*corners));
-  } else if (const TomlTable* table = body.table("circle")) {
-    const TableReader circle{*table, body.line_of("circle"), body.path_of("circle"), body.problems(), circle_keys};
-    if (auto loop = circle_of(circle, false)) outline.add(std::move(*loop));
+  } else if (const auto circle = body.sub("circle")) {
+    if (auto loop = circle_of(*circle, false)) outline.add(std::move(*loop));
   } else if (!body.has("circle")) {
     body.missing("outline", "write outline = [[x, y], [x, y], [x, y], ...], anticlockwise, or circle = {...}");
   }
@@ -71,19 +161,14 @@ void parse_outline(const TableReader& body, Outline& outline, bool infinite) {
       body.error("holes", "must be a list of outlines", "write holes = [[[x, y], [x, y], [x, y]], ...]");
     }
   }
-  const auto rounds = body.tables("round_holes");
-  for (std::size_t i = 0; i < rounds.size(); ++i) {
-    const auto round =
-        reader(*rounds[i], fmt::format("{}[{}]", body.path_of("round_holes"), i + 1), body.problems(), circle_keys);
+  for (const TableReader& round : body.each("round_holes")) {
     if (auto loop = circle_of(round, true)) outline.add(std::move(*loop));
   }
-  const auto arcs = body.tables("arcs");
-  for (std::size_t i = 0; i < arcs.size(); ++i) {
-    const auto arc = reader(*arcs[i], fmt::format("{}[{}]", body.path_of("arcs"), i + 1), body.problems(), arc_keys);
-    const auto hole = arc.integer("hole", 1, 1000).value_or(0);
+  for (const TableReader& arc : body.each("arcs")) {
+    const auto hole = arc.integer("hole").value_or(0);
     const std::size_t loop = static_cast<std::size_t>(hole) - (infinite && hole > 0 ? 1U : 0U);
-    const auto side = arc.integer("side", 1, 100000);
-    const auto through = pair(arc, "through", rule::coordinate);
+    const auto side = arc.integer("side");
+    const auto through = pair(arc, "through");
     if (!arc.has("side")) arc.missing("side", "name the side, counted from 1");
     if (!arc.has("through")) arc.missing("through", "write a point of the arc: through = [x, y]");
     if (!side || !through) continue;
@@ -98,7 +183,7 @@ void parse_outline(const TableReader& body, Outline& outline, bool infinite) {
 /// The sides an entry of support or load means.
 std::vector<std::size_t> sides_of(const TableReader& table, const Outline& outline, bool infinite) {
   std::vector<std::size_t> out;
-  const auto hole = table.integer("hole", 1, 1000);
+  const auto hole = table.integer("hole");
   const std::size_t loop = hole ? static_cast<std::size_t>(*hole) - (infinite ? 1U : 0U) : 0;
   if (loop >= outline.loops.size()) {
     if (!outline.loops.empty())
@@ -114,7 +199,7 @@ std::vector<std::size_t> sides_of(const TableReader& table, const Outline& outli
     }
     out.push_back(outline.first[loop] + static_cast<std::size_t>(side) - 1);
   };
-  if (const auto side = table.integer("side", 1, 100000)) push(*side, "side");
+  if (const auto side = table.integer("side")) push(*side, "side");
   if (const TomlEntry* sides = table.find("sides")) {
     const auto* array = std::get_if<TomlArray>(&sides->node.value);
     const auto* word = std::get_if<std::string>(&sides->node.value);
@@ -138,17 +223,12 @@ std::vector<std::size_t> sides_of(const TableReader& table, const Outline& outli
 }
 
 void parse_supports(const TableReader& body, const Outline& outline, BodySpec& spec, bool moving) {
-  constexpr std::array<string_view, 9> keys{"side", "sides", "hole", "at", "kind", "normal", "along", "value", "angle"};
-  constexpr std::array<string_view, 7> kinds{"fixed", "roller", "symmetry", "spring", "displacement", "bonded", "pin"};
-  constexpr NumberRule stiffness{0, false, 1e18, false, " Pa/m"};
-  const auto found = body.tables("support");
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto table = reader(*found[i], fmt::format("{}[{}]", body.path_of("support"), i + 1), body.problems(), keys);
-    const auto kind = table.choice("kind", kinds);
+  for (const TableReader& table : body.each("support")) {
+    const auto kind = table.choice("kind");
     if (!table.has("kind")) table.missing("kind", "write one of: fixed roller symmetry spring displacement bonded pin");
     if (!kind) continue;
     if (*kind == 6) {
-      const auto at = pair(table, "at", rule::coordinate);
+      const auto at = pair(table, "at");
       if (!table.has("at")) table.missing("at", "write where: at = [x, y]");
       if (at) spec.pins.push_back(*at);
       if (!moving)
@@ -165,12 +245,9 @@ void parse_supports(const TableReader& body, const Outline& outline, BodySpec& s
       case 0: condition = bem::clamped(); break;
       case 1:
       case 2: condition = bem::roller(); break;
-      case 3:
-        condition =
-            bem::springs(table.number("normal", stiffness).value_or(0), table.number("along", stiffness).value_or(0));
-        break;
+      case 3: condition = bem::springs(table.number("normal").value_or(0), table.number("along").value_or(0)); break;
       case 4: {
-        const Vec2 v = pair(table, "value", value_rule).value_or(Vec2{});
+        const Vec2 v = pair(table, "value").value_or(Vec2{});
         if (moving && !(v == Vec2{}))
           table.error("value", "moving supports are not part of moving scenes", "write kind = \"fixed\"");
         condition = bem::displacement([v](Vec2) { return v; });
@@ -184,7 +261,7 @@ void parse_supports(const TableReader& body, const Outline& outline, BodySpec& s
                       "remove [elastic.time], or make one body of them");
         break;
     }
-    if (const auto angle = table.number("angle", rule::turn)) {
+    if (const auto angle = table.number("angle")) {
       if (*kind == 1) {
         // The direction in which the side cannot move.
         condition.axes = bem::Axes::fixed;
@@ -199,12 +276,8 @@ void parse_supports(const TableReader& body, const Outline& outline, BodySpec& s
 }
 
 void parse_loads(const TableReader& body, const Outline& outline, BodySpec& spec, bool moving) {
-  constexpr std::array<string_view, 8> keys{"side", "sides", "hole", "at", "pressure", "traction", "force", "time"};
-  constexpr std::array<string_view, 3> kinds{"pressure", "traction", "force"};
-  const auto found = body.tables("load");
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto table = reader(*found[i], fmt::format("{}[{}]", body.path_of("load"), i + 1), body.problems(), keys);
-    const TomlEntry* kind = table.one_of(kinds);
+  for (const TableReader& table : body.each("load")) {
+    const TomlEntry* kind = table.one_of();
     if (kind == nullptr) continue;
     BodyLoadSpec load;
     load.timed = table.has("time");
@@ -212,19 +285,19 @@ void parse_loads(const TableReader& body, const Outline& outline, BodySpec& spec
       table.error("time", "loads change with time in moving scenes only", "add [elastic.time], or remove it");
     load.time = parse_time_function(table, load.follows);
     if (kind->key == "force") {
-      const auto at = pair(table, "at", rule::coordinate);
+      const auto at = pair(table, "at");
       if (!table.has("at")) table.missing("at", "write where the force acts: at = [x, y]");
       load.at = at.value_or(Vec2{});
-      load.force = pair(table, "force", value_rule).value_or(Vec2{});
+      load.force = pair(table, "force").value_or(Vec2{});
     } else {
       load.sides = sides_of(table, outline, spec.extent != bem::Extent::bounded);
       if (load.sides.empty() && !table.has("side") && !table.has("sides") && !table.has("hole")) {
         table.missing("side", "name a side, counted from 1 in the order of the corners");
       }
       if (kind->key == "pressure") {
-        load.pressure = table.number("pressure", value_rule).value_or(0);
+        load.pressure = table.number("pressure").value_or(0);
       } else {
-        load.traction = pair(table, "traction", value_rule).value_or(Vec2{});
+        load.traction = pair(table, "traction").value_or(Vec2{});
       }
     }
     spec.loads.push_back(std::move(load));
@@ -253,12 +326,11 @@ void put_loads(BodySpec& spec) {
 
 void parse_body(const TableReader& body, const RockDefaults& defaults, bem::PlaneState plane, bool moving,
                 std::vector<BodySpec>& bodies) {
-  constexpr std::array<string_view, 3> extents{"bounded", "plane", "half_plane"};
   const std::string fallback = fmt::format("body {}", bodies.size() + 1);
   const std::string name = body.text("name").value_or(fallback);
-  const auto own_young = body.number("young", young_rule);
-  const auto own_poisson = body.number("poisson", poisson_rule);
-  const auto own_density = body.number("density", body_density_rule);
+  const auto own_young = body.number("young");
+  const auto own_poisson = body.number("poisson");
+  const auto own_density = body.number("density");
   const auto young = own_young ? own_young : defaults.young;
   const auto poisson = own_poisson ? own_poisson : defaults.poisson;
   const double density = own_density.value_or(defaults.density);
@@ -271,12 +343,12 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, bem::Plan
                                       kilograms_per_cubic_metre(density), plane);
   if (!material) return;  // ruled out above
   BodySpec spec{.name = name, .line = body.line(), .region = {.name = name, .material = *material}};
-  spec.extent = static_cast<bem::Extent>(body.choice("extent", extents).value_or(0));
+  spec.extent = body.word<bem::Extent>("extent");
   const bool infinite = spec.extent != bem::Extent::bounded;
   if (infinite && moving)
     body.error("extent", "an infinite body is solved in static scenes only", "remove [elastic.time]");
   if (spec.extent == bem::Extent::half_plane) {
-    spec.surface = body.need_number("surface", rule::coordinate).value_or(0);
+    spec.surface = body.need_number("surface").value_or(0);
   } else if (body.has("surface")) {
     body.error("surface", "has a meaning for extent = \"half_plane\" only", "remove it");
   }
@@ -307,31 +379,30 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, bem::Plan
   // Sides keep the numbers of the corners as written: conditions index them.
   parse_supports(body, outline, spec, moving);
   parse_loads(body, outline, spec, moving);
-  if (const TomlTable* found = body.table("in_situ")) {
-    constexpr std::array<string_view, 3> keys{"stress", "level", "gradient"};
-    const TableReader table{*found, body.line_of("in_situ"), body.path_of("in_situ"), body.problems(), keys};
+  if (const auto in_situ = body.sub("in_situ")) {
+    const TableReader& table = *in_situ;
     if (!table.has("stress")) table.missing("stress", "write stress = [sxx, syy, sxy] in Pa, compression negative");
     spec.in_situ.stress = stress_of(table, "stress").value_or(bem::Sym2{});
-    spec.in_situ.level = table.number("level", rule::coordinate).value_or(0);
+    spec.in_situ.level = table.value("level");
     spec.in_situ.gradient = stress_of(table, "gradient").value_or(bem::Sym2{});
     spec.stressed = true;
     if (moving) table.error("stress", "stress before loading is part of static scenes only", "remove [elastic.time]");
   }
-  spec.velocity = pair(body, "velocity", value_rule).value_or(Vec2{});
-  spec.spin = body.number("spin", value_rule).value_or(0);
-  if (!moving && (body.has("velocity") || body.has("spin"))) {
-    body.error(body.has("velocity") ? "velocity" : "spin", "nothing moves without [elastic.time]",
+  spec.velocity = pair(body, "velocity").value_or(Vec2{});
+  spec.spin = body.value("angular_velocity");
+  if (!moving && (body.has("velocity") || body.has("angular_velocity"))) {
+    body.error(body.has("velocity") ? "velocity" : "angular_velocity", "nothing moves without [elastic.time]",
                "add it, or remove this key");
   }
   if (moving && spec.held && !spec.pins.empty()) {
     body.error("support", "pins hold bodies that turn; a body with held sides does not", "use one or the other");
   }
-  if (const auto elements = body.integer("elements", 1, 10000)) {
+  if (const auto elements = body.integer("elements")) {
     for (bem::Loop& loop : spec.region.loops) {
       for (bem::Side& side : loop) side.elements = static_cast<std::size_t>(*elements);
     }
   }
-  const double grading = body.number("grading", {1, false, 6, false, ""}).value_or(moving ? 1 : 2);
+  const double grading = body.number("grading").value_or(moving ? 1 : 2);
   for (bem::Loop& loop : spec.region.loops) {
     // Stress is singular at corners: elements get shorter towards them.
     for (bem::Side& side : loop) {
@@ -373,6 +444,16 @@ void check_overlaps(const std::vector<BodySpec>& bodies, Problems& problems) {
 }
 
 }  // namespace
+
+const KeyTable& elastic_scene_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "elastic scene", .keys = head_keys()};
+    table.keys.push_back({"elastic", key::table(&elastic_keys), "", "the problem"});
+    table.keys.push_back({"body", key::tables(&elastic_body_keys), required, "elastic bodies"});
+    return table;
+  }();
+  return keys;
+}
 
 double TimeFunction::operator()(double t) const {
   switch (kind) {
@@ -430,46 +511,35 @@ std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, 
     problems.error(tree.error().line, "TOML", tree.error().what, "mend the syntax: see https://toml.io");
     return std::unexpected(std::move(problems).take_errors());
   }
-  constexpr std::array<string_view, 7> root_keys{"schema", "title", "seed", "rock", "elastic", "body", "output"};
-  const TableReader root{*tree, 1, "", problems, root_keys};
+  const TableReader root{*tree, 1, "", problems, elastic_scene_keys()};
   BodiesScene scene;
   parse_plane_head(root, text, shown, scene);
   const RockDefaults defaults = parse_rock_defaults(root);
   bem::PlaneState plane = bem::PlaneState::strain;
-  constexpr std::array<string_view, 10> elastic_keys{"plane",       "gravity", "order", "element", "tolerance",
-                                                     "integration", "points",  "time",  "stress",  "frequencies"};
   const TomlTable empty;
   const TomlTable* section = root.table("elastic");
   const TableReader elastic{section != nullptr ? *section : empty, root.line_of("elastic"), "elastic", problems,
-                            elastic_keys};
+                            elastic_keys()};
   {
-    constexpr std::array<string_view, 2> planes{"strain", "stress"};
-    constexpr std::array<string_view, 3> orders{"constant", "linear", "quadratic"};
-    if (elastic.choice("plane", planes) == std::size_t{1}) plane = bem::PlaneState::stress;
-    scene.options.mesh.order = static_cast<bem::Order>(elastic.choice("order", orders).value_or(2));
-    scene.options.mesh.element = elastic.number("element", rule::length).value_or(0);
-    scene.options.integration = elastic.number("integration", {1e-15, false, 1e-2, false, ""}).value_or(1e-10);
-    scene.tolerance = elastic.number("tolerance", {1e-12, false, 1, false, ""});
-    scene.stress = elastic.boolean("stress").value_or(true);
-    scene.frequencies = static_cast<std::size_t>(elastic.integer("frequencies", 0, 100).value_or(0));
+    plane = elastic.word<bem::PlaneState>("plane");
+    scene.options.mesh.order = elastic.word<bem::Order>("order");
+    scene.options.mesh.element = elastic.number("element").value_or(0);
+    scene.options.integration = elastic.value("integration");
+    scene.tolerance = elastic.number("tolerance");
+    scene.stress = elastic.flag("stress");
+    scene.frequencies = static_cast<std::size_t>(elastic.count("frequencies"));
     if (const TomlEntry* g = elastic.find("gravity")) {
       if (std::holds_alternative<TomlArray>(g->node.value)) {
-        scene.gravity = pair(elastic, "gravity", rule::acceleration).value_or(Vec2{});
+        scene.gravity = pair(elastic, "gravity").value_or(Vec2{});
       } else {
-        scene.gravity = {0, -elastic.number("gravity", rule::acceleration).value_or(0)};
+        scene.gravity = {0, -elastic.number("gravity").value_or(0)};
       }
     }
     parse_elastic_time(elastic, scene);
   }
-  constexpr std::array<string_view, 18> body_keys{"name",  "outline", "circle",  "arcs",    "holes",   "round_holes",
-                                                  "young", "poisson", "density", "support", "load",    "velocity",
-                                                  "spin",  "extent",  "surface", "in_situ", "grading", "elements"};
-  const auto found = root.tables("body");
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto body = reader(*found[i], fmt::format("body[{}]", i + 1), problems, body_keys);
-    parse_body(body, defaults, plane, scene.time.has_value(), scene.bodies);
-  }
-  if (found.empty()) problems.error(1, "body", "there is no body", "write at least one [[body]]");
+  const std::vector<TableReader> bodies = root.each("body");
+  for (const TableReader& body : bodies) parse_body(body, defaults, plane, scene.time.has_value(), scene.bodies);
+  if (bodies.empty()) problems.error(1, "body", "there is no body", "write at least one [[body]]");
   if (problems.errors() == 0) check_overlaps(scene.bodies, problems);
   parse_elastic_points(elastic, scene);
   if (problems.errors() != 0) return std::unexpected(std::move(problems).take_errors());

@@ -38,6 +38,123 @@ constexpr auto solver_names = [] {
 static_assert(solver_name(static_cast<ContactSolver>(solver_names.size())).empty(),
               "a solver that no scene can ask for");
 
+constexpr NumberRule downwards_rule{0, false, 1e3, false, " m/s2, downwards (a direction: [x, y])"};
+constexpr std::array<string_view, 1> fixed_word{"fixed"};
+constexpr std::array<string_view, 1> auto_word{"auto"};
+
+const KeyTable& contact_strength_keys() {
+  static const KeyTable keys{.name = "joints of bodies",
+                             .keys = {{"friction", key::number(rule::friction), "30", "degrees"},
+                                      {"cohesion", key::number(rule::stress), "0", "Pa, until a contact breaks"},
+                                      {"tension", key::number(rule::stress), "0", "Pa, until a contact breaks"}}};
+  return keys;
+}
+
+const KeyTable& contact_load_keys() {
+  static const KeyTable keys{
+      .name = "contact body.load", .keys = body_load_keys(), .one_of = {{"pressure", "traction", "force"}}};
+  return keys;
+}
+
+const KeyTable& contact_support_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "contact body.support", .keys = side_keys()};
+    table.keys.push_back({"kind", key::word(fixed_word), required, "clamped sides"});
+    return table;
+  }();
+  return keys;
+}
+
+const KeyTable& repeat_keys() {
+  static const KeyTable keys{
+      .name = "body.repeat",
+      .keys = {{"count", key::whole(1, 100'000), required, "bodies"},
+               {"shift", key::pair(rule::coordinate), "[0, 0]", "`[x, y]` in m, of each once more"},
+               {"rotation", key::number(rule::turn), "0", "degrees about `centre`, of each once more", "turn"},
+               {"centre", key::pair(rule::coordinate), "", "`[x, y]` in m, of the rotation", "about"}}};
+  return keys;
+}
+
+const KeyTable& rock_strength_keys() {
+  static const KeyTable keys{.name = "contact.strength",
+                             .keys = {{"cohesion", key::number({0, false, 1e12, false, " Pa"}), required, "Pa"},
+                                      {"friction", key::number({0, false, 89, false, " degrees"}), required, "degrees"},
+                                      {"tension", key::number({0, false, 1e12, false, " Pa"}), required, "Pa"}}};
+  return keys;
+}
+
+const KeyTable& history_point_keys() {
+  static const KeyTable keys{.name = "contact.points", .keys = history_keys()};
+  return keys;
+}
+
+const KeyTable& contact_keys() {
+  static const KeyTable keys{
+      .name = "contact",
+      .keys = {
+          {"duration", key::number(time_rule), "", "s; with `static` the longest relaxation"},
+          {"step", key::number(time_rule), "from size, speed and how fast loads change",
+           "s, the first step; it is cut where contacts do not converge or bodies move too far"},
+          {"max_step", key::number(time_rule), "`step`", "s; when larger, steps grow while little moves"},
+          {"static", key::flag(), "false",
+           "true: relax to rest (implicit steps, each from rest, so without `velocity` and loads in time); no rest "
+           "found: exit code 4"},
+          {"gravity", key::either({key::number(downwards_rule), key::pair(rule::acceleration)}), "9.81",
+           "m/s2 downwards (not negative), or `[x, y]`"},
+          {"rigid", key::either({key::flag(), key::word(auto_word)}), "\"auto\"",
+           "`true`: three freedoms a body; `false`: elastic; `\"auto\"`: elastic where a body is clamped or strains "
+           "may "
+           "reach 1e-4; `cleave plan` says which and why"},
+          {"solver", key::word(solver_names), "\"cascade\"",
+           "`open_close` (that of Fu 2014), `newton`, `continuation`, `lemke`, or all of them, cheapest first"},
+          {"restitution", key::number({0, false, 1, false, ""}), "0",
+           "of the normal velocity at impacts of rigid bodies"},
+          {"max_displacement", key::number({0, true, 1, false, ""}), "0.05",
+           "of the scene's extent: no corner moves further in one step", "largest_move"},
+          {"points", key::tables(&history_point_keys), "[]",
+           "`[{ name, at = [x, y], body }]`: histories in points.csv, summary.json and the report"},
+          {"frames", key::whole(1, 5000), "120", "pictures kept for the animation and the VTU series"},
+          {"plane", key::word(plane_words), "\"strain\"", "of elastic bodies: plane strain or plane stress"},
+          {"element", key::number(rule::length), "a quarter of the body", "m, longest element of elastic bodies"},
+          {"modes", key::whole(0, 10'000), "0", "of an elastic body; 0: all, which keeps static compliance exact"},
+          {"estimate", key::flag(), "false",
+           "true: an estimate of the error of the steps, by two more runs with twice and four times the step"},
+          {"strength", key::table(&rock_strength_keys), "",
+           "`{ cohesion, friction, tension }` of the rock of elastic bodies (Pa, degrees, Pa): `safety` of their "
+           "stress"},
+          {"damping", key::number({0, false, 10, false, ""}), "0", "share of critical damping of elastic vibrations"}}};
+  return keys;
+}
+
+const KeyTable& contact_body_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "contact body",
+                   .keys = outline_keys(),
+                   .one_of = {{"outline", "rectangle", "polygon", "circle", "voussoir"}}};
+    const std::vector<Key> more{
+        {"name", key::text(), "`body N`", "in the results"},
+        {"repeat", key::table(&repeat_keys), "",
+         "`{ count, shift, rotation, centre }`: so many bodies: stacks, rows, arches. `velocity` and the directions of "
+         "loads stay as written. Names become \"NAME 1\", \"NAME 2\", ..."},
+        {"fixed", key::flag(), "false", "never moves"},
+        {"joint", key::either({key::text(), key::texts()}), "\"default\"",
+         "`[joints.NAME]` of all sides, or a list with one name a side. A side of joint `default` takes the other's; "
+         "of "
+         "two names the weaker of each strength counts"},
+        {"velocity", key::pair(speed_rule), "[0, 0]", "m/s at the start"},
+        {"angular_velocity", key::number(angular_velocity_rule), "0", "rad/s at the start", "spin"},
+        {"support", key::tables(&contact_support_keys), "[]",
+         "clamped sides of an elastic body, which then moves only by deforming (in a rigid run it is fixed)"},
+        {"load", key::tables(&contact_load_keys), "[]",
+         "as for other bodies: `pressure`, `traction`, or `force` with `at` (on the body, of an elastic one on its "
+         "outline); `time` not with `static`"}};
+    table.keys.insert(table.keys.end(), more.begin(), more.end());
+    for (Key& key : material_keys()) table.keys.push_back(std::move(key));
+    return table;
+  }();
+  return keys;
+}
+
 /// A list of sides, counted from 1 in the order in which the corners are written.
 std::vector<std::size_t> sides_of(const TableReader& table, const ContactOutline& outline) {
   std::vector<std::size_t> out;
@@ -52,7 +169,7 @@ std::vector<std::size_t> sides_of(const TableReader& table, const ContactOutline
     }
     out.push_back(outline.side_of[static_cast<std::size_t>(side) - 1]);
   };
-  if (const auto side = table.integer("side", 1, 1000000)) push(*side, "side");
+  if (const auto side = table.integer("side")) push(*side, "side");
   if (const TomlEntry* sides = table.find("sides")) {
     const auto* array = std::get_if<TomlArray>(&sides->node.value);
     const auto* word = std::get_if<std::string>(&sides->node.value);
@@ -78,12 +195,9 @@ std::vector<std::size_t> sides_of(const TableReader& table, const ContactOutline
 }
 
 void parse_loads(const TableReader& body, const ContactOutline& outline, ContactBody& spec) {
-  constexpr std::array<string_view, 7> keys{"side", "sides", "at", "pressure", "traction", "force", "time"};
-  constexpr std::array<string_view, 3> kinds{"pressure", "traction", "force"};
-  const auto found = body.tables("load");
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto table = reader(*found[i], fmt::format("{}[{}]", body.path_of("load"), i + 1), body.problems(), keys);
-    const TomlEntry* kind = table.one_of(kinds);
+  const std::vector<TableReader> found = body.each("load");
+  for (const TableReader& table : found) {
+    const TomlEntry* kind = table.one_of();
     if (kind == nullptr) continue;
     const bool point = kind->key == "force";
     for (const string_view key : {"side", "sides", "at"}) {
@@ -98,15 +212,15 @@ void parse_loads(const TableReader& body, const ContactOutline& outline, Contact
     load.timed = table.has("time");
     if (point) {
       if (!table.has("at")) table.missing("at", "write where the force acts: at = [x, y]");
-      load.at = pair(table, "at", rule::coordinate).value_or(Vec2{});
-      load.force = pair(table, "force", value_rule).value_or(Vec2{});
+      load.at = pair(table, "at").value_or(Vec2{});
+      load.force = pair(table, "force").value_or(Vec2{});
       spec.loads.push_back(load);
       continue;
     }
     if (kind->key == "pressure") {
-      load.pressure = table.number("pressure", value_rule).value_or(0);
+      load.pressure = table.number("pressure").value_or(0);
     } else {
-      load.traction = pair(table, "traction", value_rule).value_or(Vec2{});
+      load.traction = pair(table, "traction").value_or(Vec2{});
     }
     for (const std::size_t side : sides_of(table, outline)) {
       load.side = side;
@@ -116,13 +230,10 @@ void parse_loads(const TableReader& body, const ContactOutline& outline, Contact
 }
 
 void parse_supports(const TableReader& body, const ContactOutline& outline, ContactBody& spec) {
-  constexpr std::array<string_view, 3> keys{"side", "sides", "kind"};
-  constexpr std::array<string_view, 1> kinds{"fixed"};
-  const auto found = body.tables("support");
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto table = reader(*found[i], fmt::format("{}[{}]", body.path_of("support"), i + 1), body.problems(), keys);
+  const std::vector<TableReader> found = body.each("support");
+  for (const TableReader& table : found) {
     if (!table.has("kind")) table.missing("kind", "write kind = \"fixed\": a side that is clamped");
-    if (!table.choice("kind", kinds) && table.has("kind")) continue;
+    if (!table.choice("kind") && table.has("kind")) continue;
     for (const std::size_t side : sides_of(table, outline)) {
       spec.held.resize(spec.corners.size(), false);
       spec.held[side] = true;
@@ -186,19 +297,19 @@ struct Repeat {
 
 Repeat parse_repeat(const TableReader& body) {
   Repeat out;
-  const TomlTable* found = body.table("repeat");
-  if (found == nullptr) return out;
-  constexpr std::array<string_view, 4> keys{"count", "shift", "turn", "about"};
-  const TableReader table{*found, body.line_of("repeat"), body.path_of("repeat"), body.problems(), keys};
+  const auto found = body.sub("repeat");
+  if (!found) return out;
+  const TableReader& table = *found;
   if (!table.has("count")) table.missing("count", "write how many bodies: count = 12");
-  out.count = static_cast<std::size_t>(table.integer("count", 1, 100000).value_or(1));
-  out.shift = pair(table, "shift", rule::coordinate).value_or(Vec2{});
-  out.turn = table.number("turn", rule::turn).value_or(0);
-  out.about = pair(table, "about", rule::coordinate).value_or(Vec2{});
-  if (!table.has("shift") && !table.has("turn")) {
-    table.missing("shift", "write shift = [x, y] or turn = DEGREES with about = [x, y]");
+  out.count = static_cast<std::size_t>(table.integer("count").value_or(1));
+  out.shift = pair(table, "shift").value_or(Vec2{});
+  out.turn = table.number("rotation").value_or(0);
+  out.about = pair(table, "centre").value_or(Vec2{});
+  if (!table.has("shift") && !table.has("rotation")) {
+    table.missing("shift", "write shift = [x, y] or rotation = DEGREES with centre = [x, y]");
   }
-  if (table.has("turn") && !table.has("about")) table.missing("about", "write about which point: about = [x, y]");
+  if (table.has("rotation") && !table.has("centre"))
+    table.missing("centre", "write about which point: centre = [x, y]");
   return out;
 }
 
@@ -207,10 +318,10 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, const Joi
   ContactBody spec;
   spec.line = body.line();
   spec.name = body.text("name").value_or(fmt::format("body {}", bodies.size() + 1));
-  spec.fixed = body.boolean("fixed").value_or(false);
-  const auto own_young = body.number("young", young_rule);
-  const auto own_poisson = body.number("poisson", poisson_rule);
-  const auto own_density = body.number("density", body_density_rule);
+  spec.fixed = body.flag("fixed");
+  const auto own_young = body.number("young");
+  const auto own_poisson = body.number("poisson");
+  const auto own_density = body.number("density");
   spec.young = own_young ? own_young : defaults.young;
   spec.poisson = own_poisson ? own_poisson : defaults.poisson;
   spec.density = own_density.value_or(defaults.density);
@@ -222,12 +333,12 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, const Joi
   parse_side_joints(body, outline, joints, spec);
   parse_supports(body, outline, spec);
   parse_loads(body, outline, spec);
-  spec.velocity = pair(body, "velocity", value_rule).value_or(Vec2{});
-  spec.spin = body.number("spin", value_rule).value_or(0);
-  for (const string_view key : {"velocity", "spin", "load"}) {
+  spec.velocity = pair(body, "velocity").value_or(Vec2{});
+  spec.spin = body.number("angular_velocity").value_or(0);
+  for (const string_view key : {"velocity", "angular_velocity", "load"}) {
     if (spec.fixed && body.has(key)) body.error(key, "the body is fixed", "remove this key, or fixed = true");
   }
-  for (const string_view key : {"velocity", "spin"}) {
+  for (const string_view key : {"velocity", "angular_velocity"}) {
     if (spec.clamped() && body.has(key)) {
       body.error(key, "a clamped body starts at rest", "remove this key, or support");
     }
@@ -252,8 +363,6 @@ std::vector<ContactJoint> parse_strengths(const TableReader& root) {
   std::vector<ContactJoint> out{{.name = "default"}};
   const TomlTable* found = root.table("joints");
   if (found == nullptr) return out;
-  constexpr std::array<string_view, 3> keys{"friction", "cohesion", "tension"};
-  constexpr NumberRule strength{0, false, 1e15, false, " Pa"};
   struct Named {
     TableReader table;
     std::size_t at;
@@ -267,15 +376,15 @@ std::vector<ContactJoint> parse_strengths(const TableReader& root) {
       continue;
     }
     if (entry.key != "default") out.push_back({.name = entry.key});
-    tables.push_back(
-        {TableReader{*table, entry.line, path, root.problems(), keys}, entry.key == "default" ? 0 : out.size() - 1});
+    tables.push_back({TableReader{*table, entry.line, path, root.problems(), contact_strength_keys()},
+                      entry.key == "default" ? 0 : out.size() - 1});
   }
   std::ranges::stable_sort(tables, {}, &Named::at);  // the default first: others take from it what they do not state
   for (const Named& named : tables) {
     ContactJoint& joint = out[named.at];
-    joint.friction = named.table.number("friction", rule::friction).value_or(out[0].friction);
-    joint.cohesion = named.table.number("cohesion", strength).value_or(out[0].cohesion);
-    joint.tension = named.table.number("tension", strength).value_or(out[0].tension);
+    joint.friction = named.table.number("friction").value_or(out[0].friction);
+    joint.cohesion = named.table.number("cohesion").value_or(out[0].cohesion);
+    joint.tension = named.table.number("tension").value_or(out[0].tension);
   }
   if (std::ranges::none_of(tables, [](const Named& n) { return n.at == 0 && n.table.has("friction"); }) &&
       std::ranges::any_of(out, [&](const ContactJoint& j) { return j.name == "default"; }) && tables.empty()) {
@@ -305,13 +414,12 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   ContactSettings& s = scene.settings;
   if (const TomlEntry* g = table.find("gravity")) {
     if (std::holds_alternative<TomlArray>(g->node.value)) {
-      s.gravity = pair(table, "gravity", rule::acceleration).value_or(Vec2{});
+      s.gravity = pair(table, "gravity").value_or(Vec2{});
     } else {
-      constexpr NumberRule downwards{0, false, 1e3, false, " m/s2, downwards (a direction: [x, y])"};
-      s.gravity = {0, -table.number("gravity", downwards).value_or(0)};
+      s.gravity = {0, -table.number("gravity").value_or(0)};
     }
   }
-  s.to_rest = table.boolean("static").value_or(false);
+  s.to_rest = table.flag("static");
   double smallest = 1e300, fastest = 0, load_time = 1e300;
   for (const ContactBody& body : scene.bodies) {
     if (body.fixed || body.corners.size() < 3) continue;
@@ -331,8 +439,8 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   if (g > 0) step = 0.05 * std::sqrt(smallest / g);
   if (fastest > 0) step = std::min(step, 0.01 * smallest / fastest);
   step = std::min(step, load_time / 20);
-  s.step = table.number("step", time_rule).value_or(step);
-  s.max_step = table.number("max_step", time_rule).value_or(s.step);
+  s.step = table.number("step").value_or(step);
+  s.max_step = table.number("max_step").value_or(s.step);
   if (!s.to_rest && std::max(s.step, s.max_step) > load_time / 5) {
     table.note(
         table.has("max_step") ? "max_step" : "step",
@@ -342,11 +450,11 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   if (s.max_step < s.step) table.error("max_step", "is shorter than step", "make it as long, or longer");
   if (s.to_rest) {
     const double natural = g > 0 ? std::sqrt(size_of(scene, true) / g) : 1;
-    s.duration = table.number("duration", time_rule).value_or(1000 * natural);
+    s.duration = table.number("duration").value_or(1000 * natural);
   } else {
     if (!table.has("duration"))
       table.missing("duration", "write how long to follow the bodies, in s, or static = true");
-    s.duration = table.number("duration", time_rule).value_or(1);
+    s.duration = table.number("duration").value_or(1);
   }
   if (s.duration / s.step > 5e7) {
     table.error(table.has("step") ? "step" : "duration", "makes more than fifty million steps",
@@ -355,8 +463,8 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   if (table.has("step") && s.step > s.duration) {
     table.error("step", "is longer than the whole time", "use a shorter step");
   }
-  s.solver = static_cast<ContactSolver>(table.choice("solver", solver_names).value_or(0));
-  s.restitution = table.number("restitution", {0, false, 1, false, ""}).value_or(0);
+  s.solver = table.word<ContactSolver>("solver");
+  s.restitution = table.value("restitution");
   if (const TomlEntry* rigid = table.find("rigid")) {
     const auto* word = std::get_if<std::string>(&rigid->node.value);
     const auto* flag = std::get_if<bool>(&rigid->node.value);
@@ -366,22 +474,17 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
       table.error("rigid", "must be true, false or \"auto\"", "write rigid = \"auto\"");
     }
   }
-  constexpr std::array<string_view, 2> planes{"strain", "stress"};
-  if (table.choice("plane", planes) == std::size_t{1}) s.plane = bem::PlaneState::stress;
-  s.element = table.number("element", rule::length).value_or(0);
-  s.modes = static_cast<std::size_t>(table.integer("modes", 0, 10000).value_or(0));
-  s.damping = table.number("damping", {0, false, 10, false, ""}).value_or(0);
-  s.largest_move = table.number("largest_move", {0, true, 1, false, ""}).value_or(s.largest_move);
-  s.frames = static_cast<std::size_t>(table.integer("frames", 1, 5000).value_or(120));
-  s.estimate = table.boolean("estimate").value_or(false);
-  if (const TomlTable* found = table.table("strength")) {
-    constexpr std::array<string_view, 3> strength_keys{"cohesion", "friction", "tension"};
-    const TableReader strength{*found, table.line_of("strength"), table.path_of("strength"), table.problems(),
-                               strength_keys};
-    s.strength =
-        RockStrength{.cohesion = strength.need_number("cohesion", {0, false, 1e12, false, " Pa"}).value_or(0),
-                     .friction = strength.need_number("friction", {0, false, 89, false, " degrees"}).value_or(0),
-                     .tension = strength.need_number("tension", {0, false, 1e12, false, " Pa"}).value_or(0)};
+  s.plane = table.word<bem::PlaneState>("plane");
+  s.element = table.number("element").value_or(0);
+  s.modes = static_cast<std::size_t>(table.count("modes"));
+  s.damping = table.value("damping");
+  s.largest_move = table.value("max_displacement");
+  s.frames = static_cast<std::size_t>(table.count("frames"));
+  s.estimate = table.flag("estimate");
+  if (const auto strength = table.sub("strength")) {
+    s.strength = RockStrength{.cohesion = strength->need_number("cohesion").value_or(0),
+                              .friction = strength->need_number("friction").value_or(0),
+                              .tension = strength->need_number("tension").value_or(0)};
   }
 }
 
@@ -409,14 +512,13 @@ std::optional<std::size_t> body_at(const std::vector<ContactBody>& bodies, Vec2 
 }
 
 void parse_points(const TableReader& table, ContactScene& scene) {
-  constexpr std::array<string_view, 3> keys{"name", "at", "body"};
-  const auto found = table.tables("points");
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto point = reader(*found[i], fmt::format("contact.points[{}]", i + 1), table.problems(), keys);
+  std::size_t number = 0;
+  for (const TableReader& point : table.each("points")) {
+    ++number;
     if (!point.has("at")) point.missing("at", "write at = [x, y]");
-    const auto at = pair(point, "at", rule::coordinate);
+    const auto at = pair(point, "at");
     if (!at) continue;
-    PointSpec spec{.name = point.text("name").value_or(fmt::format("point {}", i + 1)), .at = *at, .body = 0};
+    PointSpec spec{.name = point.text("name").value_or(fmt::format("point {}", number)), .at = *at, .body = 0};
     if (spec.name.empty()) point.error("name", "is empty", "give a name, or remove the key");
     if (std::ranges::find(scene.points, spec.name, &PointSpec::name) != scene.points.end()) {
       point.error("name", fmt::format("\"{}\" is the name of another point, too", spec.name),
@@ -474,7 +576,7 @@ void check_rest(const ContactScene& scene, Problems& problems) {
     if (!(body.velocity == Vec2{}) || body.spin != 0) {
       problems.error(body.line, "body.velocity",
                      fmt::format("\"{}\" has a speed at the start, but static = true starts from rest", body.name),
-                     "remove velocity and spin, or static = true");
+                     "remove velocity and angular_velocity, or static = true");
     }
     for (const ContactLoad& load : body.loads) {
       if (!load.timed) continue;
@@ -521,6 +623,19 @@ void check_elastic(const ContactScene& scene, const TableReader& contact, Proble
 
 }  // namespace
 
+const KeyTable& contact_scene_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "contact scene", .keys = head_keys()};
+    table.keys.push_back({"joints", key::named(key::table(&contact_strength_keys)), "",
+                          "strength by name; `[joints.default]` for what the others do not state"});
+    table.keys.push_back({"contact", key::table(&contact_keys), required, "the problem"});
+    table.keys.push_back(
+        {"body", key::tables(&contact_body_keys), required, "bodies that touch, slide, fall and come to rest"});
+    return table;
+  }();
+  return keys;
+}
+
 string_view name_of(ContactSolver solver) noexcept { return solver_name(solver); }
 
 bool is_contact_scene(string_view text) {
@@ -539,31 +654,20 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
     problems.error(tree.error().line, "TOML", tree.error().what, "mend the syntax: see https://toml.io");
     return std::unexpected(std::move(problems).take_errors());
   }
-  constexpr std::array<string_view, 8> root_keys{"schema", "title",   "seed", "rock",
-                                                 "joints", "contact", "body", "output"};
-  const TableReader root{*tree, 1, "", problems, root_keys};
+  const TableReader root{*tree, 1, "", problems, contact_scene_keys()};
   ContactScene scene;
   parse_plane_head(root, text, shown, scene);
   const RockDefaults defaults = parse_rock_defaults(root);
   scene.joints = parse_strengths(root);
   const JointNames joints{scene.joints};
-  constexpr std::array<string_view, 16> body_keys{"name",  "outline", "rectangle", "polygon", "circle", "voussoir",
-                                                  "fixed", "density", "young",     "poisson", "joint",  "support",
-                                                  "load",  "spin",    "velocity",  "repeat"};
-  const auto found = root.tables("body");
+  const std::vector<TableReader> bodies = root.each("body");
   std::map<std::string, std::uint32_t> names;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto body = reader(*found[i], fmt::format("body[{}]", i + 1), problems, body_keys);
-    parse_body(body, defaults, joints, scene.bodies, names);
-  }
-  if (found.empty()) problems.error(1, "body", "there is no body", "write at least one [[body]]");
-  constexpr std::array<string_view, 17> contact_keys{
-      "strength", "estimate", "gravity", "duration", "step",    "max_step", "static", "solver",      "restitution",
-      "rigid",    "plane",    "element", "modes",    "damping", "frames",   "points", "largest_move"};
+  for (const TableReader& body : bodies) parse_body(body, defaults, joints, scene.bodies, names);
+  if (bodies.empty()) problems.error(1, "body", "there is no body", "write at least one [[body]]");
   const TomlTable* section = root.table("contact");
   const TomlTable empty;
   const TableReader contact{section != nullptr ? *section : empty, root.line_of("contact"), "contact", problems,
-                            contact_keys};
+                            contact_keys()};
   if (section != nullptr) {
     parse_settings(contact, scene);
     parse_points(contact, scene);

@@ -14,56 +14,114 @@ using std::string_view;
 
 namespace {
 constexpr NumberRule any_time{0, false, 1e12, false, " s"};
+constexpr std::array<string_view, 4> schemes{"generalized_alpha", "newmark", "houbolt", "backward_euler"};
+constexpr std::array<string_view, 3> orders{"constant", "linear", "quadratic"};  // of bem::Order
+
+const KeyTable& damping_keys() {
+  static const KeyTable keys{
+      .name = "elastic.time.damping",
+      .keys = {{"share", key::number({0, false, 10, false, ""}), "0", "of critical damping, of every mode"},
+               {"alpha", key::number({0, false, 1e9, false, " 1/s"}), "0", "1/s, times the mass"},
+               {"beta", key::number(any_time), "0", "s, times the stiffness"}}};
+  return keys;
+}
+
+const KeyTable& time_keys() {
+  static const KeyTable keys{
+      .name = "elastic.time",
+      .keys = {
+          {"end", key::number(time_rule), required, "s"},
+          {"step", key::number(time_rule), required, "s"},
+          {"scheme", key::word(schemes), "\"generalized_alpha\"", "integration in time"},
+          {"rho", key::number({0, false, 1, false, ""}), "0.8", "spectral radius of `generalized_alpha`"},
+          {"beta", key::number({0, true, 1, false, ""}), "0.25", "of `newmark`"},
+          {"gamma", key::number({0.5, false, 1, false, ""}), "0.5", "of `newmark`"},
+          {"damping", key::table(&damping_keys), "", "`{ share, alpha, beta }`"},
+          {"frames", key::whole(1, 2000), "60", "pictures kept"},
+          {"modes", key::whole(0, 1000), "", "of each body; none: of free bodies all that the mesh has"},
+          {"rebuild", key::number({0, false, 1, false, ""}), "0.02",
+           "change of the boundary's tangent (stretch, or local rotation against the body) since its operator was "
+           "built, at which it is built again in the deformed shape; 0: never"},
+          {"estimate", key::flag(), "true",
+           "of the error, by two more runs of half and a quarter of the elements and modes and two and four times the "
+           "step"}}};
+  return keys;
+}
+
+const KeyTable& point_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "elastic.points", .keys = history_keys()};
+    table.keys.push_back({"stress", key::flag(), "false", "true: its stress, too"});
+    return table;
+  }();
+  return keys;
+}
 }  // namespace
 
+const KeyTable& elastic_keys() {
+  static const KeyTable keys{
+      .name = "elastic",
+      .keys = {{"plane", key::word(plane_words), "\"strain\"", "plane strain or plane stress"},
+               {"gravity", key::either({key::number(rule::acceleration), key::pair(rule::acceleration)}), "0",
+                "m/s2 downwards, or `[x, y]`"},
+               {"order", key::word(orders), "\"quadratic\"", "of the elements"},
+               {"element", key::number(rule::length), "a sixteenth of the size", "m, longest element"},
+               {"tolerance", key::number({1e-12, false, 1, false, ""}), "",
+                "elements are doubled until displacements change by less, relative; not reached after 6 meshes: exit "
+                "code 4"},
+               {"integration", key::number({1e-15, false, 1e-2, false, ""}), "1e-10",
+                "relative error target of the integrals"},
+               {"stress", key::flag(), "true",
+                "contours of stress inside (static scenes); stress on the boundary in each frame (moving ones)"},
+               {"points", key::tables(&point_keys), "[]",
+                "displacements (and with `stress` the stress) on the boundary or inside, in summary.json, points.csv "
+                "and the report; of each frame in moving scenes"},
+               {"frequencies", key::whole(0, 100), "0",
+                "so many natural frequencies of every body that stands alone, in summary.json and the report (moving "
+                "scenes: 6 without it)"},
+               {"time", key::table(&time_keys), "none: static", "bodies move, below"}}};
+  return keys;
+}
+
 void parse_elastic_time(const TableReader& elastic, BodiesScene& scene) {
-  const TomlTable* found = elastic.table("time");
-  if (found == nullptr) return;
-  constexpr std::array<string_view, 11> keys{"end",     "step",   "scheme", "rho",     "beta",    "gamma",
-                                             "damping", "frames", "modes",  "rebuild", "estimate"};
-  constexpr std::array<string_view, 4> schemes{"generalized_alpha", "newmark", "houbolt", "backward_euler"};
-  const TableReader table{*found, elastic.line_of("time"), elastic.path_of("time"), elastic.problems(), keys};
+  const auto found = elastic.sub("time");
+  if (!found) return;
+  const TableReader& table = *found;
   TimeSettings time;
-  time.end = table.need_number("end", time_rule).value_or(1);
-  time.step = table.need_number("step", time_rule).value_or(1);
+  time.end = table.need_number("end").value_or(1);
+  time.step = table.need_number("step").value_or(1);
   if (time.end / time.step > 5e7)
     table.error("step", "makes more than fifty million steps", "use a longer step or a shorter time");
   if (time.step > time.end) table.error("step", "is longer than the whole time", "use a shorter step");
-  switch (table.choice("scheme", schemes).value_or(0)) {
-    case 0: time.scheme = bem::GeneralizedAlpha{table.number("rho", {0, false, 1, false, ""}).value_or(0.8)}; break;
-    case 1:
-      time.scheme = bem::Newmark{table.number("beta", {0, true, 1, false, ""}).value_or(0.25),
-                                 table.number("gamma", {0.5, false, 1, false, ""}).value_or(0.5)};
-      break;
+  switch (table.word<std::size_t>("scheme")) {
+    case 0: time.scheme = bem::GeneralizedAlpha{table.value("rho")}; break;
+    case 1: time.scheme = bem::Newmark{table.value("beta"), table.value("gamma")}; break;
     case 2: time.scheme = bem::Houbolt{}; break;
     default: time.scheme = bem::BackwardEuler{}; break;
   }
-  if (const TomlTable* d = table.table("damping")) {
-    constexpr std::array<string_view, 3> damping_keys{"share", "alpha", "beta"};
-    const TableReader damping{*d, table.line_of("damping"), table.path_of("damping"), table.problems(), damping_keys};
-    time.damping.share = damping.number("share", {0, false, 10, false, ""}).value_or(0);
-    time.damping.alpha = damping.number("alpha", {0, false, 1e9, false, " 1/s"}).value_or(0);
-    time.damping.beta = damping.number("beta", any_time).value_or(0);
+  if (const auto damping = table.sub("damping")) {
+    time.damping.share = damping->value("share");
+    time.damping.alpha = damping->value("alpha");
+    time.damping.beta = damping->value("beta");
   }
-  time.frames = static_cast<std::size_t>(table.integer("frames", 1, 2000).value_or(60));
-  if (const auto modes = table.integer("modes", 0, 1000)) time.modes = static_cast<std::size_t>(*modes);
-  time.rebuild = table.number("rebuild", {0, false, 1, false, ""}).value_or(time.rebuild);
-  time.estimate = table.boolean("estimate").value_or(time.estimate);
+  time.frames = static_cast<std::size_t>(table.count("frames"));
+  if (const auto modes = table.integer("modes")) time.modes = static_cast<std::size_t>(*modes);
+  time.rebuild = table.value("rebuild");
+  time.estimate = table.flag("estimate");
   scene.time = time;
 }
 
 void parse_elastic_points(const TableReader& elastic, BodiesScene& scene) {
-  const auto points = elastic.tables("points");
-  constexpr std::array<string_view, 4> point_keys{"name", "at", "body", "stress"};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto table = reader(*points[i], fmt::format("elastic.points[{}]", i + 1), elastic.problems(), point_keys);
-    const auto at = pair(table, "at", rule::coordinate);
+  std::size_t number = 0;
+  for (const TableReader& table : elastic.each("points")) {
+    ++number;
+    const auto at = pair(table, "at");
     if (!table.has("at")) table.missing("at", "write at = [x, y]");
     if (!at) continue;
-    PointSpec point{.name = table.text("name").value_or(fmt::format("point {}", i + 1)),
+    PointSpec point{.name = table.text("name").value_or(fmt::format("point {}", number)),
                     .at = *at,
                     .body = 0,
-                    .stress = table.boolean("stress").value_or(false)};
+                    .stress = table.flag("stress")};
     const auto wanted = table.text("body");
     bool known = false;
     for (std::size_t b = 0; b < scene.bodies.size() && !known; ++b) {

@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
+#include "bounds.hpp"
 #include "cleave/geometry/tunnel.hpp"
 #include "context.hpp"
 #include "key_tables.hpp"
@@ -273,9 +276,15 @@ const KeyTable& excavation_keys() {
 void parse_excavations(Context& context, const TableReader& root, const std::optional<geometry::Solid>& domain,
                        std::vector<Excavation>& excavations) {
   for (const TableReader& table : root.each("excavation")) {
-    for (Excavation& excavation : parse_excavation(context, table, domain)) {
-      excavations.push_back(std::move(excavation));
+    std::vector<Excavation> made = parse_excavation(context, table, domain);
+    const bool outside = domain && !made.empty() && std::ranges::all_of(made, [&](const Excavation& excavation) {
+                           return parted(excavation.solid, *domain);
+                         });
+    if (outside) {
+      context.problems.error(table.line(), table.path(), "removes no rock: it lies wholly outside the domain",
+                             "move it into the domain, or enlarge the domain");
     }
+    std::ranges::move(made, std::back_inserter(excavations));
   }
 }
 

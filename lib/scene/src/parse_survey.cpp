@@ -12,6 +12,7 @@
 #include "cleave/scene/survey_file.hpp"
 #include "context.hpp"
 #include "file_input.hpp"
+#include "key_tables.hpp"
 #include "survey_rows.hpp"
 #include "survey_table.hpp"
 
@@ -25,24 +26,116 @@ constexpr NumberRule trend_rule{0, false, 360, false, " degrees"};
 constexpr NumberRule plunge_rule{-90, false, 90, false, " degrees"};
 constexpr NumberRule truncation_rule{0, false, 1e6, false, " m"};
 
-std::optional<std::vector<std::array<double, 2>>> pairs(const TableReader& table, string_view key) {
-  const TomlEntry* entry = table.find(key);
-  if (entry == nullptr) return std::nullopt;
-  const auto* array = std::get_if<TomlArray>(&entry->node.value);
-  std::vector<std::array<double, 2>> result;
-  for (std::size_t i = 0; array != nullptr && i < array->items.size(); ++i) {
-    const auto* pair = std::get_if<TomlArray>(&array->items[i].value);
-    if (pair == nullptr || pair->items.size() != 2) {
-      result.clear();
-      break;
-    }
-    const std::string path = fmt::format("{}[{}]", table.path_of(key), i + 1);
-    const auto a = table.number_of(pair->items[0], path, rule::coordinate);
-    const auto b = table.number_of(pair->items[1], path, rule::coordinate);
-    if (!a || !b) return std::nullopt;
-    result.push_back({*a, *b});
-  }
-  if (result.size() >= 3) return result;
+constexpr NumberRule scale_rule{0, true, 1e9, false, " m"};
+constexpr NumberRule kappa_rule{0, true, 1e6, false, ""};
+constexpr NumberRule aspect_rule{1, false, 1000, false, ""};
+constexpr NumberRule confidence_rule{0.5, false, 0.9999, false, ""};
+constexpr NumberRule cap_rule{1, false, 1000, false, ""};
+/// In the order of survey::JointShape.
+constexpr std::array<string_view, 3> shape_words{"disc", "ellipse", "rectangle"};
+
+const KeyTable& line_direction_keys() {
+  static const KeyTable keys{.name = "orientations.line",
+                             .keys = {{"trend", key::number(trend_rule), required, "degrees"},
+                                      {"plunge", key::number(plunge_rule), required, "degrees below horizontal"}}};
+  return keys;
+}
+
+const KeyTable& outcrop_keys() {
+  static const KeyTable keys{.name = "orientations.outcrop",
+                             .keys = {{"dip", key::number(rule::dip), required, "degrees"},
+                                      {"dip_direction", key::number(rule::dip_direction), required, "degrees"}}};
+  return keys;
+}
+
+const KeyTable& orientations_keys() {
+  static const KeyTable keys{
+      .name = "orientations",
+      .keys = {
+          {"file", key::text(), required,
+           "table with `dip` and `dip_direction` or `strike` (right-hand rule), or `trend` and `plunge` of the pole"},
+          {"set", key::text(), "", "of all rows; or a column `set`"},
+          {"columns", key::texts(), "[]", "names of the columns of a table without a header"},
+          {"wrap", key::flag(), "false", "true: accept angles outside their range"},
+          {"line", key::table(&line_direction_keys), "", "`{ trend, plunge }` they were met on"},
+          {"outcrop", key::table(&outcrop_keys), "", "`{ dip, dip_direction }` they were met on"}}};
+  return keys;
+}
+
+const KeyTable& line_keys() {
+  static const KeyTable keys{
+      .name = "scanline",
+      .keys = {{"name", key::text(), "its number", "in the results"},
+               {"trend", key::number(trend_rule), "", "degrees, of a straight line"},
+               {"plunge", key::number(plunge_rule), "", "degrees below horizontal"},
+               {"length", key::number(rule::length), "", "m"},
+               {"points", key::points(), "", "`[[x, y, z], ...]` in m, of a bent line, instead of the three"},
+               {"file", key::text(), required,
+                "table with `distance` (m along the line) and, where measured, orientations, and `length` of the trace "
+                "with `ends` (0, 1, 2 of them seen; 2 where empty)"},
+               {"columns", key::texts(), "[]", "names of the columns of a table without a header"},
+               {"wrap", key::flag(), "false", "true: accept angles outside their range"},
+               {"truncation", key::number(truncation_rule), "0", "m: shorter traces were not recorded"}}};
+  return keys;
+}
+
+const KeyTable& map_circle_keys() {
+  static const KeyTable keys{.name = "window.circle",
+                             .keys = {{"centre", key::pair(rule::coordinate), required, "`[x, y]` of the map"},
+                                      {"radius", key::number(rule::length), required, "in units of the map"}}};
+  return keys;
+}
+
+const KeyTable& map_rectangle_keys() {
+  static const KeyTable keys{.name = "window.rectangle",
+                             .keys = {{"min", key::pair(rule::coordinate), required, "`[x, y]` of the map"},
+                                      {"max", key::pair(rule::coordinate), required, "`[x, y]` of the map"}}};
+  return keys;
+}
+
+const KeyTable& window_keys() {
+  static const KeyTable keys{
+      .name = "window",
+      .keys = {{"name", key::text(), "its number", "in the results"},
+               {"traces", key::text(), required,
+                "`.geojson` in a metric projection, `.csv` with x1,y1,x2,y2 or trace,x,y, or FracPaQ's `.txt` with "
+                "`scale`"},
+               {"scale", key::number(scale_rule), "1", "m a unit of the map (a pixel)"},
+               {"area", key::text(), "", "`.geojson` of the window"},
+               {"circle", key::table(&map_circle_keys), "", "`{ centre, radius }`"},
+               {"rectangle", key::table(&map_rectangle_keys), "", "`{ min, max }`"},
+               {"polygon", key::array(key::pair(rule::coordinate), 3), "", "`[[x, y], ...]`"},
+               {"dip", key::number(rule::dip), "0",
+                "degrees, of an inclined face (map x along the strike, y up the slope)"},
+               {"dip_direction", key::number(rule::dip_direction), "0", "degrees, of an inclined face"},
+               {"border", key::number(truncation_rule), "0",
+                "m: ends so near to the window's border count as cut off by it"},
+               {"truncation", key::number(truncation_rule), "0", "m: shorter traces were not mapped"}},
+      .one_of = {{"area", "circle", "rectangle", "polygon"}}};
+  return keys;
+}
+
+const KeyTable& set_keys() {
+  static const KeyTable keys{
+      .name = "set",
+      .keys = {{"name", key::text(), required, "of the joint set"},
+               {"polygon", key::array(key::pair(rule::coordinate), 3), "",
+                "`[[trend, plunge], ...]` of poles on the stereonet"},
+               {"azimuth", key::pair(rule::turn), "",
+                "`[from, to]` of the traces, degrees clockwise, for maps without orientations"},
+               {"dip", key::number(rule::dip), "", "degrees, stated beside `azimuth`"},
+               {"dip_direction", key::number(rule::dip_direction), "from the traces", "degrees"},
+               {"kappa", key::number(kappa_rule), "from the traces", "of the Fisher law"},
+               {"shape", key::word(shape_words), "\"disc\"", "of its joints"},
+               {"aspect", key::number(aspect_rule), "", "long over short axis or side"},
+               {"rotation", key::number(rule::turn), "0", "degrees from the strike to the long axis or side"}}};
+  return keys;
+}
+
+/// [[a, b], ...], three at least.
+std::optional<std::vector<std::array<double, 2>>> three_pairs(const TableReader& table, string_view key) {
+  auto pairs = table.pairs(key);
+  if (!pairs || pairs->size() >= 3) return pairs;
   table.error(key, "is not a list of three pairs or more", fmt::format("write {} = [[a, b], [a, b], [a, b]]", key));
   return std::nullopt;
 }
@@ -56,17 +149,12 @@ class SurveyParser final {
     const auto set = table.text("set");
     const bool wrap = table.boolean("wrap").value_or(false);
     std::optional<Vec3> line, window;
-    constexpr std::array<string_view, 2> line_keys{"trend", "plunge"}, window_keys{"dip", "dip_direction"};
-    if (const TomlTable* found = table.table("line")) {
-      const TableReader reader{*found, table.line_of("line"), table.path_of("line"), table.problems(), line_keys};
-      const auto trend = reader.need_number("trend", trend_rule), plunge = reader.need_number("plunge", plunge_rule);
+    if (const auto reader = table.sub("line")) {
+      const auto trend = reader->need_number("trend"), plunge = reader->need_number("plunge");
       if (trend && plunge) line = line_of(context_, *trend, *plunge);
     }
-    if (const TomlTable* found = table.table("outcrop")) {
-      const TableReader reader{*found, table.line_of("outcrop"), table.path_of("outcrop"), table.problems(),
-                               window_keys};
-      const auto dip = reader.need_number("dip", rule::dip);
-      const auto direction = reader.need_number("dip_direction", rule::dip_direction);
+    if (const auto reader = table.sub("outcrop")) {
+      const auto dip = reader->need_number("dip"), direction = reader->need_number("dip_direction");
       if (dip && direction) window = normal_of(context_, *dip, *direction);
     }
     if (!file) {
@@ -107,8 +195,8 @@ class SurveyParser final {
         if (norm(d) > 0) line.pieces.emplace_back(normalized(d), norm(d));
       }
     } else {
-      const auto trend = table.need_number("trend", trend_rule), plunge = table.need_number("plunge", plunge_rule);
-      const auto length = table.need_number("length", rule::length);
+      const auto trend = table.need_number("trend"), plunge = table.need_number("plunge");
+      const auto length = table.need_number("length");
       if (!trend || !plunge || !length) return;
       line.pieces.emplace_back(line_of(context_, *trend, *plunge), *length);
     }
@@ -126,7 +214,7 @@ class SurveyParser final {
       return;
     }
     const bool oriented = has_orientation(*data), lengths = data->column("length").has_value();
-    line.truncation = table.number("truncation", truncation_rule).value_or(0);
+    line.truncation = table.number("truncation").value_or(0);
     std::size_t wrong = 0;
     for (const SurveyTable::Row& row : data->rows) {
       const std::size_t before = context_.problems.errors();
@@ -155,17 +243,15 @@ class SurveyParser final {
   void window(const TableReader& table) {
     survey::WindowSurvey window;
     window.name = table.text("name").value_or(table.path());
-    const double dip = table.number("dip", rule::dip).value_or(0);
-    const double direction = table.number("dip_direction", rule::dip_direction).value_or(0);
+    const double dip = table.number("dip").value_or(0);
+    const double direction = table.number("dip_direction").value_or(0);
     window.normal = normal_of(context_, dip, direction);
     // Maps of level ground: x east, y north. Inclined ones: x along the strike, y up the slope.
     window.x_axis = dip == 0 ? Vec3{1, 0, 0} : -geometry::strike_vector(context_.turned(direction));
     if (dip != 0 && dot(cross(window.normal, window.x_axis), Vec3{0, 0, 1}) < 0) window.x_axis = -window.x_axis;
-    constexpr NumberRule scale_rule{0, true, 1e9, false, " m"};
-    const auto scale = table.number("scale", scale_rule);
-    constexpr NumberRule border_rule{0, false, 1e6, false, " m"};
-    window.border = table.number("border", border_rule).value_or(0);
-    window.truncation = table.number("truncation", border_rule).value_or(0);
+    const auto scale = table.number("scale");
+    window.border = table.number("border").value_or(0);
+    window.truncation = table.number("truncation").value_or(0);
     if (!table.has("traces")) table.missing("traces", "add traces = \"traces.geojson\" (or .csv, .txt)");
     const auto traces = map_of(table, "traces");
     if (!traces) return;
@@ -175,8 +261,7 @@ class SurveyParser final {
     }
     const double s = scale.value_or(1);
     std::optional<survey::Window> shape;
-    constexpr std::array<string_view, 4> shapes{"area", "circle", "rectangle", "polygon"};
-    const TomlEntry* given = table.one_of(shapes);
+    const TomlEntry* given = table.one_of();
     if (given == nullptr) return;
     if (given->key == "area") {
       const auto area = map_of(table, "area");
@@ -189,25 +274,21 @@ class SurveyParser final {
       for (const auto& p : area->polygons[0]) polygon.corners.push_back({s * p[0], s * p[1]});
       shape = std::move(polygon);
     } else if (given->key == "circle") {
-      constexpr std::array<string_view, 2> keys{"centre", "radius"};
-      const TomlTable* found = table.table("circle");
-      if (found == nullptr) return;
-      const TableReader reader{*found, given->line, table.path_of("circle"), table.problems(), keys};
-      const auto centre = point(reader, "centre");
-      const auto radius = reader.need_number("radius", rule::length);
+      const auto reader = table.sub("circle");
+      if (!reader) return;
+      const auto centre = point(*reader, "centre");
+      const auto radius = reader->need_number("radius");
       if (centre && radius) shape = survey::CircleWindow{{s * centre->x, s * centre->y}, s * *radius};
     } else if (given->key == "rectangle") {
-      constexpr std::array<string_view, 2> keys{"min", "max"};
-      const TomlTable* found = table.table("rectangle");
-      if (found == nullptr) return;
-      const TableReader reader{*found, given->line, table.path_of("rectangle"), table.problems(), keys};
-      const auto a = point(reader, "min"), b = point(reader, "max");
-      if (a && b && (a->x >= b->x || a->y >= b->y)) reader.error("max", "is not above min", "swap them");
+      const auto reader = table.sub("rectangle");
+      if (!reader) return;
+      const auto a = point(*reader, "min"), b = point(*reader, "max");
+      if (a && b && (a->x >= b->x || a->y >= b->y)) reader->error("max", "is not above min", "swap them");
       if (a && b) {
         shape = survey::PolygonWindow{
             {{s * a->x, s * a->y}, {s * b->x, s * a->y}, {s * b->x, s * b->y}, {s * a->x, s * b->y}}};
       }
-    } else if (const auto corners = pairs(table, "polygon")) {
+    } else if (const auto corners = three_pairs(table, "polygon")) {
       survey::PolygonWindow polygon;
       for (const auto& p : *corners) polygon.corners.push_back({s * p[0], s * p[1]});
       shape = std::move(polygon);
@@ -257,41 +338,22 @@ class SurveyParser final {
     const auto name = table.need_text("name");
     if (name) rule.name = *name;
     if (table.has("polygon")) {
-      if (const auto corners = pairs(table, "polygon")) {
+      if (const auto corners = three_pairs(table, "polygon")) {
         for (const auto& p : *corners) rule.polygon.push_back(line_of(context_, p[0], p[1]));
       }
     }
-    if (const TomlEntry* entry = table.find("azimuth")) {
-      const auto* array = std::get_if<TomlArray>(&entry->node.value);
-      if (array == nullptr || array->items.size() != 2) {
-        table.error("azimuth", "is not a pair", "write azimuth = [from, to] in degrees, clockwise");
-      } else {
-        const auto from = table.number_of(array->items[0], table.path_of("azimuth"), rule::turn);
-        const auto to = table.number_of(array->items[1], table.path_of("azimuth"), rule::turn);
-        if (from && to) rule.azimuth = std::pair{*from, *to};
-      }
-    }
-    constexpr NumberRule kappa{0, true, 1e6, false, ""};
-    rule.dip = table.number("dip", rule::dip);
-    rule.dip_direction = table.number("dip_direction", rule::dip_direction);
-    rule.kappa = table.number("kappa", kappa);
+    if (const auto azimuth = table.pair("azimuth")) rule.azimuth = std::pair{(*azimuth)[0], (*azimuth)[1]};
+    rule.dip = table.number("dip");
+    rule.dip_direction = table.number("dip_direction");
+    rule.kappa = table.number("kappa");
     shape(table, rule.shape);
     in_.rules.push_back(std::move(rule));
   }
 
   static void shape(const TableReader& table, survey::ShapeRule& shape) {
-    constexpr NumberRule aspect_rule{1, false, 1000, false, ""};
-    const auto aspect = table.number("aspect", aspect_rule);
-    const auto rotation = table.number("rotation", rule::turn);
-    const auto name = table.text("shape");
-    if (name == "ellipse") {
-      shape.shape = survey::JointShape::ellipse;
-    } else if (name == "rectangle") {
-      shape.shape = survey::JointShape::rectangle;
-    } else if (name && name != "disc") {
-      table.error("shape", fmt::format("\"{}\" is not known", *name), "choose one of: disc, ellipse, rectangle");
-      return;
-    }
+    const auto aspect = table.number("aspect");
+    const auto rotation = table.number("rotation");
+    shape.shape = table.word<survey::JointShape>("shape");
     if (shape.shape == survey::JointShape::disc && (aspect || rotation)) {
       table.error(aspect ? "aspect" : "rotation", "belongs to ellipses and rectangles", "add shape = \"ellipse\"");
       return;
@@ -353,16 +415,10 @@ class SurveyParser final {
   }
 
   static std::optional<survey::MapPoint> point(const TableReader& table, string_view key) {
-    const TomlEntry* entry = table.find(key);
-    const auto* array = entry != nullptr ? std::get_if<TomlArray>(&entry->node.value) : nullptr;
-    if (array == nullptr || array->items.size() != 2) {
-      table.error(key, "is not a point of the map", fmt::format("write {} = [x, y]", key));
-      return std::nullopt;
-    }
-    const auto x = table.number_of(array->items[0], table.path_of(key), rule::coordinate);
-    const auto y = table.number_of(array->items[1], table.path_of(key), rule::coordinate);
-    if (!x || !y) return std::nullopt;
-    return survey::MapPoint{*x, *y};
+    if (!table.has(key)) table.missing(key, fmt::format("write {} = [x, y]", key));
+    const auto values = table.pair(key);
+    if (!values) return std::nullopt;
+    return survey::MapPoint{(*values)[0], (*values)[1]};
   }
 
   Context& context_;
@@ -372,6 +428,26 @@ class SurveyParser final {
 
 }  // namespace
 
+const KeyTable& survey_keys() {
+  static const KeyTable keys{
+      .name = "survey",
+      .keys = {{"schema", key::whole(1, 1), "1", "version of this format"},
+               {"title", key::text(), "the file's name", "shown in the results"},
+               {"seed", key::whole(0, INT64_MAX), "1", "whole number from 0"},
+               {"north", key::number(rule::turn), "0", "degrees from y to true north, clockwise"},
+               {"confidence", key::number(confidence_rule), "0.95", "of all intervals"},
+               {"weight_cap", key::number(cap_rule), "10",
+                "largest weight against orientation bias: joints within 5.7 degrees of the line or outcrop"},
+               {"clusters", key::whole(0, 20), "0",
+                "sets for axial K-means; silhouettes of 2 to 8 sets are reported in any case, the choice is yours"},
+               {"orientations", key::tables(&orientations_keys), "[]", "tables of orientations"},
+               {"scanline", key::tables(&line_keys), "[]", "joints met by a line"},
+               {"borehole", key::tables(&line_keys), "[]", "joints met by a borehole"},
+               {"window", key::tables(&window_keys), "[]", "maps of traces"},
+               {"set", key::tables(&set_keys), "[]", "joint sets"}}};
+  return keys;
+}
+
 std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, const std::string& shown,
                                                               const ReadFile& read_file) {
   Problems problems{shown};
@@ -380,42 +456,22 @@ std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, 
     problems.error(tree.error().line, "TOML", tree.error().what, "mend the syntax: see https://toml.io");
     return std::unexpected(std::move(problems).take_errors());
   }
-  constexpr std::array<string_view, 11> keys{"schema",     "title",      "seed",         "north",
-                                             "confidence", "weight_cap", "orientations", "scanline",
-                                             "borehole",   "window",     "set"};
-  std::vector<string_view> known{keys.begin(), keys.end()};
-  known.emplace_back("clusters");
-  const TableReader root{*tree, 1, "", problems, known};
+  const TableReader root{*tree, 1, "", problems, survey_keys()};
   Context context{.problems = problems, .read_file = read_file};
   SurveyScene scene;
-  constexpr NumberRule confidence{0.5, false, 0.9999, false, ""}, cap{1, false, 1000, false, ""};
   scene.input.title = root.text("title").value_or(shown);
-  scene.input.seed = static_cast<std::uint64_t>(root.integer("seed", 0, INT64_MAX).value_or(1));
-  scene.input.confidence = root.number("confidence", confidence).value_or(0.95);
-  scene.input.weight_cap = root.number("weight_cap", cap).value_or(10);
-  scene.input.clusters = static_cast<std::size_t>(root.integer("clusters", 0, 20).value_or(0));
-  context.north = root.number("north", rule::turn).value_or(0);
+  scene.input.seed = static_cast<std::uint64_t>(root.count("seed"));
+  scene.input.confidence = root.value("confidence");
+  scene.input.weight_cap = root.value("weight_cap");
+  scene.input.clusters = static_cast<std::size_t>(root.count("clusters"));
+  context.north = root.value("north");
 
   SurveyParser parser{context, scene};
-  const auto each = [&](string_view name, auto known_keys, auto&& use) {
-    const auto found = root.tables(name);
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      use(TableReader{std::get<TomlTable>(found[i]->value), found[i]->line, fmt::format("{}[{}]", name, i + 1),
-                      problems, known_keys});
-    }
-  };
-  using Keys = std::vector<string_view>;
-  each("orientations", Keys{"file", "set", "columns", "wrap", "line", "outcrop"},
-       [&](const TableReader& t) { parser.orientations(t); });
-  const Keys line_keys{"name", "trend", "plunge", "length", "points", "file", "columns", "wrap", "truncation"};
-  each("scanline", line_keys, [&](const TableReader& t) { parser.line(t); });
-  each("borehole", line_keys, [&](const TableReader& t) { parser.line(t); });
-  each("window",
-       Keys{"name", "traces", "area", "circle", "rectangle", "polygon", "scale", "dip", "dip_direction", "border",
-            "truncation"},
-       [&](const TableReader& t) { parser.window(t); });
-  each("set", Keys{"name", "polygon", "azimuth", "dip", "dip_direction", "kappa", "shape", "aspect", "rotation"},
-       [&](const TableReader& t) { parser.set(t); });
+  for (const TableReader& table : root.each("orientations")) parser.orientations(table);
+  for (const TableReader& table : root.each("scanline")) parser.line(table);
+  for (const TableReader& table : root.each("borehole")) parser.line(table);
+  for (const TableReader& table : root.each("window")) parser.window(table);
+  for (const TableReader& table : root.each("set")) parser.set(table);
   parser.finish(root);
   if (problems.errors() != 0) return std::unexpected(std::move(problems).take_errors());
   const std::size_t slash = shown.find_last_of('/');
