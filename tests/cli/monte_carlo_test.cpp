@@ -1,5 +1,7 @@
 #include <nlohmann/json.hpp>
 
+#include <sstream>
+
 #include "program.hpp"
 
 namespace cleave::cli::test {
@@ -173,19 +175,18 @@ TEST_F(MonteCarloTest, ReplayReproducesAnyRealization) {
     EXPECT_NE(replay.out.find("is reproduced to the last digit"), std::string::npos) << replay.out;
     const json single = json::parse(read("out/realization_" + k + "/summary.json"));
     const std::string records = read("out/realizations.csv");
-    const std::size_t at = records.find("\n" + k + ",0,") + 1;
-    std::vector<std::string> fields;
-    std::string field;
-    for (std::size_t i = at; records[i] != '\n'; ++i) {
-      if (records[i] == ',') {
-        fields.push_back(field);
-        field.clear();
-      } else {
-        field += records[i];
-      }
-    }
-    EXPECT_EQ(std::to_string(single["blocks"]["count"].get<int>()), fields[3]);
-    EXPECT_EQ(std::to_string(single["key_blocks"]["count"].get<int>()), fields[11]);
+    const auto fields_at = [&](std::string_view start) {
+      std::istringstream line{records.substr(records.find(start) + 1)};
+      std::vector<std::string> fields;
+      for (std::string field; std::getline(line, field, ',') && !field.contains('\n');) fields.push_back(field);
+      return fields;
+    };
+    const auto columns = fields_at("\nrealization,"), fields = fields_at("\n" + k + ",0,");
+    const auto value = [&](std::string_view column) {
+      return fields.at(static_cast<std::size_t>(std::ranges::find(columns, column) - columns.begin()));
+    };
+    EXPECT_EQ(std::to_string(single["blocks"]["count"].get<int>()), value("blocks"));
+    EXPECT_EQ(std::to_string(single["key_blocks"]["count"].get<int>()), value("count"));
     EXPECT_EQ(single["seed"], 3);
   }
   EXPECT_EQ(cleave("replay out --realization 20").code, 2);

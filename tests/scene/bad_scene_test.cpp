@@ -253,8 +253,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"SlopeAboveTheRock",
             with_box(
                 "[[excavation]]\nkind = \"slope\"\nplane = { through = [0, 0, 40], dip = 30, dip_direction = 90 }\n"),
-            "s.toml:3: excavation[1]: removes no rock: it lies wholly outside the domain; move it into the domain, or "
-            "enlarge the domain"},
+            "s.toml:5: excavation[1].plane: lies above the whole domain and takes nothing out; check its point and "
+            "dip"},
         Bad{"FaceOutOfRange",
             with_box("[[excavation]]\nkind = \"polyhedron\"\nvertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, "
                      "1]]\nfaces = [[1, 3, 2], "

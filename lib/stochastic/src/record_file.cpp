@@ -56,7 +56,7 @@ std::optional<RunIdentity> identity_of(std::string_view line) {
   RunIdentity id;
   if (!take(line, "# cleave ")) return std::nullopt;
   id.version = take_word(line);
-  if (!take(line, " monte_carlo 1 scene ")) return std::nullopt;
+  if (!take(line, " monte_carlo 2 scene ")) return std::nullopt;
   id.scene_sha256 = take_word(line);
   const bool good = take(line, " seed ") && take_number(line, id.seed) && take(line, " shard ") &&
                     take_number(line, id.shard.number) && take(line, "/") && take_number(line, id.shard.of) &&
@@ -67,7 +67,7 @@ std::optional<RunIdentity> identity_of(std::string_view line) {
 }  // namespace
 
 std::string header_of(const RunIdentity& id) {
-  return fmt::format("# cleave {} monte_carlo 1 scene {} seed {} shard {}/{}", id.version, id.scene_sha256, id.seed,
+  return fmt::format("# cleave {} monte_carlo 2 scene {} seed {} shard {}/{}", id.version, id.scene_sha256, id.seed,
                      id.shard.number, id.shard.of);
 }
 
