@@ -164,7 +164,7 @@ TableReader::TableReader(const TomlTable& table, std::uint32_t line, std::string
 std::string TableReader::path_of(std::string_view key) const {
   const TomlEntry* entry = find(key);
   const std::string_view written = entry == nullptr ? key : std::string_view{entry->key};  // its old name, perhaps
-  const std::string_view shown = written.empty() ? std::string_view{"\"\""} : written;  // TOML allows it
+  const std::string_view shown = written.empty() ? std::string_view{"\"\""} : written;     // TOML allows it
   return path_.empty() ? std::string{shown} : fmt::format("{}.{}", path_, shown);
 }
 std::uint32_t TableReader::line_of(std::string_view key) const {

@@ -44,8 +44,8 @@ struct KeyGroups {
 /// is taken to be fixed, which only adds support; the near part grows until no group touches its end.
 [[nodiscard]] KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings);
 
-/// Makes the blocks of groups that are not in doubt key blocks of the batch that their group was found in, where they are
-/// in no batch. `analysis` and `groups` are of this complex.
+/// Makes the blocks of groups that are not in doubt key blocks of the batch that their group was found in, where they
+/// are in no batch. `analysis` and `groups` are of this complex.
 void decide_by_groups(const topology::AuditedComplex& complex, const Settings& settings, const KeyGroups& groups,
                       Analysis& analysis);
 
