@@ -9,9 +9,17 @@
 #include <vector>
 
 #include "assets.hpp"
+<<<<<<< Updated upstream
 #include "cleave/core/version.hpp"
 #include "cleave/scene/places.hpp"
 #include "drawings.hpp"
+=======
+#include "cleave/report/drawings.hpp"
+#include "cleave/report/key_blocks.hpp"
+#include "cleave/report/key_groups.hpp"
+#include "cleave/report/text.hpp"
+#include "cleave/report/view3d.hpp"
+>>>>>>> Stashed changes
 #include "html_parts.hpp"
 #include "html_stability.hpp"
 #include "stages_section.hpp"
@@ -370,6 +378,7 @@ std::string report_html(const Page& page) {
   out += view_section(page, view_json);
   out += key_blocks_section(page);
   out += why_section(page);
+  if (page.key_groups != nullptr) out += key_groups_section(*page.key_groups);
   out += support_section(page);
   out += maximum_section(page);
   if (r.sequence) out += stages_section(*r.sequence);

@@ -14,7 +14,11 @@
 #include "cleave/scene/figures.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene/scene.hpp"
+<<<<<<< Updated upstream
 #include "cleave/scene/sequence.hpp"
+=======
+#include "cleave/stability/key_groups.hpp"
+>>>>>>> Stashed changes
 #include "cleave/stability/maximum_blocks.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/stability/sensitivity.hpp"
@@ -165,9 +169,17 @@ struct RunResult {
   std::string block_hash = {};  ///< topology::canonical_hash; empty when the certificate failed
   /// The same of the blocks of all batches: equal whether all the rock was cut or only that near free faces; empty
   /// without analysis.
+<<<<<<< Updated upstream
   std::string key_block_hash = {};
   std::optional<WindowInfo> window = {};  ///< when not all the rock was cut
   std::optional<stability::Analysis> analysis = {};
+=======
+  std::string key_block_hash;
+  std::optional<WindowInfo> window;  ///< when not all the rock was cut
+  std::optional<stability::Analysis> analysis;
+  /// Blocks judged together, where the scene asks for it.
+  std::optional<stability::KeyGroups> key_groups = {};
+>>>>>>> Stashed changes
   /// Stage by stage, where excavations have different stages; `complex` and `analysis` then are those of the rock when
   /// all are out and no block has left before.
   std::optional<SequenceResult> sequence = {};
