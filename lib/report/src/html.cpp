@@ -9,19 +9,12 @@
 #include <vector>
 
 #include "assets.hpp"
-<<<<<<< Updated upstream
 #include "cleave/core/version.hpp"
 #include "cleave/scene/places.hpp"
 #include "drawings.hpp"
-=======
-#include "cleave/report/drawings.hpp"
-#include "cleave/report/key_blocks.hpp"
-#include "cleave/report/key_groups.hpp"
-#include "cleave/report/text.hpp"
-#include "cleave/report/view3d.hpp"
->>>>>>> Stashed changes
 #include "html_parts.hpp"
 #include "html_stability.hpp"
+#include "key_groups.hpp"
 #include "stages_section.hpp"
 #include "stereonet.hpp"
 #include "text.hpp"
@@ -378,7 +371,7 @@ std::string report_html(const Page& page) {
   out += view_section(page, view_json);
   out += key_blocks_section(page);
   out += why_section(page);
-  if (page.key_groups != nullptr) out += key_groups_section(*page.key_groups);
+  if (page.result.key_groups) out += key_groups_section(*page.result.key_groups);
   out += support_section(page);
   out += maximum_section(page);
   if (r.sequence) out += stages_section(*r.sequence);

@@ -1,9 +1,9 @@
-#include "cleave/report/key_groups.hpp"
+#include "key_groups.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "cleave/report/text.hpp"
+#include "text.hpp"
 
 namespace cleave::report {
 namespace {

@@ -79,6 +79,21 @@ std::string note_on(const WindowInfo& window) {
 
 }  // namespace
 
+KeyGroupFigures count_key_groups(const stability::KeyGroups& groups) {
+  KeyGroupFigures figures;
+  for (const stability::KeyGroup& group : groups.groups) {
+    const bool doubt = group.verdict == assembly::Verdict::in_doubt;
+    figures.certain += group.verdict == assembly::Verdict::certain ? 1U : 0U;
+    figures.unsafe += group.verdict == assembly::Verdict::unsafe ? 1U : 0U;
+    figures.in_doubt += doubt ? 1U : 0U;
+    if (doubt) continue;
+    ++figures.count;
+    figures.volume_m3 += group.volume.si();
+    if (group.factors) figures.factor = std::min(figures.factor, group.factor_move);
+  }
+  return figures;
+}
+
 void add_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis,
                      std::vector<std::string>& notes) {
   if (groups.too_many) {

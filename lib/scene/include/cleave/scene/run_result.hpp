@@ -14,13 +14,10 @@
 #include "cleave/scene/figures.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene/scene.hpp"
-<<<<<<< Updated upstream
 #include "cleave/scene/sequence.hpp"
-=======
-#include "cleave/stability/key_groups.hpp"
->>>>>>> Stashed changes
 #include "cleave/stability/maximum_blocks.hpp"
 #include "cleave/stability/result.hpp"
+#include "cleave/stability/key_groups.hpp"
 #include "cleave/stability/sensitivity.hpp"
 #include "cleave/stability/support.hpp"
 #include "cleave/topology/audit.hpp"
@@ -169,20 +166,13 @@ struct RunResult {
   std::string block_hash = {};  ///< topology::canonical_hash; empty when the certificate failed
   /// The same of the blocks of all batches: equal whether all the rock was cut or only that near free faces; empty
   /// without analysis.
-<<<<<<< Updated upstream
   std::string key_block_hash = {};
   std::optional<WindowInfo> window = {};  ///< when not all the rock was cut
   std::optional<stability::Analysis> analysis = {};
-=======
-  std::string key_block_hash;
-  std::optional<WindowInfo> window;  ///< when not all the rock was cut
-  std::optional<stability::Analysis> analysis;
-  /// Blocks judged together, where the scene asks for it.
-  std::optional<stability::KeyGroups> key_groups = {};
->>>>>>> Stashed changes
   /// Stage by stage, where excavations have different stages; `complex` and `analysis` then are those of the rock when
   /// all are out and no block has left before.
   std::optional<SequenceResult> sequence = {};
+  std::optional<stability::KeyGroups> key_groups = {};  ///< blocks judged together, where the scene asks for it
 
   MicroBlocks micro_blocks = {};  ///< the scene's policy
   /// Where the scene has [field_stress] and something is judged.
@@ -220,6 +210,9 @@ void fields(V& v, const RunResult& x) {
                          w("load_cases", when_any(f.load_cases), "under each [[load]]");
                        })),
     "Blocks that leave.");
+  const KeyGroupFigures groups = x.key_groups ? count_key_groups(*x.key_groups) : KeyGroupFigures{};
+  v("key_groups", when(x.key_groups.has_value(), group([&](auto& w) { fields(w, groups); })),
+    "Blocks judged together; absent with groups = \"off\".");
   const SupportFigures& support = f.support ? *f.support : SupportFigures{};
   v("support", when(f.support.has_value(), group([&](auto& w) {
                       support_fields(w, support, x.tunnel_length, x.designs, f.support_cases);
