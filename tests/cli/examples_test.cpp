@@ -49,6 +49,20 @@ TEST_F(ExamplesTest, WedgeOnASlopeHasItsKnownFactorOfSafety) {
   EXPECT_NE(row.find(",0.59628479399"), std::string::npos) << row;
 }
 
+// Closed form: all friction spent, F = 0.942790; no block moves by itself.
+TEST_F(ExamplesTest, SlabBehindToeIsOneKeyGroup) {
+  const auto result = result_of("slab_behind_toe");
+  EXPECT_EQ(result["key_blocks"]["count"], 0);
+  EXPECT_EQ(result["key_groups"]["count"], 1);
+  EXPECT_EQ(result["key_groups"]["unsafe"], 1);
+  EXPECT_NEAR(result["key_groups"]["volume_m3"].get<double>(), 330.8620205, 1e-6);
+  EXPECT_NEAR(result["key_groups"]["factor"].get<double>(), 0.942790, 1e-6);
+  const std::string table = read("slab_behind_toe/key_groups.csv");
+  EXPECT_EQ(table.substr(0, table.find('\n')),
+            "group,batch,verdict,blocks,volume_m3,factor_up,factor_move,direction_x,direction_y,direction_z,moments");
+  EXPECT_NE(table.find("\n1,1,unsafe,"), std::string::npos) << table;
+}
+
 TEST_F(ExamplesTest, TunnelHasKeyBlocksAndAnotherSeedIsAnotherNetwork) {
   const auto result = result_of("tunnel");
   EXPECT_GE(result["blocks"]["count"].get<int>(), 500);

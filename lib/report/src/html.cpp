@@ -14,6 +14,7 @@
 #include "drawings.hpp"
 #include "html_parts.hpp"
 #include "html_stability.hpp"
+#include "key_groups.hpp"
 #include "stages_section.hpp"
 #include "stereonet.hpp"
 #include "text.hpp"
@@ -370,6 +371,7 @@ std::string report_html(const Page& page) {
   out += view_section(page, view_json);
   out += key_blocks_section(page);
   out += why_section(page);
+  if (page.result.key_groups) out += key_groups_section(*page.result.key_groups);
   out += support_section(page);
   out += maximum_section(page);
   if (r.sequence) out += stages_section(*r.sequence);

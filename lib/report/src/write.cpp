@@ -12,6 +12,7 @@
 #include "dangling.hpp"
 #include "html.hpp"
 #include "key_blocks.hpp"
+#include "key_groups.hpp"
 #include "summary.hpp"
 
 namespace cleave::report {
@@ -73,6 +74,9 @@ std::expected<std::vector<std::string>, WriteError> write_exports(const scene::R
 std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& result, const fs::path& folder) {
   const auto* complex = complex_of(result);
   if (!result.output.csv || complex == nullptr || !result.analysis) return {};
+  if (result.key_groups) {
+    CLEAVE_CHECK(write_file(folder / "key_groups.csv", key_groups_csv(*result.key_groups)));
+  }
   if (result.support) {
     CLEAVE_CHECK(write_file(folder / "bolts.csv", bolts_csv(result)));
     CLEAVE_CHECK(write_file(folder / "support_blocks.csv", support_blocks_csv(result)));

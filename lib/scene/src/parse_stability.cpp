@@ -48,6 +48,7 @@ constexpr std::array<string_view, 2> receiver_words{"judged_anew", "keeps_mode"}
 constexpr std::array<string_view, 2> stabilised_words{"keeps_batch", "batches_anew"};
 constexpr std::array<string_view, 2> interface_words{"ignored", "strength"};
 constexpr std::array<string_view, 3> rotation_words{"off", "flag", "decide"};
+constexpr std::array<string_view, 3> groups_words{"off", "note", "decide"};
 constexpr std::array<string_view, 2> group_frictions{"area_mean", "smallest"};
 constexpr std::array<string_view, 2> extents{"all", "key"};
 
@@ -204,6 +205,9 @@ const KeyTable& stability_keys() {
         {"rotation", key::word(rotation_words), "\"flag\"",
          "single blocks that cannot slide are asked whether they turn (topple, twist): `\"flag\"` tells, `\"decide\"` "
          "makes those that do key blocks, `\"off\"` does not ask. Ensembles only ask with `\"decide\"`"},
+        {"groups", key::word(groups_words), "\"note\"",
+         "blocks near free faces are judged together too (key groups): `\"note\"` tells, in `key_groups.csv`, "
+         "`\"decide\"` makes blocks of such groups key blocks, `\"off\"` does not ask. Not in ensembles"},
         {"maximum_blocks", key::table(&maximum_keys), "",
          "`{ tunnel = \"NAME\", sets = [\"A\", \"B\", \"C\"] }`: largest key blocks that persistent joints of the "
          "sets' "
@@ -256,6 +260,7 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
     settings.target = parse_target(table);
     parse_transfer(table, settings);
     settings.rotation = table.word<stability::RotationCheck>("rotation");
+    settings.groups = table.word<stability::GroupsCheck>("groups");
     settings.maximum_blocks = parse_maximum_blocks(context, table, excavations);
     settings.max_batches = static_cast<std::uint32_t>(table.count("max_batches"));
     settings.strict = table.flag("require_open_cone");

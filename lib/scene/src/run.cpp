@@ -159,11 +159,23 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   System& system = *made;
   auto& analysis = system.analysis;
   std::optional<FieldStressResult> clamped;
+  std::optional<stability::KeyGroups> key_groups;
   if (analysis) {
     if (auto misplaced = misplaced_loads(scene, *drawn, *scene.stability, system.complex->complex());
         !misplaced.empty()) {
       progress.end();
       return std::unexpected(std::move(misplaced));
+    }
+    if (scene.stability->groups != stability::GroupsCheck::off) {
+      stage(Stage::stability, [&] {
+        const stability::Settings settings =
+            settings_on(system.complex->complex(), scene, *drawn, scene.stability->loads);
+        key_groups = stability::find_key_groups(*system.complex, settings);
+        if (scene.stability->groups == stability::GroupsCheck::decide) {
+          stability::decide_by_groups(*system.complex, settings, *key_groups, *analysis);
+          system.key_hash = hash_of_key_blocks(system.complex->complex(), *analysis);
+        }
+      });
     }
     if (!on_demand) judge_cases_and_support(scene, *drawn, *system.complex, *analysis, timer, progress, more);
     judge_sensitivity(scene, *drawn, *system.complex, *analysis, more);
@@ -186,6 +198,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   progress.end();
 
   std::vector<std::string> notes = notes_of(scene, *drawn, system, more, clamped);
+  if (key_groups) add_group_notes(*key_groups, *analysis, notes);
   std::vector<ExcavationInfo> excavations;
   for (const Excavation& excavation : scene.excavations)
     excavations.push_back({excavation.name, excavation.stage, excavation.tunnel});
@@ -210,6 +223,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
                    .window = system.window,
                    .analysis = std::move(analysis),
                    .sequence = std::move(system.sequence),
+                   .key_groups = std::move(key_groups),
                    .micro_blocks = scene.micro_blocks,
                    .field_stress = std::move(clamped),
                    .support = std::move(more.support),

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "cleave/stability/held_from_within.hpp"
 
@@ -93,6 +94,61 @@ std::string note_on(const WindowInfo& window) {
 }
 
 }  // namespace
+
+KeyGroupFigures count_key_groups(const stability::KeyGroups& groups) {
+  KeyGroupFigures figures;
+  for (const stability::KeyGroup& group : groups.groups) {
+    const bool doubt = group.verdict == assembly::Verdict::in_doubt;
+    figures.certain += group.verdict == assembly::Verdict::certain ? 1U : 0U;
+    figures.unsafe += group.verdict == assembly::Verdict::unsafe ? 1U : 0U;
+    figures.in_doubt += doubt ? 1U : 0U;
+    if (doubt) continue;
+    ++figures.count;
+    figures.volume_m3 += group.volume.si();
+    if (group.factors) figures.factor = std::min(figures.factor, group.factor_move);
+  }
+  return figures;
+}
+
+void add_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis,
+                     std::vector<std::string>& notes) {
+  if (groups.too_many) {
+    notes.push_back(
+        fmt::format("more than {} blocks near free faces: not judged together (key groups)", stability::most_together));
+  }
+  std::size_t beyond = 0, doubt = 0;
+  double volume = 0, in_doubt = 0, least = std::numeric_limits<double>::infinity();
+  for (const stability::KeyGroup& group : groups.groups) {
+    if (group.verdict == assembly::Verdict::in_doubt) {
+      ++doubt;
+      in_doubt += group.volume.si();
+      continue;
+    }
+    const bool known = std::ranges::all_of(group.blocks, [&](topology::BlockId id) {
+      const auto it = std::ranges::lower_bound(analysis.judgements, id, {}, &stability::Judgement::block);
+      return it != analysis.judgements.end() && it->block == id && it->key;
+    });
+    if (known) continue;
+    ++beyond;
+    volume += group.volume.si();
+    least = std::min(least, group.factor_move);
+  }
+  if (beyond > 0) {
+    notes.push_back(
+        fmt::format("{} key {} ({:.4g} m3) of blocks that do not all move by themselves, least factor of "
+                    "safety {:.3g}: see key_groups.csv",
+                    beyond, beyond == 1 ? "group" : "groups", volume, least));
+  }
+  if (doubt > 0) {
+    notes.push_back(
+        fmt::format("{} {} of blocks ({:.4g} m3) could not be decided together: in doubt, not stable; see "
+                    "key_groups.csv",
+                    doubt, doubt == 1 ? "group" : "groups", in_doubt));
+  }
+  if (groups.at_the_edge && beyond + doubt > 0) {
+    notes.push_back("key groups reach the edge of the box that was cut: what lies beyond was taken to stay");
+  }
+}
 
 std::vector<std::string> notes_of(const Scene& scene, const Drawn& drawn, const System& system, const JudgedMore& more,
                                   const std::optional<FieldStressResult>& clamped) {

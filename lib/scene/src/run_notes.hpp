@@ -15,4 +15,8 @@ namespace cleave::scene {
                                                 const JudgedMore& more,
                                                 const std::optional<FieldStressResult>& clamped);
 
+/// Groups that move though no block of theirs does by itself, and what could not be decided.
+void add_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis,
+                     std::vector<std::string>& notes);
+
 }  // namespace cleave::scene

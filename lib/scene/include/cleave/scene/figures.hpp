@@ -10,6 +10,7 @@
 #include "cleave/core/fields.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene/scene.hpp"
+#include "cleave/stability/key_groups.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/stability/support.hpp"
 #include "cleave/topology/audit.hpp"
@@ -150,6 +151,24 @@ void fields(V& v, const KeyBlockFigures& x) {
 }
 
 /// Key blocks under one [[load]].
+/// Blocks judged together.
+struct KeyGroupFigures {
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+  std::uint64_t certain = 0, unsafe = 0, in_doubt = 0;
+  double factor = std::numeric_limits<double>::infinity();  ///< least of the groups that have one
+};
+template <class V>
+void fields(V& v, const KeyGroupFigures& x) {
+  v("count", x.count, "groups that move (certain) or may (unsafe)");
+  v("volume_m3", x.volume_m3, "of those");
+  v("certain", x.certain);
+  v("unsafe", x.unsafe);
+  v("in_doubt", x.in_doubt, "could not be decided; not in count");
+  v("factor", or_null(x.factor), "least factor of safety of the groups; null without groups");
+}
+[[nodiscard]] KeyGroupFigures count_key_groups(const stability::KeyGroups& groups);
+
 struct CaseFigures {
   std::string name;
   KeyBlockFigures figures;

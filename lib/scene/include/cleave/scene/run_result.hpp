@@ -15,6 +15,7 @@
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene/scene.hpp"
 #include "cleave/scene/sequence.hpp"
+#include "cleave/stability/key_groups.hpp"
 #include "cleave/stability/maximum_blocks.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/stability/sensitivity.hpp"
@@ -171,6 +172,7 @@ struct RunResult {
   /// Stage by stage, where excavations have different stages; `complex` and `analysis` then are those of the rock when
   /// all are out and no block has left before.
   std::optional<SequenceResult> sequence = {};
+  std::optional<stability::KeyGroups> key_groups = {};  ///< blocks judged together, where the scene asks for it
 
   MicroBlocks micro_blocks = {};  ///< the scene's policy
   /// Where the scene has [field_stress] and something is judged.
@@ -208,6 +210,9 @@ void fields(V& v, const RunResult& x) {
                          w("load_cases", when_any(f.load_cases), "under each [[load]]");
                        })),
     "Blocks that leave.");
+  const KeyGroupFigures groups = x.key_groups ? count_key_groups(*x.key_groups) : KeyGroupFigures{};
+  v("key_groups", when(x.key_groups.has_value(), group([&](auto& w) { fields(w, groups); })),
+    "Blocks judged together; absent with groups = \"off\".");
   const SupportFigures& support = f.support ? *f.support : SupportFigures{};
   v("support", when(f.support.has_value(), group([&](auto& w) {
                       support_fields(w, support, x.tunnel_length, x.designs, f.support_cases);

@@ -19,6 +19,7 @@
 #include "cleave/stability/actions.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "cleave/stability/bolt_patterns.hpp"
+#include "cleave/stability/key_groups.hpp"
 #include "cleave/stability/support.hpp"
 #include "cleave/stochastic/stopping.hpp"
 #include "cleave/topology/cut_input.hpp"
@@ -164,6 +165,7 @@ struct StabilitySettings {
   bool force_transfer = true;
   stability::TransferReadings transfer = {};
   stability::RotationCheck rotation = stability::RotationCheck::flag;
+  stability::GroupsCheck groups = stability::GroupsCheck::note;
   std::optional<MaximumBlockSettings> maximum_blocks = {};
   std::uint32_t max_batches = 50;
   LoadSet loads = {};                ///< of the base case, seismic included
