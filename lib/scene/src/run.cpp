@@ -170,7 +170,9 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
       stage(Stage::stability, [&] {
         const stability::Settings settings =
             settings_on(system.complex->complex(), scene, *drawn, scene.stability->loads);
-        key_groups = stability::find_key_groups(*system.complex, settings);
+        const bool decides = scene.stability->groups == stability::GroupsCheck::decide;
+        key_groups = stability::find_key_groups(*system.complex, settings,
+                                                decides ? stability::most_together : stability::most_noted);
         if (scene.stability->groups == stability::GroupsCheck::decide) {
           stability::decide_by_groups(*system.complex, settings, *key_groups, *analysis);
           system.key_hash = hash_of_key_blocks(system.complex->complex(), *analysis);

@@ -96,7 +96,7 @@ std::string note_on(const WindowInfo& window) {
 }  // namespace
 
 KeyGroupFigures count_key_groups(const stability::KeyGroups& groups) {
-  KeyGroupFigures figures;
+  KeyGroupFigures figures{.judged = !groups.too_many};
   for (const stability::KeyGroup& group : groups.groups) {
     const bool doubt = group.verdict == assembly::Verdict::in_doubt;
     figures.certain += group.verdict == assembly::Verdict::certain ? 1U : 0U;
@@ -114,7 +114,9 @@ void add_group_notes(const stability::KeyGroups& groups, const stability::Analys
                      std::vector<std::string>& notes) {
   if (groups.too_many) {
     notes.push_back(
-        fmt::format("more than {} blocks near free faces: not judged together (key groups)", stability::most_together));
+        fmt::format("key groups: {} blocks near free faces are too many to be judged together; only single blocks were "
+                    "judged, and what they say holds for each alone (groups = \"decide\" judges up to {})",
+                    groups.blocks, stability::most_together));
   }
   std::size_t beyond = 0, doubt = 0;
   double volume = 0, in_doubt = 0, least = std::numeric_limits<double>::infinity();

@@ -20,8 +20,8 @@ constexpr std::uint32_t first_layers = 3;
 
 class Search final {
  public:
-  Search(const topology::BlockComplex& complex, const Settings& settings)
-      : model_{complex, settings}, layers_{first_layers}, doubted_(complex.blocks().size(), 0) {}
+  Search(const topology::BlockComplex& complex, const Settings& settings, std::size_t most)
+      : model_{complex, settings}, layers_{first_layers}, doubted_(complex.blocks().size(), 0), most_{most} {}
 
   KeyGroups run() {
     const std::uint32_t most = model_.settings().max_batches;
@@ -105,7 +105,7 @@ class Search final {
       const std::vector<BlockId> blocks = near(batch);
       if (batch == 1) out_.blocks = blocks.size();
       if (blocks.empty()) return {};
-      if (blocks.size() > most_together) {
+      if (blocks.size() > most_) {
         out_.too_many = true;
         return {};
       }
@@ -171,13 +171,14 @@ class Search final {
   std::uint32_t layers_;
   std::vector<BlockId> left_;                ///< in the batch before
   IdVector<BlockId, std::uint8_t> doubted_;  ///< said to be in doubt
+  std::size_t most_;                         ///< blocks that are looked at together
   KeyGroups out_;
 };
 
 }  // namespace
 
-KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings) {
-  return Search{complex.complex(), settings}.run();
+KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings, std::size_t most) {
+  return Search{complex.complex(), settings, most}.run();
 }
 
 void decide_by_groups(const topology::AuditedComplex& complex, const Settings& settings, const KeyGroups& groups,

@@ -153,6 +153,7 @@ void fields(V& v, const KeyBlockFigures& x) {
 /// Key blocks under one [[load]].
 /// Blocks judged together.
 struct KeyGroupFigures {
+  bool judged = false;
   std::uint64_t count = 0;
   double volume_m3 = 0;
   std::uint64_t certain = 0, unsafe = 0, in_doubt = 0;
@@ -160,6 +161,7 @@ struct KeyGroupFigures {
 };
 template <class V>
 void fields(V& v, const KeyGroupFigures& x) {
+  v("judged", x.judged, "false: more blocks near free faces than are judged together, nothing was decided");
   v("count", x.count, "groups that move (certain) or may (unsafe)");
   v("volume_m3", x.volume_m3, "of those");
   v("certain", x.certain);

@@ -30,6 +30,9 @@ struct KeyGroup {
   bool factors = true;            ///< false: too large a group for factors
 };
 
+/// At most so many blocks are looked at together; where groups are only noted, so many that it costs little.
+inline constexpr std::size_t most_together = 800, most_noted = 60;
+
 struct KeyGroups {
   std::vector<KeyGroup> groups = {};  ///< by batch, then by lowest block
   std::size_t blocks = 0;             ///< looked at together in the first state
@@ -42,14 +45,13 @@ struct KeyGroups {
 
 /// Blocks near free faces judged together, state by state: first in translation, then with moments. What is farther off
 /// is taken to be fixed, which only adds support; the near part grows until no group touches its end.
-[[nodiscard]] KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings);
+/// `most`: of more blocks nothing is looked for, and `too_many` says so.
+[[nodiscard]] KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings,
+                                        std::size_t most = most_together);
 
 /// Makes the blocks of groups that are not in doubt key blocks of the batch that their group was found in, where they
 /// are in no batch. `analysis` and `groups` are of this complex.
 void decide_by_groups(const topology::AuditedComplex& complex, const Settings& settings, const KeyGroups& groups,
                       Analysis& analysis);
-
-/// At most so many blocks are looked at together.
-inline constexpr std::size_t most_together = 800;
 
 }  // namespace cleave::stability
