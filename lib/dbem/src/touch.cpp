@@ -62,7 +62,7 @@ struct Behind {
 Behind behind(double from, double to, double tolerance) {
   if (from < -tolerance) return {-1, to < 0 ? 2 : from / (from - to)};
   if (to >= 0) return {};
-  return {std::max(0.0, from / (from - to)), 2};
+  return {from == to ? 0.0 : std::max(0.0, from / (from - to)), 2};
 }
 
 /// One of the two lines that bound what is forbidden to corner p of i at corner q of j.

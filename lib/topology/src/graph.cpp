@@ -85,7 +85,9 @@ class Sorter {
       const Vertex& v = classes_.crossings.vertices[on.vertex];
       const Sign sense = signs_.det3(line.p, line.q, on.transversal);
       CLEAVE_ASSERT(sense != Sign::zero);
-      items_.push_back({dot(v.approx.x, line.approx.m) / v.approx.w, on.vertex, on.transversal, sense});
+      // Doubles may say nothing about a vertex of nearly parallel planes: the exact comparison below decides then.
+      const double t = v.approx.w != 0 ? dot(v.approx.x, line.approx.m) / v.approx.w : 0;
+      items_.push_back({t, on.vertex, on.transversal, sense});
     }
     std::ranges::sort(items_,
                       [](const Item& a, const Item& b) { return a.t < b.t || (!(b.t < a.t) && a.vertex < b.vertex); });

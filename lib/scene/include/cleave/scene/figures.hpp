@@ -256,7 +256,8 @@ void support_fields(V& v, const SupportFigures& x, double tunnel_length, const s
   v("combined_blocks", x.combined);
   v("combined_failing", x.combined_failing);
   v("required_force_n", or_null(x.required_force_n), "sum over blocks of the least single force; null: none is enough");
-  v("required_force_n_per_metre", when(tunnel_length > 0, or_null(x.required_force_n / tunnel_length)), "of tunnel");
+  v("required_force_n_per_metre",
+    when(tunnel_length > 0, or_null(x.required_force_n / (tunnel_length > 0 ? tunnel_length : 1))), "of tunnel");
   v("largest_required_pressure_pa", or_null(x.largest_required_pressure_pa),
     "on blocks that are not small; null: none is enough");
   v("small_blocks", x.small_blocks, "with less free face than spot_area");
