@@ -126,7 +126,11 @@ TEST(SharedSides, AnySetAnywhere) {
     at.scale = std::pow(10, 9 * u() - 3);
     if (k % 3 == 0) at.shift = {5e6, -3e6, 1e3};
     const auto input = in_a_box(set, at);
-    EXPECT_EQ(count_blocks(input), set.parts + 1) << set.name << ", " << at.scale << ", set " << k;
+    const auto audited = certified(input);
+    EXPECT_EQ(audited.complex().blocks().size(), set.parts + 1) << set.name << ", " << at.scale << ", set " << k;
+    if (set.convex) {
+      EXPECT_GE(convex_blocks(audited.complex()), set.parts) << set.name << ", " << at.scale << ", set " << k;
+    }
   }
 }
 
@@ -173,6 +177,63 @@ TEST(SharedSides, ARectangleInAHexahedronTurnedAlike) {
     add(input, {{at({-1, -1, z - tilt}), at({0, -1, z}), at({0, 1, z}), at({-1, 1, z - tilt})},
                 {at({0, -1, z}), at({1, -1, z + tilt}), at({1, 1, z + tilt}), at({0, 1, z})}});
     EXPECT_EQ(count_blocks(input), 2U);
+  }
+}
+
+/// Four triangles about a point.
+std::vector<Corners> tetrahedron(geometry::Vec3 middle, double size) {
+  const std::array corners{middle + size * geometry::Vec3{1, 1, 1}, middle + size * geometry::Vec3{1, -1, -1},
+                           middle + size * geometry::Vec3{-1, 1, -1}, middle + size * geometry::Vec3{-1, -1, 1}};
+  std::vector<Corners> faces;
+  for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+    Corners face;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (k != left_out) face.push_back(corners[k]);
+    }
+    faces.push_back(std::move(face));
+  }
+  return faces;
+}
+
+TEST(Nesting, PiecesTooCloseForDoubles) {
+  // One within the other within the other, closer together than any ray in doubles can tell.
+  const auto u = uniform(11);
+  for (const double size : {1e-3, 1e-8, 2e-9, 5e-10, 2e-10}) {
+    for (int k = 0; k < 8; ++k) {
+      auto input = scene(box({0, 0, 0}, {10, 10, 10}));
+      const Placement at{{6 * u(), 6 * u(), 6 * u()}, size, {1, 2, 3}};
+      for (const double part : {1.0, 0.3, 0.09}) {
+        add(input, placed({"tetrahedron", tetrahedron({}, part), 1, true}, at).polygons);
+      }
+      const auto audited = certified(input);
+      ASSERT_EQ(audited.complex().blocks().size(), 4U) << size;
+      std::vector<std::uint32_t> shells;
+      for (const topology::Block& block : audited.complex().blocks()) shells.push_back(block.counts.shells);
+      std::ranges::sort(shells);
+      EXPECT_EQ(shells, (std::vector<std::uint32_t>{1, 2, 2, 2})) << size;
+    }
+  }
+}
+
+TEST(Nesting, PiecesBesideOneAnother) {
+  // A speck just off a face of a large piece, on either side of it.
+  const geometry::Vec3 middle{5, 5, 5};
+  for (const double off : {-1e-3, -1e-9, -3e-10, 3e-10, 1e-9, 1e-3}) {
+    for (const double size : {1e-4, 1e-10, 5e-11}) {
+      auto input = scene(box({0, 0, 0}, {10, 10, 10}));
+      add(input, tetrahedron(middle, 2));
+      const geometry::Vec3 out = geometry::normalized({1, 1, -1});
+      if (std::abs(off) < 3 * size) continue;
+      add(input, tetrahedron(middle + (2 / std::sqrt(3) + off) * out, size));
+      const auto audited = certified(input);
+      ASSERT_EQ(audited.complex().blocks().size(), 3U) << off << ", " << size;
+      std::vector<std::pair<double, std::uint32_t>> own;
+      for (const topology::Block& b : audited.complex().blocks()) own.emplace_back(b.volume.si(), b.counts.shells);
+      std::ranges::sort(own);
+      EXPECT_EQ(own[0].second, 1U);
+      EXPECT_EQ(own[1].second, off < 0 ? 2U : 1U) << off << ", " << size;
+      EXPECT_EQ(own[2].second, off < 0 ? 2U : 3U) << off << ", " << size;
+    }
   }
 }
 

@@ -98,7 +98,7 @@ int main(int argc, char** argv) {
     if (trial % 3 == 0) at.shift = {5e6, -3e6, 1e3};
     const std::string what = std::to_string(trial) + ": " + set.name + ", scale " + std::to_string(at.scale);
     const auto polygons = support::placed(set, at).polygons;
-    add(tried(what, polygons, at, 1.2, set.parts + 1, 0, set.convex && trial % 3 != 0));
+    add(tried(what, polygons, at, 1.2, set.parts + 1, 0, set.convex));
     if (!snapping) continue;
     for (const double snap : {1e-9, 1e-6}) add(tried(what, polygons, at, 1.2, set.parts + 1, snap * at.scale, false));
   }

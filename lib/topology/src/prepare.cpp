@@ -569,6 +569,7 @@ void Preparation::unite_sheets() {
   sheets_.assign(polygons_.size(), std::nullopt);
   if (!shared_.any_side() && std::ranges::none_of(polygons_, &JointPolygon::folded)) return;
   const SideUsers users{polygons_, shared_};
+  const double flat = std::max(flat_within, rounding_of_corners * farthest_ * 0x1p-52 / lattice_.pitch());
   const auto bend = [](const JointPolygon& entry, const Plane& plane) {
     double most = 0;
     for (const LatticePoint c : entry.corners) most = std::max(most, distance_sites(plane, c));
@@ -577,7 +578,7 @@ void Preparation::unite_sheets() {
   std::vector<std::uint8_t> seen = beside_;
   for (std::size_t first = 0; first < polygons_.size(); ++first) {
     const Plane& plane = polygons_[first].polygon.plane;
-    if (seen[first] != 0 || bend(polygons_[first], plane) > flat_within) continue;
+    if (seen[first] != 0 || bend(polygons_[first], plane) > flat) continue;
     std::vector<std::size_t> reached{first};
     seen[first] = 1;
     bool bent = false;
@@ -589,7 +590,7 @@ void Preparation::unite_sheets() {
       SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) {
         for (const auto& [side, user] : users.of(a, b)) {
           if (seen[user] != 0 || !goes_on(entry, polygons_[user], a, b, plane)) continue;
-          if (bend(polygons_[user], plane) > flat_within) continue;
+          if (bend(polygons_[user], plane) > flat) continue;
           seen[user] = 1;
           reached.push_back(user);
         }
