@@ -182,7 +182,9 @@ ExitCode run_program(int argc, char** argv) {
 
   std::string kind;
   CLI::App* init = app.add_subcommand("init", "prints a commented scene to start from");
-  init->add_option("kind", kind, "tunnel, slope, wedge, network, monte-carlo, bodies or contact")->required();
+  init->add_option("kind", kind,
+                   "tunnel, slope, wedge, network, monte-carlo, bodies, contact, support, survey, bench, csv or water")
+      ->required();
   init->callback([&] { chosen = [&] { return init_scene(kind); }; });
 
   std::string in, out;
@@ -215,6 +217,14 @@ ExitCode run_program(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version
     return static_cast<ExitCode>(app.exit(asked));
+  } catch (const CLI::RequiredError& error) {
+    // A wrong option is why the right one is missing: it is named first.
+    const std::vector<std::string> left = app.remaining(true);
+    const auto option = std::ranges::find_if(left, [](const std::string& word) { return word.starts_with('-'); });
+    complain(std::string{"cleave: "} +
+             (option != left.end() ? "The following argument was not expected: " + *option : error.what()) +
+             "; see cleave --help");
+    return ExitCode::wrong_input;
   } catch (const CLI::ParseError& error) {
     complain(std::string{"cleave: "} + error.what() + "; see cleave --help");
     return ExitCode::wrong_input;
