@@ -183,7 +183,7 @@ class SharedPoints final {
     std::size_t operator()(const Place& at) const noexcept {
       std::uint64_t h = 0;
       for (const std::int64_t c : at) h = (h ^ static_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15U;
-      return static_cast<std::size_t>(h ^ (h >> 32U));
+      return h ^ (h >> 32U);
     }
   };
   [[nodiscard]] Place place(Vec3 p) const {

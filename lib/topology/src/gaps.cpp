@@ -40,19 +40,22 @@ void between_segments(Vec3 p, Vec3 q, Vec3 r, Vec3 s, Nearest& nearest) {
   nearest.take(q, r + share(dot(v, q - r), c) * v);
 }
 
-/// The corners of a facet, in units.
+/// The corners of a facet, in units; one without corners is its plane, cut by what ends it.
 class Outline {
  public:
   Outline(const Prepared& prepared, const Facet& facet)
       : corners_{std::span{prepared.corners}.subspan(facet.first_corner, facet.corner_count)} {
-    const auto n = prepared.planes[facet.plane].unit_normal();
+    const exact::Plane& plane = prepared.planes[facet.plane];
+    const auto n = plane.unit_normal();
+    const auto& a = plane.approx();
     normal_ = {n[0], n[1], n[2]};
+    offset_ = size() > 0 ? -dot(normal_, corner(0)) : a[3] / std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
   }
   [[nodiscard]] std::size_t size() const { return corners_.size(); }
   [[nodiscard]] Vec3 corner(std::size_t i) const { return as_vec3(corners_[i % corners_.size()]); }
   /// The foot of p, where that lies inside.
   [[nodiscard]] bool above(Vec3 p, Vec3& foot) const {
-    foot = p - dot(normal_, p - corner(0)) * normal_;
+    foot = p - (dot(normal_, p) + offset_) * normal_;
     bool left = true, right = true;
     for (std::size_t i = 0; i < size(); ++i) {
       const double turn = dot(normal_, cross(corner(i + 1) - corner(i), foot - corner(i)));
@@ -65,6 +68,7 @@ class Outline {
  private:
   std::span<const Vec> corners_;
   Vec3 normal_;
+  double offset_ = 0;
 };
 
 /// Between a side of the one and the other as a whole.
@@ -106,18 +110,33 @@ GapFinder::GapFinder(const Prepared& prepared) noexcept : prepared_{prepared}, l
 
 void GapFinder::look(Index i, Index j, Gaps& found) const {
   const Facet &f = prepared_.facets[i], &g = prepared_.facets[j];
-  if (f.corner_count == 0 || g.corner_count == 0) return;  // they go on for ever, or end on planes
-  if (f.owner != Owner::joint && g.owner != Owner::joint) return;
+  const bool of_joint = f.owner == Owner::joint, other_of_joint = g.owner == Owner::joint;
+  if (!of_joint && !other_of_joint) return;
+  // Joints without corners go on for ever, or end on planes.
+  if ((of_joint && f.corner_count == 0) || (other_of_joint && g.corner_count == 0)) return;
   const Outline own{prepared_, f}, other{prepared_, g};
-  // Whether a point is left of the facet when all that ends it has cut.
-  const auto there = [&](const Facet& facet, Vec3 p) {
-    for (Index e = facet.first_edge; e < facet.first_edge + facet.edge_count; ++e) {
-      const HalfSpace& edge = prepared_.edges[e];
-      const auto& n = prepared_.planes[edge.plane].approx();
-      const double height = n[0] * p.x + n[1] * p.y + n[2] * p.z + n[3];
-      if ((edge.inside_positive ? height : -height) < -0x1p-40) return false;
+  const auto height = [&](const HalfSpace& edge, Vec3 p) {
+    const auto& n = prepared_.planes[edge.plane].approx();
+    const double above = n[0] * p.x + n[1] * p.y + n[2] * p.z + n[3];
+    return edge.inside_positive ? above : -above;
+  };
+  const auto edges_of = [&](const Facet& facet) {
+    return std::span{prepared_.edges}.subspan(facet.first_edge, facet.edge_count);
+  };
+  // The part of a side that is left when all that ends the facet has cut, the domain's sides among it.
+  const auto left_of_side = [&](const Facet& facet, Vec3& p, Vec3& q) {
+    constexpr double rounding = 0x1p-40;
+    for (const HalfSpace& edge : edges_of(facet)) {
+      const double at_p = height(edge, p), at_q = height(edge, q);
+      if (at_p >= -rounding && at_q >= -rounding) continue;
+      if (at_p < -rounding && at_q < -rounding) return false;
+      const Vec3 between = p + (at_p / (at_p - at_q)) * (q - p);
+      (at_p < at_q ? p : q) = between;
     }
     return true;
+  };
+  const auto there = [&](const Facet& facet, Vec3 p) {
+    return std::ranges::all_of(edges_of(facet), [&](const HalfSpace& e) { return height(e, p) >= -2 * limit_; });
   };
   constexpr double touching = 0x1p-46;
   std::uint64_t sides = 0;
@@ -125,23 +144,21 @@ void GapFinder::look(Index i, Index j, Gaps& found) const {
   const auto look_from = [&](const Outline& from, const Facet& its, const Outline& to, const Facet& beyond) {
     bool any = false;
     for (std::size_t k = 0; k < from.size(); ++k) {
-      const Vec3 p = from.corner(k), q = from.corner(k + 1);
+      Vec3 p = from.corner(k), q = from.corner(k + 1);
+      if (!left_of_side(its, p, q)) continue;
       const Nearest own_nearest = to_outline(p, q, to);
       if (own_nearest.distance > limit_) continue;
-      if (!there(its, own_nearest.on_first) || !there(beyond, own_nearest.on_second)) continue;
+      if (!there(beyond, own_nearest.on_second)) continue;
       if (own_nearest.distance < nearest.distance) nearest = own_nearest;
       any = true;
       // A side that only starts near is not the one that misses.
-      Nearest ends[2];
-      ends[0] = to_outline(p, p, to);
-      ends[1] = to_outline(q, q, to);
-      if (std::max(ends[0].distance, ends[1].distance) <= limit_) ++sides;
+      if (std::max(to_outline(p, p, to).distance, to_outline(q, q, to).distance) <= limit_) ++sides;
     }
     return any;
   };
-  const bool from_own = f.owner == Owner::joint && look_from(own, f, other, g);
+  const bool from_own = of_joint && !f.rim_shared && look_from(own, f, other, g);
   const std::uint64_t sides_of_own = sides;
-  const bool from_other = sides_of_own == 0 && g.owner == Owner::joint && look_from(other, g, own, f);
+  const bool from_other = sides_of_own == 0 && other_of_joint && !g.rim_shared && look_from(other, g, own, f);
   if ((!from_own && !from_other) || (f.plane == g.plane && nearest.distance < touching)) return;
   Gaps gaps{std::max<std::uint64_t>(sides, 1), nearest.distance, std::min(i, j), std::max(i, j)};
   found.add(gaps);

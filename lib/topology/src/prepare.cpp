@@ -15,6 +15,7 @@
 #include "detail/prepared.hpp"
 #include "detail/shared_corners.hpp"
 #include "detail/sheets.hpp"
+#include "detail/side_users.hpp"
 #include "detail/snapping.hpp"
 #include "detail/solids.hpp"
 
@@ -171,6 +172,7 @@ class Preparation {
   Done make_polygon(std::size_t k);
   void set_fold(JointPolygon& entry) const;
   void drop_vanished();
+  bool rim_shared(const JointPolygon& entry) const;
   void snap_planes();
   void unite_sheets();
   Done add_polygons();
@@ -458,6 +460,12 @@ void Preparation::drop_vanished() {
   if (some) share();
 }
 
+bool Preparation::rim_shared(const JointPolygon& entry) const {
+  bool all = shared_.any_side();
+  SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) { all = all && shared_.shared(a, b); });
+  return all;
+}
+
 void Preparation::snap_planes() {
   snapper_.merge_planes(polygons_, shared_);
   for (JointPolygon& entry : polygons_) set_fold(entry);
@@ -480,6 +488,7 @@ Preparation::Done Preparation::add_polygons() {
     if (beside_[k] != 0) continue;
     Facet facet = blank_facet(Owner::joint, entry.joint, 0);
     if (sheets_[k]) facet.sheet = builder_.add_sheet(*sheets_[k]);
+    facet.rim_shared = rim_shared(entry);
     if (entry.folded) {
       const auto triangles =
           entry.holes.empty() ? fold(entry.corners) : triangulate_with_holes(entry.polygon, std::move(entry.holes));
