@@ -111,10 +111,7 @@ SupportFigures count_support(const stability::SupportResult& support) {
   return f;
 }
 
-RunResult empty_result() {
-  return {.input = {.domain = geometry::make_box({0, 0, 0}, {1, 1, 1}).value()},
-          .complex = std::unexpected(topology::Certificate{})};
-}
+RunResult empty_result() { return {{{.input = {.domain = geometry::make_box({0, 0, 0}, {1, 1, 1}).value()}}}}; }
 
 Figures count(const RunResult& result) {
   Figures figures;
