@@ -17,7 +17,8 @@ CLEAVE_FUZZ_TARGET(bytes) {
   ByteSource source{bytes};
   const auto uniform = [&] { return static_cast<double>(source.between(0, 0xFFFF)) / 0x10000; };
   const ClosedSet set = any_closed_set(uniform);
-  ClosedTrial trial{.at = {{6 * uniform(), 6 * uniform(), 6 * uniform()}, std::pow(10, 9 * uniform() - 3), {}}};
+  ClosedTrial trial;
+  trial.at = {{6 * uniform(), 6 * uniform(), 6 * uniform()}, std::pow(10, 9 * uniform() - 3), {}};
   if (source.flip()) trial.at.shift = {5e6, -3e6, 1e3};
   trial.polygons = placed(set, trial.at).polygons;
   trial.expected = set.parts + 1;

@@ -112,6 +112,7 @@ void GapFinder::look(Index i, Index j, Gaps& found) const {
   const Facet &f = prepared_.facets[i], &g = prepared_.facets[j];
   const bool of_joint = f.owner == Owner::joint, other_of_joint = g.owner == Owner::joint;
   if (!of_joint && !other_of_joint) return;
+  if (f.sheet != none && f.sheet == g.sheet) return;  // pieces of one flat face
   // Joints without corners go on for ever, or end on planes.
   if ((of_joint && f.corner_count == 0) || (other_of_joint && g.corner_count == 0)) return;
   const Outline own{prepared_, f}, other{prepared_, g};
