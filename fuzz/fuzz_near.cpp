@@ -20,7 +20,7 @@ CLEAVE_FUZZ_TARGET(bytes) {
   cleave::support::ByteSource source{bytes.first(std::min<std::size_t>(bytes.size(), 12))};
   IntegerScene scene =
       integer_scene_from_bytes(bytes.subspan(std::min<std::size_t>(bytes.size(), 12)), {.max_joints = 4});
-  const auto times = static_cast<std::int32_t>(1) << source.up_to(24);
+  const std::int32_t times = 1 << source.up_to(24);
   const auto grow = [times](IntegerPoint& p) { p = times * p; };
   grow(scene.min);
   grow(scene.max);
