@@ -288,6 +288,8 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   viscous.resize(m);
   const std::vector<Vec2> forces = recall(list, island);
   double softest = 0;
+  double thick = 0;  // largest feature of the group
+  for (const std::uint32_t body : island.bodies) thick = std::max(thick, shapes[body].feature);
   for (const std::size_t at : problem.w.diagonal) softest = std::max(softest, problem.w.values[at].xx);
   for (std::size_t k = 0; k < m; ++k) {
     const Touch& touch = list[island.touches[k]];
@@ -320,8 +322,9 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
       const double away = -island.rebound * law.restitution * old.x + std::min(0.0, b.x - old.x);
       b.x -= std::max(away, 0.0);
     } else {
-      // Gaps of rounding size count as closed: a pile at rest sees the same problem every step.
-      b.x += std::max(touch.gap - contact_depth * feature, 0.0) / step;
+      // Gaps of rounding size count as closed: a pile at rest sees the same problem every step. Between small bodies
+      // they are as large as those of the large ones that hold them.
+      b.x += std::max(touch.gap - std::min(thick, 100 * feature) * contact_depth, 0.0) / step;
     }
     const bool broke = bond == nullptr && law.residual_friction >= 0;
     problem.mu[k] = broke ? law.residual_friction : law.friction;
@@ -337,6 +340,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
       problem.start[k] = {};
     }
   }
+  problem.yielding = viscous;
   return problem;
 }
 
