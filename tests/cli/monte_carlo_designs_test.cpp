@@ -158,7 +158,7 @@ TEST_F(DesignsTest, ComparesDesignsOnCommonRandomNumbers) {
   ASSERT_EQ(cleave("run strong.toml -o other --seed 5 --quiet").code, 0);
   EXPECT_TRUE(cleave("compare-designs weak other").err.contains("has the seed 5"));
   EXPECT_EQ(cleave("compare weak other").code, 2);
-  EXPECT_TRUE(cleave("compare weak other").err.starts_with("note: cleave compare is now cleave compare-designs"));
+  EXPECT_TRUE(cleave("compare weak other").out.starts_with("note: cleave compare is now cleave compare-designs"));
   EXPECT_EQ(cleave("compare weak nowhere").code, 2);
   ASSERT_EQ(cleave("run weak.toml -o part --shard 1/2 --quiet").code, 0);
   EXPECT_TRUE(cleave("compare weak part").err.contains("is a shard"));

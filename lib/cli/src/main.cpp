@@ -211,7 +211,7 @@ ExitCode run_program(int argc, char** argv) {
     compare->add_option("-o,--out", compared, "file for the figures (JSON)");
     compare->callback([&, note] {
       chosen = [&, note] {
-        if (!note.empty()) complain(note);
+        say(note);
         return compare_results(first, second, compared);
       };
     });
@@ -221,7 +221,7 @@ ExitCode run_program(int argc, char** argv) {
                                      "random numbers"),
                   "");
   compare_designs(app.add_subcommand("compare", "old name of compare-designs")->group(""),
-                  "note: cleave compare is now cleave compare-designs; the old name goes with the next version");
+                  "note: cleave compare is now cleave compare-designs; the old name goes with the next version\n");
 
   try {
     app.parse(argc, argv);
