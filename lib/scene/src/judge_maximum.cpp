@@ -33,34 +33,31 @@ std::optional<Vec3> mean_normal(const Scene& scene, const Drawn& drawn, SetId se
 }
 
 /// Medians of the set's laws.
-stability::JointStrength strength_of(const JointProperties& p) {
+stability::JointStrength median_strength(const JointProperties& p) {
   const double half = 0.5;
-  const auto made = p.jrc > 0 ? stability::JointStrength::barton_bandis(p.friction.quantile(half), p.jrc, p.jcs,
-                                                                        p.tension.quantile(half))
-                              : stability::JointStrength::make(p.friction.quantile(half), p.cohesion.quantile(half),
-                                                               p.tension.quantile(half));
-  return made.value_or(stability::JointStrength::make(FrictionAngle::degrees(0)).value());
+  return strength_of(
+      Strength{p.friction.quantile(half), p.cohesion.quantile(half), p.tension.quantile(half), p.jrc, p.jcs});
 }
 
 }  // namespace
 
-void judge_maximum_blocks(const Scene& scene, const Drawn& drawn, JudgedMore& more) {
+void judge_maximum_blocks(const Scene& scene, Realization& made) {
   if (!scene.stability->maximum_blocks) return;
   const MaximumBlockSettings& wanted = *scene.stability->maximum_blocks;
   std::vector<SetId> sets = wanted.sets;
   if (sets.empty()) {
-    for (const JointInfo& joint : drawn.joints) sets.push_back(joint.set);
+    for (const JointInfo& joint : made.joints) sets.push_back(joint.set);
     std::ranges::sort(sets);
     sets.erase(std::ranges::unique(sets).begin(), sets.end());
   }
   std::vector<stability::TheoryPlane> planes;
   std::vector<SetId> used;
   for (const SetId set : sets) {
-    const auto normal = mean_normal(scene, drawn, set);
+    const auto normal = mean_normal(scene, made, set);
     if (!normal) continue;
     const auto direction = stability::direction_of(*normal);
     if (!direction) continue;
-    planes.push_back({*direction, strength_of(scene.sets[set].properties)});
+    planes.push_back({*direction, median_strength(scene.sets[set].properties)});
     used.push_back(set);
   }
   const TunnelLine& line = *scene.excavations[wanted.excavation].tunnel;
@@ -82,7 +79,7 @@ void judge_maximum_blocks(const Scene& scene, const Drawn& drawn, JudgedMore& mo
     MaximumRow row{
         .sets = {}, .block = block, .where = std::string{location_of(block.block.apex[0], block.block.apex[1])}};
     for (std::size_t i = 0; i < 3; ++i) row.sets[i] = scene.sets[used[block.planes[i]]].name;
-    more.maximum_blocks.push_back(std::move(row));
+    made.maximum_blocks.push_back(std::move(row));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cleave/scene/run_result.hpp"
 #include "cleave/scene/scene.hpp"
 #include "cleave/scene/sequence.hpp"
 #include "cleave/stability/support.hpp"
@@ -29,10 +30,8 @@ namespace cleave::scene {
 /// How many realizations in a row share their joints; 1: each has its own.
 [[nodiscard]] std::uint64_t strengths_per_geometry(const Scene& scene) noexcept;
 
-/// What is kept of a realization that was cut and judged. Null: the scene has no such stage.
-[[nodiscard]] stochastic::Record record_of(std::uint64_t k, const topology::BlockComplex& complex, std::size_t joints,
-                                           const stability::Analysis* analysis, const SequenceResult* sequence,
-                                           const stability::SupportResult* support,
+/// What is kept of realization `k`.
+[[nodiscard]] stochastic::Record record_of(std::uint64_t k, const Realization& made,
                                            const stochastic::Questions& questions);
 /// Realizations `first` .. `first + count - 1`, all of one geometry, which is cut once.
 [[nodiscard]] std::vector<stochastic::Record> make_records(const Scene& scene, const stochastic::Questions& questions,
@@ -72,11 +71,11 @@ using MakeRecords = std::function<void(std::uint64_t first, std::uint64_t end, s
 /// any interruptions.
 [[nodiscard]] std::expected<MonteCarloResult, stochastic::RecordFileError> run_monte_carlo(
     const Scene& scene, const MakeRecords& make, const std::filesystem::path& file, const stochastic::Shard& shard,
-    const std::string& version, const MonteCarloWatch& watch);
+    const MonteCarloWatch& watch);
 /// The same on threads of this process.
 [[nodiscard]] std::expected<MonteCarloResult, stochastic::RecordFileError> run_monte_carlo(
     const Scene& scene, unsigned threads, const std::filesystem::path& file, const stochastic::Shard& shard,
-    const std::string& version, const MonteCarloWatch& watch);
+    const MonteCarloWatch& watch);
 
 /// Figures from records that are all there: of a merged file of all shards.
 [[nodiscard]] std::expected<MonteCarloResult, stochastic::RecordFileError> figures_of_records(
