@@ -10,6 +10,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/core/version.hpp"
 #include "nearest.hpp"
 
 namespace cleave::scene {
@@ -38,7 +39,7 @@ std::string form_of(const KeyType& array) {
 
 }  // namespace
 
-std::string not_available() { return "is not available in version 0.1"; }
+std::string not_available() { return "is not available in version " CLEAVE_VERSION; }
 
 std::string_view kind_of(const TomlNode& node) noexcept {
   return std::visit(overloaded{[](bool) -> std::string_view { return "true or false"; },
