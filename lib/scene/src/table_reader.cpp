@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/core/version.hpp"
 #include "nearest.hpp"
 
 namespace cleave::scene {
@@ -34,7 +35,7 @@ std::string form_of(const KeyType& array) {
 
 }  // namespace
 
-std::string not_available() { return "is not available in version 0.1"; }
+std::string not_available() { return "is not available in version " CLEAVE_VERSION; }
 
 TableReader::TableReader(const TomlTable& table, std::uint32_t line, std::string path, Problems& problems,
                          const KeyTable& keys)
