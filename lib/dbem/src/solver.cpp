@@ -1,6 +1,8 @@
 #include "cleave/dbem/solver.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -219,21 +221,22 @@ void sweep(const ContactProblem& problem, double soft, const std::vector<Vec2>& 
 /// Proximal points: Newton on W + e diag(W) about the last answer, e as small as Newton bears. Forces that equilibrium
 /// leaves open stay where they are instead of swinging, and what equilibrium fixes converges by e / (e + sigma). Inner
 /// answers need be no better than the outer ones (Rockafellar 1976).
-Tried proximal(PatternSolver& linear, const ContactProblem& problem, std::vector<Vec2> start, double enough,
+Tried proximal(PatternSolver& linear, const ContactProblem& given, std::vector<Vec2> start, double enough,
                std::size_t patience) {
+  ContactProblem problem = given;  // its regularisation moves along with the centre
   const bool cold = start.empty();
   Tried tried{std::move(start)};
   if (cold) tried.p.resize(problem.contacts());
   std::vector<Vec2> centre = tried.p;
-  double best = cold ? 1.0 : natural_residual(problem, tried.p);
-  double soft = cold ? 1.0 : std::clamp(1e3 * best, 1e-5, 1e-2);
+  double best = cold ? 1.0 : judge(given, tried.p).residual;
+  double soft = cold ? 1.0 : std::clamp(1e3 * best, 1e-6, 1e-2);
   if (cold) {
     sweep(problem, soft, centre, 50, tried.p);
   } else if (is_large(problem)) {
     tried = keep_states(linear, problem, centre, soft);
   }
-  std::size_t stale = 0;
-  double least = 1e-7;
+  std::size_t stale = 0, easy = 0;
+  double least = 1e-10;
   for (int outer = 0; outer < 60 && stale < 8 && tried.iterations < patience; ++outer) {
     const double inner = std::clamp(1e-2 * best, 0.1 * enough, 1e-3);
     Tried stage = newton(linear, problem, soft, inner, 40, tried.p, centre);
@@ -245,13 +248,22 @@ Tried proximal(PatternSolver& linear, const ContactProblem& problem, std::vector
       tried.p = centre;
       continue;
     }
-    const double residual = natural_residual(problem, stage.p);
+    const double residual = judge(given, stage.p).residual;
     stale = residual < 0.9 * best ? 0 : stale + 1;
     best = std::min(best, residual);
     tried.p = centre = std::move(stage.p);
+    for (std::size_t k = 0; k < given.yielding.size(); ++k) {
+      const Vec2 off = centre[k] - given.start[k];
+      problem.b[k] = given.b[k] - Vec2{given.yielding[k].x * off.x, given.yielding[k].y * off.y};
+    }
     if (residual <= enough) {
       tried.converged = true;
       break;
+    }
+    easy = stage.iterations <= 3 ? easy + 1 : 0;
+    if (easy >= 3) {  // what Newton could not follow before it may follow from here
+      least = std::max(0.3 * least, 1e-10);
+      easy = 0;
     }
     if (stage.iterations <= 20 || stale > 0) soft = std::max((stage.iterations <= 6 ? 0.1 : 0.3) * soft, least);
   }
@@ -267,7 +279,7 @@ class Cascade final {
   bool take(Tried tried, Method method) {
     iterations_ += tried.iterations;
     if (tried.p.size() != problem_.contacts()) return false;
-    const double residual = natural_residual(problem_, tried.p);
+    const double residual = judge(problem_, tried.p).residual;
     if (!std::isnan(residual) && residual < best_) {
       best_ = residual;
       method_ = method;
@@ -282,11 +294,9 @@ class Cascade final {
   ContactSolution finish() {
     ContactSolution solution;
     if (p_.empty()) p_.resize(problem_.contacts());
-    const MapEvaluator evaluator{problem_};
-    NaturalMap map;
-    evaluator.evaluate(p_, map);
+    const auto [residual, map] = judge(problem_, p_);
     ContactReport& report = solution.report;
-    report.residual = evaluator.residual(map, p_);
+    report.residual = residual;
     report.missed_speed = map.fastest;
     report.method = method_;
     report.iterations = iterations_;
@@ -324,7 +334,7 @@ class Cascade final {
     if (wanders) {
       if (warm && take(Tried{problem_.start}, Method::newton) && best_ <= enough) return;
       // Forces that nobody knows yet, of thousands of contacts: sweeps do not carry them through the group.
-      if (!warm && problem_.contacts() > 1000 && inside()) return;
+      if (!warm && problem_.contacts() > 3000 && inside(1000)) return;
       if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}, enough, options_.patience),
                Method::continuation) &&
           best_ <= options_.accept) {
@@ -348,9 +358,15 @@ class Cascade final {
         return;
       }
     }
+    if (wanders && swept()) return;
     // Rather than cut the step of a large group at once: what made it hard is often there in a shorter one, too.
     if (iterations_ >= options_.patience) {
-      if (large) inside();
+      if (large) inside(wanders ? 150 : 1000);
+      return;
+    }
+    // What else there is needs thousands of linear solves there, and never got home.
+    if (wanders && problem_.contacts() > 300) {
+      inside(1000);
       return;
     }
     if (wanders && shi()) return;
@@ -365,7 +381,7 @@ class Cascade final {
     if (!state.empty() && take(from_here(std::move(state), most), Method::newton)) return;
     if (problem_.contacts() <= 3 * most_for_lemke && take(pivot(), Method::lemke)) return;
     if (take(from_here(p_, most), Method::newton)) return;
-    if (inside()) return;
+    if (inside(1000)) return;
     // Sweeps creep up to an answer where Newton goes round in circles between the states of a few contacts.
     Tried swept{p_};
     for (int more = 0; more < 4; ++more) {
@@ -375,20 +391,50 @@ class Cascade final {
     }
   }
 
+  /// Sweeps and proximal points in turns: sweeps find what opens and slips where Newton wanders, proximal points carry
+  /// forces through the group, which takes sweeps for ever.
+  bool swept() {
+    constexpr std::size_t most = 12;
+    constexpr int sweeps = 400;
+    const double enough = 0.1 * options_.accept;
+    const std::vector<Vec2> nowhere(p_.size());
+    Tried turn{p_};
+    std::array<double, 3> before{1e300, 1e300, 1e300};  // best of the rounds before
+    for (std::size_t k = 0; k < most && best_ <= 0.7 * before[k % 3]; ++k) {
+      before[k % 3] = best_;
+      sweep(problem_, 0, nowhere, sweeps, turn.p);
+      const double residual = judge(problem_, turn.p).residual;
+      take(turn, Method::continuation);
+      Tried next = proximal(linear_, problem_, turn.p, enough, 100);
+      const bool better = judge(problem_, next.p).residual < residual;
+      if (better) turn.p = next.p;
+      take(std::move(next), Method::continuation);
+      if (best_ <= options_.accept) return true;
+    }
+    return false;
+  }
+
   /// Interior points until Newton, or proximal points, get home from one of them.
-  bool inside() {
+  bool inside(std::size_t most) {
     // What does not end within a minute or two is left to shorter steps.
-    const std::size_t most = problem_.contacts() <= 5000 ? 1000 : 300;
+    if (problem_.contacts() > 5000) most = std::min<std::size_t>(most, 300);
     bool done = false;
-    std::size_t factors = 0, counted = 0;
+    std::size_t factors = 0, counted = 0, programmes = 0;
     interior(problem_, most, factors, [&](const std::vector<Vec2>& p) {
       Tried here{p};
       here.iterations = factors - counted;
       counted = factors;
       // A large group is tried from near answers only. Patience does not end here: nothing else is likelier to help.
-      if (is_large(problem_) && natural_residual(problem_, p) > 1e-6) {
+      if (is_large(problem_) && judge(problem_, p).residual > 1e-6) {
         take(std::move(here), Method::interior);
-        return false;
+        // Now and then sweeps lead on from there.
+        ++programmes;
+        if (!problem_.rigid || !std::has_single_bit(programmes)) return false;
+        std::vector<Vec2> turn = p;
+        sweep(problem_, 0, turn, 400, turn);
+        return (take(Tried{turn}, Method::interior) && best_ <= options_.accept) ||
+               (take(proximal(linear_, problem_, std::move(turn), 0.1 * options_.accept, 60), Method::interior) &&
+                best_ <= options_.accept);
       }
       done =
           (take(std::move(here), Method::interior) && best_ <= options_.accept) ||
@@ -455,7 +501,7 @@ ContactSolution solve_again(const ContactProblem& problem, const SolverOptions& 
         if (tries.take(continuation(linear, problem, options, factor), Method::continuation)) break;
       }
       break;
-    case Method::interior: tries.inside(); break;
+    case Method::interior: tries.inside(1000); break;
     case Method::lemke:
       if (problem.contacts() <= Cascade::most_for_lemke) tries.take(tries.pivot(), Method::lemke);
       break;

@@ -12,7 +12,7 @@ namespace cleave::dbem {
 namespace {
 
 /// Contacts of a group that may be tried for as long as it takes; linear solves a larger one is tried for.
-constexpr std::size_t patient_up_to = 300, patience_of_large = 100;
+constexpr std::size_t patient_up_to = 300, patience_of_large = 300;
 
 /// Share of the velocities of a group that rounding and the regularisation together may hide.
 constexpr double hidden = 1e-3;

@@ -346,6 +346,7 @@ std::vector<ContactProblem> World::problems(double step) const {
     std::vector<Vec2> viscous;
     problems.push_back(w.problem_of(list, islands[k], rows[k], w.state, free, step, viscous));
     problems.back().start.clear();
+    problems.back().yielding.clear();
   }
   return problems;
 }
