@@ -132,10 +132,8 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
     complain(copies.error().message);
     return copies.error().code;
   }
-  const std::string header = header_of(stochastic::RunIdentity{.version = CLEAVE_VERSION,
-                                                               .scene_sha256 = scene_and_files_sha256(scene),
-                                                               .seed = scene.seed,
-                                                               .shard = arguments.shard});
+  const std::string header = header_of(stochastic::RunIdentity{
+      .scene_sha256 = scene_and_files_sha256(scene), .seed = scene.seed, .shard = arguments.shard});
   auto folder = MonteCarloFolder::prepare(arguments.out, header);
   if (!folder) {
     complain(folder.error().message);
@@ -162,10 +160,9 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
   }};
   auto result = timer.run("monte_carlo", [&] {
     if (make != nullptr) {
-      return scene::run_monte_carlo(scene, *make, folder->unfinished(), arguments.shard, CLEAVE_VERSION, watch);
+      return scene::run_monte_carlo(scene, *make, folder->unfinished(), arguments.shard, watch);
     }
-    return scene::run_monte_carlo(scene, arguments.threads, folder->unfinished(), arguments.shard, CLEAVE_VERSION,
-                                  watch);
+    return scene::run_monte_carlo(scene, arguments.threads, folder->unfinished(), arguments.shard, watch);
   });
   progress.end();
   if (!result) {

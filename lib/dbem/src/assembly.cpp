@@ -1,21 +1,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <span>
+
+#include "cleave/core/disjoint_sets.hpp"
 
 #include "world_impl.hpp"
 
 namespace cleave::dbem {
 namespace {
-
-std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t k) {
-  while (parent[k] != k) {
-    parent[k] = parent[parent[k]];
-    k = parent[k];
-  }
-  return k;
-}
 
 /// One value a mode.
 auto modal_row(std::span<const double> all, std::size_t from, std::size_t modes) {
@@ -39,18 +32,15 @@ BoundaryPoint nearest_on(std::span<const Vec2> corners, Vec2 p) {
 }
 
 std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) const {
-  std::vector<std::uint32_t> parent(size());
-  std::iota(parent.begin(), parent.end(), 0U);
+  DisjointSets<std::uint32_t> together{size()};
   for (const Touch& t : list) {
     if (shapes[t.i].fixed || shapes[t.j].fixed) continue;
-    const std::uint32_t a = root(parent, t.i);
-    const std::uint32_t b = root(parent, t.j);
-    parent[std::max(a, b)] = std::min(a, b);
+    together.join(t.i, t.j);
   }
   std::vector<Island> islands;
   std::vector<std::uint32_t> number(size(), static_cast<std::uint32_t>(-1));
   for (std::size_t k = 0; k < list.size(); ++k) {
-    const std::uint32_t at = root(parent, shapes[list[k].i].fixed ? list[k].j : list[k].i);
+    const std::uint32_t at = together.find(shapes[list[k].i].fixed ? list[k].j : list[k].i);
     if (number[at] == static_cast<std::uint32_t>(-1)) {
       number[at] = static_cast<std::uint32_t>(islands.size());
       islands.emplace_back();
@@ -59,7 +49,7 @@ std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) cons
   }
   for (std::uint32_t b = 0; b < size(); ++b) {
     if (shapes[b].fixed) continue;
-    const std::uint32_t in = number[root(parent, b)];
+    const std::uint32_t in = number[together.find(b)];
     if (in != static_cast<std::uint32_t>(-1)) islands[in].bodies.push_back(b);
   }
   return islands;

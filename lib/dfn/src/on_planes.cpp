@@ -11,6 +11,7 @@
 namespace cleave::dfn::detail {
 
 using geometry::Polygon;
+using geometry::Vec2;
 using geometry::Vec3;
 
 namespace {
@@ -76,7 +77,7 @@ class PlaneModel final {
     Cell outline = section(grid, box_);
     if (outline.corners.size() < 3) return;
     double radius = 0;
-    for (const Point2 p : outline.corners) radius = std::max(radius, std::hypot(p.x, p.y));
+    for (const Vec2 p : outline.corners) radius = std::max(radius, std::hypot(p.x, p.y));
     Rng marks = streams_.of(Draw::termination, plane.index);
     Rng lines_stream = streams_.of(Draw::size, plane.index);
     std::visit(

@@ -5,13 +5,12 @@
 #include <vector>
 
 #include "cleave/dfn/sample.hpp"
+#include "cleave/geometry/vec2.hpp"
 
 namespace cleave::dfn::detail {
 
-/// A corner in the joint's own axes (m): along the first side or axis, and across.
-struct FlatPoint {
-  double along, across;
-};
+/// A corner in the joint's own axes (m): x along the first side or axis, y across.
+using FlatPoint = geometry::Vec2;
 /// Corners of the outline with both half axes 1, counter-clockwise about the normal.
 [[nodiscard]] std::vector<FlatPoint> unit_corners(std::uint32_t sides);
 /// `unit`: those of outline.sides.

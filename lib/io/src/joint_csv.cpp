@@ -279,16 +279,6 @@ class TableReader final {
   std::vector<ReadError> problems_;
 };
 
-std::string in_quotes(std::string_view text) {
-  if (text.find_first_of(",;\"\n#") == std::string_view::npos) return std::string{text};
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"') result += '"';
-    result += c;
-  }
-  return result + '"';
-}
-
 }  // namespace
 
 std::expected<JointTable, std::vector<ReadError>> parse_joint_csv(std::string_view bytes, std::string_view name,
@@ -343,8 +333,8 @@ std::string write_joint_csv(const JointTable& table) {
                r.size);
     if (friction) out += r.friction ? fmt::format(",{}", r.friction->degrees()) : ",";
     if (cohesion) out += r.cohesion ? fmt::format(",{}", r.cohesion->si()) : ",";
-    if (set) out += ',' + in_quotes(r.set);
-    if (id) out += ',' + in_quotes(r.id);
+    if (set) out += ',' + csv_field(r.set, ";#");
+    if (id) out += ',' + csv_field(r.id, ";#");
     out += '\n';
   }
   return out;

@@ -10,19 +10,12 @@
 #include <system_error>
 #include <utility>
 
+#include "cleave/core/text.hpp"
+
 namespace cleave::scene {
 namespace {
 
 using std::string_view;
-
-std::string lower(string_view text) {
-  std::string out;
-  for (char c : text) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    out += c == ' ' || c == '-' ? '_' : c;
-  }
-  return out;
-}
 
 /// The names that other programs give to the same column.
 std::string canonical(string_view name) {
@@ -41,14 +34,16 @@ std::string canonical(string_view name) {
                                                                          {"trace_length", "length"},
                                                                          {"persistence", "length"},
                                                                          {"terminations", "ends"}}};
-  const std::string word = lower(name);
+  std::string word = lower(name);
+  std::ranges::replace_if(word, [](char c) { return c == ' ' || c == '-'; }, '_');
   for (const auto& [alias, own] : aliases) {
     if (word == alias) return std::string{own};
   }
   return word;
 }
 
-string_view trimmed(string_view text) {
+/// Without blanks and quotes at both ends.
+string_view bare(string_view text) {
   constexpr string_view blank = " \t\r\"";
   const std::size_t first = text.find_first_not_of(blank);
   if (first == string_view::npos) return {};
@@ -79,7 +74,7 @@ std::vector<std::string> split(string_view line, char separator) {
   }
   for (;;) {
     const std::size_t end = line.find(separator);
-    cells.emplace_back(trimmed(line.substr(0, end)));
+    cells.emplace_back(bare(line.substr(0, end)));
     if (end == string_view::npos) return cells;
     line.remove_prefix(end + 1);
   }
@@ -115,7 +110,7 @@ std::optional<SurveyTable> read_survey_table(Context& context, const LoadedFile&
     const std::size_t end = std::min(bytes.find('\n'), bytes.size());
     const string_view text = bytes.substr(0, end);
     bytes.remove_prefix(std::min(end + 1, bytes.size()));
-    const string_view content = trimmed(text);
+    const string_view content = bare(text);
     if (content.empty() || content.starts_with('#')) continue;
     if (separator == 0) {
       separator = text.contains(';') ? ';' : text.contains(',') ? ',' : text.contains('\t') ? '\t' : ' ';

@@ -86,18 +86,9 @@ std::vector<Vec3> hull(const std::vector<Vec3>& points, Vec3 normal) {
 /// Corners of what a face shares with the neighbour's faces on the same plane.
 std::vector<Vec3> shared(const BlockComplex& complex, const Face& face, BlockId neighbour) {
   std::vector<Vec3> corners;
-  const auto own = fan(complex, face);
-  for (const topology::FaceId id : complex.blocks()[neighbour].faces) {
-    const Face& other = complex.faces()[id];
-    if (other.plane != face.plane || other.block_on_positive_side == face.block_on_positive_side) continue;
-    for (const SignedTriangle& b : fan(complex, other)) {
-      const SignedTriangle turned{{b.corners[0], b.corners[2], b.corners[1]}, b.sign};
-      for (const SignedTriangle& a : own) {
-        const Convex part = overlap(a, turned, face.outward);
-        if (part.size() > 2) corners.insert(corners.end(), part.begin(), part.end());
-      }
-    }
-  }
+  for_each_shared(complex, face, neighbour, [&](const Convex& part, double) {
+    if (part.size() > 2) corners.insert(corners.end(), part.begin(), part.end());
+  });
   return corners;
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <span>
 
+#include "cleave/core/disjoint_sets.hpp"
+
 #include "detail/pieces.hpp"
 
 namespace cleave::topology::detail {
@@ -159,10 +161,10 @@ Crossings find_crossings(const Prepared& prepared, const Traces& traces, Signs& 
     }
     return std::move(finder).result();
   });
-  Crossings out{{}, {}, UnionFind{traces.lines.size()}};
+  Crossings out{{}, {}, DisjointSets<Index>{traces.lines.size()}};
   for (const auto& result : results) {
     signs.add_counts(result.signs);
-    for (const auto& [a, b] : result.coaxial) out.coaxial.unite(a, b);
+    for (const auto& [a, b] : result.coaxial) out.coaxial.join(a, b);
   }
   const auto before = offsets_of(results, &Finder::Result::vertices);
   out.on_lines = joined(results, &Finder::Result::on_lines, threads,
