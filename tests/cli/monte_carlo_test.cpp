@@ -177,8 +177,9 @@ TEST_F(MonteCarloTest, ReplayOfASceneWhereGroupsDecideReproducesItsRecord) {
 
 // A force on no free face is refused realization by realization, as a single run refuses it.
 TEST_F(MonteCarloTest, ForcesOffTheFreeFacesAreRefused) {
-  write("s.toml", text_of(fs::path{CLEAVE_SOURCE_DIR} / "examples/slab_behind_toe/slab_behind_toe.toml") +
-                      "\n[[stability.point]]\nat = [10, 5, 10]\nforce = [0, 0, -1e6]\n[monte_carlo]\nrealizations = 2\n");
+  write("s.toml",
+        text_of(fs::path{CLEAVE_SOURCE_DIR} / "examples/slab_behind_toe/slab_behind_toe.toml") +
+            "\n[[stability.point]]\nat = [10, 5, 10]\nforce = [0, 0, -1e6]\n[monte_carlo]\nrealizations = 2\n");
   const Ended run = cleave("run s.toml -o out --quiet");
   EXPECT_EQ(run.code, 4) << run.err;
   EXPECT_NE(run.err.find("2 realizations could not be done"), std::string::npos) << run.err;

@@ -48,8 +48,8 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
                                       .figures = figures_of};
   if (const auto failed = publish(result, files, out, timer, progress, interrupts, saying.quiet)) return *failed;
   if (result.complex) return ExitCode::done;
-  complain(fmt::format("{}:1: certificate: the block system did not pass its own check; please report this scene",
-                       saying.scene));
+  complain(fmt::format("{}:1: certificate: the block system did not pass its own check ({}); please report this scene",
+                       saying.scene, topology::describe(result.complex.error())));
   return ExitCode::check_failed;
 }
 

@@ -123,6 +123,7 @@ Figures count(const RunResult& result) {
     figures.input.largest_snap_m = report.largest_snap_m;
     figures.input.merged_planes = report.merged_planes;
     figures.input.snapped = report.snapped;
+    figures.input.near_misses = report.near_misses;
     figures.blocks = count_blocks(complex, result.block_hash);
     if (result.micro_blocks.policy != MicroBlockPolicy::keep) {
       figures.micro_blocks = count_micro_blocks(complex, result.micro_blocks);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "cleave/stability/held_from_within.hpp"
@@ -11,7 +12,23 @@
 namespace cleave::scene {
 namespace {
 
+/// A length a little above, in two digits.
+double rounded_up(double length) {
+  const double unit = std::pow(10.0, std::floor(std::log10(length)) - 1);
+  return std::ceil(1.05 * length / unit) * unit;
+}
+
 void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::vector<std::string>& notes) {
+  if (const topology::NearMisses& near = report.near_misses; near.sides > 0) {
+    notes.push_back(fmt::format(
+        "{} of joints {} another polygon by less than 1e-6 of the domain without touching it, by {:.2g} m at most "
+        "(joint {} and {}): the rock is not parted there; snap = {:.2g} would close that",
+        near.sides == 1 ? "a side" : fmt::format("{} sides", near.sides), near.sides == 1 ? "misses" : "miss",
+        near.largest.si(), near.joint.value(),
+        near.other ? fmt::format("joint {}", near.other->value())
+                   : std::string{"a side of the domain or an excavation"},
+        rounded_up(near.largest.si())));
+  }
   if (report.joints_outside > 0) {
     notes.push_back(fmt::format("{} of {} joints lie outside the rock and cut nothing", report.joints_outside, joints));
   }

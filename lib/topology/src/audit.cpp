@@ -1,8 +1,11 @@
 #include "cleave/topology/audit.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <string_view>
 #include <tuple>
 
 #include "detail/block_auditor.hpp"
@@ -95,6 +98,25 @@ class Sum {
 };
 
 }  // namespace
+
+std::string describe(const Certificate& certificate) {
+  std::string text;
+  const auto add = [&](std::uint64_t count, std::string_view one, std::string_view many) {
+    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, count == 1 ? one : many);
+  };
+  add(certificate.open_shells, "block is not closed", "blocks are not closed");
+  add(certificate.euler_violations, "block breaks Euler's formula", "blocks break Euler's formula");
+  add(certificate.unpaired_patches, "contact differs on its two sides", "contacts differ on their two sides");
+  add(certificate.misfits, "stored figure does not fit its corners", "stored figures do not fit their corners");
+  text += fmt::format("{}volumes off by {:.1e}, face vectors by {:.1e}", text.empty() ? "" : ", ",
+                      certificate.volume_relative_error, certificate.face_vector_max_relative);
+  if (certificate.offenders.empty()) return text;
+  text += certificate.offenders.size() == 1 ? "; block" : "; blocks";
+  for (const BlockId block : certificate.offenders) {
+    text += fmt::format("{} {}", block == certificate.offenders.front() ? "" : ",", block.value());
+  }
+  return text;
+}
 
 std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned thread_count) {
   const ThreadLimit threads{std::max(1U, thread_count)};
