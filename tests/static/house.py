@@ -99,7 +99,6 @@ own_use = {
     "cleave/bem/time_scheme.hpp": "part of bem/motion.hpp",
     "cleave/dfn/laws.hpp": "part of dfn/joint_set.hpp",
     "cleave/dfn/models.hpp": "part of dfn/joint_set.hpp",
-    "cleave/dbem/solver.hpp": "part of dbem/world.hpp",
     "cleave/dbem/touch.hpp": "part of dbem/world.hpp",
     "cleave/report/json.hpp": "part of report/json_fields.hpp",
     "cleave/scene/field_stress.hpp": "part of scene/run_result.hpp",
@@ -117,7 +116,7 @@ own_use = {
     "cleave/survey/traces.hpp": "part of survey/analyse.hpp",
     "cleave/topology/ranges.hpp": "part of topology/block_complex.hpp",
 }
-most_public = 115
+most_public = 116
 
 
 def headers():

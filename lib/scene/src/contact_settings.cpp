@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "contact_parts.hpp"
-#include "context.hpp"
 #include "nearest.hpp"
 #include "plane_input.hpp"
 
@@ -15,25 +14,14 @@ namespace {
 using bem::Vec2;
 using std::string_view;
 
-/// Empty for what is no solver. No default: the compiler asks for the name of a new one.
-constexpr string_view solver_name(ContactSolver solver) noexcept {
-  switch (solver) {
-    case ContactSolver::cascade: return "cascade";
-    case ContactSolver::open_close: return "open_close";
-    case ContactSolver::newton: return "newton";
-    case ContactSolver::continuation: return "continuation";
-    case ContactSolver::lemke: return "lemke";
-  }
-  return "";
-}
-/// What a scene may say, in the order of the enumeration.
+/// What a scene may ask for.
+constexpr std::array solvers{dbem::Method::cascade, dbem::Method::open_close, dbem::Method::newton,
+                             dbem::Method::continuation, dbem::Method::lemke};
 constexpr auto solver_names = [] {
-  std::array<string_view, static_cast<std::size_t>(ContactSolver::lemke) + 1> names;
-  for (std::size_t k = 0; k < names.size(); ++k) names[k] = solver_name(static_cast<ContactSolver>(k));
+  std::array<string_view, solvers.size()> names;
+  for (std::size_t k = 0; k < names.size(); ++k) names[k] = dbem::name_of(solvers[k]);
   return names;
 }();
-static_assert(solver_name(static_cast<ContactSolver>(solver_names.size())).empty(),
-              "a solver that no scene can ask for");
 
 constexpr NumberRule downwards_rule{0, false, 1e3, false, " m/s2, downwards (a direction: [x, y])"};
 constexpr std::array<string_view, 1> auto_word{"auto"};
@@ -81,8 +69,6 @@ std::optional<std::size_t> body_at(const std::vector<ContactBody>& bodies, Vec2 
 
 }  // namespace
 
-string_view name_of(ContactSolver solver) noexcept { return solver_name(solver); }
-
 const KeyTable& contact_keys() {
   static const KeyTable keys{
       .name = "contact",
@@ -109,7 +95,7 @@ const KeyTable& contact_keys() {
           {"points", key::tables(&history_point_keys), "[]",
            "`[{ name, at = [x, y], body }]`: histories in points.csv, summary.json and the report"},
           {"frames", key::whole(1, 5000), "120", "pictures kept for the animation and the VTU series"},
-          {"plane", key::word(plane_words), "\"strain\"", "of elastic bodies: plane strain or plane stress"},
+          {"plane", key::word<bem::PlaneState>(), "\"strain\"", "of elastic bodies: plane strain or plane stress"},
           {"element", key::number(rule::length), "a quarter of the body", "m, longest element of elastic bodies"},
           {"modes", key::whole(0, 10'000), "0", "of an elastic body; 0: all, which keeps static compliance exact"},
           {"estimate", key::flag(), "false",
@@ -174,7 +160,7 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   if (table.has("step") && s.step > s.duration) {
     table.error("step", "is longer than the whole time", "use a shorter step");
   }
-  s.solver = table.word<ContactSolver>("solver");
+  s.solver = solvers[table.choice("solver").value_or(0)];
   s.restitution = table.value("restitution");
   if (const TomlEntry* rigid = table.find("rigid")) {
     const auto* word = std::get_if<std::string>(&rigid->node.value);

@@ -22,7 +22,6 @@ constexpr NumberRule stiffness_rule{0, false, 1e18, false, " Pa/m"};
 constexpr NumberRule gradient_rule{-1e18, false, 1e18, false, " Pa/m"};
 constexpr std::array<string_view, 7> support_words{"fixed",        "roller", "symmetry", "spring",
                                                    "displacement", "bonded", "pin"};
-constexpr std::array<string_view, 3> extent_words{"bounded", "plane", "half_plane"};  // of bem::Extent
 
 const KeyTable& circle_keys() {
   static const KeyTable keys{.name = "circle",
@@ -98,7 +97,7 @@ const KeyTable& elastic_body_keys() {
                  {"load", key::tables(&load_keys_of_body), "[]", "what acts on it, below"},
                  {"velocity", key::pair(speed_rule), "[0, 0]", "m/s at the start, less what pins do not allow"},
                  {"angular_velocity", key::number(angular_velocity_rule), "0", "rad/s at the start", "spin"},
-                 {"extent", key::word(extent_words), "\"bounded\"",
+                 {"extent", key::word<bem::Extent>(), "\"bounded\"",
                   "`\"plane\"`: infinite around its holes; `\"half_plane\"` below `surface`"},
                  {"surface", key::number(rule::coordinate), "", "m, y of the surface of a half plane"},
                  {"in_situ", key::table(&in_situ_keys), "", "`{ stress, level, gradient }`: stress before loading"},
@@ -425,15 +424,6 @@ const KeyTable& elastic_scene_keys() {
     return table;
   }();
   return keys;
-}
-
-bool is_bodies_scene(string_view text) {
-  const auto tree = read_toml(text);
-  if (!tree) return false;
-  const auto has = [&](string_view key) {
-    return std::ranges::find(tree->entries, key, &TomlEntry::key) != tree->entries.end();
-  };
-  return has("body") && !has("contact") && !has("domain") && !has("joint") && !has("joint_set");
 }
 
 std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, const std::string& shown) {

@@ -340,13 +340,15 @@ const KeyTable& contact_scene_keys() {
   return keys;
 }
 
-bool is_contact_scene(string_view text) {
+std::optional<Kind2d> kind2d_of(string_view text) {
   const auto tree = read_toml(text);
-  if (!tree) return false;
+  if (!tree) return std::nullopt;
   const auto has = [&](string_view key) {
     return std::ranges::find(tree->entries, key, &TomlEntry::key) != tree->entries.end();
   };
-  return has("contact") && !has("domain") && !has("joint") && !has("joint_set");
+  if (has("domain") || has("joint") || has("joint_set")) return std::nullopt;
+  if (has("contact")) return Kind2d::contact;
+  return has("body") ? std::optional{Kind2d::elastic} : std::nullopt;
 }
 
 std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text, const std::string& shown) {

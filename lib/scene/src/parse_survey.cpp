@@ -32,7 +32,6 @@ constexpr NumberRule aspect_rule{1, false, 1000, false, ""};
 constexpr NumberRule confidence_rule{0.5, false, 0.9999, false, ""};
 constexpr NumberRule cap_rule{1, false, 1000, false, ""};
 /// In the order of survey::JointShape.
-constexpr std::array<string_view, 3> shape_words{"disc", "ellipse", "rectangle"};
 
 const KeyTable& line_direction_keys() {
   static const KeyTable keys{.name = "orientations.line",
@@ -126,7 +125,7 @@ const KeyTable& set_keys() {
                {"dip", key::number(rule::dip), "", "degrees, stated beside `azimuth`"},
                {"dip_direction", key::number(rule::dip_direction), "from the traces", "degrees"},
                {"kappa", key::number(kappa_rule), "from the traces", "of the Fisher law"},
-               {"shape", key::word(shape_words), "\"disc\"", "of its joints"},
+               {"shape", key::word<survey::JointShape>(), "\"disc\"", "of its joints"},
                {"aspect", key::number(aspect_rule), "", "long over short axis or side"},
                {"rotation", key::number(rule::turn), "0", "degrees from the strike to the long axis or side"}}};
   return keys;

@@ -15,6 +15,17 @@ constexpr std::size_t most_errors = 200;
 
 }  // namespace
 
+std::string_view kind_of(const TomlNode& node) noexcept {
+  return std::visit(overloaded{[](bool) -> std::string_view { return "true or false"; },
+                               [](std::int64_t) -> std::string_view { return "a whole number"; },
+                               [](double) -> std::string_view { return "a number"; },
+                               [](const std::string&) -> std::string_view { return "text"; },
+                               [](const TomlDate&) -> std::string_view { return "a date or time"; },
+                               [](const TomlArray&) -> std::string_view { return "an array"; },
+                               [](const TomlTable&) -> std::string_view { return "a table"; }},
+                    node.value);
+}
+
 void Problems::error(std::uint32_t line, std::string key, std::string what, std::string remedy) {
   error_in(file_, line, std::move(key), std::move(what), std::move(remedy));
 }
@@ -53,16 +64,5 @@ std::vector<Problem> Problems::take_errors() && {
   return std::move(errors_);
 }
 std::vector<Problem> Problems::take_notes() && { return std::move(notes_); }
-
-std::string_view kind_of(const TomlNode& node) noexcept {
-  return std::visit(overloaded{[](bool) -> std::string_view { return "true or false"; },
-                               [](std::int64_t) -> std::string_view { return "a whole number"; },
-                               [](double) -> std::string_view { return "a number"; },
-                               [](const std::string&) -> std::string_view { return "text"; },
-                               [](const TomlDate&) -> std::string_view { return "a date or time"; },
-                               [](const TomlArray&) -> std::string_view { return "an array"; },
-                               [](const TomlTable&) -> std::string_view { return "a table"; }},
-                    node.value);
-}
 
 }  // namespace cleave::scene

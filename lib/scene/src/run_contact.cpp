@@ -23,17 +23,6 @@ constexpr double rest_criterion = 1e-7;  // unbalanced force over weight
 constexpr std::uint64_t most_rest_steps = 20000;
 constexpr double strain_too_large = 0.1;  // for bodies whose shape is that of the start
 
-dbem::Method method_of(ContactSolver solver) {
-  switch (solver) {
-    case ContactSolver::cascade: return dbem::Method::cascade;
-    case ContactSolver::open_close: return dbem::Method::open_close;
-    case ContactSolver::newton: return dbem::Method::newton;
-    case ContactSolver::continuation: return dbem::Method::continuation;
-    case ContactSolver::lemke: return dbem::Method::lemke;
-  }
-  return dbem::Method::cascade;
-}
-
 /// By how much all stress may grow together: Mohr and Coulomb on the largest and smallest principal stress, and the
 /// tension cut-off.
 double safety_of(const std::array<double, 3>& principal, const RockStrength& strength) {
@@ -399,7 +388,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
     options.overlap = 2e-5;  // the scene's own check is stricter
     options.quasi_static = s.to_rest;
     options.adaptive = s.to_rest || s.max_step > s.step;
-    options.solver.method = method_of(s.solver);
+    options.solver.method = s.solver;
     auto world = dbem::World::make(prepared->bodies, laws_of(scene), options);
     if (!world) {
       return std::vector{Problem{scene.shown, 1, "contact", describe(world.error()), "change the bodies it names"}};
