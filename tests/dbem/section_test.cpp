@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "natural_map.hpp"
@@ -92,6 +94,26 @@ TEST(RockSectionTest, ForcesThatNoBodyFeelsAreAnAnswer) {
   EXPECT_LT(judge(problem, pressed).residual, 1e-9);
   for (Vec2& p : pressed) p.y *= 0.5;  // half the weight falls
   EXPECT_GT(judge(problem, pressed).residual, 1e-5);
+}
+
+TEST(WorldTest, NoTimeAndNoNumbersAreErrors) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  auto world = World::make(stack(2), law(0.5), {});
+  ASSERT_TRUE(world.has_value());
+  for (const double step : {0.0, -1e-3, none, -std::numeric_limits<double>::infinity()}) {
+    EXPECT_FALSE(world->step(step).has_value()) << step;
+  }
+  EXPECT_EQ(world->time(), 0);
+  EXPECT_TRUE(world->step(1e-3).has_value());
+  for (const Vec2 bad : {Vec2{none, 0}, Vec2{0, std::numeric_limits<double>::infinity()}}) {
+    std::vector<Body> bodies = stack(1);
+    bodies[1].forces.push_back({.at = {0, 0.5}, .force = bad});
+    const auto pulled = World::make(bodies, law(0.5), {});
+    ASSERT_FALSE(pulled.has_value());
+    EXPECT_TRUE(std::holds_alternative<BadForce>(pulled.error()));
+    bodies[1].forces = {{.at = bad, .force = {1, 0}}};
+    EXPECT_FALSE(World::make(bodies, law(0.5), {}).has_value());
+  }
 }
 
 }  // namespace

@@ -391,6 +391,9 @@ void World::Impl::accept(Attempt&& done) {
 
 std::expected<StepReport, StepError> World::step(double at_most) {
   Impl& w = *impl_;
+  if (!(at_most > 0)) {
+    return std::unexpected(StepFailed{w.time, at_most, 0, fmt::format("a step of {} s was asked for", at_most)});
+  }
   while (w.wake(w.touches, std::numeric_limits<double>::infinity())) {
     w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
     w.seen_step = w.next_step;

@@ -21,6 +21,7 @@ std::string describe(const WorldError& error) {
                                e.body);
           },
           [](const BadModes& e) { return fmt::format("body '{}': elastic shapes: {}", e.body, e.reason); },
+          [](const BadForce& e) { return fmt::format("body '{}': force: {}", e.body, e.reason); },
           [](const BadLaw& e) { return fmt::format("joint law: {}", e.reason); },
           [](const BadOption& e) { return fmt::format("contact option: {}", e.reason); },
           [](const BodiesOverlap& e) {
@@ -129,6 +130,7 @@ std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
     return BadOutline{body.name, fmt::format("{} joint properties for {} edges", body.properties.size(), n)};
   }
   for (const PointForce& force : body.forces) {
+    if (!good(force.at) || !good(force.force)) return BadForce{body.name, "place and force must be finite"};
     const BoundaryPoint at = nearest_on(shape.corners, force.at - shape.local_centroid);
     shape.load_places.push_back({at.edge, at.share});
   }
