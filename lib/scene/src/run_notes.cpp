@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "cleave/stability/domain_held.hpp"
 #include "cleave/stability/held_from_within.hpp"
 #include "judge.hpp"
 
@@ -183,8 +182,8 @@ void add_border_note(const stability::DomainHeld& held, std::vector<std::string>
       "and "
       "{} not counted as key blocks: what lies beyond is unknown; enlarge the domain, or name these sides in `free`",
       held.blocks.size(), one ? "block" : "blocks", held.volume.si(),
-      held.all_free > 0 ? 100 * held.free_area / held.all_free : 0, one ? "is" : "are", one ? "a side" : "sides",
-      one ? "is" : "are", one ? "is" : "are"));
+      held.all_free.si() > 0 ? 100 * held.free_area.si() / held.all_free.si() : 0, one ? "is" : "are",
+      one ? "a side" : "sides", one ? "is" : "are", one ? "is" : "are"));
 }
 
 }  // namespace

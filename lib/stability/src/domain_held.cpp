@@ -1,10 +1,9 @@
-#include "cleave/stability/domain_held.hpp"
-
 #include <algorithm>
 #include <cstdint>
 #include <numbers>
 #include <utility>
 
+#include "cleave/stability/held_from_within.hpp"
 #include "contacts.hpp"
 #include "verdict.hpp"
 
@@ -68,10 +67,10 @@ DomainHeld domain_held(const topology::AuditedComplex& audited, const Settings& 
   }
   for (const BlockId id : complex.blocks().ids()) {
     const topology::Block& block = complex.blocks()[id];
-    double free_area = 0;
+    Area free_area;
     for (const FaceId face : block.faces) {
       const topology::Face& f = complex.faces()[face];
-      if (f.role == topology::Role::free) free_area += f.area.si();
+      if (f.role == topology::Role::free) free_area += f.area;
     }
     found.all_free += free_area;
     if (!block.fixed || block.truncated || !model.present(id, state) || !moves_off(model, id, state)) continue;
