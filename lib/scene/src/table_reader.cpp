@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
-#include "cleave/core/version.hpp"
 #include "nearest.hpp"
 
 namespace cleave::scene {
@@ -34,8 +33,6 @@ std::string form_of(const KeyType& array) {
 }
 
 }  // namespace
-
-std::string not_available() { return "is not available in version " CLEAVE_VERSION; }
 
 TableReader::TableReader(const TomlTable& table, std::uint32_t line, std::string path, Problems& problems,
                          const KeyTable& keys)
