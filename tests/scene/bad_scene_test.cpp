@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <ostream>
+
 #include "parse_support.hpp"
 
 // Every kind of wrong scene gets its file, line, key, what is wrong and what to do.
@@ -11,6 +13,8 @@ struct Bad {
   std::string text;
   std::string_view message;  ///< the whole of it
 };
+
+void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.name; }
 
 class BadSceneTest : public testing::TestWithParam<Bad> {};
 

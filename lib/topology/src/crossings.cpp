@@ -98,11 +98,7 @@ class Finder {
 };
 
 Segment project(const Prepared& prepared, const Traces& traces, Index plane, Index interval) {
-  const auto& n = prepared.planes[plane].approx();
-  const std::size_t drop = std::abs(n[0]) >= std::abs(n[1]) && std::abs(n[0]) >= std::abs(n[2]) ? 0
-                           : std::abs(n[1]) >= std::abs(n[2])                                   ? 1
-                                                                                                : 2;
-  const std::size_t u = drop == 0 ? 1 : 0, v = drop == 2 ? 1 : 2;
+  const auto [u, v] = View{prepared.planes[plane].approx()};
   const Interval& i = traces.intervals[interval];
   const Line& line = traces.lines[i.line];
   return {i.from[u], i.from[v], i.to[u], i.to[v], interval, line.p == plane ? line.q : line.p, i.outline_of != none};
