@@ -61,7 +61,7 @@ Rows World::Impl::rows_of(const std::vector<Touch>& list, const Island& island, 
   for (const std::uint32_t which : island.touches) {
     const Touch& touch = list[which];
     const Vec2 n = touch.normal;
-    const Vec2 t = bem::turned_left(n);
+    const Vec2 t = turned_left(n);
     for (const bool edge_side : {false, true}) {
       const std::uint32_t body = edge_side ? touch.j : touch.i;
       const double sign = edge_side ? -1.0 : 1.0;
@@ -252,10 +252,10 @@ const JointLaw& World::Impl::law_of(const Touch& t) const {
     const std::vector<Vec2>& c = shapes[t.i].corners;
     const std::size_t n = c.size();
     const std::size_t before = t.vertex == 0 ? n - 1 : t.vertex - 1;
-    const Vec2 facing = bem::rotated(-t.normal, -state.angle[t.i]);
+    const Vec2 facing = rotated(-t.normal, -state.angle[t.i]);
     const auto along = [&](std::size_t edge) {
       const Vec2 d = c[edge + 1 == n ? 0 : edge + 1] - c[edge];
-      return dot(bem::turned_right(d), facing) / norm(d);
+      return dot(turned_right(d), facing) / norm(d);
     };
     of_i = bodies[t.i].properties[along(t.vertex) >= along(before) ? t.vertex : before];
   }
@@ -347,14 +347,14 @@ Vec2 World::Impl::force_on(const State& at, std::size_t body, double step, doubl
     const PointForce& load = bodies[body].forces[q];
     const double factor = load.mean && step > 0 ? load.mean(time, time + step) : load.factor(when);
     const double angle = at.angle[body] + 0.5 * step * at.spin[body];
-    const Vec2 f = factor * (load.follows ? bem::rotated(load.force, angle) : load.force);
+    const Vec2 f = factor * (load.follows ? rotated(load.force, angle) : load.force);
     const Vec2 local = load.at - shape.local_centroid;
     force += f;
-    torque += cross(bem::rotated(local, angle), f);
+    torque += cross(rotated(local, angle), f);
     if (modal == nullptr || shape.modes == 0) continue;
     const auto [edge, share] = shape.load_places[q];
     const std::size_t to = edge + 1 == shape.corners.size() ? 0 : edge + 1;
-    const Vec2 g = bem::rotated(f, -angle);
+    const Vec2 g = rotated(f, -angle);
     const std::vector<double>& table = bodies[body].modes->shapes;
     for (std::size_t m = 0; m < shape.modes; ++m) {
       const auto at_corner = [&](std::size_t c) {

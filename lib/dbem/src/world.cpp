@@ -286,7 +286,7 @@ Vec2 World::position(std::size_t body, Vec2 local) const {
           e * Vec2{(1 - share) * row(edge, 0) + share * row(to, 0), (1 - share) * row(edge, 1) + share * row(to, 1)};
     }
   }
-  return w.anchor + w.state.x[body] + bem::rotated(p + more, w.state.angle[body]);
+  return w.anchor + w.state.x[body] + rotated(p + more, w.state.angle[body]);
 }
 
 Vec2 World::momentum() const {

@@ -11,7 +11,6 @@
 namespace cleave::dfn::detail {
 
 using geometry::Polygon;
-using geometry::Vec2;
 using geometry::Vec3;
 
 namespace {

@@ -14,8 +14,6 @@
 namespace cleave::report {
 namespace {
 
-using geometry::Vec2;
-
 // 1 when c lies to the left of a -> b, -1 to the right, 0 on the line; exact.
 int turn(Vec2 a, Vec2 b, Vec2 c) { return static_cast<int>(geometry::orient2d(a, b, c)); }
 

@@ -19,7 +19,7 @@ void check_overlaps(const std::vector<BodySpec>& bodies, Problems& problems) {
           for (std::size_t s = 0; s < loop.size(); ++s) {
             for (int k = 0; k < 16; ++k) {
               const bem::SidePoint p = bem::point_on(loop, s, (k + 0.5) / 16);
-              const Vec2 inward = bem::turned_left(p.derivative) * 1e-6;
+              const Vec2 inward = turned_left(p.derivative) * 1e-6;
               if (bem::inside(b.region.loops, p.x + inward)) return p.x;
             }
           }

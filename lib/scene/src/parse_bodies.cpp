@@ -309,8 +309,8 @@ void put_loads(BodySpec& spec) {
     for (const std::size_t side : load.sides) {
       bem::Condition& c = spec.region.conditions[side];
       const auto axes = [axes = c.axes, turn = c.turn](Vec2 n) {
-        return axes == bem::Axes::normal ? std::array{bem::rotated(n, turn), bem::rotated(bem::turned_left(n), turn)}
-                                         : std::array{bem::rotated({1, 0}, turn), bem::rotated({0, 1}, turn)};
+        return axes == bem::Axes::normal ? std::array{rotated(n, turn), rotated(turned_left(n), turn)}
+                                         : std::array{rotated({1, 0}, turn), rotated({0, 1}, turn)};
       };
       for (std::size_t k = 0; k < 2; ++k) {
         if (c.component[k].given == bem::Given::displacement) continue;

@@ -219,7 +219,7 @@ struct Repeat {
 
   [[nodiscard]] Vec2 place(Vec2 x, std::size_t copy) const {
     const auto k = static_cast<double>(copy);
-    return about + bem::rotated(x - about, k * turn * std::numbers::pi / 180) + k * shift;
+    return about + rotated(x - about, k * turn * std::numbers::pi / 180) + k * shift;
   }
 };
 

@@ -174,7 +174,7 @@ class Recorder final {
 
  private:
   [[nodiscard]] static Vec2 force_of(const dbem::Contact& contact) {
-    return contact.normal_force * contact.normal + contact.tangential_force * bem::turned_left(contact.normal);
+    return contact.normal_force * contact.normal + contact.tangential_force * turned_left(contact.normal);
   }
   [[nodiscard]] std::vector<Vec2> displacements() const {
     std::vector<Vec2> out;
@@ -351,7 +351,7 @@ std::vector<Vec2> corners_at(const ContactResult& result, std::size_t frame, std
   if (!now.corners[body].empty()) return now.corners[body];
   std::vector<Vec2> out = result.bodies[body].outline;
   for (Vec2& p : out) {
-    p = now.places[body].centroid + bem::rotated(p - result.bodies[body].start, now.places[body].rotation);
+    p = now.places[body].centroid + rotated(p - result.bodies[body].start, now.places[body].rotation);
   }
   return out;
 }

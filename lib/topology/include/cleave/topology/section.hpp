@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "cleave/geometry/vec2.hpp"
+#include "cleave/core/vec2.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/topology/block_complex.hpp"
 #include "cleave/topology/ids.hpp"
@@ -17,7 +17,7 @@ struct SectionPlane {
   geometry::Vec3 right, up;
 };
 
-using SectionPoint = geometry::Vec2;  ///< m
+using SectionPoint = Vec2;  ///< m
 
 /// What lies behind a side of a polygon.
 struct SectionSide {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cleave::geometry {
+namespace cleave {
 
 /// A point or vector of a plane: x to the right, y up. Metres, newtons per metre, pascals, or no unit at all, as its
 /// user says.
@@ -54,4 +54,4 @@ struct Box2 {
   }
 };
 
-}  // namespace cleave::geometry
+}  // namespace cleave
