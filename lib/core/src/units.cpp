@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "cleave/core/text.hpp"
+
 namespace cleave {
 namespace {
 
@@ -54,15 +56,8 @@ const std::vector<UnitKind>& kinds() {
   return all;
 }
 
-std::string small(std::string_view text) {
-  std::string out{text};
-  for (char& c : out) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return out;
-}
-
-std::string_view trimmed(std::string_view text) {
+/// Without blanks at both ends, which names of columns have as underscores.
+std::string_view between_blanks(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t_");
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(" \t_") - first + 1);
@@ -90,20 +85,20 @@ const Unit* find_unit(std::string_view unit, std::string_view as_written) {
                                                                                      {"\u00ba", "deg"},
                                                                                      {"radian", "rad"},
                                                                                      {"radians", "rad"}}};
-  std::string word = small(as_written);
+  std::string word = lower(as_written);
   for (const auto& [spelling, symbol] : spellings) {
     if (word == spelling) word = symbol;
   }
-  const auto at = std::ranges::find_if(kind->units, [&](const Unit& u) { return small(u.symbol) == word; });
+  const auto at = std::ranges::find_if(kind->units, [&](const Unit& u) { return lower(u.symbol) == word; });
   return at == kind->units.end() ? nullptr : std::to_address(at);
 }
 
 ColumnHead column_head(std::string_view cell) {
-  cell = trimmed(cell);
+  cell = between_blanks(cell);
   if (cell.empty() || (cell.back() != ')' && cell.back() != ']')) return {cell, {}};
   const std::size_t open = cell.rfind(cell.back() == ')' ? '(' : '[');
   if (open == std::string_view::npos || open == 0) return {cell, {}};
-  return {trimmed(cell.substr(0, open)), trimmed(cell.substr(open + 1, cell.size() - open - 2))};
+  return {between_blanks(cell.substr(0, open)), between_blanks(cell.substr(open + 1, cell.size() - open - 2))};
 }
 
 double to_unit(double value, const Unit& of) {

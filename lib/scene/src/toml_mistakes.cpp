@@ -4,18 +4,12 @@
 #include <array>
 #include <cstddef>
 
+#include "cleave/core/text.hpp"
+
 namespace cleave::scene {
 namespace {
 
 using std::string_view;
-
-constexpr string_view blank = " \t\r";
-
-string_view trimmed(string_view text) {
-  const std::size_t first = text.find_first_not_of(blank);
-  if (first == string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(blank) - first + 1);
-}
 
 string_view line_of(string_view text, std::uint32_t line) {
   for (std::uint32_t at = 1; at < line; ++at) {

@@ -34,12 +34,6 @@ struct Spot {
   Vec3 centroid;        ///< of the cohesive part
 };
 
-void add_overlap(const BlockComplex& complex, const Face& face, BlockId neighbour, std::vector<Vec3>& corners) {
-  for_each_shared(complex, face, neighbour, [&](const Convex& part, double) {
-    if (part.size() > 2) corners.insert(corners.end(), part.begin(), part.end());
-  });
-}
-
 std::vector<Spot> spots_of(Model& model, BlockId id, std::uint32_t batch, const Contacts& contacts,
                            const Verdict& verdict) {
   std::vector<Spot> spots;
@@ -72,7 +66,10 @@ std::vector<Spot> spots_of(Model& model, BlockId id, std::uint32_t batch, const 
     } else {
       std::ranges::sort(neighbours);
       neighbours.erase(std::ranges::unique(neighbours).begin(), neighbours.end());
-      for (const BlockId neighbour : neighbours) add_overlap(complex, face, neighbour, spot.corners);
+      for (const BlockId neighbour : neighbours) {
+        const std::vector<Vec3> corners = shared_corners(complex, face, neighbour);
+        spot.corners.insert(spot.corners.end(), corners.begin(), corners.end());
+      }
     }
     const Direction inward = model.inward(face);
     spot.inward = inward.unit();
