@@ -15,7 +15,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -119,7 +121,7 @@ struct Seen {
 std::uint32_t number_in(const std::string& name) {
   std::uint32_t value = 0;
   const std::string digits = name.substr(6);
-  (void)std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  (void)std::from_chars(digits.data(), std::to_address(digits.end()), value);
   return value;
 }
 
