@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "cleave/scene/run.hpp"
+#include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
 
 // What must not pass in silence: blocks that only the border of the domain holds.

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "cleave/core/overloaded.hpp"
-#include "cleave/scene/load.hpp"
-#include "cleave/scene/run.hpp"
+#include "cleave/load/load.hpp"
+#include "cleave/realize/run.hpp"
 #include "commands.hpp"
 #include "problems.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "cleave/core/sha256.hpp"
 #include "cleave/report/write.hpp"
-#include "cleave/scene/parse.hpp"
+#include "cleave/scene3d/parse.hpp"
 
 namespace cleave::cli {
 namespace {

@@ -13,7 +13,7 @@
 #include <system_error>
 #include <utility>
 
-#include "cleave/report/exports.hpp"
+#include "cleave/exchange/exports.hpp"
 
 namespace cleave::cli {
 namespace {

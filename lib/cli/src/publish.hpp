@@ -10,8 +10,8 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
+#include "cleave/realize/run.hpp"
 #include "cleave/report/write.hpp"
-#include "cleave/scene/run.hpp"
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "out_folder.hpp"

@@ -7,12 +7,12 @@
 
 #include "assets.hpp"
 #include "cleave/core/expected.hpp"
-#include "cleave/report/json_fields.hpp"
+#include "cleave/exchange/json_fields.hpp"
+#include "cleave/exchange/text.hpp"
+#include "cleave/exchange/vtu_writer.hpp"
 #include "html_parts.hpp"
 #include "summary.hpp"
 #include "tables2d.hpp"
-#include "text.hpp"
-#include "vtu_writer.hpp"
 
 namespace cleave::report {
 namespace {

@@ -4,10 +4,10 @@
 #include <numbers>
 
 #include "assets.hpp"
+#include "cleave/exchange/json_fields.hpp"
+#include "cleave/exchange/text.hpp"
 #include "cleave/report/contact.hpp"
-#include "cleave/report/json_fields.hpp"
 #include "html_parts.hpp"
-#include "text.hpp"
 
 namespace cleave::report {
 namespace {

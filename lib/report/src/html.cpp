@@ -10,14 +10,14 @@
 
 #include "assets.hpp"
 #include "cleave/core/version.hpp"
-#include "cleave/scene/places.hpp"
+#include "cleave/exchange/text.hpp"
+#include "cleave/realize/places.hpp"
 #include "drawings.hpp"
 #include "html_parts.hpp"
 #include "html_stability.hpp"
 #include "key_groups.hpp"
 #include "stages_section.hpp"
 #include "stereonet.hpp"
-#include "text.hpp"
 #include "view3d.hpp"
 
 namespace cleave::report {
@@ -330,7 +330,7 @@ std::string limits_of(const scene::RunResult& r) {
 
 std::string inputs_section(const Page& page) {
   const scene::RunResult& r = page.result;
-  const scene::InputFigures& input = r.figures.input;
+  const scene::CutFigures& input = r.figures.input;
   const auto row = [](std::string_view name, const std::string& value) { return fact(name, value, "wide"); };
   std::string out = "<section id=\"inputs\"><h2>Inputs</h2>\n<table class=\"facts\"><tbody>\n";
   out += row("Scene", escape_xml(r.scene_file) + " <code>" + escape_xml(r.scene_sha256) + "</code>");

@@ -5,7 +5,7 @@
 
 #include "assets.hpp"
 #include "cleave/core/version.hpp"
-#include "text.hpp"
+#include "cleave/exchange/text.hpp"
 
 namespace cleave::report::detail {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "cleave/scene/run_result.hpp"
+#include "cleave/realize/run_result.hpp"
 
 /// Pieces that all of cleave's pages share. Text given is HTML.
 namespace cleave::report::detail {

@@ -7,11 +7,11 @@
 #include <span>
 #include <utility>
 
+#include "cleave/exchange/text.hpp"
 #include "drawings.hpp"
 #include "pyramid_net.hpp"
 #include "stereonet.hpp"
 #include "svg.hpp"
-#include "text.hpp"
 
 namespace cleave::report {
 namespace {

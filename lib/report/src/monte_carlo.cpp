@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "cleave/scene/plan.hpp"
+#include "cleave/realize/run.hpp"
 
 namespace cleave::report {
 

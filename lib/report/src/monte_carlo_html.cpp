@@ -3,10 +3,10 @@
 #include <string_view>
 #include <utility>
 
+#include "cleave/exchange/text.hpp"
 #include "cleave/report/monte_carlo.hpp"
 #include "html_parts.hpp"
 #include "plot.hpp"
-#include "text.hpp"
 
 namespace cleave::report {
 namespace {

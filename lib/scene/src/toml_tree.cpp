@@ -1,4 +1,4 @@
-#include "toml_tree.hpp"
+#include "cleave/scene/toml_tree.hpp"
 
 #include "toml_mistakes.hpp"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "cleave/scene/monte_carlo.hpp"
-#include "cleave/scene/run_result.hpp"
+#include "cleave/realize/monte_carlo.hpp"
+#include "cleave/realize/run_result.hpp"
 
 namespace cleave::report {
 
