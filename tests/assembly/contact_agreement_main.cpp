@@ -24,10 +24,10 @@
 #include <vector>
 
 #include "agreement.hpp"
+#include "cleave/realize/run.hpp"
 #include "cleave/report/write.hpp"
-#include "cleave/scene/contact.hpp"
-#include "cleave/scene/parse.hpp"
-#include "cleave/scene/run.hpp"
+#include "cleave/scene2d/contact.hpp"
+#include "cleave/scene3d/parse.hpp"
 #include "random_sections.hpp"
 
 namespace cleave::testing {
