@@ -2,6 +2,7 @@
 """What cleave promises, what shows it, and the page that says both.
 
     tests/guarantees.py [--night] [--only N,N]   runs what shows each promise, writes docs/guarantees.md and the evidence
+    tests/guarantees.py --page                   writes the page again from the evidence there is; runs nothing
     tests/guarantees.py --check                  the page is the one that promises and evidence make; runs nothing
 
 The short form takes the tests of the release build; the long one (--night) adds what takes hours. A promise whose checks fail
@@ -151,9 +152,9 @@ def page(evidence: dict) -> str:
     out = [
         "# What cleave promises",
         "",
-        "Each promise has a scope, its limits, and the checks that hold it. `./x guarantees` runs the short ones and writes "
-        "this page;",
-        "`./x guarantees --night` runs the long ones as well. A broken promise is a bug: please report it.",
+        *fold("Each promise has a scope, its limits, and the checks that hold it. `./x guarantees` runs the short ones and "
+              "writes this page; `./x guarantees --night` runs the long ones as well. A broken promise is a bug: please "
+              "report it."),
         "",
     ]
     for number, promise in enumerate(PROMISES, 1):
@@ -184,11 +185,15 @@ def main() -> int:
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     asked.add_argument("--night", action="store_true")
     asked.add_argument("--check", action="store_true")
+    asked.add_argument("--page", action="store_true")
     asked.add_argument("--only", default="")
     options = asked.parse_args()
     evidence = json.loads(EVIDENCE.read_text()) if EVIDENCE.exists() else {}
+    if options.page:
+        PAGE.write_text(page(evidence))
+        return 0
     if options.check:
-        if PAGE.read_text() == page(evidence):
+        if PAGE.exists() and PAGE.read_text() == page(evidence):
             return 0
         print("docs/guarantees.md is not what tests/guarantees.py makes: run it", file=sys.stderr)
         return 1
