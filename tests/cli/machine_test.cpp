@@ -65,7 +65,9 @@ TEST_F(MachineTest, TheLimitAskedForIsHonoured) {
     EXPECT_EQ(names(), (std::vector<std::string>{"g.csv", "g.toml"}));
   }
   write("s.toml", small_scene);
-  if (!sanitized) EXPECT_EQ(cleave("run s.toml -o out --threads 2 --quiet --memory 1GB").code, 0);
+  if (!sanitized) {
+    EXPECT_EQ(cleave("run s.toml -o out --threads 2 --quiet --memory 1GB").code, 0);
+  }
   for (const std::string wrong : {"4", "-1", "much", "'10 MB'"}) {
     const Ended ended = cleave("run s.toml -o other --quiet --memory " + wrong);
     EXPECT_EQ(ended.code, 2) << wrong;
