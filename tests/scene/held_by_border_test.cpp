@@ -165,6 +165,13 @@ TEST(Openings, WhatARunRefusesIsFoundByTheCheck) {
   ASSERT_EQ(swallowed.size(), 1U);
 }
 
+TEST(NearMisses, TheNoteNamesTheJoints) {
+  const RunResult result =
+      run_of(with_box("[[joint]]\nname = \"crown\"\npolygon = [[4, 1, 1], [4, 7, 1], [4, 7, 5], [4, 1, 5]]\n"
+                      "[[joint]]\npolygon = [[3.999999, 2, 2], [3.999999, 6, 2], [2, 6, 2], [2, 2, 2]]\n"));
+  EXPECT_EQ(notes_with(result, "(joint crown (s.toml:5) and joint 1 (s.toml:7))"), 1U) << result.notes.front();
+}
+
 TEST(PressureDiagram, PercentilesAreOfAreaNotOfBlocks) {
   const auto at = [](std::string_view place, double area, double pressure) {
     return PressureAt{place, square_metres(area), pascals(pressure)};

@@ -15,13 +15,14 @@ double rounded_up(double length) {
   return std::ceil(1.05 * length / unit) * unit;
 }
 
-/// "joint 7 (scene.toml:14)", "joint 7 (A #3)".
-std::string name_of(topology::JointId joint, const IdVector<topology::JointId, JointInfo>& joints) {
-  const std::string number = fmt::format("joint {}", joint.value());
-  return joint.index() < joints.size() ? fmt::format("{} ({})", number, joints[joint].source) : number;
+/// "joint crown (scene.toml:14)", "joint 7 (scene.toml:14)", "joint 7 (A #3)".
+std::string name_of(topology::JointId id, const Scene& scene, const Realization& made) {
+  const bool named = id.index() < scene.joints.size() && !scene.joints[id.index()].name.empty();
+  return fmt::format("joint {} ({})", named ? scene.joints[id.index()].name : std::to_string(id.value()),
+                     made.joints[id].source);
 }
 
-void add_cut_notes(const Realization& made, std::vector<std::string>& notes) {
+void add_cut_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
   const topology::CutReport& report = made.cut;
   const std::size_t joints = made.joints.size();
   if (const topology::NearMisses& near = report.near_misses; near.sides > 0) {
@@ -29,8 +30,8 @@ void add_cut_notes(const Realization& made, std::vector<std::string>& notes) {
         "{} of joints {} another polygon by less than 1e-6 of the domain without touching it, by {:.2g} m at most "
         "({} and {}): the rock is not parted there; snap = {:.2g} would close that",
         near.sides == 1 ? "a side" : fmt::format("{} sides", near.sides), near.sides == 1 ? "misses" : "miss",
-        near.largest.si(), name_of(near.joint, made.joints),
-        near.other ? name_of(*near.other, made.joints) : std::string{"a side of the domain or an excavation"},
+        near.largest.si(), name_of(near.joint, scene, made),
+        near.other ? name_of(*near.other, scene, made) : std::string{"a side of the domain or an excavation"},
         rounded_up(near.largest.si())));
   }
   if (report.joints_outside > 0) {
@@ -210,7 +211,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (made.window) {
     notes.push_back(note_on(*made.window));
   } else {
-    add_cut_notes(made, notes);
+    add_cut_notes(scene, made, notes);
   }
   if (made.complex) add_micro_note(made.complex->complex(), scene.micro_blocks, notes);
   if (analysis && analysis->stopped_at_max_batches) {
