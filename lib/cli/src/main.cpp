@@ -38,6 +38,9 @@ void write_raw(std::string_view text) {
 }
 
 std::atomic<bool> out_of_memory{false};
+/// Given back when memory runs out: what takes a run apart needs a little of its own.
+constexpr std::size_t reserved_bytes = 1U << 20U;
+std::atomic<void*> reserve{nullptr};
 
 /// Ends by a signal of our own making (a failed assertion, std::terminate) or a crash become the exit code for bugs,
 /// unless it was memory that ran out where nothing may throw.
@@ -52,6 +55,7 @@ extern "C" void on_crash(int) {
 
 void on_no_memory() {
   out_of_memory = true;
+  std::free(reserve.exchange(nullptr));
   throw std::bad_alloc{};
 }
 
@@ -76,6 +80,7 @@ void watch_for_crashes() {
 #endif
   ::signal(SIGXFSZ, SIG_IGN);  // a file size limit is then a failed write like a full disk
   ::signal(SIGPIPE, SIG_IGN);  // and so is a reader that has gone: folders under work are still taken away
+  reserve = std::malloc(reserved_bytes);
   std::set_new_handler(on_no_memory);
 }
 
