@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "cleave/core/assert.hpp"
-#include "cleave/scene/parse.hpp"
-#include "cleave/scene/plan.hpp"
+#include "cleave/realize/run.hpp"
+#include "cleave/scene3d/parse.hpp"
 #include "fuzz_target.hpp"
 
 namespace {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "cleave/core/assert.hpp"
-#include "cleave/scene/parse.hpp"
-#include "cleave/scene/survey_file.hpp"
+#include "cleave/field_data/survey_file.hpp"
+#include "cleave/scene3d/parse.hpp"
 #include "fuzz_target.hpp"
 
 namespace {

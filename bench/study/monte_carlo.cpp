@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "cleave/core/rng.hpp"
-#include "cleave/scene/monte_carlo.hpp"
-#include "cleave/scene/parse.hpp"
+#include "cleave/realize/monte_carlo.hpp"
+#include "cleave/scene3d/parse.hpp"
 #include "cleave/stochastic/intervals.hpp"
 #include "cleave/stochastic/moments.hpp"
 #include "study.hpp"

@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/scene/parse.hpp"
-#include "cleave/scene/run.hpp"
+#include "cleave/realize/run.hpp"
+#include "cleave/scene3d/parse.hpp"
 #include "cleave/stability/near_field.hpp"
 #include "study.hpp"
 

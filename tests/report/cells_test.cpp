@@ -1,4 +1,4 @@
-#include "cleave/report/cells.hpp"
+#include "cleave/exchange/cells.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cleave/report/exports.hpp"
+#include "cleave/exchange/exports.hpp"
 
 #include <gtest/gtest.h>
 

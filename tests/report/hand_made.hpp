@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/scene/run_result.hpp"
+#include "cleave/realize/run_result.hpp"
 #include "cleave/topology/block_complex.hpp"
 
 /// Block systems written down by hand, so that the writers are tested without the cutter.

@@ -1,4 +1,4 @@
-#include "cleave/report/json.hpp"
+#include "cleave/exchange/json.hpp"
 
 #include <gtest/gtest.h>
 

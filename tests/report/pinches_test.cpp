@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "polygons.hpp"
+#include "cleave/exchange/polygons.hpp"
 
 namespace cleave::report::detail {
 namespace {

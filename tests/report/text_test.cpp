@@ -1,4 +1,4 @@
-#include "text.hpp"
+#include "cleave/exchange/text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "triangulate.hpp"
+#include "cleave/exchange/triangulate.hpp"
 
 #include <gtest/gtest.h>
 

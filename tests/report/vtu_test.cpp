@@ -1,4 +1,4 @@
-#include "cleave/report/vtu.hpp"
+#include "cleave/exchange/vtu.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cleave/scene/bodies.hpp"
+#include "cleave/scene2d/bodies.hpp"
 
 #include <gtest/gtest.h>
 

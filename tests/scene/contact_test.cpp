@@ -1,4 +1,4 @@
-#include "cleave/scene/contact.hpp"
+#include "cleave/scene2d/contact.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

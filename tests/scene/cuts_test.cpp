@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cleave/realize/run.hpp"
 #include "cleave/scene/plan.hpp"
-#include "cleave/scene/run.hpp"
 #include "parse_support.hpp"
 
 // Slopes, benches, terrain and excavation in stages, from the text of a scene to its figures.

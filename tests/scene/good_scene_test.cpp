@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cleave/realize/run.hpp"
 #include "cleave/scene/plan.hpp"
-#include "cleave/scene/run.hpp"
 #include "parse_support.hpp"
 
 namespace cleave::scene::test {
@@ -257,6 +257,16 @@ TEST(SceneTest, RowsWithTheirOwnStrengthAreNotToldThatNoneIsGiven) {
   EXPECT_EQ(told("dip,dd,x,y,z,friction\n30,90,4,4,3,25\n"), 0);
   EXPECT_EQ(told("dip,dd,x,y,z,friction\n30,90,4,4,3,25\n30,90,4,4,2,\n"), 1);
   EXPECT_EQ(told("dip,dd,x,y,z\n30,90,4,4,3\n"), 1);
+}
+
+TEST(SceneTest, TheProjectIsReadAndChangesNothing) {
+  const Scene scene =
+      scene_of(with_box("[project]\nname = \"Adit 3\"\nauthor = \"A. Miner\"\ndate = \"2025-03-01\"\n"));
+  EXPECT_EQ(scene.project.name, "Adit 3");
+  EXPECT_EQ(scene.project.author, "A. Miner");
+  EXPECT_EQ(scene.project.date, "2025-03-01");
+  EXPECT_TRUE(scene.project.client.empty());
+  EXPECT_TRUE(scene_of(box).project.empty());
 }
 
 TEST(SceneTest, OldNamesOfKeysAreReadWithANote) {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "cleave/scene/run.hpp"
+#include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
 
 // Keys of [[joint]] beyond its shape: holes, terminates_at, surface; and keep_dangling. Domain: 8 x 8 x 6 m.

@@ -8,7 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "key_tables.hpp"
+#include "cleave/scene3d/key_tables.hpp"
+#include "keys2d.hpp"
+#include "survey_keys.hpp"
 
 namespace cleave::scene {
 namespace {

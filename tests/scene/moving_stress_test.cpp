@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "cleave/scene/bodies.hpp"
+#include "cleave/scene2d/bodies.hpp"
 #include "plane_runs.hpp"
 
 namespace cleave::scene {

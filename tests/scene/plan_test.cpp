@@ -5,7 +5,7 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
-#include "cleave/scene/run.hpp"
+#include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
 
 namespace cleave::scene {

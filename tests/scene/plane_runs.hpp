@@ -7,7 +7,7 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
-#include "cleave/scene/bodies.hpp"
+#include "cleave/scene2d/bodies.hpp"
 
 namespace cleave::scene::plane_runs {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "cleave/scene/run.hpp"
+#include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
 
 // Friction and cohesion of 4,000 joints: laws of their own, and how they hang together.

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "cleave/scene/run.hpp"
+#include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
 
 namespace cleave::scene::test {

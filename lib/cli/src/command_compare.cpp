@@ -7,9 +7,9 @@
 #include <string>
 
 #include "cleave/core/version.hpp"
-#include "cleave/report/json_fields.hpp"
+#include "cleave/exchange/json_fields.hpp"
+#include "cleave/realize/monte_carlo.hpp"
 #include "cleave/report/write.hpp"
-#include "cleave/scene/monte_carlo.hpp"
 #include "cleave/stochastic/paired.hpp"
 #include "cleave/stochastic/record_file.hpp"
 #include "commands.hpp"

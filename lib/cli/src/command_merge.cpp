@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "cleave/core/cost.hpp"
-#include "cleave/scene/run.hpp"
+#include "cleave/realize/run.hpp"
 #include "command_monte_carlo.hpp"
 #include "problems.hpp"
 

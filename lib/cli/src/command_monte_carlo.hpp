@@ -4,7 +4,7 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
-#include "cleave/scene/monte_carlo.hpp"
+#include "cleave/realize/monte_carlo.hpp"
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "monte_carlo_folder.hpp"

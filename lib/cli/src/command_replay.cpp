@@ -6,7 +6,7 @@
 #include "allocation.hpp"
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
-#include "cleave/scene/run.hpp"
+#include "cleave/realize/run.hpp"
 #include "command_monte_carlo.hpp"
 #include "problems.hpp"
 #include "publish.hpp"

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "cleave/geometry/orientation.hpp"
+#include "cleave/load/load.hpp"
 #include "cleave/report/survey.hpp"
 #include "cleave/report/write.hpp"
-#include "cleave/scene/load.hpp"
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "out_folder.hpp"

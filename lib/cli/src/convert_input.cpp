@@ -20,8 +20,8 @@
 #include "cleave/io/joint_csv.hpp"
 #include "cleave/io/polyhedra.hpp"
 #include "cleave/io/surfaces.hpp"
-#include "cleave/scene/load.hpp"
-#include "cleave/scene/run.hpp"
+#include "cleave/load/load.hpp"
+#include "cleave/realize/run.hpp"
 #include "commands.hpp"
 
 namespace cleave::cli {

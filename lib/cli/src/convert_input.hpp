@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
+#include "cleave/exchange/cells.hpp"
 #include "cleave/io/mesh.hpp"
-#include "cleave/report/cells.hpp"
 
 namespace cleave::cli {
 

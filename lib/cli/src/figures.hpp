@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "cleave/scene/run_result.hpp"
+#include "cleave/realize/run_result.hpp"
 
 namespace cleave::cli {
 

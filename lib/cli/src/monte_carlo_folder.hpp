@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "cleave/scene/scene.hpp"
+#include "cleave/scene3d/scene.hpp"
 #include "out_folder.hpp"
 
 namespace cleave::cli {

@@ -21,7 +21,7 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
-#include "cleave/scene/load.hpp"
+#include "cleave/load/load.hpp"
 #include "cleave/stochastic/dispatch.hpp"
 #include "command_monte_carlo.hpp"
 #include "problems.hpp"

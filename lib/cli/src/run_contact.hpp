@@ -2,7 +2,7 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
-#include "cleave/scene/contact.hpp"
+#include "cleave/scene2d/contact.hpp"
 #include "commands.hpp"
 #include "interrupt.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
-#include "cleave/scene/run_result.hpp"
+#include "cleave/realize/run_result.hpp"
 #include "exit_code.hpp"
 #include "interrupt.hpp"
 #include "out_folder.hpp"

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "cleave/exchange/text.hpp"
 #include "drawings.hpp"
 #include "svg.hpp"
-#include "text.hpp"
 
 namespace cleave::report {
 using detail::fixed, detail::power_of_ten, detail::text;

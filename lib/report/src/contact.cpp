@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "cleave/core/expected.hpp"
+#include "cleave/exchange/vtu_writer.hpp"
 #include "summary.hpp"
 #include "tables2d.hpp"
-#include "vtu_writer.hpp"
 
 namespace cleave::report {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cleave/scene/figures.hpp"
+#include "cleave/realize/figures.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/topology/block_complex.hpp"
 

@@ -10,14 +10,14 @@
 
 #include "assets.hpp"
 #include "cleave/core/version.hpp"
-#include "cleave/scene/places.hpp"
+#include "cleave/exchange/text.hpp"
+#include "cleave/realize/places.hpp"
 #include "drawings.hpp"
 #include "html_parts.hpp"
 #include "html_stability.hpp"
 #include "key_groups.hpp"
 #include "stages_section.hpp"
 #include "stereonet.hpp"
-#include "text.hpp"
 #include "view3d.hpp"
 
 namespace cleave::report {
@@ -330,7 +330,7 @@ std::string limits_of(const scene::RunResult& r) {
 
 std::string inputs_section(const Page& page) {
   const scene::RunResult& r = page.result;
-  const scene::InputFigures& input = r.figures.input;
+  const scene::CutFigures& input = r.figures.input;
   const auto row = [](std::string_view name, const std::string& value) { return fact(name, value, "wide"); };
   std::string out = "<section id=\"inputs\"><h2>Inputs</h2>\n<table class=\"facts\"><tbody>\n";
   out += row("Scene", escape_xml(r.scene_file) + " <code>" + escape_xml(r.scene_sha256) + "</code>");
@@ -341,8 +341,12 @@ std::string inputs_section(const Page& page) {
   out += row("Seed", std::to_string(r.seed));
   out += row("Joints", display_count(input.joints));
   std::string excavations;
-  for (const scene::ExcavationInfo& e : r.excavations)
-    excavations += (excavations.empty() ? "" : ", ") + escape_xml(e.name);
+  for (const scene::ExcavationFigures& e : input.excavations) {
+    excavations +=
+        (excavations.empty() ? "" : ", ") + escape_xml(e.name) + " (" + display(e.volume.si(), 4) + " m³" +
+        (e.outside_share.value_or(0) > 0 ? ", " + display(100 * *e.outside_share, 3) + " % of it outside the domain)"
+                                         : ")");
+  }
   if (!excavations.empty()) out += row("Excavations", excavations);
   if (r.stability) out += row("Loads", escape_xml(loads_of(r)));
   out += row("Lattice pitch", display(input.lattice_pitch_m, 3) + " m");
@@ -368,9 +372,9 @@ double Page::tan_friction(topology::JointId joint) const {
 std::string report_html(const Page& page) {
   const scene::RunResult& r = page.result;
   const std::string title = escape_xml(r.title.empty() ? "cleave report" : r.title);
-  std::string out =
-      page_begin(title, escape_xml(r.scene_file) + " · seed " + std::to_string(r.seed) +
-                            " · lengths in metres, x east, y north, z up; dip directions clockwise from +y");
+  std::string out = page_begin(
+      title, detail::project_line(r.project) + escape_xml(r.scene_file) + " · seed " + std::to_string(r.seed) +
+                 " · lengths in metres, x east, y north, z up; dip directions clockwise from +y");
   std::string view_json;
   out += cards(page);
   out += view_section(page, view_json);

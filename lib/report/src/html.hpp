@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "cleave/scene/run_result.hpp"
+#include "cleave/realize/run_result.hpp"
 #include "cleave/topology/block_complex.hpp"
 
 namespace cleave::report {

@@ -5,7 +5,7 @@
 
 #include "assets.hpp"
 #include "cleave/core/version.hpp"
-#include "text.hpp"
+#include "cleave/exchange/text.hpp"
 
 namespace cleave::report::detail {
 namespace {
@@ -29,6 +29,14 @@ std::string page_begin(const std::string& title, const std::string& sub, std::sp
   append(out, style);
   return out + "</style>\n</head>\n<body>\n<header><p class=\"kicker\">cleave " CLEAVE_VERSION "</p><h1>" + title +
          "</h1>\n<p class=\"sub\">" + sub + "</p></header>\n<main>\n";
+}
+
+std::string project_line(const scene::Project& project) {
+  std::string line;
+  for (const std::string* part : {&project.name, &project.client, &project.author, &project.date}) {
+    if (!part->empty()) line += escape_xml(*part) + " · ";
+  }
+  return line;
 }
 
 std::string page_foot(std::string_view more) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "csv.hpp"
+#include "cleave/exchange/csv.hpp"
 #include "tables.hpp"
 
 namespace cleave::report {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "cleave/scene/run_result.hpp"
+#include "cleave/realize/run_result.hpp"
 
 /// Tables of blocks, bolts and load cases. Their columns stand in tables.hpp, with what each says.
 namespace cleave::report {

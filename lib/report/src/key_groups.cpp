@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "text.hpp"
+#include "cleave/exchange/text.hpp"
 
 namespace cleave::report {
 namespace {

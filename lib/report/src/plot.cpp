@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cleave/exchange/text.hpp"
 #include "svg.hpp"
-#include "text.hpp"
 
 namespace cleave::report::detail {
 namespace {

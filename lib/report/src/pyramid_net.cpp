@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/exchange/text.hpp"
 #include "stereonet.hpp"
 #include "svg.hpp"
-#include "text.hpp"
 
 namespace cleave::report {
 namespace {

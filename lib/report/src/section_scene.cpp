@@ -5,9 +5,9 @@
 #include <tuple>
 
 #include "cleave/core/expected.hpp"
+#include "cleave/exchange/text.hpp"
 #include "cleave/report/write.hpp"
 #include "cleave/topology/section.hpp"
-#include "text.hpp"
 
 namespace cleave::report {
 namespace {

@@ -1,6 +1,6 @@
 #include "stages_section.hpp"
 
-#include "text.hpp"
+#include "cleave/exchange/text.hpp"
 
 namespace cleave::report {
 namespace {

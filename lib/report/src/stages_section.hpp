@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "cleave/scene/sequence.hpp"
+#include "cleave/realize/sequence.hpp"
 
 namespace cleave::report {
 

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/exchange/text.hpp"
 #include "cleave/survey/orientation.hpp"
 #include "svg.hpp"
-#include "text.hpp"
 
 namespace cleave::report {
 namespace {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "cleave/exchange/polygons.hpp"
 #include "drawings.hpp"
-#include "polygons.hpp"
 #include "svg.hpp"
 
 namespace cleave::report {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "cleave/report/json_fields.hpp"
+#include "cleave/exchange/json_fields.hpp"
 #include "monte_carlo_fields.hpp"
 
 template <class Tag>

@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "cleave/scene/bodies.hpp"
-#include "cleave/scene/contact.hpp"
-#include "cleave/scene/run_result.hpp"
+#include "cleave/realize/run_result.hpp"
+#include "cleave/scene2d/bodies.hpp"
+#include "cleave/scene2d/contact.hpp"
 
 namespace cleave::report {
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "cleave/exchange/text.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/report/survey.hpp"
 #include "html_parts.hpp"
@@ -12,7 +13,6 @@
 #include "stereonet.hpp"
 #include "survey_windows.hpp"
 #include "svg.hpp"
-#include "text.hpp"
 
 namespace cleave::report {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "cleave/core/version.hpp"
+#include "cleave/exchange/json_fields.hpp"
 #include "cleave/geometry/orientation.hpp"
-#include "cleave/report/json_fields.hpp"
 #include "cleave/report/survey.hpp"
 #include "cleave/survey/comparison.hpp"
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/exchange/text.hpp"
 #include "svg.hpp"
-#include "text.hpp"
 
 namespace cleave::report::detail {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "text.hpp"
+#include "cleave/exchange/text.hpp"
 
 namespace cleave::report::detail {
 

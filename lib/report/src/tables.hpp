@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "cleave/core/fields.hpp"
-#include "cleave/scene/places.hpp"
-#include "cleave/scene/run_result.hpp"
+#include "cleave/realize/places.hpp"
+#include "cleave/realize/run_result.hpp"
 
 /// Rows of the tables a run of blocks writes, each column once.
 namespace cleave::report {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <string_view>
 
-#include "cleave/scene/bodies.hpp"
-#include "cleave/scene/contact.hpp"
-#include "csv.hpp"
+#include "cleave/exchange/csv.hpp"
+#include "cleave/scene2d/bodies.hpp"
+#include "cleave/scene2d/contact.hpp"
 
 /// Rows of the tables of two-dimensional scenes, each column once.
 namespace cleave::report {

@@ -9,10 +9,10 @@
 #include <memory>
 #include <utility>
 
-#include "cleave/report/json.hpp"
-#include "cleave/report/vtu.hpp"
-#include "polygons.hpp"
-#include "text.hpp"
+#include "cleave/exchange/json.hpp"
+#include "cleave/exchange/polygons.hpp"
+#include "cleave/exchange/text.hpp"
+#include "cleave/exchange/vtu.hpp"
 
 namespace cleave::report {
 namespace {

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "cleave/core/expected.hpp"
-#include "cleave/report/cells.hpp"
-#include "cleave/report/exports.hpp"
-#include "cleave/report/vtu.hpp"
-#include "dangling.hpp"
+#include "cleave/exchange/cells.hpp"
+#include "cleave/exchange/dangling.hpp"
+#include "cleave/exchange/exports.hpp"
+#include "cleave/exchange/vtu.hpp"
 #include "html.hpp"
 #include "key_blocks.hpp"
 #include "key_groups.hpp"

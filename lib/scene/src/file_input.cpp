@@ -1,12 +1,10 @@
-#include "file_input.hpp"
+#include "cleave/scene/file_input.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
-
-#include "solid_input.hpp"
 
 namespace cleave::scene {
 
@@ -57,7 +55,7 @@ std::optional<Mesh> parse_faces(const LoadedFile& loaded) {
   return mesh;
 }
 
-bool is_near(Context& context, const io::MeshData& mesh, const std::string& shown) {
+bool is_near(InputContext& context, const io::MeshData& mesh, const std::string& shown) {
   const bool far = std::ranges::any_of(mesh.vertices, [](geometry::Vec3 v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) > rule::coordinate.high;
   });
@@ -67,7 +65,7 @@ bool is_near(Context& context, const io::MeshData& mesh, const std::string& show
   return !far;
 }
 
-void add_notes(Context& context, const std::vector<std::string>& notes, const std::string& shown) {
+void add_notes(InputContext& context, const std::vector<std::string>& notes, const std::string& shown) {
   for (const std::string& note : notes) context.problems.note_in(shown, 1, "file", note, "");
 }
 
@@ -77,7 +75,7 @@ bool is_surfaces(std::string_view ending) {
   return ending == "dxf" || ending == "ts" || ending == "fab" || ending == "dat";
 }
 
-std::optional<io::Surfaces> surfaces_of(Context& context, const LoadedFile& loaded) {
+std::optional<io::Surfaces> surfaces_of(InputContext& context, const LoadedFile& loaded) {
   auto parsed = parse_surfaces(loaded);
   if (!parsed) return std::nullopt;
   if (!*parsed) {
@@ -92,7 +90,7 @@ std::optional<io::Surfaces> surfaces_of(Context& context, const LoadedFile& load
   return std::move(surfaces);
 }
 
-std::optional<io::MeshData> mesh_of(Context& context, const TableReader& owner, std::string_view key,
+std::optional<io::MeshData> mesh_of(InputContext& context, const TableReader& owner, std::string_view key,
                                     const LoadedFile& loaded) {
   auto parsed = parse_faces(loaded);
   if (!parsed) {
@@ -114,17 +112,6 @@ std::optional<io::MeshData> mesh_of(Context& context, const TableReader& owner, 
     return std::nullopt;
   }
   return std::move(**parsed);
-}
-
-std::optional<geometry::Solid> parse_mesh(Context& context, const TableReader& owner, std::string_view key) {
-  const auto loaded = context.file(owner, key);
-  if (!loaded) return std::nullopt;
-  const auto mesh = mesh_of(context, owner, key, *loaded);
-  if (!mesh) return std::nullopt;
-  auto solid = io::solid_of(*mesh);
-  if (solid) return std::move(*solid);
-  owner.error(key, fmt::format("{}: {}", loaded->shown, describe(solid.error())), "");
-  return std::nullopt;
 }
 
 }  // namespace cleave::scene

@@ -1,4 +1,4 @@
-#include "keys.hpp"
+#include "cleave/scene/keys.hpp"
 
 #include <fmt/format.h>
 

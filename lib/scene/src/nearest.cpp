@@ -1,4 +1,4 @@
-#include "nearest.hpp"
+#include "cleave/scene/nearest.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "plan_stages.hpp"
+#include "cleave/scene/plan_stages.hpp"
 
 #include <fmt/format.h>
 

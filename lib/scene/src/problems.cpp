@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "cleave/core/overloaded.hpp"
-#include "table_reader.hpp"
+#include "cleave/scene/table_reader.hpp"
 
 namespace cleave::scene {
 namespace {

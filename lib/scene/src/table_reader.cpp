@@ -1,4 +1,4 @@
-#include "table_reader.hpp"
+#include "cleave/scene/table_reader.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
-#include "nearest.hpp"
+#include "cleave/scene/nearest.hpp"
 
 namespace cleave::scene {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "cleave/core/units.hpp"
-#include "keys.hpp"
+#include "cleave/scene/keys.hpp"
 
 namespace cleave::scene {
 namespace {

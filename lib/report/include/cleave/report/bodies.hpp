@@ -5,7 +5,7 @@
 #include <string>
 
 #include "cleave/report/write.hpp"
-#include "cleave/scene/bodies.hpp"
+#include "cleave/scene2d/bodies.hpp"
 
 namespace cleave::report {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "cleave/report/write.hpp"
-#include "cleave/scene/contact.hpp"
+#include "cleave/scene2d/contact.hpp"
 
 namespace cleave::report {
 

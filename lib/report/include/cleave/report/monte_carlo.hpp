@@ -5,14 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "cleave/scene/monte_carlo.hpp"
-#include "cleave/scene/run_result.hpp"
+#include "cleave/realize/monte_carlo.hpp"
+#include "cleave/realize/run_result.hpp"
 
 namespace cleave::report {
 
 /// A Monte Carlo run as its writers need it.
 struct MonteCarloPage {
   std::string title;
+  scene::Project project = {};
   std::uint64_t seed = 1;
   std::string scene_sha256;
   scene::Plan plan;

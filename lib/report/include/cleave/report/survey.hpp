@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "cleave/scene/survey_file.hpp"
+#include "cleave/field_data/survey_file.hpp"
 
 namespace cleave::report {
 

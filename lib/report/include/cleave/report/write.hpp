@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "cleave/scene/run_result.hpp"
+#include "cleave/realize/run_result.hpp"
 
 namespace cleave::report {
 

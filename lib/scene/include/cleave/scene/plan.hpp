@@ -7,6 +7,10 @@
 #include <string_view>
 #include <vector>
 
+#include "cleave/core/cost.hpp"
+#include "cleave/core/fields.hpp"
+#include "cleave/core/version.hpp"
+
 namespace cleave::scene {
 
 /// The stages of a run, in order; names as in summary.json.
@@ -57,10 +61,76 @@ struct Plan {
   [[nodiscard]] bool runs(Stage stage) const noexcept;
 };
 
-struct Scene;
-[[nodiscard]] Plan make_plan(const Scene& scene);
-
 /// A line for each stage: its name, whether it runs, and why; with `inputs` also what it takes and what it may cost.
 [[nodiscard]] std::string describe(const Plan& plan, bool inputs = false);
+
+/// What one stage cost. CPU time is that of all threads; the peak is the process's high-water mark at the stage's end.
+struct StageCost {
+  Stage stage = Stage::read;
+  double wall_s = 0;
+  double cpu_s = 0;
+  double peak_rss_mb = 0;
+};
+template <class V>
+void fields(V& v, const StageCost& x) {
+  v("stage", name_of(x.stage));
+  v("wall_s", x.wall_s);
+  v("cpu_s", x.cpu_s);
+  v("peak_rss_mb", x.peak_rss_mb, "high-water mark of the process at the end of the stage");
+}
+
+/// What the run cost so far. `stages` holds only stages that ran, in order.
+struct RunCost {
+  double wall_s = 0;
+  double cpu_s = 0;
+  double peak_rss_mb = 0;
+  unsigned threads = 1;
+  std::vector<StageCost> stages;
+};
+template <class V>
+void fields(V& v, const RunCost& x) {
+  v("wall_s", x.wall_s);
+  v("cpu_s", x.cpu_s, "of all threads");
+  v("peak_rss_mb", x.peak_rss_mb);
+  v("threads", x.threads);
+  v("stages", x.stages);
+}
+template <class V>
+void fields(V& v, const PlannedStage& x) {
+  v("stage", one_of(name_of(x.stage), {"read", "draw", "cut", "audit", "stability", "support", "monte_carlo", "elastic",
+                                       "contact", "write", "report"}));
+  v("run", x.run);
+  v("why", x.why);
+}
+
+struct InputFigures {
+  std::uint64_t joints = 0;
+  double lattice_pitch_m = 0;
+  double largest_snap_m = 0;
+  std::uint64_t merged_planes = 0;
+};
+template <class V>
+void fields(V& v, const InputFigures& x) {
+  v("joints", x.joints, "measured and drawn");
+  v("lattice_pitch_m", x.lattice_pitch_m, "distance of the lattice's sites, a power of two");
+  v("largest_snap_m", x.largest_snap_m, "largest shift of an input point onto the lattice");
+  v("merged_planes", x.merged_planes, "near-coincident planes merged because of the scene's `snap`");
+}
+
+/// What every summary.json begins with. `Result`: a result of any kind of scene.
+template <class V, class Result>
+void head_fields(V& v, const Result& x) {
+  v("cleave", version, "version of the program");
+  v("schema", 1U, "version of this schema");
+  v("title", x.title);
+  v("project", when(!x.project.empty(), x.project), "[project] of the scene; nothing is computed from it");
+  v("seed", x.seed);
+  v("scene_sha256", x.scene_sha256, "of the scene file's bytes, hexadecimal");
+  v("plan", x.plan.stages);
+  v("cost", x.cost);
+}
+
+/// The timer's bookings as they stand in a result.
+[[nodiscard]] RunCost cost_of(const StageTimer& timer, unsigned threads);
 
 }  // namespace cleave::scene

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <expected>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,5 +20,25 @@ struct Problem {
 
 /// "FILE:LINE: KEY: what is wrong; what to do", without "error: " before it.
 [[nodiscard]] std::string describe(const Problem& problem);
+
+/// A file that the scene names, as read.
+struct InputFile {
+  std::string name;  ///< as written in the scene
+  std::string sha256;
+  std::uint64_t bytes;
+};
+
+/// The bytes of a file that a scene names.
+struct LoadedFile {
+  std::string bytes;
+  std::string shown;  ///< how messages name it
+};
+/// Why a file cannot be had.
+struct FileRefusal {
+  std::string what;
+  std::string remedy;
+};
+/// Gives the bytes of a file by the name that stands in the scene (relative to the scene's folder).
+using ReadFile = std::function<std::expected<LoadedFile, FileRefusal>(const std::string& name)>;
 
 }  // namespace cleave::scene

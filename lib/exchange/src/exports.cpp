@@ -1,0 +1,45 @@
+#include "cleave/exchange/exports.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "cleave/scene/output.hpp"
+#include "export_writers.hpp"
+
+namespace cleave::report {
+namespace {
+
+constexpr std::array<ExportName, 8> names{{
+    {ExportFormat::obj, "obj", ".obj"},
+    {ExportFormat::ply, "ply", ".ply"},
+    {ExportFormat::stl, "stl", ".stl"},
+    {ExportFormat::threedec, "3dec", ".3ddat"},
+    {ExportFormat::threedec5, "3dec5", ".3dec"},
+    {ExportFormat::lsdyna, "lsdyna", ".k"},
+    {ExportFormat::nmm3d, "nmm3d", ".nmm3d"},
+    {ExportFormat::dda, "dda", ".dda"},
+}};
+static_assert(std::ranges::equal(names, scene::known_exports, {}, &ExportName::name));
+
+}  // namespace
+
+std::span<const ExportName> export_names() noexcept { return names; }
+
+const ExportName& name_of(ExportFormat format) { return names[static_cast<std::size_t>(format)]; }
+
+Exported export_blocks(const Cells& cells, ExportFormat format, std::string_view title) {
+  switch (format) {
+    case ExportFormat::obj: return detail::blocks_obj(cells, title);
+    case ExportFormat::ply: return detail::blocks_ply(cells, title);
+    case ExportFormat::stl: return detail::blocks_stl(cells, title);
+    case ExportFormat::threedec: return detail::blocks_threedec(cells, title, detail::ThreedecVersion::seven);
+    case ExportFormat::threedec5: return detail::blocks_threedec(cells, title, detail::ThreedecVersion::five);
+    case ExportFormat::lsdyna: return detail::blocks_lsdyna(cells, title);
+    case ExportFormat::nmm3d: return detail::blocks_nmm3d(cells, title);
+    case ExportFormat::dda: return detail::section_dda(cells, title);
+  }
+  std::unreachable();
+}
+
+}  // namespace cleave::report

@@ -1,0 +1,484 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "cleave/core/sha256.hpp"
+#include "cleave/field_data/survey_file.hpp"
+#include "cleave/geometry/orientation.hpp"
+#include "cleave/io/trace_map.hpp"
+#include "cleave/scene/common_keys.hpp"
+#include "cleave/scene/file_input.hpp"
+#include "survey_keys.hpp"
+#include "survey_rows.hpp"
+#include "survey_table.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using geometry::Vec3;
+using std::string_view;
+
+constexpr NumberRule trend_rule{0, false, 360, false, " degrees"};
+constexpr NumberRule plunge_rule{-90, false, 90, false, " degrees"};
+constexpr NumberRule truncation_rule{0, false, 1e6, false, " m"};
+
+constexpr NumberRule scale_rule{0, true, 1e9, false, " m"};
+constexpr NumberRule kappa_rule{0, true, 1e6, false, ""};
+constexpr NumberRule aspect_rule{1, false, 1000, false, ""};
+constexpr NumberRule confidence_rule{0.5, false, 0.9999, false, ""};
+constexpr NumberRule cap_rule{1, false, 1000, false, ""};
+/// In the order of survey::JointShape.
+
+const KeyTable& line_direction_keys() {
+  static const KeyTable keys{.name = "orientations.line",
+                             .keys = {{"trend", key::number(trend_rule), required, "degrees"},
+                                      {"plunge", key::number(plunge_rule), required, "degrees below horizontal"}}};
+  return keys;
+}
+
+const KeyTable& outcrop_keys() {
+  static const KeyTable keys{.name = "orientations.outcrop",
+                             .keys = {{"dip", key::number(rule::dip), required, "degrees"},
+                                      {"dip_direction", key::number(rule::dip_direction), required, "degrees"}}};
+  return keys;
+}
+
+const KeyTable& orientations_keys() {
+  static const KeyTable keys{
+      .name = "orientations",
+      .keys = {
+          {"file", key::text(), required,
+           "table with `dip` and `dip_direction` or `strike` (right-hand rule), or `trend` and `plunge` of the pole"},
+          {"set", key::text(), "", "of all rows; or a column `set`"},
+          {"columns", key::texts(), "[]", "names of the columns of a table without a header"},
+          {"wrap", key::flag(), "false", "true: accept angles outside their range"},
+          {"line", key::table(&line_direction_keys), "", "`{ trend, plunge }` they were met on"},
+          {"outcrop", key::table(&outcrop_keys), "", "`{ dip, dip_direction }` they were met on"}}};
+  return keys;
+}
+
+const KeyTable& line_keys() {
+  static const KeyTable keys{
+      .name = "scanline",
+      .keys = {{"name", key::text(), "its number", "in the results"},
+               {"trend", key::number(trend_rule), "", "degrees, of a straight line"},
+               {"plunge", key::number(plunge_rule), "", "degrees below horizontal"},
+               {"length", key::number(rule::length), "", "m"},
+               {"points", key::points(), "", "`[[x, y, z], ...]` in m, of a bent line, instead of the three"},
+               {"file", key::text(), required,
+                "table with `distance` (m along the line) and, where measured, orientations, and `length` of the trace "
+                "with `ends` (0, 1, 2 of them seen; 2 where empty)"},
+               {"columns", key::texts(), "[]", "names of the columns of a table without a header"},
+               {"wrap", key::flag(), "false", "true: accept angles outside their range"},
+               {"truncation", key::number(truncation_rule), "0", "m: shorter traces were not recorded"}}};
+  return keys;
+}
+
+const KeyTable& map_circle_keys() {
+  static const KeyTable keys{.name = "window.circle",
+                             .keys = {{"centre", key::pair(rule::coordinate), required, "`[x, y]` of the map"},
+                                      {"radius", key::number(rule::length), required, "in units of the map"}}};
+  return keys;
+}
+
+const KeyTable& map_rectangle_keys() {
+  static const KeyTable keys{.name = "window.rectangle",
+                             .keys = {{"min", key::pair(rule::coordinate), required, "`[x, y]` of the map"},
+                                      {"max", key::pair(rule::coordinate), required, "`[x, y]` of the map"}}};
+  return keys;
+}
+
+const KeyTable& window_keys() {
+  static const KeyTable keys{
+      .name = "window",
+      .keys = {{"name", key::text(), "its number", "in the results"},
+               {"traces", key::text(), required,
+                "`.geojson` in a metric projection, `.csv` with x1,y1,x2,y2 or trace,x,y, or FracPaQ's `.txt` with "
+                "`scale`"},
+               {"scale", key::number(scale_rule), "1", "m a unit of the map (a pixel)"},
+               {"area", key::text(), "", "`.geojson` of the window"},
+               {"circle", key::table(&map_circle_keys), "", "`{ centre, radius }`"},
+               {"rectangle", key::table(&map_rectangle_keys), "", "`{ min, max }`"},
+               {"polygon", key::array(key::pair(rule::coordinate), 3), "", "`[[x, y], ...]`"},
+               {"dip", key::number(rule::dip), "0",
+                "degrees, of an inclined face (map x along the strike, y up the slope)"},
+               {"dip_direction", key::number(rule::dip_direction), "0", "degrees, of an inclined face"},
+               {"border", key::number(truncation_rule), "0",
+                "m: ends so near to the window's border count as cut off by it"},
+               {"truncation", key::number(truncation_rule), "0", "m: shorter traces were not mapped"}},
+      .one_of = {{"area", "circle", "rectangle", "polygon"}}};
+  return keys;
+}
+
+const KeyTable& set_keys() {
+  static const KeyTable keys{
+      .name = "set",
+      .keys = {{"name", key::text(), required, "of the joint set"},
+               {"polygon", key::array(key::pair(rule::coordinate), 3), "",
+                "`[[trend, plunge], ...]` of poles on the stereonet"},
+               {"azimuth", key::pair(rule::turn), "",
+                "`[from, to]` of the traces, degrees clockwise, for maps without orientations"},
+               {"dip", key::number(rule::dip), "", "degrees, stated beside `azimuth`"},
+               {"dip_direction", key::number(rule::dip_direction), "from the traces", "degrees"},
+               {"kappa", key::number(kappa_rule), "from the traces", "of the Fisher law"},
+               {"shape", key::word<survey::JointShape>(), "\"disc\"", "of its joints"},
+               {"aspect", key::number(aspect_rule), "", "long over short axis or side"},
+               {"rotation", key::number(rule::turn), "0", "degrees from the strike to the long axis or side"}}};
+  return keys;
+}
+
+/// [[a, b], ...], three at least.
+std::optional<std::vector<std::array<double, 2>>> three_pairs(const TableReader& table, string_view key) {
+  auto pairs = table.pairs(key);
+  if (!pairs || pairs->size() >= 3) return pairs;
+  table.error(key, "is not a list of three pairs or more", fmt::format("write {} = [[a, b], [a, b], [a, b]]", key));
+  return std::nullopt;
+}
+
+class SurveyParser final {
+ public:
+  SurveyParser(InputContext& context, SurveyScene& scene) : context_{context}, in_{scene.input} {}
+
+  void orientations(const TableReader& table) {
+    const auto file = context_.file(table, "file");
+    const auto set = table.text("set");
+    const bool wrap = table.boolean("wrap").value_or(false);
+    std::optional<Vec3> line, window;
+    if (const auto reader = table.sub("line")) {
+      const auto trend = reader->need_number("trend"), plunge = reader->need_number("plunge");
+      if (trend && plunge) line = line_of(context_, *trend, *plunge);
+    }
+    if (const auto reader = table.sub("outcrop")) {
+      const auto dip = reader->need_number("dip"), direction = reader->need_number("dip_direction");
+      if (dip && direction) window = normal_of(context_, *dip, *direction);
+    }
+    if (!file) {
+      if (!table.has("file")) table.missing("file", "add file = \"poles.csv\"");
+      return;
+    }
+    const auto data = read_survey_table(context_, *file, table.texts("columns").value_or(std::vector<std::string>{}));
+    if (!data) return;
+    if (!has_orientation(*data)) {
+      context_.problems.error_in(
+          file->shown, 1, "columns", "lacks the columns of an orientation",
+          "give dip with dip_direction or strike (right-hand rule), or trend and plunge of the pole");
+      return;
+    }
+    std::size_t wrong = 0;
+    for (const SurveyTable::Row& row : data->rows) {
+      const std::size_t before = context_.problems.errors();
+      const auto normal = normal_of_row(context_, *file, *data, row, wrap);
+      if (normal) {
+        in_.orientations.push_back({*normal, set_of_row(*data, row, set.value_or("")), line, window});
+      } else if (context_.problems.errors() == before) {
+        ++empty_;  // a row without an orientation
+      } else if (++wrong >= 20) {
+        return;
+      }
+    }
+  }
+
+  void line(const TableReader& table) {
+    survey::LineSurvey line;
+    line.name = table.text("name").value_or(table.path());
+    const bool wrap = table.boolean("wrap").value_or(false);
+    if (table.has("points")) {
+      const auto points = table.points("points");
+      if (!points) return;
+      for (std::size_t i = 1; i < points->size(); ++i) {
+        const Vec3 d = (*points)[i] - (*points)[i - 1];
+        if (norm(d) > 0) line.pieces.emplace_back(normalized(d), norm(d));
+      }
+    } else {
+      const auto trend = table.need_number("trend"), plunge = table.need_number("plunge");
+      const auto length = table.need_number("length");
+      if (!trend || !plunge || !length) return;
+      line.pieces.emplace_back(line_of(context_, *trend, *plunge), *length);
+    }
+    if (line.pieces.empty()) {
+      table.error("points", "make a line without length", "give two different points or more");
+      return;
+    }
+    if (!table.has("file")) table.missing("file", "add file = \"line.csv\" with a column distance");
+    const auto file = context_.file(table, "file");
+    if (!file) return;
+    const auto data = read_survey_table(context_, *file, table.texts("columns").value_or(std::vector<std::string>{}));
+    if (!data) return;
+    if (!data->column("distance")) {
+      context_.problems.error_in(file->shown, 1, "columns", "lacks the column distance", "give metres along the line");
+      return;
+    }
+    const bool oriented = has_orientation(*data), lengths = data->column("length").has_value();
+    line.truncation = metres(table.number("truncation").value_or(0));
+    std::size_t wrong = 0;
+    for (const SurveyTable::Row& row : data->rows) {
+      const std::size_t before = context_.problems.errors();
+      const auto at = cell_number(context_, *file, *data, row, "distance");
+      if (at && (*at < 0 || *at > line.length() * (1 + 1e-9))) {
+        context_.problems.error_in(file->shown, row.line, "distance",
+                                   fmt::format("is {} m, outside the line of {} m", *at, line.length()),
+                                   "correct it, or the line's length");
+      }
+      if (at && oriented) {
+        if (const auto normal = normal_of_row(context_, *file, *data, row, wrap)) {
+          line.joints.push_back(in_.orientations.size());
+          line.positions.push_back(*at);
+          if (lengths) line.lengths.push_back(length_of(*file, *data, row));
+          in_.orientations.push_back({*normal, set_of_row(*data, row, ""), direction_at(line, *at), std::nullopt});
+        }
+      } else if (at) {
+        line.positions.push_back(*at);
+        if (lengths) line.lengths.push_back(length_of(*file, *data, row));
+      }
+      if (context_.problems.errors() != before && ++wrong >= 20) return;
+    }
+    in_.lines.push_back(std::move(line));
+  }
+
+  void window(const TableReader& table) {
+    survey::WindowSurvey window;
+    window.name = table.text("name").value_or(table.path());
+    const double dip = table.number("dip").value_or(0);
+    const double direction = table.number("dip_direction").value_or(0);
+    window.normal = normal_of(context_, dip, direction);
+    // Maps of level ground: x east, y north. Inclined ones: x along the strike, y up the slope.
+    window.x_axis = dip == 0 ? Vec3{1, 0, 0} : -geometry::strike_vector(context_.turned(direction));
+    if (dip != 0 && dot(cross(window.normal, window.x_axis), Vec3{0, 0, 1}) < 0) window.x_axis = -window.x_axis;
+    const auto scale = table.number("scale");
+    window.border = metres(table.number("border").value_or(0));
+    window.truncation = metres(table.number("truncation").value_or(0));
+    if (!table.has("traces")) table.missing("traces", "add traces = \"traces.geojson\" (or .csv, .txt)");
+    const auto traces = map_of(table, "traces");
+    if (!traces) return;
+    if (!traces->unit_known && !scale) {
+      table.missing("scale", "the traces are in pixels: add scale = metres a pixel");
+      return;
+    }
+    const double s = scale.value_or(1);
+    std::optional<survey::Window> shape;
+    const TomlEntry* given = table.one_of();
+    if (given == nullptr) return;
+    if (given->key == "area") {
+      const auto area = map_of(table, "area");
+      if (!area) return;
+      if (area->polygons.size() != 1) {
+        table.error("area", fmt::format("holds {} polygons", area->polygons.size()), "give exactly one");
+        return;
+      }
+      survey::PolygonWindow polygon;
+      for (const auto& p : area->polygons[0]) polygon.corners.push_back({s * p[0], s * p[1]});
+      shape = std::move(polygon);
+    } else if (given->key == "circle") {
+      const auto reader = table.sub("circle");
+      if (!reader) return;
+      const auto centre = point(*reader, "centre");
+      const auto radius = reader->need_number("radius");
+      if (centre && radius) shape = survey::CircleWindow{{s * centre->x, s * centre->y}, s * *radius};
+    } else if (given->key == "rectangle") {
+      const auto reader = table.sub("rectangle");
+      if (!reader) return;
+      const auto a = point(*reader, "min"), b = point(*reader, "max");
+      if (a && b && (a->x >= b->x || a->y >= b->y)) reader->error("max", "is not above min", "swap them");
+      if (a && b) {
+        shape = survey::PolygonWindow{
+            {{s * a->x, s * a->y}, {s * b->x, s * a->y}, {s * b->x, s * b->y}, {s * a->x, s * b->y}}};
+      }
+    } else if (const auto corners = three_pairs(table, "polygon")) {
+      survey::PolygonWindow polygon;
+      for (const auto& p : *corners) polygon.corners.push_back({s * p[0], s * p[1]});
+      shape = std::move(polygon);
+    }
+    if (!shape) return;
+    if (!(area_of(*shape) > 0)) {
+      table.error(given->key, "has no area", "give a window with an area");
+      return;
+    }
+    // Map coordinates of millions of metres lose digits in products: everything is taken about the window.
+    const survey::MapPoint origin = std::visit(
+        [](const auto& w) {
+          if constexpr (requires { w.centre; }) {
+            return w.centre;
+          } else {
+            return w.corners.front();
+          }
+        },
+        *shape);
+    std::size_t without_length = 0;
+    for (const auto& line : traces->lines) {
+      survey::Polyline polyline;
+      for (const auto& p : line) polyline.push_back({s * p[0] - origin.x, s * p[1] - origin.y});
+      double length = 0;
+      for (std::size_t i = 1; i < polyline.size(); ++i) {
+        length += std::hypot(polyline[i].x - polyline[i - 1].x, polyline[i].y - polyline[i - 1].y);
+      }
+      if (!(length > 0)) {
+        ++without_length;
+        continue;
+      }
+      window.traces.push_back(std::move(polyline));
+    }
+    if (without_length > 0) {
+      table.note("traces", fmt::format("{} traces have no length and are left out", without_length), "remove them");
+    }
+    if (auto* circle = std::get_if<survey::CircleWindow>(&*shape)) circle->centre = {0, 0};
+    if (auto* polygon = std::get_if<survey::PolygonWindow>(&*shape)) {
+      for (survey::MapPoint& p : polygon->corners) p = {p.x - origin.x, p.y - origin.y};
+    }
+    window.window = *std::move(shape);
+    in_.windows.push_back(std::move(window));
+  }
+
+  void set(const TableReader& table) {
+    survey::SetRule rule;
+    const auto name = table.need_text("name");
+    if (name) rule.name = *name;
+    if (table.has("polygon")) {
+      if (const auto corners = three_pairs(table, "polygon")) {
+        for (const auto& p : *corners) rule.polygon.push_back(line_of(context_, p[0], p[1]));
+      }
+    }
+    if (const auto azimuth = table.pair("azimuth")) rule.azimuth = std::pair{(*azimuth)[0], (*azimuth)[1]};
+    if (const auto dip = table.number("dip")) rule.dip = Dip::degrees(*dip);
+    if (const auto direction = table.number("dip_direction")) rule.dip_direction = DipDirection::degrees(*direction);
+    rule.kappa = table.number("kappa");
+    shape(table, rule.shape);
+    in_.rules.push_back(std::move(rule));
+  }
+
+  static void shape(const TableReader& table, survey::ShapeRule& shape) {
+    const auto aspect = table.number("aspect");
+    const auto rotation = table.number("rotation");
+    shape.shape = table.word<survey::JointShape>("shape");
+    if (shape.shape == survey::JointShape::disc && (aspect || rotation)) {
+      table.error(aspect ? "aspect" : "rotation", "belongs to ellipses and rectangles", "add shape = \"ellipse\"");
+      return;
+    }
+    if (shape.shape != survey::JointShape::disc && !aspect) {
+      table.missing("aspect", "add aspect = long over short axis or side");
+    }
+    shape.aspect = aspect.value_or(1);
+    shape.rotation = rotation.value_or(0);
+  }
+
+  void finish(const TableReader& root) {
+    if (in_.orientations.empty() && in_.windows.empty() && in_.lines.empty() && context_.problems.errors() == 0) {
+      root.problems().error(1, "survey", "holds no data",
+                            "add [[orientations]], [[scanline]], [[borehole]] or [[window]]");
+    }
+    if (empty_ > 0) {
+      root.problems().note(1, "orientations", fmt::format("{} rows hold no orientation and are left out", empty_),
+                           "fill or remove them");
+    }
+  }
+
+ private:
+  static Vec3 direction_at(const survey::LineSurvey& line, double position) {
+    for (const auto& [direction, length] : line.pieces) {
+      if (position <= length) return direction;
+      position -= length;
+    }
+    return line.pieces.back().first;
+  }
+
+  /// Length of the trace that a row states, and how many of its ends were seen (column `ends`; none: both). No length:
+  /// 0.
+  survey::SeenLength length_of(const LoadedFile& file, const SurveyTable& table, const SurveyTable::Row& row) {
+    const auto length = cell_number(context_, file, table, row, "length");
+    const auto ends = cell_number(context_, file, table, row, "ends");
+    if (length && *length < 0) {
+      context_.problems.error_in(file.shown, row.line, "length", fmt::format("is {} m", *length),
+                                 "give the length that is seen, or leave it empty");
+    }
+    if (ends && *ends != 0 && *ends != 1 && *ends != 2) {
+      context_.problems.error_in(file.shown, row.line, "ends", fmt::format("is {}", *ends),
+                                 "give how many ends of the trace are seen: 0, 1 or 2");
+      return {};
+    }
+    return {length.value_or(0), static_cast<std::uint32_t>(ends.value_or(2))};
+  }
+
+  std::optional<io::TraceMap> map_of(const TableReader& table, string_view key) {
+    const auto file = context_.file(table, key);
+    if (!file) return std::nullopt;
+    auto map = io::parse_trace_map(file->bytes, file->shown);
+    if (!map) {
+      report_read_error(context_.problems, map.error());
+      return std::nullopt;
+    }
+    for (const std::string& note : map->notes) table.note(key, note, "");
+    return *std::move(map);
+  }
+
+  static std::optional<survey::MapPoint> point(const TableReader& table, string_view key) {
+    if (!table.has(key)) table.missing(key, fmt::format("write {} = [x, y]", key));
+    const auto values = table.pair(key);
+    if (!values) return std::nullopt;
+    return survey::MapPoint{(*values)[0], (*values)[1]};
+  }
+
+  InputContext& context_;
+  survey::SurveyInput& in_;
+  std::size_t empty_ = 0;
+};
+
+}  // namespace
+
+const KeyTable& survey_keys() {
+  static const KeyTable keys{
+      .name = "survey",
+      .keys = {{"schema", key::whole(1, 1), "1", "version of this format"},
+               {"title", key::text(), "the file's name", "shown in the results"},
+               {"seed", key::whole(0, INT64_MAX), "1", "whole number from 0"},
+               {"north", key::number(rule::turn), "0", "degrees from y to true north, clockwise"},
+               {"confidence", key::number(confidence_rule), "0.95", "of all intervals"},
+               {"weight_cap", key::number(cap_rule), "10",
+                "largest weight against orientation bias: joints within 5.7 degrees of the line or outcrop"},
+               {"clusters", key::whole(0, 20), "0",
+                "sets for axial K-means; silhouettes of 2 to 8 sets are reported in any case, the choice is yours"},
+               {"orientations", key::tables(&orientations_keys), "[]", "tables of orientations"},
+               {"scanline", key::tables(&line_keys), "[]", "joints met by a line"},
+               {"borehole", key::tables(&line_keys), "[]", "joints met by a borehole"},
+               {"window", key::tables(&window_keys), "[]", "maps of traces"},
+               {"set", key::tables(&set_keys), "[]", "joint sets"}}};
+  return keys;
+}
+
+std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, const std::string& shown,
+                                                              const ReadFile& read_file) {
+  Problems problems{shown};
+  auto tree = read_toml(text);
+  if (!tree) {
+    problems.error(tree.error().line, "TOML", tree.error().what, "mend the syntax: see https://toml.io");
+    return std::unexpected(std::move(problems).take_errors());
+  }
+  const TableReader root{*tree, 1, "", problems, survey_keys()};
+  InputContext context{.problems = problems, .read_file = read_file};
+  SurveyScene scene;
+  scene.input.title = root.text("title").value_or(shown);
+  scene.input.seed = static_cast<std::uint64_t>(root.count("seed"));
+  scene.input.confidence = root.value("confidence");
+  scene.input.weight_cap = root.value("weight_cap");
+  scene.input.clusters = static_cast<std::size_t>(root.count("clusters"));
+  context.north = root.value("north");
+
+  SurveyParser parser{context, scene};
+  for (const TableReader& table : root.each("orientations")) parser.orientations(table);
+  for (const TableReader& table : root.each("scanline")) parser.line(table);
+  for (const TableReader& table : root.each("borehole")) parser.line(table);
+  for (const TableReader& table : root.each("window")) parser.window(table);
+  for (const TableReader& table : root.each("set")) parser.set(table);
+  parser.finish(root);
+  if (problems.errors() != 0) return std::unexpected(std::move(problems).take_errors());
+  const std::size_t slash = shown.find_last_of('/');
+  scene.file_name = slash == std::string::npos ? shown : shown.substr(slash + 1);
+  scene.sha256 = sha256_hex(text);
+  scene.files = std::move(context.files);
+  scene.notes = std::move(problems).take_notes();
+  return scene;
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,113 @@
+#include "survey_rows.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "cleave/geometry/orientation.hpp"
+
+namespace cleave::scene {
+
+using geometry::Vec3;
+using std::string_view;
+
+Vec3 line_of(const InputContext& context, double trend, double plunge) {
+  return geometry::line_vector({geometry::Trend::degrees(trend + context.north), geometry::Plunge::degrees(plunge)});
+}
+Vec3 normal_of(const InputContext& context, double dip, double direction) {
+  return geometry::upward_normal({Dip::degrees(dip), context.turned(direction)});
+}
+
+namespace {
+
+/// Degrees of a row within [0, high], or wrapped there when the survey allows it.
+std::optional<double> angle(InputContext& context, const LoadedFile& file, const SurveyTable::Row& row,
+                            string_view name, std::optional<double> value, double high, bool wrap, bool swapped) {
+  if (!value) return std::nullopt;
+  if (*value >= 0 && *value <= high) return value;
+  if (wrap) return high == 360 ? geometry::wrap_degrees(*value) : std::abs(std::remainder(*value, 180));
+  context.problems.error_in(file.shown, row.line, std::string{name},
+                            fmt::format("is {}, outside 0 to {} degrees", *value, high),
+                            swapped ? "are dip and dip direction swapped? Then swap their names; else correct it, or "
+                                      "write wrap = true"
+                                    : "correct it, or write wrap = true");
+  return std::nullopt;
+}
+
+/// Whether a row would be right if dip and direction were in the other order.
+bool looks_swapped(std::optional<double> dip, std::optional<double> direction) {
+  return dip && direction && *dip > 90 && *dip <= 360 && *direction >= 0 && *direction <= 90;
+}
+
+/// Tables may state an orientation twice, in two conventions; then both must say the same within a degree and a half.
+bool agree(InputContext& context, const LoadedFile& file, const SurveyTable::Row& row, string_view name, Vec3 one,
+           Vec3 other, string_view first, string_view second) {
+  constexpr double cosine = 0.99966;
+  if (std::abs(dot(one, other)) >= cosine) return true;
+  context.problems.error_in(file.shown, row.line, std::string{name},
+                            fmt::format("{} and {} of this row are not the same plane", first, second),
+                            "strike goes by the right-hand rule (dip direction - 90), trend and plunge are the pole's: "
+                            "correct the row, or remove the columns of one convention");
+  return false;
+}
+
+}  // namespace
+
+std::optional<Vec3> normal_of_row(InputContext& context, const LoadedFile& file, const SurveyTable& table,
+                                  const SurveyTable::Row& row, bool wrap) {
+  bool swapped = false;
+  const auto value = [&](string_view name, double high) {
+    return angle(context, file, row, name, cell_number(context, file, table, row, name), high, wrap, swapped);
+  };
+  if (table.column("trend") && table.column("plunge")) {
+    const auto trend = value("trend", 360), plunge = value("plunge", 90);
+    if (!trend || !plunge) return std::nullopt;
+    const Vec3 pole = line_of(context, *trend, *plunge);
+    const Vec3 normal = pole.z < 0 ? -pole : pole;
+    if (table.column("dip") && table.column("dip_direction")) {
+      const auto dip = value("dip", 90), direction = value("dip_direction", 360);
+      if (dip && direction &&
+          !agree(context, file, row, "trend", normal, normal_of(context, *dip, *direction), "trend and plunge",
+                 "dip and dip_direction")) {
+        return std::nullopt;
+      }
+    }
+    return normal;
+  }
+  const string_view bearing = table.column("dip_direction") ? "dip_direction" : "strike";
+  if (table.column("dip") && !wrap) {
+    const auto plain = [&](string_view name) { return plain_number(table, row, name); };
+    swapped = looks_swapped(plain("dip"), plain(bearing));
+  }
+  const auto dip = value("dip", 90);
+  auto direction = table.column("dip_direction") ? value("dip_direction", 360) : value("strike", 360);
+  if (!dip || !direction) return std::nullopt;
+  if (!table.column("dip_direction")) {
+    *direction = geometry::wrap_degrees(*direction + 90);
+  } else if (table.column("strike")) {
+    const auto strike = value("strike", 360);
+    // Of directions, not of planes: near level planes would always agree.
+    if (strike && std::abs(std::remainder(*strike + 90 - *direction, 360)) > 1.5) {
+      context.problems.error_in(
+          file.shown, row.line, "strike",
+          fmt::format("{} does not belong to dip_direction {} by the right-hand rule (dip direction "
+                      "- 90)",
+                      *strike, *direction),
+          "correct the row, or remove one of the two columns");
+      return std::nullopt;
+    }
+  }
+  return normal_of(context, *dip, *direction);
+}
+
+bool has_orientation(const SurveyTable& table) {
+  return (table.column("trend") && table.column("plunge")) ||
+         (table.column("dip") && (table.column("dip_direction") || table.column("strike")));
+}
+
+std::string set_of_row(const SurveyTable& table, const SurveyTable::Row& row, const std::string& otherwise) {
+  const auto at = table.column("set");
+  return at && *at < row.cells.size() && !row.cells[*at].empty() ? row.cells[*at] : otherwise;
+}
+
+}  // namespace cleave::scene

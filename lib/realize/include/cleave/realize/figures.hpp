@@ -1,0 +1,399 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cleave/core/fields.hpp"
+#include "cleave/core/quantity.hpp"
+#include "cleave/geometry/vec3.hpp"
+#include "cleave/scene/plan.hpp"
+#include "cleave/scene3d/scene.hpp"
+#include "cleave/stability/key_groups.hpp"
+#include "cleave/stability/result.hpp"
+#include "cleave/stability/support.hpp"
+#include "cleave/topology/audit.hpp"
+#include "cleave/topology/block_complex.hpp"
+
+namespace cleave::topology {
+template <class V>
+void fields(V& v, const SnappedJoint& x) {
+  v("joint", x.joint);
+  v("moved_m", x.moved, "the farthest that a corner, or a corner of a side, was moved");
+  v("plane_merged", x.plane_merged, "it took an earlier polygon's plane");
+  v("edges_adopted", x.adopted_edges, "sides that now end on another joint's plane");
+}
+template <class V>
+void fields(V& v, const NearMisses& x) {
+  v("sides", x.sides, "sides of joints that miss another polygon by less than 1e-6 of the domain's extent");
+  v("largest_m", x.largest, "the most that one of them misses by; `snap` of a little more closes them all");
+  v("joint", x.joint, "whose side that is");
+  v("other_joint", x.other, "which joint it misses; absent: a side of the domain or of an excavation");
+}
+}  // namespace cleave::topology
+template <>
+struct cleave::Sample<cleave::topology::SnappedJoint> {
+  static topology::SnappedJoint make() { return {topology::JointId{0U}, {}, false, 0}; }
+};
+
+/// The figures of a run: what is counted, once, when it ends. summary.json, its schema, the console, report.html and
+/// `cleave diff` show these. A new figure is a member here and a line in the `fields` below it.
+namespace cleave::scene {
+
+/// What one opening takes.
+struct ExcavationFigures {
+  std::string name;
+  Volume volume;
+  std::optional<double> outside_share = {};
+};
+template <class V>
+void fields(V& v, const ExcavationFigures& x) {
+  v("name", x.name);
+  v("volume_m3", x.volume, "rock removed; what several openings take counts for the first of them");
+  v("outside_share", x.outside_share,
+    "of the opening's own volume, what lies outside the domain; absent for slopes and benches, which reach beyond it");
+}
+
+template <class V>
+void fields(V& v, const InputFile& x) {
+  v("path", x.name, "as the scene names it");
+  v("sha256", x.sha256, "of its bytes");
+  v("bytes", x.bytes);
+}
+
+struct CutFigures : InputFigures {
+  std::vector<InputFile> files = {};
+  std::vector<ExcavationFigures> excavations = {};
+  std::vector<topology::SnappedJoint> snapped = {};
+  topology::NearMisses near_misses = {};
+};
+template <class V>
+void fields(V& v, const CutFigures& x) {
+  fields(v, static_cast<const InputFigures&>(x));
+  v("files", when_any(x.files), "read for the scene, beside the scene file itself (scene_sha256)");
+  v("excavations", when_any(x.excavations), "in the order of the scene");
+  v("snapped", when_any(x.snapped), "the joints that `snap` changed, by number; absent when there are none");
+  v("near_misses", when(x.near_misses.sides > 0, x.near_misses),
+    "sides of joints that nearly reach another polygon: rock that was perhaps meant to be parted there is not");
+}
+
+/// What can be counted of the blocks themselves.
+struct BlockFigures {
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+  double domain_volume_m3 = 0;
+  std::uint64_t concave = 0;
+  std::uint64_t with_holes = 0;
+  std::uint64_t with_cavities = 0;
+  std::uint64_t slivers = 0;
+  std::string hash;
+  double exact_share = 0;
+};
+
+/// When only the rock near free faces was cut.
+struct WindowInfo {
+  geometry::Vec3 min, max;      ///< m
+  std::uint64_t rounds = 1;     ///< how many windows were cut before this one was large enough
+  std::uint64_t truncated = 0;  ///< blocks that go on outside it
+};
+template <class V>
+void fields(V& v, const WindowInfo& x) {
+  v("min", x.min);
+  v("max", x.max);
+  v("rounds", x.rounds, "windows cut, each larger, until no block they cut through could move");
+  v("truncated", x.truncated, "blocks that go on outside the box");
+}
+
+/// Section `blocks`; without `blocks` the certificate did not pass.
+template <class V>
+void block_fields(V& v, const std::optional<BlockFigures>& blocks, const topology::Certificate& certificate,
+                  const std::optional<WindowInfo>& window) {
+  using B = BlockFigures;
+  v("count", or_null(blocks, &B::count));
+  v("volume_m3", blocks ? blocks->volume_m3 : certificate.volume.si(), "sum over the blocks");
+  v("domain_volume_m3", or_null(blocks, &B::domain_volume_m3), "of the domain less what is excavated");
+  v("volume_relative_error", certificate.volume_relative_error, "of the sum against the domain's");
+  v("concave", or_null(blocks, &B::concave), "blocks that are not convex");
+  v("with_holes", or_null(blocks, &B::with_holes), "blocks with a hole through them (genus > 0) or a hole in a face");
+  v("with_cavities", or_null(blocks, &B::with_cavities), "blocks with more than one shell");
+  v("slivers", or_null(blocks, &B::slivers), "blocks thinner than 1e-6 of the domain's extent; they are kept");
+  v("hash", or_null(blocks, &B::hash),
+    "of the block system: the same for every thread count, compiler and optimisation level");
+  v("certificate", group([&](auto& w) {
+      w("passed", certificate.passed);
+      w("euler_violations", certificate.euler_violations);
+      w("open_shells", certificate.open_shells);
+      w("face_vector_max_relative", certificate.face_vector_max_relative,
+        "largest |sum of face vectors| / sum of areas over the blocks");
+      w("unpaired_patches", certificate.unpaired_patches, "joint patches whose area the neighbour does not match");
+      w("misfits", certificate.misfits,
+        "faces and blocks whose stored place, areas, volumes or flags are not those of their corners");
+      w("offenders", when_any(certificate.offenders), "numbers of blocks that did not pass, at most 20");
+    }));
+  v("exact_share", or_null(blocks, &B::exact_share), "part of the cutter's decisions that needed exact numbers, 0..1");
+  v("window", window,
+    "present when only the rock near free faces was cut ([output] blocks = \"key\"): the other figures are of this "
+    "box");
+  v("reason", when(!blocks, "the certificate did not pass, so no block of this run is to be trusted"),
+    "why figures are null");
+}
+
+struct BatchFigures {
+  std::uint32_t batch = 1;
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+  std::array<std::uint64_t, 4> modes{};  ///< falling, lifting, sliding, wedge
+};
+template <class V>
+void fields(V& v, const BatchFigures& x) {
+  v("batch", x.batch, "from 1");
+  v("count", x.count);
+  v("volume_m3", x.volume_m3);
+  v("modes", group([&](auto& w) {
+      w("falling", x.modes[0]);
+      w("lifting", x.modes[1]);
+      w("sliding", x.modes[2]);
+      w("wedge", x.modes[3]);
+    }));
+}
+
+/// Blocks that only a side of the domain that is not free holds.
+struct DomainHeldFigures {
+  std::uint64_t count = 0;
+  Volume volume;
+  double share = 0;
+};
+
+struct KeyBlockFigures {
+  std::uint64_t count = 0;  ///< blocks that leave, in all batches
+  double volume_m3 = 0;
+  std::vector<BatchFigures> batches;
+  bool stopped_at_max_batches = false;
+  double lowest_factor_of_safety = std::numeric_limits<double>::infinity();  ///< of the blocks judged
+  double equilibrium_residual = 0;
+  std::optional<std::uint64_t> below_target = {};  ///< where the scene has a target
+  std::optional<std::uint64_t> turning = {};       ///< none without the rotational check
+  std::optional<DomainHeldFigures> domain_held = {};
+};
+template <class V>
+void fields(V& v, const KeyBlockFigures& x) {
+  v("count", x.count);
+  v("volume_m3", x.volume_m3);
+  v("batches", x.batches);
+  v("stopped_at_max_batches", x.stopped_at_max_batches, "true when more batches may follow");
+  v("lowest_factor_of_safety", or_null(x.lowest_factor_of_safety), "of all judged blocks; null when none is finite");
+  v("equilibrium_residual", x.equilibrium_residual,
+    "largest unbalanced force over the applied ones, with and without force transfer");
+  v("below_target", x.below_target, "judged blocks below the scene's target");
+  v("turning", x.turning, "judged blocks that no statics holds against turning, though they cannot slide");
+  const DomainHeldFigures held = x.domain_held.value_or(DomainHeldFigures{});
+  v("domain_held", when(x.domain_held.has_value(), held.count),
+    "blocks at free faces that would move, were the sides of the domain that hold them smooth joints; not in count");
+  v("domain_held_volume_m3", when(x.domain_held.has_value(), held.volume));
+  v("domain_held_share", when(x.domain_held.has_value(), held.share), "of the area of all free faces, theirs");
+}
+
+/// Key blocks under one [[load]].
+/// Blocks judged together.
+struct KeyGroupFigures {
+  bool judged = false;
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+  std::uint64_t certain = 0, unsafe = 0, in_doubt = 0;
+  double factor = std::numeric_limits<double>::infinity();  ///< least of the groups that have one
+};
+template <class V>
+void fields(V& v, const KeyGroupFigures& x) {
+  v("judged", x.judged, "false: more blocks near free faces than are judged together, nothing was decided");
+  v("count", x.count, "groups that move (certain) or may (unsafe)");
+  v("volume_m3", x.volume_m3, "of those");
+  v("certain", x.certain);
+  v("unsafe", x.unsafe);
+  v("in_doubt", x.in_doubt, "could not be decided; not in count");
+  v("factor", or_null(x.factor), "least factor of safety of the groups; null without groups");
+}
+[[nodiscard]] KeyGroupFigures count_key_groups(const stability::KeyGroups& groups);
+
+struct CaseFigures {
+  std::string name;
+  KeyBlockFigures figures;
+};
+template <class V>
+void fields(V& v, const CaseFigures& x) {
+  v("name", x.name);
+  fields(v, x.figures);
+}
+
+/// What the search for a pattern found for one length of bolt.
+struct DesignResult {
+  double length = 0;
+  bool found = false;
+  double scale = 0;  ///< on the scene's spacings
+  std::size_t bolts = 0;
+  double cost = 0;
+  /// Of the first pattern, m: along a tunnel's axis and around its section, or across and down a grid.
+  std::array<double, 2> spacing{};
+  std::size_t rings = 0;  ///< of the first pattern; 0: a grid
+  /// Offsets drawn at random in both directions, and how many of them fail.
+  std::uint64_t offsets = 0, failing = 0;
+  std::array<double, 2> failing_share{};  ///< Clopper-Pearson, 95 %
+  /// The block that decides: misses its target at the most of these offsets; where none fails, with the least factor
+  /// over target. Where no pattern is found, of the tightest one.
+  std::optional<std::uint32_t> governing = {};
+};
+template <class V>
+void fields(V& v, const DesignResult& x) {
+  v("length_m", x.length);
+  v("found", x.found);
+  v("spacing_scale", x.scale, "on the scene's spacings");
+  v("bolts", x.bolts);
+  v("cost", x.cost);
+  v("spacing_m", x.spacing, "of the first pattern, of the tightest where none is found");
+  v("rings", x.rings, "of the first pattern; 0: a grid");
+  v("offsets", x.offsets, "drawn at random, at which the pattern was tried");
+  v("offsets_failing", x.failing);
+  v("failing_share_low", x.failing_share[0], "95 % interval of the share of offsets that fail");
+  v("failing_share_high", x.failing_share[1]);
+  v("governing_block", x.governing, "misses its target most often, or has the least margin");
+}
+
+/// Support pressure at one part of the openings: how the free faces of the blocks below their target share it.
+struct PressureFigures {
+  std::string place;
+  Area area;
+  Stress p50, p90, p95, largest;
+};
+template <class V>
+void fields(V& v, const PressureFigures& x) {
+  v("place", x.place, "roof, left wall, right wall, floor (looking along the tunnel), face elsewhere");
+  v("area_m2", x.area, "free faces of the blocks below their target there");
+  v("p50_pa", or_null(x.p50.si()), "half of that area needs no more; null: no pressure is enough");
+  v("p90_pa", or_null(x.p90.si()));
+  v("p95_pa", or_null(x.p95.si()));
+  v("largest_pa", or_null(x.largest.si()), "of the neediest block, however small its face");
+}
+
+struct SupportFigures {
+  bool passes = false;
+  std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, held_by_both = 0, not_held = 0;
+  std::uint64_t bolts = 0, spot_bolts = 0, bolts_used = 0, bolts_redundant = 0, bolts_too_short = 0;
+  std::uint64_t combined = 0, combined_failing = 0;
+  double required_force_n = 0, largest_required_pressure_pa = 0, missing_force_n = 0;
+  /// Blocks with less free face than `spot_area`.
+  std::uint64_t small_blocks = 0, small_not_held = 0;
+  double small_required_force_n = 0;
+  std::vector<PressureFigures> pressures = {};
+};
+/// The support under one named load case.
+struct SupportCaseFigures {
+  std::string name;
+  SupportFigures figures;
+};
+template <class V>
+void fields(V& v, const SupportCaseFigures& x) {
+  v("name", x.name);
+  v("passes", x.figures.passes);
+  v("blocks", x.figures.blocks);
+  v("not_held", x.figures.not_held);
+  v("combined_blocks", x.figures.combined);
+  v("combined_failing", x.figures.combined_failing);
+}
+/// `tunnel_length`: m, 0 where there is no tunnel.
+template <class V>
+void support_fields(V& v, const SupportFigures& x, double tunnel_length, const std::vector<DesignResult>& designs,
+                    const std::vector<SupportCaseFigures>& cases) {
+  v("passes", x.passes, "every block reaches its target, alone and stitched to its neighbours");
+  v("blocks", x.blocks, "blocks below their target without support");
+  v("held_by_bolts", x.held_by_bolts);
+  v("held_by_shotcrete", x.held_by_shotcrete);
+  v("held_by_both", x.held_by_both, "neither bolts nor shotcrete alone, both together");
+  v("not_held", x.not_held);
+  v("bolts", x.bolts);
+  v("spot_bolts", x.spot_bolts);
+  v("bolts_used", x.bolts_used);
+  v("bolts_redundant", x.bolts_redundant);
+  v("bolts_too_short", x.bolts_too_short);
+  v("combined_blocks", x.combined);
+  v("combined_failing", x.combined_failing);
+  v("required_force_n", or_null(x.required_force_n), "sum over blocks of the least single force; null: none is enough");
+  v("required_force_n_per_metre",
+    when(tunnel_length > 0, or_null(x.required_force_n / (tunnel_length > 0 ? tunnel_length : 1))), "of tunnel");
+  v("largest_required_pressure_pa", or_null(x.largest_required_pressure_pa),
+    "that 95 % of the free faces below their target need at the neediest place of `pressures`; null: none is enough");
+  v("pressures", when_any(x.pressures), "pressure diagram: by place, as percentiles of area");
+  v("small_blocks", x.small_blocks, "with less free face than spot_area");
+  v("small_not_held", x.small_not_held);
+  v("small_required_force_n", or_null(x.small_required_force_n), "null: none is enough");
+  v("missing_force_n", or_null(x.missing_force_n), "null: no force is enough");
+  v("designs", when_any(designs), "[support.design]: what was found for each length");
+  v("load_cases", when_any(cases), "the same check under each [[load]]");
+}
+
+/// Largest key blocks of block theory.
+struct MaximumFigures {
+  std::uint64_t count = 0;
+  double largest_volume_m3 = 0;
+  double lowest_factor_of_safety = std::numeric_limits<double>::infinity();
+  double largest_required_pressure_pa = 0;
+};
+template <class V>
+void fields(V& v, const MaximumFigures& x) {
+  v("count", x.count);
+  v("largest_volume_m3", x.largest_volume_m3);
+  v("lowest_factor_of_safety", or_null(x.lowest_factor_of_safety));
+  v("largest_required_pressure_pa", or_null(x.largest_required_pressure_pa),
+    "on the block's free face; null: none reaches the target");
+}
+
+/// [micro_blocks] of the scene, where it does not keep silent about them.
+struct MicroBlockFigures {
+  MicroBlockPolicy policy = MicroBlockPolicy::report;
+  std::uint64_t count = 0;
+  double volume_m3 = 0;
+  double thinnest_m = 0;
+};
+template <class V>
+void fields(V& v, const MicroBlockFigures& x) {
+  v("policy", one_of(x.policy == MicroBlockPolicy::report ? "report" : "exclude", {"report", "exclude"}),
+    "exclude: left out of stability");
+  v("count", x.count);
+  v("volume_m3", x.volume_m3);
+  v("thinnest_m", x.thinnest_m, "least thickness; 0 when there are none");
+}
+
+/// Everything that is counted of a run of blocks.
+struct Figures {
+  CutFigures input;
+  std::optional<BlockFigures> blocks;  ///< none when the certificate did not pass
+  std::optional<KeyBlockFigures> key_blocks;
+  std::vector<CaseFigures> load_cases;  ///< of [[load]]
+  std::optional<SupportFigures> support;
+  std::vector<SupportCaseFigures> support_cases;  ///< of [[load]]
+  std::optional<MaximumFigures> maximum_blocks;
+  std::optional<MicroBlockFigures> micro_blocks;
+};
+
+[[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);
+[[nodiscard]] KeyBlockFigures count_key_blocks(const stability::Analysis& analysis,
+                                               const std::optional<Targets>& target = {});
+/// The pressure diagram of some blocks: pressure and area of each, by place.
+struct PressureAt {
+  std::string_view place;
+  Area area;
+  Stress pressure;
+};
+[[nodiscard]] std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks);
+/// Without the pressures, for which `count` needs the whole result.
+[[nodiscard]] SupportFigures count_support(const stability::SupportResult& support);
+
+struct RunResult;
+/// A result that holds nothing, not even blocks: for the schema, and to be filled by hand in tests.
+[[nodiscard]] RunResult empty_result();
+/// Everything that is counted of a run that has ended.
+[[nodiscard]] Figures count(const RunResult& result);
+
+}  // namespace cleave::scene

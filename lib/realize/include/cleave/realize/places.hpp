@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "cleave/realize/run_result.hpp"
+
+namespace cleave::scene {
+
+/// Where a block is.
+struct BlockPlace {
+  geometry::Vec3 centroid = {};         ///< m
+  std::string_view location = {};       ///< `location_of`, or "face": no tunnel, or its heading; empty: no free face
+  std::optional<double> chainage = {};  ///< m along the axis of the tunnel that it has most free area at
+  Area free_area = {};
+  std::vector<SetId> sets = {};  ///< of its joints, ascending
+};
+/// `joints`: of the block, see `joints_of`.
+[[nodiscard]] BlockPlace place_of(const RunResult& result, const topology::BlockComplex& complex,
+                                  topology::BlockId block, const std::vector<topology::JointId>& joints);
+
+/// "roof", "floor", "left wall", "right wall" (looking along the axis): what lies to the right and up by so much.
+[[nodiscard]] std::string_view location_of(double right, double up);
+
+/// Numbers of the joints that bound a block, ascending.
+[[nodiscard]] std::vector<topology::JointId> joints_of(const topology::BlockComplex& complex, topology::BlockId block);
+
+}  // namespace cleave::scene

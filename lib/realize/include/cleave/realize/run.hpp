@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/realize/run_result.hpp"
+#include "cleave/scene/problem.hpp"
+#include "cleave/scene3d/scene.hpp"
+
+namespace cleave::scene {
+
+[[nodiscard]] Plan make_plan(const Scene& scene);
+
+struct RunOptions {
+  unsigned threads = 1;           ///< at least 1; changes nothing but the time
+  std::uint64_t realization = 0;  ///< number of the random realization
+};
+
+/// Draws the random joints, the strength of each joint and what is random of the loads. A pure function of the scene
+/// (with its seed) and the number of the realization; in a nested design the joints are those of the geometry that the
+/// realization belongs to.
+[[nodiscard]] std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene, std::uint64_t realization = 0);
+
+/// Realizations `first` .. `first + count - 1` on one thread: the same joints, blocks and judgements as `run` finds for
+/// each, but for what ensembles do not count; null for one that cannot be made. The steps of the plan are booked with
+/// `timer`. Precondition: the realizations belong to one geometry; it is cut once.
+void realize(const Scene& scene, std::uint64_t first, std::uint64_t count, StageTimer& timer,
+             const std::function<void(std::uint64_t, const Realization*)>& use);
+
+/// Does the steps of the scene's plan from draw to elastic. `timer` books them (the caller has booked `read`),
+/// `progress` shows them.
+///
+/// Errors are what only these stages can see in a scene: a joint too small for the lattice, excavations that leave no
+/// rock, more joints than can be drawn. A certificate that does not pass is a result, not an error.
+[[nodiscard]] std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options,
+                                                                 StageTimer& timer, Progress& progress);
+
+/// What `run` would refuse of a scene that the parser took, as far as it shows without cutting along the joints: joints
+/// that cannot be drawn, openings that miss the rock or leave none, forces on no free face.
+[[nodiscard]] std::vector<Problem> refusals(const Scene& scene);
+
+/// The blocks that [micro_blocks] is about, in order.
+[[nodiscard]] std::vector<topology::BlockId> micro_blocks(const topology::BlockComplex& complex,
+                                                          const MicroBlocks& limits);
+
+}  // namespace cleave::scene

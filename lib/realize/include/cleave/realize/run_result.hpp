@@ -1,0 +1,254 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <expected>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cleave/core/fields.hpp"
+#include "cleave/core/id.hpp"
+#include "cleave/core/quantity.hpp"
+#include "cleave/geometry/vec3.hpp"
+#include "cleave/realize/figures.hpp"
+#include "cleave/realize/sequence.hpp"
+#include "cleave/scene/plan.hpp"
+#include "cleave/scene3d/scene.hpp"
+#include "cleave/stability/held_from_within.hpp"
+#include "cleave/stability/key_groups.hpp"
+#include "cleave/stability/maximum_blocks.hpp"
+#include "cleave/stability/result.hpp"
+#include "cleave/stability/sensitivity.hpp"
+#include "cleave/stability/support.hpp"
+#include "cleave/topology/audit.hpp"
+#include "cleave/topology/cut_input.hpp"
+#include "cleave/topology/ids.hpp"
+
+namespace cleave::scene {
+
+struct Strength {
+  FrictionAngle friction;
+  Stress cohesion;
+  Stress tension;
+  double jrc = 0;  ///< > 0: Barton-Bandis, friction is the residual angle
+  Stress jcs = {};
+};
+
+/// The blocks judged under one named load case.
+struct CaseResult {
+  std::string name;
+  stability::Analysis analysis;
+};
+
+/// The support checked under one named load case.
+struct CaseSupport {
+  std::string name;
+  stability::SupportResult support;
+};
+
+/// A largest key block of block theory.
+struct MaximumRow {
+  std::array<std::string, 3> sets;  ///< names
+  stability::MaximumKeyBlock block;
+  std::string where;  ///< "roof", "floor", "right wall", "left wall" (looking along the axis)
+};
+
+enum class JointOrigin : std::uint8_t { measured, drawn };
+
+/// A joint as it went into the cutter; its polygon(s) or plane are RunResult::input.joints[id.index()].
+struct JointInfo {
+  SetId set;
+  JointOrigin origin;
+  std::string source;  ///< "joints.obj:120", "scene.toml:14"; for drawn joints "A #7" (set, number from 1)
+  Strength strength;
+  geometry::Vec3 normal;  ///< upward unit normal (z >= 0); of the first polygon when the joint has several
+  Dip dip;
+  DipDirection dip_direction;  ///< clockwise from +y
+};
+
+struct SetInfo {
+  std::string name;
+  std::uint64_t joints = 0;
+};
+
+struct ExcavationInfo {
+  std::string name;
+  std::uint32_t stage = 1;
+  std::optional<TunnelLine> tunnel = {};
+  topology::ExcavatedVolume taken = {};
+  /// Of its own volume, what lies outside the domain; empty for cuts from above, which are made to reach beyond it.
+  std::optional<double> outside_share = {};
+};
+
+/// Joint faces of a block on one plane.
+struct ClampedPlane {
+  topology::FaceId face;            ///< the first one
+  double area = 0;                  ///< m2, still in contact
+  double normal_force = 0;          ///< N, of the field; compression positive
+  geometry::Vec3 shear_force = {};  ///< N, of the field: of the rock outside on the block
+};
+
+/// A block of key_blocks.csv with the stress of the rock across its joints.
+struct ClampedBlock {
+  topology::BlockId block;
+  /// Largest factor on all strengths at which normal and shear forces of its joints still balance its loads
+  /// (stability/clamping.hpp).
+  double factor_of_safety = 0;
+  double compression = 0;  ///< N, sum over planes in compression
+  double tension = 0;      ///< N, sum over planes in tension, >= 0: such joints open
+  std::vector<ClampedPlane> planes = {};
+};
+
+struct FieldStressResult {
+  std::string tunnel;
+  std::size_t elements = 0;
+  double error = 0;  ///< estimate, relative, of the section's displacements
+  bool reached = true;
+  double condition = 0, residual = 0;
+  std::vector<ClampedBlock> blocks = {};  ///< in order of block; those that lie at the tunnel
+  std::uint64_t held = 0;                 ///< unstable without, stable with the stress
+
+  /// Infinite when no block has a finite one.
+  [[nodiscard]] double lowest_factor_of_safety() const {
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const ClampedBlock& block : blocks) lowest = std::min(lowest, block.factor_of_safety);
+    return lowest;
+  }
+};
+template <class V>
+void fields(V& v, const FieldStressResult& x) {
+  v("tunnel", x.tunnel);
+  v("elements", x.elements);
+  v("error", x.error, "estimate from two meshes, of displacement, relative");
+  v("condition", x.condition);
+  v("residual", x.residual);
+  v("blocks", x.blocks.size(), "blocks at the tunnel that were judged");
+  v("held", x.held, "unstable without this stress, stable with it");
+  v("lowest_factor_of_safety", or_null(x.lowest_factor_of_safety()), "with it; null: none is finite");
+}
+
+/// Everything that goes into the cutter, and what each joint is.
+struct Drawn {
+  topology::CutInput input;                            ///< domain, joints and excavations as cut
+  IdVector<SetId, SetInfo> sets = {};                  ///< only sets with at least one joint have `joints` > 0
+  IdVector<topology::JointId, JointInfo> joints = {};  ///< as many as input.joints, same order
+  double seismic_factor = 1;                           ///< of this realization
+  double water_quantile = 0.5;                         ///< of this realization: u of the laws of water tables
+};
+
+/// What one realization of a scene came to: the blocks and all that was judged of them.
+/// - `complex` holds the audited block system, or the certificate when it did not pass: then nothing is judged;
+/// - free faces of the complex index the scene's excavations by topology::Face::excavation; faces of role joint index
+///   `joints` by their JointId.
+struct Realization : Drawn {
+  std::expected<topology::AuditedComplex, topology::Certificate> complex = std::unexpected(topology::Certificate{});
+  topology::CutReport cut = {};
+  std::string block_hash = {};  ///< topology::canonical_hash; empty when the certificate failed
+  /// The same of the blocks of all batches: equal whether all the rock was cut or only that near free faces; empty
+  /// without analysis.
+  std::string key_block_hash = {};
+  std::optional<WindowInfo> window = {};  ///< when not all the rock was cut
+  std::optional<stability::Analysis> analysis = {};
+  /// Stage by stage, where excavations have different stages; `complex` and `analysis` then are those of the rock when
+  /// all are out and no block has left before.
+  std::optional<SequenceResult> sequence = {};
+  std::optional<stability::KeyGroups> key_groups = {};  ///< blocks judged together, where the scene asks for it
+  std::vector<stability::HeldFromWithin> held_from_within = {};
+  std::optional<stability::DomainHeld> domain_held = {};  ///< of the base case, with `analysis`
+  std::vector<CaseResult> load_cases = {};                ///< of [[load]], in scene order; the base case is `analysis`
+  std::vector<stability::Sensitivity> sensitivity = {};   ///< of the blocks of the first batch
+  std::vector<MaximumRow> maximum_blocks = {};
+  std::optional<stability::SupportResult> support = {};
+  std::vector<CaseSupport> support_cases = {};  ///< of [[load]], in scene order
+  std::vector<DesignResult> designs = {};
+  /// Where the scene has [field_stress] and something is judged.
+  std::optional<FieldStressResult> field_stress = {};
+  /// Blocks cut by a window that cases or support depend on: then none of it holds, and a larger window is needed.
+  std::vector<topology::BlockId> undecided = {};
+
+  [[nodiscard]] const topology::Certificate& certificate() const noexcept {
+    return complex ? complex->certificate() : complex.error();
+  }
+};
+
+/// Everything that is known at the end of `scene::run`, and all that the writers need: they take it by const reference
+/// and compute nothing but layout from it. `analysis` is present exactly when plan.runs(Stage::stability) and the
+/// certificate passed; sections of stages that did not run are absent from summary.json. `cost` covers read ..
+/// elastic when `run` returns. The program adds `write` (VTU, CSV) and `report` (HTML) as it does them, and writes
+/// summary.json last, so that all costs are in it but its own few milliseconds; report.html shows the costs known when
+/// it is written.
+struct RunResult : Realization {
+  std::string title = {};
+  Project project = {};
+  std::uint64_t seed = 1;
+  std::string scene_file = {};    ///< name without folder
+  std::string scene_sha256 = {};  ///< of the scene file's bytes, hex
+  std::vector<InputFile> files = {};
+  double north =
+      0;  ///< degrees from +y to true north, clockwise: add nothing to dip directions, turn only the north arrow
+
+  Plan plan = {};
+  RunCost cost = {};
+  OutputSettings output = {};
+  Rock rock = {};
+  std::optional<StabilitySettings> stability = {};
+  std::vector<ExcavationInfo> excavations = {};  ///< as many as input.excavations, same order
+  MicroBlocks micro_blocks = {};                 ///< the scene's policy
+  std::vector<std::string> bolt_groups = {};     ///< names, by Bolt::group
+  double tunnel_length = 0;                      ///< m, of all tunnels
+  std::vector<std::string> notes = {};  ///< what a user should know: joints outside the domain, what was left out
+
+  Figures figures = {};  ///< `count` of all that
+};
+
+template <class V>
+void fields(V& v, const RunResult& x) {
+  const Figures& f = x.figures;
+  v("input", f.input);
+  v("blocks", group([&](auto& w) { block_fields(w, f.blocks, x.certificate(), x.window); }),
+    "When the certificate did not pass, the figures of the blocks are null and `reason` says so.");
+  const KeyBlockFigures& key = f.key_blocks ? *f.key_blocks : KeyBlockFigures{};
+  v("key_blocks", when(f.key_blocks.has_value(), group([&](auto& w) {
+                         fields(w, key);
+                         w("hash", x.key_block_hash,
+                           "of the blocks of all batches: the same whether all the rock was cut or only that near "
+                           "free faces");
+                         w("load_cases", when_any(f.load_cases), "under each [[load]]");
+                       })),
+    "Blocks that leave.");
+  const KeyGroupFigures groups = x.key_groups ? count_key_groups(*x.key_groups) : KeyGroupFigures{};
+  v("key_groups", when(x.key_groups.has_value(), group([&](auto& w) { fields(w, groups); })),
+    "Blocks judged together; absent with groups = \"off\".");
+  const SupportFigures& support = f.support ? *f.support : SupportFigures{};
+  v("support", when(f.support.has_value(), group([&](auto& w) {
+                      support_fields(w, support, x.tunnel_length, x.designs, f.support_cases);
+                    })),
+    "Check of [support] in the state after excavation; forces in N, pressures in Pa.");
+  v("field_stress", x.field_stress,
+    "Key blocks at a tunnel with the stress of the rock across their joints ([field_stress]); error, condition and "
+    "residual are those of the elastic section.");
+  v("maximum_blocks", f.maximum_blocks,
+    "Largest key blocks that persistent joints of the sets' mean orientations can make at a tunnel "
+    "(stability.maximum_blocks).");
+  v("micro_blocks", f.micro_blocks,
+    "Blocks below the limits of [micro_blocks], or thinner than 1e-6 of the domain; absent with policy = \"keep\".");
+  const topology::Dangling none{};
+  const topology::Dangling* kept =
+      x.complex && x.complex->complex().data().dangling ? &*x.complex->complex().data().dangling : nullptr;
+  const topology::Dangling& d = kept != nullptr ? *kept : none;
+  v("dangling", when(kept != nullptr, group([&](auto& w) {
+                       w("pieces", d.pieces.size(), "flat parts, each inside one block");
+                       w("area_m2", d.area);
+                       w("free_edges", d.free_edges, "edges that end in the rock");
+                       w("free_edge_length_m", d.free_edge_length);
+                       w("joints", d.joints, "joints with such parts");
+                       w("isolated_joints", d.isolated_joints, "of them those that meet no other joint and no face");
+                     })),
+    "Parts of joints that bound no block, with keep_dangling = true.");
+  v("sequence", x.sequence, "Excavation in stages: the rock after each, and the orders that were compared.");
+}
+
+}  // namespace cleave::scene

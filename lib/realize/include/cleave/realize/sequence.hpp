@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cleave/core/quantity.hpp"
+#include "cleave/realize/figures.hpp"
+#include "cleave/stability/result.hpp"
+#include "cleave/topology/audit.hpp"
+#include "cleave/topology/sequence.hpp"
+
+namespace cleave::scene {
+
+/// The rock after one stage.
+struct StageResult {
+  std::uint32_t stage = 1;
+  std::vector<std::string> excavations;  ///< those of this stage
+  /// Empty when all rock has fallen; the certificate where it did not pass.
+  std::optional<std::expected<topology::AuditedComplex, topology::Certificate>> complex;
+  std::string block_hash;
+  std::optional<stability::Analysis> analysis;
+  std::uint64_t new_key_blocks = 0;  ///< of the blocks that leave, those without a part that left in an earlier stage
+  Volume new_key_volume;
+  BlockFigures blocks = {};  ///< of `complex`
+  KeyBlockFigures key_blocks = {};
+  [[nodiscard]] bool passed() const noexcept { return !complex || complex->has_value(); }
+};
+template <class V>
+void fields(V& v, const StageResult& x) {
+  v("stage", x.stage);
+  v("excavations", x.excavations);
+  v("certificate_passed", x.passed());
+  v("block_count", x.blocks.count);
+  v("block_volume_m3", x.blocks.volume_m3);
+  v("hash", x.block_hash);
+  v("key_blocks", group([&](auto& w) {
+      fields(w, x.key_blocks);
+      w("hash", "");
+    }),
+    "as the section key_blocks of the whole result");
+  v("new_key_block_count", x.new_key_blocks, "without blocks of which a part left in an earlier stage");
+  v("new_key_block_volume_m3", x.new_key_volume);
+}
+
+struct OrderResult {
+  std::vector<std::uint32_t> stages;
+  std::vector<std::uint64_t> new_key_blocks;  ///< one a stage, in this order
+  std::vector<Volume> new_key_volume;
+  std::uint64_t key_blocks = 0;  ///< sums over the stages
+  Volume key_volume;
+};
+template <class V>
+void fields(V& v, const OrderResult& x) {
+  v("stages", x.stages);
+  v("key_block_count", x.key_blocks);
+  v("key_block_volume_m3", x.key_volume);
+  v("new_count", x.new_key_blocks, "one a stage, in this order");
+  v("new_volume_m3", x.new_key_volume);
+}
+
+struct SequenceResult {
+  Fallen fallen = Fallen::stay_out;
+  std::vector<StageResult> stages;
+  std::vector<OrderResult> orders;  ///< the scene's own first; only that one when no orders are to be compared
+  std::size_t best = 0;             ///< the order with the smallest volume of key blocks; the first of equal ones
+  /// By block of the final state: the first stage in which a part of it left; -1 for a block that stays.
+  std::vector<std::int32_t> stage_of_block;
+};
+template <class V>
+void fields(V& v, const SequenceResult& x) {
+  v("fallen", one_of(x.fallen == Fallen::stay_out ? "stay_out" : "put_back", {"stay_out", "put_back"}));
+  v("stages", x.stages);
+  v("orders", x.orders, "the scene's own order first");
+  v("best_order", x.best, "from 0: the order with the smallest volume of key blocks");
+}
+
+/// Judges an audited complex.
+using Judge = std::function<stability::Analysis(const topology::AuditedComplex&)>;
+
+/// Takes the excavations out in the order of their stages and judges the rock after each; then in every order to be
+/// compared. `stage_of_excavation` has an entry an excavation of the cut, `final_state` are the blocks when all are
+/// out.
+[[nodiscard]] SequenceResult run_sequence(const topology::SequentialCut& cut, const topology::StageBlocks& final_state,
+                                          const SequenceSettings& settings,
+                                          const std::vector<std::uint32_t>& stage_of_excavation,
+                                          const std::vector<std::string>& names, const Judge& judge);
+
+}  // namespace cleave::scene

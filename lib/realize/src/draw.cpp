@@ -1,0 +1,211 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include "cleave/core/assert.hpp"
+#include "cleave/core/overloaded.hpp"
+#include "cleave/core/rng.hpp"
+#include "cleave/core/special.hpp"
+#include "cleave/dfn/sample.hpp"
+#include "cleave/realize/run.hpp"
+#include "cleave/scene3d/bounds.hpp"
+#include "cleave/scene3d/drawing_order.hpp"
+
+namespace cleave::scene {
+namespace {
+
+/// Streams of measured joints lie beyond those of any number of [[joint_set]]s, so that joints drawn and joints
+/// measured under one name do not share their friction.
+constexpr std::size_t measured_streams = std::size_t{1} << 23U;
+
+/// Streams of the whole scene, not of a joint set: their purposes lie beyond those of core's Draw.
+constexpr auto seismic_stream = static_cast<Draw>(64);
+constexpr auto water_stream = static_cast<Draw>(65);
+
+/// One value a joint of each property. Friction and cohesion may hang together by a Gaussian copula: the marginal laws
+/// stay what the scene says.
+Strength draw_strength(const Scene& scene, std::uint64_t realization, SetId set, std::size_t stream,
+                       std::uint32_t index) {
+  const auto uniform = [&](Draw what) {
+    return Rng{
+        {.seed = scene.seed, .realization = realization, .purpose = stream_purpose(stream, what), .index = index}}
+        .uniform();
+  };
+  const JointProperties& properties = scene.sets[set].properties;
+  const double friction = uniform(Draw::friction);
+  double cohesion = uniform(Draw::cohesion);
+  if (const double r = properties.friction_cohesion; r != 0) {
+    const double score = r * normal_quantile(friction) + std::sqrt(1 - r * r) * normal_quantile(cohesion);
+    cohesion = std::clamp(special::normal_cdf(score), 0x1p-53, 1 - 0x1p-53);
+  }
+  return {properties.friction.quantile(friction), properties.cohesion.quantile(cohesion),
+          properties.tension.quantile(uniform(Draw::tension)), properties.jrc, properties.jcs};
+}
+
+geometry::Vec3 upward(geometry::Vec3 n) {
+  const bool down = n.z < 0 || (n.z == 0 && (n.y < 0 || (n.y == 0 && n.x < 0)));
+  return down ? -n : n;
+}
+
+/// Area vector of a polygon (Newell), relative to its first corner.
+geometry::Vec3 area_vector(const geometry::Polygon& polygon) {
+  const auto corners = polygon.corners();
+  geometry::Vec3 sum;
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    sum += geometry::cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
+  }
+  return sum;
+}
+
+JointInfo describe_joint(SetId set, JointOrigin origin, std::string source, Strength strength, geometry::Vec3 normal) {
+  constexpr double degrees = 180.0 / std::numbers::pi;
+  const geometry::Vec3 n = upward(normal);
+  const double dip = std::atan2(std::hypot(n.x, n.y), n.z) * degrees;
+  const double direction = n.x == 0 && n.y == 0 ? 0.0 : std::atan2(n.x, n.y) * degrees;
+  return {.set = set,
+          .origin = origin,
+          .source = std::move(source),
+          .strength = strength,
+          .normal = n,
+          .dip = Dip::degrees(dip),
+          .dip_direction = DipDirection::degrees(direction < 0 ? direction + 360 : direction)};
+}
+
+void add_measured(const Scene& scene, std::uint64_t realization, Drawn& drawn) {
+  IdVector<SetId, std::uint32_t> next{scene.sets.size(), 0U};
+  for (const MeasuredJoint& joint : scene.joints) {
+    const std::uint32_t index = next[joint.set]++;
+    Strength strength = draw_strength(scene, realization, joint.set, measured_streams + joint.set.index(), index);
+    strength.friction = joint.own.friction.value_or(strength.friction);
+    strength.cohesion = joint.own.cohesion.value_or(strength.cohesion);
+    strength.tension = joint.own.tension.value_or(strength.tension);
+    if (joint.own.cohesion) strength.jrc = 0;  // a straight law of its own
+    geometry::Vec3 normal;
+    std::visit(overloaded{[&](const topology::Joint& polygons) {
+                            normal = geometry::normalized(area_vector(polygons.polygons.front()));
+                            drawn.input.joints.emplace_back(polygons);
+                          },
+                          [&](const topology::PersistentJoint& plane) {
+                            normal = plane.normal;
+                            drawn.input.joints.emplace_back(plane);
+                          }},
+               joint.geometry);
+    drawn.joints.push_back(describe_joint(joint.set, JointOrigin::measured,
+                                          fmt::format("{}:{}", joint.file, joint.line), strength, normal));
+    ++drawn.sets[joint.set].joints;
+  }
+}
+
+using SampledSets = std::vector<std::vector<dfn::SampledJoint>>;
+
+/// Given joints of a set, as joints drawn later see them.
+std::vector<dfn::SampledJoint> given_joints(const Scene& scene, SetId set) {
+  std::vector<dfn::SampledJoint> joints;
+  for (const MeasuredJoint& joint : scene.joints) {
+    if (joint.set != set) continue;
+    std::visit(overloaded{[&](const topology::Joint& polygons) {
+                            for (const geometry::Polygon& polygon : polygons.polygons) {
+                              const geometry::Vec3 normal = upward(geometry::normalized(area_vector(polygon)));
+                              joints.push_back({polygon, polygon.corners().front(), normal, 0});
+                            }
+                          },
+                          [&](const topology::PersistentJoint& plane) {
+                            const geometry::Vec3 normal = upward(geometry::normalized(plane.normal));
+                            joints.push_back({dfn::InfinitePlane{plane.through, normal}, plane.through, normal, 0});
+                          }},
+               joint.geometry);
+  }
+  return joints;
+}
+
+/// The joints of all sets, each drawn after those it ends at.
+std::expected<SampledSets, std::vector<Problem>> sample_sets(const Scene& scene, std::uint64_t realization,
+                                                             const Box& box) {
+  const std::size_t count = scene.joint_sets.size();
+  SampledSets sampled(count), given(scene.sets.size());
+  // Where several draws of strengths share a geometry, the joints go by the number of the geometry.
+  const std::uint64_t geometry = realization / (scene.monte_carlo ? scene.monte_carlo->strengths_per_geometry : 1);
+  std::vector<Problem> problems;
+  for (const std::size_t number : drawing_order(scene.joint_sets)) {
+    const RandomSet& set = scene.joint_sets[number];
+    std::vector<std::span<const dfn::SampledJoint>> older;
+    for (const std::size_t other : dfn::terminates_at(set.law)) {
+      if (other < count) {
+        older.emplace_back(sampled[other]);
+      } else {
+        auto& joints = given[other - count];
+        if (joints.empty()) joints = given_joints(scene, SetId{other - count});
+        older.emplace_back(joints);
+      }
+    }
+    auto joints = dfn::sample(set.law, number, {box.min, box.max}, scene.seed, geometry, older);
+    if (joints) {
+      sampled[number] = with_polygons(*std::move(joints));
+    } else {
+      problems.push_back(
+          {scene.shown, set.line, fmt::format("joint_set[{}]", number + 1), describe(joints.error()), ""});
+    }
+  }
+  if (!problems.empty()) return std::unexpected(std::move(problems));
+  return sampled;
+}
+
+void add_random(const Scene& scene, std::uint64_t realization, std::size_t number,
+                std::vector<dfn::SampledJoint> sampled, Drawn& drawn) {
+  const RandomSet& set = scene.joint_sets[number];
+  const NamedSet& named = scene.sets[set.set];
+  for (dfn::SampledJoint& joint : sampled) {
+    const Strength strength = draw_strength(scene, realization, set.set, number, joint.index);
+    std::visit(overloaded{[&](geometry::Polygon& polygon) {
+                            topology::Joint shape;
+                            shape.polygons.push_back(std::move(polygon));
+                            drawn.input.joints.emplace_back(std::move(shape));
+                          },
+                          [](const dfn::JointOutline&) { CLEAVE_ASSERT(false); },  // `with_polygons` left none
+                          [&](std::vector<geometry::Polygon>& polygons) {
+                            drawn.input.joints.emplace_back(topology::Joint{std::move(polygons)});
+                          },
+                          [&](const dfn::InfinitePlane& plane) {
+                            drawn.input.joints.emplace_back(topology::PersistentJoint{plane.through, plane.normal});
+                          }},
+               joint.shape);
+    drawn.joints.push_back(describe_joint(set.set, JointOrigin::drawn,
+                                          fmt::format("{} #{}", named.name, joint.index + 1), strength, joint.normal));
+    ++drawn.sets[set.set].joints;
+  }
+}
+
+}  // namespace
+
+std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene, std::uint64_t realization) {
+  Drawn drawn{.input = {.domain = scene.domain,
+                        .joints = {},
+                        .excavations = {},
+                        .free_domain_tags = scene.free_domain_tags,
+                        .snap = scene.snap,
+                        .terminations = scene.terminations,
+                        .keep_dangling = scene.keep_dangling},
+              .sets = {},
+              .joints = {}};
+  const auto once = [&](Draw what) {
+    return Rng{{.seed = scene.seed, .realization = realization, .purpose = stream_purpose(0, what), .index = 0}}
+        .uniform();
+  };
+  if (scene.monte_carlo) drawn.seismic_factor = scene.monte_carlo->seismic_factor.quantile(once(seismic_stream));
+  drawn.water_quantile = once(water_stream);
+  for (const NamedSet& set : scene.sets) drawn.sets.push_back({set.name, 0});
+  for (const Excavation& excavation : scene.excavations) drawn.input.excavations.push_back(excavation.solid);
+  add_measured(scene, realization, drawn);
+  auto sampled = sample_sets(scene, realization, box_of(scene.domain));
+  if (!sampled) return std::unexpected(std::move(sampled).error());
+  for (std::size_t number = 0; number < sampled->size(); ++number) {
+    add_random(scene, realization, number, std::move((*sampled)[number]), drawn);
+  }
+  return drawn;
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,199 @@
+#include "cleave/realize/figures.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "cleave/realize/places.hpp"
+#include "cleave/realize/run.hpp"
+#include "cleave/realize/run_result.hpp"
+
+namespace cleave::scene {
+namespace {
+
+/// Whether a judged block has less than its target.
+bool below(const stability::Judgement& judgement, const Targets& target) {
+  const bool free = judgement.mode == stability::Mode::falling || judgement.mode == stability::Mode::lifting;
+  return stability::moves(judgement.mode) && judgement.factor_of_safety < (free ? target.falling : target.sliding);
+}
+
+MicroBlockFigures count_micro_blocks(const topology::BlockComplex& complex, const MicroBlocks& limits) {
+  MicroBlockFigures figures{.policy = limits.policy};
+  for (const topology::BlockId id : micro_blocks(complex, limits)) {
+    const topology::Block& block = complex.blocks()[id];
+    figures.thinnest_m = figures.count == 0 ? block.thickness.si() : std::min(figures.thinnest_m, block.thickness.si());
+    figures.volume_m3 += block.volume.si();
+    ++figures.count;
+  }
+  return figures;
+}
+
+MaximumFigures count_maximum_blocks(const std::vector<MaximumRow>& rows) {
+  MaximumFigures figures{.count = rows.size()};
+  for (const MaximumRow& row : rows) {
+    figures.largest_volume_m3 = std::max(figures.largest_volume_m3, row.block.block.volume);
+    figures.lowest_factor_of_safety = std::min(figures.lowest_factor_of_safety, row.block.factor_of_safety);
+    figures.largest_required_pressure_pa = std::max(figures.largest_required_pressure_pa, row.block.required_pressure);
+  }
+  return figures;
+}
+
+}  // namespace
+
+BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash) {
+  BlockFigures figures{.domain_volume_m3 = complex.rock_volume().si(), .hash = std::move(hash)};
+  figures.count = complex.blocks().size();
+  for (const topology::Block& block : complex.blocks()) {
+    figures.volume_m3 += block.volume.si();
+    figures.concave += block.convex ? 0U : 1U;
+    figures.with_holes += block.counts.genus > 0 || block.counts.loops > block.counts.faces ? 1U : 0U;
+    figures.with_cavities += block.counts.shells > 1 ? 1U : 0U;
+    figures.slivers += block.sliver ? 1U : 0U;
+  }
+  const topology::CutReport& report = complex.report();
+  if (report.predicate_calls > 0) {
+    figures.exact_share = static_cast<double>(report.predicate_exact) / static_cast<double>(report.predicate_calls);
+  }
+  return figures;
+}
+
+KeyBlockFigures count_key_blocks(const stability::Analysis& analysis, const std::optional<Targets>& target) {
+  KeyBlockFigures figures{.batches = {},
+                          .stopped_at_max_batches = analysis.stopped_at_max_batches,
+                          .equilibrium_residual = analysis.equilibrium_residual};
+  if (target) figures.below_target = 0;
+  if (analysis.rotation != stability::RotationCheck::off) figures.turning = 0;
+  for (const stability::Judgement& judgement : analysis.judgements) {
+    figures.lowest_factor_of_safety = std::min(figures.lowest_factor_of_safety, judgement.factor_of_safety);
+    if (target && below(judgement, *target)) ++*figures.below_target;
+    if (figures.turning && judgement.rotation && judgement.rotation->turns) ++*figures.turning;
+  }
+  for (const stability::Batch& batch : analysis.batches) {
+    BatchFigures row{.batch = batch.number, .count = batch.blocks.size(), .volume_m3 = batch.volume.si()};
+    for (const topology::BlockId block : batch.blocks) {
+      const auto judgement = std::ranges::lower_bound(analysis.judgements, block, {}, &stability::Judgement::block);
+      if (judgement == analysis.judgements.end() || judgement->block != block) continue;
+      if (stability::moves(judgement->mode)) ++row.modes[std::to_underlying(judgement->mode)];
+    }
+    figures.count += row.count;
+    figures.volume_m3 += row.volume_m3;
+    figures.batches.push_back(row);
+  }
+  return figures;
+}
+
+std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks) {
+  std::erase_if(blocks, [](const PressureAt& b) { return !(b.area.si() > 0); });
+  std::ranges::stable_sort(blocks, {}, [](const PressureAt& b) { return b.pressure.si(); });
+  std::vector<PressureFigures> places;
+  for (const std::string_view place : {"roof", "left wall", "right wall", "floor", "face"}) {
+    PressureFigures row{.place = std::string{place}, .area = {}, .p50 = {}, .p90 = {}, .p95 = {}, .largest = {}};
+    std::vector<PressureAt> here;
+    std::ranges::copy_if(blocks, std::back_inserter(here), [&](const PressureAt& b) { return b.place == place; });
+    for (const PressureAt& b : here) row.area += b.area;
+    if (here.empty()) continue;
+    const auto percentile = [&](double share) {
+      Area area;
+      for (const PressureAt& b : here) {
+        area += b.area;
+        if (area >= share * (1 - 1e-12) * row.area) return b.pressure;
+      }
+      return here.back().pressure;
+    };
+    row.p50 = percentile(0.5);
+    row.p90 = percentile(0.9);
+    row.p95 = percentile(0.95);
+    row.largest = here.back().pressure;
+    places.push_back(std::move(row));
+  }
+  return places;
+}
+
+SupportFigures count_support(const stability::SupportResult& support) {
+  SupportFigures f;
+  f.passes = support.passes();
+  f.blocks = support.blocks.size();
+  f.bolts = support.bolts.size();
+  f.spot_bolts = support.spot_bolts;
+  for (const stability::SupportedBlock& b : support.blocks) {
+    f.held_by_bolts += b.held == stability::Held::bolts ? 1U : 0U;
+    f.held_by_shotcrete += b.held == stability::Held::shotcrete ? 1U : 0U;
+    f.held_by_both += b.held == stability::Held::together ? 1U : 0U;
+    f.not_held += b.held == stability::Held::not_held ? 1U : 0U;
+    f.required_force_n += b.required_force;
+    f.missing_force_n += b.missing_force;
+    if (b.small) {
+      ++f.small_blocks;
+      f.small_not_held += b.held == stability::Held::not_held ? 1U : 0U;
+      f.small_required_force_n += b.required_force;
+    }
+  }
+  for (const stability::BoltResult& bolt : support.bolts) {
+    f.bolts_used += bolt.status == stability::BoltStatus::holds ? 1U : 0U;
+    f.bolts_redundant += bolt.status == stability::BoltStatus::redundant ? 1U : 0U;
+    f.bolts_too_short += bolt.status == stability::BoltStatus::too_short ? 1U : 0U;
+  }
+  f.combined = support.combined.size();
+  for (const stability::CombinedBlock& b : support.combined) f.combined_failing += b.passes ? 0U : 1U;
+  return f;
+}
+
+RunResult empty_result() { return {{{.input = {.domain = geometry::make_box({0, 0, 0}, {1, 1, 1}).value()}}}}; }
+
+namespace {
+
+SupportFigures count_support(const RunResult& result, const stability::SupportResult& support) {
+  SupportFigures figures = scene::count_support(support);
+  std::vector<PressureAt> blocks;
+  for (const stability::SupportedBlock& b : support.blocks) {
+    const BlockPlace place = place_of(result, result.complex->complex(), b.block, {});
+    blocks.push_back({place.location, place.free_area, pascals(b.required_pressure)});
+  }
+  figures.pressures = pressure_diagram(std::move(blocks));
+  for (const PressureFigures& row : figures.pressures) {
+    figures.largest_required_pressure_pa = std::max(figures.largest_required_pressure_pa, row.p95.si());
+  }
+  return figures;
+}
+
+}  // namespace
+
+Figures count(const RunResult& result) {
+  Figures figures;
+  figures.input.joints = result.joints.size();
+  figures.input.files = result.files;
+  for (const ExcavationInfo& info : result.excavations) {
+    figures.input.excavations.push_back({info.name, info.taken.removed, info.outside_share});
+  }
+  if (result.complex) {
+    const topology::BlockComplex& complex = result.complex->complex();
+    const topology::CutReport& report = complex.report();
+    figures.input.lattice_pitch_m = report.lattice_pitch_m;
+    figures.input.largest_snap_m = report.largest_snap_m;
+    figures.input.merged_planes = report.merged_planes;
+    figures.input.snapped = report.snapped;
+    figures.input.near_misses = report.near_misses;
+    figures.blocks = count_blocks(complex, result.block_hash);
+    if (result.micro_blocks.policy != MicroBlockPolicy::keep) {
+      figures.micro_blocks = count_micro_blocks(complex, result.micro_blocks);
+    }
+  }
+  const std::optional<Targets> target = result.stability ? result.stability->target : std::nullopt;
+  if (result.analysis) figures.key_blocks = count_key_blocks(*result.analysis, target);
+  if (figures.key_blocks && result.domain_held) {
+    const stability::DomainHeld& held = *result.domain_held;
+    figures.key_blocks->domain_held = {held.blocks.size(), held.volume,
+                                       held.all_free.si() > 0 ? held.free_area / held.all_free : 0};
+  }
+  for (const CaseResult& load : result.load_cases) {
+    figures.load_cases.push_back({load.name, count_key_blocks(load.analysis, target)});
+  }
+  if (result.support) figures.support = count_support(result, *result.support);
+  for (const CaseSupport& load : result.support_cases) {
+    figures.support_cases.push_back({load.name, count_support(result, load.support)});
+  }
+  if (!result.maximum_blocks.empty()) figures.maximum_blocks = count_maximum_blocks(result.maximum_blocks);
+  return figures;
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <vector>
+
+#include "cleave/realize/run.hpp"
+#include "cleave/stability/analyse.hpp"
+
+namespace cleave::scene {
+
+/// The laws of a scene give none but strengths that statics takes: the parser has checked their limits. Never another
+/// strength instead: what was wrong would then be a wrong verdict.
+[[nodiscard]] stability::JointStrength strength_of(const Strength& strength);
+
+/// What the analysis needs, from a scene and its drawn joints. Everything was checked when the scene was parsed.
+[[nodiscard]] stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
+                                              const LoadSet& loads);
+/// Those of the base case.
+[[nodiscard]] stability::Settings settings_of(const Scene& scene, const Drawn& drawn);
+/// For these blocks: micro-blocks stay out of everything that is judged, where the scene asks for it.
+[[nodiscard]] stability::Settings settings_on(const topology::BlockComplex& complex, const Scene& scene,
+                                              const Drawn& drawn, const LoadSet& loads);
+
+/// The stages of [sequence], which the scene has.
+[[nodiscard]] SequenceResult judge_stages(const Scene& scene, const topology::SequentialCut& cut,
+                                          const topology::StageBlocks& final_state, const Judge& judge);
+
+/// Point and line forces of the base case and of the named ones that lie on no free face of the complex.
+[[nodiscard]] std::vector<Problem> misplaced_loads(const Scene& scene, const Drawn& drawn,
+                                                   const topology::BlockComplex& complex);
+
+/// m, the longest bolt that the support has or may try: how far behind free faces rock matters to it.
+[[nodiscard]] double longest_bolt(const Scene& scene);
+
+/// m, of all tunnels.
+[[nodiscard]] double tunnel_length(const Scene& scene);
+
+// What is judged beside the base case goes into the realization; blocks cut by a window that it depends on into
+// `Realization::undecided`.
+void forget_cases_and_support(Realization& made);
+void judge_cases(const Scene& scene, const topology::AuditedComplex& complex, Realization& made);
+/// After `judge_cases`: the support is checked under each named case too. `designs`: its designs are searched for, if
+/// the scene asks for them.
+void judge_support(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
+                   Realization& made, bool designs);
+/// The support plan as it stands, under the base case; no design is searched for. Without `factors` the verdicts alone.
+[[nodiscard]] stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn,
+                                                  const topology::AuditedComplex& complex,
+                                                  const stability::Analysis& analysis, bool factors);
+void judge_maximum_blocks(const Scene& scene, Realization& made);
+
+}  // namespace cleave::scene

@@ -1,0 +1,86 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+
+#include "cleave/core/assert.hpp"
+#include "cleave/realize/places.hpp"
+#include "cleave/stability/maximum_blocks.hpp"
+#include "judge.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using geometry::Vec3;
+
+/// The mean normal of a set: that of its law where it is drawn at random, else of its measured joints (the longest
+/// axis of their poles does not care which way each normal looks; here they all look up, and a sum is enough).
+std::optional<Vec3> mean_normal(const Scene& scene, const Drawn& drawn, SetId set) {
+  for (const RandomSet& random : scene.joint_sets) {
+    if (random.set == set) return random.law.mean_normal();
+  }
+  std::optional<Vec3> first;
+  Vec3 sum;
+  for (const JointInfo& joint : drawn.joints) {
+    if (joint.set != set || joint.origin != JointOrigin::measured) continue;
+    if (!first) first = joint.normal;
+    sum += geometry::dot(joint.normal, *first) < 0 ? -joint.normal : joint.normal;
+  }
+  if (!first || !(geometry::norm(sum) > 0)) return std::nullopt;
+  sum = geometry::normalized(sum);
+  return sum.z < 0 ? -sum : sum;
+}
+
+/// Medians of the set's laws.
+stability::JointStrength median_strength(const JointProperties& p) {
+  const double half = 0.5;
+  return strength_of(
+      Strength{p.friction.quantile(half), p.cohesion.quantile(half), p.tension.quantile(half), p.jrc, p.jcs});
+}
+
+}  // namespace
+
+void judge_maximum_blocks(const Scene& scene, Realization& made) {
+  if (!scene.stability->maximum_blocks) return;
+  const MaximumBlockSettings& wanted = *scene.stability->maximum_blocks;
+  std::vector<SetId> sets = wanted.sets;
+  if (sets.empty()) {
+    for (const JointInfo& joint : made.joints) sets.push_back(joint.set);
+    std::ranges::sort(sets);
+    sets.erase(std::ranges::unique(sets).begin(), sets.end());
+  }
+  std::vector<stability::TheoryPlane> planes;
+  std::vector<SetId> used;
+  for (const SetId set : sets) {
+    const auto normal = mean_normal(scene, made, set);
+    if (!normal) continue;
+    const auto direction = stability::direction_of(*normal);
+    if (!direction) continue;
+    planes.push_back({*direction, median_strength(scene.sets[set].properties)});
+    used.push_back(set);
+  }
+  const TunnelLine& line = *scene.excavations[wanted.excavation].tunnel;
+  const Vec3 axis = geometry::normalized(line.axis[1] - line.axis[0]);
+  const Vec3 right = geometry::normalized(geometry::cross(axis, line.up));
+  const stability::ConvexTunnel tunnel{
+      .axis = axis, .right = right, .up = geometry::cross(right, axis), .outline = line.outline};
+  const Targets target = scene.stability->target.value_or(Targets{});
+  const auto partial = stability::PartialFactors::make(
+      scene.stability->partial.friction, scene.stability->partial.cohesion, scene.stability->partial.weight);
+  CLEAVE_ASSERT(partial.has_value());  // the parser takes no other
+  const stability::TheoryLoads loads{.density = scene.rock.density,
+                                     .gravity = scene.stability->gravity,
+                                     .seismic = scene.stability->seismic,
+                                     .partial = *partial,
+                                     .target_falling = target.falling,
+                                     .target_sliding = target.sliding};
+  for (auto& block : stability::maximum_key_blocks(planes, tunnel, loads)) {
+    MaximumRow row{
+        .sets = {}, .block = block, .where = std::string{location_of(block.block.apex[0], block.block.apex[1])}};
+    for (std::size_t i = 0; i < 3; ++i) row.sets[i] = scene.sets[used[block.planes[i]]].name;
+    made.maximum_blocks.push_back(std::move(row));
+  }
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,231 @@
+#include "cleave/realize/monte_carlo.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "cleave/core/expected.hpp"
+#include "cleave/core/parallel.hpp"
+#include "cleave/core/sha256.hpp"
+#include "cleave/realize/run.hpp"
+#include "cleave/stochastic/ordered.hpp"
+
+namespace cleave::scene {
+
+using stochastic::Ensemble;
+using stochastic::Outcome;
+using stochastic::Record;
+using stochastic::RecordFile;
+using stochastic::RecordFileError;
+
+std::string_view name_of(StoppedBy stopped) noexcept {
+  switch (stopped) {
+    case StoppedBy::count: return "realizations";
+    case StoppedBy::precision: return "precision";
+    case StoppedBy::max: return "max";
+  }
+  std::unreachable();
+}
+
+std::string scene_and_files_sha256(const Scene& scene) {
+  if (scene.files.empty()) return scene.sha256;
+  Sha256 hash;
+  hash.update(scene.sha256);
+  for (const InputFile& file : scene.files) hash.update(file.sha256);
+  return hash.hex();
+}
+
+stochastic::Questions questions_of(const Scene& scene) {
+  stochastic::Questions questions;
+  if (!scene.monte_carlo) return questions;
+  questions.volumes_m3 = scene.monte_carlo->volumes;
+  for (const Excavation& excavation : scene.excavations) {
+    if (excavation.axis.empty()) continue;
+    questions.axis = excavation.axis;
+    questions.chainage_parts = scene.monte_carlo->chainage_parts;
+    break;
+  }
+  return questions;
+}
+
+std::vector<std::vector<std::uint32_t>> orders_of(const Scene& scene) {
+  if (!scene.sequence || !scene.stability) return {};
+  std::vector<std::vector<std::uint32_t>> orders{scene.sequence->stages};
+  for (const auto& order : scene.sequence->orders) {
+    if (order != scene.sequence->stages) orders.push_back(order);
+  }
+  return orders;
+}
+
+stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
+  const stochastic::Questions questions = questions_of(scene);
+  stochastic::EnsembleOptions options{.stability = scene.stability.has_value(),
+                                      .whole_system = !(scene.output.only_key_blocks && scene.stability),
+                                      .confidence = scene.monte_carlo ? scene.monte_carlo->confidence : 0.95,
+                                      .volumes_m3 = questions.volumes_m3,
+                                      .tunnel_length_m = {},
+                                      .chainage_parts = questions.chainage_parts,
+                                      .seed = scene.seed,
+                                      .support = scene.support.has_value(),
+                                      .orders = orders_of(scene).size(),
+                                      .strengths_per_geometry = strengths_per_geometry(scene)};
+  if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
+  if (scene.monte_carlo && scene.monte_carlo->stop) options.running_quantity = scene.monte_carlo->stop->quantity;
+  return options;
+}
+
+Record record_of(std::uint64_t k, const Realization& made, const stochastic::Questions& questions) {
+  Record record;
+  record.realization = k;
+  if (!made.complex) {
+    record.outcome = Outcome::certificate_failed;
+    return record;
+  }
+  const topology::BlockComplex& complex = made.complex->complex();
+  record = stochastic::measure(complex, made.analysis ? &*made.analysis : nullptr, questions);
+  record.realization = k;
+  record.joints = made.joints.size();
+  if (made.support) {
+    stochastic::Supported& sum = record.support.emplace();
+    sum.spot_bolts = made.support->spot_bolts;
+    for (const stability::SupportedBlock& block : made.support->blocks) {
+      ++sum.needing;
+      if (block.held != stability::Held::not_held) continue;
+      ++sum.not_held;
+      sum.not_held_m3 += complex.blocks()[block.block].volume.si();
+      // A block that no force holds at its target has an infinite lack: counted, not added.
+      if (std::isfinite(block.missing_force)) sum.missing_n += block.missing_force;
+    }
+    for (const stability::CombinedBlock& body : made.support->combined) sum.failing_bodies += body.passes ? 0U : 1U;
+  }
+  if (made.sequence) {
+    for (const OrderResult& order : made.sequence->orders) {
+      record.orders.push_back({order.key_blocks, order.key_volume.si()});
+    }
+  }
+  return record;
+}
+
+std::vector<Record> make_records(const Scene& scene, const stochastic::Questions& questions, std::uint64_t first,
+                                 std::uint64_t count) {
+  std::vector<Record> records;
+  StageTimer timer;
+  realize(scene, first, count, timer, [&](std::uint64_t k, const Realization* made) {
+    if (made != nullptr) {
+      records.push_back(record_of(k, *made, questions));
+    } else {
+      records.emplace_back().realization = k;
+      records.back().outcome = Outcome::refused;
+    }
+  });
+  return records;
+}
+
+Record make_record(const Scene& scene, const stochastic::Questions& questions, std::uint64_t k) {
+  return make_records(scene, questions, k, 1).front();
+}
+
+std::uint64_t strengths_per_geometry(const Scene& scene) noexcept {
+  return scene.monte_carlo ? scene.monte_carlo->strengths_per_geometry : 1;
+}
+
+namespace {
+
+/// Where a run may stop: only there figures are looked at, so that they depend on no order of work.
+std::vector<std::uint64_t> looks_of(const MonteCarloSettings& settings) {
+  if (!settings.stop) return {settings.realizations};
+  // The sample unit is the geometry.
+  const std::uint64_t group = settings.strengths_per_geometry;
+  auto looks = stochastic::looks(settings.stop->max / group);
+  for (std::uint64_t& look : looks) look *= group;
+  return looks;
+}
+
+StoppedBy reason(const MonteCarloSettings& settings, const Ensemble& ensemble) {
+  if (!settings.stop) return StoppedBy::count;
+  return narrow_enough(ensemble.moments(settings.stop->quantity), *settings.stop) ? StoppedBy::precision
+                                                                                  : StoppedBy::max;
+}
+
+}  // namespace
+
+std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& scene, unsigned threads,
+                                                                 const std::filesystem::path& path,
+                                                                 const stochastic::Shard& shard,
+                                                                 const MonteCarloWatch& watch) {
+  const stochastic::Questions questions = questions_of(scene);
+  const ThreadLimit limit{threads};
+  const std::uint64_t group = strengths_per_geometry(scene);
+  const MakeRecords make = [&](std::uint64_t first, std::uint64_t end, std::uint64_t step, const auto& commit) {
+    // An interrupted run may have stopped inside a geometry.
+    const auto first_of = [&](std::uint64_t geometry) { return std::max(first, geometry * group); };
+    stochastic::run_ordered(
+        first / group, (end + group - 1) / group, step, limit, 64 * limit.count(),
+        [&](std::uint64_t geometry) -> std::function<bool()> {
+          const std::uint64_t k = first_of(geometry), count = std::min(end, (geometry + 1) * group) - k;
+          return [&commit, records = make_records(scene, questions, k, count)] {
+            return std::ranges::all_of(records, [&](const Record& record) { return commit(record); });
+          };
+        });
+  };
+  return run_monte_carlo(scene, make, path, shard, watch);
+}
+
+std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& scene, const MakeRecords& make,
+                                                                 const std::filesystem::path& path,
+                                                                 const stochastic::Shard& shard,
+                                                                 const MonteCarloWatch& watch) {
+  const MonteCarloSettings& settings = *scene.monte_carlo;
+  CLEAVE_TRY(RecordFile file,
+             RecordFile::open(path, {.scene_sha256 = scene_and_files_sha256(scene),
+                                     .seed = scene.seed,
+                                     .shard = {shard.number, shard.of, strengths_per_geometry(scene)}}));
+  Ensemble ensemble{ensemble_options_of(scene)};
+  // Records of an earlier call come first; they may reach beyond the look at which the run stops.
+  std::uint64_t seen = 0;
+  const auto take_until = [&](std::uint64_t end) -> std::expected<void, RecordFileError> {
+    std::uint64_t number = 0;
+    const auto read = stochastic::read_records(path, [&](const Record& record, std::string_view line) {
+      if (record.realization >= end) return false;
+      if (number++ >= seen) {
+        ensemble.add(record, line);
+        ++seen;
+      }
+      return true;
+    });
+    if (!read) return std::unexpected(read.error());
+    return {};
+  };
+  std::optional<RecordFileError> failed;
+  for (const std::uint64_t end : looks_of(settings)) {
+    const std::uint64_t first = file.next_realization();
+    if (seen < file.records()) CLEAVE_CHECK(take_until(end));
+    make(first, end, shard.of, [&](const Record& record) {
+      if (auto written = file.append(record); !written) {
+        failed = std::move(written).error();
+        return false;
+      }
+      ensemble.add(record, line_of(record));
+      ++seen;
+      if (watch.progress) watch.progress(ensemble, seen, (end + shard.of - 1) / shard.of);
+      return true;
+    });
+    if (failed) return std::unexpected(*std::move(failed));
+    if (settings.stop && reason(settings, ensemble) == StoppedBy::precision) break;
+  }
+  CLEAVE_CHECK(file.flush_to_disk());
+  return MonteCarloResult{ensemble.figures(), reason(settings, ensemble), shard};
+}
+
+std::expected<MonteCarloResult, RecordFileError> figures_of_records(const Scene& scene,
+                                                                    const std::filesystem::path& path) {
+  Ensemble ensemble{ensemble_options_of(scene)};
+  const auto read = stochastic::read_records(path, [&](const Record& record, std::string_view line) {
+    ensemble.add(record, line);
+    return true;
+  });
+  if (!read) return std::unexpected(read.error());
+  return MonteCarloResult{ensemble.figures(), reason(*scene.monte_carlo, ensemble), {}};
+}
+
+}  // namespace cleave::scene

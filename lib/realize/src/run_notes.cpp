@@ -1,0 +1,260 @@
+#include "run_notes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cleave::scene {
+namespace {
+
+/// A length a little above, in two digits.
+double rounded_up(double length) {
+  const double unit = std::pow(10.0, std::floor(std::log10(length)) - 1);
+  return std::ceil(1.05 * length / unit) * unit;
+}
+
+/// "joint crown (scene.toml:14)", "joint 7 (scene.toml:14)", "joint 7 (A #3)".
+std::string name_of(topology::JointId id, const Scene& scene, const Realization& made) {
+  const bool named = id.index() < scene.joints.size() && !scene.joints[id.index()].name.empty();
+  return fmt::format("joint {} ({})", named ? scene.joints[id.index()].name : std::to_string(id.value()),
+                     made.joints[id].source);
+}
+
+void add_cut_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
+  const topology::CutReport& report = made.cut;
+  const std::size_t joints = made.joints.size();
+  if (const topology::NearMisses& near = report.near_misses; near.sides > 0) {
+    notes.push_back(fmt::format(
+        "{} of joints {} another polygon by less than 1e-6 of the domain without touching it, by {:.2g} m at most "
+        "({} and {}): the rock is not parted there; snap = {:.2g} would close that",
+        near.sides == 1 ? "a side" : fmt::format("{} sides", near.sides), near.sides == 1 ? "misses" : "miss",
+        near.largest.si(), name_of(near.joint, scene, made),
+        near.other ? name_of(*near.other, scene, made) : std::string{"a side of the domain or an excavation"},
+        rounded_up(near.largest.si())));
+  }
+  if (report.joints_outside > 0) {
+    notes.push_back(fmt::format("{} of {} joints lie outside the rock and cut nothing", report.joints_outside, joints));
+  }
+  if (!report.dangling.empty()) {
+    notes.push_back(
+        fmt::format("{} of {} joints end inside the rock and part no two blocks", report.dangling.size(), joints));
+  }
+}
+
+void add_micro_note(const topology::BlockComplex& complex, const MicroBlocks& limits, std::vector<std::string>& notes) {
+  if (limits.policy == MicroBlockPolicy::keep) return;
+  const auto found = micro_blocks(complex, limits);
+  if (found.empty()) return;
+  double volume = 0;
+  for (const topology::BlockId b : found) volume += complex.blocks()[b].volume.si();
+  notes.push_back(fmt::format("{} of {} blocks are micro-blocks ({:.3g} m3 in all){}", found.size(),
+                              complex.blocks().size(), volume,
+                              limits.policy == MicroBlockPolicy::exclude ? ": left out of stability" : ""));
+}
+
+/// Blocks that translation leaves in place, but no statics does.
+void add_rotation_note(const stability::Analysis& analysis, std::vector<std::string>& notes) {
+  std::size_t turning = 0;
+  std::string first;
+  for (const stability::Judgement& j : analysis.judgements) {
+    if (!j.rotation || !j.rotation->turns) continue;
+    ++turning;
+    if (turning <= 10) first += (first.empty() ? "" : ", ") + std::to_string(j.block.value());
+  }
+  if (turning == 0) return;
+  notes.push_back(fmt::format("{} {} would turn or topple though {} cannot slide: {}{}{}", turning,
+                              turning == 1 ? "block" : "blocks", turning == 1 ? "it" : "they", first,
+                              turning > 10 ? ", ..." : "",
+                              analysis.rotation == stability::RotationCheck::decide
+                                  ? "; counted as key blocks"
+                                  : "; counted as key blocks only with rotation = \"decide\""));
+}
+
+/// Blocks that only what lies inside them keeps in place: never left unsaid, for they are not in the batches.
+void add_enclosed_notes(const std::vector<stability::HeldFromWithin>& rows, std::vector<std::string>& notes) {
+  constexpr std::size_t most = 10;
+  for (std::size_t i = 0; i < std::min(rows.size(), most); ++i) {
+    const stability::HeldFromWithin& row = rows[i];
+    notes.push_back(fmt::format(
+        "block {} is not in the batches only because {} {} wholly inside it: as one body {}, factor of safety {:.3g}, "
+        "net force {:.4g} kN",
+        row.block.value(),
+        row.inside.size() == 1 ? fmt::format("block {}", row.inside[0].value())
+                               : fmt::format("{} blocks", row.inside.size()),
+        row.inside.size() == 1 ? "lies" : "lie",
+        row.mode == stability::Mode::falling ? std::string{"they fall"} : fmt::format("they move ({})", name(row.mode)),
+        row.factor_of_safety, row.net.si() / 1000));
+  }
+  if (rows.size() > most) notes.push_back(fmt::format("and {} more blocks like that", rows.size() - most));
+}
+
+/// Blocks that slide along joints whose cohesion nothing presses into use.
+void add_cohesion_note(const stability::Analysis& analysis, std::vector<std::string>& notes) {
+  std::size_t blocks = 0;
+  double largest = 0;
+  for (const stability::Judgement& j : analysis.judgements) {
+    if (!j.key || !(j.cohesion_left_out.si() > 0)) continue;
+    ++blocks;
+    largest = std::max(largest, j.cohesion_left_out.si());
+  }
+  if (blocks == 0) return;
+  notes.push_back(fmt::format(
+      "{} key {} along joints with cohesion on which nothing presses (upright joints, say), up to {:.3g} kN of it: it "
+      "is not counted; parallel_contact = true counts it",
+      blocks, blocks == 1 ? "block moves" : "blocks move", largest / 1000));
+}
+
+std::string note_on(const WindowInfo& window) {
+  return fmt::format(
+      "only key blocks were asked for: of the rock only the box from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, "
+      "{:.6g}) "
+      "was cut; {} of its blocks go on outside it and are shown as far as it goes",
+      window.min.x, window.min.y, window.min.z, window.max.x, window.max.y, window.max.z, window.truncated);
+}
+
+}  // namespace
+
+KeyGroupFigures count_key_groups(const stability::KeyGroups& groups) {
+  KeyGroupFigures figures{.judged = !groups.too_many};
+  for (const stability::KeyGroup& group : groups.groups) {
+    const bool doubt = group.verdict == assembly::Verdict::in_doubt;
+    figures.certain += group.verdict == assembly::Verdict::certain ? 1U : 0U;
+    figures.unsafe += group.verdict == assembly::Verdict::unsafe ? 1U : 0U;
+    figures.in_doubt += doubt ? 1U : 0U;
+    if (doubt) continue;
+    ++figures.count;
+    figures.volume_m3 += group.volume.si();
+    if (group.factors) figures.factor = std::min(figures.factor, group.factor_move);
+  }
+  return figures;
+}
+
+namespace {
+
+/// Groups that move though no block of theirs does by itself, and what could not be decided.
+void add_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis,
+                     std::vector<std::string>& notes) {
+  if (groups.too_many) {
+    notes.push_back(
+        fmt::format("key groups: {} blocks near free faces are too many to be judged together; only single blocks were "
+                    "judged, and what they say holds for each alone (groups = \"decide\" judges up to {})",
+                    groups.blocks, stability::most_together));
+  }
+  std::size_t beyond = 0, doubt = 0;
+  double volume = 0, in_doubt = 0, least = std::numeric_limits<double>::infinity();
+  for (const stability::KeyGroup& group : groups.groups) {
+    if (group.verdict == assembly::Verdict::in_doubt) {
+      ++doubt;
+      in_doubt += group.volume.si();
+      continue;
+    }
+    const bool known = std::ranges::all_of(group.blocks, [&](topology::BlockId id) {
+      const auto it = std::ranges::lower_bound(analysis.judgements, id, {}, &stability::Judgement::block);
+      return it != analysis.judgements.end() && it->block == id && it->key;
+    });
+    if (known) continue;
+    ++beyond;
+    volume += group.volume.si();
+    least = std::min(least, group.factor_move);
+  }
+  if (beyond > 0) {
+    notes.push_back(
+        fmt::format("{} key {} ({:.4g} m3) of blocks that do not all move by themselves, least factor of "
+                    "safety {:.3g}: see key_groups.csv",
+                    beyond, beyond == 1 ? "group" : "groups", volume, least));
+  }
+  if (doubt > 0) {
+    notes.push_back(
+        fmt::format("{} {} of blocks ({:.4g} m3) could not be decided together: in doubt, not stable; see "
+                    "key_groups.csv",
+                    doubt, doubt == 1 ? "group" : "groups", in_doubt));
+  }
+  if (groups.at_the_edge && beyond + doubt > 0) {
+    notes.push_back("key groups reach the edge of the box that was cut: what lies beyond was taken to stay");
+  }
+}
+
+/// Blocks that nothing but a side of the domain holds.
+void add_border_note(const stability::DomainHeld& held, std::vector<std::string>& notes) {
+  if (held.blocks.empty()) return;
+  const bool one = held.blocks.size() == 1;
+  notes.push_back(fmt::format(
+      "{} {} at free faces ({:.4g} m3, {:.3g} % of the free area) {} held only by {} of the domain that {} not free "
+      "and "
+      "{} not counted as key blocks: what lies beyond is unknown; enlarge the domain, or name these sides in `free`",
+      held.blocks.size(), one ? "block" : "blocks", held.volume.si(),
+      held.all_free.si() > 0 ? 100 * held.free_area.si() / held.all_free.si() : 0, one ? "is" : "are",
+      one ? "a side" : "sides", one ? "is" : "are", one ? "is" : "are"));
+}
+
+}  // namespace
+
+void add_excavation_notes(const std::vector<ExcavationInfo>& excavations, std::vector<std::string>& notes) {
+  for (const ExcavationInfo& info : excavations) {
+    if (info.outside_share.value_or(0) > 0) {
+      notes.push_back(fmt::format("{}: {:.3g} % of it lies outside the domain; it removes {:.6g} m3 of rock", info.name,
+                                  100 * *info.outside_share, info.taken.removed.si()));
+    }
+    if (info.taken.inside.si() > 0 && !(info.taken.removed.si() > 0)) {
+      notes.push_back(fmt::format("{}: removes no rock that the openings before it have left", info.name));
+    }
+  }
+}
+
+std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
+  const std::optional<stability::Analysis>& analysis = made.analysis;
+  const std::optional<FieldStressResult>& clamped = made.field_stress;
+  std::vector<std::string> notes;
+  for (const Problem& note : scene.notes) notes.push_back(describe(note));
+  if (made.window) {
+    notes.push_back(note_on(*made.window));
+  } else {
+    add_cut_notes(scene, made, notes);
+  }
+  if (made.complex) add_micro_note(made.complex->complex(), scene.micro_blocks, notes);
+  if (analysis && analysis->stopped_at_max_batches) {
+    notes.push_back(
+        fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
+  }
+  if (made.support && !made.support->passes()) {
+    notes.push_back(
+        "the support does not reach the required factors of safety: see bolts.csv and the columns of key_blocks.csv");
+  }
+  for (const CaseSupport& load : made.support_cases) {
+    if (!load.support.passes()) {
+      notes.push_back(
+          fmt::format("load case {}: the support does not reach the required factors of safety: see support_blocks.csv",
+                      load.name));
+    }
+  }
+  if (analysis) add_cohesion_note(*analysis, notes);
+  if (analysis) add_rotation_note(*analysis, notes);
+  add_enclosed_notes(made.held_from_within, notes);
+  if (made.domain_held) add_border_note(*made.domain_held, notes);
+  if (made.window && made.window->truncated > 0 && analysis && analysis->rotation == stability::RotationCheck::flag) {
+    notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");
+  }
+  if (clamped && !clamped->reached) {
+    notes.push_back(fmt::format("field stress: displacements of the section still change by {:.1e} (asked: {:.1e})",
+                                clamped->error, scene.field_stress->tolerance));
+  }
+  if (clamped && clamped->held > 0) {
+    notes.push_back(fmt::format("field stress: {} unstable {} held by the stress across {} joints; without it {}",
+                                clamped->held, clamped->held == 1 ? "block is" : "blocks are",
+                                clamped->held == 1 ? "its" : "their", clamped->held == 1 ? "it falls" : "they fall"));
+  }
+  for (const CaseResult& load : made.load_cases) {
+    std::size_t leaving = 0, base = 0;
+    for (const stability::Batch& batch : load.analysis.batches) leaving += batch.blocks.size();
+    for (const stability::Batch& batch : analysis->batches) base += batch.blocks.size();
+    if (leaving != base) {
+      notes.push_back(fmt::format("load case {}: {} key blocks, {} in the base case", load.name, leaving, base));
+    }
+  }
+  if (made.key_groups) add_group_notes(*made.key_groups, *analysis, notes);
+  return notes;
+}
+
+}  // namespace cleave::scene

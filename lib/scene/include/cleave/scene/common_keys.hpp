@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "cleave/core/quantity.hpp"
+#include "cleave/scene/output.hpp"
+#include "cleave/scene/problem.hpp"
+#include "cleave/scene/table_reader.hpp"
+
+/// What scenes of all kinds read alike.
+namespace cleave::scene {
+
+/// The files that a scene names, and its north.
+struct InputContext {
+  Problems& problems;
+  const ReadFile& read_file;
+  double north = 0;  ///< degrees; added to every dip direction
+  std::vector<InputFile> files{};
+
+  /// Reads a file named under `key`; reports a refusal there. Each file is listed once.
+  [[nodiscard]] std::optional<LoadedFile> file(const TableReader& table, std::string_view key);
+  /// Dip direction clockwise from +y, in [0, 360).
+  [[nodiscard]] DipDirection turned(double dip_direction) const;
+};
+
+[[nodiscard]] const KeyTable& project_keys();
+[[nodiscard]] Project parse_project(const TableReader& root);
+[[nodiscard]] const KeyTable& output_keys();
+[[nodiscard]] OutputSettings parse_output(const TableReader& root);
+
+/// "b.toml" of "a/b.toml".
+[[nodiscard]] std::string file_name_of(const std::string& shown);
+
+}  // namespace cleave::scene

@@ -1,0 +1,289 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cleave/bem/material.hpp"
+#include "cleave/bem/vec2.hpp"
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/dbem/solver.hpp"
+#include "cleave/scene/output.hpp"
+#include "cleave/scene/plan.hpp"
+#include "cleave/scene/problem.hpp"
+#include "cleave/scene2d/bodies.hpp"
+
+/// Scenes of bodies that touch: [[body]] with [contact]. The plane as for other bodies: x to the right, y up, metres;
+/// masses and forces per metre of thickness.
+namespace cleave::scene {
+
+/// Strength of a contact between two sides; [joints.NAME] of the scene.
+struct ContactJoint {
+  std::string name;
+  double friction = 30;  ///< degrees
+  double cohesion = 0;   ///< Pa, until the contact breaks
+  double tension = 0;    ///< Pa, likewise
+};
+
+/// A load on one body of a scene of contact; times are those of the run.
+struct ContactLoad {
+  std::uint32_t line = 1;
+  std::optional<std::size_t> side;  ///< of `ContactBody::corners`; none: a point force
+  bem::Vec2 at, force;              ///< point force, N/m
+  double pressure = 0;              ///< Pa
+  bem::Vec2 traction;               ///< Pa
+  TimeFunction time;
+  bool timed = false;    ///< it changes with time
+  bool follows = false;  ///< turns with the body
+};
+
+struct ContactBody {
+  std::string name;
+  std::uint32_t line = 1;
+  std::vector<bem::Vec2> corners;  ///< anticlockwise; side k runs from corner k to the next
+  std::vector<std::size_t> joint;  ///< of each side, into ContactScene::joints
+  std::optional<double> young, poisson;
+  double density = 2700;
+  bool fixed = false;      ///< never moves
+  std::vector<bool> held;  ///< sides of an elastic body that are clamped; empty: none
+  bem::Vec2 velocity;
+  double spin = 0;  ///< rad/s
+  std::vector<ContactLoad> loads;
+  [[nodiscard]] bool clamped() const noexcept { return !held.empty(); }
+};
+
+/// Which motions a body has.
+enum class Rigidity : std::uint8_t {
+  automatic,  ///< elastic when strains are worth it, see `rigidity_of`
+  rigid,      ///< three freedoms a body
+  elastic,
+};
+
+/// Mohr and Coulomb's with a tension cut-off; of the rock of elastic bodies.
+struct RockStrength {
+  double cohesion = 0;  ///< Pa
+  double friction = 0;  ///< degrees
+  double tension = 0;   ///< Pa
+};
+
+struct ContactSettings {
+  bem::Vec2 gravity{0, -9.81};
+  bool to_rest = false;  ///< static: relaxation
+  double duration = 0;   ///< s; of a run to rest: the longest it may take
+  double step = 0;       ///< s, the first one
+  double max_step = 0;   ///< s
+  dbem::Method solver = dbem::Method::cascade;
+  double restitution = 0;
+  Rigidity rigidity = Rigidity::automatic;
+  bem::PlaneState plane = bem::PlaneState::strain;
+  double element = 0;          ///< m, longest element; 0: a quarter of the body
+  std::size_t modes = 0;       ///< of an elastic body; 0: all
+  double damping = 0;          ///< share of critical damping of elastic vibrations
+  double largest_move = 0.05;  ///< of the scene's extent, in one step
+  std::size_t frames = 120;
+  std::optional<RockStrength> strength;
+  bool estimate = false;  ///< of the error of the steps, by two more runs with longer ones
+};
+
+struct ContactScene {
+  std::string title;
+  Project project = {};
+  std::uint64_t seed = 1;
+  std::vector<ContactBody> bodies;
+  std::vector<ContactJoint> joints;  ///< [0] is the default
+  std::vector<PointSpec> points;
+  ContactSettings settings;
+  OutputSettings output;
+  std::string shown, file_name, sha256;
+  std::vector<std::string> given;  ///< keys of the scene file
+  std::vector<Problem> notes;
+};
+
+/// Which two-dimensional scene a text is: [contact], or [[body]] alone; empty for any other, which may be no TOML.
+enum class Kind2d : std::uint8_t { elastic, contact };
+[[nodiscard]] std::optional<Kind2d> kind2d_of(std::string_view text);
+[[nodiscard]] std::expected<ContactScene, std::vector<Problem>> parse_contact(std::string_view text,
+                                                                              const std::string& shown);
+
+/// Whether bodies deform in a run, and the reason in words.
+struct RigidityChoice {
+  bool elastic = false;
+  std::string why;
+  double strain = 0;  ///< estimate of the largest one; 0 when no body has a modulus
+};
+[[nodiscard]] RigidityChoice rigidity_of(const ContactScene& scene);
+
+[[nodiscard]] Plan make_plan(const ContactScene& scene);
+
+/// Two bodies that lie in each other at the start.
+struct Overlap {
+  std::size_t first, second;
+  double depth;  ///< m
+  bem::Vec2 at;
+};
+/// Pairs of simple polygons that overlap deeper than `tolerance` (m). O(n log n) in bodies that lie apart.
+[[nodiscard]] std::vector<Overlap> overlaps_of(const std::vector<std::vector<bem::Vec2>>& polygons, double tolerance);
+
+// ---------------------------------------------------------------------------------------------------- results
+
+struct ContactPlacement {
+  bem::Vec2 centroid;
+  double rotation = 0;  ///< radians, turns counted
+};
+enum class ContactMarkState : std::uint8_t { stick, slip };
+/// One closed contact of a frame.
+struct ContactMark {
+  bem::Vec2 at;
+  bem::Vec2 force;  ///< N/m, on the first body
+  std::uint32_t first = 0, second = 0;
+  ContactMarkState state = ContactMarkState::stick;
+};
+/// Stress at a corner (or node) of a body that deforms: scene's axes, tension positive, Pa.
+struct NodeStress {
+  bem::Sym2 stress;
+  double out_of_plane = 0;
+  double von_mises = 0;
+  double safety = 0;  ///< strength over stress, at most `most_safety`; not a number where no strength is stated
+};
+constexpr double most_safety = 1000;
+struct ContactFrame {
+  double time = 0;  ///< s
+  std::vector<ContactPlacement> places;
+  std::vector<std::vector<bem::Vec2>> corners;  ///< of bodies that deform, as drawn; empty ones are rigid
+  std::vector<std::vector<NodeStress>> stress;  ///< of the same corners
+  std::vector<ContactMark> contacts;
+  std::vector<bem::Vec2> points;  ///< displacements
+};
+/// What is written of one step; J/m.
+struct ContactHistory {
+  double time = 0, step = 0;  ///< s
+  double kinetic = 0, elastic = 0;
+  double gravity = 0;             ///< potential, 0 at the start
+  double work = 0;                ///< of loads, since the start
+  double friction = 0, lost = 0;  ///< dissipated by slip; by impacts, damping and the time scheme
+  double residual = 0;
+  std::uint64_t contacts = 0, sticking = 0, slipping = 0, iterations = 0;
+  std::vector<bem::Vec2> points;  ///< displacements
+};
+/// Groups of contacts that a solver found the answer of.
+struct SolverShare {
+  std::string name;
+  std::uint64_t groups = 0;
+  std::uint64_t iterations = 0;  ///< linear solves and pivots of those groups, other tries included
+};
+struct ContactBodyResult {
+  std::string name;
+  bool fixed = false, elastic = false;
+  std::size_t freedoms = 0;
+  bem::Vec2 start, centroid;       ///< at the start and at the end
+  double rotation = 0;             ///< radians, turns counted
+  double largest = 0;              ///< m, displacement of its corners
+  std::vector<bem::Vec2> outline;  ///< at the start, as drawn
+  bem::Vec2 force;                 ///< N/m: sum of the contact forces on it at the end
+};
+struct ContactResult {
+  std::string title;
+  Project project = {};
+  std::uint64_t seed = 1;
+  std::string scene_file, scene_sha256;
+  Plan plan;
+  RunCost cost;
+  OutputSettings output;
+  bool converged = true;
+  std::string stopped_why;
+  std::uint64_t steps = 0, cut_steps = 0;
+  double end_time = 0;
+  double residual = 0, largest_displacement = 0, largest_penetration = 0;
+  bool elastic = false;
+  bool to_rest = false;
+  double drift_momentum = 0, drift_angular = 0;  ///< relative, see docs/contact.md
+  /// Of the places of all corners at the end, relative to the largest displacement, from runs with two and four times
+  /// the step. Empty: there is none, and why.
+  std::optional<double> error;
+  std::string no_estimate;
+  double energy_gain = 0;  ///< J/m beyond the work done; 0 when it never grew
+  std::vector<ContactBodyResult> bodies;
+  std::vector<PointSpec> points;
+  std::vector<ContactFrame> frames;
+  std::vector<ContactHistory> history;
+  std::vector<SolverShare> solvers;
+  std::uint64_t iterations = 0;
+  std::vector<std::string> notes;
+};
+
+/// Section `contact`.
+template <class V>
+void plane_fields(V& v, const ContactResult& x) {
+  const ContactHistory last = x.history.empty() ? ContactHistory{} : x.history.back();
+  v("contact", group([&](auto& w) {
+      w("status", one_of(x.converged ? "converged" : "stopped", {"converged", "stopped"}));
+      w("reason", when(!x.converged, x.stopped_why), "why it stopped");
+      w("steps", x.steps);
+      w("residual", x.residual, "of the contact law, relative; the worst of all steps");
+      w("max_displacement_m", x.largest_displacement, "of a corner, in any frame");
+      w("estimated_error", when(x.error.has_value(), x.error.value_or(0)),
+        "of the places of all corners at the end, over the largest displacement, from runs with two and four times the "
+        "step");
+      w("no_estimate", when(!x.error && !x.no_estimate.empty(), x.no_estimate), "why there is no estimate");
+      w("bodies", each(x.bodies, [](auto& b, const ContactBodyResult& body) {
+          b("name", body.name);
+          b("centroid", body.centroid, "at the end, m");
+          b("rotation", body.rotation * 180 / std::numbers::pi,
+            "since the start, degrees counter-clockwise, whole turns counted");
+          b("fixed", body.fixed);
+          b("max_displacement_m", body.largest);
+          b("contact_force", body.force, "sum of the contact forces on it in the last step, N/m");
+        }));
+      w("points", each(x.points, [&](auto& p, const PointSpec& point, std::size_t at) {
+          p("name", point.name);
+          p("displacement", at < last.points.size() ? last.points[at] : bem::Vec2{}, "at the end, m");
+        }));
+      w("mode", one_of(x.elastic ? "elastic" : "rigid", {"rigid", "elastic"}));
+      w("end_time_s", x.end_time);
+      w("cut_steps", x.cut_steps, "times a step was shortened because it failed");
+      w("largest_penetration_m", x.largest_penetration, "after a step");
+      w("energy", group([&](auto& e) {
+          e("kinetic_j", last.kinetic);
+          e("elastic_j", last.elastic);
+          e("gravity_j", last.gravity);
+          e("work_j", last.work);
+          e("friction_j", last.friction);
+          e("lost_j", last.lost);
+          e("largest_gain_j", x.energy_gain);
+        }),
+        "J/m at the end; gravity (potential) from 0 at the start, work of loads, friction and other losses since the "
+        "start; largest_gain_j is the largest rise of kinetic + elastic + gravity - work in the run");
+      w("drift", group([&](auto& d) {
+          d("momentum", x.drift_momentum);
+          d("angular_momentum", x.drift_angular);
+        }),
+        "largest departure of momentum from what weight and supports give, relative (0 in scenes with loads or at "
+        "rest); of angular momentum where nothing acts from outside");
+      w("solvers", each(x.solvers, [](auto& s, const SolverShare& share) {
+          s("name", share.name);
+          s("groups", share.groups, "groups of contacts whose answer it found");
+          s("iterations", share.iterations, "linear solves and pivots for those groups, other tries included");
+        }));
+      w("iterations", x.iterations, "linear solves and pivots in all");
+    }),
+    "Scenes of bodies in contact only (then there are no `blocks`).");
+}
+template <class V>
+void fields(V& v, const ContactResult& x) {
+  v("input", InputFigures{});
+  plane_fields(v, x);
+}
+
+/// Where the corners of a body are drawn in a frame.
+[[nodiscard]] std::vector<bem::Vec2> corners_at(const ContactResult& result, std::size_t frame, std::size_t body);
+
+[[nodiscard]] std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene, unsigned threads,
+                                                                     StageTimer& timer, Progress& progress);
+
+}  // namespace cleave::scene

@@ -1,0 +1,113 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cleave/scene/plan_stages.hpp"
+#include "cleave/scene2d/contact.hpp"
+#include "keys2d.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using bem::Vec2;
+
+/// Below this estimate of the strain a run follows rigid blocks unless it is told otherwise.
+constexpr double strain_that_matters = 1e-4;
+
+double extent(const ContactScene& scene) {
+  Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
+  for (const ContactBody& body : scene.bodies) {
+    if (body.fixed) continue;
+    for (const Vec2 p : body.corners) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    }
+  }
+  return high.x >= low.x ? std::max(high.x - low.x, high.y - low.y) : 0;
+}
+
+/// Largest strain that weight, loads and impacts can be expected to make: stress of the overburden, of the loads and
+/// of a wave of the speed at the start, over the modulus.
+double strain_of(const ContactScene& scene) {
+  const double size = extent(scene);
+  double most = 0;
+  for (const ContactBody& body : scene.bodies) {
+    if (body.fixed || !body.young) continue;
+    double stress = body.density * norm(scene.settings.gravity) * size;
+    for (const ContactLoad& load : body.loads) {
+      double longest = 0;
+      for (const Vec2 p : body.corners) longest = std::max(longest, norm(p - body.corners.front()));
+      stress += load.side ? std::abs(load.pressure) + norm(load.traction) : norm(load.force) / longest;
+    }
+    stress += std::sqrt(body.density * *body.young) * norm(body.velocity);
+    most = std::max(most, stress / *body.young);
+  }
+  return most;
+}
+
+}  // namespace
+
+RigidityChoice rigidity_of(const ContactScene& scene) {
+  const double strain = strain_of(scene);
+  switch (scene.settings.rigidity) {
+    case Rigidity::rigid: return {false, "rigid blocks: rigid = true", strain};
+    case Rigidity::elastic: return {true, "elastic blocks: rigid = false", strain};
+    case Rigidity::automatic: break;
+  }
+  if (std::ranges::any_of(scene.bodies, &ContactBody::clamped)) {
+    return {true, "elastic blocks: a body is clamped, so it moves only by deforming", strain};
+  }
+  const auto bare =
+      std::ranges::find_if(scene.bodies, [](const ContactBody& b) { return !b.fixed && !(b.young && b.poisson); });
+  if (bare != scene.bodies.end()) {
+    return {false, "rigid blocks: no Young's modulus and Poisson's ratio for \"" + bare->name + "\"", strain};
+  }
+  if (strain < strain_that_matters) {
+    return {false, fmt::format("rigid blocks: strains of about {:.1e} stay below {:.0e}", strain, strain_that_matters),
+            strain};
+  }
+  return {true, fmt::format("elastic blocks: strains of about {:.1e} reach {:.0e}", strain, strain_that_matters),
+          strain};
+}
+
+Plan make_plan(const ContactScene& scene) {
+  const ContactSettings& s = scene.settings;
+  const RigidityChoice rigidity = rigidity_of(scene);
+  const auto moving =
+      static_cast<std::size_t>(std::ranges::count_if(scene.bodies, [](const ContactBody& b) { return !b.fixed; }));
+  std::string why =
+      fmt::format("{} {} ({} fixed); {}", scene.bodies.size(), scene.bodies.size() == 1 ? "body" : "bodies",
+                  scene.bodies.size() - moving, rigidity.why);
+  if (s.to_rest) {
+    why += "; to rest by relaxation: the way there means nothing";
+  } else {
+    why += fmt::format("; {:.6g} s in steps of {:.3g} s", s.duration, s.step);
+    if (s.max_step > s.step) why += fmt::format(" and up to {:.3g} s", s.max_step);
+  }
+  why += fmt::format("; solver {}", dbem::name_of(s.solver));
+  if (!rigidity.elastic) why += "; no boundary elements, no vibrations";
+  const bool bonded =
+      std::ranges::any_of(scene.joints, [](const ContactJoint& j) { return j.cohesion > 0 || j.tension > 0; });
+  if (!bonded) why += "; no bonds: no joint has cohesion or tension";
+  if (std::ranges::all_of(scene.joints, [](const ContactJoint& j) { return j.friction == 0 && j.cohesion == 0; })) {
+    why += "; no friction";
+  }
+  if (s.gravity == Vec2{}) why += "; no weight";
+  std::string files = scene.output.vtu ? ", contact_NNNN.vtu, contact.pvd" : "";
+  if (scene.output.csv) files += scene.points.empty() ? ", history.csv" : ", history.csv, points.csv";
+  if (scene.output.csv) files += ", bodies.csv";
+  Plan plan = plan_of_bodies(Stage::contact, why, files, scene.output.report);
+  // A contact a block and side; one warm solve a step.
+  const auto blocks = static_cast<double>(moving);
+  const double steps = s.duration / s.step;
+  const double freedoms = rigidity.elastic ? (s.modes > 0 ? static_cast<double>(s.modes) : 60.0) : 3.0;
+  plan.estimate.memory_mb =
+      20 + blocks * (rigidity.elastic ? 0.3 : 0.005) + 3e-5 * blocks * static_cast<double>(s.frames);
+  plan.estimate.seconds = blocks * (rigidity.elastic ? 0.05 : 0) +
+                          (s.to_rest ? std::min(steps, 2000.0) : steps) * blocks * (2e-5 + 2e-7 * freedoms);
+  add_inputs(contact_scene_keys(), scene.given, plan);
+  return plan;
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,285 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "cleave/core/id.hpp"
+#include "cleave/core/quantity.hpp"
+#include "cleave/dfn/joint_set.hpp"
+#include "cleave/geometry/solid.hpp"
+#include "cleave/geometry/vec3.hpp"
+#include "cleave/scene/output.hpp"
+#include "cleave/scene/problem.hpp"
+#include "cleave/stability/actions.hpp"
+#include "cleave/stability/analyse.hpp"
+#include "cleave/stability/bolt_patterns.hpp"
+#include "cleave/stability/key_groups.hpp"
+#include "cleave/stability/support.hpp"
+#include "cleave/stochastic/stopping.hpp"
+#include "cleave/topology/cut_input.hpp"
+
+/// A validated scene: what `scene::parse` makes of a TOML file and the files it names. Past this border nothing is
+/// re-checked. Units: metres, degrees (in their own types), Pa, kg/m3, m/s2. Dip directions are already turned by
+/// `north`, so they count clockwise from +y.
+namespace cleave::scene {
+
+using SetId = Id<struct JointSetTag>;  ///< a joint set by name; index into Scene::sets
+
+/// Friction of the joints of one set, degrees in [0, 90): one value drawn per joint.
+/// `mean` and `std` are those of the law before it is cut to [min, max].
+struct FrictionLaw {
+  enum class Kind : std::uint8_t { constant, uniform, normal, lognormal, exponential };
+  Kind kind = Kind::constant;
+  double mean = 30;  ///< constant: the value; not used by uniform
+  double std = 0;    ///< normal, lognormal
+  double min = 0;    ///< uniform: lower end; else what is below is cut off
+  double max = 89;
+
+  /// Inverse of the distribution function: larger u, larger friction. Precondition: 0 < u < 1.
+  [[nodiscard]] FrictionAngle quantile(double u) const;
+};
+
+/// Cohesion or tension of the joints of one set, Pa: one value drawn per joint, by the same laws.
+struct StressLaw {
+  FrictionLaw::Kind kind = FrictionLaw::Kind::constant;
+  double mean = 0, std = 0, min = 0, max = 1e15;
+  [[nodiscard]] Stress quantile(double u) const;
+};
+
+/// A number drawn once a realization (a factor on the seismic coefficient), by the same laws.
+struct NumberLaw {
+  FrictionLaw::Kind kind = FrictionLaw::Kind::constant;
+  double mean = 1, std = 0, min = 0, max = 1e3;
+  [[nodiscard]] double quantile(double u) const;
+};
+
+/// Properties of the joints of one set ([joints.NAME], or [joints.default]).
+struct JointProperties {
+  FrictionLaw friction;
+  StressLaw cohesion;
+  StressLaw tension;
+  /// Correlation of the normal scores of a joint's friction and cohesion (Gaussian copula), -1..1.
+  double friction_cohesion = 0;
+  double jrc = 0;  ///< > 0: Barton-Bandis, `friction` is then the residual angle
+  Stress jcs = {};
+};
+
+struct NamedSet {
+  std::string name;  ///< "default" for joints without a set
+  JointProperties properties;
+};
+
+/// The strength that a joint states for itself (keys of [[joint]], CSV columns friction and cohesion).
+struct OwnStrength {
+  std::optional<FrictionAngle> friction;
+  std::optional<Stress> cohesion;
+  std::optional<Stress> tension = {};
+};
+
+/// A joint that is given, not drawn.
+struct MeasuredJoint {
+  std::variant<topology::Joint, topology::PersistentJoint> geometry;
+  SetId set;
+  OwnStrength own;
+  std::string file;  ///< where it stands: a joint file or the scene file, as messages name it
+  std::uint32_t line;
+  std::string name = {};                  ///< for `ends_on` of others; may be empty
+  std::vector<std::string> ends_on = {};  ///< names of the joints it ends on
+};
+
+/// A [[joint_set]]: joints drawn at random. Its number in Scene::joint_sets is the `set_index` of dfn::sample.
+struct RandomSet {
+  SetId set;
+  dfn::JointSet law;
+  std::uint32_t line;  ///< in the scene file
+};
+
+/// Where a tunnel's walls are, for bolt patterns.
+struct TunnelLine {
+  std::vector<geometry::Vec3> axis;
+  geometry::Vec3 up;
+  std::vector<std::array<double, 2>> outline;  ///< (u, v) in m, counter-clockwise
+};
+
+struct Excavation {
+  std::string name;
+  std::uint32_t stage = 1;
+  geometry::Solid solid;
+  std::vector<geometry::Vec3> axis;  ///< of a tunnel; else empty
+  std::uint32_t line;                ///< in the scene file
+  std::optional<TunnelLine> tunnel = {};
+  bool own_shape = true;  ///< not a cut from above, which reaches as far as the domain
+};
+
+struct Rock {
+  Density density = kilograms_per_cubic_metre(2700);
+  std::optional<double> poisson = {};
+};
+
+/// A design standard's partial factors: tan(friction) and cohesion are divided, weight is multiplied.
+struct PartialFactors {
+  double friction = 1, cohesion = 1, weight = 1;
+};
+
+/// What acts on the rock beside gravity.
+struct LoadSet {
+  geometry::Vec3 seismic{0, 0, 0};  ///< force / weight, in the direction the rock is pushed
+  std::optional<stability::WaterTable> water = {};
+  std::optional<NumberLaw> water_level =
+      {};  ///< m: of a table whose level is drawn once a realization (`water` has the median)
+  std::vector<std::pair<SetId, double>> pressures = {};  ///< Pa, mean water pressure in the joints of a set
+  std::vector<stability::Surcharge> surcharges = {};
+  std::vector<stability::PointForce> points = {};
+  std::vector<stability::LineForce> lines = {};
+  std::uint32_t line = 1;  ///< in the scene file
+};
+
+/// A [[load]]: the loads of [stability] and its own, judged apart.
+struct LoadCase {
+  std::string name;
+  LoadSet loads;
+};
+
+/// Required factors of safety.
+struct Targets {
+  double falling = 1.5;  ///< also of lifting
+  double sliding = 1.3;  ///< also of wedges
+};
+
+/// Largest key blocks of block theory (maximum_blocks of [stability]).
+struct MaximumBlockSettings {
+  std::uint32_t excavation = 0;  ///< of kind tunnel, straight, with a convex section
+  std::vector<SetId> sets;       ///< three at least; empty: all that have joints
+  std::uint32_t line = 1;        ///< in the scene file
+};
+
+struct StabilitySettings {
+  geometry::Vec3 gravity{0, 0, -9.81};  ///< m/s2
+  geometry::Vec3 seismic{0, 0, 0};      ///< force / weight, in the direction the rock is pushed
+  PartialFactors partial = {};
+  bool force_transfer = true;
+  stability::TransferReadings transfer = {};
+  stability::RotationCheck rotation = stability::RotationCheck::flag;
+  stability::GroupsCheck groups = stability::GroupsCheck::note;
+  std::optional<MaximumBlockSettings> maximum_blocks = {};
+  std::uint32_t max_batches = 50;
+  LoadSet loads = {};                ///< of the base case, seismic included
+  std::vector<LoadCase> cases = {};  ///< in scene order
+  std::optional<Targets> target = {};
+  bool strict = false;            ///< wedged slots (cone without interior) do not count as removable
+  bool parallel_contact = false;  ///< cohesion on brushed faces too
+  stability::GroupFriction group_friction = stability::GroupFriction::area_mean;
+};
+
+/// Search for spacing and length of the patterns (design of [support]).
+struct DesignSettings {
+  std::vector<double> lengths;         ///< m
+  double tightest = 0.25, widest = 4;  ///< factors on the scene's spacings
+  std::uint32_t phases = 4;            ///< offsets of the pattern that must all pass
+  double cost_per_bolt = 0, cost_per_metre = 1;
+  std::uint32_t offsets = 40;  ///< drawn at random, at which the pattern found is tried
+};
+
+struct SupportSettings {
+  stability::SupportPlan plan;      ///< with all bolts of the patterns
+  std::vector<std::string> groups;  ///< names, by group number
+  std::vector<std::variant<stability::RingPattern, stability::GridPattern>> patterns;
+  std::vector<stability::Bolt> single;  ///< given one by one
+  std::optional<DesignSettings> design;
+  std::uint32_t line = 1;
+};
+
+enum class MicroBlockPolicy : std::uint8_t {
+  keep,    ///< as all others, and nothing is said
+  report,  ///< as all others; counted
+  exclude  ///< counted, and left out of stability: not judged, and holding nothing
+};
+/// [micro_blocks]: blocks thinner or smaller than a limit; without limits those thinner than 1e-6 of the domain
+/// (topology::Block::sliver).
+struct MicroBlocks {
+  MicroBlockPolicy policy = MicroBlockPolicy::report;
+  std::optional<Length> thickness;
+  std::optional<Volume> volume;
+};
+
+/// [monte_carlo]: many realizations instead of one run.
+struct MonteCarloSettings {
+  std::uint64_t realizations = 0;                   ///< fixed number, or the largest one of `stop`
+  std::optional<stochastic::Stop> stop;             ///< empty: exactly `realizations`
+  double confidence = 0.95;                         ///< of all intervals
+  std::vector<double> volumes = {0.1, 1, 10, 100};  ///< m3: probabilities of a key block above each
+  std::uint32_t chainage_parts = 20;                ///< along the axis of the first tunnel
+  NumberLaw seismic_factor;                         ///< multiplies the seismic coefficient, drawn once a realization
+  /// Nested design: realizations k with the same k / strengths_per_geometry have the same joints.
+  std::uint64_t strengths_per_geometry = 1;
+};
+
+/// [field_stress]: stress of the rock around a tunnel.
+struct FieldStressSettings {
+  std::uint32_t excavation = 0;      ///< a straight tunnel
+  std::array<double, 6> stress{};    ///< Pa at `level`: xx, yy, zz, xy, yz, zx; compression negative
+  std::array<double, 6> gradient{};  ///< Pa per metre upwards
+  double level = 0;                  ///< z, m
+  std::optional<double> surface;     ///< z of the free ground surface; empty: infinite rock
+  double poisson = 0.25;
+  /// Normal over shear stiffness of the joints; empty: the least factor over a range of them.
+  std::optional<double> stiffness_ratio;
+  double tolerance = 1e-3;  ///< of displacements of the section, relative
+  std::uint32_t line = 1;   ///< in the scene file
+};
+
+/// What becomes of the blocks that leave in one stage before the next one is excavated.
+enum class Fallen : std::uint8_t {
+  stay_out,  ///< they have fallen: their room is void from then on
+  put_back,  ///< they were held in place: the next stage finds them where they were
+};
+
+/// [sequence]: the excavations are taken out stage by stage.
+struct SequenceSettings {
+  Fallen fallen = Fallen::stay_out;
+  /// Stage numbers of the excavations in ascending order, each once.
+  std::vector<std::uint32_t> stages;
+  /// Other orders of the same stages to compare with that one.
+  std::vector<std::vector<std::uint32_t>> orders;
+};
+
+struct Scene {
+  std::string title;
+  Project project = {};
+  std::uint64_t seed = 1;
+  Length snap;
+  double north = 0;  ///< degrees from y to true north, clockwise; only for display: orientations are turned already
+
+  geometry::Solid domain;
+  std::vector<std::uint32_t> free_domain_tags;      ///< tag indices of `domain` that are free
+  IdVector<SetId, NamedSet> sets;                   ///< in order of first mention; [0] is "default"
+  std::vector<MeasuredJoint> joints;                ///< in scene order; they get the first JointIds
+  std::vector<topology::Termination> terminations;  ///< of measured joints
+  bool keep_dangling = false;
+  std::vector<RandomSet> joint_sets;  ///< in scene order; their joints follow
+  Rock rock;
+  std::vector<Excavation> excavations;  ///< in scene order
+  std::optional<SupportSettings> support;
+  std::optional<StabilitySettings> stability;  ///< empty: the scene has no [stability] and no free face
+  std::optional<FieldStressSettings> field_stress;
+  std::optional<SequenceSettings> sequence;  ///< empty: all excavations are of one stage
+  MicroBlocks micro_blocks;
+  OutputSettings output;
+  std::optional<MonteCarloSettings> monte_carlo;
+
+  std::string shown;      ///< how messages name the scene file
+  std::string file_name;  ///< the same without its folder
+  std::string sha256;     ///< of the scene file's bytes
+  std::vector<InputFile> files;
+  std::vector<std::string> given;  ///< keys of the scene file, those of included ones too
+  std::vector<Problem>
+      notes;  ///< worth knowing, not wrong: a joint outside the domain, properties of a set without joints
+};
+
+}  // namespace cleave::scene

@@ -1,0 +1,49 @@
+#include "cleave/scene3d/bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cleave::scene {
+
+Box box_of(std::span<const geometry::Vec3> points) noexcept {
+  Box box{points.front(), points.front()};
+  for (const geometry::Vec3 p : points) {
+    box.min = {std::fmin(box.min.x, p.x), std::fmin(box.min.y, p.y), std::fmin(box.min.z, p.z)};
+    box.max = {std::fmax(box.max.x, p.x), std::fmax(box.max.y, p.y), std::fmax(box.max.z, p.z)};
+  }
+  return box;
+}
+Box box_of(const geometry::Solid& solid) noexcept { return box_of(solid.vertices()); }
+
+bool apart(const Box& a, const Box& b) noexcept {
+  return a.max.x < b.min.x || b.max.x < a.min.x || a.max.y < b.min.y || b.max.y < a.min.y || a.max.z < b.min.z ||
+         b.max.z < a.min.z;
+}
+
+namespace {
+
+/// The plane of a face of `a` has all of `a` behind it and all of `b` before it, up to rounding.
+bool face_parts(const geometry::Solid& a, const geometry::Solid& b) noexcept {
+  const Box box = box_of(a);
+  const double rounding = 1e-9 * geometry::norm(box.max - box.min);
+  const auto corner = [&](const geometry::SolidFace& face, std::size_t k) { return a.vertices()[face.corners[k]]; };
+  return std::ranges::any_of(a.faces(), [&](const geometry::SolidFace& face) {
+    geometry::Vec3 normal{0, 0, 0};
+    for (std::size_t k = 1; k + 1 < face.corners.size(); ++k) {
+      normal += geometry::cross(corner(face, k) - corner(face, 0), corner(face, k + 1) - corner(face, 0));
+    }
+    if (!(geometry::norm(normal) > 0)) return false;
+    normal = geometry::normalized(normal);
+    const auto height = [&](geometry::Vec3 v) { return geometry::dot(normal, v - corner(face, 0)); };
+    return std::ranges::all_of(a.vertices(), [&](geometry::Vec3 v) { return height(v) <= rounding; }) &&
+           std::ranges::all_of(b.vertices(), [&](geometry::Vec3 v) { return height(v) >= -rounding; });
+  });
+}
+
+}  // namespace
+
+bool parted(const geometry::Solid& a, const geometry::Solid& b) noexcept {
+  return apart(box_of(a), box_of(b)) || face_parts(a, b) || face_parts(b, a);
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cleave/core/quantity.hpp"
+#include "cleave/scene/common_keys.hpp"
+#include "cleave/scene3d/parse.hpp"
+#include "cleave/scene3d/scene.hpp"
+
+namespace cleave::scene {
+
+/// What the parsers of the sections share.
+struct Context : InputContext {
+  bool triangulate = false;  ///< nonplanar = "triangulate"
+  IdVector<SetId, NamedSet> sets{};
+  std::vector<topology::Termination> terminations{};
+
+  /// The set of that name, made when new.
+  [[nodiscard]] SetId set_named(const std::string& name);
+};
+
+// One a section; every problem is reported, and the result is then not to be used.
+[[nodiscard]] std::optional<geometry::Solid> parse_domain(Context& context, const TableReader& root);
+void parse_joints(Context& context, const TableReader& root, std::vector<MeasuredJoint>& joints);
+void parse_joint_sets(Context& context, const TableReader& root, const std::vector<MeasuredJoint>& given,
+                      std::vector<RandomSet>& joint_sets);
+void parse_properties(Context& context, const TableReader& root);
+[[nodiscard]] Rock parse_rock(const TableReader& root);
+void parse_excavations(Context& context, const TableReader& root, const std::optional<geometry::Solid>& domain,
+                       std::vector<Excavation>& excavations);
+struct ParsedStability {
+  std::optional<StabilitySettings> settings;
+  std::vector<std::uint32_t> free_domain_tags;
+};
+[[nodiscard]] ParsedStability parse_stability(const Context& context, const TableReader& root,
+                                              const std::optional<geometry::Solid>& domain,
+                                              const std::vector<Excavation>& excavations);
+/// Keys seismic, water, surcharge, point and line of [stability] or of one [[load]].
+[[nodiscard]] LoadSet parse_load_set(const Context& context, const TableReader& table,
+                                     const std::optional<geometry::Solid>& domain,
+                                     const std::vector<Excavation>& excavations);
+/// The [[load]] tables, each with the loads of `base`.
+[[nodiscard]] std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader& root,
+                                                     const std::optional<geometry::Solid>& domain,
+                                                     const std::vector<Excavation>& excavations, const LoadSet& base);
+[[nodiscard]] std::optional<SupportSettings> parse_support(const TableReader& root,
+                                                           const std::vector<Excavation>& excavations,
+                                                           const std::optional<StabilitySettings>& stability);
+/// Stages of the excavations and [sequence]; empty when all are of one stage.
+[[nodiscard]] std::optional<SequenceSettings> parse_sequence(const TableReader& root,
+                                                             const std::vector<Excavation>& excavations);
+/// [field_stress]; after [rock] and the excavations.
+[[nodiscard]] std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, const Rock& rock,
+                                                                    const std::vector<Excavation>& excavations);
+[[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
+
+/// Adds notes on a scene that is not wrong: joints outside the domain, no joints at all, strengths that nobody stated.
+void find_notes(const Scene& scene, const TableReader& root);
+
+/// Friction as a number of degrees or a distribution table.
+[[nodiscard]] std::optional<FrictionLaw> parse_friction(const TableReader& table, std::string_view key);
+/// A number or a distribution table of numbers; `min`, `max` are its limits where it states none.
+[[nodiscard]] std::optional<NumberLaw> parse_number_law(const TableReader& table, std::string_view key, double min = 0,
+                                                        double max = 1e3);
+/// [monte_carlo]; empty when the scene has none.
+[[nodiscard]] std::optional<MonteCarloSettings> parse_monte_carlo(const TableReader& root);
+
+}  // namespace cleave::scene

@@ -1,0 +1,165 @@
+#include "joint_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <string_view>
+#include <utility>
+
+#include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/orientation.hpp"
+#include "cleave/geometry/shapes.hpp"
+#include "cleave/io/joint_csv.hpp"
+#include "cleave/io/mesh.hpp"
+#include "cleave/scene/file_input.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using std::string_view;
+
+/// A polygon for each face that is one; what is wrong with the others is reported.
+std::optional<topology::Joint> joint_of_face(Context& context, const io::MeshData& mesh, std::size_t f,
+                                             const std::string& shown) {
+  auto shape = joint_of(mesh.corners_of(f), context.triangulate);
+  if (shape) return std::move(*shape);
+  const std::string key = ending_of(shown) == "obj" ? fmt::format("f (face {})", f + 1) : fmt::format("face {}", f + 1);
+  context.problems.error_in(shown, std::max(1U, mesh.lines[f]), key, shape.error(), "");
+  return std::nullopt;
+}
+
+/// Each face one joint, of the set that `set_of` gives for its group.
+template <class SetOf>
+void add_faces(Context& context, const io::MeshData& mesh, const std::string& shown, SetOf&& set_of,
+               std::vector<MeasuredJoint>& joints) {
+  for (std::size_t f = 0; f < mesh.faces(); ++f) {
+    auto shape = joint_of_face(context, mesh, f, shown);
+    if (!shape) continue;
+    joints.push_back({.geometry = std::move(*shape),
+                      .set = set_of(mesh.group[f]),
+                      .own = {},
+                      .file = shown,
+                      .line = std::max(1U, mesh.lines[f])});
+  }
+}
+
+/// The faces of each group one joint: a triangulated fault.
+template <class SetOf>
+void add_surfaces(Context& context, const io::MeshData& mesh, const std::string& shown, SetOf&& set_of,
+                  std::vector<MeasuredJoint>& joints) {
+  std::vector<topology::Joint> surfaces(mesh.groups.size());
+  std::vector<std::uint32_t> lines(mesh.groups.size(), 0);
+  for (std::size_t f = 0; f < mesh.faces(); ++f) {
+    auto shape = joint_of_face(context, mesh, f, shown);
+    if (!shape) continue;
+    const std::uint32_t g = mesh.group[f];
+    if (surfaces[g].polygons.empty()) lines[g] = std::max(1U, mesh.lines[f]);
+    std::ranges::move(shape->polygons, std::back_inserter(surfaces[g].polygons));
+  }
+  for (std::uint32_t g = 0; g < surfaces.size(); ++g) {
+    if (surfaces[g].polygons.empty()) continue;
+    joints.push_back(
+        {.geometry = std::move(surfaces[g]), .set = set_of(g), .own = {}, .file = shown, .line = lines[g]});
+  }
+}
+
+/// All faces in one group.
+io::MeshData ungrouped(io::MeshData mesh) {
+  std::ranges::fill(mesh.group, 0U);
+  mesh.groups = {""};
+  return mesh;
+}
+
+using Geometry = std::variant<topology::Joint, topology::PersistentJoint>;
+
+std::expected<Geometry, std::string> geometry_of(const io::JointRow& row, const geometry::Attitude& attitude) {
+  const geometry::Vec3 at = *row.position;  // parse_joint_csv was asked for it
+  const auto single =
+      [](std::expected<geometry::Polygon, geometry::ShapeError> polygon) -> std::expected<Geometry, std::string> {
+    if (!polygon) return std::unexpected(describe(polygon.error()));
+    topology::Joint joint;
+    joint.polygons.push_back(std::move(*polygon));
+    return joint;
+  };
+  return std::visit(
+      overloaded{[&](const io::Persistent&) -> std::expected<Geometry, std::string> {
+                   return topology::PersistentJoint{at, geometry::upward_normal(attitude)};
+                 },
+                 [&](const io::DiscSize& disc) { return single(geometry::disc(at, attitude, disc.radius)); },
+                 [&](const io::RectangleSize& sides) {
+                   return single(geometry::rectangle(at, attitude, sides.side_a, sides.side_b, sides.rotation));
+                 }},
+      row.size);
+}
+
+void add_rows(Context& context, const io::JointTable& table, const std::string& shown,
+              const std::optional<std::string>& set, std::vector<MeasuredJoint>& joints) {
+  for (const io::JointRow& row : table.rows) {
+    const geometry::Attitude attitude{row.plane.dip, context.turned(row.plane.direction.degrees())};
+    const geometry::Vec3 at = *row.position;
+    const bool near = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) <= rule::coordinate.high;
+    auto shape = near ? geometry_of(row, attitude)
+                      : std::expected<Geometry, std::string>{
+                            std::unexpect, "lies further than 1e9 m from the origin; check its numbers"};
+    if (!shape) {
+      context.problems.error_in(shown, row.line, "row", shape.error(), "");
+      continue;
+    }
+    const std::string name = set ? *set : row.set.empty() ? std::string{"default"} : row.set;
+    joints.push_back({.geometry = std::move(*shape),
+                      .set = context.set_named(name),
+                      .own = {.friction = row.friction, .cohesion = row.cohesion},
+                      .file = shown,
+                      .line = row.line});
+  }
+}
+
+}  // namespace
+
+void parse_joint_file(Context& context, const TableReader& joint, const std::optional<std::string>& set,
+                      std::vector<MeasuredJoint>& joints) {
+  const bool wrap = joint.boolean("wrap").value_or(false);
+  const auto loaded = context.file(joint, "file");
+  if (!loaded) return;
+  const std::string ending = ending_of(loaded->shown);
+  if (ending == "csv") {
+    const auto table = io::parse_joint_csv(loaded->bytes, loaded->shown, {.wrap = wrap, .need_position = true});
+    if (!table) {
+      for (const io::ReadError& error : table.error()) report_read_error(context.problems, error);
+      return;
+    }
+    for (const std::string& note : table->notes) context.problems.note_in(loaded->shown, 1, "header", note, "");
+    if (joint.has("surface")) joint.error("surface", "has a meaning for meshes only", "remove it");
+    add_rows(context, *table, loaded->shown, set, joints);
+    return;
+  }
+  if (wrap) joint.error("wrap", "has a meaning for CSV files only", "remove it");
+  if (is_surfaces(ending)) {
+    const auto surfaces = surfaces_of(context, *loaded);
+    if (!surfaces) return;
+    const auto set_among = [&](const std::vector<std::string>& groups) {
+      return [&context, &set, &groups](std::uint32_t group) {
+        const std::string& own = groups[group];
+        // "0" is the layer of what nobody put on a layer
+        return context.set_named(set ? *set : own.empty() || own == "0" ? std::string{"default"} : own);
+      };
+    };
+    add_faces(context, surfaces->polygons, loaded->shown, set_among(surfaces->polygons.groups), joints);
+    add_surfaces(context, surfaces->surfaces, loaded->shown, set_among(surfaces->surfaces.groups), joints);
+    return;
+  }
+  const auto mesh = mesh_of(context, joint, "file", *loaded);
+  if (!mesh) return;
+  const SetId id = context.set_named(set.value_or("default"));
+  const bool surface = joint.boolean("surface").value_or(ending != "obj");
+  const auto one_set = [id](std::uint32_t) { return id; };
+  if (!surface) {
+    add_faces(context, *mesh, loaded->shown, one_set, joints);
+  } else {
+    add_surfaces(context, ungrouped(*mesh), loaded->shown, one_set, joints);
+  }
+}
+
+}  // namespace cleave::scene

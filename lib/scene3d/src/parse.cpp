@@ -1,0 +1,292 @@
+#include "cleave/scene3d/parse.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <utility>
+
+#include "cleave/core/sha256.hpp"
+#include "cleave/scene3d/key_tables.hpp"
+#include "cleave/stochastic/ensemble.hpp"
+#include "context.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using std::string_view;
+
+constexpr NumberRule snap_rule{0, false, 1e6, false, " m"};
+constexpr std::array<string_view, 2> nonplanar_words{"refuse", "triangulate"};
+constexpr std::array<string_view, 3> plane_sections{"body", "contact", "elastic"};
+
+std::string stem_of(const std::string& shown) {
+  const std::size_t slash = shown.find_last_of('/');
+  return slash == std::string::npos ? shown : shown.substr(slash + 1);
+}
+
+/// Sections of plane scenes are named as such and taken out, so that the rest is still checked.
+TomlTable without_plane_sections(TomlTable table, Problems& problems) {
+  std::erase_if(table.entries, [&](const TomlEntry& entry) {
+    for (const string_view section : plane_sections) {
+      if (entry.key != section) continue;
+      problems.error(entry.line, entry.key, "belongs to plane scenes, which hold [[body]] and none of [domain], joints",
+                     "remove the section, or put the bodies into a scene of their own");
+      return true;
+    }
+    return false;
+  });
+  return table;
+}
+
+/// Joints, joint sets and their properties of the files of `include`, as if they stood in the scene: arrays of tables
+/// are put behind the scene's own, tables of [joints] beside them. Lines of problems are those of the included file.
+void take_includes(TomlTable& table, Problems& problems, const ReadFile& read_file, std::vector<InputFile>& files) {
+  const auto entry = std::ranges::find(table.entries, "include", &TomlEntry::key);
+  if (entry == table.entries.end()) return;
+  const std::uint32_t line = entry->line;
+  std::vector<std::string> names;
+  if (const auto* list = std::get_if<TomlArray>(&entry->node.value)) {
+    for (const TomlNode& item : list->items) {
+      if (const auto* name = std::get_if<std::string>(&item.value)) names.push_back(*name);
+    }
+    if (names.size() != list->items.size()) names.clear();
+  } else if (const auto* name = std::get_if<std::string>(&entry->node.value)) {
+    names.push_back(*name);
+  }
+  if (names.empty()) {
+    problems.error(line, "include", "is no list of file names", "write include = [\"sets.toml\"]");
+    return;
+  }
+  table.entries.erase(entry);
+  for (const std::string& name : names) {
+    const auto file = read_file(name);
+    if (!file) {
+      problems.error(line, "include", file.error().what, file.error().remedy);
+      continue;
+    }
+    files.push_back({name, sha256_hex(file->bytes), file->bytes.size()});
+    auto tree = read_toml(file->bytes);
+    if (!tree) {
+      problems.error_in(file->shown, tree.error().line, "TOML", tree.error().what,
+                        "mend the syntax: see https://toml.io");
+      continue;
+    }
+    // Files that the included one names lie beside it.
+    const std::size_t slash = name.find_last_of('/');
+    const std::string folder = slash == std::string::npos ? "" : name.substr(0, slash + 1);
+    const auto move_files = [&](auto&& self, TomlTable& inner) -> void {
+      for (TomlEntry& e : inner.entries) {
+        if (auto* text = std::get_if<std::string>(&e.node.value); text != nullptr && e.key == "file")
+          *text = folder + *text;
+        if (auto* deeper = std::get_if<TomlTable>(&e.node.value)) self(self, *deeper);
+        if (auto* array = std::get_if<TomlArray>(&e.node.value)) {
+          for (TomlNode& item : array->items) {
+            if (auto* deeper = std::get_if<TomlTable>(&item.value)) self(self, *deeper);
+          }
+        }
+      }
+    };
+    move_files(move_files, *tree);
+    for (TomlEntry& part : tree->entries) {
+      if (part.key != "joint_set" && part.key != "joint" && part.key != "joints") {
+        problems.error_in(file->shown, part.line, part.key, "may not stand in an included file",
+                          "only [[joint_set]], [[joint]] and [joints.NAME] may");
+        continue;
+      }
+      const auto own = std::ranges::find(table.entries, part.key, &TomlEntry::key);
+      if (own == table.entries.end()) {
+        table.entries.push_back(std::move(part));
+        continue;
+      }
+      auto *list = std::get_if<TomlArray>(&own->node.value), *more = std::get_if<TomlArray>(&part.node.value);
+      auto *tables = std::get_if<TomlTable>(&own->node.value), *beside = std::get_if<TomlTable>(&part.node.value);
+      if (list != nullptr && more != nullptr) {
+        std::ranges::move(more->items, std::back_inserter(list->items));
+      } else if (tables != nullptr && beside != nullptr) {
+        for (TomlEntry& e : beside->entries) {
+          // What the scene says of a set goes before what the included file says.
+          if (std::ranges::find(tables->entries, e.key, &TomlEntry::key) == tables->entries.end()) {
+            tables->entries.push_back(std::move(e));
+          }
+        }
+      }
+    }
+  }
+}
+
+struct Header {
+  std::string title;
+  std::uint64_t seed = 1;
+  Length snap;
+  bool keep_dangling = false;
+};
+
+Header parse_header(const TableReader& root, Context& context, const std::string& shown) {
+  Header header;
+  if (const TomlEntry* schema = root.find("schema")) {
+    const auto* number = std::get_if<std::int64_t>(&schema->node.value);
+    if (number == nullptr || *number != 1) {
+      root.error("schema", "is not a version that this program knows", "write schema = 1");
+    }
+  }
+  header.title = root.text("title").value_or(stem_of(shown));
+  header.seed = static_cast<std::uint64_t>(root.count("seed"));
+  header.snap = metres(root.value("snap"));
+  header.keep_dangling = root.flag("keep_dangling");
+  context.triangulate = root.choice("nonplanar") == std::size_t{1};
+  context.north = root.value("north");
+  return header;
+}
+
+}  // namespace
+
+const KeyTable& scene_keys() {
+  static const KeyTable keys{
+      .name = "scene",
+      .keys =
+          {{"schema", key::whole(1, 1), "1", "version of this format"},
+           {"title", key::text(), "the file's name", "shown in the results"},
+           {"project", key::table(&project_keys), "", "heads the report and `summary.json`; in no other file"},
+           {"seed", key::whole(0, INT64_MAX), "1", "whole number from 0; `cleave run --seed` overrides it"},
+           {"snap", key::number(snap_rule), "0",
+            "m; above 0 corners closer than this become one, near-coincident planes merge and edges within this "
+            "distance of another joint end on it, whatever the order of the joints; what is closed stays closed. "
+            "Polygons that share corners part the rock without it"},
+           {"nonplanar", key::word(nonplanar_words), "\"refuse\"",
+            "or `\"triangulate\"`: polygons (and faces of `domain.corners`) whose corners lie further than max(1e-6 of "
+            "the "
+            "size, 8 ulp of the largest coordinate) from their plane"},
+           {"keep_dangling", key::flag(), "false",
+            "true keeps the parts of joints that separate nothing (dangling ends, membranes, isolated joints): "
+            "`dangling.vtu`, `dangling.obj` and `summary.json` say in which block each lies; the blocks are the same"},
+           {"north", key::number(rule::turn), "0",
+            "degrees from y to true north, clockwise; dip directions count from true north"},
+           {"include", key::either({key::texts(), key::text()}), "[]",
+            "files whose joints, joint sets and `[joints.NAME]` are taken as if they stood here"},
+           {"domain", key::table(&domain_keys), required, "the rock"},
+           {"joint", key::tables(&joint_keys), "", "joints that are given"},
+           {"joint_set", key::tables(&joint_set_keys), "", "joints drawn at random"},
+           {"joints", key::named(key::table(&strength_keys)), "", "strength by set; `[joints.default]` for the rest"},
+           {"rock", key::table(&rock_keys), "", "properties of the rock"},
+           {"excavation", key::tables(&excavation_keys), "", "what is taken out, in order"},
+           {"stability", key::table(&stability_keys), "", "key blocks"},
+           {"load", key::tables(&load_keys), "", "load cases"},
+           {"field_stress", key::table(&field_stress_keys), "", "clamping by the stress around a tunnel"},
+           {"support", key::table(&support_keys), "", "bolts and shotcrete"},
+           {"sequence", key::table(&sequence_keys), "", "excavation in stages"},
+           {"micro_blocks", key::table(&micro_blocks_keys), "", "blocks thinner or smaller than a limit"},
+           {"monte_carlo", key::table(&monte_carlo_keys), "", "many realizations instead of one run"},
+           {"output", key::table(&output_keys), "", "files of the result"}},
+      .steps = {{Stage::read, {"include"}},
+                {Stage::draw, {"joint_set", "joints"}},
+                {Stage::cut, {"domain", "joint", "excavation"}},
+                {Stage::stability, {"rock", "joints", "stability", "load", "sequence", "micro_blocks"}},
+                {Stage::support, {"support"}},
+                {Stage::monte_carlo, {"monte_carlo"}},
+                {Stage::elastic, {"field_stress"}},
+                {Stage::write, {"output"}},
+                {Stage::report, {"project", "output"}}}};
+  return keys;
+}
+
+std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::string& shown,
+                                                 const ReadFile& read_file) {
+  Problems problems{shown};
+  auto tree = read_toml(text);
+  if (!tree) {
+    problems.error(tree.error().line, "TOML", tree.error().what, "mend the syntax: see https://toml.io");
+    return std::unexpected(std::move(problems).take_errors());
+  }
+  const auto has = [&](string_view key) {
+    return std::ranges::find(tree->entries, key, &TomlEntry::key) != tree->entries.end();
+  };
+  constexpr std::array<string_view, 5> of_surveys{"orientations", "scanline", "borehole", "window", "set"};
+  if (!has("domain") && std::ranges::any_of(of_surveys, has)) {
+    problems.error(1, "scene", "is a survey file, not a scene", "run cleave survey " + shown + " -o FOLDER");
+    return std::unexpected(std::move(problems).take_errors());
+  }
+  if (tree->entries.empty()) {
+    problems.error(1, "domain", "the file is empty",
+                   "start from one of: cleave init tunnel, slope, wedge, network, bodies");
+    return std::unexpected(std::move(problems).take_errors());
+  }
+  TomlTable table = without_plane_sections(std::move(*tree), problems);
+  std::vector<InputFile> included;
+  take_includes(table, problems, read_file, included);
+  const TableReader root{table, 1, "", problems, scene_keys()};
+
+  Context context{{.problems = problems, .read_file = read_file}};
+  context.files = std::move(included);
+  static_cast<void>(context.set_named("default"));
+  const Header header = parse_header(root, context, shown);
+  Project project = parse_project(root);
+  std::optional<geometry::Solid> domain = parse_domain(context, root);
+  std::vector<MeasuredJoint> joints;
+  parse_joints(context, root, joints);
+  std::vector<RandomSet> joint_sets;
+  parse_joint_sets(context, root, joints, joint_sets);
+  parse_properties(context, root);
+  const Rock rock = parse_rock(root);
+  std::vector<Excavation> excavations;
+  parse_excavations(context, root, domain, excavations);
+  ParsedStability stability = parse_stability(context, root, domain, excavations);
+  std::optional<SupportSettings> support = parse_support(root, excavations, stability.settings);
+  std::optional<FieldStressSettings> field_stress = parse_field_stress(root, rock, excavations);
+  OutputSettings output = parse_output(root);
+  std::optional<SequenceSettings> sequence = parse_sequence(root, excavations);
+  const MicroBlocks micro_blocks = parse_micro_blocks(root);
+  // What is asked for of all the rock needs all the rock.
+  if (sequence || header.keep_dangling || micro_blocks.policy == MicroBlockPolicy::exclude) {
+    output.only_key_blocks = false;
+  }
+  std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
+  if (monte_carlo && monte_carlo->stop) {
+    const auto* quantity = stochastic::quantity_named(monte_carlo->stop->quantity);
+    if (quantity->stability && !stability.settings) {
+      problems.error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
+                     "asks for key blocks, but nothing is free",
+                     "add an excavation or stability.free, or take block_count");
+    }
+    if (quantity->whole_system && output.only_key_blocks && stability.settings) {
+      problems.error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
+                     "counts all blocks, but only key blocks are cut", "set output.blocks = \"all\"");
+    }
+  }
+  if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
+
+  Scene scene{.title = header.title,
+              .project = std::move(project),
+              .seed = header.seed,
+              .snap = header.snap,
+              .north = context.north,
+              .domain = std::move(*domain),
+              .free_domain_tags = std::move(stability.free_domain_tags),
+              .sets = std::move(context.sets),
+              .joints = std::move(joints),
+              .terminations = std::move(context.terminations),
+              .keep_dangling = header.keep_dangling,
+              .joint_sets = std::move(joint_sets),
+              .rock = rock,
+              .excavations = std::move(excavations),
+              .support = std::move(support),
+              .stability = stability.settings,
+              .field_stress = field_stress,
+              .sequence = std::move(sequence),
+              .micro_blocks = micro_blocks,
+              .output = output,
+              .monte_carlo = std::move(monte_carlo),
+              .shown = shown,
+              .file_name = stem_of(shown),
+              .sha256 = sha256_hex(text),
+              .files = std::move(context.files),
+              .given = {},
+              .notes = {}};
+  for (const TomlEntry& entry : table.entries) scene.given.push_back(entry.key);
+  find_notes(scene, root);
+  scene.notes = std::move(problems).take_notes();
+  return scene;
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,292 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <string_view>
+#include <utility>
+
+#include "cleave/geometry/tunnel.hpp"
+#include "cleave/scene3d/bounds.hpp"
+#include "cleave/scene3d/key_tables.hpp"
+#include "context.hpp"
+#include "solid_input.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using std::string_view;
+
+constexpr std::array<string_view, 8> shapes{"circle",    "ellipse",   "rectangle", "d_shape",
+                                            "horseshoe", "trapezoid", "arch",      "polygon"};
+enum Kind : std::size_t { tunnel, slope, benches, mesh, polyhedron };
+constexpr std::array<string_view, 5> kinds{"tunnel", "slope", "benches", "mesh", "polyhedron"};
+
+const KeyTable& profile_shape_keys() {
+  const Key width{"width", key::number(rule::length), required, "m"},
+      height{"height", key::number(rule::length), required, "m"};
+  const Key wall{"wall", key::number(rule::length_or_zero), "", "m, height of the walls; or the whole `height`"};
+  const Key whole{"height", key::number(rule::length), "", "m, of the whole; or that of the walls, `wall`"};
+  static const KeyTable keys{
+      .name = "excavation.section",
+      .keys = {{"shape", key::word(shapes), required, "of the opening"},
+               {"segments", key::whole(2, 1024), "16", "chords of a half circle"}},
+      .select = "shape",
+      .variants = {{"circle",
+                    {{"diameter", key::number(rule::length), "", "m, or `radius`; polygon of the circle's area"},
+                     {"radius", key::number(rule::length), "", "m"}}},
+                   {"ellipse", {width, height}},
+                   {"rectangle", {width, height}},
+                   {"d_shape", {width, wall, whole}},
+                   {"horseshoe", {width, height}},
+                   {"trapezoid",
+                    {width,
+                     {"top_width", key::number(rule::length), required, "m, of the roof; `width` is that of the floor"},
+                     height}},
+                   {"arch",
+                    {width,
+                     wall,
+                     whole,
+                     {"rise", key::number(rule::length), required, "m, of the circular arc over the walls"}}},
+                   {"polygon",
+                    {{"corners", key::pairs(), required,
+                      "`[[u, v], ...]` in m, u to the right and v up, looking along the axis"}}}}};
+  return keys;
+}
+
+Length dimension(const TableReader& section, string_view key) { return metres(section.need_number(key).value_or(0)); }
+
+/// Height of the walls under an arch that rises `rise`: given as `wall`, or as `height` of the whole section.
+Length wall_height(const TableReader& section, Length rise) {
+  constexpr std::array<string_view, 2> keys{"wall", "height"};
+  const TomlEntry* given = section.one_of(keys);
+  if (given == nullptr) return metres(0);
+  if (given->key == "wall") return metres(section.number("wall").value_or(0));
+  const auto height = section.number("height");
+  if (height && *height < rise.si()) {
+    section.error("height", fmt::format("is {} m, less than the {} m that the arch rises", *height, rise.si()),
+                  "give a greater height or a smaller width");
+  }
+  return metres(height.value_or(rise.si()) - rise.si());
+}
+
+Length circle_diameter(const TableReader& section) {
+  constexpr std::array<string_view, 2> keys{"diameter", "radius"};
+  const TomlEntry* given = section.one_of(keys);
+  if (given == nullptr) return metres(0);
+  return metres(section.number(given->key).value_or(0) * (given->key == "radius" ? 2 : 1));
+}
+
+std::optional<geometry::PolygonSection> parse_outline(const TableReader& section) {
+  if (!section.has("corners")) section.missing("corners", "add corners = [[u, v], [u, v], ...] in metres");
+  const auto corners = section.pairs("corners");
+  if (!corners) return std::nullopt;
+  geometry::PolygonSection outline;
+  for (const auto& [u, v] : *corners) outline.corners.push_back({u, v});
+  return outline;
+}
+
+std::optional<geometry::Section> parse_section(const TableReader& tunnel, geometry::TunnelOptions& options) {
+  if (!tunnel.has("section")) {
+    tunnel.missing("section", "add section = { shape = \"horseshoe\", width = 10, height = 10 }");
+    return std::nullopt;
+  }
+  const auto found = tunnel.sub("section");
+  const auto shape = found ? found->variant() : std::nullopt;
+  if (!shape) return std::nullopt;
+  const TableReader& section = *found;
+  options.segments = static_cast<std::uint32_t>(section.count("segments"));
+  if (*shape == 7) {
+    auto outline = parse_outline(section);
+    if (!outline) return std::nullopt;
+    return std::move(*outline);
+  }
+  const std::size_t before = section.problems().errors();
+  const auto build = [&]() -> geometry::Section {
+    if (*shape == 0) return geometry::CircleSection{circle_diameter(section)};
+    const Length width = dimension(section, "width");
+    switch (*shape) {
+      case 1: return geometry::EllipseSection{width, dimension(section, "height")};
+      case 2: return geometry::RectangleSection{width, dimension(section, "height")};
+      case 3: return geometry::DShapeSection{width, wall_height(section, width / 2)};
+      case 4: return geometry::HorseshoeSection{width, dimension(section, "height")};
+      case 5: return geometry::TrapezoidSection{width, dimension(section, "top_width"), dimension(section, "height")};
+      default: break;
+    }
+    const Length rise = dimension(section, "rise");
+    return geometry::ArchSection{width, wall_height(section, rise), rise};
+  };
+  const geometry::Section result = build();
+  if (section.problems().errors() != before) return std::nullopt;
+  return result;
+}
+
+/// The key of a tunnel that an error is about.
+string_view key_of(const geometry::TunnelError& error) {
+  if (std::holds_alternative<geometry::UpAlongAxis>(error)) return "up";
+  const bool axis =
+      std::holds_alternative<geometry::AxisTooShort>(error) || std::holds_alternative<geometry::BadAxisPoint>(error) ||
+      std::holds_alternative<geometry::ZeroLengthAxis>(error) ||
+      std::holds_alternative<geometry::BendTooSharp>(error) || std::holds_alternative<geometry::TunnelNotSolid>(error);
+  return axis ? "axis" : "section";
+}
+
+std::optional<geometry::Solid> parse_tunnel(const TableReader& tunnel, std::optional<TunnelLine>& line) {
+  geometry::TunnelOptions options;
+  const auto section = parse_section(tunnel, options);
+  if (!tunnel.has("axis")) tunnel.missing("axis", "add axis = [[x, y, z], [x, y, z]]");
+  const auto axis = tunnel.points("axis");
+  if (tunnel.has("up")) {
+    options.up = tunnel.vec3("up");
+    if (!options.up) return std::nullopt;
+  }
+  if (!section || !axis) return std::nullopt;
+  auto solid = geometry::make_tunnel(*section, *axis, options);
+  if (solid) {
+    if (auto outline = geometry::outline_of(*section, options.segments)) {
+      line = {*axis, options.up.value_or(geometry::Vec3{0, 0, 1}), std::move(outline->corners)};
+    }
+    return std::move(*solid);
+  }
+  tunnel.error(key_of(solid.error()), describe(solid.error()), "");
+  return std::nullopt;
+}
+
+/// vertices = [[x, y, z], ...], faces = [[1, 2, 3], ...] counted from 1, outwards counter-clockwise.
+std::optional<geometry::Solid> parse_faces(const TableReader& owner) {
+  const auto vertices = owner.points("vertices");
+  const TomlEntry* entry = owner.find("faces");
+  if (entry == nullptr) {
+    owner.missing("faces",
+                  "add faces = [[1, 2, 3], ...]: numbers of vertices from 1, counter-clockwise seen from outside");
+    return std::nullopt;
+  }
+  if (!vertices) return std::nullopt;
+  const auto bad = [&](std::size_t face) {
+    owner.error(
+        "faces",
+        fmt::format("face {} is not a list of three or more vertex numbers from 1 to {}", face, vertices->size()),
+        "write faces = [[1, 2, 3], ...]");
+    return std::nullopt;
+  };
+  const auto* array = std::get_if<TomlArray>(&entry->node.value);
+  if (array == nullptr) return bad(1);
+  std::vector<geometry::SolidFace> faces;
+  for (const TomlNode& node : array->items) {
+    const auto* numbers = std::get_if<TomlArray>(&node.value);
+    if (numbers == nullptr || numbers->items.size() < 3) return bad(faces.size() + 1);
+    geometry::SolidFace face;
+    for (const TomlNode& item : numbers->items) {
+      const auto* number = std::get_if<std::int64_t>(&item.value);
+      if (number == nullptr || *number < 1 || static_cast<std::uint64_t>(*number) > vertices->size())
+        return bad(faces.size() + 1);
+      face.corners.push_back(static_cast<std::uint32_t>(*number - 1));
+    }
+    faces.push_back(std::move(face));
+  }
+  auto solid = geometry::Solid::make(*vertices, std::move(faces));
+  if (solid) return std::move(*solid);
+  owner.error("faces", describe(solid.error()), "");
+  return std::nullopt;
+}
+
+std::optional<geometry::Solid> parse_polyhedron(const Context& context, const TableReader& owner) {
+  constexpr std::array<string_view, 3> forms{"box", "corners", "vertices"};
+  const TomlEntry* kind = owner.one_of(forms);
+  if (kind == nullptr) return std::nullopt;
+  if (kind->key == "box") return parse_box(owner);
+  if (kind->key == "corners") return parse_corners(context, owner);
+  return parse_faces(owner);
+}
+
+/// What one [[excavation]] takes out: one solid, or one a bench.
+std::vector<Excavation> parse_excavation(Context& context, const TableReader& reader,
+                                         const std::optional<geometry::Solid>& domain) {
+  const auto kind = reader.variant();
+  if (!kind) return {};
+  const auto name = reader.text("name");
+  const auto stage = static_cast<std::uint32_t>(reader.count("stage"));
+  std::optional<TunnelLine> tunnel_line;
+  const bool each = *kind == benches && reader.flag("stage_each");
+  std::vector<geometry::Solid> solids;
+  const auto add = [&](std::optional<geometry::Solid> solid) {
+    if (solid) solids.push_back(std::move(*solid));
+  };
+  // A cut from above is as large as the domain, so without a domain there is nothing to say about it.
+  switch (static_cast<Kind>(*kind)) {
+    case tunnel: add(parse_tunnel(reader, tunnel_line)); break;
+    case slope:
+      if (domain) add(parse_slope(context, reader, *domain));
+      break;
+    case benches:
+      if (domain) solids = parse_benches(reader, *domain).value_or(std::vector<geometry::Solid>{});
+      break;
+    case mesh: add(parse_mesh(context, reader, "file")); break;
+    case polyhedron: add(parse_polyhedron(context, reader)); break;
+  }
+  std::vector<Excavation> excavations;
+  // The room above the first bench belongs to it.
+  const std::size_t above =
+      *kind == benches && !solids.empty() && static_cast<std::int64_t>(solids.size()) > reader.count("count") ? 1 : 0;
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    const std::size_t bench = i < above ? 0 : i - above;
+    std::string shown = name.value_or(reader.path());
+    if (*kind == benches) shown += i < above ? " above" : fmt::format(" bench {}", bench + 1);
+    excavations.push_back({.name = std::move(shown),
+                           .stage = stage + (each ? static_cast<std::uint32_t>(bench) : 0U),
+                           .solid = std::move(solids[i]),
+                           .axis = *kind == tunnel ? reader.points("axis").value_or(std::vector<geometry::Vec3>{})
+                                                   : std::vector<geometry::Vec3>{},
+                           .line = reader.line(),
+                           .tunnel = tunnel_line,
+                           .own_shape = *kind != slope && *kind != benches});
+  }
+  return excavations;
+}
+
+}  // namespace
+
+std::vector<Key> tunnel_keys() {
+  return {{"section", key::table(&profile_shape_keys), required,
+           "`{ shape = \"horseshoe\", width = 10, height = 10 }`, below"},
+          {"axis", key::points(), required,
+           "two points or more, through the centre of the section's bounding box: straight, bent or curved"},
+          {"up", key::vector(rule::coordinate), "[0, 0, 1]", "upwards in the section, where the axis is vertical"}};
+}
+
+const KeyTable& excavation_keys() {
+  static const KeyTable keys{
+      .name = "excavation",
+      .keys = {{"name", key::text(), "`excavation[N]`", "of the opening"},
+               {"kind", key::word(kinds), required, "what is taken out"},
+               {"stage", key::whole(1, 10'000), "1", "see `[sequence]`"}},
+      .select = "kind",
+      .variants = {{"tunnel", tunnel_keys()},
+                   {"slope", slope_keys()},
+                   {"benches", bench_keys()},
+                   {"mesh", {{"file", key::text(), required, "a closed surface as for the domain"}}},
+                   {"polyhedron",
+                    {{"box", key::table(&box_keys), "", "as for the domain"},
+                     {"corners", key::points(), "", "as for the domain"},
+                     {"vertices", key::points(), "", "with `faces`"},
+                     {"faces", key::array(key::array(key::whole(1, 1'000'000'000), 3)), "",
+                      "`[[1, 2, 3], ...]`: numbers of vertices from 1, counter-clockwise seen from outside"}}}}};
+  return keys;
+}
+
+void parse_excavations(Context& context, const TableReader& root, const std::optional<geometry::Solid>& domain,
+                       std::vector<Excavation>& excavations) {
+  for (const TableReader& table : root.each("excavation")) {
+    std::vector<Excavation> made = parse_excavation(context, table, domain);
+    const bool outside = domain && !made.empty() && std::ranges::all_of(made, [&](const Excavation& excavation) {
+                           return parted(excavation.solid, *domain);
+                         });
+    if (outside) {
+      context.problems.error(table.line(), table.path(), "removes no rock: it lies wholly outside the domain",
+                             "move it into the domain, or enlarge the domain");
+    }
+    std::ranges::move(made, std::back_inserter(excavations));
+  }
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,284 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "cleave/scene/nearest.hpp"
+#include "cleave/scene3d/key_tables.hpp"
+#include "context.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using stability::AnyFreeFace;
+using stability::FreeSurface;
+using std::string_view;
+
+constexpr NumberRule pressure_rule{-1e15, false, 1e15, false, " Pa"};
+constexpr NumberRule force_rule{-1e15, false, 1e15, false, " N"};
+constexpr NumberRule line_force_rule{-1e15, false, 1e15, false, " N/m"};
+constexpr NumberRule weight_rule{0, false, 1e5, false, " N/m3", 5000, 50000};
+constexpr NumberRule combine_rule{0, false, 1e3, false, ""};
+
+const KeyTable& water_keys() {
+  static const KeyTable keys{
+      .name = "water",
+      .keys = {
+          {"table", number_or_law<rule::coordinate>(), "",
+           "level of the water table, m; a law: one level a realization (a single run has that of realization 0)"},
+          {"unit_weight", key::number(weight_rule), "9810", "N/m3"},
+          {"free_faces", key::flag(), "false", "true: water also presses on free faces (a lake, a flooded opening)"},
+          {"pressures", key::named(key::number(rule::stress)), "",
+           "`{ SET = Pa }`: the mean pressure in all joints of a set, in place of the table"}}};
+  return keys;
+}
+
+const KeyTable& surcharge_keys() {
+  static const KeyTable keys{.name = "surcharge",
+                             .keys = {{"on", key::text(), "\"all\"", "an excavation or a face of the domain"},
+                                      {"within", key::table(&box_keys), "", "a box that cuts the loaded area out"},
+                                      {"traction", key::vector(pressure_rule), "", "Pa, `[x, y, z]`"},
+                                      {"pressure", key::number(pressure_rule), "", "Pa, against the rock"}}};
+  return keys;
+}
+
+const KeyTable& point_keys() {
+  static const KeyTable keys{
+      .name = "point",
+      .keys = {{"at", key::vector(rule::coordinate), required, "m; a free face must lie within 5 cm"},
+               {"force", key::vector(force_rule), required, "N"}}};
+  return keys;
+}
+
+const KeyTable& line_keys() {
+  static const KeyTable keys{.name = "line",
+                             .keys = {{"from", key::vector(rule::coordinate), required, "m"},
+                                      {"to", key::vector(rule::coordinate), required, "m"},
+                                      {"force_per_metre", key::vector(line_force_rule), required, "N/m"}}};
+  return keys;
+}
+
+std::optional<FreeSurface> parse_surface(const TableReader& table, const std::optional<geometry::Solid>& domain,
+                                         const std::vector<Excavation>& excavations) {
+  const auto name = table.text("on");
+  if (!name || *name == "all") return AnyFreeFace{};
+  std::vector<string_view> known{"all"};
+  for (std::uint32_t i = 0; i < excavations.size(); ++i) {
+    if (excavations[i].name == *name) return stability::ExcavationWall{i};
+    known.emplace_back(excavations[i].name);
+  }
+  if (domain) {
+    for (std::uint32_t tag = 0; tag < domain->tags().size(); ++tag) {
+      if (domain->tags()[tag] == *name) return stability::DomainSide{tag};
+      known.emplace_back(domain->tags()[tag]);
+    }
+  }
+  const auto guess = nearest(*name, known);
+  table.error("on", fmt::format("\"{}\" is neither an excavation nor a face of the domain", name->substr(0, 60)),
+              guess ? fmt::format("did you mean \"{}\"?", *guess) : "write \"all\" for every free face");
+  return std::nullopt;
+}
+
+std::optional<stability::WaterTable> parse_water(const Context& context, const TableReader& owner, LoadSet& loads) {
+  const auto found = owner.sub("water");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
+  if (!table.has("table") && !table.has("pressures")) {
+    table.missing("table", "add table = 20.0 (its level, m) or pressures = { SET = Pa }");
+  }
+  if (const TomlTable* pressures = table.table("pressures")) {
+    for (const TomlEntry& entry : pressures->entries) {
+      const auto value = table.number_of(entry.node, table.path_of("pressures") + "." + entry.key, rule::stress);
+      std::optional<SetId> set;
+      std::vector<string_view> names;
+      for (const SetId id : context.sets.ids()) {
+        if (context.sets[id].name == entry.key) set = id;
+        names.emplace_back(context.sets[id].name);
+      }
+      if (!set) {
+        const auto guess = nearest(entry.key, names);
+        owner.problems().error(entry.line, table.path_of("pressures") + "." + entry.key, "no joint belongs to this set",
+                               guess ? fmt::format("did you mean \"{}\"?", *guess) : "remove it, or name a set so");
+      } else if (value) {
+        loads.pressures.emplace_back(*set, *value);
+      }
+    }
+  }
+  const auto law = parse_number_law(table, "table", -1e12, 1e12);
+  const auto level = law ? std::optional{law->quantile(0.5)} : std::nullopt;
+  if (law && law->kind != FrictionLaw::Kind::constant) loads.water_level = *law;
+  const double unit_weight = table.value("unit_weight");
+  const bool free_faces = table.flag("free_faces");
+  if (!level) {
+    for (const string_view key : {"unit_weight", "free_faces"}) {
+      if (!table.has("table") && table.has(key)) table.error(key, "has a meaning beside table only", "remove it");
+    }
+    return std::nullopt;
+  }
+  return stability::WaterTable{.level = *level, .unit_weight = unit_weight, .on_free_faces = free_faces};
+}
+
+std::optional<stability::Box> parse_within(const TableReader& owner) {
+  const auto table = owner.sub("within");
+  if (!table) return std::nullopt;
+  const auto min = table->need_vec3("min"), max = table->need_vec3("max");
+  if (!min || !max) return std::nullopt;
+  if (!(min->x < max->x && min->y < max->y && min->z < max->z)) {
+    table->error("max", "is not above min on each axis", "swap them");
+    return std::nullopt;
+  }
+  return stability::Box{*min, *max};
+}
+
+void parse_surcharge(const TableReader& table, const std::optional<geometry::Solid>& domain,
+                     const std::vector<Excavation>& excavations, LoadSet& loads) {
+  const auto surface = parse_surface(table, domain, excavations);
+  const auto traction = table.vec3("traction");
+  const auto pressure = table.number("pressure");
+  if (!table.has("traction") && !table.has("pressure")) {
+    table.missing("traction", "add traction = [x, y, z] (Pa) or pressure (Pa, against the rock)");
+  }
+  const auto box = parse_within(table);
+  if (!surface) return;
+  loads.surcharges.push_back({.on = *surface,
+                              .within = box,
+                              .traction = traction.value_or(geometry::Vec3{}),
+                              .pressure = pressure.value_or(0)});
+}
+
+void add(LoadSet& sum, const LoadSet& part, double factor) {
+  sum.seismic += factor * part.seismic;
+  if (part.water) {
+    stability::WaterTable water = *part.water;
+    water.unit_weight *= factor;
+    // Two tables: the one that presses more anywhere they differ is the higher one.
+    if (!sum.water || water.level > sum.water->level) {
+      sum.water = water;
+      sum.water_level = part.water_level;
+    }
+  }
+  for (const auto& [set, pressure] : part.pressures) {
+    const auto same = std::ranges::find(sum.pressures, set, &std::pair<SetId, double>::first);
+    if (same == sum.pressures.end()) {
+      sum.pressures.emplace_back(set, factor * pressure);
+    } else {
+      same->second = std::max(same->second, factor * pressure);
+    }
+  }
+  for (stability::Surcharge load : part.surcharges) {
+    load.traction = factor * load.traction;
+    load.pressure *= factor;
+    sum.surcharges.push_back(load);
+  }
+  for (stability::PointForce load : part.points) {
+    load.force = factor * load.force;
+    sum.points.push_back(load);
+  }
+  for (stability::LineForce load : part.lines) {
+    load.per_metre = factor * load.per_metre;
+    sum.lines.push_back(load);
+  }
+}
+
+}  // namespace
+
+std::vector<Key> load_set_keys() {
+  return {
+      {"seismic", key::vector(rule::ratio), "[0, 0, 0]", "pseudo-static force / weight, in the direction given"},
+      {"water", key::table(&water_keys), "",
+       "`{ table, unit_weight = 9810, free_faces = false, pressures = { SET = Pa } }`, below"},
+      {"surcharge", key::tables(&surcharge_keys), "",
+       "`[{ on = \"all\", within = { min, max }, traction = [x, y, z], pressure }]`: Pa on free faces; `on` names an "
+       "excavation or a face of the domain, `within` a box that cuts the loaded area out; `pressure` acts against "
+       "the rock"},
+      {"point", key::tables(&point_keys), "",
+       "`[{ at = [x, y, z], force = [x, y, z] }]`, N; a free face must lie within 5 cm, else the run ends with 2"},
+      {"line", key::tables(&line_keys), "",
+       "`[{ from, to, force_per_metre }]`, N/m along a straight line on free faces"}};
+}
+
+const KeyTable& load_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{
+        .name = "load",
+        .keys = {{"name", key::text(), required, "of the case"},
+                 {"combine", key::named(key::number(combine_rule)), "",
+                  "`{ NAME = factor }` adds earlier cases times a factor; of two water tables the higher one "
+                  "counts, of two pressures of a set the larger"}}};
+    for (Key& key : load_set_keys()) table.keys.push_back(std::move(key));
+    return table;
+  }();
+  return keys;
+}
+
+LoadSet parse_load_set(const Context& context, const TableReader& table, const std::optional<geometry::Solid>& domain,
+                       const std::vector<Excavation>& excavations) {
+  LoadSet loads{.line = table.line()};
+  if (const auto seismic = table.vec3("seismic")) loads.seismic = *seismic;
+  loads.water = parse_water(context, table, loads);
+  for (const TableReader& t : table.each("surcharge")) parse_surcharge(t, domain, excavations, loads);
+  for (const TableReader& t : table.each("point")) {
+    const auto at = t.need_vec3("at"), force = t.need_vec3("force");
+    if (at && force) loads.points.push_back({*at, *force});
+  }
+  for (const TableReader& t : table.each("line")) {
+    const auto from = t.need_vec3("from"), to = t.need_vec3("to");
+    const auto force = t.need_vec3("force_per_metre");
+    if (!from || !to || !force) continue;
+    if (*from == *to) {
+      t.error("to", "is the same point as from", "use point = { at, force }");
+      continue;
+    }
+    loads.lines.push_back({*from, *to, *force});
+  }
+  return loads;
+}
+
+std::vector<LoadCase> parse_load_cases(const Context& context, const TableReader& root,
+                                       const std::optional<geometry::Solid>& domain,
+                                       const std::vector<Excavation>& excavations, const LoadSet& base) {
+  std::vector<LoadCase> cases;
+  std::vector<LoadSet> own;
+  for (const TableReader& table : root.each("load")) {
+    const auto name = table.need_text("name");
+    LoadSet loads = parse_load_set(context, table, domain, excavations);
+    if (const TomlTable* combine = table.table("combine")) {
+      for (const TomlEntry& entry : combine->entries) {
+        const std::string path = table.path_of("combine") + "." + entry.key;
+        const auto factor = table.number_of(entry.node, path, combine_rule);
+        const auto other = std::ranges::find(cases, entry.key, &LoadCase::name);
+        if (other == cases.end()) {
+          root.problems().error(entry.line, path, "is no load that stands before this one",
+                                "name an earlier [[load]], with a factor: combine = { rain = 1.0 }");
+        } else if (factor) {
+          add(loads, own[static_cast<std::size_t>(other - cases.begin())], *factor);
+        }
+      }
+    }
+    if (!name) continue;
+    if (*name == "base" || std::ranges::find(cases, *name, &LoadCase::name) != cases.end()) {
+      table.error("name", fmt::format("\"{}\" is taken", name->substr(0, 60)),
+                  *name == "base" ? "base is the case of [stability] alone" : "give each load its own name");
+      continue;
+    }
+    own.push_back(loads);
+    LoadSet total = base;
+    // Water of the case takes the place of that of [stability]; forces add up.
+    if (loads.water) {
+      total.water.reset();
+      total.water_level.reset();
+    }
+    for (const auto& [set, pressure] : loads.pressures) {
+      static_cast<void>(pressure);
+      std::erase_if(total.pressures, [&](const auto& entry) { return entry.first == set; });
+    }
+    add(total, loads, 1);
+    total.line = table.line();
+    cases.push_back({*name, std::move(total)});
+  }
+  return cases;
+}
+
+}  // namespace cleave::scene

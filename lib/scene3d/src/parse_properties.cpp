@@ -1,0 +1,257 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include "cleave/scene/nearest.hpp"
+#include "cleave/scene3d/key_tables.hpp"
+#include "context.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using std::string_view;
+using Kind = FrictionLaw::Kind;
+
+/// What a [joints.NAME] states; what it does not state comes from [joints.default].
+struct Stated {
+  std::optional<FrictionLaw> friction;
+  std::optional<StressLaw> cohesion, tension;
+  std::optional<double> correlation, jrc, jcs;
+};
+
+/// A law as it is written, whatever it is of.
+struct Law {
+  Kind kind = Kind::constant;
+  std::optional<double> mean, std, min, max;
+};
+
+constexpr NumberRule correlation_rule{-1, false, 1, false, ""};
+constexpr NumberRule roughness_rule{0, true, 20, false, ""};
+constexpr NumberRule wall_rule{0, true, 1e15, false, " Pa", 1e5, 1e9};
+constexpr NumberRule young_rule{0, true, 1e15, false, " Pa", 1e8, 1e13};
+constexpr NumberRule poisson_rule{-1, true, 0.5, true, ""};
+constexpr std::array<string_view, 5> law_words{"uniform", "normal", "lognormal", "exponential", "constant"};
+constexpr std::array<Kind, 5> law_kinds{Kind::uniform, Kind::normal, Kind::lognormal, Kind::exponential,
+                                        Kind::constant};
+
+std::optional<Law> parse_law(const TableReader& owner, string_view key) {
+  const TomlEntry* entry = owner.find(key);
+  if (entry == nullptr) return std::nullopt;
+  if (!std::holds_alternative<TomlTable>(entry->node.value)) {
+    const auto value = owner.number(key);
+    if (!value) return std::nullopt;
+    return Law{.kind = Kind::constant, .mean = *value, .std = {}, .min = {}, .max = {}};
+  }
+  const std::size_t before = owner.problems().errors();
+  const TableReader table = *owner.sub(key);
+  const string_view unit = table.rule_of("min").unit;
+  if (!table.has("distribution")) {
+    table.missing("distribution",
+                  "add distribution = \"uniform\" (with min and max) or \"normal\" (with mean and std)");
+    return std::nullopt;
+  }
+  const auto word = table.choice("distribution");
+  if (!word) return std::nullopt;
+  Law law;
+  law.kind = law_kinds[*word];
+  const bool uniform = law.kind == Kind::uniform;
+  const bool with_std = law.kind == Kind::normal || law.kind == Kind::lognormal;
+  if (uniform && (!table.has("min") || !table.has("max"))) {
+    table.missing(table.has("min") ? "max" : "min",
+                  unit.empty() ? "add min and max" : fmt::format("add min and max, in{}", unit));
+  }
+  law.min = table.number("min");
+  law.max = table.number("max");
+  law.mean = uniform ? table.number("mean") : table.need_number("mean");
+  law.std = with_std ? table.need_number("std") : table.number("std");
+  if (uniform && law.mean) table.error("mean", "has no meaning for the distribution \"uniform\"", "remove it");
+  if (!with_std && law.std) table.error("std", "has no meaning for this distribution", "remove it");
+  if (owner.problems().errors() != before) return std::nullopt;
+  if (law.min && law.max && *law.min > *law.max) {
+    table.error("min", fmt::format("is {}, above max = {}", *law.min, *law.max), "swap them");
+    return std::nullopt;
+  }
+  const bool positive = law.kind == Kind::lognormal || law.kind == Kind::exponential;
+  if (positive && *law.mean <= 0) {
+    table.error("mean", "is 0", fmt::format("give a mean above 0{}", unit));
+    return std::nullopt;
+  }
+  // A law that lies almost wholly outside its limits would put every draw on a limit.
+  if (with_std &&
+      ((law.min && *law.mean < *law.min - 5 * *law.std) || (law.max && *law.mean > *law.max + 5 * *law.std))) {
+    table.error("mean", fmt::format("is {}, more than 5 std outside of min..max", *law.mean),
+                "move the limits or the mean");
+    return std::nullopt;
+  }
+  return law;
+}
+
+/// The law in its own type, whose limits stand where the scene states none.
+template <class Own>
+std::optional<Own> own_law(const std::optional<Law>& law) {
+  if (!law) return std::nullopt;
+  Own own;
+  own.kind = law->kind;
+  own.mean = law->mean.value_or(own.mean);
+  own.std = law->std.value_or(0.0);
+  own.min = law->min.value_or(own.min);
+  own.max = law->max.value_or(own.max);
+  return own;
+}
+
+Stated parse_one(const TableReader& table) {
+  Stated stated{parse_friction(table, "friction"),
+                own_law<StressLaw>(parse_law(table, "cohesion")),
+                own_law<StressLaw>(parse_law(table, "tension")),
+                table.number("friction_cohesion_correlation"),
+                table.number("jrc"),
+                table.number("jcs")};
+  if (table.has("jrc") != table.has("jcs")) {
+    table.missing(table.has("jrc") ? "jcs" : "jrc", "Barton-Bandis needs both: jrc = 8, jcs = 50e6");
+  }
+  const auto constant = [](const auto& law) { return law && law->kind == Kind::constant; };
+  if (stated.jrc && stated.cohesion && !(constant(stated.cohesion) && stated.cohesion->mean == 0)) {
+    table.error("cohesion", "has no meaning beside jrc and jcs", "remove one of them");
+  }
+  if (constant(stated.friction) && constant(stated.cohesion) && constant(stated.tension)) {
+    const double tangent = std::tan(FrictionAngle::degrees(stated.friction->mean).radians());
+    if (stated.tension->mean * tangent > stated.cohesion->mean) {
+      table.note("tension",
+                 fmt::format("is above cohesion / tan(friction) = {:.6g} Pa, the apex of the Mohr-Coulomb line",
+                             tangent > 0 ? stated.cohesion->mean / tangent : 0.0),
+                 "it is used as given; check it");
+    }
+  }
+  return stated;
+}
+
+JointProperties with(JointProperties base, const Stated& stated) {
+  if (stated.friction) base.friction = *stated.friction;
+  if (stated.cohesion) base.cohesion = *stated.cohesion;
+  if (stated.tension) base.tension = *stated.tension;
+  if (stated.correlation) base.friction_cohesion = *stated.correlation;
+  if (stated.cohesion) base.jrc = 0;  // a straight law of its own
+  if (stated.jrc && stated.jcs) {
+    base.jrc = *stated.jrc;
+    base.jcs = pascals(*stated.jcs);
+    base.cohesion = StressLaw{};
+  }
+  return base;
+}
+
+}  // namespace
+
+KeyTable make_law_keys(const NumberRule& rule) {
+  NumberRule limit = rule;
+  limit.usual_low = limit.usual_high = 0;
+  return {.name = rule.unit.empty() ? std::string{"law"} : fmt::format("law in{}", rule.unit),
+          .keys = {{"distribution", key::word(law_words), required,
+                    "`uniform` has `min` and `max`, `normal` and "
+                    "`lognormal` have `mean` and `std`, `exponential` and `constant` have `mean`"},
+                   {"mean", key::number(rule), "", "of the law before it is cut to `min`..`max`"},
+                   {"std", key::number(limit), "", "of the law before it is cut"},
+                   {"min", key::number(limit), "", "lower limit"},
+                   {"max", key::number(limit), "", "upper limit"}}};
+}
+
+const KeyTable& strength_keys() {
+  static const KeyTable keys{
+      .name = "joints",
+      .keys = {
+          {"friction", number_or_law<rule::friction>(), "30",
+           "degrees, a number or a law: `uniform` with `min`, `max`; `normal`, `lognormal` with `mean`, `std`; "
+           "`exponential` with `mean`; each with optional `min`, `max`; one value a joint"},
+          {"cohesion", number_or_law<rule::strength>(), "0", "Pa, a number or a law"},
+          {"tension", number_or_law<rule::strength>(), "0", "Pa, strength of a joint that opens; a number or a law"},
+          {"friction_cohesion_correlation", key::number(correlation_rule), "0",
+           "ties friction and cohesion of a joint together (Gaussian copula; each keeps its law)"},
+          {"jrc", key::number(roughness_rule), "",
+           "joint roughness: with `jcs` the law of Barton and Bandis takes the place of the straight one: "
+           "`friction` is then the residual angle, there is no cohesion, and the angle stays between residual and "
+           "70 degrees"},
+          {"jcs", key::number(wall_rule), "", "Pa, strength of the joint walls"}}};
+  return keys;
+}
+
+const KeyTable& rock_keys() {
+  static const KeyTable keys{
+      .name = "rock",
+      .keys = {{"density", key::number(rule::density), "2700",
+                "kg/m3; a text may state a unit weight (`\"26 kN/m3\"`), which is divided by 9.81 m/s2"},
+               {"young", key::number(young_rule), "", "Pa, of bodies that state none"},
+               {"poisson", key::number(poisson_rule), "",
+                "Poisson's ratio of bodies that state none, and of `[field_stress]`"}}};
+  return keys;
+}
+
+std::optional<FrictionLaw> parse_friction(const TableReader& owner, string_view key) {
+  return own_law<FrictionLaw>(parse_law(owner, key));
+}
+
+std::optional<NumberLaw> parse_number_law(const TableReader& owner, string_view key, double min, double max) {
+  const auto stated = parse_law(owner, key);
+  auto law = own_law<NumberLaw>(stated);
+  if (!law) return law;
+  // Laws of positive numbers begin at 0.
+  const bool positive = law->kind == Kind::lognormal || law->kind == Kind::exponential;
+  law->min = stated->min.value_or(positive ? std::max(min, 0.0) : min);
+  law->max = stated->max.value_or(max);
+  return law;
+}
+
+void parse_properties(Context& context, const TableReader& root) {
+  const TomlTable* found = root.table("joints");
+  if (found == nullptr) return;
+  std::vector<std::pair<std::string, Stated>> stated;
+  for (const TomlEntry& entry : found->entries) {
+    const std::string path = "joints." + entry.key;
+    const auto* table = std::get_if<TomlTable>(&entry.node.value);
+    if (table == nullptr) {
+      const bool property = strength_keys().find(entry.key, std::nullopt) != nullptr;
+      context.problems.error(entry.line, path,
+                             fmt::format("is {} but must be a table of a joint set", kind_of(entry.node)),
+                             property ? "put it under [joints.default]" : "write [joints.NAME] with the name of a set");
+      continue;
+    }
+    stated.emplace_back(entry.key, parse_one(TableReader{*table, entry.line, path, context.problems, strength_keys()}));
+  }
+  JointProperties base;
+  for (const auto& [name, properties] : stated) {
+    if (name == "default") base = with(base, properties);
+  }
+  std::vector<string_view> names;
+  for (const SetId id : context.sets.ids()) {
+    context.sets[id].properties = base;
+    names.emplace_back(context.sets[id].name);
+  }
+  for (const auto& [name, properties] : stated) {
+    if (name == "default") continue;
+    bool used = false;
+    for (const SetId id : context.sets.ids()) {
+      if (context.sets[id].name != name) continue;
+      context.sets[id].properties = with(base, properties);
+      used = true;
+    }
+    if (used || context.problems.errors() != 0) continue;  // its joints may be among what is wrong
+    const auto guess = nearest(name, names);
+    const auto entry = std::ranges::find(found->entries, name, &TomlEntry::key);
+    context.problems.error(entry->line, "joints." + name, "no joint belongs to this set",
+                           guess ? fmt::format("did you mean \"{}\"?", *guess) : "remove it, or name a set so");
+  }
+}
+
+Rock parse_rock(const TableReader& root) {
+  Rock rock;
+  const auto table = root.sub("rock");
+  if (!table) return rock;
+  rock.density = kilograms_per_cubic_metre(table->value("density"));
+  static_cast<void>(table->number("young"));  // stresses around a tunnel do not depend on it
+  rock.poisson = table->number("poisson");
+  return rock;
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,239 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "cleave/scene/nearest.hpp"
+#include "cleave/scene3d/key_tables.hpp"
+#include "cleave/stability/maximum_blocks.hpp"
+#include "context.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using std::string_view;
+
+std::vector<std::uint32_t> parse_free(const TableReader& table, const std::optional<geometry::Solid>& domain) {
+  std::vector<std::uint32_t> tags;
+  const auto names = table.texts("free");
+  if (!names || !domain) return tags;
+  std::vector<string_view> known{domain->tags().begin(), domain->tags().end()};
+  for (const std::string& name : *names) {
+    const auto it = std::ranges::find(known, name);
+    if (it == known.end()) {
+      const auto guess = nearest(name, known);
+      std::string all;
+      for (const string_view word : known) all += (all.empty() ? "" : ", ") + std::string{word};
+      table.error("free", fmt::format("\"{}\" is no face of the domain", name.substr(0, 60)),
+                  known.empty() ? "only a box or corners have faces with names: remove it"
+                                : (guess ? fmt::format("did you mean \"{}\"? ", *guess) : std::string{}) +
+                                      fmt::format("faces are: {}", all));
+      continue;
+    }
+    const auto tag = static_cast<std::uint32_t>(it - known.begin());
+    if (std::ranges::find(tags, tag) == tags.end()) tags.push_back(tag);
+  }
+  return tags;
+}
+
+using Readings = stability::TransferReadings;
+
+constexpr NumberRule gravity_rule{0, false, 1e3, false, " m/s2"};
+
+const KeyTable& partial_keys() {
+  static const KeyTable keys{.name = "partial",
+                             .keys = {{"friction", key::number(rule::factor), "1", "divides tan(friction)"},
+                                      {"cohesion", key::number(rule::factor), "1", "divides cohesion and tension"},
+                                      {"weight", key::number(rule::factor), "1", "multiplies the weight"}}};
+  return keys;
+}
+
+const KeyTable& target_keys() {
+  static const KeyTable keys{.name = "target",
+                             .keys = {{"falling", key::number(rule::factor), "1.5", "also of lifting"},
+                                      {"sliding", key::number(rule::factor), "1.3", "also of wedges"}}};
+  return keys;
+}
+
+const KeyTable& transfer_keys() {
+  static const KeyTable keys{
+      .name = "force_transfer",
+      .keys = {{"reach", key::word<Readings::Reach>(), "\"any_earlier\"", "batches that forces pass to"},
+               {"force", key::word<Readings::Force>(), "\"net\"", "what passes on"},
+               {"along", key::word<Readings::Along>(), "\"motion\"", "direction in which it passes"},
+               {"receiver", key::word<Readings::Receiver>(), "\"judged_anew\"", "motion of the block that receives"},
+               {"stabilised", key::word<Readings::Stabilised>(), "\"keeps_batch\"", "a block that forces make stable"},
+               {"interface", key::word<Readings::Interface>(), "\"ignored\"", "shear that a face can carry"}}};
+  return keys;
+}
+
+const KeyTable& maximum_keys() {
+  static const KeyTable keys{
+      .name = "maximum_blocks",
+      .keys = {{"tunnel", key::text(), required, "name of an excavation of kind tunnel"},
+               {"sets", key::texts(), "", "joint sets, three at least; none: all that have joints"}}};
+  return keys;
+}
+
+PartialFactors parse_partial(const TableReader& stability) {
+  const auto table = stability.sub("partial");
+  if (!table) return {};
+  return {table->value("friction"), table->value("cohesion"), table->value("weight")};
+}
+
+std::optional<Targets> parse_target(const TableReader& stability) {
+  const auto table = stability.sub("target");
+  if (!table) return std::nullopt;
+  return Targets{.falling = table->value("falling"), .sliding = table->value("sliding")};
+}
+
+/// true, false, or a table of readings (docs/stability.md).
+void parse_transfer(const TableReader& stability, StabilitySettings& settings) {
+  const TomlEntry* entry = stability.find("force_transfer");
+  if (entry == nullptr) return;
+  if (!std::holds_alternative<TomlTable>(entry->node.value)) {
+    settings.force_transfer = stability.flag("force_transfer");
+    return;
+  }
+  const TableReader table = *stability.sub("force_transfer");
+  settings.transfer = {.reach = table.word<Readings::Reach>("reach"),
+                       .force = table.word<Readings::Force>("force"),
+                       .along = table.word<Readings::Along>("along"),
+                       .receiver = table.word<Readings::Receiver>("receiver"),
+                       .stabilised = table.word<Readings::Stabilised>("stabilised"),
+                       .interface = table.word<Readings::Interface>("interface")};
+}
+
+std::optional<MaximumBlockSettings> parse_maximum_blocks(const Context& context, const TableReader& stability,
+                                                         const std::vector<Excavation>& excavations) {
+  const auto found = stability.sub("maximum_blocks");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
+  MaximumBlockSettings settings;
+  settings.line = table.line();
+  const auto name = table.need_text("tunnel");
+  if (!name) return std::nullopt;
+  std::vector<string_view> tunnels;
+  const Excavation* tunnel = nullptr;
+  for (std::uint32_t i = 0; i < excavations.size(); ++i) {
+    if (excavations[i].tunnel) tunnels.emplace_back(excavations[i].name);
+    if (!excavations[i].tunnel || excavations[i].name != *name || tunnel != nullptr) continue;
+    tunnel = &excavations[i];
+    settings.excavation = i;
+  }
+  if (tunnel == nullptr) {
+    const auto guess = nearest(*name, tunnels);
+    table.error("tunnel", fmt::format("\"{}\" is no excavation of kind \"tunnel\"", name->substr(0, 60)),
+                guess ? fmt::format("did you mean \"{}\"?", *guess) : "name an [[excavation]] of that kind");
+    return std::nullopt;
+  }
+  if (tunnel->tunnel->axis.size() != 2) {
+    table.error("tunnel", "is not straight", "block theory needs a tunnel whose axis has two points");
+  }
+  if (!stability::is_convex(tunnel->tunnel->outline)) {
+    table.error("tunnel", "has a section that is not convex", "block theory needs a convex section");
+  }
+  if (const auto names = table.texts("sets")) {
+    std::vector<string_view> known;
+    for (const NamedSet& set : context.sets) known.emplace_back(set.name);
+    for (const std::string& set : *names) {
+      const auto it = std::ranges::find(known, set);
+      if (it == known.end()) {
+        const auto guess = nearest(set, known);
+        table.error("sets", fmt::format("\"{}\" is no joint set", set.substr(0, 60)),
+                    guess ? fmt::format("did you mean \"{}\"?", *guess) : "name sets of [[joint]] or [[joint_set]]");
+        continue;
+      }
+      const SetId id{static_cast<std::size_t>(it - known.begin())};
+      if (std::ranges::find(settings.sets, id) == settings.sets.end()) settings.sets.push_back(id);
+    }
+    if (settings.sets.size() < 3 && settings.sets.size() == names->size()) {
+      table.error("sets", "names fewer than three sets", "three planes make a block at a tunnel");
+    }
+  }
+  return settings;
+}
+
+}  // namespace
+
+const KeyTable& stability_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{
+        .name = "stability",
+        .keys = {
+            {"free", key::texts(), "[]", "faces of the domain that are free; all others are rock that stays"},
+            {"gravity", key::either({key::number(gravity_rule), key::vector(rule::acceleration)}), "9.81",
+             "m/s2 downwards, or a vector"},
+        }};
+    for (Key& key : load_set_keys()) table.keys.push_back(std::move(key));
+    const std::vector<Key> more{
+        {"target", key::table(&target_keys), "",
+         "`{ falling = 1.5, sliding = 1.3 }`: required factors of safety. Blocks below are counted (`below_target`) "
+         "and "
+         "`[support]` is checked against them"},
+        {"partial", key::table(&partial_keys), "",
+         "`{ friction, cohesion, weight }`: tan(friction), cohesion and tension are divided, weight is multiplied"},
+        {"force_transfer", key::either({key::flag(), key::table(&transfer_keys)}), "true",
+         "net forces of later batches pass to earlier ones; a table chooses between readings of Fu (2014): `{ reach = "
+         "\"any_earlier\"/\"adjacent\", force = \"net\"/\"driving\", along = \"motion\"/\"normals\", receiver = "
+         "\"judged_anew\"/\"keeps_mode\", stabilised = \"keeps_batch\"/\"batches_anew\", interface = "
+         "\"ignored\"/\"strength\" }`, [stability.md](stability.md)"},
+        {"rotation", key::word<stability::RotationCheck>(), "\"flag\"",
+         "single blocks that cannot slide are asked whether they turn (topple, twist): `\"flag\"` tells, `\"decide\"` "
+         "makes those that do key blocks, `\"off\"` does not ask. Ensembles only ask with `\"decide\"`"},
+        {"groups", key::word<stability::GroupsCheck>(), "\"note\"",
+         "blocks near free faces are judged together too (key groups): `\"note\"` tells, in `key_groups.csv`, "
+         "`\"decide\"` makes blocks of such groups key blocks, `\"off\"` does not ask. Not in ensembles"},
+        {"maximum_blocks", key::table(&maximum_keys), "",
+         "`{ tunnel = \"NAME\", sets = [\"A\", \"B\", \"C\"] }`: largest key blocks that persistent joints of the "
+         "sets' "
+         "mean orientations can make at a straight tunnel with a convex section; without `sets` all that have joints"},
+        {"max_batches", key::whole(1, 1'000'000), "50", "batches at most"},
+        {"require_open_cone", key::flag(), "false",
+         "true: a block counts as removable only when it can leave all its contacts at once", "strict"},
+        {"cohesion_on_parallel_faces", key::flag(), "false",
+         "true: cohesion counts on faces that are only brushed, too", "parallel_contact"},
+        {"group_friction", key::word<stability::GroupFriction>(), "\"area_mean\"",
+         "friction of coplanar contacts with several joints: mean by area, or `\"smallest\"`"}};
+    table.keys.insert(table.keys.end(), more.begin(), more.end());
+    return table;
+  }();
+  return keys;
+}
+
+ParsedStability parse_stability(const Context& context, const TableReader& root,
+                                const std::optional<geometry::Solid>& domain,
+                                const std::vector<Excavation>& excavations) {
+  ParsedStability result;
+  StabilitySettings settings;
+  if (const auto found = root.sub("stability")) {
+    const TableReader& table = *found;
+    result.free_domain_tags = parse_free(table, domain);
+    if (const TomlEntry* gravity = table.find("gravity")) {
+      if (std::holds_alternative<TomlArray>(gravity->node.value)) {
+        if (const auto vector = table.vec3("gravity")) settings.gravity = *vector;
+      } else {
+        settings.gravity = {0, 0, -table.value("gravity")};
+      }
+    }
+    settings.loads = parse_load_set(context, table, domain, excavations);
+    settings.seismic = settings.loads.seismic;
+    settings.partial = parse_partial(table);
+    settings.target = parse_target(table);
+    parse_transfer(table, settings);
+    settings.rotation = table.word<stability::RotationCheck>("rotation");
+    settings.groups = table.word<stability::GroupsCheck>("groups");
+    settings.maximum_blocks = parse_maximum_blocks(context, table, excavations);
+    settings.max_batches = static_cast<std::uint32_t>(table.count("max_batches"));
+    settings.strict = table.flag("require_open_cone");
+    settings.parallel_contact = table.flag("cohesion_on_parallel_faces");
+    settings.group_friction = table.word<stability::GroupFriction>("group_friction");
+  }
+  settings.cases = parse_load_cases(context, root, domain, excavations, settings.loads);
+  // Without anything free no block can move, so there is nothing to judge, [stability] or not.
+  if (!excavations.empty() || !result.free_domain_tags.empty()) result.settings = settings;
+  return result;
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,340 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/orientation.hpp"
+#include "cleave/scene/nearest.hpp"
+#include "cleave/scene3d/key_tables.hpp"
+#include "context.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using geometry::Vec3;
+using std::string_view;
+
+constexpr NumberRule capacity_rule{0, false, 1e12, false, " N", 1e3, 1e8};
+constexpr NumberRule bond_rule{0, false, 1e12, false, " N/m", 1e3, 1e9};
+constexpr NumberRule bolt_length_rule = rule::length.usually(0.2, 200);
+constexpr NumberRule thickness_rule = rule::length.usually(0.005, 2);
+constexpr NumberRule shotcrete_rule{0, true, 1e12, false, " Pa", 1e4, 1e9};
+constexpr NumberRule adhesion_rule{0, false, 1e15, false, " Pa", 1e3, 1e9};
+constexpr NumberRule area_rule{0, false, 1e9, false, " m2"};
+constexpr NumberRule arc_rule{-180, false, 180, false, " degrees"};
+constexpr NumberRule inclination_rule{-80, false, 80, false, " degrees"};
+constexpr NumberRule plunge_rule{-89, false, 89, false, " degrees"};
+constexpr NumberRule cost_rule{0, false, 1e12, false, ""};
+constexpr std::array<string_view, 2> actions{"passive", "active"};
+
+/// length and the capacities of one bolt, of patterns and of spot bolts.
+std::vector<Key> bolt_keys() {
+  return {{"length", key::number(bolt_length_rule), required, "m"},
+          {"tendon_capacity", key::number(capacity_rule), required, "N", "tendon"},
+          {"plate_capacity", key::number(capacity_rule), "0", "N, 0 = none", "plate"},
+          {"bond_strength", key::number(bond_rule), required, "N/m of gripped length", "bond"},
+          {"anchorage", key::number(rule::length_or_zero), required, "m that must be gripped"}};
+}
+
+const KeyTable& grid_keys() {
+  static const KeyTable keys{
+      .name = "support.bolts.grid",
+      .keys = {{"corner", key::vector(rule::coordinate), required, "m"},
+               {"dip", key::number(rule::dip), required, "degrees, of the plane"},
+               {"dip_direction", key::number(rule::dip_direction), required, "degrees, of the plane"},
+               {"width", key::number(rule::length), required, "m, along strike, to the right seen from the air"},
+               {"height", key::number(rule::length), required, "m, down the dip"}}};
+  return keys;
+}
+
+const KeyTable& group_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{
+        .name = "support.bolts",
+        .keys = {{"name", key::text(), "`bolts N`", "of the group"},
+                 {"tunnel", key::text(), "", "rings on the excavation of kind tunnel of this name"},
+                 {"grid", key::table(&grid_keys), "",
+                  "a grid in a plane, from `corner` along strike (to the right seen from the air) and down the dip"},
+                 {"at", key::points(), "", "single bolts with one `direction`"},
+                 {"direction", key::vector(rule::any), "", "of single bolts, into the rock"},
+                 {"spacing", key::pair(rule::length), "",
+                  "m: along the axis and around the section; of a grid across and down the dip"},
+                 {"offset", key::pair(rule::length_or_zero), "[0, 0]", "m, of the first bolt"},
+                 {"arc", key::pair(arc_rule), "all round",
+                  "of rings: degrees from up to the right in which the wall's normal must lie"},
+                 {"inclination", key::number(inclination_rule), "0",
+                  "of rings: degrees from the normal towards the axis's end"},
+                 {"plunge", key::number(plunge_rule), "",
+                  "of grids: degrees below horizontal, against the dip direction; none: at right angles to the plane"},
+                 {"stagger", key::flag(), "false", "every other row is shifted by half a spacing"}},
+        .one_of = {{"tunnel", "grid", "at"}}};
+    for (Key& key : bolt_keys()) table.keys.push_back(std::move(key));
+    return table;
+  }();
+  return keys;
+}
+
+const KeyTable& spot_keys() {
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "support.spot", .keys = bolt_keys()};
+    table.keys.push_back({"max_per_block", key::whole(1, 1000), "20", "bolts of one block", "most"});
+    return table;
+  }();
+  return keys;
+}
+
+const KeyTable& shotcrete_keys() {
+  static const KeyTable keys{.name = "support.shotcrete",
+                             .keys = {{"thickness", key::number(thickness_rule), required, "m"},
+                                      {"strength", key::number(shotcrete_rule), required, "Pa, in shear"},
+                                      {"adhesion", key::number(adhesion_rule), "0", "Pa"},
+                                      {"bond_width", key::number(rule::length), "0.03", "m"}}};
+  return keys;
+}
+
+const KeyTable& design_keys() {
+  static const KeyTable keys{
+      .name = "support.design",
+      .keys = {
+          {"lengths", key::array(key::number(rule::length), 1), required, "m, of bolts"},
+          {"scale", key::pair(rule::factor), "[0.25, 4]", "tightest and widest multiple of the patterns' spacings"},
+          {"phases", key::whole(1, 64), "4", "offsets of the pattern that must all pass"},
+          {"offsets", key::whole(1, 10000), "40", "drawn at random, at which the pattern found is tried"},
+          {"cost_per_bolt", key::number(cost_rule), "0", "in any currency"},
+          {"cost_per_metre", key::number(cost_rule), "1", "of bolt"}}};
+  return keys;
+}
+
+/// Keys of `bolt_keys` but the length.
+std::optional<stability::BoltType> parse_type(const TableReader& table) {
+  const auto tendon = table.need_number("tendon_capacity");
+  const auto bond = table.need_number("bond_strength");
+  const auto anchorage = table.need_number("anchorage");
+  const double plate = table.value("plate_capacity");
+  if (!tendon || !bond || !anchorage) return std::nullopt;
+  return stability::BoltType{.tendon = *tendon, .plate = plate, .bond = *bond, .anchorage = *anchorage};
+}
+
+void parse_rings(const TableReader& table, const std::vector<Excavation>& excavations, stability::RingPattern ring,
+                 SupportSettings& support) {
+  const auto name = table.text("tunnel");
+  const auto spacing = table.pair("spacing");
+  if (!table.has("spacing")) table.missing("spacing", "add spacing = [along the axis, around the section], m");
+  const auto offset = table.pair("offset");
+  const auto arc = table.pair("arc");
+  if (arc && !((*arc)[0] < (*arc)[1])) table.error("arc", "its first angle is not below its second", "swap them");
+  if (!name || !spacing) return;
+  std::vector<string_view> known;
+  for (const Excavation& excavation : excavations) {
+    if (excavation.tunnel) known.emplace_back(excavation.name);
+    if (!excavation.tunnel || excavation.name != *name) continue;
+    ring.axis = excavation.tunnel->axis;
+    ring.up = excavation.tunnel->up;
+    ring.outline = excavation.tunnel->outline;
+    ring.along = (*spacing)[0];
+    ring.around = (*spacing)[1];
+    ring.offset_along = offset ? (*offset)[0] : 0;
+    ring.offset_around = offset ? (*offset)[1] : 0;
+    if (arc) ring.arc = *arc;
+    ring.stagger = table.flag("stagger");
+    ring.inclination = table.value("inclination");
+    const auto bolts = bolts_of(ring);
+    if (bolts.size() > 200'000) {
+      table.error("spacing", fmt::format("makes {} bolts", bolts.size()), "space them wider");
+      return;
+    }
+    support.plan.bolts.insert(support.plan.bolts.end(), bolts.begin(), bolts.end());
+    support.patterns.emplace_back(std::move(ring));
+    return;
+  }
+  const auto guess = nearest(*name, known);
+  table.error("tunnel", fmt::format("\"{}\" is no excavation of kind \"tunnel\"", name->substr(0, 60)),
+              guess ? fmt::format("did you mean \"{}\"?", *guess) : "name an [[excavation]] of that kind");
+}
+
+void parse_grid(const TableReader& owner, stability::GridPattern grid, SupportSettings& support) {
+  const auto found = owner.sub("grid");
+  const auto spacing = owner.pair("spacing");
+  if (!owner.has("spacing")) owner.missing("spacing", "add spacing = [across, down the dip], m");
+  const auto offset = owner.pair("offset");
+  const auto plunge = owner.number("plunge");
+  if (!found) return;
+  const TableReader& table = *found;
+  const auto corner = table.need_vec3("corner");
+  const auto dip = table.need_number("dip"), direction = table.need_number("dip_direction");
+  const auto width = table.need_number("width"), height = table.need_number("height");
+  if (!corner || !dip || !direction || !width || !height || !spacing) return;
+  const Vec3 normal =
+      geometry::upward_normal({Dip::degrees(*dip), DipDirection::degrees(*direction == 360 ? 0 : *direction)});
+  const double a = *direction * (3.14159265358979323846 / 180), d = *dip * (3.14159265358979323846 / 180);
+  grid.corner = *corner;
+  grid.down = {std::cos(d) * std::sin(a), std::cos(d) * std::cos(a), -std::sin(d)};
+  grid.across = geometry::cross(normal, grid.down);
+  grid.width = *width;
+  grid.height = *height;
+  grid.spacing_across = (*spacing)[0];
+  grid.spacing_down = (*spacing)[1];
+  grid.offset_across = offset ? (*offset)[0] : 0;
+  grid.offset_down = offset ? (*offset)[1] : 0;
+  grid.stagger = owner.flag("stagger");
+  if (plunge) {
+    const double p = *plunge * (3.14159265358979323846 / 180);
+    grid.direction = {-std::cos(p) * std::sin(a), -std::cos(p) * std::cos(a), -std::sin(p)};
+  } else {
+    grid.direction = -normal;
+  }
+  const auto bolts = bolts_of(grid);
+  if (bolts.size() > 200'000) {
+    owner.error("spacing", fmt::format("makes {} bolts", bolts.size()), "space them wider");
+    return;
+  }
+  support.plan.bolts.insert(support.plan.bolts.end(), bolts.begin(), bolts.end());
+  support.patterns.emplace_back(grid);
+}
+
+void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavations, SupportSettings& support) {
+  const std::vector<TableReader> tables = root.each("bolts");
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const TableReader& table = tables[i];
+    support.groups.push_back(table.text("name").value_or(fmt::format("bolts {}", i + 1)));
+    const auto group = static_cast<std::uint32_t>(i);
+    const auto length = table.need_number("length");
+    const auto type = parse_type(table);
+    const TomlEntry* kind = table.one_of();
+    if (kind == nullptr) continue;
+    const auto misused = [&](std::initializer_list<string_view> others) {
+      for (const string_view key : others) {
+        if (table.has(key)) table.error(key, fmt::format("has no meaning for bolts of `{}`", kind->key), "remove it");
+      }
+    };
+    const double l = length.value_or(1);
+    const stability::BoltType t = type.value_or(stability::BoltType{});
+    if (kind->key == "tunnel") {
+      misused({"direction", "plunge"});
+      stability::RingPattern ring;
+      ring.length = l;
+      ring.type = t;
+      ring.group = group;
+      parse_rings(table, excavations, std::move(ring), support);
+    } else if (kind->key == "grid") {
+      misused({"direction", "arc", "inclination"});
+      stability::GridPattern grid;
+      grid.length = l;
+      grid.type = t;
+      grid.group = group;
+      parse_grid(table, grid, support);
+    } else {
+      misused({"spacing", "offset", "arc", "inclination", "stagger", "plunge"});
+      const auto at = table.points("at");
+      const auto direction = table.need_vec3("direction");
+      if (!at || !direction) continue;
+      if (!(geometry::norm(*direction) > 0)) {
+        table.error("direction", "is the zero vector", "give the way into the rock");
+        continue;
+      }
+      for (const Vec3 collar : *at) {
+        const stability::Bolt bolt{
+            .collar = collar, .direction = geometry::normalized(*direction), .length = l, .type = t, .group = group};
+        support.single.push_back(bolt);
+        support.plan.bolts.push_back(bolt);
+      }
+    }
+  }
+}
+
+void parse_spot(const TableReader& owner, SupportSettings& support) {
+  const auto table = owner.sub("spot");
+  if (!table) return;
+  const auto length = table->need_number("length");
+  const auto type = parse_type(*table);
+  const auto most = static_cast<std::uint32_t>(table->count("max_per_block"));
+  if (length && type) support.plan.spot = stability::SpotBolts{.type = *type, .length = *length, .most = most};
+}
+
+void parse_shotcrete(const TableReader& owner, SupportSettings& support) {
+  const auto table = owner.sub("shotcrete");
+  if (!table) return;
+  const auto thickness = table->need_number("thickness"), strength = table->need_number("strength");
+  const double adhesion = table->value("adhesion"), width = table->value("bond_width");
+  if (!thickness || !strength) return;
+  support.plan.shotcrete = stability::Shotcrete{
+      .thickness = *thickness, .shear_strength = *strength, .adhesion = adhesion, .bond_width = width};
+}
+
+void parse_design(const TableReader& owner, SupportSettings& support) {
+  const auto table = owner.sub("design");
+  if (!table) return;
+  DesignSettings design;
+  if (!table->has("lengths")) {
+    table->missing("lengths", "add lengths = [3, 4, 5], m");
+    return;
+  }
+  design.lengths = table->numbers("lengths").value_or(std::vector<double>{});
+  if (const auto scale = table->pair("scale")) {
+    design.tightest = (*scale)[0];
+    design.widest = (*scale)[1];
+    if (!(design.tightest < design.widest))
+      table->error("scale", "its first number is not below its second", "swap them");
+  }
+  design.phases = static_cast<std::uint32_t>(table->count("phases"));
+  design.offsets = static_cast<std::uint32_t>(table->count("offsets"));
+  design.cost_per_bolt = table->value("cost_per_bolt");
+  design.cost_per_metre = table->value("cost_per_metre");
+  if (support.patterns.empty()) {
+    owner.error("design", "there is no pattern to space", "add [[support.bolts]] with tunnel or grid");
+    return;
+  }
+  support.design = std::move(design);
+}
+
+}  // namespace
+
+const KeyTable& support_keys() {
+  static const KeyTable keys{
+      .name = "support",
+      .keys = {
+          {"bolts", key::tables(&group_keys), "", "groups of bolts, below"},
+          {"spot", key::table(&spot_keys), "",
+           "bolts added one by one to blocks that pattern and shotcrete do not hold, below"},
+          {"shotcrete", key::table(&shotcrete_keys), "",
+           "holds blocks of any size by shear along the edge of their free faces against rock that stays, limited by "
+           "adhesion where stated; counts together with bolts; bending between bolts is not checked; below"},
+          {"spot_area", key::number(area_rule), "0.5",
+           "m2 of free face of a block: below, it is small: no spot bolts, and apart in the summary"},
+          {"action", key::word(actions), "\"passive\"",
+           "`\"active\"`: tensioned bolts, in the factor of bolts alone (`factor_with_bolts`) only; what holds is "
+           "decided "
+           "by the factor with everything"},
+          {"key_only", key::flag(), "false", "true: only blocks that need support are stitched together"},
+          {"design", key::table(&design_keys), "",
+           "for each length the widest multiple of the patterns' spacings at which every one of `phases` offsets "
+           "passes both steps; then what share of offsets drawn at random fails, below"}}};
+  return keys;
+}
+
+std::optional<SupportSettings> parse_support(const TableReader& root, const std::vector<Excavation>& excavations,
+                                             const std::optional<StabilitySettings>& stability) {
+  const auto found = root.sub("support");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
+  SupportSettings support;
+  support.line = table.line();
+  parse_bolts(table, excavations, support);
+  parse_spot(table, support);
+  parse_shotcrete(table, support);
+  parse_design(table, support);
+  support.plan.active = table.choice("action") == std::size_t{1};
+  support.plan.spot_area = table.value("spot_area");
+  support.plan.key_only = table.flag("key_only");
+  if (stability && stability->target) {
+    support.plan.target_falling = stability->target->falling;
+    support.plan.target_sliding = stability->target->sliding;
+  }
+  return support;
+}
+
+}  // namespace cleave::scene
