@@ -74,9 +74,9 @@ PROMISES = [
     ),
     Promise(
         "Limits of memory are honoured",
-        "Out of memory is exit code 3 and a message, with nothing left behind; `ulimit` and control groups hold.",
-        "There is no limit of cleave's own yet, and the estimate of `cleave plan` is a guide, not a bound.",
-        r"^(Runs/FaultsTest\.LessAndLess|MachineTest\.Memory|PeakMemoryTest|Scenes/PlannedSize)",
+        "Out of memory is exit code 3 and a message, with nothing left behind, under `--memory`, `ulimit` and control groups.",
+        "`cleave run` and `cleave replay` take `--memory`. The estimate of `cleave plan` is a guide, not a bound.",
+        r"^(Runs/FaultsTest\.LessAndLess|MachineTest\.(Memory|TheLimit)|PeakMemoryTest|Scenes/PlannedSize)",
     ),
     Promise(
         "Every error of input names file, line, key and remedy",

@@ -22,6 +22,7 @@
 
 #include "cleave/core/version.hpp"
 #include "commands.hpp"
+#include "memory_limit.hpp"
 
 namespace cleave::cli {
 namespace {
@@ -117,6 +118,22 @@ ExitCode run_program(int argc, char** argv) {
       "interrupted.");
   std::function<ExitCode()> chosen;
 
+  std::uint64_t memory = 0;
+  const auto takes_memory = [&memory](CLI::App* command) {
+    command
+        ->add_option("--memory", memory,
+                     "memory that it may take at most, as \"4 GB\"; a run that needs more ends with exit code 3")
+        ->transform(CLI::AsSizeValue(true));
+    command->parse_complete_callback([&memory, command] {
+      if (command->count("--memory") == 0) return;
+      if (memory < least_memory || memory > most_memory) {
+        throw CLI::ValidationError("--memory", "is not from 64 MB to 1000 TB: give a number with its unit, as in \"4 GB\"");
+      }
+      if (!limit_memory(memory)) {
+        throw CLI::ValidationError("--memory", "this system knows no such limit: leave it out");
+      }
+    });
+  };
   RunArguments run;
   run.threads = threads_of_machine();
   std::string shard;
@@ -128,6 +145,7 @@ ExitCode run_program(int argc, char** argv) {
       ->check(CLI::Range(1, 1024));
   std::string seed;
   run_command->add_option("--seed", seed, "instead of the scene's seed");
+  takes_memory(run_command);
   run_command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
   run_command->add_option("--shard", shard,
                           "part K/N of a Monte Carlo run, K from 1; merge the parts with cleave merge");
@@ -165,6 +183,7 @@ ExitCode run_program(int argc, char** argv) {
   replay_command->add_option("--realization", replay.realization, "its number, from 0")->required();
   replay_command->add_option("-o,--out", replay.out, "folder for the result instead of RESULT/realization_K");
   replay_command->add_option("--threads", replay.threads, "threads to use")->check(CLI::Range(1, 1024));
+  takes_memory(replay_command);
   replay_command->add_flag("--quiet", replay.quiet, "no progress and no figures, errors only");
   replay_command->callback([&] { chosen = [&] { return replay_realization(replay); }; });
 

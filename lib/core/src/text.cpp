@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <memory>
 #include <system_error>
 
 namespace cleave {
@@ -32,8 +33,9 @@ bool is_formula(std::string_view text) noexcept {
   if (text.empty() || !std::string_view{"=+-@"}.contains(text.front())) return false;
   const std::string_view number = text.front() == '+' ? text.substr(1) : text;
   double value = 0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-  return error != std::errc{} || end != number.data() + number.size();
+  const char* const stop = std::to_address(number.end());
+  const auto [end, error] = std::from_chars(std::to_address(number.begin()), stop, value);
+  return error != std::errc{} || end != stop;
 }
 
 std::string csv_field(std::string_view text, std::string_view others) {
