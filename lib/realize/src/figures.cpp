@@ -162,12 +162,12 @@ Figures count(const RunResult& result) {
   Figures figures;
   figures.input.joints = result.joints.size();
   figures.input.files = result.files;
-  for (const ExcavationInfo& info : result.excavations) {
-    figures.input.excavations.push_back({info.name, info.taken.removed, info.outside_share});
-  }
   if (result.complex) {
     const topology::BlockComplex& complex = result.complex->complex();
     const topology::CutReport& report = complex.report();
+    for (const ExcavationInfo& info : result.excavations) {
+      figures.input.excavations.push_back({info.name, info.taken.removed, info.outside_share});
+    }
     figures.input.lattice_pitch_m = report.lattice_pitch_m;
     figures.input.largest_snap_m = report.largest_snap_m;
     figures.input.merged_planes = report.merged_planes;

@@ -85,9 +85,13 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   if (result.complex) {
     CLEAVE_TRY(result.excavations, timer.run(name_of(Stage::cut), [&] { return taken_by(scene, result); }));
     if (auto missing = without_rock(scene, result.excavations); !missing.empty()) return std::unexpected(missing);
+  } else {  // no volume of such a cut is to be trusted
+    for (const Excavation& excavation : scene.excavations) {
+      result.excavations.push_back({.name = excavation.name, .stage = excavation.stage, .tunnel = excavation.tunnel});
+    }
   }
   result.notes = notes_of(scene, result);
-  add_excavation_notes(result.excavations, result.notes);
+  if (result.complex) add_excavation_notes(result.excavations, result.notes);
   result.title = scene.title;
   result.project = scene.project;
   result.seed = scene.seed;
