@@ -7,6 +7,7 @@
 #include "branch.hpp"
 #include "elements.hpp"
 #include "newton.hpp"
+#include "settle.hpp"
 
 namespace cleave::assembly {
 namespace {
@@ -136,16 +137,22 @@ Start start_from_rest(const Assembly& assembly, double factor, std::vector<std::
   Start out{
       .found = FromRest::rests, .motion = Motion(elements.bodies()), .speed = std::vector<double>(elements.bodies())};
   out.residual = 0;
-  if (!branch.begin()) return out;
-  // Large assemblies go there at once: what does not settle is looked at part by part.
-  const bool large = elements.bodies() > 24;
   Branch::Found found;
-  for (double f = (large ? 1 : 30) * factor;; f = std::max(factor, 0.8 * f)) {
-    found = branch.at(f, elements.bodies() > 100 ? Branch::Effort::newton : Branch::Effort::whole);
+  // Large assemblies go there at once, contact by contact.
+  const bool large = elements.bodies() > few_bodies;
+  if (large) {
+    found = branch.at(factor, Branch::Effort::sweeps);
+  } else if (!branch.begin()) {
+    return out;
+  }
+  for (double f = 30 * factor; !large; f = std::max(factor, 0.8 * f)) {
+    found = branch.at(f, Branch::Effort::whole);
     if (found.what == FromRest::moves) branch.keep(found);
     if (f <= factor) break;
   }
-  if (found.what == FromRest::unsettled) unsettled = unsettled_bodies(elements, factor, found.state);
+  if (found.what == FromRest::unsettled) {
+    unsettled = large ? std::move(found.unsettled) : unsettled_bodies(elements, factor, found.state);
+  }
   out.found = found.what;
   out.motion = elements.motion_of(found.state.v);
   out.speed = speeds(elements, found.state.v);
