@@ -167,13 +167,17 @@ Branch::Found Branch::standing(double divisor) {
 Branch::Found Branch::at(double divisor, Effort effort) {
   if (effort == Effort::sweeps) return by_sweeps(divisor);
   Found found = by_newton(divisor);
-  if (found.what == FromRest::moves) return found;
-  if (effort == Effort::whole) {
-    found = by_thresholds(divisor);
-    if (found.what == FromRest::moves) return found;
+  if (found.what == FromRest::moves || effort == Effort::newton) return found;
+  // Thresholds are exact where they settle, sweeps cheap.
+  const bool few = elements_->bodies() <= 4;
+  if (!few) {
+    Found swept = by_sweeps(divisor);
+    if (swept.what != FromRest::unsettled) return swept;
   }
+  found = by_thresholds(divisor);
+  if (found.what == FromRest::moves) return found;
   if (found.state.v.lpNorm<Eigen::Infinity>() <= slow) return standing(divisor);
-  if (effort == Effort::whole) {
+  if (few) {
     Found swept = by_sweeps(divisor);
     if (swept.what != FromRest::unsettled) return swept;
   }

@@ -18,6 +18,8 @@ using geometry::Vec3;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Factors beyond are told from infinity and 0 no more.
 constexpr double largest_factor = 1e4, least_factor = 1e-4;
+/// Larger assemblies take larger steps, and end sooner: to 1e-4.
+constexpr std::size_t few_for_factors = 8;
 
 std::vector<double> speeds(const Elements& elements, const VectorXd& v) {
   std::vector<double> out(elements.bodies());
@@ -113,7 +115,8 @@ StaticFactor static_factor(const Assembly& assembly) {
     before = std::exchange(high, f);
     speed_before = std::exchange(speed, found);
   };
-  for (int k = 0; k < 200 && high > low * (1 + 1e-9); ++k) {
+  const double enough = elements.bodies() > few_for_factors ? 1e-4 : 1e-9;
+  for (int k = 0; k < 200 && high > low * (1 + enough); ++k) {
     look(std::sqrt(low * high));
     // The speed grows in proportion above the factor.
     if (!(before > high) || !(speed_before > speed) || high > 3 * low) continue;
@@ -139,7 +142,7 @@ Start start_from_rest(const Assembly& assembly, double factor, std::vector<std::
   out.residual = 0;
   Branch::Found found;
   // Large assemblies go there at once, contact by contact.
-  const bool large = elements.bodies() > few_bodies;
+  const bool large = elements.bodies() > followed_bodies;
   if (large) {
     found = branch.at(factor, Branch::Effort::sweeps);
   } else if (!branch.begin()) {
@@ -160,16 +163,18 @@ Start start_from_rest(const Assembly& assembly, double factor, std::vector<std::
   return out;
 }
 
-MovingFactor moving_factor(const Assembly& assembly, double up) {
+MovingFactor moving_factor(const Assembly& assembly, double up, double moves_at) {
   const Elements elements{assembly};
   Branch branch{elements};
   if (!branch.begin()) return {infinite, true};
+  const bool many = elements.bodies() > few_for_factors;
   // Above `up` it moves whether a solution was checked or not.
   double good = infinite, bad = 0;
   bool settled = true;
   const auto look = [&](double f) {
     // What is known to move needs no search: only a start for those that are not.
-    const Branch::Found found = branch.at(f, f > 1.1 * up ? Branch::Effort::newton : Branch::Effort::whole);
+    const Branch::Effort effort = many ? Branch::Effort::sweeps : Branch::Effort::whole;
+    const Branch::Found found = branch.at(f, f > 1.1 * up ? Branch::Effort::newton : effort);
     if (found.what == FromRest::moves) branch.keep(found);
     if (found.what == FromRest::moves || f > up * (1 + 1e-9)) {
       good = f;
@@ -179,9 +184,8 @@ MovingFactor moving_factor(const Assembly& assembly, double up) {
     settled = found.what == FromRest::rests;
     return false;
   };
-  // Large assemblies take larger steps, and end sooner.
-  const bool large = elements.bodies() > 16;
-  for (double f = large ? 32 : 1e3; f > (large ? 1e-2 : least_factor) && look(f); f *= large ? 0.7 : 0.9) {
+  const bool large = many;
+  for (double f = large ? std::min(32.0, moves_at) : 1e3; f > (large ? 1e-2 : least_factor) && look(f); f *= large ? 0.7 : 0.9) {
   }
   if (bad == 0) return {0, true};
   if (good == infinite) return {std::min(up, bad), false};

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Larger groups get no factors.
-constexpr std::size_t most_for_factors = 4;
+constexpr std::size_t most_for_factors = 16, most_for_factors_in_doubt = 4;
 /// Certainty is not looked for in larger parts: they are unsafe at least.
 constexpr std::size_t most_projected = 400;
 /// A body belongs to a motion when it has this share of its largest rate.
@@ -91,7 +91,7 @@ class Search final {
 
   /// False when it stands without friction.
   bool run() {
-    const bool large = island_.bodies().size() > few_bodies;
+    const bool large = island_.bodies().size() > followed_bodies;
     if (!large) {
       const Projection free = project(island_, infinite);
       if (free.settled && !(free.largest > slow)) return false;
@@ -149,7 +149,7 @@ class Search final {
     for (std::vector<std::uint32_t>& members : connected_parts(island_, among)) {
       Motion motion(members.size());
       Verdict verdict = Verdict::in_doubt;
-      if (members.size() < island_.bodies().size() && members.size() <= few_bodies) {
+      if (members.size() < island_.bodies().size() && members.size() <= followed_bodies) {
         const Start start = start_from_rest(island_.part(members, Assembly::Others::fixed), 1);
         if (start.found == FromRest::rests) continue;
         if (start.found == FromRest::moves) {
@@ -173,18 +173,19 @@ class Search final {
     Group& group = groups_.emplace_back();
     group.verdict = verdict;
     group.motion = std::move(motion);
-    group.factors = members.size() <= most_for_factors;
+    const bool moves = verdict != Verdict::in_doubt;
+    group.factors = members.size() <= (moves ? most_for_factors : most_for_factors_in_doubt);
     if (group.factors) {
       const Assembly part = island_.part(members, Assembly::Others::fixed);
       group.up = static_factor(part);
-      group.moving = moving_factor(part, group.up.factor);
+      group.moving = moving_factor(part, group.up.factor, moves ? 1 : infinite);
     } else {
       group.up.factor = verdict == Verdict::certain ? 1 : infinite;
       group.moving.factor = 1;
       group.moving.settled = false;
     }
     // It moves at strengths as they are.
-    if (verdict != Verdict::in_doubt) group.moving.factor = std::min(group.moving.factor, 1.0);
+    if (moves) group.moving.factor = std::min(group.moving.factor, 1.0);
     group.bodies = std::move(members);
     return group;
   }

@@ -23,9 +23,11 @@ struct Part {
 
 /// Share of the largest free fall below which what still moves may be on its way to rest.
 constexpr double creeps = 1e-3;
+/// Violation that a solution of more than a few bodies may have.
+constexpr double enough_of_many = 1e-4;
 /// Sweeps of a round; bodies of a part that is solved at once.
 constexpr int sweeps_a_round = 100, sweeps_a_step = 40;
-constexpr std::size_t most_of_a_part = 400;
+constexpr std::size_t most_of_a_part = 200;
 
 /// Bodies marked with 1 that hang together, each part ascending.
 std::vector<std::vector<std::uint32_t>> parts_of(const Elements& elements, const std::vector<std::uint8_t>& among) {
@@ -67,9 +69,10 @@ double lack(const Elements& elements, const State& state) {
 bool polish(const Elements& part, double divisor, State& state, bool& solved) {
   double before = violation(part, divisor, state);
   bool better = false;
-  solved = before <= exact_enough;
+  const double enough = part.bodies() > few_bodies ? enough_of_many : exact_enough;
+  solved = before <= enough;
   const bool creeping = state.v.lpNorm<Eigen::Infinity>() <= creeps;
-  for (const double rough : {1e-2, 1e-3, 1e-1}) {
+  for (const double rough : {1e-2, 1e-3}) {
     if (solved) break;
     Newton newton{part};
     State next = state;
@@ -87,7 +90,7 @@ bool polish(const Elements& part, double divisor, State& state, bool& solved) {
       const double after = violation(part, divisor, next);
       if (!(after < before)) continue;
       before = after;
-      solved = after <= exact_enough;
+      solved = after <= enough;
     }
     state = std::move(next);
     better = true;
@@ -122,7 +125,11 @@ class Settling final {
       const bool last = round + 1 == rounds;
       if (std::ranges::none_of(moving, [](std::uint8_t m) { return m != 0; })) return rests();
       if (same && solved_all_) return moves();
-      if (last || alike(moving, before)) solve_parts(moving);
+      if (last || (round >= next_ && alike(moving, before))) {
+        solve_parts(moving);
+        // What Newton's method cannot solve is left to sweeps for longer and longer.
+        next_ = solved_all_ ? round + 1 : round + 2 + round / 2;
+      }
       before = std::move(moving);
     }
     return moves();
@@ -204,6 +211,7 @@ class Settling final {
   Index width_;
   std::vector<Part> parts_;
   bool solved_all_ = false;
+  int next_ = 0;  ///< round in which parts are solved again
 };
 
 }  // namespace

@@ -20,7 +20,7 @@ struct Solution {
 
 /// Share of its own free fall below which a body is at rest: among few bodies, and among more.
 inline constexpr double at_rest_of_few = 1e-8, at_rest = 1e-4;
-/// So many are followed from no friction on.
-inline constexpr std::size_t few_bodies = 24;
+/// So many count as few; and so many are followed from no friction on by exact solutions.
+inline constexpr std::size_t few_bodies = 24, followed_bodies = 8;
 
 }  // namespace cleave::assembly

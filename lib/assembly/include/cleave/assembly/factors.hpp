@@ -57,7 +57,8 @@ struct MovingFactor {
   double factor = 0;    ///< infinite when nothing moves without friction, 0 when it moves at any
   bool settled = true;  ///< just below, a state at rest was found; false: nothing that could be checked
 };
-/// `up`: what `static_factor` found.
-[[nodiscard]] MovingFactor moving_factor(const Assembly& assembly, double up);
+/// `up`: what `static_factor` found; `moves_at`: a factor at which it is known to move.
+[[nodiscard]] MovingFactor moving_factor(const Assembly& assembly, double up,
+                                         double moves_at = std::numeric_limits<double>::infinity());
 
 }  // namespace cleave::assembly
