@@ -19,7 +19,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Factors beyond are told from infinity and 0 no more.
 constexpr double largest_factor = 1e4, least_factor = 1e-4;
 /// Larger assemblies take larger steps, and end sooner: to 1e-4.
-constexpr std::size_t few_for_factors = 8;
+constexpr std::size_t few_for_factors = 16;
 
 std::vector<double> speeds(const Elements& elements, const VectorXd& v) {
   std::vector<double> out(elements.bodies());
@@ -99,7 +99,7 @@ ContactForces holding_forces(const Assembly& assembly, double factor, double pre
   return out;
 }
 
-StaticFactor static_factor(const Assembly& assembly) {
+StaticFactor static_factor(const Assembly& assembly, Accuracy accuracy) {
   const Elements elements{assembly};
   Drive drive{elements};
   if (drive(largest_factor) == 0) return {infinite, infinite, drive.settled()};
@@ -115,7 +115,7 @@ StaticFactor static_factor(const Assembly& assembly) {
     before = std::exchange(high, f);
     speed_before = std::exchange(speed, found);
   };
-  const double enough = elements.bodies() > few_for_factors ? 1e-4 : 1e-9;
+  const double enough = accuracy == Accuracy::coarse ? 1e-4 : 1e-9;
   for (int k = 0; k < 200 && high > low * (1 + enough); ++k) {
     look(std::sqrt(low * high));
     // The speed grows in proportion above the factor.
@@ -163,17 +163,17 @@ Start start_from_rest(const Assembly& assembly, double factor, std::vector<std::
   return out;
 }
 
-MovingFactor moving_factor(const Assembly& assembly, double up, double moves_at) {
+MovingFactor moving_factor(const Assembly& assembly, double up, Accuracy accuracy) {
   const Elements elements{assembly};
   Branch branch{elements};
   if (!branch.begin()) return {infinite, true};
-  const bool many = elements.bodies() > few_for_factors;
+  const bool coarse = accuracy == Accuracy::coarse;
   // Above `up` it moves whether a solution was checked or not.
   double good = infinite, bad = 0;
   bool settled = true;
   const auto look = [&](double f) {
     // What is known to move needs no search: only a start for those that are not.
-    const Branch::Effort effort = many ? Branch::Effort::sweeps : Branch::Effort::whole;
+    const Branch::Effort effort = coarse ? Branch::Effort::sweeps : Branch::Effort::whole;
     const Branch::Found found = branch.at(f, f > 1.1 * up ? Branch::Effort::newton : effort);
     if (found.what == FromRest::moves) branch.keep(found);
     if (found.what == FromRest::moves || f > up * (1 + 1e-9)) {
@@ -184,8 +184,10 @@ MovingFactor moving_factor(const Assembly& assembly, double up, double moves_at)
     settled = found.what == FromRest::rests;
     return false;
   };
-  const bool large = many;
-  for (double f = large ? std::min(32.0, moves_at) : 1e3; f > (large ? 1e-2 : least_factor) && look(f); f *= large ? 0.7 : 0.9) {
+  // So do assemblies that are known to move, which begin there.
+  const bool large = coarse || elements.bodies() > few_for_factors;
+  const double begin = large ? 32 : 1e3;
+  for (double f = coarse ? 1 : begin; f > (large ? 1e-2 : least_factor) && look(f); f *= large ? 0.7 : 0.9) {
   }
   if (bad == 0) return {0, true};
   if (good == infinite) return {std::min(up, bad), false};

@@ -12,8 +12,8 @@ namespace cleave::assembly {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// Larger groups get no factors.
-constexpr std::size_t most_for_factors = 16, most_for_factors_in_doubt = 4;
+/// Larger groups get no factors; factors of more than few blocks are coarse, and what is in doubt has none then.
+constexpr std::size_t most_for_factors = 16, few_for_fine_factors = 4;
 /// Certainty is not looked for in larger parts: they are unsafe at least.
 constexpr std::size_t most_projected = 400;
 /// A body belongs to a motion when it has this share of its largest rate.
@@ -174,11 +174,12 @@ class Search final {
     group.verdict = verdict;
     group.motion = std::move(motion);
     const bool moves = verdict != Verdict::in_doubt;
-    group.factors = members.size() <= (moves ? most_for_factors : most_for_factors_in_doubt);
+    group.factors = members.size() <= (moves ? most_for_factors : few_for_fine_factors);
     if (group.factors) {
       const Assembly part = island_.part(members, Assembly::Others::fixed);
-      group.up = static_factor(part);
-      group.moving = moving_factor(part, group.up.factor, moves ? 1 : infinite);
+      const Accuracy accuracy = members.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::fine;
+      group.up = static_factor(part, accuracy);
+      group.moving = moving_factor(part, group.up.factor, accuracy);
     } else {
       group.up.factor = verdict == Verdict::certain ? 1 : infinite;
       group.moving.factor = 1;
