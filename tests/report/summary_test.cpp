@@ -57,7 +57,7 @@ TEST(SummaryJson, KeysAndTheirOrderAreTheContracts) {
                                       "with_holes", "with_cavities", "slivers", "hash", "certificate", "exact_share"}));
   EXPECT_EQ(keys(json["blocks"]["certificate"]),
             (std::vector<std::string>{"passed", "euler_violations", "open_shells", "face_vector_max_relative",
-                                      "unpaired_patches"}));
+                                      "unpaired_patches", "misfits"}));
   EXPECT_EQ(keys(json["key_blocks"]),
             (std::vector<std::string>{"count", "volume_m3", "batches", "stopped_at_max_batches",
                                       "lowest_factor_of_safety", "equilibrium_residual", "hash"}));

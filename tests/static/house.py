@@ -4,7 +4,7 @@
 - every include of a module is in its USES, every entry of its USES is included, and no arrow points up (lib/CMakeLists.txt
   gives the order);
 - docs/decisions: the index has every record, every record has the parts of the template;
-- links between Markdown files lead somewhere;
+- links between Markdown files lead somewhere, and prose has at most 120 columns;
 - the version stands in one place.
 """
 import re
@@ -63,6 +63,16 @@ def links():
                 wrong.append(f"{page.relative_to(root)}: links to {target}, which is not there")
 
 
+def lines():
+    for page in [*sorted(root.glob("*.md")), *sorted((root / "docs").rglob("*.md"))]:
+        code = False
+        for number, line in enumerate(page.read_text().splitlines(), 1):
+            if line.lstrip().startswith("```"):
+                code = not code
+            if len(line) > 120 and not code and not line.startswith(("|", "#", "![")):
+                wrong.append(f"{page.relative_to(root)}:{number}: prose of {len(line)} columns, 120 at the most")
+
+
 def version():
     header = "lib/core/include/cleave/core/version.hpp"
     number = re.search(r'CLEAVE_VERSION "([^"]*)"', (root / header).read_text()).group(1)
@@ -76,6 +86,7 @@ def version():
 arrows()
 decisions()
 links()
+lines()
 version()
 print("\n".join(wrong))
 sys.exit(1 if wrong else 0)

@@ -126,7 +126,11 @@ TEST(SharedSides, AnySetAnywhere) {
     at.scale = std::pow(10, 9 * u() - 3);
     if (k % 3 == 0) at.shift = {5e6, -3e6, 1e3};
     const auto input = in_a_box(set, at);
-    EXPECT_EQ(count_blocks(input), set.parts + 1) << set.name << ", " << at.scale << ", set " << k;
+    const auto audited = certified(input);
+    EXPECT_EQ(audited.complex().blocks().size(), set.parts + 1) << set.name << ", " << at.scale << ", set " << k;
+    if (set.convex) {
+      EXPECT_GE(convex_blocks(audited.complex()), set.parts) << set.name << ", " << at.scale << ", set " << k;
+    }
   }
 }
 
@@ -173,6 +177,135 @@ TEST(SharedSides, ARectangleInAHexahedronTurnedAlike) {
     add(input, {{at({-1, -1, z - tilt}), at({0, -1, z}), at({0, 1, z}), at({-1, 1, z - tilt})},
                 {at({0, -1, z}), at({1, -1, z + tilt}), at({1, 1, z + tilt}), at({0, 1, z})}});
     EXPECT_EQ(count_blocks(input), 2U);
+  }
+}
+
+TEST(SharedSides, LongSidesAlongShortOnes) {
+  // A cube: three sides whole, three of tiles, so that corners of tiles hang on the sides of the squares.
+  const auto u = uniform(12);
+  for (int k = 0; k < 40; ++k) {
+    Placement at = turned(u);
+    at.scale = std::pow(10, 6 * u() - 2);
+    if (k % 4 == 0) at.shift = {5e6, -3e6, 1e3};
+    const int n = 2 + k % 3;
+    ClosedSet set{"cube, half of tiles", {}, 1, true};
+    const ClosedSet whole = support::cube_of_squares(), tiles = support::cube_of_tiles(n);
+    const auto per_side = static_cast<std::size_t>(n * n);
+    for (std::size_t side = 0; side < 6; ++side) {
+      if (side % 2 == 0) {
+        set.polygons.push_back(whole.polygons[side]);
+      } else {
+        set.polygons.insert(set.polygons.end(), tiles.polygons.begin() + static_cast<std::ptrdiff_t>(side * per_side),
+                            tiles.polygons.begin() + static_cast<std::ptrdiff_t>((side + 1) * per_side));
+      }
+    }
+    expect_parts(set, at);
+  }
+}
+
+/// What is noted of joints that nearly reach one another.
+topology::NearMisses near_misses(const topology::CutInput& input) {
+  return certified(input).complex().report().near_misses;
+}
+
+TEST(NearMisses, ASideShortOfAFace) {
+  for (const double gap : {1e-6, 1e-8, 1e-10, 1e-12}) {
+    // The second ends on the first but for the gap; it reaches beyond the domain elsewhere.
+    const auto input = scene(
+        box({-5, -5, -5}, {5, 5, 5}),
+        {rectangle(0, 0, {-9, -9}, {9, 9}), rectangle(2, 0.5, {gap, -9}, {9, 9}), rectangle(2, -1, {-9, -9}, {-2, 9})});
+    const auto found = near_misses(input);
+    EXPECT_EQ(found.sides, 1U) << gap;
+    EXPECT_NEAR(found.largest.si(), gap, 1.2e-13 + 1e-3 * gap) << "but for the lattice";
+    EXPECT_EQ(found.joint, topology::JointId{0U});
+    EXPECT_EQ(found.other, topology::JointId{1U});
+    auto snapped = input;
+    snapped.snap = 1.05 * found.largest;
+    EXPECT_EQ(count_blocks(input), 2U);
+    EXPECT_EQ(count_blocks(snapped), 3U);
+    EXPECT_EQ(near_misses(snapped).sides, 0U);
+  }
+}
+
+TEST(NearMisses, OnlyWhatDoesNotTouch) {
+  const auto cube = box({-5, -5, -5}, {5, 5, 5});
+  const auto sides = [&](std::initializer_list<topology::Joint> joints) {
+    return near_misses(scene(cube, joints)).sides;
+  };
+  const auto fault = rectangle(0, 0, {-9, -9}, {9, 9});
+  EXPECT_EQ(sides({fault, rectangle(2, 0.5, {0, -9}, {9, 9})}), 0U) << "it ends on the fault";
+  EXPECT_EQ(sides({fault, rectangle(2, 0.5, {-1e-9, -9}, {9, 9})}), 0U) << "it goes through";
+  EXPECT_EQ(sides({fault, rectangle(2, 0.5, {1e-3, -9}, {9, 9})}), 0U) << "it keeps away";
+  EXPECT_EQ(sides({rectangle(0, 0, {-9, -9}, {9, 0}), rectangle(0, 0, {-9, 1e-8}, {9, 9})}), 1U) << "in one plane";
+  EXPECT_EQ(sides({rectangle(0, 0, {-9, -9}, {9, 0}), rectangle(0, 0, {-9, 0}, {9, 9})}), 0U) << "in one plane";
+  EXPECT_EQ(sides({rectangle(2, 0, {-4, -4}, {4, 4 - 1e-9}), rectangle(1, 4, {-4, -1}, {4, 1})}), 1U);
+  EXPECT_EQ(sides({rectangle(2, 0, {-4.9999999, -9}, {9, 9})}), 1U) << "of the domain's side";
+  // Beyond the domain nothing is missed.
+  EXPECT_EQ(sides({rectangle(0, 0, {-9, -9}, {9, 9}), rectangle(2, 6, {1e-9, -9}, {9, 9})}), 0U);
+}
+
+TEST(NearMisses, ClosedSurfacesHaveNone) {
+  const auto u = uniform(13);
+  for (int k = 0; k < 30; ++k) {
+    const ClosedSet set = support::any_closed_set(u);
+    EXPECT_EQ(near_misses(in_a_box(set, turned(u))).sides, 0U) << set.name;
+  }
+}
+
+/// Four triangles about a point.
+std::vector<Corners> tetrahedron(geometry::Vec3 middle, double size) {
+  const std::array corners{middle + size * geometry::Vec3{1, 1, 1}, middle + size * geometry::Vec3{1, -1, -1},
+                           middle + size * geometry::Vec3{-1, 1, -1}, middle + size * geometry::Vec3{-1, -1, 1}};
+  std::vector<Corners> faces;
+  for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+    Corners face;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (k != left_out) face.push_back(corners[k]);
+    }
+    faces.push_back(std::move(face));
+  }
+  return faces;
+}
+
+TEST(Nesting, PiecesTooCloseForDoubles) {
+  // One within the other within the other, closer together than any ray in doubles can tell.
+  const auto u = uniform(11);
+  for (const double size : {1e-3, 1e-8, 2e-9, 5e-10, 2e-10}) {
+    for (int k = 0; k < 8; ++k) {
+      auto input = scene(box({0, 0, 0}, {10, 10, 10}));
+      const Placement at{{6 * u(), 6 * u(), 6 * u()}, size, {1, 2, 3}};
+      for (const double part : {1.0, 0.3, 0.09}) {
+        add(input, placed({"tetrahedron", tetrahedron({}, part), 1, true}, at).polygons);
+      }
+      const auto audited = certified(input);
+      ASSERT_EQ(audited.complex().blocks().size(), 4U) << size;
+      std::vector<std::uint32_t> shells;
+      for (const topology::Block& block : audited.complex().blocks()) shells.push_back(block.counts.shells);
+      std::ranges::sort(shells);
+      EXPECT_EQ(shells, (std::vector<std::uint32_t>{1, 2, 2, 2})) << size;
+    }
+  }
+}
+
+TEST(Nesting, PiecesBesideOneAnother) {
+  // A speck just off a face of a large piece, on either side of it.
+  const geometry::Vec3 middle{5, 5, 5};
+  for (const double off : {-1e-3, -1e-9, -3e-10, 3e-10, 1e-9, 1e-3}) {
+    for (const double size : {1e-4, 1e-10, 5e-11}) {
+      auto input = scene(box({0, 0, 0}, {10, 10, 10}));
+      add(input, tetrahedron(middle, 2));
+      const geometry::Vec3 out = geometry::normalized({1, 1, -1});
+      if (std::abs(off) < 3 * size) continue;
+      add(input, tetrahedron(middle + (2 / std::sqrt(3) + off) * out, size));
+      const auto audited = certified(input);
+      ASSERT_EQ(audited.complex().blocks().size(), 3U) << off << ", " << size;
+      std::vector<std::pair<double, std::uint32_t>> own;
+      for (const topology::Block& b : audited.complex().blocks()) own.emplace_back(b.volume.si(), b.counts.shells);
+      std::ranges::sort(own);
+      EXPECT_EQ(own[0].second, 1U);
+      EXPECT_EQ(own[1].second, off < 0 ? 2U : 1U) << off << ", " << size;
+      EXPECT_EQ(own[2].second, off < 0 ? 2U : 3U) << off << ", " << size;
+    }
   }
 }
 

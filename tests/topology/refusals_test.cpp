@@ -44,6 +44,54 @@ TEST(Report, PitchIsAPowerOfTwoAndFine) {
   EXPECT_LT(pitch, 4 * 0x1p-44);
 }
 
+template <class Error>
+void expect_error(const topology::CutInput& input) {
+  const auto complex = topology::cut(input);
+  ASSERT_FALSE(complex);
+  EXPECT_TRUE(std::holds_alternative<Error>(complex.error())) << describe(complex.error());
+}
+
+TEST(Refusals, NumbersThatAreNone) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  for (const double bad : {nan, inf, -inf}) {
+    for (const topology::PersistentJoint& plane :
+         {topology::PersistentJoint{{bad, 0, 0}, {0, 0, 1}}, topology::PersistentJoint{{0, 0, bad}, {0, 0, 1}},
+          topology::PersistentJoint{{0, 0, 0}, {0, bad, 1}}}) {
+      auto input = scene(cube());
+      input.joints.emplace_back(plane);
+      expect_error<topology::NotFinite>(input);
+    }
+    auto input = scene(cube());
+    input.snap = metres(bad);
+    expect_error<topology::NotFinite>(input);
+    input.snap = metres(0);
+    input.window = topology::Window{{0, 0, bad}, {1, 1, 1}};
+    expect_error<topology::NotFinite>(input);
+    input.window = topology::Window{{0, 0, 0}, {1, bad, 1}};
+    expect_error<topology::NotFinite>(input);
+  }
+  for (const Vec3 normal : {Vec3{0, 0, 0}, Vec3{1e-320, 0, 0}, Vec3{1e200, 0, 0}}) {
+    auto input = scene(cube());
+    input.joints.emplace_back(topology::PersistentJoint{{0, 0, 0}, normal});
+    expect_error<topology::NotFinite>(input);
+  }
+}
+
+TEST(Refusals, NamesOfWhatIsNotThere) {
+  auto input = scene(cube(), {rectangle(2, 0.5, {-9, -9}, {9, 9})});
+  input.free_domain_tags = {0, 6};
+  expect_error<topology::UnknownTag>(input);
+  input.free_domain_tags = {0, 5};
+  EXPECT_TRUE(topology::cut(input));
+  input.snap = metres(-1e-9);
+  expect_error<topology::SnapNegative>(input);
+  input.snap = metres(0);
+  input.terminations = {{JointId{0U}, JointId{1U}}};
+  expect_error<topology::UnknownJoint>(input);
+  input.terminations = {{JointId{7U}, JointId{0U}}};
+  expect_error<topology::UnknownJoint>(input);
+}
+
 TEST(Refusals, AJointTooSmallForTheLattice) {
   const double d = 1e-17;
   const auto input =

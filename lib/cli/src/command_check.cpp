@@ -16,14 +16,6 @@ ExitCode report_problems(const std::vector<scene::Problem>& problems) {
 
 namespace {
 
-std::string stages_of(const scene::Plan& plan) {
-  std::string text;
-  for (const scene::PlannedStage& stage : plan.stages) {
-    text += fmt::format("  {:<12} {:<9} {}\n", name_of(stage.stage), stage.run ? "run" : "left out", stage.why);
-  }
-  return text;
-}
-
 std::string notes_of(const std::vector<scene::Problem>& notes) {
   std::string text;
   for (const scene::Problem& note : notes) text += "note: " + describe(note) + "\n";
@@ -53,7 +45,7 @@ ExitCode check_scene(const std::string& path) {
 ExitCode plan_scene(const std::string& path) {
   const auto say_plan = [&](const auto& plane) {
     const scene::Plan plan = make_plan(plane);
-    say(fmt::format("plan of {} ({})\n", path, plane.title) + stages_of(plan) +
+    say(fmt::format("plan of {} ({})\n", path, plane.title) + describe(plan, true) +
         fmt::format("estimated size: {} bodies, up to {:.0f} MB and {:.1f} s of CPU\n", plane.bodies.size(),
                     plan.estimate.memory_mb, plan.estimate.seconds) +
         notes_of(plane.notes));
@@ -69,9 +61,7 @@ ExitCode plan_scene(const std::string& path) {
   if (!scene) return report_problems(scene.error());
   const scene::Plan plan = make_plan(*scene);
   std::string text = fmt::format("plan of {} ({})\n", path, scene->title);
-  for (const scene::PlannedStage& stage : plan.stages) {
-    text += fmt::format("  {:<12} {:<9} {}\n", name_of(stage.stage), stage.run ? "run" : "left out", stage.why);
-  }
+  text += describe(plan, true);
   const scene::SizeEstimate& size = plan.estimate;
   text += fmt::format("estimated size: {:.0f} joints, {:.0f} to {:.2g} blocks, up to {:.0f} MB and {:.1f} s of CPU\n",
                       size.joints, size.blocks_low, size.blocks_high, size.memory_mb, size.seconds);

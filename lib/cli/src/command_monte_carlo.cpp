@@ -45,9 +45,7 @@ std::string figures_text(const report::MonteCarloPage& page) {
 std::string log_text(const report::MonteCarloPage& page) {
   std::string text =
       fmt::format("cleave {}\nscene {} (sha256 {})\n\nplan\n", version, page.scene_file, page.scene_sha256);
-  for (const scene::PlannedStage& row : page.plan.stages) {
-    text += fmt::format("  {:<12} {:<9} {}\n", name_of(row.stage), row.run ? "run" : "left out", row.why);
-  }
+  text += describe(page.plan);
   text += "\nresult\n" + figures_text(page);
   if (!page.result.figures.notes.empty() || !page.notes.empty()) text += "\nnotes\n";
   for (const std::string& note : page.result.figures.notes) text += "  " + note + "\n";

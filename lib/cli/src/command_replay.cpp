@@ -58,15 +58,7 @@ ExitCode replay_realization(const ReplayArguments& arguments) {
   if (!run) {
     end = report_problems(run.error());
   } else {
-    stochastic::Record again;
-    if (run->complex) {
-      again = record_of(arguments.realization, run->complex->complex(), run->joints.size(),
-                        run->analysis ? &*run->analysis : nullptr, run->sequence ? &*run->sequence : nullptr,
-                        run->support ? &*run->support : nullptr, questions);
-    } else {
-      again.outcome = stochastic::Outcome::certificate_failed;
-      again.realization = arguments.realization;
-    }
+    const stochastic::Record again = record_of(arguments.realization, *run, questions);
     const bool same = line_of(again) == line_of(*stored);
     run->notes.push_back(fmt::format("realization {} of a Monte Carlo run; its record {}", arguments.realization,
                                      same ? "is reproduced to the last digit" : "is NOT reproduced"));

@@ -72,8 +72,8 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
     say(text + fmt::format("result in {}\n", out.final_name().generic_string()));
   }
   if (result.complex) return ExitCode::done;
-  complain(fmt::format("{}:1: certificate: the block system did not pass its own check; please report this scene",
-                       saying.scene));
+  complain(fmt::format("{}:1: certificate: the block system did not pass its own check ({}); please report this scene",
+                       saying.scene, topology::describe(result.complex.error())));
   return ExitCode::check_failed;
 }
 

@@ -54,9 +54,7 @@ std::string log_of(const scene::RunResult& result) {
     text += fmt::format("file {} ({} bytes, sha256 {})\n", file.name, file.bytes, file.sha256);
   }
   text += "\nplan\n";
-  for (const scene::PlannedStage& stage : result.plan.stages) {
-    text += fmt::format("  {:<12} {:<9} {}\n", name_of(stage.stage), stage.run ? "run" : "left out", stage.why);
-  }
+  text += describe(result.plan);
   text += "\ncost\n";
   for (const scene::StageCost& cost : result.cost.stages) {
     text += fmt::format("  {:<12} {:>10.3f} s {:>10.3f} s of CPU {:>8.0f} MB\n", name_of(cost.stage), cost.wall_s,

@@ -33,9 +33,7 @@ struct PlaneRun {
 template <class Result>
 [[nodiscard]] std::string plane_log_of(const Result& result) {
   std::string text = fmt::format("{} ({})\n", result.title, result.scene_file);
-  for (const scene::PlannedStage& stage : result.plan.stages) {
-    text += fmt::format("  {:<12} {:<9} {}\n", name_of(stage.stage), stage.run ? "run" : "left out", stage.why);
-  }
+  text += describe(result.plan);
   for (const std::string& note : result.notes) text += "note: " + note + "\n";
   return text;
 }

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <unordered_map>
 #include <utility>
 #include <variant>
 
@@ -154,6 +156,59 @@ std::vector<CellFace> voronoi_cell(const std::vector<Vec3>& seeds, const SeedGri
   return faces;
 }
 
+/// Makes points that are nearly the same the same: the first of them.
+class SharedPoints final {
+ public:
+  explicit SharedPoints(double within) : within_{within} {}
+  Vec3 operator()(Vec3 p) {
+    const Place at = place(p);
+    for (std::int64_t x = at[0] - 1; x <= at[0] + 1; ++x) {
+      for (std::int64_t y = at[1] - 1; y <= at[1] + 1; ++y) {
+        for (std::int64_t z = at[2] - 1; z <= at[2] + 1; ++z) {
+          const auto found = points_.find({x, y, z});
+          if (found == points_.end()) continue;
+          for (const Vec3 q : found->second) {
+            if (norm(q - p) <= within_) return q;
+          }
+        }
+      }
+    }
+    points_[at].push_back(p);
+    return p;
+  }
+
+ private:
+  using Place = std::array<std::int64_t, 3>;
+  struct Hash {
+    std::size_t operator()(const Place& at) const noexcept {
+      std::uint64_t h = 0;
+      for (const std::int64_t c : at) h = (h ^ static_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15U;
+      return h ^ (h >> 32U);
+    }
+  };
+  [[nodiscard]] Place place(Vec3 p) const {
+    const auto of = [&](double c) { return static_cast<std::int64_t>(std::floor(c / within_)); };
+    return {of(p.x), of(p.y), of(p.z)};
+  }
+  double within_;
+  std::unordered_map<Place, std::vector<Vec3>, Hash> points_;
+};
+
+/// A face of a cell as one polygon; where corners are too close for one, as triangles.
+std::vector<Polygon> pieces_of(const std::vector<Vec3>& corners) {
+  std::vector<Polygon> pieces;
+  if (auto whole = Polygon::make(corners)) {
+    pieces.push_back(*std::move(whole));
+    return pieces;
+  }
+  for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
+    if (auto triangle = Polygon::make({corners[0], corners[k], corners[k + 1]})) {
+      pieces.push_back(*std::move(triangle));
+    }
+  }
+  return pieces;
+}
+
 }  // namespace
 
 std::vector<SampledJoint> mosaic(const JointSet& set, const DomainBox& domain, const SetStreams& streams) {
@@ -204,15 +259,9 @@ std::vector<SampledJoint> mosaic(const JointSet& set, const DomainBox& domain, c
     }
   }
   const SeedGrid grid{seeds, box, size};
-  // Corners that cells share are computed once in each of them: a coarse grid makes them the same numbers, so that
-  // faces meet exactly.
-  int exponent = 0;
-  std::frexp(norm(extent), &exponent);
-  const double step = std::ldexp(1.0, exponent - 26);
-  const auto rounded = [&](Vec3 p) {
-    return Vec3{std::nearbyint(p.x / step) * step, std::nearbyint(p.y / step) * step,
-                std::nearbyint(p.z / step) * step};
-  };
+  // Corners that cells share are computed once in each of them, and are the same to rounding.
+  const double farthest = std::max({norm(box.min), norm(box.max), size});
+  SharedPoints shared{std::max(1e-9 * size, 0x1p-44 * farthest)};
   std::vector<SampledJoint> joints;
   Rng marks = streams.of(Draw::termination, 0);
   // A cell that reaches into the domain has its seed within three sizes of it (an empty ball of that radius: e^-113).
@@ -230,7 +279,7 @@ std::vector<SampledJoint> mosaic(const JointSet& set, const DomainBox& domain, c
       Vec3 lo{INFINITY, INFINITY, INFINITY}, hi = -lo, middle{0, 0, 0};
       std::vector<Vec3> corners;
       for (const Vec3 corner : face.corners) {
-        const Vec3 q = rounded(corner);
+        const Vec3 q = shared(corner);
         lo = {std::min(lo.x, q.x), std::min(lo.y, q.y), std::min(lo.z, q.z)};
         hi = {std::max(hi.x, q.x), std::max(hi.y, q.y), std::max(hi.z, q.z)};
         middle += q / static_cast<double>(face.corners.size());
@@ -241,17 +290,11 @@ std::vector<SampledJoint> mosaic(const JointSet& set, const DomainBox& domain, c
           hi.z < domain.min.z || lo.z > domain.max.z) {
         continue;
       }
-      // Triangles hold their three corners exactly; a face of more corners would not.
-      std::vector<Polygon> triangles;
-      for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
-        if (auto triangle = Polygon::make({corners[0], corners[k], corners[k + 1]})) {
-          triangles.push_back(*std::move(triangle));
-        }
-      }
-      if (triangles.empty()) continue;
+      std::vector<Polygon> pieces = pieces_of(corners);
+      if (pieces.empty()) continue;
       Vec3 normal = normalized(seeds[face.neighbour] - seeds[i]);
       if (normal.z < 0) normal = -normal;
-      joints.push_back({std::move(triangles), middle, normal, static_cast<std::uint32_t>(joints.size())});
+      joints.push_back({std::move(pieces), middle, normal, static_cast<std::uint32_t>(joints.size())});
     }
   }
   return joints;

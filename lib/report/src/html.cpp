@@ -348,6 +348,11 @@ std::string inputs_section(const Page& page) {
   out += row("Lattice pitch", display(input.lattice_pitch_m, 3) + " m");
   out += row("Largest shift onto the lattice", display(input.largest_snap_m, 3) + " m");
   out += row("Planes merged by snap", display_count(input.merged_planes));
+  if (input.near_misses.sides > 0) {
+    out +=
+        row("Sides that nearly reach another polygon",
+            display_count(input.near_misses.sides) + ", " + display(input.near_misses.largest.si(), 2) + " m at most");
+  }
   if (!input.snapped.empty()) out += row("Joints changed by snap", display_count(input.snapped.size()));
   out += "</tbody></table>\n";
   out += limits_of(r) + notes_list(r.notes);

@@ -5,6 +5,11 @@
 #include "cleave/report/json_fields.hpp"
 #include "monte_carlo_fields.hpp"
 
+template <class Tag>
+struct cleave::Sample<cleave::Id<Tag>> {
+  static Id<Tag> make() { return Id<Tag>{0U}; }
+};
+
 namespace cleave::report {
 namespace {
 

@@ -111,10 +111,7 @@ SupportFigures count_support(const stability::SupportResult& support) {
   return f;
 }
 
-RunResult empty_result() {
-  return {.input = {.domain = geometry::make_box({0, 0, 0}, {1, 1, 1}).value()},
-          .complex = std::unexpected(topology::Certificate{})};
-}
+RunResult empty_result() { return {{{.input = {.domain = geometry::make_box({0, 0, 0}, {1, 1, 1}).value()}}}}; }
 
 Figures count(const RunResult& result) {
   Figures figures;
@@ -126,6 +123,7 @@ Figures count(const RunResult& result) {
     figures.input.largest_snap_m = report.largest_snap_m;
     figures.input.merged_planes = report.merged_planes;
     figures.input.snapped = report.snapped;
+    figures.input.near_misses = report.near_misses;
     figures.blocks = count_blocks(complex, result.block_hash);
     if (result.micro_blocks.policy != MicroBlockPolicy::keep) {
       figures.micro_blocks = count_micro_blocks(complex, result.micro_blocks);

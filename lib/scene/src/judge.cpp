@@ -106,8 +106,8 @@ SequenceResult judge_stages(const Scene& scene, const topology::SequentialCut& c
   return run_sequence(cut, final_state, *scene.sequence, stages, names, judge);
 }
 
-std::vector<Problem> misplaced_loads(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
-                                     const topology::BlockComplex& complex) {
+std::vector<Problem> misplaced_loads(const Scene& scene, const Drawn& drawn, const topology::BlockComplex& complex) {
+  const StabilitySettings& wanted = *scene.stability;
   std::vector<Problem> problems;
   const auto look = [&](const LoadSet& loads, const std::string& where) {
     for (const stability::Misplaced& m : stability::misplaced(complex, actions_of(drawn, loads))) {

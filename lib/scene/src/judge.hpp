@@ -22,7 +22,6 @@ namespace cleave::scene {
 
 /// Point and line forces of the base case and of the named ones that lie on no free face of the complex.
 [[nodiscard]] std::vector<Problem> misplaced_loads(const Scene& scene, const Drawn& drawn,
-                                                   const StabilitySettings& wanted,
                                                    const topology::BlockComplex& complex);
 
 /// m, the longest bolt that the support has or may try: how far behind free faces rock matters to it.
@@ -31,28 +30,18 @@ namespace cleave::scene {
 /// m, of all tunnels.
 [[nodiscard]] double tunnel_length(const Scene& scene);
 
-/// What is judged beside the base case.
-struct JudgedMore {
-  std::vector<CaseResult> cases;
-  std::optional<stability::SupportResult> support;
-  std::vector<CaseSupport> support_cases;
-  std::vector<DesignResult> designs;
-  std::vector<stability::Sensitivity> sensitivity;
-  std::vector<MaximumRow> maximum_blocks;
-  /// Blocks cut by a window that cases or support depend on: then none of it holds, and a larger window is needed.
-  std::vector<topology::BlockId> undecided;
-};
-void judge_cases(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex, JudgedMore& more);
+// What is judged beside the base case goes into the realization; blocks cut by a window that it depends on into
+// `Realization::undecided`.
+void forget_cases_and_support(Realization& made);
+void judge_cases(const Scene& scene, const topology::AuditedComplex& complex, Realization& made);
 /// After `judge_cases`: the support is checked under each named case too. `designs`: its designs are searched for, if
 /// the scene asks for them.
-void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
-                   const stability::Analysis& analysis, JudgedMore& more, bool designs = true);
+void judge_support(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
+                   Realization& made, bool designs);
 /// The support plan as it stands, under the base case; no design is searched for. Without `factors` the verdicts alone.
 [[nodiscard]] stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn,
                                                   const topology::AuditedComplex& complex,
                                                   const stability::Analysis& analysis, bool factors);
-void judge_sensitivity(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
-                       const stability::Analysis& analysis, JudgedMore& more);
-void judge_maximum_blocks(const Scene& scene, const Drawn& drawn, JudgedMore& more);
+void judge_maximum_blocks(const Scene& scene, Realization& made);
 
 }  // namespace cleave::scene

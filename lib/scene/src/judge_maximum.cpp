@@ -44,19 +44,19 @@ stability::JointStrength strength_of(const JointProperties& p) {
 
 }  // namespace
 
-void judge_maximum_blocks(const Scene& scene, const Drawn& drawn, JudgedMore& more) {
+void judge_maximum_blocks(const Scene& scene, Realization& made) {
   if (!scene.stability->maximum_blocks) return;
   const MaximumBlockSettings& wanted = *scene.stability->maximum_blocks;
   std::vector<SetId> sets = wanted.sets;
   if (sets.empty()) {
-    for (const JointInfo& joint : drawn.joints) sets.push_back(joint.set);
+    for (const JointInfo& joint : made.joints) sets.push_back(joint.set);
     std::ranges::sort(sets);
     sets.erase(std::ranges::unique(sets).begin(), sets.end());
   }
   std::vector<stability::TheoryPlane> planes;
   std::vector<SetId> used;
   for (const SetId set : sets) {
-    const auto normal = mean_normal(scene, drawn, set);
+    const auto normal = mean_normal(scene, made, set);
     if (!normal) continue;
     const auto direction = stability::direction_of(*normal);
     if (!direction) continue;
@@ -82,7 +82,7 @@ void judge_maximum_blocks(const Scene& scene, const Drawn& drawn, JudgedMore& mo
     MaximumRow row{
         .sets = {}, .block = block, .where = std::string{location_of(block.block.apex[0], block.block.apex[1])}};
     for (std::size_t i = 0; i < 3; ++i) row.sets[i] = scene.sets[used[block.planes[i]]].name;
-    more.maximum_blocks.push_back(std::move(row));
+    made.maximum_blocks.push_back(std::move(row));
   }
 }
 

@@ -156,8 +156,8 @@ class DesignSearch {
   stability::SupportPlan plan_;
 };
 
-void note(const std::vector<topology::BlockId>& undecided, JudgedMore& more) {
-  more.undecided.insert(more.undecided.end(), undecided.begin(), undecided.end());
+void note(const std::vector<topology::BlockId>& undecided, Realization& made) {
+  made.undecided.insert(made.undecided.end(), undecided.begin(), undecided.end());
 }
 
 }  // namespace
@@ -183,11 +183,19 @@ double tunnel_length(const Scene& scene) {
   return length;
 }
 
-void judge_cases(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex, JudgedMore& more) {
+void forget_cases_and_support(Realization& made) {
+  made.load_cases.clear();
+  made.support.reset();
+  made.support_cases.clear();
+  made.designs.clear();
+  made.undecided.clear();
+}
+
+void judge_cases(const Scene& scene, const topology::AuditedComplex& complex, Realization& made) {
   for (const LoadCase& load : scene.stability->cases) {
-    more.cases.push_back(
-        {load.name, stability::analyse(complex, settings_on(complex.complex(), scene, drawn, load.loads))});
-    note(more.cases.back().analysis.undecided, more);
+    made.load_cases.push_back(
+        {load.name, stability::analyse(complex, settings_on(complex.complex(), scene, made, load.loads))});
+    note(made.load_cases.back().analysis.undecided, made);
   }
 }
 
@@ -198,34 +206,28 @@ stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn, cons
   return check_support(complex, settings_on(complex.complex(), scene, drawn, scene.stability->loads), analysis, plan);
 }
 
-void judge_support(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
-                   const stability::Analysis& analysis, JudgedMore& more, bool designs) {
-  const stability::Settings settings = settings_on(complex.complex(), scene, drawn, scene.stability->loads);
+void judge_support(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
+                   Realization& made, bool designs) {
+  const stability::Settings settings = settings_on(complex.complex(), scene, made, scene.stability->loads);
   const SupportSettings& support = *scene.support;
-  more.support = judge_plan(scene, drawn, complex, analysis, designs);
-  note(more.support->undecided, more);
-  for (std::size_t k = 0; k < more.cases.size(); ++k) {
+  made.support = judge_plan(scene, made, complex, analysis, designs);
+  note(made.support->undecided, made);
+  for (std::size_t k = 0; k < made.load_cases.size(); ++k) {
     const LoadCase& load = scene.stability->cases[k];
-    more.support_cases.push_back(
-        {load.name, check_support(complex, settings_on(complex.complex(), scene, drawn, load.loads),
-                                  more.cases[k].analysis, support.plan)});
-    note(more.support_cases.back().support.undecided, more);
+    made.support_cases.push_back(
+        {load.name, check_support(complex, settings_on(complex.complex(), scene, made, load.loads),
+                                  made.load_cases[k].analysis, support.plan)});
+    note(made.support_cases.back().support.undecided, made);
   }
-  if (!support.design || !designs || !more.undecided.empty()) return;
+  if (!support.design || !designs || !made.undecided.empty()) return;
   const auto check = [&](const stability::SupportPlan& plan) {
     stability::SupportResult result = check_support(complex, settings, analysis, plan);
-    note(result.undecided, more);
+    note(result.undecided, made);
     return result;
   };
   for (const double length : support.design->lengths) {
-    more.designs.push_back(DesignSearch{support, length, scene.seed, check}.run());
+    made.designs.push_back(DesignSearch{support, length, scene.seed, check}.run());
   }
-}
-
-void judge_sensitivity(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
-                       const stability::Analysis& analysis, JudgedMore& more) {
-  more.sensitivity =
-      stability::sensitivity(complex, settings_on(complex.complex(), scene, drawn, scene.stability->loads), analysis);
 }
 
 }  // namespace cleave::scene

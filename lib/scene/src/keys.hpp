@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/scene/plan.hpp"
+
 /// The keys of scene and survey files, each declared once: what it holds, its unit, range, usual values, default and
 /// one line of help. Parsers read by these declarations, and docs/scene.schema.json, the tables of keys in docs and
 /// fuzz/cleave.dict are made from them.
@@ -129,6 +131,8 @@ struct KeyTable {
   std::vector<std::vector<std::string_view>> one_of = {};  ///< of each list exactly one is given
   std::string_view select = {};
   std::vector<KeyVariant> variants = {};
+  /// Of a whole scene: what takes which keys.
+  std::vector<std::pair<Stage, std::vector<std::string_view>>> steps = {};
 
   [[nodiscard]] const Key* find(std::string_view key, std::optional<std::size_t> variant) const noexcept;
   /// Names of all keys, of one variant where there are any.

@@ -74,16 +74,21 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
   return options;
 }
 
-Record record_of(std::uint64_t k, const topology::BlockComplex& complex, std::size_t joints,
-                 const stability::Analysis* analysis, const SequenceResult* sequence,
-                 const stability::SupportResult* support, const stochastic::Questions& questions) {
-  Record record = stochastic::measure(complex, analysis, questions);
+Record record_of(std::uint64_t k, const Realization& made, const stochastic::Questions& questions) {
+  Record record;
   record.realization = k;
-  record.joints = joints;
-  if (support != nullptr) {
+  if (!made.complex) {
+    record.outcome = Outcome::certificate_failed;
+    return record;
+  }
+  const topology::BlockComplex& complex = made.complex->complex();
+  record = stochastic::measure(complex, made.analysis ? &*made.analysis : nullptr, questions);
+  record.realization = k;
+  record.joints = made.joints.size();
+  if (made.support) {
     stochastic::Supported& sum = record.support.emplace();
-    sum.spot_bolts = support->spot_bolts;
-    for (const stability::SupportedBlock& block : support->blocks) {
+    sum.spot_bolts = made.support->spot_bolts;
+    for (const stability::SupportedBlock& block : made.support->blocks) {
       ++sum.needing;
       if (block.held != stability::Held::not_held) continue;
       ++sum.not_held;
@@ -91,10 +96,10 @@ Record record_of(std::uint64_t k, const topology::BlockComplex& complex, std::si
       // A block that no force holds at its target has an infinite lack: counted, not added.
       if (std::isfinite(block.missing_force)) sum.missing_n += block.missing_force;
     }
-    for (const stability::CombinedBlock& body : support->combined) sum.failing_bodies += body.passes ? 0U : 1U;
+    for (const stability::CombinedBlock& body : made.support->combined) sum.failing_bodies += body.passes ? 0U : 1U;
   }
-  if (sequence != nullptr) {
-    for (const OrderResult& order : sequence->orders) {
+  if (made.sequence) {
+    for (const OrderResult& order : made.sequence->orders) {
       record.orders.push_back({order.key_blocks, order.key_volume.si()});
     }
   }
@@ -103,20 +108,15 @@ Record record_of(std::uint64_t k, const topology::BlockComplex& complex, std::si
 
 std::vector<Record> make_records(const Scene& scene, const stochastic::Questions& questions, std::uint64_t first,
                                  std::uint64_t count) {
-  const auto of = [](const auto& optional) { return optional ? &*optional : nullptr; };
   std::vector<Record> records;
-  realize(scene, first, count, [&](std::uint64_t k, const auto& realized) {
-    Record record;
-    record.realization = k;
-    if (!realized) {
-      record.outcome = Outcome::refused;
-    } else if (!realized->complex) {
-      record.outcome = Outcome::certificate_failed;
+  StageTimer timer;
+  realize(scene, first, count, timer, [&](std::uint64_t k, const Realization* made) {
+    if (made != nullptr) {
+      records.push_back(record_of(k, *made, questions));
     } else {
-      record = record_of(k, realized->complex->complex(), realized->drawn.joints.size(), of(realized->analysis),
-                         of(realized->sequence), of(realized->support), questions);
+      records.emplace_back().realization = k;
+      records.back().outcome = Outcome::refused;
     }
-    records.push_back(std::move(record));
   });
   return records;
 }

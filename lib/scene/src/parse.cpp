@@ -145,39 +145,48 @@ Header parse_header(const TableReader& root, Context& context, const std::string
 const KeyTable& scene_keys() {
   static const KeyTable keys{
       .name = "scene",
-      .keys = {
-          {"schema", key::whole(1, 1), "1", "version of this format"},
-          {"title", key::text(), "the file's name", "shown in the results"},
-          {"seed", key::whole(0, INT64_MAX), "1", "whole number from 0; `cleave run --seed` overrides it"},
-          {"snap", key::number(snap_rule), "0",
-           "m; above 0 corners closer than this become one, near-coincident planes merge and edges within this "
-           "distance of another joint end on it, whatever the order of the joints; what is closed stays closed. "
-           "Polygons that share corners part the rock without it"},
-          {"nonplanar", key::word(nonplanar_words), "\"refuse\"",
-           "or `\"triangulate\"`: polygons (and faces of `domain.corners`) whose corners lie further than max(1e-6 of "
-           "the "
-           "size, 8 ulp of the largest coordinate) from their plane"},
-          {"keep_dangling", key::flag(), "false",
-           "true keeps the parts of joints that separate nothing (dangling ends, membranes, isolated joints): "
-           "`dangling.vtu`, `dangling.obj` and `summary.json` say in which block each lies; the blocks are the same"},
-          {"north", key::number(rule::turn), "0",
-           "degrees from y to true north, clockwise; dip directions count from true north"},
-          {"include", key::either({key::texts(), key::text()}), "[]",
-           "files whose joints, joint sets and `[joints.NAME]` are taken as if they stood here"},
-          {"domain", key::table(&domain_keys), required, "the rock"},
-          {"joint", key::tables(&joint_keys), "", "joints that are given"},
-          {"joint_set", key::tables(&joint_set_keys), "", "joints drawn at random"},
-          {"joints", key::named(key::table(&strength_keys)), "", "strength by set; `[joints.default]` for the rest"},
-          {"rock", key::table(&rock_keys), "", "properties of the rock"},
-          {"excavation", key::tables(&excavation_keys), "", "what is taken out, in order"},
-          {"stability", key::table(&stability_keys), "", "key blocks"},
-          {"load", key::tables(&load_keys), "", "load cases"},
-          {"field_stress", key::table(&field_stress_keys), "", "clamping by the stress around a tunnel"},
-          {"support", key::table(&support_keys), "", "bolts and shotcrete"},
-          {"sequence", key::table(&sequence_keys), "", "excavation in stages"},
-          {"micro_blocks", key::table(&micro_blocks_keys), "", "blocks thinner or smaller than a limit"},
-          {"monte_carlo", key::table(&monte_carlo_keys), "", "many realizations instead of one run"},
-          {"output", key::table(&output_keys), "", "files of the result"}}};
+      .keys =
+          {{"schema", key::whole(1, 1), "1", "version of this format"},
+           {"title", key::text(), "the file's name", "shown in the results"},
+           {"seed", key::whole(0, INT64_MAX), "1", "whole number from 0; `cleave run --seed` overrides it"},
+           {"snap", key::number(snap_rule), "0",
+            "m; above 0 corners closer than this become one, near-coincident planes merge and edges within this "
+            "distance of another joint end on it, whatever the order of the joints; what is closed stays closed. "
+            "Polygons that share corners part the rock without it"},
+           {"nonplanar", key::word(nonplanar_words), "\"refuse\"",
+            "or `\"triangulate\"`: polygons (and faces of `domain.corners`) whose corners lie further than max(1e-6 of "
+            "the "
+            "size, 8 ulp of the largest coordinate) from their plane"},
+           {"keep_dangling", key::flag(), "false",
+            "true keeps the parts of joints that separate nothing (dangling ends, membranes, isolated joints): "
+            "`dangling.vtu`, `dangling.obj` and `summary.json` say in which block each lies; the blocks are the same"},
+           {"north", key::number(rule::turn), "0",
+            "degrees from y to true north, clockwise; dip directions count from true north"},
+           {"include", key::either({key::texts(), key::text()}), "[]",
+            "files whose joints, joint sets and `[joints.NAME]` are taken as if they stood here"},
+           {"domain", key::table(&domain_keys), required, "the rock"},
+           {"joint", key::tables(&joint_keys), "", "joints that are given"},
+           {"joint_set", key::tables(&joint_set_keys), "", "joints drawn at random"},
+           {"joints", key::named(key::table(&strength_keys)), "", "strength by set; `[joints.default]` for the rest"},
+           {"rock", key::table(&rock_keys), "", "properties of the rock"},
+           {"excavation", key::tables(&excavation_keys), "", "what is taken out, in order"},
+           {"stability", key::table(&stability_keys), "", "key blocks"},
+           {"load", key::tables(&load_keys), "", "load cases"},
+           {"field_stress", key::table(&field_stress_keys), "", "clamping by the stress around a tunnel"},
+           {"support", key::table(&support_keys), "", "bolts and shotcrete"},
+           {"sequence", key::table(&sequence_keys), "", "excavation in stages"},
+           {"micro_blocks", key::table(&micro_blocks_keys), "", "blocks thinner or smaller than a limit"},
+           {"monte_carlo", key::table(&monte_carlo_keys), "", "many realizations instead of one run"},
+           {"output", key::table(&output_keys), "", "files of the result"}},
+      .steps = {{Stage::read, {"include"}},
+                {Stage::draw, {"joint_set", "joints"}},
+                {Stage::cut, {"domain", "joint", "excavation"}},
+                {Stage::stability, {"rock", "joints", "stability", "load", "sequence", "micro_blocks"}},
+                {Stage::support, {"support"}},
+                {Stage::monte_carlo, {"monte_carlo"}},
+                {Stage::elastic, {"field_stress"}},
+                {Stage::write, {"output"}},
+                {Stage::report, {"output"}}}};
   return keys;
 }
 
@@ -261,7 +270,9 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .file_name = stem_of(shown),
               .sha256 = sha256_hex(text),
               .files = std::move(context.files),
+              .given = {},
               .notes = {}};
+  for (const TomlEntry& entry : table.entries) scene.given.push_back(entry.key);
   find_notes(scene, root);
   scene.notes = std::move(problems).take_notes();
   return scene;

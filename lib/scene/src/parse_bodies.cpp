@@ -450,6 +450,8 @@ const KeyTable& elastic_scene_keys() {
     KeyTable table{.name = "elastic scene", .keys = head_keys()};
     table.keys.push_back({"elastic", key::table(&elastic_keys), "", "the problem"});
     table.keys.push_back({"body", key::tables(&elastic_body_keys), required, "elastic bodies"});
+    table.steps = {
+        {Stage::elastic, {"elastic", "body", "rock"}}, {Stage::write, {"output"}}, {Stage::report, {"output"}}};
     return table;
   }();
   return keys;
@@ -514,6 +516,7 @@ std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, 
   const TableReader root{*tree, 1, "", problems, elastic_scene_keys()};
   BodiesScene scene;
   parse_plane_head(root, text, shown, scene);
+  for (const TomlEntry& entry : tree->entries) scene.given.push_back(entry.key);
   const RockDefaults defaults = parse_rock_defaults(root);
   bem::PlaneState plane = bem::PlaneState::strain;
   const TomlTable empty;

@@ -631,6 +631,9 @@ const KeyTable& contact_scene_keys() {
     table.keys.push_back({"contact", key::table(&contact_keys), required, "the problem"});
     table.keys.push_back(
         {"body", key::tables(&contact_body_keys), required, "bodies that touch, slide, fall and come to rest"});
+    table.steps = {{Stage::contact, {"contact", "body", "rock", "joints"}},
+                   {Stage::write, {"output"}},
+                   {Stage::report, {"output"}}};
     return table;
   }();
   return keys;
@@ -657,6 +660,7 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
   const TableReader root{*tree, 1, "", problems, contact_scene_keys()};
   ContactScene scene;
   parse_plane_head(root, text, shown, scene);
+  for (const TomlEntry& entry : tree->entries) scene.given.push_back(entry.key);
   const RockDefaults defaults = parse_rock_defaults(root);
   scene.joints = parse_strengths(root);
   const JointNames joints{scene.joints};

@@ -9,6 +9,9 @@
 
 #include "bounds.hpp"
 #include "cleave/dfn/sample.hpp"
+#include "cleave/scene/scene.hpp"
+#include "key_tables.hpp"
+#include "plan_stages.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -116,85 +119,84 @@ SizeEstimate estimate(const Scene& scene) {
   return size;
 }
 
-}  // namespace
+/// Expected seconds of CPU of a stage.
+double seconds_of(Stage stage, const SizeEstimate& size) {
+  if (stage == Stage::draw) return 1e-5 * size.joints;
+  if (stage == Stage::cut) return 4e-5 * size.joints + 2.4e-5 * size.blocks_high;
+  if (stage == Stage::audit) return 1.6e-5 * size.blocks_high;
+  return 0;
+}
 
-std::string_view name_of(Stage stage) noexcept {
+struct Decision {
+  bool run;
+  std::string why;
+};
+
+std::string why_cut(const Scene& scene) {
+  const std::size_t given = scene.joints.size();
+  const bool drawn = !scene.joint_sets.empty();
+  std::string why = given == 0 && !drawn ? "no joints: the domain less the excavations"
+                    : given == 0
+                        ? "the drawn joints"
+                        : count_of(given, "given joint", "given joints") + (drawn ? " and the drawn ones" : "");
+  if (!scene.output.only_key_blocks) return why;
+  return why + (!scene.stability ? "; all of the rock, as there is no free face to start from"
+                : scene.sequence ? "; all of the rock, as it is taken out in stages"
+                                 : "; only near free faces, as only key blocks are asked for");
+}
+
+std::string why_monte_carlo(const Scene& scene) {
+  if (!scene.monte_carlo) return "no [monte_carlo]: one run";
+  const MonteCarloSettings& wanted = *scene.monte_carlo;
+  if (!wanted.stop) return fmt::format("{} realizations", wanted.realizations);
+  return fmt::format("up to {} realizations, until {} is known to {:.3g} %", wanted.realizations, wanted.stop->quantity,
+                     100 * wanted.stop->relative_half_width);
+}
+
+Decision decide_elastic(const Scene& scene) {
+  if (!scene.field_stress) return {false, "no [[body]] and no [field_stress]"};
+  if (!scene.stability) return {false, "nothing is free, so no block is clamped"};
+  if (scene.monte_carlo) return {false, "not in ensembles"};
+  return {true, fmt::format("stress around \"{}\" (section by boundary elements) on its key blocks",
+                            scene.excavations[scene.field_stress->excavation].name)};
+}
+
+Decision decide(const Scene& scene, Stage stage) {
+  const bool stability = scene.stability.has_value();
+  const std::size_t sets = scene.joint_sets.size();
   switch (stage) {
-    case Stage::read: return "read";
-    case Stage::draw: return "draw";
-    case Stage::cut: return "cut";
-    case Stage::audit: return "audit";
-    case Stage::stability: return "stability";
-    case Stage::support: return "support";
-    case Stage::monte_carlo: return "monte_carlo";
-    case Stage::elastic: return "elastic";
-    case Stage::contact: return "contact";
-    case Stage::write: return "write";
-    case Stage::report: return "report";
+    case Stage::read:
+      return {true,
+              scene.files.empty() ? "the scene" : "the scene and " + count_of(scene.files.size(), "file", "files")};
+    case Stage::draw:
+      return {sets > 0, sets > 0 ? count_of(sets, "random joint set", "random joint sets") : "no [[joint_set]]"};
+    case Stage::cut: return {true, why_cut(scene)};
+    case Stage::audit: return {true, "every block system is certified"};
+    case Stage::stability: return {stability, why_stability(scene)};
+    case Stage::support: return {scene.support && stability, why_support(scene)};
+    case Stage::monte_carlo: return {scene.monte_carlo.has_value(), why_monte_carlo(scene)};
+    case Stage::elastic: return decide_elastic(scene);
+    case Stage::contact: return {false, "no [[body]]"};
+    case Stage::write:
+      return {true, scene.monte_carlo ? "summary.json, log.txt, realizations.csv, copies of the scene"
+                                      : why_write(scene.output, stability)};
+    case Stage::report: return {scene.output.report, scene.output.report ? "report.html" : "output.report = false"};
   }
   std::unreachable();
 }
 
-bool Plan::runs(Stage stage) const noexcept {
-  return std::ranges::any_of(stages,
-                             [&](const PlannedStage& planned) { return planned.stage == stage && planned.run; });
-}
+}  // namespace
 
 Plan make_plan(const Scene& scene) {
-  Plan plan;
-  const bool stability = scene.stability.has_value();
-  const bool drawn = !scene.joint_sets.empty();
-  const std::size_t given = scene.joints.size();
-  const auto add = [&](Stage stage, bool run, std::string why) { plan.stages.push_back({stage, run, std::move(why)}); };
+  Plan plan{.stages = {}, .estimate = estimate(scene)};
+  const double runs = scene.monte_carlo ? static_cast<double>(scene.monte_carlo->realizations) : 1;
   for (const Stage stage : all_stages) {
-    switch (stage) {
-      case Stage::read:
-        add(stage, true,
-            scene.files.empty() ? "the scene" : "the scene and " + count_of(scene.files.size(), "file", "files"));
-        break;
-      case Stage::draw:
-        add(stage, drawn,
-            drawn ? count_of(scene.joint_sets.size(), "random joint set", "random joint sets") : "no [[joint_set]]");
-        break;
-      case Stage::cut:
-        add(stage, true,
-            given == 0 && !drawn ? "no joints: the domain less the excavations"
-            : drawn && given == 0
-                ? "the drawn joints"
-                : count_of(given, "given joint", "given joints") + (drawn ? " and the drawn ones" : ""));
-        if (scene.output.only_key_blocks) {
-          plan.stages.back().why += !stability       ? "; all of the rock, as there is no free face to start from"
-                                    : scene.sequence ? "; all of the rock, as it is taken out in stages"
-                                                     : "; only near free faces, as only key blocks are asked for";
-        }
-        break;
-      case Stage::audit: add(stage, true, "every block system is certified"); break;
-      case Stage::stability: add(stage, stability, why_stability(scene)); break;
-      case Stage::support: add(stage, scene.support && stability, why_support(scene)); break;
-      case Stage::monte_carlo:
-        add(stage, scene.monte_carlo.has_value(),
-            !scene.monte_carlo ? "no [monte_carlo]: one run"
-            : scene.monte_carlo->stop
-                ? fmt::format("up to {} realizations, until {} is known to {:.3g} %", scene.monte_carlo->realizations,
-                              scene.monte_carlo->stop->quantity, 100 * scene.monte_carlo->stop->relative_half_width)
-                : fmt::format("{} realizations", scene.monte_carlo->realizations));
-        break;
-      case Stage::elastic:
-        add(stage, scene.field_stress && stability,
-            !scene.field_stress ? "no [[body]] and no [field_stress]"
-            : !stability        ? "nothing is free, so no block is clamped"
-                                : fmt::format("stress around \"{}\" (section by boundary elements) on its key blocks",
-                                              scene.excavations[scene.field_stress->excavation].name));
-        break;
-      case Stage::contact: add(stage, false, "no [[body]]"); break;
-      case Stage::write: add(stage, true, why_write(scene.output, stability)); break;
-      case Stage::report:
-        add(stage, scene.output.report, scene.output.report ? "report.html" : "output.report = false");
-        break;
-    }
+    auto [run, why] = decide(scene, stage);
+    const double seconds = run ? runs * seconds_of(stage, plan.estimate) : 0;
+    plan.stages.push_back({.stage = stage, .run = run, .why = std::move(why), .inputs = {}, .seconds = seconds});
   }
-  plan.estimate = estimate(scene);
-  if (scene.monte_carlo) plan.estimate.seconds *= static_cast<double>(scene.monte_carlo->realizations);
+  plan.estimate.seconds *= runs;
+  add_inputs(scene_keys(), scene.given, plan);
   return plan;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "cleave/scene/contact.hpp"
+#include "key_tables.hpp"
+#include "plan_stages.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -70,7 +72,6 @@ RigidityChoice rigidity_of(const ContactScene& scene) {
 }
 
 Plan make_plan(const ContactScene& scene) {
-  Plan plan;
   const ContactSettings& s = scene.settings;
   const RigidityChoice rigidity = rigidity_of(scene);
   const auto moving =
@@ -93,31 +94,10 @@ Plan make_plan(const ContactScene& scene) {
     why += "; no friction";
   }
   if (s.gravity == Vec2{}) why += "; no weight";
-  for (const Stage stage : all_stages) {
-    const auto add = [&](bool run, std::string reason) { plan.stages.push_back({stage, run, std::move(reason)}); };
-    switch (stage) {
-      case Stage::read: add(true, "the scene"); break;
-      case Stage::draw:
-      case Stage::cut:
-      case Stage::audit:
-      case Stage::stability: add(false, "no [domain]: a scene of bodies"); break;
-      case Stage::support: add(false, "no [support]"); break;
-      case Stage::monte_carlo: add(false, "no [monte_carlo]: one run"); break;
-      case Stage::elastic: add(false, "no [elastic]: the bodies are in contact"); break;
-      case Stage::contact: add(true, why); break;
-      case Stage::write: {
-        std::string files = "summary.json, log.txt";
-        if (scene.output.vtu) files += ", contact_NNNN.vtu, contact.pvd";
-        if (scene.output.csv) files += scene.points.empty() ? ", history.csv" : ", history.csv, points.csv";
-        if (scene.output.csv) files += ", bodies.csv";
-        add(true, files);
-        break;
-      }
-      case Stage::report:
-        add(scene.output.report, scene.output.report ? "report.html" : "output.report = false");
-        break;
-    }
-  }
+  std::string files = scene.output.vtu ? ", contact_NNNN.vtu, contact.pvd" : "";
+  if (scene.output.csv) files += scene.points.empty() ? ", history.csv" : ", history.csv, points.csv";
+  if (scene.output.csv) files += ", bodies.csv";
+  Plan plan = plan_of_bodies(Stage::contact, why, files, scene.output.report);
   // A contact a block and side; one warm solve a step.
   const auto blocks = static_cast<double>(moving);
   const double steps = s.duration / s.step;
@@ -126,7 +106,7 @@ Plan make_plan(const ContactScene& scene) {
       20 + blocks * (rigidity.elastic ? 0.3 : 0.005) + 3e-5 * blocks * static_cast<double>(s.frames);
   plan.estimate.seconds = blocks * (rigidity.elastic ? 0.05 : 0) +
                           (s.to_rest ? std::min(steps, 2000.0) : steps) * blocks * (2e-5 + 2e-7 * freedoms);
-  plan.estimate.blocks_low = plan.estimate.blocks_high = 0;
+  add_inputs(contact_scene_keys(), scene.given, plan);
   return plan;
 }
 

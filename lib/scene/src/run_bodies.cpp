@@ -8,6 +8,8 @@
 #include "cleave/core/parallel.hpp"
 #include "cleave/scene/bodies.hpp"
 #include "cleave/scene/run.hpp"
+#include "key_tables.hpp"
+#include "plan_stages.hpp"
 
 namespace cleave::scene {
 
@@ -211,7 +213,6 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
 }  // namespace
 
 Plan make_plan(const BodiesScene& scene) {
-  Plan plan;
   const bool moving = scene.time.has_value();
   std::string why = fmt::format("{} {}", scene.bodies.size(), scene.bodies.size() == 1 ? "body" : "bodies");
   if (moving) {
@@ -227,26 +228,7 @@ Plan make_plan(const BodiesScene& scene) {
     if (!scene.stress || (!scene.output.report && !scene.output.vtu)) why += "; no stress inside: nothing asks for it";
     if (scene.gravity == Vec2{}) why += "; no weight";
   }
-  for (const Stage stage : all_stages) {
-    const auto add = [&](bool run, std::string reason) { plan.stages.push_back({stage, run, std::move(reason)}); };
-    switch (stage) {
-      case Stage::read: add(true, "the scene"); break;
-      case Stage::draw:
-      case Stage::cut:
-      case Stage::audit:
-      case Stage::stability: add(false, "no [domain]: a scene of bodies"); break;
-      case Stage::support: add(false, "no [support]"); break;
-      case Stage::monte_carlo: add(false, "no [monte_carlo]: one run"); break;
-      case Stage::elastic: add(true, why); break;
-      case Stage::contact: add(false, "no contacts between bodies"); break;
-      case Stage::write:
-        add(true, scene.output.vtu ? "summary.json, log.txt, bodies.vtu" : "summary.json, log.txt");
-        break;
-      case Stage::report:
-        add(scene.output.report, scene.output.report ? "report.html" : "output.report = false");
-        break;
-    }
-  }
+  Plan plan = plan_of_bodies(Stage::elastic, why, scene.output.vtu ? ", bodies.vtu" : "", scene.output.report);
   double unknowns = 0;
   for (const BodySpec& body : scene.bodies) {
     const bem::Mesh mesh = bem::make_mesh(body.region.loops, scene.options.mesh);
@@ -255,10 +237,10 @@ Plan make_plan(const BodiesScene& scene) {
     plan.estimate.seconds += 2e-9 * std::pow(2 * static_cast<double>(mesh.nodes.size()), 3);
   }
   plan.estimate.memory_mb += 20;
-  plan.estimate.blocks_low = plan.estimate.blocks_high = 0;
   // The estimate of the error runs it once more with twice the step.
   const double runs = moving && scene.time->estimate ? 1.5 : 1;
   if (moving) plan.estimate.seconds += runs * 4e-9 * unknowns * scene.time->end / scene.time->step;
+  add_inputs(elastic_scene_keys(), scene.given, plan);
   return plan;
 }
 

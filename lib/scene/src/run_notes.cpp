@@ -3,14 +3,32 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "cleave/stability/held_from_within.hpp"
+#include "judge.hpp"
 
 namespace cleave::scene {
 namespace {
 
+/// A length a little above, in two digits.
+double rounded_up(double length) {
+  const double unit = std::pow(10.0, std::floor(std::log10(length)) - 1);
+  return std::ceil(1.05 * length / unit) * unit;
+}
+
 void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::vector<std::string>& notes) {
+  if (const topology::NearMisses& near = report.near_misses; near.sides > 0) {
+    notes.push_back(fmt::format(
+        "{} of joints {} another polygon by less than 1e-6 of the domain without touching it, by {:.2g} m at most "
+        "(joint {} and {}): the rock is not parted there; snap = {:.2g} would close that",
+        near.sides == 1 ? "a side" : fmt::format("{} sides", near.sides), near.sides == 1 ? "misses" : "miss",
+        near.largest.si(), near.joint.value(),
+        near.other ? fmt::format("joint {}", near.other->value())
+                   : std::string{"a side of the domain or an excavation"},
+        rounded_up(near.largest.si())));
+  }
   if (report.joints_outside > 0) {
     notes.push_back(fmt::format("{} of {} joints lie outside the rock and cut nothing", report.joints_outside, joints));
   }
@@ -110,6 +128,9 @@ KeyGroupFigures count_key_groups(const stability::KeyGroups& groups) {
   return figures;
 }
 
+namespace {
+
+/// Groups that move though no block of theirs does by itself, and what could not be decided.
 void add_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis,
                      std::vector<std::string>& notes) {
   if (groups.too_many) {
@@ -152,26 +173,28 @@ void add_group_notes(const stability::KeyGroups& groups, const stability::Analys
   }
 }
 
-std::vector<std::string> notes_of(const Scene& scene, const Drawn& drawn, const System& system, const JudgedMore& more,
-                                  const std::optional<FieldStressResult>& clamped) {
-  const std::optional<stability::Analysis>& analysis = system.analysis;
+}  // namespace
+
+std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
+  const std::optional<stability::Analysis>& analysis = made.analysis;
+  const std::optional<FieldStressResult>& clamped = made.field_stress;
   std::vector<std::string> notes;
   for (const Problem& note : scene.notes) notes.push_back(describe(note));
-  if (system.window) {
-    notes.push_back(note_on(*system.window));
+  if (made.window) {
+    notes.push_back(note_on(*made.window));
   } else {
-    add_cut_notes(system.report, drawn.joints.size(), notes);
+    add_cut_notes(made.cut, made.joints.size(), notes);
   }
-  if (system.complex) add_micro_note(system.complex->complex(), scene.micro_blocks, notes);
+  if (made.complex) add_micro_note(made.complex->complex(), scene.micro_blocks, notes);
   if (analysis && analysis->stopped_at_max_batches) {
     notes.push_back(
         fmt::format("stopped after max_batches = {} batches: more blocks may move", scene.stability->max_batches));
   }
-  if (more.support && !more.support->passes()) {
+  if (made.support && !made.support->passes()) {
     notes.push_back(
         "the support does not reach the required factors of safety: see bolts.csv and the columns of key_blocks.csv");
   }
-  for (const CaseSupport& load : more.support_cases) {
+  for (const CaseSupport& load : made.support_cases) {
     if (!load.support.passes()) {
       notes.push_back(
           fmt::format("load case {}: the support does not reach the required factors of safety: see support_blocks.csv",
@@ -180,12 +203,11 @@ std::vector<std::string> notes_of(const Scene& scene, const Drawn& drawn, const 
   }
   if (analysis) add_cohesion_note(*analysis, notes);
   if (analysis) add_rotation_note(*analysis, notes);
-  if (analysis && system.complex) {
-    add_enclosed_notes(*system.complex, settings_on(system.complex->complex(), scene, drawn, scene.stability->loads),
+  if (analysis && made.complex) {
+    add_enclosed_notes(*made.complex, settings_on(made.complex->complex(), scene, made, scene.stability->loads),
                        *analysis, notes);
   }
-  if (system.window && system.window->truncated > 0 && analysis &&
-      analysis->rotation == stability::RotationCheck::flag) {
+  if (made.window && made.window->truncated > 0 && analysis && analysis->rotation == stability::RotationCheck::flag) {
     notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");
   }
   if (clamped && !clamped->reached) {
@@ -197,7 +219,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Drawn& drawn, const 
                                 clamped->held, clamped->held == 1 ? "block is" : "blocks are",
                                 clamped->held == 1 ? "its" : "their", clamped->held == 1 ? "it falls" : "they fall"));
   }
-  for (const CaseResult& load : more.cases) {
+  for (const CaseResult& load : made.load_cases) {
     std::size_t leaving = 0, base = 0;
     for (const stability::Batch& batch : load.analysis.batches) leaving += batch.blocks.size();
     for (const stability::Batch& batch : analysis->batches) base += batch.blocks.size();
@@ -205,6 +227,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Drawn& drawn, const 
       notes.push_back(fmt::format("load case {}: {} key blocks, {} in the base case", load.name, leaving, base));
     }
   }
+  if (made.key_groups) add_group_notes(*made.key_groups, *analysis, notes);
   return notes;
 }
 

@@ -1,8 +1,11 @@
 #include "cleave/topology/audit.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <string_view>
 #include <tuple>
 
 #include "detail/block_auditor.hpp"
@@ -96,6 +99,25 @@ class Sum {
 
 }  // namespace
 
+std::string describe(const Certificate& certificate) {
+  std::string text;
+  const auto add = [&](std::uint64_t count, std::string_view one, std::string_view many) {
+    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, count == 1 ? one : many);
+  };
+  add(certificate.open_shells, "block is not closed", "blocks are not closed");
+  add(certificate.euler_violations, "block breaks Euler's formula", "blocks break Euler's formula");
+  add(certificate.unpaired_patches, "contact differs on its two sides", "contacts differ on their two sides");
+  add(certificate.misfits, "stored figure does not fit its corners", "stored figures do not fit their corners");
+  text += fmt::format("{}volumes off by {:.1e}, face vectors by {:.1e}", text.empty() ? "" : ", ",
+                      certificate.volume_relative_error, certificate.face_vector_max_relative);
+  if (certificate.offenders.empty()) return text;
+  text += certificate.offenders.size() == 1 ? "; block" : "; blocks";
+  for (const BlockId block : certificate.offenders) {
+    text += fmt::format("{} {}", block == certificate.offenders.front() ? "" : ",", block.value());
+  }
+  return text;
+}
+
 std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned thread_count) {
   const ThreadLimit threads{std::max(1U, thread_count)};
   const std::size_t blocks = complex.blocks().size();
@@ -137,11 +159,17 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned 
   const double rock = complex.rock_volume().si();
   const auto off = [rock](double sum) { return rock > 0 ? std::abs(sum - rock) / rock : 1; };
   constexpr double allowed = 1e-10;
-  if (off(volume.value()) > allowed && certificate.misfits == 0 && certificate.open_shells == 0) {
-    // Thin rock in a large scene: blocks that doubles cannot measure well enough are measured by integers.
+  const bool refine = certificate.misfits == 0 && certificate.open_shells == 0;
+  if (off(volume.value()) > allowed && refine) {
+    // Thin rock in a large scene: blocks that doubles cannot measure well enough are measured by integers. Where
+    // polygons share edges, faces are bent by a rounding between their corners: each stored volume agrees with its
+    // corners within that, and all of them, which know the bends, must fill the rock.
+    const bool bent = complex.report().bend_m > 0;
     volume = {};
-    for (std::size_t b = 0; b < blocks; ++b)
-      volume.add(fit.volume(BlockId{b}, verdicts[b].measure.volume, allowed / 10));
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const BlockId id{b};
+      volume.add(bent ? complex.blocks()[id].volume.si() : fit.volume(id, verdicts[b].measure.volume, allowed / 10));
+    }
   }
   certificate.volume = cubic_metres(volume.value());
   certificate.volume_relative_error = off(volume.value());

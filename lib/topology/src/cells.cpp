@@ -5,14 +5,13 @@
 
 #include "cleave/core/assert.hpp"
 #include "detail/exact_volume.hpp"
+#include "detail/nest_pieces.hpp"
 #include "detail/pieces.hpp"
 #include "detail/stages.hpp"
 #include "detail/union_find.hpp"
 
 namespace cleave::topology::detail {
 namespace {
-
-double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 class CellFinder {
  public:
@@ -139,200 +138,18 @@ class CellFinder {
 
   // ---- which cell holds each connected piece -----------------------------------------------------------------------
 
-  struct Target {
-    Index face;
-    Vec lo, hi;
-    Index piece;
-  };
-  /// A box around neighbouring targets, with the places of its two halves; a leaf holds a few targets.
-  struct Node {
-    Vec lo, hi;
-    Index first, last;  ///< targets
-    Index left = none, right = none;
-  };
-  struct Side {  ///< of a face of a piece
-    Index from, to;
-  };
-
   void nest() {
     beyond_.assign(outside_.size(), unbounded());
     if (outside_.size() == 1) return;
-    std::vector<Target> targets;
-    std::vector<std::vector<Side>> sides_of(outside_.size());
+    std::vector<Index> piece_of_face(faces_, none);
     for (Index f = 0; f < faces_; ++f) {
-      if (!covered(f)) continue;
-      Target target{f, {1, 1, 1}, {-1, -1, -1}, piece_of_shell_[shell_of_[2 * f]]};
-      const PlaneFace& face = arrangement_.faces[f];
-      const Index start = arrangement_.loops[face.first_loop];
-      Index h = start;
-      do {
-        const Vec& p = start_of(h);
-        for (std::size_t k = 0; k < 3; ++k) {
-          target.lo[k] = std::min(target.lo[k], p[k]);
-          target.hi[k] = std::max(target.hi[k], p[k]);
-        }
-        sides_of[target.piece].push_back({arrangement_.start[h], arrangement_.start[h ^ 1U]});
-        h = arrangement_.next[h];
-      } while (h != start);
-      targets.push_back(target);
+      if (covered(f)) piece_of_face[f] = piece_of_shell_[shell_of_[2 * f]];
     }
-    std::vector<Node> tree;
-    grow(targets, 0, static_cast<Index>(targets.size()), tree);
-    parallel_for(outside_.size(), threads_, [&](std::size_t piece) {
-      const auto met = facing(static_cast<Index>(piece), sides_of[piece], targets, tree);
-      if (met) beyond_[piece] = shell_of_[*met];
-    });
-  }
-
-  /// A tree of boxes over targets [first, last), which it sorts; returns the place of its root.
-  static Index grow(std::vector<Target>& targets, Index first, Index last, std::vector<Node>& tree) {
-    Node node{{1, 1, 1}, {-1, -1, -1}, first, last};
-    for (Index t = first; t < last; ++t) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        node.lo[k] = std::min(node.lo[k], targets[t].lo[k]);
-        node.hi[k] = std::max(node.hi[k], targets[t].hi[k]);
-      }
+    const std::vector<Index> faced =
+        find_faced(prepared_, graph_, arrangement_, positions_, piece_of_face, outside_.size(), threads_);
+    for (std::size_t piece = 0; piece < faced.size(); ++piece) {
+      if (faced[piece] != none) beyond_[piece] = shell_of_[faced[piece]];
     }
-    const auto place = static_cast<Index>(tree.size());
-    tree.push_back(node);
-    if (last - first <= 8) return place;
-    std::size_t axis = 0;
-    for (std::size_t k = 1; k < 3; ++k) {
-      if (node.hi[k] - node.lo[k] > node.hi[axis] - node.lo[axis]) axis = k;
-    }
-    const Index middle = first + (last - first) / 2;
-    std::nth_element(targets.begin() + first, targets.begin() + middle, targets.begin() + last,
-                     [axis](const Target& a, const Target& b) {
-                       const double x = a.lo[axis] + a.hi[axis], y = b.lo[axis] + b.hi[axis];
-                       return x < y || (!(y < x) && a.face < b.face);
-                     });
-    const Index left = grow(targets, first, middle, tree);
-    const Index right = grow(targets, middle, last, tree);
-    tree[place].left = left;
-    tree[place].right = right;
-    return place;
-  }
-
-  /// The half-face of another piece that a ray from an extreme point of this piece, going out, meets first; empty
-  /// for the unbounded outside. Directions in which the ray passes too close to an edge to call are given up for
-  /// others. A start that touches another piece's face is no difficulty: pieces do not cross, so an edge of this one
-  /// says on which side it lies there.
-  std::optional<Index> facing(Index piece, const std::vector<Side>& sides, const std::vector<Target>& targets,
-                              const std::vector<Node>& tree) const {
-    std::uint64_t state = 0x9E3779B97F4A7C15U;
-    const auto random = [&state] {
-      state += 0x9E3779B97F4A7C15U;
-      std::uint64_t z = state;
-      z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
-      z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
-      return static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-52 - 1.0;
-    };
-    for (int attempt = 0; attempt < 1000; ++attempt) {
-      Vec ray{};
-      do {
-        ray = {random(), random(), random()};
-      } while (dot(ray, ray) > 1 || dot(ray, ray) < 0.1);
-      const Index start =
-          std::ranges::max_element(sides, {}, [&](const Side& e) { return dot(positions_[e.from], ray); })->from;
-      const Vec& from = positions_[start];
-      double nearest = std::numeric_limits<double>::infinity();
-      std::optional<Index> met;
-      bool unclear = false;
-      std::vector<Index> open{0};
-      while (!open.empty() && !unclear) {
-        const Node& node = tree[open.back()];
-        open.pop_back();
-        if (misses(node.lo, node.hi, from, ray)) continue;
-        if (node.left != none) {
-          open.push_back(node.left);
-          open.push_back(node.right);
-          continue;
-        }
-        for (Index t = node.first; t < node.last && !unclear; ++t) {
-          const Target& target = targets[t];
-          if (target.piece == piece || misses(target.lo, target.hi, from, ray)) continue;
-          const auto hit = shoot(target.face, from, ray);
-          if (!hit) continue;
-          unclear = hit->unclear;
-          if (!unclear && hit->t < nearest) {
-            nearest = hit->t;
-            const bool positive = hit->touching ? on_positive_side(target.face, sides, start) : hit->from_positive;
-            met = 2 * target.face + (positive ? 0 : 1);
-          }
-        }
-      }
-      if (!unclear) return met;
-    }
-    return std::nullopt;
-  }
-
-  /// On which side of a face that it touches with the vertex `at` the piece lies: an edge from there that leaves the
-  /// face's plane says so, because pieces do not cross.
-  [[nodiscard]] bool on_positive_side(Index face, const std::vector<Side>& sides, Index at) const {
-    const auto& n = prepared_.planes[arrangement_.faces[face].plane].approx();
-    double most = 0;
-    for (const auto& [from, to] : sides) {
-      if (from != at && to != at) continue;
-      const Vec& p = positions_[from == at ? to : from];
-      const double height = n[0] * p[0] + n[1] * p[1] + n[2] * p[2] + n[3];
-      if (std::abs(height) > std::abs(most)) most = height;
-    }
-    return most > 0;
-  }
-
-  static constexpr double margin = 0x1p-34;
-
-  static bool misses(const Vec& lo, const Vec& hi, const Vec& from, const Vec& ray) {
-    double t0 = -margin, t1 = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (std::abs(ray[k]) < 1e-3) continue;
-      double a = (lo[k] - margin - from[k]) / ray[k], b = (hi[k] + margin - from[k]) / ray[k];
-      if (a > b) std::swap(a, b);
-      t0 = std::max(t0, a - margin);
-      t1 = std::min(t1, b + margin);
-    }
-    return t0 > t1;
-  }
-
-  struct Hit {
-    double t;
-    bool from_positive;
-    bool touching;
-    bool unclear;
-  };
-  std::optional<Hit> shoot(Index f, const Vec& from, const Vec& ray) const {
-    const PlaneFace& face = arrangement_.faces[f];
-    const auto& n = prepared_.planes[face.plane].approx();
-    const double rate = n[0] * ray[0] + n[1] * ray[1] + n[2] * ray[2];
-    const double height = n[0] * from[0] + n[1] * from[1] + n[2] * from[2] + n[3];
-    if (std::abs(rate) < 1e-4) return Hit{0, false, false, true};
-    const double t = -height / rate;
-    if (t < -margin) return std::nullopt;
-    const Vec p{from[0] + t * ray[0], from[1] + t * ray[1], from[2] + t * ray[2]};
-    const std::size_t drop = std::abs(n[0]) >= std::abs(n[1]) && std::abs(n[0]) >= std::abs(n[2]) ? 0
-                             : std::abs(n[1]) >= std::abs(n[2])                                   ? 1
-                                                                                                  : 2;
-    const std::size_t u = drop == 0 ? 1 : 0, v = drop == 2 ? 1 : 2;
-    bool inside = false;
-    for (Index l = face.first_loop; l < face.first_loop + face.loop_count; ++l) {
-      const Index start = arrangement_.loops[l];
-      Index h = start;
-      do {
-        const Index g = arrangement_.next[h];
-        const Vec &a = start_of(h), &b = start_of(g);
-        const double du = b[u] - a[u], dv = b[v] - a[v];
-        const double length = std::sqrt(du * du + dv * dv);
-        const double off = du * (p[v] - a[v]) - dv * (p[u] - a[u]);
-        const double along = du * (p[u] - a[u]) + dv * (p[v] - a[v]);
-        if (std::abs(off) <= margin * length && along >= -margin * length && along <= length * (length + margin)) {
-          return Hit{t, false, false, true};
-        }
-        if ((a[v] > p[v]) != (b[v] > p[v]) && (off > 0) == (dv > 0)) inside = !inside;
-        h = g;
-      } while (h != start);
-    }
-    if (!inside) return std::nullopt;
-    return Hit{t, height > 0, t < margin, false};
   }
 
   // ---- numbering and what is rock -----------------------------------------------------------------------------------

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
@@ -45,9 +47,33 @@ std::string describe(const CutError& error) {
           [](const TooLarge& e) {
             return fmt::format("the scene has more than 2^31 {}; split it or use fewer joints", e.what);
           },
+          [](const NotFinite& e) {
+            return fmt::format("{}{} is not a finite number; give one",
+                               e.joint ? fmt::format("joint {}: ", e.joint->value()) : std::string{}, e.what);
+          },
+          [](const SnapNegative& e) { return fmt::format("snap is {} m; give 0 or more", e.snap.si()); },
+          [](const UnknownTag& e) {
+            return fmt::format("side {} is to be free, but the domain has no such side; give one that it has", e.tag);
+          },
+          [](const UnknownJoint& e) {
+            return fmt::format("a termination names joint {}, but there is no such joint", e.joint.value());
+          },
       },
       error);
 }
+
+namespace {
+
+NearMisses near_misses(const detail::Prepared& prepared, const detail::Gaps& gaps) {
+  if (gaps.sides == 0) return {};
+  const detail::Facet *joint = &prepared.facets[gaps.first], *other = &prepared.facets[gaps.second];
+  if (joint->owner != detail::Owner::joint) std::swap(joint, other);
+  const bool both = other->owner == detail::Owner::joint;
+  return {gaps.sides, metres(gaps.largest * prepared.lattice.pitch() * 0x1p48), JointId{joint->owner_index},
+          both ? std::optional{JointId{other->owner_index}} : std::nullopt};
+}
+
+}  // namespace
 
 std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOptions& options) {
   using namespace detail;
@@ -67,6 +93,7 @@ std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOption
   if (data.blocks.empty()) return std::unexpected(CutError{DomainSwallowed{}});
   data.report.intersections = static_cast<std::uint64_t>(
       std::ranges::count(traces.intervals, none, [](const Interval& interval) { return interval.outline_of; }));
+  data.report.near_misses = near_misses(prepared, traces.gaps);
   data.report.predicate_calls = signs.calls();
   data.report.predicate_exact = signs.exact_calls();
   return BlockComplex{std::move(data)};

@@ -1,28 +1,28 @@
 #include "detail/exact_volume.hpp"
 
 #include "cleave/core/assert.hpp"
+#include "detail/rational_point.hpp"
 
 namespace cleave::topology::detail {
-namespace {
 
-using Rational = boost::multiprecision::cpp_rational;
-using Point = std::array<Rational, 3>;
-
-Point position(const Prepared& prepared, const Vertex& v) {
-  const auto meet = exact::exact_meet(exact::exact_line(prepared.planes[v.planes[0]], prepared.planes[v.planes[1]]),
-                                      prepared.planes[v.planes[2]]);
+RationalPoint rational_position(const Prepared& prepared, const Vertex& vertex) {
+  const auto meet =
+      exact::exact_meet(exact::exact_line(prepared.planes[vertex.planes[0]], prepared.planes[vertex.planes[1]]),
+                        prepared.planes[vertex.planes[2]]);
   // The rational type takes no negative denominator.
   const bool negative = meet.w < 0;
   const auto positive = [negative](const exact::Wide& value) {
     return boost::multiprecision::cpp_int{negative ? exact::Wide{-value} : value};
   };
   const boost::multiprecision::cpp_int w = positive(meet.w);
-  Point p;
+  RationalPoint p;
   for (std::size_t k = 0; k < 3; ++k) p[k] = Rational{positive(meet.x[k]), w};
   return p;
 }
 
-Rational determinant(const Point& a, const Point& b, const Point& c) {
+namespace {
+
+Rational determinant(const RationalPoint& a, const RationalPoint& b, const RationalPoint& c) {
   return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
@@ -78,8 +78,9 @@ exact::Sign ExactMeasures::sign(std::span<const Index> half_faces) {
   Rational six_volumes = 0;
   for (const Index half_face : half_faces) {
     for_each_triangle(half_face, [&](Index a, Index b, Index c) {
-      six_volumes += determinant(position(prepared_, graph_.vertices[a]), position(prepared_, graph_.vertices[b]),
-                                 position(prepared_, graph_.vertices[c]));
+      six_volumes += determinant(rational_position(prepared_, graph_.vertices[a]),
+                                 rational_position(prepared_, graph_.vertices[b]),
+                                 rational_position(prepared_, graph_.vertices[c]));
     });
   }
   return exact::sign_of(six_volumes);

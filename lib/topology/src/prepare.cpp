@@ -6,11 +6,15 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "detail/domain_touch.hpp"
+#include "detail/extents.hpp"
 #include "detail/facet_builder.hpp"
 #include "detail/folds.hpp"
+#include "detail/hanging_corners.hpp"
+#include "detail/input_check.hpp"
 #include "detail/joint_polygon.hpp"
 #include "detail/prepared.hpp"
 #include "detail/shared_corners.hpp"
+#include "detail/sheets.hpp"
 #include "detail/side_users.hpp"
 #include "detail/snapping.hpp"
 #include "detail/solids.hpp"
@@ -22,51 +26,6 @@ using exact::LatticePoint;
 using exact::Plane;
 using exact::Sign;
 using geometry::Vec3;
-
-struct Bounds {
-  std::array<double, 3> lo, hi;
-  Bounds() {
-    lo.fill(std::numeric_limits<double>::infinity());
-    hi.fill(-std::numeric_limits<double>::infinity());
-  }
-  void add(Vec3 p) {
-    const std::array c{p.x, p.y, p.z};
-    for (std::size_t k = 0; k < 3; ++k) {
-      lo[k] = std::min(lo[k], c[k]);
-      hi[k] = std::max(hi[k], c[k]);
-    }
-  }
-};
-
-/// Apart by more than a polygon's corners leave its plane.
-bool far_apart(const Bounds& polygon, const Bounds& region, double slack) {
-  double size = 0, farthest = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    size += polygon.hi[k] - polygon.lo[k];
-    farthest = std::max({farthest, std::abs(polygon.lo[k]), std::abs(polygon.hi[k])});
-  }
-  const double margin = 1e-5 * size + 1e-13 * farthest + slack;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (polygon.lo[k] - margin > region.hi[k] || polygon.hi[k] + margin < region.lo[k]) return true;
-  }
-  return false;
-}
-
-/// The region on one side of the polygon's plane, by more than corners leave it. The box of a large joint meets a small
-/// window long before the joint does.
-bool beside(std::span<const Vec3> corners, const Bounds& region, double pitch) {
-  const Vec3 o = corners[0];
-  Vec3 n{};
-  double size = 0;
-  for (std::size_t i = 2; i < corners.size(); ++i) n += cross(corners[i - 1] - o, corners[i] - o);
-  for (const Vec3& c : corners) size = std::max({size, std::abs(c.x - o.x), std::abs(c.y - o.y), std::abs(c.z - o.z)});
-  const Vec3 lo{region.lo[0], region.lo[1], region.lo[2]}, hi{region.hi[0], region.hi[1], region.hi[2]};
-  const Vec3 half = 0.5 * (hi - lo);
-  const double length = norm(n), distance = std::abs(dot(n, lo + half - o));
-  const double across = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
-  const double farthest = std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)});
-  return length > 0 && distance > across + (1e-4 * size + 1e-12 * farthest + 64 * pitch) * length;
-}
 
 /// The plane of a persistent joint: lattice vectors that depend on the orientation alone, so equal orientations are
 /// exactly parallel.
@@ -193,6 +152,12 @@ class Preparation {
     return middle + dot(n, off) * n;
   }
 
+  /// How far corners may be off the side that they were given on: roundings of the coordinates, or `snap`; sites.
+  [[nodiscard]] double reach_of_corners() const {
+    const double roundings = roundings_of_corners * (1 + farthest_ * 0x1p-52 / lattice_.pitch());
+    return std::max(roundings, input_.snap.si() / lattice_.pitch());
+  }
+
   exact::Lattice covering() const;
   void weld();
   Done add_solid(const geometry::Solid& solid, Owner owner, Index index, std::optional<std::uint32_t> excavation);
@@ -207,6 +172,7 @@ class Preparation {
   Done make_polygon(std::size_t k);
   void set_fold(JointPolygon& entry) const;
   void drop_vanished();
+  bool rim_shared(const JointPolygon& entry) const;
   void snap_planes();
   void unite_sheets();
   Done add_polygons();
@@ -403,6 +369,7 @@ Preparation::Done Preparation::collect_polygons() {
     if (apart) out_.outside.push_back(number);
   }
   share();
+  if (shared_.any() && take_hanging_corners(polygons_, shared_, reach_of_corners())) share();
   return {};
 }
 
@@ -493,6 +460,12 @@ void Preparation::drop_vanished() {
   if (some) share();
 }
 
+bool Preparation::rim_shared(const JointPolygon& entry) const {
+  bool all = shared_.any_side();
+  SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) { all = all && shared_.shared(a, b); });
+  return all;
+}
+
 void Preparation::snap_planes() {
   snapper_.merge_planes(polygons_, shared_);
   for (JointPolygon& entry : polygons_) set_fold(entry);
@@ -515,6 +488,7 @@ Preparation::Done Preparation::add_polygons() {
     if (beside_[k] != 0) continue;
     Facet facet = blank_facet(Owner::joint, entry.joint, 0);
     if (sheets_[k]) facet.sheet = builder_.add_sheet(*sheets_[k]);
+    facet.rim_shared = rim_shared(entry);
     if (entry.folded) {
       const auto triangles =
           entry.holes.empty() ? fold(entry.corners) : triangulate_with_holes(entry.polygon, std::move(entry.holes));
@@ -545,60 +519,9 @@ Preparation::Done Preparation::add_polygons() {
   return {};
 }
 
-/// Whether `next` lies beyond the side a b of `entry`, about along the plane, and not back over it.
-bool goes_on(const JointPolygon& entry, const JointPolygon& next, LatticePoint a, LatticePoint b, const Plane& plane) {
-  const auto n = plane.unit_normal();
-  const auto sense = [&](const JointPolygon& polygon) {
-    const auto m = polygon.polygon.plane.unit_normal();
-    const double cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
-    if (std::abs(cosine) < 0.999) return 0;
-    const std::size_t count = polygon.corners.size();
-    for (std::size_t i = 0; i < count; ++i) {
-      const LatticePoint p = polygon.corners[i], q = polygon.corners[(i + 1) % count];
-      if (p == a && q == b) return cosine > 0 ? 1 : -1;
-      if (p == b && q == a) return cosine > 0 ? -1 : 1;
-    }
-    return 0;
-  };
-  return sense(entry) * sense(next) < 0;
-}
-
-/// Polygons that share sides and lie on one plane but for rounding are one sheet, and so is a folded polygon alone: a
-/// flat fault drawn as a mesh is flat.
 void Preparation::unite_sheets() {
-  sheets_.assign(polygons_.size(), std::nullopt);
-  if (!shared_.any_side() && std::ranges::none_of(polygons_, &JointPolygon::folded)) return;
-  const SideUsers users{polygons_, shared_};
-  const auto bend = [](const JointPolygon& entry, const Plane& plane) {
-    double most = 0;
-    for (const LatticePoint c : entry.corners) most = std::max(most, distance_sites(plane, c));
-    return most;
-  };
-  std::vector<std::uint8_t> seen = beside_;
-  for (std::size_t first = 0; first < polygons_.size(); ++first) {
-    const Plane& plane = polygons_[first].polygon.plane;
-    if (seen[first] != 0 || bend(polygons_[first], plane) > flat_within) continue;
-    std::vector<std::size_t> reached{first};
-    seen[first] = 1;
-    bool bent = false;
-    double most = 0;
-    for (std::size_t at = 0; at < reached.size(); ++at) {
-      const JointPolygon& entry = polygons_[reached[at]];
-      bent = bent || entry.folded || !entry.polygon.plane.coincides_with(plane);
-      most = std::max(most, bend(entry, plane));
-      SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) {
-        for (const auto& [side, user] : users.of(a, b)) {
-          if (seen[user] != 0 || !goes_on(entry, polygons_[user], a, b, plane)) continue;
-          if (bend(polygons_[user], plane) > flat_within) continue;
-          seen[user] = 1;
-          reached.push_back(user);
-        }
-      });
-    }
-    if (!bent) continue;
-    for (const std::size_t k : reached) sheets_[k] = plane;
-    out_.bend = std::max(out_.bend, most);
-  }
+  const double flat = std::max(flat_within, roundings_of_corners * farthest_ * 0x1p-52 / lattice_.pitch());
+  sheets_ = find_sheets(polygons_, beside_, shared_, flat, out_.bend);
 }
 
 /// What ends on a folded polygon ends just behind its plane, so that it meets the pieces.
@@ -643,6 +566,9 @@ bool HeldCorners::common(std::initializer_list<Index> planes, int count) const {
   return false;
 }
 
-std::expected<Prepared, CutError> prepare(const CutInput& input) { return Preparation{input}.run(); }
+std::expected<Prepared, CutError> prepare(const CutInput& input) {
+  CLEAVE_CHECK(check_input(input));
+  return Preparation{input}.run();
+}
 
 }  // namespace cleave::topology::detail

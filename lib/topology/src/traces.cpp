@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <span>
 
+#include "detail/gaps.hpp"
 #include "detail/pieces.hpp"
 #include "detail/position.hpp"
 #include "detail/stages.hpp"
@@ -42,6 +44,13 @@ class Clipper {
     return lower_ && upper_ &&
            signs_.inside(lower_->point, p_, q_, lower_->half_space.plane, upper_->half_space) != Sign::negative;
   }
+  /// How far, about, the end of one half-space lies outside the other where nothing is left.
+  [[nodiscard]] double missed_by() const {
+    if (!lower_ || !upper_) return std::numeric_limits<double>::infinity();
+    const auto& n = signs_.plane(upper_->half_space.plane).approx();
+    const auto& [x, w] = lower_->point;
+    return w == 0 ? 0 : std::abs((n[0] * x[0] + n[1] * x[1] + n[2] * x[2]) / w + n[3]);
+  }
   struct End {
     HalfSpace half_space;
     PointApprox point;
@@ -65,12 +74,17 @@ struct Boxed {
   Index plane, facet;
 };
 
-/// By where they begin along x.
-std::vector<Boxed> boxes_along_x(const Prepared& prepared) {
+/// By where they begin along x; grown by `margin`.
+std::vector<Boxed> boxes_along_x(const Prepared& prepared, double margin) {
   std::vector<Boxed> boxes;
   boxes.reserve(prepared.facets.size());
   for (const Facet& f : prepared.facets) {
-    boxes.push_back({f.lo, f.hi, f.plane, static_cast<Index>(boxes.size())});
+    Boxed box{f.lo, f.hi, f.plane, static_cast<Index>(boxes.size())};
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.lo[k] -= margin;
+      box.hi[k] += margin;
+    }
+    boxes.push_back(box);
   }
   std::ranges::sort(boxes, [](const Boxed& a, const Boxed& b) {
     return a.lo[0] < b.lo[0] || (!(b.lo[0] < a.lo[0]) && a.facet < b.facet);
@@ -78,33 +92,38 @@ std::vector<Boxed> boxes_along_x(const Prepared& prepared) {
   return boxes;
 }
 
-/// Pairs of facets on different planes whose boxes meet, the first one of [first, last) in the order along x.
+/// Pairs of facets whose boxes meet, the first one of [first, last) in the order along x.
 template <class Visit>
 void for_each_candidate(const std::vector<Boxed>& boxes, std::size_t first, std::size_t last, const Visit& visit) {
   for (std::size_t i = first; i < last; ++i) {
     const Boxed& f = boxes[i];
     for (std::size_t j = i + 1; j < boxes.size() && boxes[j].lo[0] <= f.hi[0]; ++j) {
       const Boxed& g = boxes[j];
-      if (f.plane == g.plane || f.lo[1] > g.hi[1] || g.lo[1] > f.hi[1] || f.lo[2] > g.hi[2] || g.lo[2] > f.hi[2])
-        continue;
+      if (f.lo[1] > g.hi[1] || g.lo[1] > f.hi[1] || f.lo[2] > g.hi[2] || g.lo[2] > f.hi[2]) continue;
       visit(f.facet, g.facet);
     }
   }
 }
 
-/// All corners of f safely on one side of the plane: they cannot meet.
-bool apart(const Prepared& prepared, const Facet& f, const exact::Plane& plane) {
+/// Where the corners of f lie, seen from a plane.
+struct Heights {
+  bool apart = false;  ///< all safely on one side: f cannot meet the plane
+  double least = 0;    ///< then: how far
+  bool across = true;  ///< some safely on either side
+};
+Heights heights(const Prepared& prepared, const Facet& f, const exact::Plane& plane) {
   constexpr double margin = 0x1p-34;
-  if (f.corner_count == 0) return false;
+  if (f.corner_count == 0) return {};
   const auto& n = plane.approx();
-  bool above = true, below = true;
-  for (Index c = f.first_corner; c < f.first_corner + f.corner_count && (above || below); ++c) {
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  for (Index c = f.first_corner; c < f.first_corner + f.corner_count; ++c) {
     const Vec& p = prepared.corners[c];
     const double value = n[0] * p[0] + n[1] * p[1] + n[2] * p[2] + n[3];
-    above = above && value > margin;
-    below = below && value < -margin;
+    lo = std::min(lo, value);
+    hi = std::max(hi, value);
+    if (lo < -margin && hi > margin) return {};
   }
-  return above || below;
+  return {lo > margin || hi < -margin, std::max(lo, -hi), false};
 }
 
 /// An interval with the planes of its line.
@@ -115,21 +134,32 @@ struct Found {
 
 class Tracer {
  public:
-  Tracer(const Prepared& prepared, const Signs& signs) : prepared_{prepared}, signs_{signs.another()} {}
+  Tracer(const Prepared& prepared, const Signs& signs, const GapFinder& gaps)
+      : prepared_{prepared}, signs_{signs.another()}, gaps_{gaps} {}
 
   void trace(Index i, Index j) {
     const Facet &f = prepared_.facets[i], &g = prepared_.facets[j];
+    if (f.plane == g.plane) return gaps_.look(i, j, found_gaps_);
     const Index p = std::min(f.plane, g.plane), q = std::max(f.plane, g.plane);
-    if (apart(prepared_, f, signs_.plane(g.plane)) || apart(prepared_, g, signs_.plane(f.plane))) return;
+    // Planes' normals are no longer than the root of 3.
+    const double near = 2 * gaps_.limit();
+    const Heights of_f = heights(prepared_, f, signs_.plane(g.plane));
+    if (of_f.apart && of_f.least > near) return;
+    const Heights of_g = heights(prepared_, g, signs_.plane(f.plane));
+    if (of_g.apart && of_g.least > near) return;
+    if (of_f.apart || of_g.apart) return gaps_.look(i, j, found_gaps_);
     const LineApprox line = exact::line_of(signs_.plane(p), signs_.plane(q));
     constexpr double parallel_bound = 0x1p-46;  // > 48 u, the error of the direction's components
     if (std::abs(line.m[0]) < parallel_bound && std::abs(line.m[1]) < parallel_bound &&
         std::abs(line.m[2]) < parallel_bound && signs_.plane(p).parallel_to(signs_.plane(q))) {
-      return;
+      return gaps_.look(i, j, found_gaps_);
     }
     Clipper clipper{signs_, p, q, line};
-    if (!cut_by_edges(clipper, f, none) || !cut_by_edges(clipper, g, none)) return;
-    if (clipper.any()) add(p, q, clipper, blank);
+    if (cut_by_edges(clipper, f, none) && cut_by_edges(clipper, g, none)) {
+      if (clipper.any()) return add(p, q, clipper, blank);
+      if (clipper.missed_by() <= near) return gaps_.look(i, j, found_gaps_);
+    }
+    if (!of_f.across || !of_g.across) gaps_.look(i, j, found_gaps_);
   }
 
   /// The sides of all facets of a plane.
@@ -157,8 +187,9 @@ class Tracer {
   struct Result {
     std::vector<Found> found;
     Signs signs;
+    Gaps gaps;
   };
-  [[nodiscard]] Result result() && { return {std::move(found_), signs_}; }
+  [[nodiscard]] Result result() && { return {std::move(found_), signs_, found_gaps_}; }
 
  private:
   static constexpr HalfSpace nowhere{none, true};
@@ -180,7 +211,9 @@ class Tracer {
 
   const Prepared& prepared_;
   Signs signs_;
+  const GapFinder& gaps_;
   std::vector<Found> found_;
+  Gaps found_gaps_;
 };
 
 /// Planes with several facets: their faces are covered here and not there, so the outlines are drawn too.
@@ -251,23 +284,27 @@ Index Traces::find_line(Index p, Index q) const {
 }
 
 Traces find_traces(const Prepared& prepared, Signs& signs, ThreadLimit threads) {
-  const std::vector<Boxed> boxes = boxes_along_x(prepared);
+  const GapFinder gaps{prepared};
+  const std::vector<Boxed> boxes = boxes_along_x(prepared, gaps.limit() / 2);
   std::vector<Tracer::Result> results = made_in_pieces(boxes.size(), threads, [&](std::size_t first, std::size_t last) {
-    Tracer tracer{prepared, signs};
+    Tracer tracer{prepared, signs, gaps};
     for_each_candidate(boxes, first, last, [&](Index i, Index j) { tracer.trace(i, j); });
     return std::move(tracer).result();
   });
   Traces out;
   out.with_outlines = planes_with_outlines(prepared);
   auto outlines = made_in_pieces(prepared.facet_planes, threads, [&](std::size_t first, std::size_t last) {
-    Tracer tracer{prepared, signs};
+    Tracer tracer{prepared, signs, gaps};
     for (std::size_t p = first; p < last; ++p) {
       if (out.with_outlines[p] != 0) tracer.outline(static_cast<Index>(p));
     }
     return std::move(tracer).result();
   });
   results.insert(results.end(), std::move_iterator{outlines.begin()}, std::move_iterator{outlines.end()});
-  for (const auto& result : results) signs.add_counts(result.signs);
+  for (const auto& result : results) {
+    signs.add_counts(result.signs);
+    out.gaps.add(result.gaps);
+  }
   sort_into(out, results, prepared, threads);
   return out;
 }

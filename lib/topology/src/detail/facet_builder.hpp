@@ -351,7 +351,8 @@ class FacetBuilder final {
           .corner_count = 0,
           .lo = {},
           .hi = {},
-          .sheet = none};
+          .sheet = none,
+          .rim_shared = false};
 }
 
 }  // namespace cleave::topology::detail

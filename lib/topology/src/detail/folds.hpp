@@ -11,8 +11,10 @@
 /// neighbours meet without a gap. Blocks see one face on one plane: pieces of one sheet are put together again.
 namespace cleave::topology::detail {
 
-/// The most that corners may lie off the plane for the pieces to count as one flat face, sites.
+/// The most that corners may lie off the plane for the pieces to count as one flat face, sites; in small scenes far
+/// from the origin of coordinates, more: as many roundings of the coordinates.
 inline constexpr double flat_within = 4096;
+inline constexpr double roundings_of_corners = 16;
 
 /// Distance of a site from the plane, sites.
 [[nodiscard]] double distance_sites(const exact::Plane& plane, exact::LatticePoint p);

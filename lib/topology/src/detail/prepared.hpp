@@ -43,6 +43,7 @@ struct Facet {
   Index first_corner, corner_count;  ///< into Prepared::corners; none for half-space solids
   Vec lo, hi;                        ///< bounding box in units of 2^48 sites, grown so that it is safe
   Index sheet = none;  ///< of a piece of a folded polygon: the facet plane that stands for all its pieces (folds.hpp)
+  bool rim_shared = false;  ///< each side of its polygon is another polygon's too
 };
 
 /// Corners that planes are known to hold, by number: what is drawn from common corners meets in them, and that needs no

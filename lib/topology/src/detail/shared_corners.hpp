@@ -30,6 +30,8 @@ class SharedCorners final {
 
   [[nodiscard]] bool any() const noexcept { return !sites_.empty(); }
   [[nodiscard]] bool any_side() const noexcept { return !sides_.empty(); }
+  /// All corners that more than one polygon has, sorted.
+  [[nodiscard]] std::span<const exact::LatticePoint> sites() const noexcept { return sites_; }
   /// Whether more than one polygon has the corner.
   [[nodiscard]] bool shared(exact::LatticePoint corner) const;
   /// Whether another polygon or a closed surface has the side.

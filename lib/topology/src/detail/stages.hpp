@@ -7,6 +7,7 @@
 #include "cleave/core/parallel.hpp"
 #include "cleave/exact/predicates.hpp"
 #include "cleave/geometry/vec3.hpp"
+#include "detail/gaps.hpp"
 #include "detail/prepared.hpp"
 #include "detail/signs.hpp"
 
@@ -36,6 +37,7 @@ struct Traces {
   std::vector<Index> lines_begin;           ///< first line of each plane p (CSR over all planes)
   std::vector<Interval> intervals;          ///< sorted by line
   std::vector<std::uint8_t> with_outlines;  ///< facet planes whose faces may be only partly covered
+  Gaps gaps;                                ///< between facets that nearly meet
   [[nodiscard]] Index find_line(Index p, Index q) const;
 };
 [[nodiscard]] Traces find_traces(const Prepared& prepared, Signs& signs, ThreadLimit threads);

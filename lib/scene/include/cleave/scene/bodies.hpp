@@ -92,6 +92,7 @@ struct BodiesScene {
   std::optional<TimeSettings> time;
   OutputSettings output;
   std::string shown, file_name, sha256;
+  std::vector<std::string> given;  ///< keys of the scene file
   std::vector<Problem> notes;
 };
 

@@ -103,6 +103,7 @@ struct ContactScene {
   ContactSettings settings;
   OutputSettings output;
   std::string shown, file_name, sha256;
+  std::vector<std::string> given;  ///< keys of the scene file
   std::vector<Problem> notes;
 };
 

@@ -24,6 +24,13 @@ void fields(V& v, const SnappedJoint& x) {
   v("plane_merged", x.plane_merged, "it took an earlier polygon's plane");
   v("edges_adopted", x.adopted_edges, "sides that now end on another joint's plane");
 }
+template <class V>
+void fields(V& v, const NearMisses& x) {
+  v("sides", x.sides, "sides of joints that miss another polygon by less than 1e-6 of the domain's extent");
+  v("largest_m", x.largest, "the most that one of them misses by; `snap` of a little more closes them all");
+  v("joint", x.joint, "whose side that is");
+  v("other_joint", x.other, "which joint it misses; absent: a side of the domain or of an excavation");
+}
 }  // namespace cleave::topology
 template <>
 struct cleave::Sample<cleave::topology::SnappedJoint> {
@@ -40,6 +47,7 @@ struct InputFigures {
   double largest_snap_m = 0;
   std::uint64_t merged_planes = 0;
   std::vector<topology::SnappedJoint> snapped = {};
+  topology::NearMisses near_misses = {};
 };
 template <class V>
 void fields(V& v, const InputFigures& x) {
@@ -48,6 +56,8 @@ void fields(V& v, const InputFigures& x) {
   v("largest_snap_m", x.largest_snap_m, "largest shift of an input point onto the lattice");
   v("merged_planes", x.merged_planes, "near-coincident planes merged because of the scene's `snap`");
   v("snapped", when_any(x.snapped), "the joints that `snap` changed, by number; absent when there are none");
+  v("near_misses", when(x.near_misses.sides > 0, x.near_misses),
+    "sides of joints that nearly reach another polygon: rock that was perhaps meant to be parted there is not");
 }
 
 /// What can be counted of the blocks themselves.
@@ -99,6 +109,9 @@ void block_fields(V& v, const std::optional<BlockFigures>& blocks, const topolog
       w("face_vector_max_relative", certificate.face_vector_max_relative,
         "largest |sum of face vectors| / sum of areas over the blocks");
       w("unpaired_patches", certificate.unpaired_patches, "joint patches whose area the neighbour does not match");
+      w("misfits", certificate.misfits,
+        "faces and blocks whose stored place, areas, volumes or flags are not those of their corners");
+      w("offenders", when_any(certificate.offenders), "numbers of blocks that did not pass, at most 20");
     }));
   v("exact_share", or_null(blocks, &B::exact_share), "part of the cutter's decisions that needed exact numbers, 0..1");
   v("window", window,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cleave/scene/run_result.hpp"
 #include "cleave/scene/scene.hpp"
 #include "cleave/scene/sequence.hpp"
 #include "cleave/stability/support.hpp"
@@ -29,10 +30,8 @@ namespace cleave::scene {
 /// How many realizations in a row share their joints; 1: each has its own.
 [[nodiscard]] std::uint64_t strengths_per_geometry(const Scene& scene) noexcept;
 
-/// What is kept of a realization that was cut and judged. Null: the scene has no such stage.
-[[nodiscard]] stochastic::Record record_of(std::uint64_t k, const topology::BlockComplex& complex, std::size_t joints,
-                                           const stability::Analysis* analysis, const SequenceResult* sequence,
-                                           const stability::SupportResult* support,
+/// What is kept of realization `k`.
+[[nodiscard]] stochastic::Record record_of(std::uint64_t k, const Realization& made,
                                            const stochastic::Questions& questions);
 /// Realizations `first` .. `first + count - 1`, all of one geometry, which is cut once.
 [[nodiscard]] std::vector<stochastic::Record> make_records(const Scene& scene, const stochastic::Questions& questions,

@@ -2,11 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "cleave/scene/scene.hpp"
 
 namespace cleave::scene {
 
@@ -35,7 +34,9 @@ inline constexpr std::array all_stages{Stage::read,      Stage::draw,    Stage::
 struct PlannedStage {
   Stage stage;
   bool run;
-  std::string why;  ///< one sentence part without a full stop: "no excavation and no free face"
+  std::string why;                       ///< one sentence part without a full stop: "no excavation and no free face"
+  std::vector<std::string> inputs = {};  ///< tables of the scene that it takes
+  double seconds = 0;                    ///< of CPU, expected; 0 where it does not count
 };
 
 /// Rough figures for people, from the scene alone; never used to decide anything.
@@ -47,7 +48,8 @@ struct SizeEstimate {
   double seconds = 0;  ///< of CPU
 };
 
-/// What a run of a scene does and leaves out, one entry a stage in the order of `all_stages`.
+/// What a run of a scene does and leaves out, one entry a stage in the order of `all_stages`: the run executes those
+/// entries and nothing else.
 struct Plan {
   std::vector<PlannedStage> stages;
   SizeEstimate estimate;
@@ -55,6 +57,10 @@ struct Plan {
   [[nodiscard]] bool runs(Stage stage) const noexcept;
 };
 
+struct Scene;
 [[nodiscard]] Plan make_plan(const Scene& scene);
+
+/// A line for each stage: its name, whether it runs, and why; with `inputs` also what it takes and what it may cost.
+[[nodiscard]] std::string describe(const Plan& plan, bool inputs = false);
 
 }  // namespace cleave::scene

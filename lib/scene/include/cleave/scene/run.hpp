@@ -19,34 +19,19 @@ struct RunOptions {
   std::uint64_t realization = 0;  ///< number of the random realization
 };
 
-/// Everything that goes into the cutter, and what each joint is.
-struct Drawn {
-  topology::CutInput input;
-  IdVector<SetId, SetInfo> sets;
-  IdVector<topology::JointId, JointInfo> joints;
-  double seismic_factor = 1;    ///< of this realization
-  double water_quantile = 0.5;  ///< of this realization: u of the laws of water tables
-};
-
 /// Draws the random joints, the strength of each joint and what is random of the loads. A pure function of the scene
 /// (with its seed) and the number of the realization; in a nested design the joints are those of the geometry that the
 /// realization belongs to.
 [[nodiscard]] std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene, std::uint64_t realization = 0);
 
-/// What one realization of a scene came to.
-struct Realized {
-  Drawn drawn;
-  std::expected<topology::AuditedComplex, topology::Certificate> complex;
-  std::optional<stability::Analysis> analysis;      ///< when the scene has a stability stage and the certificate passed
-  std::optional<SequenceResult> sequence;           ///< when it has [sequence]
-  std::optional<stability::SupportResult> support;  ///< when it has [support]
-};
 /// Realizations `first` .. `first + count - 1` on one thread: the same joints, blocks and judgements as `run` finds for
-/// each. Precondition: they belong to one geometry; it is cut once.
-void realize(const Scene& scene, std::uint64_t first, std::uint64_t count,
-             const std::function<void(std::uint64_t, const std::expected<Realized, std::vector<Problem>>&)>& use);
+/// each, but for what ensembles do not count; null for one that cannot be made. The steps of the plan are booked with
+/// `timer`. Precondition: the realizations belong to one geometry; it is cut once.
+void realize(const Scene& scene, std::uint64_t first, std::uint64_t count, StageTimer& timer,
+             const std::function<void(std::uint64_t, const Realization*)>& use);
 
-/// Draws, cuts, audits and judges. `timer` books the stages (the caller has booked `read`); `progress` shows them.
+/// Does the steps of the scene's plan from draw to elastic. `timer` books them (the caller has booked `read`),
+/// `progress` shows them.
 ///
 /// Errors are what only these stages can see in a scene: a joint too small for the lattice, excavations that leave no
 /// rock, more joints than can be drawn. A certificate that does not pass is a result, not an error.

@@ -128,21 +128,55 @@ struct ExcavationInfo {
   std::optional<TunnelLine> tunnel = {};
 };
 
+/// Everything that goes into the cutter, and what each joint is.
+struct Drawn {
+  topology::CutInput input;                            ///< domain, joints and excavations as cut
+  IdVector<SetId, SetInfo> sets = {};                  ///< only sets with at least one joint have `joints` > 0
+  IdVector<topology::JointId, JointInfo> joints = {};  ///< as many as input.joints, same order
+  double seismic_factor = 1;                           ///< of this realization
+  double water_quantile = 0.5;                         ///< of this realization: u of the laws of water tables
+};
+
+/// What one realization of a scene came to: the blocks and all that was judged of them.
+/// - `complex` holds the audited block system, or the certificate when it did not pass: then nothing is judged;
+/// - free faces of the complex index the scene's excavations by topology::Face::excavation; faces of role joint index
+///   `joints` by their JointId.
+struct Realization : Drawn {
+  std::expected<topology::AuditedComplex, topology::Certificate> complex = std::unexpected(topology::Certificate{});
+  topology::CutReport cut = {};
+  std::string block_hash = {};  ///< topology::canonical_hash; empty when the certificate failed
+  /// The same of the blocks of all batches: equal whether all the rock was cut or only that near free faces; empty
+  /// without analysis.
+  std::string key_block_hash = {};
+  std::optional<WindowInfo> window = {};  ///< when not all the rock was cut
+  std::optional<stability::Analysis> analysis = {};
+  /// Stage by stage, where excavations have different stages; `complex` and `analysis` then are those of the rock when
+  /// all are out and no block has left before.
+  std::optional<SequenceResult> sequence = {};
+  std::optional<stability::KeyGroups> key_groups = {};   ///< blocks judged together, where the scene asks for it
+  std::vector<CaseResult> load_cases = {};               ///< of [[load]], in scene order; the base case is `analysis`
+  std::vector<stability::Sensitivity> sensitivity = {};  ///< of the blocks of the first batch
+  std::vector<MaximumRow> maximum_blocks = {};
+  std::optional<stability::SupportResult> support = {};
+  std::vector<CaseSupport> support_cases = {};  ///< of [[load]], in scene order
+  std::vector<DesignResult> designs = {};
+  /// Where the scene has [field_stress] and something is judged.
+  std::optional<FieldStressResult> field_stress = {};
+  /// Blocks cut by a window that cases or support depend on: then none of it holds, and a larger window is needed.
+  std::vector<topology::BlockId> undecided = {};
+
+  [[nodiscard]] const topology::Certificate& certificate() const noexcept {
+    return complex ? complex->certificate() : complex.error();
+  }
+};
+
 /// Everything that is known at the end of `scene::run`, and all that the writers need: they take it by const reference
-/// and compute nothing but layout from it. How it is filled:
-/// - after a finished run `complex` holds the audited block system; when the certificate did not pass it holds that
-/// certificate, and
-///   `analysis` is empty: summary.json is written all the same (certificate.passed = false) and the program ends with
-///   4;
-/// - `analysis` is present exactly when plan.runs(Stage::stability) and the certificate passed. Sections of stages that
-/// did not run are
-///   absent from summary.json;
-/// - free faces of the complex index `excavations` by topology::Face::excavation; faces of role joint index `joints` by
-/// their JointId;
-/// - `cost` covers read .. stability when `run` returns. The program adds `write` (VTU, CSV) and `report` (HTML) as
-///   it does them, and writes summary.json last, so that all costs are in it but its own few milliseconds. report.html
-///   shows the costs known when it is written.
-struct RunResult {
+/// and compute nothing but layout from it. `analysis` is present exactly when plan.runs(Stage::stability) and the
+/// certificate passed; sections of stages that did not run are absent from summary.json. `cost` covers read ..
+/// elastic when `run` returns. The program adds `write` (VTU, CSV) and `report` (HTML) as it does them, and writes
+/// summary.json last, so that all costs are in it but its own few milliseconds; report.html shows the costs known when
+/// it is written.
+struct RunResult : Realization {
   std::string title = {};
   std::uint64_t seed = 1;
   std::string scene_file = {};    ///< name without folder
@@ -156,43 +190,13 @@ struct RunResult {
   OutputSettings output = {};
   Rock rock = {};
   std::optional<StabilitySettings> stability = {};
-
-  topology::CutInput input;                            ///< domain, joints and excavations as cut, for drawing
-  IdVector<SetId, SetInfo> sets = {};                  ///< only sets with at least one joint have `joints` > 0
-  IdVector<topology::JointId, JointInfo> joints = {};  ///< as many as input.joints, same order
-  std::vector<ExcavationInfo> excavations = {};        ///< as many as input.excavations, same order
-
-  std::expected<topology::AuditedComplex, topology::Certificate> complex;
-  std::string block_hash = {};  ///< topology::canonical_hash; empty when the certificate failed
-  /// The same of the blocks of all batches: equal whether all the rock was cut or only that near free faces; empty
-  /// without analysis.
-  std::string key_block_hash = {};
-  std::optional<WindowInfo> window = {};  ///< when not all the rock was cut
-  std::optional<stability::Analysis> analysis = {};
-  /// Stage by stage, where excavations have different stages; `complex` and `analysis` then are those of the rock when
-  /// all are out and no block has left before.
-  std::optional<SequenceResult> sequence = {};
-  std::optional<stability::KeyGroups> key_groups = {};  ///< blocks judged together, where the scene asks for it
-
-  MicroBlocks micro_blocks = {};  ///< the scene's policy
-  /// Where the scene has [field_stress] and something is judged.
-  std::optional<FieldStressResult> field_stress = {};
-  std::optional<stability::SupportResult> support = {};
-  std::vector<CaseSupport> support_cases = {};  ///< of [[load]], in scene order
-  std::vector<std::string> bolt_groups = {};    ///< names, by Bolt::group
-  std::vector<DesignResult> designs = {};
-  std::vector<MaximumRow> maximum_blocks = {};
-  double tunnel_length = 0;                              ///< m, of all tunnels
-  std::vector<stability::Sensitivity> sensitivity = {};  ///< of the blocks of the first batch
-  std::vector<CaseResult> load_cases = {};               ///< of [[load]], in scene order; the base case is `analysis`
-
+  std::vector<ExcavationInfo> excavations = {};  ///< as many as input.excavations, same order
+  MicroBlocks micro_blocks = {};                 ///< the scene's policy
+  std::vector<std::string> bolt_groups = {};     ///< names, by Bolt::group
+  double tunnel_length = 0;                      ///< m, of all tunnels
   std::vector<std::string> notes = {};  ///< what a user should know: joints outside the domain, what was left out
 
   Figures figures = {};  ///< `count` of all that
-
-  [[nodiscard]] const topology::Certificate& certificate() const noexcept {
-    return complex ? complex->certificate() : complex.error();
-  }
 };
 
 template <class V>

@@ -290,6 +290,7 @@ struct Scene {
   std::string file_name;  ///< the same without its folder
   std::string sha256;     ///< of the scene file's bytes
   std::vector<InputFile> files;
+  std::vector<std::string> given;  ///< keys of the scene file, those of included ones too
   std::vector<Problem>
       notes;  ///< worth knowing, not wrong: a joint outside the domain, properties of a set without joints
 };

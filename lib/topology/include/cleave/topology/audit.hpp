@@ -26,6 +26,9 @@ struct Certificate {
   std::vector<BlockId> offenders;       ///< at most 20
 };
 
+/// What a certificate that did not pass found, and in which blocks; in one line.
+[[nodiscard]] std::string describe(const Certificate& certificate);
+
 /// A block system whose certificate passed. Has no constructor but `audit`: key-block code cannot be handed an
 /// unchecked cut.
 class AuditedComplex final {

@@ -103,6 +103,15 @@ struct SnappedJoint {
   std::uint32_t adopted_edges;  ///< sides that now end on another polygon's plane
 };
 
+/// Sides of joints that end less than 1e-6 of the domain's extent from another polygon without touching it: rock that
+/// was perhaps meant to be parted there is not. `CutInput::snap` of a little more than the largest closes them.
+struct NearMisses {
+  std::uint64_t sides = 0;
+  Length largest;
+  JointId joint = JointId{0U};   ///< whose side is the farthest off
+  std::optional<JointId> other;  ///< from this joint; none: from the domain or an excavation
+};
+
 /// Facts about the run of the cutter.
 struct CutReport {
   double lattice_pitch_m = 0;
@@ -111,10 +120,11 @@ struct CutReport {
   std::uint64_t merged_planes = 0;    ///< by `snap`
   std::uint64_t adopted_edges = 0;    ///< by `snap`
   std::vector<SnappedJoint> snapped;  ///< all joints that `snap` changed, by number
-  std::uint64_t joints_outside = 0;   ///< joints that do not meet the domain
-  std::vector<JointId> outside;       ///< which
-  std::vector<JointId> dangling;      ///< joints no piece of which separates two blocks
-  std::uint64_t intersections = 0;    ///< pairs of facets (of joints and solids) that meet in a segment or a point
+  NearMisses near_misses;
+  std::uint64_t joints_outside = 0;  ///< joints that do not meet the domain
+  std::vector<JointId> outside;      ///< which
+  std::vector<JointId> dangling;     ///< joints no piece of which separates two blocks
+  std::uint64_t intersections = 0;   ///< pairs of facets (of joints and solids) that meet in a segment or a point
   std::uint64_t predicate_calls = 0;
   std::uint64_t predicate_exact = 0;  ///< of those, how many the filter could not decide
 };

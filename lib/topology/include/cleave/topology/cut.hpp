@@ -27,8 +27,21 @@ struct WindowOutside {};    ///< the window and the domain's box have no volume 
 struct TooLarge {           ///< more than 2^31 vertices, edges or faces
   std::string what;
 };
-using CutError =
-    std::variant<JointCollapsed, SolidCollapsed, TerminationUndecided, DomainSwallowed, WindowOutside, TooLarge>;
+struct NotFinite {  ///< a number that is none, or infinite; a normal without length counts
+  std::string what;
+  std::optional<JointId> joint;
+};
+struct SnapNegative {
+  Length snap;
+};
+struct UnknownTag {  ///< of a free side that the domain does not have
+  std::uint32_t tag;
+};
+struct UnknownJoint {  ///< of a termination
+  JointId joint;
+};
+using CutError = std::variant<JointCollapsed, SolidCollapsed, TerminationUndecided, DomainSwallowed, WindowOutside,
+                              TooLarge, NotFinite, SnapNegative, UnknownTag, UnknownJoint>;
 [[nodiscard]] std::string describe(const CutError& error);
 
 struct CutOptions {
@@ -36,7 +49,8 @@ struct CutOptions {
 };
 
 /// Cuts the domain into blocks: the connected parts of the domain less the excavations and the joints. Exact: every
-/// combinatorial decision is the sign of a determinant of integers. No joint, no excavation: one block.
+/// combinatorial decision is the sign of a determinant of integers. No joint, no excavation: one block. Whatever the
+/// input holds, what comes out is blocks or an error.
 [[nodiscard]] std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOptions& options = {});
 
 }  // namespace cleave::topology

@@ -1,0 +1,77 @@
+#include "plan_stages.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace cleave::scene {
+
+std::string_view name_of(Stage stage) noexcept {
+  switch (stage) {
+    case Stage::read: return "read";
+    case Stage::draw: return "draw";
+    case Stage::cut: return "cut";
+    case Stage::audit: return "audit";
+    case Stage::stability: return "stability";
+    case Stage::support: return "support";
+    case Stage::monte_carlo: return "monte_carlo";
+    case Stage::elastic: return "elastic";
+    case Stage::contact: return "contact";
+    case Stage::write: return "write";
+    case Stage::report: return "report";
+  }
+  std::unreachable();
+}
+
+bool Plan::runs(Stage stage) const noexcept {
+  return std::ranges::any_of(stages,
+                             [&](const PlannedStage& planned) { return planned.stage == stage && planned.run; });
+}
+
+std::string describe(const Plan& plan, bool inputs) {
+  std::string text;
+  for (const PlannedStage& stage : plan.stages) {
+    text += fmt::format("  {:<12} {:<9} {}", name_of(stage.stage), stage.run ? "run" : "left out", stage.why);
+    if (inputs && stage.run && !stage.inputs.empty()) text += fmt::format(" [{}]", fmt::join(stage.inputs, ", "));
+    if (inputs && stage.run && stage.seconds >= 0.1) text += fmt::format(" (about {:.1f} s)", stage.seconds);
+    text += "\n";
+  }
+  return text;
+}
+
+void add_inputs(const KeyTable& keys, const std::vector<std::string>& given, Plan& plan) {
+  for (const auto& [stage, names] : keys.steps) {
+    const auto planned = std::ranges::find(plan.stages, stage, &PlannedStage::stage);
+    if (planned == plan.stages.end() || !planned->run) continue;
+    for (const std::string_view name : names) {
+      if (std::ranges::find(given, name) != given.end()) planned->inputs.emplace_back(name);
+    }
+  }
+}
+
+Plan plan_of_bodies(Stage work, const std::string& why, const std::string& files, bool report) {
+  const auto planned = [&](Stage stage) -> PlannedStage {
+    if (stage == work) return {stage, true, why};
+    switch (stage) {
+      case Stage::read: return {stage, true, "the scene"};
+      case Stage::draw:
+      case Stage::cut:
+      case Stage::audit:
+      case Stage::stability: return {stage, false, "no [domain]: a scene of bodies"};
+      case Stage::support: return {stage, false, "no [support]"};
+      case Stage::monte_carlo: return {stage, false, "no [monte_carlo]: one run"};
+      case Stage::elastic: return {stage, false, "no [elastic]: the bodies are in contact"};
+      case Stage::contact: return {stage, false, "no contacts between bodies"};
+      case Stage::write: return {stage, true, "summary.json, log.txt" + files};
+      case Stage::report: return {stage, report, report ? "report.html" : "output.report = false"};
+    }
+    std::unreachable();
+  };
+  Plan plan;
+  for (const Stage stage : all_stages) plan.stages.push_back(planned(stage));
+  plan.estimate.blocks_low = plan.estimate.blocks_high = 0;
+  return plan;
+}
+
+}  // namespace cleave::scene

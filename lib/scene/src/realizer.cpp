@@ -1,0 +1,229 @@
+#include "realizer.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "cleave/core/assert.hpp"
+#include "cleave/core/expected.hpp"
+#include "cleave/stability/analyse.hpp"
+#include "cleave/stability/near_field.hpp"
+#include "cleave/topology/cut.hpp"
+#include "cut_problem.hpp"
+#include "field_stress.hpp"
+#include "judge.hpp"
+
+namespace cleave::scene {
+namespace {
+
+std::string hash_of_key_blocks(const topology::BlockComplex& complex, const stability::Analysis& analysis) {
+  std::vector<topology::BlockId> leaving;
+  for (const stability::Batch& batch : analysis.batches) {
+    leaving.insert(leaving.end(), batch.blocks.begin(), batch.blocks.end());
+  }
+  return topology::canonical_hash(complex, leaving);
+}
+
+/// What the cutter did not see yet: nothing.
+Realization nothing(const Scene& scene) { return {Drawn{.input = {.domain = scene.domain}}}; }
+
+}  // namespace
+
+Realizer::Realizer(const Scene& scene, const RunOptions& options, Detail detail, StageTimer& timer, Progress& progress)
+    : scene_{&scene},
+      options_{options},
+      detail_{detail},
+      timer_{&timer},
+      progress_{&progress},
+      near_{scene.output.only_key_blocks && scene.stability && !scene.sequence},
+      made_{nothing(scene)} {}
+
+Realizer::Done Realizer::execute(const Plan& plan) {
+  for (const PlannedStage& planned : plan.stages) {
+    if (planned.run) CLEAVE_CHECK(step(planned.stage));
+  }
+  return {};
+}
+
+Realizer::Done Realizer::next(const Plan& plan, std::uint64_t realization) {
+  options_.realization = realization;
+  drawn_ = false;
+  // How far the rock must be cut depends on the strengths.
+  if (near_ || !made_.complex) return execute(plan);
+  CLEAVE_CHECK(draw_joints());
+  for (const Stage stage : {Stage::stability, Stage::support}) {
+    if (plan.runs(stage)) CLEAVE_CHECK(step(stage));
+  }
+  return {};
+}
+
+Realizer::Done Realizer::step(Stage stage) {
+  switch (stage) {
+    case Stage::draw: return booked(stage, [&] { return draw_joints(); });
+    case Stage::cut:
+      if (!drawn_) CLEAVE_CHECK(draw_joints());  // none is random, but strengths may be
+      return near_ ? cut_near_free_faces() : booked(stage, [&] { return cut(); });
+    case Stage::audit:
+      if (!near_) booked(stage, [&] { audit(); });
+      return {};
+    case Stage::stability: return made_.complex ? booked(stage, [&] { return judge(); }) : Done{};
+    case Stage::support:
+      if (made_.analysis && !near_) booked(stage, [&] { support(); });
+      return {};
+    case Stage::elastic:
+      return made_.analysis && detail_ == Detail::shown ? booked(stage, [&] { return clamp(); }) : Done{};
+    case Stage::read:
+    case Stage::monte_carlo:
+    case Stage::contact:
+    case Stage::write:
+    case Stage::report: return {};  // not of a realization
+  }
+  std::unreachable();
+}
+
+Realizer::Done Realizer::draw_joints() {
+  CLEAVE_TRY(Drawn drawn, draw(*scene_, options_.realization));
+  static_cast<Drawn&>(made_) = std::move(drawn);
+  drawn_ = true;
+  return {};
+}
+
+Realizer::Done Realizer::cut() {
+  auto cut = [&]() -> std::expected<topology::BlockComplex, topology::CutError> {
+    if (!scene_->sequence) return topology::cut(made_.input, {.threads = options_.threads});
+    CLEAVE_TRY(in_stages_, topology::SequentialCut::make(made_.input, {.threads = options_.threads}));
+    CLEAVE_TRY(final_state_, in_stages_->blocks({.excavated = std::vector<std::uint8_t>(scene_->excavations.size(), 1),
+                                                 .fallen = {}}));
+    return final_state_->complex;
+  }();
+  if (!cut) return std::unexpected(std::vector{problem_of(cut.error(), *scene_, made_)});
+  made_.cut = cut->report();
+  unchecked_ = *std::move(cut);
+  return {};
+}
+
+void Realizer::audit() {
+  CLEAVE_ASSERT(unchecked_.has_value());
+  made_.complex = topology::audit(*std::exchange(unchecked_, std::nullopt), options_.threads);
+  if (made_.complex && detail_ == Detail::shown) {
+    made_.block_hash = topology::canonical_hash(made_.complex->complex(), options_.threads);
+  }
+}
+
+Realizer::Done Realizer::cut_near_free_faces() {
+  progress_->begin(name_of(Stage::cut));
+  const auto cases_and_support = [&](const topology::AuditedComplex& complex, const stability::Analysis& analysis) {
+    forget_cases_and_support(made_);
+    if (!scene_->stability->cases.empty()) {
+      booked(Stage::stability, [&] { judge_cases(*scene_, complex, made_); });
+    }
+    if (scene_->support && made_.undecided.empty()) {
+      booked(Stage::support, [&] { judge_support(*scene_, complex, analysis, made_, detail_ == Detail::shown); });
+    }
+    return made_.undecided;
+  };
+  auto near =
+      stability::analyse_near_field(made_.input, of_detail(settings_of(*scene_, made_)), {.threads = options_.threads},
+                                    *timer_, {.depth = longest_bolt(*scene_), .undecided = cases_and_support});
+  if (!near) {
+    if (auto* error = std::get_if<topology::CutError>(&near.error())) {
+      return std::unexpected(std::vector{problem_of(*error, *scene_, made_)});
+    }
+    made_.complex = std::unexpected(std::get<topology::Certificate>(std::move(near).error()));
+    made_.analysis.reset();
+    return {};
+  }
+  const topology::BlockComplex& complex = near->complex.complex();
+  made_.cut = complex.report();
+  made_.window.reset();
+  if (near->window) {
+    made_.window = WindowInfo{
+        .min = near->window->min,
+        .max = near->window->max,
+        .rounds = near->rounds,
+        .truncated = static_cast<std::uint64_t>(std::ranges::count_if(complex.blocks(), &topology::Block::truncated))};
+  }
+  if (detail_ == Detail::shown) made_.block_hash = topology::canonical_hash(complex, options_.threads);
+  made_.analysis = std::move(near->analysis);
+  made_.complex = std::move(near->complex);
+  return {};
+}
+
+stability::Settings Realizer::of_detail(stability::Settings settings) const {
+  if (detail_ == Detail::counted && settings.rotation == stability::RotationCheck::flag) {
+    settings.rotation = stability::RotationCheck::off;
+  }
+  return settings;
+}
+
+stability::Settings Realizer::settings(const topology::BlockComplex& complex) const {
+  return of_detail(settings_on(complex, *scene_, made_, scene_->stability->loads));
+}
+
+stability::Analysis Realizer::analyse(const topology::AuditedComplex& complex) const {
+  return stability::analyse(complex, settings(complex.complex()));
+}
+
+Realizer::Done Realizer::judge() {
+  const topology::AuditedComplex& complex = *made_.complex;
+  if (!near_) {
+    if (in_stages_ && final_state_) {
+      made_.sequence =
+          judge_stages(*scene_, *in_stages_, *final_state_, [&](const auto& state) { return analyse(state); });
+    }
+    made_.analysis = analyse(complex);
+  }
+  if (auto misplaced = misplaced_loads(*scene_, made_, complex.complex()); !misplaced.empty()) {
+    return std::unexpected(std::move(misplaced));
+  }
+  if (detail_ == Detail::counted) return {};
+  made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
+  if (scene_->stability->groups != stability::GroupsCheck::off) judge_groups();
+  if (!near_) judge_cases(*scene_, complex, made_);
+  made_.sensitivity = stability::sensitivity(complex, settings(complex.complex()), *made_.analysis);
+  judge_maximum_blocks(*scene_, made_);
+  return {};
+}
+
+void Realizer::judge_groups() {
+  const topology::AuditedComplex& complex = *made_.complex;
+  const stability::Settings with = settings(complex.complex());
+  // Ensembles do not count groups, so they do not decide in a replay of one of its realizations.
+  const bool decides = scene_->stability->groups == stability::GroupsCheck::decide && !scene_->monte_carlo;
+  made_.key_groups =
+      stability::find_key_groups(complex, with, decides ? stability::most_together : stability::most_noted);
+  if (!decides) return;
+  stability::decide_by_groups(complex, with, *made_.key_groups, *made_.analysis);
+  made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
+}
+
+void Realizer::support() {
+  if (detail_ == Detail::counted) {
+    made_.support = judge_plan(*scene_, made_, *made_.complex, *made_.analysis, false);
+  } else if (made_.undecided.empty()) {
+    judge_support(*scene_, *made_.complex, *made_.analysis, made_, true);
+  }
+}
+
+Realizer::Done Realizer::clamp() {
+  const auto field = TunnelField::make(*scene_, *scene_->field_stress, options_.threads);
+  if (!field) {
+    return std::unexpected(std::vector{Problem{scene_->shown, scene_->field_stress->line, "field_stress",
+                                               describe(field.error()), "see docs/bem.md on field stress"}});
+  }
+  const topology::BlockComplex& complex = made_.complex->complex();
+  made_.field_stress = clamp_blocks(*scene_, *field, complex, *made_.analysis, settings(complex), options_.threads);
+  return {};
+}
+
+void realize(const Scene& scene, std::uint64_t first, std::uint64_t count, StageTimer& timer,
+             const std::function<void(std::uint64_t, const Realization*)>& use) {
+  const Plan plan = make_plan(scene);
+  Progress progress{ProgressStyle::quiet};
+  Realizer realizer{scene, {.threads = 1, .realization = first}, Detail::counted, timer, progress};
+  for (std::uint64_t k = first; k < first + count; ++k) {
+    const Realizer::Done done = k == first ? realizer.execute(plan) : realizer.next(plan, k);
+    use(k, done ? &realizer.now() : nullptr);
+  }
+}
+
+}  // namespace cleave::scene

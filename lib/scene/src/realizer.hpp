@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <vector>
+
+#include "cleave/scene/run.hpp"
+#include "cleave/topology/sequence.hpp"
+
+namespace cleave::scene {
+
+/// How much is judged.
+enum class Detail : std::uint8_t {
+  shown,   ///< all that a result shows
+  counted  ///< what ensembles count: nothing that is only flagged, no load cases, no key groups, no designs
+};
+
+/// Makes one realization of a scene by executing the steps of its plan: of a single run, an ensemble, a shard and a
+/// replay. Each step is booked and shown under its name.
+class Realizer final {
+ public:
+  using Done = std::expected<void, std::vector<Problem>>;
+  Realizer(const Scene& scene, const RunOptions& options, Detail detail, StageTimer& timer, Progress& progress);
+
+  /// Does those steps of the plan that make a realization, in its order.
+  [[nodiscard]] Done execute(const Plan& plan);
+  /// Goes on with another realization of the same geometry; what was cut stays.
+  [[nodiscard]] Done next(const Plan& plan, std::uint64_t realization);
+
+  [[nodiscard]] const Realization& now() const noexcept { return made_; }
+  [[nodiscard]] Realization take() && { return std::move(made_); }
+
+ private:
+  [[nodiscard]] Done step(Stage stage);
+  [[nodiscard]] Done draw_joints();
+  [[nodiscard]] Done cut();
+  [[nodiscard]] Done cut_near_free_faces();
+  void audit();
+  [[nodiscard]] Done judge();
+  void judge_groups();
+  void support();
+  [[nodiscard]] Done clamp();
+  [[nodiscard]] stability::Settings settings(const topology::BlockComplex& complex) const;
+  /// Nothing is asked of ensembles that is only flagged.
+  [[nodiscard]] stability::Settings of_detail(stability::Settings settings) const;
+  [[nodiscard]] stability::Analysis analyse(const topology::AuditedComplex& complex) const;
+  template <class Work>
+  decltype(auto) booked(Stage stage, Work&& work) {
+    progress_->begin(name_of(stage));
+    return timer_->run(name_of(stage), std::forward<Work>(work));
+  }
+
+  const Scene* scene_;
+  RunOptions options_;
+  Detail detail_;
+  StageTimer* timer_;
+  Progress* progress_;
+  /// Only the rock near free faces is cut, as far as judging it asks for: those steps are then one.
+  bool near_;
+  bool drawn_ = false;
+  std::optional<topology::BlockComplex> unchecked_;  ///< between cut and audit
+  std::optional<topology::SequentialCut> in_stages_;
+  std::optional<topology::StageBlocks> final_state_;
+  Realization made_;
+};
+
+}  // namespace cleave::scene

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+
+#include "detail/prepared.hpp"
+
+namespace cleave::topology::detail {
+
+/// Sides of joints that end just short of another polygon.
+struct Gaps {
+  std::uint64_t sides = 0;
+  double largest = 0;                 ///< units of 2^48 sites
+  Index first = none, second = none;  ///< facets of the largest
+
+  void add(const Gaps& other) noexcept;
+};
+
+/// Tells pairs of facets that nearly meet from those that are apart.
+class GapFinder final {
+ public:
+  explicit GapFinder(const Prepared& prepared) noexcept;
+
+  /// Within this of each other facets nearly meet; units.
+  [[nodiscard]] double limit() const noexcept { return limit_; }
+  /// Of two facets without a point in common.
+  void look(Index i, Index j, Gaps& found) const;
+
+ private:
+  const Prepared& prepared_;
+  double limit_;
+};
+
+}  // namespace cleave::topology::detail

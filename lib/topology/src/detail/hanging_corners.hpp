@@ -1,0 +1,14 @@
+#pragma once
+
+#include <span>
+
+#include "detail/joint_polygon.hpp"
+#include "detail/shared_corners.hpp"
+
+namespace cleave::topology::detail {
+
+/// A corner of several polygons that lies on a longer side of another one, but for a rounding, becomes a corner of that
+/// too: then the parts of the side are shared. Whether any did. `within`: sites.
+[[nodiscard]] bool take_hanging_corners(std::span<JointPolygon> polygons, const SharedCorners& shared, double within);
+
+}  // namespace cleave::topology::detail

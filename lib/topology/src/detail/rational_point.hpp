@@ -1,0 +1,16 @@
+#pragma once
+
+#include <array>
+#include <boost/multiprecision/cpp_int.hpp>
+
+#include "detail/stages.hpp"
+
+namespace cleave::topology::detail {
+
+using Rational = boost::multiprecision::cpp_rational;
+using RationalPoint = std::array<Rational, 3>;
+
+/// Where a vertex is, sites; exact.
+[[nodiscard]] RationalPoint rational_position(const Prepared& prepared, const Vertex& vertex);
+
+}  // namespace cleave::topology::detail

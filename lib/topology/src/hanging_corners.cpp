@@ -1,0 +1,72 @@
+#include "detail/hanging_corners.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <vector>
+
+#include "cleave/geometry/box_tree.hpp"
+
+namespace cleave::topology::detail {
+namespace {
+
+using exact::LatticePoint;
+using geometry::Vec3;
+
+Vec3 as_vec3(LatticePoint p) { return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)}; }
+
+/// A side that no other polygon has.
+struct FreeSide {
+  std::size_t polygon, corner;  ///< it starts at this corner
+};
+
+/// A corner on a side, with its place along it.
+struct Hanging {
+  std::size_t polygon, corner;
+  double along;
+  LatticePoint site;
+};
+
+}  // namespace
+
+bool take_hanging_corners(std::span<JointPolygon> polygons, const SharedCorners& shared, double within) {
+  std::vector<FreeSide> sides;
+  std::vector<geometry::Bounds> boxes;
+  const Vec3 margin{within + 1, within + 1, within + 1};
+  for (std::size_t k = 0; k < polygons.size(); ++k) {
+    const auto& corners = polygons[k].corners;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const LatticePoint a = corners[i], b = corners[(i + 1) % corners.size()];
+      if (a == b || shared.shared(a, b)) continue;
+      sides.push_back({k, i});
+      geometry::Bounds box = geometry::Bounds::of(as_vec3(a));
+      box.grow(geometry::Bounds::of(as_vec3(b)));
+      boxes.push_back({box.lo - margin, box.hi + margin});
+    }
+  }
+  if (sides.empty()) return false;
+  const geometry::BoxTree tree{boxes};
+  std::vector<Hanging> found;
+  for (const LatticePoint site : shared.sites()) {
+    tree.overlapping(geometry::Bounds::of(as_vec3(site)), [&](std::uint32_t number) {
+      const auto [k, i] = sides[number];
+      const auto& corners = polygons[k].corners;
+      const LatticePoint a = corners[i], b = corners[(i + 1) % corners.size()];
+      if (std::ranges::find(corners, site) != corners.end()) return;
+      const Vec3 side = as_vec3(b - a), to = as_vec3(site - a);
+      const double length = geometry::norm(side), along = dot(to, side) / length;
+      if (along <= within || along >= length - within) return;  // at an end of it
+      if (geometry::norm(cross(side, to)) <= within * length) found.push_back({k, i, along, site});
+    });
+  }
+  std::ranges::sort(found, [](const Hanging& a, const Hanging& b) {
+    // The last of each polygon first, so that the places of the others stay.
+    return std::tuple{a.polygon, b.corner, b.along, a.site} < std::tuple{b.polygon, a.corner, a.along, b.site};
+  });
+  for (const Hanging& h : found) {
+    auto& corners = polygons[h.polygon].corners;
+    corners.insert(corners.begin() + static_cast<std::ptrdiff_t>(h.corner) + 1, h.site);
+  }
+  return !found.empty();
+}
+
+}  // namespace cleave::topology::detail
