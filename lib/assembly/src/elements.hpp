@@ -32,8 +32,8 @@ struct Element {
 class Elements final {
  public:
   explicit Elements(const Assembly& assembly);
-  /// Of some bodies (ascending), all others fixed, in the same units; `from` becomes the number that each element of the
-  /// part has in the whole.
+  /// Of some bodies (ascending), all others fixed, in the same units; `from` becomes the number that each element of
+  /// the part has in the whole.
   [[nodiscard]] Elements part(std::span<const std::uint32_t> members, std::vector<std::uint32_t>& from) const;
 
   [[nodiscard]] const std::vector<Element>& all() const noexcept { return elements_; }

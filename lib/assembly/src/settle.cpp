@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-
 #include "branch.hpp"
 #include "sweeps.hpp"
 
@@ -64,8 +63,8 @@ double lack(const Elements& elements, const State& state) {
   return left.lpNorm<Eigen::Infinity>();
 }
 
-/// Newton's method on one part from the forces that sweeps found; false when that leads nowhere. With `solved` a solution
-/// to `exact_enough` was found.
+/// Newton's method on one part from the forces that sweeps found; false when that leads nowhere. With `solved` a
+/// solution to `exact_enough` was found.
 bool polish(const Elements& part, double divisor, State& state, bool& solved) {
   double before = violation(part, divisor, state);
   bool better = false;

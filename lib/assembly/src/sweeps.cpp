@@ -18,8 +18,8 @@ constexpr int between = 8;
 
 template <int width>
 Vector3d relative(const Element& e, const VectorXd& v) {
-  Vector3d u = e.on_body.template topRows<width>().transpose() *
-               v.template segment<width>(width * static_cast<Index>(e.body));
+  Vector3d u =
+      e.on_body.template topRows<width>().transpose() * v.template segment<width>(width * static_cast<Index>(e.body));
   if (e.other) {
     u.noalias() += e.on_other.template topRows<width>().transpose() *
                    v.template segment<width>(width * static_cast<Index>(*e.other));
@@ -29,9 +29,11 @@ Vector3d relative(const Element& e, const VectorXd& v) {
 
 template <int width>
 double opening(const Element& e, const VectorXd& v) {
-  double u = e.on_body.template topRows<width>().col(0).dot(v.template segment<width>(width * static_cast<Index>(e.body)));
+  double u =
+      e.on_body.template topRows<width>().col(0).dot(v.template segment<width>(width * static_cast<Index>(e.body)));
   if (e.other) {
-    u += e.on_other.template topRows<width>().col(0).dot(v.template segment<width>(width * static_cast<Index>(*e.other)));
+    u += e.on_other.template topRows<width>().col(0).dot(
+        v.template segment<width>(width * static_cast<Index>(*e.other)));
   }
   return u;
 }

@@ -39,9 +39,9 @@ class Sweeps final {
   const Elements* elements_;
   double divisor_, asleep_;
   State state_;
-  std::vector<double> weight_;             ///< by element: largest response to a unit force
-  std::vector<double> own_;                ///< by body: rate of free fall
-  std::vector<std::uint32_t> active_;      ///< elements beside a body that is not at rest
+  std::vector<double> weight_;                   ///< by element: largest response to a unit force
+  std::vector<double> own_;                      ///< by body: rate of free fall
+  std::vector<std::uint32_t> active_;            ///< elements beside a body that is not at rest
   std::vector<Eigen::Vector3d> before_, along_;  ///< of active elements
   bool bonds_ = false;
 };

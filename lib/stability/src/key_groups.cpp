@@ -93,7 +93,8 @@ class Search final {
   }
 
   /// Blocks that are `layers` neighbours away at most; ascending.
-  [[nodiscard]] std::vector<BlockId> within(std::vector<BlockId> layer, std::uint32_t layers, std::uint32_t batch) const {
+  [[nodiscard]] std::vector<BlockId> within(std::vector<BlockId> layer, std::uint32_t layers,
+                                            std::uint32_t batch) const {
     IdVector<BlockId, std::uint8_t> taken(complex().blocks().size(), 0);
     std::vector<BlockId> all;
     for (const BlockId id : layer) taken[id] = 1;
