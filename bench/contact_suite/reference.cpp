@@ -99,7 +99,7 @@ PassProblem::PassProblem(std::size_t side, std::size_t per_side, bool every_node
   p.world = *std::move(world);
   const auto n = static_cast<Eigen::Index>(p.block.freedoms());
   for (const dbem::Contact& c : moved.contacts()) {
-    const Vec2 t = bem::turned_left(c.normal);
+    const Vec2 t = turned_left(c.normal);
     for (const Vec2 d : {c.normal, t}) {
       Row row;
       const auto add = [&](std::uint32_t body_of, std::size_t corner, double weight) {

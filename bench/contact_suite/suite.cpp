@@ -41,7 +41,7 @@ Corners rectangle(double x, double y, double width, double height) {
   return {{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}};
 }
 Corners turned(Corners corners, double angle) {
-  for (Vec2& c : corners) c = bem::rotated(c, angle);
+  for (Vec2& c : corners) c = rotated(c, angle);
   return corners;
 }
 

@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "bem_problems.hpp"
-#include "cleave/bem/drbem.hpp"
-#include "cleave/bem/initial_stress.hpp"
 #include "cleave/bem/motion.hpp"
 #include "cleave/bem/reshape.hpp"
 #include "cleave/bem/statics.hpp"
+#include "drbem.hpp"
+#include "initial_stress.hpp"
 #include "study.hpp"
 
 namespace cleave {

@@ -46,7 +46,7 @@ struct Case {
 std::vector<Vec2> box(Vec2 corner, double width, double height, double angle = 0) {
   std::vector<Vec2> out;
   for (const Vec2 p : {Vec2{0, 0}, Vec2{width, 0}, Vec2{width, height}, Vec2{0, height}}) {
-    out.push_back(corner + bem::rotated(p, angle));
+    out.push_back(corner + rotated(p, angle));
   }
   return out;
 }

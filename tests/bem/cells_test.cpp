@@ -4,8 +4,8 @@
 
 #include <functional>
 
-#include "cleave/bem/initial_stress.hpp"
-#include "cleave/bem/kelvin.hpp"
+#include "initial_stress.hpp"
+#include "kelvin.hpp"
 #include "shapes.hpp"
 
 namespace cleave::bem {

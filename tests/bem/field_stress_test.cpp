@@ -1,4 +1,4 @@
-#include "cleave/bem/field_stress.hpp"
+#include "field_stress.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "cleave/bem/boundary_stress.hpp"
-#include "cleave/bem/drbem.hpp"
 #include "cleave/bem/motion.hpp"
+#include "drbem.hpp"
 #include "shapes.hpp"
 
 namespace cleave::bem {

@@ -37,13 +37,32 @@ TEST_F(CommandsTest, WrongCallsAreWrongInput) {
 }
 
 TEST_F(CommandsTest, ScenesOfInitPassCheckAndRun) {
-  for (const std::string kind : {"tunnel", "slope", "wedge", "network", "monte-carlo", "bodies", "contact"}) {
+  for (const std::string kind :
+       {"tunnel", "slope", "wedge", "network", "monte-carlo", "bodies", "contact", "support", "bench", "water"}) {
     ASSERT_EQ(shell("cleave init " + kind + " > " + kind + ".toml").code, 0);
     const Ended check = cleave("check " + kind + ".toml");
     EXPECT_EQ(check.code, 0) << check.err;
     EXPECT_EQ(check.out, kind + ".toml: no error found\n");
     EXPECT_EQ(cleave("run " + kind + ".toml --quiet -o out").code, 0) << kind;
   }
+}
+
+TEST_F(CommandsTest, SceneOfATunnelHasKeyBlocksAndTheTableIsReadByBoth) {
+  ASSERT_EQ(
+      shell("cleave init tunnel > tunnel.toml && cleave init csv > joints.csv && cleave init survey > survey.toml")
+          .code,
+      0);
+  EXPECT_EQ(cleave("run tunnel.toml --quiet -o out").code, 0);
+  EXPECT_GT(nlohmann::json::parse(read("out/summary.json"))["key_blocks"]["count"].get<int>(), 0);
+  EXPECT_EQ(cleave("survey survey.toml --quiet -o sets").code, 0);
+  write("table.toml", "[domain]\nbox = { min = [0, 0, 0], max = [30, 30, 20] }\n[[joint]]\nfile = \"joints.csv\"\n");
+  EXPECT_EQ(cleave("run table.toml --quiet -o of_table").code, 0);
+  EXPECT_EQ(nlohmann::json::parse(read("of_table/summary.json"))["input"]["joints"].get<int>(), 15);
+}
+
+TEST_F(CommandsTest, AWrongOptionIsNamedBeforeAMissingOne) {
+  EXPECT_NE(cleave("run --what").err.find("--what"), std::string::npos);
+  EXPECT_NE(cleave("run s.toml --out-folder out").err.find("--out-folder"), std::string::npos);
 }
 
 TEST_F(CommandsTest, PlanNamesEveryStageAndWritesNothing) {

@@ -83,7 +83,8 @@ TEST_F(ContactExamplesTest, ElasticArchesDoWhatRigidOnesDo) {
   const auto falls = example("arch/arch_12_100_elastic"), stands = example("arch/arch_12_112_elastic");
   EXPECT_EQ(falls["mode"], "elastic");
   EXPECT_LT(at(falls, "crown")[1], -0.5);
-  EXPECT_NEAR(at(stands, "crown")[1], 0, 1e-3);
+  // rho g R2 / E is 2.4e-6 m; the thrust runs near the rims of some joints, where stones give about ten times as much.
+  EXPECT_NEAR(at(stands, "crown")[1], 0, 5e-5);
   // Stress of its thrust, in every frame and as a table.
   const std::string vtu = read("out/contact_0001.vtu");
   for (const std::string array : {"stress", "von_mises", "safety"}) {

@@ -33,7 +33,7 @@ class DesignsTest : public ProgramTest {
   }
   /// Quantities of the comparison of two results.
   [[nodiscard]] json compared(const std::string& one, const std::string& other) const {
-    const Ended ended = cleave("compare " + one + " " + other + " -o difference.json");
+    const Ended ended = cleave("compare-designs " + one + " " + other + " -o difference.json");
     EXPECT_EQ(ended.code, 0) << ended.err;
     return json::parse(read("difference.json"))["quantities"];
   }
@@ -156,8 +156,9 @@ TEST_F(DesignsTest, ComparesDesignsOnCommonRandomNumbers) {
   EXPECT_GT(volume["correlation"], 0.5);
   // Other random numbers or no Monte Carlo result: no comparison.
   ASSERT_EQ(cleave("run strong.toml -o other --seed 5 --quiet").code, 0);
-  EXPECT_TRUE(cleave("compare weak other").err.contains("has the seed 5"));
+  EXPECT_TRUE(cleave("compare-designs weak other").err.contains("has the seed 5"));
   EXPECT_EQ(cleave("compare weak other").code, 2);
+  EXPECT_TRUE(cleave("compare weak other").out.starts_with("note: cleave compare is now cleave compare-designs"));
   EXPECT_EQ(cleave("compare weak nowhere").code, 2);
   ASSERT_EQ(cleave("run weak.toml -o part --shard 1/2 --quiet").code, 0);
   EXPECT_TRUE(cleave("compare weak part").err.contains("is a shard"));

@@ -165,6 +165,26 @@ TEST_F(MonteCarloTest, InterruptKeepsWhatIsDone) {
   EXPECT_FALSE(exists("out/summary.json"));
 }
 
+// Groups of blocks are not counted in ensembles: they decide nothing in the replay of a realization either.
+TEST_F(MonteCarloTest, ReplayOfASceneWhereGroupsDecideReproducesItsRecord) {
+  write("s.toml", text_of(fs::path{CLEAVE_SOURCE_DIR} / "examples/slab_behind_toe/slab_behind_toe.toml") +
+                      "\ngroups = \"decide\"\n[monte_carlo]\nrealizations = 2\n");
+  ASSERT_EQ(cleave("run s.toml -o out --quiet").code, 0);
+  const Ended replay = cleave("replay out --realization 1");
+  EXPECT_EQ(replay.code, 0) << replay.err;
+  EXPECT_NE(replay.out.find("is reproduced to the last digit"), std::string::npos) << replay.out;
+}
+
+// A force on no free face is refused realization by realization, as a single run refuses it.
+TEST_F(MonteCarloTest, ForcesOffTheFreeFacesAreRefused) {
+  write("s.toml",
+        text_of(fs::path{CLEAVE_SOURCE_DIR} / "examples/slab_behind_toe/slab_behind_toe.toml") +
+            "\n[[stability.point]]\nat = [10, 5, 10]\nforce = [0, 0, -1e6]\n[monte_carlo]\nrealizations = 2\n");
+  const Ended run = cleave("run s.toml -o out --quiet");
+  EXPECT_EQ(run.code, 4) << run.err;
+  EXPECT_NE(run.err.find("2 realizations could not be done"), std::string::npos) << run.err;
+}
+
 TEST_F(MonteCarloTest, ReplayReproducesAnyRealization) {
   write("s.toml", scene("realizations = 20"));
   ASSERT_EQ(cleave("run s.toml -o out --seed 3 --quiet").code, 0);

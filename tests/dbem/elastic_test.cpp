@@ -88,7 +88,7 @@ TEST(RelaxTest, ReactionsAreWeightsWhateverTheStiffness) {
     EXPECT_TRUE(done->at_rest) << done->unbalanced;
     double floor = 0, between = 0;
     for (const Contact& c : world.contacts()) {
-      const Vec2 f = c.normal_force * c.normal + c.tangential_force * bem::turned_left(c.normal);
+      const Vec2 f = c.normal_force * c.normal + c.tangential_force * turned_left(c.normal);
       const bool on_floor = c.vertex_body == 0 || c.edge_body == 0;
       (on_floor ? floor : between) += std::abs(f.y);
     }

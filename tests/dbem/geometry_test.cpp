@@ -18,7 +18,7 @@ Vec2 at_angle(double a) { return {std::cos(a), std::sin(a)}; }
 /// along an edge of either does (both are convex).
 bool wedges_overlap(const Wedge& i, Vec2 p, const Wedge& j, Vec2 q) {
   const auto separates = [](const Wedge& own, Vec2 corner, const Wedge& other, Vec2 there) {
-    for (const Vec2 inward : {bem::turned_left(own.out), bem::turned_right(own.back)}) {
+    for (const Vec2 inward : {turned_left(own.out), turned_right(own.back)}) {
       if (dot(inward, other.out) <= 1e-12 && dot(inward, other.back) <= 1e-12 && dot(inward, there - corner) <= 0) {
         return true;
       }

@@ -62,7 +62,7 @@ TEST(LargeGroupTest, AWallPushedSidewaysKeepsTheBalanceOfForces) {
     ASSERT_TRUE(report.has_value()) << describe(report.error());
     Vec2 floor{};
     for (const Contact& c : world->contacts()) {
-      const Vec2 force = c.normal_force * c.normal + c.tangential_force * bem::turned_left(c.normal);
+      const Vec2 force = c.normal_force * c.normal + c.tangential_force * turned_left(c.normal);
       if (c.edge_body == 0) floor += force;
       if (c.vertex_body == 0) floor += -force;
     }
@@ -168,7 +168,7 @@ TEST(InteriorTest, AWallPastItsFrictionSlidesOnItsFloor) {
     EXPECT_LT(report->residual, 1e-8);
     Vec2 floor{};
     for (const Contact& c : world->contacts()) {
-      const Vec2 force = c.normal_force * c.normal + c.tangential_force * bem::turned_left(c.normal);
+      const Vec2 force = c.normal_force * c.normal + c.tangential_force * turned_left(c.normal);
       if (c.edge_body == 0) floor += force;
       if (c.vertex_body == 0) floor += -force;
     }
@@ -211,7 +211,7 @@ TEST(StackTest, FiftyUnderAMillionTimesTheirWeightStand) {
 std::vector<Body> columns() {
   const double up = radians(30);
   const std::vector<double> heights{1.2, 1.2, 6, 1.2, 1.2, 1.2, 7, 1.2, 1.2, 6.5, 1.2, 1.2, 1.2, 1.2};
-  const auto at = [&](double x, double y) { return bem::rotated(Vec2{x, y}, up); };
+  const auto at = [&](double x, double y) { return rotated(Vec2{x, y}, up); };
   std::vector<Body> bodies{fixed("slope", {at(-6, 0), {-5.2, -4}, {17.3, -4}, at(20, 0)}),
                            fixed("toe", turned(rectangle(0, 0, 1, 1.2), up))};
   for (std::size_t k = 0; k < heights.size(); ++k) {

@@ -171,7 +171,7 @@ TEST(ToppleTest, SlidesOrTopplesByTheSigns) {
                        Case{20, 0.3, 1, true, true}, Case{20, 0.5, 1, true, false}}) {
     World world = make(slider(radians(30), c.width, c.height), law(std::tan(radians(c.phi))), {.step = 2e-3});
     run(world, 0.2);
-    const Vec2 moved = bem::rotated(world.displacement(1), -radians(30));
+    const Vec2 moved = rotated(world.displacement(1), -radians(30));
     std::printf("phi %g b/h %g: slid %g turned %g\n", c.phi, c.width / c.height, -moved.x, world.rotation(1));
     EXPECT_EQ(world.rotation(1) > 1e-3, c.topples);
     if (!c.topples) {

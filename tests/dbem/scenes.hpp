@@ -22,7 +22,7 @@ inline std::vector<Vec2> rectangle(double x, double y, double width, double heig
 }
 
 inline std::vector<Vec2> turned(std::vector<Vec2> corners, double angle) {
-  for (Vec2& c : corners) c = bem::rotated(c, angle);
+  for (Vec2& c : corners) c = rotated(c, angle);
   return corners;
 }
 

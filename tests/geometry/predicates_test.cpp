@@ -1,4 +1,4 @@
-#include "predicates.hpp"
+#include "cleave/geometry/predicates.hpp"
 
 #include <gtest/gtest.h>
 
@@ -26,8 +26,8 @@ Sign rational_orient3d(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
 }
 
 Sign rational_orient2d(Vec2 a, Vec2 b, Vec2 c) {
-  const Rational det = (Rational(b.u) - Rational(a.u)) * (Rational(c.v) - Rational(a.v)) -
-                       (Rational(b.v) - Rational(a.v)) * (Rational(c.u) - Rational(a.u));
+  const Rational det = (Rational(b.x) - Rational(a.x)) * (Rational(c.y) - Rational(a.y)) -
+                       (Rational(b.y) - Rational(a.y)) * (Rational(c.x) - Rational(a.x));
   return exact::sign_of(det);
 }
 
@@ -51,7 +51,7 @@ TEST(PredicatesTest, SignsAreThoseOfRationalArithmeticWhereTheDeterminantCancels
     EXPECT_EQ(orient3d(b, a, c, d), -expected);
     EXPECT_EQ(orient3d(d, b, c, a), -expected);
     ++seen[static_cast<std::size_t>(static_cast<int>(expected) + 1)];
-    const Vec2 u = drop(a, 2), v = drop(b, 2), w{u.u + s * (v.u - u.u), u.v + s * (v.v - u.v)};
+    const Vec2 u = drop(a, 2), v = drop(b, 2), w{u.x + s * (v.x - u.x), u.y + s * (v.y - u.y)};
     EXPECT_EQ(orient2d(u, v, w), rational_orient2d(u, v, w));
     EXPECT_EQ(orient2d(v, u, w), -orient2d(u, v, w));
   }

@@ -50,8 +50,54 @@ TEST(JointCsvTest, ColumnsInAnyOrderAndEverySize) {
   EXPECT_FALSE(t.rows[1].friction.has_value());
   EXPECT_TRUE(std::holds_alternative<Persistent>(t.rows[2].size));
   EXPECT_EQ(t.rows[2].cohesion, pascals(1e4));
-  ASSERT_EQ(t.notes.size(), 1U);
-  EXPECT_EQ(t.notes[0], "column \"remark\" is not used");
+  ASSERT_EQ(t.notes.size(), 2U);
+  EXPECT_EQ(
+      t.notes[0],
+      "columns read: id, set, x (from \"easting\") in m, y (from \"northing\") in m, z (from \"elevation\") in m, "
+      "dip_direction in degrees, dip in degrees, radius in m, side_a in m, side_b in m, rotation in degrees, "
+      "friction in degrees, cohesion in Pa");
+  EXPECT_EQ(t.notes[1], "column \"remark\" is not used");
+}
+
+TEST(JointCsvTest, UnitsInBracketsCount) {
+  const JointTable t = read(
+      "Dip (deg),Dip Dir [\xC2\xB0],X (cm),y [M],Z (metres),Radius (mm),friction (rad),Cohesion (kPa)\n"
+      "60,30,100,2,3,500,0.5,50\n");
+  EXPECT_EQ(t.rows[0].plane.dip.degrees(), 60);
+  EXPECT_EQ(t.rows[0].plane.direction.degrees(), 30);
+  EXPECT_EQ(t.rows[0].position, (geometry::Vec3{1, 2, 3}));
+  EXPECT_EQ(std::get<DiscSize>(t.rows[0].size).radius, metres(0.5));
+  EXPECT_NEAR(t.rows[0].friction->degrees(), 28.6478897565412, 1e-12);
+  EXPECT_EQ(t.rows[0].cohesion, pascals(50e3));
+  EXPECT_NE(t.notes[0].find("cohesion in kPa"), std::string::npos);
+  const auto wrong = problems("dip,dd,x,y,z,cohesion (furlongs)\n60,30,0,0,0,1\n");
+  ASSERT_EQ(wrong.size(), 1U);
+  EXPECT_EQ(wrong[0].what, "the unit \"furlongs\" of column cohesion is not understood");
+}
+
+TEST(JointCsvTest, DiametersAreNotRadii) {
+  const JointTable t = read("dip,dd,x,y,z,Diameter (m)\n60,30,0,0,0,10\n60,30,0,0,0,\n");
+  EXPECT_EQ(std::get<DiscSize>(t.rows[0].size).radius, metres(5));
+  EXPECT_TRUE(std::holds_alternative<Persistent>(t.rows[1].size));
+  EXPECT_EQ(problems("dip,dd,x,y,z,radius,diameter\n60,30,0,0,0,5,10\n").at(0).what,
+            "a joint has a radius or a diameter, not both");
+}
+
+TEST(JointCsvTest, AColumnThatIsNotUnderstoodLeavesNoJointPersistent) {
+  const auto wrong = problems("dip,dd,x,y,z,persistence\n60,30,0,0,0,10\n50,30,0,0,0,12\n");
+  ASSERT_EQ(wrong.size(), 1U);
+  EXPECT_EQ(wrong[0].what, "column \"persistence\" is not understood, and the joint of line 2 has no size without it");
+  EXPECT_EQ(problems("dip;dd;x;y;z;size\n60;30;0;0;0;10,5\n").size(), 1U);
+  EXPECT_EQ(read("dip,dd,x,y,z,persistence\n60,30,0,0,0,\n").rows.size(), 1U);
+  EXPECT_EQ(read("dip,dd,x,y,z,radius,persistence\n60,30,0,0,0,4,10\n").rows.size(), 1U);
+  EXPECT_EQ(read("dip,dd,x,y,z,jrc\n60,30,0,0,0,10\n").rows.size(), 1U);
+}
+
+TEST(JointCsvTest, SwappedColumnsAreSuggestedBeforeWrap) {
+  EXPECT_EQ(
+      problems("dip,dip_direction,x,y,z\n210,60,0,0,0\n").at(0).remedy,
+      "are dip and dip_direction swapped? Then swap their names in the header; else correct it, or set wrap = true");
+  EXPECT_EQ(problems("dip,dip_direction,x,y,z\n210,160,0,0,0\n").at(0).remedy, "correct it, or set wrap = true");
 }
 
 TEST(JointCsvTest, StrikeFollowsTheRightHandRule) {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "cleave/core/text.hpp"
+
 namespace cleave::report {
 namespace {
 

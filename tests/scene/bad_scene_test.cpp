@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <ostream>
+
 #include "parse_support.hpp"
 
 // Every kind of wrong scene gets its file, line, key, what is wrong and what to do.
@@ -11,6 +13,8 @@ struct Bad {
   std::string text;
   std::string_view message;  ///< the whole of it
 };
+
+void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.name; }
 
 class BadSceneTest : public testing::TestWithParam<Bad> {};
 
@@ -37,6 +41,33 @@ INSTANTIATE_TEST_SUITE_P(
             "s.toml:4: TOML: Error while parsing table header: cannot redefine existing table 'domain'; mend the "
             "syntax: see "
             "https://toml.io"},
+        Bad{"DecimalComma", "seed = 1\nsnap = 0,5 # m\n",
+            "s.toml:2: TOML: the number has a decimal comma: write a point; mend the syntax: see https://toml.io"},
+        Bad{"Backslashes", "include = \"C:\\sets\\a.toml\"\n",
+            "s.toml:1: TOML: a backslash in double quotes begins a sign such as \\n: write paths with / or in single "
+            "quotes; mend the syntax: see https://toml.io"},
+        Bad{"QuotesOfAWordProcessor",
+            "title = \xE2\x80\x9C"
+            "A\xE2\x80\x9D\n",
+            "s.toml:1: TOML: the quotes are those of a word processor: write straight ones (\"); mend the syntax: see "
+            "https://toml.io"},
+        Bad{"NoQuotes", "nonplanar = triangulate\n",
+            "s.toml:1: TOML: text stands in quotes: write \"triangulate\"; mend the syntax: see https://toml.io"},
+        Bad{"Workbook", "PK\x03\x04rest",
+            "s.toml:1: TOML: is a workbook or an archive (.xlsx, .zip), not a text: save the scene as plain text, "
+            "tables "
+            "as CSV; mend the syntax: see https://toml.io"},
+        Bad{"Utf16",
+            std::string{"\xFF\xFE"
+                        "s\0e\0",
+                        6},
+            "s.toml:1: TOML: is UTF-16 text: save it as UTF-8 (in Notepad: Save as, Encoding UTF-8); mend the syntax: "
+            "see "
+            "https://toml.io"},
+        Bad{"SingleBrackets", with_box("[joint_set]\ndip = 3\n"),
+            "s.toml:3: joint_set: is a table but must be a list of tables; write [[joint_set]], with double brackets"},
+        Bad{"ASurvey", "[[orientations]]\nfile = \"a.csv\"\n",
+            "s.toml:1: scene: is a survey file, not a scene; run cleave survey s.toml -o FOLDER"},
         Bad{"NoDomain", "seed = 3\n",
             "s.toml:1: domain: is missing; add [domain] with box = { min = [0, 0, 0], max = [80, 80, 60] }, corners, "
             "mesh or terrain"},

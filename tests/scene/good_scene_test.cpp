@@ -246,6 +246,19 @@ TEST(SceneTest, BareNumbersFarFromUsualOnesNameTheLikelyUnit) {
                                       "support.shotcrete.thickness: if it is meant in mm, write \"75 mm\""}));
 }
 
+TEST(SceneTest, RowsWithTheirOwnStrengthAreNotToldThatNoneIsGiven) {
+  const auto told = [](std::string table) {
+    const Scene scene = scene_of(with_box("[[joint]]\nfile = \"j.csv\"\n[rock]\ndensity = 2700\n[stability]\nfree = "
+                                          "[\"top\"]\n"),
+                                 {{"j.csv", std::move(table)}});
+    return std::ranges::count_if(scene.notes,
+                                 [](const Problem& n) { return n.what.starts_with("no strength is given"); });
+  };
+  EXPECT_EQ(told("dip,dd,x,y,z,friction\n30,90,4,4,3,25\n"), 0);
+  EXPECT_EQ(told("dip,dd,x,y,z,friction\n30,90,4,4,3,25\n30,90,4,4,2,\n"), 1);
+  EXPECT_EQ(told("dip,dd,x,y,z\n30,90,4,4,3\n"), 1);
+}
+
 TEST(SceneTest, OldNamesOfKeysAreReadWithANote) {
   const Scene scene = scene_of(with_box(
       "[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\n[joints.default]\nfriction = 30\n"

@@ -5,7 +5,10 @@
   gives the order);
 - docs/decisions: the index has every record, every record has the parts of the template;
 - links between Markdown files lead somewhere, and prose has at most 120 columns;
-- the version stands in one place.
+- the version stands in one place;
+- every header is public (HEADERS, installed) or shared between modules (SHARED), a public one includes no shared one, and
+  each has a user outside its module;
+- a number with a unit has a type at the border: bare `double`s whose comment or name gives a unit are counted by module.
 """
 import re
 import sys
@@ -52,6 +55,8 @@ def decisions():
             wrong.append(f"{record.relative_to(root)}: no heading `# N. ...` and status as in record 1")
         if "\n## Decision\n" not in text:
             wrong.append(f"{record.relative_to(root)}: no part `## Decision`")
+        if len(text.split()) < 95:
+            wrong.append(f"{record.relative_to(root)}: a note of under 95 words belongs on the page of its module")
         if len(re.findall(rf"^\| \[\d+\]\({re.escape(record.name)}\) \|", index, re.M)) != 1:
             wrong.append(f"docs/decisions/README.md: {record.name} does not stand there once")
 
@@ -83,10 +88,119 @@ def version():
             wrong.append(f"{source.relative_to(root)}: names version {number}, which stands in {header}")
 
 
+# Headers that no other module, program or example includes by name, and why they are not in src.
+own_use = {
+    "cleave/assembly/certificate.hpp": "part of assembly/groups.hpp",
+    "cleave/assembly/factors.hpp": "part of assembly/groups.hpp",
+    "cleave/bem/dense.hpp": "part of bem/block.hpp",
+    "cleave/bem/inner_point.hpp": "part of bem/motion.hpp",
+    "cleave/bem/mesh.hpp": "part of bem/problem.hpp",
+    "cleave/bem/reshape.hpp": "part of bem/motion.hpp",
+    "cleave/bem/time_scheme.hpp": "part of bem/motion.hpp",
+    "cleave/dfn/laws.hpp": "part of dfn/joint_set.hpp",
+    "cleave/dfn/models.hpp": "part of dfn/joint_set.hpp",
+    "cleave/dbem/touch.hpp": "part of dbem/world.hpp",
+    "cleave/report/json.hpp": "part of report/json_fields.hpp",
+    "cleave/scene/field_stress.hpp": "part of scene/run_result.hpp",
+    "cleave/stability/block_theory.hpp": "part of stability/maximum_blocks.hpp",
+    "cleave/stability/direction.hpp": "part of stability/maximum_blocks.hpp",
+    "cleave/stability/motion.hpp": "the motions that block theory and analyses name",
+    "cleave/stability/rotation.hpp": "part of stability/result.hpp",
+    "cleave/stability/strength.hpp": "part of stability/analyse.hpp",
+    "cleave/stability/transfer_readings.hpp": "part of stability/analyse.hpp",
+    "cleave/stochastic/moments.hpp": "part of stochastic/ensemble.hpp",
+    "cleave/stochastic/value_store.hpp": "part of stochastic/ensemble.hpp",
+    "cleave/survey/estimate.hpp": "part of survey/fit.hpp",
+    "cleave/survey/size.hpp": "part of survey/analyse.hpp",
+    "cleave/survey/fit.hpp": "part of survey/analyse.hpp",
+    "cleave/survey/traces.hpp": "part of survey/analyse.hpp",
+    "cleave/topology/ranges.hpp": "part of topology/block_complex.hpp",
+}
+most_public = 116
+
+
+def headers():
+    """Public headers by name, and the shared ones."""
+    public, shared = {}, {}
+    for module in sorted(path.name for path in (root / "lib").iterdir() if (path / "CMakeLists.txt").exists()):
+        listed = (root / "lib" / module / "CMakeLists.txt").read_text()
+        for kind, into in (("HEADERS", public), ("SHARED", shared)):
+            block = re.search(rf"\b{kind}\s+((?:cleave/\S+\.hpp\s+)+)", listed)
+            into.update({name: module for name in (block.group(1).split() if block else [])})
+        include = root / "lib" / module / "include"
+        for header in include.rglob("*.hpp"):
+            name = str(header.relative_to(include))
+            if name not in public and name not in shared:
+                wrong.append(f"lib/{module}: {name} is neither in HEADERS nor in SHARED")
+    return public, shared
+
+
+def users():
+    public, shared = headers()
+    place = lambda name: root / "lib" / name.split("/")[1] / "include" / name
+    used = {name: set() for name in [*public, *shared]}
+    for top in ("lib", "examples"):
+        for source in (root / top).rglob("*.[ch]pp"):
+            who = source.relative_to(root).parts[1] if top == "lib" else top
+            for name in re.findall(r'^#include "(cleave/[^"]+)"', source.read_text(), re.M):
+                used.get(name, set()).add(who)
+    for name, module in {**public, **shared}.items():
+        inside = re.findall(r'^#include "(cleave/[^"]+)"', place(name).read_text(), re.M)
+        if name in public:
+            wrong.extend(f"{name}: is public and includes {other}, which is not" for other in inside if other in shared)
+        outside = used[name] - {module}
+        if not outside and name not in own_use:
+            wrong.append(f"{name}: nothing outside lib/{module} includes it: move it to lib/{module}/src")
+        if outside and name in own_use:
+            wrong.append(f"{name}: has users outside its module and needs no exception in own_use")
+    wrong.extend(f"own_use names {name}, which is no header" for name in own_use if name not in used)
+    if len(public) > most_public:
+        wrong.append(f"{len(public)} public headers, {most_public} at the most: merge one or keep it in src")
+
+
+# Bare doubles with a unit that stand in public headers, at the most; a count may only fall. Why they are there:
+bare = {
+    "assembly": 6,  # rows of a linear problem: lengths and forces of one system
+    "bem": 25,  # values of kernels and of meshes, scaled to the problem inside; materials and conditions have types
+    "core": 6,  # seconds and megabytes of what a run costs
+    "dbem": 22,  # the same of contact: one system of units in a world
+    "dfn": 2,  # shape of polygons of the MIT model
+    "geometry": 7,  # sines of degrees; grids of heights
+    "io": 7,  # what stands in a file, in the file's numbers
+    "report": 1,  # a field of cells
+    "scene": 62,  # figures of results, which are written with their unit in the name
+    "stability": 39,  # support plans and their figures
+    "stochastic": 15,  # records, which are written with their unit in the name
+    "survey": 2,
+    "topology": 5,  # figures of a cut, with the unit in the name
+}
+unit = r"(?:(?:m[234]?|mm|k?N|[kMG]?Pa|kg|s|Hz|J|rad|1)(?:/(?:m|s)[234]?)?|kg/m3|m/m2|rad/s|N m|per m|degrees|radians)"
+
+
+def units():
+    found = {}
+    for header in sorted((root / "lib").glob("*/include/cleave/*/*.hpp")):
+        for line in header.read_text().splitlines():
+            code, _, comment = line.partition("//")
+            if not re.search(r"\bdouble\b", code):
+                continue
+            said = re.match(rf"/?<?\s*(?:the\s+)?{unit}(?:[\s,;:.)]|$)", comment)
+            named = re.search(r"\bdouble\s+\w+_(m|m2|m3|n|pa|s|deg|degrees|mb|radians)\b", code)
+            if said or named:
+                found.setdefault(header.relative_to(root).parts[1], []).append(f"{header.name}: {line.strip()}")
+    for module in sorted({*found, *bare}):
+        lines = found.get(module, [])
+        if len(lines) > bare.get(module, 0):
+            wrong.append(f"lib/{module}: {len(lines)} bare doubles with a unit, {bare.get(module, 0)} at the most; give the "
+                         "new one a type of cleave/core/quantity.hpp:\n  " + "\n  ".join(lines))
+
+
 arrows()
 decisions()
 links()
 lines()
 version()
+users()
+units()
 print("\n".join(wrong))
 sys.exit(1 if wrong else 0)

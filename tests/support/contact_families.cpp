@@ -35,7 +35,7 @@ Ring rectangle(double x, double y, double width, double height) {
 }
 
 Ring turned(Ring ring, double angle) {
-  for (Vec2& c : ring) c = bem::rotated(c, angle);
+  for (Vec2& c : ring) c = rotated(c, angle);
   return ring;
 }
 
@@ -107,7 +107,7 @@ void fill_head_on(Draws& draw, ContactScene& s) {
   for (std::size_t k = 0; k < n; ++k) {
     const double v = k == 0 ? speed : k + 1 == n ? -speed : 0;
     add(s, turned(rectangle(static_cast<double>(k) * (length + gap), k + 1 == n ? off : 0, length, h), angle), false,
-        {}, bem::rotated({v, 0}, angle));
+        {}, rotated({v, 0}, angle));
   }
   s.options.gravity = {};
   s.laws.otherwise.restitution = draw.of({0, 0, 0.5, 1});
@@ -118,13 +118,13 @@ void fill_toe(Draws& draw, ContactScene& s) {
   const double toe = draw.within(15, 89) * std::numbers::pi / 180, height = draw.of({0.5, 1});
   const double gap = draw.of({1e-3, 0.05, 0.2}), size = draw.of({0.5, 1, 2}), tilt = draw.of({0, 0, 0.2, -0.4, 1});
   const bool weight = !draw.one_in(4), held = draw.one_in(2);
-  const Vec2 v = bem::rotated({draw.of({0.5, 2}), 0}, tilt);
+  const Vec2 v = rotated({draw.of({0.5, 2}), 0}, tilt);
   add(s, turned(rectangle(-12, -1, 24, 1), tilt), true);
   const double run = height / std::tan(toe);
   add(s, turned({{-run - 1, 0}, {0, 0}, {-run, height}, {-run - 1, height}}, tilt), false, {}, v);
   const double lean = draw.of({0, 0, 0.2, 0.1});
   add(s, turned({{gap, 0}, {gap + size, 0}, {gap + size + lean, size}, {gap + lean, size}}, tilt), held);
-  s.options.gravity = weight ? bem::rotated({0, -9.81}, tilt) : Vec2{};
+  s.options.gravity = weight ? rotated({0, -9.81}, tilt) : Vec2{};
   s.until = 0.8;
 }
 

@@ -8,10 +8,10 @@
 #include "cleave/core/rng.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/survey/fit.hpp"
-#include "cleave/survey/line.hpp"
 #include "cleave/survey/orientation.hpp"
 #include "cleave/survey/size.hpp"
 #include "cleave/survey/traces.hpp"
+#include "line.hpp"
 
 // Worked examples of the literature and figures derived by hand; statistics at 4.5 standard errors.
 

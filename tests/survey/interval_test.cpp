@@ -9,10 +9,10 @@
 
 #include "cleave/core/rng.hpp"
 #include "cleave/survey/fit.hpp"
-#include "cleave/survey/line.hpp"
 #include "cleave/survey/orientation.hpp"
 #include "cleave/survey/size.hpp"
 #include "cleave/survey/traces.hpp"
+#include "line.hpp"
 
 // Coverage of the intervals that are not of round_trip_test: 95 % ones over 1,000 samples of known laws hold the truth
 // in 930 to 970 (2.9 standard errors to either side: a right interval fails one such bound once in 260, and the seeds

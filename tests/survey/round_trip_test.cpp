@@ -10,10 +10,10 @@
 #include "cleave/core/rng.hpp"
 #include "cleave/dfn/sample.hpp"
 #include "cleave/survey/fit.hpp"
-#include "cleave/survey/line.hpp"
 #include "cleave/survey/orientation.hpp"
 #include "cleave/survey/size.hpp"
 #include "cleave/survey/traces.hpp"
+#include "line.hpp"
 
 // Networks of known laws, mapped on synthetic outcrops: over 1,000 outcrops the stated 95 % intervals hold the truth in
 // 93 to 97 % (the standard error of a coverage of 95 % over 1,000 outcrops is 0.7 %). Seeds are fixed.

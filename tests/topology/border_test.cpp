@@ -203,6 +203,35 @@ TEST(SharedSides, LongSidesAlongShortOnes) {
   }
 }
 
+TEST(SharedSides, SidesOfSeveralAlongShortOnes) {
+  // Two boxes with a wall between them; the floor of the second is of tiles, whose corners hang on sides that the wall
+  // and the first floor have in common.
+  const auto u = uniform(14);
+  for (int k = 0; k < 30; ++k) {
+    Placement at = turned(u);
+    at.scale = std::pow(10, 6 * u() - 2);
+    const int n = 2 + k % 3;
+    ClosedSet set{"two boxes", {}, 2, true};
+    const auto p = [](double x, double y, double z) { return 0.5 * geometry::Vec3{x, y, z}; };
+    for (const double x : {0.0, 1.0, 2.0}) set.polygons.push_back({p(x, 0, 0), p(x, 1, 0), p(x, 1, 1), p(x, 0, 1)});
+    for (const double x : {0.0, 1.0}) {
+      for (const double y : {0.0, 1.0}) {
+        set.polygons.push_back({p(x, y, 0), p(x + 1, y, 0), p(x + 1, y, 1), p(x, y, 1)});
+      }
+      set.polygons.push_back({p(x, 0, 1), p(x + 1, 0, 1), p(x + 1, 1, 1), p(x, 1, 1)});
+    }
+    set.polygons.push_back({p(0, 0, 0), p(1, 0, 0), p(1, 1, 0), p(0, 1, 0)});
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) {
+        const double x = 1 + static_cast<double>(i) / n, y = static_cast<double>(j) / n;
+        const double to_x = 1 + static_cast<double>(i + 1) / n, to_y = static_cast<double>(j + 1) / n;
+        set.polygons.push_back({p(x, y, 0), p(to_x, y, 0), p(to_x, to_y, 0), p(x, to_y, 0)});
+      }
+    }
+    expect_parts(set, at);
+  }
+}
+
 /// What is noted of joints that nearly reach one another.
 topology::NearMisses near_misses(const topology::CutInput& input) {
   return certified(input).complex().report().near_misses;
@@ -250,6 +279,20 @@ TEST(NearMisses, ClosedSurfacesHaveNone) {
     const ClosedSet set = support::any_closed_set(u);
     EXPECT_EQ(near_misses(in_a_box(set, turned(u))).sides, 0U) << set.name;
   }
+  // A bar with one edge taken off by 1e-7: the sides that it parts do not meet, and yet nothing is open.
+  const double d = 1e-7;
+  const std::vector<std::array<double, 2>> outline{{0, 0}, {0.5, 0}, {0.5, 0.5 - d}, {0.5 - d, 0.5}, {0, 0.5}};
+  ClosedSet bar{"bar", {{}, {}}, 1, true};
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const auto [x, y] = outline[k];
+    const auto [to_x, to_y] = outline[(k + 1) % outline.size()];
+    bar.polygons.push_back({{x, y, 0}, {to_x, to_y, 0}, {to_x, to_y, 0.5}, {x, y, 0.5}});
+    bar.polygons[0].push_back({x, y, 0});
+    bar.polygons[1].push_back({x, y, 0.5});
+  }
+  const auto input = in_a_box(bar, turned(u));
+  EXPECT_EQ(count_blocks(input), 2U);
+  EXPECT_EQ(near_misses(input).sides, 0U);
 }
 
 /// Four triangles about a point.

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "cleave/bem/block.hpp"
-#include "cleave/bem/kelvin.hpp"
 #include "domain_rule.hpp"
+#include "kelvin.hpp"
 
 namespace cleave::bem {
 

@@ -1,4 +1,4 @@
-#include "cleave/bem/drbem.hpp"
+#include "drbem.hpp"
 
 #include <fmt/format.h>
 

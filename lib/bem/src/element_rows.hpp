@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "cleave/bem/kelvin.hpp"
 #include "cleave/bem/mesh.hpp"
 #include "half_plane.hpp"
+#include "kelvin.hpp"
 
 namespace cleave::bem {
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cleave/bem/kelvin.hpp"
 #include "cleave/bem/statics.hpp"
 #include "field_values.hpp"
+#include "kelvin.hpp"
 
 namespace cleave::bem {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cleave/bem/kelvin.hpp"
+#include "kelvin.hpp"
 
 namespace cleave::bem {
 

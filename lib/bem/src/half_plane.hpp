@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cleave/bem/kelvin.hpp"
+#include "kelvin.hpp"
 
 /// What a free surface adds to Kelvin's solution (Melan 1932), by reflection of the complex potentials
 /// (Muskhelishvili 1953, chapter 16): smooth as long as the source lies below the surface.

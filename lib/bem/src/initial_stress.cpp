@@ -1,4 +1,4 @@
-#include "cleave/bem/initial_stress.hpp"
+#include "initial_stress.hpp"
 
 #include <algorithm>
 #include <cmath>

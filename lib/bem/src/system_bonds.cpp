@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "cleave/core/disjoint_sets.hpp"
 
 #include "system_parts.hpp"
 
@@ -34,12 +35,7 @@ std::optional<SolveError> SystemBuilder::bond() {
     first[r] = total;
     total += system_.regions[r].mesh.nodes.size();
   }
-  std::vector<std::size_t> parent(total);
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto find = [&](std::size_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets<> nodes{total};
   struct Glued {
     std::size_t region, element;
   };
@@ -65,7 +61,7 @@ std::optional<SolveError> SystemBuilder::bond() {
         partner_[b.region][b.element] = {u32(a.region), u32(a.element)};
         const std::size_t per = system_.regions[a.region].mesh.per_element();
         for (std::size_t k = 0; k < per; ++k) {
-          parent[find(first[a.region] + ea.node[k])] = find(first[b.region] + eb.node[per - 1 - k]);
+          nodes.join(first[a.region] + ea.node[k], first[b.region] + eb.node[per - 1 - k]);
         }
         break;
       }
@@ -76,7 +72,7 @@ std::optional<SolveError> SystemBuilder::bond() {
   std::uint32_t next = 0;
   for (std::size_t r = 0; r < system_.regions.size(); ++r) {
     for (std::size_t n = 0; n < system_.regions[r].mesh.nodes.size(); ++n) {
-      std::uint32_t& id = number[find(first[r] + n)];
+      std::uint32_t& id = number[nodes.find(first[r] + n)];
       if (id == UINT32_MAX) id = next++;
       system_.regions[r].global[n] = id;
     }
@@ -90,22 +86,17 @@ std::optional<SolveError> SystemBuilder::bond() {
 std::optional<SolveError> SystemBuilder::check_supports() {
   if (problem_.extent != Extent::bounded) return std::nullopt;
   // Bonded regions hold each other; regions that hang together are one body.
-  std::vector<std::size_t> body(system_.regions.size());
-  std::iota(body.begin(), body.end(), std::size_t{0});
-  const auto find = [&](std::size_t i) {
-    while (body[i] != i) i = body[i];
-    return i;
-  };
+  DisjointSets<> bodies{system_.regions.size()};
   for (std::size_t r = 0; r < partner_.size(); ++r) {
     for (const auto& p : partner_[r]) {
-      if (p) body[find(r)] = find(p->first);
+      if (p) bodies.join(r, p->first);
     }
   }
   for (std::size_t root = 0; root < system_.regions.size(); ++root) {
-    if (find(root) != root) continue;
+    if (bodies.find(root) != root) continue;
     std::vector<std::array<double, 3>> rows;
     for (const SideGroup& g : groups_) {
-      if (find(g.region) != root || g.condition->bonded) continue;
+      if (bodies.find(g.region) != root || g.condition->bonded) continue;
       const auto axes = g.axes();
       const Vec2 x = 4 * system_.regions[g.region].mesh.nodes[g.node].x;  // about 1 at the body's ends
       for (std::size_t k = 0; k < 2; ++k) {

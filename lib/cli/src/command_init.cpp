@@ -9,7 +9,8 @@ ExitCode init_scene(const std::string& kind) {
     return ExitCode::done;
   }
   complain("cleave init: \"" + kind +
-           "\" is not known; choose one of: tunnel, slope, wedge, network, monte-carlo, bodies, contact");
+           "\" is not known; choose one of: tunnel, slope, wedge, network, monte-carlo, bodies, contact, support, "
+           "survey, bench, csv, water");
   return ExitCode::wrong_input;
 }
 

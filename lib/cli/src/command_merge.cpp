@@ -104,7 +104,7 @@ ExitCode merge_results(const std::vector<std::string>& folders, const std::strin
   if (!missing.empty()) {
     return wrong(out, fmt::format("shards {} of {} are missing; run them and merge again", list_of(missing), of));
   }
-  auto scene = load_copied_scene(folders.front());
+  auto scene = timer.run("read", [&] { return load_copied_scene(folders.front()); });
   if (!scene) return report_problems(scene.error());
   scene->seed = first.seed;
   if (!scene->monte_carlo || scene_and_files_sha256(*scene) != first.scene_sha256) {

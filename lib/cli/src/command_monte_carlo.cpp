@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 
 #include "cleave/core/cost.hpp"
@@ -84,12 +85,19 @@ std::string running_text(const stochastic::Ensemble& ensemble, const std::string
 }  // namespace
 
 ExitCode publish_monte_carlo(const scene::Scene& scene, scene::MonteCarloResult result, MonteCarloFolder& folder,
-                             std::vector<MonteCarloFolder::File> copies, const StageTimer& timer, unsigned threads,
+                             std::vector<MonteCarloFolder::File> copies, StageTimer& timer, unsigned threads,
                              bool quiet, InterruptWatch* interrupts) {
-  const auto page = report::monte_carlo_page(scene, scene::cost_of(timer, threads), std::move(result));
-  std::vector<MonteCarloFolder::File> files = std::move(copies);
-  if (scene.output.report) files.push_back({"report.html", report::monte_carlo_html(page)});
-  files.push_back({"log.txt", log_text(page)});
+  auto page = report::monte_carlo_page(scene, scene::cost_of(timer, threads), std::move(result));
+  std::vector<MonteCarloFolder::File> files;
+  const auto step = [&](scene::Stage stage, const auto& make) {
+    if (!page.plan.runs(stage)) return;
+    timer.run(name_of(stage), [&] { files.push_back(make()); });
+    page.cost = scene::cost_of(timer, threads);
+  };
+  step(scene::Stage::write, [&]() -> MonteCarloFolder::File { return {"log.txt", log_text(page)}; });
+  step(scene::Stage::report,
+       [&]() -> MonteCarloFolder::File { return {"report.html", report::monte_carlo_html(page)}; });
+  std::ranges::move(copies, std::back_inserter(files));
   files.push_back({"summary.json", report::monte_carlo_json(page)});
   auto published =
       interrupts != nullptr ? interrupts->guarded([&] { return folder.publish(files); }) : folder.publish(files);
@@ -124,10 +132,8 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
     complain(copies.error().message);
     return copies.error().code;
   }
-  const std::string header = header_of(stochastic::RunIdentity{.version = CLEAVE_VERSION,
-                                                               .scene_sha256 = scene_and_files_sha256(scene),
-                                                               .seed = scene.seed,
-                                                               .shard = arguments.shard});
+  const std::string header = header_of(stochastic::RunIdentity{
+      .scene_sha256 = scene_and_files_sha256(scene), .seed = scene.seed, .shard = arguments.shard});
   auto folder = MonteCarloFolder::prepare(arguments.out, header);
   if (!folder) {
     complain(folder.error().message);
@@ -154,10 +160,9 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
   }};
   auto result = timer.run("monte_carlo", [&] {
     if (make != nullptr) {
-      return scene::run_monte_carlo(scene, *make, folder->unfinished(), arguments.shard, CLEAVE_VERSION, watch);
+      return scene::run_monte_carlo(scene, *make, folder->unfinished(), arguments.shard, watch);
     }
-    return scene::run_monte_carlo(scene, arguments.threads, folder->unfinished(), arguments.shard, CLEAVE_VERSION,
-                                  watch);
+    return scene::run_monte_carlo(scene, arguments.threads, folder->unfinished(), arguments.shard, watch);
   });
   progress.end();
   if (!result) {

@@ -19,7 +19,6 @@ namespace cleave::cli {
 /// Writes the result of a run or a merge and says how the program ends.
 [[nodiscard]] ExitCode publish_monte_carlo(const scene::Scene& scene, scene::MonteCarloResult result,
                                            MonteCarloFolder& folder, std::vector<MonteCarloFolder::File> copies,
-                                           const StageTimer& timer, unsigned threads, bool quiet,
-                                           InterruptWatch* interrupts);
+                                           StageTimer& timer, unsigned threads, bool quiet, InterruptWatch* interrupts);
 
 }  // namespace cleave::cli

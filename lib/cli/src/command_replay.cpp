@@ -9,6 +9,7 @@
 #include "cleave/scene/run.hpp"
 #include "command_monte_carlo.hpp"
 #include "problems.hpp"
+#include "publish.hpp"
 #include "write_result.hpp"
 
 namespace cleave::cli {
@@ -46,34 +47,23 @@ ExitCode replay_realization(const ReplayArguments& arguments) {
   scene->title += fmt::format(" (realization {})", arguments.realization);
   const std::string out =
       arguments.out.value_or((result / fmt::format("realization_{}", arguments.realization)).string());
-  auto folder = OutFolder::prepare(out);
-  if (!folder) {
-    complain(folder.error().message);
-    return folder.error().code;
-  }
-  interrupts.on_interrupt([&] { folder->discard(); });
-  const auto questions = questions_of(*scene);
-  auto run = scene::run(*scene, {.threads = arguments.threads, .realization = arguments.realization}, timer, progress);
-  ExitCode end = ExitCode::done;
-  if (!run) {
-    end = report_problems(run.error());
-  } else {
-    const stochastic::Record again = record_of(arguments.realization, *run, questions);
+  return in_out_folder(out, interrupts, [&](OutFolder& folder) {
+    auto run =
+        scene::run(*scene, {.threads = arguments.threads, .realization = arguments.realization}, timer, progress);
+    if (!run) return report_problems(run.error());
+    const stochastic::Record again = record_of(arguments.realization, *run, questions_of(*scene));
     const bool same = line_of(again) == line_of(*stored);
     run->notes.push_back(fmt::format("realization {} of a Monte Carlo run; its record {}", arguments.realization,
                                      same ? "is reproduced to the last digit" : "is NOT reproduced"));
-    end = write_and_publish(*run, *folder, timer, progress, interrupts, {arguments.result, arguments.quiet});
-    if (end == ExitCode::done && !same) {
-      complain(
-          fmt::format("{}:1: realizations.csv: the record of realization {} is not reproduced; was it made by "
-                      "another build of cleave?",
-                      arguments.result, arguments.realization));
-      end = ExitCode::check_failed;
-    }
-  }
-  interrupts.guarded([&] { folder->discard(); });
-  interrupts.on_interrupt({});
-  return end;
+    const ExitCode end =
+        write_and_publish(*run, folder, timer, progress, interrupts, {arguments.result, arguments.quiet});
+    if (end != ExitCode::done || same) return end;
+    complain(
+        fmt::format("{}:1: realizations.csv: the record of realization {} is not reproduced; was it made by "
+                    "another build of cleave?",
+                    arguments.result, arguments.realization));
+    return ExitCode::check_failed;
+  });
 }
 
 }  // namespace cleave::cli

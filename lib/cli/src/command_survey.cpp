@@ -8,7 +8,7 @@
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/report/survey.hpp"
 #include "cleave/report/write.hpp"
-#include "cleave/scene/survey_file.hpp"
+#include "cleave/scene/load.hpp"
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "out_folder.hpp"

@@ -20,7 +20,7 @@
 #include "cleave/io/joint_csv.hpp"
 #include "cleave/io/polyhedra.hpp"
 #include "cleave/io/surfaces.hpp"
-#include "cleave/scene/parse.hpp"
+#include "cleave/scene/load.hpp"
 #include "cleave/scene/run.hpp"
 #include "commands.hpp"
 
@@ -240,7 +240,7 @@ std::vector<Vec3> plane_in_box(const topology::PersistentJoint& plane, Vec3 low,
 /// The joints of one realization; a joint of several polygons is as many faces.
 std::expected<ConvertInput, std::string> network_of_scene(const std::string& in, std::uint64_t realization) {
   const auto first = [](const std::vector<scene::Problem>& problems) { return describe(problems.front()); };
-  const auto scene = scene::load(in);
+  const auto scene = scene::load_blocks(in);
   if (!scene) return std::unexpected(first(scene.error()));
   const auto drawn = scene::draw(*scene, realization);
   if (!drawn) return std::unexpected(first(drawn.error()));

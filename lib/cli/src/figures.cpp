@@ -8,12 +8,15 @@
 namespace cleave::cli {
 namespace {
 
+/// m3, whole where digits after the point say nothing: 64000000, not 6.4e+07.
+std::string volume_text(double m3) { return m3 >= 1e5 ? fmt::format("{:.0f}", m3) : fmt::format("{:.6g}", m3); }
+
 std::string block_lines(const scene::BlockFigures& blocks, const topology::Certificate& certificate) {
   return fmt::format(
-      "blocks       {} ({} concave, {} slivers), volume {:.6g} m3\n"
+      "blocks       {} ({} concave, {} slivers), volume {} m3\n"
       "certificate  passed: volume error {:.1e}, face vectors {:.1e}\n",
-      blocks.count, blocks.concave, blocks.slivers, certificate.volume.si(), certificate.volume_relative_error,
-      certificate.face_vector_max_relative);
+      blocks.count, blocks.concave, blocks.slivers, volume_text(certificate.volume.si()),
+      certificate.volume_relative_error, certificate.face_vector_max_relative);
 }
 
 std::string certificate_line(const topology::Certificate& c) {
@@ -23,8 +26,8 @@ std::string certificate_line(const topology::Certificate& c) {
 }
 
 std::string key_block_lines(const scene::KeyBlockFigures& key) {
-  std::string text =
-      fmt::format("key blocks   {} in {} batches, volume {:.6g} m3\n", key.count, key.batches.size(), key.volume_m3);
+  std::string text = fmt::format("key blocks   {} in {} batches, volume {} m3\n", key.count, key.batches.size(),
+                                 volume_text(key.volume_m3));
   constexpr std::size_t shown = 8;
   for (std::size_t i = 0; i < std::min(shown, key.batches.size()); ++i) {
     const scene::BatchFigures& batch = key.batches[i];

@@ -19,20 +19,20 @@ name = "A"
 model = "baecher"              # centres, orientations and sizes independent of each other
 orientation = { dip = 30, dip_direction = 30, distribution = "uniform", dip_range = 15, dip_direction_range = 15 }
 shape = "rectangle"            # or square, disc, ellipse, polygon(6)
-size = { distribution = "normal", mean = 50, std = 15, min = 1, max = 150 }   # m, both sides drawn from it
-intensity = { count = 10 }     # or p32 = 0.1 (m2 of joint in a m3 of rock), p30, p10, spacing
+size = { distribution = "normal", mean = 15, std = 5, min = 1, max = 40 }   # m, both sides drawn from it
+intensity = { p32 = 0.4 }      # m2 of joint in a m3 of rock; or count = 100, p30, p10, spacing
 
 [[joint_set]]
 name = "B"
 orientation = { dip = 45, dip_direction = 150, distribution = "fisher", kappa = 40 }
-size = { distribution = "exponential", mean = 40, min = 5, max = 120 }
-intensity = { count = 10 }
+size = { distribution = "exponential", mean = 12, min = 5, max = 40 }
+intensity = { p32 = 0.4 }
 
 [[joint_set]]
 name = "C"
 orientation = { dip = 60, dip_direction = 270, distribution = "fisher", kappa = 40 }
-size = { distribution = "exponential", mean = 40, min = 5, max = 120 }
-intensity = { count = 10 }
+size = { distribution = "exponential", mean = 12, min = 5, max = 40 }
+intensity = { p32 = 0.4 }
 
 [joints.default]               # [joints.A] for one set alone
 friction = { distribution = "uniform", min = 20, max = 30 }   # degrees, one value a joint; or just a number
@@ -314,7 +314,7 @@ std::optional<std::string_view> init_text(std::string_view kind) noexcept {
   if (kind == "bodies") return bodies;
   if (kind == "contact") return contact;
   if (kind == "monte-carlo") return monte_carlo;
-  return std::nullopt;
+  return special_init_text(kind);
 }
 
 }  // namespace cleave::cli

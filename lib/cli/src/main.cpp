@@ -182,7 +182,9 @@ ExitCode run_program(int argc, char** argv) {
 
   std::string kind;
   CLI::App* init = app.add_subcommand("init", "prints a commented scene to start from");
-  init->add_option("kind", kind, "tunnel, slope, wedge, network, monte-carlo, bodies or contact")->required();
+  init->add_option("kind", kind,
+                   "tunnel, slope, wedge, network, monte-carlo, bodies, contact, support, survey, bench, csv or water")
+      ->required();
   init->callback([&] { chosen = [&] { return init_scene(kind); }; });
 
   std::string in, out;
@@ -197,24 +199,44 @@ ExitCode run_program(int argc, char** argv) {
   std::uint64_t converted_realization = 0;
   convert->add_option("--realization", converted_realization, "of a scene: which draw of its joints, from 0");
   convert->callback([&] { chosen = [&] { return convert_file(in, out, converted_realization); }; });
-  CLI::App* diff = app.add_subcommand("diff", "what differs between two results: plan, counts, volumes, key blocks");
+  CLI::App* diff =
+      app.add_subcommand("diff", "what changed from one result to another: plan, counts, volumes, key blocks");
   std::string first, second;
   diff->add_option("out1", first, "folder of a finished run")->required();
   diff->add_option("out2", second, "folder of another")->required();
   diff->callback([&] { chosen = [&] { return diff_results(first, second); }; });
 
-  CLI::App* compare = app.add_subcommand(
-      "compare", "two designs by their Monte Carlo results, realization by realization on common random numbers");
   std::string compared;
-  compare->add_option("out1", first, "folder of a finished Monte Carlo run")->required();
-  compare->add_option("out2", second, "folder of another with the same seed")->required();
-  compare->add_option("-o,--out", compared, "file for the figures (JSON)");
-  compare->callback([&] { chosen = [&] { return compare_results(first, second, compared); }; });
+  const auto compare_designs = [&](CLI::App* compare, const std::string& note) {
+    compare->add_option("out1", first, "folder of a finished Monte Carlo run")->required();
+    compare->add_option("out2", second, "folder of another with the same seed")->required();
+    compare->add_option("-o,--out", compared, "file for the figures (JSON)");
+    compare->callback([&, note] {
+      chosen = [&, note] {
+        say(note);
+        return compare_results(first, second, compared);
+      };
+    });
+  };
+  compare_designs(app.add_subcommand("compare-designs",
+                                     "two designs by their Monte Carlo results, realization by realization on common "
+                                     "random numbers"),
+                  "");
+  compare_designs(app.add_subcommand("compare", "old name of compare-designs")->group(""),
+                  "note: cleave compare is now cleave compare-designs; the old name goes with the next version\n");
 
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version
     return static_cast<ExitCode>(app.exit(asked));
+  } catch (const CLI::RequiredError& error) {
+    // A wrong option is why the right one is missing: it is named first.
+    const std::vector<std::string> left = app.remaining(true);
+    const auto option = std::ranges::find_if(left, [](const std::string& word) { return word.starts_with('-'); });
+    complain(std::string{"cleave: "} +
+             (option != left.end() ? "The following argument was not expected: " + *option : error.what()) +
+             "; see cleave --help");
+    return ExitCode::wrong_input;
   } catch (const CLI::ParseError& error) {
     complain(std::string{"cleave: "} + error.what() + "; see cleave --help");
     return ExitCode::wrong_input;

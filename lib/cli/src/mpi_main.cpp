@@ -21,7 +21,7 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
-#include "cleave/scene/parse.hpp"
+#include "cleave/scene/load.hpp"
 #include "cleave/stochastic/dispatch.hpp"
 #include "command_monte_carlo.hpp"
 #include "problems.hpp"
@@ -220,7 +220,7 @@ ExitCode run(const RunArguments& arguments) {
   int rank = 0, ranks = 1;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-  auto scene = scene::load(arguments.scene);
+  auto scene = scene::load_blocks(arguments.scene);
   if (scene && arguments.seed) scene->seed = *arguments.seed;
   // All ranks must have read the same scene.
   std::string mine = scene ? scene_and_files_sha256(*scene) : std::string(64, '-');

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "cleave/report/bodies.hpp"
-#include "plane_run.hpp"
+#include "scene2d_run.hpp"
 
 namespace cleave::cli {
 namespace {
@@ -27,13 +27,14 @@ std::string figures_of(const scene::BodiesResult& result) {
 ExitCode run_bodies(const RunArguments& arguments, const scene::BodiesScene& scene, StageTimer& timer,
                     Progress& progress, InterruptWatch& interrupts) {
   using Result = scene::BodiesResult;
-  return run_plane<Result>(arguments, timer, interrupts,
-                           {.run = [&] { return scene::run(scene, arguments.threads, timer, progress); },
-                            .files = report::write_bodies_files,
-                            .page = report::write_bodies_report,
-                            .summary = report::write_bodies_summary,
-                            .figures = figures_of,
-                            .complaint = [](const Result& result) { return "elastic: " + result.stopped_why; }});
+  return run_scene2d<Result>(arguments, timer, progress, interrupts,
+                             {.run = [&] { return scene::run(scene, arguments.threads, timer, progress); },
+                              .files = {.write = report::write_bodies_files,
+                                        .page = report::write_bodies_report,
+                                        .summary = report::write_bodies_summary,
+                                        .log = {},
+                                        .figures = figures_of},
+                              .complaint = [](const Result& result) { return "elastic: " + result.stopped_why; }});
 }
 
 }  // namespace cleave::cli

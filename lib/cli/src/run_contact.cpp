@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "cleave/report/contact.hpp"
-#include "plane_run.hpp"
+#include "scene2d_run.hpp"
 
 namespace cleave::cli {
 namespace {
@@ -26,17 +26,18 @@ std::string figures_of(const scene::ContactResult& result) {
 ExitCode run_contact(const RunArguments& arguments, const scene::ContactScene& scene, StageTimer& timer,
                      Progress& progress, InterruptWatch& interrupts) {
   using Result = scene::ContactResult;
-  return run_plane<Result>(
-      arguments, timer, interrupts,
+  return run_scene2d<Result>(
+      arguments, timer, progress, interrupts,
       {.run = [&] { return scene::run(scene, arguments.threads, timer, progress); },
-       .files = report::write_contact_files,
-       .page = report::write_contact_report,
-       .summary = report::write_contact_summary,
-       .figures = figures_of,
+       .files = {.write = report::write_contact_files,
+                 .page = report::write_contact_report,
+                 .summary = report::write_contact_summary,
+                 .log = {},
+                 .figures = figures_of},
        .complaint =
            [&](const Result& result) {
              return "contact: " + result.stopped_why + "; the state reached is in the result" +
-                    (scene.settings.solver == scene::ContactSolver::cascade ? "" : "; try solver = \"cascade\"");
+                    (scene.settings.solver == dbem::Method::cascade ? "" : "; try solver = \"cascade\"");
            }});
 }
 

@@ -1,21 +1,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <span>
+
+#include "cleave/core/disjoint_sets.hpp"
 
 #include "world_impl.hpp"
 
 namespace cleave::dbem {
 namespace {
-
-std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t k) {
-  while (parent[k] != k) {
-    parent[k] = parent[parent[k]];
-    k = parent[k];
-  }
-  return k;
-}
 
 /// One value a mode.
 auto modal_row(std::span<const double> all, std::size_t from, std::size_t modes) {
@@ -39,18 +32,15 @@ BoundaryPoint nearest_on(std::span<const Vec2> corners, Vec2 p) {
 }
 
 std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) const {
-  std::vector<std::uint32_t> parent(size());
-  std::iota(parent.begin(), parent.end(), 0U);
+  DisjointSets<std::uint32_t> together{size()};
   for (const Touch& t : list) {
     if (shapes[t.i].fixed || shapes[t.j].fixed) continue;
-    const std::uint32_t a = root(parent, t.i);
-    const std::uint32_t b = root(parent, t.j);
-    parent[std::max(a, b)] = std::min(a, b);
+    together.join(t.i, t.j);
   }
   std::vector<Island> islands;
   std::vector<std::uint32_t> number(size(), static_cast<std::uint32_t>(-1));
   for (std::size_t k = 0; k < list.size(); ++k) {
-    const std::uint32_t at = root(parent, shapes[list[k].i].fixed ? list[k].j : list[k].i);
+    const std::uint32_t at = together.find(shapes[list[k].i].fixed ? list[k].j : list[k].i);
     if (number[at] == static_cast<std::uint32_t>(-1)) {
       number[at] = static_cast<std::uint32_t>(islands.size());
       islands.emplace_back();
@@ -59,7 +49,7 @@ std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) cons
   }
   for (std::uint32_t b = 0; b < size(); ++b) {
     if (shapes[b].fixed) continue;
-    const std::uint32_t in = number[root(parent, b)];
+    const std::uint32_t in = number[together.find(b)];
     if (in != static_cast<std::uint32_t>(-1)) islands[in].bodies.push_back(b);
   }
   return islands;
@@ -71,7 +61,7 @@ Rows World::Impl::rows_of(const std::vector<Touch>& list, const Island& island, 
   for (const std::uint32_t which : island.touches) {
     const Touch& touch = list[which];
     const Vec2 n = touch.normal;
-    const Vec2 t = bem::turned_left(n);
+    const Vec2 t = turned_left(n);
     for (const bool edge_side : {false, true}) {
       const std::uint32_t body = edge_side ? touch.j : touch.i;
       const double sign = edge_side ? -1.0 : 1.0;
@@ -262,10 +252,10 @@ const JointLaw& World::Impl::law_of(const Touch& t) const {
     const std::vector<Vec2>& c = shapes[t.i].corners;
     const std::size_t n = c.size();
     const std::size_t before = t.vertex == 0 ? n - 1 : t.vertex - 1;
-    const Vec2 facing = bem::rotated(-t.normal, -state.angle[t.i]);
+    const Vec2 facing = rotated(-t.normal, -state.angle[t.i]);
     const auto along = [&](std::size_t edge) {
       const Vec2 d = c[edge + 1 == n ? 0 : edge + 1] - c[edge];
-      return dot(bem::turned_right(d), facing) / norm(d);
+      return dot(turned_right(d), facing) / norm(d);
     };
     of_i = bodies[t.i].properties[along(t.vertex) >= along(before) ? t.vertex : before];
   }
@@ -288,6 +278,8 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   viscous.resize(m);
   const std::vector<Vec2> forces = recall(list, island);
   double softest = 0;
+  double thick = 0;  // largest feature of the group
+  for (const std::uint32_t body : island.bodies) thick = std::max(thick, shapes[body].feature);
   for (const std::size_t at : problem.w.diagonal) softest = std::max(softest, problem.w.values[at].xx);
   for (std::size_t k = 0; k < m; ++k) {
     const Touch& touch = list[island.touches[k]];
@@ -320,8 +312,9 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
       const double away = -island.rebound * law.restitution * old.x + std::min(0.0, b.x - old.x);
       b.x -= std::max(away, 0.0);
     } else {
-      // Gaps of rounding size count as closed: a pile at rest sees the same problem every step.
-      b.x += std::max(touch.gap - contact_depth * feature, 0.0) / step;
+      // Gaps of rounding size count as closed: a pile at rest sees the same problem every step. Between small bodies
+      // they are as large as those of the large ones that hold them.
+      b.x += std::max(touch.gap - std::min(thick, 100 * feature) * contact_depth, 0.0) / step;
     }
     const bool broke = bond == nullptr && law.residual_friction >= 0;
     problem.mu[k] = broke ? law.residual_friction : law.friction;
@@ -337,6 +330,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
       problem.start[k] = {};
     }
   }
+  problem.yielding = viscous;
   return problem;
 }
 
@@ -353,14 +347,14 @@ Vec2 World::Impl::force_on(const State& at, std::size_t body, double step, doubl
     const PointForce& load = bodies[body].forces[q];
     const double factor = load.mean && step > 0 ? load.mean(time, time + step) : load.factor(when);
     const double angle = at.angle[body] + 0.5 * step * at.spin[body];
-    const Vec2 f = factor * (load.follows ? bem::rotated(load.force, angle) : load.force);
+    const Vec2 f = factor * (load.follows ? rotated(load.force, angle) : load.force);
     const Vec2 local = load.at - shape.local_centroid;
     force += f;
-    torque += cross(bem::rotated(local, angle), f);
+    torque += cross(rotated(local, angle), f);
     if (modal == nullptr || shape.modes == 0) continue;
     const auto [edge, share] = shape.load_places[q];
     const std::size_t to = edge + 1 == shape.corners.size() ? 0 : edge + 1;
-    const Vec2 g = bem::rotated(f, -angle);
+    const Vec2 g = rotated(f, -angle);
     const std::vector<double>& table = bodies[body].modes->shapes;
     for (std::size_t m = 0; m < shape.modes; ++m) {
       const auto at_corner = [&](std::size_t c) {

@@ -60,7 +60,7 @@ Drift World::Impl::drift(const State& at, const TouchKey& pair, double step) con
     const Shape& shape = shapes[b];
     const Vec2 fall{shape.inverse_x > 0 ? step * options.gravity.x : 0,
                     shape.inverse_y > 0 ? step * options.gravity.y : 0};
-    return at.v[b] + fall - at.spin[b] * bem::turned_left(at.x[b]);
+    return at.v[b] + fall - at.spin[b] * turned_left(at.x[b]);
   };
   const Vec2 vi = speed(pair.i), vj = speed(pair.j);
   return {step * (vi - vj), step * (at.spin[pair.i] - at.spin[pair.j])};

@@ -31,8 +31,12 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> links_of_contacts(const Blo
   return out;
 }
 
-MapEvaluator::MapEvaluator(const ContactProblem& problem, double soft, std::span<const Vec2> centre)
-    : problem_{&problem}, soft_{soft}, centre_{centre} {
+MapEvaluator::MapEvaluator(const ContactProblem& problem, double soft, std::span<const Vec2> centre,
+                           Regularised regularised)
+    : problem_{&problem},
+      soft_{soft},
+      centre_{centre},
+      about_itself_{regularised == Regularised::about_itself && !problem.yielding.empty()} {
   r_.resize(problem.contacts());
   for (std::size_t k = 0; k < r_.size(); ++k) {
     const bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
@@ -56,6 +60,10 @@ void MapEvaluator::evaluate(const std::vector<Vec2>& p, NaturalMap& map) const {
       const bem::Mat2& d = problem_->w.values[problem_->w.diagonal[k]];
       const Vec2 off = centre_.empty() ? p[k] : p[k] - centre_[k];
       map.y[k] += soft_ * Vec2{d.xx * off.x, d.yy * off.y};
+    }
+    if (about_itself_) {
+      const Vec2 off = p[k] - problem_->start[k];
+      map.y[k] += -Vec2{problem_->yielding[k].x * off.x, problem_->yielding[k].y * off.y};
     }
     const double tension = problem_->tension[k];
     const double a_n = p[k].x - r_[k].x * map.y[k].x;
@@ -82,6 +90,19 @@ double MapEvaluator::residual(const NaturalMap& map, const std::vector<Vec2>& p)
   }
   const double speed = std::max(speed_, rounding * product);
   return std::max(map.largest / std::max(most, 1e-300), map.fastest / std::max(speed, 1e-300));
+}
+
+Judged judge(const ContactProblem& problem, const std::vector<Vec2>& impulse) {
+  Judged given{0, {}};
+  const MapEvaluator as_given{problem};
+  as_given.evaluate(impulse, given.map);
+  given.residual = as_given.residual(given.map, impulse);
+  if (problem.yielding.empty()) return given;
+  Judged own{0, {}};
+  const MapEvaluator about_itself{problem, 0, {}, Regularised::about_itself};
+  about_itself.evaluate(impulse, own.map);
+  own.residual = about_itself.residual(own.map, impulse);
+  return own.residual < given.residual ? own : given;
 }
 
 double natural_residual(const ContactProblem& problem, const std::vector<Vec2>& impulse) {

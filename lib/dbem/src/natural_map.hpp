@@ -22,9 +22,13 @@ struct NaturalMap {
   double squared = 0;
 };
 
+/// With what regularises a problem, or as if it were centred on the impulses that are asked about.
+enum class Regularised : std::uint8_t { as_given, about_itself };
+
 class MapEvaluator final {
  public:
-  explicit MapEvaluator(const ContactProblem& problem, double soft = 0, std::span<const Vec2> centre = {});
+  explicit MapEvaluator(const ContactProblem& problem, double soft = 0, std::span<const Vec2> centre = {},
+                        Regularised regularised = Regularised::as_given);
   void evaluate(const std::vector<Vec2>& p, NaturalMap& map) const;
   /// |f| over max(|p|, max |b / diag W|), or |f / r| over max |b| where that is more: beside a body 10^6 times heavier
   /// an error of its forces' size would be a fall of the light ones.
@@ -38,9 +42,17 @@ class MapEvaluator final {
   const ContactProblem* problem_;
   double soft_;
   std::span<const Vec2> centre_;  // empty: zero
+  bool about_itself_;
   double load_ = 0, speed_ = 0;
   std::vector<Vec2> r_;
 };
+
+/// What a problem says of impulses: the better of its residuals with its regularisation and about themselves.
+struct Judged {
+  double residual;
+  NaturalMap map;
+};
+[[nodiscard]] Judged judge(const ContactProblem& problem, const std::vector<Vec2>& impulse);
 
 /// What each contact does in a linear solve: normal row or value, tangential row or t = q n + value.
 struct Pattern {

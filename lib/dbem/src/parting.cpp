@@ -160,7 +160,7 @@ bool World::Impl::project(Attempt& out) const {
       }
       const double spin = -turned / inertia;
       for (const std::uint32_t b : island.bodies) {
-        out.state.v[b] += spin * bem::turned_left(out.state.x[b] - centre);
+        out.state.v[b] += spin * turned_left(out.state.x[b] - centre);
         out.state.spin[b] += spin;
       }
     }

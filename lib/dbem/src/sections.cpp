@@ -17,7 +17,7 @@ struct Along {
 /// Contacts of the joint that contact `k` lies on, in order along it: same two bodies, same line.
 std::vector<Along> joint_of(const World::Impl& w, std::size_t k) {
   const Touch& t = w.touches[k];
-  const Vec2 along = bem::turned_left(t.normal);
+  const Vec2 along = turned_left(t.normal);
   const double feature = std::min(w.shapes[t.i].feature, w.shapes[t.j].feature);
   std::vector<Along> out;
   for (std::size_t q = 0; q < w.touches.size(); ++q) {

@@ -12,7 +12,7 @@ namespace cleave::dbem {
 namespace {
 
 /// Contacts of a group that may be tried for as long as it takes; linear solves a larger one is tried for.
-constexpr std::size_t patient_up_to = 300, patience_of_large = 100;
+constexpr std::size_t patient_up_to = 300, patience_of_large = 300;
 
 /// Share of the velocities of a group that rounding and the regularisation together may hide.
 constexpr double hidden = 1e-3;
@@ -391,6 +391,9 @@ void World::Impl::accept(Attempt&& done) {
 
 std::expected<StepReport, StepError> World::step(double at_most) {
   Impl& w = *impl_;
+  if (!(at_most > 0)) {
+    return std::unexpected(StepFailed{w.time, at_most, 0, fmt::format("a step of {} s was asked for", at_most)});
+  }
   while (w.wake(w.touches, std::numeric_limits<double>::infinity())) {
     w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
     w.seen_step = w.next_step;

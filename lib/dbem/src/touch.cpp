@@ -6,8 +6,6 @@
 
 namespace cleave::dbem {
 namespace {
-
-using bem::turned_right;
 using std::numbers::pi;
 
 /// Angle from a to b, anticlockwise, in [0, 2 pi).

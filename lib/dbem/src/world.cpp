@@ -21,6 +21,7 @@ std::string describe(const WorldError& error) {
                                e.body);
           },
           [](const BadModes& e) { return fmt::format("body '{}': elastic shapes: {}", e.body, e.reason); },
+          [](const BadForce& e) { return fmt::format("body '{}': force: {}", e.body, e.reason); },
           [](const BadLaw& e) { return fmt::format("joint law: {}", e.reason); },
           [](const BadOption& e) { return fmt::format("contact option: {}", e.reason); },
           [](const BodiesOverlap& e) {
@@ -129,6 +130,7 @@ std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
     return BadOutline{body.name, fmt::format("{} joint properties for {} edges", body.properties.size(), n)};
   }
   for (const PointForce& force : body.forces) {
+    if (!good(force.at) || !good(force.force)) return BadForce{body.name, "place and force must be finite"};
     const BoundaryPoint at = nearest_on(shape.corners, force.at - shape.local_centroid);
     shape.load_places.push_back({at.edge, at.share});
   }
@@ -284,7 +286,7 @@ Vec2 World::position(std::size_t body, Vec2 local) const {
           e * Vec2{(1 - share) * row(edge, 0) + share * row(to, 0), (1 - share) * row(edge, 1) + share * row(to, 1)};
     }
   }
-  return w.anchor + w.state.x[body] + bem::rotated(p + more, w.state.angle[body]);
+  return w.anchor + w.state.x[body] + rotated(p + more, w.state.angle[body]);
 }
 
 Vec2 World::momentum() const {
@@ -346,6 +348,7 @@ std::vector<ContactProblem> World::problems(double step) const {
     std::vector<Vec2> viscous;
     problems.push_back(w.problem_of(list, islands[k], rows[k], w.state, free, step, viscous));
     problems.back().start.clear();
+    problems.back().yielding.clear();
   }
   return problems;
 }

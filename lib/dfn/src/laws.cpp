@@ -20,10 +20,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double longest = 1e9;        // m: nothing on earth is larger, and squares stay finite
 constexpr double least_share = 1e-12;  // of a law between its limits
 
-double normal_below(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 /// Probability between a and b > a, from the tail where both are small.
 double normal_between(double a, double b) {
-  return a > 0 ? normal_below(-a) - normal_below(-b) : normal_below(b) - normal_below(a);
+  return a > 0 ? special::normal_cdf(-a) - special::normal_cdf(-b) : special::normal_cdf(b) - special::normal_cdf(a);
 }
 double normal_density(double z) {
   return std::isinf(z) ? 0 : std::exp(-0.5 * z * z) * (0.5 * std::numbers::inv_sqrtpi * std::numbers::sqrt2);
@@ -75,8 +74,8 @@ std::expected<SizeLaw, SizeError> SizeLaw::make(const SizeSpec& spec) {
   if (law.min_ == law.max_) return constant(metres(law.min_));
 
   const auto truncate_normal = [&](double a, double b) {
-    law.below_ = normal_below(a);
-    law.above_ = normal_below(-b);
+    law.below_ = special::normal_cdf(a);
+    law.above_ = special::normal_cdf(-b);
     law.mass_ = normal_between(a, b);
   };
   switch (spec.distribution) {

@@ -76,7 +76,7 @@ class PlaneModel final {
     Cell outline = section(grid, box_);
     if (outline.corners.size() < 3) return;
     double radius = 0;
-    for (const Point2 p : outline.corners) radius = std::max(radius, std::hypot(p.x, p.y));
+    for (const Vec2 p : outline.corners) radius = std::max(radius, std::hypot(p.x, p.y));
     Rng marks = streams_.of(Draw::termination, plane.index);
     Rng lines_stream = streams_.of(Draw::size, plane.index);
     std::visit(

@@ -91,7 +91,7 @@ std::vector<SampledJoint> orthogonal(const JointSet& set, const DomainBox& domai
     const Cell outline = section(grid, box);
     if (outline.corners.size() < 3) continue;
     double low_x = INFINITY, high_x = -INFINITY, low_y = INFINITY, high_y = -INFINITY;
-    for (const Point2 p : outline.corners) {
+    for (const Vec2 p : outline.corners) {
       low_x = std::min(low_x, p.x);
       high_x = std::max(high_x, p.x);
       low_y = std::min(low_y, p.y);

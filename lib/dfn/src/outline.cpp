@@ -29,7 +29,7 @@ std::vector<Vec3> corners_of(const JointOutline& outline, Vec3 centre, std::span
   std::vector<Vec3> corners;
   corners.reserve(unit.size());
   for (const FlatPoint& p : unit) {
-    corners.push_back(centre + outline.first * p.along * outline.along + outline.second * p.across * outline.across);
+    corners.push_back(centre + outline.first * p.x * outline.along + outline.second * p.y * outline.across);
   }
   return corners;
 }

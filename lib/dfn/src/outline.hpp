@@ -4,14 +4,13 @@
 #include <span>
 #include <vector>
 
+#include "cleave/core/vec2.hpp"
 #include "cleave/dfn/sample.hpp"
 
 namespace cleave::dfn::detail {
 
-/// A corner in the joint's own axes (m): along the first side or axis, and across.
-struct FlatPoint {
-  double along, across;
-};
+/// A corner in the joint's own axes (m): x along the first side or axis, y across.
+using FlatPoint = Vec2;
 /// Corners of the outline with both half axes 1, counter-clockwise about the normal.
 [[nodiscard]] std::vector<FlatPoint> unit_corners(std::uint32_t sides);
 /// `unit`: those of outline.sides.

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double overshoot = 3;  // grid steps
 
-double side(const Line2& line, Point2 p) { return line.cos * p.x + line.sin * p.y - line.offset; }
+double side(const Line2& line, Vec2 p) { return line.cos * p.x + line.sin * p.y - line.offset; }
 
 /// The part of a convex cell on the negative (or positive) side of a line; empty when the line does not cut it there.
 Cell part_of(const Cell& cell, const std::vector<double>& sides, double sign, std::size_t number) {
@@ -33,7 +33,7 @@ Cell part_of(const Cell& cell, const std::vector<double>& sides, double sign, st
     }
     if ((a > 0 && b < 0) || (a < 0 && b > 0)) {
       const double t = sides[i] / (sides[i] - sides[j]);
-      const Point2 p = cell.corners[i], q = cell.corners[j];
+      const Vec2 p = cell.corners[i], q = cell.corners[j];
       part.corners.push_back({p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)});
       part.line.push_back(a > 0 ? number : cell.line[i]);
     }
@@ -44,7 +44,7 @@ Cell part_of(const Cell& cell, const std::vector<double>& sides, double sign, st
 std::vector<double> sides_of(const Cell& cell, const Line2& line) {
   std::vector<double> sides;
   sides.reserve(cell.corners.size());
-  for (const Point2 p : cell.corners) sides.push_back(side(line, p));
+  for (const Vec2 p : cell.corners) sides.push_back(side(line, p));
   return sides;
 }
 
@@ -53,33 +53,33 @@ std::vector<double> sides_of(const Cell& cell, const Line2& line) {
 double area(const Cell& cell) noexcept {
   double sum = 0;
   for (std::size_t i = 1; i + 1 < cell.corners.size(); ++i) {
-    const Point2 o = cell.corners[0], p = cell.corners[i], q = cell.corners[i + 1];
+    const Vec2 o = cell.corners[0], p = cell.corners[i], q = cell.corners[i + 1];
     sum += (p.x - o.x) * (q.y - o.y) - (p.y - o.y) * (q.x - o.x);
   }
   return sum / 2;
 }
 
-Point2 centroid(const Cell& cell) noexcept {
-  const Point2 o = cell.corners[0];
+Vec2 centroid(const Cell& cell) noexcept {
+  const Vec2 o = cell.corners[0];
   double sum = 0, x = 0, y = 0;
   for (std::size_t i = 1; i + 1 < cell.corners.size(); ++i) {
-    const Point2 p = cell.corners[i], q = cell.corners[i + 1];
+    const Vec2 p = cell.corners[i], q = cell.corners[i + 1];
     const double a = (p.x - o.x) * (q.y - o.y) - (p.y - o.y) * (q.x - o.x);
     sum += a;
     x += a * (p.x + q.x - 2 * o.x) / 3;
     y += a * (p.y + q.y - 2 * o.y) / 3;
   }
-  return sum > 0 ? Point2{o.x + x / sum, o.y + y / sum} : o;
+  return sum > 0 ? Vec2{o.x + x / sum, o.y + y / sum} : o;
 }
 
 Calipers calipers(const Cell& cell) noexcept {
   Calipers widths{INFINITY, 0};
   const std::size_t n = cell.corners.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const Point2 p = cell.corners[i], q = cell.corners[(i + 1) % n];
+    const Vec2 p = cell.corners[i], q = cell.corners[(i + 1) % n];
     const double length = std::hypot(q.x - p.x, q.y - p.y);
     double width = 0;
-    for (const Point2 r : cell.corners) {
+    for (const Vec2 r : cell.corners) {
       widths.largest = std::max(widths.largest, std::hypot(r.x - p.x, r.y - p.y));
       if (length > 0) width = std::max(width, ((q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x)) / length);
     }
@@ -92,7 +92,7 @@ double smallest_angle(const Cell& cell) noexcept {
   double smallest = std::numbers::pi;
   const std::size_t n = cell.corners.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const Point2 p = cell.corners[i], q = cell.corners[(i + 1) % n], o = cell.corners[(i + n - 1) % n];
+    const Vec2 p = cell.corners[i], q = cell.corners[(i + 1) % n], o = cell.corners[(i + n - 1) % n];
     const double ax = q.x - p.x, ay = q.y - p.y, bx = o.x - p.x, by = o.y - p.y;
     smallest = std::min(smallest, std::abs(std::atan2(ax * by - ay * bx, ax * bx + ay * by)));
   }
@@ -117,7 +117,7 @@ std::vector<Cell> cut_by_lines(Cell outline, const std::vector<Line2>& lines) {
   return cells;
 }
 
-Cell cell_around(Cell outline, const std::vector<Line2>& lines, Point2 point) {
+Cell cell_around(Cell outline, const std::vector<Line2>& lines, Vec2 point) {
   for (std::size_t number = 0; number < lines.size(); ++number) {
     const std::vector<double> sides = sides_of(outline, lines[number]);
     const auto [low, high] = std::ranges::minmax(sides);
@@ -165,11 +165,11 @@ GridPlane::GridPlane(Vec3 through, Vec3 strike, Vec3 normal, double reach) {
   if (normal_.z < 0) normal_ = -normal_;
 }
 
-Vec3 GridPlane::at(Point2 p) const noexcept {
+Vec3 GridPlane::at(Vec2 p) const noexcept {
   return origin_ + (std::nearbyint(p.x / step_) * a_ + std::nearbyint(p.y / step_) * b_);
 }
 
-Point2 GridPlane::flat(Vec3 p) const noexcept { return {dot(p - origin_, along_), dot(p - origin_, across_)}; }
+Vec2 GridPlane::flat(Vec3 p) const noexcept { return {dot(p - origin_, along_), dot(p - origin_, across_)}; }
 
 std::optional<Line2> GridPlane::trace(Vec3 through, Vec3 normal) const noexcept {
   const double x = dot(normal, along_), y = dot(normal, across_), length = std::hypot(x, y);
@@ -179,7 +179,7 @@ std::optional<Line2> GridPlane::trace(Vec3 through, Vec3 normal) const noexcept 
 
 Cell section(const GridPlane& plane, const DomainBox& box) {
   const Vec3 middle = (box.min + box.max) / 2, half = (box.max - box.min) / 2;
-  const Point2 centre = plane.flat(middle);
+  const Vec2 centre = plane.flat(middle);
   const double r = 2 * norm(half);
   Cell cell{{{centre.x - r, centre.y - r},
              {centre.x + r, centre.y - r},
@@ -212,9 +212,9 @@ std::optional<Polygon> joint_of(const GridPlane& plane, const Cell& cell) {
   const double by = overshoot * plane.step();
   if (cell.corners.size() < 3 || calipers(cell).smallest < 4 * by) return std::nullopt;
   // Corners closer than some steps are one: the offset below needs edges with a direction.
-  std::vector<Point2> corners;
-  for (const Point2 p : cell.corners) {
-    const auto near = [&](Point2 q) { return std::hypot(p.x - q.x, p.y - q.y) < 2 * by; };
+  std::vector<Vec2> corners;
+  for (const Vec2 p : cell.corners) {
+    const auto near = [&](Vec2 q) { return std::hypot(p.x - q.x, p.y - q.y) < 2 * by; };
     if (!corners.empty() && (near(corners.back()) || near(corners.front()))) continue;
     corners.push_back(p);
   }
@@ -222,9 +222,9 @@ std::optional<Polygon> joint_of(const GridPlane& plane, const Cell& cell) {
   if (n < 3) return std::nullopt;
   std::vector<Vec3> outline;
   for (std::size_t i = 0; i < n; ++i) {
-    const Point2 o = corners[(i + n - 1) % n], p = corners[i], q = corners[(i + 1) % n];
+    const Vec2 o = corners[(i + n - 1) % n], p = corners[i], q = corners[(i + 1) % n];
     const double u = std::hypot(p.x - o.x, p.y - o.y), v = std::hypot(q.x - p.x, q.y - p.y);
-    const Point2 m{(p.y - o.y) / u, -(p.x - o.x) / u}, k{(q.y - p.y) / v, -(q.x - p.x) / v};  // outward normals
+    const Vec2 m{(p.y - o.y) / u, -(p.x - o.x) / u}, k{(q.y - p.y) / v, -(q.x - p.x) / v};  // outward normals
     const double spread = std::max(1 + m.x * k.x + m.y * k.y, 0.05);  // needle corners move less far
     outline.push_back(plane.at({p.x + by * (m.x + k.x) / spread, p.y + by * (m.y + k.y) / spread}));
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cleave/core/rng.hpp"
+#include "cleave/core/vec2.hpp"
 #include "cleave/dfn/sample.hpp"
 #include "cleave/geometry/vec3.hpp"
 
@@ -12,9 +13,6 @@
 /// models.
 namespace cleave::dfn::detail {
 
-struct Point2 {
-  double x, y;
-};
 /// The points with cos * x + sin * y = offset.
 struct Line2 {
   double cos, sin, offset;
@@ -24,12 +22,12 @@ struct Line2 {
 /// `border` on the outline.
 struct Cell {
   static constexpr std::size_t border = static_cast<std::size_t>(-1);
-  std::vector<Point2> corners;
+  std::vector<Vec2> corners;
   std::vector<std::size_t> line;
 };
 
 [[nodiscard]] double area(const Cell& cell) noexcept;
-[[nodiscard]] Point2 centroid(const Cell& cell) noexcept;
+[[nodiscard]] Vec2 centroid(const Cell& cell) noexcept;
 /// Smallest and largest width over all directions.
 struct Calipers {
   double smallest, largest;
@@ -42,7 +40,7 @@ struct Calipers {
 /// Lines of an isotropic Poisson process with `density` (line length per area) that meet the disc about the origin.
 [[nodiscard]] std::vector<Line2> poisson_lines(double density, double radius, Rng& rng);
 /// As cut_by_lines, faster for one point: the cell that holds it.
-[[nodiscard]] Cell cell_around(Cell outline, const std::vector<Line2>& lines, Point2 point);
+[[nodiscard]] Cell cell_around(Cell outline, const std::vector<Line2>& lines, Vec2 point);
 
 /// A plane whose points with whole coordinates lie exactly in one plane of doubles, so that joints drawn on it are
 /// coplanar to the last bit whatever lattice the cutter takes: its axes are vectors of 22-bit numbers times a power of
@@ -51,8 +49,8 @@ class GridPlane final {
  public:
   /// `reach`: largest distance of a joint's corner from `through`.
   GridPlane(geometry::Vec3 through, geometry::Vec3 strike, geometry::Vec3 normal, double reach);
-  [[nodiscard]] geometry::Vec3 at(Point2 p) const noexcept;  ///< of the nearest grid point
-  [[nodiscard]] Point2 flat(geometry::Vec3 p) const noexcept;
+  [[nodiscard]] geometry::Vec3 at(Vec2 p) const noexcept;  ///< of the nearest grid point
+  [[nodiscard]] Vec2 flat(geometry::Vec3 p) const noexcept;
   [[nodiscard]] geometry::Vec3 normal() const noexcept { return normal_; }
   [[nodiscard]] double step() const noexcept { return step_; }
   /// The trace of another plane; none when (almost) parallel.

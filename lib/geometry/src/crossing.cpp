@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cleave/geometry/box_tree.hpp"
-#include "predicates.hpp"
+#include "cleave/geometry/predicates.hpp"
 
 namespace cleave::geometry {
 namespace {

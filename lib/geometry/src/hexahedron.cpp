@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "cleave/core/expected.hpp"
+#include "cleave/geometry/predicates.hpp"
 #include "cleave/geometry/solid.hpp"
 #include "outline.hpp"
-#include "predicates.hpp"
 
 namespace cleave::geometry {
 namespace {

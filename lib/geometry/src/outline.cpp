@@ -70,22 +70,22 @@ std::optional<std::pair<std::size_t, std::size_t>> first_crossing(const std::vec
     const Vec2 a = ring[i];
     const Vec2 b = ring[next(i)];
     const Vec2 c = ring[next(next(i))];
-    const bool backwards = (b.u - a.u) * (c.u - b.u) < 0 || (b.v - a.v) * (c.v - b.v) < 0 || (b == c) || (a == b);
+    const bool backwards = (b.x - a.x) * (c.x - b.x) < 0 || (b.y - a.y) * (c.y - b.y) < 0 || (b == c) || (a == b);
     if (backwards && orient2d(a, b, c) == exact::Sign::zero) report(i, next(i));
   }
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto left = [&](std::size_t i) { return std::min(ring[i].u, ring[next(i)].u); };
-  const auto right = [&](std::size_t i) { return std::max(ring[i].u, ring[next(i)].u); };
+  const auto left = [&](std::size_t i) { return std::min(ring[i].x, ring[next(i)].x); };
+  const auto right = [&](std::size_t i) { return std::max(ring[i].x, ring[next(i)].x); };
   std::ranges::sort(order, [&](std::size_t i, std::size_t j) { return std::pair{left(i), i} < std::pair{left(j), j}; });
   for (std::size_t s = 0; s < n; ++s) {
     const std::size_t i = order[s];
     const double end = right(i);
-    const auto [low, high] = std::minmax(ring[i].v, ring[next(i)].v);
+    const auto [low, high] = std::minmax(ring[i].y, ring[next(i)].y);
     for (std::size_t t = s + 1; t < n && left(order[t]) <= end; ++t) {
       const std::size_t j = order[t];
       if (next(i) == j || next(j) == i) continue;
-      if (std::max(ring[j].v, ring[next(j)].v) < low || std::min(ring[j].v, ring[next(j)].v) > high) continue;
+      if (std::max(ring[j].y, ring[next(j)].y) < low || std::min(ring[j].y, ring[next(j)].y) > high) continue;
       if (segments_meet(ring[i], ring[next(i)], ring[j], ring[next(j)])) report(i, j);
     }
   }
@@ -94,7 +94,7 @@ std::optional<std::pair<std::size_t, std::size_t>> first_crossing(const std::vec
 
 /// True when the simple ring turns clockwise, decided at its lowest corner.
 bool clockwise(const std::vector<Vec2>& ring) {
-  const auto lowest = std::ranges::min_element(ring, {}, [](Vec2 p) { return std::pair{p.u, p.v}; });
+  const auto lowest = std::ranges::min_element(ring, {}, [](Vec2 p) { return std::pair{p.x, p.y}; });
   const auto at = static_cast<std::size_t>(lowest - ring.begin());
   const std::size_t n = ring.size();
   // The lowest corner of a simple ring is convex; only flat neighbours could hide it, and they are not lowest.

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cleave/geometry/polygon.hpp"
-#include "predicates.hpp"
+#include "cleave/geometry/predicates.hpp"
 
 namespace cleave::geometry {
 
@@ -24,7 +24,7 @@ struct Outline {
 
   [[nodiscard]] Vec2 seen(std::size_t i) const noexcept {
     const Vec2 p = drop(corners[i], axis);
-    return flipped ? Vec2{p.v, p.u} : p;
+    return flipped ? Vec2{p.y, p.x} : p;
   }
 
   /// Any PolygonError but NotPlanar.

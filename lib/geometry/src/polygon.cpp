@@ -12,9 +12,9 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/predicates.hpp"
 #include "cleave/geometry/triangulate.hpp"
 #include "outline.hpp"
-#include "predicates.hpp"
 
 namespace cleave::geometry {
 namespace {
@@ -61,13 +61,13 @@ bool plainly_convex(std::span<const Vec3> ring) {
   const exact::Sign sense = orient2d(a, b, seen(0));
   if (sense == exact::Sign::zero) return false;
   // Around a ring that always turns the same way u rises and falls once for every full turn.
-  int turns = 0, before = (b.u > a.u) - (b.u < a.u);
-  if (before == 0) before = (a.u > seen(n - 3).u) - (a.u < seen(n - 3).u);
+  int turns = 0, before = (b.x > a.x) - (b.x < a.x);
+  if (before == 0) before = (a.x > seen(n - 3).x) - (a.x < seen(n - 3).x);
   for (std::size_t j = 0; j < n; ++j) {
     if (std::abs(dot(normal, ring[j] - ring[0] - mean)) > allowed) return false;
     const Vec2 c = seen(j);
     if (orient2d(a, b, c) != sense) return false;
-    const int now = (c.u > b.u) - (c.u < b.u);
+    const int now = (c.x > b.x) - (c.x < b.x);
     if (now != 0 && now != before) {
       ++turns;
       before = now;

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "predicates.hpp"
+#include "cleave/geometry/predicates.hpp"
 
 namespace cleave::geometry {
 namespace {
@@ -42,9 +42,9 @@ bool inside(const Ring& ring, Vec2 p) {
   bool in = false;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Vec2 a = ring[i], b = ring[(i + 1) % ring.size()];
-    if ((a.v > p.v) == (b.v > p.v)) continue;
+    if ((a.y > p.y) == (b.y > p.y)) continue;
     const exact::Sign side = orient2d(a, b, p);
-    if ((side == exact::Sign::positive) == (b.v > a.v)) in = !in;
+    if ((side == exact::Sign::positive) == (b.y > a.y)) in = !in;
   }
   return in;
 }

@@ -1,4 +1,4 @@
-#include "predicates.hpp"
+#include "cleave/geometry/predicates.hpp"
 
 #include <algorithm>
 #include <array>
@@ -86,8 +86,8 @@ void add_product(Expansion<N>& target, const Expansion<A>& a, const Expansion<B>
 
 Sign orient2d_exact(Vec2 a, Vec2 b, Vec2 c) noexcept {
   Expansion<16> det;
-  add_product(det, difference(b.u, a.u), difference(c.v, a.v), 1);
-  add_product(det, difference(b.v, a.v), difference(c.u, a.u), -1);
+  add_product(det, difference(b.x, a.x), difference(c.y, a.y), 1);
+  add_product(det, difference(b.y, a.y), difference(c.x, a.x), -1);
   return det.sign();
 }
 
@@ -111,8 +111,8 @@ bool opposite(Sign a, Sign b) noexcept { return a * b == Sign::negative; }
 
 /// For p on the line through a and b: is it between them, ends included?
 bool between(Vec2 p, Vec2 a, Vec2 b) noexcept {
-  return std::min(a.u, b.u) <= p.u && p.u <= std::max(a.u, b.u) && std::min(a.v, b.v) <= p.v &&
-         p.v <= std::max(a.v, b.v);
+  return std::min(a.x, b.x) <= p.x && p.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= p.y &&
+         p.y <= std::max(a.y, b.y);
 }
 
 bool coplanar_segment_meets_triangle(Vec3 p, Vec3 q, Vec3 a, Vec3 b, Vec3 c) noexcept {
@@ -140,8 +140,8 @@ int dominant_axis(Vec3 direction) noexcept {
 }
 
 exact::Sign orient2d(Vec2 a, Vec2 b, Vec2 c) noexcept {
-  const double left = (b.u - a.u) * (c.v - a.v);
-  const double right = (b.v - a.v) * (c.u - a.u);
+  const double left = (b.x - a.x) * (c.y - a.y);
+  const double right = (b.y - a.y) * (c.x - a.x);
   const double det = left - right;
   // Shewchuk's bound (3 + 16 eps) eps with eps = 2^-53, rounded up; the summand covers underflow.
   const double bound = 3.34e-16 * (std::abs(left) + std::abs(right)) + 1e-110;

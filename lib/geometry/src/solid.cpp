@@ -11,9 +11,9 @@
 #include "cleave/core/disjoint_sets.hpp"
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/predicates.hpp"
 #include "cleave/geometry/triangulate.hpp"
 #include "crossing.hpp"
-#include "predicates.hpp"
 #include "shells.hpp"
 
 namespace cleave::geometry {

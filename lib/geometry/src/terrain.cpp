@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "cleave/core/overloaded.hpp"
-#include "predicates.hpp"
+#include "cleave/geometry/predicates.hpp"
 
 namespace cleave::geometry {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "cleave/core/assert.hpp"
 #include "cleave/core/expected.hpp"
+#include "cleave/geometry/predicates.hpp"
 #include "outline.hpp"
-#include "predicates.hpp"
 
 namespace cleave::geometry {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
-#include "predicates.hpp"
+#include "cleave/geometry/predicates.hpp"
 #include "tunnel_tags.hpp"
 
 namespace cleave::geometry {

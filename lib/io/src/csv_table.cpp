@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "cleave/core/expected.hpp"
+#include "cleave/core/units.hpp"
 #include "text.hpp"
 
 namespace cleave::io {
@@ -33,7 +34,11 @@ class CsvReader final {
       const std::uint32_t first_line = lines_.number();
       CLEAVE_TRY(std::vector<std::string> cells, split(line));
       if (!has_header) {
-        for (std::string& cell : cells) cell = header_name(cell);
+        for (std::string& cell : cells) {
+          const ColumnHead head = column_head(cell);
+          table_.units.emplace_back(head.unit);
+          cell = header_name(head.name);
+        }
         table_.header = std::move(cells);
         has_header = true;
       } else if (std::ranges::any_of(cells, [](const std::string& c) { return !c.empty(); })) {

@@ -16,7 +16,8 @@ struct CsvTable {
     std::uint32_t line;  ///< on which it begins, from 1
     std::vector<std::string> cells;
   };
-  std::vector<std::string> header;  ///< lower case, blanks and hyphens as underscores
+  std::vector<std::string> header;  ///< lower case, blanks and hyphens as underscores, without units
+  std::vector<std::string> units;   ///< in brackets behind each name, as written; empty where none is stated
   std::uint32_t header_line = 0;
   char separator = ',';
   std::vector<Row> rows;

@@ -11,6 +11,7 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/core/units.hpp"
 #include "cleave/io/file.hpp"
 #include "csv_table.hpp"
 #include "text.hpp"
@@ -28,6 +29,7 @@ enum class Column : std::uint8_t {
   y,
   z,
   radius,
+  diameter,
   side_a,
   side_b,
   rotation,
@@ -36,28 +38,32 @@ enum class Column : std::uint8_t {
   set,
   id
 };
-constexpr std::size_t column_count = 14;
+constexpr std::size_t column_count = 15;
 
 /// First the name we write, then what else is understood.
 struct Names {
   Column column;
-  std::array<std::string_view, 5> names;
+  std::string_view unit;  ///< empty: text
+  std::array<std::string_view, 7> names;
 };
 constexpr std::array<Names, column_count> known{{
-    {Column::dip, {"dip", "dip_angle", "dipangle"}},
-    {Column::dip_direction, {"dip_direction", "dipdirection", "dipdir", "dd", "azimuth"}},
-    {Column::strike, {"strike"}},
-    {Column::x, {"x", "easting", "east"}},
-    {Column::y, {"y", "northing", "north"}},
-    {Column::z, {"z", "elevation"}},
-    {Column::radius, {"radius"}},
-    {Column::side_a, {"side_a"}},
-    {Column::side_b, {"side_b"}},
-    {Column::rotation, {"rotation"}},
-    {Column::friction, {"friction"}},
-    {Column::cohesion, {"cohesion"}},
-    {Column::set, {"set"}},
-    {Column::id, {"id"}},
+    {Column::dip, "degrees", {"dip", "dip_angle", "dipangle"}},
+    {Column::dip_direction,
+     "degrees",
+     {"dip_direction", "dipdirection", "dipdir", "dip_dir", "dip_azimuth", "dd", "azimuth"}},
+    {Column::strike, "degrees", {"strike"}},
+    {Column::x, "m", {"x", "easting", "east"}},
+    {Column::y, "m", {"y", "northing", "north"}},
+    {Column::z, "m", {"z", "elevation"}},
+    {Column::radius, "m", {"radius"}},
+    {Column::diameter, "m", {"diameter", "diam"}},
+    {Column::side_a, "m", {"side_a"}},
+    {Column::side_b, "m", {"side_b"}},
+    {Column::rotation, "degrees", {"rotation"}},
+    {Column::friction, "degrees", {"friction"}},
+    {Column::cohesion, "Pa", {"cohesion"}},
+    {Column::set, "", {"set"}},
+    {Column::id, "", {"id"}},
 }};
 
 constexpr std::size_t index(Column column) { return static_cast<std::size_t>(column); }
@@ -94,6 +100,15 @@ class TableReader final {
 
   [[nodiscard]] bool has(Column column) const { return place_[index(column)].has_value(); }
 
+  void take_unit(const Names& column, std::string_view stated) {
+    if (column.unit.empty() || stated.empty()) return;
+    unit_[index(column.column)] = find_unit(column.unit, stated);
+    if (unit_[index(column.column)] != nullptr) return;
+    report(ReadFault::bad_columns, csv_.header_line, 0,
+           fmt::format("the unit {} of column {} is not understood", shown(stated), name_of(column.column)),
+           fmt::format("state it in {}, or in another unit of that kind", column.unit));
+  }
+
   void read_header() {
     const auto wrong = [&](std::string what, std::string remedy) {
       report(ReadFault::bad_columns, csv_.header_line, 0, std::move(what), std::move(remedy));
@@ -103,18 +118,29 @@ class TableReader final {
             "add a header such as dip,dip_direction,x,y,z (both orders of dip and direction are in use)");
       return;
     }
+    std::string understood;
     for (std::size_t c = 0; c < csv_.header.size(); ++c) {
       const std::string& cell = csv_.header[c];
       const auto found = std::ranges::find_if(
           known, [&](const Names& k) { return !cell.empty() && std::ranges::find(k.names, cell) != k.names.end(); });
       if (found == known.end()) {
-        if (!cell.empty()) table_.notes.push_back(fmt::format("column {} is not used", shown(cell)));
+        if (cell.empty()) continue;
+        table_.notes.push_back(fmt::format("column {} is not used", shown(cell)));
+        unknown_.push_back(c);
         continue;
       }
       std::optional<std::size_t>& place = place_[index(found->column)];
       if (place) wrong(fmt::format("column {} comes twice", name_of(found->column)), "remove one");
       place = c;
+      take_unit(*found, csv_.units[c]);
+      understood += fmt::format("{}{}", understood.empty() ? "" : ", ", name_of(found->column));
+      if (cell != name_of(found->column)) understood += fmt::format(" (from {})", shown(cell));
+      if (!found->unit.empty()) {
+        understood +=
+            " in " + std::string{unit_[index(found->column)] ? unit_[index(found->column)]->symbol : found->unit};
+      }
     }
+    table_.notes.insert(table_.notes.begin(), "columns read: " + understood);
     if (!has(Column::dip)) wrong("there is no column dip", "add it (degrees from horizontal)");
     if (has(Column::dip_direction) == has(Column::strike)) {
       wrong(has(Column::strike) ? "there are both dip_direction and strike"
@@ -160,7 +186,26 @@ class TableReader final {
               "give a number");
       return std::nullopt;
     }
-    return *value;
+    const Unit* unit = unit_[index(column)];
+    return unit != nullptr ? to_unit(*value, *unit) : *value;
+  }
+
+  /// A number in a column that is not understood may be the size that this joint lacks.
+  void look_for_size(const CsvTable::Row& row) {
+    constexpr std::array<std::string_view, 8> never{"no", "nr", "number", "jrc", "jcs", "aperture", "spacing", "rqd"};
+    for (const std::size_t c : unknown_) {
+      std::string plain = row.cells[c];
+      if (csv_.separator == ';') std::ranges::replace(plain, ',', '.');
+      const auto value = number_of(plain);
+      if (!value || !(*value > 0) || std::ranges::find(never, csv_.header[c]) != never.end()) continue;
+      report(ReadFault::bad_columns, csv_.header_line, c + 1,
+             fmt::format("column {} is not understood, and the joint of line {} has no size without it",
+                         shown(csv_.header[c]), row.line),
+             "name it radius, diameter, or side_a and side_b; where it is no size and joints are meant to go through "
+             "the whole domain, remove it");
+      told_of_size_ = true;
+      return;
+    }
   }
 
   void problem(const CsvTable::Row& row, Column column, ReadFault fault, std::string what, std::string remedy) {
@@ -190,8 +235,14 @@ class TableReader final {
     double direction = required(row, bearing);
     if (!options_.wrap) {
       if (!(dip >= 0 && dip <= 90)) {
+        // In the other order the row would be right.
+        const bool swapped = dip > 90 && dip <= 360 && direction >= 0 && direction <= 90;
         problem(row, Column::dip, ReadFault::out_of_range, fmt::format("dip is {}, outside 0..90", dip),
-                "correct it, or set wrap = true");
+                swapped
+                    ? fmt::format("are dip and {} swapped? Then swap their names in the header; else correct it, or "
+                                  "set wrap = true",
+                                  name_of(bearing))
+                    : "correct it, or set wrap = true");
       }
       if (!(direction >= 0 && direction <= 360)) {
         problem(row, bearing, ReadFault::out_of_range,
@@ -214,13 +265,19 @@ class TableReader final {
   std::variant<Persistent, DiscSize, RectangleSize> size(const CsvTable::Row& row) {
     const auto positive = [](double v) { return v > 0; };
     const std::optional<double> radius = in_range(row, Column::radius, positive, "positive");
+    const std::optional<double> diameter = in_range(row, Column::diameter, positive, "positive");
     const std::optional<double> a = in_range(row, Column::side_a, positive, "positive");
     const std::optional<double> b = in_range(row, Column::side_b, positive, "positive");
     const std::optional<double> rotation = number(row, Column::rotation);
     const bool filled_a = !cell(row, Column::side_a).empty();
     const bool filled_b = !cell(row, Column::side_b).empty();
-    if (!cell(row, Column::radius).empty() && (filled_a || filled_b)) {
-      problem(row, Column::radius, ReadFault::syntax, "a joint has a radius or sides, not both",
+    if (!cell(row, Column::radius).empty() && !cell(row, Column::diameter).empty()) {
+      problem(row, Column::diameter, ReadFault::syntax, "a joint has a radius or a diameter, not both",
+              "leave one of them empty");
+    }
+    const bool round = !cell(row, Column::radius).empty() || !cell(row, Column::diameter).empty();
+    if (round && (filled_a || filled_b)) {
+      problem(row, Column::radius, ReadFault::syntax, "a joint has a radius (or diameter) or sides, not both",
               "leave one of them empty");
     }
     if (filled_a != filled_b)
@@ -228,8 +285,10 @@ class TableReader final {
               "give both");
     if (rotation && !filled_a)
       problem(row, Column::rotation, ReadFault::syntax, "a joint without sides has no rotation", "leave it empty");
+    if (diameter) return DiscSize{metres(0.5 * *diameter)};
     if (radius) return DiscSize{metres(*radius)};
     if (a && b) return RectangleSize{metres(*a), metres(*b), geometry::InPlaneRotation::degrees(rotation.value_or(0))};
+    if (!round && !filled_a && !filled_b && !told_of_size_) look_for_size(row);
     return Persistent{};
   }
 
@@ -273,21 +332,14 @@ class TableReader final {
   std::string_view file_;
   JointCsvOptions options_;
   std::array<std::optional<std::size_t>, column_count> place_;
+  std::array<const Unit*, column_count> unit_{};  ///< as stated behind the names
+  std::vector<std::size_t> unknown_;              ///< columns that are not understood
+  bool told_of_size_ = false;
   bool seen_comma_ = false;
   bool seen_point_ = false;
   JointTable table_;
   std::vector<ReadError> problems_;
 };
-
-std::string in_quotes(std::string_view text) {
-  if (text.find_first_of(",;\"\n#") == std::string_view::npos) return std::string{text};
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"') result += '"';
-    result += c;
-  }
-  return result + '"';
-}
 
 }  // namespace
 
@@ -343,8 +395,8 @@ std::string write_joint_csv(const JointTable& table) {
                r.size);
     if (friction) out += r.friction ? fmt::format(",{}", r.friction->degrees()) : ",";
     if (cohesion) out += r.cohesion ? fmt::format(",{}", r.cohesion->si()) : ",";
-    if (set) out += ',' + in_quotes(r.set);
-    if (id) out += ',' + in_quotes(r.id);
+    if (set) out += ',' + csv_field(r.set, ";#");
+    if (id) out += ',' + csv_field(r.id, ";#");
     out += '\n';
   }
   return out;

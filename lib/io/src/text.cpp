@@ -8,26 +8,9 @@
 #include <system_error>
 
 namespace cleave::io {
-namespace {
-
-char lower_letter(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-}  // namespace
-
-std::string_view trimmed(std::string_view text) noexcept {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-std::string lower(std::string_view text) {
-  std::string result{text};
-  std::ranges::transform(result, result.begin(), lower_letter);
-  return result;
-}
 
 bool same_word(std::string_view text, std::string_view lower_case_word) noexcept {
-  return std::ranges::equal(text, lower_case_word, {}, lower_letter);
+  return std::ranges::equal(text, lower_case_word, {}, [](char c) { return lower(c); });
 }
 
 std::string shown(std::string_view text) {

@@ -5,16 +5,11 @@
 #include <string>
 #include <string_view>
 
+#include "cleave/core/text.hpp"
 #include "cleave/io/read_error.hpp"
 
 namespace cleave::io {
 
-[[nodiscard]] constexpr bool is_blank(char c) noexcept {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
-}
-[[nodiscard]] std::string_view trimmed(std::string_view text) noexcept;
-/// ASCII letters only, whatever the locale.
-[[nodiscard]] std::string lower(std::string_view text);
 [[nodiscard]] bool same_word(std::string_view text, std::string_view lower_case_word) noexcept;
 /// Quoted for a message: cut at 40 bytes, control characters as '?'.
 [[nodiscard]] std::string shown(std::string_view text);

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "cleave/core/units.hpp"
 #include "csv_table.hpp"
 
 namespace cleave::io {
@@ -165,6 +166,18 @@ std::expected<TraceMap, ReadError> parse_table(std::string_view bytes, std::stri
     return std::unexpected(error(name, ReadFault::bad_columns, table->header_line, "lacks the columns of a trace map",
                                  "give x1, y1, x2, y2, or trace, x, y"));
   }
+  double scale = 1;
+  for (std::size_t c = 0; c < table->header.size(); ++c) {
+    const bool coordinate = segments ? c == *x1 || c == *y1 || c == *x2 || c == *y2 : c == *x || c == *y;
+    if (!coordinate || table->units[c].empty()) continue;
+    const Unit* unit = find_unit("m", table->units[c]);
+    if (unit == nullptr || table->units[c] != table->units[segments ? *x1 : *x]) {
+      return std::unexpected(error(name, ReadFault::bad_columns, table->header_line,
+                                   "states a unit of coordinates that is not understood, or several",
+                                   "state one unit of length for all coordinates, such as (m) or (cm)"));
+    }
+    scale = to_unit(1, *unit);
+  }
   std::string last;
   std::uint32_t begun = 0;  // line of the file
   const auto one_point = [&] {
@@ -180,7 +193,7 @@ std::expected<TraceMap, ReadError> parse_table(std::string_view bytes, std::stri
                                    "mend or remove the line"));
     }
     if (segments) {
-      map.lines.push_back({{*a, *b}, {*c, *d}});
+      map.lines.push_back({{scale * *a, scale * *b}, {scale * *c, scale * *d}});
       continue;
     }
     const std::string id = *trace < row.cells.size() ? row.cells[*trace] : std::string{};
@@ -190,7 +203,7 @@ std::expected<TraceMap, ReadError> parse_table(std::string_view bytes, std::stri
       begun = row.line;
     }
     last = id;
-    map.lines.back().push_back({*a, *b});
+    map.lines.back().push_back({scale * *a, scale * *b});
   }
   if (!map.lines.empty() && map.lines.back().size() < 2) return one_point();
   return map;

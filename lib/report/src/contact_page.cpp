@@ -56,7 +56,7 @@ void frame_fields(JsonFields& v, const scene::ContactResult& result, const scene
         std::vector<Short> beyond;
         for (std::size_t k = 0; k < body.outline.size(); ++k) {
           add(beyond, frame.corners[b][k] - frame.places[b].centroid -
-                          bem::rotated(body.outline[k] - body.start, frame.places[b].rotation));
+                          rotated(body.outline[k] - body.start, frame.places[b].rotation));
         }
         d(std::to_string(b), beyond);
       }

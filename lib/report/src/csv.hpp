@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "cleave/core/text.hpp"
 #include "cleave/report/json_fields.hpp"
 #include "text.hpp"
 

@@ -391,7 +391,8 @@ std::string report_html(const Page& page) {
     out += "<script type=\"application/json\" id=\"data\">\n";
     out = std::move(view_json.insert(0, out));  // the long text has room for the page around it
     out += "</script>\n";
-    for (const auto pieces : {assets::three(), assets::orbit_controls(), assets::view(), assets::panel()}) {
+    for (const auto pieces :
+         {assets::three(), assets::orbit_controls(), assets::blocks3d(), assets::view(), assets::panel()}) {
       out += script(pieces);
     }
   }

@@ -83,7 +83,7 @@ std::string trace_map(const survey::WindowSurvey& window, const std::vector<surv
   const std::size_t stride = std::max<std::size_t>(1, traces.size() / 3000);
   std::string path;
   for (std::size_t i = 0; i < traces.size(); i += stride) {
-    const auto seen = seen_through(window.window, std::span{traces}.subspan(i, 1), window.border);
+    const auto seen = seen_through(window.window, std::span{traces}.subspan(i, 1), window.border.si());
     if (seen.empty()) continue;
     bool first = true;
     for (const auto& p : traces[i]) path += (std::exchange(first, false) ? "M" : "L") + at(p);
@@ -148,7 +148,7 @@ std::string survey_windows(const scene::SurveyScene& scene, const survey::Survey
       out += "<figure>" + trace_map(window, *simulated, id + "s") +
              "<figcaption>Simulated: one realization of the fitted sets.</figcaption></figure>";
     }
-    out += "<figure class=\"net\">" + rosette(window, window.traces, window.border) +
+    out += "<figure class=\"net\">" + rosette(window, window.traces, window.border.si()) +
            "<figcaption>Directions of traces, by length: measured.</figcaption></figure>";
     if (laid_beside) {
       out += "<figure class=\"net\">" + rosette(window, *simulated, 0) + "<figcaption>Simulated.</figcaption></figure>";

@@ -28,9 +28,6 @@ void append_json_string(std::string& out, std::string_view text);
 /// line feed and bytes that are not UTF-8 become U+FFFD.
 [[nodiscard]] std::string escape_xml(std::string_view text);
 
-/// One field of a CSV row: quoted when it holds a comma, a quote or a line end.
-[[nodiscard]] std::string csv_field(std::string_view text);
-
 /// RFC 4648 with padding, no line breaks.
 void append_base64(std::string& out, std::span<const std::byte> bytes);
 

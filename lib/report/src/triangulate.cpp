@@ -9,26 +9,26 @@
 #include <tuple>
 #include <utility>
 
-#include "exact_turn.hpp"
+#include "cleave/geometry/predicates.hpp"
 
 namespace cleave::report {
 namespace {
 
-using detail::Point2;
-using detail::turn;
+// 1 when c lies to the left of a -> b, -1 to the right, 0 on the line; exact.
+int turn(Vec2 a, Vec2 b, Vec2 c) { return static_cast<int>(geometry::orient2d(a, b, c)); }
 
 // Seen from outside along the largest axis of the normal: a plain choice of two coordinates, nothing is rounded.
-Point2 seen(geometry::Vec3 p, geometry::Vec3 outward) {
+Vec2 seen(geometry::Vec3 p, geometry::Vec3 outward) {
   const double x = std::abs(outward.x), y = std::abs(outward.y), z = std::abs(outward.z);
-  if (z >= x && z >= y) return outward.z > 0 ? Point2{p.x, p.y} : Point2{p.y, p.x};
-  if (x >= y) return outward.x > 0 ? Point2{p.y, p.z} : Point2{p.z, p.y};
-  return outward.y > 0 ? Point2{p.z, p.x} : Point2{p.x, p.z};
+  if (z >= x && z >= y) return outward.z > 0 ? Vec2{p.x, p.y} : Vec2{p.y, p.x};
+  if (x >= y) return outward.x > 0 ? Vec2{p.y, p.z} : Vec2{p.z, p.y};
+  return outward.y > 0 ? Vec2{p.z, p.x} : Vec2{p.x, p.z};
 }
 
 // A corner of the polygon that is being clipped: one passage of a loop through a vertex.
 struct Node {
   std::uint32_t vertex;
-  Point2 at;
+  Vec2 at;
   std::size_t previous, next;
 };
 
@@ -56,16 +56,16 @@ class Clipper {
 
  private:
   // Does the direction from node `n` to `p` lead into the polygon there? (O'Rourke 1998, InCone, open cone)
-  bool opens_to(std::size_t n, Point2 p) const {
-    const Point2 a = nodes_[n].at, before = nodes_[nodes_[n].previous].at, after = nodes_[nodes_[n].next].at;
+  bool opens_to(std::size_t n, Vec2 p) const {
+    const Vec2 a = nodes_[n].at, before = nodes_[nodes_[n].previous].at, after = nodes_[nodes_[n].next].at;
     if (turn(before, a, after) > 0) return turn(before, a, p) > 0 && turn(a, after, p) > 0;
     return turn(before, a, p) > 0 || turn(a, after, p) > 0;
   }
 
   // Closed segments; exact, and cheap where they are far apart.
-  static bool cross(Point2 a, Point2 b, Point2 c, Point2 d) {
-    if (std::max(c.u, d.u) < std::min(a.u, b.u) || std::max(a.u, b.u) < std::min(c.u, d.u) ||
-        std::max(c.v, d.v) < std::min(a.v, b.v) || std::max(a.v, b.v) < std::min(c.v, d.v)) {
+  static bool cross(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+    if (std::max(c.x, d.x) < std::min(a.x, b.x) || std::max(a.x, b.x) < std::min(c.x, d.x) ||
+        std::max(c.y, d.y) < std::min(a.y, b.y) || std::max(a.y, b.y) < std::min(c.y, d.y)) {
       return false;
     }
     const int c_side = turn(a, b, c), d_side = turn(a, b, d);
@@ -73,8 +73,8 @@ class Clipper {
     return c_side * d_side <= 0 && turn(c, d, a) * turn(c, d, b) <= 0;
   }
 
-  static bool between(Point2 a, Point2 b, Point2 p) {
-    return (a.u != b.u ? (a.u < p.u) != (b.u < p.u) : (a.v < p.v) != (b.v < p.v)) && turn(a, b, p) == 0 && p != a &&
+  static bool between(Vec2 a, Vec2 b, Vec2 p) {
+    return (a.x != b.x ? (a.x < p.x) != (b.x < p.x) : (a.y < p.y) != (b.y < p.y)) && turn(a, b, p) == 0 && p != a &&
            p != b;
   }
 
@@ -144,11 +144,11 @@ class Clipper {
     for (std::size_t loop = 1; loop < firsts_.size(); ++loop) {
       const auto nodes = ring(firsts_[loop]);
       const auto right = std::ranges::max_element(
-          nodes, {}, [&](std::size_t n) { return std::tuple{nodes_[n].at.u, nodes_[n].at.v}; });
+          nodes, {}, [&](std::size_t n) { return std::tuple{nodes_[n].at.x, nodes_[n].at.y}; });
       holes.push_back({.first = firsts_[loop], .rightmost = *right});
     }
     std::ranges::stable_sort(holes, std::ranges::greater{}, [&](const Hole& h) {
-      return std::tuple{nodes_[h.rightmost].at.u, nodes_[h.rightmost].at.v};
+      return std::tuple{nodes_[h.rightmost].at.x, nodes_[h.rightmost].at.y};
     });
     for (const Hole& hole : holes) join_hole(hole.first, hole.rightmost);
   }
@@ -158,11 +158,11 @@ class Clipper {
     for (const std::size_t m : ring(first)) {
       if (const auto n = touching(outer, m)) return join(m, *n);
     }
-    const Point2 from = nodes_[rightmost].at;
+    const Vec2 from = nodes_[rightmost].at;
     std::vector<std::pair<double, std::size_t>> nearest;
     nearest.reserve(outer.size());
     for (const std::size_t n : outer) {
-      const double du = nodes_[n].at.u - from.u, dv = nodes_[n].at.v - from.v;
+      const double du = nodes_[n].at.x - from.x, dv = nodes_[n].at.y - from.y;
       nearest.emplace_back(du * du + dv * dv, n);
     }
     std::ranges::sort(nearest);
@@ -185,11 +185,11 @@ class Clipper {
     if (a.at == c.at) return false;
     if (!opens_to(before, c.at) || !opens_to(after, a.at)) return false;
     if (demand == Demand::convex) return true;
-    const auto [left, right] = std::minmax({a.at.u, b.at.u, c.at.u});
-    const auto [low, high] = std::minmax({a.at.v, b.at.v, c.at.v});
+    const auto [left, right] = std::minmax({a.at.x, b.at.x, c.at.x});
+    const auto [low, high] = std::minmax({a.at.y, b.at.y, c.at.y});
     for (std::size_t k = nodes_[after].next; k != before; k = nodes_[k].next) {
       const Node& p = nodes_[k];
-      if (p.at.u < left || p.at.u > right || p.at.v < low || p.at.v > high) continue;
+      if (p.at.x < left || p.at.x > right || p.at.y < low || p.at.y > high) continue;
       if (p.at == a.at || p.at == b.at || p.at == c.at) continue;
       if (turn(c.at, a.at, p.at) >= 0 && turn(a.at, b.at, p.at) >= 0 && turn(b.at, c.at, p.at) >= 0) return false;
     }
@@ -242,26 +242,26 @@ void append_simple(std::vector<Loop>& simple, const Loop& loop) {
   if (open.size() > 2) simple.push_back(std::move(open));
 }
 
-std::vector<Point2> seen(const Loop& loop, std::span<const geometry::Vec3> positions, geometry::Vec3 outward) {
-  std::vector<Point2> points;
+std::vector<Vec2> seen(const Loop& loop, std::span<const geometry::Vec3> positions, geometry::Vec3 outward) {
+  std::vector<Vec2> points;
   for (const std::uint32_t vertex : loop) points.push_back(seen(positions[vertex], outward));
   return points;
 }
 
-double twice_area(const std::vector<Point2>& loop) {
+double twice_area(const std::vector<Vec2>& loop) {
   double sum = 0;
   for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
     sum +=
-        (loop[i].u - loop[0].u) * (loop[i + 1].v - loop[0].v) - (loop[i].v - loop[0].v) * (loop[i + 1].u - loop[0].u);
+        (loop[i].x - loop[0].x) * (loop[i + 1].y - loop[0].y) - (loop[i].y - loop[0].y) * (loop[i + 1].x - loop[0].x);
   }
   return sum;
 }
 
-bool inside(const std::vector<Point2>& outline, Point2 p) {
+bool inside(const std::vector<Vec2>& outline, Vec2 p) {
   bool in = false;
   for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Point2 a = outline[i], b = outline[(i + 1) % outline.size()];
-    if ((a.v > p.v) != (b.v > p.v) && (turn(a, b, p) > 0) == (b.v > a.v)) in = !in;
+    const Vec2 a = outline[i], b = outline[(i + 1) % outline.size()];
+    if ((a.y > p.y) != (b.y > p.y) && (turn(a, b, p) > 0) == (b.y > a.y)) in = !in;
   }
   return in;
 }
@@ -292,7 +292,7 @@ std::vector<Region> regions_of(std::span<const Loop> loops, std::span<const geom
       const auto around = seen(regions[r].front(), positions, outward);
       // By majority: single corners may lie on the outline.
       std::ptrdiff_t votes = 0;
-      for (const Point2 p : seen(hole, positions, outward))
+      for (const Vec2 p : seen(hole, positions, outward))
         votes += std::ranges::find(around, p) == around.end() ? (inside(around, p) ? 1 : -1) : 0;
       if (votes <= 0 || twice_area(around) >= smallest) continue;
       smallest = twice_area(around);
@@ -310,13 +310,13 @@ bool append_convex(const Loop& loop, std::span<const geometry::Vec3> positions, 
   constexpr std::size_t most = 16;
   const std::size_t count = loop.size();
   if (count < 3 || count > most) return false;
-  std::array<Point2, most> at;
+  std::array<Vec2, most> at;
   for (std::size_t i = 0; i < count; ++i) at[i] = seen(positions[loop[i]], outward);
   // Left turns only, once around: directions go from left-to-right to right-to-left and back once.
   std::size_t reversals = 0;
   const auto forward = [&](std::size_t i) {
-    const Point2 a = at[i], b = at[(i + 1) % count];
-    return a.u != b.u ? a.u < b.u : a.v < b.v;
+    const Vec2 a = at[i], b = at[(i + 1) % count];
+    return a.x != b.x ? a.x < b.x : a.y < b.y;
   };
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t next = (i + 1) % count;

@@ -69,8 +69,8 @@ NodeSupports supports_of(const bem::BlockOperator& block, const BodySpec& spec) 
       const bem::Condition& c = spec.region.conditions[spec.region.loops[e.loop][e.side].condition];
       const Vec2 normal = e.normal(bem::local_nodes(mesh.order)[use.local]);
       const auto axes = c.axes == bem::Axes::normal
-                            ? std::array{bem::rotated(normal, c.turn), bem::rotated(bem::turned_left(normal), c.turn)}
-                            : std::array{bem::rotated({1, 0}, c.turn), bem::rotated({0, 1}, c.turn)};
+                            ? std::array{rotated(normal, c.turn), rotated(turned_left(normal), c.turn)}
+                            : std::array{rotated({1, 0}, c.turn), rotated({0, 1}, c.turn)};
       for (std::size_t k = 0; k < 2; ++k) {
         if (c.component[k].given == bem::Given::displacement) out.held.push_back({n, axes[k]});
         if (c.component[k].given == bem::Given::spring) {

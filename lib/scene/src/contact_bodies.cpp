@@ -49,7 +49,7 @@ std::optional<double> turn_between(const ContactBody& a, const ContactBody& b) {
   if (std::abs(angle) < 1e-12) angle = 0;  // rounding of coordinates
   const double tolerance = 1e-9 * longest(a);
   for (std::size_t k = 0; k < a.corners.size(); ++k) {
-    const Vec2 off = bem::rotated(a.corners[k] - a.corners[0], angle) - (b.corners[k] - b.corners[0]);
+    const Vec2 off = rotated(a.corners[k] - a.corners[0], angle) - (b.corners[k] - b.corners[0]);
     if (norm(off) > tolerance) return std::nullopt;
   }
   return angle;
@@ -176,7 +176,7 @@ void add_nodal(const Shape& shape, double angle, const std::vector<double>& forc
   for (std::size_t v = 0; v < shape.node.size(); ++v) {
     const Vec2 f{forces[2 * shape.node[v]], forces[2 * shape.node[v] + 1]};
     if (f == Vec2{}) continue;
-    body.forces.push_back({body.outline[v], bem::rotated(f, angle), time, follows, mean_of(time)});
+    body.forces.push_back({body.outline[v], rotated(f, angle), time, follows, mean_of(time)});
   }
 }
 
@@ -185,10 +185,9 @@ void load_elastic(const ContactBody& spec, const Shape& shape, double angle, Vec
   for (const ContactLoad& load : spec.loads) {
     if (!load.side) {
       // The place in the frame of the shape.
-      const Vec2 local =
-          bem::rotated(load.at - spec.corners[0], -angle) + shape.body->corners[0] - shape.block.centroid();
+      const Vec2 local = rotated(load.at - spec.corners[0], -angle) + shape.body->corners[0] - shape.block.centroid();
       std::vector<double> forces(shape.block.freedoms(), 0.0);
-      shape.block.add_point_force(shape.block.place(local), bem::rotated(load.force, -angle), forces);
+      shape.block.add_point_force(shape.block.place(local), rotated(load.force, -angle), forces);
       add_nodal(shape, angle, forces, load.time, load.follows, body);
       continue;
     }
@@ -197,7 +196,7 @@ void load_elastic(const ContactBody& spec, const Shape& shape, double angle, Vec
     for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
       if (mesh.elements[e].side != *load.side) continue;
       for (std::size_t a = 0; a < places.size(); ++a) {
-        tractions[e][a] = bem::rotated(load.traction, -angle) - load.pressure * mesh.elements[e].normal(places[a]);
+        tractions[e][a] = rotated(load.traction, -angle) - load.pressure * mesh.elements[e].normal(places[a]);
       }
     }
     add_nodal(shape, angle, shape.block.forces_of(tractions), load.time, load.follows, body);
@@ -205,7 +204,7 @@ void load_elastic(const ContactBody& spec, const Shape& shape, double angle, Vec
   if (spec.clamped() && !(gravity == Vec2{})) {
     // A free body's weight moves it as a whole only; a clamped one bends. Forces on inner shapes move no boundary
     // point.
-    add_nodal(shape, angle, shape.block.forces_of_acceleration(bem::rotated(gravity, -angle)), {}, false, body);
+    add_nodal(shape, angle, shape.block.forces_of_acceleration(rotated(gravity, -angle)), {}, false, body);
   }
 }
 
@@ -216,7 +215,7 @@ void load_rigid(const ContactBody& spec, dbem::Body& body) {
       continue;
     }
     const Vec2 a = spec.corners[*load.side], b = spec.corners[(*load.side + 1) % spec.corners.size()];
-    const Vec2 force = norm(b - a) * load.traction - load.pressure * bem::turned_right(b - a);
+    const Vec2 force = norm(b - a) * load.traction - load.pressure * turned_right(b - a);
     body.forces.push_back({(a + b) / 2 - body.origin, force, load.time, load.follows, mean_of(load.time)});
   }
 }

@@ -71,7 +71,7 @@ std::vector<Vec2> rectangle(const TableReader& table) {
   const double angle = table.value("angle") * degree;
   std::vector<Vec2> out;
   for (const Vec2 p : {Vec2{0, 0}, Vec2{width, 0}, Vec2{width, height}, Vec2{0, height}}) {
-    out.push_back(corner + (angle == 0 ? p : bem::rotated(p, angle)));
+    out.push_back(corner + (angle == 0 ? p : rotated(p, angle)));
   }
   return out;
 }

@@ -10,6 +10,7 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
+#include "cleave/core/special.hpp"
 #include "cleave/dfn/sample.hpp"
 #include "cleave/scene/run.hpp"
 #include "drawing_order.hpp"
@@ -39,7 +40,7 @@ Strength draw_strength(const Scene& scene, std::uint64_t realization, SetId set,
   double cohesion = uniform(Draw::cohesion);
   if (const double r = properties.friction_cohesion; r != 0) {
     const double score = r * normal_quantile(friction) + std::sqrt(1 - r * r) * normal_quantile(cohesion);
-    cohesion = std::clamp(0.5 * std::erfc(-score / std::numbers::sqrt2), 0x1p-53, 1 - 0x1p-53);
+    cohesion = std::clamp(special::normal_cdf(score), 0x1p-53, 1 - 0x1p-53);
   }
   return {properties.friction.quantile(friction), properties.cohesion.quantile(cohesion),
           properties.tension.quantile(uniform(Draw::tension)), properties.jrc, properties.jcs};

@@ -8,6 +8,7 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/expected.hpp"
 #include "cleave/core/parallel.hpp"
+#include "cleave/core/special.hpp"
 #include "cleave/stability/clamping.hpp"
 
 namespace cleave::scene {
@@ -24,34 +25,6 @@ std::array<double, 6> turned(const std::array<double, 6>& s, Vec3 right, Vec3 up
   };
   return {dot(right, times(right)), dot(up, times(up)),   dot(axis, times(axis)),
           dot(right, times(up)),    dot(up, times(axis)), dot(axis, times(right))};
-}
-
-/// Gauss points on [-1, 1].
-struct Rule {
-  std::vector<double> s, w;
-};
-Rule gauss_of(std::size_t n) {
-  Rule rule;
-  for (std::size_t k = 0; k < n; ++k) {
-    double x = std::cos(std::numbers::pi * (static_cast<double>(k) + 0.75) / (static_cast<double>(n) + 0.5));
-    double slope = 1;
-    for (int pass = 0; pass < 50; ++pass) {
-      double before = 1, value = x;
-      for (std::size_t j = 2; j <= n; ++j) {
-        const double m = static_cast<double>(j);
-        const double next = ((2 * m - 1) * x * value - (m - 1) * before) / m;
-        before = value;
-        value = next;
-      }
-      slope = static_cast<double>(n) * (x * value - before) / (x * x - 1);
-      const double move = value / slope;
-      x -= move;
-      if (std::abs(move) < 1e-15) break;
-    }
-    rule.s.push_back(x);
-    rule.w.push_back(2 / ((1 - x * x) * slope * slope));
-  }
-  return rule;
 }
 
 }  // namespace
@@ -143,7 +116,7 @@ Vec3 force_on(const topology::BlockComplex& complex, const topology::Face& face,
   std::ranges::sort(levels);
   // Slabs between corners: their parts inside the face are trapezoids, however many loops it has.
   const auto integral = [&](std::size_t points) {
-    const Rule rule = gauss_of(points);
+    const special::GaussRule& rule = special::gauss_rule(points);
     Vec3 sum;
     double magnitude = 0;
     for (std::size_t l = 0; l + 1 < levels.size(); ++l) {

@@ -1,14 +1,14 @@
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "cleave/core/rng.hpp"
+#include "cleave/core/special.hpp"
 #include "cleave/scene/scene.hpp"
 
 namespace cleave::scene {
 namespace {
 
-double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
+using special::normal_cdf;
 
 /// Quantile of a standard normal law cut to [low, high]; by the shorter tail, so that it stays exact far out.
 double cut_normal(double low, double high, double u) {

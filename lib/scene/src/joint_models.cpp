@@ -19,8 +19,6 @@ constexpr NumberRule elongation_rule{1.2, false, 1e6, false, ""};
 constexpr NumberRule variation_rule{0, true, 10, false, ""};
 constexpr std::array<string_view, 8> models{"baecher", "enhanced_baecher", "veneziano", "dershowitz",
                                             "mosaic",  "hierarchical",     "mit",       "orthogonal"};
-constexpr std::array<string_view, 3> seed_words{"poisson", "grid", "jittered"};
-constexpr std::array<string_view, 3> gap_words{"poisson", "constant", "lognormal"};
 
 const KeyTable& zone_keys() {
   static const KeyTable keys{
@@ -34,7 +32,7 @@ const KeyTable& zone_keys() {
 const KeyTable& gap_keys() {
   static const KeyTable keys{
       .name = "joint_set.gaps",
-      .keys = {{"distribution", key::word(gap_words), required, "law of the distances of the planes"},
+      .keys = {{"distribution", key::word<dfn::Orthogonal::Gaps>(), required, "law of the distances of the planes"},
                {"variation", key::number(variation_rule), "", "standard deviation over mean, of `lognormal`"}}};
   return keys;
 }
@@ -103,7 +101,7 @@ std::vector<Key> model_keys() {
           {"share", key::either({key::number(rule::share), key::array(key::number(rule::probability), 3, 3)}), "0.5",
            "probability that a polygon is a joint (1 in `mosaic`); `hierarchical`: bounded by none, one, two or more "
            "older joints, `[0.1, 0.5, 1]`"},
-          {"seeds", key::word(seed_words), "\"poisson\"", "of the cells (`mosaic`)"},
+          {"seeds", key::word<dfn::Mosaic::Seeds>(), "\"poisson\"", "of the cells (`mosaic`)"},
           {"min_corners", key::whole(3, 8), "4", "polygons with fewer corners are no joints (`mit`)"},
           {"min_angle", key::number(angle_rule), "60", "degrees, smallest angle of a polygon (`mit`)"},
           {"max_elongation", key::number(elongation_rule), "1.6", "of a polygon (`mit`)"},
@@ -111,7 +109,7 @@ std::vector<Key> model_keys() {
           {"shift", key::number(rule::length_or_zero), "0", "m, of each polygon (`mit`)"},
           {"rotation_kappa", key::number(rule::kappa), "", "kappa of a Fisher rotation of each polygon (`mit`)",
            "turn_kappa"},
-          {"gaps", key::either({key::word(gap_words), key::table(&gap_keys)}), "\"poisson\"",
+          {"gaps", key::either({key::word<dfn::Orthogonal::Gaps>(), key::table(&gap_keys)}), "\"poisson\"",
            "distances of the planes: a law, or `{ distribution, variation }` (`orthogonal`)"},
           {"bridge", size_type(), "the law of `size`", "m, rock between the joints of a row (`orthogonal`)"}};
 }
@@ -184,7 +182,8 @@ std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& o
         if (std::holds_alternative<TomlTable>(gaps->node.value)) {
           const TableReader table = *set.sub("gaps");
           if (!table.has("distribution")) table.missing("distribution", "add distribution = \"poisson\"");
-          orthogonal.gaps = static_cast<dfn::Orthogonal::Gaps>(table.choice("distribution").value_or(0));
+          orthogonal.gaps =
+              table.given_word<dfn::Orthogonal::Gaps>("distribution").value_or(dfn::Orthogonal::Gaps::poisson);
           orthogonal.gap_variation = table.number("variation").value_or(orthogonal.gap_variation);
         } else {
           orthogonal.gaps = set.word<dfn::Orthogonal::Gaps>("gaps");

@@ -10,13 +10,6 @@
 namespace cleave::scene {
 namespace {
 
-stability::JointStrength strength_of(const Strength& s) {
-  auto made = s.jrc > 0 ? stability::JointStrength::barton_bandis(s.friction, s.jrc, s.jcs, s.tension)
-                        : stability::JointStrength::make(s.friction, s.cohesion, s.tension);
-  CLEAVE_ASSERT(made.has_value());
-  return *made;
-}
-
 stability::Actions actions_of(const Drawn& drawn, const LoadSet& loads) {
   auto water = loads.water;
   if (water && loads.water_level) water->level = loads.water_level->quantile(drawn.water_quantile);
@@ -39,6 +32,13 @@ stability::Actions actions_of(const Drawn& drawn, const LoadSet& loads) {
 }
 
 }  // namespace
+
+stability::JointStrength strength_of(const Strength& s) {
+  auto made = s.jrc > 0 ? stability::JointStrength::barton_bandis(s.friction, s.jrc, s.jcs, s.tension)
+                        : stability::JointStrength::make(s.friction, s.cohesion, s.tension);
+  CLEAVE_ASSERT(made.has_value());
+  return *made;
+}
 
 stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
                                 const LoadSet& loads) {

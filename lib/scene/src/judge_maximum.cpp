@@ -33,13 +33,10 @@ std::optional<Vec3> mean_normal(const Scene& scene, const Drawn& drawn, SetId se
 }
 
 /// Medians of the set's laws.
-stability::JointStrength strength_of(const JointProperties& p) {
+stability::JointStrength median_strength(const JointProperties& p) {
   const double half = 0.5;
-  const auto made = p.jrc > 0 ? stability::JointStrength::barton_bandis(p.friction.quantile(half), p.jrc, p.jcs,
-                                                                        p.tension.quantile(half))
-                              : stability::JointStrength::make(p.friction.quantile(half), p.cohesion.quantile(half),
-                                                               p.tension.quantile(half));
-  return made.value_or(stability::JointStrength::make(FrictionAngle::degrees(0)).value());
+  return strength_of(
+      Strength{p.friction.quantile(half), p.cohesion.quantile(half), p.tension.quantile(half), p.jrc, p.jcs});
 }
 
 }  // namespace
@@ -60,7 +57,7 @@ void judge_maximum_blocks(const Scene& scene, Realization& made) {
     if (!normal) continue;
     const auto direction = stability::direction_of(*normal);
     if (!direction) continue;
-    planes.push_back({*direction, strength_of(scene.sets[set].properties)});
+    planes.push_back({*direction, median_strength(scene.sets[set].properties)});
     used.push_back(set);
   }
   const TunnelLine& line = *scene.excavations[wanted.excavation].tunnel;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/core/enum_names.hpp"
 #include "cleave/scene/plan.hpp"
 
 /// The keys of scene and survey files, each declared once: what it holds, its unit, range, usual values, default and
@@ -94,6 +95,11 @@ inline constexpr std::int64_t any_length = 1'000'000'000;
 [[nodiscard]] KeyType flag();
 [[nodiscard]] KeyType text();
 [[nodiscard]] KeyType word(std::span<const std::string_view> words);
+/// One of the enumerators.
+template <class Enum>
+[[nodiscard]] KeyType word() {
+  return word(enum_names<Enum>);
+}
 [[nodiscard]] KeyType array(KeyType of, std::int64_t low = 0, std::int64_t high = any_length);
 [[nodiscard]] KeyType vector(const NumberRule& rule);                     ///< [x, y, z]
 [[nodiscard]] KeyType pair(const NumberRule& rule);                       ///< [x, y]

@@ -1,14 +1,11 @@
+#include "cleave/scene/load.hpp"
+
 #include <fmt/format.h>
 
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
-
-#include "cleave/scene/bodies.hpp"
-#include "cleave/scene/contact.hpp"
-#include "cleave/scene/parse.hpp"
-#include "cleave/scene/survey_file.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -51,15 +48,24 @@ std::expected<std::string, FileRefusal> read_whole(const std::filesystem::path& 
   return bytes;
 }
 
-}  // namespace
+/// What a text is a scene of, by its tables; a text that is no TOML is left to the parser of blocks, which says why.
+std::expected<AnyScene, std::vector<Problem>> parse_any(const std::string& text, const std::string& shown,
+                                                        const ReadFile& beside) {
+  const auto as_any = [](auto parsed) -> std::expected<AnyScene, std::vector<Problem>> {
+    if (!parsed) return std::unexpected(std::move(parsed).error());
+    return AnyScene{*std::move(parsed)};
+  };
+  const auto kind = kind2d_of(text);
+  if (kind == Kind2d::elastic) return as_any(parse_bodies(text, shown));
+  if (kind == Kind2d::contact) return as_any(parse_contact(text, shown));
+  return as_any(parse(text, shown, beside));
+}
 
-namespace {
-
-/// Reads a file and gives its text, with what it names beside it, to `parse`.
-template <class Parsed, class Parse>
-std::expected<Parsed, std::vector<Problem>> load_with(const std::string& path, const char* key,
-                                                      const Parse& parse_text) {
-  auto text = read_whole(path, largest_scene);
+/// Reads a file and gives its text, with what it names beside it, to `parse_text`.
+template <class Parse>
+auto load_with(const std::string& path, const char* key, const Parse& parse_text)
+    -> decltype(parse_text(std::string{}, path, ReadFile{})) {
+  const auto text = read_whole(path, largest_scene);
   if (!text) {
     return std::unexpected(std::vector{Problem{path, 1, key, text.error().what, text.error().remedy}});
   }
@@ -75,24 +81,16 @@ std::expected<Parsed, std::vector<Problem>> load_with(const std::string& path, c
 
 }  // namespace
 
-std::expected<Scene, std::vector<Problem>> load(const std::string& path) {
-  return load_with<Scene>(path, "scene", parse);
+std::expected<AnyScene, std::vector<Problem>> load(const std::string& path) {
+  return load_with(path, "scene", parse_any);
+}
+
+std::expected<Scene, std::vector<Problem>> load_blocks(const std::string& path) {
+  return load_with(path, "scene", parse);
 }
 
 std::expected<SurveyScene, std::vector<Problem>> load_survey(const std::string& path) {
-  return load_with<SurveyScene>(path, "survey", parse_survey);
-}
-
-std::optional<std::expected<BodiesScene, std::vector<Problem>>> load_bodies(const std::string& path) {
-  const auto text = read_whole(path, largest_scene);
-  if (!text || !is_bodies_scene(*text)) return std::nullopt;
-  return parse_bodies(*text, path);
-}
-
-std::optional<std::expected<ContactScene, std::vector<Problem>>> load_contact(const std::string& path) {
-  const auto text = read_whole(path, largest_scene);
-  if (!text || !is_contact_scene(*text)) return std::nullopt;
-  return parse_contact(*text, path);
+  return load_with(path, "survey", parse_survey);
 }
 
 }  // namespace cleave::scene

@@ -152,7 +152,6 @@ StoppedBy reason(const MonteCarloSettings& settings, const Ensemble& ensemble) {
 std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& scene, unsigned threads,
                                                                  const std::filesystem::path& path,
                                                                  const stochastic::Shard& shard,
-                                                                 const std::string& version,
                                                                  const MonteCarloWatch& watch) {
   const stochastic::Questions questions = questions_of(scene);
   const ThreadLimit limit{threads};
@@ -169,18 +168,16 @@ std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& sc
           };
         });
   };
-  return run_monte_carlo(scene, make, path, shard, version, watch);
+  return run_monte_carlo(scene, make, path, shard, watch);
 }
 
 std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& scene, const MakeRecords& make,
                                                                  const std::filesystem::path& path,
                                                                  const stochastic::Shard& shard,
-                                                                 const std::string& version,
                                                                  const MonteCarloWatch& watch) {
   const MonteCarloSettings& settings = *scene.monte_carlo;
   CLEAVE_TRY(RecordFile file,
-             RecordFile::open(path, {.version = version,
-                                     .scene_sha256 = scene_and_files_sha256(scene),
+             RecordFile::open(path, {.scene_sha256 = scene_and_files_sha256(scene),
                                      .seed = scene.seed,
                                      .shard = {shard.number, shard.of, strengths_per_geometry(scene)}}));
   Ensemble ensemble{ensemble_options_of(scene)};

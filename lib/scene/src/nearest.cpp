@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <vector>
 
+#include "cleave/core/text.hpp"
+
 namespace cleave::scene {
 namespace {
-
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 /// Optimal string alignment distance, O(|a| |b|).
 std::size_t edit_distance(std::string_view a, std::string_view b) {

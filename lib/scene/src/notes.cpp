@@ -49,7 +49,9 @@ void find_notes(const Scene& scene, const TableReader& root) {
     }
     return;
   }
-  if (!root.has("joints") && (!scene.joints.empty() || !scene.joint_sets.empty())) {
+  const bool without = !scene.joint_sets.empty() ||
+                       std::ranges::any_of(scene.joints, [](const MeasuredJoint& j) { return !j.own.friction; });
+  if (!root.has("joints") && without) {
     problems.note(1, "joints", "no strength is given: friction 30 degrees, cohesion 0 and tension 0 are taken",
                   "add [joints.default] with friction");
   }

@@ -198,6 +198,14 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
     problems.error(tree.error().line, "TOML", tree.error().what, "mend the syntax: see https://toml.io");
     return std::unexpected(std::move(problems).take_errors());
   }
+  const auto has = [&](string_view key) {
+    return std::ranges::find(tree->entries, key, &TomlEntry::key) != tree->entries.end();
+  };
+  constexpr std::array<string_view, 5> of_surveys{"orientations", "scanline", "borehole", "window", "set"};
+  if (!has("domain") && std::ranges::any_of(of_surveys, has)) {
+    problems.error(1, "scene", "is a survey file, not a scene", "run cleave survey " + shown + " -o FOLDER");
+    return std::unexpected(std::move(problems).take_errors());
+  }
   if (tree->entries.empty()) {
     problems.error(1, "domain", "the file is empty",
                    "start from one of: cleave init tunnel, slope, wedge, network, bodies");

@@ -22,7 +22,6 @@ constexpr NumberRule stiffness_rule{0, false, 1e18, false, " Pa/m"};
 constexpr NumberRule gradient_rule{-1e18, false, 1e18, false, " Pa/m"};
 constexpr std::array<string_view, 7> support_words{"fixed",        "roller", "symmetry", "spring",
                                                    "displacement", "bonded", "pin"};
-constexpr std::array<string_view, 3> extent_words{"bounded", "plane", "half_plane"};  // of bem::Extent
 
 const KeyTable& circle_keys() {
   static const KeyTable keys{.name = "circle",
@@ -98,7 +97,7 @@ const KeyTable& elastic_body_keys() {
                  {"load", key::tables(&load_keys_of_body), "[]", "what acts on it, below"},
                  {"velocity", key::pair(speed_rule), "[0, 0]", "m/s at the start, less what pins do not allow"},
                  {"angular_velocity", key::number(angular_velocity_rule), "0", "rad/s at the start", "spin"},
-                 {"extent", key::word(extent_words), "\"bounded\"",
+                 {"extent", key::word<bem::Extent>(), "\"bounded\"",
                   "`\"plane\"`: infinite around its holes; `\"half_plane\"` below `surface`"},
                  {"surface", key::number(rule::coordinate), "", "m, y of the surface of a half plane"},
                  {"in_situ", key::table(&in_situ_keys), "", "`{ stress, level, gradient }`: stress before loading"},
@@ -310,8 +309,8 @@ void put_loads(BodySpec& spec) {
     for (const std::size_t side : load.sides) {
       bem::Condition& c = spec.region.conditions[side];
       const auto axes = [axes = c.axes, turn = c.turn](Vec2 n) {
-        return axes == bem::Axes::normal ? std::array{bem::rotated(n, turn), bem::rotated(bem::turned_left(n), turn)}
-                                         : std::array{bem::rotated({1, 0}, turn), bem::rotated({0, 1}, turn)};
+        return axes == bem::Axes::normal ? std::array{rotated(n, turn), rotated(turned_left(n), turn)}
+                                         : std::array{rotated({1, 0}, turn), rotated({0, 1}, turn)};
       };
       for (std::size_t k = 0; k < 2; ++k) {
         if (c.component[k].given == bem::Given::displacement) continue;
@@ -413,36 +412,6 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, bem::Plan
   bodies.push_back(std::move(spec));
 }
 
-/// Bodies must not lie in each other; bonded ones touch along sides.
-void check_overlaps(const std::vector<BodySpec>& bodies, Problems& problems) {
-  const auto bounded = [](const BodySpec& b) { return b.extent == bem::Extent::bounded; };
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    for (std::size_t j = i + 1; j < bodies.size(); ++j) {
-      if (!bounded(bodies[i]) || !bounded(bodies[j])) continue;
-      const auto pokes = [](const BodySpec& a, const BodySpec& b) -> std::optional<Vec2> {
-        // Points of a's boundary, moved a little inwards, that lie inside b.
-        for (const bem::Loop& loop : a.region.loops) {
-          for (std::size_t s = 0; s < loop.size(); ++s) {
-            for (int k = 0; k < 16; ++k) {
-              const bem::SidePoint p = bem::point_on(loop, s, (k + 0.5) / 16);
-              const Vec2 inward = bem::turned_left(p.derivative) * 1e-6;
-              if (bem::inside(b.region.loops, p.x + inward)) return p.x;
-            }
-          }
-        }
-        return std::nullopt;
-      };
-      auto at = pokes(bodies[i], bodies[j]);
-      if (!at) at = pokes(bodies[j], bodies[i]);
-      if (at) {
-        problems.error(bodies[j].line, fmt::format("body[{}].outline", j + 1),
-                       fmt::format("overlaps \"{}\" at ({:.6g}, {:.6g})", bodies[i].name, at->x, at->y),
-                       "move one of them; bodies may touch along bonded sides");
-      }
-    }
-  }
-}
-
 }  // namespace
 
 const KeyTable& elastic_scene_keys() {
@@ -455,55 +424,6 @@ const KeyTable& elastic_scene_keys() {
     return table;
   }();
   return keys;
-}
-
-double TimeFunction::operator()(double t) const {
-  switch (kind) {
-    case Kind::step: return 1;
-    case Kind::ramp: return std::min(1.0, t / duration);
-    case Kind::pulse: return t < duration / 2 ? 2 * t / duration : std::max(0.0, 2 - 2 * t / duration);
-    case Kind::harmonic: return std::sin(2 * std::numbers::pi * frequency * t);
-  }
-  return 0;
-}
-
-double TimeFunction::mean(double from, double to) const {
-  // Integral of a line of this slope and value at 0 over the part of the interval that lies in [low, high].
-  const auto line = [&](double low, double high, double value, double slope) {
-    const double a = std::max(from, low), b = std::min(to, high);
-    return b > a ? (b - a) * (value + slope * (a + b) / 2) : 0.0;
-  };
-  constexpr double never = std::numeric_limits<double>::infinity();
-  switch (kind) {
-    case Kind::step: return 1;
-    case Kind::ramp: return (line(0, duration, 0, 1 / duration) + line(duration, never, 1, 0)) / (to - from);
-    case Kind::pulse:
-      return (line(0, duration / 2, 0, 2 / duration) + line(duration / 2, duration, 2, -2 / duration)) / (to - from);
-    case Kind::harmonic: {
-      const double half = std::numbers::pi * frequency * (to - from);
-      return (*this)(0.5 * (from + to)) * std::sin(half) / half;
-    }
-  }
-  return 0;
-}
-
-double TimeFunction::fastest() const {
-  switch (kind) {
-    case Kind::step: break;
-    case Kind::ramp:
-    case Kind::pulse: return duration;
-    case Kind::harmonic: return 1 / frequency;
-  }
-  return std::numeric_limits<double>::infinity();
-}
-
-bool is_bodies_scene(string_view text) {
-  const auto tree = read_toml(text);
-  if (!tree) return false;
-  const auto has = [&](string_view key) {
-    return std::ranges::find(tree->entries, key, &TomlEntry::key) != tree->entries.end();
-  };
-  return has("body") && !has("contact") && !has("domain") && !has("joint") && !has("joint_set");
 }
 
 std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, const std::string& shown) {

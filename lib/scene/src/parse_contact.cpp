@@ -8,6 +8,7 @@
 
 #include "cleave/scene/contact.hpp"
 #include "contact_outline.hpp"
+#include "contact_parts.hpp"
 #include "context.hpp"
 #include "nearest.hpp"
 #include "plane_input.hpp"
@@ -18,29 +19,7 @@ namespace {
 using bem::Vec2;
 using std::string_view;
 
-/// Empty for what is no solver. No default: the compiler asks for the name of a new one.
-constexpr string_view solver_name(ContactSolver solver) noexcept {
-  switch (solver) {
-    case ContactSolver::cascade: return "cascade";
-    case ContactSolver::open_close: return "open_close";
-    case ContactSolver::newton: return "newton";
-    case ContactSolver::continuation: return "continuation";
-    case ContactSolver::lemke: return "lemke";
-  }
-  return "";
-}
-/// What a scene may say, in the order of the enumeration.
-constexpr auto solver_names = [] {
-  std::array<string_view, static_cast<std::size_t>(ContactSolver::lemke) + 1> names;
-  for (std::size_t k = 0; k < names.size(); ++k) names[k] = solver_name(static_cast<ContactSolver>(k));
-  return names;
-}();
-static_assert(solver_name(static_cast<ContactSolver>(solver_names.size())).empty(),
-              "a solver that no scene can ask for");
-
-constexpr NumberRule downwards_rule{0, false, 1e3, false, " m/s2, downwards (a direction: [x, y])"};
 constexpr std::array<string_view, 1> fixed_word{"fixed"};
-constexpr std::array<string_view, 1> auto_word{"auto"};
 
 const KeyTable& contact_strength_keys() {
   static const KeyTable keys{.name = "joints of bodies",
@@ -72,57 +51,6 @@ const KeyTable& repeat_keys() {
                {"shift", key::pair(rule::coordinate), "[0, 0]", "`[x, y]` in m, of each once more"},
                {"rotation", key::number(rule::turn), "0", "degrees about `centre`, of each once more", "turn"},
                {"centre", key::pair(rule::coordinate), "", "`[x, y]` in m, of the rotation", "about"}}};
-  return keys;
-}
-
-const KeyTable& rock_strength_keys() {
-  static const KeyTable keys{.name = "contact.strength",
-                             .keys = {{"cohesion", key::number({0, false, 1e12, false, " Pa"}), required, "Pa"},
-                                      {"friction", key::number({0, false, 89, false, " degrees"}), required, "degrees"},
-                                      {"tension", key::number({0, false, 1e12, false, " Pa"}), required, "Pa"}}};
-  return keys;
-}
-
-const KeyTable& history_point_keys() {
-  static const KeyTable keys{.name = "contact.points", .keys = history_keys()};
-  return keys;
-}
-
-const KeyTable& contact_keys() {
-  static const KeyTable keys{
-      .name = "contact",
-      .keys = {
-          {"duration", key::number(time_rule), "", "s; with `static` the longest relaxation"},
-          {"step", key::number(time_rule), "from size, speed and how fast loads change",
-           "s, the first step; it is cut where contacts do not converge or bodies move too far"},
-          {"max_step", key::number(time_rule), "`step`", "s; when larger, steps grow while little moves"},
-          {"static", key::flag(), "false",
-           "true: relax to rest (implicit steps, each from rest, so without `velocity` and loads in time); no rest "
-           "found: exit code 4"},
-          {"gravity", key::either({key::number(downwards_rule), key::pair(rule::acceleration)}), "9.81",
-           "m/s2 downwards (not negative), or `[x, y]`"},
-          {"rigid", key::either({key::flag(), key::word(auto_word)}), "\"auto\"",
-           "`true`: three freedoms a body; `false`: elastic; `\"auto\"`: elastic where a body is clamped or strains "
-           "may "
-           "reach 1e-4; `cleave plan` says which and why"},
-          {"solver", key::word(solver_names), "\"cascade\"",
-           "`open_close` (that of Fu 2014), `newton`, `continuation`, `lemke`, or all of them, cheapest first"},
-          {"restitution", key::number({0, false, 1, false, ""}), "0",
-           "of the normal velocity at impacts of rigid bodies"},
-          {"max_displacement", key::number({0, true, 1, false, ""}), "0.05",
-           "of the scene's extent: no corner moves further in one step", "largest_move"},
-          {"points", key::tables(&history_point_keys), "[]",
-           "`[{ name, at = [x, y], body }]`: histories in points.csv, summary.json and the report"},
-          {"frames", key::whole(1, 5000), "120", "pictures kept for the animation and the VTU series"},
-          {"plane", key::word(plane_words), "\"strain\"", "of elastic bodies: plane strain or plane stress"},
-          {"element", key::number(rule::length), "a quarter of the body", "m, longest element of elastic bodies"},
-          {"modes", key::whole(0, 10'000), "0", "of an elastic body; 0: all, which keeps static compliance exact"},
-          {"estimate", key::flag(), "false",
-           "true: an estimate of the error of the steps, by two more runs with twice and four times the step"},
-          {"strength", key::table(&rock_strength_keys), "",
-           "`{ cohesion, friction, tension }` of the rock of elastic bodies (Pa, degrees, Pa): `safety` of their "
-           "stress"},
-          {"damping", key::number({0, false, 10, false, ""}), "0", "share of critical damping of elastic vibrations"}}};
   return keys;
 }
 
@@ -291,7 +219,7 @@ struct Repeat {
 
   [[nodiscard]] Vec2 place(Vec2 x, std::size_t copy) const {
     const auto k = static_cast<double>(copy);
-    return about + bem::rotated(x - about, k * turn * std::numbers::pi / 180) + k * shift;
+    return about + rotated(x - about, k * turn * std::numbers::pi / 180) + k * shift;
   }
 };
 
@@ -394,233 +322,6 @@ std::vector<ContactJoint> parse_strengths(const TableReader& root) {
   return out;
 }
 
-/// Extent of what moves (of everything when nothing does).
-double size_of(const ContactScene& scene, bool height) {
-  double low = 1e300, high = -1e300;
-  for (const bool all : {false, true}) {
-    for (const ContactBody& body : scene.bodies) {
-      if (body.fixed && !all) continue;
-      for (const Vec2 p : body.corners) {
-        low = std::min(low, height ? p.y : p.x);
-        high = std::max(high, height ? p.y : p.x);
-      }
-    }
-    if (high > low) return high - low;
-  }
-  return 1;
-}
-
-void parse_settings(const TableReader& table, ContactScene& scene) {
-  ContactSettings& s = scene.settings;
-  if (const TomlEntry* g = table.find("gravity")) {
-    if (std::holds_alternative<TomlArray>(g->node.value)) {
-      s.gravity = pair(table, "gravity").value_or(Vec2{});
-    } else {
-      s.gravity = {0, -table.number("gravity").value_or(0)};
-    }
-  }
-  s.to_rest = table.flag("static");
-  double smallest = 1e300, fastest = 0, load_time = 1e300;
-  for (const ContactBody& body : scene.bodies) {
-    if (body.fixed || body.corners.size() < 3) continue;
-    bem::Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
-    for (const Vec2 p : body.corners) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-    }
-    for (const ContactLoad& load : body.loads) load_time = std::min(load_time, load.time.fastest());
-    smallest = std::min(smallest, norm(high - low));
-    fastest = std::max(fastest, norm(body.velocity) + std::abs(body.spin) * norm(high - low) / 2);
-  }
-  if (smallest == 1e300) smallest = 1;
-  const double g = norm(s.gravity);
-  // A body falls a few thousandths of its own size from rest, or flies a hundredth of it, in the first step.
-  double step = 1e-2;
-  if (g > 0) step = 0.05 * std::sqrt(smallest / g);
-  if (fastest > 0) step = std::min(step, 0.01 * smallest / fastest);
-  step = std::min(step, load_time / 20);
-  s.step = table.number("step").value_or(step);
-  s.max_step = table.number("max_step").value_or(s.step);
-  if (!s.to_rest && std::max(s.step, s.max_step) > load_time / 5) {
-    table.note(
-        table.has("max_step") ? "max_step" : "step",
-        fmt::format("is long for a load that changes within {:.3g} s: only its mean over each step acts", load_time),
-        fmt::format("use steps of {:.2g} s", load_time / 20));
-  }
-  if (s.max_step < s.step) table.error("max_step", "is shorter than step", "make it as long, or longer");
-  if (s.to_rest) {
-    const double natural = g > 0 ? std::sqrt(size_of(scene, true) / g) : 1;
-    s.duration = table.number("duration").value_or(1000 * natural);
-  } else {
-    if (!table.has("duration"))
-      table.missing("duration", "write how long to follow the bodies, in s, or static = true");
-    s.duration = table.number("duration").value_or(1);
-  }
-  if (s.duration / s.step > 5e7) {
-    table.error(table.has("step") ? "step" : "duration", "makes more than fifty million steps",
-                "use a longer step or a shorter time");
-  }
-  if (table.has("step") && s.step > s.duration) {
-    table.error("step", "is longer than the whole time", "use a shorter step");
-  }
-  s.solver = table.word<ContactSolver>("solver");
-  s.restitution = table.value("restitution");
-  if (const TomlEntry* rigid = table.find("rigid")) {
-    const auto* word = std::get_if<std::string>(&rigid->node.value);
-    const auto* flag = std::get_if<bool>(&rigid->node.value);
-    if (flag != nullptr) {
-      s.rigidity = *flag ? Rigidity::rigid : Rigidity::elastic;
-    } else if (word == nullptr || *word != "auto") {
-      table.error("rigid", "must be true, false or \"auto\"", "write rigid = \"auto\"");
-    }
-  }
-  s.plane = table.word<bem::PlaneState>("plane");
-  s.element = table.number("element").value_or(0);
-  s.modes = static_cast<std::size_t>(table.count("modes"));
-  s.damping = table.value("damping");
-  s.largest_move = table.value("max_displacement");
-  s.frames = static_cast<std::size_t>(table.count("frames"));
-  s.estimate = table.flag("estimate");
-  if (const auto strength = table.sub("strength")) {
-    s.strength = RockStrength{.cohesion = strength->need_number("cohesion").value_or(0),
-                              .friction = strength->need_number("friction").value_or(0),
-                              .tension = strength->need_number("tension").value_or(0)};
-  }
-}
-
-bool holds(const ContactBody& body, Vec2 at) { return bem::inside({bem::polygon(body.corners)}, at); }
-
-/// On the outline, up to what rounding of written coordinates makes.
-bool lies_on(const ContactBody& body, Vec2 at) {
-  for (std::size_t k = 0; k < body.corners.size(); ++k) {
-    const Vec2 a = body.corners[k], d = body.corners[(k + 1) % body.corners.size()] - a;
-    if (norm(at - a - std::clamp(dot(at - a, d) / dot(d, d), 0.0, 1.0) * d) <= 1e-6 * norm(d)) return true;
-  }
-  return false;
-}
-
-/// The body that holds the point, or on whose outline it lies; one that moves goes before fixed ones.
-std::optional<std::size_t> body_at(const std::vector<ContactBody>& bodies, Vec2 at) {
-  std::optional<std::size_t> best;
-  const auto take = [&](std::size_t b) {
-    if (!best || (bodies[*best].fixed && !bodies[b].fixed)) best = b;
-  };
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (holds(bodies[b], at) || lies_on(bodies[b], at)) take(b);
-  }
-  return best;
-}
-
-void parse_points(const TableReader& table, ContactScene& scene) {
-  std::size_t number = 0;
-  for (const TableReader& point : table.each("points")) {
-    ++number;
-    if (!point.has("at")) point.missing("at", "write at = [x, y]");
-    const auto at = pair(point, "at");
-    if (!at) continue;
-    PointSpec spec{.name = point.text("name").value_or(fmt::format("point {}", number)), .at = *at, .body = 0};
-    if (spec.name.empty()) point.error("name", "is empty", "give a name, or remove the key");
-    if (std::ranges::find(scene.points, spec.name, &PointSpec::name) != scene.points.end()) {
-      point.error("name", fmt::format("\"{}\" is the name of another point, too", spec.name),
-                  "give each point a name of its own");
-      continue;
-    }
-    if (const auto wanted = point.text("body")) {
-      const auto body = std::ranges::find(scene.bodies, *wanted, &ContactBody::name);
-      if (body == scene.bodies.end()) {
-        std::vector<string_view> known;
-        for (const ContactBody& b : scene.bodies) known.emplace_back(b.name);
-        const auto guess = nearest(*wanted, known);
-        point.error("body", fmt::format("there is no body \"{}\"", wanted->substr(0, 60)),
-                    guess ? fmt::format("did you mean \"{}\"?", *guess) : "name one there is");
-        continue;
-      }
-      spec.body = static_cast<std::size_t>(body - scene.bodies.begin());
-      if (!holds(*body, *at) && !lies_on(*body, *at)) {
-        point.note("at", fmt::format("lies outside \"{}\": it moves as if it were a part of it", body->name),
-                   "write the place at the start of the run");
-      }
-    } else if (const auto body = body_at(scene.bodies, *at)) {
-      spec.body = *body;
-    } else {
-      point.error("at", "lies in no body", "move the point, or name its body");
-      continue;
-    }
-    scene.points.push_back(std::move(spec));
-  }
-}
-
-/// A point force acts where a body is; elastic bodies are known on their outlines only.
-void check_forces(const ContactScene& scene, Problems& problems) {
-  const bool elastic = rigidity_of(scene).elastic;
-  for (const ContactBody& body : scene.bodies) {
-    if (body.corners.empty()) continue;
-    for (const ContactLoad& load : body.loads) {
-      if (load.side || lies_on(body, load.at)) continue;
-      const std::string place = fmt::format("({:.6g}, {:.6g})", load.at.x, load.at.y);
-      if (!holds(body, load.at)) {
-        problems.error(load.line, "body.load.at", fmt::format("{} lies outside \"{}\"", place, body.name),
-                       "a force acts on its body: move the point onto it");
-      } else if (elastic) {
-        problems.error(load.line, "body.load.at", fmt::format("{} lies inside \"{}\", which deforms", place, body.name),
-                       "point forces act on the outline of elastic bodies: move the point there, or rigid = true");
-      }
-    }
-  }
-}
-
-/// Relaxation starts at rest and knows no time.
-void check_rest(const ContactScene& scene, Problems& problems) {
-  if (!scene.settings.to_rest) return;
-  for (const ContactBody& body : scene.bodies) {
-    if (!(body.velocity == Vec2{}) || body.spin != 0) {
-      problems.error(body.line, "body.velocity",
-                     fmt::format("\"{}\" has a speed at the start, but static = true starts from rest", body.name),
-                     "remove velocity and angular_velocity, or static = true");
-    }
-    for (const ContactLoad& load : body.loads) {
-      if (!load.timed) continue;
-      problems.error(load.line, "body.load.time", "loads change with time in moving scenes only",
-                     "remove it, or static = true");
-    }
-  }
-}
-
-/// Bodies may touch but not lie in each other. What rounding of written coordinates makes is let pass.
-void check_overlaps(const ContactScene& scene, Problems& problems) {
-  double smallest = 1e300;
-  std::vector<std::vector<Vec2>> polygons;
-  for (const ContactBody& body : scene.bodies) {
-    polygons.push_back(body.corners);
-    double longest = 0;
-    for (const Vec2 p : body.corners) longest = std::max(longest, norm(p - body.corners.front()));
-    smallest = std::min(smallest, longest);
-  }
-  for (const Overlap& overlap : overlaps_of(polygons, 1e-5 * smallest)) {
-    // Two fixed bodies may share room: nothing moves between them.
-    if (scene.bodies[overlap.first].fixed && scene.bodies[overlap.second].fixed) continue;
-    problems.error(
-        scene.bodies[overlap.second].line, fmt::format("body[{}]", overlap.second + 1),
-        fmt::format("\"{}\" overlaps \"{}\" by {:.3g} m at ({:.6g}, {:.6g})", scene.bodies[overlap.second].name,
-                    scene.bodies[overlap.first].name, overlap.depth, overlap.at.x, overlap.at.y),
-        "move one of them: bodies may touch, not lie in each other");
-  }
-}
-
-void check_elastic(const ContactScene& scene, const TableReader& contact, Problems& problems) {
-  if (scene.settings.rigidity == Rigidity::rigid) return;
-  const bool must = scene.settings.rigidity == Rigidity::elastic;
-  const bool clamped = std::ranges::any_of(scene.bodies, &ContactBody::clamped);
-  if (!must && !clamped) return;
-  for (const ContactBody& body : scene.bodies) {
-    if (body.fixed || (body.young && body.poisson)) continue;
-    problems.error(must ? contact.line_of("rigid") : body.line, must ? "contact.rigid" : "body.young",
-                   fmt::format("bodies deform, but \"{}\" has no Young's modulus or Poisson's ratio", body.name),
-                   "give young and poisson in [rock] or in the body, or rigid = true");
-    return;
-  }
-}
-
 }  // namespace
 
 const KeyTable& contact_scene_keys() {
@@ -639,15 +340,15 @@ const KeyTable& contact_scene_keys() {
   return keys;
 }
 
-string_view name_of(ContactSolver solver) noexcept { return solver_name(solver); }
-
-bool is_contact_scene(string_view text) {
+std::optional<Kind2d> kind2d_of(string_view text) {
   const auto tree = read_toml(text);
-  if (!tree) return false;
+  if (!tree) return std::nullopt;
   const auto has = [&](string_view key) {
     return std::ranges::find(tree->entries, key, &TomlEntry::key) != tree->entries.end();
   };
-  return has("contact") && !has("domain") && !has("joint") && !has("joint_set");
+  if (has("domain") || has("joint") || has("joint_set")) return std::nullopt;
+  if (has("contact")) return Kind2d::contact;
+  return has("body") ? std::optional{Kind2d::elastic} : std::nullopt;
 }
 
 std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text, const std::string& shown) {

@@ -14,8 +14,8 @@ using std::string_view;
 
 namespace {
 constexpr NumberRule any_time{0, false, 1e12, false, " s"};
-constexpr std::array<string_view, 4> schemes{"generalized_alpha", "newmark", "houbolt", "backward_euler"};
-constexpr std::array<string_view, 3> orders{"constant", "linear", "quadratic"};  // of bem::Order
+/// Laws of integration in time that a scene may ask for.
+enum class Scheme : std::uint8_t { generalized_alpha, newmark, houbolt, backward_euler };
 
 const KeyTable& damping_keys() {
   static const KeyTable keys{
@@ -32,7 +32,7 @@ const KeyTable& time_keys() {
       .keys = {
           {"end", key::number(time_rule), required, "s"},
           {"step", key::number(time_rule), required, "s"},
-          {"scheme", key::word(schemes), "\"generalized_alpha\"", "integration in time"},
+          {"scheme", key::word<Scheme>(), "\"generalized_alpha\"", "integration in time"},
           {"rho", key::number({0, false, 1, false, ""}), "0.8", "spectral radius of `generalized_alpha`"},
           {"beta", key::number({0, true, 1, false, ""}), "0.25", "of `newmark`"},
           {"gamma", key::number({0.5, false, 1, false, ""}), "0.5", "of `newmark`"},
@@ -61,10 +61,10 @@ const KeyTable& point_keys() {
 const KeyTable& elastic_keys() {
   static const KeyTable keys{
       .name = "elastic",
-      .keys = {{"plane", key::word(plane_words), "\"strain\"", "plane strain or plane stress"},
+      .keys = {{"plane", key::word<bem::PlaneState>(), "\"strain\"", "plane strain or plane stress"},
                {"gravity", key::either({key::number(rule::acceleration), key::pair(rule::acceleration)}), "0",
                 "m/s2 downwards, or `[x, y]`"},
-               {"order", key::word(orders), "\"quadratic\"", "of the elements"},
+               {"order", key::word<bem::Order>(), "\"quadratic\"", "of the elements"},
                {"element", key::number(rule::length), "a sixteenth of the size", "m, longest element"},
                {"tolerance", key::number({1e-12, false, 1, false, ""}), "",
                 "elements are doubled until displacements change by less, relative; not reached after 6 meshes: exit "
@@ -93,11 +93,11 @@ void parse_elastic_time(const TableReader& elastic, BodiesScene& scene) {
   if (time.end / time.step > 5e7)
     table.error("step", "makes more than fifty million steps", "use a longer step or a shorter time");
   if (time.step > time.end) table.error("step", "is longer than the whole time", "use a shorter step");
-  switch (table.word<std::size_t>("scheme")) {
-    case 0: time.scheme = bem::GeneralizedAlpha{table.value("rho")}; break;
-    case 1: time.scheme = bem::Newmark{table.value("beta"), table.value("gamma")}; break;
-    case 2: time.scheme = bem::Houbolt{}; break;
-    default: time.scheme = bem::BackwardEuler{}; break;
+  switch (table.word<Scheme>("scheme")) {
+    case Scheme::generalized_alpha: time.scheme = bem::GeneralizedAlpha{table.value("rho")}; break;
+    case Scheme::newmark: time.scheme = bem::Newmark{table.value("beta"), table.value("gamma")}; break;
+    case Scheme::houbolt: time.scheme = bem::Houbolt{}; break;
+    case Scheme::backward_euler: time.scheme = bem::BackwardEuler{}; break;
   }
   if (const auto damping = table.sub("damping")) {
     time.damping.share = damping->value("share");

@@ -10,5 +10,7 @@ namespace cleave::scene {
 void parse_elastic_time(const TableReader& elastic, BodiesScene& scene);
 /// `points`; after the bodies, in which they must lie.
 void parse_elastic_points(const TableReader& elastic, BodiesScene& scene);
+/// Bodies must not lie in each other; bonded ones touch along sides.
+void check_overlaps(const std::vector<BodySpec>& bodies, Problems& problems);
 
 }  // namespace cleave::scene

@@ -20,7 +20,6 @@ constexpr std::int64_t most_realizations = 100'000'000;
 constexpr NumberRule confidence_rule{0.5, false, 0.9999, false, ""};
 constexpr NumberRule volume_rule{0, false, 1e15, false, " m3"};
 constexpr NumberRule seismic_factor_rule{0, false, 1e3, false, ""};
-constexpr std::array<string_view, 2> stop_rules{"fixed_looks", "always_valid"};
 
 const KeyTable& stop_keys() {
   static const KeyTable keys{
@@ -30,7 +29,7 @@ const KeyTable& stop_keys() {
                {"confidence", key::number(confidence_rule), "0.95", "of the interval"},
                {"max", key::whole(2, most_realizations), required,
                 "the most realizations; reaching it first ends with exit code 4 and status `not converged`"},
-               {"rule", key::word(stop_rules), "\"fixed_looks\"",
+               {"rule", key::word<stochastic::StopRule>(), "\"fixed_looks\"",
                 "looks only after 100, 150, 225, ... realizations, and not before 300 while the skewness is above 2; "
                 "`\"always_valid\"` goes by a confidence sequence that holds at every look"}}};
   return keys;

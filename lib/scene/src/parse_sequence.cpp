@@ -53,9 +53,7 @@ void parse_orders(const TableReader& table, SequenceSettings& settings) {
   }
 }
 
-constexpr std::array<string_view, 2> fallen_words{"stay_out", "put_back"};
 constexpr std::array<string_view, 1> all_orders{"all"};
-constexpr std::array<string_view, 3> policies{"keep", "report", "exclude"};
 
 }  // namespace
 
@@ -63,7 +61,7 @@ const KeyTable& sequence_keys() {
   static const KeyTable keys{
       .name = "sequence",
       .keys = {
-          {"fallen", key::word(fallen_words), "\"stay_out\"",
+          {"fallen", key::word<Fallen>(), "\"stay_out\"",
            "key blocks of a stage have fallen when the next one begins; `\"put_back\"`: they are held and stay in "
            "place"},
           {"compare_orders", key::either({key::word(all_orders), key::array(key::array(key::whole(1, 10'000)))}), "",
@@ -76,7 +74,7 @@ const KeyTable& micro_blocks_keys() {
   static const KeyTable keys{
       .name = "micro_blocks",
       .keys = {
-          {"policy", key::word(policies), "\"report\"",
+          {"policy", key::word<MicroBlockPolicy>(), "\"report\"",
            "`\"keep\"`: say nothing; `\"report\"`: count them in `summary.json` and the notes; `\"exclude\"`: also "
            "leave them out of stability: not judged, in no batch, and holding nothing (their neighbours find a "
            "free face there)"},

@@ -41,15 +41,6 @@ using Readings = stability::TransferReadings;
 
 constexpr NumberRule gravity_rule{0, false, 1e3, false, " m/s2"};
 constexpr NumberRule azimuth_rule = rule::turn;
-constexpr std::array<string_view, 2> reach_words{"any_earlier", "adjacent"};
-constexpr std::array<string_view, 2> force_words{"net", "driving"};
-constexpr std::array<string_view, 2> along_words{"motion", "normals"};
-constexpr std::array<string_view, 2> receiver_words{"judged_anew", "keeps_mode"};
-constexpr std::array<string_view, 2> stabilised_words{"keeps_batch", "batches_anew"};
-constexpr std::array<string_view, 2> interface_words{"ignored", "strength"};
-constexpr std::array<string_view, 3> rotation_words{"off", "flag", "decide"};
-constexpr std::array<string_view, 3> groups_words{"off", "note", "decide"};
-constexpr std::array<string_view, 2> group_frictions{"area_mean", "smallest"};
 constexpr std::array<string_view, 2> extents{"all", "key"};
 
 const KeyTable& partial_keys() {
@@ -70,12 +61,12 @@ const KeyTable& target_keys() {
 const KeyTable& transfer_keys() {
   static const KeyTable keys{
       .name = "force_transfer",
-      .keys = {{"reach", key::word(reach_words), "\"any_earlier\"", "batches that forces pass to"},
-               {"force", key::word(force_words), "\"net\"", "what passes on"},
-               {"along", key::word(along_words), "\"motion\"", "direction in which it passes"},
-               {"receiver", key::word(receiver_words), "\"judged_anew\"", "motion of the block that receives"},
-               {"stabilised", key::word(stabilised_words), "\"keeps_batch\"", "a block that forces make stable"},
-               {"interface", key::word(interface_words), "\"ignored\"", "shear that a face can carry"}}};
+      .keys = {{"reach", key::word<Readings::Reach>(), "\"any_earlier\"", "batches that forces pass to"},
+               {"force", key::word<Readings::Force>(), "\"net\"", "what passes on"},
+               {"along", key::word<Readings::Along>(), "\"motion\"", "direction in which it passes"},
+               {"receiver", key::word<Readings::Receiver>(), "\"judged_anew\"", "motion of the block that receives"},
+               {"stabilised", key::word<Readings::Stabilised>(), "\"keeps_batch\"", "a block that forces make stable"},
+               {"interface", key::word<Readings::Interface>(), "\"ignored\"", "shear that a face can carry"}}};
   return keys;
 }
 
@@ -202,10 +193,10 @@ const KeyTable& stability_keys() {
          "\"any_earlier\"/\"adjacent\", force = \"net\"/\"driving\", along = \"motion\"/\"normals\", receiver = "
          "\"judged_anew\"/\"keeps_mode\", stabilised = \"keeps_batch\"/\"batches_anew\", interface = "
          "\"ignored\"/\"strength\" }`, [stability.md](stability.md)"},
-        {"rotation", key::word(rotation_words), "\"flag\"",
+        {"rotation", key::word<stability::RotationCheck>(), "\"flag\"",
          "single blocks that cannot slide are asked whether they turn (topple, twist): `\"flag\"` tells, `\"decide\"` "
          "makes those that do key blocks, `\"off\"` does not ask. Ensembles only ask with `\"decide\"`"},
-        {"groups", key::word(groups_words), "\"note\"",
+        {"groups", key::word<stability::GroupsCheck>(), "\"note\"",
          "blocks near free faces are judged together too (key groups): `\"note\"` tells, in `key_groups.csv`, "
          "`\"decide\"` makes blocks of such groups key blocks, `\"off\"` does not ask. Not in ensembles"},
         {"maximum_blocks", key::table(&maximum_keys), "",
@@ -217,7 +208,7 @@ const KeyTable& stability_keys() {
          "true: a block counts as removable only when it can leave all its contacts at once", "strict"},
         {"cohesion_on_parallel_faces", key::flag(), "false",
          "true: cohesion counts on faces that are only brushed, too", "parallel_contact"},
-        {"group_friction", key::word(group_frictions), "\"area_mean\"",
+        {"group_friction", key::word<stability::GroupFriction>(), "\"area_mean\"",
          "friction of coplanar contacts with several joints: mean by area, or `\"smallest\"`"}};
     table.keys.insert(table.keys.end(), more.begin(), more.end());
     return table;

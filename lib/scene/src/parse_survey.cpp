@@ -32,7 +32,6 @@ constexpr NumberRule aspect_rule{1, false, 1000, false, ""};
 constexpr NumberRule confidence_rule{0.5, false, 0.9999, false, ""};
 constexpr NumberRule cap_rule{1, false, 1000, false, ""};
 /// In the order of survey::JointShape.
-constexpr std::array<string_view, 3> shape_words{"disc", "ellipse", "rectangle"};
 
 const KeyTable& line_direction_keys() {
   static const KeyTable keys{.name = "orientations.line",
@@ -126,7 +125,7 @@ const KeyTable& set_keys() {
                {"dip", key::number(rule::dip), "", "degrees, stated beside `azimuth`"},
                {"dip_direction", key::number(rule::dip_direction), "from the traces", "degrees"},
                {"kappa", key::number(kappa_rule), "from the traces", "of the Fisher law"},
-               {"shape", key::word(shape_words), "\"disc\"", "of its joints"},
+               {"shape", key::word<survey::JointShape>(), "\"disc\"", "of its joints"},
                {"aspect", key::number(aspect_rule), "", "long over short axis or side"},
                {"rotation", key::number(rule::turn), "0", "degrees from the strike to the long axis or side"}}};
   return keys;
@@ -214,7 +213,7 @@ class SurveyParser final {
       return;
     }
     const bool oriented = has_orientation(*data), lengths = data->column("length").has_value();
-    line.truncation = table.number("truncation").value_or(0);
+    line.truncation = metres(table.number("truncation").value_or(0));
     std::size_t wrong = 0;
     for (const SurveyTable::Row& row : data->rows) {
       const std::size_t before = context_.problems.errors();
@@ -250,8 +249,8 @@ class SurveyParser final {
     window.x_axis = dip == 0 ? Vec3{1, 0, 0} : -geometry::strike_vector(context_.turned(direction));
     if (dip != 0 && dot(cross(window.normal, window.x_axis), Vec3{0, 0, 1}) < 0) window.x_axis = -window.x_axis;
     const auto scale = table.number("scale");
-    window.border = table.number("border").value_or(0);
-    window.truncation = table.number("truncation").value_or(0);
+    window.border = metres(table.number("border").value_or(0));
+    window.truncation = metres(table.number("truncation").value_or(0));
     if (!table.has("traces")) table.missing("traces", "add traces = \"traces.geojson\" (or .csv, .txt)");
     const auto traces = map_of(table, "traces");
     if (!traces) return;
@@ -343,8 +342,8 @@ class SurveyParser final {
       }
     }
     if (const auto azimuth = table.pair("azimuth")) rule.azimuth = std::pair{(*azimuth)[0], (*azimuth)[1]};
-    rule.dip = table.number("dip");
-    rule.dip_direction = table.number("dip_direction");
+    if (const auto dip = table.number("dip")) rule.dip = Dip::degrees(*dip);
+    if (const auto direction = table.number("dip_direction")) rule.dip_direction = DipDirection::degrees(*direction);
     rule.kappa = table.number("kappa");
     shape(table, rule.shape);
     in_.rules.push_back(std::move(rule));

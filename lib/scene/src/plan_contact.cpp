@@ -85,7 +85,7 @@ Plan make_plan(const ContactScene& scene) {
     why += fmt::format("; {:.6g} s in steps of {:.3g} s", s.duration, s.step);
     if (s.max_step > s.step) why += fmt::format(" and up to {:.3g} s", s.max_step);
   }
-  why += fmt::format("; solver {}", name_of(s.solver));
+  why += fmt::format("; solver {}", dbem::name_of(s.solver));
   if (!rigidity.elastic) why += "; no boundary elements, no vibrations";
   const bool bonded =
       std::ranges::any_of(scene.joints, [](const ContactJoint& j) { return j.cohesion > 0 || j.tension > 0; });

@@ -47,14 +47,12 @@ std::optional<std::vector<Vec2>> corners_of(const TableReader& table, const Toml
 namespace {
 
 constexpr NumberRule frequency_rule{0, true, 1e9, false, " Hz"};
-/// In the order of TimeFunction::Kind.
-constexpr std::array<string_view, 4> time_words{"step", "ramp", "pulse", "harmonic"};
 
 const KeyTable& time_function_keys() {
   static const KeyTable keys{
       .name = "body.load.time",
       .keys = {
-          {"kind", key::word(time_words), required,
+          {"kind", key::word<TimeFunction::Kind>(), required,
            "`step`: from the start; `ramp`: rising over `duration`; `pulse`: rising and falling in a triangle over it; "
            "`harmonic`: sine of `frequency`"},
           {"duration", key::number(time_rule), "", "s, of ramp and pulse"},
@@ -117,9 +115,9 @@ TimeFunction parse_time_function(const TableReader& load, bool& follows) {
   const auto found = load.sub("time");
   if (!found) return out;
   const TableReader& table = *found;
-  const auto kind = table.choice("kind");
+  const auto kind = table.given_word<TimeFunction::Kind>("kind");
   if (!table.has("kind")) table.missing("kind", "write one of: step ramp pulse harmonic");
-  out.kind = static_cast<TimeFunction::Kind>(kind.value_or(0));
+  out.kind = kind.value_or(TimeFunction::Kind::step);
   const bool lasts = out.kind == TimeFunction::Kind::ramp || out.kind == TimeFunction::Kind::pulse;
   if (lasts) {
     out.duration = table.need_number("duration").value_or(1);
@@ -130,7 +128,7 @@ TimeFunction parse_time_function(const TableReader& load, bool& follows) {
   for (const auto& [key, used] : {std::pair{string_view{"duration"}, lasts},
                                   std::pair{string_view{"frequency"}, out.kind == TimeFunction::Kind::harmonic}}) {
     if (kind && !used && table.has(key)) {
-      table.error(key, fmt::format("has no meaning for kind = \"{}\"", time_words[*kind]),
+      table.error(key, fmt::format("has no meaning for kind = \"{}\"", enum_name(*kind)),
                   "duration belongs to ramp and pulse, frequency to harmonic: remove it");
     }
   }

@@ -27,8 +27,6 @@ inline constexpr NumberRule speed_rule{-1e18, false, 1e18, false, " m/s"};
 inline constexpr NumberRule angular_velocity_rule{-1e18, false, 1e18, false, " rad/s"};
 inline constexpr NumberRule body_density_rule{0, false, 1e5, false, " kg/m3"};
 
-/// Words of bem::PlaneState, in its order.
-inline constexpr std::array<std::string_view, 2> plane_words{"strain", "stress"};
 inline constexpr std::array<std::string_view, 1> all_sides{"all"};
 
 /// side and sides of a support or load.

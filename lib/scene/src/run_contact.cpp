@@ -23,17 +23,6 @@ constexpr double rest_criterion = 1e-7;  // unbalanced force over weight
 constexpr std::uint64_t most_rest_steps = 20000;
 constexpr double strain_too_large = 0.1;  // for bodies whose shape is that of the start
 
-dbem::Method method_of(ContactSolver solver) {
-  switch (solver) {
-    case ContactSolver::cascade: return dbem::Method::cascade;
-    case ContactSolver::open_close: return dbem::Method::open_close;
-    case ContactSolver::newton: return dbem::Method::newton;
-    case ContactSolver::continuation: return dbem::Method::continuation;
-    case ContactSolver::lemke: return dbem::Method::lemke;
-  }
-  return dbem::Method::cascade;
-}
-
 /// By how much all stress may grow together: Mohr and Coulomb on the largest and smallest principal stress, and the
 /// tension cut-off.
 double safety_of(const std::array<double, 3>& principal, const RockStrength& strength) {
@@ -185,7 +174,7 @@ class Recorder final {
 
  private:
   [[nodiscard]] static Vec2 force_of(const dbem::Contact& contact) {
-    return contact.normal_force * contact.normal + contact.tangential_force * bem::turned_left(contact.normal);
+    return contact.normal_force * contact.normal + contact.tangential_force * turned_left(contact.normal);
   }
   [[nodiscard]] std::vector<Vec2> displacements() const {
     std::vector<Vec2> out;
@@ -362,7 +351,7 @@ std::vector<Vec2> corners_at(const ContactResult& result, std::size_t frame, std
   if (!now.corners[body].empty()) return now.corners[body];
   std::vector<Vec2> out = result.bodies[body].outline;
   for (Vec2& p : out) {
-    p = now.places[body].centroid + bem::rotated(p - result.bodies[body].start, now.places[body].rotation);
+    p = now.places[body].centroid + rotated(p - result.bodies[body].start, now.places[body].rotation);
   }
   return out;
 }
@@ -399,7 +388,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
     options.overlap = 2e-5;  // the scene's own check is stricter
     options.quasi_static = s.to_rest;
     options.adaptive = s.to_rest || s.max_step > s.step;
-    options.solver.method = method_of(s.solver);
+    options.solver.method = s.solver;
     auto world = dbem::World::make(prepared->bodies, laws_of(scene), options);
     if (!world) {
       return std::vector{Problem{scene.shown, 1, "contact", describe(world.error()), "change the bodies it names"}};

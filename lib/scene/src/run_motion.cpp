@@ -144,7 +144,7 @@ std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned 
   if (!(spec.velocity == Vec2{}) || spec.spin != 0) {
     std::vector<double> v(block.freedoms(), 0.0);
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-      const Vec2 w = spec.velocity + spec.spin * bem::turned_left(mesh.nodes[n].x);
+      const Vec2 w = spec.velocity + spec.spin * turned_left(mesh.nodes[n].x);
       v[2 * n] = w.x;
       v[2 * n + 1] = w.y;
     }
@@ -312,7 +312,7 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
         const bem::InnerState state =
             m.free ? m.free->inner(*followed[p].inner) : m.vibration->inner(*followed[p].inner);
         const Vec2 own = out.at - m.block->centroid() + state.displacement;
-        out.displacement.push_back(m.centre() + bem::rotated(own, m.angle()) - out.at);
+        out.displacement.push_back(m.centre() + rotated(own, m.angle()) - out.at);
         if (scene.points[p].stress) out.stress.push_back(in_world(state.stress, m.angle()));
         continue;
       }

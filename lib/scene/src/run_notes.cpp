@@ -173,6 +173,19 @@ void add_group_notes(const stability::KeyGroups& groups, const stability::Analys
   }
 }
 
+/// Blocks that nothing but a side of the domain holds.
+void add_border_note(const stability::DomainHeld& held, std::vector<std::string>& notes) {
+  if (held.blocks.empty()) return;
+  const bool one = held.blocks.size() == 1;
+  notes.push_back(fmt::format(
+      "{} {} at free faces ({:.4g} m3, {:.3g} % of the free area) {} held only by {} of the domain that {} not free "
+      "and "
+      "{} not counted as key blocks: what lies beyond is unknown; enlarge the domain, or name these sides in `free`",
+      held.blocks.size(), one ? "block" : "blocks", held.volume.si(),
+      held.all_free.si() > 0 ? 100 * held.free_area.si() / held.all_free.si() : 0, one ? "is" : "are",
+      one ? "a side" : "sides", one ? "is" : "are", one ? "is" : "are"));
+}
+
 }  // namespace
 
 std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
@@ -206,6 +219,12 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (analysis && made.complex) {
     add_enclosed_notes(*made.complex, settings_on(made.complex->complex(), scene, made, scene.stability->loads),
                        *analysis, notes);
+  }
+  if (analysis && made.complex) {
+    add_border_note(
+        stability::domain_held(*made.complex, settings_on(made.complex->complex(), scene, made, scene.stability->loads),
+                               *analysis),
+        notes);
   }
   if (made.window && made.window->truncated > 0 && analysis && analysis->rotation == stability::RotationCheck::flag) {
     notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");

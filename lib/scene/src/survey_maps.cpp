@@ -191,7 +191,7 @@ std::vector<MapsBeside> maps_beside(const SurveyScene& survey, const survey::Sur
   std::vector<MapsBeside> all;
   for (std::size_t w = 0; w < survey.input.windows.size(); ++w) {
     const survey::WindowSurvey& window = survey.input.windows[w];
-    MapsBeside maps{map_figures(window, window.traces, window.border, survey.input.confidence), {}, {}};
+    MapsBeside maps{map_figures(window, window.traces, window.border.si(), survey.input.confidence), {}, {}};
     for (Drawn& map : drawn_maps(survey, result, w, window.traces.size() > 20'000 ? 1 : simulated_maps)) {
       if (map.traces) maps.first = std::move(map.traces);
       maps.simulated.push_back(std::move(map.figures));

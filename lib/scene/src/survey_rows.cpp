@@ -22,14 +22,21 @@ namespace {
 
 /// Degrees of a row within [0, high], or wrapped there when the survey allows it.
 std::optional<double> angle(Context& context, const LoadedFile& file, const SurveyTable::Row& row, string_view name,
-                            std::optional<double> value, double high, bool wrap) {
+                            std::optional<double> value, double high, bool wrap, bool swapped) {
   if (!value) return std::nullopt;
   if (*value >= 0 && *value <= high) return value;
   if (wrap) return high == 360 ? geometry::wrap_degrees(*value) : std::abs(std::remainder(*value, 180));
   context.problems.error_in(file.shown, row.line, std::string{name},
                             fmt::format("is {}, outside 0 to {} degrees", *value, high),
-                            "correct it, or write wrap = true");
+                            swapped ? "are dip and dip direction swapped? Then swap their names; else correct it, or "
+                                      "write wrap = true"
+                                    : "correct it, or write wrap = true");
   return std::nullopt;
+}
+
+/// Whether a row would be right if dip and direction were in the other order.
+bool looks_swapped(std::optional<double> dip, std::optional<double> direction) {
+  return dip && direction && *dip > 90 && *dip <= 360 && *direction >= 0 && *direction <= 90;
 }
 
 /// Tables may state an orientation twice, in two conventions; then both must say the same within a degree and a half.
@@ -48,8 +55,9 @@ bool agree(Context& context, const LoadedFile& file, const SurveyTable::Row& row
 
 std::optional<Vec3> normal_of_row(Context& context, const LoadedFile& file, const SurveyTable& table,
                                   const SurveyTable::Row& row, bool wrap) {
+  bool swapped = false;
   const auto value = [&](string_view name, double high) {
-    return angle(context, file, row, name, cell_number(context, file, table, row, name), high, wrap);
+    return angle(context, file, row, name, cell_number(context, file, table, row, name), high, wrap, swapped);
   };
   if (table.column("trend") && table.column("plunge")) {
     const auto trend = value("trend", 360), plunge = value("plunge", 90);
@@ -65,6 +73,11 @@ std::optional<Vec3> normal_of_row(Context& context, const LoadedFile& file, cons
       }
     }
     return normal;
+  }
+  const string_view bearing = table.column("dip_direction") ? "dip_direction" : "strike";
+  if (table.column("dip") && !wrap) {
+    const auto plain = [&](string_view name) { return plain_number(table, row, name); };
+    swapped = looks_swapped(plain("dip"), plain(bearing));
   }
   const auto dip = value("dip", 90);
   auto direction = table.column("dip_direction") ? value("dip_direction", 360) : value("strike", 360);

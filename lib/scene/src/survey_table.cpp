@@ -10,19 +10,12 @@
 #include <system_error>
 #include <utility>
 
+#include "cleave/core/text.hpp"
+
 namespace cleave::scene {
 namespace {
 
 using std::string_view;
-
-std::string lower(string_view text) {
-  std::string out;
-  for (char c : text) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    out += c == ' ' || c == '-' ? '_' : c;
-  }
-  return out;
-}
 
 /// The names that other programs give to the same column.
 std::string canonical(string_view name) {
@@ -41,14 +34,43 @@ std::string canonical(string_view name) {
                                                                          {"trace_length", "length"},
                                                                          {"persistence", "length"},
                                                                          {"terminations", "ends"}}};
-  const std::string word = lower(name);
+  std::string word = lower(name);
+  std::ranges::replace_if(word, [](char c) { return c == ' ' || c == '-'; }, '_');
   for (const auto& [alias, own] : aliases) {
     if (word == alias) return std::string{own};
   }
   return word;
 }
 
-string_view trimmed(string_view text) {
+/// The unit a column is read in; empty: it has none.
+string_view unit_of(string_view column) {
+  constexpr std::array<std::pair<string_view, string_view>, 10> units{{{"dip", "degrees"},
+                                                                       {"dip_direction", "degrees"},
+                                                                       {"strike", "degrees"},
+                                                                       {"trend", "degrees"},
+                                                                       {"plunge", "degrees"},
+                                                                       {"distance", "m"},
+                                                                       {"length", "m"},
+                                                                       {"x", "m"},
+                                                                       {"y", "m"},
+                                                                       {"z", "m"}}};
+  for (const auto& [name, unit] : units) {
+    if (column == name) return unit;
+  }
+  return {};
+}
+
+/// A column of the header; false when its unit is not one of its kind.
+bool add_column(SurveyTable& table, string_view cell) {
+  const ColumnHead head = column_head(cell);
+  table.columns.push_back(canonical(head.name));
+  const string_view own = unit_of(table.columns.back());
+  table.units.push_back(own.empty() || head.unit.empty() ? nullptr : find_unit(own, head.unit));
+  return own.empty() || head.unit.empty() || table.units.back() != nullptr;
+}
+
+/// Without blanks and quotes at both ends.
+string_view bare(string_view text) {
   constexpr string_view blank = " \t\r\"";
   const std::size_t first = text.find_first_not_of(blank);
   if (first == string_view::npos) return {};
@@ -79,7 +101,7 @@ std::vector<std::string> split(string_view line, char separator) {
   }
   for (;;) {
     const std::size_t end = line.find(separator);
-    cells.emplace_back(trimmed(line.substr(0, end)));
+    cells.emplace_back(bare(line.substr(0, end)));
     if (end == string_view::npos) return cells;
     line.remove_prefix(end + 1);
   }
@@ -105,7 +127,16 @@ std::optional<std::size_t> SurveyTable::column(string_view name) const {
 std::optional<SurveyTable> read_survey_table(Context& context, const LoadedFile& file,
                                              const std::vector<std::string>& columns) {
   SurveyTable table;
-  for (const std::string& name : columns) table.columns.push_back(canonical(name));
+  const auto add = [&](std::uint32_t line, string_view cell) {
+    if (add_column(table, cell)) return true;
+    context.problems.error_in(file.shown, line, "columns",
+                              fmt::format("the unit of column \"{}\" is not understood", cell.substr(0, 40)),
+                              fmt::format("state it in {}, or in a unit of that kind", unit_of(table.columns.back())));
+    return false;
+  };
+  for (const std::string& name : columns) {
+    if (!add(1, name)) return std::nullopt;
+  }
   string_view bytes = file.bytes;
   if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
   std::uint32_t line = 0;
@@ -115,7 +146,7 @@ std::optional<SurveyTable> read_survey_table(Context& context, const LoadedFile&
     const std::size_t end = std::min(bytes.find('\n'), bytes.size());
     const string_view text = bytes.substr(0, end);
     bytes.remove_prefix(std::min(end + 1, bytes.size()));
-    const string_view content = trimmed(text);
+    const string_view content = bare(text);
     if (content.empty() || content.starts_with('#')) continue;
     if (separator == 0) {
       separator = text.contains(';') ? ';' : text.contains(',') ? ',' : text.contains('\t') ? '\t' : ' ';
@@ -129,7 +160,9 @@ std::optional<SurveyTable> read_survey_table(Context& context, const LoadedFile&
                                   "state columns = [\"dip_direction\", \"dip\"] in the survey, or add a header");
         return std::nullopt;
       }
-      for (const std::string& cell : cells) table.columns.push_back(canonical(cell));
+      for (const std::string& cell : cells) {
+        if (!add(line, cell)) return std::nullopt;
+      }
       continue;
     }
     const bool heading = table.rows.empty() && !columns.empty() &&
@@ -143,6 +176,12 @@ std::optional<SurveyTable> read_survey_table(Context& context, const LoadedFile&
   return table;
 }
 
+std::optional<double> plain_number(const SurveyTable& table, const SurveyTable::Row& row, string_view name) {
+  const auto at = table.column(name);
+  if (!at || *at >= row.cells.size()) return std::nullopt;
+  return number_of(row.cells[*at]);
+}
+
 std::optional<double> cell_number(Context& context, const LoadedFile& file, const SurveyTable& table,
                                   const SurveyTable::Row& row, string_view name) {
   const auto at = table.column(name);
@@ -152,6 +191,7 @@ std::optional<double> cell_number(Context& context, const LoadedFile& file, cons
     context.problems.error_in(file.shown, row.line, std::string{name},
                               fmt::format("\"{}\" is not a number", row.cells[*at].substr(0, 40)), "mend or empty it");
   }
+  if (value && table.units[*at] != nullptr) return to_unit(*value, *table.units[*at]);
   return value;
 }
 

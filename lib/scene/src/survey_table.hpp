@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cleave/core/units.hpp"
 #include "context.hpp"
 
 namespace cleave::scene {
@@ -17,7 +18,8 @@ struct SurveyTable {
     std::uint32_t line;
     std::vector<std::string> cells;
   };
-  std::vector<std::string> columns;  ///< lower case, aliases replaced
+  std::vector<std::string> columns;  ///< lower case, aliases replaced, without units
+  std::vector<const Unit*> units;    ///< behind each name in brackets; null: in that of the column
   std::vector<Row> rows;
 
   [[nodiscard]] std::optional<std::size_t> column(std::string_view name) const;
@@ -30,5 +32,9 @@ struct SurveyTable {
 /// A number of a cell; nothing when the cell is empty; reported when it is no number.
 [[nodiscard]] std::optional<double> cell_number(Context& context, const LoadedFile& file, const SurveyTable& table,
                                                 const SurveyTable::Row& row, std::string_view name);
+
+/// The same; nothing, without a word, when it is no number.
+[[nodiscard]] std::optional<double> plain_number(const SurveyTable& table, const SurveyTable::Row& row,
+                                                 std::string_view name);
 
 }  // namespace cleave::scene

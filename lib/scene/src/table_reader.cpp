@@ -5,17 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <tuple>
 #include <utility>
 
 #include "cleave/core/assert.hpp"
-#include "cleave/core/overloaded.hpp"
 #include "nearest.hpp"
 
 namespace cleave::scene {
 namespace {
-
-constexpr std::size_t most_errors = 200;
 
 /// Long values are cut: a message is for reading.
 std::string in_quotes(std::string_view text) {
@@ -37,58 +33,6 @@ std::string form_of(const KeyType& array) {
 }
 
 }  // namespace
-
-std::string not_available() { return "is not available in version 0.1"; }
-
-std::string_view kind_of(const TomlNode& node) noexcept {
-  return std::visit(overloaded{[](bool) -> std::string_view { return "true or false"; },
-                               [](std::int64_t) -> std::string_view { return "a whole number"; },
-                               [](double) -> std::string_view { return "a number"; },
-                               [](const std::string&) -> std::string_view { return "text"; },
-                               [](const TomlDate&) -> std::string_view { return "a date or time"; },
-                               [](const TomlArray&) -> std::string_view { return "an array"; },
-                               [](const TomlTable&) -> std::string_view { return "a table"; }},
-                    node.value);
-}
-
-void Problems::error(std::uint32_t line, std::string key, std::string what, std::string remedy) {
-  error_in(file_, line, std::move(key), std::move(what), std::move(remedy));
-}
-void Problems::error_in(std::string file, std::uint32_t line, std::string key, std::string what, std::string remedy) {
-  ++error_count_;
-  if (errors_.size() < most_errors) {
-    errors_.push_back({std::move(file), line, std::move(key), std::move(what), std::move(remedy)});
-  }
-}
-void Problems::note(std::uint32_t line, std::string key, std::string what, std::string remedy) {
-  note_in(file_, line, std::move(key), std::move(what), std::move(remedy));
-}
-void Problems::note_in(std::string file, std::uint32_t line, std::string key, std::string what, std::string remedy) {
-  if (notes_.size() < most_errors) {
-    notes_.push_back({std::move(file), line, std::move(key), std::move(what), std::move(remedy)});
-  }
-}
-
-std::vector<Problem> Problems::take_errors() && {
-  const auto place = [&](const Problem& problem) {
-    return std::tuple{problem.file != file_, std::string_view{problem.file}, problem.line};
-  };
-  std::vector<std::size_t> order(errors_.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
-    return std::pair{place(errors_[a]), a} < std::pair{place(errors_[b]), b};
-  });
-  std::vector<Problem> sorted;
-  sorted.reserve(errors_.size() + 1);
-  for (const std::size_t i : order) sorted.push_back(std::move(errors_[i]));
-  errors_ = std::move(sorted);
-  if (error_count_ > errors_.size()) {
-    errors_.push_back({file_, 1, "scene", fmt::format("{} more errors are not shown", error_count_ - errors_.size()),
-                       "mend these first"});
-  }
-  return std::move(errors_);
-}
-std::vector<Problem> Problems::take_notes() && { return std::move(notes_); }
 
 TableReader::TableReader(const TomlTable& table, std::uint32_t line, std::string path, Problems& problems,
                          const KeyTable& keys)
@@ -132,7 +76,6 @@ void TableReader::report_unknown() const {
 }
 
 const Key& TableReader::declared(std::string_view key) const {
-  CLEAVE_ASSERT(keys_ != nullptr);
   const Key* found = keys_->find(key, variant_);
   CLEAVE_ASSERT(found != nullptr);
   return *found;
@@ -142,23 +85,6 @@ const KeyType& TableReader::type_of(std::string_view key, KeyType::Form form) co
   const KeyType* type = declared(key).type.as(form);
   CLEAVE_ASSERT(type != nullptr);
   return *type;
-}
-
-TableReader::TableReader(const TomlTable& table, std::uint32_t line, std::string path, Problems& problems,
-                         std::span<const std::string_view> known, std::span<const std::string_view> later)
-    : table_{&table}, line_{line}, path_{std::move(path)}, problems_{&problems} {
-  for (const TomlEntry& entry : table.entries) {
-    if (std::ranges::find(known, entry.key) != known.end()) continue;
-    if (std::ranges::find(later, entry.key) != later.end()) {
-      problems.error(entry.line, path_of(entry.key), not_available(), "remove it");
-      continue;
-    }
-    std::vector<std::string_view> all{known.begin(), known.end()};
-    all.insert(all.end(), later.begin(), later.end());
-    const auto guess = nearest(entry.key, all);
-    problems.error(entry.line, path_of(entry.key), "unknown key",
-                   guess ? fmt::format("did you mean \"{}\"?", *guess) : fmt::format("known here: {}", list_of(known)));
-  }
 }
 
 std::string TableReader::path_of(std::string_view key) const {
@@ -173,7 +99,7 @@ std::uint32_t TableReader::line_of(std::string_view key) const {
 }
 const TomlEntry* TableReader::find(std::string_view key) const {
   auto it = std::ranges::find(table_->entries, key, &TomlEntry::key);
-  if (it == table_->entries.end() && keys_ != nullptr) {
+  if (it == table_->entries.end()) {
     const Key* declared = keys_->find(key, variant_);
     if (declared == nullptr || declared->was.empty()) return nullptr;
     it = std::ranges::find(table_->entries, declared->was, &TomlEntry::key);
@@ -275,25 +201,6 @@ std::optional<geometry::Vec3> TableReader::vec3_of(const TomlNode& node, const s
 }
 
 const NumberRule& TableReader::rule_of(std::string_view key) const { return type_of(key, KeyType::Form::number).rule; }
-std::optional<double> TableReader::number(std::string_view key) const {
-  return number(key, type_of(key, KeyType::Form::number).rule);
-}
-std::optional<std::int64_t> TableReader::integer(std::string_view key) const {
-  const KeyType& type = type_of(key, KeyType::Form::whole);
-  return integer(key, type.low, type.high);
-}
-std::optional<std::size_t> TableReader::choice(std::string_view key) const {
-  return choice(key, type_of(key, KeyType::Form::word).words);
-}
-std::optional<geometry::Vec3> TableReader::vec3(std::string_view key) const {
-  return vec3(key, type_of(key, KeyType::Form::array).of.front().rule);
-}
-std::optional<double> TableReader::need_number(std::string_view key) const {
-  return need_number(key, type_of(key, KeyType::Form::number).rule);
-}
-std::optional<geometry::Vec3> TableReader::need_vec3(std::string_view key) const {
-  return need_vec3(key, type_of(key, KeyType::Form::array).of.front().rule);
-}
 
 std::optional<std::vector<double>> TableReader::numbers(std::string_view key) const {
   const TomlEntry* entry = find(key);
@@ -377,19 +284,25 @@ bool TableReader::flag(std::string_view key) const { return boolean(key).value_o
 std::size_t TableReader::word_number(std::string_view key) const {
   if (const auto given = choice(key)) return *given;
   const std::string_view standard = declared(key).standard;
-  const auto& words = type_of(key, KeyType::Form::word).words;
+  const auto words = type_of(key, KeyType::Form::word).words;
   const auto at =
       std::ranges::find_if(words, [&](std::string_view word) { return standard == fmt::format("\"{}\"", word); });
   return at == words.end() ? 0 : static_cast<std::size_t>(at - words.begin());
 }
+std::size_t TableReader::word_of(std::string_view key, std::span<const std::string_view> names) const {
+  CLEAVE_ASSERT(type_of(key, KeyType::Form::word).words.data() == names.data());  // the enumeration it is declared with
+  return word_number(key);
+}
 
-std::optional<double> TableReader::number(std::string_view key, const NumberRule& rule) const {
+std::optional<double> TableReader::number(std::string_view key) const {
+  const NumberRule& rule = rule_of(key);
   const TomlEntry* entry = find(key);
   if (entry == nullptr) return std::nullopt;
   return number_of(entry->node, path_of(key), rule);
 }
 
-std::optional<std::int64_t> TableReader::integer(std::string_view key, std::int64_t low, std::int64_t high) const {
+std::optional<std::int64_t> TableReader::integer(std::string_view key) const {
+  const auto [low, high] = std::pair{type_of(key, KeyType::Form::whole).low, type_of(key, KeyType::Form::whole).high};
   const TomlEntry* entry = find(key);
   if (entry == nullptr) return std::nullopt;
   const std::string remedy = fmt::format("give a whole number from {} to {}", low, high);
@@ -426,10 +339,10 @@ std::optional<std::string> TableReader::text(std::string_view key) const {
   return std::nullopt;
 }
 
-std::optional<geometry::Vec3> TableReader::vec3(std::string_view key, const NumberRule& rule) const {
+std::optional<geometry::Vec3> TableReader::vec3(std::string_view key) const {
   const TomlEntry* entry = find(key);
   if (entry == nullptr) return std::nullopt;
-  return vec3_of(entry->node, path_of(key), rule);
+  return vec3_of(entry->node, path_of(key), type_of(key, KeyType::Form::array).of.front().rule);
 }
 
 std::optional<std::vector<geometry::Vec3>> TableReader::points(std::string_view key) const {
@@ -506,46 +419,30 @@ std::vector<const TomlNode*> TableReader::tables(std::string_view key) const {
   return result;
 }
 
-std::optional<std::size_t> TableReader::choice(std::string_view key, std::span<const std::string_view> choices,
-                                               std::span<const std::string_view> later) const {
+std::optional<std::size_t> TableReader::choice(std::string_view key) const {
+  const auto choices = type_of(key, KeyType::Form::word).words;
   const auto word = text(key);
   if (!word) return std::nullopt;
   if (const auto it = std::ranges::find(choices, *word); it != choices.end()) {
     return static_cast<std::size_t>(it - choices.begin());
   }
-  if (std::ranges::find(later, *word) != later.end()) {
-    error(key, fmt::format("{} {}", in_quotes(*word), not_available()),
-          fmt::format("choose one of: {}", list_of(choices)));
-    return std::nullopt;
-  }
-  std::vector<std::string_view> all{choices.begin(), choices.end()};
-  all.insert(all.end(), later.begin(), later.end());
-  const auto guess = nearest(*word, all);
+  const auto guess = nearest(*word, choices);
   error(key, fmt::format("{} is not known", in_quotes(*word)),
         (guess ? fmt::format("did you mean \"{}\"? ", *guess) : std::string{}) +
             fmt::format("choose one of: {}", list_of(choices)));
   return std::nullopt;
 }
 
-std::optional<double> TableReader::need_number(std::string_view key, const NumberRule& rule) const {
-  if (!has(key)) {
-    missing(key, fmt::format("add {} = a number {}", key, rule.words()));
-    return std::nullopt;
-  }
-  return number(key, rule);
+std::optional<double> TableReader::need_number(std::string_view key) const {
+  if (!has(key)) missing(key, fmt::format("add {} = a number {}", key, rule_of(key).words()));
+  return number(key);
 }
-std::optional<geometry::Vec3> TableReader::need_vec3(std::string_view key, const NumberRule& rule) const {
-  if (!has(key)) {
-    missing(key, fmt::format("add {} = [x, y, z]", key));
-    return std::nullopt;
-  }
-  return vec3(key, rule);
+std::optional<geometry::Vec3> TableReader::need_vec3(std::string_view key) const {
+  if (!has(key)) missing(key, fmt::format("add {} = [x, y, z]", key));
+  return vec3(key);
 }
 std::optional<std::string> TableReader::need_text(std::string_view key) const {
-  if (!has(key)) {
-    missing(key, fmt::format("add {} = \"...\"", key));
-    return std::nullopt;
-  }
+  if (!has(key)) missing(key, fmt::format("add {} = \"...\"", key));
   return text(key);
 }
 

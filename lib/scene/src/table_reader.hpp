@@ -66,13 +66,16 @@ class TableReader final {
   [[nodiscard]] double value(std::string_view key) const;
   [[nodiscard]] std::int64_t count(std::string_view key) const;
   [[nodiscard]] bool flag(std::string_view key) const;
-  template <class Enumeration>
-  [[nodiscard]] Enumeration word(std::string_view key) const {
-    return static_cast<Enumeration>(word_number(key));
+  /// Of a key declared as `key::word<Enum>()`.
+  template <class Enum>
+  [[nodiscard]] Enum word(std::string_view key) const {
+    return static_cast<Enum>(word_of(key, enum_names<Enum>));
   }
-
-  TableReader(const TomlTable& table, std::uint32_t line, std::string path, Problems& problems,
-              std::span<const std::string_view> known, std::span<const std::string_view> later = {});
+  /// The same without the default: empty when absent or wrong.
+  template <class Enum>
+  [[nodiscard]] std::optional<Enum> given_word(std::string_view key) const {
+    return find(key) != nullptr && choice(key) ? std::optional{word<Enum>(key)} : std::nullopt;
+  }
 
   [[nodiscard]] std::uint32_t line() const noexcept { return line_; }
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
@@ -90,23 +93,14 @@ class TableReader final {
   [[nodiscard]] const TomlEntry* one_of(std::span<const std::string_view> keys) const;
 
   // Empty when the key is absent (no report) or wrong (reported).
-  [[nodiscard]] std::optional<double> number(std::string_view key, const NumberRule& rule) const;
-  [[nodiscard]] std::optional<std::int64_t> integer(std::string_view key, std::int64_t low, std::int64_t high) const;
   [[nodiscard]] std::optional<bool> boolean(std::string_view key) const;
   [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
-  [[nodiscard]] std::optional<geometry::Vec3> vec3(std::string_view key, const NumberRule& rule) const;
   [[nodiscard]] std::optional<std::vector<geometry::Vec3>> points(std::string_view key) const;
   [[nodiscard]] std::optional<std::vector<std::string>> texts(std::string_view key) const;
   [[nodiscard]] const TomlTable* table(std::string_view key) const;
   /// Tables of [[key]], or of a plain array of tables; empty when absent or wrong.
   [[nodiscard]] std::vector<const TomlNode*> tables(std::string_view key) const;
-  /// One word out of `choices`; words in `later` get "not available in this version".
-  [[nodiscard]] std::optional<std::size_t> choice(std::string_view key, std::span<const std::string_view> choices,
-                                                  std::span<const std::string_view> later = {}) const;
-
   // As above, but an absent key is reported too.
-  [[nodiscard]] std::optional<double> need_number(std::string_view key, const NumberRule& rule) const;
-  [[nodiscard]] std::optional<geometry::Vec3> need_vec3(std::string_view key, const NumberRule& rule) const;
   [[nodiscard]] std::optional<std::string> need_text(std::string_view key) const;
 
   /// Any node as a number: shared by arrays.
@@ -119,20 +113,18 @@ class TableReader final {
   [[nodiscard]] const Key& declared(std::string_view key) const;
   [[nodiscard]] const KeyType& type_of(std::string_view key, KeyType::Form form) const;
   [[nodiscard]] std::size_t word_number(std::string_view key) const;
+  [[nodiscard]] std::size_t word_of(std::string_view key, std::span<const std::string_view> names) const;
   void report_unknown() const;
 
   const TomlTable* table_;
   std::uint32_t line_;
   std::string path_;
   Problems* problems_;
-  const KeyTable* keys_ = nullptr;
+  const KeyTable* keys_;
   std::optional<std::size_t> variant_ = std::nullopt;
 };
 
 /// What a node is, in words: "text", "a table", ...
 [[nodiscard]] std::string_view kind_of(const TomlNode& node) noexcept;
-
-/// The sentence for keys and values that the contract knows but this version does not.
-[[nodiscard]] std::string not_available();
 
 }  // namespace cleave::scene

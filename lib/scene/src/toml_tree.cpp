@@ -1,5 +1,7 @@
 #include "toml_tree.hpp"
 
+#include "toml_mistakes.hpp"
+
 #include <algorithm>
 #include <optional>
 #include <tuple>
@@ -119,14 +121,16 @@ std::optional<std::uint32_t> line_of_endless_key(std::string_view text) {
 }  // namespace
 
 std::expected<TomlTable, TomlSyntaxError> read_toml(std::string_view text) {
+  if (auto what = not_a_text(text)) return std::unexpected(TomlSyntaxError{1, *std::move(what)});
   if (const auto line = line_of_endless_key(text)) {
     return std::unexpected(TomlSyntaxError{*line, "a dotted key has too many parts"});
   }
   try {
     return convert_table(toml::parse(text));
   } catch (const toml::parse_error& error) {
+    const std::uint32_t line = std::max<std::uint32_t>(1, error.source().begin.line);
     return std::unexpected(
-        TomlSyntaxError{std::max<std::uint32_t>(1, error.source().begin.line), std::string{error.description()}});
+        TomlSyntaxError{line, likely_mistake(text, line).value_or(std::string{error.description()})});
   }
 }
 

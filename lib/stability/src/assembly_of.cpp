@@ -83,24 +83,6 @@ std::vector<Vec3> hull(const std::vector<Vec3>& points, Vec3 normal) {
   return corners;
 }
 
-/// Corners of what a face shares with the neighbour's faces on the same plane.
-std::vector<Vec3> shared(const BlockComplex& complex, const Face& face, BlockId neighbour) {
-  std::vector<Vec3> corners;
-  const auto own = fan(complex, face);
-  for (const topology::FaceId id : complex.blocks()[neighbour].faces) {
-    const Face& other = complex.faces()[id];
-    if (other.plane != face.plane || other.block_on_positive_side == face.block_on_positive_side) continue;
-    for (const SignedTriangle& b : fan(complex, other)) {
-      const SignedTriangle turned{{b.corners[0], b.corners[2], b.corners[1]}, b.sign};
-      for (const SignedTriangle& a : own) {
-        const Convex part = overlap(a, turned, face.outward);
-        if (part.size() > 2) corners.insert(corners.end(), part.begin(), part.end());
-      }
-    }
-  }
-  return corners;
-}
-
 /// What a face shares with one neighbour: all patches of both.
 struct Shared {
   BlockId neighbour;
@@ -137,7 +119,7 @@ assembly::Contact contact_of(Model& model, const Face& face, const Shared& with)
       for (const topology::VertexId v : loop) corners.push_back(complex.position(v));
     }
   } else {
-    corners = shared(complex, face, with.neighbour);
+    corners = shared_corners(complex, face, with.neighbour);
   }
   if (corners.empty()) corners.push_back(with.centroid / with.area);
   contact.points = hull(corners, face.outward);

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <utility>
+
+#include "cleave/core/disjoint_sets.hpp"
 
 namespace cleave::stability {
 
@@ -52,12 +53,7 @@ BodyGrip grip_of(const std::vector<Pierced>& path, std::span<const BlockId> memb
 
 std::vector<std::vector<BlockId>> stitched(const topology::BlockComplex& complex, const std::vector<BoltResult>& bolts,
                                            const std::function<bool(BlockId)>& count) {
-  std::vector<std::uint32_t> parent(complex.blocks().size());
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets<std::uint32_t> bodies_of{complex.blocks().size()};
   for (const BoltResult& bolt : bolts) {
     std::optional<std::uint32_t> first;
     std::vector<BlockId> seen;
@@ -65,17 +61,12 @@ std::vector<std::vector<BlockId>> stitched(const topology::BlockComplex& complex
       if (std::ranges::find(seen, p.block) != seen.end()) continue;
       seen.push_back(p.block);
       if (!count(p.block) || !gripped(grip_of(bolt.pierced, p.block), bolt.bolt.type)) continue;
-      const std::uint32_t here = root(p.block.value());
-      if (!first) {
-        first = here;
-        continue;
-      }
-      const std::uint32_t there = root(*first);
-      parent[std::max(here, there)] = std::min(here, there);
+      if (!first) first = p.block.value();
+      bodies_of.join(*first, p.block.value());
     }
   }
   std::map<std::uint32_t, std::vector<BlockId>> groups;
-  for (const BlockId id : complex.blocks().ids()) groups[root(id.value())].push_back(id);
+  for (const BlockId id : complex.blocks().ids()) groups[bodies_of.find(id.value())].push_back(id);
   std::vector<std::vector<BlockId>> bodies;
   for (auto& [lowest, members] : groups) {
     if (members.size() > 1) bodies.push_back(std::move(members));

@@ -106,4 +106,13 @@ Moments integrate(const Convex& polygon) {
   return over_fan(polygon, [](Vec3) { return 1.0; });
 }
 
+std::vector<Vec3> shared_corners(const topology::BlockComplex& complex, const topology::Face& face,
+                                 topology::BlockId neighbour) {
+  std::vector<Vec3> corners;
+  for_each_shared(complex, face, neighbour, [&](const Convex& part, double) {
+    if (part.size() > 2) corners.insert(corners.end(), part.begin(), part.end());
+  });
+  return corners;
+}
+
 }  // namespace cleave::stability

@@ -33,6 +33,27 @@ struct SignedTriangle {
 [[nodiscard]] Convex overlap(const SignedTriangle& a, const SignedTriangle& b, geometry::Vec3 plane_normal);
 [[nodiscard]] Convex within(Convex polygon, const Box& box);
 
+/// Calls visit(part, sign) for the convex parts, which may be empty, of what a face shares with the faces of a
+/// neighbour on the same plane: their signed sum is the contact, for a patch carries no outline.
+template <class Visit>
+void for_each_shared(const topology::BlockComplex& complex, const topology::Face& face, topology::BlockId neighbour,
+                     Visit&& visit) {
+  const auto own = fan(complex, face);
+  for (const topology::FaceId id : complex.blocks()[neighbour].faces) {
+    const topology::Face& other = complex.faces()[id];
+    if (other.plane != face.plane || other.block_on_positive_side == face.block_on_positive_side) continue;
+    for (const SignedTriangle& b : fan(complex, other)) {
+      // Seen from this side the neighbour's triangle turns the other way.
+      const SignedTriangle turned{{b.corners[0], b.corners[2], b.corners[1]}, b.sign};
+      for (const SignedTriangle& a : own) visit(overlap(a, turned, face.outward), a.sign * b.sign);
+    }
+  }
+}
+
+/// Corners of the parts of it that have an area.
+[[nodiscard]] std::vector<geometry::Vec3> shared_corners(const topology::BlockComplex& complex,
+                                                         const topology::Face& face, topology::BlockId neighbour);
+
 /// Integral of a scalar q over an area, and of q x.
 struct Moments {
   double total = 0;

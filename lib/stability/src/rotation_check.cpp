@@ -34,21 +34,6 @@ struct Spot {
   Vec3 centroid;        ///< of the cohesive part
 };
 
-void add_overlap(const BlockComplex& complex, const Face& face, BlockId neighbour, std::vector<Vec3>& corners) {
-  const auto own = fan(complex, face);
-  for (const topology::FaceId id : complex.blocks()[neighbour].faces) {
-    const Face& other = complex.faces()[id];
-    if (other.plane != face.plane || other.block_on_positive_side == face.block_on_positive_side) continue;
-    for (const SignedTriangle& b : fan(complex, other)) {
-      const SignedTriangle turned{{b.corners[0], b.corners[2], b.corners[1]}, b.sign};
-      for (const SignedTriangle& a : own) {
-        const Convex part = overlap(a, turned, face.outward);
-        if (part.size() > 2) corners.insert(corners.end(), part.begin(), part.end());
-      }
-    }
-  }
-}
-
 std::vector<Spot> spots_of(Model& model, BlockId id, std::uint32_t batch, const Contacts& contacts,
                            const Verdict& verdict) {
   std::vector<Spot> spots;
@@ -81,7 +66,10 @@ std::vector<Spot> spots_of(Model& model, BlockId id, std::uint32_t batch, const 
     } else {
       std::ranges::sort(neighbours);
       neighbours.erase(std::ranges::unique(neighbours).begin(), neighbours.end());
-      for (const BlockId neighbour : neighbours) add_overlap(complex, face, neighbour, spot.corners);
+      for (const BlockId neighbour : neighbours) {
+        const std::vector<Vec3> corners = shared_corners(complex, face, neighbour);
+        spot.corners.insert(spot.corners.end(), corners.begin(), corners.end());
+      }
     }
     const Direction inward = model.inward(face);
     spot.inward = inward.unit();

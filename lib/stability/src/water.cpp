@@ -33,18 +33,8 @@ Moments over_face(const BlockComplex& complex, const Face& face, const LinearPre
 /// the plane overlap.
 Moments over_contact(const BlockComplex& complex, const Face& face, BlockId neighbour, const LinearPressure& pressure) {
   Moments sum;
-  const auto own = fan(complex, face);
-  for (const topology::FaceId id : complex.blocks()[neighbour].faces) {
-    const Face& other = complex.faces()[id];
-    if (other.plane != face.plane || other.block_on_positive_side == face.block_on_positive_side) continue;
-    for (const SignedTriangle& b : fan(complex, other)) {
-      // Seen from this side the neighbour's triangle turns the other way.
-      const SignedTriangle turned{{b.corners[0], b.corners[2], b.corners[1]}, b.sign};
-      for (const SignedTriangle& a : own) {
-        sum += (a.sign * b.sign) * integrate(overlap(a, turned, face.outward), pressure);
-      }
-    }
-  }
+  for_each_shared(complex, face, neighbour,
+                  [&](const Convex& part, double sign) { sum += sign * integrate(part, pressure); });
   return sum;
 }
 

@@ -10,7 +10,7 @@
 #include "cleave/core/rng.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/survey/comparison.hpp"
-#include "cleave/survey/line.hpp"
+#include "line.hpp"
 #include "set_laws.hpp"
 
 namespace cleave::survey {
@@ -150,7 +150,7 @@ class Analysis final {
   /// The dip is stated; direction and concentration too, or they are those of the traces.
   void state(SetResult& set, const SetRule& rule) const {
     set.orientation_stated = true;
-    double direction = rule.dip_direction.value_or(0), kappa = rule.kappa.value_or(30);
+    double direction = rule.dip_direction.value_or(DipDirection{}).degrees(), kappa = rule.kappa.value_or(30);
     if (rule.azimuth && !(rule.dip_direction && rule.kappa)) {
       const MeanAxis traces = mean_azimuth(*rule.azimuth);
       if (!rule.dip_direction) {
@@ -169,9 +169,9 @@ class Analysis final {
       set.notes.push_back(fmt::format("kappa {} is assumed: neither stated nor to be had from traces", kappa));
     }
     set.orientation.mean =
-        geometry::upward_normal({Dip::degrees(*rule.dip), DipDirection::degrees(geometry::wrap_degrees(direction))});
+        geometry::upward_normal({*rule.dip, DipDirection::degrees(geometry::wrap_degrees(direction))});
     set.orientation.kappa = kappa;
-    set.notes.push_back(fmt::format("dip {} degrees is stated, not measured", *rule.dip));
+    set.notes.push_back(fmt::format("dip {} degrees is stated, not measured", rule.dip->degrees()));
   }
 
   static double azimuth_of(const WindowSurvey& window, MapPoint direction) {
@@ -189,7 +189,7 @@ class Analysis final {
   [[nodiscard]] MeanAxis mean_azimuth(std::pair<double, double> range) const {
     std::vector<WeightedAxis> axes;
     for (const WindowSurvey& window : in_.windows) {
-      for (const SeenTrace& t : seen_through(window.window, window.traces, window.border)) {
+      for (const SeenTrace& t : seen_through(window.window, window.traces, window.border.si())) {
         const double a = azimuth_of(window, t.direction);
         if (within(a, range)) axes.push_back({a / degrees, t.length});
       }
@@ -205,7 +205,7 @@ class Analysis final {
   /// Each trace to the set whose mean plane leaves the nearest trace on the window.
   void assign_traces() {
     for (const WindowSurvey& window : in_.windows) {
-      seen_.push_back(seen_through(window.window, window.traces, window.border));
+      seen_.push_back(seen_through(window.window, window.traces, window.border.si()));
       auto& sets = trace_set_.emplace_back(seen_.back().size(), Clustering::unassigned);
       for (std::size_t i = 0; i < seen_.back().size(); ++i) {
         const double a = azimuth_of(window, seen_.back()[i].direction);
@@ -305,7 +305,7 @@ class Analysis final {
       sum.first += traces * chords.first;
       sum.second += traces * chords.second;
       if (chords.disc) *sum.disc += traces * *chords.disc;
-      if (!own.empty()) truncation = std::max(truncation, in_.windows[w].truncation);
+      if (!own.empty()) truncation = std::max(truncation, in_.windows[w].truncation.si());
       counts.push_back(count(in_.windows[w].window, own));
       if (own.empty() && counts.back().width == 0) counts.back().width = width_across(in_.windows[w].window, {1, 0});
     }
@@ -375,7 +375,7 @@ class Analysis final {
         const bool own = i < line.joints.size() ? out_.set_of[line.joints[i]] == k : out_.sets.size() == 1;
         if (own) lengths.push_back(line.lengths[i]);
       }
-      if (!line.lengths.empty()) truncation = std::max(truncation, line.truncation);
+      if (!line.lengths.empty()) truncation = std::max(truncation, line.truncation.si());
     }
     if (lengths.empty()) return;
     for (const SeenLength& l : lengths) set.seen_lengths.push_back(l.length);
@@ -456,7 +456,7 @@ class Analysis final {
   /// A map that was cut along its border has ends there, on this side or that by rounding.
   void note_border(const WindowSurvey& window) {
     const double near = 1e-5 * std::sqrt(area_of(window.window));
-    if (window.border >= near || window.traces.size() > 20000) return;
+    if (window.border.si() >= near || window.traces.size() > 20000) return;
     std::size_t at_border = 0, inside = 0;
     for (const Polyline& line : window.traces) {
       for (const MapPoint end : {line.front(), line.back()}) {

@@ -1,4 +1,4 @@
-#include "cleave/survey/line.hpp"
+#include "line.hpp"
 
 #include <algorithm>
 #include <cmath>

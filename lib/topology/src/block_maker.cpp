@@ -261,6 +261,7 @@ void BlockMaker::count_vertices() {
   edge_sides_ = static_cast<Index>(sides_.size());
   corners_.clear();
   seen_.assign(sides_.size(), 0);
+  if (!parts_.sheets.empty()) count_left();
   const auto line_of = [&](Index side) {
     return parts_.graph.edges[parts_.graph.uses[sides_[side].flank / 4].edge].line;
   };
@@ -275,8 +276,12 @@ void BlockMaker::count_vertices() {
     if (size == 2) {
       const Index out = sides_[side].next, other = sides_[out].partner;
       if ((line_of(side) == line_of(out) && line_of(other) == line_of(sides_[other].next)) ||
-          (!parts_.sheets.empty() && straight_on_a_sheet(side))) {
+          (!parts_.sheets.empty() && spared(side, other) && straight_on_a_sheet(side))) {
         sides_[side].dropped = sides_[other].dropped = true;
+        if (!parts_.sheets.empty()) {
+          --left_[loop_of_[side]];
+          --left_[loop_of_[other]];
+        }
         edge_sides_ -= 2;  // two edges become one
         continue;
       }
@@ -284,6 +289,21 @@ void BlockMaker::count_vertices() {
     ++vertex_count_;
     corners_.push_back(sides_[side].head);
   }
+}
+
+/// How many corners each loop has left.
+void BlockMaker::count_left() {
+  left_.clear();
+  loop_of_.resize(sides_.size());
+  for (const Loop& loop : loops_) {
+    for (Index k = loop.first; k < loop.first + loop.count; ++k) loop_of_[k] = static_cast<Index>(left_.size());
+    left_.push_back(loop.count);
+  }
+}
+
+/// A sliver as thin as the bend keeps three corners.
+bool BlockMaker::spared(Index side, Index other) const {
+  return left_[loop_of_[side]] > 3 && left_[loop_of_[other]] > 3;
 }
 
 /// A side that crosses a folded polygon is bent where it passes from one piece to the next, by no more than the pieces

@@ -93,6 +93,7 @@ double BlockMaker::thickness(FaceId first) {
   }
   double least = std::numeric_limits<double>::infinity();
   for (Index k = 0; k < std::min(most, faces); ++k) {
+    if (face(by_area_[k]).corner_count == 0) continue;
     const Vec3 n = face(by_area_[k]).outward;
     const Vec3 base = parts_.position(out_.corners[face(by_area_[k]).first_corner].value());
     double lo = std::numeric_limits<double>::infinity(), hi = -lo;

@@ -4,11 +4,11 @@
 #include <optional>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/core/disjoint_sets.hpp"
 #include "detail/exact_volume.hpp"
 #include "detail/nest_pieces.hpp"
 #include "detail/pieces.hpp"
 #include "detail/stages.hpp"
-#include "detail/union_find.hpp"
 
 namespace cleave::topology::detail {
 namespace {
@@ -44,7 +44,7 @@ class CellFinder {
     std::vector<std::uint8_t> present(faces_);
     for (Index f = 0; f < faces_; ++f) present[f] = covered(f) ? 1 : 0;
     links_ = link_around_edges(graph_, arrangement_, present, threads_);
-    UnionFind half_faces{2 * std::size_t{faces_}};
+    DisjointSets<Index> half_faces{2 * std::size_t{faces_}};
     const auto half_face = [&](Index flank) { return 2 * arrangement_.face[flank / 2] + flank % 2; };
     const bool alone = threads_.count() == 1;
     in_pieces(links_.to.size(), 65536, threads_, [&](std::size_t first, std::size_t last) {
@@ -52,9 +52,9 @@ class CellFinder {
         const Index other = links_.to[flank];
         if (other == none || other < flank) continue;
         if (alone) {
-          half_faces.unite(half_face(flank), half_face(other));
+          half_faces.join(half_face(flank), half_face(other));
         } else {
-          half_faces.unite_shared(half_face(flank), half_face(other));
+          half_faces.join_shared(half_face(flank), half_face(other));
         }
       }
     });
@@ -72,7 +72,7 @@ class CellFinder {
   /// Of each connected piece the one shell that looks outwards: its volume is negative and the largest in size.
   void find_outsides() {
     std::vector<double> volume(shell_count_, 0), error(shell_count_, 0);
-    UnionFind connected{shell_count_};
+    DisjointSets<Index> connected{shell_count_};
     for (Index f = 0; f < faces_; ++f) {
       if (!covered(f)) continue;
       const FaceMeasure& measure = measures_[f];
@@ -82,7 +82,7 @@ class CellFinder {
       volume[negative] += measure.cone;
       error[positive] += size;
       error[negative] += size;
-      connected.unite(positive, negative);
+      connected.join(positive, negative);
     }
     piece_of_shell_.assign(shell_count_, none);
     std::vector<std::uint8_t> several;
@@ -159,7 +159,7 @@ class CellFinder {
     std::vector<Index> walls;  ///< faces on a surface of a solid
   };
   [[nodiscard]] Regions regions_of(const Cells& cells) const {
-    UnionFind one{cells.count};
+    DisjointSets<Index> one{cells.count};
     struct Part {
       std::vector<Index> walls;
     };
@@ -175,9 +175,9 @@ class CellFinder {
         if (wall) {
           part.walls.push_back(f);
         } else if (threads_.count() == 1) {
-          one.unite(cells.of_half_face[2 * f], cells.of_half_face[2 * f + 1]);
+          one.join(cells.of_half_face[2 * f], cells.of_half_face[2 * f + 1]);
         } else {
-          one.unite_shared(cells.of_half_face[2 * f], cells.of_half_face[2 * f + 1]);
+          one.join_shared(cells.of_half_face[2 * f], cells.of_half_face[2 * f + 1]);
         }
       }
       return part;
@@ -192,8 +192,8 @@ class CellFinder {
   }
 
   Cells number_cells() {
-    UnionFind joined{shell_count_ + std::size_t{1}};
-    for (std::size_t piece = 0; piece < outside_.size(); ++piece) joined.unite(outside_[piece], beyond_[piece]);
+    DisjointSets<Index> joined{shell_count_ + std::size_t{1}};
+    for (std::size_t piece = 0; piece < outside_.size(); ++piece) joined.join(outside_[piece], beyond_[piece]);
     Cells cells;
     std::vector<Index> number(shell_count_ + std::size_t{1}, none);
     number[joined.find(unbounded())] = 0;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <span>
 
+#include "cleave/core/disjoint_sets.hpp"
+
 #include "detail/pieces.hpp"
 
 namespace cleave::topology::detail {
@@ -96,11 +98,7 @@ class Finder {
 };
 
 Segment project(const Prepared& prepared, const Traces& traces, Index plane, Index interval) {
-  const auto& n = prepared.planes[plane].approx();
-  const std::size_t drop = std::abs(n[0]) >= std::abs(n[1]) && std::abs(n[0]) >= std::abs(n[2]) ? 0
-                           : std::abs(n[1]) >= std::abs(n[2])                                   ? 1
-                                                                                                : 2;
-  const std::size_t u = drop == 0 ? 1 : 0, v = drop == 2 ? 1 : 2;
+  const auto [u, v] = View{prepared.planes[plane].approx()};
   const Interval& i = traces.intervals[interval];
   const Line& line = traces.lines[i.line];
   return {i.from[u], i.from[v], i.to[u], i.to[v], interval, line.p == plane ? line.q : line.p, i.outline_of != none};
@@ -159,10 +157,10 @@ Crossings find_crossings(const Prepared& prepared, const Traces& traces, Signs& 
     }
     return std::move(finder).result();
   });
-  Crossings out{{}, {}, UnionFind{traces.lines.size()}};
+  Crossings out{{}, {}, DisjointSets<Index>{traces.lines.size()}};
   for (const auto& result : results) {
     signs.add_counts(result.signs);
-    for (const auto& [a, b] : result.coaxial) out.coaxial.unite(a, b);
+    for (const auto& [a, b] : result.coaxial) out.coaxial.join(a, b);
   }
   const auto before = offsets_of(results, &Finder::Result::vertices);
   out.on_lines = joined(results, &Finder::Result::on_lines, threads,

@@ -34,11 +34,7 @@ ExactRay::Hit ExactRay::shoot(Index f) const {
 
 /// Of a point of the face's plane: how often its loops pass on one side of it, seen along the axis nearest the normal.
 ExactRay::Hit::Kind ExactRay::inside(const PlaneFace& face, const RationalPoint& p) const {
-  const auto n = prepared_.planes[face.plane].unit_normal();
-  const std::size_t drop = std::abs(n[0]) >= std::abs(n[1]) && std::abs(n[0]) >= std::abs(n[2]) ? 0
-                           : std::abs(n[1]) >= std::abs(n[2])                                   ? 1
-                                                                                                : 2;
-  const std::size_t u = drop == 0 ? 1 : 0, v = drop == 2 ? 1 : 2;
+  const auto [u, v] = View{prepared_.planes[face.plane].unit_normal()};
   bool inside = false;
   for (Index l = face.first_loop; l < face.first_loop + face.loop_count; ++l) {
     const Index start = arrangement_.loops[l];

@@ -129,7 +129,7 @@ class Sorter {
 };
 
 /// Numbers the distinct points in the order of their first vertices.
-std::vector<Vertex> number_vertices(LineClasses& classes, UnionFind same_point) {
+std::vector<Vertex> number_vertices(LineClasses& classes, DisjointSets<Index> same_point) {
   const auto& all = classes.crossings.vertices;
   std::vector<Vertex> vertices;
   vertices.reserve(all.size());
@@ -351,10 +351,10 @@ Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs, 
     for (std::size_t c = first; c < last; ++c) sorter.sort_along(c);
     return std::move(sorter).result();
   });
-  UnionFind same_point{classes.crossings.vertices.size()};
+  DisjointSets<Index> same_point{classes.crossings.vertices.size()};
   for (const auto& part : sorted) {
     signs.add_counts(part.signs);
-    for (const auto& [a, b] : part.same_point) same_point.unite(a, b);
+    for (const auto& [a, b] : part.same_point) same_point.join(a, b);
   }
   Graph graph;
   graph.vertices = number_vertices(classes, std::move(same_point));

@@ -14,8 +14,9 @@ using geometry::Vec3;
 
 Vec3 as_vec3(LatticePoint p) { return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)}; }
 
-/// A side that no other polygon has.
-struct FreeSide {
+/// A side of a polygon.
+struct Use {
+  Side side;
   std::size_t polygon, corner;  ///< it starts at this corner
 };
 
@@ -29,33 +30,43 @@ struct Hanging {
 }  // namespace
 
 bool take_hanging_corners(std::span<JointPolygon> polygons, const SharedCorners& shared, double within) {
-  std::vector<FreeSide> sides;
-  std::vector<geometry::Bounds> boxes;
-  const Vec3 margin{within + 1, within + 1, within + 1};
+  std::vector<Use> uses;
   for (std::size_t k = 0; k < polygons.size(); ++k) {
     const auto& corners = polygons[k].corners;
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const LatticePoint a = corners[i], b = corners[(i + 1) % corners.size()];
-      if (a == b || shared.shared(a, b)) continue;
-      sides.push_back({k, i});
-      geometry::Bounds box = geometry::Bounds::of(as_vec3(a));
-      box.grow(geometry::Bounds::of(as_vec3(b)));
-      boxes.push_back({box.lo - margin, box.hi + margin});
+      if (a != b && !shared.of_surface(a, b)) uses.push_back({side_of(a, b), k, i});
     }
   }
-  if (sides.empty()) return false;
+  std::ranges::sort(uses, {}, [](const Use& use) { return std::tuple{use.side, use.polygon, use.corner}; });
+  std::vector<std::span<const Use>> sides;  // all polygons that have one, or none of them, take a corner
+  std::vector<geometry::Bounds> boxes;
+  const Vec3 margin{within + 1, within + 1, within + 1};
+  for (std::size_t first = 0, last = 0; first < uses.size(); first = last) {
+    while (last < uses.size() && uses[last].side == uses[first].side) ++last;
+    sides.push_back(std::span{uses}.subspan(first, last - first));
+    geometry::Bounds box = geometry::Bounds::of(as_vec3(uses[first].side.first));
+    box.grow(geometry::Bounds::of(as_vec3(uses[first].side.second)));
+    boxes.push_back({box.lo - margin, box.hi + margin});
+  }
   const geometry::BoxTree tree{boxes};
   std::vector<Hanging> found;
   for (const LatticePoint site : shared.sites()) {
     tree.overlapping(geometry::Bounds::of(as_vec3(site)), [&](std::uint32_t number) {
-      const auto [k, i] = sides[number];
-      const auto& corners = polygons[k].corners;
-      const LatticePoint a = corners[i], b = corners[(i + 1) % corners.size()];
-      if (std::ranges::find(corners, site) != corners.end()) return;
+      const auto& [a, b] = sides[number].front().side;
       const Vec3 side = as_vec3(b - a), to = as_vec3(site - a);
       const double length = geometry::norm(side), along = dot(to, side) / length;
       if (along <= within || along >= length - within) return;  // at an end of it
-      if (geometry::norm(cross(side, to)) <= within * length) found.push_back({k, i, along, site});
+      if (geometry::norm(cross(side, to)) > within * length) return;
+      const bool of_needle = std::ranges::any_of(sides[number], [&](const Use& use) {
+        const auto& corners = polygons[use.polygon].corners;
+        return std::ranges::find(corners, site) != corners.end();
+      });
+      if (of_needle) return;
+      for (const Use& use : sides[number]) {
+        const bool forward = polygons[use.polygon].corners[use.corner] == a;
+        found.push_back({use.polygon, use.corner, forward ? along : length - along, site});
+      }
     });
   }
   std::ranges::sort(found, [](const Hanging& a, const Hanging& b) {

@@ -301,11 +301,7 @@ class Nester {
 
   /// Empty near the rim.
   [[nodiscard]] std::optional<bool> contains(const PlaneFace& face, const Vec& p) const {
-    const auto& n = prepared_.planes[face.plane].approx();
-    const std::size_t drop = std::abs(n[0]) >= std::abs(n[1]) && std::abs(n[0]) >= std::abs(n[2]) ? 0
-                             : std::abs(n[1]) >= std::abs(n[2])                                   ? 1
-                                                                                                  : 2;
-    const std::size_t u = drop == 0 ? 1 : 0, v = drop == 2 ? 1 : 2;
+    const auto [u, v] = View{prepared_.planes[face.plane].approx()};
     bool inside = false;
     for (Index l = face.first_loop; l < face.first_loop + face.loop_count; ++l) {
       const Index start = arrangement_.loops[l];

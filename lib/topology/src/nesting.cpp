@@ -5,7 +5,8 @@
 #include <limits>
 #include <optional>
 
-#include "detail/union_find.hpp"
+#include "cleave/core/disjoint_sets.hpp"
+#include "detail/prepared.hpp"
 
 namespace cleave::topology::detail {
 namespace {
@@ -126,8 +127,8 @@ std::vector<Index> nest_loops(const PlaneView& view, const std::vector<Loop>& lo
   std::vector<Index> parent(loops.size(), none);
   if (std::ranges::count_if(loops, [](const Loop& loop) { return !loop.outer; }) < 2) return parent;
 
-  UnionFind connected{loops.size()};
-  for (const Index use : view.uses) connected.unite(loop_of[2 * use], loop_of[2 * use + 1]);
+  DisjointSets<Index> connected{loops.size()};
+  for (const Index use : view.uses) connected.join(loop_of[2 * use], loop_of[2 * use + 1]);
   std::vector<Index> piece_of(loops.size(), none);
   std::vector<Piece> pieces;
   for (Index l = 0; l < loops.size(); ++l) {

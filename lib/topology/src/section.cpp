@@ -11,8 +11,6 @@ namespace {
 using geometry::Vec3;
 using Key = std::pair<VertexId, VertexId>;
 
-SectionPoint operator-(SectionPoint a, SectionPoint b) { return {a.x - b.x, a.y - b.y}; }
-double cross2(SectionPoint a, SectionPoint b) { return a.x * b.y - a.y * b.x; }
 double length(SectionPoint a) { return std::hypot(a.x, a.y); }
 
 struct Loop {
@@ -23,7 +21,7 @@ struct Loop {
 double area_of(const Loop& loop) {
   double sum = 0;
   for (std::size_t k = 0; k < loop.corners.size(); ++k) {
-    sum += cross2(loop.corners[k] - loop.corners[0], loop.corners[(k + 1) % loop.corners.size()] - loop.corners[0]) / 2;
+    sum += cross(loop.corners[k] - loop.corners[0], loop.corners[(k + 1) % loop.corners.size()] - loop.corners[0]) / 2;
   }
   return sum;
 }
@@ -146,7 +144,7 @@ void clean(Loop& loop, double tolerance) {
       const std::size_t n = loop.corners.size(), before = (k + n - 1) % n, after = (k + 1) % n;
       const SectionPoint in = loop.corners[k] - loop.corners[before], out = loop.corners[after] - loop.corners[k];
       const bool short_side = length(out) < tolerance;
-      const bool straight = std::abs(cross2(in, out)) < 1e-12 * length(in) * length(out) &&
+      const bool straight = std::abs(cross(in, out)) < 1e-12 * length(in) * length(out) &&
                             in.x * out.x + in.y * out.y > 0 && same(loop.sides[before], loop.sides[k]);
       if (!short_side && !straight) continue;
       const auto at = static_cast<std::ptrdiff_t>(k);

@@ -3,10 +3,10 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/core/disjoint_sets.hpp"
 #include "cleave/core/expected.hpp"
 #include "detail/assemble.hpp"
 #include "detail/stages.hpp"
-#include "detail/union_find.hpp"
 
 namespace cleave::topology {
 
@@ -61,7 +61,7 @@ std::expected<StageBlocks, CutError> SequentialCut::blocks(const WorkState& stat
   for (const CellId cell : state.fallen) rock[cell.index()] = 0;
 
   // Rock on both sides of a face without a joint is one block.
-  UnionFind whole{cells.count};
+  DisjointSets<Index> whole{cells.count};
   for (Index f = 0; f < arrangement.faces.size(); ++f) {
     const Index a = cells.of_half_face[2 * f], b = cells.of_half_face[2 * f + 1];
     if (a == none || b == none || a == b || rock[a] == 0 || rock[b] == 0) continue;
@@ -70,7 +70,7 @@ std::expected<StageBlocks, CutError> SequentialCut::blocks(const WorkState& stat
     for (Index c = face.first_cover; c < face.first_cover + face.cover_count; ++c) {
       joint = joint || prepared.facets[arrangement.covers[c]].owner == Owner::joint;
     }
-    if (!joint) whole.unite(a, b);
+    if (!joint) whole.join(a, b);
   }
   Cells now;
   std::vector<Index> number(cells.count, none);

@@ -7,7 +7,8 @@
 #include <map>
 
 #include "cleave/core/assert.hpp"
-#include "detail/union_find.hpp"
+#include "cleave/core/disjoint_sets.hpp"
+#include "detail/prepared.hpp"
 
 namespace cleave::topology::detail {
 
@@ -37,9 +38,9 @@ void Weld::finish() {
   };
   std::map<Cell, std::vector<Index>> cells;
   for (Index k = 0; k < sites_.size(); ++k) cells[cell_of(sites_[k].first)].push_back(k);
-  UnionFind classes{static_cast<Index>(sites_.size())};
+  DisjointSets<Index> classes{static_cast<Index>(sites_.size())};
   for (const auto& [cell, own] : cells) {
-    for (const Index k : own) classes.unite(own.front(), k);
+    for (const Index k : own) classes.join(own.front(), k);
     for (std::int64_t i = -2; i <= 2; ++i) {
       for (std::int64_t j = -2; j <= 2; ++j) {
         const auto first = cells.lower_bound({cell[0] + i, cell[1] + j, cell[2] - 2});
@@ -48,7 +49,7 @@ void Weld::finish() {
           for (const Index a : own) {
             if (classes.find(a) == classes.find(other->second.front())) break;
             for (const Index b : other->second) {
-              if (distance(sites_[a].first, sites_[b].first) <= distance_) classes.unite(a, b);
+              if (distance(sites_[a].first, sites_[b].first) <= distance_) classes.join(a, b);
             }
           }
         }

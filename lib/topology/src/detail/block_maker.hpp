@@ -85,6 +85,8 @@ class BlockMaker final {
   void walk_loops(Index half_face, Index face);
   void walk_loop(Index start, Index face);
   void walk_folded_loop(Index start, Index face);
+  void count_left();
+  [[nodiscard]] bool spared(Index side, Index other) const;
   [[nodiscard]] bool straight_on_a_sheet(Index side) const;
   void pair_sides();
   void count_vertices();
@@ -114,6 +116,7 @@ class BlockMaker final {
   std::vector<Index> shell_;        ///< of each face
   std::vector<Index> corners_;      ///< vertices of the block
   std::vector<std::uint8_t> seen_;
+  std::vector<Index> loop_of_, left_;  ///< of each side its loop, and the corners left of each; where there are sheets
   std::vector<double> shell_volumes_;
   std::vector<Index> by_area_;
   Index vertex_count_ = 0, edge_sides_ = 0, shell_count_ = 0;

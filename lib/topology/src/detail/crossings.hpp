@@ -2,8 +2,9 @@
 
 #include <vector>
 
+#include "cleave/core/disjoint_sets.hpp"
+
 #include "detail/stages.hpp"
-#include "detail/union_find.hpp"
 
 namespace cleave::topology::detail {
 
@@ -18,7 +19,7 @@ struct OnLine {
 struct Crossings {
   std::vector<Vertex> vertices;  ///< one point may occur several times, with other planes
   std::vector<OnLine> on_lines;
-  UnionFind coaxial;  ///< of lines
+  DisjointSets<Index> coaxial;  ///< of lines
 };
 [[nodiscard]] Crossings find_crossings(const Prepared& prepared, const Traces& traces, Signs& signs,
                                        ThreadLimit threads);

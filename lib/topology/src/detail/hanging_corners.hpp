@@ -7,7 +7,7 @@
 
 namespace cleave::topology::detail {
 
-/// A corner of several polygons that lies on a longer side of another one, but for a rounding, becomes a corner of that
+/// A corner of several polygons that lies on a longer side of others, but for a rounding, becomes a corner of those
 /// too: then the parts of the side are shared. Whether any did. `within`: sites.
 [[nodiscard]] bool take_hanging_corners(std::span<JointPolygon> polygons, const SharedCorners& shared, double within);
 

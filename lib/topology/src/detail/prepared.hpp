@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <initializer_list>
@@ -22,6 +24,17 @@ namespace cleave::topology::detail {
 using Index = std::uint32_t;
 inline constexpr Index none = UINT32_MAX;
 using Vec = std::array<double, 3>;
+
+/// The axes of the view in which a plane shows its shape best: all but the one nearest to its normal (x, y, z, ...).
+struct View {
+  std::size_t u, v;
+  explicit View(const auto& normal) noexcept {
+    const double x = std::abs(normal[0]), y = std::abs(normal[1]), z = std::abs(normal[2]);
+    const std::size_t dropped = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+    u = dropped == 0 ? 1 : 0;
+    v = dropped == 2 ? 1 : 2;
+  }
+};
 
 /// A plane of the pool with the side that counts as inside.
 struct HalfSpace {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -36,6 +37,10 @@ class SharedCorners final {
   [[nodiscard]] bool shared(exact::LatticePoint corner) const;
   /// Whether another polygon or a closed surface has the side.
   [[nodiscard]] bool shared(exact::LatticePoint a, exact::LatticePoint b) const;
+  /// Whether a closed surface has the side.
+  [[nodiscard]] bool of_surface(exact::LatticePoint a, exact::LatticePoint b) const {
+    return std::ranges::binary_search(surface_sides_, side_of(a, b));
+  }
   /// Which of these corners are shared.
   [[nodiscard]] std::vector<std::size_t> among(std::span<const exact::LatticePoint> corners) const;
   /// The first polygon added that has the same corners; itself where it is the first.

@@ -1,46 +1,11 @@
 #pragma once
 
-#include <cmath>
+#include "cleave/core/vec2.hpp"
 
 /// Small values of the plane. x to the right, y up; metres, newtons per metre, pascals, as the user of them says.
 namespace cleave::bem {
 
-struct Vec2 {
-  double x = 0;
-  double y = 0;
-
-  friend constexpr Vec2 operator+(Vec2 a, Vec2 b) noexcept { return {a.x + b.x, a.y + b.y}; }
-  friend constexpr Vec2 operator-(Vec2 a, Vec2 b) noexcept { return {a.x - b.x, a.y - b.y}; }
-  friend constexpr Vec2 operator-(Vec2 a) noexcept { return {-a.x, -a.y}; }
-  friend constexpr Vec2 operator*(double s, Vec2 a) noexcept { return {s * a.x, s * a.y}; }
-  friend constexpr Vec2 operator*(Vec2 a, double s) noexcept { return {s * a.x, s * a.y}; }
-  friend constexpr Vec2 operator/(Vec2 a, double s) noexcept { return {a.x / s, a.y / s}; }
-  constexpr Vec2& operator+=(Vec2 b) noexcept {
-    x += b.x;
-    y += b.y;
-    return *this;
-  }
-  constexpr Vec2& operator-=(Vec2 b) noexcept {
-    x -= b.x;
-    y -= b.y;
-    return *this;
-  }
-  friend constexpr bool operator==(Vec2, Vec2) noexcept = default;
-};
-
-[[nodiscard]] constexpr double dot(Vec2 a, Vec2 b) noexcept { return a.x * b.x + a.y * b.y; }
-/// z component of the cross product: positive when b lies anticlockwise of a.
-[[nodiscard]] constexpr double cross(Vec2 a, Vec2 b) noexcept { return a.x * b.y - a.y * b.x; }
-[[nodiscard]] inline double norm(Vec2 a) noexcept { return std::sqrt(dot(a, a)); }
-/// A quarter turn anticlockwise.
-[[nodiscard]] constexpr Vec2 turned_left(Vec2 a) noexcept { return {-a.y, a.x}; }
-/// A quarter turn clockwise: the outward normal of a boundary tangent (material on the left).
-[[nodiscard]] constexpr Vec2 turned_right(Vec2 a) noexcept { return {a.y, -a.x}; }
-[[nodiscard]] inline Vec2 rotated(Vec2 a, double radians) noexcept {
-  const double c = std::cos(radians);
-  const double s = std::sin(radians);
-  return {c * a.x - s * a.y, s * a.x + c * a.y};
-}
+using cleave::Vec2;
 
 /// A 2x2 matrix by rows.
 struct Mat2 {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <concepts>
 #include <cstddef>
 #include <numeric>
@@ -21,6 +22,29 @@ class DisjointSets final {
   void join(Index i, Index j) {
     const Index a = find(i), b = find(j);
     parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+  /// `join` for several threads at once, which call nothing else meanwhile. The sets and who stands for them are the
+  /// same in the end, whatever the order.
+  void join_shared(Index i, Index j) {
+    for (;;) {
+      const Index a = find_shared(i), b = find_shared(j);
+      if (a == b) return;
+      // Only who stands for a set is hung into another one, so nobody else's union is lost.
+      i = std::min(a, b);
+      j = std::max(a, b);
+      Index expected = j;
+      if (std::atomic_ref{parent_[j]}.compare_exchange_strong(expected, i, std::memory_order_relaxed)) return;
+    }
+  }
+  [[nodiscard]] Index find_shared(Index a) {
+    for (;;) {
+      const Index above = std::atomic_ref{parent_[a]}.load(std::memory_order_relaxed);
+      if (above == a) return a;
+      const Index next = std::atomic_ref{parent_[above]}.load(std::memory_order_relaxed);
+      if (next != above) std::atomic_ref{parent_[a]}.store(next, std::memory_order_relaxed);  // a shorter way up
+      a = next;
+    }
   }
 
  private:

@@ -1,9 +1,12 @@
 #pragma once
 
-/// Distribution functions and quantiles that statistics needs. Thin over Boost.Math, which stays out of every header;
-/// no exceptions: arguments outside their range are a failed assertion, results beyond double are infinite.
+/// Distribution functions and quantiles that statistics needs, and quadrature. Thin over Boost.Math, which stays out of
+/// every header; no exceptions: arguments outside their range are a failed assertion, results beyond double are
+/// infinite.
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace cleave::special {
 
@@ -26,5 +29,13 @@ namespace cleave::special {
 /// ln Gamma(x), x > 0, and its first derivative.
 [[nodiscard]] double log_gamma(double x);
 [[nodiscard]] double digamma(double x);
+
+/// Points and weights of quadrature on [-1, 1].
+struct GaussRule {
+  std::vector<double> s;  ///< in (-1, 1), ascending
+  std::vector<double> w;
+};
+/// Gauss-Legendre with n points, 1 <= n <= 64, to full precision; made once a program.
+[[nodiscard]] const GaussRule& gauss_rule(std::size_t n);
 
 }  // namespace cleave::special

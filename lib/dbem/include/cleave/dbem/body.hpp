@@ -11,10 +11,6 @@
 /// Blocks in contact in the plane: the discrete boundary element method. SI units; everything is per metre of
 /// thickness, so a mass is in kg/m and a force in N/m. x to the right, y up, angles anticlockwise in radians.
 namespace cleave::dbem {
-
-using bem::cross;
-using bem::dot;
-using bem::norm;
 using bem::Vec2;
 
 /// Elastic shapes of a free body, mass-normalised (phi^T M phi = 1) and orthogonal to its rigid motions. The body then

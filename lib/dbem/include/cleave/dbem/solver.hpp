@@ -44,6 +44,9 @@ struct ContactProblem {
   std::vector<double> cohesion;  ///< N s/m
   std::vector<double> tension;   ///< N s/m
   std::vector<Vec2> start;       ///< warm start; empty: cold
+  /// Part of the diagonal that only regularises, about `start`; empty: none. Forces that meet the law without it are an
+  /// answer too: it never moves what forces of redundant contacts the bodies do not feel.
+  std::vector<Vec2> yielding = {};
   std::optional<RigidForm> rigid = {};
   [[nodiscard]] std::size_t contacts() const noexcept { return b.size(); }
 };

@@ -48,7 +48,7 @@ struct Box {
 struct Drift {
   Vec2 shift;
   double turn = 0;
-  [[nodiscard]] Vec2 at(Vec2 x) const noexcept { return shift + turn * bem::turned_left(x); }
+  [[nodiscard]] Vec2 at(Vec2 x) const noexcept { return shift + turn * turned_left(x); }
 };
 
 /// A polygon where it lies now. `sharp`: 1 for corners that can touch (angle at most half a turn).

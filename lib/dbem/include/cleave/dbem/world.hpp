@@ -29,6 +29,10 @@ struct BadModes {
   std::string body;
   std::string reason;
 };
+struct BadForce {
+  std::string body;
+  std::string reason;
+};
 struct BadLaw {
   std::string reason;
 };
@@ -40,12 +44,13 @@ struct BodiesOverlap {
   double depth;  ///< m
   Vec2 at;       ///< scene
 };
-using WorldError = std::variant<BadOutline, NoMass, BadModes, BadLaw, BadOption, BodiesOverlap>;
+using WorldError = std::variant<BadOutline, NoMass, BadModes, BadForce, BadLaw, BadOption, BodiesOverlap>;
 [[nodiscard]] std::string describe(const WorldError& error);
 
 // ---- what can go wrong in a step
 
-/// The step was cut as often as allowed and still failed; the world is as it was before the step.
+/// The step was cut as often as allowed and still failed, or no time was asked for; the world is as it was before the
+/// step.
 struct StepFailed {
   double time;      ///< s
   double step;      ///< the shortest one tried, s

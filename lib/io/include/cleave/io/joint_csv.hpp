@@ -45,7 +45,7 @@ struct JointRow {
 };
 struct JointTable {
   std::vector<JointRow> rows;
-  std::vector<std::string> notes;  ///< columns that were not understood and skipped
+  std::vector<std::string> notes;  ///< how the columns were read, and those that were not understood and skipped
 };
 
 struct JointCsvOptions {
@@ -57,7 +57,9 @@ struct JointCsvOptions {
 
 /// Joints from a table with a header. Columns in any order, in either case, blanks and hyphens as underscores: dip
 /// (dip_angle), dip_direction (dipdir, dip_dir, dd, azimuth) or strike (right-hand rule), x (easting), y (northing), z
-/// (elevation), radius | side_a, side_b, rotation | neither = persistent, set, friction (degrees), cohesion (Pa), id.
+/// (elevation), radius | diameter | side_a, side_b, rotation | none = persistent, set, friction (degrees), cohesion
+/// (Pa), id; a unit in brackets behind the name ("cohesion (kPa)") counts. A column that is not understood but holds a
+/// number where a joint would be left persistent is an error.
 /// Comma or semicolon, found from the header; quotes; decimal comma with semicolons when no number has a point; BOM,
 /// CRLF, blank lines and # lines are skipped. Up to 20 problems are collected.
 [[nodiscard]] std::expected<JointTable, std::vector<ReadError>> parse_joint_csv(std::string_view bytes,

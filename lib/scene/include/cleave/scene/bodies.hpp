@@ -96,12 +96,8 @@ struct BodiesScene {
   std::vector<Problem> notes;
 };
 
-/// Whether the text is a scene of bodies (a [[body]] and no [domain]).
-[[nodiscard]] bool is_bodies_scene(std::string_view text);
 [[nodiscard]] std::expected<BodiesScene, std::vector<Problem>> parse_bodies(std::string_view text,
                                                                             const std::string& shown);
-/// From disk; empty when the file is no scene of bodies (or cannot be read: `load` then says why).
-[[nodiscard]] std::optional<std::expected<BodiesScene, std::vector<Problem>>> load_bodies(const std::string& path);
 
 [[nodiscard]] Plan make_plan(const BodiesScene& scene);
 

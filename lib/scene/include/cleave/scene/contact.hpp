@@ -13,6 +13,7 @@
 #include "cleave/bem/vec2.hpp"
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
+#include "cleave/dbem/solver.hpp"
 #include "cleave/scene/bodies.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene/problem.hpp"
@@ -58,9 +59,6 @@ struct ContactBody {
   [[nodiscard]] bool clamped() const noexcept { return !held.empty(); }
 };
 
-enum class ContactSolver : std::uint8_t { cascade, open_close, newton, continuation, lemke };
-[[nodiscard]] std::string_view name_of(ContactSolver solver) noexcept;
-
 /// Which motions a body has.
 enum class Rigidity : std::uint8_t {
   automatic,  ///< elastic when strains are worth it, see `rigidity_of`
@@ -81,7 +79,7 @@ struct ContactSettings {
   double duration = 0;   ///< s; of a run to rest: the longest it may take
   double step = 0;       ///< s, the first one
   double max_step = 0;   ///< s
-  ContactSolver solver = ContactSolver::cascade;
+  dbem::Method solver = dbem::Method::cascade;
   double restitution = 0;
   Rigidity rigidity = Rigidity::automatic;
   bem::PlaneState plane = bem::PlaneState::strain;
@@ -107,12 +105,11 @@ struct ContactScene {
   std::vector<Problem> notes;
 };
 
-/// Whether the text is a scene of contact (a [[body]] and a [contact], no [domain]).
-[[nodiscard]] bool is_contact_scene(std::string_view text);
+/// Which two-dimensional scene a text is: [contact], or [[body]] alone; empty for any other, which may be no TOML.
+enum class Kind2d : std::uint8_t { elastic, contact };
+[[nodiscard]] std::optional<Kind2d> kind2d_of(std::string_view text);
 [[nodiscard]] std::expected<ContactScene, std::vector<Problem>> parse_contact(std::string_view text,
                                                                               const std::string& shown);
-/// From disk; empty when the file is no scene of contact (or cannot be read: `load` then says why).
-[[nodiscard]] std::optional<std::expected<ContactScene, std::vector<Problem>>> load_contact(const std::string& path);
 
 /// Whether bodies deform in a run, and the reason in words.
 struct RigidityChoice {

@@ -71,11 +71,11 @@ using MakeRecords = std::function<void(std::uint64_t first, std::uint64_t end, s
 /// any interruptions.
 [[nodiscard]] std::expected<MonteCarloResult, stochastic::RecordFileError> run_monte_carlo(
     const Scene& scene, const MakeRecords& make, const std::filesystem::path& file, const stochastic::Shard& shard,
-    const std::string& version, const MonteCarloWatch& watch);
+    const MonteCarloWatch& watch);
 /// The same on threads of this process.
 [[nodiscard]] std::expected<MonteCarloResult, stochastic::RecordFileError> run_monte_carlo(
     const Scene& scene, unsigned threads, const std::filesystem::path& file, const stochastic::Shard& shard,
-    const std::string& version, const MonteCarloWatch& watch);
+    const MonteCarloWatch& watch);
 
 /// Figures from records that are all there: of a merged file of all shards.
 [[nodiscard]] std::expected<MonteCarloResult, stochastic::RecordFileError> figures_of_records(

@@ -29,8 +29,4 @@ using ReadFile = std::function<std::expected<LoadedFile, FileRefusal>(const std:
 [[nodiscard]] std::expected<Scene, std::vector<Problem>> parse(std::string_view text, const std::string& shown,
                                                                const ReadFile& read_file);
 
-/// The same from disk. Files that the scene names are looked for beside it. Not regular files and files beyond 64 MB
-/// (the scene) or 1 GB (what it names) are refused without reading them.
-[[nodiscard]] std::expected<Scene, std::vector<Problem>> load(const std::string& path);
-
 }  // namespace cleave::scene

@@ -24,7 +24,6 @@ struct SurveyScene {
 [[nodiscard]] std::expected<SurveyScene, std::vector<Problem>> parse_survey(std::string_view text,
                                                                             const std::string& shown,
                                                                             const ReadFile& read_file);
-[[nodiscard]] std::expected<SurveyScene, std::vector<Problem>> load_survey(const std::string& path);
 
 /// The joint sets of a survey as a part of a scene (sets.toml) with the files it names (measured poles for sets that
 /// are drawn from them). A scene takes it with include = ["sets.toml"].

@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include "cleave/core/version.hpp"
 #include "cleave/stochastic/record.hpp"
 
 namespace cleave::stochastic {
@@ -21,8 +22,8 @@ struct Shard {
 
 /// What the records of a file belong to; its first line.
 struct RunIdentity {
-  std::string version;       ///< of the program
-  std::string scene_sha256;  ///< of the scene and the files it names
+  std::string version{cleave::version};  ///< of the program
+  std::string scene_sha256;              ///< of the scene and the files it names
   std::uint64_t seed = 1;
   Shard shard;
   friend bool operator==(const RunIdentity&, const RunIdentity&) = default;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/core/quantity.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/survey/estimate.hpp"
 #include "cleave/survey/fit.hpp"
@@ -32,8 +33,8 @@ struct LineSurvey {
   std::vector<double> positions;                          ///< along the line, m
   std::vector<std::size_t> joints;  ///< numbers in SurveyInput::orientations, or empty: positions only
   std::vector<SeenLength>
-      lengths;            ///< of the traces met, one a position where any was measured (length 0: not this one)
-  double truncation = 0;  ///< m: shorter traces were not recorded
+      lengths;             ///< of the traces met, one a position where any was measured (length 0: not this one)
+  Length truncation = {};  ///< shorter traces were not recorded
   [[nodiscard]] double length() const noexcept;
 };
 
@@ -43,8 +44,8 @@ struct WindowSurvey {
   geometry::Vec3 normal{0, 0, 1};  ///< of the window's plane
   geometry::Vec3 x_axis{1, 0, 0};  ///< of the map, in space
   std::vector<Polyline> traces;
-  double border = 0;      ///< m: ends so near to the window's border are taken as cut off by it
-  double truncation = 0;  ///< m: shorter traces were not mapped
+  Length border = {};      ///< ends so near to the window's border are taken as cut off by it
+  Length truncation = {};  ///< shorter traces were not mapped
 };
 
 /// How joints are put into sets.
@@ -52,7 +53,8 @@ struct SetRule {
   std::string name;
   std::vector<geometry::Vec3> polygon;               ///< on the stereonet; empty: none
   std::optional<std::pair<double, double>> azimuth;  ///< of traces, degrees, when no orientations were measured
-  std::optional<double> dip, dip_direction;          ///< stated, when they cannot be measured
+  std::optional<Dip> dip;                            ///< stated, when it cannot be measured
+  std::optional<DipDirection> dip_direction;
   std::optional<double> kappa;
   ShapeRule shape;
 };

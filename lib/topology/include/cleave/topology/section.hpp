@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "cleave/core/vec2.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/topology/block_complex.hpp"
 #include "cleave/topology/ids.hpp"
@@ -16,9 +17,7 @@ struct SectionPlane {
   geometry::Vec3 right, up;
 };
 
-struct SectionPoint {
-  double x = 0, y = 0;  ///< m
-};
+using SectionPoint = Vec2;  ///< m
 
 /// What lies behind a side of a polygon.
 struct SectionSide {
@@ -27,7 +26,7 @@ struct SectionSide {
   bool cut = false;  ///< through rock: a block with a hole in the section was parted there
 };
 
-/// A part of a block in the plane: simple, anticlockwise; side k runs from corner k to the next.
+/// A part of a block in the plane: simple, counter-clockwise; side k runs from corner k to the next.
 struct SectionPolygon {
   BlockId block;
   std::vector<SectionPoint> corners;

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <functional>
 
-#include "cleave/bem/kelvin.hpp"
 #include "cleave/bem/mesh.hpp"
+#include "kelvin.hpp"
 
 /// Stress before loading in the boundary integral equation: the term B(y) = integral over the body of eps*_ijk sigma_jk
 /// with c u + H u = G t - B (t: total traction; the minus sign is the source's missing one, see docs/bem.md).

@@ -2,13 +2,14 @@
 
 #include <cmath>
 
+#include "cleave/core/vec2.hpp"
 #include "cleave/exact/sign.hpp"
 #include "cleave/geometry/vec3.hpp"
 
-/// Exact orientation signs of points given as doubles, for the checks of polygons and meshes at the border (the cutter
-/// itself works on lattice points and has its own). A filter in double decides nearly all; expansions (Priest 1991,
-/// Shewchuk 1997) decide the rest. Exact for coordinates that `flushed` returns: at most 1e12 m, and 0 or at least
-/// 1e-60 m, so that no product over- or underflows.
+/// Exact orientation signs of points given as doubles, for the checks of polygons and meshes at the border and for
+/// drawings (the cutter itself works on lattice points and has its own). A filter in double decides nearly all;
+/// expansions (Priest 1991, Shewchuk 1997) decide the rest. Exact for coordinates that `flushed` returns: at most 1e12
+/// m, and 0 or at least 1e-60 m, so that no product over- or underflows.
 namespace cleave::geometry {
 
 /// Largest coordinate (m) that polygons and solids accept.
@@ -21,11 +22,6 @@ inline constexpr double largest_coordinate = 1e12;
 
 [[nodiscard]] inline double flushed(double x) noexcept { return std::abs(x) < 1e-60 ? 0.0 : x; }
 [[nodiscard]] inline Vec3 flushed(Vec3 p) noexcept { return {flushed(p.x), flushed(p.y), flushed(p.z)}; }
-
-struct Vec2 {
-  double u = 0, v = 0;
-  friend constexpr bool operator==(const Vec2&, const Vec2&) = default;
-};
 
 /// The two coordinates that remain, in cyclic order, when axis 0, 1 or 2 is dropped.
 [[nodiscard]] constexpr Vec2 drop(Vec3 p, int axis) noexcept {

@@ -1,12 +1,11 @@
-#include "gauss.hpp"
-
 #include <array>
 #include <cmath>
 #include <numbers>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/core/special.hpp"
 
-namespace cleave::bem {
+namespace cleave::special {
 namespace {
 
 constexpr std::size_t most = 64;
@@ -45,28 +44,12 @@ std::array<GaussRule, most + 1> make_all() {
   return all;
 }
 
-GaussRule make_log_rule() {
-  GaussRule rule = gauss(32);
-  for (std::size_t i = 0; i < rule.s.size(); ++i) {
-    const double t = (rule.s[i] + 1) / 2;
-    const double t5 = t * t * t * t * t;
-    rule.s[i] = t5 * t;
-    rule.w[i] *= 3 * t5;
-  }
-  return rule;
-}
-
 }  // namespace
 
-const GaussRule& gauss(std::size_t n) {
+const GaussRule& gauss_rule(std::size_t n) {
   static const std::array<GaussRule, most + 1> all = make_all();
   CLEAVE_ASSERT(n >= 1 && n <= most);
   return all[n];
 }
 
-const GaussRule& log_rule() {
-  static const GaussRule rule = make_log_rule();
-  return rule;
-}
-
-}  // namespace cleave::bem
+}  // namespace cleave::special

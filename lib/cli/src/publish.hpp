@@ -1,0 +1,81 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <expected>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "cleave/core/cost.hpp"
+#include "cleave/core/progress.hpp"
+#include "cleave/report/write.hpp"
+#include "cleave/scene/run.hpp"
+#include "commands.hpp"
+#include "interrupt.hpp"
+#include "out_folder.hpp"
+
+namespace cleave::cli {
+
+/// Prepares the folder for a result, lets `work` fill and publish it, and leaves nothing behind when it did not.
+template <class Work>
+[[nodiscard]] ExitCode in_out_folder(const std::string& name, InterruptWatch& interrupts, const Work& work) {
+  auto out = OutFolder::prepare(name);
+  if (!out) {
+    complain(out.error().message);
+    return out.error().code;
+  }
+  interrupts.on_interrupt([&] { out->discard(); });
+  const ExitCode end = work(*out);
+  interrupts.guarded([&] { out->discard(); });
+  interrupts.on_interrupt({});
+  return end;
+}
+
+/// The files of a result by the steps of its plan that write them.
+template <class Result>
+struct Files {
+  using Written = std::expected<void, report::WriteError>;
+  std::function<Written(Result&, const std::filesystem::path&)> write;          ///< Stage::write
+  std::function<Written(const Result&, const std::filesystem::path&)> page;     ///< Stage::report
+  std::function<Written(const Result&, const std::filesystem::path&)> summary;  ///< last, with what the others cost
+  std::function<std::string(const Result&)> log;
+  std::function<std::string(const Result&)> figures;  ///< for the terminal
+};
+
+/// Writes what the plan of a result says, puts the folder in its place and prints the key figures; empty when all went
+/// well.
+template <class Result>
+[[nodiscard]] std::optional<ExitCode> publish(Result& result, const Files<Result>& files, OutFolder& out,
+                                              StageTimer& timer, Progress& progress, InterruptWatch& interrupts,
+                                              bool quiet) {
+  typename Files<Result>::Written written;
+  const auto step = [&](scene::Stage stage, const auto& write) {
+    if (!written || !result.plan.runs(stage)) return;
+    progress.begin(name_of(stage));
+    written = timer.run(name_of(stage), [&] { return write(result, out.folder()); });
+    result.cost = scene::cost_of(timer, result.cost.threads);
+  };
+  step(scene::Stage::write, files.write);
+  step(scene::Stage::report, files.page);
+  progress.end();
+  if (written) written = report::write_file(out.folder() / "log.txt", files.log(result));
+  if (written) written = files.summary(result, out.folder());
+  if (!written) {
+    complain(describe(written.error()));
+    return ExitCode::machine_failed;
+  }
+  if (auto published = interrupts.guarded([&] { return out.publish(); }); !published) {
+    complain(published.error().message);
+    return published.error().code;
+  }
+  if (!quiet) {
+    std::string text = files.figures(result);
+    for (const std::string& note : result.notes) text += "note: " + note + "\n";
+    say(text + fmt::format("result in {}\n", out.final_name().generic_string()));
+  }
+  return std::nullopt;
+}
+
+}  // namespace cleave::cli

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+/// Small things of text, of ASCII only, whatever the locale.
+namespace cleave {
+
+[[nodiscard]] constexpr char lower(char c) noexcept {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+[[nodiscard]] std::string lower(std::string_view text);
+
+/// Space, tab, carriage return, vertical tab, form feed; the end of a line is none.
+[[nodiscard]] constexpr bool is_blank(char c) noexcept {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+/// Without blanks at both ends.
+[[nodiscard]] std::string_view trimmed(std::string_view text) noexcept;
+
+/// One field of a CSV row: in quotes where it holds a comma, a quote, a line end or one of `others`.
+[[nodiscard]] std::string csv_field(std::string_view text, std::string_view others = {});
+
+}  // namespace cleave

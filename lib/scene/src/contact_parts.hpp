@@ -1,0 +1,24 @@
+#pragma once
+
+#include "cleave/bem/vec2.hpp"
+#include "cleave/scene/contact.hpp"
+#include "table_reader.hpp"
+
+/// The parts of a scene of contact beside its bodies.
+namespace cleave::scene {
+
+[[nodiscard]] const KeyTable& contact_keys();
+void parse_settings(const TableReader& contact, ContactScene& scene);
+void parse_points(const TableReader& contact, ContactScene& scene);
+
+[[nodiscard]] bool holds(const ContactBody& body, bem::Vec2 at);
+/// On the outline, up to what rounding of written coordinates makes.
+[[nodiscard]] bool lies_on(const ContactBody& body, bem::Vec2 at);
+
+// What is wrong with the bodies together; each reports it.
+void check_elastic(const ContactScene& scene, const TableReader& contact, Problems& problems);
+void check_forces(const ContactScene& scene, Problems& problems);
+void check_rest(const ContactScene& scene, Problems& problems);
+void check_overlaps(const ContactScene& scene, Problems& problems);
+
+}  // namespace cleave::scene

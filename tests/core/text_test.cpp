@@ -1,0 +1,47 @@
+#include "cleave/core/text.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+
+#include "cleave/core/disjoint_sets.hpp"
+
+namespace cleave {
+namespace {
+
+TEST(TextTest, LowerCaseIsOfAsciiOnly) {
+  EXPECT_EQ(lower("Dip_DIRECTION 9"), "dip_direction 9");
+  EXPECT_EQ(lower("\xC3\x84Z"), "\xC3\x84z");  // a capital A with dots stays
+}
+
+TEST(TextTest, TrimmedTakesBlanksOfBothEnds) {
+  EXPECT_EQ(trimmed(" \t a b\r"), "a b");
+  EXPECT_EQ(trimmed("\v\f "), "");
+  EXPECT_EQ(trimmed("\na"), "\na");  // the end of a line is no blank
+}
+
+TEST(TextTest, CsvFieldsAreQuotedWhereNeeded) {
+  EXPECT_EQ(csv_field("plain"), "plain");
+  EXPECT_EQ(csv_field("a,b\"c"), "\"a,b\"\"c\"");
+  EXPECT_EQ(csv_field("two\nlines"), "\"two\nlines\"");
+  EXPECT_EQ(csv_field("a;b"), "a;b");
+  EXPECT_EQ(csv_field("a;b", ";#"), "\"a;b\"");
+  EXPECT_EQ(csv_field("", ";#"), "");
+}
+
+TEST(DisjointSetsTest, TheSmallestMemberStandsForItsSetHoweverJoined) {
+  DisjointSets<std::uint32_t> one{6}, other{6};
+  one.join(5, 3);
+  one.join(3, 1);
+  one.join(0, 2);
+  other.join_shared(1, 5);
+  other.join_shared(2, 0);
+  other.join_shared(5, 3);
+  for (std::uint32_t k = 0; k < 6; ++k) EXPECT_EQ(one.find(k), other.find_shared(k)) << k;
+  EXPECT_EQ(one.find(5), 1U);
+  EXPECT_EQ(one.find(4), 4U);
+}
+
+}  // namespace
+}  // namespace cleave
