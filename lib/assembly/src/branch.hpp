@@ -10,6 +10,10 @@ namespace cleave::assembly {
 /// largest.
 [[nodiscard]] double violation(const Elements& elements, double divisor, const State& state);
 
+/// By element: whether the patch of a bond presses.
+[[nodiscard]] std::vector<std::uint8_t> pressing(const Elements& elements, const State& state);
+[[nodiscard]] bool has_bonds(const Elements& elements);
+
 /// Bodies that move in a state, and those beside a contact that violates the conditions.
 [[nodiscard]] std::vector<std::uint8_t> unsettled_bodies(const Elements& elements, double divisor, const State& state);
 
@@ -29,8 +33,9 @@ class Branch final {
     FromRest what = FromRest::unsettled;
     State state;
     double residual = 1;
+    std::vector<std::uint8_t> unsettled = {};  ///< by body, of a search by sweeps: what else there is has settled
   };
-  enum class Effort : std::uint8_t { newton, whole };
+  enum class Effort : std::uint8_t { newton, whole, sweeps };
   /// Looks for motion at this strength; goes on from the last motion found.
   [[nodiscard]] Found at(double divisor, Effort effort = Effort::whole);
   /// Linear solves that a search by thresholds may take, times the number of bodies.
@@ -43,7 +48,8 @@ class Branch final {
   [[nodiscard]] Found judged(double divisor, State state) const;
   [[nodiscard]] Found by_newton(double divisor);
   [[nodiscard]] Found by_thresholds(double divisor);
-  [[nodiscard]] Found at_rest(double divisor);
+  [[nodiscard]] Found by_sweeps(double divisor);
+  [[nodiscard]] Found standing(double divisor);
 
   const Elements* elements_;
   Newton newton_;

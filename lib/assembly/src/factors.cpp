@@ -7,6 +7,7 @@
 #include "branch.hpp"
 #include "elements.hpp"
 #include "newton.hpp"
+#include "settle.hpp"
 
 namespace cleave::assembly {
 namespace {
@@ -17,6 +18,8 @@ using geometry::Vec3;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Factors beyond are told from infinity and 0 no more.
 constexpr double largest_factor = 1e4, least_factor = 1e-4;
+/// Larger assemblies take larger steps, and end sooner: to 1e-4.
+constexpr std::size_t few_for_factors = 16;
 
 std::vector<double> speeds(const Elements& elements, const VectorXd& v) {
   std::vector<double> out(elements.bodies());
@@ -96,7 +99,7 @@ ContactForces holding_forces(const Assembly& assembly, double factor, double pre
   return out;
 }
 
-StaticFactor static_factor(const Assembly& assembly) {
+StaticFactor static_factor(const Assembly& assembly, Accuracy accuracy) {
   const Elements elements{assembly};
   Drive drive{elements};
   if (drive(largest_factor) == 0) return {infinite, infinite, drive.settled()};
@@ -112,7 +115,8 @@ StaticFactor static_factor(const Assembly& assembly) {
     before = std::exchange(high, f);
     speed_before = std::exchange(speed, found);
   };
-  for (int k = 0; k < 200 && high > low * (1 + 1e-9); ++k) {
+  const double enough = accuracy == Accuracy::coarse ? 1e-4 : 1e-9;
+  for (int k = 0; k < 200 && high > low * (1 + enough); ++k) {
     look(std::sqrt(low * high));
     // The speed grows in proportion above the factor.
     if (!(before > high) || !(speed_before > speed) || high > 3 * low) continue;
@@ -136,16 +140,22 @@ Start start_from_rest(const Assembly& assembly, double factor, std::vector<std::
   Start out{
       .found = FromRest::rests, .motion = Motion(elements.bodies()), .speed = std::vector<double>(elements.bodies())};
   out.residual = 0;
-  if (!branch.begin()) return out;
-  // Large assemblies go there at once: what does not settle is looked at part by part.
-  const bool large = elements.bodies() > 24;
   Branch::Found found;
-  for (double f = (large ? 1 : 30) * factor;; f = std::max(factor, 0.8 * f)) {
-    found = branch.at(f, elements.bodies() > 100 ? Branch::Effort::newton : Branch::Effort::whole);
+  // Large assemblies go there at once, contact by contact.
+  const bool large = elements.bodies() > followed_bodies;
+  if (large) {
+    found = branch.at(factor, Branch::Effort::sweeps);
+  } else if (!branch.begin()) {
+    return out;
+  }
+  for (double f = 30 * factor; !large; f = std::max(factor, 0.8 * f)) {
+    found = branch.at(f, Branch::Effort::whole);
     if (found.what == FromRest::moves) branch.keep(found);
     if (f <= factor) break;
   }
-  if (found.what == FromRest::unsettled) unsettled = unsettled_bodies(elements, factor, found.state);
+  if (found.what == FromRest::unsettled) {
+    unsettled = large ? std::move(found.unsettled) : unsettled_bodies(elements, factor, found.state);
+  }
   out.found = found.what;
   out.motion = elements.motion_of(found.state.v);
   out.speed = speeds(elements, found.state.v);
@@ -153,16 +163,18 @@ Start start_from_rest(const Assembly& assembly, double factor, std::vector<std::
   return out;
 }
 
-MovingFactor moving_factor(const Assembly& assembly, double up) {
+MovingFactor moving_factor(const Assembly& assembly, double up, Accuracy accuracy) {
   const Elements elements{assembly};
   Branch branch{elements};
   if (!branch.begin()) return {infinite, true};
+  const bool coarse = accuracy == Accuracy::coarse;
   // Above `up` it moves whether a solution was checked or not.
   double good = infinite, bad = 0;
   bool settled = true;
   const auto look = [&](double f) {
     // What is known to move needs no search: only a start for those that are not.
-    const Branch::Found found = branch.at(f, f > 1.1 * up ? Branch::Effort::newton : Branch::Effort::whole);
+    const Branch::Effort effort = coarse ? Branch::Effort::sweeps : Branch::Effort::whole;
+    const Branch::Found found = branch.at(f, f > 1.1 * up ? Branch::Effort::newton : effort);
     if (found.what == FromRest::moves) branch.keep(found);
     if (found.what == FromRest::moves || f > up * (1 + 1e-9)) {
       good = f;
@@ -172,9 +184,10 @@ MovingFactor moving_factor(const Assembly& assembly, double up) {
     settled = found.what == FromRest::rests;
     return false;
   };
-  // Large assemblies take larger steps, and end sooner.
-  const bool large = elements.bodies() > 16;
-  for (double f = large ? 32 : 1e3; f > (large ? 1e-2 : least_factor) && look(f); f *= large ? 0.7 : 0.9) {
+  // So do assemblies that are known to move, which begin there.
+  const bool large = coarse || elements.bodies() > few_for_factors;
+  const double begin = large ? 32 : 1e3;
+  for (double f = coarse ? 1 : begin; f > (large ? 1e-2 : least_factor) && look(f); f *= large ? 0.7 : 0.9) {
   }
   if (bad == 0) return {0, true};
   if (good == infinite) return {std::min(up, bad), false};

@@ -6,13 +6,16 @@
 #include <utility>
 
 #include "branch.hpp"
+#include "settle.hpp"
 
 namespace cleave::assembly {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// Larger groups get no factors.
-constexpr std::size_t most_for_factors = 4;
+/// Larger groups get no factors; factors of more than few blocks are coarse, and what is in doubt has none then.
+constexpr std::size_t most_for_factors = 16, few_for_fine_factors = 4;
+/// Certainty is not looked for in larger parts: they are unsafe at least.
+constexpr std::size_t most_projected = 400;
 /// A body belongs to a motion when it has this share of its largest rate.
 constexpr double belongs = 1e-6;
 
@@ -88,11 +91,23 @@ class Search final {
 
   /// False when it stands without friction.
   bool run() {
-    const Projection free = project(island_, infinite);
-    if (free.settled && !(free.largest > slow)) return false;
-    find_certain();
+    const bool large = island_.bodies().size() > followed_bodies;
+    if (!large) {
+      const Projection free = project(island_, infinite);
+      if (free.settled && !(free.largest > slow)) return false;
+      find_certain(std::vector<std::uint8_t>(island_.bodies().size(), 1));
+    }
     std::vector<std::uint8_t> unsettled;
     const Start start = start_from_rest(island_, 1, unsettled);
+    // What rests in a search that begins with motion is not looked at again: to fix it only adds support.
+    if (large) {
+      std::vector<std::uint8_t> active = moving_ones(start.speed);
+      for (std::size_t b = 0; b < unsettled.size(); ++b) active[b] = std::max(active[b], unsettled[b]);
+      find_certain(active);
+      take(moving_ones(start.speed), Verdict::unsafe, start.motion);
+      look_closer(std::move(unsettled));
+      return true;
+    }
     switch (start.found) {
       case FromRest::moves: take(moving_ones(start.speed), Verdict::unsafe, start.motion); break;
       case FromRest::rests: break;
@@ -103,15 +118,19 @@ class Search final {
   [[nodiscard]] std::vector<Group>& groups() noexcept { return groups_; }
 
  private:
-  void find_certain() {
-    const Projection drive = project(island_, 1);
-    for (std::vector<std::uint32_t>& members : connected_parts(island_, moving_ones(drive.speed))) {
-      const Assembly part = island_.part(members, Assembly::Others::fixed);
-      Motion motion = of_members(drive.motion, members);
-      auto proof = check_motion(part, 1, motion);
-      // What cannot be proved is left to the search from rest.
-      if (!proof) continue;
-      add(std::move(members), Verdict::certain, std::move(motion)).proof = std::move(*proof);
+  void find_certain(const std::vector<std::uint8_t>& among) {
+    for (const std::vector<std::uint32_t>& part : connected_parts(island_, among)) {
+      if (part.size() > most_projected) continue;
+      const Assembly own = island_.part(part, Assembly::Others::fixed);
+      const Projection drive = project(own, 1);
+      for (std::vector<std::uint32_t>& members : connected_parts(own, moving_ones(drive.speed))) {
+        Motion motion = of_members(drive.motion, members);
+        auto proof = check_motion(own.part(members, Assembly::Others::fixed), 1, motion);
+        // What cannot be proved is left to the search from rest.
+        if (!proof) continue;
+        for (std::uint32_t& b : members) b = part[b];
+        add(std::move(members), Verdict::certain, std::move(motion)).proof = std::move(*proof);
+      }
     }
   }
 
@@ -125,11 +144,12 @@ class Search final {
 
   /// The island as a whole did not settle: part by part, what settled taken to be fixed.
   void look_closer(std::vector<std::uint8_t> among) {
+    if (among.empty()) return;
     for (std::size_t b = 0; b < among.size(); ++b) among[b] = among[b] != 0 && taken_[b] == 0 ? 1 : 0;
     for (std::vector<std::uint32_t>& members : connected_parts(island_, among)) {
       Motion motion(members.size());
       Verdict verdict = Verdict::in_doubt;
-      if (members.size() < island_.bodies().size()) {
+      if (members.size() < island_.bodies().size() && members.size() <= followed_bodies) {
         const Start start = start_from_rest(island_.part(members, Assembly::Others::fixed), 1);
         if (start.found == FromRest::rests) continue;
         if (start.found == FromRest::moves) {
@@ -153,18 +173,20 @@ class Search final {
     Group& group = groups_.emplace_back();
     group.verdict = verdict;
     group.motion = std::move(motion);
-    group.factors = members.size() <= most_for_factors;
+    const bool moves = verdict != Verdict::in_doubt;
+    group.factors = members.size() <= (moves ? most_for_factors : few_for_fine_factors);
     if (group.factors) {
       const Assembly part = island_.part(members, Assembly::Others::fixed);
-      group.up = static_factor(part);
-      group.moving = moving_factor(part, group.up.factor);
+      const Accuracy accuracy = members.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::fine;
+      group.up = static_factor(part, accuracy);
+      group.moving = moving_factor(part, group.up.factor, accuracy);
     } else {
       group.up.factor = verdict == Verdict::certain ? 1 : infinite;
       group.moving.factor = 1;
       group.moving.settled = false;
     }
     // It moves at strengths as they are.
-    if (verdict != Verdict::in_doubt) group.moving.factor = std::min(group.moving.factor, 1.0);
+    if (moves) group.moving.factor = std::min(group.moving.factor, 1.0);
     group.bodies = std::move(members);
     return group;
   }
