@@ -170,14 +170,14 @@ Branch::Found Branch::at(double divisor, Effort effort) {
   if (found.what == FromRest::moves || effort == Effort::newton) return found;
   // Thresholds are exact where they settle, sweeps cheap.
   const bool few = elements_->bodies() <= 4;
-  if (!few) {
+  if (!few && effort == Effort::whole) {
     Found swept = by_sweeps(divisor);
     if (swept.what != FromRest::unsettled) return swept;
   }
   found = by_thresholds(divisor);
   if (found.what == FromRest::moves) return found;
   if (found.state.v.lpNorm<Eigen::Infinity>() <= slow) return standing(divisor);
-  if (few) {
+  if (few && effort == Effort::whole) {
     Found swept = by_sweeps(divisor);
     if (swept.what != FromRest::unsettled) return swept;
   }

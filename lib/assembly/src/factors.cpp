@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "branch.hpp"
@@ -67,13 +68,10 @@ Projection project(const Assembly& assembly, double factor) {
   return out;
 }
 
-ContactForces holding_forces(const Assembly& assembly, double factor, double prestress) {
-  const Elements elements{assembly};
-  Newton newton{elements};
-  State state = newton.none();
-  Problem problem = static_problem(factor);
-  problem.least_normal = prestress;
-  (void)newton.solve(problem, state);
+namespace {
+
+/// Forces of a state, N.
+ContactForces in_newtons(const Assembly& assembly, const Elements& elements, const std::vector<Eigen::Vector3d>& x) {
   ContactForces out;
   out.at_points.resize(assembly.contacts().size());
   out.at_bonds.resize(assembly.contacts().size());
@@ -87,7 +85,7 @@ ContactForces holding_forces(const Assembly& assembly, double factor, double pre
     for (std::size_t k = first; k < last; ++k) {
       const Element& e = elements.all()[k];
       const double unit = elements.newtons(e);
-      const Vec3 force = unit * (state.x[k][0] * contact.normal + state.x[k][1] * t1 + state.x[k][2] * t2);
+      const Vec3 force = unit * (x[k][0] * contact.normal + x[k][1] * t1 + x[k][2] * t2);
       if (!e.bond) {
         out.at_points[c][point++] = force;
         continue;
@@ -98,6 +96,20 @@ ContactForces holding_forces(const Assembly& assembly, double factor, double pre
   }
   return out;
 }
+
+}  // namespace
+
+ContactForces holding_forces(const Assembly& assembly, double factor, double prestress) {
+  const Elements elements{assembly};
+  Newton newton{elements};
+  State state = newton.none();
+  Problem problem = static_problem(factor);
+  problem.least_normal = prestress;
+  (void)newton.solve(problem, state);
+  return in_newtons(assembly, elements, state.x);
+}
+
+StaticFactor static_factor(const Assembly& assembly) { return static_factor(assembly, Accuracy::fine); }
 
 StaticFactor static_factor(const Assembly& assembly, Accuracy accuracy) {
   const Elements elements{assembly};
@@ -129,39 +141,43 @@ StaticFactor static_factor(const Assembly& assembly, Accuracy accuracy) {
 }
 
 Start start_from_rest(const Assembly& assembly, double factor) {
-  std::vector<std::uint8_t> unsettled;
-  return start_from_rest(assembly, factor, unsettled);
+  Ended ended;
+  return start_from_rest(assembly, factor, ended);
 }
 
-Start start_from_rest(const Assembly& assembly, double factor, std::vector<std::uint8_t>& unsettled) {
-  const Elements elements{assembly};
+namespace {
+
+/// Follows the motion of few bodies from no friction on; empty where nothing moves without.
+std::optional<Branch::Found> followed(const Elements& elements, double factor) {
   Branch branch{elements};
-  branch.allow(100'000);
-  Start out{
-      .found = FromRest::rests, .motion = Motion(elements.bodies()), .speed = std::vector<double>(elements.bodies())};
-  out.residual = 0;
-  Branch::Found found;
-  // Large assemblies go there at once, contact by contact.
-  const bool large = elements.bodies() > followed_bodies;
-  if (large) {
-    found = branch.at(factor, Branch::Effort::sweeps);
-  } else if (!branch.begin()) {
-    return out;
-  }
-  for (double f = 30 * factor; !large; f = std::max(factor, 0.8 * f)) {
-    found = branch.at(f, Branch::Effort::whole);
+  branch.allow(20'000);
+  if (!branch.begin()) return std::nullopt;
+  const bool fully = elements.bodies() <= followed_bodies;
+  for (double f = 30 * factor;; f = std::max(factor, 0.8 * f)) {
+    Branch::Found found = branch.at(f, fully ? Branch::Effort::thresholds : Branch::Effort::newton);
     if (found.what == FromRest::moves) branch.keep(found);
-    if (f <= factor) break;
+    if (f <= factor) return found;
   }
-  if (found.what == FromRest::unsettled) {
-    unsettled = large ? std::move(found.unsettled) : unsettled_bodies(elements, factor, found.state);
+}
+
+}  // namespace
+
+Start start_from_rest(const Assembly& assembly, double factor, Ended& ended) {
+  const Elements elements{assembly};
+  // Contact by contact; where that finds no motion, few bodies are followed from no friction on as well.
+  Branch branch{elements};
+  Branch::Found found = branch.at(factor, Branch::Effort::sweeps);
+  if (found.what != FromRest::moves && elements.bodies() <= few_bodies) {
+    if (auto other = followed(elements, factor); other && other->what == FromRest::moves) found = std::move(*other);
   }
-  out.found = found.what;
-  out.motion = elements.motion_of(found.state.v);
-  out.speed = speeds(elements, found.state.v);
+  Start out{.found = found.what, .motion = elements.motion_of(found.state.v), .speed = speeds(elements, found.state.v)};
   out.residual = found.residual;
+  ended.unsettled = found.what == FromRest::unsettled ? std::move(found.unsettled) : std::vector<std::uint8_t>{};
+  ended.forces = in_newtons(assembly, elements, found.state.x);
   return out;
 }
+
+MovingFactor moving_factor(const Assembly& assembly, double up) { return moving_factor(assembly, up, Accuracy::fine); }
 
 MovingFactor moving_factor(const Assembly& assembly, double up, Accuracy accuracy) {
   const Elements elements{assembly};

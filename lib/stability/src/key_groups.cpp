@@ -15,20 +15,27 @@ using assembly::Verdict;
 using geometry::Vec3;
 using topology::BlockId;
 
-/// Layers of blocks behind the exposed ones that are looked at; more around groups that touch the last.
+/// Layers of blocks behind the exposed ones that are looked at first; as many more when a group touches the last.
 constexpr std::uint32_t first_layers = 3;
 
-/// Whether one of the groups has a block in common with `group`.
-bool overlaps(const std::vector<KeyGroup>& groups, const KeyGroup& group) {
-  return std::ranges::any_of(groups, [&](const KeyGroup& g) {
-    return std::ranges::any_of(g.blocks, [&](BlockId id) { return std::ranges::binary_search(group.blocks, id); });
-  });
+/// What no other group has taken; it moves with those, but it is they that are proved to move.
+assembly::Group without(const assembly::Group& group, const std::vector<std::uint8_t>& taken) {
+  assembly::Group out = group;
+  out.bodies.clear();
+  out.motion.clear();
+  for (std::size_t k = 0; k < group.bodies.size(); ++k) {
+    if (taken[group.bodies[k]] != 0) continue;
+    out.bodies.push_back(group.bodies[k]);
+    out.motion.push_back(group.motion[k]);
+  }
+  if (out.bodies.size() < group.bodies.size() && group.verdict == Verdict::certain) out.verdict = Verdict::unsafe;
+  return out;
 }
 
 class Search final {
  public:
   Search(const topology::BlockComplex& complex, const Settings& settings, std::size_t most)
-      : model_{complex, settings}, doubted_(complex.blocks().size(), 0), most_{most} {}
+      : model_{complex, settings}, layers_{first_layers}, doubted_(complex.blocks().size(), 0), most_{most} {}
 
   KeyGroups run() {
     const std::uint32_t most = model_.settings().max_batches;
@@ -78,7 +85,7 @@ class Search final {
   /// Blocks with something open, and those within some layers of them.
   [[nodiscard]] std::vector<BlockId> near(std::uint32_t batch) {
     IdVector<BlockId, std::uint8_t> taken(complex().blocks().size(), 0);
-    std::vector<BlockId> layer;
+    std::vector<BlockId> all, layer;
     const auto begin = [&](BlockId id) {
       if (taken[id] != 0 || !may_move(id, batch) || !model_.held(id, batch).exposed) return;
       taken[id] = 1;
@@ -89,18 +96,9 @@ class Search final {
     }
     // Later states differ beside what has left alone.
     for (const BlockId id : left_) neighbours(id, begin);
-    return within(std::move(layer), first_layers, batch);
-  }
-
-  /// Blocks that are `layers` neighbours away at most; ascending.
-  [[nodiscard]] std::vector<BlockId> within(std::vector<BlockId> layer, std::uint32_t layers,
-                                            std::uint32_t batch) const {
-    IdVector<BlockId, std::uint8_t> taken(complex().blocks().size(), 0);
-    std::vector<BlockId> all;
-    for (const BlockId id : layer) taken[id] = 1;
     for (std::uint32_t k = 0;; ++k) {
       all.insert(all.end(), layer.begin(), layer.end());
-      if (k >= layers || layer.empty()) break;
+      if (k >= layers_ || layer.empty()) break;
       std::vector<BlockId> next;
       for (const BlockId id : layer) {
         neighbours(id, [&](BlockId other) {
@@ -115,61 +113,30 @@ class Search final {
     return all;
   }
 
-  /// Groups of one state; what touches what is taken to be fixed and is not, with more blocks around it.
+  /// Groups of one state; with more layers as long as one touches what is taken to be fixed and is not.
   std::vector<KeyGroup> state(std::uint32_t batch) {
-    std::vector<BlockId> blocks = near(batch);
-    if (batch == 1) out_.blocks = blocks.size();
-    if (blocks.empty()) return {};
-    if (blocks.size() > most_) {
-      out_.too_many = true;
-      return {};
-    }
-    std::vector<KeyGroup> found = groups_of(blocks, batch);
-    for (std::uint32_t layers = first_layers;; layers *= 2) {
-      std::vector<KeyGroup> open = taken_out(found, [&](const KeyGroup& g) { return touches(g, blocks, batch); });
-      if (open.empty()) break;
-      std::vector<BlockId> seeds;
-      for (const KeyGroup& group : open) seeds.insert(seeds.end(), group.blocks.begin(), group.blocks.end());
-      const std::vector<BlockId> around = within(std::move(seeds), layers, batch);
-      if (around.size() > most_) {
-        std::ranges::move(open, std::back_inserter(found));
-        break;
+    for (;;) {
+      const std::vector<BlockId> blocks = near(batch);
+      if (batch == 1) out_.blocks = blocks.size();
+      if (blocks.empty()) return {};
+      if (blocks.size() > most_) {
+        out_.too_many = true;
+        return {};
       }
-      std::vector<KeyGroup> wider = groups_of(around, batch);
-      // A group among what was looked at again holds what it overlaps.
-      (void)taken_out(found, [&](const KeyGroup& g) { return overlaps(wider, g); });
-      // What is not found again moves all the same: to fix what is beyond only adds support.
-      for (KeyGroup& group : open) {
-        if (group.verdict != Verdict::in_doubt && !overlaps(wider, group)) found.push_back(std::move(group));
+      std::vector<KeyGroup> found = groups_of(blocks, batch);
+      bool touches = false;
+      for (const KeyGroup& group : found) {
+        for (const BlockId id : group.blocks) {
+          neighbours(id, [&](BlockId other) {
+            if (std::ranges::binary_search(blocks, other)) return;
+            touches = touches || may_move(other, batch);
+            out_.at_the_edge = out_.at_the_edge || complex().blocks()[other].truncated;
+          });
+        }
       }
-      std::ranges::move(wider, std::back_inserter(found));
-      std::vector<BlockId> both;
-      std::ranges::set_union(blocks, around, std::back_inserter(both));
-      blocks = std::move(both);
+      if (!touches) return found;
+      layers_ += first_layers;
     }
-    std::ranges::sort(found, {}, [](const KeyGroup& g) { return g.blocks.front(); });
-    return found;
-  }
-
-  template <class Which>
-  [[nodiscard]] static std::vector<KeyGroup> taken_out(std::vector<KeyGroup>& from, Which&& which) {
-    std::vector<KeyGroup> out, rest;
-    for (KeyGroup& group : from) (which(group) ? out : rest).push_back(std::move(group));
-    from = std::move(rest);
-    return out;
-  }
-
-  /// Whether a block of the group touches one that may move and was not looked at.
-  bool touches(const KeyGroup& group, const std::vector<BlockId>& looked_at, std::uint32_t batch) {
-    bool any = false;
-    for (const BlockId id : group.blocks) {
-      neighbours(id, [&](BlockId other) {
-        if (std::ranges::binary_search(looked_at, other)) return;
-        any = any || may_move(other, batch);
-        out_.at_the_edge = out_.at_the_edge || complex().blocks()[other].truncated;
-      });
-    }
-    return any;
   }
 
   std::vector<KeyGroup> groups_of(const std::vector<BlockId>& blocks, std::uint32_t batch) {
@@ -183,9 +150,10 @@ class Search final {
       for (const bool moments : {false, true}) {
         for (const assembly::Group& group : found[moments ? 1 : 0]) {
           if ((group.verdict == Verdict::in_doubt) != doubt) continue;
-          if (std::ranges::any_of(group.bodies, [&](std::uint32_t b) { return taken[b] != 0; })) continue;
-          for (const std::uint32_t b : group.bodies) taken[b] = 1;
-          out.push_back(said(group, blocks, batch, moments));
+          const assembly::Group rest = without(group, taken);
+          if (rest.bodies.empty()) continue;
+          for (const std::uint32_t b : rest.bodies) taken[b] = 1;
+          out.push_back(said(rest, blocks, batch, moments));
         }
       }
     }
@@ -215,6 +183,7 @@ class Search final {
   }
 
   Model model_;
+  std::uint32_t layers_;
   std::vector<BlockId> left_;                ///< in the batch before
   IdVector<BlockId, std::uint8_t> doubted_;  ///< said to be in doubt
   std::size_t most_;                         ///< blocks that are looked at together

@@ -27,9 +27,6 @@ struct ContactForces {
 /// `prestress` times the largest load at least. They may lack balance: check them.
 [[nodiscard]] ContactForces holding_forces(const Assembly& assembly, double factor, double prestress = 0);
 
-/// Of factors. Coarse ones are good to 1e-4, of an assembly that moves at strengths as they are.
-enum class Accuracy : std::uint8_t { fine, coarse };
-
 /// The largest F at which strengths/F still admit balance: above it motion is certain whatever the law of flow, the
 /// initial stress or the stiffness. Infinite above 10^4, 0 below 10^-4.
 struct StaticFactor {
@@ -37,7 +34,7 @@ struct StaticFactor {
   double lower = 0;  ///< largest F at which forces were found
   bool settled = true;
 };
-[[nodiscard]] StaticFactor static_factor(const Assembly& assembly, Accuracy accuracy = Accuracy::fine);
+[[nodiscard]] StaticFactor static_factor(const Assembly& assembly);
 
 /// What the search for motion from rest under Coulomb's law found at one strength.
 enum class FromRest : std::uint8_t {
@@ -61,6 +58,6 @@ struct MovingFactor {
   bool settled = true;  ///< just below, a state at rest was found; false: nothing that could be checked
 };
 /// `up`: what `static_factor` found.
-[[nodiscard]] MovingFactor moving_factor(const Assembly& assembly, double up, Accuracy accuracy = Accuracy::fine);
+[[nodiscard]] MovingFactor moving_factor(const Assembly& assembly, double up);
 
 }  // namespace cleave::assembly
