@@ -1,4 +1,4 @@
-#include "cleave/assembly/balance.hpp"
+#include "balance.hpp"
 
 #include <algorithm>
 #include <cmath>

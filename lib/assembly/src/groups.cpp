@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "balance.hpp"
 #include "branch.hpp"
-#include "cleave/assembly/balance.hpp"
 #include "settle.hpp"
 
 namespace cleave::assembly {
