@@ -51,6 +51,15 @@ TEST_F(DiffTest, AnotherBlockSystem) {
   EXPECT_NE(ended.out.find("\nblocks\n  blocks.count "), std::string::npos) << ended.out;
 }
 
+TEST_F(DiffTest, AChangedInputFileIsNamed) {
+  write("j.csv", "dip,dip_direction,x,y,z\n30,90,4,4,3\n");
+  run("before", "[[joint]]\nfile = \"j.csv\"\n");
+  write("j.csv", "dip,dip_direction,x,y,z\n31,90,4,4,3\n");
+  run("after", "[[joint]]\nfile = \"j.csv\"\n");
+  const Ended ended = cleave("diff before after");
+  EXPECT_NE(ended.out.find("\ninput files\n  j.csv is not the same file in both\n"), std::string::npos) << ended.out;
+}
+
 TEST_F(DiffTest, WhatIsNoResultIsRefused) {
   run("a", "");
   fs::create_directories(path("empty"));

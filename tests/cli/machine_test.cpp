@@ -56,6 +56,25 @@ TEST_F(MachineTest, MemoryLimitIsTheMachinesFault) {
   EXPECT_FALSE(exists("out"));
 }
 
+TEST_F(MachineTest, TheLimitAskedForIsHonoured) {
+  if (!sanitized) {
+    write_grid(59);
+    const Ended refused = shell("cleave run g.toml -o out --threads 2 --quiet --memory '100 MB'");
+    EXPECT_EQ(refused.code, 3) << refused.err;
+    EXPECT_TRUE(refused.err.starts_with("error: memory: ")) << refused.err;
+    EXPECT_EQ(names(), (std::vector<std::string>{"g.csv", "g.toml"}));
+  }
+  write("s.toml", small_scene);
+  if (!sanitized) {
+    EXPECT_EQ(cleave("run s.toml -o out --threads 2 --quiet --memory 1GB").code, 0);
+  }
+  for (const std::string wrong : {"4", "-1", "much", "'10 MB'"}) {
+    const Ended ended = cleave("run s.toml -o other --quiet --memory " + wrong);
+    EXPECT_EQ(ended.code, 2) << wrong;
+    EXPECT_TRUE(ended.err.contains("--memory")) << ended.err;
+  }
+}
+
 TEST_F(MachineTest, OutputThatCannotBePrintedIsTheMachinesFault) {
   EXPECT_EQ(shell("cleave init tunnel > /dev/full").code, 3);
 }

@@ -28,6 +28,10 @@ TEST(TextTest, CsvFieldsAreQuotedWhereNeeded) {
   EXPECT_EQ(csv_field("a;b"), "a;b");
   EXPECT_EQ(csv_field("a;b", ";#"), "\"a;b\"");
   EXPECT_EQ(csv_field("", ";#"), "");
+  EXPECT_EQ(csv_field("=HYPERLINK(1,2)"), "\"'=HYPERLINK(1,2)\"");
+  EXPECT_EQ(csv_field("@x"), "'@x");
+  for (const auto* number : {"-5", "+5", "-1e-3", "+.5"}) EXPECT_EQ(csv_field(number), number);
+  EXPECT_EQ(csv_field("-5+cmd"), "'-5+cmd");
 }
 
 TEST(DisjointSetsTest, TheSmallestMemberStandsForItsSetHoweverJoined) {
@@ -41,6 +45,15 @@ TEST(DisjointSetsTest, TheSmallestMemberStandsForItsSetHoweverJoined) {
   for (std::uint32_t k = 0; k < 6; ++k) EXPECT_EQ(one.find(k), other.find_shared(k)) << k;
   EXPECT_EQ(one.find(5), 1U);
   EXPECT_EQ(one.find(4), 4U);
+}
+
+TEST(Text, ControlCharactersAreSeen) {
+  for (const char* plain : {"", "a b\tc", "\xC3\xBC", "\xC2\xB0", "\xE2\x80\x9C"}) {
+    EXPECT_FALSE(has_control_characters(plain)) << plain;
+  }
+  for (const char* steers : {"\x1b[31m", "a\x7f", "a\n", "\xC2\x9B", "\xC2\x80"}) {
+    EXPECT_TRUE(has_control_characters(steers)) << steers;
+  }
 }
 
 }  // namespace

@@ -27,6 +27,19 @@ std::vector<ReadError> problems(std::string_view text, const JointCsvOptions& op
   return table.error();
 }
 
+TEST(JointCsvTest, FormulasComeBackAndControlCharactersDoNotGetIn) {
+  const JointTable t = read("x,y,z,dip,dip direction,set\n0,0,0,60,30,=A1\n0,0,0,50,20,'=A1\n0,0,0,40,10,'tis\n");
+  EXPECT_EQ(t.rows[0].set, "=A1");
+  EXPECT_EQ(t.rows[1].set, "=A1");
+  EXPECT_EQ(t.rows[2].set, "'tis");
+  const std::string written = write_joint_csv(t);
+  EXPECT_TRUE(written.contains(",'=A1\n")) << written;
+  EXPECT_EQ(read(written).rows[0].set, "=A1");
+  const auto wrong = problems("x,y,z,dip,dip direction,set\n0,0,0,60,30,a\x1b[2J\n");
+  EXPECT_EQ(wrong.front().line, 2U);
+  EXPECT_EQ(wrong.front().what, "a cell holds control characters");
+}
+
 TEST(JointCsvTest, ColumnsInAnyOrderAndEverySize) {
   const JointTable t = read(
       "\xEF\xBB\xBF# measured in spring\r\n"

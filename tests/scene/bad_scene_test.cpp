@@ -332,10 +332,14 @@ TEST(BadSceneTest, ManyMistakesAreCountedNotPrinted) {
   EXPECT_NE(lines.back().find("1800 more errors are not shown"), std::string::npos) << lines.back();
 }
 
-TEST(BadSceneTest, ControlBytesDoNotReachTheTerminal) {
-  const std::string message = error_of(with_box("\"a\\u001b[31m\" = 1\n"));
-  EXPECT_EQ(message.find('\x1b'), std::string::npos);
-  EXPECT_NE(message.find("\\x1b"), std::string::npos) << message;
+TEST(BadSceneTest, ControlCharactersAreRefused) {
+  for (const std::string text : {"\"a\\u001b[31m\" = 1\n", "title = \"a\\u001b]0;b\\u0007\"\n",
+                                 "title = \"a\\u009b31m\"\n", "title = \"a\\nkey blocks   0\"\n"}) {
+    const std::string message = error_of("\n" + text + with_box(""));
+    EXPECT_TRUE(message.contains("s.toml:2: TOML: a key or a text holds control characters")) << message;
+    EXPECT_EQ(message.find('\x1b'), std::string::npos);
+  }
+  EXPECT_EQ(describe({"a\x1b[31m", 1, "k\xC2\x9B", "w", ""}), "a\\x1b[31m:1: k\\xc2\x9B: w");
 }
 
 }  // namespace

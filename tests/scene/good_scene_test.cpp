@@ -259,6 +259,16 @@ TEST(SceneTest, RowsWithTheirOwnStrengthAreNotToldThatNoneIsGiven) {
   EXPECT_EQ(told("dip,dd,x,y,z\n30,90,4,4,3\n"), 1);
 }
 
+TEST(SceneTest, TheProjectIsReadAndChangesNothing) {
+  const Scene scene =
+      scene_of(with_box("[project]\nname = \"Adit 3\"\nauthor = \"A. Miner\"\ndate = \"2025-03-01\"\n"));
+  EXPECT_EQ(scene.project.name, "Adit 3");
+  EXPECT_EQ(scene.project.author, "A. Miner");
+  EXPECT_EQ(scene.project.date, "2025-03-01");
+  EXPECT_TRUE(scene.project.client.empty());
+  EXPECT_TRUE(scene_of(box).project.empty());
+}
+
 TEST(SceneTest, OldNamesOfKeysAreReadWithANote) {
   const Scene scene = scene_of(with_box(
       "[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\n[joints.default]\nfriction = 30\n"

@@ -6,13 +6,13 @@
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
 
-// What must not pass in silence: blocks that only the border of the domain holds.
+// What must not pass in silence: blocks that only the border of the domain holds, and openings that miss the rock.
 
 namespace cleave::scene::test {
 namespace {
 
-std::expected<RunResult, std::vector<Problem>> try_run(const std::string& text) {
-  const Scene scene = scene_of(text);
+std::expected<RunResult, std::vector<Problem>> try_run(const std::string& text, const Files& files = {}) {
+  const Scene scene = scene_of(text, files);
   StageTimer timer;
   Progress progress{ProgressStyle::quiet};
   return run(scene, {.threads = 1}, timer, progress);
@@ -39,10 +39,15 @@ std::string slice(double dip) {
 
 TEST(HeldByTheBorder, ASliceOfASlopeThatIsHeldByItsOwnSidesIsTold) {
   const RunResult result = run_of(slice(40));
-  EXPECT_EQ(result.figures.key_blocks->count, 0U);
+  const KeyBlockFigures& key = *result.figures.key_blocks;
+  EXPECT_EQ(key.count, 0U);
+  ASSERT_TRUE(key.domain_held.has_value());
+  EXPECT_EQ(key.domain_held->count, 1U);
   // Above the joint: the box less the prism below, which reaches the top where 1 + x' tan 40 = 6.
   const double tangent = 0.83909963117728, run = 5 / tangent;
   const double below = 8 * (1 * 8 + run * 5 / 2 + (8 - run) * 5);
+  EXPECT_NEAR(key.domain_held->volume.si(), 384 - below, 1e-6);
+  EXPECT_NEAR(key.domain_held->share, (8 * 5 + 8 * run) / (8 * 6 + 8 * 8), 1e-9);
   // Free: all of the east side above 1 m, and of the top what lies above the joint.
   EXPECT_EQ(
       notes_with(result, fmt::format("1 block at free faces ({:.4g} m3, {:.3g} % of the free area) is held only by",
@@ -67,6 +72,122 @@ TEST(HeldByTheBorder, ABlockInsideIsAKeyBlockAsBefore) {
              "[[joint]]\nplane = { through = [0, 6, 0], dip = 90, dip_direction = 0 }\n");
   EXPECT_EQ(result.figures.key_blocks->count, 1U);
   EXPECT_EQ(notes_with(result, "2 blocks at free faces"), 1U);
+}
+
+std::string opening(std::string_view name, std::string_view min, std::string_view max) {
+  return "[[excavation]]\nname = \"" + std::string{name} +
+         "\"\nkind = \"polyhedron\"\nbox = { min = " + std::string{min} + ", max = " + std::string{max} + " }\n";
+}
+
+TEST(Openings, TheVolumeOfEachIsSaid) {
+  // Two thirds of the first lie outside; the second shares 1 x 2 x 2 with it; the third has nothing left to take.
+  const RunResult result =
+      run_of(with_box(opening("out", "[6, 2, 2]", "[12, 4, 4]") + opening("shared", "[4, 2, 2]", "[7, 4, 4]") +
+                      opening("late", "[5, 2.5, 2.5]", "[6.5, 3.5, 3.5]")));
+  const auto& rows = result.figures.input.excavations;
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0].name, "out");
+  EXPECT_NEAR(rows[0].volume.si(), 8, 1e-9);
+  EXPECT_NEAR(*rows[0].outside_share, 2.0 / 3, 1e-9);
+  EXPECT_NEAR(rows[1].volume.si(), 8, 1e-9);
+  EXPECT_NEAR(*rows[1].outside_share, 0, 1e-9);
+  EXPECT_EQ(rows[2].volume.si(), 0);
+  EXPECT_EQ(notes_with(result, "66.7 % of it lies outside the domain"), 1U);
+  EXPECT_EQ(notes_with(result, "late: removes no rock"), 1U);
+  EXPECT_EQ(notes_with(result, "outside the domain"), 1U);
+}
+
+TEST(Openings, OfARunThatCutsOnlyNearFreeFacesTheyAreWhole) {
+  const RunResult result = run_of(with_box(opening("room", "[3, 3, 2]", "[5, 5, 4]") +
+                                           "[[joint]]\nplane = { through = [4, 4, 3], dip = 30, dip_direction = 0 }\n"
+                                           "[stability]\n[output]\nblocks = \"key\"\n"));
+  ASSERT_EQ(result.figures.input.excavations.size(), 1U);
+  EXPECT_NEAR(result.figures.input.excavations[0].volume.si(), 8, 1e-9);
+}
+
+TEST(Openings, OneThatOnlyTheCutterFindsOutsideIsRefused) {
+  // In the corner of an L no plane of a face parts the two.
+  const Files files{{"ell.obj",
+                     "v 0 0 0\nv 8 0 0\nv 8 4 0\nv 4 4 0\nv 4 8 0\nv 0 8 0\nv 0 0 6\nv 8 0 6\nv 8 4 6\nv 4 4 6\n"
+                     "v 4 8 6\nv 0 8 6\nf 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\n"
+                     "f 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n"}};
+  const auto with = [&](std::string_view min) {
+    return try_run("[domain]\nmesh = \"ell.obj\"\n" + opening("beside", min, "[7, 7, 4]"), files);
+  };
+  ASSERT_TRUE(with("[3, 5, 2]").has_value());
+  const auto refused = with("[5, 5, 2]");
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_NE(describe(refused.error().front()).find("removes no rock"), std::string::npos);
+  // `check` says the same without cutting along joints.
+  const auto told =
+      refusals(scene_of("[domain]\nmesh = \"ell.obj\"\n" + opening("beside", "[5, 5, 2]", "[7, 7, 4]"), files));
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(describe(told.front()), describe(refused.error().front()));
+}
+
+TEST(Openings, OfStagesTheyAreThoseOfTheWholeWork) {
+  const RunResult result =
+      run_of(with_box("[[excavation]]\nname = \"early\"\nstage = 1\nkind = \"polyhedron\"\n"
+                      "box = { min = [3, 3, 2], max = [5, 5, 4] }\n"
+                      "[[excavation]]\nname = \"late\"\nstage = 2\nkind = \"polyhedron\"\n"
+                      "box = { min = [4, 3, 2], max = [7, 5, 4] }\n"
+                      "[[joint]]\nplane = { through = [4, 4, 3], dip = 30, dip_direction = 0 }\n"));
+  const auto& rows = result.figures.input.excavations;
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_NEAR(rows[0].volume.si(), 8, 1e-9);
+  EXPECT_NEAR(rows[1].volume.si(), 8, 1e-9);
+  EXPECT_EQ(notes_with(result, "outside the domain"), 0U);
+}
+
+TEST(Openings, ASlopeIsMadeToReachBeyondTheDomain) {
+  const RunResult result =
+      run_of(with_box("[[excavation]]\nname = \"cut\"\nkind = \"slope\"\nplane = { through = [8, 0, 0], dip = 45, "
+                      "dip_direction = 90 }\n"));
+  const auto& rows = result.figures.input.excavations;
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_NEAR(rows[0].volume.si(), 6 * 6 / 2 * 8, 1e-9);
+  EXPECT_FALSE(rows[0].outside_share.has_value());
+  EXPECT_EQ(notes_with(result, "outside the domain"), 0U);
+}
+
+TEST(Openings, WhatARunRefusesIsFoundByTheCheck) {
+  const std::string room = with_box(opening("room", "[3, 3, 2]", "[5, 5, 4]") +
+                                    "[[joint]]\nplane = { through = [4, 4, 3], "
+                                    "dip = 30, dip_direction = 0 }\n");
+  EXPECT_TRUE(refusals(scene_of(room)).empty());
+  const std::string off = room + "[stability]\npoint = [{ at = [4, 4, 5], force = [0, 0, 1000] }]\n";
+  const auto ran = try_run(off);
+  ASSERT_FALSE(ran.has_value());
+  const auto told = refusals(scene_of(off));
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(describe(told.front()), describe(ran.error().front()));
+  const auto swallowed = refusals(scene_of(with_box(opening("all", "[-1, -1, -1]", "[9, 9, 9]"))));
+  ASSERT_EQ(swallowed.size(), 1U);
+}
+
+TEST(NearMisses, TheNoteNamesTheJoints) {
+  const RunResult result =
+      run_of(with_box("[[joint]]\nname = \"crown\"\npolygon = [[4, 1, 1], [4, 7, 1], [4, 7, 5], [4, 1, 5]]\n"
+                      "[[joint]]\npolygon = [[3.999999, 2, 2], [3.999999, 6, 2], [2, 6, 2], [2, 2, 2]]\n"));
+  EXPECT_EQ(notes_with(result, "(joint crown (s.toml:5) and joint 1 (s.toml:7))"), 1U) << result.notes.front();
+}
+
+TEST(PressureDiagram, PercentilesAreOfAreaNotOfBlocks) {
+  const auto at = [](std::string_view place, double area, double pressure) {
+    return PressureAt{place, square_metres(area), pascals(pressure)};
+  };
+  // A sliver needs a thousand times the pressure of what lies beside it.
+  const auto rows = pressure_diagram({at("roof", 0.01, 1e6), at("roof", 9.99, 1e3), at("floor", 4, 0),
+                                      at("floor", 0, 5e5), at("left wall", 6, 2e3), at("left wall", 4, 3e3)});
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0].place, "roof");
+  EXPECT_DOUBLE_EQ(rows[0].area.si(), 10);
+  EXPECT_EQ(rows[0].p95.si(), 1e3);
+  EXPECT_EQ(rows[0].largest.si(), 1e6);
+  EXPECT_EQ(rows[1].place, "left wall");
+  EXPECT_EQ(rows[1].p50.si(), 2e3);
+  EXPECT_EQ(rows[1].p90.si(), 3e3);
+  EXPECT_EQ(rows[2].largest.si(), 0);
 }
 
 }  // namespace

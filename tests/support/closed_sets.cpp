@@ -314,4 +314,37 @@ ClosedSet placed(ClosedSet set, const Placement& at) {
   return set;
 }
 
+std::vector<Corners> some_again_in_pieces(const std::vector<Corners>& polygons, const Uniform& uniform) {
+  std::vector<Corners> out = polygons;
+  for (const Corners& whole : polygons) {
+    const std::size_t count = whole.size();
+    const double kind = uniform();
+    if (kind < 0.3) {  // about a point inside
+      Vec3 middle{};
+      double sum = 0;
+      for (const Vec3& c : whole) {
+        const double weight = 0.2 + uniform();
+        middle += weight * c;
+        sum += weight;
+      }
+      middle = middle / sum;
+      for (std::size_t i = 0; i < count; ++i) out.push_back({whole[i], whole[(i + 1) % count], middle});
+    } else if (kind < 0.6) {  // from a point on one side to one on another
+      const auto on = [&](std::size_t i) {
+        return whole[i] + (0.1 + 0.8 * uniform()) * (whole[(i + 1) % count] - whole[i]);
+      };
+      const std::size_t to = 1 + static_cast<std::size_t>(uniform() * static_cast<double>(count - 1));
+      const Vec3 p = on(0), q = on(to);
+      Corners one{p}, other{q};
+      for (std::size_t i = 1; i <= to; ++i) one.push_back(whole[i]);
+      one.push_back(q);
+      for (std::size_t i = to + 1; i <= count; ++i) other.push_back(whole[i % count]);
+      other.push_back(p);
+      out.push_back(std::move(one));
+      out.push_back(std::move(other));
+    }
+  }
+  return out;
+}
+
 }  // namespace cleave::support

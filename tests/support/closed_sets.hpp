@@ -53,4 +53,8 @@ struct Placement {
 };
 [[nodiscard]] ClosedSet placed(ClosedSet set, const Placement& at);
 
+/// The polygons, which are convex, and some of them once more in pieces, as blocks on either side may give one wall: a
+/// fan about a point inside, or parts along chords. New corners are rounded, so they lie a little off the plane.
+[[nodiscard]] std::vector<Corners> some_again_in_pieces(const std::vector<Corners>& polygons, const Uniform& uniform);
+
 }  // namespace cleave::support

@@ -160,6 +160,72 @@ TEST(SharedSides, TheProgramsOwnBlocks) {
   }
 }
 
+TEST(SharedSides, WallsGivenAgainInPieces) {
+  const auto u = uniform(21);
+  for (int k = 0; k < 60; ++k) {
+    const ClosedSet set = support::any_closed_set(u);
+    Placement at = turned(u);
+    at.scale = std::pow(10, 6 * u() - 2);
+    if (k % 3 == 0) at.shift = {5e6, -3e6, 1e3};
+    auto input = in_a_box({}, at);
+    add(input, support::some_again_in_pieces(placed(set, at).polygons, u));
+    const auto audited = certified(input);
+    EXPECT_EQ(audited.complex().blocks().size(), set.parts + 1) << set.name << ", " << at.scale << ", set " << k;
+    if (set.convex) {
+      EXPECT_GE(convex_blocks(audited.complex()), set.parts) << set.name << ", " << at.scale << ", set " << k;
+    }
+  }
+}
+
+/// Discs that end in one another: concave blocks, walls that blocks on either side see in other parts.
+TEST(SharedSides, TheProgramsOwnBlocksOfDiscs) {
+  const auto u = uniform(22);
+  for (int k = 0; k < 8; ++k) {
+    auto input = scene(box({0, 0, 0}, {10, 10, 10}));
+    for (int p = 0; p < 3 + k % 4; ++p) {
+      const Placement at{{6 * u(), 6 * u(), 6 * u()}, 6 + 8 * u(), {10 * u(), 10 * u(), 10 * u()}};
+      Corners disc;
+      for (int i = 0; i < 12; ++i) disc.push_back(at({std::cos(30 * i * degree), std::sin(30 * i * degree), 0}));
+      add(input, {disc});
+    }
+    const auto first = certified(input);
+    auto again = scene(box({0, 0, 0}, {10, 10, 10}));
+    std::vector<Corners> faces;
+    bool holes = false;
+    for (const topology::Face& face : first.complex().faces()) {
+      Corners corners;
+      for (const topology::VertexId v : first.complex().loops(face)[0]) corners.push_back(first.complex().position(v));
+      faces.push_back(corners);
+      holes = holes || first.complex().loops(face).size() > 1;
+    }
+    if (holes) continue;
+    add(again, faces);
+    const auto read = certified(again);
+    EXPECT_EQ(read.complex().blocks().size(), first.complex().blocks().size()) << k;
+    EXPECT_EQ(convex_blocks(read.complex()), convex_blocks(first.complex())) << k;
+  }
+}
+
+TEST(SharedSides, TurnedRectanglesInOnePlane) {
+  // They overlap as they like; nothing is common to their outlines. One of them is a wall of its own.
+  const auto u = uniform(23);
+  for (int k = 0; k < 12; ++k) {
+    const Placement at = turned(u);
+    auto input = scene(box({-1, -1, -1}, {1, 1, 1}));
+    const auto rectangle_at = [&](double x0, double y0, double x1, double y1) {
+      add(input, {{at({x0, y0, 0}), at({x1, y0, 0}), at({x1, y1, 0}), at({x0, y1, 0})}});
+    };
+    rectangle_at(-3, -3, 0.3 * u(), 3);
+    rectangle_at(-0.5 * u(), -3, 3, 0.4);
+    rectangle_at(-0.7 * u(), 0.1, 3, 3);
+    rectangle_at(-0.2, -0.3, 0.5, 0.6);
+    add(input, {{at({0.1, -3, -3}), at({0.1, 3, -3}), at({0.1, 3, 3}), at({0.1, -3, 3})}});
+    const auto audited = certified(input);
+    EXPECT_EQ(audited.complex().blocks().size(), 4U) << k;
+    EXPECT_EQ(convex_blocks(audited.complex()), 4U) << k;
+  }
+}
+
 TEST(SharedSides, ARectangleInAHexahedronTurnedAlike) {
   const auto u = uniform(8);
   for (int k = 0; k < 10; ++k) {

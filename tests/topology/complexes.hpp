@@ -6,6 +6,7 @@
 #include <array>
 #include <initializer_list>
 #include <ostream>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -48,7 +49,11 @@ inline void add_closed_box(topology::CutInput& input, Vec3 lo, Vec3 hi) {
 
 /// Cut and audited; a test that cannot even do that ends here.
 inline topology::AuditedComplex certified(const topology::CutInput& input) {
-  return topology::audit(topology::cut(input).value()).value();
+  auto complex = topology::cut(input);
+  if (!complex) throw std::runtime_error{describe(complex.error())};
+  auto audited = topology::audit(*std::move(complex));
+  if (!audited) throw std::runtime_error{describe(audited.error())};
+  return *std::move(audited);
 }
 inline std::size_t count_blocks(const topology::CutInput& input) { return certified(input).complex().blocks().size(); }
 inline std::string hash_of(const topology::CutInput& input) { return canonical_hash(certified(input).complex()); }

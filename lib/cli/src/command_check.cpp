@@ -33,6 +33,9 @@ std::string size_of(const auto& scene2d, const scene::SizeEstimate&) {
 ExitCode check_scene(const std::string& path) {
   const auto scene = scene::load(path);
   if (!scene) return report_problems(scene.error());
+  if (const auto* blocks = std::get_if<scene::Scene>(&*scene)) {
+    if (const auto refused = refusals(*blocks); !refused.empty()) return report_problems(refused);
+  }
   const std::string notes = std::visit([](const auto& loaded) { return notes_of(loaded); }, *scene);
   say(notes + fmt::format("{}: no error found\n", path));
   return ExitCode::done;

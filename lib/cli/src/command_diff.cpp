@@ -140,6 +140,18 @@ void compare(const std::string& path, const Json& a, const Json& b, std::vector<
   lines.push_back(fmt::format("  {:<44} {} -> {}", path, shown(a), shown(b)));
 }
 
+/// Files of the same name whose bytes differ.
+std::string changed_files(const Json& a, const Json& b) {
+  std::string text;
+  for (const Json& file : member(a, "files")) {
+    for (const Json& other : member(b, "files")) {
+      if (member(file, "path") != member(other, "path") || member(file, "sha256") == member(other, "sha256")) continue;
+      text += fmt::format("  {} is not the same file in both\n", shown(member(file, "path")));
+    }
+  }
+  return text;
+}
+
 std::string compare_plans(const Json& a, const Json& b) {
   const auto entries = [](const Json& plan) {
     std::map<std::string, std::pair<bool, std::string>> out;
@@ -234,6 +246,7 @@ ExitCode diff_results(const std::string& first, const std::string& second) {
     section(title, lines);
   };
   figures("scene", {"cleave", "schema", "title", "seed", "scene_sha256", "input"});
+  section("input files", changed_files(member(a->summary, "input"), member(b->summary, "input")));
   section("plan", compare_plans(member(a->summary, "plan"), member(b->summary, "plan")));
   figures("blocks", {"blocks", "dangling"});
   figures("key blocks", {"key_blocks"});

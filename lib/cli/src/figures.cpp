@@ -25,6 +25,17 @@ std::string certificate_line(const topology::Certificate& c) {
       c.euler_violations, c.open_shells, c.unpaired_patches, c.volume_relative_error);
 }
 
+std::string excavation_lines(const std::vector<scene::ExcavationFigures>& excavations) {
+  std::string text;
+  constexpr std::size_t shown = 8;
+  for (std::size_t i = 0; i < std::min(shown, excavations.size()); ++i) {
+    text += fmt::format("{:<12} {}, {} m3\n", i == 0 ? "excavated" : "", excavations[i].name,
+                        volume_text(excavations[i].volume.si()));
+  }
+  if (excavations.size() > shown) text += fmt::format("             and {} more\n", excavations.size() - shown);
+  return text;
+}
+
 std::string key_block_lines(const scene::KeyBlockFigures& key) {
   std::string text = fmt::format("key blocks   {} in {} batches, volume {} m3\n", key.count, key.batches.size(),
                                  volume_text(key.volume_m3));
@@ -32,6 +43,10 @@ std::string key_block_lines(const scene::KeyBlockFigures& key) {
   for (std::size_t i = 0; i < std::min(shown, key.batches.size()); ++i) {
     const scene::BatchFigures& batch = key.batches[i];
     text += fmt::format("  batch {:<4}  {} blocks, {:.6g} m3\n", batch.batch, batch.count, batch.volume_m3);
+  }
+  if (key.domain_held && key.domain_held->count > 0) {
+    text += fmt::format("  not counted: {} that only a side of the domain holds, {} m3\n", key.domain_held->count,
+                        volume_text(key.domain_held->volume.si()));
   }
   if (key.batches.size() > shown) text += fmt::format("  and {} more batches\n", key.batches.size() - shown);
   return text;
@@ -43,6 +58,7 @@ std::string figures_of(const scene::RunResult& result) {
   std::string text =
       fmt::format("{}\njoints       {}, seed {}\n", result.title, result.figures.input.joints, result.seed);
   const scene::Figures& figures = result.figures;
+  text += excavation_lines(figures.input.excavations);
   text += figures.blocks ? block_lines(*figures.blocks, result.certificate()) : certificate_line(result.certificate());
   if (figures.key_blocks) text += key_block_lines(*figures.key_blocks);
   text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", result.cost.wall_s,

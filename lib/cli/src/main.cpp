@@ -22,6 +22,7 @@
 
 #include "cleave/core/version.hpp"
 #include "commands.hpp"
+#include "memory_limit.hpp"
 
 namespace cleave::cli {
 namespace {
@@ -38,6 +39,9 @@ void write_raw(std::string_view text) {
 }
 
 std::atomic<bool> out_of_memory{false};
+/// Given back when memory runs out: what takes a run apart needs a little of its own.
+constexpr std::size_t reserved_bytes = 1U << 20U;
+std::atomic<void*> reserve{nullptr};
 
 /// Ends by a signal of our own making (a failed assertion, std::terminate) or a crash become the exit code for bugs,
 /// unless it was memory that ran out where nothing may throw.
@@ -52,6 +56,7 @@ extern "C" void on_crash(int) {
 
 void on_no_memory() {
   out_of_memory = true;
+  std::free(reserve.exchange(nullptr));
   throw std::bad_alloc{};
 }
 
@@ -76,6 +81,7 @@ void watch_for_crashes() {
 #endif
   ::signal(SIGXFSZ, SIG_IGN);  // a file size limit is then a failed write like a full disk
   ::signal(SIGPIPE, SIG_IGN);  // and so is a reader that has gone: folders under work are still taken away
+  reserve = std::malloc(reserved_bytes);
   std::set_new_handler(on_no_memory);
 }
 
@@ -112,6 +118,22 @@ ExitCode run_program(int argc, char** argv) {
       "interrupted.");
   std::function<ExitCode()> chosen;
 
+  std::uint64_t memory = 0;
+  const auto takes_memory = [&memory](CLI::App* command) {
+    command
+        ->add_option("--memory", memory,
+                     "memory that it may take at most, as \"4 GB\"; a run that needs more ends with exit code 3")
+        ->transform(CLI::AsSizeValue(true));
+    command->parse_complete_callback([&memory, command] {
+      if (command->count("--memory") == 0) return;
+      if (memory < least_memory || memory > most_memory) {
+        throw CLI::ValidationError("--memory", "is not from 64 MB to 1000 TB: give a number with its unit, as in \"4 GB\"");
+      }
+      if (!limit_memory(memory)) {
+        throw CLI::ValidationError("--memory", "this system knows no such limit: leave it out");
+      }
+    });
+  };
   RunArguments run;
   run.threads = threads_of_machine();
   std::string shard;
@@ -123,6 +145,7 @@ ExitCode run_program(int argc, char** argv) {
       ->check(CLI::Range(1, 1024));
   std::string seed;
   run_command->add_option("--seed", seed, "instead of the scene's seed");
+  takes_memory(run_command);
   run_command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
   run_command->add_option("--shard", shard,
                           "part K/N of a Monte Carlo run, K from 1; merge the parts with cleave merge");
@@ -160,6 +183,7 @@ ExitCode run_program(int argc, char** argv) {
   replay_command->add_option("--realization", replay.realization, "its number, from 0")->required();
   replay_command->add_option("-o,--out", replay.out, "folder for the result instead of RESULT/realization_K");
   replay_command->add_option("--threads", replay.threads, "threads to use")->check(CLI::Range(1, 1024));
+  takes_memory(replay_command);
   replay_command->add_flag("--quiet", replay.quiet, "no progress and no figures, errors only");
   replay_command->callback([&] { chosen = [&] { return replay_realization(replay); }; });
 

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
 #include <utility>
 
 #include "cleave/core/sha256.hpp"
+#include "cleave/load/load.hpp"
 #include "cleave/report/write.hpp"
 #include "cleave/scene3d/parse.hpp"
 
@@ -34,17 +34,11 @@ std::string first_line(const fs::path& path) {
   return line;
 }
 
-std::expected<std::string, std::string> bytes_of(const fs::path& path) {
-  std::ifstream file{path, std::ios::binary};
-  if (!file) return std::unexpected(path.generic_string() + " cannot be opened");
-  return std::string{std::istreambuf_iterator<char>{file}, std::istreambuf_iterator<char>{}};
-}
-
 std::string copy_name(std::size_t number) { return fmt::format("scene_file_{}", number + 1); }
 
 /// Name of the scene file that a result comes from.
 std::optional<std::string> scene_name_of(const fs::path& result) {
-  const auto text = bytes_of(result / "summary.json");
+  const auto text = scene::read_file(result / "summary.json");
   if (!text) return std::nullopt;
   const auto summary = nlohmann::json::parse(*text, nullptr, false);
   if (!summary.is_object()) return std::nullopt;
@@ -149,8 +143,8 @@ std::expected<std::vector<MonteCarloFolder::File>, OutError> scene_copies(const 
   std::vector<MonteCarloFolder::File> copies;
   const fs::path beside = fs::path{path}.parent_path();
   const auto add = [&](const fs::path& from, std::string name, const std::string& sha256) -> std::string {
-    auto bytes = bytes_of(from);
-    if (!bytes) return bytes.error();
+    auto bytes = scene::read_file(from);
+    if (!bytes) return fmt::format("{}: {}", from.generic_string(), bytes.error().what);
     if (sha256_hex(*bytes) != sha256) return from.generic_string() + " has changed since the run began";
     copies.push_back({std::move(name), *std::move(bytes)});
     return {};
@@ -169,7 +163,7 @@ std::expected<std::vector<MonteCarloFolder::File>, OutError> scene_copies(const 
 
 std::expected<scene::Scene, std::vector<scene::Problem>> load_copied_scene(const fs::path& result) {
   const std::string shown = (result / "scene.toml").generic_string();
-  auto text = bytes_of(result / "scene.toml");
+  auto text = scene::read_file(result / "scene.toml");
   if (!text) {
     return std::unexpected(std::vector{
         scene::Problem{result.generic_string(), 1, "OUT", "is no Monte Carlo result: it holds no scene.toml",
@@ -182,9 +176,10 @@ std::expected<scene::Scene, std::vector<scene::Problem>> load_copied_scene(const
         const auto known = std::ranges::find(names, name);
         const auto number = static_cast<std::size_t>(known - names.begin());
         if (known == names.end()) names.push_back(name);
-        auto bytes = bytes_of(result / copy_name(number));
+        auto bytes = scene::read_file(result / copy_name(number));
         if (!bytes)
-          return std::unexpected(scene::FileRefusal{bytes.error(), "the result is not whole: run the scene again"});
+          return std::unexpected(
+              scene::FileRefusal{bytes.error().what, "the result is not whole: run the scene again"});
         return scene::LoadedFile{*std::move(bytes), name};
       });
   // The copy has another name than the scene had, which is its title where it states none.

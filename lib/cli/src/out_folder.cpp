@@ -146,7 +146,7 @@ bool exchange_folders(const fs::path& a, const fs::path& b) noexcept {
   return ::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0;
 }
 
-void remove_abandoned(const fs::path& parent, const std::string& name) noexcept {
+void remove_abandoned(const fs::path& parent, const std::string& name) {
   constexpr std::string_view mark = ".cleave-";
   std::error_code reason;
   std::vector<fs::path> found;
@@ -193,6 +193,16 @@ TemporaryFolder::~TemporaryFolder() {
 
 void TemporaryFolder::remove() noexcept {
   if (path_.empty()) return;
+  // Where memory ran out, what was given back meanwhile may do; what stays is taken away by the next run.
+  for (int tries = 0; tries < 2; ++tries) {
+    try {
+      return remove_now();
+    } catch (const std::bad_alloc&) {
+    }
+  }
+}
+
+void TemporaryFolder::remove_now() {
   std::error_code failed;
   // Renamed first: a writer that is still at work then finds no folder and cannot bring the old name back.
   fs::path dead = path_;
@@ -309,6 +319,14 @@ std::expected<void, OutError> OutFolder::publish_file_by_file(const fs::path& fr
   }
   fs::remove(from, reason);
   return {};
+}
+
+std::string OutFolder::by_final_name(std::string message) const {
+  const std::string now = folder().string();
+  if (const std::size_t at = message.find(now); at != std::string::npos) {
+    message.replace(at, now.size(), final_name().string());
+  }
+  return message;
 }
 
 std::expected<void, OutError> OutFolder::publish() {

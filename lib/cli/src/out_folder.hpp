@@ -37,12 +37,13 @@ class TemporaryFolder final {
 
  private:
   TemporaryFolder(std::filesystem::path path, int lock) : path_{std::move(path)}, lock_{lock} {}
+  void remove_now();
   std::filesystem::path path_;
   int lock_;
 };
 
 /// Takes away the temporary folders in `parent` whose names begin with `name` and whose owners are gone.
-void remove_abandoned(const std::filesystem::path& parent, const std::string& name) noexcept;
+void remove_abandoned(const std::filesystem::path& parent, const std::string& name);
 
 /// Swaps two folders in one step, where the file system can.
 [[nodiscard]] bool exchange_folders(const std::filesystem::path& a, const std::filesystem::path& b) noexcept;
@@ -67,6 +68,8 @@ class OutFolder final {
   /// Where to write; exists and is empty at first.
   [[nodiscard]] const std::filesystem::path& folder() const noexcept { return temporary_.path(); }
   [[nodiscard]] const std::filesystem::path& final_name() const noexcept { return final_; }
+  /// A message with the name that a file will have in the place of where it is written now.
+  [[nodiscard]] std::string by_final_name(std::string message) const;
   [[nodiscard]] std::expected<void, OutError> publish();
   void discard() noexcept;
 

@@ -63,7 +63,7 @@ template <class Result>
   if (written) written = report::write_file(out.folder() / "log.txt", files.log(result));
   if (written) written = files.summary(result, out.folder());
   if (!written) {
-    complain(describe(written.error()));
+    complain(out.by_final_name(describe(written.error())));
     return ExitCode::machine_failed;
   }
   if (auto published = interrupts.guarded([&] { return out.publish(); }); !published) {

@@ -1,6 +1,9 @@
 #include "cleave/core/text.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <memory>
+#include <system_error>
 
 namespace cleave {
 
@@ -16,7 +19,31 @@ std::string_view trimmed(std::string_view text) noexcept {
   return text;
 }
 
+bool has_control_characters(std::string_view text) noexcept {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if ((byte < 0x20 && byte != '\t') || byte == 0x7F) return true;
+    const bool two = byte == 0xC2 && i + 1 < text.size();
+    if (two && static_cast<unsigned char>(text[i + 1]) < 0xA0) return true;
+  }
+  return false;
+}
+
+bool is_formula(std::string_view text) noexcept {
+  if (text.empty() || !std::string_view{"=+-@"}.contains(text.front())) return false;
+  const std::string_view number = text.front() == '+' ? text.substr(1) : text;
+  double value = 0;
+  const char* const stop = std::to_address(number.end());
+  const auto [end, error] = std::from_chars(std::to_address(number.begin()), stop, value);
+  return error != std::errc{} || end != stop;
+}
+
 std::string csv_field(std::string_view text, std::string_view others) {
+  if (is_formula(text)) {
+    std::string shown{'\''};
+    shown += text;
+    return csv_field(shown, others);
+  }
   const bool plain =
       text.find_first_of(",\"\r\n") == std::string_view::npos && text.find_first_of(others) == std::string_view::npos;
   if (plain) return std::string{text};

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "cleave/core/expected.hpp"
+#include "cleave/core/text.hpp"
 #include "cleave/core/units.hpp"
 #include "text.hpp"
 
@@ -16,6 +17,14 @@ std::string header_name(std::string_view cell) {
   std::ranges::replace(name, ' ', '_');
   std::ranges::replace(name, '-', '_');
   return name;
+}
+
+/// A cell in quotes may go over several lines.
+bool holds_control(const std::string& cell) {
+  if (!cell.contains('\n')) return has_control_characters(cell);
+  std::string lines = cell;
+  std::erase_if(lines, [](char c) { return c == '\n' || c == '\r'; });
+  return has_control_characters(lines);
 }
 
 class CsvReader final {
@@ -87,6 +96,12 @@ class CsvReader final {
         cell = trimmed(raw);
         line.remove_prefix(raw.size());
       }
+      if (holds_control(cell)) {
+        return std::unexpected(
+            lines_.error(ReadFault::syntax, "a cell holds control characters", "save the table as plain text"));
+      }
+      // An apostrophe that keeps a spreadsheet from taking a text for a formula is no part of it.
+      if (cell.starts_with('\'') && is_formula(std::string_view{cell}.substr(1))) cell.erase(0, 1);
       cells.push_back(std::move(cell));
       if (line.empty()) return cells;
       line.remove_prefix(1);

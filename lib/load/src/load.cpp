@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -37,8 +38,15 @@ std::expected<std::string, FileRefusal> read_whole(const std::filesystem::path& 
         FileRefusal{fmt::format("the file has {} bytes, more than the {} allowed here", size, largest),
                     "check that it is the right file, or split it"});
   }
+  errno = 0;
   std::ifstream file{path, std::ios::binary};
-  if (!file) return std::unexpected(FileRefusal{"the file cannot be opened", "check its permissions"});
+  if (!file) {
+    const int reason = errno;
+    if (reason == EMFILE || reason == ENFILE || reason == ENOMEM || reason == EIO) {
+      throw std::system_error{reason, std::generic_category(), path.generic_string() + " cannot be opened"};
+    }
+    return std::unexpected(FileRefusal{"the file cannot be opened", "check its permissions"});
+  }
   std::string bytes(static_cast<std::size_t>(size), '\0');
   file.read(bytes.data(), static_cast<std::streamsize>(size));
   if (static_cast<std::uintmax_t>(file.gcount()) != size) {
@@ -80,6 +88,10 @@ auto load_with(const std::string& path, const char* key, const Parse& parse_text
 }
 
 }  // namespace
+
+std::expected<std::string, FileRefusal> read_file(const std::filesystem::path& path) {
+  return read_whole(path, largest_file);
+}
 
 std::expected<AnyScene, std::vector<Problem>> load(const std::string& path) {
   return load_with(path, "scene", parse_any);

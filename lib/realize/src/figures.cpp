@@ -1,8 +1,10 @@
 #include "cleave/realize/figures.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
+#include "cleave/realize/places.hpp"
 #include "cleave/realize/run.hpp"
 #include "cleave/realize/run_result.hpp"
 
@@ -80,6 +82,33 @@ KeyBlockFigures count_key_blocks(const stability::Analysis& analysis, const std:
   return figures;
 }
 
+std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks) {
+  std::erase_if(blocks, [](const PressureAt& b) { return !(b.area.si() > 0); });
+  std::ranges::stable_sort(blocks, {}, [](const PressureAt& b) { return b.pressure.si(); });
+  std::vector<PressureFigures> places;
+  for (const std::string_view place : {"roof", "left wall", "right wall", "floor", "face"}) {
+    PressureFigures row{.place = std::string{place}, .area = {}, .p50 = {}, .p90 = {}, .p95 = {}, .largest = {}};
+    std::vector<PressureAt> here;
+    std::ranges::copy_if(blocks, std::back_inserter(here), [&](const PressureAt& b) { return b.place == place; });
+    for (const PressureAt& b : here) row.area += b.area;
+    if (here.empty()) continue;
+    const auto percentile = [&](double share) {
+      Area area;
+      for (const PressureAt& b : here) {
+        area += b.area;
+        if (area >= share * (1 - 1e-12) * row.area) return b.pressure;
+      }
+      return here.back().pressure;
+    };
+    row.p50 = percentile(0.5);
+    row.p90 = percentile(0.9);
+    row.p95 = percentile(0.95);
+    row.largest = here.back().pressure;
+    places.push_back(std::move(row));
+  }
+  return places;
+}
+
 SupportFigures count_support(const stability::SupportResult& support) {
   SupportFigures f;
   f.passes = support.passes();
@@ -97,8 +126,6 @@ SupportFigures count_support(const stability::SupportResult& support) {
       ++f.small_blocks;
       f.small_not_held += b.held == stability::Held::not_held ? 1U : 0U;
       f.small_required_force_n += b.required_force;
-    } else {
-      f.largest_required_pressure_pa = std::max(f.largest_required_pressure_pa, b.required_pressure);
     }
   }
   for (const stability::BoltResult& bolt : support.bolts) {
@@ -113,12 +140,34 @@ SupportFigures count_support(const stability::SupportResult& support) {
 
 RunResult empty_result() { return {{{.input = {.domain = geometry::make_box({0, 0, 0}, {1, 1, 1}).value()}}}}; }
 
+namespace {
+
+SupportFigures count_support(const RunResult& result, const stability::SupportResult& support) {
+  SupportFigures figures = scene::count_support(support);
+  std::vector<PressureAt> blocks;
+  for (const stability::SupportedBlock& b : support.blocks) {
+    const BlockPlace place = place_of(result, result.complex->complex(), b.block, {});
+    blocks.push_back({place.location, place.free_area, pascals(b.required_pressure)});
+  }
+  figures.pressures = pressure_diagram(std::move(blocks));
+  for (const PressureFigures& row : figures.pressures) {
+    figures.largest_required_pressure_pa = std::max(figures.largest_required_pressure_pa, row.p95.si());
+  }
+  return figures;
+}
+
+}  // namespace
+
 Figures count(const RunResult& result) {
   Figures figures;
   figures.input.joints = result.joints.size();
+  figures.input.files = result.files;
   if (result.complex) {
     const topology::BlockComplex& complex = result.complex->complex();
     const topology::CutReport& report = complex.report();
+    for (const ExcavationInfo& info : result.excavations) {
+      figures.input.excavations.push_back({info.name, info.taken.removed, info.outside_share});
+    }
     figures.input.lattice_pitch_m = report.lattice_pitch_m;
     figures.input.largest_snap_m = report.largest_snap_m;
     figures.input.merged_planes = report.merged_planes;
@@ -131,12 +180,17 @@ Figures count(const RunResult& result) {
   }
   const std::optional<Targets> target = result.stability ? result.stability->target : std::nullopt;
   if (result.analysis) figures.key_blocks = count_key_blocks(*result.analysis, target);
+  if (figures.key_blocks && result.domain_held) {
+    const stability::DomainHeld& held = *result.domain_held;
+    figures.key_blocks->domain_held = {held.blocks.size(), held.volume,
+                                       held.all_free.si() > 0 ? held.free_area / held.all_free : 0};
+  }
   for (const CaseResult& load : result.load_cases) {
     figures.load_cases.push_back({load.name, count_key_blocks(load.analysis, target)});
   }
-  if (result.support) figures.support = count_support(*result.support);
+  if (result.support) figures.support = count_support(result, *result.support);
   for (const CaseSupport& load : result.support_cases) {
-    figures.support_cases.push_back({load.name, count_support(load.support)});
+    figures.support_cases.push_back({load.name, count_support(result, load.support)});
   }
   if (!result.maximum_blocks.empty()) figures.maximum_blocks = count_maximum_blocks(result.maximum_blocks);
   return figures;

@@ -178,8 +178,11 @@ Realizer::Done Realizer::judge() {
   if (detail_ == Detail::counted) return {};
   made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
   if (scene_->stability->groups != stability::GroupsCheck::off) judge_groups();
+  const stability::Settings with = settings(complex.complex());
+  made_.held_from_within = stability::held_from_within(complex, with, *made_.analysis);
+  made_.domain_held = stability::domain_held(complex, with, *made_.analysis);
   if (!near_) judge_cases(*scene_, complex, made_);
-  made_.sensitivity = stability::sensitivity(complex, settings(complex.complex()), *made_.analysis);
+  made_.sensitivity = stability::sensitivity(complex, with, *made_.analysis);
   judge_maximum_blocks(*scene_, made_);
   return {};
 }

@@ -1,16 +1,79 @@
 #include "cleave/realize/run.hpp"
 
 #include <algorithm>
-#include <optional>
-#include <string_view>
+#include <iterator>
 #include <utility>
 
+#include "cleave/core/assert.hpp"
 #include "cleave/core/expected.hpp"
+#include "cleave/topology/cut.hpp"
+#include "cut_problem.hpp"
 #include "judge.hpp"
 #include "realizer.hpp"
 #include "run_notes.hpp"
 
 namespace cleave::scene {
+namespace {
+
+/// A part of an opening's volume below which it is rounding.
+constexpr double rounding = 1e-9;
+
+/// What each opening takes of the rock, in order of the scene.
+std::vector<ExcavationInfo> taken_by(const Scene& scene, const Drawn& drawn,
+                                     const std::vector<topology::ExcavatedVolume>& volumes) {
+  CLEAVE_ASSERT(volumes.size() == scene.excavations.size());
+  std::vector<ExcavationInfo> excavations;
+  for (std::size_t e = 0; e < volumes.size(); ++e) {
+    const Excavation& excavation = scene.excavations[e];
+    ExcavationInfo& info =
+        excavations.emplace_back(ExcavationInfo{excavation.name, excavation.stage, excavation.tunnel, volumes[e], {}});
+    const double own = drawn.input.excavations[e].volume().si();
+    if (!excavation.own_shape || !(own > 0)) continue;
+    const double outside = 1 - volumes[e].inside.si() / own;
+    info.outside_share = outside > rounding ? outside : 0;
+  }
+  return excavations;
+}
+
+/// The same of a run; where only a part of the rock was cut, the openings are cut alone.
+std::expected<std::vector<ExcavationInfo>, std::vector<Problem>> taken_by(const Scene& scene, const Realization& made) {
+  if (!made.window) return taken_by(scene, made, made.cut.excavated);
+  const auto whole = topology::cut({.domain = made.input.domain, .excavations = made.input.excavations});
+  if (!whole) return std::unexpected(std::vector{problem_of(whole.error(), scene, made)});
+  return taken_by(scene, made, whole->report().excavated);
+}
+
+/// [[excavation]] tables whose openings all miss the rock.
+std::vector<Problem> without_rock(const Scene& scene, const std::vector<ExcavationInfo>& excavations) {
+  std::vector<Problem> problems;
+  for (std::size_t first = 0, last = 0; first < scene.excavations.size(); first = last) {
+    double inside = 0;
+    for (last = first; last < scene.excavations.size() && scene.excavations[last].line == scene.excavations[first].line;
+         ++last) {
+      inside += excavations[last].taken.inside.si();
+    }
+    if (inside > 0) continue;  // zero, not small: it is a sum over the cells of the opening
+    problems.push_back({scene.shown, scene.excavations[first].line, "excavation " + scene.excavations[first].name,
+                        "removes no rock: it lies wholly outside the domain",
+                        "move it into the domain, or enlarge the domain"});
+  }
+  return problems;
+}
+
+}  // namespace
+
+std::vector<Problem> refusals(const Scene& scene) {
+  const auto drawn = draw(scene);
+  if (!drawn) return drawn.error();
+  const auto cut = topology::cut({.domain = drawn->input.domain,
+                                  .excavations = drawn->input.excavations,
+                                  .free_domain_tags = drawn->input.free_domain_tags});
+  if (!cut) return {problem_of(cut.error(), scene, *drawn)};
+  std::vector<Problem> problems = without_rock(scene, taken_by(scene, *drawn, cut->report().excavated));
+  if (scene.stability) std::ranges::move(misplaced_loads(scene, *drawn, *cut), std::back_inserter(problems));
+  return problems;
+}
+
 std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options, StageTimer& timer,
                                                    Progress& progress) {
   Plan plan = make_plan(scene);
@@ -19,8 +82,18 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   progress.end();
   if (!done) return std::unexpected(done.error());
   RunResult result{std::move(realizer).take()};
+  if (result.complex) {
+    CLEAVE_TRY(result.excavations, timer.run(name_of(Stage::cut), [&] { return taken_by(scene, result); }));
+    if (auto missing = without_rock(scene, result.excavations); !missing.empty()) return std::unexpected(missing);
+  } else {  // no volume of such a cut is to be trusted
+    for (const Excavation& excavation : scene.excavations) {
+      result.excavations.push_back({.name = excavation.name, .stage = excavation.stage, .tunnel = excavation.tunnel});
+    }
+  }
   result.notes = notes_of(scene, result);
+  if (result.complex) add_excavation_notes(result.excavations, result.notes);
   result.title = scene.title;
+  result.project = scene.project;
   result.seed = scene.seed;
   result.scene_file = scene.file_name;
   result.scene_sha256 = scene.sha256;
@@ -31,9 +104,6 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   result.output = scene.output;
   result.rock = scene.rock;
   result.stability = scene.stability;
-  for (const Excavation& excavation : scene.excavations) {
-    result.excavations.push_back({excavation.name, excavation.stage, excavation.tunnel});
-  }
   result.micro_blocks = scene.micro_blocks;
   if (scene.support) result.bolt_groups = scene.support->groups;
   result.tunnel_length = tunnel_length(scene);

@@ -6,9 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "cleave/stability/held_from_within.hpp"
-#include "judge.hpp"
-
 namespace cleave::scene {
 namespace {
 
@@ -18,15 +15,23 @@ double rounded_up(double length) {
   return std::ceil(1.05 * length / unit) * unit;
 }
 
-void add_cut_notes(const topology::CutReport& report, std::size_t joints, std::vector<std::string>& notes) {
+/// "joint crown (scene.toml:14)", "joint 7 (scene.toml:14)", "joint 7 (A #3)".
+std::string name_of(topology::JointId id, const Scene& scene, const Realization& made) {
+  const bool named = id.index() < scene.joints.size() && !scene.joints[id.index()].name.empty();
+  return fmt::format("joint {} ({})", named ? scene.joints[id.index()].name : std::to_string(id.value()),
+                     made.joints[id].source);
+}
+
+void add_cut_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
+  const topology::CutReport& report = made.cut;
+  const std::size_t joints = made.joints.size();
   if (const topology::NearMisses& near = report.near_misses; near.sides > 0) {
     notes.push_back(fmt::format(
         "{} of joints {} another polygon by less than 1e-6 of the domain without touching it, by {:.2g} m at most "
-        "(joint {} and {}): the rock is not parted there; snap = {:.2g} would close that",
+        "({} and {}): the rock is not parted there; snap = {:.2g} would close that",
         near.sides == 1 ? "a side" : fmt::format("{} sides", near.sides), near.sides == 1 ? "misses" : "miss",
-        near.largest.si(), near.joint.value(),
-        near.other ? fmt::format("joint {}", near.other->value())
-                   : std::string{"a side of the domain or an excavation"},
+        near.largest.si(), name_of(near.joint, scene, made),
+        near.other ? name_of(*near.other, scene, made) : std::string{"a side of the domain or an excavation"},
         rounded_up(near.largest.si())));
   }
   if (report.joints_outside > 0) {
@@ -68,10 +73,8 @@ void add_rotation_note(const stability::Analysis& analysis, std::vector<std::str
 }
 
 /// Blocks that only what lies inside them keeps in place: never left unsaid, for they are not in the batches.
-void add_enclosed_notes(const topology::AuditedComplex& complex, const stability::Settings& settings,
-                        const stability::Analysis& analysis, std::vector<std::string>& notes) {
+void add_enclosed_notes(const std::vector<stability::HeldFromWithin>& rows, std::vector<std::string>& notes) {
   constexpr std::size_t most = 10;
-  const auto rows = stability::held_from_within(complex, settings, analysis);
   for (std::size_t i = 0; i < std::min(rows.size(), most); ++i) {
     const stability::HeldFromWithin& row = rows[i];
     notes.push_back(fmt::format(
@@ -188,6 +191,18 @@ void add_border_note(const stability::DomainHeld& held, std::vector<std::string>
 
 }  // namespace
 
+void add_excavation_notes(const std::vector<ExcavationInfo>& excavations, std::vector<std::string>& notes) {
+  for (const ExcavationInfo& info : excavations) {
+    if (info.outside_share.value_or(0) > 0) {
+      notes.push_back(fmt::format("{}: {:.3g} % of it lies outside the domain; it removes {:.6g} m3 of rock", info.name,
+                                  100 * *info.outside_share, info.taken.removed.si()));
+    }
+    if (info.taken.inside.si() > 0 && !(info.taken.removed.si() > 0)) {
+      notes.push_back(fmt::format("{}: removes no rock that the openings before it have left", info.name));
+    }
+  }
+}
+
 std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   const std::optional<stability::Analysis>& analysis = made.analysis;
   const std::optional<FieldStressResult>& clamped = made.field_stress;
@@ -196,7 +211,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (made.window) {
     notes.push_back(note_on(*made.window));
   } else {
-    add_cut_notes(made.cut, made.joints.size(), notes);
+    add_cut_notes(scene, made, notes);
   }
   if (made.complex) add_micro_note(made.complex->complex(), scene.micro_blocks, notes);
   if (analysis && analysis->stopped_at_max_batches) {
@@ -216,16 +231,8 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   }
   if (analysis) add_cohesion_note(*analysis, notes);
   if (analysis) add_rotation_note(*analysis, notes);
-  if (analysis && made.complex) {
-    add_enclosed_notes(*made.complex, settings_on(made.complex->complex(), scene, made, scene.stability->loads),
-                       *analysis, notes);
-  }
-  if (analysis && made.complex) {
-    add_border_note(
-        stability::domain_held(*made.complex, settings_on(made.complex->complex(), scene, made, scene.stability->loads),
-                               *analysis),
-        notes);
-  }
+  add_enclosed_notes(made.held_from_within, notes);
+  if (made.domain_held) add_border_note(*made.domain_held, notes);
   if (made.window && made.window->truncated > 0 && analysis && analysis->rotation == stability::RotationCheck::flag) {
     notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");
   }

@@ -91,9 +91,10 @@ std::string page_data(const scene::BodiesResult& result) {
 }  // namespace
 
 std::string bodies_report_html(const scene::BodiesResult& result) {
-  std::string out =
-      page_begin(escape_xml(result.title.empty() ? "cleave report" : result.title),
-                 escape_xml(result.scene_file) + " · lengths in metres, x to the right, y up", assets::scene2d());
+  std::string out = page_begin(escape_xml(result.title.empty() ? "cleave report" : result.title),
+                               detail::project_line(result.project) + escape_xml(result.scene_file) +
+                                   " · lengths in metres, x to the right, y up",
+                               assets::scene2d());
   out += "<section><h2>Result</h2>\n<p>";
   out += result.converged ? "The run converged."
                           : "The run <strong>stopped</strong>: " + escape_xml(result.stopped_why) + ".";

@@ -187,7 +187,7 @@ force on both sides (the largest cut short).</span>
 
 std::string contact_report_html(const scene::ContactResult& result) {
   std::string out = page_begin(escape_xml(result.title.empty() ? "cleave report" : result.title),
-                               escape_xml(result.scene_file) +
+                               detail::project_line(result.project) + escape_xml(result.scene_file) +
                                    " · lengths in metres, x to the right, y up; forces and "
                                    "energies per metre of thickness",
                                assets::scene2d());

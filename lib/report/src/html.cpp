@@ -341,8 +341,12 @@ std::string inputs_section(const Page& page) {
   out += row("Seed", std::to_string(r.seed));
   out += row("Joints", display_count(input.joints));
   std::string excavations;
-  for (const scene::ExcavationInfo& e : r.excavations)
-    excavations += (excavations.empty() ? "" : ", ") + escape_xml(e.name);
+  for (const scene::ExcavationFigures& e : input.excavations) {
+    excavations +=
+        (excavations.empty() ? "" : ", ") + escape_xml(e.name) + " (" + display(e.volume.si(), 4) + " m³" +
+        (e.outside_share.value_or(0) > 0 ? ", " + display(100 * *e.outside_share, 3) + " % of it outside the domain)"
+                                         : ")");
+  }
   if (!excavations.empty()) out += row("Excavations", excavations);
   if (r.stability) out += row("Loads", escape_xml(loads_of(r)));
   out += row("Lattice pitch", display(input.lattice_pitch_m, 3) + " m");
@@ -368,9 +372,9 @@ double Page::tan_friction(topology::JointId joint) const {
 std::string report_html(const Page& page) {
   const scene::RunResult& r = page.result;
   const std::string title = escape_xml(r.title.empty() ? "cleave report" : r.title);
-  std::string out =
-      page_begin(title, escape_xml(r.scene_file) + " · seed " + std::to_string(r.seed) +
-                            " · lengths in metres, x east, y north, z up; dip directions clockwise from +y");
+  std::string out = page_begin(
+      title, detail::project_line(r.project) + escape_xml(r.scene_file) + " · seed " + std::to_string(r.seed) +
+                 " · lengths in metres, x east, y north, z up; dip directions clockwise from +y");
   std::string view_json;
   out += cards(page);
   out += view_section(page, view_json);

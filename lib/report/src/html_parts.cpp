@@ -31,6 +31,14 @@ std::string page_begin(const std::string& title, const std::string& sub, std::sp
          "</h1>\n<p class=\"sub\">" + sub + "</p></header>\n<main>\n";
 }
 
+std::string project_line(const scene::Project& project) {
+  std::string line;
+  for (const std::string* part : {&project.name, &project.client, &project.author, &project.date}) {
+    if (!part->empty()) line += escape_xml(*part) + " · ";
+  }
+  return line;
+}
+
 std::string page_foot(std::string_view more) {
   return "</main>\n<footer>Made by cleave " CLEAVE_VERSION "." + std::string{more} + "</footer>\n";
 }

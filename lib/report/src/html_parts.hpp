@@ -13,6 +13,8 @@ namespace cleave::report::detail {
 /// Up to and with <main>: title, style, heading, a line below it. `style` follows the style of all pages.
 [[nodiscard]] std::string page_begin(const std::string& title, const std::string& sub,
                                      std::span<const std::string_view> style = {});
+/// What [project] says, before the rest of the line below the heading.
+[[nodiscard]] std::string project_line(const scene::Project& project);
 /// From </main> to the foot; `more` stands in the footer.
 [[nodiscard]] std::string page_foot(std::string_view more = {});
 [[nodiscard]] std::string script(std::span<const std::string_view> pieces);

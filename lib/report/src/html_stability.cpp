@@ -332,6 +332,24 @@ std::string why_section(const Page& page) {
   return out + "</section>\n";
 }
 
+namespace {
+
+std::string pressure_table(const std::vector<scene::PressureFigures>& pressures) {
+  if (pressures.empty()) return {};
+  const auto kpa = [](Stress pressure) { return "<td>" + display(pressure.si() / 1000, 3) + "</td>"; };
+  std::string out =
+      "<table><caption>Support pressure by place (kPa), as shares of the free faces below their target</caption>"
+      "<thead><tr><th>Place</th><th>Area (m²)</th><th>Half</th><th>90 %</th><th>95 %</th><th>All</th></tr></thead>"
+      "<tbody>\n";
+  for (const scene::PressureFigures& row : pressures) {
+    out += "<tr><td>" + row.place + "</td><td>" + display(row.area.si(), 3) + "</td>" + kpa(row.p50) + kpa(row.p90) +
+           kpa(row.p95) + kpa(row.largest) + "</tr>\n";
+  }
+  return out + "</tbody></table>\n";
+}
+
+}  // namespace
+
 std::string support_section(const Page& page) {
   if (!page.result.support || !page.figures().support) return {};
   const scene::SupportFigures& f = *page.figures().support;
@@ -348,7 +366,7 @@ std::string support_section(const Page& page) {
     out += " Required force: " + display(f.required_force_n / page.result.tunnel_length / 1000, 3) +
            " kN per metre of tunnel.";
   }
-  out += "</p>\n";
+  out += "</p>\n" + pressure_table(f.pressures);
   if (!page.result.support->blocks.empty()) {
     out +=
         "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Block</th><th>Mode</th><th>Net force (kN)</th>"

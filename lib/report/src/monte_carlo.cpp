@@ -8,6 +8,7 @@ namespace cleave::report {
 
 MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost& cost, scene::MonteCarloResult result) {
   MonteCarloPage page{.title = scene.title,
+                      .project = scene.project,
                       .seed = scene.seed,
                       .scene_sha256 = scene.sha256,
                       .plan = make_plan(scene),

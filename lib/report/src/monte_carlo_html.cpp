@@ -300,8 +300,8 @@ std::string monte_carlo_html(const MonteCarloPage& page) {
     shard = " · part " + std::to_string(page.result.shard.number) + " of " + std::to_string(page.result.shard.of) +
             ": merge all parts before you use the figures";
   }
-  std::string out = detail::page_begin(
-      title, escape_xml(page.scene_file) + " · Monte Carlo, seed " + std::to_string(page.seed) + shard);
+  std::string out = detail::page_begin(title, detail::project_line(page.project) + escape_xml(page.scene_file) +
+                                                  " · Monte Carlo, seed " + std::to_string(page.seed) + shard);
   out += cards(page);
   const std::string figures = running_figure(f) + size_figure(f) + exceedance_figure(f) + chainage_figure(page);
   if (!figures.empty()) {

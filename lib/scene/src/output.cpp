@@ -28,6 +28,22 @@ const KeyTable& cross_section_keys() {
 
 }  // namespace
 
+const KeyTable& project_keys() {
+  static const KeyTable keys{.name = "project",
+                             .keys = {{"name", key::text(), "", "of the project"},
+                                      {"author", key::text(), "", "who made the scene"},
+                                      {"client", key::text(), "", "for whom"},
+                                      {"date", key::text(), "", "as it shall be shown: `\"2025-03-01\"`"}}};
+  return keys;
+}
+
+Project parse_project(const TableReader& root) {
+  const auto table = root.sub("project");
+  if (!table) return {};
+  const auto text = [&](string_view key) { return table->text(key).value_or(""); };
+  return {.name = text("name"), .author = text("author"), .client = text("client"), .date = text("date")};
+}
+
 const KeyTable& output_keys() {
   static const KeyTable keys{
       .name = "output",

@@ -1,5 +1,6 @@
 #include "cleave/scene/toml_tree.hpp"
 
+#include "cleave/core/text.hpp"
 #include "toml_mistakes.hpp"
 
 #include <algorithm>
@@ -118,6 +119,28 @@ std::optional<std::uint32_t> line_of_endless_key(std::string_view text) {
   return std::nullopt;
 }
 
+/// The line of the first text or key with characters that would steer a terminal or break a line of a result.
+std::optional<std::uint32_t> line_of_control(const TomlTable& table);
+std::optional<std::uint32_t> line_of_control(const TomlNode& node) {
+  if (const auto* text = std::get_if<std::string>(&node.value)) {
+    return has_control_characters(*text) ? std::optional{node.line} : std::nullopt;
+  }
+  if (const auto* table = std::get_if<TomlTable>(&node.value)) return line_of_control(*table);
+  if (const auto* array = std::get_if<TomlArray>(&node.value)) {
+    for (const TomlNode& item : array->items) {
+      if (const auto line = line_of_control(item)) return line;
+    }
+  }
+  return std::nullopt;
+}
+std::optional<std::uint32_t> line_of_control(const TomlTable& table) {
+  for (const TomlEntry& entry : table.entries) {
+    if (has_control_characters(entry.key)) return entry.line;
+    if (const auto line = line_of_control(entry.node)) return line;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::expected<TomlTable, TomlSyntaxError> read_toml(std::string_view text) {
@@ -126,7 +149,12 @@ std::expected<TomlTable, TomlSyntaxError> read_toml(std::string_view text) {
     return std::unexpected(TomlSyntaxError{*line, "a dotted key has too many parts"});
   }
   try {
-    return convert_table(toml::parse(text));
+    TomlTable table = convert_table(toml::parse(text));
+    if (const auto line = line_of_control(table)) {
+      return std::unexpected(TomlSyntaxError{
+          *line, "a key or a text holds control characters or line ends: write it on one line, of letters"});
+    }
+    return table;
   } catch (const toml::parse_error& error) {
     const std::uint32_t line = std::max<std::uint32_t>(1, error.source().begin.line);
     return std::unexpected(

@@ -333,7 +333,7 @@ const KeyTable& contact_scene_keys() {
         {"body", key::tables(&contact_body_keys), required, "bodies that touch, slide, fall and come to rest"});
     table.steps = {{Stage::contact, {"contact", "body", "rock", "joints"}},
                    {Stage::write, {"output"}},
-                   {Stage::report, {"output"}}};
+                   {Stage::report, {"project", "output"}}};
     return table;
   }();
   return keys;

@@ -99,6 +99,7 @@ std::vector<Key> history_keys() {
 std::vector<Key> head_keys() {
   return {{"schema", key::whole(1, 1), "1", "version of this format"},
           {"title", key::text(), "the file's name", "shown in the results"},
+          {"project", key::table(&project_keys), "", "heads the report and `summary.json`; in no other file"},
           {"seed", key::whole(0, INT64_MAX), "1", "whole number from 0"},
           {"rock", key::table(&body_rock_keys), "", "material of bodies that state none"},
           {"output", key::table(&output_keys), "", "files of the result"}};

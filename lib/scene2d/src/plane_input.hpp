@@ -35,7 +35,7 @@ inline constexpr std::array<std::string_view, 1> all_sides{"all"};
 [[nodiscard]] std::vector<Key> body_load_keys();
 /// name, points and body of a history.
 [[nodiscard]] std::vector<Key> history_keys();
-/// schema, title, seed, rock and output.
+/// schema, title, project, seed, rock and output.
 [[nodiscard]] std::vector<Key> head_keys();
 /// young, poisson and density of a body.
 [[nodiscard]] std::vector<Key> material_keys();
@@ -69,6 +69,7 @@ void parse_plane_head(const TableReader& root, std::string_view text, const std:
     root.note("schema", "is not a version that this program knows", "write schema = 1");
   }
   scene.title = root.text("title").value_or(scene.file_name);
+  scene.project = parse_project(root);
   scene.seed = static_cast<std::uint64_t>(root.count("seed"));
   scene.output = parse_output(root);
 }

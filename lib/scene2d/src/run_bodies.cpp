@@ -247,6 +247,7 @@ std::expected<BodiesResult, std::vector<Problem>> run(const BodiesScene& scene, 
                                                       Progress& progress) {
   BodiesResult result;
   result.title = scene.title;
+  result.project = scene.project;
   result.seed = scene.seed;
   result.scene_file = scene.file_name;
   result.scene_sha256 = scene.sha256;

@@ -359,6 +359,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
                                                        Progress& progress) {
   ContactResult result;
   result.title = scene.title;
+  result.project = scene.project;
   result.seed = scene.seed;
   result.scene_file = scene.file_name;
   result.scene_sha256 = scene.sha256;

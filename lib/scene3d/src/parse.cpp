@@ -148,6 +148,7 @@ const KeyTable& scene_keys() {
       .keys =
           {{"schema", key::whole(1, 1), "1", "version of this format"},
            {"title", key::text(), "the file's name", "shown in the results"},
+           {"project", key::table(&project_keys), "", "heads the report and `summary.json`; in no other file"},
            {"seed", key::whole(0, INT64_MAX), "1", "whole number from 0; `cleave run --seed` overrides it"},
            {"snap", key::number(snap_rule), "0",
             "m; above 0 corners closer than this become one, near-coincident planes merge and edges within this "
@@ -186,7 +187,7 @@ const KeyTable& scene_keys() {
                 {Stage::monte_carlo, {"monte_carlo"}},
                 {Stage::elastic, {"field_stress"}},
                 {Stage::write, {"output"}},
-                {Stage::report, {"output"}}}};
+                {Stage::report, {"project", "output"}}}};
   return keys;
 }
 
@@ -220,6 +221,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   context.files = std::move(included);
   static_cast<void>(context.set_named("default"));
   const Header header = parse_header(root, context, shown);
+  Project project = parse_project(root);
   std::optional<geometry::Solid> domain = parse_domain(context, root);
   std::vector<MeasuredJoint> joints;
   parse_joints(context, root, joints);
@@ -255,6 +257,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 
   Scene scene{.title = header.title,
+              .project = std::move(project),
               .seed = header.seed,
               .snap = header.snap,
               .north = context.north,

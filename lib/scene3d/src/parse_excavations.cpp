@@ -238,7 +238,8 @@ std::vector<Excavation> parse_excavation(Context& context, const TableReader& re
                            .axis = *kind == tunnel ? reader.points("axis").value_or(std::vector<geometry::Vec3>{})
                                                    : std::vector<geometry::Vec3>{},
                            .line = reader.line(),
-                           .tunnel = tunnel_line});
+                           .tunnel = tunnel_line,
+                           .own_shape = *kind != slope && *kind != benches});
   }
   return excavations;
 }

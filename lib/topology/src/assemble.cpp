@@ -253,12 +253,43 @@ double rock_volume(const BlockParts& parts, const Cells& cells) {
   return rock.volume();
 }
 
+/// What each excavation takes of the domain, from the walls of its cells; units^3.
+std::vector<ExcavatedVolume> excavated_volumes(const BlockParts& parts, const Cells& cells) {
+  const std::size_t count = parts.prepared.excavation_count;
+  std::vector<double> inside(count, 0), removed(count, 0);
+  /// One half-face of a cell that is not rock: its cone counts where the cell behind it is of another kind.
+  const auto add = [&](Index h, double cone) {
+    const Index here = cells.of_half_face[h], beyond = cells.of_half_face[h ^ 1U];
+    if (here == none || cells.in_domain[here] == 0 || cells.rock[here] != 0) return;
+    bool earlier = false, beyond_earlier = false;
+    for (std::size_t e = 0; e < count; ++e) {
+      const bool in = cells.excavated_by[here * count + e] != 0;
+      const bool goes_on = beyond != none && cells.in_domain[beyond] != 0 && cells.rock[beyond] == 0 &&
+                           cells.excavated_by[beyond * count + e] != 0;
+      if (in && !goes_on) inside[e] += cone;
+      if (in && !earlier && !(goes_on && !beyond_earlier)) removed[e] += cone;
+      earlier = earlier || in;
+      beyond_earlier = beyond_earlier || goes_on;
+    }
+  };
+  for (Index h = 0; count > 0 && h < cells.of_half_face.size(); ++h) {
+    add(h, h % 2 == 0 ? -parts.measures[h / 2].cone : parts.measures[h / 2].cone);
+  }
+  std::vector<ExcavatedVolume> volumes(count);
+  const double unit = parts.scale * parts.scale * parts.scale / 3;
+  for (std::size_t e = 0; e < count; ++e) {
+    volumes[e] = {cubic_metres(std::max(0.0, removed[e]) * unit), cubic_metres(std::max(0.0, inside[e]) * unit)};
+  }
+  return volumes;
+}
+
 void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Data& out) {
   const Prepared& prepared = parts.prepared;
   out.planes = IdVector<PlaneId, exact::Plane>{std::vector<exact::Plane>(
       prepared.planes.begin(), prepared.planes.begin() + static_cast<std::ptrdiff_t>(prepared.facet_planes))};
   out.rock_volume = cubic_metres(rock_volume(parts, cells) * parts.scale * parts.scale * parts.scale);
   CutReport& report = out.report;
+  report.excavated = excavated_volumes(parts, cells);
   report.lattice_pitch_m = prepared.lattice.pitch();
   report.largest_snap_m = prepared.largest_snap;
   report.bend_m = prepared.bend * prepared.lattice.pitch();

@@ -5,6 +5,7 @@
 
 #include "detail/folds.hpp"
 #include "detail/hanging_corners.hpp"
+#include "detail/overlaps.hpp"
 #include "detail/preparation.hpp"
 #include "detail/sheets.hpp"
 #include "detail/side_users.hpp"
@@ -76,6 +77,7 @@ Preparation::Done Preparation::collect_polygons() {
     if (apart) out_.outside.push_back(number);
   }
   share();
+  part_overlaps();
   if (shared_.any() && take_hanging_corners(polygons_, shared_, reach_of_corners())) share();
   return {};
 }
@@ -84,6 +86,44 @@ void Preparation::share() {
   shared_.clear();
   for (const JointPolygon& entry : polygons_) shared_.add(entry.corners);
   shared_.finish();
+}
+
+/// Polygons that lie on one another become their common parts, so that each part is there once, whoever gave it.
+void Preparation::part_overlaps() {
+  std::vector<std::pair<JointPolygon, std::uint8_t>> parts;
+  std::vector<std::uint8_t> parted(polygons_.size(), 0);
+  Moves moves;
+  for (const Overlapping& group : find_overlaps(polygons_, shared_, roundings())) {
+    std::vector<std::vector<LatticePoint>> rings;
+    for (const std::size_t k : group.polygons) rings.push_back(polygons_[k].corners);
+    const auto laid = overlay(std::move(rings), group.axis, roundings());
+    if (!laid) continue;
+    for (const auto& [from, to] : laid->moved) moves.add(from, to);
+    for (const std::size_t k : group.polygons) parted[k] = 1;
+    for (const Overlay::Part& part : laid->parts) {
+      Index before = none;
+      for (const std::size_t of : part.of) {
+        const std::size_t k = group.polygons[of];
+        const JointPolygon& whole = polygons_[k];
+        if (std::exchange(before, whole.joint) == whole.joint) continue;
+        parts.push_back({{whole.joint, blank_, part.corners, {}, whole.at_border}, beside_[k]});
+      }
+    }
+  }
+  if (std::ranges::find(parted, 1) == parted.end()) return;
+  moves.finish();
+  move(moves);
+  for (std::size_t k = 0; k < polygons_.size(); ++k) {
+    if (parted[k] == 0) parts.emplace_back(std::move(polygons_[k]), beside_[k]);
+  }
+  std::ranges::stable_sort(parts, {}, [](const auto& part) { return part.first.joint; });
+  polygons_.clear();
+  beside_.clear();
+  for (auto& [part, beside] : parts) {
+    polygons_.push_back(std::move(part));
+    beside_.push_back(beside);
+  }
+  share();
 }
 
 void Preparation::move(const Moves& moves) {

@@ -80,6 +80,9 @@ std::expected<StageBlocks, CutError> SequentialCut::blocks(const WorkState& stat
       number[root] = now.count++;
       now.rock.push_back(rock[c]);
       now.in_domain.push_back(cells.in_domain[c]);
+      for (std::size_t e = 0; e < state.excavated.size(); ++e) {
+        now.excavated_by.push_back(cells.excavated_by[c * state.excavated.size() + e]);
+      }
     }
     number[c] = number[root];
   }

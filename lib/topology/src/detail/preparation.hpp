@@ -106,11 +106,12 @@ class Preparation {
     return middle + dot(n, off) * n;
   }
 
-  /// How far corners may be off the side that they were given on: roundings of the coordinates, or `snap`; sites.
-  [[nodiscard]] double reach_of_corners() const {
-    const double roundings = roundings_of_corners * (1 + farthest_ * 0x1p-52 / lattice_.pitch());
-    return std::max(roundings, input_.snap.si() / lattice_.pitch());
+  /// How far corners may be off where they were meant to be by roundings of the coordinates, sites.
+  [[nodiscard]] double roundings() const {
+    return roundings_of_corners * (1 + farthest_ * 0x1p-52 / lattice_.pitch());
   }
+  /// How far they may be off the side that they were given on: by roundings, or `snap`; sites.
+  [[nodiscard]] double reach_of_corners() const { return std::max(roundings(), input_.snap.si() / lattice_.pitch()); }
 
   exact::Lattice covering() const;
   void weld();
@@ -120,6 +121,7 @@ class Preparation {
   Done add_persistent();
   Done collect_polygons();
   void share();
+  void part_overlaps();
   void move(const Moves& moves);
   void touch_domain();
   Done make_polygons();

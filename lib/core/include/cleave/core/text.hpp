@@ -18,7 +18,15 @@ namespace cleave {
 /// Without blanks at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text) noexcept;
 
-/// One field of a CSV row: in quotes where it holds a comma, a quote, a line end or one of `others`.
+/// Whether it holds characters that steer a terminal instead of showing: those below the space but for tabs, and 127 to
+/// 159 (in UTF-8). Line ends count.
+[[nodiscard]] bool has_control_characters(std::string_view text) noexcept;
+
+/// Whether spreadsheets take it for a formula: it begins with = + - or @ and is no number.
+[[nodiscard]] bool is_formula(std::string_view text) noexcept;
+
+/// One field of a CSV row: in quotes where it holds a comma, a quote, a line end or one of `others`; what would be a
+/// formula has an apostrophe before it.
 [[nodiscard]] std::string csv_field(std::string_view text, std::string_view others = {});
 
 }  // namespace cleave

@@ -5,9 +5,11 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cleave/core/fields.hpp"
+#include "cleave/core/quantity.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene3d/scene.hpp"
@@ -42,13 +44,38 @@ struct cleave::Sample<cleave::topology::SnappedJoint> {
 /// `cleave diff` show these. A new figure is a member here and a line in the `fields` below it.
 namespace cleave::scene {
 
+/// What one opening takes.
+struct ExcavationFigures {
+  std::string name;
+  Volume volume;
+  std::optional<double> outside_share = {};
+};
+template <class V>
+void fields(V& v, const ExcavationFigures& x) {
+  v("name", x.name);
+  v("volume_m3", x.volume, "rock removed; what several openings take counts for the first of them");
+  v("outside_share", x.outside_share,
+    "of the opening's own volume, what lies outside the domain; absent for slopes and benches, which reach beyond it");
+}
+
+template <class V>
+void fields(V& v, const InputFile& x) {
+  v("path", x.name, "as the scene names it");
+  v("sha256", x.sha256, "of its bytes");
+  v("bytes", x.bytes);
+}
+
 struct CutFigures : InputFigures {
+  std::vector<InputFile> files = {};
+  std::vector<ExcavationFigures> excavations = {};
   std::vector<topology::SnappedJoint> snapped = {};
   topology::NearMisses near_misses = {};
 };
 template <class V>
 void fields(V& v, const CutFigures& x) {
   fields(v, static_cast<const InputFigures&>(x));
+  v("files", when_any(x.files), "read for the scene, beside the scene file itself (scene_sha256)");
+  v("excavations", when_any(x.excavations), "in the order of the scene");
   v("snapped", when_any(x.snapped), "the joints that `snap` changed, by number; absent when there are none");
   v("near_misses", when(x.near_misses.sides > 0, x.near_misses),
     "sides of joints that nearly reach another polygon: rock that was perhaps meant to be parted there is not");
@@ -134,6 +161,13 @@ void fields(V& v, const BatchFigures& x) {
     }));
 }
 
+/// Blocks that only a side of the domain that is not free holds.
+struct DomainHeldFigures {
+  std::uint64_t count = 0;
+  Volume volume;
+  double share = 0;
+};
+
 struct KeyBlockFigures {
   std::uint64_t count = 0;  ///< blocks that leave, in all batches
   double volume_m3 = 0;
@@ -143,6 +177,7 @@ struct KeyBlockFigures {
   double equilibrium_residual = 0;
   std::optional<std::uint64_t> below_target = {};  ///< where the scene has a target
   std::optional<std::uint64_t> turning = {};       ///< none without the rotational check
+  std::optional<DomainHeldFigures> domain_held = {};
 };
 template <class V>
 void fields(V& v, const KeyBlockFigures& x) {
@@ -155,6 +190,11 @@ void fields(V& v, const KeyBlockFigures& x) {
     "largest unbalanced force over the applied ones, with and without force transfer");
   v("below_target", x.below_target, "judged blocks below the scene's target");
   v("turning", x.turning, "judged blocks that no statics holds against turning, though they cannot slide");
+  const DomainHeldFigures held = x.domain_held.value_or(DomainHeldFigures{});
+  v("domain_held", when(x.domain_held.has_value(), held.count),
+    "blocks at free faces that would move, were the sides of the domain that hold them smooth joints; not in count");
+  v("domain_held_volume_m3", when(x.domain_held.has_value(), held.volume));
+  v("domain_held_share", when(x.domain_held.has_value(), held.share), "of the area of all free faces, theirs");
 }
 
 /// Key blocks under one [[load]].
@@ -221,15 +261,32 @@ void fields(V& v, const DesignResult& x) {
   v("governing_block", x.governing, "misses its target most often, or has the least margin");
 }
 
+/// Support pressure at one part of the openings: how the free faces of the blocks below their target share it.
+struct PressureFigures {
+  std::string place;
+  Area area;
+  Stress p50, p90, p95, largest;
+};
+template <class V>
+void fields(V& v, const PressureFigures& x) {
+  v("place", x.place, "roof, left wall, right wall, floor (looking along the tunnel), face elsewhere");
+  v("area_m2", x.area, "free faces of the blocks below their target there");
+  v("p50_pa", or_null(x.p50.si()), "half of that area needs no more; null: no pressure is enough");
+  v("p90_pa", or_null(x.p90.si()));
+  v("p95_pa", or_null(x.p95.si()));
+  v("largest_pa", or_null(x.largest.si()), "of the neediest block, however small its face");
+}
+
 struct SupportFigures {
   bool passes = false;
   std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, held_by_both = 0, not_held = 0;
   std::uint64_t bolts = 0, spot_bolts = 0, bolts_used = 0, bolts_redundant = 0, bolts_too_short = 0;
   std::uint64_t combined = 0, combined_failing = 0;
   double required_force_n = 0, largest_required_pressure_pa = 0, missing_force_n = 0;
-  /// Blocks with less free face than `spot_area`: not in the largest pressure.
+  /// Blocks with less free face than `spot_area`.
   std::uint64_t small_blocks = 0, small_not_held = 0;
   double small_required_force_n = 0;
+  std::vector<PressureFigures> pressures = {};
 };
 /// The support under one named load case.
 struct SupportCaseFigures {
@@ -266,7 +323,8 @@ void support_fields(V& v, const SupportFigures& x, double tunnel_length, const s
   v("required_force_n_per_metre",
     when(tunnel_length > 0, or_null(x.required_force_n / (tunnel_length > 0 ? tunnel_length : 1))), "of tunnel");
   v("largest_required_pressure_pa", or_null(x.largest_required_pressure_pa),
-    "on blocks that are not small; null: none is enough");
+    "that 95 % of the free faces below their target need at the neediest place of `pressures`; null: none is enough");
+  v("pressures", when_any(x.pressures), "pressure diagram: by place, as percentiles of area");
   v("small_blocks", x.small_blocks, "with less free face than spot_area");
   v("small_not_held", x.small_not_held);
   v("small_required_force_n", or_null(x.small_required_force_n), "null: none is enough");
@@ -322,6 +380,14 @@ struct Figures {
 [[nodiscard]] BlockFigures count_blocks(const topology::BlockComplex& complex, std::string hash);
 [[nodiscard]] KeyBlockFigures count_key_blocks(const stability::Analysis& analysis,
                                                const std::optional<Targets>& target = {});
+/// The pressure diagram of some blocks: pressure and area of each, by place.
+struct PressureAt {
+  std::string_view place;
+  Area area;
+  Stress pressure;
+};
+[[nodiscard]] std::vector<PressureFigures> pressure_diagram(std::vector<PressureAt> blocks);
+/// Without the pressures, for which `count` needs the whole result.
 [[nodiscard]] SupportFigures count_support(const stability::SupportResult& support);
 
 struct RunResult;

@@ -40,6 +40,10 @@ void realize(const Scene& scene, std::uint64_t first, std::uint64_t count, Stage
 [[nodiscard]] std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options,
                                                                  StageTimer& timer, Progress& progress);
 
+/// What `run` would refuse of a scene that the parser took, as far as it shows without cutting along the joints: joints
+/// that cannot be drawn, openings that miss the rock or leave none, forces on no free face.
+[[nodiscard]] std::vector<Problem> refusals(const Scene& scene);
+
 /// The blocks that [micro_blocks] is about, in order.
 [[nodiscard]] std::vector<topology::BlockId> micro_blocks(const topology::BlockComplex& complex,
                                                           const MicroBlocks& limits);

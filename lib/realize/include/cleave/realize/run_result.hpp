@@ -17,6 +17,7 @@
 #include "cleave/realize/sequence.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene3d/scene.hpp"
+#include "cleave/stability/held_from_within.hpp"
 #include "cleave/stability/key_groups.hpp"
 #include "cleave/stability/maximum_blocks.hpp"
 #include "cleave/stability/result.hpp"
@@ -77,6 +78,9 @@ struct ExcavationInfo {
   std::string name;
   std::uint32_t stage = 1;
   std::optional<TunnelLine> tunnel = {};
+  topology::ExcavatedVolume taken = {};
+  /// Of its own volume, what lies outside the domain; empty for cuts from above, which are made to reach beyond it.
+  std::optional<double> outside_share = {};
 };
 
 /// Joint faces of a block on one plane.
@@ -151,9 +155,11 @@ struct Realization : Drawn {
   /// Stage by stage, where excavations have different stages; `complex` and `analysis` then are those of the rock when
   /// all are out and no block has left before.
   std::optional<SequenceResult> sequence = {};
-  std::optional<stability::KeyGroups> key_groups = {};   ///< blocks judged together, where the scene asks for it
-  std::vector<CaseResult> load_cases = {};               ///< of [[load]], in scene order; the base case is `analysis`
-  std::vector<stability::Sensitivity> sensitivity = {};  ///< of the blocks of the first batch
+  std::optional<stability::KeyGroups> key_groups = {};  ///< blocks judged together, where the scene asks for it
+  std::vector<stability::HeldFromWithin> held_from_within = {};
+  std::optional<stability::DomainHeld> domain_held = {};  ///< of the base case, with `analysis`
+  std::vector<CaseResult> load_cases = {};                ///< of [[load]], in scene order; the base case is `analysis`
+  std::vector<stability::Sensitivity> sensitivity = {};   ///< of the blocks of the first batch
   std::vector<MaximumRow> maximum_blocks = {};
   std::optional<stability::SupportResult> support = {};
   std::vector<CaseSupport> support_cases = {};  ///< of [[load]], in scene order
@@ -176,6 +182,7 @@ struct Realization : Drawn {
 /// it is written.
 struct RunResult : Realization {
   std::string title = {};
+  Project project = {};
   std::uint64_t seed = 1;
   std::string scene_file = {};    ///< name without folder
   std::string scene_sha256 = {};  ///< of the scene file's bytes, hex

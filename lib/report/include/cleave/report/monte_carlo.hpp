@@ -13,6 +13,7 @@ namespace cleave::report {
 /// A Monte Carlo run as its writers need it.
 struct MonteCarloPage {
   std::string title;
+  scene::Project project = {};
   std::uint64_t seed = 1;
   std::string scene_sha256;
   scene::Plan plan;

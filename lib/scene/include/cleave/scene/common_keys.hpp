@@ -25,6 +25,8 @@ struct InputContext {
   [[nodiscard]] DipDirection turned(double dip_direction) const;
 };
 
+[[nodiscard]] const KeyTable& project_keys();
+[[nodiscard]] Project parse_project(const TableReader& root);
 [[nodiscard]] const KeyTable& output_keys();
 [[nodiscard]] OutputSettings parse_output(const TableReader& root);
 

@@ -5,9 +5,23 @@
 #include <string_view>
 #include <vector>
 
+#include "cleave/core/fields.hpp"
 #include "cleave/geometry/vec3.hpp"
 
 namespace cleave::scene {
+
+/// [project]: what heads summary.json and the report; nothing is computed from it.
+struct Project {
+  std::string name = {}, author = {}, client = {}, date = {};
+  [[nodiscard]] bool empty() const { return name.empty() && author.empty() && client.empty() && date.empty(); }
+};
+template <class V>
+void fields(V& v, const Project& x) {
+  v("name", when(!x.name.empty(), x.name));
+  v("author", when(!x.author.empty(), x.author));
+  v("client", when(!x.client.empty(), x.client));
+  v("date", when(!x.date.empty(), x.date));
+}
 
 /// A section of the block system as a scene of contact.
 struct SectionSpec {

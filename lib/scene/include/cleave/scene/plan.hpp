@@ -123,6 +123,7 @@ void head_fields(V& v, const Result& x) {
   v("cleave", version, "version of the program");
   v("schema", 1U, "version of this schema");
   v("title", x.title);
+  v("project", when(!x.project.empty(), x.project), "[project] of the scene; nothing is computed from it");
   v("seed", x.seed);
   v("scene_sha256", x.scene_sha256, "of the scene file's bytes, hexadecimal");
   v("plan", x.plan.stages);

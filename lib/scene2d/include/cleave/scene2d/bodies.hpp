@@ -80,6 +80,7 @@ struct TimeSettings {
 
 struct BodiesScene {
   std::string title;
+  Project project = {};
   std::uint64_t seed = 1;
   std::vector<BodySpec> bodies;
   std::vector<PointSpec> points;
@@ -150,6 +151,7 @@ struct MeshTrial {
 
 struct BodiesResult {
   std::string title;
+  Project project = {};
   std::uint64_t seed = 1;
   std::string scene_file, scene_sha256;
   Plan plan;

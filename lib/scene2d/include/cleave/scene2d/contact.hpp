@@ -93,6 +93,7 @@ struct ContactSettings {
 
 struct ContactScene {
   std::string title;
+  Project project = {};
   std::uint64_t seed = 1;
   std::vector<ContactBody> bodies;
   std::vector<ContactJoint> joints;  ///< [0] is the default
@@ -188,6 +189,7 @@ struct ContactBodyResult {
 };
 struct ContactResult {
   std::string title;
+  Project project = {};
   std::uint64_t seed = 1;
   std::string scene_file, scene_sha256;
   Plan plan;

@@ -114,6 +114,7 @@ struct Excavation {
   std::vector<geometry::Vec3> axis;  ///< of a tunnel; else empty
   std::uint32_t line;                ///< in the scene file
   std::optional<TunnelLine> tunnel = {};
+  bool own_shape = true;  ///< not a cut from above, which reaches as far as the domain
 };
 
 struct Rock {
@@ -250,6 +251,7 @@ struct SequenceSettings {
 
 struct Scene {
   std::string title;
+  Project project = {};
   std::uint64_t seed = 1;
   Length snap;
   double north = 0;  ///< degrees from y to true north, clockwise; only for display: orientations are turned already

@@ -112,6 +112,12 @@ struct NearMisses {
   std::optional<JointId> other;  ///< from this joint; none: from the domain or an excavation
 };
 
+/// What one excavation takes of the domain (or window).
+struct ExcavatedVolume {
+  Volume removed = {};  ///< rock: what several take counts for the first of them
+  Volume inside = {};   ///< of the domain, whoever else takes it
+};
+
 /// Facts about the run of the cutter.
 struct CutReport {
   double lattice_pitch_m = 0;
@@ -126,7 +132,8 @@ struct CutReport {
   std::vector<JointId> dangling;     ///< joints no piece of which separates two blocks
   std::uint64_t intersections = 0;   ///< pairs of facets (of joints and solids) that meet in a segment or a point
   std::uint64_t predicate_calls = 0;
-  std::uint64_t predicate_exact = 0;  ///< of those, how many the filter could not decide
+  std::uint64_t predicate_exact = 0;            ///< of those, how many the filter could not decide
+  std::vector<ExcavatedVolume> excavated = {};  ///< one an excavation of the input
 };
 
 /// The blocks a scene falls into. Immutable; made by `cut`. Not yet checked: `audit` turns it into an AuditedComplex.
