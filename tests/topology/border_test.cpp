@@ -339,6 +339,16 @@ TEST(NearMisses, OnlyWhatDoesNotTouch) {
   EXPECT_EQ(sides({rectangle(0, 0, {-9, -9}, {9, 9}), rectangle(2, 6, {1e-9, -9}, {9, 9})}), 0U);
 }
 
+TEST(NearMisses, NotOfWhatWasCutOff) {
+  // The second ends on the first; the third ends just above where the second would have gone on.
+  auto input = scene(
+      box({-5, -5, -5}, {5, 5, 5}),
+      {rectangle(0, 0, {-9, -9}, {9, 9}), rectangle(2, 1, {-2, -9}, {9, 9}), rectangle(0, -1, {-9, 1 + 1e-8}, {9, 9})});
+  EXPECT_EQ(near_misses(input).sides, 1U);
+  input.terminations.push_back({topology::JointId{1U}, topology::JointId{0U}});
+  EXPECT_EQ(near_misses(input).sides, 0U);
+}
+
 TEST(NearMisses, ClosedSurfacesHaveNone) {
   const auto u = uniform(13);
   for (int k = 0; k < 30; ++k) {
