@@ -5,6 +5,7 @@
 #include "cases.hpp"
 #include "chains.hpp"
 #include "cleave/core/rng.hpp"
+#include "theory.hpp"
 
 namespace cleave::assembly {
 namespace {
@@ -70,47 +71,13 @@ TEST(KeyGroups, DoNotDependOnTheOrder) {
   for (std::uint32_t k = 0; k < count; ++k) EXPECT_NEAR(p.speed[k], q.speed[count - 1 - k], 1e-9);
 }
 
-/// Key block theory of a block on two planes, in closed form (Goodman and Shi 1985, with true reactions).
-double conventional(const std::vector<Side>& sides, Vec3 r) {
-  const auto fits = [&](Vec3 s) {
-    return std::ranges::all_of(sides, [&](const Side& k) { return dot(k.normal, s) >= -1e-12 * norm(r); });
-  };
-  if (fits(r)) return 0;
-  for (const Side& k : sides) {
-    const double n = -dot(k.normal, r);
-    const Vec3 s = r + n * k.normal;
-    if (n > 0 && norm(s) > 1e-12 && fits(s)) return n * k.friction / norm(s);
-  }
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    for (std::size_t j = i + 1; j < sides.size(); ++j) {
-      const double a = dot(sides[i].normal, r), b = dot(sides[j].normal, r), c = dot(sides[i].normal, sides[j].normal);
-      const double q = 1 - c * c, ni = (c * b - a) / q, nj = (c * a - b) / q;
-      const Vec3 e = normalized(cross(sides[i].normal, sides[j].normal));
-      const Vec3 s = dot(e, r) * e;
-      if (q > 1e-9 && ni >= 0 && nj >= 0 && norm(s) > 1e-12 && fits(s)) {
-        return (ni * sides[i].friction + nj * sides[j].friction) / norm(s);
-      }
-    }
-  }
-  return infinite;
-}
-
 // One block in translation: the moving factor is that of key block theory (T3), the static one no less.
 TEST(KeyGroups, OneBlockIsKeyBlockTheory) {
   Rng rng{20261123};
-  const auto number = [&](double low, double high) {
-    return low + (high - low) * static_cast<double>(rng.between(0, 1 << 30)) / static_cast<double>(1 << 30);
-  };
   int finite = 0, wedged = 0, certain = 0;
   for (int trial = 0; trial < 1000; ++trial) {
     SCOPED_TRACE(trial);
-    const auto count = rng.between(1, 4);
-    std::vector<Side> sides;
-    for (int k = 0; k < count; ++k) {
-      Vec3 n{number(-1, 1), number(-1, 1), number(-1, 1)};
-      if (norm(n) < 0.1) n = {1, 0, 0};
-      sides.push_back({normalized(n), number(0.1, 1.2)});
-    }
+    const std::vector<Side> sides = random_sides(rng);
     const double factor = conventional(sides, {0, 0, -1});
     const Judged got = judge(single(sides).made());
     EXPECT_GE(got.up.factor, got.moving.factor * (1 - 1e-6));

@@ -124,14 +124,18 @@ void layer(Drawing& d) {
   d.ground_behind_a_drop({{0, 0}, {d.number(0.02, 1), lift}, {top.x, top.z + lift}, {top.x + 8, top.z + lift}});
   d.joint({0, 0}, top, true);
   d.joint(top, top + At{0, 30}, true);
-  if (d.chance(0.5)) {
-    const At in = d.number(0.2, 0.8) * lift * At{0, 1};
-    d.joint(in, top + in);
-  }
+  const double share = d.chance(0.5) ? d.number(0.2, 0.8) : 1;
+  const At in = share * lift * At{0, 1};
+  if (share < 1) d.joint(in, top + in);
   const int cuts = d.count(1, 5);
   for (int k = 0; k < cuts; ++k) {
-    const At at = ((k + d.number(0.2, 0.8)) / cuts) * top;
-    d.joint(at, at + 30.0 * along(dip + d.number(60, 120)));
+    const At at = ((k + d.number(0.2, 0.6)) / cuts) * top;
+    const double steep = d.number(60, 120);
+    // Above the joint along the layer it starts anew: where four corners meet, bodies in contact catch on rounding.
+    const double below = share < 1 ? share * thick / std::sin(steep * std::numbers::pi / 180) : 30;
+    d.joint(at, at + below * along(dip + steep));
+    const At above = in + at + d.number(0.1, 0.3) / cuts * top + below * std::cos(steep * std::numbers::pi / 180) * up;
+    if (share < 1) d.joint(above, above + 30.0 * along(dip + d.number(60, 120)));
   }
 }
 

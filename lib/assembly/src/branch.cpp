@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "settle.hpp"
+
 namespace cleave::assembly {
 namespace {
 
@@ -12,7 +14,8 @@ using Eigen::VectorXd;
 /// Below this share of the load a force counts as none: rounding would feed wedging.
 constexpr double no_force = 1e-9;
 
-/// By element: whether the patch of a bond presses.
+}  // namespace
+
 std::vector<std::uint8_t> pressing(const Elements& elements, const State& state) {
   const std::vector<Element>& all = elements.all();
   std::vector<std::uint8_t> out(all.size(), 0);
@@ -30,8 +33,6 @@ std::vector<std::uint8_t> pressing(const Elements& elements, const State& state)
 bool has_bonds(const Elements& elements) {
   return std::ranges::any_of(elements.all(), [](const Element& e) { return e.bond; });
 }
-
-}  // namespace
 
 double violation(const Elements& elements, double divisor, const State& state) {
   VectorXd left = state.v - elements.load();
@@ -89,7 +90,7 @@ bool Branch::begin() {
 }
 
 Branch::Found Branch::judged(double divisor, State state) const {
-  Found found{.what = FromRest::unsettled, .state = std::move(state), .residual = 1};
+  Found found{.what = FromRest::unsettled, .state = std::move(state), .residual = 1, .unsettled = {}};
   found.residual = violation(*elements_, divisor, found.state);
   if (!(found.residual <= exact_enough)) return found;
   found.what = found.state.v.lpNorm<Eigen::Infinity>() > slow ? FromRest::moves : FromRest::rests;
@@ -143,23 +144,43 @@ Branch::Found Branch::by_thresholds(double divisor) {
   return judged(divisor, std::move(state));
 }
 
+Branch::Found Branch::by_sweeps(double divisor) {
+  Solution solution = settle(*elements_, divisor);
+  Found found{.what = FromRest::unsettled,
+              .state = std::move(solution.state),
+              .residual = solution.residual,
+              .unsettled = std::move(solution.unsettled)};
+  if (!solution.settled) return found;
+  found.what = found.state.v.lpNorm<Eigen::Infinity>() > slow ? FromRest::moves : FromRest::rests;
+  return found;
+}
+
 /// Nothing moved: at rest where forces are there that hold.
-Branch::Found Branch::at_rest(double divisor) {
+Branch::Found Branch::standing(double divisor) {
   State state = newton_.none();
   const Settled how = newton_.solve({.law = Law::cone, .divisor = divisor}, state);
-  Found found{.what = FromRest::unsettled, .state = std::move(state), .residual = how.off};
+  Found found{.what = FromRest::unsettled, .state = std::move(state), .residual = how.off, .unsettled = {}};
   if (found.state.v.lpNorm<Eigen::Infinity>() <= slow) found.what = FromRest::rests;
   return found;
 }
 
 Branch::Found Branch::at(double divisor, Effort effort) {
+  if (effort == Effort::sweeps) return by_sweeps(divisor);
   Found found = by_newton(divisor);
-  if (found.what == FromRest::moves) return found;
-  if (effort == Effort::whole) {
-    found = by_thresholds(divisor);
-    if (found.what == FromRest::moves) return found;
+  if (found.what == FromRest::moves || effort == Effort::newton) return found;
+  // Thresholds are exact where they settle, sweeps cheap.
+  const bool few = elements_->bodies() <= 4;
+  if (!few && effort == Effort::whole) {
+    Found swept = by_sweeps(divisor);
+    if (swept.what != FromRest::unsettled) return swept;
   }
-  if (found.state.v.lpNorm<Eigen::Infinity>() <= slow) return at_rest(divisor);
+  found = by_thresholds(divisor);
+  if (found.what == FromRest::moves) return found;
+  if (found.state.v.lpNorm<Eigen::Infinity>() <= slow) return standing(divisor);
+  if (few && effort == Effort::whole) {
+    Found swept = by_sweeps(divisor);
+    if (swept.what != FromRest::unsettled) return swept;
+  }
   return found;
 }
 

@@ -10,11 +10,24 @@ namespace cleave::assembly {
 /// largest.
 [[nodiscard]] double violation(const Elements& elements, double divisor, const State& state);
 
+/// By element: whether the patch of a bond presses.
+[[nodiscard]] std::vector<std::uint8_t> pressing(const Elements& elements, const State& state);
+[[nodiscard]] bool has_bonds(const Elements& elements);
+
 /// Bodies that move in a state, and those beside a contact that violates the conditions.
 [[nodiscard]] std::vector<std::uint8_t> unsettled_bodies(const Elements& elements, double divisor, const State& state);
 
-/// `start_from_rest`, and where nothing was settled the bodies that it did not settle of.
-[[nodiscard]] Start start_from_rest(const Assembly& assembly, double factor, std::vector<std::uint8_t>& unsettled);
+/// What a search from rest leaves behind beside its verdict.
+struct Ended {
+  std::vector<std::uint8_t> unsettled;  ///< by body; empty where all is settled
+  ContactForces forces;                 ///< of the state it ended in
+};
+[[nodiscard]] Start start_from_rest(const Assembly& assembly, double factor, Ended& ended);
+
+/// Of factors. Coarse ones are good to 1e-4, of an assembly that moves at strengths as they are.
+enum class Accuracy : std::uint8_t { fine, coarse };
+[[nodiscard]] StaticFactor static_factor(const Assembly& assembly, Accuracy accuracy);
+[[nodiscard]] MovingFactor moving_factor(const Assembly& assembly, double up, Accuracy accuracy);
 
 /// Solutions of the Coulomb problem from rest, from low strength to high: a solution that moves at one strength is the
 /// start at the next.
@@ -29,8 +42,9 @@ class Branch final {
     FromRest what = FromRest::unsettled;
     State state;
     double residual = 1;
+    std::vector<std::uint8_t> unsettled = {};  ///< by body, of a search by sweeps: what else there is has settled
   };
-  enum class Effort : std::uint8_t { newton, whole };
+  enum class Effort : std::uint8_t { newton, thresholds, whole, sweeps };
   /// Looks for motion at this strength; goes on from the last motion found.
   [[nodiscard]] Found at(double divisor, Effort effort = Effort::whole);
   /// Linear solves that a search by thresholds may take, times the number of bodies.
@@ -43,7 +57,8 @@ class Branch final {
   [[nodiscard]] Found judged(double divisor, State state) const;
   [[nodiscard]] Found by_newton(double divisor);
   [[nodiscard]] Found by_thresholds(double divisor);
-  [[nodiscard]] Found at_rest(double divisor);
+  [[nodiscard]] Found by_sweeps(double divisor);
+  [[nodiscard]] Found standing(double divisor);
 
   const Elements* elements_;
   Newton newton_;

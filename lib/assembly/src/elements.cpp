@@ -104,6 +104,36 @@ Elements::Elements(const Assembly& assembly)
   }
 }
 
+Elements Elements::part(std::span<const std::uint32_t> members, std::vector<std::uint32_t>& from) const {
+  constexpr auto outside = static_cast<std::uint32_t>(-1);
+  Elements out{*this, members.size()};
+  from.clear();
+  std::vector<std::uint32_t> number(bodies_, outside);
+  out.load_.resize(width_ * static_cast<Eigen::Index>(members.size()));
+  for (std::uint32_t k = 0; k < members.size(); ++k) {
+    number[members[k]] = k;
+    out.mass_l_.push_back(mass_l_[members[k]]);
+    out.load_.segment(width_ * static_cast<Eigen::Index>(k), width_) =
+        load_.segment(width_ * static_cast<Eigen::Index>(members[k]), width_);
+  }
+  for (std::size_t contact = 0; contact + 1 < starts_.size(); ++contact) {
+    for (std::size_t k = starts_[contact]; k < starts_[contact + 1]; ++k) {
+      const Element& e = elements_[k];
+      const std::uint32_t body = number[e.body], other = e.other ? number[*e.other] : outside;
+      if (body == outside && other == outside) break;
+      Element& own = out.elements_.emplace_back(e);
+      own.contact = static_cast<std::uint32_t>(out.starts_.size() - 1);
+      own.body = body != outside ? body : other;
+      own.other.reset();
+      if (body == outside) own.on_body = e.on_other;
+      if (body != outside && other != outside) own.other = other;
+      from.push_back(static_cast<std::uint32_t>(k));
+    }
+    if (out.elements_.size() > out.starts_.back()) out.starts_.push_back(out.elements_.size());
+  }
+  return out;
+}
+
 Eigen::Vector3d Elements::relative(const Element& e, const Eigen::VectorXd& v) const {
   Eigen::Vector3d u = e.on_body.transpose() * v.segment(width_ * static_cast<Eigen::Index>(e.body), width_);
   if (e.other) u += e.on_other.transpose() * v.segment(width_ * static_cast<Eigen::Index>(*e.other), width_);

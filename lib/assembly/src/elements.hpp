@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,9 @@ struct Element {
 class Elements final {
  public:
   explicit Elements(const Assembly& assembly);
+  /// Of some bodies (ascending), all others fixed, in the same units; `from` becomes the number that each element of
+  /// the part has in the whole.
+  [[nodiscard]] Elements part(std::span<const std::uint32_t> members, std::vector<std::uint32_t>& from) const;
 
   [[nodiscard]] const std::vector<Element>& all() const noexcept { return elements_; }
   [[nodiscard]] std::size_t bodies() const noexcept { return bodies_; }
@@ -53,6 +57,8 @@ class Elements final {
   [[nodiscard]] double newtons(const Element& e) const { return e.scale * unit_; }
 
  private:
+  Elements(const Elements& whole, std::size_t bodies)
+      : bodies_{bodies}, width_{whole.width_}, freedom_{whole.freedom_}, unit_{whole.unit_}, starts_{0} {}
   std::size_t bodies_;
   Eigen::Index width_;
   Freedom freedom_;

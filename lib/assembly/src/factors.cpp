@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "branch.hpp"
 #include "elements.hpp"
 #include "newton.hpp"
+#include "settle.hpp"
 
 namespace cleave::assembly {
 namespace {
@@ -17,6 +19,8 @@ using geometry::Vec3;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Factors beyond are told from infinity and 0 no more.
 constexpr double largest_factor = 1e4, least_factor = 1e-4;
+/// Larger assemblies take larger steps, and end sooner: to 1e-4.
+constexpr std::size_t few_for_factors = 16;
 
 std::vector<double> speeds(const Elements& elements, const VectorXd& v) {
   std::vector<double> out(elements.bodies());
@@ -64,13 +68,10 @@ Projection project(const Assembly& assembly, double factor) {
   return out;
 }
 
-ContactForces holding_forces(const Assembly& assembly, double factor, double prestress) {
-  const Elements elements{assembly};
-  Newton newton{elements};
-  State state = newton.none();
-  Problem problem = static_problem(factor);
-  problem.least_normal = prestress;
-  (void)newton.solve(problem, state);
+namespace {
+
+/// Forces of a state, N.
+ContactForces in_newtons(const Assembly& assembly, const Elements& elements, const std::vector<Eigen::Vector3d>& x) {
   ContactForces out;
   out.at_points.resize(assembly.contacts().size());
   out.at_bonds.resize(assembly.contacts().size());
@@ -84,7 +85,7 @@ ContactForces holding_forces(const Assembly& assembly, double factor, double pre
     for (std::size_t k = first; k < last; ++k) {
       const Element& e = elements.all()[k];
       const double unit = elements.newtons(e);
-      const Vec3 force = unit * (state.x[k][0] * contact.normal + state.x[k][1] * t1 + state.x[k][2] * t2);
+      const Vec3 force = unit * (x[k][0] * contact.normal + x[k][1] * t1 + x[k][2] * t2);
       if (!e.bond) {
         out.at_points[c][point++] = force;
         continue;
@@ -96,7 +97,21 @@ ContactForces holding_forces(const Assembly& assembly, double factor, double pre
   return out;
 }
 
-StaticFactor static_factor(const Assembly& assembly) {
+}  // namespace
+
+ContactForces holding_forces(const Assembly& assembly, double factor, double prestress) {
+  const Elements elements{assembly};
+  Newton newton{elements};
+  State state = newton.none();
+  Problem problem = static_problem(factor);
+  problem.least_normal = prestress;
+  (void)newton.solve(problem, state);
+  return in_newtons(assembly, elements, state.x);
+}
+
+StaticFactor static_factor(const Assembly& assembly) { return static_factor(assembly, Accuracy::fine); }
+
+StaticFactor static_factor(const Assembly& assembly, Accuracy accuracy) {
   const Elements elements{assembly};
   Drive drive{elements};
   if (drive(largest_factor) == 0) return {infinite, infinite, drive.settled()};
@@ -112,7 +127,8 @@ StaticFactor static_factor(const Assembly& assembly) {
     before = std::exchange(high, f);
     speed_before = std::exchange(speed, found);
   };
-  for (int k = 0; k < 200 && high > low * (1 + 1e-9); ++k) {
+  const double enough = accuracy == Accuracy::coarse ? 1e-4 : 1e-9;
+  for (int k = 0; k < 200 && high > low * (1 + enough); ++k) {
     look(std::sqrt(low * high));
     // The speed grows in proportion above the factor.
     if (!(before > high) || !(speed_before > speed) || high > 3 * low) continue;
@@ -125,44 +141,56 @@ StaticFactor static_factor(const Assembly& assembly) {
 }
 
 Start start_from_rest(const Assembly& assembly, double factor) {
-  std::vector<std::uint8_t> unsettled;
-  return start_from_rest(assembly, factor, unsettled);
+  Ended ended;
+  return start_from_rest(assembly, factor, ended);
 }
 
-Start start_from_rest(const Assembly& assembly, double factor, std::vector<std::uint8_t>& unsettled) {
-  const Elements elements{assembly};
+namespace {
+
+/// Follows the motion of few bodies from no friction on; empty where nothing moves without.
+std::optional<Branch::Found> followed(const Elements& elements, double factor) {
   Branch branch{elements};
-  branch.allow(100'000);
-  Start out{
-      .found = FromRest::rests, .motion = Motion(elements.bodies()), .speed = std::vector<double>(elements.bodies())};
-  out.residual = 0;
-  if (!branch.begin()) return out;
-  // Large assemblies go there at once: what does not settle is looked at part by part.
-  const bool large = elements.bodies() > 24;
-  Branch::Found found;
-  for (double f = (large ? 1 : 30) * factor;; f = std::max(factor, 0.8 * f)) {
-    found = branch.at(f, elements.bodies() > 100 ? Branch::Effort::newton : Branch::Effort::whole);
+  branch.allow(20'000);
+  if (!branch.begin()) return std::nullopt;
+  const bool fully = elements.bodies() <= followed_bodies;
+  for (double f = 30 * factor;; f = std::max(factor, 0.8 * f)) {
+    Branch::Found found = branch.at(f, fully ? Branch::Effort::thresholds : Branch::Effort::newton);
     if (found.what == FromRest::moves) branch.keep(found);
-    if (f <= factor) break;
+    if (f <= factor) return found;
   }
-  if (found.what == FromRest::unsettled) unsettled = unsettled_bodies(elements, factor, found.state);
-  out.found = found.what;
-  out.motion = elements.motion_of(found.state.v);
-  out.speed = speeds(elements, found.state.v);
+}
+
+}  // namespace
+
+Start start_from_rest(const Assembly& assembly, double factor, Ended& ended) {
+  const Elements elements{assembly};
+  // Contact by contact; where that finds no motion, few bodies are followed from no friction on as well.
+  Branch branch{elements};
+  Branch::Found found = branch.at(factor, Branch::Effort::sweeps);
+  if (found.what != FromRest::moves && elements.bodies() <= few_bodies) {
+    if (auto other = followed(elements, factor); other && other->what == FromRest::moves) found = std::move(*other);
+  }
+  Start out{.found = found.what, .motion = elements.motion_of(found.state.v), .speed = speeds(elements, found.state.v)};
   out.residual = found.residual;
+  ended.unsettled = found.what == FromRest::unsettled ? std::move(found.unsettled) : std::vector<std::uint8_t>{};
+  ended.forces = in_newtons(assembly, elements, found.state.x);
   return out;
 }
 
-MovingFactor moving_factor(const Assembly& assembly, double up) {
+MovingFactor moving_factor(const Assembly& assembly, double up) { return moving_factor(assembly, up, Accuracy::fine); }
+
+MovingFactor moving_factor(const Assembly& assembly, double up, Accuracy accuracy) {
   const Elements elements{assembly};
   Branch branch{elements};
   if (!branch.begin()) return {infinite, true};
+  const bool coarse = accuracy == Accuracy::coarse;
   // Above `up` it moves whether a solution was checked or not.
   double good = infinite, bad = 0;
   bool settled = true;
   const auto look = [&](double f) {
     // What is known to move needs no search: only a start for those that are not.
-    const Branch::Found found = branch.at(f, f > 1.1 * up ? Branch::Effort::newton : Branch::Effort::whole);
+    const Branch::Effort effort = coarse ? Branch::Effort::sweeps : Branch::Effort::whole;
+    const Branch::Found found = branch.at(f, f > 1.1 * up ? Branch::Effort::newton : effort);
     if (found.what == FromRest::moves) branch.keep(found);
     if (found.what == FromRest::moves || f > up * (1 + 1e-9)) {
       good = f;
@@ -172,9 +200,10 @@ MovingFactor moving_factor(const Assembly& assembly, double up) {
     settled = found.what == FromRest::rests;
     return false;
   };
-  // Large assemblies take larger steps, and end sooner.
-  const bool large = elements.bodies() > 16;
-  for (double f = large ? 32 : 1e3; f > (large ? 1e-2 : least_factor) && look(f); f *= large ? 0.7 : 0.9) {
+  // So do assemblies that are known to move, which begin there.
+  const bool large = coarse || elements.bodies() > few_for_factors;
+  const double begin = large ? 32 : 1e3;
+  for (double f = coarse ? 1 : begin; f > (large ? 1e-2 : least_factor) && look(f); f *= large ? 0.7 : 0.9) {
   }
   if (bad == 0) return {0, true};
   if (good == infinite) return {std::min(up, bad), false};

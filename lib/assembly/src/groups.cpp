@@ -5,16 +5,22 @@
 #include <limits>
 #include <utility>
 
+#include "balance.hpp"
 #include "branch.hpp"
+#include "settle.hpp"
 
 namespace cleave::assembly {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// Larger groups get no factors.
-constexpr std::size_t most_for_factors = 4;
+/// Larger groups get no factors; factors of more than few blocks are coarse, and what is in doubt has none then.
+constexpr std::size_t most_for_factors = 16, few_for_fine_factors = 4;
+/// Certainty is not looked for in larger parts: they are unsafe at least.
+constexpr std::size_t most_projected = 400;
 /// A body belongs to a motion when it has this share of its largest rate.
 constexpr double belongs = 1e-6;
+/// A body rests when its forces lack no more than this share of its load.
+constexpr double still = 1e-6;
 
 std::vector<std::uint8_t> moving_ones(const std::vector<double>& speed) {
   double most = 0;
@@ -27,6 +33,19 @@ std::vector<std::uint8_t> moving_ones(const std::vector<double>& speed) {
 Motion of_members(const Motion& motion, const std::vector<std::uint32_t>& members) {
   Motion out;
   for (const std::uint32_t b : members) out.push_back(motion[b]);
+  return out;
+}
+
+/// Bodies that neither move nor were shown to rest: what a search did not settle of, and what its forces do not hold.
+std::vector<std::uint8_t> not_at_rest(const Assembly& assembly, const std::vector<std::uint8_t>& moving,
+                                      const Ended& ended) {
+  std::vector<std::uint8_t> out(assembly.bodies().size(), 0);
+  const auto balance = check_balance(assembly, 1, ended.forces);
+  for (std::size_t b = 0; b < out.size(); ++b) {
+    const bool unsettled = !ended.unsettled.empty() && ended.unsettled[b] != 0;
+    const bool held = balance && balance->lack()[b] <= still;
+    out[b] = moving[b] == 0 && (unsettled || !held) ? 1 : 0;
+  }
   return out;
 }
 
@@ -88,30 +107,39 @@ class Search final {
 
   /// False when it stands without friction.
   bool run() {
-    const Projection free = project(island_, infinite);
-    if (free.settled && !(free.largest > slow)) return false;
-    find_certain();
-    std::vector<std::uint8_t> unsettled;
-    const Start start = start_from_rest(island_, 1, unsettled);
-    switch (start.found) {
-      case FromRest::moves: take(moving_ones(start.speed), Verdict::unsafe, start.motion); break;
-      case FromRest::rests: break;
-      case FromRest::unsettled: look_closer(std::move(unsettled)); break;
+    const bool large = island_.bodies().size() > followed_bodies;
+    if (!large) {
+      const Projection free = project(island_, infinite);
+      if (free.settled && !(free.largest > slow)) return false;
     }
+    Ended ended;
+    const Start start = start_from_rest(island_, 1, ended);
+    const std::vector<std::uint8_t> moving = moving_ones(start.speed);
+    std::vector<std::uint8_t> open = not_at_rest(island_, moving, ended);
+    // What rests in a search that begins with motion is not looked at again among many: to fix it only adds support.
+    std::vector<std::uint8_t> active(open.size(), 1);
+    for (std::size_t b = 0; large && b < open.size(); ++b) active[b] = std::max(moving[b], open[b]);
+    find_certain(active);
+    take(moving, Verdict::unsafe, start.motion);
+    look_closer(std::move(open));
     return true;
   }
   [[nodiscard]] std::vector<Group>& groups() noexcept { return groups_; }
 
  private:
-  void find_certain() {
-    const Projection drive = project(island_, 1);
-    for (std::vector<std::uint32_t>& members : connected_parts(island_, moving_ones(drive.speed))) {
-      const Assembly part = island_.part(members, Assembly::Others::fixed);
-      Motion motion = of_members(drive.motion, members);
-      auto proof = check_motion(part, 1, motion);
-      // What cannot be proved is left to the search from rest.
-      if (!proof) continue;
-      add(std::move(members), Verdict::certain, std::move(motion)).proof = std::move(*proof);
+  void find_certain(const std::vector<std::uint8_t>& among) {
+    for (const std::vector<std::uint32_t>& part : connected_parts(island_, among)) {
+      if (part.size() > most_projected) continue;
+      const Assembly own = island_.part(part, Assembly::Others::fixed);
+      const Projection drive = project(own, 1);
+      for (std::vector<std::uint32_t>& members : connected_parts(own, moving_ones(drive.speed))) {
+        Motion motion = of_members(drive.motion, members);
+        auto proof = check_motion(own.part(members, Assembly::Others::fixed), 1, motion);
+        // What cannot be proved is left to the search from rest.
+        if (!proof) continue;
+        for (std::uint32_t& b : members) b = part[b];
+        add(std::move(members), Verdict::certain, std::move(motion)).proof = std::move(*proof);
+      }
     }
   }
 
@@ -123,29 +151,43 @@ class Search final {
     }
   }
 
-  /// The island as a whole did not settle: part by part, what settled taken to be fixed.
+  /// What the island as a whole left open: part by part, the others taken to be fixed.
   void look_closer(std::vector<std::uint8_t> among) {
     for (std::size_t b = 0; b < among.size(); ++b) among[b] = among[b] != 0 && taken_[b] == 0 ? 1 : 0;
     for (std::vector<std::uint32_t>& members : connected_parts(island_, among)) {
-      Motion motion(members.size());
-      Verdict verdict = Verdict::in_doubt;
-      if (members.size() < island_.bodies().size()) {
-        const Start start = start_from_rest(island_.part(members, Assembly::Others::fixed), 1);
-        if (start.found == FromRest::rests) continue;
-        if (start.found == FromRest::moves) {
-          const std::vector<std::uint8_t> moves = moving_ones(start.speed);
-          std::vector<std::uint8_t> whole(among.size(), 0);
-          Motion wide(among.size());
-          for (std::size_t k = 0; k < members.size(); ++k) {
-            whole[members[k]] = moves[k];
-            wide[members[k]] = start.motion[k];
-          }
-          take(std::move(whole), Verdict::unsafe, wide);
-          continue;
-        }
+      const bool whole = members.size() == island_.bodies().size();
+      if (whole || members.size() > followed_bodies || !decided_apart(members)) {
+        Motion none(members.size());
+        add(std::move(members), Verdict::in_doubt, std::move(none));
       }
-      add(std::move(members), verdict, std::move(motion));
     }
+  }
+
+  /// Whether a part moves, or rests beside what rests.
+  bool decided_apart(const std::vector<std::uint32_t>& members) {
+    const Assembly part = island_.part(members, Assembly::Others::fixed);
+    Ended ended;
+    const Start start = start_from_rest(part, 1, ended);
+    const std::vector<std::uint8_t> moves = moving_ones(start.speed);
+    const std::vector<std::uint8_t> open = not_at_rest(part, moves, ended);
+    if (std::ranges::count(open, 1) > 0) return false;
+    if (start.found == FromRest::rests) return !beside_what_moves(members);
+    std::vector<std::uint8_t> wide(island_.bodies().size(), 0);
+    Motion motion(wide.size());
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      wide[members[k]] = moves[k];
+      motion[members[k]] = start.motion[k];
+    }
+    take(std::move(wide), Verdict::unsafe, motion);
+    return true;
+  }
+
+  /// What moves was taken to be fixed: it may have held them.
+  [[nodiscard]] bool beside_what_moves(const std::vector<std::uint32_t>& members) const {
+    const auto in = [&](std::uint32_t b) { return std::ranges::binary_search(members, b); };
+    return std::ranges::any_of(island_.contacts(), [&](const Contact& c) {
+      return c.other && ((in(c.body) && taken_[*c.other] != 0) || (in(*c.other) && taken_[c.body] != 0));
+    });
   }
 
   Group& add(std::vector<std::uint32_t> members, Verdict verdict, Motion motion) {
@@ -153,18 +195,20 @@ class Search final {
     Group& group = groups_.emplace_back();
     group.verdict = verdict;
     group.motion = std::move(motion);
-    group.factors = members.size() <= most_for_factors;
+    const bool moves = verdict != Verdict::in_doubt;
+    group.factors = members.size() <= (moves ? most_for_factors : few_for_fine_factors);
     if (group.factors) {
       const Assembly part = island_.part(members, Assembly::Others::fixed);
-      group.up = static_factor(part);
-      group.moving = moving_factor(part, group.up.factor);
+      const Accuracy accuracy = members.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::fine;
+      group.up = static_factor(part, accuracy);
+      group.moving = moving_factor(part, group.up.factor, accuracy);
     } else {
       group.up.factor = verdict == Verdict::certain ? 1 : infinite;
       group.moving.factor = 1;
       group.moving.settled = false;
     }
     // It moves at strengths as they are.
-    if (verdict != Verdict::in_doubt) group.moving.factor = std::min(group.moving.factor, 1.0);
+    if (moves) group.moving.factor = std::min(group.moving.factor, 1.0);
     group.bodies = std::move(members);
     return group;
   }

@@ -18,6 +18,20 @@ using topology::BlockId;
 /// Layers of blocks behind the exposed ones that are looked at first; as many more when a group touches the last.
 constexpr std::uint32_t first_layers = 3;
 
+/// What no other group has taken; it moves with those, but it is they that are proved to move.
+assembly::Group without(const assembly::Group& group, const std::vector<std::uint8_t>& taken) {
+  assembly::Group out = group;
+  out.bodies.clear();
+  out.motion.clear();
+  for (std::size_t k = 0; k < group.bodies.size(); ++k) {
+    if (taken[group.bodies[k]] != 0) continue;
+    out.bodies.push_back(group.bodies[k]);
+    out.motion.push_back(group.motion[k]);
+  }
+  if (out.bodies.size() < group.bodies.size() && group.verdict == Verdict::certain) out.verdict = Verdict::unsafe;
+  return out;
+}
+
 class Search final {
  public:
   Search(const topology::BlockComplex& complex, const Settings& settings, std::size_t most)
@@ -136,9 +150,10 @@ class Search final {
       for (const bool moments : {false, true}) {
         for (const assembly::Group& group : found[moments ? 1 : 0]) {
           if ((group.verdict == Verdict::in_doubt) != doubt) continue;
-          if (std::ranges::any_of(group.bodies, [&](std::uint32_t b) { return taken[b] != 0; })) continue;
-          for (const std::uint32_t b : group.bodies) taken[b] = 1;
-          out.push_back(said(group, blocks, batch, moments));
+          const assembly::Group rest = without(group, taken);
+          if (rest.bodies.empty()) continue;
+          for (const std::uint32_t b : rest.bodies) taken[b] = 1;
+          out.push_back(said(rest, blocks, batch, moments));
         }
       }
     }

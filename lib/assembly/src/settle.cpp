@@ -1,0 +1,223 @@
+#include "settle.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "branch.hpp"
+#include "sweeps.hpp"
+
+namespace cleave::assembly {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+/// Bodies that move and hang together, the others fixed.
+struct Part {
+  std::vector<std::uint32_t> members;
+  Eigen::VectorXd v;
+  double residual = 0;
+  bool solved = false;
+};
+
+/// Share of the largest free fall below which what still moves may be on its way to rest.
+constexpr double creeps = 1e-3;
+/// Violation that a solution of more than a few bodies may have.
+constexpr double enough_of_many = 1e-4;
+/// Sweeps of a round; bodies of a part that is solved at once.
+constexpr int sweeps_a_round = 100, sweeps_a_step = 40;
+constexpr std::size_t most_of_a_part = 200;
+
+/// Bodies marked with 1 that hang together, each part ascending.
+std::vector<std::vector<std::uint32_t>> parts_of(const Elements& elements, const std::vector<std::uint8_t>& among) {
+  std::vector<std::uint32_t> root(elements.bodies());
+  std::iota(root.begin(), root.end(), 0U);
+  const auto find = [&](std::uint32_t b) {
+    while (root[b] != b) b = root[b] = root[root[b]];
+    return b;
+  };
+  for (const Element& e : elements.all()) {
+    if (!e.other || among[e.body] == 0 || among[*e.other] == 0) continue;
+    const std::uint32_t a = find(e.body), b = find(*e.other);
+    root[std::max(a, b)] = std::min(a, b);
+  }
+  constexpr auto none = static_cast<std::uint32_t>(-1);
+  std::vector<std::uint32_t> place(root.size(), none);
+  std::vector<std::vector<std::uint32_t>> parts;
+  for (std::uint32_t b = 0; b < root.size(); ++b) {
+    if (among[b] == 0) continue;
+    const std::uint32_t top = find(b);
+    if (place[top] == none) {
+      place[top] = static_cast<std::uint32_t>(parts.size());
+      parts.emplace_back();
+    }
+    parts[place[top]].push_back(b);
+  }
+  return parts;
+}
+
+/// Largest rate that forces leave.
+double lack(const Elements& elements, const State& state) {
+  Eigen::VectorXd left = elements.load();
+  for (std::size_t k = 0; k < state.x.size(); ++k) elements.add_force(elements.all()[k], state.x[k], left);
+  return left.lpNorm<Eigen::Infinity>();
+}
+
+/// Newton's method on one part from the forces that sweeps found; false when that leads nowhere. With `solved` a
+/// solution to `exact_enough` was found.
+bool polish(const Elements& part, double divisor, State& state, bool& solved) {
+  double before = violation(part, divisor, state);
+  bool better = false;
+  const double enough = part.bodies() > few_bodies ? enough_of_many : exact_enough;
+  solved = before <= enough;
+  const bool creeping = state.v.lpNorm<Eigen::Infinity>() <= creeps;
+  for (const double rough : {1e-2, 1e-3}) {
+    if (solved) break;
+    Newton newton{part};
+    State next = state;
+    Problem problem{.law = Law::coulomb, .divisor = divisor};
+    const bool bonds = has_bonds(part);
+    for (int round = 0; round < (bonds ? 3 : 1); ++round) {
+      if (bonds) problem.pressing = pressing(part, next);
+      (void)newton.solve(problem, next, rough);
+    }
+    if (next.v.lpNorm<Eigen::Infinity>() <= slow) {
+      // What moves must not come to rest in forces that no sweep would have led to.
+      if (!creeping || lack(part, next) > slow) continue;
+      solved = true;
+    } else {
+      const double after = violation(part, divisor, next);
+      if (!(after < before)) continue;
+      before = after;
+      solved = after <= enough;
+    }
+    state = std::move(next);
+    better = true;
+  }
+  return better || solved;
+}
+
+/// The search of `settle`.
+class Settling final {
+ public:
+  Settling(const Elements& elements, double divisor, double still)
+      : elements_{&elements},
+        divisor_{divisor},
+        still_{still},
+        sweeps_{elements, divisor, 0.1 * still},
+        width_{elements.width()} {}
+
+  Solution run(int rounds) {
+    // Friction grows on what moves, so that it acts against the motion: from free fall it would lock across it.
+    for (double more = 1e3; more > 1.01; more = std::max(1.0, more > 4 ? 0.25 * more : 0.85 * more)) {
+      sweeps_.strength_over(divisor_ * more);
+      sweeps_.run(sweeps_a_step);
+    }
+    sweeps_.strength_over(divisor_);
+    std::vector<std::uint8_t> before;
+    for (int round = 0; round < rounds; ++round) {
+      sweeps_.run(sweeps_a_round);
+      // Rates anew from the forces: no rounding piles up.
+      sweeps_.take(std::vector<Vector3d>{sweeps_.state().x});
+      std::vector<std::uint8_t> moving = sweeps_.moving(still_);
+      const bool same = moving == before;
+      const bool last = round + 1 == rounds;
+      if (std::ranges::none_of(moving, [](std::uint8_t m) { return m != 0; })) return rests();
+      if (same && solved_all_) return moves();
+      if (last || (round >= next_ && alike(moving, before))) {
+        solve_parts(moving);
+        // What Newton's method cannot solve is left to sweeps for longer and longer.
+        next_ = solved_all_ ? round + 1 : round + 2 + round / 2;
+      }
+      before = std::move(moving);
+    }
+    return moves();
+  }
+
+ private:
+  /// Whether few bodies have come or gone.
+  [[nodiscard]] static bool alike(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
+    if (a.size() != b.size()) return false;
+    std::size_t count = 0, different = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      count += a[k];
+      different += a[k] != b[k] ? 1U : 0U;
+    }
+    return 5 * different <= count;
+  }
+
+  void solve_parts(const std::vector<std::uint8_t>& moving) {
+    std::vector<Vector3d> forces = sweeps_.state().x;
+    parts_.clear();
+    solved_all_ = true;
+    for (std::vector<std::uint32_t>& members : parts_of(*elements_, moving)) {
+      Part& found = parts_.emplace_back();
+      found.members = std::move(members);
+      found.solved = found.members.size() <= most_of_a_part && solve(found, forces);
+      solved_all_ = solved_all_ && found.solved;
+    }
+    sweeps_.take(forces);
+  }
+
+  bool solve(Part& found, std::vector<Vector3d>& forces) {
+    std::vector<std::uint32_t> from;
+    const Elements part = elements_->part(found.members, from);
+    State state{Eigen::VectorXd(part.load().size()), {}};
+    for (std::size_t k = 0; k < found.members.size(); ++k) {
+      state.v.segment(width_ * static_cast<Index>(k), width_) =
+          sweeps_.state().v.segment(width_ * static_cast<Index>(found.members[k]), width_);
+    }
+    for (const std::uint32_t k : from) state.x.push_back(forces[k]);
+    bool solved = false;
+    if (!polish(part, divisor_, state, solved)) return false;
+    for (std::size_t k = 0; k < from.size(); ++k) forces[from[k]] = state.x[k];
+    found.v = std::move(state.v);
+    found.residual = violation(part, divisor_, {found.v, std::move(state.x)});
+    return solved;
+  }
+
+  Solution rests() {
+    Solution out{.state = sweeps_.state()};
+    out.residual = out.state.v.lpNorm<Eigen::Infinity>();
+    out.unsettled.assign(elements_->bodies(), 0);
+    out.state.v.setZero();
+    return out;
+  }
+
+  /// What moves in parts that were solved, and what could not be.
+  Solution moves() {
+    Solution out{.state = sweeps_.state()};
+    out.unsettled.assign(elements_->bodies(), 0);
+    out.state.v.setZero();
+    for (const Part& part : parts_) {
+      for (std::size_t k = 0; k < part.members.size(); ++k) {
+        if (!part.solved) {
+          out.unsettled[part.members[k]] = 1;
+        } else {
+          out.state.v.segment(width_ * static_cast<Index>(part.members[k]), width_) =
+              part.v.segment(width_ * static_cast<Index>(k), width_);
+        }
+      }
+      if (part.solved) out.residual = std::max(out.residual, part.residual);
+      out.settled = out.settled && part.solved;
+    }
+    return out;
+  }
+
+  const Elements* elements_;
+  double divisor_, still_;
+  Sweeps sweeps_;
+  Index width_;
+  std::vector<Part> parts_;
+  bool solved_all_ = false;
+  int next_ = 0;  ///< round in which parts are solved again
+};
+
+}  // namespace
+
+Solution settle(const Elements& elements, double divisor) {
+  const bool few = elements.bodies() <= few_bodies;
+  return Settling{elements, divisor, few ? at_rest_of_few : at_rest}.run(few ? 16 : 48);
+}
+
+}  // namespace cleave::assembly

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "newton.hpp"
+
+namespace cleave::assembly {
+
+/// What moves in a solution of the Coulomb problem from rest.
+struct Solution {
+  State state = {};                          ///< rates are zero of what rests, and of what was not settled
+  double residual = 0;                       ///< largest `violation` of a part that moves
+  bool settled = true;                       ///< nothing is unsettled
+  std::vector<std::uint8_t> unsettled = {};  ///< by body
+};
+/// Sweeps from free fall over all contacts; what still moves is then solved part by part, the rest fixed, and handed
+/// back to the sweeps, until what moves stays the same.
+[[nodiscard]] Solution settle(const Elements& elements, double divisor);
+
+/// Share of its own free fall below which a body is at rest: among few bodies, and among more.
+inline constexpr double at_rest_of_few = 1e-8, at_rest = 2e-7;
+/// So many count as few; and so many are followed from no friction on by exact solutions.
+inline constexpr std::size_t few_bodies = 24, followed_bodies = 8;
+
+}  // namespace cleave::assembly

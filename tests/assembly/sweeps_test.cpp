@@ -1,0 +1,68 @@
+// The search contact by contact, which large assemblies rest on, against key block theory and the cases.
+
+#include <gtest/gtest.h>
+
+#include "cases.hpp"
+#include "chains.hpp"
+#include "cleave/core/rng.hpp"
+#include "elements.hpp"
+#include "settle.hpp"
+#include "theory.hpp"
+
+namespace cleave::assembly {
+namespace {
+
+using namespace test;
+
+enum class Ends : std::uint8_t { moves, rests, open };
+Ends ends(const Assembly& assembly, double divisor) {
+  const Elements elements{assembly};
+  const Solution found = settle(elements, divisor);
+  if (!found.settled) return Ends::open;
+  return found.state.v.lpNorm<Eigen::Infinity>() > 1e-8 ? Ends::moves : Ends::rests;
+}
+
+// Friction that locks across the motion would hold wedges up to a fifth above their factor.
+TEST(SweepsTest, OneBlockMovesAboveItsFactorAndRestsBelow) {
+  Rng rng{20261124};
+  int finite = 0, open = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    SCOPED_TRACE(trial);
+    const std::vector<Side> sides = random_sides(rng);
+    const double factor = conventional(sides, {0, 0, -1});
+    const Assembly block = single(sides).made();
+    if (factor == 0 || factor == infinite) {
+      const Ends found = ends(block, 1);
+      EXPECT_NE(found, factor == 0 ? Ends::rests : Ends::moves);
+      open += found == Ends::open ? 1 : 0;
+      continue;
+    }
+    ++finite;
+    const Ends above = ends(block, 1.01 * factor), below = ends(block, 0.99 * factor);
+    EXPECT_NE(above, Ends::rests) << factor;
+    EXPECT_NE(below, Ends::moves) << factor;
+    open += above == Ends::open || below == Ends::open ? 1 : 0;
+  }
+  EXPECT_GT(finite, 100);
+  EXPECT_LE(open, 4);
+}
+
+TEST(SweepsTest, Pairs) {
+  const auto check = [](const Builder& b, double factor) {
+    EXPECT_EQ(ends(b.made(), 1.01 * factor), Ends::moves) << factor;
+    EXPECT_EQ(ends(b.made(), 0.99 * factor), Ends::rests) << factor;
+  };
+  check(toe(false), 0.942790);
+  check(toe(true), 0.942790);
+  check(toe_section(), 0.894759);
+  check(active_passive(), 0.933277);
+  check(drawer(true), 2.208553);
+  check(leaning(2), 2.156068);
+  check(ploughing(e1), 1.214803);
+  check(ploughing(e2), 2.032358);
+  check(ploughing(e3), 0.998806);
+  check(ploughing(e4), 1.224683);
+}
+
+}  // namespace
+}  // namespace cleave::assembly
