@@ -4,7 +4,8 @@
 ///
 /// Each set is turned, scaled by 1e-3 to 1e6, and for a third of them shifted by 5e6 m. Half of the scenes are cut out
 /// of a box, half fill it to its sides or reach beyond. With `snap` all are cut with it too, and with a copy of the set
-/// moved by less. A count that is wrong and a certificate that does not pass are printed; the program then ends with 1.
+/// moved by less. A fourth of them is cut once more with some polygons given again in pieces. A count that is wrong and
+/// a certificate that does not pass are printed; the program then ends with 1.
 
 #include <cmath>
 #include <cstdint>
@@ -36,6 +37,11 @@ int main(int argc, char** argv) {
     support::ClosedTrial closed{.polygons = support::placed(set, at).polygons, .at = at, .expected = set.parts + 1};
     closed.convex = set.convex;
     add(what, closed);
+    if (trial % 4 == 1) {
+      support::ClosedTrial pieces = closed;
+      pieces.polygons = support::some_again_in_pieces(closed.polygons, uniform);
+      add(what + ", some again in pieces", pieces);
+    }
     if (!snapping) continue;
     closed.convex = false;
     for (const double snap : {1e-9, 1e-6}) {
