@@ -39,7 +39,7 @@ TEST_F(MachineTest, FullDiskLeavesNothing) {
 }
 
 TEST_F(MachineTest, FullDiskKeepsTheOldResult) {
-  write("s.toml", small_scene);
+  write("s.toml", std::string{small_scene} + "groups = \"off\"\n");
   ASSERT_EQ(cleave("run s.toml --quiet -o out").code, 0);
   const std::string before = read("out/summary.json");
   EXPECT_EQ(shell("ulimit -f 1; cleave run s.toml --quiet --seed 5 -o out").code, 3);

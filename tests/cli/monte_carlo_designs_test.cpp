@@ -191,6 +191,8 @@ kind = "tunnel"
 section = { shape = "rectangle", width = 4, height = 4 }
 axis = [[11, 0, 5], [11, 10, 5]]
 stage = 2
+[stability]
+groups = "off"
 )toml";
 
 TEST_F(DesignsTest, OrdersOfExcavationInEveryRealization) {

@@ -294,6 +294,7 @@ kind = "tunnel"
 section = { shape = "horseshoe", width = 5, height = 5 }
 axis = [[30, 24, 28], [30, 36, 28]]
 [stability]
+groups = "off"
 target = { falling = 1.5, sliding = 1.3 }
 [[load]]
 name = "quake"
