@@ -123,7 +123,12 @@ class FaultsTest : public ProgramTest, public testing::WithParamInterface<Kind> 
     } else {
       EXPECT_TRUE(ended.err.starts_with("error: "));
     }
-    for (const std::string& name : names()) EXPECT_TRUE(name == "s.toml" || name == "out") << "left behind: " << name;
+    // Where memory runs out inside functions of the standard library that let no exception out, a temporary folder may
+    // stay; the next run takes it away.
+    for (const std::string& name : names()) {
+      const bool temporary = fault.starts_with("malloc") && name.starts_with("out.cleave-");
+      EXPECT_TRUE(name == "s.toml" || name == "out" || temporary) << "left behind: " << name;
+    }
   }
 
   std::map<std::string, std::string> whole_;
@@ -148,6 +153,9 @@ TEST_P(FaultsTest, CallsThatFailEndWithAMessageOrTheWholeResult) {
       fs::remove_all(path("out"));
     }
     EXPECT_TRUE(refused || call == "rename") << call << " was never missed";
+    ASSERT_EQ(cleave(GetParam().command).code, 0);
+    EXPECT_EQ(names(), (std::vector<std::string>{"out", "s.toml"}));
+    fs::remove_all(path("out"));
   }
 }
 

@@ -60,6 +60,17 @@ void on_no_memory() {
   throw std::bad_alloc{};
 }
 
+std::terminate_handler usual_end = nullptr;
+/// Some functions of the standard library let nothing out and end the program: memory is then the reason all the same.
+void on_terminate() {
+  if (out_of_memory) {
+    write_raw(memory_text);
+    std::_Exit(static_cast<int>(ExitCode::machine_failed));
+  }
+  if (usual_end != nullptr) usual_end();
+  std::abort();
+}
+
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define CLEAVE_SANITIZED 1
 #elif defined(__has_feature)
@@ -83,6 +94,7 @@ void watch_for_crashes() {
   ::signal(SIGPIPE, SIG_IGN);  // and so is a reader that has gone: folders under work are still taken away
   reserve = std::malloc(reserved_bytes);
   std::set_new_handler(on_no_memory);
+  usual_end = std::set_terminate(on_terminate);
 }
 
 unsigned threads_of_machine() { return std::max(1U, std::thread::hardware_concurrency()); }
@@ -127,7 +139,8 @@ ExitCode run_program(int argc, char** argv) {
     command->parse_complete_callback([&memory, command] {
       if (command->count("--memory") == 0) return;
       if (memory < least_memory || memory > most_memory) {
-        throw CLI::ValidationError("--memory", "is not from 64 MB to 1000 TB: give a number with its unit, as in \"4 GB\"");
+        throw CLI::ValidationError("--memory",
+                                   "is not from 64 MB to 1000 TB: give a number with its unit, as in \"4 GB\"");
       }
       if (!limit_memory(memory)) {
         throw CLI::ValidationError("--memory", "this system knows no such limit: leave it out");

@@ -2,12 +2,15 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <ftw.h>
 #include <stdio.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <fstream>
 #include <string_view>
 #include <system_error>
@@ -83,6 +86,18 @@ std::expected<void, OutError> may_be_replaced(const fs::path& folder, const fs::
 bool is_temporary_tail(std::string_view tail) {
   if (tail.ends_with(".dead")) tail.remove_suffix(5);
   return !tail.empty() && tail.find_first_not_of("0123456789-") == std::string_view::npos;
+}
+
+/// Without an allocation of its own and without exceptions: the library's own way ends the program when memory runs
+/// out. False when something stays.
+bool remove_tree(const char* folder) noexcept {
+  constexpr int open_folders = 8;
+  const auto one = [](const char* name, const struct stat*, int, struct FTW*) {
+    (void)std::remove(name);
+    return 0;
+  };
+  struct stat there{};
+  return ::nftw(folder, one, open_folders, FTW_DEPTH | FTW_PHYS) == 0 && ::lstat(folder, &there) != 0;
 }
 
 /// A descriptor that holds the lock of a folder, or -1 where it cannot be had (somebody's, or no locks there).
@@ -170,21 +185,28 @@ std::expected<TemporaryFolder, std::error_code> TemporaryFolder::make(const fs::
   std::error_code reason;
   constexpr int enough = 1000;  // runs of one process number whose folders could not be removed
   for (int number = 0; number < enough; ++number) {
-    const fs::path path = fmt::format("{}.cleave-{}-{}", base.string(), ::getpid(), number);
-    if (!fs::create_directory(path, reason)) {
+    // Whatever takes memory comes before the folder is there.
+    TemporaryFolder folder{fmt::format("{}.cleave-{}-{}", base.string(), ::getpid(), number), -1};
+    if (!fs::create_directory(folder.path_, reason)) {
+      folder.release();
       if (reason) return std::unexpected(reason);
       continue;
     }
-    const int lock = lock_of(path);
+    folder.lock_ = lock_of(folder.path_);
     // Between the two calls another run may have taken it for abandoned.
-    if (fs::is_directory(path, reason)) return TemporaryFolder{path, lock};
-    if (lock >= 0) ::close(lock);
+    if (fs::is_directory(folder.path_, reason)) return folder;
+    folder.release();
   }
   return std::unexpected(std::make_error_code(std::errc::file_exists));
 }
 
+TemporaryFolder::TemporaryFolder(fs::path path, int lock)
+    : path_{std::move(path)}, dead_{path_.string() + ".dead"}, lock_{lock} {}
+
 TemporaryFolder::TemporaryFolder(TemporaryFolder&& other) noexcept
-    : path_{std::exchange(other.path_, {})}, lock_{std::exchange(other.lock_, -1)} {}
+    : path_{std::exchange(other.path_, {})},
+      dead_{std::exchange(other.dead_, {})},
+      lock_{std::exchange(other.lock_, -1)} {}
 
 TemporaryFolder::~TemporaryFolder() {
   remove();
@@ -193,23 +215,11 @@ TemporaryFolder::~TemporaryFolder() {
 
 void TemporaryFolder::remove() noexcept {
   if (path_.empty()) return;
-  // Where memory ran out, what was given back meanwhile may do; what stays is taken away by the next run.
-  for (int tries = 0; tries < 2; ++tries) {
-    try {
-      return remove_now();
-    } catch (const std::bad_alloc&) {
-    }
-  }
-}
-
-void TemporaryFolder::remove_now() {
-  std::error_code failed;
-  // Renamed first: a writer that is still at work then finds no folder and cannot bring the old name back.
-  fs::path dead = path_;
-  dead += ".dead";
-  fs::rename(path_, dead, failed);
-  std::error_code ignored;
-  fs::remove_all(failed ? path_ : dead, ignored);
+  // Renamed first: a writer that is still at work then finds no folder and cannot bring the old name back. Where memory
+  // has run out, what was given back meanwhile may do for a second try; what stays is taken away by the next run.
+  const bool renamed = std::rename(path_.c_str(), dead_.c_str()) == 0;
+  const char* const now = renamed ? dead_.c_str() : path_.c_str();
+  if (!remove_tree(now)) (void)remove_tree(now);
 }
 
 bool is_result_file(const std::string& name) {

@@ -36,9 +36,9 @@ class TemporaryFolder final {
   void remove() noexcept;
 
  private:
-  TemporaryFolder(std::filesystem::path path, int lock) : path_{std::move(path)}, lock_{lock} {}
-  void remove_now();
+  TemporaryFolder(std::filesystem::path path, int lock);
   std::filesystem::path path_;
+  std::filesystem::path dead_;  ///< its name on the way out, made while there is memory
   int lock_;
 };
 
