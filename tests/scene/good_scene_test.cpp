@@ -87,6 +87,20 @@ TEST(SceneTest, EachFaceOfAnObjFileIsAJoint) {
   EXPECT_EQ(scene.files[0].name, "a/j.obj");
 }
 
+TEST(SceneTest, FacesOfAMeshWithoutAreaAreLeftOutAndSaid) {
+  const std::string mesh = "v 0 0 3\nv 8 0 3\nv 8 8 3\nv 4 0 3\nf 1 2 3\nf 1 4 2\nf 1 2 4\n";
+  for (const char* surface : {"", "surface = true\n"}) {
+    const Scene scene = scene_of(with_box("[[joint]]\nfile = \"j.obj\"\n" + std::string{surface}), {{"j.obj", mesh}});
+    EXPECT_EQ(scene.joints.size(), 1U);
+    const auto said = std::ranges::find(scene.notes, "j.obj", &Problem::file);
+    ASSERT_NE(said, scene.notes.end());
+    EXPECT_EQ(describe(*said), "j.obj:6: f (face 2): 2 of 3 faces have no area and are left out, this is the first");
+  }
+  const std::string nothing =
+      error_of(with_box("[[joint]]\nfile = \"j.obj\"\n"), {{"j.obj", "v 0 0 3\nv 8 0 3\nv 4 0 3\nf 1 2 3\n"}});
+  EXPECT_TRUE(nothing.starts_with("j.obj:4: f (face 1): all corners lie on one line")) << nothing;
+}
+
 TEST(SceneTest, FacesThatAreNoPolygonsAreToldByTheirLine) {
   const std::string message = error_of(with_box("[[joint]]\nfile = \"j.obj\"\n"),
                                        {{"j.obj", "v 0 0 3\nv 8 0 3\nv 8 8 3\nv 0 8 4\nf 1 2 3\nf 1 2 3 4\n"}});

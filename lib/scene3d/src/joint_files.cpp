@@ -7,6 +7,7 @@
 #include <iterator>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/orientation.hpp"
@@ -20,22 +21,56 @@ namespace {
 
 using std::string_view;
 
-/// A polygon for each face that is one; what is wrong with the others is reported.
-std::optional<topology::Joint> joint_of_face(Context& context, const io::MeshData& mesh, std::size_t f,
-                                             const std::string& shown) {
-  auto shape = joint_of(mesh.corners_of(f), context.triangulate);
-  if (shape) return std::move(*shape);
-  const std::string key = ending_of(shown) == "obj" ? fmt::format("f (face {})", f + 1) : fmt::format("face {}", f + 1);
-  context.problems.error_in(shown, std::max(1U, mesh.lines[f]), key, shape.error(), "");
-  return std::nullopt;
-}
+/// The faces of a mesh as polygons. What is wrong with one is reported, but for those without area: they part nothing,
+/// and programs that cut faces into triangles write them (ours, too, where a corner lies on a side). They are left out,
+/// and that is said.
+class FaceReader final {
+ public:
+  FaceReader(Context& context, const io::MeshData& mesh, const std::string& shown)
+      : context_{&context}, mesh_{&mesh}, shown_{&shown} {}
+
+  std::optional<topology::Joint> operator()(std::size_t f) {
+    auto shape = joint_of(mesh_->corners_of(f), context_->triangulate);
+    if (shape) return std::move(*shape);
+    if (std::holds_alternative<geometry::ZeroArea>(shape.error())) {
+      if (flat_++ == 0) first_flat_ = f;
+    } else {
+      report(f, shape.error());
+    }
+    return std::nullopt;
+  }
+
+  void end() const {
+    if (flat_ == 0) return;
+    if (flat_ == mesh_->faces()) return report(first_flat_, geometry::ZeroArea{});
+    context_->problems.note_in(
+        *shown_, line_of(first_flat_), key_of(first_flat_),
+        fmt::format("{} of {} faces have no area and are left out, this is the first", flat_, mesh_->faces()), "");
+  }
+
+ private:
+  void report(std::size_t f, const geometry::PolygonError& error) const {
+    context_->problems.error_in(*shown_, line_of(f), key_of(f), describe(error), "");
+  }
+  [[nodiscard]] std::uint32_t line_of(std::size_t f) const { return std::max(1U, mesh_->lines[f]); }
+  [[nodiscard]] std::string key_of(std::size_t f) const {
+    const bool obj = ending_of(*shown_) == "obj";
+    return obj ? fmt::format("f (face {})", f + 1) : fmt::format("face {}", f + 1);
+  }
+
+  Context* context_;
+  const io::MeshData* mesh_;
+  const std::string* shown_;
+  std::size_t flat_ = 0, first_flat_ = 0;
+};
 
 /// Each face one joint, of the set that `set_of` gives for its group.
 template <class SetOf>
 void add_faces(Context& context, const io::MeshData& mesh, const std::string& shown, SetOf&& set_of,
                std::vector<MeasuredJoint>& joints) {
+  FaceReader read{context, mesh, shown};
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
-    auto shape = joint_of_face(context, mesh, f, shown);
+    auto shape = read(f);
     if (!shape) continue;
     joints.push_back({.geometry = std::move(*shape),
                       .set = set_of(mesh.group[f]),
@@ -43,6 +78,7 @@ void add_faces(Context& context, const io::MeshData& mesh, const std::string& sh
                       .file = shown,
                       .line = std::max(1U, mesh.lines[f])});
   }
+  read.end();
 }
 
 /// The faces of each group one joint: a triangulated fault.
@@ -51,13 +87,15 @@ void add_surfaces(Context& context, const io::MeshData& mesh, const std::string&
                   std::vector<MeasuredJoint>& joints) {
   std::vector<topology::Joint> surfaces(mesh.groups.size());
   std::vector<std::uint32_t> lines(mesh.groups.size(), 0);
+  FaceReader read{context, mesh, shown};
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
-    auto shape = joint_of_face(context, mesh, f, shown);
+    auto shape = read(f);
     if (!shape) continue;
     const std::uint32_t g = mesh.group[f];
     if (surfaces[g].polygons.empty()) lines[g] = std::max(1U, mesh.lines[f]);
     std::ranges::move(shape->polygons, std::back_inserter(surfaces[g].polygons));
   }
+  read.end();
   for (std::uint32_t g = 0; g < surfaces.size(); ++g) {
     if (surfaces[g].polygons.empty()) continue;
     joints.push_back(

@@ -5,15 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "cleave/geometry/polygon.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/topology/cut_input.hpp"
 #include "context.hpp"
 
 namespace cleave::scene {
 
-/// A joint of one polygon; a bent one becomes triangles when that is wished. Otherwise what is wrong and what to do.
-[[nodiscard]] std::expected<topology::Joint, std::string> joint_of(std::vector<geometry::Vec3> corners,
-                                                                   bool triangulate);
+/// A joint of one polygon; a bent one becomes triangles when that is wished.
+[[nodiscard]] std::expected<topology::Joint, geometry::PolygonError> joint_of(std::vector<geometry::Vec3> corners,
+                                                                              bool triangulate);
 
 /// The joints of the file that `joint` names: .obj one a face, .csv one a row, .stl and .ply one surface; .dxf, .ts and
 /// .fab what io::Surfaces says, of the set that the layer, object or set of the file is called when `set` is empty.

@@ -101,7 +101,7 @@ std::optional<Geometry> parse_polygon(const Context& context, const TableReader&
   if (!corners) return std::nullopt;
   auto shape = joint_of(std::move(*corners), context.triangulate);
   if (!shape) {
-    joint.error("polygon", shape.error(), "");
+    joint.error("polygon", describe(shape.error()), "");
     return std::nullopt;
   }
   if (!parse_holes(joint, *shape)) return std::nullopt;
@@ -193,7 +193,7 @@ const KeyTable& joint_keys() {
   return keys;
 }
 
-std::expected<topology::Joint, std::string> joint_of(std::vector<geometry::Vec3> corners, bool triangulate) {
+std::expected<topology::Joint, geometry::PolygonError> joint_of(std::vector<geometry::Vec3> corners, bool triangulate) {
   topology::Joint joint;
   auto polygon = geometry::Polygon::make(corners);
   if (polygon) {
@@ -206,9 +206,9 @@ std::expected<topology::Joint, std::string> joint_of(std::vector<geometry::Vec3>
       joint.polygons = std::move(*triangles);
       return joint;
     }
-    return std::unexpected(describe(triangles.error()));
+    return std::unexpected(triangles.error());
   }
-  return std::unexpected(describe(polygon.error()));
+  return std::unexpected(polygon.error());
 }
 
 void parse_joints(Context& context, const TableReader& root, std::vector<MeasuredJoint>& joints) {
