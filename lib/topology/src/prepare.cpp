@@ -215,8 +215,6 @@ Preparation::Done Preparation::terminate() {
   return {};
 }
 
-
-
 bool HeldCorners::common(std::initializer_list<Index> planes, int count) const {
   const Index fewest = std::ranges::min(planes, {}, [&](Index p) { return of(p).size(); });
   for (const Index corner : of(fewest)) {

@@ -107,9 +107,7 @@ class Preparation {
   }
 
   /// How far corners may be off where they were meant to be by roundings of the coordinates, sites.
-  [[nodiscard]] double roundings() const {
-    return roundings_of_corners * (1 + farthest_ * 0x1p-52 / lattice_.pitch());
-  }
+  [[nodiscard]] double roundings() const { return roundings_of_corners * (1 + farthest_ * 0x1p-52 / lattice_.pitch()); }
   /// How far they may be off the side that they were given on: by roundings, or `snap`; sites.
   [[nodiscard]] double reach_of_corners() const { return std::max(roundings(), input_.snap.si() / lattice_.pitch()); }
 

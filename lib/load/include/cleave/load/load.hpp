@@ -22,8 +22,8 @@ using AnyScene = std::variant<Scene, BodiesScene, ContactScene>;
 /// Where only blocks make sense.
 [[nodiscard]] std::expected<Scene, std::vector<Problem>> load_blocks(const std::string& path);
 [[nodiscard]] std::expected<SurveyScene, std::vector<Problem>> load_survey(const std::string& path);
-/// The bytes of one file. Throws std::system_error, as all above do, where the machine is at fault and not the file: too
-/// many open files, a disk that fails.
+/// The bytes of one file. Throws std::system_error, as all above do, where the machine is at fault and not the file:
+/// too many open files, a disk that fails.
 [[nodiscard]] std::expected<std::string, FileRefusal> read_file(const std::filesystem::path& path);
 
 }  // namespace cleave::scene
