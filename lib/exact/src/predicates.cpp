@@ -1,6 +1,7 @@
 #include "cleave/exact/predicates.hpp"
 
 #include <cmath>
+#include <optional>
 
 #include "cleave/core/assert.hpp"
 #include "cleave/exact/wide.hpp"
@@ -41,8 +42,32 @@ Sign det3_exact(const Plane& p, const Plane& q, const Plane& r) noexcept {
                        (a[0] * b[1] - a[1] * b[0]) * c[2]);
 }
 
+namespace {
+
+/// The meet of three planes, kept until other planes are asked for: where many planes meet in one point, the sides of
+/// that point are asked for again and again. Each thread keeps its own.
+const ExactPoint& kept_meet(const Plane& p, const Plane& q, const Plane& r) noexcept {
+  struct Kept {
+    Plane p, q, r;
+    ExactLine line;
+    ExactPoint point;
+  };
+  thread_local std::optional<Kept> kept;
+  if (kept && kept->p == p && kept->q == q) {
+    if (kept->r == r) return kept->point;
+    kept->point = exact_meet(kept->line, r);
+    kept->r = r;
+    return kept->point;
+  }
+  const ExactLine line = exact_line(p, q);
+  kept = Kept{p, q, r, line, exact_meet(line, r)};
+  return kept->point;
+}
+
+}  // namespace
+
 Sign side_exact(const Plane& p, const Plane& q, const Plane& r, const Plane& s) noexcept {
-  const ExactPoint point = exact_meet(exact_line(p, q), r);
+  const ExactPoint& point = kept_meet(p, q, r);
   const auto n = wide_normal(s);
   const Wide value = n[0] * point.x[0] + n[1] * point.x[1] + n[2] * point.x[2] + widened(s.offset()) * point.w;
   return sign_of(value) * sign_of(point.w);
