@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 
@@ -22,6 +24,21 @@ TEST(Predicates, ExactSignsAreThoseOfTheDeterminants) {
     if (det3(p, q, r) == 0) continue;
     EXPECT_EQ(side_exact(p, q, r, s), side_reference(p, q, r, s));
     EXPECT_EQ(side_exact(p, q, r, s), sign(det4(p, q, r, s)) * sign(det3(p, q, r)));
+  }
+}
+
+// Whatever was asked before: a meet that is kept belongs to its three planes and no others.
+TEST(Predicates, ExactSidesDoNotDependOnWhatWasAskedBefore) {
+  RandomPlanes random{11};
+  for (int i = 0; i < 500; ++i) {
+    const auto [a, b, c, d] = planes_of_kind(random, i % 5);
+    const std::array planes{a, b, c, d};
+    std::array<std::size_t, 4> order{0, 1, 2, 3};
+    do {
+      const auto &p = planes[order[0]], &q = planes[order[1]], &r = planes[order[2]], &s = planes[order[3]];
+      if (det3(p, q, r) == 0) continue;
+      EXPECT_EQ(side_exact(p, q, r, s), side_reference(p, q, r, s));
+    } while (std::ranges::next_permutation(order).found);
   }
 }
 
