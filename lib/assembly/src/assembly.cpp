@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
+
+#include "parts.hpp"
 
 namespace cleave::assembly {
 namespace {
@@ -106,30 +107,7 @@ Assembly Assembly::with(Freedom freedom) const {
 }
 
 std::vector<std::vector<std::uint32_t>> connected_parts(const Assembly& assembly, std::span<const std::uint8_t> among) {
-  std::vector<std::uint32_t> root(assembly.bodies().size());
-  std::iota(root.begin(), root.end(), 0U);
-  const auto find = [&](std::uint32_t b) {
-    while (root[b] != b) b = root[b] = root[root[b]];
-    return b;
-  };
-  for (const Contact& contact : assembly.contacts()) {
-    if (!contact.other || among[contact.body] == 0 || among[*contact.other] == 0) continue;
-    const std::uint32_t a = find(contact.body), b = find(*contact.other);
-    root[std::max(a, b)] = std::min(a, b);
-  }
-  constexpr auto none = static_cast<std::uint32_t>(-1);
-  std::vector<std::uint32_t> place(root.size(), none);
-  std::vector<std::vector<std::uint32_t>> parts;
-  for (std::uint32_t b = 0; b < root.size(); ++b) {
-    if (among[b] == 0) continue;
-    const std::uint32_t top = find(b);
-    if (place[top] == none) {
-      place[top] = static_cast<std::uint32_t>(parts.size());
-      parts.emplace_back();
-    }
-    parts[place[top]].push_back(b);
-  }
-  return parts;
+  return linked_parts(assembly.contacts(), among);
 }
 
 }  // namespace cleave::assembly

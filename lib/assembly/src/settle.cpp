@@ -1,9 +1,9 @@
 #include "settle.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "branch.hpp"
+#include "parts.hpp"
 #include "sweeps.hpp"
 
 namespace cleave::assembly {
@@ -27,34 +27,6 @@ constexpr double enough_of_many = 1e-4;
 /// Sweeps of a round; bodies of a part that is solved at once.
 constexpr int sweeps_a_round = 100, sweeps_a_step = 40;
 constexpr std::size_t most_of_a_part = 200;
-
-/// Bodies marked with 1 that hang together, each part ascending.
-std::vector<std::vector<std::uint32_t>> parts_of(const Elements& elements, const std::vector<std::uint8_t>& among) {
-  std::vector<std::uint32_t> root(elements.bodies());
-  std::iota(root.begin(), root.end(), 0U);
-  const auto find = [&](std::uint32_t b) {
-    while (root[b] != b) b = root[b] = root[root[b]];
-    return b;
-  };
-  for (const Element& e : elements.all()) {
-    if (!e.other || among[e.body] == 0 || among[*e.other] == 0) continue;
-    const std::uint32_t a = find(e.body), b = find(*e.other);
-    root[std::max(a, b)] = std::min(a, b);
-  }
-  constexpr auto none = static_cast<std::uint32_t>(-1);
-  std::vector<std::uint32_t> place(root.size(), none);
-  std::vector<std::vector<std::uint32_t>> parts;
-  for (std::uint32_t b = 0; b < root.size(); ++b) {
-    if (among[b] == 0) continue;
-    const std::uint32_t top = find(b);
-    if (place[top] == none) {
-      place[top] = static_cast<std::uint32_t>(parts.size());
-      parts.emplace_back();
-    }
-    parts[place[top]].push_back(b);
-  }
-  return parts;
-}
 
 /// Largest rate that forces leave.
 double lack(const Elements& elements, const State& state) {
@@ -150,7 +122,7 @@ class Settling final {
     std::vector<Vector3d> forces = sweeps_.state().x;
     parts_.clear();
     solved_all_ = true;
-    for (std::vector<std::uint32_t>& members : parts_of(*elements_, moving)) {
+    for (std::vector<std::uint32_t>& members : linked_parts(elements_->all(), moving)) {
       Part& found = parts_.emplace_back();
       found.members = std::move(members);
       found.solved = found.members.size() <= most_of_a_part && solve(found, forces);
