@@ -10,6 +10,7 @@
 #include <regex>
 #include <vector>
 
+#include "drawings.hpp"
 #include "hand_made.hpp"
 #include "svg.hpp"
 #include "view3d.hpp"
@@ -164,21 +165,22 @@ TEST(Html, WallsOfATunnelAreUnrolled) {
     return detail::fixed(78 + scale * chainage) + "," + detail::fixed(crown + scale * around);
   };
   // A path with these four corners and no others; any may be the first, in either sense.
-  const auto path = [&](double from, double to, double low, double high) {
+  const auto path = [&](const std::string& filled, double from, double to, double low, double high) {
     std::vector<std::string> corners{at(from, low), at(to, low), at(to, high), at(from, high)};
     for (int sense = 0; sense < 2; ++sense, std::ranges::reverse(corners)) {
       for (int turn = 0; turn < 4; ++turn, std::ranges::rotate(corners, corners.begin() + 1)) {
-        if (map.contains("d=\"M" + corners[0] + 'L' + corners[1] + 'L' + corners[2] + 'L' + corners[3] + "z\"")) {
+        if (map.contains(filled + "\" d=\"M" + corners[0] + 'L' + corners[1] + 'L' + corners[2] + 'L' + corners[3] +
+                         "z\"")) {
           return true;
         }
       }
     }
     return false;
   };
-  EXPECT_TRUE(path(0, 10, -3, -1));  // left wall
-  EXPECT_TRUE(path(0, 10, 1, 3));    // right wall
-  EXPECT_TRUE(path(0, 4, -1, 1));    // roof
-  EXPECT_TRUE(path(4, 10, -1, 1));
+  EXPECT_TRUE(path("fill=\"" + batch_colour(1), 0, 10, -3, -1));  // left wall
+  EXPECT_TRUE(path("fill=\"" + batch_colour(2), 0, 10, 1, 3));    // right wall
+  EXPECT_TRUE(path("pic-rock", 0, 4, -1, 1));                     // roof
+  EXPECT_TRUE(path("pic-rock", 4, 10, -1, 1));
   for (const char* number : {">0</text>", ">1</text>"}) {  // once each
     EXPECT_TRUE(map.contains(number));
     EXPECT_EQ(map.find(number), map.rfind(number));

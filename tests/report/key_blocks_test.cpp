@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -9,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "cleave/exchange/text.hpp"
 #include "hand_made.hpp"
 
 namespace cleave::report {
@@ -79,6 +81,22 @@ TEST(KeyBlocksCsv, SaysWhereABlockIs) {
         << row;
     at = csv.find('\n', at + 1);
   }
+}
+
+// A flat tetrahedron over its free base: its apex lies half a metre above the inside of the base, farther from its
+// edges.
+TEST(KeyBlocksCsv, DepthIsMeasuredFromTheFreeFace) {
+  const geometry::Vec3 a{0, 0, 0}, b{4, 0, 0}, c{0, 4, 0}, apex{1, 1, 0.5};
+  std::vector<FaceSpec> faces{{.loops = {{a, c, b}}, .role = Role::free},
+                              {.loops = {{a, b, apex}}, .role = Role::joint},
+                              {.loops = {{b, c, apex}}, .role = Role::joint},
+                              {.loops = {{c, a, apex}}, .role = Role::joint}};
+  HandMade made;
+  made.block(faces, {4, 6, 4, 4, 1, 0}, true);
+  stability::Analysis analysis;
+  analysis.judgements = {judgement(0, stability::Mode::falling, 1, 0)};
+  const std::string csv = key_blocks_csv(std::move(made).complex(), result_of(analysis));
+  EXPECT_TRUE(csv.ends_with(",face,,8,,,0.5," + number(4 * std::sqrt(2.0)) + "\n")) << csv;
 }
 
 TEST(KeyBlocksCsv, RowsAreTheRemovableBlocksThatWouldMoveWithoutFriction) {
