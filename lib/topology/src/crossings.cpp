@@ -98,13 +98,17 @@ class Finder {
   bool meet_pair(Index plane, const Segment& s, const Segment& t) {
     const Interval &a = traces_.intervals[s.interval], &b = traces_.intervals[t.interval];
     const Line& line = traces_.lines[a.line];
-    const PointApprox point = exact::meet(line.approx, signs_.plane(t.other));
+    PointApprox point = exact::meet(line.approx, signs_.plane(t.other));
     if (far_away(point)) return false;
     if (signs_.det3(point, line.p, line.q, t.other) == Sign::zero) {
       if (signs_.parallel_side(line.p, line.q, t.other) != Sign::zero) return false;
       coaxial_.push_back({a.line, b.line});
       if (const Index third = traces_.find_line(s.other, t.other); third != none) coaxial_.push_back({a.line, third});
       return true;
+    }
+    if (!exact::det3_filtered(point)) {
+      point = exact::refined_meet(signs_.plane(line.p), signs_.plane(line.q), signs_.plane(t.other));
+      if (far_away(point)) return false;
     }
     for (const HalfSpace h : {a.lower, a.upper, b.lower, b.upper}) {
       if (signs_.inside(point, line.p, line.q, t.other, h) == Sign::negative) return false;
