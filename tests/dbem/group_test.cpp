@@ -220,6 +220,28 @@ std::vector<Body> columns() {
   return bodies;
 }
 
+// Rows of blocks that fill the room between two walls and a little more: nothing can part them.
+TEST(PartingTest, WhatIsWedgedIsNotSolvedForEver) {
+  constexpr std::size_t columns = 12, rows = 12;
+  constexpr double tight = 3e-7;
+  std::vector<Body> bodies{fixed("floor", rectangle(-2, -1, columns + 4, 1)), fixed("left", rectangle(-1, 0, 1, rows)),
+                           fixed("right", rectangle(columns - tight, 0, 1, rows))};
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t k = 0; k < columns; ++k) {
+      bodies.push_back(block("b", rectangle(0, 0, 1, 1)));
+      bodies.back().origin = {static_cast<double>(k), static_cast<double>(r)};
+    }
+  }
+  auto world = World::make(bodies, law(0.5), {.step = 1e-3});
+  ASSERT_TRUE(world.has_value()) << describe(world.error());
+  for (int k = 0; k < 5; ++k) {
+    const auto report = world->step();
+    ASSERT_TRUE(report.has_value()) << describe(report.error());
+    EXPECT_LE(report->parting, 100U) << k;
+    EXPECT_LE(report->max_penetration, 1.01 * tight) << k;
+  }
+}
+
 TEST(LooseTest, FrictionlessColumnsFallAndSlideToTheEnd) {
   auto world = World::make(columns(), law(0), {.step = 5e-3});
   ASSERT_TRUE(world.has_value()) << describe(world.error());

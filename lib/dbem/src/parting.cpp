@@ -5,6 +5,14 @@
 
 namespace cleave::dbem {
 
+namespace {
+
+/// Compliance of contacts that part bodies, over their own. Where there is no room to part (a body wedged between
+/// others) a penetration stays, and the harder the contacts the longer it takes to find that out.
+constexpr double parting_softness = 1e-4;
+
+}  // namespace
+
 std::vector<Clash> World::Impl::clashes_of(Attempt& out) {
   std::vector<std::uint8_t> lazy(size());
   for (std::size_t b = 0; b < size(); ++b) lazy[b] = idle(b) ? 1 : 0;
@@ -114,8 +122,8 @@ bool World::Impl::project(Attempt& out) const {
     problem.tension.assign(m, 0.0);
     for (std::size_t k = 0; k < m; ++k) {
       bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
-      d.xx *= 1 + 1e-8;
-      d.yy *= 1 + 1e-8;
+      d.xx *= 1 + parting_softness;
+      d.yy *= 1 + parting_softness;
       const Touch& t = out.touches[island.touches[k]];
       problem.b.push_back({law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap, 0});
     }
@@ -125,6 +133,7 @@ bool World::Impl::project(Attempt& out) const {
     how.accept = std::max(how.accept, 1e-6);
     how.patience = std::min<std::size_t>(how.patience, 100);
     const ContactSolution solution = solve(problem, how);
+    out.report.parting += solution.report.iterations;
     if (solution.report.status != ContactReport::Status::converged) continue;  // left for the next step
     State shift;
     shift.v.assign(size(), {});
