@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cleave/linear/fronts.hpp"
 #include "elastic_body.hpp"
 #include "natural_map.hpp"
 #include "scenes.hpp"
@@ -177,6 +178,36 @@ TEST(InteriorTest, AWallPastItsFrictionSlidesOnItsFloor) {
     // All of the lowest course slides.
     EXPECT_NEAR(floor.x, -0.5 * floor.y, 1e-6 * mass * g) << k;
     EXPECT_NEAR(floor.y, mass * g, 0.05 * mass * g) << k;
+  }
+}
+
+TEST(FrontalFactorTest, KnowsTheSignOfItsDeterminant) {
+  for (const double beside : {0.1, 10.0}) {
+    linear::FrontalFactor factor{3, 1, {{0, 1}, {1, 2}}};
+    factor.clear(false);
+    for (std::size_t k = 0; k < 3; ++k) factor.block(k, k)(0, 0) = 1;
+    factor.block(0, 1)(0, 0) = factor.block(1, 0)(0, 0) = beside;
+    ASSERT_TRUE(factor.factorise());
+    EXPECT_EQ(factor.sign(), beside < 1 ? 1 : -1);  // 1 - beside^2
+  }
+}
+
+// The path turns many times, and passes close to itself: it comes to an answer of the law all the same, from wherever
+// it begins, with friction and without.
+TEST(TurningPathTest, EndsAtAnAnswerOfTheLaw) {
+  for (const double friction : {0.0, 0.1, 0.5}) {
+    for (const double push : {3.0, 0.6 * g}) {
+      auto world = World::make(wall(8, 8), law(friction), {.gravity = {push, -g}, .step = 1e-3});
+      ASSERT_TRUE(world.has_value());
+      const ContactProblem problem = world->problems(1e-3).front();
+      double residual = 1;
+      std::size_t factors = 0;
+      turning_path(problem, 4000, factors, [&](const std::vector<Vec2>& impulses) {
+        residual = natural_residual(problem, impulses);
+        return residual < 1e-6;
+      });
+      EXPECT_LT(residual, 1e-6) << friction << ' ' << push;
+    }
   }
 }
 
