@@ -138,5 +138,23 @@ TEST_F(SurveyIntervalsTest, EveryEstimateHasItsInterval) {
   EXPECT_TRUE(compared(result["lines"][0]["comparisons"], "thesis A.3").contains("for comparison only"));
 }
 
+// No trace lies within the azimuths of a set whose dip direction is to come from them: said, and the others go on.
+TEST_F(SurveyIntervalsTest, SetWithoutATraceHasNoDipDirection) {
+  write("t.csv", "x1,y1,x2,y2\n1,1,3,3.2\n2,5,4,6.9\n6,2,8,4.1\n");
+  const json result = survey(
+      "[[window]]\ntraces = \"t.csv\"\nrectangle = { min = [0, 0], max = [20, 20] }\n"
+      "[[set]]\nname = \"met\"\nazimuth = [0, 90]\ndip = 80\n"
+      "[[set]]\nname = \"missed\"\nazimuth = [90, 180]\ndip = 70\n");
+  ASSERT_EQ(result["sets"].size(), 2U);
+  const json& met = result["sets"][0];
+  const json& missed = result["sets"][1];
+  EXPECT_EQ(met["traces"], 3);
+  EXPECT_EQ(missed["traces"], 0);
+  EXPECT_TRUE(met["orientation"].contains("dip_direction"));
+  EXPECT_FALSE(missed.contains("orientation")) << missed;
+  EXPECT_TRUE(missed["notes"].dump().contains("no trace seen has an azimuth of 90 to 180")) << missed;
+  EXPECT_TRUE(read("out/sets.toml").contains("met"));
+}
+
 }  // namespace
 }  // namespace cleave::cli::test

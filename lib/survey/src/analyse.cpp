@@ -149,11 +149,15 @@ class Analysis final {
 
   /// The dip is stated; direction and concentration too, or they are those of the traces.
   void state(SetResult& set, const SetRule& rule) const {
-    set.orientation_stated = true;
     double direction = rule.dip_direction.value_or(DipDirection{}).degrees(), kappa = rule.kappa.value_or(30);
     if (rule.azimuth && !(rule.dip_direction && rule.kappa)) {
       const MeanAxis traces = mean_azimuth(*rule.azimuth);
       if (!rule.dip_direction) {
+        if (!traces.direction.value) {
+          set.notes.push_back(fmt::format("no trace seen has an azimuth of {} to {}: the set has no dip direction",
+                                          rule.azimuth->first, rule.azimuth->second));
+          return;
+        }
         direction = traces.axis + 90;
         set.direction = traces.direction;
         const double turn = geometry::wrap_degrees(direction) - *traces.direction.value;
@@ -168,6 +172,7 @@ class Analysis final {
     } else if (!rule.kappa) {
       set.notes.push_back(fmt::format("kappa {} is assumed: neither stated nor to be had from traces", kappa));
     }
+    set.orientation_stated = true;
     set.orientation.mean =
         geometry::upward_normal({*rule.dip, DipDirection::degrees(geometry::wrap_degrees(direction))});
     set.orientation.kappa = kappa;
