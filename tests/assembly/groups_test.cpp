@@ -5,6 +5,7 @@
 #include "cases.hpp"
 #include "chains.hpp"
 #include "cleave/core/rng.hpp"
+#include "lattice.hpp"
 #include "theory.hpp"
 
 namespace cleave::assembly {
@@ -52,6 +53,23 @@ TEST(KeyGroups, TellGroupsFromWhatHolds) {
   EXPECT_TRUE(found.groups[1].proof.has_value());
   EXPECT_NEAR(found.groups[1].up.factor, tan_deg(30) / tan_deg(31), 1e-7);
   EXPECT_EQ(found.held, 1U);
+}
+
+// Many blocks of which few move. Blocks that come to rest on the way are held by forces that contacts carry: nothing is
+// in doubt.
+TEST(KeyGroups, FewAmongMany) {
+  for (const Freedom freedom : {Freedom::translation, Freedom::rigid}) {
+    const Lattice many = lattice(8, 6, freedom);
+    const Groups found = find_groups(many.builder.made());
+    std::vector<std::uint32_t> moving;
+    for (const Group& group : found.groups) {
+      EXPECT_EQ(group.verdict, Verdict::certain);
+      EXPECT_EQ(group.bodies.size(), 1U);
+      EXPECT_NEAR(group.moving.factor, many.factor, 1e-6);
+      moving.push_back(group.bodies.front());
+    }
+    EXPECT_EQ(moving, many.loose);
+  }
 }
 
 // The certificate is a function of the input: in another order the same blocks move at the same rates.

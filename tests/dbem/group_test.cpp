@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cleave/linear/fronts.hpp"
 #include "elastic_body.hpp"
 #include "natural_map.hpp"
 #include "scenes.hpp"
@@ -180,6 +181,36 @@ TEST(InteriorTest, AWallPastItsFrictionSlidesOnItsFloor) {
   }
 }
 
+TEST(FrontalFactorTest, KnowsTheSignOfItsDeterminant) {
+  for (const double beside : {0.1, 10.0}) {
+    linear::FrontalFactor factor{3, 1, {{0, 1}, {1, 2}}};
+    factor.clear(false);
+    for (std::size_t k = 0; k < 3; ++k) factor.block(k, k)(0, 0) = 1;
+    factor.block(0, 1)(0, 0) = factor.block(1, 0)(0, 0) = beside;
+    ASSERT_TRUE(factor.factorise());
+    EXPECT_EQ(factor.sign(), beside < 1 ? 1 : -1);  // 1 - beside^2
+  }
+}
+
+// The path turns many times, and passes close to itself: it comes to an answer of the law all the same, from wherever
+// it begins, with friction and without.
+TEST(TurningPathTest, EndsAtAnAnswerOfTheLaw) {
+  for (const double friction : {0.0, 0.1, 0.5}) {
+    for (const double push : {3.0, 0.6 * g}) {
+      auto world = World::make(wall(8, 8), law(friction), {.gravity = {push, -g}, .step = 1e-3});
+      ASSERT_TRUE(world.has_value());
+      const ContactProblem problem = world->problems(1e-3).front();
+      double residual = 1;
+      std::size_t factors = 0;
+      turning_path(problem, 4000, factors, [&](const std::vector<Vec2>& impulses) {
+        residual = natural_residual(problem, impulses);
+        return residual < 1e-6;
+      });
+      EXPECT_LT(residual, 1e-6) << friction << ' ' << push;
+    }
+  }
+}
+
 TEST(ResidualTest, ALightBlockBesideAHeavyOneCounts) {
   // 10^-9 of the heavy block's impulse taken from under a light one is nothing to the first and a fall to the second.
   auto world = World::make(stack(8, 1e6), law(0.6), {.step = 5e-3});
@@ -218,6 +249,28 @@ std::vector<Body> columns() {
     bodies.push_back(block("c", turned(rectangle(static_cast<double>(k) + 1, 0, 1, heights[k]), up)));
   }
   return bodies;
+}
+
+// Rows of blocks that fill the room between two walls and a little more: nothing can part them.
+TEST(PartingTest, WhatIsWedgedIsNotSolvedForEver) {
+  constexpr std::size_t columns = 12, rows = 12;
+  constexpr double tight = 3e-7;
+  std::vector<Body> bodies{fixed("floor", rectangle(-2, -1, columns + 4, 1)), fixed("left", rectangle(-1, 0, 1, rows)),
+                           fixed("right", rectangle(columns - tight, 0, 1, rows))};
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t k = 0; k < columns; ++k) {
+      bodies.push_back(block("b", rectangle(0, 0, 1, 1)));
+      bodies.back().origin = {static_cast<double>(k), static_cast<double>(r)};
+    }
+  }
+  auto world = World::make(bodies, law(0.5), {.step = 1e-3});
+  ASSERT_TRUE(world.has_value()) << describe(world.error());
+  for (int k = 0; k < 5; ++k) {
+    const auto report = world->step();
+    ASSERT_TRUE(report.has_value()) << describe(report.error());
+    EXPECT_LE(report->parting, 100U) << k;
+    EXPECT_LE(report->max_penetration, 1.01 * tight) << k;
+  }
 }
 
 TEST(LooseTest, FrictionlessColumnsFallAndSlideToTheEnd) {

@@ -19,8 +19,8 @@ constexpr std::size_t most_for_factors = 16, few_for_fine_factors = 4;
 constexpr std::size_t most_projected = 400;
 /// A body belongs to a motion when it has this share of its largest rate.
 constexpr double belongs = 1e-6;
-/// A body rests when its forces lack no more than this share of its load.
-constexpr double still = 1e-6;
+/// A body rests when its forces lack no more than this share of its load: among few bodies, and among more.
+constexpr double still_of_few = 1e-6, still_of_many = 1e-4;
 
 std::vector<std::uint8_t> moving_ones(const std::vector<double>& speed) {
   double most = 0;
@@ -41,6 +41,7 @@ std::vector<std::uint8_t> not_at_rest(const Assembly& assembly, const std::vecto
                                       const Ended& ended) {
   std::vector<std::uint8_t> out(assembly.bodies().size(), 0);
   const auto balance = check_balance(assembly, 1, ended.forces);
+  const double still = assembly.bodies().size() <= few_bodies ? still_of_few : still_of_many;
   for (std::size_t b = 0; b < out.size(); ++b) {
     const bool unsettled = !ended.unsettled.empty() && ended.unsettled[b] != 0;
     const bool held = balance && balance->lack()[b] <= still;
@@ -199,7 +200,7 @@ class Search final {
     group.factors = members.size() <= (moves ? most_for_factors : few_for_fine_factors);
     if (group.factors) {
       const Assembly part = island_.part(members, Assembly::Others::fixed);
-      const Accuracy accuracy = members.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::fine;
+      const Accuracy accuracy = members.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::quick;
       group.up = static_factor(part, accuracy);
       group.moving = moving_factor(part, group.up.factor, accuracy);
     } else {

@@ -92,6 +92,11 @@ class PatternSolver final {
 void interior(const ContactProblem& problem, std::size_t most, std::size_t& factors,
               const std::function<bool(const std::vector<Vec2>&)>& enough);
 
+/// Points along paths that turn until they come to an answer: where interior points go round in circles. Rigid bodies
+/// only. Shows `enough` what is near the end of a path until it says so, up to `most` factors.
+void turning_path(const ContactProblem& problem, std::size_t most, std::size_t& factors,
+                  const std::function<bool(const std::vector<Vec2>&)>& enough);
+
 /// Groups whose linear solves are dear.
 [[nodiscard]] inline bool is_large(const ContactProblem& problem) { return problem.contacts() > 150; }
 

@@ -1,9 +1,40 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tries.hpp"
 #include "world_impl.hpp"
 
 namespace cleave::dbem {
+
+namespace {
+
+/// Compliance of contacts that part bodies, over their own. Where there is no room to part (a body wedged between
+/// others) a penetration stays, and the harder the contacts the longer it takes to find that out.
+constexpr double parting_softness = 1e-4;
+
+/// Impulses that part bodies, empty when none were found: by Newton's method; where that goes round in circles, by
+/// sweeps, which part nearly as well. A millionth of a penetration may stay then or half of it: groups that resist are
+/// left for the next step.
+std::vector<Vec2> least_move(const ContactProblem& problem, std::size_t& solves) {
+  PatternSolver linear;
+  Tried found = newton(linear, problem, 0, 1e-8, 12, {});
+  solves += found.iterations;
+  if (judge(problem, found.p).residual <= 1e-6) return std::move(found.p);
+  const std::vector<Vec2> nowhere(problem.contacts());
+  found.p = nowhere;
+  sweep(problem, 0, nowhere, 200, found.p);
+  std::vector<Vec2> gaps = problem.b;
+  problem.w.add_product(found.p, gaps);
+  double before = 0, after = 0;
+  for (std::size_t k = 0; k < gaps.size(); ++k) {
+    before = std::min(before, problem.b[k].x);
+    after = std::min(after, gaps[k].x);
+  }
+  if (!(after > 0.5 * before)) found.p.clear();
+  return std::move(found.p);
+}
+
+}  // namespace
 
 std::vector<Clash> World::Impl::clashes_of(Attempt& out) {
   std::vector<std::uint8_t> lazy(size());
@@ -114,18 +145,14 @@ bool World::Impl::project(Attempt& out) const {
     problem.tension.assign(m, 0.0);
     for (std::size_t k = 0; k < m; ++k) {
       bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
-      d.xx *= 1 + 1e-8;
-      d.yy *= 1 + 1e-8;
+      d.xx *= 1 + parting_softness;
+      d.yy *= 1 + parting_softness;
       const Touch& t = out.touches[island.touches[k]];
       problem.b.push_back({law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap, 0});
     }
     problem.rigid = rigid_form(rows, island, true);
-    // A millionth of a penetration may stay; groups that resist are left for the next step.
-    SolverOptions how = options.solver;
-    how.accept = std::max(how.accept, 1e-6);
-    how.patience = std::min<std::size_t>(how.patience, 100);
-    const ContactSolution solution = solve(problem, how);
-    if (solution.report.status != ContactReport::Status::converged) continue;  // left for the next step
+    const std::vector<Vec2> impulse = least_move(problem, out.report.parting);
+    if (impulse.empty()) continue;  // left for the next step
     State shift;
     shift.v.assign(size(), {});
     shift.spin.assign(size(), 0);
@@ -133,7 +160,7 @@ bool World::Impl::project(Attempt& out) const {
       for (const std::size_t which : {2 * k, 2 * k + 1}) {
         const Side& s = rows.sides[which];
         const Shape& shape = shapes[s.body];
-        const double p = solution.impulse[k].x;
+        const double p = impulse[k].x;
         shift.v[s.body] += p * Vec2{shape.inverse_x * s.n.x, shape.inverse_y * s.n.y};
         shift.spin[s.body] += p * shape.inverse_spin * s.turn_n;
       }

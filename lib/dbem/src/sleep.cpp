@@ -30,6 +30,7 @@ bool World::Impl::wake(const std::vector<Touch>& list, double closer) {
 void World::Impl::fall_asleep() {
   if (!options.sleep || options.ground || options.quasi_static) return;
   const std::vector<Island> islands = islands_of(touches);
+  const std::uint32_t before = groups;
   for (const Island& island : islands) {
     bool quiet = true;
     for (const std::uint32_t b : island.bodies) {
@@ -46,8 +47,10 @@ void World::Impl::fall_asleep() {
       for (std::size_t m = first_mode[b]; m < first_mode[b + 1]; ++m) state.de[m] = 0;
     }
     ++groups;
-    fat.clear();  // the list of pairs leaves sleeping ones out
   }
+  if (groups == before) return;
+  fat.clear();  // the list of pairs leaves sleeping ones out
+  std::erase_if(touches, [&](const Touch& t) { return asleep[t.i] != 0 || asleep[t.j] != 0; });
 }
 
 }  // namespace cleave::dbem

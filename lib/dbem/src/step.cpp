@@ -47,10 +47,12 @@ void centre(ContactProblem& problem, const std::vector<Vec2>& found, const std::
 /// Impulses of one group of bodies. Restitution at several contacts at once, or with friction, may ask for more energy
 /// than there is (Kane 1984): then half of it is asked for, and again.
 ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
-                                          const State& free, double step, bool last) const {
+                                          const State& free, double step, std::size_t cut) const {
   PatternSolver linear;
   SolverOptions how = options.solver;
   // What resists in a large group is sooner solved by shorter steps than by all that can be tried.
+  const bool last = cut == options.cuts;
+  if (cut > 0 && !last) how.path = 0;
   if (!last && island.touches.size() > patient_up_to) how.patience = std::min(how.patience, patience_of_large);
   for (std::size_t iterations = 0;;) {
     std::vector<Vec2> viscous;
@@ -104,7 +106,7 @@ ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island
   }
 }
 
-std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last, Attempt& out) {
+std::optional<World::Impl::Failure> World::Impl::attempt(double step, std::size_t cut, Attempt& out) {
   std::vector<Touch> list = touches;
   std::vector<Touch> moved;
   std::vector<Rows> rows;
@@ -155,7 +157,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, bool last,
     for (std::size_t s = 0; s < out.islands.size(); ++s) {
       Island& island = out.islands[s];
       if (island.theta < 1) rows[s] = rows_of(moved, island, mid);
-      solutions.push_back(solve_island(moved, island, rows[s], free, step, last));
+      solutions.push_back(solve_island(moved, island, rows[s], free, step, cut));
       const ContactReport& report = solutions.back().report;
       if (report.status == ContactReport::Status::not_converged) {
         return Failure{report.residual, "the contact law was not met", 0};
@@ -418,7 +420,7 @@ std::expected<StepReport, StepError> World::step(double at_most) {
   double shortest = step;
   for (int tries = 0;; ++tries) {
     Attempt trial;
-    const std::optional<Impl::Failure> failed = w.attempt(step, cuts == w.options.cuts, trial);
+    const std::optional<Impl::Failure> failed = w.attempt(step, cuts, trial);
     if (!failed) {
       trial.report.step = step;
       trial.report.time = w.time + step;

@@ -222,9 +222,9 @@ struct World::Impl {
     double factor = 0;   // > 0: not a failure; redo with this share of the step; 1: with what woke
     bool clash = false;  // by bodies that would share space
   };
-  [[nodiscard]] std::optional<Failure> attempt(double step, bool last, Attempt& out);
+  [[nodiscard]] std::optional<Failure> attempt(double step, std::size_t cut, Attempt& out);
   [[nodiscard]] ContactSolution solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
-                                             const State& free, double step, bool last) const;
+                                             const State& free, double step, std::size_t cut) const;
   [[nodiscard]] bool bounces(const Touch& touch, double closing, double step) const;
   [[nodiscard]] double until_first_bounce(const std::vector<Touch>& list, const Island& island, const Rows& rows,
                                           const ContactSolution& found, double step) const;

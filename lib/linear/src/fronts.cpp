@@ -260,6 +260,17 @@ bool FrontalFactor::factorise() {
   return true;
 }
 
+int FrontalFactor::sign() const {
+  int sign = 1;
+  if (symmetric_) return sign;  // Cholesky's: all pivots are positive
+  for (const Factor& factor : factors_) {
+    if (factor.lu.permutationP().determinant() < 0) sign = -sign;
+    const auto pivots = factor.lu.matrixLU().diagonal();
+    for (Eigen::Index k = 0; k < pivots.size(); ++k) sign = pivots[k] < 0 ? -sign : sign;
+  }
+  return sign;
+}
+
 void FrontalFactor::solve(Eigen::VectorXd& x) const {
   const Eigen::Index w = width_;
   Eigen::VectorXd y(x.size());

@@ -66,10 +66,7 @@ Sign sense_of(const Loop& loop, LatticePoint along) {
 
 }  // namespace
 
-std::vector<std::array<LatticePoint, 3>> triangulate_with_holes(const LatticePolygon& polygon,
-                                                                std::vector<Loop> holes) {
-  const LatticePoint along = polygon.along;
-  Loop ring = polygon.corners;
+bool tidy_holes(std::vector<Loop>& holes, LatticePoint along) {
   for (Loop& hole : holes) {
     // Without corners inside straight sides, and clockwise.
     for (bool changed = true; changed && hole.size() >= 3;) {
@@ -82,11 +79,19 @@ std::vector<std::array<LatticePoint, 3>> triangulate_with_holes(const LatticePol
         break;
       }
     }
-    if (hole.size() < 3) return {};
+    if (hole.size() < 3) return false;
     const Sign sense = sense_of(hole, along);
-    if (sense == Sign::zero) return {};
+    if (sense == Sign::zero) return false;
     if (sense == Sign::positive) std::ranges::reverse(hole);
   }
+  return true;
+}
+
+std::vector<std::array<LatticePoint, 3>> triangulate_with_holes(const LatticePolygon& polygon,
+                                                                std::vector<Loop> holes) {
+  const LatticePoint along = polygon.along;
+  if (!tidy_holes(holes, along)) return {};
+  Loop ring = polygon.corners;
   // Each hole is joined to the ring by a bridge that nothing is in the way of; there always is one for some hole.
   while (!holes.empty()) {
     bool joined = false;

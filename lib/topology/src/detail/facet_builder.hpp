@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cleave/core/assert.hpp"
+#include "detail/convex_pieces.hpp"
 #include "detail/holes.hpp"
 #include "detail/lattice_polygon.hpp"
 #include "detail/prepared.hpp"
@@ -65,7 +66,7 @@ class FacetBuilder final {
     std::vector<std::array<Index, 2>> edge_corners = {};  ///< numbers of the corners that each own edge plane holds
   };
 
-  /// Facets of one polygon: itself when convex, its triangles when not. False when it crosses itself on the lattice.
+  /// Facets of one polygon: itself when convex, convex pieces when not. False when it crosses itself on the lattice.
   /// `needed`: its plane is asked for later, wherever it lies.
   bool add_polygon(const LatticePolygon& polygon, Facet facet, std::span<const std::optional<HalfSpace>> adopted = {},
                    bool needed = false) {
@@ -78,6 +79,7 @@ class FacetBuilder final {
       add_convex(polygon.corners, polygon, facet, adopted);
       return true;
     }
+    if (add_pieces(std::array{polygon.corners}, polygon, facet, adopted)) return true;
     const auto triangles = triangulate(polygon);
     if (triangles.empty()) return false;
     for (const auto& [a, b, c] : triangles) {
@@ -108,11 +110,15 @@ class FacetBuilder final {
     }
   }
 
-  /// Facets of a polygon with holes: triangles. False when outlines cross.
+  /// Facets of a polygon with holes. False when outlines cross.
   bool add_with_holes(const LatticePolygon& polygon, std::vector<std::vector<exact::LatticePoint>> holes, Facet facet) {
     const auto [plane, same] = add_plane(polygon.plane);
     facet.plane = plane;
     facet.outward_positive = same;
+    if (!tidy_holes(holes, polygon.along)) return false;
+    std::vector<std::vector<exact::LatticePoint>> loops{polygon.corners};
+    loops.insert(loops.end(), holes.begin(), holes.end());
+    if (add_pieces(loops, polygon, facet, {})) return true;
     const auto triangles = triangulate_with_holes(polygon, std::move(holes));
     for (const auto& corners : triangles) add_convex(corners, polygon, facet, {});
     return !triangles.empty();
@@ -243,12 +249,9 @@ class FacetBuilder final {
     const auto found = std::ranges::lower_bound(numbered_, corner);
     return found != numbered_.end() && *found == corner ? static_cast<Index>(found - numbered_.begin()) : none;
   }
-  void hold_corners(Piece& piece, std::span<const exact::LatticePoint> corners, const exact::Plane& plane,
-                    std::span<const std::optional<HalfSpace>> adopted) {
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const exact::LatticePoint a = corners[i], b = corners[(i + 1) % corners.size()];
-      if (plane.side_of(a) == exact::Sign::zero) held_.emplace_back(piece.facet.plane, number_of(a));
-      if (adopted.empty() || !adopted[i]) piece.edge_corners.push_back({number_of(a), number_of(b)});
+  void hold_corners(Index plane_number, const ConvexPiece& part, const exact::Plane& plane) {
+    for (const ConvexPiece::Side& side : part.sides) {
+      if (plane.side_of(side.at) == exact::Sign::zero) held_.emplace_back(plane_number, number_of(side.at));
     }
   }
 
@@ -275,25 +278,53 @@ class FacetBuilder final {
     return false;
   }
 
+  /// False where loops touch or cross.
+  bool add_pieces(std::span<const std::vector<exact::LatticePoint>> loops, const LatticePolygon& polygon,
+                  const Facet& facet, std::span<const std::optional<HalfSpace>> adopted) {
+    const auto pieces = convex_pieces(loops, polygon.along);
+    for (const ConvexPiece& piece : pieces) add_convex(piece, polygon, facet, adopted);
+    return !pieces.empty();
+  }
   void add_convex(std::span<const exact::LatticePoint> corners, const LatticePolygon& polygon, const Facet& facet,
                   std::span<const std::optional<HalfSpace>> adopted) {
+    whole_.sides.clear();
+    whole_.corners.clear();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const exact::LatticePoint a = corners[i], b = corners[(i + 1) % corners.size()];
+      whole_.sides.push_back({a, b - a, i});
+      whole_.corners.push_back({static_cast<double>(a.x), static_cast<double>(a.y), static_cast<double>(a.z)});
+    }
+    add_convex(whole_, polygon, facet, adopted);
+  }
+  void add_convex(const ConvexPiece& part, const LatticePolygon& polygon, const Facet& facet,
+                  std::span<const std::optional<HalfSpace>> adopted) {
     Piece piece{facet, {}, {}, {}};
+    piece.own_edges.reserve(part.sides.size());
+    piece.corners.reserve(part.corners.size());
+    const auto keeps = [&](const ConvexPiece::Side& side) {
+      return side.number == ConvexPiece::cut || adopted.empty() || !adopted[side.number];
+    };
+    for (const ConvexPiece::Side& side : part.sides) {
+      if (!keeps(side)) {
+        piece.pool_edges.push_back(*adopted[side.number]);
+        continue;
+      }
+      const auto edge = exact::Plane::spanned(side.at, polygon.along, side.direction);
+      CLEAVE_ASSERT(edge.has_value());
+      piece.own_edges.push_back(*edge);
+      if (numbered_.empty()) continue;
+      // A cut goes through one site only.
+      const exact::LatticePoint end = side.number == ConvexPiece::cut ? side.at : side.at + side.direction;
+      piece.edge_corners.push_back({number_of(side.at), number_of(end)});
+    }
+    if (!numbered_.empty()) hold_corners(facet.plane, part, polygon.plane);
     const auto& n = polygon.plane.approx();
     const Vec w{static_cast<double>(polygon.along.x), static_cast<double>(polygon.along.y),
                 static_cast<double>(polygon.along.z)};
     const double rate = n[0] * w[0] + n[1] * w[1] + n[2] * w[2];
     Vec lo{1, 1, 1}, hi{-1, -1, -1};
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const exact::LatticePoint a = corners[i], b = corners[(i + 1) % corners.size()];
-      if (!adopted.empty() && adopted[i]) {
-        piece.pool_edges.push_back(*adopted[i]);
-      } else {
-        const auto edge = exact::Plane::spanned(a, polygon.along, b - a);
-        CLEAVE_ASSERT(edge.has_value());
-        piece.own_edges.push_back(*edge);
-      }
-      const Vec c{static_cast<double>(a.x) * lattice_unit, static_cast<double>(a.y) * lattice_unit,
-                  static_cast<double>(a.z) * lattice_unit};
+    for (const Vec& corner : part.corners) {
+      const Vec c{corner[0] * lattice_unit, corner[1] * lattice_unit, corner[2] * lattice_unit};
       const double off = (n[0] * c[0] + n[1] * c[1] + n[2] * c[2] + n[3]) / rate;
       Vec projected{};
       for (std::size_t k = 0; k < 3; ++k) {
@@ -303,7 +334,6 @@ class FacetBuilder final {
       }
       piece.corners.push_back(projected);
     }
-    if (!numbered_.empty()) hold_corners(piece, corners, polygon.plane, adopted);
     // An adopted edge may move the outline by up to the snapping distance: corners are no longer safe for quick
     // rejection.
     const bool moved = !piece.pool_edges.empty();
@@ -329,6 +359,7 @@ class FacetBuilder final {
   Prepared& out_;
   std::unordered_map<PlaneKey, Index, PlaneKeyHash> numbers_;
   std::vector<Piece> pieces_;
+  ConvexPiece whole_;  ///< of the polygon at hand
   std::vector<exact::LatticePoint> numbered_;
   std::vector<std::pair<Index, Index>> held_;  ///< plane, corner
   std::vector<Vec> domain_corners_;

@@ -85,6 +85,7 @@ struct SolverOptions {
   double target = 1e-13;  ///< residual at which an iteration stops; it also stops where rounding lets it get no lower
   std::size_t newton_iterations = 60;
   std::size_t open_close_passes = 6;
+  std::size_t path = 6000;  ///< factors that paths may take where all else failed, rigid bodies only
   std::size_t patience = static_cast<std::size_t>(-1);  ///< linear solves after which the cascade tries nothing more
 };
 

@@ -116,6 +116,7 @@ struct StepReport {
   std::size_t stick = 0, slip = 0, opened = 0, broken = 0;
   double residual = 0;  ///< the worst of the islands
   std::size_t iterations = 0;
+  std::size_t parting = 0;             ///< linear solves that parted penetrating bodies
   PerMethod<std::size_t> solved_by{};  ///< islands
   PerMethod<std::size_t> solves_by{};  ///< iterations of those islands, by the method that ended them
   double max_penetration = 0;          ///< m, after the step

@@ -24,6 +24,8 @@ class FrontalFactor final {
   [[nodiscard]] bool factorise();
   /// In place.
   void solve(Eigen::VectorXd& x) const;
+  /// Of the determinant, after `factorise`.
+  [[nodiscard]] int sign() const;
   [[nodiscard]] std::size_t nodes() const noexcept { return place_.size(); }
 
  private:
