@@ -17,8 +17,8 @@ std::string figures_of(const scene::ContactResult& result) {
   const scene::ContactVerdict verdict = scene::verdict_of(result);
   text += fmt::format("verdict: {}", name_of(verdict));
   if (verdict.since) {
-    text += fmt::format(", {} {} moved, first \"{}\", seen at {:.3g} s", verdict.moved,
-                        verdict.moved == 1 ? "body" : "bodies", result.bodies[verdict.first].name, *verdict.since);
+    text += fmt::format(", first \"{}\", seen at {:.3g} s; in all {}", result.bodies[verdict.first].name,
+                        *verdict.since, counts_of(verdict));
   }
   text += '\n';
   for (std::size_t p = 0; p < result.points.size() && !result.history.empty(); ++p) {

@@ -173,9 +173,8 @@ std::string verdict_figure(const scene::ContactResult& result) {
                       verdict.known ? "good" : "bad");
   }
   return key_figure("verdict", name,
-                    display_count(verdict.moved) + (verdict.moved == 1 ? " body" : " bodies") + " moved, first “" +
-                        escape_xml(result.bodies[verdict.first].name) + "”, seen at " + display(*verdict.since, 3) +
-                        " s" + until,
+                    "first “" + escape_xml(result.bodies[verdict.first].name) + "”, seen at " +
+                        display(*verdict.since, 3) + " s; in all " + scene::counts_of(verdict) + until,
                     "warn");
 }
 

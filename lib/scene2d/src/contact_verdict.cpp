@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "cleave/scene2d/contact.hpp"
 
@@ -35,6 +36,15 @@ BodyMotion motion_of(const ContactResult& result, std::size_t frame, std::uint32
 
 }  // namespace
 
+std::string counts_of(const ContactVerdict& verdict) {
+  std::string out;
+  for (const auto& [count, did] :
+       {std::pair{verdict.bodies[0], " slid"}, {verdict.bodies[1], " toppled"}, {verdict.bodies[2], " fell"}}) {
+    if (count > 0) out += (out.empty() ? "" : ", ") + std::to_string(count) + did;
+  }
+  return out;
+}
+
 ContactVerdict verdict_of(const ContactResult& result) {
   ContactVerdict verdict;
   double farthest = 0;
@@ -44,16 +54,16 @@ ContactVerdict verdict_of(const ContactResult& result) {
     if (body.fixed || !(size > 0)) continue;
     for (std::size_t f = 0; f < result.frames.size(); ++f) {
       const ContactFrame& frame = result.frames[f];
-      if (b >= frame.places.size() || moved_by(body, frame.places[b], size) <= moves_from * size) continue;
-      ++verdict.moved;
-      if (!verdict.since || frame.time < *verdict.since) {
+      if (moved_by(body, frame.places[b], size) <= moves_from * size) continue;
+      const BodyMotion motion = motion_of(result, f, b);
+      ++verdict.bodies[static_cast<std::size_t>(motion)];
+      const double far = moved_by(body, result.frames.back().places[b], size) / size;
+      const bool first = !verdict.since || frame.time < *verdict.since;
+      if (first || (frame.time == *verdict.since && far > farthest)) {
         verdict.since = frame.time;
         verdict.first = b;
-      }
-      const double far = moved_by(body, result.frames.back().places[b], size) / size;
-      if (!verdict.motion || far > farthest) {
+        verdict.motion = motion;
         farthest = far;
-        verdict.motion = motion_of(result, f, b);
       }
       break;
     }
