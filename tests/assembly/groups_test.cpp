@@ -5,6 +5,7 @@
 #include "cases.hpp"
 #include "chains.hpp"
 #include "cleave/core/rng.hpp"
+#include "lattice.hpp"
 #include "theory.hpp"
 
 namespace cleave::assembly {
@@ -52,6 +53,52 @@ TEST(KeyGroups, TellGroupsFromWhatHolds) {
   EXPECT_TRUE(found.groups[1].proof.has_value());
   EXPECT_NEAR(found.groups[1].up.factor, tan_deg(30) / tan_deg(31), 1e-7);
   EXPECT_EQ(found.held, 1U);
+}
+
+// Cohesion that only an even share of shear would bear, or that a corner that opens would lose, is not relied on where
+// blocks lean on one another: neither is motion proved, nor does it stand.
+TEST(KeyGroups, HeldByCohesionThatBreaksBitByBitAreInDoubt) {
+  for (const double cohesion : {0.3, 1.0}) {
+    Builder b{Freedom::section};
+    const double c = cos_deg(35), s = sin_deg(35);
+    // Two blocks 4 m long and 1 m high in line on a plane of 35 degrees, friction 25; along it 2 units of load each
+    // need 0.77 of cohesion.
+    for (const double from : {0.0, 4.0}) {
+      b.polygon({{from * c, from * s},
+                 {(from + 4) * c, (from + 4) * s},
+                 {(from + 4) * c - s, (from + 4) * s + c},
+                 {from * c - s, from * s + c}},
+                0.5);
+      Contact& base =
+          b.edge(from > 0 ? 1 : 0, rock, {from * c, from * s}, {(from + 4) * c, (from + 4) * s}, tan_deg(25));
+      base.bonds = {{.corners = {base.points[0], base.points[1], base.points[1]}, .cohesion = 2 * cohesion}};
+    }
+    b.edge(1, 0, {4 * c - s, 4 * s + c}, {4 * c, 4 * s}, tan_deg(25));
+    const Groups found = find_groups(b.made());
+    if (cohesion > 0.9) {
+      EXPECT_TRUE(found.groups.empty());
+      continue;
+    }
+    ASSERT_FALSE(found.groups.empty());
+    for (const Group& group : found.groups) EXPECT_EQ(group.verdict, Verdict::in_doubt);
+  }
+}
+
+// Many blocks of which few move. Blocks that come to rest on the way are held by forces that contacts carry: nothing is
+// in doubt.
+TEST(KeyGroups, FewAmongMany) {
+  for (const Freedom freedom : {Freedom::translation, Freedom::rigid}) {
+    const Lattice many = lattice(8, 6, freedom);
+    const Groups found = find_groups(many.builder.made());
+    std::vector<std::uint32_t> moving;
+    for (const Group& group : found.groups) {
+      EXPECT_EQ(group.verdict, Verdict::certain);
+      EXPECT_EQ(group.bodies.size(), 1U);
+      EXPECT_NEAR(group.moving.factor, many.factor, 1e-6);
+      moving.push_back(group.bodies.front());
+    }
+    EXPECT_EQ(moving, many.loose);
+  }
 }
 
 // The certificate is a function of the input: in another order the same blocks move at the same rates.

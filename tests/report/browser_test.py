@@ -24,6 +24,19 @@ window.addEventListener('load', function () {
     check('view', typeof view3d !== 'undefined' && view3d !== null);
     const row = document.querySelector('#keys tr[data-block]');
     const id = Number(row.dataset.block);
+    const shown = function (e) { return e !== null && e.getClientRects().length > 0; };
+    const sheet = /^#sheet-(\d+)$/.exec(location.hash);
+    if (sheet) {
+      const others = Array.from(document.querySelectorAll('main > section, #why > details')).filter(shown);
+      check('sheet', others.length === 2 && others[1].id === 'why-' + sheet[1] && others[1].open);
+      check('way back', shown(others[1].querySelector('.to-report')));
+    }
+    const micro = document.querySelector('#keys tr.micro');
+    if (micro) {
+      check('micro hidden', !shown(micro));
+      document.getElementById('show-micro').click();
+      check('micro shown', shown(micro));
+    }
     const dark = getComputedStyle(document.body).backgroundColor;
     check('background', dark);
     document.querySelector('#keys th').click();
@@ -85,7 +98,7 @@ address = f"file://{page.resolve()}#block-{block}"
 
 wide = drive(address, 1280)
 print("1280 px:", wide)
-expected = ["fits", "sorts"]
+expected = ["fits", "sorts"] + [name for name in ["micro hidden", "micro shown"] if name in wide]
 if wide["view"]:
     expected += ["link", "escape", "row", "alone", "together", "search", "next", "picture"]
 else:
@@ -103,6 +116,19 @@ phone = drive(f"file://{frame.resolve()}", 800, "--allow-file-access-from-files"
 print("390 px:", phone)
 if phone["scroll"] > phone["width"] or phone["width"] <= 0:
     wrong.append("390 px")
+
+explained = re.search(r'<details id="why-(\d+)"', text).group(1)
+sheet = drive(f"file://{page.resolve()}#sheet-{explained}", 1280)
+print("sheet:", sheet)
+wrong += [name for name in ["sheet", "way back"] if sheet.get(name) is not True]
+paper = work / "sheet.pdf"
+subprocess.run([chromium, "--headless=new", "--no-sandbox", "--disable-dev-shm-usage", f"--user-data-dir={work / 'profile'}",
+                "--no-pdf-header-footer", f"--print-to-pdf={paper}", f"file://{(out / 'report.html').resolve()}#sheet-{explained}"],
+               capture_output=True, timeout=240)
+pages = len(re.findall(rb"/Type\s*/Page\b", paper.read_bytes())) if paper.exists() else 0
+print("sheet on paper:", pages, "pages")
+if not 1 <= pages <= 2:
+    wrong.append("sheet on paper")
 
 dark = drive(address, 1280, "--blink-settings=preferredColorScheme=0")
 print("dark:", dark["background"])

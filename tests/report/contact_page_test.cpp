@@ -49,6 +49,44 @@ nlohmann::json data_of(const std::string& page) {
   return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
 }
 
+// 1 % of a brick's size is 0.0224 m: it has fallen that far at 0.0675 s, and the frame at 0.07 s shows it.
+TEST(ContactPage, BeginsWithWhatBecameOfTheBodies) {
+  scene::ContactResult result = falling(2, 20);
+  result.bodies[0].fixed = true;
+  scene::ContactVerdict verdict = verdict_of(result);
+  EXPECT_EQ(verdict.moved(), 1U);
+  EXPECT_EQ(verdict.motion, scene::BodyMotion::falls);
+  EXPECT_EQ(verdict.first, 1U);
+  ASSERT_TRUE(verdict.since.has_value());
+  EXPECT_DOUBLE_EQ(*verdict.since, 0.07);
+  std::string page = contact_report_html(result);
+  EXPECT_TRUE(page.contains("<strong>falls</strong>"));
+  EXPECT_TRUE(page.contains("first “brick 2”, seen at 0.07 s; in all 1 fell"));
+  EXPECT_LT(page.find(">verdict<"), page.find(">run<"));
+
+  for (scene::ContactFrame& frame : result.frames) frame.contacts = {{.at = {}, .force = {}, .first = 0, .second = 1}};
+  EXPECT_EQ(verdict_of(result).motion, scene::BodyMotion::slides);
+  result.frames.back().places[1].rotation = 0.1;  // 5.7 degrees
+  EXPECT_EQ(verdict_of(result).motion, scene::BodyMotion::topples);
+  // A turn alone is a movement too: by 0.04 radians the corners go 2 % of the brick's size.
+  scene::ContactResult turned = falling(1, 3);
+  for (scene::ContactFrame& frame : turned.frames) frame.places[0].centroid = turned.bodies[0].start;
+  EXPECT_EQ(verdict_of(turned).moved(), 0U);
+  turned.frames.back().places[0].rotation = 0.0402;
+  EXPECT_EQ(verdict_of(turned).since, turned.frames.back().time);
+  result.bodies[1].fixed = true;
+  verdict = verdict_of(result);
+  EXPECT_EQ(verdict.motion, std::nullopt);
+  EXPECT_EQ(verdict.moved(), 0U);
+  EXPECT_TRUE(contact_report_html(result).contains("<strong>stands</strong>"));
+  // A run that stopped does not say that anything stands.
+  result.converged = false;
+  page = contact_report_html(result);
+  EXPECT_TRUE(page.contains("<strong>not known</strong>"));
+  EXPECT_FALSE(page.contains("<strong>stands</strong>"));
+  EXPECT_EQ(name_of(verdict_of(result)), "not known");
+}
+
 TEST(ContactPage, ScriptFindsAllThatItAsksFor) {
   scene::ContactResult result = falling(2, 3);
   result.solvers = {{.name = "newton", .groups = 3, .iterations = 5}};

@@ -69,7 +69,7 @@ class HandMade {
                           .tag = std::nullopt,
                           .outward = normalized(area),
                           .area = square_metres(norm(area)),
-                          .centroid = data_.origin + spec.loops.front().front()};
+                          .centroid = data_.origin + middle_of(spec.loops.front())};
       if (spec.joint) face.joint = topology::JointId{*spec.joint};
       std::vector<std::vector<topology::VertexId>> loops;
       for (const Loop& loop : spec.loops) {
@@ -89,6 +89,11 @@ class HandMade {
   topology::BlockComplex complex() && { return topology::BlockComplex{std::move(data_)}; }
 
  private:
+  static Vec3 middle_of(const Loop& loop) {
+    Vec3 sum{0, 0, 0};
+    for (const Vec3 p : loop) sum += p;
+    return sum / static_cast<double>(loop.size());
+  }
   topology::VertexId vertex(Vec3 p) {
     const auto [found, added] =
         known_.try_emplace(std::tuple{p.x, p.y, p.z}, static_cast<std::uint32_t>(known_.size()));

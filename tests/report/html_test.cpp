@@ -10,7 +10,9 @@
 #include <regex>
 #include <vector>
 
+#include "drawings.hpp"
 #include "hand_made.hpp"
+#include "svg.hpp"
 #include "view3d.hpp"
 
 namespace cleave::report {
@@ -52,7 +54,7 @@ TEST(Html, AsksTheNetworkForNothing) {
   const std::string page = html.substr(0, code);
   EXPECT_EQ(page.find("http://"), std::string::npos);
   EXPECT_EQ(page.find("https://"), std::string::npos);
-  const std::regex source{"(src|href|srcset|data|action|poster)\\s*=\\s*[\"'](?!data:)"};
+  const std::regex source{"(src|href|srcset|data|action|poster)\\s*=\\s*[\"'](?!data:|#)"};
   EXPECT_FALSE(std::regex_search(page, source));
   EXPECT_EQ(html.find("@import"), std::string::npos);
   EXPECT_EQ(html.find("url(http"), std::string::npos);
@@ -87,6 +89,106 @@ TEST(Html, HoldsEverySectionAndTheSameBytesTwice) {
     at = found;
   }
   EXPECT_EQ(html, report_html(page));
+}
+
+/// Numbers of the blocks in the rows of the table of key blocks.
+std::vector<std::string> rows_of(const std::string& html) {
+  std::vector<std::string> rows;
+  const std::size_t end = html.find("</table>", html.find("id=\"keys\""));
+  for (std::size_t at = html.find("id=\"keys\""); (at = html.find("<tr data-block=\"", at)) < end; ++at) {
+    rows.push_back(html.substr(at + 16, html.find('"', at + 16) - at - 16));
+  }
+  return rows;
+}
+
+// The largest net force first, then those that stay, by their factor; what is smaller than a litre waits behind a mark.
+TEST(Html, KeyBlocksStandBySeverity) {
+  Example e;
+  auto& judgements = e.result.analysis->judgements;
+  judgements.clear();
+  const auto add = [&](std::uint32_t block, bool key, double net, double factor) {
+    judgements.push_back(judgement(block, stability::Mode::sliding, key ? std::optional{1U} : std::nullopt, factor));
+    judgements.back().net = newtons(net);
+  };
+  add(1, false, -5, 3);
+  add(2, true, 100, 0.9);
+  add(5, true, 900, 0.95);
+  add(6, false, -800, 1.2);
+  add(8, true, 500, 0.1);
+  const std::string html = report_html(e.page());
+  EXPECT_EQ(rows_of(html), (std::vector<std::string>{"5", "8", "2", "6", "1"}));
+  EXPECT_LT(html.find("id=\"why-5\""), html.find("id=\"why-8\""));
+  EXPECT_FALSE(html.contains("id=\"why-6\""));
+  EXPECT_FALSE(html.contains("<input type=\"checkbox\" id=\"show-micro\">"));  // every cube is of 1 m3
+
+  HandMade small;
+  small.block(box_faces({0, 0, 0}, {0.09, 0.1, 0.1}, Role::free), box_counts, true);
+  small.block(box_faces({1, 0, 0}, {1.11, 0.1, 0.1}, Role::free), box_counts, true);
+  judgements = {judgement(0, stability::Mode::falling, 1, 0), judgement(1, stability::Mode::falling, 1, 0)};
+  e.complex = std::move(small).complex();
+  const std::string two = report_html(e.page());
+  EXPECT_TRUE(two.contains("show 1 block below a litre"));
+  EXPECT_TRUE(two.contains("<tr data-block=\"0\" class=\"micro\">"));
+  EXPECT_TRUE(two.contains("<tr data-block=\"1\" class=\"\">"));
+}
+
+// A square tunnel of 2 m along y, rock of one block a side: what lies left of the axis is drawn above the crown.
+TEST(Html, WallsOfATunnelAreUnrolled) {
+  Example e;
+  HandMade made;
+  const auto wall = [&](geometry::Vec3 low, geometry::Vec3 high, std::size_t side) {
+    auto faces = box_faces(low, high, Role::joint);
+    faces[side].role = Role::free;
+    faces[side].excavation = 0;
+    made.block(faces, box_counts, true);
+  };
+  wall({-2, 0, -1}, {-1, 10, 1}, 1);  // left, its east face is free
+  wall({1, 0, -1}, {2, 10, 1}, 0);    // right
+  wall({-1, 0, 1}, {1, 4, 2}, 4);     // roof, two blocks
+  wall({-1, 4, 1}, {1, 10, 2}, 4);
+  wall({-1, 10, -1}, {1, 11, 1}, 2);  // the heading: no wall
+  e.complex = std::move(made).complex();
+  e.result.analysis->judgements = {judgement(0, stability::Mode::sliding, 1, 0.5),
+                                   judgement(1, stability::Mode::sliding, 2, 0.5)};
+  e.result.excavations = {
+      {"drift", 1,
+       scene::TunnelLine{
+           .axis = {{0, 0, 0}, {0, 10, 0}}, .up = {0, 0, 1}, .outline = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}}};
+  const std::string html = report_html(e.page());
+  const std::size_t begin = html.find("id=\"unrolled\"");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string map = html.substr(begin, html.find("</section>", begin) - begin);
+  EXPECT_TRUE(map.contains("drift, perimeter 8 m"));
+  // 10 m over 896 pixels: the left wall lies from 1 m to 3 m from the crown, the strip's middle.
+  const double scale = 896 / 10.0, crown = 10 + 4 * scale;
+  const auto at = [&](double chainage, double around) {
+    return detail::fixed(78 + scale * chainage) + "," + detail::fixed(crown + scale * around);
+  };
+  // A path with these four corners and no others; any may be the first, in either sense.
+  const auto path = [&](const std::string& filled, double from, double to, double low, double high) {
+    std::vector<std::string> corners{at(from, low), at(to, low), at(to, high), at(from, high)};
+    for (int sense = 0; sense < 2; ++sense, std::ranges::reverse(corners)) {
+      for (int turn = 0; turn < 4; ++turn, std::ranges::rotate(corners, corners.begin() + 1)) {
+        if (map.contains(filled + "\" d=\"M" + corners[0] + 'L' + corners[1] + 'L' + corners[2] + 'L' + corners[3] +
+                         "z\"")) {
+          return true;
+        }
+      }
+    }
+    return false;
+  };
+  EXPECT_TRUE(path("fill=\"" + batch_colour(1), 0, 10, -3, -1));  // left wall
+  EXPECT_TRUE(path("fill=\"" + batch_colour(2), 0, 10, 1, 3));    // right wall
+  EXPECT_TRUE(path("pic-rock", 0, 4, -1, 1));                     // roof
+  EXPECT_TRUE(path("pic-rock", 4, 10, -1, 1));
+  for (const char* number : {">0</text>", ">1</text>"}) {  // once each
+    EXPECT_TRUE(map.contains(number));
+    EXPECT_EQ(map.find(number), map.rfind(number));
+  }
+  // Four faces of walls, none of the heading.
+  std::size_t faces = 0;
+  for (std::size_t i = 0; (i = map.find("class=\"pic-trace\"", i)) != std::string::npos; ++i) ++faces;
+  EXPECT_EQ(faces, 4U);
 }
 
 TEST(Html, WithoutBlocksThereIsStillAReport) {

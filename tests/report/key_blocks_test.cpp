@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -9,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "cleave/exchange/text.hpp"
 #include "hand_made.hpp"
 
 namespace cleave::report {
@@ -19,7 +21,7 @@ using namespace testing;
 const std::string header =
     "block,batch,key,mode,volume_m3,weight_n,direction_x,direction_y,direction_z,net_force_n,factor_of_safety,faces,"
     "joints";
-const std::string places = ",x_m,y_m,z_m,location,chainage_m,free_area_m2,sets\n";
+const std::string places = ",x_m,y_m,z_m,location,chainage_m,free_area_m2,sets,clock,depth_m,extent_m\n";
 
 scene::RunResult result_of(stability::Analysis analysis) {
   scene::RunResult result = scene::empty_result();
@@ -68,13 +70,33 @@ TEST(KeyBlocksCsv, SaysWhereABlockIs) {
   const std::string csv = key_blocks_csv(std::move(made).complex(), result);
   // A block that sees the tunnel to its west lies to the right of it, looking along the axis.
   for (const char* row : {"\n0,", "\n1,", "\n2,", "\n3,", "\n4,", "\n5,"}) EXPECT_TRUE(csv.contains(row));
-  const char* expected[] = {"right wall", "left wall", "face", "face", "roof", "floor"};
+  // The cube of 1 m reaches 1 m behind its free face, and its corners lie sqrt(3) m apart.
+  const std::pair<const char*, const char*> expected[] = {
+      {"right wall", "3:00"}, {"left wall", "9:00"}, {"face", ""}, {"face", ""}, {"roof", "12:00"}, {"floor", "6:00"}};
   std::size_t at = csv.find('\n');
-  for (const char* location : expected) {
+  for (const auto& [location, clock] : expected) {
     const std::string row = csv.substr(at + 1, csv.find('\n', at + 1) - at - 1);
-    EXPECT_TRUE(row.ends_with(std::string{",10,20,30,"} + location + ",15,1,\"A, bedding\"")) << row;
+    EXPECT_TRUE(
+        row.ends_with(std::string{",10,20,30,"} + location + ",15,1,\"A, bedding\"," + clock + ",1,1.7320508075688772"))
+        << row;
     at = csv.find('\n', at + 1);
   }
+}
+
+// A flat tetrahedron over its free base: its apex lies half a metre above the inside of the base, farther from its
+// edges.
+TEST(KeyBlocksCsv, DepthIsMeasuredFromTheFreeFace) {
+  const geometry::Vec3 a{0, 0, 0}, b{4, 0, 0}, c{0, 4, 0}, apex{1, 1, 0.5};
+  std::vector<FaceSpec> faces{{.loops = {{a, c, b}}, .role = Role::free},
+                              {.loops = {{a, b, apex}}, .role = Role::joint},
+                              {.loops = {{b, c, apex}}, .role = Role::joint},
+                              {.loops = {{c, a, apex}}, .role = Role::joint}};
+  HandMade made;
+  made.block(faces, {4, 6, 4, 4, 1, 0}, true);
+  stability::Analysis analysis;
+  analysis.judgements = {judgement(0, stability::Mode::falling, 1, 0)};
+  const std::string csv = key_blocks_csv(std::move(made).complex(), result_of(analysis));
+  EXPECT_TRUE(csv.ends_with(",face,,8,,,0.5," + number(4 * std::sqrt(2.0)) + "\n")) << csv;
 }
 
 TEST(KeyBlocksCsv, RowsAreTheRemovableBlocksThatWouldMoveWithoutFriction) {
@@ -93,9 +115,9 @@ TEST(KeyBlocksCsv, RowsAreTheRemovableBlocksThatWouldMoveWithoutFriction) {
                          judgement(4, stability::Mode::lifting, 2, 0.1)};
   const std::string csv = key_blocks_csv(complex, result_of(analysis));
   EXPECT_EQ(csv.substr(header.size() + places.size()),
-            "0,1,1,falling,0.125,1000,0,0,-1,800,0,6,3;12,0,0,0,,,0,\n"
-            "3,,0,wedge,0.125,1000,0,0,-1,800,inf,6,3;12,0,0,0,,,0,\n"
-            "4,2,1,lifting,0.125,1000,0,0,-1,800,0.1,6,3;12,0,0,0,,,0,\n");
+            "0,1,1,falling,0.125,1000,0,0,-1,800,0,6,3;12,0,0,0,,,0,,,0,0.8660254037844386\n"
+            "3,,0,wedge,0.125,1000,0,0,-1,800,inf,6,3;12,0,0,0,,,0,,,0,0.8660254037844386\n"
+            "4,2,1,lifting,0.125,1000,0,0,-1,800,0.1,6,3;12,0,0,0,,,0,,,0,0.8660254037844386\n");
 }
 
 TEST(KeyBlocksCsv, ColumnsAfterForceTransferFollow) {
@@ -116,8 +138,8 @@ TEST(KeyBlocksCsv, ColumnsAfterForceTransferFollow) {
           ",key_transferred,mode_transferred,direction_x_transferred,direction_y_transferred,direction_z_transferred,"
           "net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred,lost_n_transferred" +
           places +
-          "0,1,1,sliding,1,1000,0,0,-1,800,0.5,6,7,1,wedge,1,0,0,900,0.25,900,0,0,0,0,,,0,\n"
-          "1,,0,wedge,1,1000,0,0,-1,800,2,6,7,0,wedge,0,0,-1,800,2,0,0,0,0,1,,,0,\n");
+          "0,1,1,sliding,1,1000,0,0,-1,800,0.5,6,7,1,wedge,1,0,0,900,0.25,900,0,0,0,0,,,0,,,0,1.7320508075688772\n"
+          "1,,0,wedge,1,1000,0,0,-1,800,2,6,7,0,wedge,0,0,-1,800,2,0,0,0,0,1,,,0,,,0,1.7320508075688772\n");
 }
 
 // docs/results.md holds what the columns say of themselves; CLEAVE_GOLDEN=1 in the environment writes it anew.

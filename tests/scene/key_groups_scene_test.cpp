@@ -73,9 +73,18 @@ TEST(KeyGroupsScene, AnActiveBlockPushesAPassiveOneOut) {
   EXPECT_EQ(found.groups[0].blocks.size(), 2U);
   EXPECT_NEAR(found.groups[0].volume.si(), 233 + 322, 1e-6);
   EXPECT_NEAR(found.groups[0].factor_move, low, 1e-5);
-  // By its factor stronger they stay.
-  const double stronger = std::atan(std::tan(20 * std::numbers::pi / 180) * 1.02 / low) * 180 / std::numbers::pi;
-  for (const stability::KeyGroup& group : groups_of(active_and_passive(stronger)).groups) EXPECT_TRUE(group.moments);
+  // By its factor stronger they stay; within 5 % of it they are in doubt.
+  const auto stronger = [&](double share) {
+    return std::atan(std::tan(20 * std::numbers::pi / 180) * share / low) * 180 / std::numbers::pi;
+  };
+  for (const stability::KeyGroup& group : groups_of(active_and_passive(stronger(1.06))).groups) {
+    EXPECT_TRUE(group.moments);
+  }
+  const stability::KeyGroups close = groups_of(active_and_passive(stronger(1.02)));
+  ASSERT_FALSE(close.groups.empty());
+  for (const stability::KeyGroup& group : close.groups) {
+    EXPECT_TRUE(group.moments || group.verdict == assembly::Verdict::in_doubt);
+  }
 }
 
 }  // namespace

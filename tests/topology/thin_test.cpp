@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "complexes.hpp"
 
@@ -174,6 +175,32 @@ TEST(Thin, SurfacesThatNearlyCoincideFloatInAnyDomain) {
   const std::size_t blocks = blocks_in(1e3);
   EXPECT_GT(blocks, 5U);
   EXPECT_EQ(blocks_in(1e6), blocks);
+}
+
+/// Slivers that lead round: their faces are small beside what their edges add to two faces each.
+TEST(Thin, RingsOfSlivers) {
+  for (const double thin : {1e-2, 1e-4, 1e-5, 1e-6}) {
+    Draw draw{11};
+    const Vec3 w = draw.direction(), u = geometry::normalized(geometry::cross(w, draw.direction()));
+    const Vec3 v = geometry::cross(w, u);
+    constexpr std::size_t around = 24, across = 3;
+    const auto point = [&](std::size_t i, std::size_t j) {
+      const double a = 2 * std::numbers::pi * static_cast<double>(i % around) / around;
+      const double b = 2 * std::numbers::pi * static_cast<double>(j % across) / across;
+      const double out = 50 + thin * std::cos(b);
+      return out * std::cos(a) * u + out * std::sin(a) * v + thin * std::sin(b) * w;
+    };
+    auto input = scene(box({-100, -100, -100}, {100, 100, 100}));
+    for (std::size_t i = 0; i < around; ++i) {
+      for (std::size_t j = 0; j < across; ++j) {
+        input.joints.emplace_back(joint({point(i, j), point(i + 1, j), point(i + 1, j + 1)}));
+        input.joints.emplace_back(joint({point(i, j), point(i + 1, j + 1), point(i, j + 1)}));
+      }
+    }
+    const auto audited = certified(input);
+    ASSERT_EQ(audited.complex().blocks().size(), 2U) << thin;
+    for (const topology::Block& block : audited.complex().blocks()) EXPECT_EQ(block.counts.genus, 1U);
+  }
 }
 
 }  // namespace

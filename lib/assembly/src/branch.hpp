@@ -24,8 +24,9 @@ struct Ended {
 };
 [[nodiscard]] Start start_from_rest(const Assembly& assembly, double factor, Ended& ended);
 
-/// Of factors. Coarse ones are good to 1e-4, of an assembly that moves at strengths as they are.
-enum class Accuracy : std::uint8_t { fine, coarse };
+/// Of factors. Quick ones are as fine, but give a search that does not settle less work; coarse ones are good to 1e-4,
+/// of an assembly that moves at strengths as they are.
+enum class Accuracy : std::uint8_t { fine, quick, coarse };
 [[nodiscard]] StaticFactor static_factor(const Assembly& assembly, Accuracy accuracy);
 [[nodiscard]] MovingFactor moving_factor(const Assembly& assembly, double up, Accuracy accuracy);
 
@@ -65,6 +66,9 @@ class Branch final {
   State start_;
   unsigned allowed_ = 60'000;
 };
+
+/// Work of a quick search, as of `Branch::allow`.
+inline constexpr unsigned quick_search = 1'500;
 
 /// Below this share of free fall nothing counts as moving.
 inline constexpr double slow = 1e-8;

@@ -150,7 +150,7 @@ namespace {
 /// Follows the motion of few bodies from no friction on; empty where nothing moves without.
 std::optional<Branch::Found> followed(const Elements& elements, double factor) {
   Branch branch{elements};
-  branch.allow(20'000);
+  branch.allow(6'000);
   if (!branch.begin()) return std::nullopt;
   const bool fully = elements.bodies() <= followed_bodies;
   for (double f = 30 * factor;; f = std::max(factor, 0.8 * f)) {
@@ -184,6 +184,7 @@ MovingFactor moving_factor(const Assembly& assembly, double up, Accuracy accurac
   Branch branch{elements};
   if (!branch.begin()) return {infinite, true};
   const bool coarse = accuracy == Accuracy::coarse;
+  if (accuracy == Accuracy::quick) branch.allow(quick_search);
   // Above `up` it moves whether a solution was checked or not.
   double good = infinite, bad = 0;
   bool settled = true;

@@ -7,6 +7,7 @@
 
 #include "balance.hpp"
 #include "branch.hpp"
+#include "cleave/core/assert.hpp"
 #include "settle.hpp"
 
 namespace cleave::assembly {
@@ -19,8 +20,14 @@ constexpr std::size_t most_for_factors = 16, few_for_fine_factors = 4;
 constexpr std::size_t most_projected = 400;
 /// A body belongs to a motion when it has this share of its largest rate.
 constexpr double belongs = 1e-6;
-/// A body rests when its forces lack no more than this share of its load.
-constexpr double still = 1e-6;
+/// What moves at strengths over this is in doubt: a start in another order may find the same at strengths as they are.
+constexpr double within_reach = 1.05;
+/// So is what moves with this share of its cohesion: shear that grows evenly along a joint, from nothing to what it
+/// bears, breaks it at half of that on average. Joints that open in part lose it; so often is that looked at.
+constexpr double even_share = 0.5;
+constexpr int most_rounds = 4;
+/// A body rests when its forces lack no more than this share of its load: among few bodies, and among more.
+constexpr double still_of_few = 1e-6, still_of_many = 1e-4;
 
 std::vector<std::uint8_t> moving_ones(const std::vector<double>& speed) {
   double most = 0;
@@ -41,12 +48,27 @@ std::vector<std::uint8_t> not_at_rest(const Assembly& assembly, const std::vecto
                                       const Ended& ended) {
   std::vector<std::uint8_t> out(assembly.bodies().size(), 0);
   const auto balance = check_balance(assembly, 1, ended.forces);
+  const double still = assembly.bodies().size() <= few_bodies ? still_of_few : still_of_many;
   for (std::size_t b = 0; b < out.size(); ++b) {
     const bool unsettled = !ended.unsettled.empty() && ended.unsettled[b] != 0;
     const bool held = balance && balance->lack()[b] <= still;
     out[b] = moving[b] == 0 && (unsettled || !held) ? 1 : 0;
   }
   return out;
+}
+
+/// With a share of the cohesion and tension of each contact.
+Assembly with_bonds(const Assembly& assembly, const std::vector<double>& share) {
+  AssemblySpec spec{assembly.freedom(), assembly.bodies(), assembly.contacts()};
+  for (std::size_t c = 0; c < spec.contacts.size(); ++c) {
+    for (Bond& bond : spec.contacts[c].bonds) {
+      bond.cohesion *= share[c];
+      bond.tension *= share[c];
+    }
+  }
+  auto made = Assembly::make(std::move(spec));
+  CLEAVE_ASSERT(made.has_value());
+  return *std::move(made);
 }
 
 bool apart(double up, double moving) { return !(up <= 1.05 * moving); }
@@ -122,6 +144,7 @@ class Search final {
     find_certain(active);
     take(moving, Verdict::unsafe, start.motion);
     look_closer(std::move(open));
+    look_weaker(ended.forces);
     return true;
   }
   [[nodiscard]] std::vector<Group>& groups() noexcept { return groups_; }
@@ -144,8 +167,7 @@ class Search final {
   }
 
   void take(std::vector<std::uint8_t> among, Verdict verdict, const Motion& motion) {
-    for (std::size_t b = 0; b < among.size(); ++b) among[b] = among[b] != 0 && taken_[b] == 0 ? 1 : 0;
-    for (std::vector<std::uint32_t>& members : connected_parts(island_, among)) {
+    for (std::vector<std::uint32_t>& members : connected_parts(island_, not_taken(std::move(among)))) {
       Motion own = of_members(motion, members);
       add(std::move(members), verdict, std::move(own));
     }
@@ -153,14 +175,53 @@ class Search final {
 
   /// What the island as a whole left open: part by part, the others taken to be fixed.
   void look_closer(std::vector<std::uint8_t> among) {
-    for (std::size_t b = 0; b < among.size(); ++b) among[b] = among[b] != 0 && taken_[b] == 0 ? 1 : 0;
-    for (std::vector<std::uint32_t>& members : connected_parts(island_, among)) {
+    for (std::vector<std::uint32_t>& members : connected_parts(island_, not_taken(std::move(among)))) {
       const bool whole = members.size() == island_.bodies().size();
-      if (whole || members.size() > followed_bodies || !decided_apart(members)) {
-        Motion none(members.size());
-        add(std::move(members), Verdict::in_doubt, std::move(none));
-      }
+      if (whole || members.size() > followed_bodies || !decided_apart(members)) in_doubt(std::move(members));
     }
+  }
+
+  /// What rests, but would move with a little less strength and where cohesion breaks bit by bit. Where several
+  /// solutions exist the search may have missed the one that comes about.
+  void look_weaker(ContactForces forces) {
+    if (std::ranges::all_of(taken_, [](std::uint8_t t) { return t != 0; })) return;
+    std::vector<double> share(island_.contacts().size(), even_share);
+    std::vector<std::uint8_t> moves;
+    for (int round = 0; round < most_rounds; ++round) {
+      const bool more = turns(island_.freedom()) && open_in_part(forces, share);
+      if (round > 0 && !more) break;
+      Ended ended;
+      moves = moving_ones(start_from_rest(with_bonds(island_, share), within_reach, ended).speed);
+      forces = std::move(ended.forces);
+    }
+    for (std::vector<std::uint32_t>& members : connected_parts(island_, not_taken(std::move(moves)))) {
+      // Of one block in translation the answer is the only one.
+      if (members.size() > 1 || turns(island_.freedom())) in_doubt(std::move(members));
+    }
+  }
+
+  [[nodiscard]] std::vector<std::uint8_t> not_taken(std::vector<std::uint8_t> among) const {
+    for (std::size_t b = 0; b < among.size(); ++b) among[b] = among[b] != 0 && taken_[b] == 0 ? 1 : 0;
+    return among;
+  }
+
+  void in_doubt(std::vector<std::uint32_t> members) {
+    Motion none(members.size());
+    add(std::move(members), Verdict::in_doubt, std::move(none));
+  }
+
+  /// Contacts with cohesion or tension that do not press at all their points lose it; false when none did.
+  bool open_in_part(const ContactForces& forces, std::vector<double>& share) const {
+    bool more = false;
+    for (std::size_t c = 0; c < share.size(); ++c) {
+      const Contact& contact = island_.contacts()[c];
+      if (!(share[c] > 0) || contact.bonds.empty()) continue;
+      const auto presses = [&](geometry::Vec3 force) { return dot(force, contact.normal) > 0; };
+      if (std::ranges::all_of(forces.at_points[c], presses)) continue;
+      share[c] = 0;
+      more = true;
+    }
+    return more;
   }
 
   /// Whether a part moves, or rests beside what rests.
@@ -199,7 +260,7 @@ class Search final {
     group.factors = members.size() <= (moves ? most_for_factors : few_for_fine_factors);
     if (group.factors) {
       const Assembly part = island_.part(members, Assembly::Others::fixed);
-      const Accuracy accuracy = members.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::fine;
+      const Accuracy accuracy = members.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::quick;
       group.up = static_factor(part, accuracy);
       group.moving = moving_factor(part, group.up.factor, accuracy);
     } else {

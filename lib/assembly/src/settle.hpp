@@ -19,7 +19,7 @@ struct Solution {
 [[nodiscard]] Solution settle(const Elements& elements, double divisor);
 
 /// Share of its own free fall below which a body is at rest: among few bodies, and among more.
-inline constexpr double at_rest_of_few = 1e-8, at_rest = 2e-7;
+inline constexpr double at_rest_of_few = 1e-8, at_rest = 1e-5;
 /// So many count as few; and so many are followed from no friction on by exact solutions.
 inline constexpr std::size_t few_bodies = 24, followed_bodies = 8;
 

@@ -63,6 +63,10 @@ inline Vector3d carried(const Element& e, const Vector3d& w, double divisor, boo
   return x;
 }
 
+bool sticks(const Element& e, const Vector3d& x, double divisor) {
+  return x[0] > 0 && std::sqrt(x[1] * x[1] + x[2] * x[2]) <= e.friction / divisor * x[0];
+}
+
 }  // namespace
 
 Sweeps::Sweeps(const Elements& elements, double divisor, double asleep)
@@ -70,14 +74,18 @@ Sweeps::Sweeps(const Elements& elements, double divisor, double asleep)
       divisor_{divisor},
       asleep_{asleep},
       state_{elements.load(), std::vector<Vector3d>(elements.all().size(), Vector3d::Zero())},
-      along_(elements.all().size(), Vector3d::Zero()) {
+      before_(state_.x),
+      along_(state_.x) {
   weight_.reserve(elements.all().size());
+  stiff_.reserve(elements.all().size());
   for (const Element& e : elements.all()) {
     Matrix3d response = e.on_body.transpose() * e.on_body;
     if (e.other) response += e.on_other.transpose() * e.on_other;
     // Largest eigenvalue, from above: the largest sum of a row.
     weight_.push_back(std::max(response.cwiseAbs().rowwise().sum().maxCoeff(), 1e-300));
     bonds_ = bonds_ || e.bond;
+    response.diagonal().array() += std::max(1e-9 * response.trace(), 1e-300);
+    stiff_.emplace_back(response.inverse());
   }
   const Index w = elements.width();
   for (std::size_t b = 0; b < elements.bodies(); ++b) {
@@ -111,9 +119,9 @@ void Sweeps::choose() {
       active_.push_back(k);
     } else {
       along_[k].setZero();
+      before_[k] = state_.x[k];
     }
   }
-  before_.resize(active_.size());
 }
 
 template <int width>
@@ -135,7 +143,10 @@ double Sweeps::sweep(bool forwards) {
     if (!e.bond && x[0] == 0 && opening<width>(e, state_.v) >= 0) {
       if (x[1] == 0 && x[2] == 0) continue;
     }
-    const Vector3d next = carried(e, x - relative<width>(e, state_.v) / weight_[k], divisor_, presses);
+    const Vector3d u = relative<width>(e, state_.v);
+    // Where it sticks the relative rate vanishes at once; else a step of the largest response.
+    Vector3d next = e.bond ? x : Vector3d{x - stiff_[k] * u};
+    if (e.bond || !sticks(e, next, divisor_)) next = carried(e, x - u / weight_[k], divisor_, presses);
     const Vector3d step = next - x;
     const double size = step.squaredNorm();
     if (!(size > 0)) continue;
@@ -148,9 +159,8 @@ double Sweeps::sweep(bool forwards) {
 
 template <int width>
 void Sweeps::extrapolate(double share) {
-  for (std::size_t i = 0; i < active_.size(); ++i) {
-    const std::uint32_t k = active_[i];
-    const Vector3d found = state_.x[k] - before_[i];
+  for (const std::uint32_t k : active_) {
+    const Vector3d found = state_.x[k] - before_[k];
     if (share > 0) {
       const Vector3d step = share * along_[k];
       if (step.squaredNorm() > 0) {
@@ -177,18 +187,21 @@ auto by_width(Index width, Call&& call) {
 
 void Sweeps::run(int most) {
   for (Vector3d& a : along_) a.setZero();
+  choose();
   double last = 0;
   for (int k = 0; k < most; ++k) {
-    if (k % between == 0) choose();
     if (active_.empty()) return;
-    for (std::size_t i = 0; i < active_.size(); ++i) before_[i] = state_.x[active_[i]];
+    for (const std::uint32_t e : active_) before_[e] = state_.x[e];
     double change = 0;
     by_width(elements_->width(), [&]<int width>() {
       // There and back: symmetric, so that directions can be conjugate.
       (void)sweep<width>(true);
       (void)sweep<width>(false);
-      for (std::size_t i = 0; i < active_.size(); ++i) change += (state_.x[active_[i]] - before_[i]).squaredNorm();
-      if (k + 1 < most) extrapolate<width>(last > 0 && change <= last ? change / last : 0);
+      for (const std::uint32_t e : active_) change += (state_.x[e] - before_[e]).squaredNorm();
+      if (k + 1 == most) return;
+      // Before the step, which may lead beyond what a contact carries: what is left alone must not keep that.
+      if ((k + 1) % between == 0) choose();
+      extrapolate<width>(last > 0 && change <= last ? change / last : 0);
     });
     if (change < 1e-26) return;
     last = change;

@@ -40,9 +40,10 @@ class Sweeps final {
   double divisor_, asleep_;
   State state_;
   std::vector<double> weight_;                   ///< by element: largest response to a unit force
+  std::vector<Eigen::Matrix3d> stiff_;           ///< by element: force that stops a unit rate
   std::vector<double> own_;                      ///< by body: rate of free fall
   std::vector<std::uint32_t> active_;            ///< elements beside a body that is not at rest
-  std::vector<Eigen::Vector3d> before_, along_;  ///< of active elements
+  std::vector<Eigen::Vector3d> before_, along_;  ///< by element; of what is at rest the force and zero
   bool bonds_ = false;
 };
 

@@ -14,6 +14,13 @@ std::string figures_of(const scene::ContactResult& result) {
                                              : "without rest";
   std::string text = fmt::format("{} steps {}, largest displacement {:.6g} m, residual {:.1e}\n", result.steps, end,
                                  result.largest_displacement, result.residual);
+  const scene::ContactVerdict verdict = scene::verdict_of(result);
+  text += fmt::format("verdict: {}", name_of(verdict));
+  if (verdict.since) {
+    text += fmt::format(", first \"{}\", seen at {:.3g} s; in all {}", result.bodies[verdict.first].name,
+                        *verdict.since, counts_of(verdict));
+  }
+  text += '\n';
   for (std::size_t p = 0; p < result.points.size() && !result.history.empty(); ++p) {
     const bem::Vec2 u = result.history.back().points[p];
     text += fmt::format("{}: displacement ({:.6g}, {:.6g}) m\n", result.points[p].name, u.x, u.y);

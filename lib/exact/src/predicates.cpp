@@ -73,6 +73,17 @@ Sign side_exact(const Plane& p, const Plane& q, const Plane& r, const Plane& s) 
   return sign_of(value) * sign_of(point.w);
 }
 
+PointApprox refined_meet(const Plane& p, const Plane& q, const Plane& r) noexcept {
+  const ExactPoint& exact = kept_meet(p, q, r);
+  PointApprox point{{}, exact.w.convert_to<double>()};  // 343 bits fit a double's range
+  int exponent = 0;
+  std::frexp(point.w, &exponent);
+  const int scale = -2 - exponent;
+  point.w = std::ldexp(point.w, scale);
+  for (std::size_t i = 0; i < 3; ++i) point.x[i] = std::ldexp(exact.x[i].convert_to<double>(), scale - 48);
+  return point;
+}
+
 Sign side_of_parallel_line(const Plane& p, const Plane& q, const Plane& s) noexcept {
   // Nearly always one of the planes is parallel to S: equal normals (up to sign), and the offsets tell.
   for (const Plane* plane : {&p, &q}) {

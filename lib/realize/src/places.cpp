@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -28,7 +29,63 @@ Vec3 direction_at(const std::vector<Vec3>& axis, double chainage) {
   return geometry::normalized(axis[i + 1] - axis[i]);
 }
 
+double distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
+  const Vec3 along = b - a;
+  const double square = dot(along, along);
+  const double share = square > 0 ? std::clamp(dot(p - a, along) / square, 0.0, 1.0) : 0.0;
+  return norm(p - (a + share * along));
+}
+
+/// From a point to a flat face with its holes.
+double distance_to_face(const topology::BlockComplex& complex, const topology::Face& face, Vec3 p) {
+  const Vec3 n = face.outward, some = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 x_axis = normalized(cross(n, some)), y_axis = cross(n, x_axis);
+  double nearest = std::numeric_limits<double>::infinity(), height = 0;
+  bool inside = false;
+  for (const auto& loop : complex.loops(face)) {
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec3 a = complex.vertices()[loop[i]], b = complex.vertices()[loop[(i + 1) % loop.size()]];
+      nearest = std::min(nearest, distance_to_segment(p, a, b));
+      height = std::abs(dot(p - a, n));
+      const double ya = dot(a - p, y_axis), yb = dot(b - p, y_axis);
+      if ((ya > 0) == (yb > 0)) continue;
+      const double xa = dot(a - p, x_axis), xb = dot(b - p, x_axis);
+      if (xa + (xb - xa) * (ya / (ya - yb)) > 0) inside = !inside;
+    }
+  }
+  return inside ? height : nearest;
+}
+
+/// Depth and extent of a block.
+void measure(const topology::BlockComplex& complex, topology::BlockId block, BlockPlace& place) {
+  std::vector<topology::VertexId> corners;
+  std::vector<topology::FaceId> free;
+  for (const topology::FaceId id : complex.blocks()[block].faces) {
+    const topology::Face& face = complex.faces()[id];
+    if (face.role == topology::Role::free) free.push_back(id);
+    for (const auto& loop : complex.loops(face)) corners.insert(corners.end(), loop.begin(), loop.end());
+  }
+  sort_and_drop_repeated(corners);
+  double depth = 0, extent = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec3 p = complex.vertices()[corners[i]];
+    for (std::size_t k = 0; k < i; ++k) extent = std::max(extent, norm(p - complex.vertices()[corners[k]]));
+    if (free.empty()) continue;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const topology::FaceId id : free)
+      nearest = std::min(nearest, distance_to_face(complex, complex.faces()[id], p));
+    depth = std::max(depth, nearest);
+  }
+  place.depth = Length::from_si(depth);
+  place.extent = Length::from_si(extent);
+}
+
 }  // namespace
+
+double clock_of(double right, double up) {
+  const double hours = std::atan2(right, up) * 6 / std::numbers::pi;
+  return hours > 0 ? hours : hours + 12;
+}
 
 std::string_view location_of(double right, double up) {
   const double angle = std::atan2(right, up) * 180 / std::numbers::pi;  // from up to the right
@@ -57,6 +114,7 @@ BlockPlace place_of(const RunResult& result, const topology::BlockComplex& compl
     if (joint.index() < result.joints.size()) place.sets.push_back(result.joints[joint].set);
   }
   sort_and_drop_repeated(place.sets);
+  measure(complex, block, place);
 
   struct Opening {
     double area = 0;
@@ -82,7 +140,9 @@ BlockPlace place_of(const RunResult& result, const topology::BlockComplex& compl
   const Vec3 right = geometry::normalized(cross(axis, tunnel->up)), up = cross(right, axis);
   const Vec3 away = -widest->second.towards;
   const double across = std::hypot(dot(away, right), dot(away, up));
-  if (across > std::abs(dot(away, axis))) place.location = location_of(dot(away, right), dot(away, up));
+  if (!(across > std::abs(dot(away, axis)))) return place;
+  place.location = location_of(dot(away, right), dot(away, up));
+  place.clock = clock_of(dot(away, right), dot(away, up));
   return place;
 }
 

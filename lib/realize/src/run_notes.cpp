@@ -140,7 +140,17 @@ void add_group_notes(const stability::KeyGroups& groups, const stability::Analys
     notes.push_back(
         fmt::format("key groups: {} blocks near free faces are too many to be judged together; only single blocks were "
                     "judged, and what they say holds for each alone (groups = \"decide\" judges up to {})",
-                    groups.blocks, stability::most_together));
+                    groups.blocks, stability::most_together.blocks));
+  }
+  if (groups.without_moments) {
+    notes.push_back(fmt::format(
+        "key groups: {} blocks near free faces were judged together in translation only; groups = \"decide\" "
+        "looks at moments too",
+        groups.blocks));
+  }
+  if (groups.cut_off) {
+    notes.push_back(
+        "key groups: one that moves touches more blocks than are judged together; more may move than it says");
   }
   std::size_t beyond = 0, doubt = 0;
   double volume = 0, in_doubt = 0, least = std::numeric_limits<double>::infinity();

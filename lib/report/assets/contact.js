@@ -45,7 +45,7 @@ if (F < 2) byId("player").style.display = "none";
 if (!forces.length) for (const part of [arrows.parentNode, size.parentNode, byId("states")]) part.style.display = "none";
 if (!D.bodies.some(b => b.f)) byId("fixed").style.display = "none";
 slider.max = F - 1;
-slider.value = F - 1;
+slider.value = 0; // the state before anything moved
 
 function ramp(t) {
   const s = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];

@@ -32,8 +32,27 @@ const tables = (function () {
   const rowOf = new Map();
   document.querySelectorAll('tr[data-block]').forEach(function (row) { rowOf.set(Number(row.dataset.block), row); });
 
+  // #sheet-12: block 12 alone, as a page to print.
+  const sheet = function () {
+    const link = /^#sheet-(\d+)$/.exec(location.hash);
+    const one = link ? document.getElementById('why-' + link[1]) : null;
+    document.querySelectorAll('#why > .one').forEach(function (d) { d.classList.remove('one'); });
+    document.body.classList.toggle('sheet', one !== null);
+    if (!one) return;
+    one.classList.add('one');
+    one.open = true;
+    scrollTo(0, 0);
+  };
+  window.addEventListener('hashchange', sheet);
+  sheet();
+
   return {
-    row: function (id) { return rowOf.get(id); },
+    row: function (id) {
+      const row = rowOf.get(id);
+      const micro = document.getElementById('show-micro');
+      if (row && micro && row.classList.contains('micro')) micro.checked = true;
+      return row;
+    },
     onPick: function (listener) { listeners.push(listener); }
   };
 })();

@@ -163,6 +163,21 @@ std::string solver_bars(const scene::ContactResult& result) {
          display(result.residual, 2) + ".</p>\n";
 }
 
+/// What became of the bodies, first of all.
+std::string verdict_figure(const scene::ContactResult& result) {
+  const scene::ContactVerdict verdict = scene::verdict_of(result);
+  const std::string until = result.converged ? "" : ", until it stopped at " + display(result.end_time, 4) + " s";
+  const std::string name{name_of(verdict)};
+  if (!verdict.motion) {
+    return key_figure("verdict", name, "no body moved by more than 1 % of its size" + until,
+                      verdict.known ? "good" : "bad");
+  }
+  return key_figure("verdict", name,
+                    "first “" + escape_xml(result.bodies[verdict.first].name) + "”, seen at " +
+                        display(*verdict.since, 3) + " s; in all " + scene::counts_of(verdict) + until,
+                    "warn");
+}
+
 /// What contact.js draws in and is steered by.
 constexpr std::string_view motion = R"html(<section><h2>Motion</h2>
 <p class="controls" id="player"><button id="play">Play</button>
@@ -192,6 +207,7 @@ std::string contact_report_html(const scene::ContactResult& result) {
                                    "energies per metre of thickness",
                                assets::scene2d());
   out += "<section class=\"cards\">\n";
+  out += verdict_figure(result);
   out += result.converged ? key_figure("run", "converged", display_count(result.steps) + " steps", "good")
                           : key_figure("run", "stopped", display_count(result.steps) + " steps", "bad");
   out += key_figure("largest displacement", display(result.largest_displacement, 3) + " m",

@@ -20,6 +20,10 @@ namespace cleave::report {
 [[nodiscard]] std::string still_picture(const topology::BlockComplex& complex, const stability::Analysis* analysis,
                                         std::size_t max_polygons = 4000);
 
+/// One block, parallel, seen from the side of its free faces: those light, joints in the colour of its batch, hidden
+/// edges dashed, an arrow the way it moves.
+[[nodiscard]] std::string block_picture(const topology::BlockComplex& complex, const stability::Judgement& judgement);
+
 /// Block volumes (m3, > 0): share of the rock volume in blocks smaller than V, against V on a logarithmic axis.
 [[nodiscard]] std::string size_curve(std::vector<double> volumes);
 

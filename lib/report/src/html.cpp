@@ -11,13 +11,15 @@
 #include "assets.hpp"
 #include "cleave/core/version.hpp"
 #include "cleave/exchange/text.hpp"
-#include "cleave/realize/places.hpp"
 #include "drawings.hpp"
+#include "html_key_blocks.hpp"
 #include "html_parts.hpp"
 #include "html_stability.hpp"
+#include "html_why.hpp"
 #include "key_groups.hpp"
 #include "stages_section.hpp"
 #include "stereonet.hpp"
+#include "unrolled.hpp"
 #include "view3d.hpp"
 
 namespace cleave::report {
@@ -76,119 +78,6 @@ std::string view_section(const Page& page, std::string& view_json) {
   if (view.shown < view.total) {
     out += "<p class=\"note\">The view holds " + display_count(view.shown) + " of " + display_count(view.total) +
            " blocks: key blocks and those near free faces first. All blocks are in blocks.vtu.</p>\n";
-  }
-  return out + "</section>\n";
-}
-
-void cell(std::string& out, double value, const std::string& shown) {
-  out += "<td data-v=\"";
-  append_number(out, value);
-  out += "\">" + shown + "</td>";
-}
-
-std::string trend_and_plunge(const geometry::Vec3& d) {
-  constexpr double to_degrees = 57.29577951308232;
-  if (norm(d) == 0) return "–";
-  double trend = std::atan2(d.x, d.y) * to_degrees;
-  if (trend < 0) trend += 360;
-  const double plunge = std::asin(std::clamp(-d.z, -1.0, 1.0)) * to_degrees;
-  const auto whole = [](double v) { return std::to_string(std::lround(v)); };
-  if (std::abs(plunge) > 89.95) return plunge > 0 ? "straight down" : "straight up";
-  return whole(trend) + "° / " + (plunge < -0.5 ? "−" : "") + whole(std::abs(plunge)) + "°";
-}
-
-/// "roof, 12.4 m": where on the tunnel, and how far along it.
-std::string where(const scene::BlockPlace& place) {
-  std::string out{place.location};
-  if (place.chainage) out += ", " + display(*place.chainage, 3) + " m";
-  return out.empty() ? "–" : out;
-}
-
-std::string key_block_rows(const Page& page) {
-  std::string out;
-  for (const stability::Judgement& j : page.result.analysis->judgements) {
-    if (!stability::moves(j.mode) && !j.key) continue;
-    const topology::Block& block = page.complex->blocks()[j.block];
-    const std::vector<topology::JointId> joints = scene::joints_of(*page.complex, j.block);
-    const scene::BlockPlace place = scene::place_of(page.result, *page.complex, j.block, joints);
-    out += "<tr data-block=\"" + std::to_string(j.block.value()) + "\"" + (j.key ? "" : " class=\"stays\"") + ">";
-    cell(out, j.block.value(), std::to_string(j.block.value()));
-    const std::string swatch =
-        j.batch ? "<i class=\"swatch\" style=\"background:" + batch_colour(*j.batch) + "\"></i>" : "";
-    cell(out, j.batch ? *j.batch : 1e9,
-         swatch + (j.batch ? std::to_string(*j.batch) : (j.key ? (j.transferred ? "held" : "later") : "stays")));
-    out += "<td>";
-    out += stability::name(j.mode);
-    out += "</td><td>" + where(place) + "</td>";
-    cell(out, block.volume.si(), display(block.volume.si()));
-    cell(out, j.weight.si(), display(j.weight.si() / 1000));
-    out += "<td>" + trend_and_plunge(j.direction) + "</td>";
-    cell(out, j.net.si(), display(j.net.si() / 1000));
-    cell(out, j.factor_of_safety, display(j.factor_of_safety, 3));
-    if (page.result.analysis->force_transfer) {
-      const double net = j.transferred ? j.transferred->net.si() : j.net.si();
-      const double factor = j.transferred ? j.transferred->factor_of_safety : j.factor_of_safety;
-      cell(out, net, display(net / 1000));
-      cell(out, factor, display(factor, 3));
-    }
-    if (page.result.field_stress) {
-      const auto& clamped = page.result.field_stress->blocks;
-      const auto found = std::ranges::lower_bound(clamped, j.block, {}, &scene::ClampedBlock::block);
-      if (found != clamped.end() && found->block == j.block) {
-        cell(out, found->factor_of_safety, display(found->factor_of_safety, 3));
-      } else {
-        out += "<td>–</td>";
-      }
-    }
-    if (page.result.analysis->rotation != stability::RotationCheck::off) {
-      out += !j.rotation ? "<td>–</td>" : j.rotation->turns ? "<td class=\"warn\">turns</td>" : "<td>no</td>";
-    }
-    cell(out, static_cast<double>(block.faces.size()), std::to_string(block.faces.size()));
-    std::string sets, numbers;
-    for (const scene::SetId set : place.sets)
-      sets += (sets.empty() ? "" : ", ") + escape_xml(page.result.sets[set].name);
-    for (const topology::JointId joint : joints) {
-      numbers += (numbers.empty() ? "" : ", ") + std::to_string(joint.value());
-    }
-    out += "<td>" + (sets.empty() ? "–" : sets) + "</td><td class=\"wide\">" + numbers + "</td></tr>\n";
-  }
-  return out;
-}
-
-std::string key_blocks_section(const Page& page) {
-  if (!page.result.analysis || page.complex == nullptr || !page.figures().key_blocks) return {};
-  const scene::KeyBlockFigures& figures = *page.figures().key_blocks;
-  std::string out = "<section id=\"keys\"><h2>Key blocks</h2>\n";
-  if (figures.stopped_at_max_batches) {
-    out += "<p class=\"note\">Stopped at the scene's largest number of batches: more blocks may follow.</p>\n";
-  }
-  if (!figures.batches.empty())
-    out += "<figure class=\"half\">" + batch_bars(figures.batches) +
-           "<figcaption>Volume that leaves, by batch. "
-           "All blocks of a batch leave together; what they held up leaves in the next.</figcaption></figure>\n";
-  const std::string rows = key_block_rows(page);
-  if (rows.empty()) return out + "<p>No removable block would move, even without friction.</p></section>\n";
-  out +=
-      "<p class=\"small\">Every removable block that would move without friction; those that friction and cohesion "
-      "hold are marked “stays”. "
-      "Click a heading to sort, a row to find the block in the view. Directions are trend / plunge, downwards "
-      "positive.</p>\n"
-      "<div class=\"scroll\"><table "
-      "class=\"sortable\"><thead><tr><th>Block</th><th>Batch</th><th>Mode</th><th>Where</th><th>Volume "
-      "(m³)</th>"
-      "<th>Weight (kN)</th><th>Direction</th><th>Net force (kN)</th><th>Factor of safety</th>";
-  if (page.result.analysis->force_transfer) out += "<th>Net force, transferred (kN)</th><th>Factor, transferred</th>";
-  if (page.result.field_stress) out += "<th>Factor, clamped by field stress</th>";
-  if (page.result.analysis->rotation != stability::RotationCheck::off) out += "<th>Turns?</th>";
-  out += "<th>Faces</th><th>Sets</th><th class=\"wide\">Joints</th></tr></thead><tbody>\n";
-  out += rows + "</tbody></table></div>";
-  if (page.result.field_stress) {
-    const scene::FieldStressResult& f = *page.result.field_stress;
-    out += "<p class=\"small\">Clamped: the same motion with the stress of the rock around “" + escape_xml(f.tunnel) +
-           "” across the joints (elastic section, " + display_count(f.elements) +
-           " boundary elements, estimated error " + display(f.error, 2) + "). " + display_count(f.held) +
-           (f.held == 1 ? " block that would fall is" : " blocks that would fall are") +
-           " held by it. The stress goes when the rock loosens: do not count on it for support.</p>";
   }
   return out + "</section>\n";
 }
@@ -380,6 +269,7 @@ std::string report_html(const Page& page) {
   out += view_section(page, view_json);
   out += key_blocks_section(page);
   out += why_section(page);
+  out += unrolled_section(page);
   if (page.result.key_groups) out += key_groups_section(*page.result.key_groups);
   out += support_section(page);
   out += maximum_section(page);

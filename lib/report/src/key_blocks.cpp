@@ -1,6 +1,7 @@
 #include "key_blocks.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "cleave/exchange/csv.hpp"
@@ -44,6 +45,11 @@ KeyBlockRow key_block_row(const topology::BlockComplex& complex, const scene::Ru
 }
 
 }  // namespace
+
+std::string clock_text(double hours) {
+  const auto halves = static_cast<int>(std::lround(2 * hours)) % 24;
+  return std::to_string(halves < 2 ? 12 : halves / 2) + (halves % 2 == 0 ? ":00" : ":30");
+}
 
 std::string key_blocks_csv(const topology::BlockComplex& complex, const scene::RunResult& result) {
   const stability::Analysis& analysis = *result.analysis;

@@ -19,11 +19,13 @@ struct Camera {
   Vec3 right, up, towards;
 };
 
-Camera camera() {
-  const Vec3 towards = normalized(Vec3{0.62, -1.0, 0.55});
-  const Vec3 right = normalized(cross(Vec3{0, 0, 1}, towards));
+Camera camera(Vec3 from) {
+  const Vec3 towards = normalized(from);
+  const Vec3 along = cross(Vec3{0, 0, 1}, towards);
+  const Vec3 right = norm(along) > 1e-6 ? normalized(along) : Vec3{1, 0, 0};
   return {right, cross(towards, right), towards};
 }
+constexpr Vec3 south_east_above{0.62, -1.0, 0.55};
 
 struct Patch {
   topology::FaceId face;
@@ -89,7 +91,7 @@ std::string batch_colour(std::uint32_t batch) {
 }
 
 std::string still_picture(const BlockComplex& complex, const stability::Analysis* analysis, std::size_t max_polygons) {
-  const Camera eye = camera();
+  const Camera eye = camera(south_east_above);
   const auto patches = visible(complex, analysis, eye, max_polygons);
   double left = 1e300, right = -1e300, top = 1e300, bottom = -1e300;
   const auto at = [&](topology::VertexId v) {
@@ -130,6 +132,68 @@ std::string still_picture(const BlockComplex& complex, const stability::Analysis
              std::to_string(shade(face.outward)) + "%,#000)\" fill=\"" + batch_colour(patch.batch) + "\"";
     }
     out += "/>";
+  }
+  return out + "</svg>";
+}
+
+std::string block_picture(const BlockComplex& complex, const stability::Judgement& judgement) {
+  const topology::Block& block = complex.blocks()[judgement.block];
+  Vec3 open{0, 0, 0};
+  for (const topology::FaceId id : block.faces) {
+    const topology::Face& face = complex.faces()[id];
+    if (face.role == topology::Role::free) open += face.area.si() * face.outward;
+  }
+  const Vec3 aside = 0.55 * normalized(south_east_above);
+  const Camera eye = camera(norm(open) > 0 ? normalized(open) + aside : aside);
+  constexpr double side = 240, margin = 26;
+  double reach = 0;
+  for (const topology::FaceId id : block.faces) {
+    for (const topology::VertexId v : complex.loops(complex.faces()[id]).front()) {
+      const Vec3 p = complex.vertices()[v] - block.centroid;
+      reach = std::max({reach, std::abs(dot(p, eye.right)), std::abs(dot(p, eye.up))});
+    }
+  }
+  if (!(reach > 0)) return {};
+  const double scale = (side / 2 - margin) / reach;
+  const auto at = [&](Vec3 p) {
+    const Vec3 d = p - block.centroid;
+    return fixed(side / 2 + scale * dot(d, eye.right)) + ',' + fixed(side / 2 - scale * dot(d, eye.up));
+  };
+  // Faces turned away first, as dashed edges; then those that are seen, from far to near.
+  std::vector<topology::FaceId> faces{block.faces.begin(), block.faces.end()};
+  const auto seen = [&](topology::FaceId id) { return dot(complex.faces()[id].outward, eye.towards) > 0; };
+  std::ranges::stable_sort(faces, {}, [&](topology::FaceId id) {
+    return std::pair{seen(id), dot(complex.faces()[id].centroid, eye.towards)};
+  });
+  const std::string colour = batch_colour(judgement.batch.value_or(0));
+  std::string front, back;
+  for (const topology::FaceId id : faces) {
+    const topology::Face& face = complex.faces()[id];
+    std::string d;
+    for (const auto& loop : complex.loops(face)) {
+      for (std::size_t i = 0; i < loop.size(); ++i) d += (i == 0 ? 'M' : 'L') + at(complex.vertices()[loop[i]]);
+      d += 'z';
+    }
+    if (!seen(id)) {
+      back += "<path class=\"pic-hidden\" d=\"" + d + "\"/>";
+    } else if (face.role == topology::Role::joint) {
+      front += "<path class=\"pic-key\" d=\"" + d + "\" fill-opacity=\".82\" style=\"fill:color-mix(in srgb," + colour +
+               ' ' + std::to_string(shade(face.outward)) + "%,#000)\" fill=\"" + colour + "\"/>";
+    } else {
+      front += "<path class=\"pic-wall\" fill-opacity=\".82\" d=\"" + d + "\"/>";
+    }
+  }
+  std::string out =
+      "<svg viewBox=\"0 0 240 240\" role=\"img\" aria-label=\"The block from the side of its free faces\">" + front +
+      back;
+  const double x = dot(judgement.direction, eye.right), y = -dot(judgement.direction, eye.up);
+  if (const double length = std::hypot(x, y); length > 0.05) {
+    const double ux = x / length, uy = y / length, tip = side / 2 - 6;
+    const double tx = side / 2 + tip * ux, ty = side / 2 + tip * uy;
+    out += "<path d=\"M120,120L" + fixed(tx) + ',' + fixed(ty) +
+           "\" stroke=\"#009E73\" stroke-width=\"3\"/><path d=\"M" + fixed(tx) + ',' + fixed(ty) + 'l' +
+           fixed(-9 * ux - 4 * uy) + ',' + fixed(-9 * uy + 4 * ux) + 'l' + fixed(8 * uy) + ',' + fixed(-8 * ux) +
+           "z\" fill=\"#009E73\"/>";
   }
   return out + "</svg>";
 }

@@ -92,6 +92,9 @@ void clamped_fields(V& v, const scene::ClampedBlock* clamped) {
   v("tension_n_clamped", of(&C::tension), "sum over planes; counted as no stress");
 }
 
+/// "10:30": to half an hour.
+[[nodiscard]] std::string clock_text(double hours);
+
 template <class V>
 void place_fields(V& v, const scene::BlockPlace& place, const std::vector<std::string>& sets) {
   v("x_m", place.centroid.x, "centroid of the block");
@@ -104,6 +107,11 @@ void place_fields(V& v, const scene::BlockPlace& place, const std::vector<std::s
   v("chainage_m", place.chainage, "along the tunnel's axis; empty where there is no tunnel");
   v("free_area_m2", place.free_area, "of the block's free faces");
   v("sets", sets, "joint sets that bound the block, joined by `;`");
+  v("clock", place.clock ? std::optional{clock_text(*place.clock)} : std::nullopt,
+    "on the face of a clock to half an hour, looking along the tunnel's axis: `12:00` at the crown, `3:00` on the "
+    "right");
+  v("depth_m", place.depth, "how far it reaches into the rock: of its corners the one farthest from its free faces");
+  v("extent_m", place.extent, "between the two corners that are farthest apart");
 }
 
 template <class V>

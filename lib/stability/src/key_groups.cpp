@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <unordered_set>
 #include <utility>
 
 #include "assembly_of.hpp"
@@ -15,7 +17,7 @@ using assembly::Verdict;
 using geometry::Vec3;
 using topology::BlockId;
 
-/// Layers of blocks behind the exposed ones that are looked at first; as many more when a group touches the last.
+/// Layers of blocks behind the exposed ones that are looked at; as many more around a group that touches the last.
 constexpr std::uint32_t first_layers = 3;
 
 /// What no other group has taken; it moves with those, but it is they that are proved to move.
@@ -34,8 +36,8 @@ assembly::Group without(const assembly::Group& group, const std::vector<std::uin
 
 class Search final {
  public:
-  Search(const topology::BlockComplex& complex, const Settings& settings, std::size_t most)
-      : model_{complex, settings}, layers_{first_layers}, doubted_(complex.blocks().size(), 0), most_{most} {}
+  Search(const topology::BlockComplex& complex, const Settings& settings, const Together& most)
+      : model_{complex, settings}, doubted_(complex.blocks().size(), 0), most_{most} {}
 
   KeyGroups run() {
     const std::uint32_t most = model_.settings().max_batches;
@@ -84,65 +86,114 @@ class Search final {
 
   /// Blocks with something open, and those within some layers of them.
   [[nodiscard]] std::vector<BlockId> near(std::uint32_t batch) {
-    IdVector<BlockId, std::uint8_t> taken(complex().blocks().size(), 0);
-    std::vector<BlockId> all, layer;
+    std::vector<BlockId> open;
     const auto begin = [&](BlockId id) {
-      if (taken[id] != 0 || !may_move(id, batch) || !model_.held(id, batch).exposed) return;
-      taken[id] = 1;
-      layer.push_back(id);
+      if (may_move(id, batch) && model_.held(id, batch).exposed) open.push_back(id);
     };
     if (left_.empty()) {
       for (const BlockId id : complex().blocks().ids()) begin(id);
     }
     // Later states differ beside what has left alone.
     for (const BlockId id : left_) neighbours(id, begin);
-    for (std::uint32_t k = 0;; ++k) {
-      all.insert(all.end(), layer.begin(), layer.end());
-      if (k >= layers_ || layer.empty()) break;
+    return within(open, first_layers, batch);
+  }
+
+  /// Blocks within some layers of those given, and these; ascending.
+  [[nodiscard]] std::vector<BlockId> within(std::vector<BlockId> layer, std::uint32_t layers,
+                                            std::uint32_t batch) const {
+    std::ranges::sort(layer);
+    layer.erase(std::ranges::unique(layer).begin(), layer.end());
+    std::unordered_set<std::uint32_t> taken;
+    for (const BlockId id : layer) taken.insert(id.value());
+    std::vector<BlockId> all = layer;
+    for (std::uint32_t k = 0; k < layers && !layer.empty(); ++k) {
       std::vector<BlockId> next;
       for (const BlockId id : layer) {
         neighbours(id, [&](BlockId other) {
-          if (taken[other] != 0 || !may_move(other, batch)) return;
-          taken[other] = 1;
-          next.push_back(other);
+          if (may_move(other, batch) && taken.insert(other.value()).second) next.push_back(other);
         });
       }
+      all.insert(all.end(), next.begin(), next.end());
       layer = std::move(next);
     }
     std::ranges::sort(all);
     return all;
   }
 
-  /// Groups of one state; with more layers as long as one touches what is taken to be fixed and is not.
+  /// Groups of one state. Where one touches what is taken to be fixed and is not, it is looked at again in more rock
+  /// around it.
   std::vector<KeyGroup> state(std::uint32_t batch) {
+    std::vector<BlockId> blocks = near(batch);
+    if (batch == 1) out_.blocks = blocks.size();
+    if (blocks.empty()) return {};
+    if (blocks.size() > most_.blocks) {
+      out_.too_many = true;
+      return {};
+    }
+    std::vector<KeyGroup> found = groups_of(blocks, batch);
+    for (std::uint32_t layers = 2 * first_layers;; layers += first_layers) {
+      std::vector<KeyGroup> kept = found;
+      const std::vector<BlockId> wider = around_touching(kept, blocks, layers, batch);
+      if (wider.empty()) break;
+      if (wider.size() > most_.blocks) {
+        out_.cut_off = true;
+        break;
+      }
+      found = std::move(kept);
+      for (KeyGroup& group : groups_of(wider, batch)) found.push_back(std::move(group));
+      std::ranges::sort(found, {}, [](const KeyGroup& g) { return g.blocks.front(); });
+      std::vector<BlockId> both;
+      std::ranges::set_union(blocks, wider, std::back_inserter(both));
+      blocks = std::move(both);
+    }
+    for (const KeyGroup& group : found) {
+      for (const BlockId id : group.blocks) {
+        neighbours(id,
+                   [&](BlockId other) { out_.at_the_edge = out_.at_the_edge || complex().blocks()[other].truncated; });
+      }
+    }
+    return found;
+  }
+
+  /// Whether a group that moves has a block beside one that may move too and was not looked at.
+  [[nodiscard]] bool touches(const KeyGroup& group, const std::vector<BlockId>& blocks, std::uint32_t batch) const {
+    bool out = false;
+    for (const BlockId id : group.blocks) {
+      neighbours(id, [&](BlockId other) {
+        out = out || (!std::ranges::binary_search(blocks, other) && may_move(other, batch));
+      });
+    }
+    return out && group.verdict != Verdict::in_doubt;
+  }
+
+  /// Blocks within some layers of groups that touch what was not looked at, and of the groups among those, which are
+  /// all taken out of `found`: the rest stays at rest.
+  std::vector<BlockId> around_touching(std::vector<KeyGroup>& found, const std::vector<BlockId>& blocks,
+                                       std::uint32_t layers, std::uint32_t batch) {
+    std::vector<BlockId> seeds, wide;
+    const auto reached = [&](const KeyGroup& group) {
+      return wide.empty()
+                 ? touches(group, blocks, batch)
+                 : std::ranges::any_of(group.blocks, [&](BlockId id) { return std::ranges::binary_search(wide, id); });
+    };
     for (;;) {
-      const std::vector<BlockId> blocks = near(batch);
-      if (batch == 1) out_.blocks = blocks.size();
-      if (blocks.empty()) return {};
-      if (blocks.size() > most_) {
-        out_.too_many = true;
-        return {};
-      }
-      std::vector<KeyGroup> found = groups_of(blocks, batch);
-      bool touches = false;
-      for (const KeyGroup& group : found) {
-        for (const BlockId id : group.blocks) {
-          neighbours(id, [&](BlockId other) {
-            if (std::ranges::binary_search(blocks, other)) return;
-            touches = touches || may_move(other, batch);
-            out_.at_the_edge = out_.at_the_edge || complex().blocks()[other].truncated;
-          });
-        }
-      }
-      if (!touches) return found;
-      layers_ += first_layers;
+      const auto out = std::ranges::stable_partition(found, [&](const KeyGroup& g) { return !reached(g); });
+      if (out.empty()) return wide;
+      for (const KeyGroup& group : out) seeds.insert(seeds.end(), group.blocks.begin(), group.blocks.end());
+      found.erase(out.begin(), out.end());
+      wide = within(seeds, layers, batch);
     }
   }
 
   std::vector<KeyGroup> groups_of(const std::vector<BlockId>& blocks, std::uint32_t batch) {
     const assembly::Assembly whole = assembly_of(model_, blocks, batch);
     std::array<std::vector<assembly::Group>, 2> found{assembly::find_groups(whole.with(Freedom::translation)).groups,
-                                                      assembly::find_groups(whole.with(Freedom::rigid)).groups};
+                                                      {}};
+    if (blocks.size() <= most_.turning) {
+      found[1] = assembly::find_groups(whole).groups;
+    } else {
+      out_.without_moments = true;
+    }
     std::vector<std::uint8_t> taken(blocks.size(), 0);
     std::vector<KeyGroup> out;
     // Every block once: as what moves before what is in doubt, and as what translation moves before what turns.
@@ -183,16 +234,15 @@ class Search final {
   }
 
   Model model_;
-  std::uint32_t layers_;
   std::vector<BlockId> left_;                ///< in the batch before
   IdVector<BlockId, std::uint8_t> doubted_;  ///< said to be in doubt
-  std::size_t most_;                         ///< blocks that are looked at together
+  Together most_;
   KeyGroups out_;
 };
 
 }  // namespace
 
-KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings, std::size_t most) {
+KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings, const Together& most) {
   return Search{complex.complex(), settings, most}.run();
 }
 

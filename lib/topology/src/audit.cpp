@@ -148,7 +148,7 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned 
     if (!verdict.euler) ++certificate.euler_violations;
     certificate.misfits += m.misfits;
     certificate.face_vector_max_relative = std::max(certificate.face_vector_max_relative, m.closure);
-    const bool closes = m.closure <= 1e-12 * std::sqrt(static_cast<double>(complex.blocks()[BlockId{b}].faces.size()));
+    const bool closes = detail::FitAuditor::closes(m.closure, complex.blocks()[BlockId{b}].faces.size());
     closures_hold = closures_hold && closes;
     const bool sound = verdict.closed && verdict.euler && m.misfits == 0 && closes;
     if (!sound && certificate.offenders.size() < 20) certificate.offenders.emplace_back(b);

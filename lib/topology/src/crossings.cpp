@@ -39,6 +39,15 @@ bool apart(const Segment& s, const Segment& t) {
   return same_side(s, t) || same_side(t, s);
 }
 
+/// Safely with more than a point in common, of two on one line.
+bool overlap(const Segment& s, const Segment& t) {
+  constexpr double margin = 0x1p-36;
+  const auto common = [](double a, double b, double c, double d) {
+    return std::min(std::max(a, b), std::max(c, d)) - std::max(std::min(a, b), std::min(c, d)) > margin;
+  };
+  return common(s.ax, s.bx, t.ax, t.bx) || common(s.ay, s.by, t.ay, t.by);
+}
+
 /// A meet so far away that it cannot lie in the scene (positions are below 1/2 in each coordinate).
 bool far_away(const PointApprox& point) {
   const double w = std::abs(point.w) + exact::det3_error_bound;
@@ -57,29 +66,52 @@ class Finder {
   };
   [[nodiscard]] Result result() && { return {std::move(vertices_), std::move(on_lines_), std::move(coaxial_), signs_}; }
 
-  /// Segment `s` of a plane with all those after it.
-  void meet_others(Index plane, const Segment& s, std::span<const Segment> others) {
-    for (const Segment& t : others) {
-      if (s.other == t.other) continue;
-      if (!s.outline && !t.outline && (s.other < plane || t.other < plane)) continue;
-      if (!apart(s, t)) meet_pair(plane, s, t);
+  /// Some segments of a plane, each with all those after it.
+  void meet_others(Index plane, std::span<const Segment> segments, std::size_t first, std::size_t last) {
+    head_.clear();
+    for (std::size_t i = first; i < last; ++i) {
+      const Segment& s = segments[i];
+      for (std::size_t k = i + 1; k < segments.size(); ++k) {
+        const Segment& t = segments[k];
+        if (s.other == t.other) continue;
+        if (!s.outline && !t.outline && (s.other < plane || t.other < plane)) continue;
+        if (apart(s, t) || known(i, k)) continue;
+        if (meet_pair(plane, s, t) && lowest(plane, s) && lowest(plane, t) && overlap(s, t)) {
+          if (head_.empty()) head_.assign(segments.size(), none);
+          if (head_[i] == none) head_[i] = static_cast<Index>(i);
+          if (head_[k] == none) head_[k] = static_cast<Index>(i);
+        }
+      }
     }
   }
 
  private:
-  void meet_pair(Index plane, const Segment& s, const Segment& t) {
+  static bool lowest(Index plane, const Segment& s) { return !s.outline && s.other > plane; }
+  /// Segments on one line with the same head overlap with it, and so, where with each other, all in a common point.
+  /// That they are coaxial, and with the line of their other planes, is found in pairs with the head: here, and in the
+  /// head's other plane.
+  [[nodiscard]] bool known(std::size_t i, std::size_t k) const {
+    return !head_.empty() && head_[k] != none && head_[k] == head_[i];
+  }
+
+  /// Whether they lie on one line.
+  bool meet_pair(Index plane, const Segment& s, const Segment& t) {
     const Interval &a = traces_.intervals[s.interval], &b = traces_.intervals[t.interval];
     const Line& line = traces_.lines[a.line];
-    const PointApprox point = exact::meet(line.approx, signs_.plane(t.other));
-    if (far_away(point)) return;
+    PointApprox point = exact::meet(line.approx, signs_.plane(t.other));
+    if (far_away(point)) return false;
     if (signs_.det3(point, line.p, line.q, t.other) == Sign::zero) {
-      if (signs_.parallel_side(line.p, line.q, t.other) != Sign::zero) return;
+      if (signs_.parallel_side(line.p, line.q, t.other) != Sign::zero) return false;
       coaxial_.push_back({a.line, b.line});
       if (const Index third = traces_.find_line(s.other, t.other); third != none) coaxial_.push_back({a.line, third});
-      return;
+      return true;
+    }
+    if (!exact::det3_filtered(point)) {
+      point = exact::refined_meet(signs_.plane(line.p), signs_.plane(line.q), signs_.plane(t.other));
+      if (far_away(point)) return false;
     }
     for (const HalfSpace h : {a.lower, a.upper, b.lower, b.upper}) {
-      if (signs_.inside(point, line.p, line.q, t.other, h) == Sign::negative) return;
+      if (signs_.inside(point, line.p, line.q, t.other, h) == Sign::negative) return false;
     }
     const Index vertex = static_cast<Index>(vertices_.size());
     vertices_.push_back({{line.p, line.q, t.other}, point});
@@ -88,6 +120,7 @@ class Finder {
     if (const Index third = traces_.find_line(s.other, t.other); third != none) {
       on_lines_.push_back({third, vertex, plane});
     }
+    return false;
   }
 
   const Traces& traces_;
@@ -95,6 +128,9 @@ class Finder {
   std::vector<Vertex> vertices_;
   std::vector<OnLine> on_lines_;
   std::vector<std::array<Index, 2>> coaxial_;
+  /// Of each segment of the plane: the first that overlaps with it on its line, itself where it is that; none. Empty
+  /// where none do.
+  std::vector<Index> head_;
 };
 
 Segment project(const Prepared& prepared, const Traces& traces, Index plane, Index interval) {
@@ -150,10 +186,15 @@ Crossings find_crossings(const Prepared& prepared, const Traces& traces, Signs& 
   auto results = made_in_pieces(segments.size(), threads, [&](std::size_t first, std::size_t last) {
     Finder finder{traces, signs};
     auto plane = static_cast<Index>(std::ranges::upper_bound(begin, first) - begin.begin()) - 1;
-    for (std::size_t s = first; s < last; ++s) {
-      while (begin[plane + std::size_t{1}] <= s) ++plane;
-      finder.meet_others(plane, segments[s],
-                         std::span{segments}.subspan(s + 1, begin[plane + std::size_t{1}] - (s + 1)));
+    // Segments are taken in the same groups whatever the pieces, a group in the piece that has its first.
+    constexpr std::size_t group = 1024;
+    for (; plane < prepared.facet_planes && begin[plane] < last; ++plane) {
+      const std::size_t own = begin[plane], end = begin[plane + std::size_t{1}];
+      std::size_t from = own < first ? own + (first - own + group - 1) / group * group : own;
+      for (; from < std::min(end, last); from += group) {
+        finder.meet_others(plane, std::span{segments}.subspan(own, end - own), from - own,
+                           std::min(from + group, end) - own);
+      }
     }
     return std::move(finder).result();
   });

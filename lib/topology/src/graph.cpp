@@ -91,15 +91,13 @@ class Sorter {
     }
     std::ranges::sort(items_,
                       [](const Item& a, const Item& b) { return a.t < b.t || (!(b.t < a.t) && a.vertex < b.vertex); });
-    bool in_order = true;
-    for (std::size_t i = 1; i < items_.size() && in_order; ++i)
-      in_order = compare(items_[i - 1], items_[i]) != Sign::positive;
-    if (!in_order) {
+    if (!steps_forward()) {
       std::ranges::stable_sort(items_, [&](const Item& a, const Item& b) { return compare(a, b) == Sign::negative; });
+      steps_forward();
     }
     Index end = classes_.on_begin[c];
     for (std::size_t i = 0; i < items_.size(); ++i) {
-      if (i > 0 && compare(items_[i - 1], items_[i]) == Sign::zero) {
+      if (items_[i].as_before) {
         same_point_.push_back({items_[i - 1].vertex, items_[i].vertex});
       } else {
         classes_.sorted[end++] = items_[i].vertex;  // the first of each point is enough
@@ -112,8 +110,20 @@ class Sorter {
   struct Item {
     double t;
     Index vertex, transversal;
-    Sign sense;  ///< of the transversal plane's normal along the line
+    Sign sense;              ///< of the transversal plane's normal along the line
+    bool as_before = false;  ///< the same point as the item before
   };
+
+  /// Compares each item with the one before; false where one lies behind it.
+  bool steps_forward() {
+    for (std::size_t i = 1; i < items_.size(); ++i) {
+      const Sign step = compare(items_[i - 1], items_[i]);
+      if (step == Sign::positive) return false;
+      items_[i].as_before = step == Sign::zero;
+    }
+    if (!items_.empty()) items_.front().as_before = false;
+    return true;
+  }
 
   /// Negative when a comes before b in the direction of the line, zero when they are one point.
   Sign compare(const Item& a, const Item& b) {

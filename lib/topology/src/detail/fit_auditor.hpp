@@ -60,6 +60,7 @@ class FitAuditor final {
     }
     out.volume /= 3;
     out.closure = size > 0 ? geometry::norm(sum) / size : 0;
+    if (!closes(out.closure, block.faces.size())) out.closure = geometry::norm(sum_again(block, apex)) / size;
     if (out.misfits == 0 && !equal(block.volume.si(), out.volume, surface) && !volume_holds(b, surface, out.volume)) {
       ++out.misfits;
     }
@@ -67,6 +68,10 @@ class FitAuditor final {
       ++out.misfits;
     }
     return out;
+  }
+  /// Whether face vectors add up to nothing but roundings.
+  [[nodiscard]] static bool closes(double closure, std::size_t faces) {
+    return closure <= 1e-12 * std::sqrt(static_cast<double>(faces));
   }
   /// `measured`, or the volume by integers where doubles are not good to `relative`.
   [[nodiscard]] double volume(BlockId b, double measured, double relative) const {
@@ -146,6 +151,30 @@ class FitAuditor final {
     if (equal(face.area.si(), measured, 0) && equal(patches, face.area.si(), 0)) return true;
     const auto [own_area, rim] = measure_alone(face);
     return equal(face.area.si(), geometry::dot(own_area, outward), rim) && equal(patches, face.area.si(), rim);
+  }
+
+  /// The sum of a block's face vectors, kept in twice the digits: faces of slivers are small beside the parts that
+  /// their edges add to two of them.
+  [[nodiscard]] Vec3 sum_again(const Block& block, Vec3 apex) const {
+    Vec3 sum{}, rest{};
+    const auto add = [](double& total, double& lost, double part) {  // Knuth's exact sum of two
+      const double next = total + part, of_part = next - total;
+      lost += (total - (next - of_part)) + (part - of_part);
+      total = next;
+    };
+    for (const FaceId f : block.faces) {
+      for (const auto loop : complex_.loops(complex_.faces()[f])) {
+        Vec3 a = complex_.vertices()[loop.back()] - apex;
+        for (const VertexId v : loop) {
+          const Vec3 b = complex_.vertices()[v] - apex, part = 0.5 * geometry::cross(a, b);
+          add(sum.x, rest.x, part.x);
+          add(sum.y, rest.y, part.y);
+          add(sum.z, rest.z, part.z);
+          a = b;
+        }
+      }
+    }
+    return sum + rest;
   }
 
   struct Alone {

@@ -13,7 +13,11 @@ struct BlockPlace {
   geometry::Vec3 centroid = {};         ///< m
   std::string_view location = {};       ///< `location_of`, or "face": no tunnel, or its heading; empty: no free face
   std::optional<double> chainage = {};  ///< m along the axis of the tunnel that it has most free area at
+  /// Hours on the face of a clock, looking along the axis: 12 at the crown, 3 on the right; in (0, 12].
+  std::optional<double> clock = {};
   Area free_area = {};
+  Length depth = {};             ///< of its corners the one farthest from its free faces; 0 without a free face
+  Length extent = {};            ///< between the two corners farthest apart
   std::vector<SetId> sets = {};  ///< of its joints, ascending
 };
 /// `joints`: of the block, see `joints_of`.
@@ -22,6 +26,9 @@ struct BlockPlace {
 
 /// "roof", "floor", "left wall", "right wall" (looking along the axis): what lies to the right and up by so much.
 [[nodiscard]] std::string_view location_of(double right, double up);
+
+/// Hours on the face of a clock of what lies to the right and up by so much: in (0, 12].
+[[nodiscard]] double clock_of(double right, double up);
 
 /// Numbers of the joints that bound a block, ascending.
 [[nodiscard]] std::vector<topology::JointId> joints_of(const topology::BlockComplex& complex, topology::BlockId block);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
@@ -217,13 +218,52 @@ struct ContactResult {
   std::vector<std::string> notes;
 };
 
+/// What became of the bodies. One has moved that lies farther from its place at the start than `moves_from` of its
+/// size, its turn counted at half its size.
+enum class BodyMotion : std::uint8_t {
+  slides,
+  topples,  ///< turned by more than `topples_from`
+  falls,    ///< touched nothing when it had moved
+};
+constexpr double moves_from = 0.01;  ///< of a body's size, the distance between its corners farthest apart
+constexpr double topples_from = 5;   ///< degrees
+inline constexpr std::string_view name_of(BodyMotion motion) {
+  return motion == BodyMotion::slides ? "slides" : motion == BodyMotion::topples ? "topples" : "falls";
+}
+struct ContactVerdict {
+  bool known = true;                      ///< false: the run stopped before anything moved
+  std::array<std::uint64_t, 3> bodies{};  ///< how many moved, by BodyMotion
+  /// Of the body that moved first; of several in one frame the one that went farthest for its size. Empty: none moved.
+  std::optional<BodyMotion> motion;
+  std::optional<double> since;  ///< s: the frame that shows it moved
+  std::uint32_t first = 0;      ///< that body, where `since` says so
+  [[nodiscard]] std::uint64_t moved() const { return bodies[0] + bodies[1] + bodies[2]; }
+};
+inline constexpr std::string_view name_of(const ContactVerdict& verdict) {
+  return verdict.motion ? name_of(*verdict.motion) : verdict.known ? "stands" : "not known";
+}
+/// "2 slid, 1 toppled".
+[[nodiscard]] std::string counts_of(const ContactVerdict& verdict);
+/// By the frames of the run; of a run that stopped, up to where it came.
+[[nodiscard]] ContactVerdict verdict_of(const ContactResult& result);
+
 /// Section `contact`.
 template <class V>
 void plane_fields(V& v, const ContactResult& x) {
   const ContactHistory last = x.history.empty() ? ContactHistory{} : x.history.back();
+  const ContactVerdict verdict = verdict_of(x);
+  const std::string name_of_first = verdict.since ? x.bodies[verdict.first].name : std::string{};
   v("contact", group([&](auto& w) {
       w("status", one_of(x.converged ? "converged" : "stopped", {"converged", "stopped"}));
       w("reason", when(!x.converged, x.stopped_why), "why it stopped");
+      w("verdict", one_of(name_of(verdict), {"stands", "slides", "topples", "falls", "not known"}),
+        "of the body that moved first; stands: none moved by more than 1 % of its size; not known: the run stopped "
+        "before one did");
+      w("bodies_slid", verdict.bodies[0]);
+      w("bodies_toppled", verdict.bodies[1], "turned by more than 5 degrees");
+      w("bodies_fell", verdict.bodies[2], "touched nothing when they had moved");
+      w("moved_since_s", verdict.since, "the first frame that shows a body moved");
+      w("moved_first", when(verdict.since.has_value(), name_of_first), "which body that is");
       w("steps", x.steps);
       w("residual", x.residual, "of the contact law, relative; the worst of all steps");
       w("max_displacement_m", x.largest_displacement, "of a corner, in any frame");

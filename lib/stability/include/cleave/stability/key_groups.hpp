@@ -30,8 +30,12 @@ struct KeyGroup {
   bool factors = true;            ///< false: too large a group for factors
 };
 
-/// At most so many blocks are looked at together; where groups are only noted, so many that it costs little.
-inline constexpr std::size_t most_together = 800, most_noted = 60;
+/// At most so many blocks are looked at together, and so many with moments.
+struct Together {
+  std::size_t blocks = 0, turning = 0;
+};
+/// Where groups are only noted, so many that it costs little.
+inline constexpr Together most_together{20'000, 20'000}, most_noted{1'500, 60};
 
 struct KeyGroups {
   std::vector<KeyGroup> groups = {};  ///< by batch, then by lowest block
@@ -39,15 +43,19 @@ struct KeyGroups {
   bool stopped_at_max_batches = false;
   /// More blocks than are looked at together: nothing was looked for.
   bool too_many = false;
+  /// More than are looked at with moments: in translation alone.
+  bool without_moments = false;
+  /// A group that moves touches more blocks that may move than are looked at together: more may move than it says.
+  bool cut_off = false;
   /// A block that is known in part only was taken to stay beside a block that moves.
   bool at_the_edge = false;
 };
 
 /// Blocks near free faces judged together, state by state: first in translation, then with moments. What is farther off
-/// is taken to be fixed, which only adds support; the near part grows until no group touches its end.
-/// `most`: of more blocks nothing is looked for, and `too_many` says so.
+/// is taken to be fixed, which only adds support; groups that touch its end are looked at again in more rock around
+/// them. `most`: of more blocks nothing is looked for, and `too_many` says so.
 [[nodiscard]] KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings,
-                                        std::size_t most = most_together);
+                                        const Together& most = most_together);
 
 /// Makes the blocks of groups that are not in doubt key blocks of the batch that their group was found in, where they
 /// are in no batch. `analysis` and `groups` are of this complex.
