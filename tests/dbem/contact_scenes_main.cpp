@@ -4,8 +4,10 @@
 #include <charconv>
 #include <cstdint>
 #include <ctime>
-#include <span>
+#include <memory>
+#include <ranges>
 #include <string_view>
+#include <vector>
 
 #include "contact_families.hpp"
 
@@ -52,11 +54,11 @@ Row run_family(ContactFamily family, std::uint64_t count, std::uint64_t first, s
 }
 
 std::uint64_t number(std::string_view text, std::uint64_t otherwise) {
-  std::from_chars(text.data(), text.data() + text.size(), otherwise);
+  (void)std::from_chars(text.data(), std::to_address(text.end()), otherwise);
   return otherwise;
 }
 
-int run(std::span<char*> arguments) {
+int run(const std::vector<std::string_view>& arguments) {
   const auto given = [&](std::size_t k, std::uint64_t otherwise) {
     return k < arguments.size() ? number(arguments[k], otherwise) : otherwise;
   };
@@ -64,11 +66,9 @@ int run(std::span<char*> arguments) {
   bool good = true;
   fmt::print("family    scenes refused stopped  wrong     steps  overlap     gain   left   CPU s\n");
   for (std::size_t f = 0; f < contact_family_names.size(); ++f) {
-    if (arguments.size() > 4 && std::ranges::find(arguments.subspan(4), contact_family_names[f], [](const char* text) {
-                                  return std::string_view{text};
-                                }) == arguments.end()) {
-      continue;
-    }
+    const bool named = std::ranges::find(arguments | std::views::drop(4), contact_family_names[f]) !=
+                       std::ranges::end(arguments | std::views::drop(4));
+    if (arguments.size() > 4 && !named) continue;
     const Row r = run_family(static_cast<ContactFamily>(f), count, first, longer);
     fmt::print("{:9} {:6} {:7} {:7} {:6} {:9} {:8.1g} {:8.1g} {:6.3f} {:7.1f}\n", contact_family_names[f], r.scenes,
                r.refused, r.stopped, r.wrong, r.steps, r.overlap, r.gain, r.left, r.cpu);
@@ -80,4 +80,13 @@ int run(std::span<char*> arguments) {
 }  // namespace
 }  // namespace cleave::testing
 
-int main(int count, char** values) { return cleave::testing::run({values, static_cast<std::size_t>(count)}); }
+int main(int count, char** values) {
+#ifdef __clang__
+#pragma clang unsafe_buffer_usage begin
+#endif
+  const std::vector<std::string_view> arguments(values, values + count);
+#ifdef __clang__
+#pragma clang unsafe_buffer_usage end
+#endif
+  return cleave::testing::run(arguments);
+}
