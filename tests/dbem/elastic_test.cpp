@@ -262,7 +262,7 @@ TEST(SleepTest, PilesFallAsleepAndWakeWhenHit) {
   while (world.time() < 0.5) {
     const auto report = world.step();
     ASSERT_TRUE(report.has_value());
-    EXPECT_TRUE(!slept || report->asleep == 6) << world.time();  // they stay so: nothing touches them yet
+    EXPECT_TRUE(!slept || report->asleep == 6) << world.time();   // they stay so: nothing touches them yet
     EXPECT_TRUE(!slept || report->islands == 0) << world.time();  // nor is anything solved for them
     slept = slept || report->asleep == 6;
   }
