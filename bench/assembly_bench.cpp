@@ -33,7 +33,7 @@ void key_groups(benchmark::State& state) {
   if (!right(found, lattice)) state.SkipWithError("not the loose cubes, or not with their factor");
   state.counters["blocks"] = static_cast<double>(whole.bodies().size());
 }
-BENCHMARK(key_groups)->Arg(18)->Arg(56)->Unit(benchmark::kMillisecond);
+BENCHMARK(key_groups)->Arg(22)->Arg(68)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace cleave

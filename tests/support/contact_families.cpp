@@ -273,6 +273,42 @@ void fill_lattice(Draws& draw, ContactScene& s) {
   s.until = 0.8;
 }
 
+void fill_stacks(Draws& draw, ContactScene& s) {
+  const std::size_t across = draw.count(2, 6), up = draw.count(2, 25);
+  const double gap = draw.of({0, 0, 1e-9, 1e-6, 1e-3}), h = draw.of({1, 0.5, 0.25}), lift = draw.of({0, 0, 1e-5});
+  const bool uneven = draw.one_in(2);
+  add(s, rectangle(-10, -1, 30, 1), true);
+  for (std::size_t k = 0; k < across; ++k) {
+    const std::size_t high = uneven ? draw.count(1, up) : up;
+    for (std::size_t r = 0; r < high; ++r) {
+      add(s, rectangle(static_cast<double>(k) * (1 + gap), static_cast<double>(r) * (h + lift) + lift, 1, h), false);
+    }
+  }
+  s.options.gravity = {9.81 * draw.of({0, 0, 0.05, 0.2}), -9.81};
+  s.until = 0.5;
+}
+
+void fill_ratio(Draws& draw, ContactScene& s) {
+  const std::size_t n = draw.count(2, 8);
+  const double heavy = std::pow(10, draw.within(0, 9)), gap = draw.of({0, 0, 1e-3});
+  const bool lintel = draw.one_in(2);
+  add(s, rectangle(-10, -1, 20, 1), true);
+  double y = gap;
+  for (std::size_t k = 0; k < n; ++k) {
+    if (lintel) {
+      add(s, rectangle(0, y, 0.5, 0.5), false);
+      add(s, rectangle(1.5, y, 0.5, 0.5), false);
+      y += 0.5 + gap;
+    }
+    add(s, rectangle(0, y, 2, 1), false);
+    s.bodies.back().density = draw.one_in(2) ? 2600 * heavy : 2600;
+    y += 1 + gap;
+  }
+  // The last digits of the heavy ones' forces move the light ones, by at most a thousandth of a step's fall.
+  s.gain = 1e-5;
+  s.until = 0.4;
+}
+
 }  // namespace
 
 ContactScene make_contact_scene(ContactFamily family, std::uint64_t seed) {
@@ -291,6 +327,8 @@ ContactScene make_contact_scene(ContactFamily family, std::uint64_t seed) {
     case ContactFamily::cut_wall: fill_cut_wall(draw, scene); break;
     case ContactFamily::gas: fill_gas(draw, scene); break;
     case ContactFamily::lattice: fill_lattice(draw, scene); break;
+    case ContactFamily::stacks: fill_stacks(draw, scene); break;
+    case ContactFamily::ratio: fill_ratio(draw, scene); break;
   }
   return scene;
 }

@@ -134,6 +134,29 @@ TEST(SharedSides, AnySetAnywhere) {
   }
 }
 
+TEST(SharedSides, BricksInOneTurnedPlane) {
+  // Neighbours of the outer ones lie outside the box: their outer corners are those of one polygon alone.
+  for (const double off : {0.3, 0.35}) {
+    for (const int rows : {2, 3}) {
+      const Placement at{{0.4, 0.2, 0.8}, 1, {}};
+      const double high = 6.0 / rows;
+      std::vector<Corners> bricks;
+      for (int i = -3; i < 3; ++i) {
+        for (int j = 0; j < rows; ++j) {
+          const double x = 1.5 * i + (j % 2 == 0 ? 0 : off), y = -3 + high * j;
+          const auto corner = [&](double a, double b) { return at({a, b, 0.05}); };
+          bricks.push_back({corner(x, y), corner(x + 1.5, y), corner(x + 1.5, y + high), corner(x, y + high)});
+        }
+      }
+      auto input = scene(box({-1, -1, -1}, {1, 1, 1}));
+      add(input, bricks);
+      const auto audited = certified(input);
+      EXPECT_EQ(audited.complex().blocks().size(), 2U) << off << ", " << rows;
+      EXPECT_EQ(audited.complex().report().near_misses.sides, 0U);
+    }
+  }
+}
+
 /// The faces of all blocks as joints of a new scene, as a file of them is read back.
 topology::CutInput read_back(const topology::BlockComplex& complex, geometry::Solid domain) {
   auto input = scene(std::move(domain));

@@ -105,6 +105,22 @@ TEST(Snapping, NeverOpensWhatIsClosed) {
   }
 }
 
+TEST(Snapping, TriangulatedCellsBelowTheirShortestSides) {
+  // Cells in triangles, as they are, turned, and far from the origin.
+  std::mt19937_64 random{5};
+  const auto cells = support::voronoi(120, [&] { return static_cast<double>(random() >> 11U) * 0x1p-53; });
+  for (const support::Placement& at :
+       {support::Placement{{}, 1, {}}, {{1.3, 0.4, 0.3}, 1, {}}, {{2.6, 0.8, 0.6}, 1, {5e6, -5e6, 100}}}) {
+    const Vec3 half{2, 2, 2};
+    const auto triangles = triangulated(support::placed(cells, at).polygons);
+    for (const double distance : {1e-9, 1e-6}) {
+      auto input = scene(box(at.shift - half, at.shift + half));
+      for (const auto& corners : triangles) input.joints.emplace_back(joint(corners));
+      EXPECT_EQ(count_blocks(snapped(input, distance)), 121U) << distance << " at " << at.shift.x;
+    }
+  }
+}
+
 TEST(Snapping, DoesNotDependOnTheOrderOfTheJoints) {
   // Three rectangles side by side on one turned plane, which together go through the box.
   const support::Placement at{{0.3, 0.2, 0.1}, 1, {}};

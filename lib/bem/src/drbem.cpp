@@ -112,7 +112,7 @@ Mat2 transposed(Mat2 m) { return {m.xx, m.yx, m.xy, m.yy}; }
 std::expected<Drbem, DrbemError> Drbem::make(const Region& region, const MeshSize& size, Basis basis,
                                              const std::vector<Vec2>& inner) {
   auto checked = check_loops(region.loops, false);
-  if (!checked) return std::unexpected(DrbemError{SolveError{BadOutline{0, checked.error()}}});
+  if (!checked) return std::unexpected<DrbemError>{std::in_place, SolveError{BadOutline{0, checked.error()}}};
   const double rho = region.material.density();
   if (!(rho > 0)) return std::unexpected(DrbemError{BlockNeedsDensity{}});
   Drbem out;

@@ -11,20 +11,27 @@ Vec2 Solution::node(std::size_t region, std::size_t node) const {
   return origin_ + scale_ * regions_[region].mesh.nodes[node].x;
 }
 
+bool Solution::within(std::size_t region, Vec2 x) const {
+  const std::vector<Loop>& loops = regions_[region].loops;
+  if (!std::isfinite(x.x) || !std::isfinite(x.y)) return false;
+  if (extent_ == Extent::bounded || region > 0) return inside(loops, x);
+  if (surface_ && x.y > origin_.y + scale_ * *surface_) return false;
+  return std::ranges::none_of(loops, [&](const Loop& loop) { return inside({reversed(loop)}, x); });
+}
+
+namespace {
+
+/// Of the size: what counts as on a boundary.
+constexpr double on_it = 1e-7;
+
+}  // namespace
+
 std::optional<std::size_t> Solution::region_at(Vec2 x) const {
   for (std::size_t r = 0; r < regions_.size(); ++r) {
-    if (extent_ != Extent::bounded && r == 0) {
-      if (surface_ && x.y > origin_.y + scale_ * *surface_) continue;
-      bool opening = false;
-      for (const Loop& loop : regions_[r].loops) opening = opening || inside({reversed(loop)}, x);
-      if (!opening) return r;
-      continue;
-    }
-    if (inside(regions_[r].loops, x)) return r;
+    if (within(r, x)) return r;
   }
-  // On a boundary: within a millionth of the size.
   for (std::size_t r = 0; r < regions_.size(); ++r) {
-    if (nearest(regions_[r].mesh, (x - origin_) / scale_).distance < 1e-7) return r;
+    if (nearest(regions_[r].mesh, (x - origin_) / scale_).distance < on_it) return r;
   }
   return std::nullopt;
 }
@@ -65,11 +72,13 @@ BoundaryPoint Solution::boundary(std::size_t region, std::size_t element, double
   return out;
 }
 
-Vec2 Solution::displacement(std::size_t region, Vec2 point) const {
+std::optional<Vec2> Solution::displacement(std::size_t region, Vec2 point) const {
+  if (region >= regions_.size()) return std::nullopt;
   const RegionPart& part = regions_[region];
   const Vec2 y = (point - origin_) / scale_;
   const Nearest near = nearest(part.mesh, y);
   if (near.distance < 1e-9) return boundary(region, near.element, near.s).displacement;
+  if (near.distance >= on_it && !within(region, point)) return std::nullopt;
   const Medium medium{{part.particular.mu, part.particular.nu},
                       surface_ ? std::optional{HalfPlane{*surface_}} : std::nullopt};
   const Integrator integrator{part.mesh, medium, integration_};
@@ -78,12 +87,14 @@ Vec2 Solution::displacement(std::size_t region, Vec2 point) const {
   return scale_ * (u + part.particular.displacement(y));
 }
 
-Sym2 Solution::stress(std::size_t region, Vec2 point) const {
+std::optional<Sym2> Solution::stress(std::size_t region, Vec2 point) const {
+  if (region >= regions_.size()) return std::nullopt;
   const RegionPart& part = regions_[region];
   const Mesh& mesh = part.mesh;
   const Vec2 y = (point - origin_) / scale_;
   const Nearest near = nearest(mesh, y);
   if (near.distance < 1e-9) return boundary(region, near.element, near.s).stress;
+  if (near.distance >= on_it && !within(region, point)) return std::nullopt;
   const Elastic elastic{part.particular.mu, part.particular.nu};
   const Medium medium{elastic, surface_ ? std::optional{HalfPlane{*surface_}} : std::nullopt};
   const Integrator integrator{mesh, medium, integration_};

@@ -19,7 +19,9 @@ std::vector<FaceForces> forces_on_faces(const Solution& solution, std::size_t re
     const Vec2 outward = turned_right(along);  // out of the block
     FaceForces f{.length = length};
     for (std::size_t k = 0; k < rule.s.size(); ++k) {
-      const Vec2 t = solution.stress(region, face.a + (0.5 * (1 + rule.s[k])) * span) * outward;
+      const std::optional<Sym2> stress = solution.stress(region, face.a + (0.5 * (1 + rule.s[k])) * span);
+      if (!stress) continue;  // in an opening: nothing acts there
+      const Vec2 t = *stress * outward;
       const double w = 0.5 * length * rule.w[k];
       f.normal -= w * dot(t, outward);
       f.shear += w * dot(t, along);

@@ -47,6 +47,8 @@ std::string describe(const SolveError& error) {
             return fmt::format("region {}, loop {} reaches the surface of the half plane or lies above it",
                                e.region + 1, e.loop + 1);
           },
+          [](const NoRegion&) { return std::string{"the problem has no region"}; },
+          [](const BadNumber& e) { return fmt::format("{} is {}", e.what, e.value); },
           [](const TooManyUnknowns& e) {
             return fmt::format("{} unknowns need {:.0f} MB; use fewer elements or allow more memory", e.unknowns,
                                e.needed_mb);

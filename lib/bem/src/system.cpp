@@ -29,7 +29,36 @@ Box box_of(const std::vector<Region>& regions) {
 
 }  // namespace
 
+std::optional<SolveError> SystemBuilder::check_numbers() const {
+  if (problem_.regions.empty()) return NoRegion{};
+  const MeshSize& mesh = options_.mesh;
+  // Finer than rounding no rule of integration comes to an end.
+  if (!(options_.integration >= 1e-15 && options_.integration < 1)) {
+    return BadNumber{"the relative error of the integrals", options_.integration};
+  }
+  if (!std::isfinite(mesh.element)) return BadNumber{"the length of an element", mesh.element};
+  if (!(mesh.arc_degrees > 0 && mesh.arc_degrees <= 360)) return BadNumber{"the arc on an element", mesh.arc_degrees};
+  if (mesh.subdivide == 0) return BadNumber{"the number of parts of an element", 0};
+  if (!(options_.memory_limit_mb > 0)) return BadNumber{"the memory allowed", options_.memory_limit_mb};
+  const BodyLoad& load = problem_.load;
+  const InSitu& in = problem_.in_situ;
+  for (const double value : {load.gravity.x, load.gravity.y, load.spin, load.angular_acceleration, load.centre.x,
+                             load.centre.y, in.stress.xx, in.stress.xy, in.stress.yy, in.level, in.gradient.xx,
+                             in.gradient.xy, in.gradient.yy, problem_.surface}) {
+    if (!std::isfinite(value)) return BadNumber{"a number of the loads or of the surface", value};
+  }
+  for (const PointForce& force : problem_.forces) {
+    const double sum = force.at.x + force.at.y + force.force.x + force.force.y;
+    if (!std::isfinite(sum)) return BadNumber{"a number of a point force", sum};
+    if (force.region >= problem_.regions.size()) {
+      return BadNumber{"the region of a point force", static_cast<double>(force.region)};
+    }
+  }
+  return std::nullopt;
+}
+
 std::expected<System, SolveError> SystemBuilder::build() {
+  if (auto e = check_numbers(); e) return std::unexpected(*std::move(e));
   if (auto e = scale(); e) return std::unexpected(*std::move(e));
   if (auto e = bond(); e) return std::unexpected(*std::move(e));
   find_groups();

@@ -35,6 +35,7 @@ class SystemBuilder {
   [[nodiscard]] std::expected<System, SolveError> build();
 
  private:
+  [[nodiscard]] std::optional<SolveError> check_numbers() const;
   std::optional<SolveError> scale();
   const Condition& condition_of(std::size_t region, const Element& e) const;
   std::optional<SolveError> bond();

@@ -12,26 +12,43 @@ namespace {
 /// others) a penetration stays, and the harder the contacts the longer it takes to find that out.
 constexpr double parting_softness = 1e-4;
 
-/// Impulses that part bodies, empty when none were found: by Newton's method; where that goes round in circles, by
-/// sweeps, which part nearly as well. A millionth of a penetration may stay then or half of it: groups that resist are
-/// left for the next step.
-std::vector<Vec2> least_move(const ContactProblem& problem, std::size_t& solves) {
-  PatternSolver linear;
-  Tried found = newton(linear, problem, 0, 1e-8, 12, {});
-  solves += found.iterations;
-  if (judge(problem, found.p).residual <= 1e-6) return std::move(found.p);
+/// Sweeps that leave at most half of the deepest penetration; empty when they do not.
+std::vector<Vec2> swept_apart(const ContactProblem& problem, int sweeps) {
   const std::vector<Vec2> nowhere(problem.contacts());
-  found.p = nowhere;
-  sweep(problem, 0, nowhere, 200, found.p);
+  std::vector<Vec2> found = nowhere;
+  sweep(problem, 0, nowhere, sweeps, found);
   std::vector<Vec2> gaps = problem.b;
-  problem.w.add_product(found.p, gaps);
+  problem.w.add_product(found, gaps);
   double before = 0, after = 0;
   for (std::size_t k = 0; k < gaps.size(); ++k) {
     before = std::min(before, problem.b[k].x);
     after = std::min(after, gaps[k].x);
   }
-  if (!(after > 0.5 * before)) found.p.clear();
-  return std::move(found.p);
+  if (!(after > 0.5 * before)) found.clear();
+  return found;
+}
+
+/// Groups of more contacts than this are parted by sweeps where those do.
+constexpr std::size_t dear = 600;
+
+/// Impulses that part bodies, empty when none were found: a convex programme. Newton nearly always gets home and leaves
+/// a millionth of a penetration, interior points do where it goes round in circles. In very large groups both are dear
+/// and a few sweeps part nearly as well.
+std::vector<Vec2> least_move(const ContactProblem& problem, SolverOptions how, std::size_t& solves) {
+  if (problem.contacts() > dear) {
+    std::vector<Vec2> found = swept_apart(problem, 100);
+    if (!found.empty()) return found;
+  }
+  how.accept = std::max(how.accept, 1e-6);
+  how.target = 1e-2 * how.accept;
+  how.newton_iterations = 30;
+  for (const Method method : {Method::newton, Method::interior}) {
+    how.method = method;
+    ContactSolution found = solve(problem, how);
+    solves += found.report.iterations;
+    if (found.report.status != ContactReport::Status::not_converged) return std::move(found.impulse);
+  }
+  return {};
 }
 
 }  // namespace
@@ -151,7 +168,7 @@ bool World::Impl::project(Attempt& out) const {
       problem.b.push_back({law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap, 0});
     }
     problem.rigid = rigid_form(rows, island, true);
-    const std::vector<Vec2> impulse = least_move(problem, out.report.parting);
+    const std::vector<Vec2> impulse = least_move(problem, options.solver, out.report.parting);
     if (impulse.empty()) continue;  // left for the next step
     State shift;
     shift.v.assign(size(), {});

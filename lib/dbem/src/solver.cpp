@@ -102,15 +102,15 @@ class Cascade final {
         return;
       }
     }
-    if (wanders && swept()) return;
+    if (wanders && (along_path(std::min(quick_look, options_.path)) || swept())) return;
     // Rather than cut the step of a large group at once: what made it hard is often there in a shorter one, too.
     if (iterations_ >= options_.patience) {
-      if (large && !inside(wanders ? 150 : 1000)) along_path();
+      if (large && !inside(wanders ? 150 : 1000)) along_path(options_.path);
       return;
     }
     // What else there is needs thousands of linear solves there, and never got home.
     if (wanders && problem_.contacts() > 300) {
-      if (!inside(options_.path > 0 ? 150 : 1000)) along_path();
+      if (!inside(options_.path > 0 ? 150 : 1000)) along_path(options_.path);
       return;
     }
     if (wanders && shi()) return;
@@ -125,7 +125,7 @@ class Cascade final {
     if (!state.empty() && take(from_here(std::move(state), most), Method::newton)) return;
     if (problem_.contacts() <= 3 * most_for_lemke && take(pivot(), Method::lemke)) return;
     if (take(from_here(p_, most), Method::newton)) return;
-    if (inside(1000) || along_path()) return;
+    if (inside(1000) || along_path(options_.path)) return;
     // Sweeps creep up to an answer where Newton goes round in circles between the states of a few contacts.
     Tried swept{p_};
     for (int more = 0; more < 4; ++more) {
@@ -191,11 +191,11 @@ class Cascade final {
   }
 
   /// Proximal points from what is near the end of a path.
-  bool along_path() {
-    if (!problem_.rigid || options_.path == 0) return false;
+  bool along_path(std::size_t most) {
+    if (!problem_.rigid || most == 0) return false;
     std::size_t factors = 0, counted = 0;
     bool done = false;
-    turning_path(problem_, options_.path, factors, [&](const std::vector<Vec2>& p) {
+    turning_path(problem_, most, factors, [&](const std::vector<Vec2>& p) {
       iterations_ += factors - counted;
       counted = factors;
       done = (take(proximal(linear_, problem_, p, 0.1 * options_.accept, 30), Method::interior) ||
@@ -207,6 +207,7 @@ class Cascade final {
     return done;
   }
 
+  static constexpr std::size_t quick_look = 500;
   static constexpr std::size_t most_for_lemke = 100;
   Tried pivot() const {
     Tried tried;

@@ -207,6 +207,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, std::size_
     // Positions.
     double largest_turn = 0;
     double largest_move = 0;
+    bool finite = true;
     for (std::size_t b = 0; b < size(); ++b) {
       if (asleep[b] != 0) continue;
       const double th = theta[b];
@@ -216,12 +217,15 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, std::size_
       out.state.angle[b] = state.angle[b] + turn;
       for (std::size_t m = first_mode[b]; m < first_mode[b + 1]; ++m) {
         out.state.e[m] = state.e[m] + step * (th * out.state.de[m] + (1 - th) * state.de[m]);
+        finite = finite && std::isfinite(out.state.e[m]) && std::isfinite(out.state.de[m]);
       }
       largest_turn = std::max(largest_turn, std::abs(turn));
-      largest_move = std::max(largest_move, norm(dx) + std::abs(turn) * shapes[b].radius);
+      const double move = norm(dx) + std::abs(turn) * shapes[b].radius;
+      finite = finite && std::isfinite(move);
+      largest_move = std::max(largest_move, move);
     }
     out.report.max_displacement = largest_move;
-    if (!std::isfinite(largest_move)) return Failure{1, "the motion is not finite", 0};
+    if (!finite) return Failure{1, "the motion is not finite", 0};
     const double over = std::max(largest_turn / options.rotation, largest_move / (options.displacement * height));
     if (over > 1) return Failure{0, "the displacement in a step is too large", 0.9 / over};
     if (options.position_error > 0 && !out.report.impact) {

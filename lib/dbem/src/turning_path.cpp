@@ -27,13 +27,13 @@ constexpr double near_path = 0.1;
 /// A point may be this far off for Newton's method to be tried from there.
 constexpr double far_off = 50;
 /// Cosine of the largest turn between two points, unless the step is already this short.
-constexpr double most_turned = 0.8, short_step = 1e-2;
+constexpr double most_turned = 0.5, short_step = 1e-2;
 /// Shares of the way to the boundary.
 constexpr double first_step = 0.3, shortest_step = 1e-10, longest_step = 0.95;
 constexpr int most_corrections = 6;
 /// Factors a path is given before another one is drawn; share from which on an answer may be near.
 constexpr std::size_t most_of_one_path = 2500;
-constexpr double first_look = 1e-4, end_of_path = 1e-12, astray = 1e3;
+constexpr double first_look = 1e-5, end_of_path = 1e-12, astray = 1e3;
 
 /// The path of Newton's homotopy from some inner point to an answer of the contact law (Lemke's path, smoothed):
 ///   y_n - open = share * a,  y_t - ahead + back = 0,  products of pairs = share * those of the first point.

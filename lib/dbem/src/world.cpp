@@ -65,6 +65,11 @@ std::optional<WorldError> check_law(const JointLaw& law) {
 std::optional<WorldError> check_options(const WorldOptions& o) {
   if (!good(o.gravity)) return BadOption{"gravity is not finite"};
   if (!good(o.step) || o.step <= 0) return BadOption{fmt::format("step {} s is not positive", o.step)};
+  if (!good(o.longest_step) || o.longest_step < 0) {
+    return BadOption{fmt::format("longest step {} s is not at least 0", o.longest_step)};
+  }
+  if (!(o.sleep_speed >= 0)) return BadOption{"the speed below which bodies sleep must not be negative"};
+  if (!good(o.solver.accept)) return BadOption{"the accepted residual is not a number"};
   if (!(o.displacement > 0) || !(o.rotation > 0)) return BadOption{"displacement and rotation limits must be positive"};
   if (!(o.position_error >= 0) || !(o.overlap >= 0)) return BadOption{"tolerances must not be negative"};
   if (!(o.regularisation >= 0)) return BadOption{"regularisation must not be negative"};
@@ -307,8 +312,10 @@ double World::angular_momentum() const {
   return sum;
 }
 
-void World::set_velocity(std::size_t body, Vec2 velocity, double spin) {
+std::expected<void, WorldError> World::set_velocity(std::size_t body, Vec2 velocity, double spin) {
   Impl& w = *impl_;
+  if (body >= w.size()) return std::unexpected(BadOption{fmt::format("there is no body {}", body)});
+  if (!good(velocity) || !good(spin)) return std::unexpected(BadOption{"velocity and spin must be finite"});
   w.state.v[body] = velocity;
   w.state.spin[body] = spin;
   std::ranges::fill(w.asleep, std::uint8_t{0});
@@ -318,17 +325,21 @@ void World::set_velocity(std::size_t body, Vec2 velocity, double spin) {
   const double before = w.energy.kinetic;
   w.energy.kinetic = w.kinetic_of(w.state);
   w.start_energy += w.energy.kinetic - before;
+  return {};
 }
 
-void World::set_step(double step) {
+std::expected<void, WorldError> World::set_step(double step) {
   Impl& w = *impl_;
+  if (!good(step) || step <= 0) return std::unexpected(BadOption{fmt::format("step {} s is not positive", step)});
   w.options.step = w.next_step = step;
   w.find(w.state, w.corners, w.boxes, step, w.touches, w.limit);
   w.seen_step = step;
+  return {};
 }
 
 std::vector<ContactProblem> World::problems(double step) const {
   const Impl& w = *impl_;
+  if (!good(step) || step <= 0) return {};
   std::vector<Touch> list = w.touches;
   if (w.seen_step < step) {
     Impl again = w;

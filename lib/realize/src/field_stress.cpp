@@ -79,8 +79,9 @@ std::expected<TunnelField, bem::SolveError> TunnelField::make(const Scene& scene
 Vec3 TunnelField::traction(Vec3 at, Vec3 normal) const {
   const Vec2 x{dot(at - origin_, right_), dot(at - origin_, up_)};
   const bem::Solution& solution = section_->solution;
-  if (!solution.region_at(x)) return {};
-  const bem::Sym2 in_plane = solution.stress(0, x);
+  const std::optional<bem::Sym2> found = solution.stress(0, x);
+  if (!found) return {};
+  const bem::Sym2 in_plane = *found;
   const auto far = [&](std::size_t i) { return far_[i] + x.y * slope_[i]; };
   // Plane strain: what is added along the axis follows from what is added across it.
   const double axial = far(2) + poisson_ * (in_plane.xx + in_plane.yy - far(0) - far(1));

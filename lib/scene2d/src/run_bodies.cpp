@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "body_runs.hpp"
 #include "cleave/bem/statics.hpp"
@@ -52,8 +53,8 @@ void add_cells(const bem::Solution& solution, std::size_t region, BodyResult& bo
   }
   parallel_for(body.cells.size(), ThreadLimit{std::max(1U, threads)}, [&](std::size_t k) {
     StressCell& cell = body.cells[k];
-    cell.stress = solution.stress(region, cell.centre);
-    cell.displacement = solution.displacement(region, cell.centre);
+    cell.stress = solution.stress(region, cell.centre).value();  // region_at has found it there
+    cell.displacement = solution.displacement(region, cell.centre).value();
     cell.out_of_plane = material.out_of_plane(cell.stress);
   });
 }
@@ -192,8 +193,7 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
         weight += dot(r, r);
       }
       body.rotation = weight > 0 ? turn / weight : 0;
-      body.centroid =
-          infinite ? rest : rest + (solution->region_at(rest) == k ? solution->displacement(k, rest) : mean);
+      body.centroid = infinite ? rest : rest + solution->displacement(k, rest).value_or(mean);
       if (scene.stress && (scene.output.report || scene.output.vtu)) add_cells(*solution, k, body, infinite, threads);
       result.largest_displacement = std::max(result.largest_displacement, body.largest);
     }
@@ -201,8 +201,12 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
       const auto k = std::ranges::find(group, scene.points[p].body);
       if (k == group.end()) continue;
       const auto region = static_cast<std::size_t>(k - group.begin());
-      result.points[p].displacement[0] = solution->displacement(region, scene.points[p].at);
-      if (scene.points[p].stress) result.points[p].stress = {solution->stress(region, scene.points[p].at)};
+      // The scene was refused when a point lies in no body.
+      constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+      const Vec2 at = scene.points[p].at;
+      result.points[p].displacement[0] = solution->displacement(region, at).value_or(Vec2{unknown, unknown});
+      if (!scene.points[p].stress) continue;
+      result.points[p].stress = {solution->stress(region, at).value_or(bem::Sym2{unknown, unknown, unknown})};
     }
   }
   result.times = {0};

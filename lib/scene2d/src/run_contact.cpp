@@ -262,7 +262,7 @@ void follow(const ContactScene& scene, dbem::World& world, Recorder& recorder, C
 std::vector<std::vector<Vec2>> outlines_with(const ContactScene& scene, dbem::World world, double longer) {
   const ContactSettings& s = scene.settings;
   const double step = longer * s.step;
-  world.set_step(step);
+  if (!world.set_step(step)) return {};
   double next = step;
   while (world.time() < s.duration * (1 - 1e-12)) {
     const double left = s.duration - world.time();

@@ -51,7 +51,13 @@ bool take_hanging_corners(std::span<JointPolygon> polygons, const SharedCorners&
   }
   const geometry::BoxTree tree{boxes};
   std::vector<Hanging> found;
-  for (const LatticePoint site : shared.sites()) {
+  // Corners of one polygon alone too: what they are shared with may lie outside the domain and be left out.
+  std::vector<LatticePoint> sites;
+  for (const JointPolygon& entry : polygons) sites.insert(sites.end(), entry.corners.begin(), entry.corners.end());
+  std::ranges::sort(sites);
+  const auto again = std::ranges::unique(sites);
+  sites.erase(again.begin(), again.end());
+  for (const LatticePoint site : sites) {
     tree.overlapping(geometry::Bounds::of(as_vec3(site)), [&](std::uint32_t number) {
       const auto& [a, b] = sides[number].front().side;
       const Vec3 side = as_vec3(b - a), to = as_vec3(site - a);

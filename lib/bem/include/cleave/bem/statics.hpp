@@ -46,6 +46,12 @@ struct NotInBalance {
 struct AboveSurface {
   std::size_t region, loop;
 };
+struct NoRegion {};
+/// A number of the problem or of the options that has no meaning.
+struct BadNumber {
+  std::string what;
+  double value;
+};
 struct TooManyUnknowns {
   std::size_t unknowns;
   double needed_mb;
@@ -53,8 +59,9 @@ struct TooManyUnknowns {
 struct SingularSystem {
   double condition;
 };
-using SolveError = std::variant<BadOutline, UnknownCondition, FreeMotions, UnbondedSide, TornCorner, ForceOffBoundary,
-                                ForceOnSupport, NotInBalance, AboveSurface, TooManyUnknowns, SingularSystem>;
+using SolveError =
+    std::variant<BadOutline, UnknownCondition, FreeMotions, UnbondedSide, TornCorner, ForceOffBoundary, ForceOnSupport,
+                 NotInBalance, AboveSurface, NoRegion, BadNumber, TooManyUnknowns, SingularSystem>;
 [[nodiscard]] std::string describe(const SolveError& error);
 
 /// Flamant's field of a force on the straight edge of a half plane (Timoshenko and Goodier 1951, section 36), by
@@ -126,16 +133,18 @@ class Solution final {
   /// Node position in m.
   [[nodiscard]] Vec2 node(std::size_t region, std::size_t node) const;
   [[nodiscard]] BoundaryPoint boundary(std::size_t region, std::size_t element, double s) const;
-  /// Inside or on the boundary of a region. Closer to the boundary than an element the linear field of the nearest
-  /// boundary point is taken out first, which keeps the error bounded up to the boundary.
-  [[nodiscard]] Vec2 displacement(std::size_t region, Vec2 x) const;
-  [[nodiscard]] Sym2 stress(std::size_t region, Vec2 x) const;
+  /// Inside or on the boundary of a region; empty outside of it, in an opening and above the surface. Closer to the
+  /// boundary than an element the linear field of the nearest boundary point is taken out first, which keeps the error
+  /// bounded up to the boundary.
+  [[nodiscard]] std::optional<Vec2> displacement(std::size_t region, Vec2 x) const;
+  [[nodiscard]] std::optional<Sym2> stress(std::size_t region, Vec2 x) const;
   /// Largest nodal displacement, m.
   [[nodiscard]] double largest_displacement() const noexcept;
   [[nodiscard]] Extent extent() const noexcept { return extent_; }
 
  private:
   friend struct SolutionMaker;
+  [[nodiscard]] bool within(std::size_t region, Vec2 x) const;
   std::vector<RegionPart> regions_;
   Diagnostics diagnostics_;
   Extent extent_ = Extent::bounded;

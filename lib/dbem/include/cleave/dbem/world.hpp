@@ -171,9 +171,12 @@ class World final {
   [[nodiscard]] double angular_momentum() const;  ///< about the origin of the scene
   [[nodiscard]] const WorldOptions& options() const noexcept;
 
-  void set_velocity(std::size_t body, Vec2 velocity, double spin);
-  void set_step(double step);
-  /// Every group of contacts the next step of this length would solve, as it stands (cold).
+  /// The world is as it was when there is an error: no such body, or no finite velocity.
+  [[nodiscard]] std::expected<void, WorldError> set_velocity(std::size_t body, Vec2 velocity, double spin);
+  /// A step that is not positive and finite is an error.
+  [[nodiscard]] std::expected<void, WorldError> set_step(double step);
+  /// Every group of contacts the next step of this length would solve, as it stands (cold); none for a step that is
+  /// not positive and finite.
   [[nodiscard]] std::vector<ContactProblem> problems(double step) const;
 
   struct Impl;
