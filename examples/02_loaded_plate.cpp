@@ -18,6 +18,6 @@ int main() {
   const auto plate = bem::solve_to(problem, {}, 1e-3);
   if (!plate) return fmt::print(stderr, "{}\n", describe(plate.error())), 1;
   fmt::print("right side moves {:.1f} um, stress above the hole {:.0f} MPa, estimated error {:.0e}\n",
-             1e6 * plate->solution.displacement(0, {2, 0.5}).value().x, 1e-6 * plate->solution.stress(0, {1, 0.7}).value().xx,
-             plate->error);
+             1e6 * plate->solution.displacement(0, {2, 0.5}).value().x,
+             1e-6 * plate->solution.stress(0, {1, 0.7}).value().xx, plate->error);
 }
