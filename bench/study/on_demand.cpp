@@ -54,7 +54,7 @@ topology::CutInput network(double scale, std::uint64_t seed) {
     return std::expected<scene::LoadedFile, scene::FileRefusal>{std::unexpect, "no files here", ""};
   });
   if (!scene) std::abort();
-  auto drawn = scene::draw(*scene);
+  auto drawn = scene::sample(*scene);
   if (!drawn) std::abort();
   return std::move(drawn->input);
 }

@@ -13,8 +13,8 @@ struct Lattice {
   double factor = tan_deg(10) / tan_deg(20);  ///< of each loose cube
 };
 
-/// `side` x `side` cubes in two layers (three would topple); every `every`th of the top one bears a loose cube. Neighbours in a layer
-/// touch in joints of 30 degrees.
+/// `side` x `side` cubes in two layers (three would topple); every `every`th of the top one bears a loose cube.
+/// Neighbours in a layer touch in joints of 30 degrees.
 inline Lattice lattice(std::uint32_t side, std::uint32_t every = 6, Freedom freedom = Freedom::rigid) {
   constexpr std::uint32_t layers = 2;
   Lattice out;

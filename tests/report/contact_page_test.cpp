@@ -58,7 +58,7 @@ TEST(ContactPage, BeginsWithWhatBecameOfTheBodies) {
   EXPECT_EQ(verdict.motion, scene::BodyMotion::falls);
   EXPECT_EQ(verdict.first, 1U);
   ASSERT_TRUE(verdict.since.has_value());
-  EXPECT_DOUBLE_EQ(*verdict.since, 0.07);
+  EXPECT_DOUBLE_EQ(verdict.since->si(), 0.07);
   std::string page = contact_report_html(result);
   EXPECT_TRUE(page.contains("<strong>falls</strong>"));
   EXPECT_TRUE(page.contains("first “brick 2”, seen at 0.07 s; in all 1 fell"));
@@ -73,7 +73,7 @@ TEST(ContactPage, BeginsWithWhatBecameOfTheBodies) {
   for (scene::ContactFrame& frame : turned.frames) frame.places[0].centroid = turned.bodies[0].start;
   EXPECT_EQ(verdict_of(turned).moved(), 0U);
   turned.frames.back().places[0].rotation = 0.0402;
-  EXPECT_EQ(verdict_of(turned).since, turned.frames.back().time);
+  EXPECT_EQ(verdict_of(turned).since, Time::from_si(turned.frames.back().time));
   result.bodies[1].fixed = true;
   verdict = verdict_of(result);
   EXPECT_EQ(verdict.motion, std::nullopt);

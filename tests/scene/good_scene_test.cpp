@@ -372,7 +372,7 @@ const std::string random_sets = with_box(
     "[joints.A]\nfriction = { distribution = \"uniform\", min = 20, max = 30 }\n");
 
 TEST(DrawTest, EachJointHasItsOwnFriction) {
-  const auto drawn = draw(scene_of(random_sets));
+  const auto drawn = sample(scene_of(random_sets));
   ASSERT_TRUE(drawn.has_value());
   ASSERT_EQ(drawn->joints.size(), 41U);
   ASSERT_EQ(drawn->input.joints.size(), 41U);
@@ -389,9 +389,9 @@ TEST(DrawTest, EachJointHasItsOwnFriction) {
 
 TEST(DrawTest, SameSeedSameJointsOtherSeedOthers) {
   Scene scene = scene_of(random_sets);
-  const auto first = draw(scene), second = draw(scene);
+  const auto first = sample(scene), second = sample(scene);
   scene.seed = 2;
-  const auto other = draw(scene);
+  const auto other = sample(scene);
   ASSERT_TRUE(first && second && other);
   std::size_t equal = 0;
   for (const topology::JointId joint : first->joints.ids()) {

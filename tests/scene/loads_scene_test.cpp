@@ -64,7 +64,7 @@ TEST(LoadsSceneTest, CasesAddUpToTheBaseCase) {
   EXPECT_EQ(quake.points.at(0).force, (geometry::Vec3{0, 0, -500}));
   EXPECT_EQ(scene.joints[0].own.friction->degrees(), 40);
   EXPECT_EQ(scene.joints[0].own.cohesion->si(), 5e3);
-  const auto drawn = draw(scene);
+  const auto drawn = sample(scene);
   ASSERT_TRUE(drawn.has_value());
   EXPECT_EQ(drawn->joints.items()[1].strength.jrc, 8);
   EXPECT_EQ(drawn->joints.items()[0].strength.jrc, 0);

@@ -29,7 +29,7 @@ Draws draws_of(double correlation) {
       "}}\n[joints.A]\nfriction = {{ distribution = \"uniform\", min = 15, max = 35 }}\ncohesion = {{ distribution = "
       "\"exponential\", mean = 2000 }}\nfriction_cohesion_correlation = {}\n",
       correlation);
-  const auto drawn = draw(scene_of(text));
+  const auto drawn = sample(scene_of(text));
   EXPECT_TRUE(drawn.has_value());
   Draws all;
   for (const JointInfo& joint : drawn->joints) {

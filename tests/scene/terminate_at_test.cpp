@@ -28,7 +28,7 @@ std::string joint_set(std::string_view name, double dip, double direction, std::
 
 /// Corners of the joints drawn of a set, joint by joint.
 std::vector<std::vector<Vec3>> joints_of(const std::string& text, std::string_view set) {
-  const auto drawn = draw(scene_of(text));
+  const auto drawn = sample(scene_of(text));
   EXPECT_TRUE(drawn.has_value());
   std::vector<std::vector<Vec3>> all;
   for (std::size_t j = 0; j < drawn->input.joints.size(); ++j) {
@@ -95,7 +95,7 @@ TEST(JointModels, TakeTheKeysOfEverySetAndSayWhatTheyDoNotUse) {
     if (model == "orthogonal") text.replace(text.find("\"disc\""), 6, "\"rectangle\"");
     const auto scene = parse_text(text);
     ASSERT_TRUE(scene.has_value()) << model << describe(scene.error().front());
-    EXPECT_TRUE(draw(*scene).has_value()) << model;
+    EXPECT_TRUE(sample(*scene).has_value()) << model;
     const bool sizeless = model == "dershowitz" || model == "mosaic";
     EXPECT_EQ(std::ranges::count_if(
                   scene->notes,

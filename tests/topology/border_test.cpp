@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -153,6 +154,63 @@ TEST(SharedSides, BricksInOneTurnedPlane) {
       const auto audited = certified(input);
       EXPECT_EQ(audited.complex().blocks().size(), 2U) << off << ", " << rows;
       EXPECT_EQ(audited.complex().report().near_misses.sides, 0U);
+    }
+  }
+}
+
+/// Rectangles that tile a wall of more than the box's size, by their least and greatest corners.
+using Wall = std::vector<std::array<double, 4>>;
+
+/// Rows of equal bricks, every other row shifted.
+Wall running_bond(const support::Uniform& u) {
+  const double rows = 2 + std::floor(4 * u()), high = 6 / rows, wide = 0.5 + 1.5 * u();
+  const double shift = wide * (0.05 + 0.9 * u());
+  Wall wall;
+  for (double j = 0; j < rows; ++j) {
+    const double start = std::fmod(j, 2) > 0 ? shift : 0, y = -3 + high * j;
+    for (double i = -std::ceil(5 / wide); wide * i + start < 4; ++i) {
+      const double x = wide * i + start;
+      wall.push_back({x, y, x + wide, y + high});
+    }
+  }
+  return wall;
+}
+/// Rows of bricks of any lengths: ends are summed up, so that neighbours round them differently.
+Wall rows_of_any_bricks(const support::Uniform& u) {
+  const double rows = 2 + std::floor(4 * u());
+  Wall wall;
+  for (double j = 0; j < rows; ++j) {
+    const double y = -3 + 6 / rows * j;
+    for (double x = -4 - u(); x < 4;) {
+      const double wide = 0.3 + 1.5 * u();
+      wall.push_back({x, y, x + wide, y + 6 / rows});
+      x += wide;
+    }
+  }
+  return wall;
+}
+/// Long strips that end anywhere outside the box: no two have a corner in common.
+Wall strips(const support::Uniform& u) {
+  const double rows = 2 + std::floor(4 * u());
+  Wall wall;
+  for (double j = 0; j < rows; ++j) wall.push_back({-4 - u(), -3 + 6 / rows * j, 4 + u(), -3 + 6 / rows * (j + 1)});
+  return wall;
+}
+
+TEST(SharedSides, WallsOfRectanglesInOneTurnedPlane) {
+  for (const auto& wall_of : {running_bond, rows_of_any_bricks, strips}) {
+    const auto u = uniform(11);
+    for (int k = 0; k < 80; ++k) {
+      Placement at = turned(u);
+      at.shift = {0.2 * u(), 0.2 * u(), 0.2 * u()};
+      auto input = scene(box({-1, -1, -1}, {1, 1, 1}));
+      for (const auto& [x, y, x2, y2] : wall_of(u)) {
+        input.joints.emplace_back(joint({at({x, y, 0.05}), at({x2, y, 0.05}), at({x2, y2, 0.05}), at({x, y2, 0.05})}));
+      }
+      const auto audited = certified(input);
+      EXPECT_EQ(audited.complex().blocks().size(), 2U) << k;
+      EXPECT_EQ(convex_blocks(audited.complex()), 2U) << k;
+      EXPECT_EQ(audited.complex().report().near_misses.sides, 0U) << k;
     }
   }
 }

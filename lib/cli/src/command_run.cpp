@@ -40,16 +40,16 @@ Written write_files(scene::RunResult& result, const std::filesystem::path& folde
 }  // namespace
 
 ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer& timer, Progress& progress,
-                           InterruptWatch& interrupts, const Saying& saying) {
+                           InterruptWatch& interrupts, const PrintSettings& settings) {
   const Files<scene::RunResult> files{.write = write_files,
                                       .page = report::write_report_html,
                                       .summary = report::write_summary_json,
                                       .log = log_of,
                                       .figures = figures_of};
-  if (const auto failed = publish(result, files, out, timer, progress, interrupts, saying.quiet)) return *failed;
+  if (const auto failed = publish(result, files, out, timer, progress, interrupts, settings.quiet)) return *failed;
   if (result.complex) return ExitCode::done;
   complain(fmt::format("{}:1: certificate: the block system did not pass its own check ({}); please report this scene",
-                       saying.scene, topology::describe(result.complex.error())));
+                       settings.scene, topology::describe(result.complex.error())));
   return ExitCode::check_failed;
 }
 

@@ -242,7 +242,7 @@ std::expected<ConvertInput, std::string> network_of_scene(const std::string& in,
   const auto first = [](const std::vector<scene::Problem>& problems) { return describe(problems.front()); };
   const auto scene = scene::load_blocks(in);
   if (!scene) return std::unexpected(first(scene.error()));
-  const auto drawn = scene::draw(*scene, realization);
+  const auto drawn = scene::sample(*scene, realization);
   if (!drawn) return std::unexpected(first(drawn.error()));
   ConvertInput input{io::MeshData{}, {}};
   auto& mesh = std::get<io::MeshData>(input.content);

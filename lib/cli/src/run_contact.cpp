@@ -18,7 +18,7 @@ std::string figures_of(const scene::ContactResult& result) {
   text += fmt::format("verdict: {}", name_of(verdict));
   if (verdict.since) {
     text += fmt::format(", first \"{}\", seen at {:.3g} s; in all {}", result.bodies[verdict.first].name,
-                        *verdict.since, counts_of(verdict));
+                        verdict.since->si(), counts_of(verdict));
   }
   text += '\n';
   for (std::size_t p = 0; p < result.points.size() && !result.history.empty(); ++p) {

@@ -11,13 +11,13 @@
 
 namespace cleave::cli {
 
-struct Saying {
+struct PrintSettings {
   std::string scene;  ///< how messages name it
   bool quiet = false;
 };
 
 /// Writes all files of a single run, puts the folder in its place and prints the key figures.
 [[nodiscard]] ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer& timer,
-                                         Progress& progress, InterruptWatch& interrupts, const Saying& saying);
+                                         Progress& progress, InterruptWatch& interrupts, const PrintSettings& settings);
 
 }  // namespace cleave::cli

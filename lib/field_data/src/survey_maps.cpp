@@ -163,21 +163,21 @@ MapFigures map_figures(const survey::WindowSurvey& map, const std::vector<survey
 namespace {
 
 /// A simulated map.
-struct Drawn {
+struct DrawnMap {
   MapFigures figures;
   std::optional<std::vector<survey::Polyline>> traces;  ///< of the first map
 };
 
-std::vector<Drawn> drawn_maps(const SurveyScene& survey, const survey::SurveyResult& result, std::size_t window,
-                              std::uint64_t maps) {
-  auto drawn = parallel_map(maps, ThreadLimit::all(), [&](std::size_t k) -> std::optional<Drawn> {
+std::vector<DrawnMap> drawn_maps(const SurveyScene& survey, const survey::SurveyResult& result, std::size_t window,
+                                 std::uint64_t maps) {
+  auto drawn = parallel_map(maps, ThreadLimit::all(), [&](std::size_t k) -> std::optional<DrawnMap> {
     auto traces = simulated_traces(survey, result, window, k);
     if (!traces || traces->empty()) return std::nullopt;
-    Drawn map{map_figures(survey.input.windows[window], *traces, 0, survey.input.confidence), {}};
+    DrawnMap map{map_figures(survey.input.windows[window], *traces, 0, survey.input.confidence), {}};
     if (k == 0) map.traces = std::move(traces);
     return map;
   });
-  std::vector<Drawn> kept;
+  std::vector<DrawnMap> kept;
   for (auto& map : drawn) {
     if (!map) break;
     kept.push_back(*std::move(map));
@@ -187,12 +187,12 @@ std::vector<Drawn> drawn_maps(const SurveyScene& survey, const survey::SurveyRes
 
 }  // namespace
 
-std::vector<MapsBeside> maps_beside(const SurveyScene& survey, const survey::SurveyResult& result) {
-  std::vector<MapsBeside> all;
+std::vector<SimulatedTraceMaps> maps_beside(const SurveyScene& survey, const survey::SurveyResult& result) {
+  std::vector<SimulatedTraceMaps> all;
   for (std::size_t w = 0; w < survey.input.windows.size(); ++w) {
     const survey::WindowSurvey& window = survey.input.windows[w];
-    MapsBeside maps{map_figures(window, window.traces, window.border.si(), survey.input.confidence), {}, {}};
-    for (Drawn& map : drawn_maps(survey, result, w, window.traces.size() > 20'000 ? 1 : simulated_maps)) {
+    SimulatedTraceMaps maps{map_figures(window, window.traces, window.border.si(), survey.input.confidence), {}, {}};
+    for (DrawnMap& map : drawn_maps(survey, result, w, window.traces.size() > 20'000 ? 1 : simulated_maps)) {
       if (map.traces) maps.first = std::move(map.traces);
       maps.simulated.push_back(std::move(map.figures));
     }

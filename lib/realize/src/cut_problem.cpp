@@ -6,7 +6,7 @@
 
 namespace cleave::scene {
 
-Problem problem_of(const topology::CutError& error, const Scene& scene, const Drawn& drawn) {
+Problem problem_of(const topology::CutError& error, const Scene& scene, const SampledScene& drawn) {
   const std::string what = describe(error);
   const auto whole = [&] { return Problem{scene.shown, 1, "scene", what, ""}; };
   return std::visit(

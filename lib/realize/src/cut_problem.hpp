@@ -7,6 +7,6 @@
 namespace cleave::scene {
 
 /// Where in the scene the cutter's refusal comes from.
-[[nodiscard]] Problem problem_of(const topology::CutError& error, const Scene& scene, const Drawn& drawn);
+[[nodiscard]] Problem problem_of(const topology::CutError& error, const Scene& scene, const SampledScene& drawn);
 
 }  // namespace cleave::scene

@@ -10,7 +10,7 @@
 namespace cleave::scene {
 namespace {
 
-stability::Actions actions_of(const Drawn& drawn, const LoadSet& loads) {
+stability::Actions actions_of(const SampledScene& drawn, const LoadSet& loads) {
   auto water = loads.water;
   if (water && loads.water_level) water->level = loads.water_level->quantile(drawn.water_quantile);
   stability::ActionSpec spec{.water = water,
@@ -40,7 +40,7 @@ stability::JointStrength strength_of(const Strength& s) {
   return *made;
 }
 
-stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
+stability::Settings settings_of(const Scene& scene, const SampledScene& drawn, const StabilitySettings& wanted,
                                 const LoadSet& loads) {
   const auto rock = stability::RockMass::make(scene.rock.density);
   const auto body = stability::Loads::make(wanted.gravity, drawn.seismic_factor * loads.seismic);
@@ -69,11 +69,11 @@ stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const St
           .rotation = wanted.rotation};
 }
 
-stability::Settings settings_of(const Scene& scene, const Drawn& drawn) {
+stability::Settings settings_of(const Scene& scene, const SampledScene& drawn) {
   return settings_of(scene, drawn, *scene.stability, scene.stability->loads);
 }
 
-stability::Settings settings_on(const topology::BlockComplex& complex, const Scene& scene, const Drawn& drawn,
+stability::Settings settings_on(const topology::BlockComplex& complex, const Scene& scene, const SampledScene& drawn,
                                 const LoadSet& loads) {
   stability::Settings settings = settings_of(scene, drawn, *scene.stability, loads);
   if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
@@ -106,7 +106,8 @@ SequenceResult judge_stages(const Scene& scene, const topology::SequentialCut& c
   return run_sequence(cut, final_state, *scene.sequence, stages, names, judge);
 }
 
-std::vector<Problem> misplaced_loads(const Scene& scene, const Drawn& drawn, const topology::BlockComplex& complex) {
+std::vector<Problem> misplaced_loads(const Scene& scene, const SampledScene& drawn,
+                                     const topology::BlockComplex& complex) {
   const StabilitySettings& wanted = *scene.stability;
   std::vector<Problem> problems;
   const auto look = [&](const LoadSet& loads, const std::string& where) {

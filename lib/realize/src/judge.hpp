@@ -12,20 +12,20 @@ namespace cleave::scene {
 [[nodiscard]] stability::JointStrength strength_of(const Strength& strength);
 
 /// What the analysis needs, from a scene and its drawn joints. Everything was checked when the scene was parsed.
-[[nodiscard]] stability::Settings settings_of(const Scene& scene, const Drawn& drawn, const StabilitySettings& wanted,
-                                              const LoadSet& loads);
+[[nodiscard]] stability::Settings settings_of(const Scene& scene, const SampledScene& drawn,
+                                              const StabilitySettings& wanted, const LoadSet& loads);
 /// Those of the base case.
-[[nodiscard]] stability::Settings settings_of(const Scene& scene, const Drawn& drawn);
+[[nodiscard]] stability::Settings settings_of(const Scene& scene, const SampledScene& drawn);
 /// For these blocks: micro-blocks stay out of everything that is judged, where the scene asks for it.
 [[nodiscard]] stability::Settings settings_on(const topology::BlockComplex& complex, const Scene& scene,
-                                              const Drawn& drawn, const LoadSet& loads);
+                                              const SampledScene& drawn, const LoadSet& loads);
 
 /// The stages of [sequence], which the scene has.
 [[nodiscard]] SequenceResult judge_stages(const Scene& scene, const topology::SequentialCut& cut,
                                           const topology::StageBlocks& final_state, const Judge& judge);
 
 /// Point and line forces of the base case and of the named ones that lie on no free face of the complex.
-[[nodiscard]] std::vector<Problem> misplaced_loads(const Scene& scene, const Drawn& drawn,
+[[nodiscard]] std::vector<Problem> misplaced_loads(const Scene& scene, const SampledScene& drawn,
                                                    const topology::BlockComplex& complex);
 
 /// m, the longest bolt that the support has or may try: how far behind free faces rock matters to it.
@@ -43,7 +43,7 @@ void judge_cases(const Scene& scene, const topology::AuditedComplex& complex, Re
 void judge_support(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
                    Realization& made, bool designs);
 /// The support plan as it stands, under the base case; no design is searched for. Without `factors` the verdicts alone.
-[[nodiscard]] stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn,
+[[nodiscard]] stability::SupportResult judge_plan(const Scene& scene, const SampledScene& drawn,
                                                   const topology::AuditedComplex& complex,
                                                   const stability::Analysis& analysis, bool factors);
 void judge_maximum_blocks(const Scene& scene, Realization& made);

@@ -16,7 +16,7 @@ using geometry::Vec3;
 
 /// The mean normal of a set: that of its law where it is drawn at random, else of its measured joints (the longest
 /// axis of their poles does not care which way each normal looks; here they all look up, and a sum is enough).
-std::optional<Vec3> mean_normal(const Scene& scene, const Drawn& drawn, SetId set) {
+std::optional<Vec3> mean_normal(const Scene& scene, const SampledScene& drawn, SetId set) {
   for (const RandomSet& random : scene.joint_sets) {
     if (random.set == set) return random.law.mean_normal();
   }

@@ -199,8 +199,9 @@ void judge_cases(const Scene& scene, const topology::AuditedComplex& complex, Re
   }
 }
 
-stability::SupportResult judge_plan(const Scene& scene, const Drawn& drawn, const topology::AuditedComplex& complex,
-                                    const stability::Analysis& analysis, bool factors) {
+stability::SupportResult judge_plan(const Scene& scene, const SampledScene& drawn,
+                                    const topology::AuditedComplex& complex, const stability::Analysis& analysis,
+                                    bool factors) {
   stability::SupportPlan plan = scene.support->plan;
   plan.factors = factors;
   return check_support(complex, settings_on(complex.complex(), scene, drawn, scene.stability->loads), analysis, plan);

@@ -24,7 +24,7 @@ std::string hash_of_key_blocks(const topology::BlockComplex& complex, const stab
 }
 
 /// What the cutter did not see yet: nothing.
-Realization nothing(const Scene& scene) { return {Drawn{.input = {.domain = scene.domain}}}; }
+Realization nothing(const Scene& scene) { return {SampledScene{.input = {.domain = scene.domain}}}; }
 
 }  // namespace
 
@@ -81,8 +81,8 @@ Realizer::Done Realizer::step(Stage stage) {
 }
 
 Realizer::Done Realizer::draw_joints() {
-  CLEAVE_TRY(Drawn drawn, draw(*scene_, options_.realization));
-  static_cast<Drawn&>(made_) = std::move(drawn);
+  CLEAVE_TRY(SampledScene drawn, sample(*scene_, options_.realization));
+  static_cast<SampledScene&>(made_) = std::move(drawn);
   drawn_ = true;
   return {};
 }

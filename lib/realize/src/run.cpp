@@ -19,7 +19,7 @@ namespace {
 constexpr double rounding = 1e-9;
 
 /// What each opening takes of the rock, in order of the scene.
-std::vector<ExcavationInfo> taken_by(const Scene& scene, const Drawn& drawn,
+std::vector<ExcavationInfo> taken_by(const Scene& scene, const SampledScene& drawn,
                                      const std::vector<topology::ExcavatedVolume>& volumes) {
   CLEAVE_ASSERT(volumes.size() == scene.excavations.size());
   std::vector<ExcavationInfo> excavations;
@@ -63,7 +63,7 @@ std::vector<Problem> without_rock(const Scene& scene, const std::vector<Excavati
 }  // namespace
 
 std::vector<Problem> refusals(const Scene& scene) {
-  const auto drawn = draw(scene);
+  const auto drawn = sample(scene);
   if (!drawn) return drawn.error();
   const auto cut = topology::cut({.domain = drawn->input.domain,
                                   .excavations = drawn->input.excavations,

@@ -174,7 +174,7 @@ std::string verdict_figure(const scene::ContactResult& result) {
   }
   return key_figure("verdict", name,
                     "first “" + escape_xml(result.bodies[verdict.first].name) + "”, seen at " +
-                        display(*verdict.since, 3) + " s; in all " + scene::counts_of(verdict) + until,
+                        display(verdict.since->si(), 3) + " s; in all " + scene::counts_of(verdict) + until,
                     "warn");
 }
 

@@ -265,7 +265,7 @@ std::string nets_section(const scene::SurveyScene& scene, const survey::SurveyRe
 }  // namespace
 
 std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyResult& result,
-                        std::span<const scene::MapsBeside> maps) {
+                        std::span<const scene::SimulatedTraceMaps> maps) {
   const std::string title = escape_xml(scene.input.title);
   std::string out = detail::page_begin(title, escape_xml(scene.file_name) + " · field survey · intervals at " +
                                                   display(100 * scene.input.confidence, 3) + " %");

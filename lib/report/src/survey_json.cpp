@@ -203,7 +203,7 @@ void fields(V& v, const MapFigures& map) {
 
 /// The measured map as a whole with its intervals, and simulated ones of the fitted sets to lie beside it.
 template <class V>
-void fields(V& v, const MapsBeside& maps) {
+void fields(V& v, const SimulatedTraceMaps& maps) {
   v("map", maps.measured);
   v("map_estimates", maps.measured.estimates);
   v("simulated_maps", maps.simulated);
@@ -214,7 +214,7 @@ void fields(V& v, const MapsBeside& maps) {
 namespace cleave::report {
 
 std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyResult& result,
-                        std::span<const scene::MapsBeside> maps) {
+                        std::span<const scene::SimulatedTraceMaps> maps) {
   std::vector<std::string> notes = result.notes;
   for (const scene::Problem& note : survey.notes) notes.push_back(describe(note));
   const auto end = [](std::size_t which) {

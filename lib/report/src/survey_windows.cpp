@@ -93,7 +93,7 @@ std::string trace_map(const survey::WindowSurvey& window, const std::vector<surv
 }
 
 /// The measured map and simulated ones as figures.
-std::string beside(const scene::MapsBeside& both) {
+std::string beside(const scene::SimulatedTraceMaps& both) {
   const std::vector<scene::MapFigures>& maps = both.simulated;
   if (maps.empty()) return {};
   const scene::MapFigures& measured = both.measured;
@@ -133,7 +133,7 @@ std::string beside(const scene::MapsBeside& both) {
 }  // namespace
 
 std::string survey_windows(const scene::SurveyScene& scene, const survey::SurveyResult& result,
-                           std::span<const scene::MapsBeside> maps) {
+                           std::span<const scene::SimulatedTraceMaps> maps) {
   std::string out;
   for (std::size_t w = 0; w < scene.input.windows.size(); ++w) {
     const survey::WindowSurvey& window = scene.input.windows[w];

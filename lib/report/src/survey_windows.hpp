@@ -11,6 +11,6 @@ namespace cleave::report::detail {
 [[nodiscard]] std::string estimate_text(const survey::Estimate& e);
 /// One section a window: measured and simulated maps side by side, rosettes, figures.
 [[nodiscard]] std::string survey_windows(const scene::SurveyScene& scene, const survey::SurveyResult& result,
-                                         std::span<const scene::MapsBeside> maps);
+                                         std::span<const scene::SimulatedTraceMaps> maps);
 
 }  // namespace cleave::report::detail

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "body_keys.hpp"
 #include "cleave/bem/outline.hpp"
-#include "plane_input.hpp"
 
 namespace cleave::scene {
 namespace {

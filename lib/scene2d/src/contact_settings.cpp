@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "body_keys.hpp"
 #include "cleave/scene/nearest.hpp"
 #include "contact_parts.hpp"
-#include "plane_input.hpp"
 
 namespace cleave::scene {
 namespace {

@@ -10,6 +10,9 @@ namespace {
 
 using bem::Vec2;
 
+constexpr double moves_from = 0.01;  // of a body's size
+constexpr double topples_from = 5;   // degrees
+
 /// Between the two corners farthest apart.
 double size_of(const ContactBodyResult& body) {
   double size = 0;
@@ -58,9 +61,9 @@ ContactVerdict verdict_of(const ContactResult& result) {
       const BodyMotion motion = motion_of(result, f, b);
       ++verdict.bodies[static_cast<std::size_t>(motion)];
       const double far = moved_by(body, result.frames.back().places[b], size) / size;
-      const bool first = !verdict.since || frame.time < *verdict.since;
-      if (first || (frame.time == *verdict.since && far > farthest)) {
-        verdict.since = frame.time;
+      const bool first = !verdict.since || frame.time < verdict.since->si();
+      if (first || (frame.time == verdict.since->si() && far > farthest)) {
+        verdict.since = Time::from_si(frame.time);
         verdict.first = b;
         verdict.motion = motion;
         farthest = far;

@@ -6,9 +6,9 @@
 #include <limits>
 #include <numbers>
 
+#include "body_keys.hpp"
 #include "cleave/scene2d/bodies.hpp"
 #include "parse_elastic.hpp"
-#include "plane_input.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -303,7 +303,7 @@ void parse_loads(const TableReader& body, const Outline& outline, BodySpec& spec
 }
 
 /// Static loads become part of the sides' conditions, in whatever directions these leave to tractions.
-void put_loads(BodySpec& spec) {
+void apply_static_loads(BodySpec& spec) {
   for (const BodyLoadSpec& load : spec.loads) {
     for (const std::size_t side : load.sides) {
       bem::Condition& c = spec.region.conditions[side];
@@ -407,7 +407,7 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, bem::Plan
       if (!side.through) side.grade_start = side.grade_end = grading;
     }
   }
-  if (!moving) put_loads(spec);
+  if (!moving) apply_static_loads(spec);
   bodies.push_back(std::move(spec));
 }
 

@@ -6,11 +6,11 @@
 #include <map>
 #include <numbers>
 
+#include "body_keys.hpp"
 #include "cleave/scene/nearest.hpp"
 #include "cleave/scene2d/contact.hpp"
 #include "contact_outline.hpp"
 #include "contact_parts.hpp"
-#include "plane_input.hpp"
 
 namespace cleave::scene {
 namespace {

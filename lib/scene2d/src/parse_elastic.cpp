@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "plane_input.hpp"
+#include "body_keys.hpp"
 
 namespace cleave::scene {
 

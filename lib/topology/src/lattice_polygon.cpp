@@ -32,6 +32,54 @@ std::array<Int128, 3> cross(LatticePoint u, LatticePoint v) {
           product(u.x, v.y) - product(u.y, v.x)};
 }
 
+/// Three corners that fix a plane, with the square of twice their area.
+struct Three {
+  std::size_t first, second, third;
+  double squared_area;
+};
+
+/// The first corner in `order`, the farthest from it among the next ones, and the farthest from the line of these two.
+Three spread(std::span<const LatticePoint> corners, std::span<const std::size_t> order, std::size_t second_pool,
+             std::size_t third_pool) {
+  const auto pick = [&](std::size_t count, auto&& measure) {
+    std::size_t best = order[0];
+    double most = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (const double m = measure(corners[order[k]]); m > most) {
+        most = m;
+        best = order[k];
+      }
+    }
+    return best;
+  };
+  const LatticePoint first = corners[order[0]];
+  const std::size_t second = pick(second_pool, [&](LatticePoint c) { return squared_length(c - first); });
+  const auto span = corners[second] - first;
+  const std::size_t third = pick(third_pool, [&](LatticePoint c) { return squared_area(span, c - first); });
+  return {order[0], second, third, squared_area(span, corners[third] - first)};
+}
+
+/// Preferred corners come first, unless they lie about on one line: their roundings would turn the plane any way.
+std::optional<exact::Plane> plane_of(std::span<const LatticePoint> corners, std::span<const std::size_t> preferred) {
+  constexpr double least_share = 0x1p-12;  // of the squared area that any corners have
+  std::vector<std::size_t> order(corners.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const std::size_t all = corners.size(), named = preferred.size();
+  Three three = spread(corners, order, all, all);
+  if (named > 0) {
+    std::ranges::stable_partition(order,
+                                  [&](std::size_t i) { return std::ranges::find(preferred, i) != preferred.end(); });
+    const double enough = least_share * three.squared_area;
+    for (const auto& [seconds, thirds] : {std::pair{named, named}, std::pair{named, all}, std::pair{all, all}}) {
+      const Three next = spread(corners, order, seconds, thirds);
+      if (!(next.squared_area > enough)) continue;
+      three = next;
+      break;
+    }
+  }
+  return exact::Plane::through(corners[three.first], corners[three.second], corners[three.third]);
+}
+
 }  // namespace
 
 LatticePoint direction_along(const exact::Plane& plane) {
@@ -77,34 +125,7 @@ std::optional<LatticePolygon> make_lattice_polygon(std::vector<LatticePoint> cor
   };
   if (corners.size() < 3) return std::nullopt;
 
-  std::vector<std::size_t> order(corners.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_partition(order,
-                                [&](std::size_t i) { return std::ranges::find(preferred, i) != preferred.end(); });
-  const auto pick = [&](std::size_t count, auto&& measure) {
-    std::size_t best = order[0];
-    double most = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-      if (const double m = measure(corners[order[k]]); m > most) {
-        most = m;
-        best = order[k];
-      }
-    }
-    return best;
-  };
-  const LatticePoint first = corners[order[0]];
-  const std::size_t second_pool = preferred.size() >= 2 ? preferred.size() : corners.size();
-  std::size_t second = pick(second_pool, [&](LatticePoint c) { return squared_length(c - first); });
-  if (corners[second] == first)
-    second = pick(corners.size(), [&](LatticePoint c) { return squared_length(c - first); });
-  const auto span = corners[second] - first;
-  const std::size_t third_pool = preferred.size() >= 3 ? preferred.size() : corners.size();
-  std::size_t third = pick(third_pool, [&](LatticePoint c) { return squared_area(span, c - first); });
-  auto plane = exact::Plane::through(first, corners[second], corners[third]);
-  if (!plane && third_pool < corners.size()) {
-    third = pick(corners.size(), [&](LatticePoint c) { return squared_area(span, c - first); });
-    plane = exact::Plane::through(first, corners[second], corners[third]);
-  }
+  const auto plane = plane_of(corners, preferred);
   if (!plane) return std::nullopt;
 
   const auto area = vector_area();

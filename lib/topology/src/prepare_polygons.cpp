@@ -7,6 +7,7 @@
 #include "detail/hanging_corners.hpp"
 #include "detail/overlaps.hpp"
 #include "detail/preparation.hpp"
+#include "detail/rounded_corners.hpp"
 #include "detail/sheets.hpp"
 #include "detail/side_users.hpp"
 
@@ -76,10 +77,35 @@ Preparation::Done Preparation::collect_polygons() {
     for (std::size_t k = 0; k < 3; ++k) apart = apart || own.hi[k] < domain_.lo[k] || own.lo[k] > domain_.hi[k];
     if (apart) out_.outside.push_back(number);
   }
-  share();
+  unite_corners();
   part_overlaps();
-  if (shared_.any() && take_hanging_corners(polygons_, shared_, reach_of_corners())) share();
+  hang_corners();
   return {};
+}
+
+/// Corners that differ by roundings become one, unless `snap` has done so.
+void Preparation::unite_corners() {
+  share();
+  if (snapper_.active() && input_.snap.si() > computed_twice() * lattice_.pitch()) return;
+  const Moves moves = unite_rounded_corners(polygons_, computed_twice());
+  for (std::size_t k = 0; k < polygons_.size(); ++k) {
+    const auto moved = [&](LatticePoint c) { return moves(c) != c; };
+    polygons_[k].moved = !moves.empty() && std::ranges::any_of(polygons_[k].corners, moved);
+  }
+  move(moves);
+}
+
+/// Corners on longer sides. Where no polygons have a corner in common, only if sides come to be shared by it: else
+/// nothing was drawn side by side, and what merely ends near another one's rim stays as it is.
+void Preparation::hang_corners() {
+  const bool any = shared_.any();
+  std::vector<JointPolygon> before;
+  if (!any) before = polygons_;
+  if (!take_hanging_corners(polygons_, shared_, reach_of_corners())) return;
+  share();
+  if (any || shared_.any_side()) return;
+  polygons_ = std::move(before);
+  share();
 }
 
 void Preparation::share() {
@@ -144,7 +170,7 @@ Preparation::Done Preparation::make_polygon(std::size_t k) {
     entry.corners = polygons_[first].corners;
   } else {
     auto made = make_lattice_polygon(entry.corners, shared_.among(entry.corners));
-    if (!made && snapper_.active()) {
+    if (!made && (snapper_.active() || entry.moved)) {
       beside_[k] = 1;  // nothing of it is left
       return {};
     }

@@ -15,6 +15,7 @@ struct JointPolygon {
   std::vector<std::vector<exact::LatticePoint>> holes;
   bool at_border = false;  ///< may have corners on the sides of the domain
   bool folded = false;     ///< shares a side that its plane does not hold
+  bool moved = false;      ///< corners of it became one with others, a rounding away
   double bend = 0;         ///< of folded ones: the farthest that a corner lies off the plane, sites
 };
 

@@ -108,6 +108,11 @@ class Preparation {
 
   /// How far corners may be off where they were meant to be by roundings of the coordinates, sites.
   [[nodiscard]] double roundings() const { return roundings_of_corners * (1 + farthest_ * 0x1p-52 / lattice_.pitch()); }
+  /// How far apart one corner may come to lie when it is computed twice: on sites next to each other, and in scenes far
+  /// from the origin of coordinates as many roundings as above; sites.
+  [[nodiscard]] double computed_twice() const {
+    return 2 + roundings_of_corners * farthest_ * 0x1p-52 / lattice_.pitch();
+  }
   /// How far they may be off the side that they were given on: by roundings, or `snap`; sites.
   [[nodiscard]] double reach_of_corners() const { return std::max(roundings(), input_.snap.si() / lattice_.pitch()); }
 
@@ -118,6 +123,8 @@ class Preparation {
   Done add_window();
   Done add_persistent();
   Done collect_polygons();
+  void unite_corners();
+  void hang_corners();
   void share();
   void part_overlaps();
   void move(const Moves& moves);

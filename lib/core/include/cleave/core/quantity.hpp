@@ -61,6 +61,7 @@ using Density = Quantity<-3, 1, 0>;
 using Acceleration = Quantity<1, 0, -2>;
 using Force = Quantity<1, 1, -2>;
 using Stress = Quantity<-1, 1, -2>;
+using Time = Quantity<0, 0, 1>;
 
 [[nodiscard]] constexpr Length metres(double v) noexcept { return Length::from_si(v); }
 [[nodiscard]] constexpr Area square_metres(double v) noexcept { return Area::from_si(v); }

@@ -57,12 +57,13 @@ struct MapFigures {
 inline constexpr std::uint64_t simulated_maps = 19;
 
 /// A measured map, the simulated ones to lie beside it, and the traces of the first of these.
-struct MapsBeside {
+struct SimulatedTraceMaps {
   MapFigures measured;
   std::vector<MapFigures> simulated;
   std::optional<std::vector<survey::Polyline>> first;
 };
 /// Of every window; one simulated map where more than 20,000 traces were measured, else 19.
-[[nodiscard]] std::vector<MapsBeside> maps_beside(const SurveyScene& survey, const survey::SurveyResult& result);
+[[nodiscard]] std::vector<SimulatedTraceMaps> maps_beside(const SurveyScene& survey,
+                                                          const survey::SurveyResult& result);
 
 }  // namespace cleave::scene

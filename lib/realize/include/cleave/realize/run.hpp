@@ -24,7 +24,8 @@ struct RunOptions {
 /// Draws the random joints, the strength of each joint and what is random of the loads. A pure function of the scene
 /// (with its seed) and the number of the realization; in a nested design the joints are those of the geometry that the
 /// realization belongs to.
-[[nodiscard]] std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene, std::uint64_t realization = 0);
+[[nodiscard]] std::expected<SampledScene, std::vector<Problem>> sample(const Scene& scene,
+                                                                       std::uint64_t realization = 0);
 
 /// Realizations `first` .. `first + count - 1` on one thread: the same joints, blocks and judgements as `run` finds for
 /// each, but for what ensembles do not count; null for one that cannot be made. The steps of the plan are booked with

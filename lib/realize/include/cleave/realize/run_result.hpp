@@ -131,7 +131,7 @@ void fields(V& v, const FieldStressResult& x) {
 }
 
 /// Everything that goes into the cutter, and what each joint is.
-struct Drawn {
+struct SampledScene {
   topology::CutInput input;                            ///< domain, joints and excavations as cut
   IdVector<SetId, SetInfo> sets = {};                  ///< only sets with at least one joint have `joints` > 0
   IdVector<topology::JointId, JointInfo> joints = {};  ///< as many as input.joints, same order
@@ -143,7 +143,7 @@ struct Drawn {
 /// - `complex` holds the audited block system, or the certificate when it did not pass: then nothing is judged;
 /// - free faces of the complex index the scene's excavations by topology::Face::excavation; faces of role joint index
 ///   `joints` by their JointId.
-struct Realization : Drawn {
+struct Realization : SampledScene {
   std::expected<topology::AuditedComplex, topology::Certificate> complex = std::unexpected(topology::Certificate{});
   topology::CutReport cut = {};
   std::string block_hash = {};  ///< topology::canonical_hash; empty when the certificate failed

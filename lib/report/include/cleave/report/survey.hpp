@@ -9,10 +9,10 @@ namespace cleave::report {
 
 /// survey.json: all figures of a survey with their intervals. `maps`: `scene::maps_beside`.
 [[nodiscard]] std::string survey_json(const scene::SurveyScene& survey, const survey::SurveyResult& result,
-                                      std::span<const scene::MapsBeside> maps);
+                                      std::span<const scene::SimulatedTraceMaps> maps);
 /// report.html of a survey: stereonets (contoured, both projections), rosettes, histograms with the fitted laws, and
 /// simulated traces of the fitted sets beside the measured ones.
 [[nodiscard]] std::string survey_html(const scene::SurveyScene& survey, const survey::SurveyResult& result,
-                                      std::span<const scene::MapsBeside> maps);
+                                      std::span<const scene::SimulatedTraceMaps> maps);
 
 }  // namespace cleave::report

@@ -14,6 +14,7 @@
 #include "cleave/bem/vec2.hpp"
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
+#include "cleave/core/quantity.hpp"
 #include "cleave/dbem/solver.hpp"
 #include "cleave/scene/output.hpp"
 #include "cleave/scene/plan.hpp"
@@ -222,11 +223,9 @@ struct ContactResult {
 /// size, its turn counted at half its size.
 enum class BodyMotion : std::uint8_t {
   slides,
-  topples,  ///< turned by more than `topples_from`
+  topples,  ///< turned by more than 5 degrees
   falls,    ///< touched nothing when it had moved
 };
-constexpr double moves_from = 0.01;  ///< of a body's size, the distance between its corners farthest apart
-constexpr double topples_from = 5;   ///< degrees
 inline constexpr std::string_view name_of(BodyMotion motion) {
   return motion == BodyMotion::slides ? "slides" : motion == BodyMotion::topples ? "topples" : "falls";
 }
@@ -235,8 +234,8 @@ struct ContactVerdict {
   std::array<std::uint64_t, 3> bodies{};  ///< how many moved, by BodyMotion
   /// Of the body that moved first; of several in one frame the one that went farthest for its size. Empty: none moved.
   std::optional<BodyMotion> motion;
-  std::optional<double> since;  ///< s: the frame that shows it moved
-  std::uint32_t first = 0;      ///< that body, where `since` says so
+  std::optional<Time> since;  ///< the frame that shows it moved
+  std::uint32_t first = 0;    ///< that body, where `since` says so
   [[nodiscard]] std::uint64_t moved() const { return bodies[0] + bodies[1] + bodies[2]; }
 };
 inline constexpr std::string_view name_of(const ContactVerdict& verdict) {

@@ -75,7 +75,7 @@ JointInfo describe_joint(SetId set, JointOrigin origin, std::string source, Stre
           .dip_direction = DipDirection::degrees(direction < 0 ? direction + 360 : direction)};
 }
 
-void add_measured(const Scene& scene, std::uint64_t realization, Drawn& drawn) {
+void add_measured(const Scene& scene, std::uint64_t realization, SampledScene& drawn) {
   IdVector<SetId, std::uint32_t> next{scene.sets.size(), 0U};
   for (const MeasuredJoint& joint : scene.joints) {
     const std::uint32_t index = next[joint.set]++;
@@ -155,7 +155,7 @@ std::expected<SampledSets, std::vector<Problem>> sample_sets(const Scene& scene,
 }
 
 void add_random(const Scene& scene, std::uint64_t realization, std::size_t number,
-                std::vector<dfn::SampledJoint> sampled, Drawn& drawn) {
+                std::vector<dfn::SampledJoint> sampled, SampledScene& drawn) {
   const RandomSet& set = scene.joint_sets[number];
   const NamedSet& named = scene.sets[set.set];
   for (dfn::SampledJoint& joint : sampled) {
@@ -181,16 +181,16 @@ void add_random(const Scene& scene, std::uint64_t realization, std::size_t numbe
 
 }  // namespace
 
-std::expected<Drawn, std::vector<Problem>> draw(const Scene& scene, std::uint64_t realization) {
-  Drawn drawn{.input = {.domain = scene.domain,
-                        .joints = {},
-                        .excavations = {},
-                        .free_domain_tags = scene.free_domain_tags,
-                        .snap = scene.snap,
-                        .terminations = scene.terminations,
-                        .keep_dangling = scene.keep_dangling},
-              .sets = {},
-              .joints = {}};
+std::expected<SampledScene, std::vector<Problem>> sample(const Scene& scene, std::uint64_t realization) {
+  SampledScene drawn{.input = {.domain = scene.domain,
+                               .joints = {},
+                               .excavations = {},
+                               .free_domain_tags = scene.free_domain_tags,
+                               .snap = scene.snap,
+                               .terminations = scene.terminations,
+                               .keep_dangling = scene.keep_dangling},
+                     .sets = {},
+                     .joints = {}};
   const auto once = [&](Draw what) {
     return Rng{{.seed = scene.seed, .realization = realization, .purpose = stream_purpose(0, what), .index = 0}}
         .uniform();

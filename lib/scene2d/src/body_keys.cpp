@@ -1,4 +1,4 @@
-#include "plane_input.hpp"
+#include "body_keys.hpp"
 
 #include <fmt/format.h>
 

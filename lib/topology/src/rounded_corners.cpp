@@ -1,0 +1,80 @@
+#include "detail/rounded_corners.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "cleave/geometry/vec3.hpp"
+
+namespace cleave::topology::detail {
+namespace {
+
+using exact::LatticePoint;
+using geometry::Vec3;
+
+Vec3 as_vec3(LatticePoint p) { return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)}; }
+
+std::vector<LatticePoint> corners_of(const JointPolygon& entry) {
+  std::vector<LatticePoint> corners = entry.corners;
+  for (const auto& hole : entry.holes) corners.insert(corners.end(), hole.begin(), hole.end());
+  std::ranges::sort(corners);
+  const auto again = std::ranges::unique(corners);
+  corners.erase(again.begin(), again.end());
+  return corners;
+}
+
+/// Sites that others are near to. Sorted along a direction that grids have no two corners across.
+std::vector<LatticePoint> crowded(std::span<const JointPolygon> polygons, double within) {
+  constexpr Vec3 direction{0.4837, 0.5391, 0.6893};  // shorter than 1
+  std::vector<std::pair<double, LatticePoint>> sites;
+  for (const JointPolygon& entry : polygons) {
+    for (const LatticePoint c : corners_of(entry)) sites.emplace_back(dot(direction, as_vec3(c)), c);
+  }
+  std::ranges::sort(sites);
+  const auto again = std::ranges::unique(sites);
+  sites.erase(again.begin(), again.end());
+  std::vector<LatticePoint> found;
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    for (std::size_t j = i + 1; j < sites.size() && sites[j].first - sites[i].first <= within + 1; ++j) {
+      if (geometry::norm(as_vec3(sites[j].second - sites[i].second)) > within) continue;
+      found.push_back(sites[i].second);
+      found.push_back(sites[j].second);
+    }
+  }
+  std::ranges::sort(found);
+  const auto repeated = std::ranges::unique(found);
+  found.erase(repeated.begin(), repeated.end());
+  return found;
+}
+
+}  // namespace
+
+Moves unite_rounded_corners(std::span<const JointPolygon> polygons, double within) {
+  Moves moves;
+  const std::vector<LatticePoint> sites = crowded(polygons, within);
+  if (sites.empty()) return moves;
+  Weld weld{within};
+  for (const LatticePoint site : sites) weld.add(site, false);
+  weld.finish();
+  std::vector<LatticePoint> kept_apart;  // what these classes would become
+  for (const JointPolygon& entry : polygons) {
+    std::vector<LatticePoint> becomes;
+    for (const LatticePoint c : corners_of(entry)) {
+      if (std::ranges::binary_search(sites, c)) becomes.push_back(weld(c));
+    }
+    std::ranges::sort(becomes);
+    for (std::size_t i = 1; i < becomes.size(); ++i) {
+      if (becomes[i] == becomes[i - 1]) kept_apart.push_back(becomes[i]);
+    }
+  }
+  std::ranges::sort(kept_apart);
+  for (const LatticePoint site : sites) {
+    const LatticePoint to = weld(site);
+    if (to != site && !std::ranges::binary_search(kept_apart, to)) moves.add(site, to);
+  }
+  moves.finish();
+  return moves;
+}
+
+}  // namespace cleave::topology::detail
