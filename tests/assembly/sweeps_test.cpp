@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <vector>
+
 #include "cases.hpp"
 #include "chains.hpp"
 #include "cleave/core/rng.hpp"
@@ -62,6 +65,27 @@ TEST(SweepsTest, Pairs) {
   check(ploughing(e2), 2.032358);
   check(ploughing(e3), 0.998806);
   check(ploughing(e4), 1.224683);
+}
+
+// What is solved apart leans on the blocks that stay as on rock, whichever of the two a contact is written for.
+TEST(SweepsTest, PartsLeanOnWhatStays) {
+  const Assembly whole = toe(true).made();
+  const Elements elements{whole};
+  for (const std::uint32_t body : {0U, 1U}) {
+    std::vector<std::uint32_t> from;
+    const std::array members{body};
+    const Elements part = elements.part(members, from);
+    std::size_t touching = 0;
+    for (const Contact& c : whole.contacts()) touching += c.body == body || c.other == body ? 1U : 0U;
+    ASSERT_EQ(part.all().size(), touching);
+    ASSERT_EQ(from.size(), touching);
+    for (std::size_t k = 0; k < from.size(); ++k) {
+      const Element &e = part.all()[k], &old = elements.all()[from[k]];
+      EXPECT_EQ(e.body, 0U);
+      EXPECT_FALSE(e.other);
+      EXPECT_EQ(e.on_body, old.body == body ? old.on_body : old.on_other);
+    }
+  }
 }
 
 }  // namespace
