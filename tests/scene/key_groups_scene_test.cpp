@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
@@ -85,6 +86,29 @@ TEST(KeyGroupsScene, AnActiveBlockPushesAPassiveOneOut) {
   for (const stability::KeyGroup& group : close.groups) {
     EXPECT_TRUE(group.moments || group.verdict == assembly::Verdict::in_doubt);
   }
+}
+
+// With groups off, what only lesser neighbours hold is said: here a larger one that could slide but does not.
+TEST(KeyGroupsScene, WhereOffBarredBlocksAreANote) {
+  const auto notes_with = [](double friction, const char* groups) {
+    const Scene scene = scene_of(active_and_passive(friction) + fmt::format("groups = \"{}\"\n", groups));
+    StageTimer timer;
+    Progress progress{ProgressStyle::quiet};
+    auto result = run(scene, {.threads = 1}, timer, progress);
+    if (!result) ADD_FAILURE() << "the scene does not run";
+    std::string found;
+    for (const std::string& note : result ? result->notes : std::vector<std::string>{}) {
+      if (note.contains("smaller or removable")) found += note;
+    }
+    return found;
+  };
+  const double factor = std::tan(20 * std::numbers::pi / 180) / std::tan(55 * std::numbers::pi / 180);
+  const std::string note = notes_with(20, "off");
+  EXPECT_TRUE(note.starts_with("1 block (233 m3) at free faces stays only because of neighbours")) << note;
+  EXPECT_TRUE(note.contains(fmt::format("least factor of safety is {:.3g} (block", factor))) << note;
+  // Judged together there is nothing to add; on rough joints it holds by itself.
+  EXPECT_EQ(notes_with(20, "note"), "");
+  EXPECT_EQ(notes_with(56, "off"), "");
 }
 
 }  // namespace

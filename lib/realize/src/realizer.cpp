@@ -180,6 +180,9 @@ Realizer::Done Realizer::judge() {
   if (scene_->stability->groups != stability::GroupsCheck::off) judge_groups();
   const stability::Settings with = settings(complex.complex());
   made_.held_from_within = stability::held_from_within(complex, with, *made_.analysis);
+  if (!made_.key_groups || made_.key_groups->too_many) {
+    made_.barred = stability::barred_by_lesser(complex, with, *made_.analysis);
+  }
   made_.domain_held = stability::domain_held(complex, with, *made_.analysis);
   if (!near_) judge_cases(*scene_, complex, made_);
   made_.sensitivity = stability::sensitivity(complex, with, *made_.analysis);

@@ -186,6 +186,19 @@ void add_group_notes(const stability::KeyGroups& groups, const stability::Analys
   }
 }
 
+/// Blocks that only their lesser neighbours hold, where blocks were not judged together.
+void add_barred_note(const std::vector<stability::Barred>& barred, std::vector<std::string>& notes) {
+  if (barred.empty()) return;
+  const auto least = std::ranges::min_element(barred, {}, &stability::Barred::factor_of_safety);
+  double volume = 0;
+  for (const stability::Barred& row : barred) volume += row.volume.si();
+  notes.push_back(fmt::format(
+      "{} ({:.4g} m3) at free faces {} only because of neighbours that are smaller or removable: without those the "
+      "least factor of safety is {:.3g} (block {}); whether they are pushed out was not asked: see `groups`",
+      barred.size() == 1 ? "1 block" : fmt::format("{} blocks", barred.size()), volume,
+      barred.size() == 1 ? "stays" : "stay", least->factor_of_safety, least->block.value()));
+}
+
 /// Blocks that nothing but a side of the domain holds.
 void add_border_note(const stability::DomainHeld& held, std::vector<std::string>& notes) {
   if (held.blocks.empty()) return;
@@ -242,6 +255,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (analysis) add_cohesion_note(*analysis, notes);
   if (analysis) add_rotation_note(*analysis, notes);
   add_enclosed_notes(made.held_from_within, notes);
+  add_barred_note(made.barred, notes);
   if (made.domain_held) add_border_note(*made.domain_held, notes);
   if (made.window && made.window->truncated > 0 && analysis && analysis->rotation == stability::RotationCheck::flag) {
     notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");

@@ -23,6 +23,19 @@ struct HeldFromWithin {
 [[nodiscard]] std::vector<HeldFromWithin> held_from_within(const topology::AuditedComplex& complex,
                                                            const Settings& settings, const Analysis& analysis);
 
+/// A block that stays only because blocks that are smaller, or removable, stand in its way or under it.
+struct Barred {
+  topology::BlockId block;
+  Volume volume = {};
+  double factor_of_safety = 0;  ///< without them, the forces on the block as they are; below 1
+};
+
+/// Blocks with something open, no key blocks, that would be were the neighbours that are smaller or removable not
+/// there, in the state that the analysis ends in: whether they can push those out is what key groups tell. Blocks that
+/// a window cuts through are neither asked nor taken away.
+[[nodiscard]] std::vector<Barred> barred_by_lesser(const topology::AuditedComplex& complex, const Settings& settings,
+                                                   const Analysis& analysis);
+
 /// What only the border of the domain holds.
 struct DomainHeld {
   std::vector<topology::BlockId> blocks = {};  ///< ascending
