@@ -157,7 +157,7 @@ struct Realization : SampledScene {
   std::optional<SequenceResult> sequence = {};
   std::optional<stability::KeyGroups> key_groups = {};  ///< blocks judged together, where the scene asks for it
   std::vector<stability::HeldFromWithin> held_from_within = {};
-  std::vector<stability::Barred> barred = {};  ///< where blocks were not judged together
+  std::vector<stability::Barred> barred = {};             ///< where blocks were not judged together
   std::optional<stability::DomainHeld> domain_held = {};  ///< of the base case, with `analysis`
   std::vector<CaseResult> load_cases = {};                ///< of [[load]], in scene order; the base case is `analysis`
   std::vector<stability::Sensitivity> sensitivity = {};   ///< of the blocks of the first batch
