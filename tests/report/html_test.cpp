@@ -135,7 +135,7 @@ TEST(Html, KeyBlocksStandBySeverity) {
 // A square tunnel of 2 m along y, rock of one block a side: what lies left of the axis is drawn above the crown.
 TEST(Html, WallsOfATunnelAreUnrolled) {
   Example e;
-  HandMade made;
+  HandMade made{{5e5, 7e6, 100}};  // places are relative to this
   const auto wall = [&](geometry::Vec3 low, geometry::Vec3 high, std::size_t side) {
     auto faces = box_faces(low, high, Role::joint);
     faces[side].role = Role::free;
@@ -150,10 +150,10 @@ TEST(Html, WallsOfATunnelAreUnrolled) {
   e.complex = std::move(made).complex();
   e.result.analysis->judgements = {judgement(0, stability::Mode::sliding, 1, 0.5),
                                    judgement(1, stability::Mode::sliding, 2, 0.5)};
-  e.result.excavations = {
-      {"drift", 1,
-       scene::TunnelLine{
-           .axis = {{0, 0, 0}, {0, 10, 0}}, .up = {0, 0, 1}, .outline = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}}};
+  e.result.excavations = {{"drift", 1,
+                           scene::TunnelLine{.axis = {{5e5, 7e6, 100}, {5e5, 7e6 + 10, 100}},
+                                             .up = {0, 0, 1},
+                                             .outline = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}}};
   const std::string html = report_html(e.page());
   const std::size_t begin = html.find("id=\"unrolled\"");
   ASSERT_NE(begin, std::string::npos);
@@ -189,6 +189,20 @@ TEST(Html, WallsOfATunnelAreUnrolled) {
   std::size_t faces = 0;
   for (std::size_t i = 0; (i = map.find("class=\"pic-trace\"", i)) != std::string::npos; ++i) ++faces;
   EXPECT_EQ(faces, 4U);
+}
+
+// A block's picture is the same wherever the rock lies.
+TEST(Html, PictureOfABlockDoesNotDependOnTheOrigin) {
+  const auto picture = [](geometry::Vec3 origin) {
+    HandMade made{origin};
+    auto faces = box_faces({0, 0, 0}, {1, 2, 3}, Role::joint);
+    faces[4].role = Role::free;
+    made.block(faces, box_counts, true);
+    return block_picture(std::move(made).complex(), judgement(0, stability::Mode::falling, 1, 0));
+  };
+  const std::string near = picture({0, 0, 0});
+  EXPECT_TRUE(near.contains("pic-hidden") && near.contains("pic-wall") && near.contains("pic-key"));
+  EXPECT_EQ(near, picture({1024, 4096, -512}));  // powers of two: the same roundings
 }
 
 TEST(Html, WithoutBlocksThereIsStillAReport) {

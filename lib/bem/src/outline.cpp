@@ -214,6 +214,7 @@ bool inside(const std::vector<Loop>& loops, Vec2 point) {
 }
 
 std::expected<CheckedLoops, OutlineError> check_loops(std::vector<Loop> loops, bool exterior) {
+  if (loops.empty() && !exterior) return std::unexpected(TooFewSides{0});
   for (std::size_t l = 0; l < loops.size(); ++l) {
     const Loop& loop = loops[l];
     const bool curved = std::ranges::any_of(loop, [](const Side& s) { return s.through.has_value(); });

@@ -21,9 +21,9 @@ std::string figures_of(const scene::SurveyScene& survey, const survey::SurveyRes
   std::string text = fmt::format("{}\norientations {}, {} of no set\n", survey.input.title,
                                  survey.input.orientations.size(), result.unassigned);
   for (const survey::SetResult& set : result.sets) {
-    const geometry::Attitude mean = geometry::attitude_of(set.orientation.mean);
     text += fmt::format("set {:<10} {} joints, {} traces", set.name, set.joints, set.traces);
     if (set.joints > 0 || set.orientation_stated) {
+      const geometry::Attitude mean = geometry::attitude_of(set.orientation.mean);
       text += fmt::format(", {:.1f}/{:05.1f}, kappa {:.3g}", mean.dip.degrees(), mean.direction.degrees(),
                           set.orientation.kappa);
     }

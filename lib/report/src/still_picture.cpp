@@ -149,7 +149,7 @@ std::string block_picture(const BlockComplex& complex, const stability::Judgemen
   double reach = 0;
   for (const topology::FaceId id : block.faces) {
     for (const topology::VertexId v : complex.loops(complex.faces()[id]).front()) {
-      const Vec3 p = complex.vertices()[v] - block.centroid;
+      const Vec3 p = complex.position(v) - block.centroid;
       reach = std::max({reach, std::abs(dot(p, eye.right)), std::abs(dot(p, eye.up))});
     }
   }
@@ -171,7 +171,7 @@ std::string block_picture(const BlockComplex& complex, const stability::Judgemen
     const topology::Face& face = complex.faces()[id];
     std::string d;
     for (const auto& loop : complex.loops(face)) {
-      for (std::size_t i = 0; i < loop.size(); ++i) d += (i == 0 ? 'M' : 'L') + at(complex.vertices()[loop[i]]);
+      for (std::size_t i = 0; i < loop.size(); ++i) d += (i == 0 ? 'M' : 'L') + at(complex.position(loop[i]));
       d += 'z';
     }
     if (!seen(id)) {

@@ -166,7 +166,7 @@ std::vector<Shape> shapes_at(const Page& page, std::uint32_t excavation, const W
                 .area = face.area.si()};
     for (const auto& loop : complex.loops(face)) {
       auto& corners = shape.loops.emplace_back();
-      for (const topology::VertexId v : loop) corners.push_back(wall.unroll(complex.vertices()[v], side));
+      for (const topology::VertexId v : loop) corners.push_back(wall.unroll(complex.position(v), side));
       for (std::size_t i = 0; i < loop.size(); ++i) {
         const std::size_t next = (i + 1) % loop.size();
         if (!bends.contains({face.block.value(), loop[next].value(), loop[i].value()})) {
@@ -197,12 +197,16 @@ class Map final {
         to_ = std::max(to_, p.chainage);
       }
     }
+    if (!any()) return;
     const double wanted = std::ceil((to_ - from_) / (3 * wall.perimeter()));
     strips_ = static_cast<std::size_t>(std::clamp(wanted, 1.0, 8.0));
     strip_length_ = (to_ - from_) / static_cast<double>(strips_);
     scale_ = (width - left - 26) / strip_length_;
     strip_height_ = wall.perimeter() * scale_ + 44;
   }
+
+  /// False where nothing of the wall has a length along the axis.
+  [[nodiscard]] bool any() const { return to_ > from_; }
 
   [[nodiscard]] std::string svg(const std::vector<Shape>& shapes, const std::vector<Unrolled>& bolts) const {
     std::string out = "<svg viewBox=\"0 0 1000 " + fixed(static_cast<double>(strips_) * strip_height_) +
@@ -330,7 +334,9 @@ std::string unrolled_section(const Page& page) {
       shapes.resize(most_shapes);
     }
     std::ranges::stable_sort(shapes, {}, &Shape::key);  // key blocks' edges on top
-    out += "<figure class=\"unrolled\">" + Map{wall, shapes, i}.svg(shapes, bolts_at(page, wall)) + "<figcaption>" +
+    const Map map{wall, shapes, i};
+    if (!map.any()) continue;
+    out += "<figure class=\"unrolled\">" + map.svg(shapes, bolts_at(page, wall)) + "<figcaption>" +
            escape_xml(excavation.name) + ", perimeter " + display(wall.perimeter(), 4) + " m" +
            (all > most_shapes ? ", the " + display_count(most_shapes) + " largest of " + display_count(all) + " faces"
                               : "") +
