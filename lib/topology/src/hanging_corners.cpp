@@ -1,6 +1,7 @@
 #include "detail/hanging_corners.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 #include <vector>
 
@@ -27,7 +28,47 @@ struct Hanging {
   LatticePoint site;
 };
 
+/// The plane about in which a polygon lies: its normal, turned to one side, and how far from the origin it is.
+struct AboutPlane {
+  double offset;
+  Vec3 normal;
+};
+
+AboutPlane about(const JointPolygon& entry) {
+  const auto& c = entry.corners;
+  const Vec3 a = as_vec3(c[0]), b = as_vec3(c[c.size() / 3]), d = as_vec3(c[2 * c.size() / 3]);
+  const Vec3 area = cross(b - a, d - a);
+  const double size = geometry::norm(area);
+  if (!(size > 0)) return {0, {}};
+  const bool turn = area.x < 0 || (area.x == 0 && (area.y < 0 || (area.y == 0 && area.z < 0)));
+  const Vec3 normal = (turn ? -1 : 1) / size * area;
+  return {dot(normal, a), normal};
+}
+
 }  // namespace
+
+bool some_lie_in_one_plane(std::span<const JointPolygon> polygons) {
+  std::vector<AboutPlane> planes;
+  double farthest = 1;
+  for (const JointPolygon& entry : polygons) {
+    if (entry.corners.size() < 3) continue;
+    planes.push_back(about(entry));
+    for (const double v : {planes.back().offset, as_vec3(entry.corners.front()).x, as_vec3(entry.corners.front()).y,
+                           as_vec3(entry.corners.front()).z}) {
+      farthest = std::max(farthest, std::abs(v));
+    }
+  }
+  std::ranges::sort(planes, {}, &AboutPlane::offset);
+  std::size_t looks =
+      64 * planes.size();  // where very many pass the origin, one pair more or less is taken to be there
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    for (std::size_t j = i + 1; j < planes.size() && planes[j].offset - planes[i].offset <= 1e-6 * farthest; ++j) {
+      if (looks-- == 0) return true;
+      if (geometry::norm(cross(planes[i].normal, planes[j].normal)) < 1e-5) return true;
+    }
+  }
+  return false;
+}
 
 bool take_hanging_corners(std::span<JointPolygon> polygons, const SharedCorners& shared, double within) {
   std::vector<Use> uses;

@@ -99,6 +99,7 @@ void Preparation::unite_corners() {
 /// nothing was drawn side by side, and what merely ends near another one's rim stays as it is.
 void Preparation::hang_corners() {
   const bool any = shared_.any();
+  if (!any && !some_lie_in_one_plane(polygons_)) return;
   std::vector<JointPolygon> before;
   if (!any) before = polygons_;
   if (!take_hanging_corners(polygons_, shared_, reach_of_corners())) return;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -27,19 +28,24 @@ std::vector<LatticePoint> corners_of(const JointPolygon& entry) {
 /// Sites that others are near to. Sorted along a direction that grids have no two corners across.
 std::vector<LatticePoint> crowded(std::span<const JointPolygon> polygons, double within) {
   constexpr Vec3 direction{0.4837, 0.5391, 0.6893};  // shorter than 1
-  std::vector<std::pair<double, LatticePoint>> sites;
+  std::vector<LatticePoint> points;
   for (const JointPolygon& entry : polygons) {
-    for (const LatticePoint c : corners_of(entry)) sites.emplace_back(dot(direction, as_vec3(c)), c);
+    points.insert(points.end(), entry.corners.begin(), entry.corners.end());
+    for (const auto& hole : entry.holes) points.insert(points.end(), hole.begin(), hole.end());
   }
-  std::ranges::sort(sites);
-  const auto again = std::ranges::unique(sites);
-  sites.erase(again.begin(), again.end());
+  std::vector<std::pair<double, std::uint32_t>> sites;
+  sites.reserve(points.size());
+  for (const LatticePoint& p : points) {
+    sites.emplace_back(dot(direction, as_vec3(p)), static_cast<std::uint32_t>(sites.size()));
+  }
+  std::ranges::sort(sites, {}, &std::pair<double, std::uint32_t>::first);
   std::vector<LatticePoint> found;
   for (std::size_t i = 0; i < sites.size(); ++i) {
     for (std::size_t j = i + 1; j < sites.size() && sites[j].first - sites[i].first <= within + 1; ++j) {
-      if (geometry::norm(as_vec3(sites[j].second - sites[i].second)) > within) continue;
-      found.push_back(sites[i].second);
-      found.push_back(sites[j].second);
+      const LatticePoint a = points[sites[i].second], b = points[sites[j].second];
+      if (a == b || geometry::norm(as_vec3(b - a)) > within) continue;
+      found.push_back(a);
+      found.push_back(b);
     }
   }
   std::ranges::sort(found);
