@@ -29,8 +29,7 @@ struct Unrolled {
 /// The wall of a tunnel as a strip.
 class Wall final {
  public:
-  explicit Wall(const scene::TunnelLine& line)
-      : line_{line}, length_{stochastic::length_of(line.axis)}, starts_(line.outline.size() + 1, 0.0) {
+  explicit Wall(const scene::TunnelLine& line) : line_{line}, starts_(line.outline.size() + 1, 0.0) {
     const auto& outline = line.outline;
     for (std::size_t i = 0; i < outline.size(); ++i) {
       const auto [du, dv] = side(i);
@@ -48,18 +47,8 @@ class Wall final {
       crown_ = starts_[i] + share * (starts_[i + 1] - starts_[i]);
     }
   }
-  [[nodiscard]] double length() const { return length_; }
   [[nodiscard]] double perimeter() const { return starts_.back(); }
-  [[nodiscard]] Vec3 axis_at(double chainage) const {
-    double left = chainage;
-    std::size_t i = 0;
-    for (; i + 2 < line_.axis.size(); ++i) {
-      const double part = norm(line_.axis[i + 1] - line_.axis[i]);
-      if (left <= part) break;
-      left -= part;
-    }
-    return normalized(line_.axis[i + 1] - line_.axis[i]);
-  }
+  [[nodiscard]] Vec3 axis_at(double chainage) const { return part_at(chainage).direction; }
   /// The side of the outline nearest to a point, and how far off it is.
   [[nodiscard]] std::pair<std::size_t, double> nearest_side(Vec3 p) const {
     const auto [u, v] = across(p);
@@ -94,22 +83,27 @@ class Wall final {
     const auto& b = line_.outline[(i + 1) % line_.outline.size()];
     return {b[0] - a[0], b[1] - a[1]};
   }
+  /// Where the axis is at a chainage, and the way it runs.
+  struct Part {
+    Vec3 at, direction;
+  };
+  [[nodiscard]] Part part_at(double chainage) const {
+    std::size_t i = 0;
+    for (; i + 2 < line_.axis.size() && chainage > norm(line_.axis[i + 1] - line_.axis[i]); ++i) {
+      chainage -= norm(line_.axis[i + 1] - line_.axis[i]);
+    }
+    const Vec3 direction = normalized(line_.axis[i + 1] - line_.axis[i]);
+    return {line_.axis[i] + chainage * direction, direction};
+  }
   /// To the right and up from the axis.
   [[nodiscard]] std::array<double, 2> across(Vec3 p) const {
-    const double chainage = stochastic::chainage_of(line_.axis, p);
-    double left = chainage;
-    std::size_t i = 0;
-    for (; i + 2 < line_.axis.size() && left > norm(line_.axis[i + 1] - line_.axis[i]); ++i) {
-      left -= norm(line_.axis[i + 1] - line_.axis[i]);
-    }
-    const Vec3 along = normalized(line_.axis[i + 1] - line_.axis[i]);
-    const Vec3 right = normalized(cross(along, line_.up)), up = cross(right, along);
-    const Vec3 d = p - (line_.axis[i] + left * along);
+    const Part part = part_at(stochastic::chainage_of(line_.axis, p));
+    const Vec3 right = normalized(cross(part.direction, line_.up)), up = cross(right, part.direction);
+    const Vec3 d = p - part.at;
     return {dot(d, right), dot(d, up)};
   }
 
   const scene::TunnelLine& line_;
-  double length_;
   std::vector<double> starts_;
   double crown_ = 0;
 };
