@@ -81,5 +81,28 @@ TEST(ProgressTest, ItsOwnThreadStopsWithIt) {  // a hang or a race here is the f
   progress.advance();
 }
 
+TEST(ProgressTest, WhoeverAsksSeesTheStage) {
+  Bench b{ProgressStyle::quiet};
+  EXPECT_FALSE(b.progress.seen());
+  b.progress.begin("cut", 10);
+  b.progress.advance(4);
+  const auto seen = b.progress.seen();
+  ASSERT_TRUE(seen);
+  EXPECT_EQ(seen->stage, "cut");
+  EXPECT_EQ(seen->done, 4);
+  EXPECT_EQ(seen->total, 10);
+  b.progress.end();
+  EXPECT_FALSE(b.progress.seen());
+}
+
+TEST(ProgressTest, StopEndsTheRunAtItsNextStepOrStage) {
+  Bench b{ProgressStyle::quiet};
+  b.progress.begin("steps", 10);
+  b.progress.advance();
+  b.progress.stop();
+  EXPECT_THROW(b.progress.advance(), Stopped);
+  EXPECT_THROW(b.progress.begin("report"), Stopped);
+}
+
 }  // namespace
 }  // namespace cleave

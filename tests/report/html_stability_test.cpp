@@ -14,7 +14,7 @@
 
 #include "hand_made.hpp"
 #include "html.hpp"
-#include "key_blocks.hpp"
+#include "cleave/report/key_blocks.hpp"
 #include "view3d.hpp"
 
 namespace cleave::report {

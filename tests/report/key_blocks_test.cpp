@@ -1,4 +1,4 @@
-#include "key_blocks.hpp"
+#include "cleave/report/key_blocks.hpp"
 
 #include <gtest/gtest.h>
 

@@ -33,7 +33,7 @@ def arrows():
         call = re.search(r"cleave_module\(%s\b(.*?)\)" % module, listed.read_text(), re.S)
         if not call:
             continue
-        uses = re.search(r"\bUSES\b(.*?)(?:PACKAGES|PRIVATE_PACKAGES|$)", call.group(1), re.S)
+        uses = re.search(r"\bUSES\b(.*?)(?:PACKAGES|HEADER_PACKAGES|$)", call.group(1), re.S)
         uses = set(uses.group(1).split()) if uses else set()
         included = {}
         for source in [*folder.rglob("*.hpp"), *folder.rglob("*.cpp")]:
@@ -145,7 +145,7 @@ def users():
     public, shared = headers()
     place = lambda name: root / "lib" / name.split("/")[1] / "include" / name
     used = {name: set() for name in [*public, *shared]}
-    for top in ("lib", "examples"):
+    for top in ("lib", "examples", "python"):
         for source in (root / top).rglob("*.[ch]pp"):
             who = source.relative_to(root).parts[1] if top == "lib" else top
             for name in re.findall(r'^#include "(cleave/[^"]+)"', source.read_text(), re.M):

@@ -1,13 +1,16 @@
 #include "cleave/core/parallel.hpp"
 
+#include <algorithm>
+
+#if CLEAVE_THREADS
 #include <tbb/blocked_range.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include <algorithm>
 #include <atomic>
 #include <thread>
+#endif
 
 // Debian's oneTBB is not built for the thread sanitizer, which then sees races in TBB's own scheduler. Under that
 // sanitizer plain threads do the work, so that it judges our code and nothing else.
@@ -27,7 +30,9 @@ namespace {
 
 using Chunk = std::function<void(std::size_t, std::size_t)>;
 
-#if CLEAVE_PLAIN_THREADS
+#if !CLEAVE_THREADS
+void run(std::size_t count, std::size_t, const Chunk& chunk) { chunk(0, count); }
+#elif CLEAVE_PLAIN_THREADS
 void run(std::size_t count, std::size_t threads, const Chunk& chunk) {
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
@@ -55,7 +60,11 @@ void run(std::size_t count, std::size_t threads, const Chunk& chunk) {
 }  // namespace
 
 ThreadLimit ThreadLimit::all() noexcept {
+#if CLEAVE_THREADS
   return ThreadLimit{static_cast<std::size_t>(std::max(1, tbb::info::default_concurrency()))};
+#else
+  return one();
+#endif
 }
 
 namespace detail {

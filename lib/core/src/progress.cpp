@@ -44,12 +44,24 @@ class Progress::State final {
       : style_{style}, sink_{std::move(sink)}, clock_{std::move(clock)}, last_s_{clock_()} {}
 
   void begin(std::string_view name, std::uint64_t total) {
+    if (stop_.load(std::memory_order_relaxed)) throw Stopped{};
     const std::scoped_lock lock{mutex_};
     stage_ = Stage{.name = std::string{name}, .total = total, .start_s = clock_(), .note = {}};
     done_.store(0, std::memory_order_relaxed);
   }
 
-  void advance(std::uint64_t count) noexcept { done_.fetch_add(count, std::memory_order_relaxed); }
+  void advance(std::uint64_t count) {
+    done_.fetch_add(count, std::memory_order_relaxed);
+    if (stop_.load(std::memory_order_relaxed)) throw Stopped{};
+  }
+
+  [[nodiscard]] std::optional<Seen> seen() {
+    const std::scoped_lock lock{mutex_};
+    if (!stage_) return std::nullopt;
+    return Seen{stage_->name, done_.load(std::memory_order_relaxed), stage_->total};
+  }
+
+  void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
   void note(std::string_view text) {
     const std::scoped_lock lock{mutex_};
@@ -83,6 +95,7 @@ class Progress::State final {
 
   /// Calls tick() until the state goes away.
   void start_ticking() {
+#if CLEAVE_THREADS
     ticker_ = std::jthread{[this](const std::stop_token& stop) {
       std::mutex sleep;
       std::condition_variable_any wake;
@@ -90,6 +103,7 @@ class Progress::State final {
       const auto period = std::chrono::duration<double>{terminal_period_s};
       while (!wake.wait_for(lock, stop, period, [&stop] { return stop.stop_requested(); })) tick();
     }};
+#endif
   }
 
  private:
@@ -115,7 +129,10 @@ class Progress::State final {
   double last_s_;
   bool line_shown_ = false;
   std::atomic<std::uint64_t> done_{0};
+  std::atomic<bool> stop_{false};
+#if CLEAVE_THREADS
   std::jthread ticker_;  // last: it stops before anything it looks at goes away
+#endif
 };
 
 ProgressStyle progress_style_of_stderr(bool quiet) noexcept {
@@ -136,9 +153,11 @@ Progress::Progress(ProgressStyle style, Sink sink, Clock clock)
 Progress::~Progress() { state_->end(); }
 
 void Progress::begin(std::string_view stage, std::uint64_t total) { state_->begin(stage, total); }
-void Progress::advance(std::uint64_t count) noexcept { state_->advance(count); }
+void Progress::advance(std::uint64_t count) { state_->advance(count); }
 void Progress::note(std::string_view text) { state_->note(text); }
 void Progress::end() { state_->end(); }
 void Progress::tick() { state_->tick(); }
+std::optional<Progress::Seen> Progress::seen() const { return state_->seen(); }
+void Progress::stop() noexcept { state_->stop(); }
 
 }  // namespace cleave

@@ -69,6 +69,15 @@ std::expected<AnyScene, std::vector<Problem>> parse_any(const std::string& text,
   return as_any(parse(text, shown, beside));
 }
 
+ReadFile reader_beside(const std::filesystem::path& folder) {
+  return [folder](const std::string& name) -> std::expected<LoadedFile, FileRefusal> {
+    const std::filesystem::path whole = folder / name;
+    auto bytes = read_whole(whole, largest_file);
+    if (!bytes) return std::unexpected(std::move(bytes).error());
+    return LoadedFile{std::move(*bytes), whole.generic_string()};
+  };
+}
+
 /// Reads a file and gives its text, with what it names beside it, to `parse_text`.
 template <class Parse>
 auto load_with(const std::string& path, const char* key, const Parse& parse_text)
@@ -77,14 +86,7 @@ auto load_with(const std::string& path, const char* key, const Parse& parse_text
   if (!text) {
     return std::unexpected(std::vector{Problem{path, 1, key, text.error().what, text.error().remedy}});
   }
-  const std::filesystem::path folder = std::filesystem::path{path}.parent_path();
-  const ReadFile beside = [&](const std::string& name) -> std::expected<LoadedFile, FileRefusal> {
-    const std::filesystem::path whole = folder / name;
-    auto bytes = read_whole(whole, largest_file);
-    if (!bytes) return std::unexpected(std::move(bytes).error());
-    return LoadedFile{std::move(*bytes), whole.generic_string()};
-  };
-  return parse_text(*text, path, beside);
+  return parse_text(*text, path, reader_beside(std::filesystem::path{path}.parent_path()));
 }
 
 }  // namespace
@@ -95,6 +97,11 @@ std::expected<std::string, FileRefusal> read_file(const std::filesystem::path& p
 
 std::expected<AnyScene, std::vector<Problem>> load(const std::string& path) {
   return load_with(path, "scene", parse_any);
+}
+
+std::expected<AnyScene, std::vector<Problem>> load_text(const std::string& text, const std::string& shown,
+                                                        const std::filesystem::path& folder) {
+  return parse_any(text, shown, reader_beside(folder));
 }
 
 std::expected<Scene, std::vector<Problem>> load_blocks(const std::string& path) {

@@ -11,7 +11,7 @@
 #include "cleave/exchange/text.hpp"
 #include "cleave/exchange/vtu_writer.hpp"
 #include "html_parts.hpp"
-#include "summary.hpp"
+#include "cleave/report/summary.hpp"
 #include "tables2d.hpp"
 
 namespace cleave::report {

@@ -1,7 +1,7 @@
 #include <string>
 #include <string_view>
 
-#include "key_blocks.hpp"
+#include "cleave/report/key_blocks.hpp"
 #include "tables.hpp"
 #include "tables2d.hpp"
 

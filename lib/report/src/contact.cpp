@@ -7,7 +7,7 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/exchange/vtu_writer.hpp"
-#include "summary.hpp"
+#include "cleave/report/summary.hpp"
 #include "tables2d.hpp"
 
 namespace cleave::report {

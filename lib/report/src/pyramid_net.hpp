@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "key_blocks.hpp"
+#include "cleave/report/key_blocks.hpp"
 
 namespace cleave::report {
 

@@ -1,4 +1,4 @@
-#include "summary.hpp"
+#include "cleave/report/summary.hpp"
 
 #include <utility>
 

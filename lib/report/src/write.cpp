@@ -11,9 +11,9 @@
 #include "cleave/exchange/exports.hpp"
 #include "cleave/exchange/vtu.hpp"
 #include "html.hpp"
-#include "key_blocks.hpp"
+#include "cleave/report/key_blocks.hpp"
 #include "key_groups.hpp"
-#include "summary.hpp"
+#include "cleave/report/summary.hpp"
 
 namespace cleave::report {
 namespace {

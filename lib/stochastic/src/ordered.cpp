@@ -1,20 +1,23 @@
 #include "cleave/stochastic/ordered.hpp"
 
+#if CLEAVE_THREADS
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
+#endif
 
 namespace cleave::stochastic {
 
 void run_ordered(std::uint64_t first, std::uint64_t end, std::uint64_t step, ThreadLimit threads, std::size_t ahead,
                  const std::function<std::function<bool()>(std::uint64_t)>& make) {
   bool stopped = false;
-  if (threads.count() == 1) {
+  if (!CLEAVE_THREADS || threads.count() == 1) {
     for (std::uint64_t i = first; i < end && !stopped; i += step) stopped = !make(i)();
     return;
   }
+#if CLEAVE_THREADS
   std::uint64_t next = first;
   std::atomic<bool> enough{false};
   using Commit = std::function<bool()>;
@@ -36,6 +39,7 @@ void run_ordered(std::uint64_t first, std::uint64_t end, std::uint64_t step, Thr
   });
   tbb::task_arena arena{static_cast<int>(std::min(threads.count(), ThreadLimit::all().count()))};
   arena.execute([&] { tbb::parallel_pipeline(std::max<std::size_t>(ahead, threads.count()), source & work & sink); });
+#endif
 }
 
 }  // namespace cleave::stochastic

@@ -20,6 +20,8 @@ class Id final {
   constexpr explicit Id(std::size_t value) noexcept : value_{static_cast<std::uint32_t>(value)} {
     CLEAVE_ASSERT(value <= UINT32_MAX);
   }
+  /// For literals: `BlockId{0}`.
+  constexpr explicit Id(int value) noexcept : value_{static_cast<std::uint32_t>(value)} { CLEAVE_ASSERT(value >= 0); }
   [[nodiscard]] constexpr std::uint32_t value() const noexcept { return value_; }
   [[nodiscard]] constexpr std::size_t index() const noexcept { return value_; }
   friend constexpr auto operator<=>(Id, Id) noexcept = default;

@@ -1,10 +1,12 @@
 #pragma once
 
-/// Says on stderr how far a run is. Never writes to stdout, never decides anything.
+/// How far a run is: said on stderr, or asked for by whoever started it, who may also stop it.
 
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <string_view>
 
 namespace cleave {
@@ -17,6 +19,9 @@ enum class ProgressStyle : std::uint8_t {
 
 /// `terminal` when stderr is one, else `lines`; `quiet` when asked.
 [[nodiscard]] ProgressStyle progress_style_of_stderr(bool quiet) noexcept;
+
+/// Thrown by `begin` and `advance` after `stop`, through all that is between: only who called `stop` sees it.
+struct Stopped {};
 
 /// Stage, share done, time left. `advance` may be called from any thread and costs one atomic addition.
 class Progress final {
@@ -38,13 +43,23 @@ class Progress final {
   /// Starts a stage of `total` equal pieces (0: unknown). The stage before it ends.
   void begin(std::string_view stage, std::uint64_t total = 0);
   /// `count` more pieces are done.
-  void advance(std::uint64_t count = 1) noexcept;
+  void advance(std::uint64_t count = 1);
   /// Text behind the share, say a running mean with its interval; an empty one takes it away.
   void note(std::string_view text);
   /// The stage is over; a terminal's line is wiped, so that what follows starts on a clean line.
   void end();
   /// Writes if it is time to.
   void tick();
+
+  /// A stage and how much of it is done.
+  struct Seen {
+    std::string stage;
+    std::uint64_t done = 0, total = 0;  ///< total 0: unknown
+  };
+  /// The stage that runs now, from any thread; none between stages.
+  [[nodiscard]] std::optional<Seen> seen() const;
+  /// Ends the run at its next stage or step, by Stopped. From any thread.
+  void stop() noexcept;
 
  private:
   class State;

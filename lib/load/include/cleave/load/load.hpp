@@ -19,6 +19,9 @@ namespace cleave::scene {
 using AnyScene = std::variant<Scene, BodiesScene, ContactScene>;
 /// Reads the file once; what it holds says which scene it is.
 [[nodiscard]] std::expected<AnyScene, std::vector<Problem>> load(const std::string& path);
+/// The same of a text in memory; `shown` is how messages name it, and files that it names are looked for in `folder`.
+[[nodiscard]] std::expected<AnyScene, std::vector<Problem>> load_text(const std::string& text, const std::string& shown,
+                                                                      const std::filesystem::path& folder);
 /// Where only blocks make sense.
 [[nodiscard]] std::expected<Scene, std::vector<Problem>> load_blocks(const std::string& path);
 [[nodiscard]] std::expected<SurveyScene, std::vector<Problem>> load_survey(const std::string& path);

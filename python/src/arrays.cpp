@@ -1,0 +1,12 @@
+#include "arrays.hpp"
+
+#include <utility>
+
+namespace cleave::python {
+
+py::array sealed(py::array array) {
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+}  // namespace cleave::python
