@@ -76,6 +76,11 @@ def random_wedges(count):
         plunge = math.degrees(math.asin(-line[2]))
         if not (30 < plunge < 60 and line[0] > 0.4 and abs(line[1]) < 0.25):
             continue
+        # Where the traces on the top meet the east face: within it, or the wedge hangs on the sides of the box.
+        through = np.array([39.7, 20.0, 8.0])
+        ends = [through[1] - (n[0] * 0.3 + n[2] * 2) / n[1] for n in (upward(*first), upward(*second))]
+        if not all(1 < y < 39 for y in ends):
+            continue
         made += 1
         yield wedge(f"wedge_{made}", f"Wedge between {first[0]:.1f}/{first[1]:.1f} and {second[0]:.1f}/{second[1]:.1f}", first, second, phi1, phi2,
                     "east", [39.7, 20, 8], "Closed form: the weight along the line and across it", "Two joints through a point below the crest of a vertical face; friction only.")
