@@ -31,6 +31,7 @@ inside bash -c 'cmake -S /root/consumer -B /root/consumer/build >/dev/null && cm
 inside bash -c 'g++ -std=c++23 /root/consumer/main.cpp $(pkg-config --cflags --libs cleave-topology) -o /root/consumer/by_pkg_config && /root/consumer/by_pkg_config'
 
 echo "== Python"
+inside test -d /usr/lib/python3/dist-packages/cleave/__pycache__
 inside /usr/bin/python3 -c 'import cleave; r = cleave.run("/root/wedge_slope.toml"); print(cleave.__version__, len(r.blocks), r.key_blocks["factor_of_safety"][0])'
 
 inside apt-get purge -y cleave libcleave0 libcleave-dev python3-cleave >/dev/null
