@@ -25,10 +25,10 @@ TEST(Sliding, DownAPlaneOfAnyDirection) {
     double dip, direction, friction;
     Vec3 path;
   };
-  for (const Case& c : {Case{30, 0, 10, {0, 1.4752644, -0.85174431}},
-                        Case{30, 137, 10, {1.0061279, -1.0789401, -0.85174431}},
-                        Case{35, 222.5, 20, {-0.74764820, -0.81591483, -0.77489120}},
-                        Case{50, 313, 30, {-0.91065741, 0.84920177, -1.4839321}}, Case{35, 222.5, 36, {0, 0, 0}}}) {
+  for (const Case& c :
+       {Case{30, 0, 10, {0, 1.4752644, -0.85174431}}, Case{30, 137, 10, {1.0061279, -1.0789401, -0.85174431}},
+        Case{35, 222.5, 20, {-0.74764820, -0.81591483, -0.77489120}},
+        Case{50, 313, 30, {-0.91065741, 0.84920177, -1.4839321}}, Case{35, 222.5, 36, {0, 0, 0}}}) {
     const Turn plane = slope(c.dip, c.direction);
     const Turn turn = plane * turn_by({0, 0, 25 * degree});
     World w = world({floor(plane), body(moved(block(1, 2, 0.5), plane * Vec3{0, 0, 0.25}, turn))}, tangent(c.friction));

@@ -62,8 +62,9 @@ TEST(Toppling, PathAndItsOrder) {
 
 TEST(Toppling, HousnersRatioWithAllCornersClosed) {
   const double w0 = 0.5258;
-  World w = world({floor(), body(moved(block(0.5, 1, 2), {0, 0, 1}), cross(Vec3{0, w0, 0}, Vec3{0.25, 0, 1}), {0, w0, 0})}, 5,
-                  {.gravity = {}, .step = 1e-6, .theta = 1});
+  World w =
+      world({floor(), body(moved(block(0.5, 1, 2), {0, 0, 1}), cross(Vec3{0, w0, 0}, Vec3{0.25, 0, 1}), {0, w0, 0})}, 5,
+            {.gravity = {}, .step = 1e-6, .theta = 1});
   ASSERT_TRUE(w.step(1e-6).has_value());
   EXPECT_NEAR(w.spin(1).y / w0, 0.91176471, 1e-8);
 }

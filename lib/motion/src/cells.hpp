@@ -16,9 +16,9 @@ struct Side {
   bool outer = true;  ///< some of it is skin of the body, not only a border to another cell
 };
 struct Edge {
-  std::uint32_t a, b;          ///< corners
-  std::uint32_t left, right;   ///< sides
-  bool outer = true;           ///< both sides are outer
+  std::uint32_t a, b;         ///< corners
+  std::uint32_t left, right;  ///< sides
+  bool outer = true;          ///< both sides are outer
 };
 struct Cell {
   std::vector<Vec3> vertices;

@@ -144,7 +144,9 @@ Newton::Local Newton::project(const Programme& programme, std::size_t k, const V
     case Law::tresca: onto_disc(w.tail<2>(), programme.given[k], out); break;
     case Law::cone: onto_disc(w.tail<2>(), e.cohesion, out); break;
     case Law::coulomb: {
-      const double radius = closed ? e.mu * out.x[0] + e.cohesion : e.cohesion > 0 && e.tension > 0 ? e.cohesion - e.mu * e.tension : 0;
+      const double radius = closed                            ? e.mu * out.x[0] + e.cohesion
+                            : e.cohesion > 0 && e.tension > 0 ? e.cohesion - e.mu * e.tension
+                                                              : 0;
       const double length = w.tail<2>().norm();
       onto_disc(w.tail<2>(), radius, out);
       if (closed && length > radius && e.mu > 0) out.slope.bottomLeftCorner<2, 1>() = e.mu / length * w.tail<2>();
@@ -257,21 +259,35 @@ double Newton::inner(const Programme& programme, std::vector<Vector3d>& x, doubl
 double Newton::solve(const Programme& programme, std::vector<Vector3d>& x, const Schedule& schedule) {
   VectorXd v = VectorXd::Zero(6 * static_cast<Index>(scaled_->bodies));
   for (std::size_t k = 0; k < x.size(); ++k) scaled_->add(scaled_->elements[k], x[k], v);
-  double hidden = std::numeric_limits<double>::infinity(), rho = schedule.rough;
+  // Forces that grow far before they hold, as under a heavy body, need less weight than others; where weights are too
+  // small rounding takes over. The best answer at the end counts.
+  constexpr double enough = 1e-12;
+  double least = std::numeric_limits<double>::infinity(), rho = schedule.rough, fine = schedule.fine;
+  std::vector<Vector3d> best;
   for (int round = 0, at_fine = 0; round < 400; ++round) {
     const std::vector<Vector3d> old = x;
     const double off = inner(programme, x, rho, v);
-    if (!(off < 1e-6)) return std::numeric_limits<double>::infinity();
+    if (!(off < 1e-6)) break;
     double change = 0;
     for (std::size_t k = 0; k < x.size(); ++k) change = std::max(change, (x[k] - old[k]).lpNorm<Eigen::Infinity>());
-    hidden = std::max(rho * change, off);
-    if (rho <= 1.001 * schedule.fine) {
-      if (hidden <= 1e-14 || ++at_fine >= schedule.last) break;
-    } else if ((round + 1) % schedule.recentrings == 0) {
-      rho = std::max(schedule.fine, schedule.fall * rho);
+    const double hidden = std::max(rho * change, off);
+    if (rho > 1.001 * fine) {
+      if ((round + 1) % schedule.recentrings == 0) rho = std::max(fine, schedule.fall * rho);
+      continue;
     }
+    const bool better = hidden < 0.5 * least;
+    if (hidden < least) {
+      least = hidden;
+      best = x;
+    }
+    if (hidden <= enough) break;
+    if (better && ++at_fine < schedule.last) continue;
+    if (fine <= schedule.finest || least <= 100 * enough) break;
+    rho = fine = std::max(schedule.finest, 0.1 * fine);
+    at_fine = 0;
   }
-  return hidden;
+  if (!best.empty()) x = std::move(best);
+  return least;
 }
 
 }  // namespace cleave::motion

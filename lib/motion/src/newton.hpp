@@ -52,8 +52,9 @@ class Newton final {
 
   struct Schedule {
     double rough = 1e-1, fine = 1e-6, fall = 0.1;
-    int recentrings = 1;  ///< at each weight before the last
-    int last = 6;         ///< at the last weight
+    int recentrings = 1;    ///< at each weight before the last
+    int last = 6;           ///< at the last weight
+    double finest = 1e-10;  ///< where `fine` does not do
   };
   /// Goes on from `x`. Returns the largest change of velocity that the last proximal weight still hid; infinity when a
   /// Newton iteration got lost.

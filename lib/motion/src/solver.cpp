@@ -71,8 +71,8 @@ Judged judge(const Group& group, const std::vector<Vector3d>& impulse, const Res
     const Vector3d b = response.y[k] - response.from_impulse[k];
     off = std::max(off, f.lpNorm<Eigen::Infinity>());
     off_speed = std::max(off_speed, f.cwiseProduct(response.diagonal[k]).lpNorm<Eigen::Infinity>());
-    force = std::max({force, impulse[k].lpNorm<Eigen::Infinity>(),
-                      b.cwiseQuotient(response.diagonal[k]).lpNorm<Eigen::Infinity>()});
+    force = std::max(
+        {force, impulse[k].lpNorm<Eigen::Infinity>(), b.cwiseQuotient(response.diagonal[k]).lpNorm<Eigen::Infinity>()});
     speed = std::max(speed, b.lpNorm<Eigen::Infinity>());
     made = std::max(made, response.from_impulse[k].lpNorm<Eigen::Infinity>());
   }
@@ -129,12 +129,24 @@ class Cascade {
     coulomb(none(), Method::proximal, {.rough = 1, .fine = 1e-7, .fall = fall, .recentrings = 3, .last = 6});
   }
 
+  /// Ends rounds that get no nearer.
+  struct Progress {
+    double least = std::numeric_limits<double>::infinity();
+    int idle = 0;
+    bool goes_on(double residual) {
+      idle = residual < 0.7 * least ? 0 : idle + 1;
+      least = std::min(least, residual);
+      return idle <= 10;
+    }
+  };
+
   /// The slip given, the rest is one convex programme; the slip is then renewed.
-  void by_slip() {
+  void by_slip(double finest) {
     Unknowns x = none();
     Programme programme{.law = Law::cone, .given = std::vector<double>(x.size(), 0)};
-    for (int round = 0; round < 40 && !done() && !spent(); ++round) {
-      (void)newton_.solve(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4});
+    Progress progress;
+    for (int round = 0; round < 60 && !done() && !spent() && progress.goes_on(best_.report.residual); ++round) {
+      (void)newton_.solve(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4, .finest = finest});
       const std::vector<Vector3d> u = velocities(x);
       for (std::size_t k = 0; k < x.size(); ++k) {
         const double slip = u[k].tail<2>().norm();
@@ -145,11 +157,12 @@ class Cascade {
   }
 
   /// The bounds of friction given, the rest is one convex programme; the bounds are then renewed.
-  void by_bounds() {
+  void by_bounds(double finest) {
     Unknowns x = none();
     Programme programme{.law = Law::tresca, .given = std::vector<double>(x.size(), 0)};
-    for (int round = 0; round < 60 && !done() && !spent(); ++round) {
-      (void)newton_.solve(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4});
+    Progress progress;
+    for (int round = 0; round < 60 && !done() && !spent() && progress.goes_on(best_.report.residual); ++round) {
+      (void)newton_.solve(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4, .finest = finest});
       for (std::size_t k = 0; k < x.size(); ++k) {
         const Scaled::Element& e = scaled_.elements[k];
         const double bound = std::max(0.0, e.mu * x[k][0] + e.cohesion);
@@ -172,9 +185,11 @@ class Cascade {
     for (const Point& p : group_.points) warm = warm || !p.start.isZero();
     if (warm) coulomb(start(), Method::newton, {.rough = 1e-4, .fine = 1e-6});
     if (!done()) coulomb(none(), Method::newton, {});
+    for (const double finest : {1e-5, 1e-10}) {
+      if (!done() && !spent()) by_slip(finest);
+      if (!done() && !spent()) by_bounds(finest);
+    }
     if (!done() && !spent()) proximal(0.1);
-    if (!done() && !spent()) by_slip();
-    if (!done() && !spent()) by_bounds();
     if (!done() && !spent()) proximal(1.0 / 3);
     best_.report.iterations = newton_.factors();
   }

@@ -49,8 +49,8 @@ double World::Impl::longest_step(double at_most) const {
     if (!moves(b)) continue;
     const double turning = norm(spin(state[b], b));
     const double speed = norm(state[b].v) + turning * shapes[b].radius;
-    const double far = std::min(options.displacement * extent,
-                                std::max(0.25 * shapes[b].thickness, 0.02 * shapes[b].size));
+    const double far =
+        std::min(options.displacement * extent, std::max(0.25 * shapes[b].thickness, 0.02 * shapes[b].size));
     if (turning > 0) step = std::min(step, options.rotation / turning);
     // speed h + g h^2 / 2 <= far
     if (speed > 0 || g > 0) step = std::min(step, 2 * far / (speed + std::sqrt(speed * speed + 2 * g * far)));
@@ -153,18 +153,24 @@ Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list
   return group;
 }
 
-bool World::Impl::close_island(const Island& island, const Group& group, const Solution& found,
-                               const std::vector<State>& mid, double step, Attempt& out) {
+World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& group, const Solution& found,
+                                          const std::vector<State>& mid, double step) const {
   std::vector<Vector6> before;
-  double size = 0;
+  Balance out;
+  double size = 0, free_scheme = 0;
+  const bool mean = implicit[island.bodies[0]] == 0 && !options.quasi_static;
+  const double late = (mean ? options.theta : 1) - 0.5;
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     const std::uint32_t b = island.bodies[k];
+    const Shape& shape = shapes[b];
     before.push_back(stacked(mid[b].v, spin(mid[b], b)));
-    size += shapes[b].mass * (dot(mid[b].v, mid[b].v) + norm(options.gravity) * shapes[b].size) +
-            dot(mid[b].momentum, solve(shapes[b].inertia, mid[b].momentum));
+    size += shape.mass * (dot(mid[b].v, mid[b].v) + norm(options.gravity) * shape.size) +
+            dot(mid[b].momentum, solve(shape.inertia, mid[b].momentum));
+    const Vector6 change = found.velocity[k] - before[k];
+    out.scheme -= late * shape.mass * step * dot(options.gravity, {change[0], change[1], change[2]});
+    free_scheme -= late * shape.mass * step * step * dot(options.gravity, options.gravity);
   }
-  double work = 0, friction = 0;
-  Vec3 from_walls;
+  double moved = 0;
   for (std::size_t k = 0; k < group.points.size(); ++k) {
     const Point& p = group.points[k];
     Vector3d first = p.on_body.transpose() * before[p.body];
@@ -174,27 +180,27 @@ bool World::Impl::close_island(const Island& island, const Group& group, const S
       then += p.on_other.transpose() * found.velocity[p.other];
     } else {
       const Vector3d force = p.on_body.topRows<3>() * found.impulse[k];
-      from_walls += Vec3{force[0], force[1], force[2]};
+      out.from_walls += Vec3{force[0], force[1], force[2]};
     }
-    work += 0.5 * found.impulse[k].dot(first + then);
-    friction -= found.impulse[k].tail<2>().dot(then.tail<2>());
+    out.work += 0.5 * found.impulse[k].dot(first + then);
+    moved += std::abs(found.impulse[k].dot(first)) + std::abs(found.impulse[k].dot(then));
+    out.friction -= found.impulse[k].tail<2>().dot(then.tail<2>());
   }
+  const double gain = out.work + out.scheme;
+  out.gain = gain > 1e-13 * size + 1e-9 * moved ? gain : 0;
+  out.scheme -= free_scheme;  // what nothing touches has been counted
+  return out;
+}
+
+bool World::Impl::close_island(const Island& island, const Group& group, const Solution& found,
+                               const std::vector<State>& mid, double step, bool rebounding, Attempt& out) {
+  const Balance balance = gain_of(island, group, found, mid, step);
   const bool mean = implicit[island.bodies[0]] == 0 && !options.quasi_static && options.theta < 1;
-  double scheme = 0, free_scheme = 0;
-  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
-    const Shape& shape = shapes[island.bodies[k]];
-    const Vec3 change{found.velocity[k][0] - before[k][0], found.velocity[k][1] - before[k][1],
-                      found.velocity[k][2] - before[k][2]};
-    const double late = (mean ? options.theta : 1) - 0.5;
-    scheme -= late * shape.mass * step * dot(options.gravity, change);
-    free_scheme -= late * shape.mass * step * step * dot(options.gravity, options.gravity);
-  }
-  if (mean && work + scheme > 1e-13 * size) return false;
-  scheme -= free_scheme;  // counted as if nothing touched it
-  out.work += work;
-  out.scheme += scheme;
-  out.friction += friction;
-  out.given += from_walls;
+  if (mean && !rebounding && balance.gain > 0) return false;
+  out.work += balance.work;
+  out.scheme += balance.scheme;
+  out.friction += balance.friction;
+  out.given += balance.from_walls;
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     const std::uint32_t b = island.bodies[k];
     const Vector6& v = found.velocity[k];
@@ -257,19 +263,14 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
         if (again) continue;
         Group group;
         Solution found;
-        for (double rebound = 1;; rebound = rebound > 0.1 ? 0.5 * rebound : 0) {
+        // Restitution in several contacts at once may ask for more energy than there is (Kane 1984): then for less.
+        double rebounding = 0;
+        for (const double rebound : {1.0, 0.99, 0.97, 0.93, 0.85, 0.7, 0.5, 0.25, 0.0}) {
           group = group_of(island, out.touches, mid, step, rebound);
           found = motion::solve(group, options.solver);
-          if (rebound == 0) break;
-          double work = 0, asked = 0;
-          for (std::size_t k = 0; k < group.points.size(); ++k) {
-            const Point& p = group.points[k];
-            asked = std::min(asked, p.b[0]);
-            Vector3d twice = p.on_body.transpose() * (found.velocity[p.body] + group.free[p.body]);
-            if (p.other != ground) twice += p.on_other.transpose() * (found.velocity[p.other] + group.free[p.other]);
-            work += 0.5 * found.impulse[k].dot(twice);
-          }
-          if (asked >= 0 || work <= 0) break;
+          rebounding = 0;
+          for (const Point& p : group.points) rebounding = std::min(rebounding, p.b[0]);
+          if (rebounding >= 0 || gain_of(island, group, found, mid, step).gain <= 0) break;
         }
         out.report.iterations += found.report.iterations;
         out.report.residual = std::max(out.report.residual, found.report.residual);
@@ -278,7 +279,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
         if (found.report.status == SolveReport::Status::not_converged) {
           return Failure{found.report.residual, "the contact law was not met"};
         }
-        if (!close_island(island, group, found, mid, step, out)) {
+        if (!close_island(island, group, found, mid, step, rebounding < 0, out)) {
           for (const std::uint32_t b : island.bodies) implicit[b] = implicit_for;
           again = true;
           continue;
@@ -300,8 +301,8 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
           const Frame frame = frame_of(t.normal);
           const Vector3d& i = found.impulse[k];
           t.impulse = i[0] * frame.n + i[1] * frame.t1 + i[2] * frame.t2;
-          out.contacts.push_back({t.body, t.other, t.point, t.normal, t.gap, t.impulse / step,
-                                  slip.tail<2>().norm(), false});
+          out.contacts.push_back(
+              {t.body, t.other, t.point, t.normal, t.gap, t.impulse / step, slip.tail<2>().norm(), false});
         }
       }
       if (again) break;

@@ -81,9 +81,8 @@ std::uint32_t facing_side(const Placed& placed, Vec3 normal) {
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t s = 0; s < placed.normals.size(); ++s) {
     const auto& corners = placed.cell->sides[s].corners;
-    const bool there = std::ranges::any_of(corners, [&](std::uint32_t v) {
-      return dot(normal, placed.vertices[v]) <= low + 1e-9 * placed.size;
-    });
+    const bool there = std::ranges::any_of(
+        corners, [&](std::uint32_t v) { return dot(normal, placed.vertices[v]) <= low + 1e-9 * placed.size; });
     if (there && dot(placed.normals[s], normal) < least) {
       least = dot(placed.normals[s], normal);
       best = s;
@@ -130,8 +129,8 @@ void thin_out(std::vector<Vec3>& polygon, double tolerance) {
   }
 }
 
-void along_side(const Placed& reference, const Placed& incident, std::uint32_t side, double reach,
-                bool strict, std::vector<Touch>& out) {
+void along_side(const Placed& reference, const Placed& incident, std::uint32_t side, double reach, bool strict,
+                std::vector<Touch>& out) {
   const Vec3 normal = reference.normals[side];
   const double size = std::min(reference.size, incident.size);
   const std::uint32_t facing = facing_side(incident, normal);

@@ -38,7 +38,8 @@ std::expected<void, BadScene> add_body(const BodySpec& spec, std::size_t number,
   };
   const auto mass = mass_properties(spec.shape);
   if (!mass) return refuse(mass.error().reason);
-  if (!(spec.density > 0) || !std::isfinite(spec.density)) return refuse("its density is not positive");
+  const double density = spec.density.si();
+  if (!(density > 0) || !std::isfinite(density)) return refuse("its density is not positive");
   if (!geometry::is_finite(spec.velocity) || !geometry::is_finite(spec.spin)) return refuse("its speed is not finite");
   Polyhedron own = spec.shape;
   for (Vec3& v : own.vertices) v -= mass->centroid;
@@ -48,9 +49,9 @@ std::expected<void, BadScene> add_body(const BodySpec& spec, std::size_t number,
   auto parts = convex_cells(own, mass->volume);
   if (!parts) return refuse(parts.error().reason);
   Shape shape{.centroid = mass->centroid,
-              .mass = spec.density * mass->volume,
+              .mass = density * mass->volume,
               .volume = mass->volume,
-              .inertia = scaled(mass->inertia, spec.density),
+              .inertia = scaled(mass->inertia, density),
               .size = extent_of(own.vertices),
               .first_cell = static_cast<std::uint32_t>(cells.size())};
   shape.thickness = shape.size;
@@ -154,7 +155,8 @@ void World::Impl::count_energy() {
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (held[b] != 0) continue;
     const State& s = state[b];
-    energy.kinetic += 0.5 * shapes[b].mass * dot(s.v, s.v) + 0.5 * dot(s.momentum, solve(shapes[b].inertia, s.momentum));
+    energy.kinetic +=
+        0.5 * shapes[b].mass * dot(s.v, s.v) + 0.5 * dot(s.momentum, solve(shapes[b].inertia, s.momentum));
     energy.potential -= shapes[b].mass * dot(options.gravity, s.shift);
   }
 }
@@ -228,8 +230,8 @@ void World::Impl::sleep_and_wake(const Attempt& done) {
     for (const std::uint32_t b : island.bodies) {
       // What is left of its motion is lost, and counted.
       const Vec3 momentum = shapes[b].mass * state[b].v;
-      const double kinetic = 0.5 * dot(momentum, state[b].v) +
-                             0.5 * dot(state[b].momentum, solve(shapes[b].inertia, state[b].momentum));
+      const double kinetic =
+          0.5 * dot(momentum, state[b].v) + 0.5 * dot(state[b].momentum, solve(shapes[b].inertia, state[b].momentum));
       energy.lost += kinetic;
       energy.kinetic -= kinetic;
       expected -= momentum;
@@ -248,7 +250,8 @@ void World::Impl::wake_touched() {
     for (std::uint32_t b = 0; b < shapes.size(); ++b) {
       travel[b] = 1e-6 * shapes[b].size;
       if (moves(b)) {
-        travel[b] += step * (norm(state[b].v) + step * norm(options.gravity) + norm(spin(state[b], b)) * shapes[b].radius);
+        travel[b] +=
+            step * (norm(state[b].v) + step * norm(options.gravity) + norm(spin(state[b], b)) * shapes[b].radius);
       }
     }
     bool any = false;
@@ -280,9 +283,7 @@ Vec3 World::centroid(std::size_t body) const { return impl_->shapes[body].centro
 Vec3 World::displacement(std::size_t body) const { return impl_->state[body].shift; }
 Turn World::turn(std::size_t body) const { return impl_->state[body].turn; }
 Vec3 World::velocity(std::size_t body) const { return impl_->state[body].v; }
-Vec3 World::spin(std::size_t body) const {
-  return impl_->spin(impl_->state[body], static_cast<std::uint32_t>(body));
-}
+Vec3 World::spin(std::size_t body) const { return impl_->spin(impl_->state[body], static_cast<std::uint32_t>(body)); }
 double World::mass(std::size_t body) const { return impl_->shapes[body].mass; }
 double World::volume(std::size_t body) const { return impl_->shapes[body].volume; }
 bool World::asleep(std::size_t body) const { return impl_->asleep[body] != 0; }

@@ -36,7 +36,7 @@ struct BondState {
 /// Contact points and bodies that hang together.
 struct Island {
   std::vector<std::uint32_t> bodies;
-  std::vector<std::uint32_t> touches;  ///< into the list of touches
+  std::vector<std::uint32_t> touches;                          ///< into the list of touches
   std::vector<std::pair<std::uint32_t, std::uint32_t>> bonds;  ///< bond and share
 };
 
@@ -91,14 +91,21 @@ struct World::Impl {
                                double step, double rebound) const;
   /// False when the group gained energy by the mean rule and is to be done again.
   [[nodiscard]] bool close_island(const Island& island, const Group& group, const Solution& found,
-                                  const std::vector<State>& mid, double step, Attempt& out);
+                                  const std::vector<State>& mid, double step, bool rebounding, Attempt& out);
+  struct Balance {
+    double work = 0, scheme = 0, friction = 0, gain = 0;  ///< gain: 0 where it is rounding
+    Vec3 from_walls;
+  };
+  [[nodiscard]] Balance gain_of(const Island& island, const Group& group, const Solution& found,
+                                const std::vector<State>& mid, double step) const;
   void drift_body(State& s, std::uint32_t b, double h) const;
   void sleep_and_wake(const Attempt& done);
   void wake_touched();
 
   // contacts.cpp
   void place_all(const std::vector<State>& s, bool everything);
-  [[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> near_pairs(const std::vector<double>& travel) const;
+  [[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> near_pairs(
+      const std::vector<double>& travel) const;
   [[nodiscard]] std::vector<Touch> touches_of(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs,
                                               const std::vector<double>& travel, bool strict) const;
   void recall(std::vector<Touch>& list, double step) const;

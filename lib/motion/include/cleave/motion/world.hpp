@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cleave/core/quantity.hpp"
 #include "cleave/motion/body.hpp"
 
 /// Rigid polyhedral blocks in three dimensions with contacts on Coulomb's cone. SI units.
@@ -24,11 +25,11 @@ struct Surface {
 };
 
 struct BodySpec {
-  Polyhedron shape;     ///< where it stands at the start
-  double density = 1;   ///< kg/m3
-  bool fixed = false;   ///< never moves: a wall
-  Vec3 velocity = {};   ///< of the centroid
-  Vec3 spin = {};       ///< 1/s, scene axes
+  Polyhedron shape;  ///< where it stands at the start
+  Density density = kilograms_per_cubic_metre(1);
+  bool fixed = false;  ///< never moves: a wall
+  Vec3 velocity = {};  ///< of the centroid
+  Vec3 spin = {};      ///< 1/s, scene axes
 };
 
 /// Rock bridge or cement between two bodies: points that carry pull and shear beside friction, each its share of the
@@ -71,7 +72,7 @@ inline constexpr std::size_t method_count = 4;
 [[nodiscard]] std::string_view name_of(Method method) noexcept;
 
 struct SolverOptions {
-  double accept = 1e-8;  ///< residual above which an answer is never called converged
+  double accept = 1e-8;         ///< residual above which an answer is never called converged
   std::size_t patience = 4000;  ///< linear solves after which nothing more is tried
 };
 
@@ -103,7 +104,7 @@ struct WorldOptions {
   double overlap = 1e-6;       ///< overlap allowed over the smaller body's size
   bool sleep = true;           ///< groups at rest are left alone until something touches them
   double sleep_speed = 1e-7;
-  bool quasi_static = false;   ///< every step starts from rest
+  bool quasi_static = false;  ///< every step starts from rest
   SolverOptions solver = {};
 };
 
