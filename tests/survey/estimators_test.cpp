@@ -60,6 +60,27 @@ TEST(LineTest, RqdByHand) {
   EXPECT_DOUBLE_EQ(rqd_measured(std::vector{0.05, 0.5, 0.2}, 1), 70);
 }
 
+TEST(LineTest, RqdCountsThePiecesAtTheEnds) {
+  const auto pieces = pieces_of({4, 5.3, 4.7, 6}, 10);
+  ASSERT_EQ(pieces.size(), 5U);
+  const Estimate whole = rqd(pieces, 10);
+  EXPECT_DOUBLE_EQ(whole.value.value(), 100);
+  EXPECT_DOUBLE_EQ(whole.high, 100);
+  EXPECT_LT(whole.low, 99);
+  EXPECT_GT(whole.low, 90);
+  // No joint at all is one piece; one joint near an end takes off what lies beyond it.
+  EXPECT_DOUBLE_EQ(rqd(pieces_of({}, 10), 10).value.value(), 100);
+  EXPECT_NEAR(rqd(pieces_of({9.95}, 10), 10).value.value(), 99.5, 1e-12);
+  // Crushed throughout: none is kept, and the interval begins at 0.
+  std::vector<double> crushed;
+  for (int i = 1; i < 100; ++i) crushed.push_back(0.05 * i);
+  const Estimate none = rqd(pieces_of(crushed, 5), 5);
+  EXPECT_DOUBLE_EQ(none.value.value(), 0);
+  EXPECT_GE(none.low, 0);
+  EXPECT_GT(none.high, 1);
+  EXPECT_LT(none.high, 20);
+}
+
 TEST(OrientationTest, WeightsByHand) {
   // 3 x 2 m horizontal window, disc of 2.4 m, plane 50/070: hits per P30 = sin V [D w h + pi/4 D^2 (w |sin| + h
   // |cos|)].

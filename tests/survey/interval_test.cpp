@@ -230,6 +230,28 @@ TEST(IntervalTest, LawsOfSpacingsAreCovered) {
   }
 }
 
+// Poisson lines against Priest & Hudson's value. Where less than one short piece is expected the interval is that of a
+// rare event: it covers more.
+TEST(IntervalTest, RqdIsCovered) {
+  for (const double length : {10.0, 50.0}) {
+    for (const double lambda : {0.5, 2.0, 5.0, 10.0, 20.0, 40.0}) {
+      Covered share{"rqd_" + std::to_string(std::lround(10 * lambda)) + "_" + std::to_string(std::lround(length)),
+                    rqd_of_frequency(lambda)};
+      for (std::uint64_t k = 0; k < samples; ++k) {
+        Rng rng{{.seed = 36, .realization = k}};
+        std::vector<double> positions;
+        for (double at = -std::log(rng.uniform()) / lambda; at < length; at -= std::log(rng.uniform()) / lambda) {
+          positions.push_back(at);
+        }
+        share.look(rqd(pieces_of(positions, length), length));
+      }
+      RecordProperty(share.name, share.count);
+      EXPECT_GE(share.count, 930) << share.name;
+      EXPECT_LE(share.count, 0.1 * lambda * lambda * length < 3 ? 1000 : 975) << share.name;
+    }
+  }
+}
+
 TEST(IntervalTest, FrequencyOfTheThesisHasItsInterval) {
   const std::vector<double> gaps{0.3, 0.9, 0.2, 0.7, 0.4, 1.1};
   const Estimate e = frequency_by_truncated_exponential(gaps, 5);

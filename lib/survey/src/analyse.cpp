@@ -420,13 +420,13 @@ class Analysis final {
   void whole() {
     for (const LineSurvey& line : in_.lines) {
       const double length = line.length();
-      const auto gaps = gaps_of(line.positions);
+      const auto gaps = gaps_of(line.positions), pieces = pieces_of(line.positions, length);
       LineResult result{line.name,
                         length,
                         frequency(line.positions.size(), length, in_.confidence),
-                        rqd_measured(gaps, length),
+                        rqd_measured(pieces, length),
                         0,
-                        rqd(gaps, length, in_.confidence),
+                        rqd(pieces, length, in_.confidence),
                         {},
                         {}};
       result.rqd_of_frequency = rqd_of_frequency(result.frequency.value.value_or(0));
