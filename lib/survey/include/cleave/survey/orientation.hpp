@@ -34,7 +34,9 @@ struct FisherFit {
   geometry::Vec3 mean;  ///< unit, z >= 0
   double kappa = 0;     ///< (N_e - 1)/(N_e - R_e); infinite for one joint or parallel ones
   double kappa_low = 0, kappa_high = 0;
-  double cone_degrees = 0;     ///< half angle of the confidence cone of the mean
+  /// Half angle of the confidence cone of the mean: Fisher's (1953) for equal weights, else by leaving out one joint
+  /// after the other (weights of their own scatter more than Fisher's form allows).
+  double cone_degrees = 0;
   double effective_count = 0;  ///< (sum w)^2/sum w^2
   std::size_t count = 0;
   std::size_t capped = 0;  ///< weights at the cap
