@@ -144,11 +144,10 @@ class Analysis final {
                         "these share their mean",
                         set.orientation.capped, in_.weight_cap));
       }
-      constexpr std::size_t few = 100;
-      if (set.joints < few && set.orientation.effective_count < 0.6 * static_cast<double>(set.joints)) {
+      if (few_carry(set.orientation)) {
         set.notes.push_back(
             fmt::format("few of the {} joints carry most of the weight (as {:.1f} equal ones): the cone of the mean "
-                        "covers less than it says, 91 to 93 % instead of 95 %",
+                        "covers less than it says, 90 to 93 % instead of 95 %",
                         set.joints, set.orientation.effective_count));
       }
       if (!set.orientation.fisher) {

@@ -49,6 +49,11 @@ struct FisherFit {
 [[nodiscard]] FisherFit fit_fisher(std::span<const geometry::Vec3> normals, std::span<const double> weights,
                                    double confidence = 0.95, double cap = 10);
 
+/// Whether so few joints carry most of the weight that the cone covers less than it says (90 to 93 % instead of 95).
+[[nodiscard]] inline bool few_carry(const FisherFit& fit) noexcept {
+  return fit.count < 100 && fit.effective_count < 0.75 * static_cast<double>(fit.count);
+}
+
 /// Bingham's law exp(k1 (n.v1)^2 + k2 (n.v2)^2)/F about the two smaller axes of the tensor, k1 <= k2 <= 0: maximum
 /// likelihood (Bingham 1974), the constant F by quadrature.
 struct BinghamFit {
