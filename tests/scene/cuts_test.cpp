@@ -137,6 +137,26 @@ TEST(Sequence, AKeyBlockIsFoundInTheStageThatUndercutsIt) {
   EXPECT_EQ(both.block_hash, result.block_hash);
 }
 
+// A bolt through the prism, put in after the first stage or after the one that frees it.
+TEST(Sequence, SupportIsCheckedStageByStage) {
+  const auto supported = [](int after) {
+    const std::string bolts =
+        "[sequence]\nfallen = \"put_back\"\n[[support.bolts]]\nat = [[4.2, 4, 2]]\ndirection = [0, 0, 1]\nlength = 3\n"
+        "tendon_capacity = 200e3\nplate_capacity = 200e3\nbond_strength = 1e6\nanchorage = 0.3\nafter_stage = ";
+    return run_of(with_box(std::string{two_stages} + bolts + std::to_string(after) + "\n")).sequence.value().stages;
+  };
+  for (const int after : {2, 5, 6}) {
+    const auto stages = supported(after);
+    ASSERT_EQ(stages.size(), 2U);
+    ASSERT_TRUE(stages[0].support && stages[1].support);
+    EXPECT_EQ(stages[0].support->blocks, 0U);
+    EXPECT_EQ(stages[1].support->blocks, 1U);
+    EXPECT_EQ(stages[1].support->bolts_before, after < 5 ? 1U : 0U);
+    EXPECT_EQ(stages[1].support->not_held_before, after < 5 ? 0U : 1U);
+    EXPECT_EQ(stages[1].support->not_held, after <= 5 ? 0U : 1U);
+  }
+}
+
 TEST(Sequence, BlocksPutBackAreThoseOfTheWholeExcavation) {
   const auto result = run_of(with_box(std::string{two_stages} + "[sequence]\nfallen = \"put_back\"\n"));
   EXPECT_EQ(result.sequence->fallen, Fallen::put_back);

@@ -221,6 +221,37 @@ TEST(SceneTest, PropertiesFallBackToDefault) {
   EXPECT_EQ(properties(1).cohesion.quantile(0.3), pascals(5e3));
 }
 
+TEST(SceneTest, KindsOfBolts) {
+  const auto with_spot = [](const std::string& keys) {
+    return with_box("[stability]\nfree = [\"top\"]\n[support.spot]\nlength = 4\ntendon_capacity = 200e3\n" + keys);
+  };
+  const auto type = [&](const std::string& keys) { return scene_of(with_spot(keys)).support->plan.spot->type; };
+  const auto bar = type("bond_strength = 3e5\nanchorage = 0.5\nshear_capacity = 1e5\nangle = \"cosine\"\n");
+  EXPECT_EQ(std::get<stability::GroutedBar>(bar.kind).bond, 3e5);
+  EXPECT_EQ(std::get<stability::GroutedBar>(bar.kind).shear, 1e5);
+  EXPECT_EQ(bar.angle, stability::AngleLaw::cosine);
+  const auto tube = type("kind = \"friction\"\nbond_strength = 4e4\nanchorage = 0.5\nshear_capacity = 7e4\n");
+  EXPECT_EQ(std::get<stability::FrictionTube>(tube.kind).shear, 7e4);
+  const auto cable = type("kind = \"cable\"\nbond_strength = 2e5\nfree_length = 1.5\nanchorage = 1\n");
+  EXPECT_EQ(std::get<stability::Cable>(cable.kind).free_length, 1.5);
+  const auto end = type("kind = \"mechanical\"\nanchor_capacity = 9e4\nplate_capacity = 1e5\nanchorage = 0.3\n");
+  EXPECT_EQ(std::get<stability::MechanicalAnchor>(end.kind).capacity, 9e4);
+
+  const auto wrong = [&](const std::string& keys) { return error_of(with_spot(keys)); };
+  EXPECT_NE(wrong("anchorage = 0.5\n").find("bond_strength: is missing"), std::string::npos);
+  EXPECT_NE(wrong("kind = \"mechanical\"\nanchor_capacity = 9e4\nplate_capacity = 1e5\nanchorage = 0\n")
+                .find("anchorage: is 0"),
+            std::string::npos);
+  EXPECT_NE(wrong("kind = \"mechanical\"\nanchor_capacity = 9e4\nanchorage = 0.3\n").find("plate_capacity: is 0"),
+            std::string::npos);
+  EXPECT_NE(wrong("kind = \"cable\"\nbond_strength = 2e5\nanchorage = 1\nshear_capacity = 1e5\n")
+                .find("shear_capacity: has no meaning for bolts of kind \"cable\""),
+            std::string::npos);
+  EXPECT_NE(wrong("bond_strength = 2e5\nanchorage = 1\nfree_length = 1\n")
+                .find("free_length: has no meaning for bolts of kind \"grouted\""),
+            std::string::npos);
+}
+
 TEST(SceneTest, NumbersMayBeTextsWithAUnit) {
   const Scene scene = scene_of(with_box(
       "[[joint]]\nplane = { through = [4, \"400 cm\", 3], dip = \"60 deg\", dip_direction = 270 }\n"

@@ -70,14 +70,14 @@ Settings weighing(double weight, double volume, double friction) {
   return with;
 }
 
-constexpr BoltType strong{.tendon = 80e3, .plate = 1e6, .bond = 1e6, .anchorage = 0.5};
+constexpr BoltType strong{.tendon = 80e3, .plate = 1e6, .anchorage = 0.5, .kind = GroutedBar{.bond = 1e6}};
 
 SupportPlan plan_with(std::vector<Bolt> bolts, double target = 1) {
   return {.bolts = std::move(bolts), .target_falling = target, .target_sliding = target};
 }
 
 TEST(BoltTest, CapacityIsTheLeastOfHeadTendonAndAnchor) {
-  const BoltType type{.tendon = 100, .plate = 20, .bond = 50, .anchorage = 0.3};
+  const BoltType type{.tendon = 100, .plate = 20, .anchorage = 0.3, .kind = GroutedBar{.bond = 50}};
   const auto at = [&](double t) { return capacity(type, true, t, 3 - t); };
   EXPECT_NEAR(at(0.2).force, 30, 1e-12);
   EXPECT_EQ(at(0.2).limit, BoltLimit::head);
@@ -86,7 +86,77 @@ TEST(BoltTest, CapacityIsTheLeastOfHeadTendonAndAnchor) {
   EXPECT_EQ(at(1.5).limit, BoltLimit::anchor);
   EXPECT_NEAR(at(2.6).force, 20, 1e-12);
   EXPECT_NEAR(at(3).force, 0, 1e-12);
-  EXPECT_EQ(capacity({.tendon = 10, .plate = 20, .bond = 50, .anchorage = 0}, true, 1, 2).limit, BoltLimit::tendon);
+  EXPECT_EQ(capacity({.tendon = 10, .plate = 20, .anchorage = 0, .kind = GroutedBar{.bond = 50}}, true, 1, 2).limit,
+            BoltLimit::tendon);
+}
+
+TEST(BoltTest, KindsGripWhereTheyHold) {
+  // Held at its last 0.3 m: plate and anchor whatever the section, nothing where the anchor is cut.
+  const BoltType end{.tendon = 150, .plate = 80, .anchorage = 0.3, .kind = MechanicalAnchor{.capacity = 100}};
+  for (const double t : {0.1, 1.0, 2.6}) {
+    const double before = gripped_length(end, 3, 0, t), behind = gripped_length(end, 3, t, 3);
+    EXPECT_EQ(before, 0);
+    ASSERT_TRUE(anchors(end, behind));
+    EXPECT_NEAR(capacity(end, true, before, behind).force, 80, 1e-12);
+    EXPECT_NEAR(capacity(end, false, before, behind).force, 0, 1e-12);
+  }
+  BoltType stiff = end;
+  stiff.plate = 200;
+  EXPECT_NEAR(capacity(stiff, true, 0, gripped_length(end, 3, 1, 3)).force, 100, 1e-9);
+  EXPECT_EQ(capacity(stiff, true, 0, gripped_length(end, 3, 1, 3)).limit, BoltLimit::anchor);
+  EXPECT_FALSE(anchors(end, gripped_length(end, 3, 2.8, 3)));
+  // Free over 2 of 6 m: only the plate before the sleeve ends.
+  const BoltType cable{.tendon = 300, .plate = 60, .anchorage = 1, .kind = Cable{.bond = 50, .free_length = 2}};
+  const auto at = [&](double t) {
+    return capacity(cable, true, gripped_length(cable, 6, 0, t), gripped_length(cable, 6, t, 6)).force;
+  };
+  EXPECT_NEAR(at(1), 60, 1e-12);
+  EXPECT_NEAR(at(3), 110, 1e-12);
+  EXPECT_NEAR(at(5), 50, 1e-12);
+  const BoltType tube{.tendon = 100, .plate = 20, .anchorage = 0.3, .kind = FrictionTube{.bond = 50}};
+  EXPECT_NEAR(capacity(tube, true, gripped_length(tube, 3, 0, 0.2), 2.8).force, 30, 1e-12);
+}
+
+TEST(BoltTest, TensionAndShearAtAnAngle) {
+  const Capacity tension{80, BoltLimit::tendon};
+  const double shear = 30;
+  Bolt bolt{.collar = {}, .direction = {0, 0, -1}, .length = 3, .type = {}};
+  for (const AngleLaw law : {AngleLaw::full, AngleLaw::cosine, AngleLaw::linear}) {
+    bolt.type.angle = law;
+    for (int degree = 0; degree <= 180; degree += 5) {
+      const double t = radians(degree);
+      const Vec3 movement{std::sin(t), 0, std::cos(t)};  // at t to the axis, pulling out at 0
+      bolt.type.kind = GroutedBar{.bond = 1, .shear = shear};
+      const Vec3 f = force_against(bolt, tension, true, movement).force;
+      const double pull = -f.z, across = -f.x;
+      EXPECT_GE(pull, 0);
+      EXPECT_GE(across, -1e-12);
+      if (degree > 90) {
+        EXPECT_EQ(pull, 0);
+        EXPECT_NEAR(across, degree < 180 ? shear : 0, 1e-12);
+        bolt.type.kind = GroutedBar{.bond = 1};
+        EXPECT_EQ(norm(force_against(bolt, tension, true, movement).force), 0);
+        continue;
+      }
+      EXPECT_NEAR(std::hypot(pull / 80, across / shear), 1, 1e-12);
+      if (law != AngleLaw::full) {
+        EXPECT_NEAR(pull, 80 * (law == AngleLaw::cosine ? std::cos(t) : 1 - degree / 90.0), 1e-12);
+      }
+      // No pair on the ellipse does more work than that of `full`.
+      double most = 0;
+      for (int k = 0; k <= 9000; ++k) {
+        const double a = radians(k * 0.01);
+        most = std::max(most, 80 * std::cos(a) * std::cos(t) + shear * std::sin(a) * std::sin(t));
+      }
+      const double work = pull * std::cos(t) + across * std::sin(t);
+      if (law == AngleLaw::full) {
+        EXPECT_NEAR(work, most, 1e-4);
+      }
+      EXPECT_LE(work, most + 1e-4);
+      // Not gripped on both sides: tension alone.
+      EXPECT_NEAR(force_against(bolt, tension, false, movement).force.x, 0, 1e-12);
+    }
+  }
 }
 
 // Plane 40/090, phi 30, 200 kN; bolt 80 kN, 15 degrees below horizontal into the slope.
@@ -119,6 +189,43 @@ TEST(SupportTest, BoltOnAPlane) {
   // Best single force at the friction angle to the plane: (T - R) cos(phi).
   const double t = 200e3 * std::sin(radians(40)), r = 200e3 * std::cos(radians(40)) * std::tan(radians(30));
   EXPECT_NEAR(block.required_force, (t - r) * std::cos(radians(30)), 1);
+}
+
+// The same slab and bolt as `BoltOnAPlane` (55 degrees between bolt and movement), other kinds and laws.
+TEST(SupportTest, KindsAndAnglesOfBoltsOnAPlane) {
+  const Slope slope = Slope::make(40, 10, 2, {});
+  const Settings with = weighing(200e3, 40, 30);
+  const Analysis a = analyse(slope.complex, with);
+  const double b = radians(15), t = radians(55);
+  const double weight = 200e3, n = weight * std::cos(radians(40)), drive = weight * std::sin(radians(40));
+  const auto result_with = [&](BoltType type, double length) {
+    const Bolt bolt{
+        .collar = slope.at(5, 1, 2), .direction = {-std::cos(b), 0, -std::sin(b)}, .length = length, .type = type};
+    return check_support(slope.complex, with, a, plan_with({bolt}));
+  };
+  const auto factor = [&](double tension, double shear) {
+    const double press = tension * std::sin(t) - shear * std::cos(t);
+    const double against = tension * std::cos(t) + shear * std::sin(t);
+    return ((n + press) * std::tan(radians(30)) + against) / drive;
+  };
+  BoltType end{.tendon = 80e3, .plate = 1e6, .anchorage = 0.5, .kind = MechanicalAnchor{.capacity = 60e3}};
+  EXPECT_NEAR(result_with(end, 8).blocks[0].factor_with_bolts, factor(60e3, 0), 1e-6);
+  EXPECT_EQ(result_with(end, 8).bolts[0].limit, BoltLimit::anchor);
+  EXPECT_NEAR(result_with(end, 8).bolts[0].angle, 55, 1e-9);
+  // The joint is 2 / sin 55 = 2.4415 m from the collar: the anchor of a bolt of 2.9 m is cut.
+  EXPECT_EQ(result_with(end, 2.9).bolts[0].status, BoltStatus::too_short);
+  EXPECT_EQ(result_with(end, 2.95).bolts[0].status, BoltStatus::holds);
+  BoltType cable{.tendon = 80e3, .plate = 20e3, .anchorage = 0.5, .kind = Cable{.bond = 40e3, .free_length = 2}};
+  EXPECT_NEAR(result_with(cable, 8).blocks[0].factor_with_bolts, factor(20e3 + 40e3 * (2 / std::sin(t) - 2), 0), 1e-6);
+  BoltType bar = strong;
+  bar.angle = AngleLaw::cosine;
+  EXPECT_NEAR(result_with(bar, 8).blocks[0].factor_with_bolts, factor(80e3 * std::cos(t), 0), 1e-6);
+  bar.kind = GroutedBar{.bond = 1e6, .shear = 30e3};
+  EXPECT_NEAR(result_with(bar, 8).blocks[0].factor_with_bolts, factor(80e3 * std::cos(t), 30e3 * std::sin(t)), 1e-6);
+  bar.angle = AngleLaw::full;
+  const double work = std::hypot(80e3 * std::cos(t), 30e3 * std::sin(t));
+  EXPECT_NEAR(result_with(bar, 8).blocks[0].factor_with_bolts,
+              factor(80e3 * 80e3 * std::cos(t) / work, 30e3 * 30e3 * std::sin(t) / work), 1e-6);
 }
 
 TEST(SupportTest, ShortSlackAndSteepBolts) {
@@ -184,7 +291,7 @@ struct Ceiling {
 TEST(SupportTest, FallingBlockHangsOnItsBolts) {
   const Ceiling c = Ceiling::make(2, 2, 120);
   ASSERT_EQ(c.analysis.batches.size(), 1U);
-  const BoltType type{.tendon = 100, .plate = 1e6, .bond = 1e6, .anchorage = 0.5};
+  const BoltType type{.tendon = 100, .plate = 1e6, .anchorage = 0.5, .kind = GroutedBar{.bond = 1e6}};
   const double a = radians(30);
   const std::vector<Bolt> bolts{
       {.collar = {0.1, 0, 0}, .direction = {0, 0, 1}, .length = 4, .type = type},
@@ -218,7 +325,8 @@ TEST(SupportTest, ShotcreteHoldsSmallFacesByTheirPerimeter) {
 TEST(SupportTest, SpotBoltsAreAddedUntilTheBlockHolds) {
   const Ceiling c = Ceiling::make(2, 2, 500e3);
   SupportPlan plan = plan_with({}, 1.5);
-  plan.spot = SpotBolts{.type = {.tendon = 200e3, .plate = 200e3, .bond = 300e3, .anchorage = 0.5}, .length = 4};
+  plan.spot = SpotBolts{.type = {.tendon = 200e3, .plate = 200e3, .anchorage = 0.5, .kind = GroutedBar{.bond = 300e3}},
+                        .length = 4};
   const auto result = check_support(c.complex, c.with, c.analysis, plan);
   EXPECT_EQ(result.spot_bolts, 4U);  // 750 kN at 200 kN each
   EXPECT_TRUE(result.passes());
@@ -232,7 +340,7 @@ TEST(SupportTest, SecondStepFindsBlocksThatSlideTogether) {
   with.force_transfer = false;
   const Analysis a = analyse(slope.complex, with);
   ASSERT_EQ(a.batches.size(), 2U);
-  const BoltType type{.tendon = 40, .plate = 1e6, .bond = 1e6, .anchorage = 0.5};
+  const BoltType type{.tendon = 40, .plate = 1e6, .anchorage = 0.5, .kind = GroutedBar{.bond = 1e6}};
   const Bolt bolt{.collar = slope.at(15, 1, 1), .direction = -slope.d, .length = 9, .type = type};
   const auto result = check_support(slope.complex, with, a, plan_with({bolt}));
   ASSERT_FALSE(result.blocks.empty());
@@ -282,7 +390,7 @@ TEST(SupportTest, AStitchedBodyIsCutAtBlocksThatAreFixed) {
   const double weight = 30 * 8 * 4.0;  // of one block, at 1 N a m3
   const Settings with = weighing(weight, weight, 30);
   const Analysis a = analyse(complex, with);
-  const BoltType type{.tendon = 1e6, .plate = 1e6, .bond = 1e6, .anchorage = 0.5};
+  const BoltType type{.tendon = 1e6, .plate = 1e6, .anchorage = 0.5, .kind = GroutedBar{.bond = 1e6}};
   std::vector<Bolt> bolts;
   const double s = std::sqrt(0.5);
   for (const double x : {-46.0, -16.0, 14.0}) {
@@ -325,7 +433,7 @@ TEST(SupportTest, ABlockThatCanMoveBothWaysIsHeldByStrongBolts) {
   const auto complex = audited(input);
   const Settings with = weighing(424e3, 40, 25);
   const Analysis a = analyse(complex, with);
-  const BoltType type{.tendon = 2e6, .plate = 2e6, .bond = 1e7, .anchorage = 0.5};
+  const BoltType type{.tendon = 2e6, .plate = 2e6, .anchorage = 0.5, .kind = GroutedBar{.bond = 1e7}};
   const double lean = radians(15);
   std::vector<Bolt> bolts;
   for (const double side : {-1.0, 1.0}) {
@@ -365,7 +473,7 @@ TEST(SupportTest, ForcesBetweenMembersAreInternal) {
   const Slope slope = Slope::make(30, 15, 2, {10});
   const Settings with = weighing(150, 60, 20);
   const Analysis a = analyse(slope.complex, with);
-  const BoltType type{.tendon = 40, .plate = 1e6, .bond = 1e6, .anchorage = 0.5};
+  const BoltType type{.tendon = 40, .plate = 1e6, .anchorage = 0.5, .kind = GroutedBar{.bond = 1e6}};
   const Bolt bolt{.collar = slope.at(15, 1, 1), .direction = -slope.d, .length = 9, .type = type};
   const auto result = check_support(slope.complex, with, a, plan_with({bolt}));
   ASSERT_EQ(result.combined.size(), 1U);
@@ -378,7 +486,7 @@ TEST(SupportTest, AnchorageDecidesWhatIsStitched) {
   const Settings with = weighing(150, 16, 20);
   const Analysis a = analyse(slope.complex, with);
   for (const auto& [anchorage, bodies] : {std::pair{0.5, std::size_t{1}}, std::pair{2.5, std::size_t{0}}}) {
-    const BoltType type{.tendon = 40, .plate = 0, .bond = 1e6, .anchorage = anchorage};
+    const BoltType type{.tendon = 40, .plate = 0, .anchorage = anchorage, .kind = GroutedBar{.bond = 1e6}};
     const Bolt bolt{.collar = slope.at(4, 1, 1), .direction = -slope.d, .length = 3, .type = type};
     EXPECT_EQ(check_support(slope.complex, with, a, plan_with({bolt})).combined.size(), bodies);
   }

@@ -34,6 +34,9 @@ namespace cleave::scene {
 /// m, of all tunnels.
 [[nodiscard]] double tunnel_length(const Scene& scene);
 
+/// [support] in the rock after each stage of the sequence: without and with the bolts of the stage.
+void judge_support_in_stages(const Scene& scene, Realization& made);
+
 // What is judged beside the base case goes into the realization; blocks cut by a window that it depends on into
 // `Realization::undecided`.
 void forget_cases_and_support(Realization& made);

@@ -207,6 +207,31 @@ stability::SupportResult judge_plan(const Scene& scene, const SampledScene& draw
   return check_support(complex, settings_on(complex.complex(), scene, drawn, scene.stability->loads), analysis, plan);
 }
 
+void judge_support_in_stages(const Scene& scene, Realization& made) {
+  for (StageResult& row : made.sequence->stages) {
+    if (!row.complex || !*row.complex || !row.analysis) continue;
+    const topology::AuditedComplex& complex = **row.complex;
+    const stability::Settings settings = settings_on(complex.complex(), scene, made, scene.stability->loads);
+    stability::SupportPlan plan = scene.support->plan;
+    plan.factors = false;
+    const auto later = [&](std::uint32_t first) {
+      return [first](const Bolt& bolt) { return bolt.after_stage >= first; };
+    };
+    std::erase_if(plan.bolts, later(row.stage + 1));
+    const SupportFigures with = count_support(check_support(complex, settings, *row.analysis, plan));
+    std::erase_if(plan.bolts, later(row.stage));
+    plan.spot.reset();
+    plan.shotcrete.reset();
+    const SupportFigures before = count_support(check_support(complex, settings, *row.analysis, plan));
+    row.support = StageSupport{.blocks = with.blocks,
+                               .bolts_before = before.bolts,
+                               .not_held_before = before.not_held,
+                               .bolts = with.bolts,
+                               .not_held = with.not_held,
+                               .combined_failing = with.combined_failing};
+  }
+}
+
 void judge_support(const Scene& scene, const topology::AuditedComplex& complex, const stability::Analysis& analysis,
                    Realization& made, bool designs) {
   const stability::Settings settings = settings_on(complex.complex(), scene, made, scene.stability->loads);

@@ -169,6 +169,7 @@ Realizer::Done Realizer::judge() {
     if (in_stages_ && final_state_) {
       made_.sequence =
           judge_stages(*scene_, *in_stages_, *final_state_, [&](const auto& state) { return analyse(state); });
+      if (scene_->support && detail_ == Detail::shown) judge_support_in_stages(*scene_, made_);
     }
     made_.analysis = analyse(complex);
   }

@@ -90,6 +90,16 @@ void add_enclosed_notes(const std::vector<stability::HeldFromWithin>& rows, std:
   if (rows.size() > most) notes.push_back(fmt::format("and {} more blocks like that", rows.size() - most));
 }
 
+void add_stage_support_notes(const SequenceResult& sequence, std::vector<std::string>& notes) {
+  for (const StageResult& row : sequence.stages) {
+    if (!row.support || (row.support->not_held == 0 && row.support->combined_failing == 0)) continue;
+    notes.push_back(
+        fmt::format("after stage {} the support installed by then leaves {} of {} blocks and {} stitched bodies below "
+                    "the required factors of safety: see sequence in summary.json",
+                    row.stage, row.support->not_held, row.support->blocks, row.support->combined_failing));
+  }
+}
+
 /// Blocks that slide along joints whose cohesion nothing presses into use.
 void add_cohesion_note(const stability::Analysis& analysis, std::vector<std::string>& notes) {
   std::size_t blocks = 0;
@@ -245,6 +255,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
     notes.push_back(
         "the support does not reach the required factors of safety: see bolts.csv and the columns of key_blocks.csv");
   }
+  if (made.sequence) add_stage_support_notes(*made.sequence, notes);
   for (const CaseSupport& load : made.support_cases) {
     if (!load.support.passes()) {
       notes.push_back(

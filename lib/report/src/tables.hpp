@@ -176,10 +176,12 @@ void fields(V& v, const BoltRow& x) {
   v("status", name(x.b.status), "whether it holds a block, is redundant, too short or pierces nothing");
   v("limit", when(x.b.capacity > 0, name(x.b.limit)), "what its capacity is limited by");
   v("serves", x.b.serves, "the block that takes most of it");
-  v("capacity_n", x.b.capacity);
+  v("capacity_n", x.b.capacity, "at the joint behind that block, tension and shear");
   v("used_n", x.b.used);
   v("blocks", x.blocks,
     "blocks it goes through, with the metres from the collar at which it enters and leaves each (`12:0-1.5;7:1.5-3`)");
+  v("kind", stability::bolt_kind_names.at(x.b.bolt.type.kind.index()));
+  v("angle_deg", when(x.b.capacity > 0, x.b.angle), "to the movement of the block it serves; 0: pure tension");
 }
 
 struct SupportBlockRow {

@@ -33,11 +33,22 @@ constexpr std::array<string_view, 2> actions{"passive", "active"};
 
 /// length and the capacities of one bolt, of patterns and of spot bolts.
 std::vector<Key> bolt_keys() {
-  return {{"length", key::number(bolt_length_rule), required, "m"},
-          {"tendon_capacity", key::number(capacity_rule), required, "N", "tendon"},
-          {"plate_capacity", key::number(capacity_rule), "0", "N, 0 = none", "plate"},
-          {"bond_strength", key::number(bond_rule), required, "N/m of gripped length", "bond"},
-          {"anchorage", key::number(rule::length_or_zero), required, "m that must be gripped"}};
+  return {
+      {"length", key::number(bolt_length_rule), required, "m"},
+      {"tendon_capacity", key::number(capacity_rule), required, "N", "tendon"},
+      {"plate_capacity", key::number(capacity_rule), "0", "N, 0 = none", "plate"},
+      {"kind", key::word(stability::bolt_kind_names), "\"grouted\"",
+       "`\"grouted\"` over its length; `\"friction\"` (split set, Swellex); `\"cable\"`; `\"mechanical\"`: held at its "
+       "end over `anchorage`, free up to the plate"},
+      {"bond_strength", key::number(bond_rule), "", "N/m of gripped length; needed but for mechanical", "bond"},
+      {"anchor_capacity", key::number(capacity_rule), "", "N, of mechanical"},
+      {"free_length", key::number(rule::length_or_zero), "0", "m from the collar that grips nothing, of cables"},
+      {"anchorage", key::number(rule::length_or_zero), required,
+       "m that must be gripped; of mechanical: of the anchor, at its end"},
+      {"shear_capacity", key::number(capacity_rule), "0", "N across the bolt, of grouted and friction; 0: not counted"},
+      {"angle", key::word<stability::AngleLaw>(), "\"full\"",
+       "share of tension and shear at the angle t to the movement: `\"full\"` the pair that does the most work, "
+       "`\"cosine\"` cos t, `\"linear\"` 1 - t/90"}};
 }
 
 const KeyTable& grid_keys() {
@@ -55,22 +66,26 @@ const KeyTable& group_keys() {
   static const KeyTable keys = [] {
     KeyTable table{
         .name = "support.bolts",
-        .keys = {{"name", key::text(), "`bolts N`", "of the group"},
-                 {"tunnel", key::text(), "", "rings on the excavation of kind tunnel of this name"},
-                 {"grid", key::table(&grid_keys), "",
-                  "a grid in a plane, from `corner` along strike (to the right seen from the air) and down the dip"},
-                 {"at", key::points(), "", "single bolts with one `direction`"},
-                 {"direction", key::vector(rule::any), "", "of single bolts, into the rock"},
-                 {"spacing", key::pair(rule::length), "",
-                  "m: along the axis and around the section; of a grid across and down the dip"},
-                 {"offset", key::pair(rule::length_or_zero), "[0, 0]", "m, of the first bolt"},
-                 {"arc", key::pair(arc_rule), "all round",
-                  "of rings: degrees from up to the right in which the wall's normal must lie"},
-                 {"inclination", key::number(inclination_rule), "0",
-                  "of rings: degrees from the normal towards the axis's end"},
-                 {"plunge", key::number(plunge_rule), "",
-                  "of grids: degrees below horizontal, against the dip direction; none: at right angles to the plane"},
-                 {"stagger", key::flag(), "false", "every other row is shifted by half a spacing"}},
+        .keys =
+            {{"name", key::text(), "`bolts N`", "of the group"},
+             {"tunnel", key::text(), "", "rings on the excavation of kind tunnel of this name"},
+             {"grid", key::table(&grid_keys), "",
+              "a grid in a plane, from `corner` along strike (to the right seen from the air) and down the dip"},
+             {"at", key::points(), "", "single bolts with one `direction`"},
+             {"direction", key::vector(rule::any), "", "of single bolts, into the rock"},
+             {"spacing", key::pair(rule::length), "",
+              "m: along the axis and around the section; of a grid across and down the dip"},
+             {"offset", key::pair(rule::length_or_zero), "[0, 0]", "m, of the first bolt"},
+             {"arc", key::pair(arc_rule), "all round",
+              "of rings: degrees from up to the right in which the wall's normal must lie"},
+             {"inclination", key::number(inclination_rule), "0",
+              "of rings: degrees from the normal towards the axis's end"},
+             {"plunge", key::number(plunge_rule), "",
+              "of grids: degrees below horizontal, against the dip direction; none: at right angles to the plane"},
+             {"stagger", key::flag(), "false", "every other row is shifted by half a spacing"},
+             {"after_stage", key::whole(0, 10'000), "stage of its tunnel, else 0",
+              "of excavation in stages: installed after it; `[sequence]` is checked stage by stage without and with "
+              "the bolts of the stage"}},
         .one_of = {{"tunnel", "grid", "at"}}};
     for (Key& key : bolt_keys()) table.keys.push_back(std::move(key));
     return table;
@@ -109,14 +124,54 @@ const KeyTable& design_keys() {
   return keys;
 }
 
+/// What holds a bolt of that kind; an error for keys of other kinds.
+std::optional<stability::BoltKind> parse_kind(const TableReader& table, double anchorage) {
+  const std::size_t kind = table.choice("kind").value_or(0);
+  const string_view name = stability::bolt_kind_names.at(kind);
+  const auto misused = [&](std::initializer_list<string_view> others) {
+    for (const string_view key : others) {
+      if (table.has(key)) table.error(key, fmt::format("has no meaning for bolts of kind \"{}\"", name), "remove it");
+    }
+  };
+  if (name == "mechanical") {
+    misused({"bond_strength", "free_length", "shear_capacity"});
+    const auto anchor = table.number("anchor_capacity");
+    if (!table.has("anchor_capacity")) table.missing("anchor_capacity", "add anchor_capacity = 100e3, N");
+    if (!(anchorage > 0)) table.error("anchorage", "is 0", "a mechanical anchor has a length, such as 0.3");
+    if (!(table.value("plate_capacity") > 0)) {
+      table.error("plate_capacity", "is 0", "a bolt that is free up to its head holds by its plate alone");
+    }
+    return anchor.transform([](double a) { return stability::BoltKind{stability::MechanicalAnchor{a}}; });
+  }
+  misused({"anchor_capacity"});
+  const auto bond = table.number("bond_strength");
+  if (!table.has("bond_strength")) {
+    table.missing("bond_strength", "add bond_strength = 200e3, N per metre");
+  }
+  if (!bond) return std::nullopt;
+  const double shear = table.value("shear_capacity");
+  if (name == "cable") {
+    misused({"shear_capacity"});
+    return stability::Cable{.bond = *bond, .free_length = table.value("free_length")};
+  }
+  misused({"free_length"});
+  if (name == "friction") return stability::FrictionTube{.bond = *bond, .shear = shear};
+  return stability::GroutedBar{.bond = *bond, .shear = shear};
+}
+
 /// Keys of `bolt_keys` but the length.
 std::optional<stability::BoltType> parse_type(const TableReader& table) {
   const auto tendon = table.need_number("tendon_capacity");
-  const auto bond = table.need_number("bond_strength");
   const auto anchorage = table.need_number("anchorage");
   const double plate = table.value("plate_capacity");
-  if (!tendon || !bond || !anchorage) return std::nullopt;
-  return stability::BoltType{.tendon = *tendon, .plate = plate, .bond = *bond, .anchorage = *anchorage};
+  if (!tendon || !anchorage) return std::nullopt;
+  const auto kind = parse_kind(table, *anchorage);
+  if (!kind) return std::nullopt;
+  return stability::BoltType{.tendon = *tendon,
+                             .plate = plate,
+                             .anchorage = *anchorage,
+                             .kind = *kind,
+                             .angle = table.word<stability::AngleLaw>("angle")};
 }
 
 void parse_rings(const TableReader& table, const std::vector<Excavation>& excavations, stability::RingPattern ring,
@@ -140,6 +195,7 @@ void parse_rings(const TableReader& table, const std::vector<Excavation>& excava
     ring.offset_along = offset ? (*offset)[0] : 0;
     ring.offset_around = offset ? (*offset)[1] : 0;
     if (arc) ring.arc = *arc;
+    if (!table.has("after_stage")) ring.after_stage = excavation.stage;
     ring.stagger = table.flag("stagger");
     ring.inclination = table.value("inclination");
     const auto bolts = bolts_of(ring);
@@ -211,6 +267,7 @@ void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavat
         if (table.has(key)) table.error(key, fmt::format("has no meaning for bolts of `{}`", kind->key), "remove it");
       }
     };
+    const auto stage = table.integer("after_stage").transform([](auto k) { return static_cast<std::uint32_t>(k); });
     const double l = length.value_or(1);
     const stability::BoltType t = type.value_or(stability::BoltType{});
     if (kind->key == "tunnel") {
@@ -219,6 +276,7 @@ void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavat
       ring.length = l;
       ring.type = t;
       ring.group = group;
+      ring.after_stage = stage.value_or(0);
       parse_rings(table, excavations, std::move(ring), support);
     } else if (kind->key == "grid") {
       misused({"direction", "arc", "inclination"});
@@ -226,6 +284,7 @@ void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavat
       grid.length = l;
       grid.type = t;
       grid.group = group;
+      grid.after_stage = stage.value_or(0);
       parse_grid(table, grid, support);
     } else {
       misused({"spacing", "offset", "arc", "inclination", "stagger", "plunge"});
@@ -237,8 +296,12 @@ void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavat
         continue;
       }
       for (const Vec3 collar : *at) {
-        const stability::Bolt bolt{
-            .collar = collar, .direction = geometry::normalized(*direction), .length = l, .type = t, .group = group};
+        const stability::Bolt bolt{.collar = collar,
+                                   .direction = geometry::normalized(*direction),
+                                   .length = l,
+                                   .type = t,
+                                   .group = group,
+                                   .after_stage = stage.value_or(0)};
         support.single.push_back(bolt);
         support.plan.bolts.push_back(bolt);
       }

@@ -12,42 +12,49 @@ namespace cleave::stability {
 
 using topology::BlockId;
 
-Grip grip_of(const std::vector<Pierced>& path, BlockId block) {
+namespace {
+
+double metres(const Bolt& bolt, const Pierced& p) { return gripped_length(bolt.type, bolt.length, p.from, p.to); }
+
+}  // namespace
+
+Grip grip_of(const BoltResult& bolt, BlockId block) {
   Grip grip;
   bool found = false;
-  for (const Pierced& p : path) {
+  for (const Pierced& p : bolt.pierced) {
     if (p.block == block) {
       if (!found) grip.first = p.from;
       found = true;
-      grip.gripped += p.to - p.from;
+      grip.gripped += metres(bolt.bolt, p);
       grip.last = p.to;
       grip.behind = 0;
     } else if (found) {
-      grip.behind += p.to - p.from;
+      grip.behind += metres(bolt.bolt, p);
     }
   }
-  grip.collar = !path.empty() && path.front().block == block;
+  grip.collar = !bolt.pierced.empty() && bolt.pierced.front().block == block;
   return grip;
 }
 
 bool gripped(const Grip& grip, const BoltType& type) {
   if (grip.collar && type.plate > 0) return true;
-  return grip.gripped >= type.anchorage && grip.gripped > 0;
+  return anchors(type, grip.gripped);
 }
 
-BodyGrip grip_of(const std::vector<Pierced>& path, std::span<const BlockId> members, const BoltType& type,
-                 const std::function<bool(BlockId)>& stays) {
+BodyGrip grip_of(const BoltResult& bolt, std::span<const BlockId> members, const std::function<bool(BlockId)>& stays) {
   BodyGrip grip;
-  for (const Pierced& p : path) {
+  bool entered = false;
+  for (const Pierced& p : bolt.pierced) {
     if (std::ranges::binary_search(members, p.block)) {
-      grip.inside += p.to - p.from;
+      entered = true;
+      grip.inside += metres(bolt.bolt, p);
       grip.anchored = 0;
-      grip.gripped = grip.gripped || gripped(grip_of(path, p.block), type);
-    } else if (grip.inside > 0 && stays(p.block)) {
-      grip.anchored += p.to - p.from;
+      grip.gripped = grip.gripped || gripped(grip_of(bolt, p.block), bolt.bolt.type);
+    } else if (entered && stays(p.block)) {
+      grip.anchored += metres(bolt.bolt, p);
     }
   }
-  grip.collar = !path.empty() && std::ranges::binary_search(members, path.front().block);
+  grip.collar = !bolt.pierced.empty() && std::ranges::binary_search(members, bolt.pierced.front().block);
   return grip;
 }
 
@@ -60,7 +67,7 @@ std::vector<std::vector<BlockId>> stitched(const topology::BlockComplex& complex
     for (const Pierced& p : bolt.pierced) {
       if (std::ranges::find(seen, p.block) != seen.end()) continue;
       seen.push_back(p.block);
-      if (!count(p.block) || !gripped(grip_of(bolt.pierced, p.block), bolt.bolt.type)) continue;
+      if (!count(p.block) || !gripped(grip_of(bolt, p.block), bolt.bolt.type)) continue;
       if (!first) first = p.block.value();
       bodies_of.join(*first, p.block.value());
     }

@@ -11,12 +11,12 @@ namespace cleave::stability {
 
 /// How a bolt grips one block.
 struct Grip {
-  double gripped = 0;          ///< m in the block
+  double gripped = 0;          ///< m in the block, as its kind grips
   double first = 0, last = 0;  ///< m from the collar: where the bolt enters it first and leaves it last
   bool collar = false;
-  double behind = 0;  ///< m in rock beyond it
+  double behind = 0;  ///< m gripped in rock beyond it
 };
-[[nodiscard]] Grip grip_of(const std::vector<Pierced>& path, topology::BlockId block);
+[[nodiscard]] Grip grip_of(const BoltResult& bolt, topology::BlockId block);
 /// Held by the plate or over the anchorage length.
 [[nodiscard]] bool gripped(const Grip& grip, const BoltType& type);
 
@@ -27,8 +27,8 @@ struct BodyGrip {
   double anchored = 0;   ///< m behind the body in blocks that stay
   bool collar = false;   ///< its head is on a member
 };
-[[nodiscard]] BodyGrip grip_of(const std::vector<Pierced>& path, std::span<const topology::BlockId> members,
-                               const BoltType& type, const std::function<bool(topology::BlockId)>& stays);
+[[nodiscard]] BodyGrip grip_of(const BoltResult& bolt, std::span<const topology::BlockId> members,
+                               const std::function<bool(topology::BlockId)>& stays);
 
 /// Blocks that bolts stitch together, of those that `count`: groups of two and more, ascending; by lowest id.
 [[nodiscard]] std::vector<std::vector<topology::BlockId>> stitched(const topology::BlockComplex& complex,

@@ -93,7 +93,8 @@ std::vector<Bolt> bolts_of(const RingPattern& pattern) {
                        .direction = normalized(std::cos(tilt) * normal + std::sin(tilt) * ahead),
                        .length = pattern.length,
                        .type = pattern.type,
-                       .group = pattern.group});
+                       .group = pattern.group,
+                       .after_stage = pattern.after_stage});
     }
   }
   return bolts;
@@ -113,7 +114,8 @@ std::vector<Bolt> bolts_of(const GridPattern& pattern) {
                        .direction = pattern.direction,
                        .length = pattern.length,
                        .type = pattern.type,
-                       .group = pattern.group});
+                       .group = pattern.group,
+                       .after_stage = pattern.after_stage});
     }
   }
   return bolts;

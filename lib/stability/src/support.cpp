@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <utility>
+#include <variant>
 
 #include "bolt_grips.hpp"
 #include "bolt_paths.hpp"
@@ -25,6 +27,12 @@ using topology::Face;
 using topology::FaceId;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// Degrees; 0 where the movement pulls straight at it.
+double angle_between(const Bolt& bolt, Vec3 movement) {
+  const double along = -dot(bolt.direction, movement);
+  return std::atan2(norm(movement + along * bolt.direction), along) * (180 / std::numbers::pi);
+}
 
 class Check final {
  public:
@@ -162,25 +170,40 @@ class Check final {
     if (!whole) result_.undecided.insert(result_.undecided.end(), parts.begin(), parts.end());
   }
 
-  /// What a bolt can do for a block: nothing (why in `status`), or a force along it.
-  [[nodiscard]] Capacity action(const BoltResult& bolt, BlockId block, BoltStatus& status) const {
-    const Grip grip = grip_of(bolt.pierced, block);
+  /// What a bolt can do for a block: nothing (why in `status`), or a force.
+  [[nodiscard]] BoltForce action(const BoltResult& bolt, BlockId block, BoltStatus& status) const {
+    const Grip grip = grip_of(bolt, block);
     const BoltType& type = bolt.bolt.type;
     const bool plate = grip.collar && type.plate > 0;
     status = BoltStatus::too_short;
-    if (grip.behind < type.anchorage || !(grip.behind > 0)) return {0, BoltLimit::anchor};
-    if (!plate && (grip.gripped < type.anchorage || !(grip.gripped > 0))) return {0, BoltLimit::head};
+    if (!anchors(type, grip.behind)) return {{}, BoltLimit::anchor};
+    if (!plate && !holds_head(bolt, grip)) return {{}, BoltLimit::head};
     // A block in front that needs no support itself holds the head.
     double front = 0;
     bool front_plate = false;
-    if (!grip.collar && !bolt.pierced.empty() && needy_[bolt.pierced.front().block] == none) {
-      front = bolt.pierced.front().to - bolt.pierced.front().from;
+    if (const Pierced* before = held_in_front(bolt, grip)) {
+      front = gripped_length(type, bolt.bolt.length, before->from, before->to);
       front_plate = true;
     }
     const Capacity c = capacity(type, plate || front_plate, grip.gripped + front, grip.behind);
     const Vec3 motion = bodies_[needy_[block]].bare.direction;
-    status = dot(bolt.bolt.direction, motion) > 0 ? BoltStatus::compression : BoltStatus::holds;
-    return status == BoltStatus::holds ? c : Capacity{0, c.limit};
+    const BoltForce force = force_against(bolt.bolt, c, anchors(type, grip.gripped), motion);
+    const bool helps = force.force != Vec3{} || dot(bolt.bolt.direction, motion) <= 0;
+    status = helps ? BoltStatus::holds : BoltStatus::compression;
+    return force;
+  }
+
+  [[nodiscard]] const Pierced* held_in_front(const BoltResult& bolt, const Grip& grip) const {
+    if (grip.collar || bolt.pierced.empty() || needy_[bolt.pierced.front().block] != none) return nullptr;
+    return &bolt.pierced.front();
+  }
+
+  /// Without a plate on the block itself: by its grip there, or, free up to its anchor, by the plate in front.
+  [[nodiscard]] bool holds_head(const BoltResult& bolt, const Grip& grip) const {
+    const BoltType& type = bolt.bolt.type;
+    if (anchors(type, grip.gripped)) return true;
+    return std::holds_alternative<MechanicalAnchor>(type.kind) && type.plate > 0 &&
+           held_in_front(bolt, grip) != nullptr;
   }
 
   [[nodiscard]] Vec3 bolt_force(BlockId block, std::uint32_t& count, std::uint32_t without = none) const {
@@ -191,9 +214,9 @@ class Check final {
     for (const std::uint32_t number : it->second) {
       if (number == without) continue;
       BoltStatus status{};
-      const Capacity c = action(result_.bolts[number], block, status);
-      if (!(c.force > 0)) continue;
-      sum += c.force * result_.bolts[number].bolt.direction;
+      const BoltForce f = action(result_.bolts[number], block, status);
+      if (f.force == Vec3{}) continue;
+      sum += f.force;
       ++count;
     }
     return sum;
@@ -253,7 +276,7 @@ class Check final {
       if (placed == plan_->spot->most || entry.held != Held::not_held) break;
       const BoltResult trial{.bolt = bolt, .spot = true, .pierced = paths_.path(bolt).pierced};
       BoltStatus status{};
-      if (trial.pierced.empty() || !(action(trial, entry.block, status).force > 0)) continue;
+      if (trial.pierced.empty() || action(trial, entry.block, status).force == Vec3{}) continue;
       add_bolt(bolt, true);
       ++result_.spot_bolts;
       ++placed;
@@ -270,20 +293,22 @@ class Check final {
       for (const Pierced& p : bolt.pierced) {
         if (needy_[p.block] == none) continue;
         BoltStatus status{};
-        const Capacity c = action(bolt, p.block, status);
+        const BoltForce force = action(bolt, p.block, status);
+        const double most_force = norm(force.force);
         const SupportedBlock& entry = result_.blocks[needy_[p.block]];
-        const double used = c.force * entry.mobilised.value_or(1);
-        if (!holds || c.force > 0) {
+        const double used = most_force * entry.mobilised.value_or(1);
+        if (!holds || most_force > 0) {
           if (used > most) {
             most = used;
             bolt.serves = p.block;
-            bolt.capacity = c.force;
-            bolt.limit = c.limit;
+            bolt.capacity = most_force;
+            bolt.limit = force.limit;
             bolt.used = used;
+            bolt.angle = angle_between(bolt.bolt, bodies_[needy_[p.block]].bare.direction);
           }
           if (!holds) bolt.status = status;
         }
-        if (!(c.force > 0)) continue;
+        if (!(most_force > 0)) continue;
         holds = true;
         if (entry.held == Held::not_held) {
           needed = true;
@@ -308,13 +333,13 @@ class Check final {
     Help help;
     for (const BoltResult& bolt : result_.bolts) {
       const BoltType& type = bolt.bolt.type;
-      const BodyGrip grip = grip_of(bolt.pierced, members, type, [&](BlockId id) { return !can_be_member(id); });
-      if (!grip.gripped || !(grip.anchored > 0) || grip.anchored < type.anchorage) continue;
-      if (dot(bolt.bolt.direction, motion) > 0) continue;  // its motion would shorten it
-      const double force = capacity(type, grip.collar && type.plate > 0, grip.inside, grip.anchored).force;
-      if (!(force > 0)) continue;
-      help.force += force * bolt.bolt.direction;
-      entry.bolt_force += force;
+      const BodyGrip grip = grip_of(bolt, members, [&](BlockId id) { return !can_be_member(id); });
+      if (!grip.gripped || !anchors(type, grip.anchored)) continue;
+      const Capacity tension = capacity(type, grip.collar && type.plate > 0, grip.inside, grip.anchored);
+      const BoltForce held = force_against(bolt.bolt, tension, anchors(type, grip.inside), motion);
+      if (held.force == Vec3{}) continue;  // its motion would shorten it
+      help.force += held.force;
+      entry.bolt_force += norm(held.force);
       ++entry.bolts;
     }
     return help;
@@ -368,15 +393,6 @@ class Check final {
 };
 
 }  // namespace
-
-Capacity capacity(const BoltType& type, bool plate_on_block, double before, double behind) {
-  const double head = (plate_on_block ? type.plate : 0) + type.bond * before;
-  const double anchor = type.bond * behind;
-  Capacity least{head, BoltLimit::head};
-  if (type.tendon < least.force) least = {type.tendon, BoltLimit::tendon};
-  if (anchor < least.force) least = {anchor, BoltLimit::anchor};
-  return least;
-}
 
 bool SupportResult::passes() const noexcept {
   return std::ranges::all_of(blocks, [](const SupportedBlock& b) { return b.held != Held::not_held; }) &&

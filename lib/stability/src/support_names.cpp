@@ -3,18 +3,10 @@
 
 #include <fmt/format.h>
 
+#include "cleave/core/overloaded.hpp"
 #include "cleave/stability/support.hpp"
 
 namespace cleave::stability {
-
-std::string_view name(BoltLimit limit) noexcept {
-  switch (limit) {
-    case BoltLimit::head: return "head";
-    case BoltLimit::tendon: return "tendon";
-    case BoltLimit::anchor: return "anchor";
-  }
-  std::unreachable();
-}
 
 std::string_view name(BoltStatus status) noexcept {
   switch (status) {
@@ -40,8 +32,15 @@ std::string_view name(Held held) noexcept {
 
 std::optional<std::string> problem_of(const SupportPlan& plan) {
   const auto good = [](double v) { return std::isfinite(v) && v >= 0; };
+  const auto good_kind = [&](const BoltKind& kind) {
+    return std::visit(overloaded{[&](const GroutedBar& k) { return good(k.bond) && good(k.shear); },
+                                 [&](const FrictionTube& k) { return good(k.bond) && good(k.shear); },
+                                 [&](const Cable& k) { return good(k.bond) && good(k.free_length); },
+                                 [&](const MechanicalAnchor& k) { return good(k.capacity); }},
+                      kind);
+  };
   const auto good_type = [&](const BoltType& t) {
-    return good(t.tendon) && good(t.plate) && good(t.bond) && good(t.anchorage);
+    return good(t.tendon) && good(t.plate) && good(t.anchorage) && good_kind(t.kind);
   };
   for (std::size_t i = 0; i < plan.bolts.size(); ++i) {
     const Bolt& bolt = plan.bolts[i];

@@ -17,6 +17,22 @@
 
 namespace cleave::scene {
 
+/// The support in the rock after one stage: before and after the bolts of that stage are in.
+struct StageSupport {
+  std::uint64_t blocks = 0;  ///< below their target without support
+  std::uint64_t bolts_before = 0, not_held_before = 0;
+  std::uint64_t bolts = 0, not_held = 0, combined_failing = 0;
+};
+template <class V>
+void fields(V& v, const StageSupport& x) {
+  v("blocks", x.blocks, "below their target without support");
+  v("bolts_before", x.bolts_before, "installed after earlier stages");
+  v("not_held_before", x.not_held_before, "with these alone, without spot bolts and shotcrete");
+  v("bolts", x.bolts, "with those installed after this stage");
+  v("not_held", x.not_held, "with these, spot bolts and shotcrete");
+  v("combined_failing", x.combined_failing, "bodies that these bolts stitch together");
+}
+
 /// The rock after one stage.
 struct StageResult {
   std::uint32_t stage = 1;
@@ -29,6 +45,7 @@ struct StageResult {
   Volume new_key_volume;
   BlockFigures blocks = {};  ///< of `complex`
   KeyBlockFigures key_blocks = {};
+  std::optional<StageSupport> support = {};  ///< with [support]
   [[nodiscard]] bool passed() const noexcept { return !complex || complex->has_value(); }
 };
 template <class V>
@@ -46,6 +63,7 @@ void fields(V& v, const StageResult& x) {
     "as the section key_blocks of the whole result");
   v("new_key_block_count", x.new_key_blocks, "without blocks of which a part left in an earlier stage");
   v("new_key_block_volume_m3", x.new_key_volume);
+  v("support", x.support, "[support] in the rock after this stage");
 }
 
 struct OrderResult {

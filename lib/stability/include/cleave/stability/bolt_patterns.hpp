@@ -22,7 +22,7 @@ struct RingPattern {
   double inclination = 0;                      ///< degrees from the normal towards the axis's end
   double length = 3;
   BoltType type;
-  std::uint32_t group = 0;
+  std::uint32_t group = 0, after_stage = 0;
 };
 /// A ring every `along` m, in each a bolt every `around` m of the arc: (floor((L - o)/along) + 1)
 /// (floor((P - o)/around) + 1) bolts. Empty for spacings that are not > 0.
@@ -39,7 +39,7 @@ struct GridPattern {
   geometry::Vec3 direction;  ///< unit, into the rock
   double length = 3;
   BoltType type;
-  std::uint32_t group = 0;
+  std::uint32_t group = 0, after_stage = 0;
 };
 [[nodiscard]] std::vector<Bolt> bolts_of(const GridPattern& pattern);
 

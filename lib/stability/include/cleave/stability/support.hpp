@@ -8,24 +8,9 @@
 #include <vector>
 
 #include "cleave/stability/analyse.hpp"
+#include "cleave/stability/bolts.hpp"
 
 namespace cleave::stability {
-
-/// What a bolt can carry (Windsor and Thompson 1992): tendon, plate, and bond on both sides of a section.
-struct BoltType {
-  double tendon = 0;     ///< N
-  double plate = 0;      ///< N at the head; 0: no plate
-  double bond = 0;       ///< N/m, the weaker of grout-rock and grout-tendon
-  double anchorage = 0;  ///< m gripped for a block to count
-};
-
-struct Bolt {
-  geometry::Vec3 collar;     ///< m, on a free face
-  geometry::Vec3 direction;  ///< unit, into the rock
-  double length = 0;         ///< m
-  BoltType type;
-  std::uint32_t group = 0;  ///< pattern it belongs to
-};
 
 /// Ring shear along the edge of a small free face (Barrett and McCreath 1995).
 struct Shotcrete {
@@ -57,7 +42,6 @@ struct SupportPlan {
 /// Empty: the plan is sound.
 [[nodiscard]] std::optional<std::string> problem_of(const SupportPlan& plan);
 
-enum class BoltLimit : std::uint8_t { head, tendon, anchor };
 enum class BoltStatus : std::uint8_t {
   holds,        ///< serves a block that needs it
   redundant,    ///< every block it serves reaches its target without it
@@ -66,7 +50,6 @@ enum class BoltStatus : std::uint8_t {
   no_block,     ///< crosses no block that needs support
   off,          ///< its collar lies on no free face
 };
-[[nodiscard]] std::string_view name(BoltLimit limit) noexcept;
 [[nodiscard]] std::string_view name(BoltStatus status) noexcept;
 
 struct Pierced {
@@ -81,8 +64,9 @@ struct BoltResult {
   BoltStatus status = BoltStatus::no_block;
   std::optional<topology::BlockId> serves = {};  ///< the block that needs most of it
   BoltLimit limit = BoltLimit::tendon;
-  double capacity = 0;  ///< N at the joint behind the block served
+  double capacity = 0;  ///< N at the joint behind the block served, tension and shear
   double used = 0;      ///< N, mobilised share of it
+  double angle = 0;     ///< degrees between its axis and the movement of the block served; 0: pure tension
 };
 
 /// What brings a block to its target.
@@ -154,13 +138,5 @@ struct SupportResult {
 /// what lies outside. Both must pass.
 [[nodiscard]] SupportResult check_support(const topology::AuditedComplex& complex, const Settings& settings,
                                           const Analysis& analysis, const SupportPlan& plan);
-
-/// Axial capacity at section t of a bolt that grips `before` metres on the collar's side of it and `behind` metres
-/// beyond: the least of head (plate + bond), tendon and anchor; N.
-struct Capacity {
-  double force;
-  BoltLimit limit;
-};
-[[nodiscard]] Capacity capacity(const BoltType& type, bool plate_on_block, double before, double behind);
 
 }  // namespace cleave::stability
