@@ -35,6 +35,6 @@ inside test -d /usr/lib/python3/dist-packages/cleave/__pycache__
 inside /usr/bin/python3 -c 'import cleave; r = cleave.run("/root/wedge_slope.toml"); print(cleave.__version__, len(r.blocks), r.key_blocks["factor_of_safety"][0])'
 
 inside apt-get purge -y cleave libcleave0 libcleave-dev python3-cleave >/dev/null
-left=$(inside find / -xdev -path '*cleave*' -not -path '/root/*' -not -path '/proc/*' | sort)
+left=$(inside find / -xdev -path '*cleave*' -not -path '/root/*' -not -path '/proc/*' -not -path '/var/cache/man/*' | sort)
 [[ -z $left ]] || { echo "left behind: $left"; exit 1; }
 echo "packages: installed, used, removed without a trace"
