@@ -23,6 +23,9 @@ constexpr int resting_steps = 20;
 
 double tangent(FrictionAngle angle) { return std::tan(angle.degrees() * std::numbers::pi / 180); }
 
+/// Residual of the contact law up to which a step counts: wedged groups of many blocks reach no less by rounding.
+constexpr double accepted = 1e-6;
+
 /// Numbers of equal strengths.
 class Surfaces {
  public:
@@ -335,6 +338,7 @@ std::uint64_t MotionResult::moved() const noexcept {
 MotionResult run_motion(const Scene& scene, const Realization& made, const BlockComplex& complex) {
   const Cast cast = cast_of(scene, made, complex);
   motion::WorldOptions options{.gravity = scene.stability->gravity, .step = scene.motion->step.si()};
+  options.solver.accept = accepted;
   auto world = motion::World::make(cast.scene, options);
   if (!world) {
     MotionResult refused;
