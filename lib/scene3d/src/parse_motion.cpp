@@ -42,7 +42,7 @@ std::optional<MotionSettings> parse_motion(const TableReader& root, const std::o
   settings.line = table.line();
   settings.release = table.word<Release>("release");
   settings.duration = Time::from_si(table.value("duration"));
-  settings.to_rest = table.has("until");
+  settings.to_rest = table.choice("until").has_value();
   settings.step = Time::from_si(table.value("step"));
   if (const auto frame = table.number("frame")) settings.frame = Time::from_si(*frame);
   settings.restitution = table.value("restitution");
