@@ -95,7 +95,7 @@ TEST(JointKeys, BufferAndClamp) {
   EXPECT_NEAR(std::get<dfn::Square>(cut.joint_sets.front().law.spec().shape).size.moment(1), 73.441863, 1e-6);
   EXPECT_FALSE(cut.joint_sets.front().law.spec().buffer.has_value());
   EXPECT_EQ(error_of(with_box(set + "size = \"persistent\"\nbuffer = 2\n")),
-            "s.toml:9: joint_set[1].buffer: has no meaning where joints are not drawn by their centres; remove it: "
+            "s.toml:7: joint_set[1].buffer: has no meaning where joints are not drawn by their centres; remove it: "
             "planes are drawn throughout the domain");
   EXPECT_NE(error_of(with_box(set + "size = 3\nbuffer = 0.9\n")).find("joint_set[1].buffer"), std::string::npos);
   EXPECT_NE(error_of(with_box(set + "size = { distribution = \"uniform\", min = 2 }\n")).find("size.max"),
