@@ -1,4 +1,5 @@
 #include "cleave/stochastic/intervals.hpp"
+#include "heavy_rock.hpp"
 
 #include <gtest/gtest.h>
 
@@ -87,6 +88,34 @@ TEST(IntervalsTest, BootstrapShiftsToTheLongTail) {
   EXPECT_GT(shifted, 0.95 * groups);
   EXPECT_GT(bca_covers, 0.87 * groups);
   EXPECT_FALSE(bca_mean(std::vector{1.0, 1.0, 1.0, 1.0}, 0.95, 100, 1).has_value());
+}
+
+TEST(IntervalsTest, SkewMovesStudentsInterval) {
+  const Interval even = skew_interval(3, 0.5, 0, 60, 0.95, 0.5), t = t_interval(3, 0.5, 60, 0.95);
+  EXPECT_DOUBLE_EQ(even.low, t.low);
+  EXPECT_DOUBLE_EQ(even.high, t.high);
+  // Nearly even: no jump where the closed form has lost its digits.
+  EXPECT_NEAR(skew_interval(3, 0.5, 1e-4, 60, 0.95, 0.5).high, t.high, 1e-4);
+  // Seen skewed to the right, the truth may lie farther to the right and not so far to the left.
+  const Interval right = skew_interval(3, 0.5, 2, 60, 0.95, 0), left = skew_interval(3, 0.5, -2, 60, 0.95, 0);
+  EXPECT_GT(right.high, t.high);
+  EXPECT_GT(right.low, t.low);
+  EXPECT_NEAR(right.high - 3, 3 - left.low, 1e-12);
+}
+
+// Realizations as those of tunnels: their number of key blocks scatters more than Poisson's, blocks of one are alike,
+// volumes are lognormal with a coefficient of variation of 3.4 to 7.3. Sixty of them.
+TEST(IntervalsTest, MeansRatiosAndSharesCoverAtSixty) {
+  for (const support::RockKind& rock : support::rock_kinds) {
+    const support::RockTruth truth = support::truth_of(rock);
+    support::EnsembleCoverage covered;
+    for (std::uint64_t k = 0; k < 300; ++k) covered.look(rock, truth, 60, k);
+    for (const auto& [name, count] : covered.counts) {
+      RecordProperty(std::string{rock.name} + "_" + name, count);
+      // Rare kinds have exact intervals: they cover more than they say.
+      EXPECT_GE(count, 300 * 0.90 - 3 * std::sqrt(300 * 0.9 * 0.1)) << rock.name << ' ' << name;
+    }
+  }
 }
 
 }  // namespace

@@ -60,6 +60,27 @@ TEST(LineTest, RqdByHand) {
   EXPECT_DOUBLE_EQ(rqd_measured(std::vector{0.05, 0.5, 0.2}, 1), 70);
 }
 
+TEST(LineTest, RqdCountsThePiecesAtTheEnds) {
+  const auto pieces = pieces_of({4, 5.3, 4.7, 6}, 10);
+  ASSERT_EQ(pieces.size(), 5U);
+  const Estimate whole = rqd(pieces, 10);
+  EXPECT_DOUBLE_EQ(whole.value.value(), 100);
+  EXPECT_DOUBLE_EQ(whole.high, 100);
+  EXPECT_LT(whole.low, 99);
+  EXPECT_GT(whole.low, 90);
+  // No joint at all is one piece; one joint near an end takes off what lies beyond it.
+  EXPECT_DOUBLE_EQ(rqd(pieces_of({}, 10), 10).value.value(), 100);
+  EXPECT_NEAR(rqd(pieces_of({9.95}, 10), 10).value.value(), 99.5, 1e-12);
+  // Crushed throughout: none is kept, and the interval begins at 0.
+  std::vector<double> crushed;
+  for (int i = 1; i < 100; ++i) crushed.push_back(0.05 * i);
+  const Estimate none = rqd(pieces_of(crushed, 5), 5);
+  EXPECT_DOUBLE_EQ(none.value.value(), 0);
+  EXPECT_GE(none.low, 0);
+  EXPECT_GT(none.high, 1);
+  EXPECT_LT(none.high, 20);
+}
+
 TEST(OrientationTest, WeightsByHand) {
   // 3 x 2 m horizontal window, disc of 2.4 m, plane 50/070: hits per P30 = sin V [D w h + pi/4 D^2 (w |sin| + h
   // |cos|)].
@@ -230,6 +251,44 @@ TEST(TracesTest, WindowsClipAndCountByHand) {
   const auto chord = seen_through(circle, std::vector<Polyline>{{{-5, 0}, {5, 0}}});
   EXPECT_DOUBLE_EQ(chord[0].length, 4);
   EXPECT_FALSE(p20(count(circle, chord)).value.has_value());
+}
+
+// A digitised map ends its traces at the window, but for rounding: with `border` it says the same as the whole traces.
+TEST(TracesTest, AMapCutAtItsBorderCountsAsTheWholeOne) {
+  constexpr double rounding = 1e-3;
+  const auto rounded = [](double x) { return std::round(x / rounding) * rounding; };
+  const std::vector<Window> windows{CircleWindow{{0, 0}, 5}, PolygonWindow{{{-5, -4}, {5, -4}, {5, 4}, {-5, 4}}}};
+  for (const Window& window : windows) {
+    Rng rng{{.seed = 9}};
+    std::vector<Polyline> whole, cut;
+    for (int i = 0; i < 1500; ++i) {
+      const double l = -5 * std::log(rng.uniform()), angle = pi * rng.uniform();
+      const MapPoint a{30 * (rng.uniform() - 0.5), 30 * (rng.uniform() - 0.5)};
+      const MapPoint b{a.x + l * std::cos(angle), a.y + l * std::sin(angle)};
+      // Where it lies inside, by bisection between many points: nothing of the library.
+      double from = 2, to = -1;
+      const int steps = 8000;
+      for (int k = 0; k <= steps; ++k) {
+        const double t = static_cast<double>(k) / steps;
+        if (!holds(window, {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)})) continue;
+        from = std::min(from, t);
+        to = std::max(to, t);
+      }
+      if (!((to - from) * l > 0.1)) continue;
+      if (std::min(distance_to_border(window, a), distance_to_border(window, b)) < 0.02) continue;
+      whole.push_back({a, b});
+      cut.push_back({{rounded(a.x + from * (b.x - a.x)), rounded(a.y + from * (b.y - a.y))},
+                     {rounded(a.x + to * (b.x - a.x)), rounded(a.y + to * (b.y - a.y))}});
+    }
+    const WindowCounts all = count(window, seen_through(window, whole));
+    const WindowCounts map = count(window, seen_through(window, cut, 0.01));
+    ASSERT_GT(all.crossings, 60U);
+    EXPECT_EQ(map.crossings, all.crossings);
+    EXPECT_EQ(map.n0, all.n0);
+    EXPECT_EQ(map.n1, all.n1);
+    EXPECT_EQ(map.n2, all.n2);
+    EXPECT_NEAR(mean_length_by_counts(map).value.value(), mean_length_by_counts(all).value.value(), 0.02);
+  }
 }
 
 // Ends on the border, at a corner or on a side, are not inside; ends near it only when no border is stated.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cleave/core/rng.hpp"
+#include "cleave/survey/analyse.hpp"
 #include "cleave/survey/fit.hpp"
 #include "cleave/survey/orientation.hpp"
 #include "cleave/survey/size.hpp"
@@ -227,6 +228,60 @@ TEST(IntervalTest, LawsOfSpacingsAreCovered) {
     spread.expect();
     parameters[0].expect();
     if (family != Family::exponential) parameters[1].expect();
+  }
+}
+
+// A line far off the mean: joints nearly along it are few and heavy.
+TEST(IntervalTest, ConesOfWeightedMeansAreCovered) {
+  struct Case {
+    double off, kappa;
+    std::size_t joints;
+  };
+  for (const auto& [off, kappa, joints] : {Case{64, 10, 60}, Case{64, 10, 200}, Case{75, 40, 60}, Case{75, 40, 200}}) {
+    const Vec3 line{std::sin(off * pi / 180), 0, std::cos(off * pi / 180)};
+    int held = 0;
+    for (std::uint64_t k = 0; k < samples; ++k) {
+      Rng rng{{.seed = 37, .realization = k}};
+      std::vector<Vec3> normals;
+      std::vector<double> weights;
+      while (normals.size() < joints) {
+        const double c = 1 + std::log1p(rng.uniform() * std::expm1(-2 * kappa)) / kappa, psi = 2 * pi * rng.uniform();
+        const double s = std::sqrt(1 - c * c);
+        const Vec3 n{s * std::cos(psi), s * std::sin(psi), c};
+        if (rng.uniform() > std::abs(dot(n, line))) continue;
+        normals.push_back(n.z < 0 ? -n : n);
+        weights.push_back(weight_of({.normal = normals.back(), .set = {}, .line = line, .window = {}}, 10));
+      }
+      const FisherFit fit = fit_fisher(normals, weights);
+      held += std::acos(std::min(1.0, fit.mean.z)) * 180 / pi <= fit.cone_degrees ? 1 : 0;
+    }
+    const std::string name = "cone_" + std::to_string(std::lround(off)) + "_" + std::to_string(std::lround(kappa)) +
+                             "_" + std::to_string(joints);
+    RecordProperty(name, held);
+    EXPECT_GE(held, 915) << name;
+    EXPECT_LE(held, 970) << name;
+  }
+}
+
+// Poisson lines against Priest & Hudson's value. Where less than one short piece is expected the interval is that of a
+// rare event: it covers more.
+TEST(IntervalTest, RqdIsCovered) {
+  for (const double length : {10.0, 50.0}) {
+    for (const double lambda : {0.5, 2.0, 5.0, 10.0, 20.0, 40.0}) {
+      Covered share{"rqd_" + std::to_string(std::lround(10 * lambda)) + "_" + std::to_string(std::lround(length)),
+                    rqd_of_frequency(lambda)};
+      for (std::uint64_t k = 0; k < samples; ++k) {
+        Rng rng{{.seed = 36, .realization = k}};
+        std::vector<double> positions;
+        for (double at = -std::log(rng.uniform()) / lambda; at < length; at -= std::log(rng.uniform()) / lambda) {
+          positions.push_back(at);
+        }
+        share.look(rqd(pieces_of(positions, length), length));
+      }
+      RecordProperty(share.name, share.count);
+      EXPECT_GE(share.count, 930) << share.name;
+      EXPECT_LE(share.count, 0.1 * lambda * lambda * length < 3 ? 1000 : 975) << share.name;
+    }
   }
 }
 

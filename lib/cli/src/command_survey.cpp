@@ -48,8 +48,9 @@ std::string figures_of(const scene::SurveyScene& survey, const survey::SurveyRes
     }
   }
   for (const survey::LineResult& line : result.lines) {
-    text += fmt::format("line {}: {:.4g} [{:.4g}, {:.4g}] 1/m, RQD {:.1f}\n", line.name,
-                        line.frequency.value.value_or(0), line.frequency.low, line.frequency.high, line.rqd_measured);
+    text += fmt::format("line {}: {:.4g} [{:.4g}, {:.4g}] 1/m, RQD {:.1f} [{:.1f}, {:.1f}]\n", line.name,
+                        line.frequency.value.value_or(0), line.frequency.low, line.frequency.high, line.rqd_measured,
+                        line.rqd.low, line.rqd.high);
   }
   return text;
 }

@@ -436,7 +436,8 @@ const KeyTable& survey_keys() {
                {"north", key::number(rule::turn), "0", "degrees from y to true north, clockwise"},
                {"confidence", key::number(confidence_rule), "0.95", "of all intervals"},
                {"weight_cap", key::number(cap_rule), "10",
-                "largest weight against orientation bias: joints within 5.7 degrees of the line or outcrop"},
+                "largest weight of its own against orientation bias: joints within 5.7 degrees of the line or outcrop "
+                "share the mean of theirs"},
                {"clusters", key::whole(0, 20), "0",
                 "sets for axial K-means; silhouettes of 2 to 8 sets are reported in any case, the choice is yours"},
                {"orientations", key::tables(&orientations_keys), "[]", "tables of orientations"},

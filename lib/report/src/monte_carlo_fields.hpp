@@ -85,7 +85,8 @@ void quantity_fields(V& v, const stochastic::Estimate& x, double confidence) {
   v("smallest", when(!ratio, x.smallest));
   v("largest", when(!ratio, x.largest));
   v("skewness", when(!ratio, x.skewness));
-  v("optimistic", when(!ratio, x.optimistic), "heavy tail: the interval covers less than it says");
+  v("optimistic", when(!ratio || x.optimistic, x.optimistic),
+    "heavy tail: the interval covers some per cent less than it says");
   const stochastic::Interval bootstrap = x.bootstrap.value_or(stochastic::Interval{});
   v("bootstrap_low", when(x.bootstrap.has_value(), bootstrap.low));
   v("bootstrap_high", when(x.bootstrap.has_value(), bootstrap.high));

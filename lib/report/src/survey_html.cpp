@@ -241,9 +241,7 @@ std::string nets_section(const scene::SurveyScene& scene, const survey::SurveyRe
     poles.push_back({scene.input.orientations[i].normal, static_cast<std::uint32_t>(set)});
     normals.push_back(scene.input.orientations[i].normal);
     const auto& o = scene.input.orientations[i];
-    weights.push_back(o.line     ? survey::terzaghi_weight(o.normal, *o.line, scene.input.weight_cap)
-                      : o.window ? survey::window_weight(o.normal, *o.window, 0, 1, 0, scene.input.weight_cap)
-                                 : 1.0);
+    weights.push_back(survey::weight_of(o, scene.input.weight_cap));
   }
   std::string out = "<section id=\"net\"><h2>Stereonets</h2>\n<div class=\"columns\">";
   for (const Net net : {Net::equal_area, Net::equal_angle}) {

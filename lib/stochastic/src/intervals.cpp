@@ -17,6 +17,19 @@ Interval t_interval(double mean, double standard_error, std::uint64_t n, double 
   return {mean - half, mean + half};
 }
 
+Interval skew_interval(double mean, double standard_error, double skewness, std::uint64_t n, double confidence,
+                       double widening) {
+  CLEAVE_ASSERT(n >= 2);
+  const double a = skewness / std::sqrt(static_cast<double>(n));
+  const double t = special::student_t_quantile(0.5 + confidence / 2, static_cast<double>(n - 1));
+  // The normal variate y of a t statistic: y = t + a (2 t^2 + 1)/6 + ... = [(1 + a t/3)^3 - 1]/a + a/6.
+  const auto statistic = [&](double y) {
+    return std::abs(a) < 1e-6 ? y : (std::cbrt(1 + a * (y - a / 6)) - 1) * 3 / a;
+  };
+  const double far = t * (1 + widening * std::abs(a));
+  return {mean - standard_error * statistic(far), mean - standard_error * statistic(-far)};
+}
+
 Interval clopper_pearson(std::uint64_t k, std::uint64_t n, double confidence) {
   CLEAVE_ASSERT(n >= 1 && k <= n);
   const double a = (1 - confidence) / 2, successes = static_cast<double>(k), others = static_cast<double>(n - k);

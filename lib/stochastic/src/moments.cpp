@@ -33,6 +33,11 @@ void PairMoments::add(double y, double x) noexcept {
   ++n_;
   const auto n = static_cast<double>(n_);
   const double dy = y - mean_y_, dx = x - mean_x_;
+  const double share = (n - 1) * (n - 2) / (n * n);
+  yyy_ += dy * dy * dy * share - 3 * dy * yy_ / n;
+  yyx_ += dy * dy * dx * share - (2 * dy * xy_ + dx * yy_) / n;
+  yxx_ += dy * dx * dx * share - (2 * dx * xy_ + dy * xx_) / n;
+  xxx_ += dx * dx * dx * share - 3 * dx * xx_ / n;
   mean_y_ += dy / n;
   mean_x_ += dx / n;
   yy_ += dy * (y - mean_y_);
@@ -47,6 +52,20 @@ double PairMoments::ratio_standard_error() const noexcept {
   const double r = ratio(), n = static_cast<double>(n_);
   const double sum = std::max(0.0, yy_ - 2 * r * xy_ + r * r * xx_);
   return std::sqrt(sum / ((n - 1) * n)) / mean_x_;
+}
+
+double PairMoments::ratio_skewness() const noexcept {
+  if (n_ < 3 || !(mean_x_ > 0)) return 0;
+  const double r = ratio(), square = yy_ - 2 * r * xy_ + r * r * xx_;
+  const double cube = yyy_ - 3 * r * yyx_ + 3 * r * r * yxx_ - r * r * r * xxx_;
+  // What is left of sums that are all but equal is rounding.
+  if (!(square > 1e-12 * (yy_ + r * r * xx_))) return 0;
+  return std::sqrt(static_cast<double>(n_)) * cube / std::pow(square, 1.5);
+}
+
+double PairMoments::equal_parts() const noexcept {
+  const double n = static_cast<double>(n_), squares = xx_ + n * mean_x_ * mean_x_;
+  return squares > 0 ? n * mean_x_ * n * mean_x_ / squares : 0;
 }
 
 }  // namespace cleave::stochastic

@@ -20,7 +20,8 @@ const std::vector<Quantity>& quantities() {
       {"first_batch_support_force_transferred_n", [](const Record& r) { return r.first.support_transferred_n; }, true,
        false, false},
       {"batches", [](const Record& r) { return static_cast<double>(r.batches); }, true, false, false},
-      {"probability_of_failure", [](const Record& r) { return r.all.count > 0 ? 1.0 : 0.0; }, true, false, false},
+      {"probability_of_failure", [](const Record& r) { return r.all.count > 0 ? 1.0 : 0.0; }, true, false, false, false,
+       true},
       {"support_pressure_pa",
        [](const Record& r) { return r.free_m2 > 0 ? r.all.support_transferred_n / r.free_m2 : 0; }, true, false, true},
       {"largest_support_pressure_pa", [](const Record& r) { return r.largest_pressure_pa; }, true, false, true},
@@ -40,7 +41,7 @@ const std::vector<Quantity>& quantities() {
        [](const Record& r) {
          return r.support && (r.support->not_held > 0 || r.support->failing_bodies > 0) ? 1.0 : 0.0;
        },
-       true, false, false, true},
+       true, false, false, true, true},
       {"support_spot_bolts", [](const Record& r) { return r.support ? number(r.support->spot_bolts) : 0; }, true, false,
        false, true},
   };

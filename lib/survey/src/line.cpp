@@ -85,33 +85,55 @@ double rqd_of_frequency(double frequency, double threshold) {
   return 100 * (1 + y) * std::exp(-y);
 }
 
-double rqd_measured(std::span<const double> gaps, double length, double threshold) {
+double rqd_measured(std::span<const double> pieces, double length, double threshold) {
   double sum = 0;
-  for (const double g : gaps) sum += g > threshold ? g : 0;
+  for (const double g : pieces) sum += g > threshold ? g : 0;
   return 100 * sum / length;
 }
 
-Estimate rqd(std::span<const double> gaps, double length, double confidence) {
+namespace {
+
+/// Upper bound of a sum of few random parts of at most about `part`: gamma law with half a part more, and its spread.
+double few_parts(double level, double sum, double square, double part) {
+  const double v = square + part * part / 2, y = sum + part / 2;
+  return v / (2 * y) * special::chi_squared_quantile(level, 2 * y * y / v);
+}
+
+/// Of a share made of independent parts (its sum, and the sum of squares of how far each is off its share): beta law
+/// with half a part more.
+double share_quantile(double level, double sum, double square, double part, double whole) {
+  const double p = (sum + part / 2) / (whole + part);
+  const double effective = p * (1 - p) * whole * whole / (square + part * part / 4);
+  return special::beta_quantile(level, p * effective, (1 - p) * effective);
+}
+
+}  // namespace
+
+Estimate rqd(std::span<const double> pieces, double length, double confidence) {
   constexpr double threshold = 0.1;
-  Estimate e{"RQD", {}, 0, 100, "pieces above 0.1 m / length, delta method", ""};
-  if (gaps.size() < 2) {
-    e.note = "fewer than two pieces";
-    return e;
+  Estimate e{"RQD", rqd_measured(pieces, length, threshold), 0, 100, "pieces above 0.1 m / length, beta law", ""};
+  const double kept = *e.value / 100, number = static_cast<double>(pieces.size());
+  // The rarer of both, kept or lost, decides how well the share is known.
+  const bool lost = kept > 0.5;
+  const double sum = length * (lost ? 1 - kept : kept), part = lost ? threshold : threshold + length / number;
+  double square = 0, few = 0;
+  for (const double piece : pieces) {
+    const double off = (piece > threshold ? piece : 0) - kept * piece;
+    square += off * off;
+    few += (piece > threshold) != lost ? 1 : 0;
   }
-  double whole = 0, kept = 0, squares = 0;
-  for (const double g : gaps) {
-    whole += g;
-    kept += g > threshold ? g : 0;
+  const double low_level = (1 - confidence) / 2, high_level = 1 - low_level;
+  double low = share_quantile(low_level, sum, square, part, length),
+         high = share_quantile(high_level, sum, square, part, length);
+  constexpr double too_few = 2;  // below: the beta law says too much of where the share begins
+  if (lost && few <= too_few) {
+    const double least =
+        sum > 0 ? square / (2 * sum) * special::chi_squared_quantile(low_level, 2 * sum * sum / square) : 0;
+    low = std::min(low, least / length);
+    high = std::max(high, few_parts(high_level, sum, square, part) / length);
   }
-  const double share = whole > 0 ? kept / whole : 0;
-  for (const double g : gaps) {
-    const double off = (g > threshold ? g : 0) - share * g;
-    squares += off * off;
-  }
-  const double half = whole > 0 ? 100 * normal_quantile(0.5 + confidence / 2) * std::sqrt(squares) / whole : 100;
-  e.value = rqd_measured(gaps, length, threshold);
-  e.low = std::max(0.0, *e.value - half);
-  e.high = std::min(100.0, *e.value + half);
+  e.low = std::max(0.0, 100 * (lost ? 1 - high : low));
+  e.high = std::min(100.0, 100 * (lost ? 1 - low : high));
   return e;
 }
 
@@ -129,6 +151,13 @@ std::vector<double> gaps_of(std::vector<double> positions) {
   std::vector<double> gaps;
   for (std::size_t i = 1; i < positions.size(); ++i) gaps.push_back(positions[i] - positions[i - 1]);
   return gaps;
+}
+
+std::vector<double> pieces_of(std::vector<double> positions, double length) {
+  std::erase_if(positions, [&](double p) { return !(p > 0 && p < length); });
+  positions.push_back(0);
+  positions.push_back(length);
+  return gaps_of(std::move(positions));
 }
 
 }  // namespace cleave::survey

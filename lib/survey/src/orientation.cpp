@@ -90,6 +90,62 @@ double fisher_mean(Vec3 mean, double kappa, G&& g) {
   return sum / points;
 }
 
+/// Square c of the radius with P(a z1^2 + b z2^2 <= c) = confidence, z normal; a >= b >= 0.
+double radius_squared(double a, double b, double confidence) {
+  constexpr int points = 64;
+  const auto outside = [&](double c) {
+    double sum = 0;
+    for (int i = 0; i < points; ++i) {
+      const double angle = pi * (i + 0.5) / points,
+                   v = a * std::pow(std::cos(angle), 2) + b * std::pow(std::sin(angle), 2);
+      sum += v > 0 ? std::exp(-c / (2 * v)) : 0;
+    }
+    return sum / points;
+  };
+  double low = 0, high = -2 * a * std::log1p(-confidence);
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (outside(middle) > 1 - confidence ? low : high) = middle;
+  }
+  return high;
+}
+
+/// Half angle of the cone of a weighted mean: each joint left out in turn moves it (jackknife); as many equal joints as
+/// carry the scatter take the place of N in Fisher's widening for few.
+double weighted_cone(std::span<const Vec3> normals, std::span<const double> weights, Vec3 mean, double effective,
+                     double confidence) {
+  const Vec3 some = std::abs(mean.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 e1 = normalized(cross(mean, some)), e2 = cross(mean, e1);
+  const auto turned = [&](std::size_t i) {
+    return (dot(normals[i], mean) < 0 ? -weights[i] : weights[i]) * normals[i];
+  };
+  const auto n = static_cast<double>(normals.size());
+  Vec3 sum{0, 0, 0};
+  for (std::size_t i = 0; i < normals.size(); ++i) sum += turned(i);
+  double x1 = 0, y1 = 0, xx = 0, yy = 0, xy = 0, parts = 0, squares = 0;
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const Vec3 rest = sum - turned(i);
+    const double length = norm(rest);
+    if (!(length > 0)) return 90;
+    const double x = dot(rest, e1) / length, y = dot(rest, e2) / length, c = dot(normals[i], mean);
+    x1 += x / n;
+    y1 += y / n;
+    xx += x * x;
+    yy += y * y;
+    xy += x * y;
+    const double part = weights[i] * weights[i] * std::max(0.0, 1 - c * c);
+    parts += part;
+    squares += part * part;
+  }
+  const double share = (n - 1) / n, a = share * (xx - n * x1 * x1), b = share * (yy - n * y1 * y1);
+  const double middle = (a + b) / 2, apart = std::hypot((a - b) / 2, share * (xy - n * x1 * y1));
+  const double equal = std::max(3.0, squares > 0 ? std::min(effective, 2 * parts * parts / squares) : effective);
+  const double level = 1 / (1 - confidence);
+  const double wider = (std::pow(level, 1 / (equal - 1)) - 1) * (equal - 1) / std::log(level);
+  return std::atan(std::sqrt(wider * radius_squared(middle + apart, std::max(0.0, middle - apart), confidence))) * 180 /
+         pi;
+}
+
 }  // namespace
 
 double terzaghi_weight(Vec3 normal, Vec3 line, double cap) {
@@ -156,7 +212,9 @@ FisherFit fit_fisher(std::span<const Vec3> normals, std::span<const double> weig
   fit.kappa_low = special::chi_squared_quantile(a, degrees) / (2 * gap);
   fit.kappa_high = special::chi_squared_quantile(1 - a, degrees) / (2 * gap);
   const double cosine = 1 - gap / r * (std::pow(1 / (1 - confidence), 1 / (n - 1)) - 1);
-  fit.cone_degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / pi;
+  const bool equal = std::ranges::adjacent_find(weights, std::ranges::not_equal_to{}) == weights.end();
+  fit.cone_degrees = equal || normals.size() < 3 ? std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / pi
+                                                 : weighted_cone(normals, weights, fit.mean, n, confidence);
   if (normals.size() >= 5) {
     std::vector<double> versines;
     for (const Vec3 normal : normals) versines.push_back(1 - std::abs(dot(normal, fit.mean)));

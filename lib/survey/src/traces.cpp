@@ -152,6 +152,24 @@ double chord_through(const Window& window, MapPoint inside, MapPoint direction) 
   return to.empty() || back.empty() ? 0 : far * (to.front() + back.front());
 }
 
+namespace {
+
+/// Ends that the border has cut off, though no crossing of it is found there: a map that was cut along it has its ends
+/// on this side or that by rounding.
+std::uint32_t cut_off_ends(const Window& window, const Polyline& line, double border,
+                           std::span<const MapPoint> crossed) {
+  std::uint32_t ends = 0;
+  for (const MapPoint end : {line.front(), line.back()}) {
+    if (distance_to_border(window, end) > border) continue;
+    const bool found =
+        std::ranges::any_of(crossed, [&](MapPoint c) { return distance(c, end) <= 2 * border; }) && !holds(window, end);
+    ends += found ? 0U : 1U;
+  }
+  return ends;
+}
+
+}  // namespace
+
 std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyline> traces, double border) {
   const auto seen_end = [&](MapPoint p) {
     return holds(window, p) && (border <= 0 || distance_to_border(window, p) > border) ? 1U : 0U;
@@ -162,6 +180,7 @@ std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyli
     SeenTrace trace{.trace = number, .direction = {}};
     double whole = 0, longest = 0;
     MapPoint along{};
+    std::vector<MapPoint> crossed;
     for (std::size_t i = 1; i < line.size(); ++i) {
       const double length = distance(line[i - 1], line[i]);
       whole += length;
@@ -172,6 +191,7 @@ std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyli
       if (length == 0) continue;
       std::vector<double> t = cuts(window, line[i - 1], line[i]);
       trace.crossings += static_cast<std::uint32_t>(t.size());
+      for (const double share : t) crossed.push_back(between(line[i - 1], line[i], share));
       t.insert(t.begin(), 0);
       t.push_back(1);
       for (std::size_t k = 1; k < t.size(); ++k) {
@@ -181,6 +201,7 @@ std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyli
     }
     if (!(whole > 0) || !(trace.length > 0)) continue;
     trace.ends = seen_end(line.front()) + seen_end(line.back());
+    if (border > 0) trace.crossings += cut_off_ends(window, line, border, crossed);
     MapPoint d = minus(line.back(), line.front());
     if (std::hypot(d.x, d.y) < 1e-6 * whole) d = along;
     const double norm = std::hypot(d.x, d.y);

@@ -19,18 +19,19 @@ namespace cleave::stochastic {
 struct Quantity {
   std::string_view name;
   double (*of)(const Record&);
-  bool stability;        ///< needs the stability stage
-  bool whole_system;     ///< needs all blocks
-  bool quantiles;        ///< its values are kept (on disk) for order statistics
-  bool support = false;  ///< needs a support design
+  bool stability;            ///< needs the stability stage
+  bool whole_system;         ///< needs all blocks
+  bool quantiles;            ///< its values are kept (on disk) for order statistics
+  bool support = false;      ///< needs a support design
+  bool probability = false;  ///< 0 or 1 in a realization
 };
 [[nodiscard]] const std::vector<Quantity>& quantities();
 /// The quantity of a scene's word: with or without its unit ("key_block_volume", "key_block_volume_m3").
 [[nodiscard]] const Quantity* quantity_named(std::string_view word);
 
 enum class Method : std::uint8_t {
-  mean,            ///< over realizations, with Student's t
-  ratio,           ///< sum over all realizations / sum over all realizations, delta method, Student's t
+  mean,   ///< over realizations, Student's t moved by the skewness (Hall 1992); probabilities: exact
+  ratio,  ///< sum over all realizations / sum over all realizations, delta method, t as of a mean; shares exact
   mean_of_ratios,  ///< over the realizations whose denominator is not 0
 };
 [[nodiscard]] std::string_view name_of(Method method) noexcept;
@@ -40,9 +41,9 @@ struct Estimate {
   Method method = Method::mean;
   std::uint64_t realizations = 0;
   double mean = 0, standard_error = 0, low = 0, high = 0, std = 0, skewness = 0, smallest = 0, largest = 0;
-  /// |skewness|/sqrt(n) > 0.2: the t interval covers less than it says.
+  /// |skewness|/sqrt(n) > 0.4: the tail is so heavy that the interval may cover some per cent less than it says.
   bool optimistic = false;
-  std::optional<Interval> bootstrap;  ///< BCa, given when `optimistic` and the values were kept
+  std::optional<Interval> bootstrap;  ///< BCa, given when |skewness|/sqrt(n) > 0.2 and the values were kept
 };
 
 struct QuantileEstimate {
@@ -162,6 +163,7 @@ class Ensemble final {
     double (*top)(const Record&);
     double (*bottom)(const Record&);
     bool stability, whole_system;
+    [[nodiscard]] bool share() const noexcept { return name.contains("share_") || name.ends_with("_share"); }
   };
   [[nodiscard]] bool has(bool stability, bool whole_system) const {
     return (options_.stability || !stability) && (options_.whole_system || !whole_system);
@@ -174,6 +176,8 @@ class Ensemble final {
   void add_unit(const std::vector<double>& sums);
   void add_extremes(const Record& record);
   [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, Method method) const;
+  [[nodiscard]] Interval share_interval(const PairMoments& pair) const;
+  [[nodiscard]] Estimate ratio_estimate(std::string name, const PairMoments& pair, bool share) const;
   [[nodiscard]] double probability_of(const Moments& hits) const;
   [[nodiscard]] Interval probability_interval(const Moments& hits) const;
   void add_orders(Figures& figures) const;

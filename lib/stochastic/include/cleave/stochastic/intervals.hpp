@@ -12,6 +12,10 @@ struct Interval {
 
 /// mean -+ t SE with n - 1 degrees of freedom; n >= 2.
 [[nodiscard]] Interval t_interval(double mean, double standard_error, std::uint64_t n, double confidence);
+/// As `t_interval`, of a mean or ratio of skewed values: Student's t moved by their skewness (Hall 1992) and widened by
+/// 1 + widening |skewness|/sqrt n, as the skewness is itself seen too small in few values.
+[[nodiscard]] Interval skew_interval(double mean, double standard_error, double skewness, std::uint64_t n,
+                                     double confidence, double widening);
 /// Of a probability after k successes in n trials, n >= 1: Clopper & Pearson (1934), exact (at least the confidence).
 [[nodiscard]] Interval clopper_pearson(std::uint64_t k, std::uint64_t n, double confidence);
 /// The same of a share that comes from samples that hang together (Korn & Graubard 1998): `share` of `effective`

@@ -34,10 +34,15 @@ class PairMoments final {
   /// Delta method, the pairs independent of each other: sqrt(sum (y - R x)^2/((n - 1) n))/mean x.
   [[nodiscard]] double ratio_standard_error() const noexcept;
   [[nodiscard]] bool has_ratio() const noexcept { return mean_x_ > 0; }
+  /// Of y - R x about the ratio R; 0 without spread.
+  [[nodiscard]] double ratio_skewness() const noexcept;
+  /// (sum x)^2/sum x^2: as many equal x would weigh as much.
+  [[nodiscard]] double equal_parts() const noexcept;
+  [[nodiscard]] double sum_x() const noexcept { return mean_x_ * static_cast<double>(n_); }
 
  private:
   std::uint64_t n_ = 0;
-  double mean_y_ = 0, mean_x_ = 0, yy_ = 0, xx_ = 0, xy_ = 0;
+  double mean_y_ = 0, mean_x_ = 0, yy_ = 0, xx_ = 0, xy_ = 0, yyy_ = 0, yyx_ = 0, yxx_ = 0, xxx_ = 0;
 };
 
 }  // namespace cleave::stochastic

@@ -26,6 +26,11 @@ struct MeasuredOrientation {
   std::optional<geometry::Vec3> window;  ///< normal of the outcrop it was seen on
 };
 
+/// Weight against the bias of how it was met. Joints beyond the cap (within 5.7 degrees of the line or outcrop for 10)
+/// share the mean weight of their zone, so that the cap leaves no bias: where as many lie on either side of the line as
+/// beyond it, 1/|n.l| has the mean 2 caps among those met, 1/sin V of an outcrop 1.5 caps.
+[[nodiscard]] double weight_of(const MeasuredOrientation& joint, double cap);
+
 /// A scanline or borehole: straight pieces one after the other (a curved one has several).
 struct LineSurvey {
   std::string name;

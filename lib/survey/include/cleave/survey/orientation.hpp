@@ -34,7 +34,9 @@ struct FisherFit {
   geometry::Vec3 mean;  ///< unit, z >= 0
   double kappa = 0;     ///< (N_e - 1)/(N_e - R_e); infinite for one joint or parallel ones
   double kappa_low = 0, kappa_high = 0;
-  double cone_degrees = 0;     ///< half angle of the confidence cone of the mean
+  /// Half angle of the confidence cone of the mean: Fisher's (1953) for equal weights, else by leaving out one joint
+  /// after the other (weights of their own scatter more than Fisher's form allows).
+  double cone_degrees = 0;
   double effective_count = 0;  ///< (sum w)^2/sum w^2
   std::size_t count = 0;
   std::size_t capped = 0;  ///< weights at the cap
@@ -46,6 +48,11 @@ struct FisherFit {
 /// Weighted mean and concentration (Fisher 1953): axes are turned to the mean until none changes sides. Not empty.
 [[nodiscard]] FisherFit fit_fisher(std::span<const geometry::Vec3> normals, std::span<const double> weights,
                                    double confidence = 0.95, double cap = 10);
+
+/// Whether so few joints carry most of the weight that the cone covers less than it says (90 to 93 % instead of 95).
+[[nodiscard]] inline bool few_carry(const FisherFit& fit) noexcept {
+  return fit.count < 100 && fit.effective_count < 0.75 * static_cast<double>(fit.count);
+}
 
 /// Bingham's law exp(k1 (n.v1)^2 + k2 (n.v2)^2)/F about the two smaller axes of the tensor, k1 <= k2 <= 0: maximum
 /// likelihood (Bingham 1974), the constant F by quadrature.

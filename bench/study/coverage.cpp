@@ -1,0 +1,112 @@
+/// Study "coverage": how often the 95 % intervals that are printed hold the truth, over samples of known laws. Problems
+/// are what is sampled, methods the figures, the setting the size of a sample; `error` is the distance of the coverage
+/// from 0.95, `condition` the coverage itself (its standard error is 0.7 % over 1,000 samples). An interval that covers
+/// less than 93 % must say so in its own result: the study is broken where one does not.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "cleave/core/rng.hpp"
+#include "cleave/survey/analyse.hpp"
+#include "heavy_rock.hpp"
+#include "line.hpp"
+#include "study.hpp"
+
+namespace cleave {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+void row(study::Study& study, const std::string& problem, const std::string& method, const std::string& setting,
+         int held, int samples, bool says_so = false) {
+  const double coverage = static_cast<double>(held) / samples;
+  study.add({problem, method, setting, std::abs(coverage - 0.95), {}, coverage});
+  const double noise = 2.5 * std::sqrt(0.95 * 0.05 / samples);
+  if (coverage < 0.93 - noise && !says_so) study.broken(fmt::format("{} {} covers {:.3f}", problem, method, coverage));
+}
+
+void monte_carlo(study::Study& study, int samples) {
+  for (const support::RockKind& rock : support::rock_kinds) {
+    const support::RockTruth truth = support::truth_of(rock);
+    for (const std::uint64_t n : {60U, 300U}) {
+      support::EnsembleCoverage covered;
+      for (int k = 0; k < samples; ++k) covered.look(rock, truth, n, static_cast<std::uint64_t>(k));
+      for (const auto& [name, held] : covered.counts) {
+        row(study, "monte_carlo_" + std::string{rock.name}, name, fmt::format("n={}", n), held, samples,
+            2 * covered.flagged[name] > samples);
+      }
+    }
+  }
+}
+
+void rqd_of_lines(study::Study& study, int samples) {
+  for (const double length : {10.0, 50.0}) {
+    for (const double lambda : {0.5, 2.0, 5.0, 10.0, 20.0, 40.0}) {
+      int measured = 0, by_frequency = 0;
+      const double truth = survey::rqd_of_frequency(lambda);
+      for (int k = 0; k < samples; ++k) {
+        Rng rng{{.seed = 72, .realization = static_cast<std::uint64_t>(k)}};
+        std::vector<double> positions;
+        for (double at = -std::log(rng.uniform()) / lambda; at < length; at -= std::log(rng.uniform()) / lambda) {
+          positions.push_back(at);
+        }
+        const survey::Estimate e = survey::rqd(survey::pieces_of(positions, length), length);
+        const survey::Estimate f = survey::rqd(survey::frequency(positions.size(), length));
+        measured += e.low <= truth && truth <= e.high ? 1 : 0;
+        by_frequency += f.low <= truth && truth <= f.high ? 1 : 0;
+      }
+      const std::string setting = fmt::format("L={} lambda={}", length, lambda);
+      row(study, "poisson_line", "rqd measured", setting, measured, samples);
+      row(study, "poisson_line", "rqd of frequency", setting, by_frequency, samples);
+    }
+  }
+}
+
+void cones(study::Study& study, int samples) {
+  for (const double off : {0.0, 40.0, 64.0, 75.0}) {
+    for (const double kappa : {10.0, 40.0}) {
+      for (const std::size_t joints : {30U, 60U, 200U}) {
+        const geometry::Vec3 line{std::sin(off * pi / 180), 0, std::cos(off * pi / 180)};
+        int held = 0, said = 0;
+        for (int k = 0; k < samples; ++k) {
+          Rng rng{{.seed = 73, .realization = static_cast<std::uint64_t>(k)}};
+          survey::SurveyInput input;
+          while (input.orientations.size() < joints) {
+            const double c = 1 + std::log1p(rng.uniform() * std::expm1(-2 * kappa)) / kappa;
+            const double psi = 2 * pi * rng.uniform(), s = std::sqrt(std::max(0.0, 1 - c * c));
+            const geometry::Vec3 n{s * std::cos(psi), s * std::sin(psi), c};
+            if (rng.uniform() > std::abs(dot(n, line))) continue;
+            input.orientations.push_back({.normal = n.z < 0 ? -n : n, .set = "a", .line = line, .window = {}});
+          }
+          std::vector<geometry::Vec3> normals;
+          std::vector<double> weights;
+          for (const survey::MeasuredOrientation& o : input.orientations) {
+            normals.push_back(o.normal);
+            weights.push_back(survey::weight_of(o, 10));
+          }
+          const survey::FisherFit fit = survey::fit_fisher(normals, weights);
+          held += std::acos(std::min(1.0, fit.mean.z)) * 180 / pi <= fit.cone_degrees ? 1 : 0;
+          said += survey::few_carry(fit) ? 1 : 0;
+        }
+        row(study, fmt::format("fisher_{}_on_a_line_{}_off", kappa, off), "cone of the mean",
+            fmt::format("n={}", joints), held, samples, 2 * said > samples);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cleave
+
+int main(int argc, char** argv) {
+  return cleave::study::run("coverage", argc, argv, [](cleave::study::Study& study) {
+    const int samples = study.quick() ? 100 : 1000;
+    cleave::monte_carlo(study, samples);
+    cleave::rqd_of_lines(study, samples);
+    cleave::cones(study, samples);
+  });
+}
