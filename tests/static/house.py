@@ -109,6 +109,7 @@ own_use = {
     "cleave/exchange/triangulate.hpp": "part of exchange/polygons.hpp",
     "cleave/scene/toml_tree.hpp": "part of scene/table_reader.hpp",
     "cleave/motion/body.hpp": "part of motion/world.hpp",
+    "cleave/motion/world.hpp": "blocks in motion",
     "cleave/stability/block_theory.hpp": "part of stability/maximum_blocks.hpp",
     "cleave/stability/direction.hpp": "part of stability/maximum_blocks.hpp",
     "cleave/stability/motion.hpp": "the motions that block theory and analyses name",

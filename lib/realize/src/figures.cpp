@@ -122,6 +122,11 @@ SupportFigures count_support(const stability::SupportResult& support) {
     f.not_held += b.held == stability::Held::not_held ? 1U : 0U;
     f.required_force_n += b.required_force;
     f.missing_force_n += b.missing_force;
+    if (b.passed_on) {
+      ++f.passed_on_blocks;
+      f.passed_on_not_held += b.held == stability::Held::not_held ? 1U : 0U;
+      f.passed_on_required_force_n += b.required_force;
+    }
     if (b.small) {
       ++f.small_blocks;
       f.small_not_held += b.held == stability::Held::not_held ? 1U : 0U;
@@ -147,7 +152,7 @@ SupportFigures count_support(const RunResult& result, const stability::SupportRe
   std::vector<PressureAt> blocks;
   for (const stability::SupportedBlock& b : support.blocks) {
     const BlockPlace place = place_of(result, result.complex->complex(), b.block, {});
-    blocks.push_back({place.location, place.free_area, pascals(b.required_pressure)});
+    blocks.push_back({place.location, place.free_area, pascals(b.passed_on ? b.own_pressure : b.required_pressure)});
   }
   figures.pressures = pressure_diagram(std::move(blocks));
   for (const PressureFigures& row : figures.pressures) {

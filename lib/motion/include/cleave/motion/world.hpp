@@ -1,0 +1,199 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cleave/core/quantity.hpp"
+#include "cleave/motion/body.hpp"
+
+/// Rigid polyhedral blocks in three dimensions with contacts on Coulomb's cone. SI units.
+namespace cleave::motion {
+
+// ---- what a scene holds
+
+/// Strength between two sides that touch: the lesser of their two values counts.
+struct Surface {
+  double friction = 0;     ///< tangent of the angle
+  double restitution = 0;  ///< 0 to 1, of the speed of approach
+};
+
+struct BodySpec {
+  Polyhedron shape;  ///< where it stands at the start
+  Density density = kilograms_per_cubic_metre(1);
+  bool fixed = false;  ///< never moves: a wall
+  Vec3 velocity = {};  ///< of the centroid
+  Vec3 spin = {};      ///< 1/s, scene axes
+};
+
+/// Rock bridge or cement between two bodies: points that carry pull and shear beside friction, each its share of the
+/// area, until one of them gives; then the whole bond is gone.
+struct Bond {
+  struct Share {
+    Vec3 point;
+    double area = 0;
+  };
+  std::uint32_t body = 0, other = 0;
+  Vec3 normal;  ///< unit, from `other` into `body`
+  std::vector<Share> shares;
+  double cohesion = 0, tension = 0;  ///< per area
+  double friction = 0;               ///< tangent of the angle
+};
+/// Shares of a triangle: corners 1/12 each, centroid 3/4 (the wrench of a linear pressure is exact).
+void add_triangle(Vec3 a, Vec3 b, Vec3 c, std::vector<Bond::Share>& shares);
+
+struct SceneSpec {
+  std::vector<BodySpec> bodies;
+  std::vector<Surface> surfaces = {{}};
+  std::vector<Bond> bonds = {};
+};
+
+struct BadScene {
+  std::string which;  ///< "body 3"; empty: the whole
+  std::string reason;
+};
+[[nodiscard]] std::string describe(const BadScene& error);
+
+// ---- solver
+
+enum class Method : std::uint8_t {
+  none,      ///< nothing pressed
+  newton,    ///< semismooth, from the last forces or from none
+  proximal,  ///< along falling proximal weights
+  convex,    ///< convex programmes with slip or bounds of friction renewed
+};
+inline constexpr std::size_t method_count = 4;
+[[nodiscard]] std::string_view name_of(Method method) noexcept;
+
+struct SolverOptions {
+  double accept = 1e-8;         ///< residual above which an answer is never called converged
+  std::size_t patience = 4000;  ///< linear solves after which nothing more is tried
+};
+
+/// What a solver says of its answer.
+struct SolveReport {
+  enum class Status : std::uint8_t {
+    converged,
+    open,           ///< no contact carries anything
+    not_converged,  ///< the best answer found; never to be used as if it were right
+  };
+  Status status = Status::open;
+  double residual = 0;      ///< of the natural map, recomputed at the answer
+  double missed_speed = 0;  ///< largest velocity by which a contact misses the law
+  Method method = Method::none;
+  std::size_t iterations = 0;  ///< linear solves, of all tries
+  std::size_t stick = 0, slip = 0, opened = 0;
+  double max_penetration = 0;  ///< largest closing velocity left
+};
+
+// ---- motion
+
+struct WorldOptions {
+  Vec3 gravity = {0, 0, -9.81};
+  double step = 0.01;          ///< the longest
+  double theta = 0.5;          ///< share of the step before the kick is 1 - theta; groups that would gain energy take 1
+  double displacement = 0.05;  ///< largest displacement of a point in a step over the extent of the bodies that move
+  double rotation = 0.05;      ///< largest rotation in a step, radians
+  std::size_t cuts = 6;        ///< thirds a failed step is cut into before the run stops
+  double overlap = 1e-6;       ///< overlap allowed over the smaller body's size
+  bool sleep = true;           ///< groups at rest are left alone until something touches them
+  double sleep_speed = 1e-7;
+  bool quasi_static = false;  ///< every step starts from rest
+  SolverOptions solver = {};
+};
+
+/// The step was cut as often as allowed and still failed; the world is as it was before.
+struct StepFailed {
+  double time = 0, step = 0, residual = 0;
+  std::string reason;
+};
+[[nodiscard]] std::string describe(const StepFailed& error);
+
+/// One contact point after a step. The force is that on `body`.
+struct Contact {
+  std::uint32_t body = 0, other = 0;
+  Vec3 point, normal;  ///< normal out of `other`
+  double gap = 0;      ///< at the kick
+  Vec3 force;
+  double slip = 0;  ///< speed
+  bool bonded = false;
+};
+
+/// All of a run so far: kinetic + potential = start - friction - lost + projected.
+struct Energy {
+  double start = 0, kinetic = 0, potential = 0;
+  double friction = 0;       ///< dissipated by slip
+  double lost = 0;           ///< by impacts and the scheme, counted on their own
+  double projected = 0;      ///< brought in by parting bodies that overlap
+  double closing_error = 0;  ///< of the balance, over its largest term
+  double largest_gain = 0;   ///< in a step, without what parting brought in
+};
+
+struct StepReport {
+  double time = 0, step = 0;  ///< after the step; its length
+  std::size_t cuts = 0, retries = 0, contacts = 0, islands = 0, asleep = 0, broken = 0;
+  std::size_t stick = 0, slip = 0, iterations = 0;
+  double residual = 0;         ///< the worst of the groups
+  double max_penetration = 0;  ///< deepest overlap before bodies were parted
+  double overlap = 0;          ///< deepest overlap left, looked for apart from the contacts
+  double max_speed = 0;        ///< of a point
+  double unbalanced = 0;       ///< largest gain of velocity over that of free fall
+};
+
+/// Blocks in motion. A copy is a saved state.
+///
+/// A step drifts, kicks and drifts: bodies turn freely by the Cayley map, impulses act at one common point of both
+/// bodies, so momentum and angular momentum hold to rounding. Contacts are solved by connected groups; every answer is
+/// judged by its residual. After every step bodies are looked at for overlaps by other means than contacts are found
+/// by. A step that fails either is cut, and at last refused.
+class World final {
+ public:
+  [[nodiscard]] static std::expected<World, BadScene> make(SceneSpec scene, WorldOptions options);
+  World(const World& other);
+  World(World&& other) noexcept;
+  World& operator=(const World& other);
+  World& operator=(World&& other) noexcept;
+  ~World();
+
+  /// One accepted step no longer than `at_most`.
+  [[nodiscard]] std::expected<StepReport, StepFailed> step(double at_most = std::numeric_limits<double>::infinity());
+
+  [[nodiscard]] double time() const noexcept;
+  [[nodiscard]] std::size_t size() const noexcept;
+  [[nodiscard]] bool fixed(std::size_t body) const;
+  [[nodiscard]] Vec3 centroid(std::size_t body) const;
+  /// Of the centroid since the start: exact where positions far from the origin are rounded.
+  [[nodiscard]] Vec3 displacement(std::size_t body) const;
+  [[nodiscard]] Turn turn(std::size_t body) const;  ///< since the start
+  [[nodiscard]] Vec3 velocity(std::size_t body) const;
+  [[nodiscard]] Vec3 spin(std::size_t body) const;  ///< scene axes
+  [[nodiscard]] double mass(std::size_t body) const;
+  [[nodiscard]] double volume(std::size_t body) const;
+  [[nodiscard]] bool asleep(std::size_t body) const;
+  /// Where a point of the body as given in its shape is now.
+  [[nodiscard]] Vec3 position(std::size_t body, Vec3 at_start) const;
+  /// Lets a fixed body go, or holds one that moves.
+  void set_fixed(std::size_t body, bool fixed);
+
+  [[nodiscard]] const std::vector<Contact>& contacts() const noexcept;
+  [[nodiscard]] const Energy& energy() const noexcept;
+  [[nodiscard]] Vec3 momentum() const;
+  [[nodiscard]] Vec3 angular_momentum() const;  ///< about the origin
+  /// What momentum should be by all forces so far, less what it is, over the largest so far.
+  [[nodiscard]] double momentum_error() const noexcept;
+  [[nodiscard]] const WorldOptions& options() const noexcept;
+
+  struct Impl;
+
+ private:
+  explicit World(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cleave::motion

@@ -1,0 +1,147 @@
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "world_impl.hpp"
+
+namespace cleave::motion {
+namespace {
+
+using Pair = std::pair<std::uint32_t, std::uint32_t>;
+
+geometry::Bounds grown(geometry::Bounds box, double by) {
+  const Vec3 all{by, by, by};
+  return {box.lo - all, box.hi + all};
+}
+
+/// Whether a point lies in a cell, by more than `depth`.
+bool within(const Placed& cell, Vec3 p, double depth) {
+  for (std::size_t s = 0; s < cell.normals.size(); ++s) {
+    if (dot(cell.normals[s], p - cell.vertices[cell.cell->sides[s].corners[0]]) > -depth) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void World::Impl::place_all(const std::vector<State>& s, bool everything) {
+  for (Placed& p : placed) {
+    if (everything || moves(p.body)) place(p, centroid(s[p.body], p.body), s[p.body].turn);
+  }
+}
+
+std::vector<Pair> World::Impl::near_pairs(const std::vector<double>& travel) const {
+  std::vector<geometry::Bounds> boxes;
+  boxes.reserve(placed.size());
+  for (const Placed& p : placed) boxes.push_back(grown(p.box, travel[p.body]));
+  const geometry::BoxTree tree{boxes};
+  std::vector<Pair> out;
+  for (std::uint32_t c = 0; c < placed.size(); ++c) {
+    const std::uint32_t body = placed[c].body;
+    if (!moves(body)) continue;
+    tree.overlapping(boxes[c], [&](std::uint32_t other) {
+      if (placed[other].body == body || (moves(placed[other].body) && other < c)) return;
+      out.emplace_back(std::min(c, other), std::max(c, other));
+    });
+  }
+  std::ranges::sort(out);
+  return out;
+}
+
+std::vector<Touch> World::Impl::touches_of(const std::vector<Pair>& pairs, const std::vector<double>& travel,
+                                           bool strict) const {
+  std::vector<Touch> out, own;
+  for (const auto& [i, j] : pairs) {
+    const Placed &a = placed[i], &b = placed[j];
+    const auto axis = widest_axis(a, b);
+    const double reach = travel[a.body] + travel[b.body];
+    if (!axis || axis->gap > reach) continue;
+    own.clear();
+    touches_along(a, b, *axis, reach, strict, own);
+    if (own.empty()) continue;
+    // A border between two cells of one body is no skin: nothing touches what is covered.
+    const Shape& shape = shapes[own[0].other];
+    if (shape.last_cell - shape.first_cell > 1) {
+      Vec3 middle;
+      for (const Touch& t : own) middle += (t.point - t.gap * t.normal) / static_cast<double>(own.size());
+      const Vec3 probe = middle + 1e-6 * own[0].size * own[0].normal;
+      bool covered = false;
+      for (std::uint32_t c = shape.first_cell; c < shape.last_cell && !covered; ++c) {
+        covered = c != own[0].other_cell && within(placed[c], probe, 1e-8 * own[0].size);
+      }
+      if (covered) continue;
+    }
+    out.insert(out.end(), own.begin(), own.end());
+  }
+  return out;
+}
+
+void World::Impl::recall(std::vector<Touch>& list, double step) const {
+  if (!(last_step > 0)) return;
+  const auto key = [](const Touch& t) { return std::tuple{t.body, t.cell, t.other, t.other_cell}; };
+  const double ratio = step / last_step;
+  std::vector<std::uint32_t> order(touches.size());
+  for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = k;
+  std::ranges::stable_sort(order, {}, [&](std::uint32_t k) { return key(touches[k]); });
+  std::vector<std::uint8_t> used(touches.size(), 0);
+  for (Touch& t : list) {
+    const auto own = std::ranges::equal_range(order, key(t), {}, [&](std::uint32_t k) { return key(touches[k]); });
+    double nearest = 0.1 * t.size;
+    std::optional<std::uint32_t> best;
+    for (const std::uint32_t k : own) {
+      if (used[k] != 0 || dot(touches[k].normal, t.normal) < 0.99) continue;
+      if (const double d = norm(touches[k].point - t.point); d < nearest) {
+        nearest = d;
+        best = k;
+      }
+    }
+    if (!best) continue;
+    used[*best] = 1;
+    t.impulse = ratio * touches[*best].impulse;
+  }
+}
+
+std::vector<Touch> World::Impl::missed(const std::vector<Touch>& list, const std::vector<Touch>& at_end,
+                                       const std::vector<State>& mid, const std::vector<State>& end) const {
+  std::vector<Touch> out;
+  for (const Touch& t : at_end) {
+    if (t.gap > -1e-8 * t.size) continue;
+    const bool known = std::ranges::any_of(list, [&](const Touch& l) {
+      const bool same = l.cell == t.cell && l.other_cell == t.other_cell;
+      const bool turned = l.cell == t.other_cell && l.other_cell == t.cell;
+      if (!same && !turned) return false;
+      const double along = dot(l.normal, t.normal);
+      return (same ? along : -along) > 0.99 && norm(l.point - t.point) < 0.2 * t.size;
+    });
+    if (known) continue;
+    Touch back = t;
+    const auto at_kick = [&](std::uint32_t b) {
+      return centroid(mid[b], b) + mid[b].turn * end[b].turn.back(t.point - centroid(end[b], b));
+    };
+    const Vec3 foot = t.point - t.gap * t.normal;
+    back.normal = mid[t.other].turn * end[t.other].turn.back(t.normal);
+    back.point = at_kick(t.body);
+    const Vec3 base = centroid(mid[t.other], t.other) +
+                      mid[t.other].turn * end[t.other].turn.back(foot - centroid(end[t.other], t.other));
+    back.gap = dot(back.normal, back.point - base);
+    out.push_back(back);
+  }
+  return out;
+}
+
+double World::Impl::deepest_overlap(std::string& where) const {
+  double worst = 0;
+  const std::vector<double> none(shapes.size(), 0);
+  for (const auto& [i, j] : near_pairs(none)) {
+    const Placed &a = placed[i], &b = placed[j];
+    const double size = std::min(shapes[a.body].size, shapes[b.body].size);
+    const double share = overlap_depth(a, b, 0.1 * options.overlap * size) / size;
+    if (share > worst) {
+      worst = share;
+      where = "bodies " + std::to_string(a.body) + " and " + std::to_string(b.body) + " overlap";
+    }
+  }
+  return worst;
+}
+
+}  // namespace cleave::motion

@@ -1,0 +1,293 @@
+#include "newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace cleave::motion {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix2d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// Up to so many rows a dense factor is as good.
+constexpr std::size_t few_bodies = 12;
+
+Index row(std::uint32_t body) { return 6 * static_cast<Index>(body); }
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Scaled& scaled) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
+  for (const auto& e : scaled.elements) {
+    if (e.other == ground) continue;
+    const std::pair link{std::min(e.body, e.other), std::max(e.body, e.other)};
+    if (out.empty() || out.back() != link) out.push_back(link);
+  }
+  return out;
+}
+
+}  // namespace
+
+Scaled::Scaled(const Group& group) : bodies{group.mass.size()} {
+  std::vector<Eigen::LLT<Matrix6>> mass;
+  mass.reserve(bodies);
+  for (const Matrix6& m : group.mass) mass.emplace_back(m);
+  for (const Point& p : group.points) {
+    Element e{p.body, p.other, p.on_body, p.on_other, p.b, p.mu, p.cohesion, p.tension, 1};
+    e.y += p.on_body.transpose() * group.free[p.body];
+    mass[p.body].matrixL().solveInPlace(e.on_body);
+    double square = e.on_body.squaredNorm();
+    if (p.other != ground) {
+      e.y += p.on_other.transpose() * group.free[p.other];
+      mass[p.other].matrixL().solveInPlace(e.on_other);
+      square += e.on_other.squaredNorm();
+    }
+    e.scale = 1 / std::sqrt(square / 3);
+    e.on_body *= e.scale;
+    e.on_other *= e.scale;
+    e.y *= e.scale;
+    unit = std::max(unit, e.y.lpNorm<Eigen::Infinity>());
+    elements.push_back(e);
+  }
+  if (!(unit > 0)) return;
+  for (Element& e : elements) {
+    e.y /= unit;
+    e.scale *= unit;
+    e.cohesion /= e.scale;
+    e.tension /= e.scale;
+    e.tension = e.mu > 0 ? std::min(e.tension, e.cohesion / e.mu) : e.tension;
+  }
+}
+
+Vector3d Scaled::relative(const Element& e, const VectorXd& v) const {
+  Vector3d u = e.y;
+  u.noalias() += e.on_body.transpose() * v.segment<6>(row(e.body));
+  if (e.other != ground) u.noalias() += e.on_other.transpose() * v.segment<6>(row(e.other));
+  return u;
+}
+
+void Scaled::add(const Element& e, const Vector3d& x, VectorXd& v) const {
+  v.segment<6>(row(e.body)).noalias() += e.on_body * x;
+  if (e.other != ground) v.segment<6>(row(e.other)).noalias() += e.on_other * x;
+}
+
+namespace {
+
+template <class Out>
+void onto_disc(const Vector2d& t, double radius, Out& out) {
+  const double length = t.norm();
+  if (length <= radius) {
+    out.x.template tail<2>() = t;
+    out.slope.template bottomRightCorner<2, 2>().setIdentity();
+    out.any = true;
+  } else if (radius > 0) {
+    const Vector2d e = t / length;
+    out.x.template tail<2>() = radius * e;
+    out.slope.template bottomRightCorner<2, 2>() = radius / length * (Matrix2d::Identity() - e * e.transpose());
+    out.any = true;
+  }
+}
+
+/// Onto |t| <= mu (n + apex), n >= -apex.
+template <class Out>
+void onto_cone(Vector3d w, double mu, double apex, Out& out) {
+  w[0] += apex;
+  const Vector2d t = w.tail<2>();
+  const double length = t.norm();
+  if (length <= mu * w[0]) {
+    out.x = w;
+    out.slope.setIdentity();
+    out.any = true;
+  } else if (mu * length > -w[0]) {
+    const double normal = (w[0] + mu * length) / (1 + mu * mu);
+    const Vector2d e = t / length;
+    out.x << normal, mu * normal * e;
+    const Vector3d along{1, mu * e[0], mu * e[1]};
+    out.slope = along * along.transpose() / (1 + mu * mu);
+    out.slope.template bottomRightCorner<2, 2>() += mu * normal / length * (Matrix2d::Identity() - e * e.transpose());
+    out.any = true;
+  }
+  out.x[0] -= apex;
+}
+
+}  // namespace
+
+Newton::Newton(const Scaled& scaled) : scaled_{&scaled}, dense_{scaled.bodies <= few_bodies} {
+  if (!dense_) factor_.emplace(scaled.bodies, 6, links(scaled));
+}
+
+Newton::Local Newton::project(const Programme& programme, std::size_t k, const Vector3d& w) const {
+  const Scaled::Element& e = scaled_->elements[k];
+  Local out;
+  if (programme.law == Law::cone && e.mu > 0) {
+    onto_cone(w, e.mu, e.cohesion / e.mu, out);
+    // The apex of a bond that is weaker in tension is cut off.
+    if (out.x[0] < -e.tension) {
+      out = {};
+      out.x[0] = -e.tension;
+      onto_disc(w.tail<2>(), e.cohesion - e.mu * e.tension, out);
+    }
+    return out;
+  }
+  const bool closed = w[0] > -e.tension;
+  out.x[0] = closed ? w[0] : -e.tension;
+  if (closed) {
+    out.slope(0, 0) = 1;
+    out.any = true;
+  }
+  switch (programme.law) {
+    case Law::frictionless: break;
+    case Law::tresca: onto_disc(w.tail<2>(), programme.given[k], out); break;
+    case Law::cone: onto_disc(w.tail<2>(), e.cohesion, out); break;
+    case Law::coulomb: {
+      const double radius = closed                            ? e.mu * out.x[0] + e.cohesion
+                            : e.cohesion > 0 && e.tension > 0 ? e.cohesion - e.mu * e.tension
+                                                              : 0;
+      const double length = w.tail<2>().norm();
+      onto_disc(w.tail<2>(), radius, out);
+      if (closed && length > radius && e.mu > 0) out.slope.bottomLeftCorner<2, 1>() = e.mu / length * w.tail<2>();
+      break;
+    }
+  }
+  return out;
+}
+
+double Newton::evaluate(const Programme& programme, const std::vector<Vector3d>& centre, double rho, const VectorXd& v,
+                        VectorXd& gradient, std::vector<Local>& locals) const {
+  gradient = v;
+  double value = 0.5 * v.squaredNorm();
+  VectorXd forces = VectorXd::Zero(v.size());
+  for (std::size_t k = 0; k < locals.size(); ++k) {
+    const Scaled::Element& e = scaled_->elements[k];
+    Vector3d u = scaled_->relative(e, v);
+    if (programme.law == Law::cone) u[0] += e.mu * programme.given[k];
+    const Vector3d w = centre[k] - u / rho;
+    locals[k] = project(programme, k, w);
+    scaled_->add(e, locals[k].x, forces);
+    value += rho * (w.dot(locals[k].x) - 0.5 * locals[k].x.squaredNorm());
+  }
+  gradient -= forces;
+  return value;
+}
+
+bool Newton::direction(const std::vector<Local>& locals, double rho, bool symmetric, const VectorXd& gradient,
+                       VectorXd& step) {
+  ++factors_;
+  MatrixXd whole;
+  if (dense_) {
+    whole = MatrixXd::Identity(gradient.size(), gradient.size());
+  } else {
+    factor_->clear(symmetric);
+    for (std::size_t b = 0; b < scaled_->bodies; ++b) factor_->block(b, b).diagonal().setOnes();
+  }
+  const auto add = [&](std::uint32_t r, std::uint32_t c, const Matrix6& value) {
+    if (dense_) {
+      whole.block<6, 6>(row(r), row(c)) += value;
+    } else {
+      factor_->block(r, c) += value;
+    }
+  };
+  for (std::size_t k = 0; k < locals.size(); ++k) {
+    if (!locals[k].any) continue;
+    const Scaled::Element& e = scaled_->elements[k];
+    const Rows left = e.on_body * (locals[k].slope / rho);
+    add(e.body, e.body, left * e.on_body.transpose());
+    if (e.other == ground) continue;
+    const Rows right = e.on_other * (locals[k].slope / rho);
+    add(e.other, e.other, right * e.on_other.transpose());
+    add(e.body, e.other, left * e.on_other.transpose());
+    add(e.other, e.body, right * e.on_body.transpose());
+  }
+  step = -gradient;
+  if (!dense_) {
+    if (!factor_->factorise()) return false;
+    factor_->solve(step);
+  } else if (symmetric) {
+    const Eigen::LLT<MatrixXd> factor{whole};
+    if (factor.info() != Eigen::Success) return false;
+    factor.solveInPlace(step);
+  } else {
+    step = whole.partialPivLu().solve(step).eval();
+  }
+  return step.allFinite();
+}
+
+double Newton::inner(const Programme& programme, std::vector<Vector3d>& x, double rho, VectorXd& v) {
+  const bool convex = programme.law != Law::coulomb;
+  std::vector<Local> locals(x.size()), tried_locals(x.size());
+  VectorXd gradient, tried_gradient, step, tried;
+  double value = evaluate(programme, x, rho, v, gradient, locals);
+  double size = gradient.norm();
+  int stuck = 0;
+  for (int iteration = 0; iteration < (convex ? 60 : 30); ++iteration) {
+    // Where forces are large against the weight, rounding of G x is all that is left.
+    double carried = 1;
+    for (const Local& l : locals) carried = std::max(carried, l.x.lpNorm<Eigen::Infinity>());
+    if (size <= 2e-15 * carried) break;
+    if (!direction(locals, rho, convex, gradient, step)) return std::numeric_limits<double>::infinity();
+    const double slope = gradient.dot(step);
+    double share = 1, best = 0, best_size = size;
+    for (int halving = 0; halving < 20; ++halving, share *= 0.5) {
+      tried = v + share * step;
+      const double found = evaluate(programme, x, rho, tried, tried_gradient, tried_locals);
+      const double found_size = tried_gradient.norm();
+      if ((convex && found <= value + 1e-4 * share * slope) || found_size <= (1 - 0.1 * share) * size) {
+        best = share;
+        break;
+      }
+      if (found_size < best_size) {
+        best = share;
+        best_size = found_size;
+        if (!convex && halving > 6) break;
+      }
+    }
+    if (!(best > 0)) break;
+    v += best * step;
+    value = evaluate(programme, x, rho, v, gradient, locals);
+    const double before = std::exchange(size, gradient.norm());
+    stuck = size > 0.5 * before && size < 1e-9 ? stuck + 1 : 0;
+    if (stuck > 3) break;
+  }
+  for (std::size_t k = 0; k < locals.size(); ++k) x[k] = locals[k].x;
+  return size;
+}
+
+double Newton::solve(const Programme& programme, std::vector<Vector3d>& x, const Schedule& schedule) {
+  VectorXd v = VectorXd::Zero(6 * static_cast<Index>(scaled_->bodies));
+  for (std::size_t k = 0; k < x.size(); ++k) scaled_->add(scaled_->elements[k], x[k], v);
+  // Forces that grow far before they hold, as under a heavy body, need less weight than others; where weights are too
+  // small rounding takes over. The best answer at the end counts.
+  constexpr double enough = 1e-12;
+  double least = std::numeric_limits<double>::infinity(), rho = schedule.rough, fine = schedule.fine;
+  std::vector<Vector3d> best;
+  for (int round = 0, at_fine = 0; round < 400; ++round) {
+    const std::vector<Vector3d> old = x;
+    const double off = inner(programme, x, rho, v);
+    if (!(off < 1e-6)) break;
+    double change = 0;
+    for (std::size_t k = 0; k < x.size(); ++k) change = std::max(change, (x[k] - old[k]).lpNorm<Eigen::Infinity>());
+    const double hidden = std::max(rho * change, off);
+    if (rho > 1.001 * fine) {
+      if ((round + 1) % schedule.recentrings == 0) rho = std::max(fine, schedule.fall * rho);
+      continue;
+    }
+    const bool better = hidden < 0.5 * least;
+    if (hidden < least) {
+      least = hidden;
+      best = x;
+    }
+    if (hidden <= enough) break;
+    if (better && ++at_fine < schedule.last) continue;
+    if (fine <= schedule.finest || least <= 100 * enough) break;
+    rho = fine = std::max(schedule.finest, 0.1 * fine);
+    at_fine = 0;
+  }
+  if (!best.empty()) x = std::move(best);
+  return least;
+}
+
+}  // namespace cleave::motion

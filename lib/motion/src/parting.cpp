@@ -1,0 +1,60 @@
+#include <algorithm>
+#include <cmath>
+
+#include "world_impl.hpp"
+
+namespace cleave::motion {
+
+std::optional<double> World::Impl::part(std::vector<State>& s, double& deepest) {
+  // Again: parted bodies may touch what they did not touch before.
+  constexpr int rounds = 8;
+  double lift = 0;
+  deepest = 0;
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<double> travel(shapes.size(), 0);
+    double deep = 0;
+    std::vector<Touch> list = touches_of(near_pairs(travel), travel, false);
+    double wrong = 0;
+    for (const Touch& t : list) {
+      deep = std::max(deep, -t.gap);
+      wrong = std::max(wrong, -t.gap / t.size);
+    }
+    if (round == 0) deepest = deep;
+    if (wrong <= 1e-9) return lift;
+    if (round + 1 == rounds) return wrong <= 1e-7 ? std::optional{lift} : std::nullopt;
+    for (std::uint32_t b = 0; b < shapes.size(); ++b) travel[b] = moves(b) ? 4 * deep : 0;
+    list = touches_of(near_pairs(travel), travel, false);
+    for (const Island& island : islands_of(list)) {
+      Island only = island;
+      only.bonds.clear();
+      bool overlapping = false;
+      for (const std::uint32_t k : only.touches) overlapping = overlapping || list[k].gap < -1e-10 * list[k].size;
+      if (!overlapping) continue;
+      Group group = group_of(only, list, s, 1, 0);
+      for (std::size_t k = 0; k < only.touches.size(); ++k) {
+        group.points[k].b = {list[only.touches[k]].gap, 0, 0};
+        group.points[k].mu = 0;
+        group.points[k].start.setZero();
+      }
+      for (Vector6& free : group.free) free.setZero();
+      const Solution moved = motion::solve(group, options.solver);
+      if (moved.report.status == SolveReport::Status::not_converged && moved.report.residual > 1e-4) return {};
+      for (std::size_t k = 0; k < only.bodies.size(); ++k) {
+        const std::uint32_t b = only.bodies[k];
+        const Vector6& d = moved.velocity[k];
+        const Vec3 by{d[0], d[1], d[2]};
+        // The angular momentum in space stays; the energy of turning is counted with the lift.
+        const Vec3 momentum = s[b].turn * s[b].momentum;
+        lift -= shapes[b].mass * dot(options.gravity, by) + 0.5 * dot(momentum, spin(s[b], b));
+        s[b].shift += by;
+        s[b].turn = normalized(cayley({d[3], d[4], d[5]}) * s[b].turn);
+        s[b].momentum = s[b].turn.back(momentum);
+        lift += 0.5 * dot(momentum, spin(s[b], b));
+      }
+    }
+    place_all(s, false);
+  }
+  return lift;
+}
+
+}  // namespace cleave::motion

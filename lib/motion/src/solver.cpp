@@ -1,0 +1,287 @@
+#include "solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "newton.hpp"
+
+namespace cleave::motion {
+namespace {
+
+using Eigen::Vector3d;
+using Status = SolveReport::Status;
+
+/// Velocities under impulses, and of each point the diagonal of W and y.
+struct Response {
+  std::vector<Vector6> velocity;
+  std::vector<Vector3d> diagonal, y, from_impulse;
+};
+Response respond(const Group& group, const std::vector<Vector3d>& impulse) {
+  Response out;
+  std::vector<Vector6> given(group.mass.size(), Vector6::Zero());
+  for (std::size_t k = 0; k < impulse.size(); ++k) {
+    const Point& p = group.points[k];
+    given[p.body] += p.on_body * impulse[k];
+    if (p.other != ground) given[p.other] += p.on_other * impulse[k];
+  }
+  std::vector<Eigen::LLT<Matrix6>> mass;
+  mass.reserve(group.mass.size());
+  for (std::size_t b = 0; b < group.mass.size(); ++b) {
+    mass.emplace_back(group.mass[b]);
+    given[b] = mass[b].solve(given[b]).eval();
+    out.velocity.push_back(group.free[b] + given[b]);
+  }
+  for (const Point& p : group.points) {
+    Vector3d diagonal = p.on_body.cwiseProduct(mass[p.body].solve(p.on_body)).colwise().sum().transpose();
+    Vector3d own = p.b + p.on_body.transpose() * group.free[p.body];
+    Vector3d made = p.on_body.transpose() * given[p.body];
+    if (p.other != ground) {
+      diagonal += p.on_other.cwiseProduct(mass[p.other].solve(p.on_other)).colwise().sum().transpose();
+      own += p.on_other.transpose() * group.free[p.other];
+      made += p.on_other.transpose() * given[p.other];
+    }
+    out.diagonal.push_back(diagonal);
+    out.from_impulse.push_back(made);
+    out.y.push_back(own + made);
+  }
+  return out;
+}
+
+/// p - P(p - r y) of one point.
+Vector3d natural(const Point& point, const Vector3d& diagonal, const Vector3d& y, const Vector3d& p) {
+  const double tension = point.mu > 0 ? std::min(point.tension, point.cohesion / point.mu) : point.tension;
+  const double a = p[0] - y[0] / diagonal[0];
+  const bool closed = a > -tension;
+  const double n = closed ? a : -tension;
+  const double bound = closed || tension > 0 ? std::max(0.0, point.mu * n + point.cohesion) : 0;
+  Eigen::Vector2d t = p.tail<2>() - 2 / (diagonal[1] + diagonal[2]) * y.tail<2>();
+  if (const double length = t.norm(); length > bound) t *= bound / length;
+  Vector3d out;
+  out << p[0] - n, p.tail<2>() - t;
+  return out;
+}
+
+struct Judged {
+  double residual = 0, missed = 0;
+};
+Judged judge(const Group& group, const std::vector<Vector3d>& impulse, const Response& response) {
+  double off = 0, off_speed = 0, force = 0, speed = 0, made = 0;
+  for (std::size_t k = 0; k < impulse.size(); ++k) {
+    const Vector3d f = natural(group.points[k], response.diagonal[k], response.y[k], impulse[k]);
+    const Vector3d b = response.y[k] - response.from_impulse[k];
+    off = std::max(off, f.lpNorm<Eigen::Infinity>());
+    off_speed = std::max(off_speed, f.cwiseProduct(response.diagonal[k]).lpNorm<Eigen::Infinity>());
+    force = std::max(
+        {force, impulse[k].lpNorm<Eigen::Infinity>(), b.cwiseQuotient(response.diagonal[k]).lpNorm<Eigen::Infinity>()});
+    speed = std::max(speed, b.lpNorm<Eigen::Infinity>());
+    made = std::max(made, response.from_impulse[k].lpNorm<Eigen::Infinity>());
+  }
+  const double scale = std::max(speed, 1e-6 * made);
+  if (!(force > 0) || !(scale > 0)) return {};
+  return {std::max(off / force, off_speed / scale), off_speed};
+}
+
+/// One try after the other, keeping the best answer.
+class Cascade {
+ public:
+  Cascade(const Group& group, const SolverOptions& options)
+      : group_{group}, options_{options}, scaled_{group}, newton_{scaled_} {
+    best_.impulse.assign(group.points.size(), Vector3d::Zero());
+    if (scaled_.unit > 0) run();
+  }
+  Solution take() && { return std::move(best_); }
+
+ private:
+  using Unknowns = std::vector<Vector3d>;
+
+  [[nodiscard]] bool done() const { return tried_ && best_.report.residual <= options_.accept; }
+  [[nodiscard]] bool spent() const { return newton_.factors() >= options_.patience; }
+
+  Unknowns start() const {
+    Unknowns x;
+    for (std::size_t k = 0; k < group_.points.size(); ++k) {
+      x.emplace_back(group_.points[k].start / scaled_.elements[k].scale);
+    }
+    return x;
+  }
+  Unknowns none() const { return Unknowns(group_.points.size(), Vector3d::Zero()); }
+
+  void look_at(const Unknowns& x, Method method) {
+    std::vector<Vector3d> impulse;
+    for (std::size_t k = 0; k < x.size(); ++k) impulse.emplace_back(x[k] * scaled_.elements[k].scale);
+    Response response = respond(group_, impulse);
+    const Judged judged = judge(group_, impulse, response);
+    if (tried_ && !(judged.residual < best_.report.residual)) return;
+    tried_ = true;
+    best_.report.residual = judged.residual;
+    best_.report.missed_speed = judged.missed;
+    best_.report.method = method;
+    best_.impulse = std::move(impulse);
+    best_.velocity = std::move(response.velocity);
+  }
+
+  void coulomb(Unknowns x, Method method, const Newton::Schedule& schedule) {
+    (void)newton_.solve({.law = Law::coulomb}, x, schedule);
+    look_at(x, method);
+  }
+
+  void proximal(double fall) {
+    coulomb(none(), Method::proximal, {.rough = 1, .fine = 1e-7, .fall = fall, .recentrings = 3, .last = 6});
+  }
+
+  /// Ends rounds that get no nearer.
+  struct Progress {
+    double least = std::numeric_limits<double>::infinity();
+    int idle = 0;
+    bool goes_on(double residual) {
+      idle = residual < 0.7 * least ? 0 : idle + 1;
+      least = std::min(least, residual);
+      return idle <= 10;
+    }
+  };
+
+  /// The slip given, the rest is one convex programme; the slip is then renewed.
+  void by_slip(double finest) {
+    Unknowns x = none();
+    Programme programme{.law = Law::cone, .given = std::vector<double>(x.size(), 0)};
+    Progress progress;
+    for (int round = 0; round < 60 && !done() && !spent() && progress.goes_on(best_.report.residual); ++round) {
+      (void)newton_.solve(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4, .finest = finest});
+      const std::vector<Vector3d> u = velocities(x);
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const double slip = u[k].tail<2>().norm();
+        programme.given[k] = round < 20 ? slip : 0.5 * (programme.given[k] + slip);
+      }
+      coulomb(x, Method::convex, {.rough = 1e-3, .fine = 1e-6});
+    }
+  }
+
+  /// The bounds of friction given, the rest is one convex programme; the bounds are then renewed.
+  void by_bounds(double finest) {
+    Unknowns x = none();
+    Programme programme{.law = Law::tresca, .given = std::vector<double>(x.size(), 0)};
+    Progress progress;
+    for (int round = 0; round < 60 && !done() && !spent() && progress.goes_on(best_.report.residual); ++round) {
+      (void)newton_.solve(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4, .finest = finest});
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const Scaled::Element& e = scaled_.elements[k];
+        const double bound = std::max(0.0, e.mu * x[k][0] + e.cohesion);
+        programme.given[k] = round < 20 ? bound : 0.5 * (programme.given[k] + bound);
+      }
+      coulomb(x, Method::convex, {.rough = 1e-3, .fine = 1e-6});
+    }
+  }
+
+  std::vector<Vector3d> velocities(const Unknowns& x) const {
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(6 * static_cast<Eigen::Index>(scaled_.bodies));
+    for (std::size_t k = 0; k < x.size(); ++k) scaled_.add(scaled_.elements[k], x[k], v);
+    std::vector<Vector3d> out;
+    for (const auto& e : scaled_.elements) out.push_back(scaled_.relative(e, v));
+    return out;
+  }
+
+  void run() {
+    bool warm = false;
+    for (const Point& p : group_.points) warm = warm || !p.start.isZero();
+    if (warm) coulomb(start(), Method::newton, {.rough = 1e-4, .fine = 1e-6});
+    if (!done()) coulomb(none(), Method::newton, {});
+    for (const double finest : {1e-5, 1e-10}) {
+      if (!done() && !spent()) by_slip(finest);
+      if (!done() && !spent()) by_bounds(finest);
+    }
+    if (!done() && !spent()) proximal(0.1);
+    if (!done() && !spent()) proximal(1.0 / 3);
+    best_.report.iterations = newton_.factors();
+  }
+
+  const Group& group_;
+  const SolverOptions& options_;
+  Scaled scaled_;
+  Newton newton_;
+  Solution best_;
+  bool tried_ = false;
+};
+
+void count_states(const Group& group, const Response& response, Solution& solution) {
+  SolveReport& report = solution.report;
+  for (std::size_t k = 0; k < solution.impulse.size(); ++k) {
+    const Vector3d& p = solution.impulse[k];
+    const Point& point = group.points[k];
+    report.max_penetration = std::max(report.max_penetration, -response.y[k][0]);
+    if (p.isZero()) {
+      ++report.opened;
+    } else if (p.tail<2>().norm() >= (1 - 1e-9) * (point.mu * p[0] + point.cohesion)) {
+      ++report.slip;
+    } else {
+      ++report.stick;
+    }
+  }
+}
+
+}  // namespace
+
+Solution solve(const Group& group, const SolverOptions& options) {
+  const std::vector<Vector3d> nothing(group.points.size(), Vector3d::Zero());
+  Response response = respond(group, nothing);
+  Solution out;
+  const bool open = std::ranges::all_of(response.y, [](const Vector3d& y) { return y[0] >= 0; }) &&
+                    std::ranges::all_of(group.points, [](const Point& p) { return p.cohesion <= 0 && p.tension <= 0; });
+  if (open) {
+    out.impulse = nothing;
+    out.velocity = std::move(response.velocity);
+    out.report.opened = nothing.size();
+    return out;
+  }
+  out = Cascade{group, options}.take();
+  response = respond(group, out.impulse);
+  out.velocity = response.velocity;
+  out.report.residual = judge(group, out.impulse, response).residual;
+  const bool good = out.report.residual <= options.accept;  // false for what is no number
+  out.report.status = good ? Status::converged : Status::not_converged;
+  count_states(group, response, out);
+  return out;
+}
+
+double natural_residual(const Group& group, const std::vector<Vector3d>& impulse) {
+  return judge(group, impulse, respond(group, impulse)).residual;
+}
+
+double cone_residual(const Group& group, const std::vector<Vector3d>& impulse) {
+  const Response response = respond(group, impulse);
+  double most = 0, off = 0, force = 1e-300;
+  for (const Vector3d& d : response.diagonal) most = std::max(most, d.maxCoeff());
+  for (std::size_t k = 0; k < impulse.size(); ++k) {
+    const double mu = group.points[k].mu;
+    Vector3d z = response.y[k];
+    z[0] += mu * z.tail<2>().norm();
+    z = impulse[k] - z / most;
+    const double t = z.tail<2>().norm();
+    if (mu * t <= -z[0]) {
+      z.setZero();
+    } else if (t > mu * z[0]) {
+      const double n = (z[0] + mu * t) / (1 + mu * mu);
+      z << n, mu * n / t * z.tail<2>();
+    }
+    off = std::max(off, (impulse[k] - z).lpNorm<Eigen::Infinity>());
+    force = std::max(force, impulse[k].lpNorm<Eigen::Infinity>());
+  }
+  return off / force;
+}
+
+Frame frame_of(Vec3 n) noexcept {
+  const double s = n.z >= 0 ? 1 : -1;
+  const double a = -1 / (s + n.z), b = n.x * n.y * a;
+  return {n, {1 + s * n.x * n.x * a, s * b, -s * n.x}, {b, s + n.y * n.y * a, -n.y}};
+}
+
+Rows rows_of(const Frame& frame, Vec3 arm) noexcept {
+  Rows out;
+  Eigen::Index column = 0;
+  for (const Vec3 d : {frame.n, frame.t1, frame.t2}) {
+    const Vec3 m = cross(arm, d);
+    out.col(column++) << d.x, d.y, d.z, m.x, m.y, m.z;
+  }
+  return out;
+}
+
+}  // namespace cleave::motion

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "cleave/motion/world.hpp"
+
+/// Coulomb's law on the round cone, solved for all contacts of a group at once.
+namespace cleave::motion {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Rows = Eigen::Matrix<double, 6, 3>;
+inline constexpr std::uint32_t ground = std::numeric_limits<std::uint32_t>::max();
+
+/// One contact point. Impulses p = (n, t) give y = b + H v = (opening, slip):
+///   0 <= n + tension  _|_  y_n >= 0,   |t| <= mu n + cohesion,   slip 0 inside the bound, else opposite to t.
+/// Cohesion counts while the point is closed; tension is at most cohesion / mu, the apex of the cone.
+struct Point {
+  std::uint32_t body = 0, other = ground;
+  Rows on_body = Rows::Zero(), on_other = Rows::Zero();  ///< columns: what an impulse along n, t1, t2 gives the body
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();           ///< m/s
+  double mu = 0;
+  double cohesion = 0, tension = 0;  ///< N s
+  Eigen::Vector3d start = Eigen::Vector3d::Zero();
+};
+
+/// Bodies (mass and inertia in the scene's axes, velocities without contacts) and their contact points.
+struct Group {
+  std::vector<Matrix6> mass;
+  std::vector<Vector6> free;
+  std::vector<Point> points;
+};
+
+struct Solution {
+  std::vector<Eigen::Vector3d> impulse;
+  std::vector<Vector6> velocity;
+  SolveReport report;
+};
+
+/// Cheapest way first; every answer is judged by its natural-map residual, recomputed whatever found it.
+[[nodiscard]] Solution solve(const Group& group, const SolverOptions& options);
+
+/// Residual of the natural map (Alart and Curnier 1991) of any impulses: the larger of that in impulses over
+/// max(|p|, |b / diag W|), and that in velocities over max(|b|, 1e-6 |W p|).
+[[nodiscard]] double natural_residual(const Group& group, const std::vector<Eigen::Vector3d>& impulse);
+/// A second judge: distance from p to the projection of p - r y^ onto the cone (De Saxce and Feng 1998), relative; for
+/// points without cohesion.
+[[nodiscard]] double cone_residual(const Group& group, const std::vector<Eigen::Vector3d>& impulse);
+
+/// Two unit vectors that make a right-handed frame with the normal (Duff et al. 2017).
+struct Frame {
+  Vec3 n, t1, t2;
+};
+[[nodiscard]] Frame frame_of(Vec3 normal) noexcept;
+/// What impulses along the frame at an arm from the centroid give.
+[[nodiscard]] Rows rows_of(const Frame& frame, Vec3 arm) noexcept;
+
+}  // namespace cleave::motion

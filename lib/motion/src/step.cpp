@@ -1,0 +1,351 @@
+#include <algorithm>
+#include <cmath>
+
+#include "cleave/core/disjoint_sets.hpp"
+#include "world_impl.hpp"
+
+namespace cleave::motion {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector6 stacked(Vec3 a, Vec3 b) {
+  Vector6 out;
+  out << a.x, a.y, a.z, b.x, b.y, b.z;
+  return out;
+}
+
+/// Steps that a group which would have gained energy stays with the implicit rule.
+constexpr std::uint8_t implicit_for = 8;
+/// Rounds of looking for contacts that came up during a step.
+constexpr int rounds = 8;
+
+}  // namespace
+
+Matrix6 mass_matrix(const Shape& shape, Turn turn) {
+  Matrix6 out = Matrix6::Zero();
+  out.topLeftCorner<3, 3>().diagonal().setConstant(shape.mass);
+  Eigen::Index column = 3;
+  for (const Vec3 e : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+    const Vec3 j = turn * (shape.inertia * turn.back(e));
+    out.col(column++).tail<3>() << j.x, j.y, j.z;
+  }
+  // Rounding leaves it not quite symmetric.
+  out = (0.5 * (out + out.transpose())).eval();
+  return out;
+}
+
+void World::Impl::drift_body(State& s, std::uint32_t b, double h) const {
+  s.shift += h * s.v;
+  const Spinning next = drift(shapes[b].inertia, {s.turn, s.momentum}, h);
+  s.turn = normalized(next.turn);
+  s.momentum = next.momentum;
+}
+
+double World::Impl::longest_step(double at_most) const {
+  double step = std::min(at_most, options.step);
+  const double g = norm(options.gravity);
+  for (std::uint32_t b = 0; b < shapes.size(); ++b) {
+    if (!moves(b)) continue;
+    const double turning = norm(spin(state[b], b));
+    const double speed = norm(state[b].v) + turning * shapes[b].radius;
+    const double far =
+        std::min(options.displacement * extent, std::max(0.25 * shapes[b].thickness, 0.02 * shapes[b].size));
+    if (turning > 0) step = std::min(step, options.rotation / turning);
+    // speed h + g h^2 / 2 <= far
+    if (speed > 0 || g > 0) step = std::min(step, 2 * far / (speed + std::sqrt(speed * speed + 2 * g * far)));
+  }
+  return step;
+}
+
+std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) const {
+  DisjointSets<std::uint32_t> sets{shapes.size()};
+  std::vector<std::uint8_t> in(shapes.size(), 0);
+  const auto link = [&](std::uint32_t a, std::uint32_t b) {
+    if (moves(a) && moves(b)) sets.join(a, b);
+    if (moves(a)) in[a] = 1;
+    if (moves(b)) in[b] = 1;
+  };
+  for (const Touch& t : list) link(t.body, t.other);
+  for (const BondState& bond : bonds) {
+    if (!bond.broken) link(bond.bond.body, bond.bond.other);
+  }
+  std::vector<std::uint32_t> place(shapes.size(), ground);
+  std::vector<Island> out;
+  for (std::uint32_t b = 0; b < shapes.size(); ++b) {
+    if (in[b] == 0) continue;
+    const std::uint32_t root = sets.find(b);
+    if (place[root] == ground) {
+      place[root] = static_cast<std::uint32_t>(out.size());
+      out.emplace_back();
+    }
+    out[place[root]].bodies.push_back(b);
+  }
+  const auto island = [&](std::uint32_t a, std::uint32_t b) -> Island* {
+    if (!moves(a) && !moves(b)) return nullptr;
+    return &out[place[sets.find(moves(a) ? a : b)]];
+  };
+  for (std::uint32_t k = 0; k < list.size(); ++k) {
+    if (Island* own = island(list[k].body, list[k].other)) own->touches.push_back(k);
+  }
+  for (std::uint32_t k = 0; k < bonds.size(); ++k) {
+    if (bonds[k].broken) continue;
+    Island* own = island(bonds[k].bond.body, bonds[k].bond.other);
+    for (std::uint32_t s = 0; own != nullptr && s < bonds[k].bond.shares.size(); ++s) own->bonds.emplace_back(k, s);
+  }
+  return out;
+}
+
+Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list, const std::vector<State>& mid,
+                            double step, double rebound) const {
+  Group group;
+  const auto local = [&](std::uint32_t b) {
+    if (!moves(b)) return ground;
+    return static_cast<std::uint32_t>(std::ranges::lower_bound(island.bodies, b) - island.bodies.begin());
+  };
+  for (const std::uint32_t b : island.bodies) {
+    group.mass.push_back(mass_matrix(shapes[b], mid[b].turn));
+    group.free.push_back(stacked(mid[b].v + step * options.gravity, spin(mid[b], b)));
+  }
+  const auto add = [&](std::uint32_t body, std::uint32_t other, Vec3 at, Vec3 normal) -> Point& {
+    Point p{.body = local(body), .other = local(other)};
+    const Frame frame = frame_of(normal);
+    if (p.body != ground) p.on_body = rows_of(frame, at - centroid(mid[body], body));
+    if (p.other != ground) p.on_other = -rows_of(frame, at - centroid(mid[other], other));
+    if (p.body == ground) {
+      std::swap(p.body, p.other);
+      p.on_body.swap(p.on_other);
+    }
+    return group.points.emplace_back(p);
+  };
+  const double slow = 2 * step * norm(options.gravity);
+  for (const std::uint32_t k : island.touches) {
+    const Touch& t = list[k];
+    Point& p = add(t.body, t.other, t.point, t.normal);
+    const Surface &a = surfaces[t.surface], &b = surfaces[t.other_surface];
+    p.mu = std::min(a.friction, b.friction);
+    const Frame frame = frame_of(t.normal);
+    p.start << dot(frame.n, t.impulse), dot(frame.t1, t.impulse), dot(frame.t2, t.impulse);
+    p.b[0] = std::max(t.gap, 0.0) / step;
+    // Speed of approach before the kick, where it closes in this step.
+    Vector6 before = group.free[p.body];
+    before.head<3>() -= step * Vector3d{options.gravity.x, options.gravity.y, options.gravity.z};
+    double closing = p.on_body.col(0).dot(before);
+    if (p.other != ground) {
+      before = group.free[p.other];
+      before.head<3>() -= step * Vector3d{options.gravity.x, options.gravity.y, options.gravity.z};
+      closing += p.on_other.col(0).dot(before);
+    }
+    const double back = rebound * std::min(a.restitution, b.restitution);
+    if (back > 0 && closing < -slow && p.b[0] + closing < 0) p.b[0] = back * closing;
+  }
+  for (const auto& [k, s] : island.bonds) {
+    const Bond& bond = bonds[k].bond;
+    const auto at = [&](std::uint32_t b, Vec3 start) {
+      return centroid(mid[b], b) + mid[b].turn * (start - shapes[b].centroid);
+    };
+    const Vec3 point = 0.5 * (at(bond.body, bond.shares[s].point) + at(bond.other, bond.shares[s].point));
+    Point& p = add(bond.body, bond.other, point, mid[bond.other].turn * bond.normal);
+    p.mu = bond.friction;
+    p.cohesion = bond.cohesion * bond.shares[s].area * step;
+    p.tension = bond.tension * bond.shares[s].area * step;
+  }
+  return group;
+}
+
+World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& group, const Solution& found,
+                                          const std::vector<State>& mid, double step) const {
+  std::vector<Vector6> before;
+  Balance out;
+  double size = 0, free_scheme = 0;
+  const bool mean = implicit[island.bodies[0]] == 0 && !options.quasi_static;
+  const double late = (mean ? options.theta : 1) - 0.5;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    const std::uint32_t b = island.bodies[k];
+    const Shape& shape = shapes[b];
+    before.push_back(stacked(mid[b].v, spin(mid[b], b)));
+    size += shape.mass * (dot(mid[b].v, mid[b].v) + norm(options.gravity) * shape.size) +
+            dot(mid[b].momentum, solve(shape.inertia, mid[b].momentum));
+    const Vector6 change = found.velocity[k] - before[k];
+    out.scheme -= late * shape.mass * step * dot(options.gravity, {change[0], change[1], change[2]});
+    free_scheme -= late * shape.mass * step * step * dot(options.gravity, options.gravity);
+  }
+  double moved = 0;
+  for (std::size_t k = 0; k < group.points.size(); ++k) {
+    const Point& p = group.points[k];
+    Vector3d first = p.on_body.transpose() * before[p.body];
+    Vector3d then = p.on_body.transpose() * found.velocity[p.body];
+    if (p.other != ground) {
+      first += p.on_other.transpose() * before[p.other];
+      then += p.on_other.transpose() * found.velocity[p.other];
+    } else {
+      const Vector3d force = p.on_body.topRows<3>() * found.impulse[k];
+      out.from_walls += Vec3{force[0], force[1], force[2]};
+    }
+    out.work += 0.5 * found.impulse[k].dot(first + then);
+    moved += std::abs(found.impulse[k].dot(first)) + std::abs(found.impulse[k].dot(then));
+    out.friction -= found.impulse[k].tail<2>().dot(then.tail<2>());
+  }
+  const double gain = out.work + out.scheme;
+  out.gain = gain > 1e-13 * size + 1e-9 * moved ? gain : 0;
+  out.scheme -= free_scheme;  // what nothing touches has been counted
+  return out;
+}
+
+bool World::Impl::close_island(const Island& island, const Group& group, const Solution& found,
+                               const std::vector<State>& mid, double step, bool rebounding, Attempt& out) {
+  const Balance balance = gain_of(island, group, found, mid, step);
+  const bool mean = implicit[island.bodies[0]] == 0 && !options.quasi_static && options.theta < 1;
+  if (mean && !rebounding && balance.gain > 0) return false;
+  out.work += balance.work;
+  out.scheme += balance.scheme;
+  out.friction += balance.friction;
+  out.given += balance.from_walls;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    const std::uint32_t b = island.bodies[k];
+    const Vector6& v = found.velocity[k];
+    out.state[b].v = {v[0], v[1], v[2]};
+    out.state[b].momentum = shapes[b].inertia * mid[b].turn.back({v[3], v[4], v[5]});
+    const Vec3 gained = out.state[b].v - mid[b].v;
+    const double fall = step * norm(options.gravity);
+    if (fall > 0) out.report.unbalanced = std::max(out.report.unbalanced, norm(gained) / fall);
+  }
+  return true;
+}
+
+std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& out) {
+  std::vector<double> travel(shapes.size(), 0);
+  std::vector<Touch> extra;
+  for (int round = 0;;) {
+    out = {};
+    std::vector<State> mid = state;
+    const auto theta_of = [&](std::uint32_t b) {
+      return options.quasi_static || implicit[b] != 0 ? 1.0 : options.theta;
+    };
+    for (std::uint32_t b = 0; b < shapes.size(); ++b) {
+      if (!moves(b)) continue;
+      if (options.quasi_static) mid[b].v = mid[b].momentum = {};
+      travel[b] = step * (norm(mid[b].v) + step * norm(options.gravity) + norm(spin(mid[b], b)) * shapes[b].radius) +
+                  1e-6 * shapes[b].size;
+      drift_body(mid[b], b, (1 - theta_of(b)) * step);
+    }
+    place_all(mid, false);
+    out.touches = touches_of(near_pairs(travel), travel, true);
+    recall(out.touches, step);
+    bool again = false;
+    for (;; ++round) {
+      out.touches.insert(out.touches.end(), extra.begin(), extra.end());
+      extra.clear();
+      out.state = mid;
+      out.work = out.friction = out.scheme = 0;
+      out.given = {};
+      out.broken.clear();
+      out.report = {};
+      for (std::uint32_t b = 0; b < shapes.size(); ++b) {
+        if (!moves(b)) continue;
+        out.state[b].v += step * options.gravity;
+        // What nothing touches: an implicit step of it loses what it falls too far.
+        out.scheme -= (theta_of(b) - 0.5) * shapes[b].mass * step * step * dot(options.gravity, options.gravity);
+        out.given += shapes[b].mass * step * options.gravity;
+      }
+      const std::vector<Island> islands = islands_of(out.touches);
+      out.report.islands = islands.size();
+      out.contacts.clear();
+      for (const Island& island : islands) {
+        // A group takes one rule: the implicit one where one of its bodies does.
+        const bool mixed = std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return implicit[b] != 0; }) &&
+                           std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return implicit[b] == 0; });
+        if (mixed) {
+          for (const std::uint32_t b : island.bodies) implicit[b] = implicit_for;
+          again = true;
+          continue;
+        }
+        if (again) continue;
+        Group group;
+        Solution found;
+        // Restitution in several contacts at once may ask for more energy than there is (Kane 1984): then for less.
+        double rebounding = 0;
+        for (const double rebound : {1.0, 0.99, 0.97, 0.93, 0.85, 0.7, 0.5, 0.25, 0.0}) {
+          group = group_of(island, out.touches, mid, step, rebound);
+          found = motion::solve(group, options.solver);
+          rebounding = 0;
+          for (const Point& p : group.points) rebounding = std::min(rebounding, p.b[0]);
+          if (rebounding >= 0 || gain_of(island, group, found, mid, step).gain <= 0) break;
+        }
+        out.report.iterations += found.report.iterations;
+        out.report.residual = std::max(out.report.residual, found.report.residual);
+        out.report.stick += found.report.stick;
+        out.report.slip += found.report.slip;
+        if (found.report.status == SolveReport::Status::not_converged) {
+          return Failure{found.report.residual, "the contact law was not met"};
+        }
+        if (!close_island(island, group, found, mid, step, rebounding < 0, out)) {
+          for (const std::uint32_t b : island.bodies) implicit[b] = implicit_for;
+          again = true;
+          continue;
+        }
+        for (std::size_t k = 0; k < group.points.size(); ++k) {
+          const Point& p = group.points[k];
+          Vector3d slip = p.on_body.transpose() * found.velocity[p.body];
+          if (p.other != ground) slip += p.on_other.transpose() * found.velocity[p.other];
+          const bool bonded = k >= island.touches.size();
+          if (bonded) {
+            const auto& [bond, share] = island.bonds[k - island.touches.size()];
+            const double loose = 1e-6 * step * norm(options.gravity) + 1e-9;
+            if (slip.cwiseAbs().maxCoeff() > loose && slip[0] > -loose) {
+              if (out.broken.empty() || out.broken.back() != bond) out.broken.push_back(bond);
+            }
+            continue;
+          }
+          Touch& t = out.touches[island.touches[k]];
+          const Frame frame = frame_of(t.normal);
+          const Vector3d& i = found.impulse[k];
+          t.impulse = i[0] * frame.n + i[1] * frame.t1 + i[2] * frame.t2;
+          out.contacts.push_back(
+              {t.body, t.other, t.point, t.normal, t.gap, t.impulse / step, slip.tail<2>().norm(), false});
+        }
+      }
+      if (again) break;
+      for (std::uint32_t b = 0; b < shapes.size(); ++b) {
+        if (moves(b)) drift_body(out.state[b], b, theta_of(b) * step);
+      }
+      place_all(out.state, false);
+      if (round >= rounds) break;
+      const std::vector<double> none(shapes.size(), 0);
+      extra = missed(out.touches, touches_of(near_pairs(none), none, false), mid, out.state);
+      if (extra.empty()) break;
+    }
+    out.report.retries = static_cast<std::size_t>(round);
+    if (again) {
+      extra.clear();
+      if (++round > 4 * rounds) return Failure{0, "no rule of the step keeps the energy"};
+      continue;
+    }
+    break;
+  }
+  double deepest = 0;
+  const auto lift = part(out.state, deepest);
+  out.report.max_penetration = deepest;
+  if (!lift) return Failure{deepest, "overlapping bodies could not be parted"};
+  out.projected = *lift;
+  double smallest = extent;
+  for (std::uint32_t b = 0; b < shapes.size(); ++b) {
+    if (moves(b)) smallest = std::min(smallest, shapes[b].size);
+  }
+  if (deepest > 5e-3 * smallest) return Failure{deepest, "bodies ran into one another"};
+  std::string where;
+  out.report.overlap = deepest_overlap(where);
+  if (out.report.overlap > options.overlap) return Failure{out.report.overlap, where};
+  return {};
+}
+
+void World::Impl::accept(Attempt& done) {
+  state = std::move(done.state);
+  touches = std::move(done.touches);
+  contacts = std::move(done.contacts);
+  for (const std::uint32_t k : done.broken) bonds[k].broken = true;
+  for (std::uint8_t& count : implicit) count = count > 0 ? static_cast<std::uint8_t>(count - 1) : count;
+  expected += done.given;
+}
+
+}  // namespace cleave::motion

@@ -1,0 +1,124 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cleave/motion/world.hpp"
+#include "overlap.hpp"
+#include "solver.hpp"
+#include "touch.hpp"
+
+namespace cleave::motion {
+
+/// What of a body never changes.
+struct Shape {
+  Vec3 centroid = {};  ///< at the start
+  double mass = 0, volume = 0;
+  Symmetric inertia = {};  ///< axes of the start
+  double radius = 0, size = 0, thickness = 0;
+  std::uint32_t first_cell = 0, last_cell = 0;
+};
+
+struct State {
+  Vec3 shift;  ///< of the centroid since the start
+  Turn turn;
+  Vec3 v, momentum;  ///< momentum: angular, axes of the body
+};
+
+struct BondState {
+  Bond bond;  ///< points and normal as at the start
+  bool broken = false;
+};
+
+/// Contact points and bodies that hang together.
+struct Island {
+  std::vector<std::uint32_t> bodies;
+  std::vector<std::uint32_t> touches;                          ///< into the list of touches
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> bonds;  ///< bond and share
+};
+
+struct Attempt {
+  std::vector<State> state;
+  std::vector<Touch> touches;
+  std::vector<Contact> contacts;
+  std::vector<std::uint32_t> broken;
+  StepReport report;
+  double work = 0, friction = 0, scheme = 0, projected = 0, gain = 0;
+  Vec3 given;  ///< momentum, by loads and walls
+};
+
+struct World::Impl {
+  std::shared_ptr<const std::vector<Cell>> cells;
+  std::vector<std::uint32_t> cell_body;
+  std::vector<Shape> shapes;
+  std::vector<std::uint8_t> held;  ///< never moves
+  std::vector<Surface> surfaces;
+  std::vector<BondState> bonds;
+  WorldOptions options;
+  double extent = 0;
+
+  double now = 0, last_step = 0;
+  std::vector<State> state;
+  std::vector<Touch> touches;  ///< of the last step, with impulses
+  std::vector<Contact> contacts;
+  std::vector<std::uint8_t> asleep, quiet, implicit;
+  std::vector<Placed> placed;
+  Energy energy;
+  Vec3 expected;  ///< momentum, by all forces so far
+  double largest_momentum = 0, momentum_off = 0;
+
+  [[nodiscard]] bool moves(std::uint32_t b) const { return held[b] == 0 && asleep[b] == 0; }
+  [[nodiscard]] Vec3 centroid(const State& s, std::uint32_t b) const { return shapes[b].centroid + s.shift; }
+  [[nodiscard]] Vec3 spin(const State& s, std::uint32_t b) const {
+    return s.turn * solve(shapes[b].inertia, s.momentum);
+  }
+
+  // step.cpp
+  struct Failure {
+    double residual = 0;
+    std::string reason;
+  };
+  [[nodiscard]] double longest_step(double at_most) const;
+  [[nodiscard]] std::optional<Failure> attempt(double step, Attempt& out);
+  void accept(Attempt& done);
+  [[nodiscard]] StepReport close(Attempt& done);
+  void count_energy();
+  [[nodiscard]] std::vector<Island> islands_of(const std::vector<Touch>& list) const;
+  [[nodiscard]] Group group_of(const Island& island, const std::vector<Touch>& list, const std::vector<State>& mid,
+                               double step, double rebound) const;
+  /// False when the group gained energy by the mean rule and is to be done again.
+  [[nodiscard]] bool close_island(const Island& island, const Group& group, const Solution& found,
+                                  const std::vector<State>& mid, double step, bool rebounding, Attempt& out);
+  struct Balance {
+    double work = 0, scheme = 0, friction = 0, gain = 0;  ///< gain: 0 where it is rounding
+    Vec3 from_walls;
+  };
+  [[nodiscard]] Balance gain_of(const Island& island, const Group& group, const Solution& found,
+                                const std::vector<State>& mid, double step) const;
+  void drift_body(State& s, std::uint32_t b, double h) const;
+  void sleep_and_wake(const Attempt& done);
+  void wake_touched();
+
+  // contacts.cpp
+  void place_all(const std::vector<State>& s, bool everything);
+  [[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> near_pairs(
+      const std::vector<double>& travel) const;
+  [[nodiscard]] std::vector<Touch> touches_of(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs,
+                                              const std::vector<double>& travel, bool strict) const;
+  void recall(std::vector<Touch>& list, double step) const;
+  /// Touches that overlap in the end state and that the list does not know, as they were at the kick.
+  [[nodiscard]] std::vector<Touch> missed(const std::vector<Touch>& list, const std::vector<Touch>& at_end,
+                                          const std::vector<State>& mid, const std::vector<State>& end) const;
+  [[nodiscard]] double deepest_overlap(std::string& where) const;
+
+  // parting.cpp
+  /// Moves bodies apart that overlap; what that brings in of potential energy. None when it does not succeed.
+  [[nodiscard]] std::optional<double> part(std::vector<State>& s, double& deepest);
+};
+
+[[nodiscard]] Matrix6 mass_matrix(const Shape& shape, Turn turn);
+
+}  // namespace cleave::motion

@@ -1,0 +1,128 @@
+#include <cmath>
+
+#include "worlds.hpp"
+
+namespace cleave::motion {
+namespace {
+
+using namespace worlds;
+
+/// Force of the floor (body 0) on what stands on it, upwards.
+double reaction(const World& w) {
+  double sum = 0;
+  for (const Contact& c : w.contacts()) {
+    if (c.other == 0) sum += c.force.z;
+    if (c.body == 0) sum -= c.force.z;
+  }
+  return sum;
+}
+
+TEST(Piling, StacksOfCubesRest) {
+  for (const auto& [count, top] : {std::pair{10, 1.0}, {30, 1.0}, {20, 1e3}, {20, 1e6}}) {
+    std::vector<BodySpec> bodies{floor()};
+    double weight = 0;
+    for (int k = 0; k < count; ++k) {
+      bodies.push_back(body(box({-0.5, -0.5, k + 0.0}, {0.5, 0.5, k + 1.0})));
+      if (k + 1 == count) bodies.back().density = kilograms_per_cubic_metre(top);
+      weight += bodies.back().density.si() * 9.81;
+    }
+    World w = world(std::move(bodies), 0.5, {.step = 0.01, .sleep = false});
+    for (int k = 0; k < 5; ++k) {
+      const auto report = w.step();
+      // A million times the mass on top may be refused; it is never answered wrongly.
+      if (!report && top > 1e5) return;
+      ASSERT_TRUE(report.has_value()) << count << " " << top << describe(report.error());
+      EXPECT_NEAR(reaction(w) / weight, 1, 1e-8) << count << " " << top;
+    }
+    for (int k = 1; k <= count; ++k) EXPECT_LT(norm(w.velocity(static_cast<std::size_t>(k))), 1e-7) << top;
+  }
+}
+
+TEST(Piling, CubeDroppedFlat) {
+  for (const double e : {0.0, 0.5, 1.0}) {
+    World w = world({floor(), body(box({-0.5, -0.5, 1}, {0.5, 0.5, 2}))}, 0.5, {.step = 1e-3}, e);
+    double highest = 0;
+    bool bounced = false;
+    while (w.time() < 1.2) {
+      ASSERT_TRUE(w.step().has_value());
+      if (w.velocity(1).z > -0.01 && w.time() > 0.4) bounced = true;
+      if (bounced) highest = std::max(highest, w.centroid(1).z - 0.5);
+      if (bounced && w.velocity(1).z < -0.5) break;
+    }
+    EXPECT_NEAR(highest, e * e, 5e-3);
+    EXPECT_LT(w.energy().largest_gain, 2e-3 * 9.81);
+  }
+}
+
+TEST(Piling, EqualCubeOnEqualCube) {
+  World w = world({floor(), body(box({0, 0, 0}, {1, 1, 1})), body(box({0, 0, 2}, {1, 1, 3}))}, 0.5, {.step = 5e-3});
+  ASSERT_TRUE(run(w, 1.5));
+  expect_near(w.displacement(1), {0, 0, 0}, 1e-7);
+  expect_near(w.displacement(2), {0, 0, -1}, 1e-7);
+}
+
+TEST(Piling, CornerExactlyOverCorner) {
+  World w = world({floor(), body(box({0, 0, 0}, {1, 1, 1})), body(box({1, 1, 1}, {2, 2, 2}))}, 0.5, {.step = 5e-3});
+  ASSERT_TRUE(run(w, 1));
+}
+
+TEST(Piling, EdgeExactlyOverEdge) {
+  World w = world({floor(), body(box({0, 0, 0}, {1, 1, 1})), body(box({1, 0, 1.2}, {2, 1, 2.2}))}, 0.3, {.step = 5e-3});
+  ASSERT_TRUE(run(w, 1));
+}
+
+TEST(Piling, BricksInBondRest) {
+  std::vector<BodySpec> bodies{floor()};
+  for (int row = 0; row < 4; ++row) {
+    for (int k = 0; k < 4; ++k) {
+      const double x = k + 0.5 * (row % 2);
+      bodies.push_back(body(box({x, 0, 0.5 * row}, {x + 1, 0.5, 0.5 * row + 0.5})));
+    }
+  }
+  World w = world(std::move(bodies), 0.5, {.step = 0.01, .sleep = false});
+  ASSERT_TRUE(run(w, 0.2));
+  for (std::size_t b = 1; b < w.size(); ++b) EXPECT_LT(norm(w.displacement(b)), 1e-8);
+}
+
+TEST(Piling, SlidesOverASeam) {
+  // Two cubes side by side, equal tops: no ghost of the seam stops what slides over it.
+  World w = world({floor(), body(box({0, 0, 0}, {1, 1, 1})), body(box({1, 0, 0}, {2, 1, 1})),
+                   body(box({0.25, 0.25, 1}, {0.75, 0.75, 1.3}), {1.5, 0, 0})},
+                  0.1, {.step = 5e-3});
+  ASSERT_TRUE(run(w, 0.5));
+  EXPECT_NEAR(w.displacement(3).x, 1.5 * 0.5 - 0.5 * 0.981 * 0.25, 2e-3);
+  EXPECT_LT(norm(w.spin(3)), 1e-6);
+}
+
+TEST(Piling, FreePairKeepsMomentum) {
+  for (const double ratio : {1.0, 1e3, 1e6}) {
+    std::vector<BodySpec> bodies{body(moved(icosahedron(0.5), {0, 0, 1.1}), {0.3, 0, -1}, {0.5, 0.2, -0.3}),
+                                 body(block(1, 1.2, 0.8), {0, 0.1, 0.2}, {0.1, -0.4, 0.2})};
+    bodies[1].density = kilograms_per_cubic_metre(ratio);
+    World w = world(std::move(bodies), 0.4, {.gravity = {}, .step = 0.01});
+    const Vec3 p = w.momentum(), l = w.angular_momentum();
+    ASSERT_TRUE(run(w, 1));
+    EXPECT_GT(norm(w.velocity(0) - Vec3{0.3, 0, -1}), 0.1);
+    EXPECT_LT(norm(w.momentum() - p), 1e-12 * ratio);
+    EXPECT_LT(norm(w.angular_momentum() - l), 1e-10 * ratio);
+    EXPECT_LT(w.energy().kinetic, w.energy().start);
+  }
+}
+
+TEST(Piling, IcosahedraInABin) {
+  std::vector<BodySpec> bodies{floor()};
+  for (const double s : {-1.0, 1.0}) {
+    bodies.push_back({.shape = box({1.5 * s - 0.5, -3, 0}, {1.5 * s + 0.5, 3, 6}), .fixed = true});
+    bodies.push_back({.shape = box({-1, 1.5 * s - 0.5, 0}, {1, 1.5 * s + 0.5, 6}), .fixed = true});
+  }
+  for (int k = 0; k < 27; ++k) {
+    const Vec3 at{0.6 * (k % 3 - 1) + 0.01 * (k % 5), 0.6 * (k / 3 % 3 - 1) - 0.01 * (k % 7), 0.5 + 0.7 * (k / 9)};
+    bodies.push_back(body(moved(icosahedron(0.3), at, turn_by({0.1 * k, 0.2 * k, 0.3}))));
+  }
+  World w = world(std::move(bodies), 0.4, {.step = 5e-3});
+  ASSERT_TRUE(run(w, 0.8));
+  EXPECT_LT(w.energy().largest_gain, 1e-9 * w.energy().start + 1e-9);
+}
+
+}  // namespace
+}  // namespace cleave::motion
