@@ -184,6 +184,7 @@ struct DesignSettings {
   std::uint32_t phases = 4;            ///< offsets of the pattern that must all pass
   double cost_per_bolt = 0, cost_per_metre = 1;
   std::uint32_t offsets = 40;  ///< drawn at random, at which the pattern found is tried
+  bool spot = false;           ///< spot bolts count too
 };
 
 struct SupportSettings {

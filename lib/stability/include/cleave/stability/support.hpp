@@ -35,6 +35,7 @@ struct SupportPlan {
   /// Bolts tensioned before the rock moves: they reduce the driving force (else they add to the resistance).
   bool active = false;
   double spot_area = 0.5;  ///< m2 of free face below which no spot bolts are placed
+  double most_pressure = 2e6;  ///< Pa on free faces that support can give
   bool key_only = false;   ///< stitch only blocks that need support
   bool factors = true;     ///< find each block's factor with the support: verdicts do without
 };
@@ -100,6 +101,11 @@ struct SupportedBlock {
   double required_force = 0;               ///< N: least single force that reaches the target without other support
   geometry::Vec3 required_direction = {};  ///< unit, of that force
   double required_pressure = 0;            ///< Pa on its free faces that reaches the target; inf when none does
+  double received = 0;                     ///< N, what blocks of later batches pass to it
+  double own_pressure = 0;                 ///< Pa, `required_pressure` without what it received
+  /// Its free faces cannot take what it received: the pressure is beyond the plan's `most_pressure`, its own is not.
+  /// The blocks that pass it have to be held.
+  bool passed_on = false;
   double missing_force = 0;                ///< N beyond all support, 0 when held
   double needed_thickness = 0;             ///< m of shotcrete; 0 without shotcrete
 };
