@@ -167,6 +167,13 @@ Figures count(const RunResult& result) {
   Figures figures;
   figures.input.joints = result.joints.size();
   figures.input.files = result.files;
+  if (!result.joints.empty()) {
+    std::vector<SetId> set_of;
+    std::vector<std::string> names;
+    for (const JointInfo& joint : result.joints) set_of.push_back(joint.set);
+    for (const SetInfo& set : result.sets) names.push_back(set.name);
+    if (set_of.size() == result.input.joints.size()) figures.input.sets = count_sets(result.input, set_of, names);
+  }
   if (result.complex) {
     const topology::BlockComplex& complex = result.complex->complex();
     const topology::CutReport& report = complex.report();
@@ -179,6 +186,10 @@ Figures count(const RunResult& result) {
     figures.input.snapped = report.snapped;
     figures.input.near_misses = report.near_misses;
     figures.blocks = count_blocks(complex, result.block_hash);
+    figures.blocks->sizes = block_sizes(complex);
+    for (const SetFigures& set : figures.input.sets) {
+      if (figures.blocks->sizes) figures.blocks->sizes->jv += set.p10;
+    }
     if (result.micro_blocks.policy != MicroBlockPolicy::keep) {
       figures.micro_blocks = count_micro_blocks(complex, result.micro_blocks);
     }

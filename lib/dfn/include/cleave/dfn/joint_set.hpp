@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -51,7 +52,8 @@ using Shape = std::variant<Rectangle, Square, Disc, Ellipse, RegularPolygon, Per
 
 // ---- intensity ------------------------------------------------------------------------------------------------------
 
-/// Exactly this many joints, centres uniform in the domain's box.
+/// Exactly this many joints, centres uniform in the domain's box; in a larger box (`JointSetSpec::buffer`) as many more
+/// as it is larger, so that the density stays.
 struct Count {
   std::uint64_t joints = 0;
 };
@@ -83,6 +85,9 @@ struct JointSetSpec {
   RotationLaw rotation = FixedRotation{};
   Intensity intensity;
   Model model = Baecher{};
+  /// Side of the box of centres over that of the domain's box, >= 1; none: the box of `Count`, or the grown box. Only
+  /// for models that draw joints by their centres.
+  std::optional<double> buffer = {};
 };
 
 /// The number of a key is not finite or out of its range. `key` is spelt as in the scene file ("orientation.kappa").

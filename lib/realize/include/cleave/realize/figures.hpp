@@ -11,6 +11,7 @@
 #include "cleave/core/fields.hpp"
 #include "cleave/core/quantity.hpp"
 #include "cleave/geometry/vec3.hpp"
+#include "cleave/realize/block_sizes.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene3d/scene.hpp"
 #include "cleave/stability/key_groups.hpp"
@@ -70,12 +71,14 @@ struct CutFigures : InputFigures {
   std::vector<ExcavationFigures> excavations = {};
   std::vector<topology::SnappedJoint> snapped = {};
   topology::NearMisses near_misses = {};
+  std::vector<SetFigures> sets = {};
 };
 template <class V>
 void fields(V& v, const CutFigures& x) {
   fields(v, static_cast<const InputFigures&>(x));
   v("files", when_any(x.files), "read for the scene, beside the scene file itself (scene_sha256)");
   v("excavations", when_any(x.excavations), "in the order of the scene");
+  v("sets", when_any(x.sets), "joint sets as they lie in the box around the domain");
   v("snapped", when_any(x.snapped), "the joints that `snap` changed, by number; absent when there are none");
   v("near_misses", when(x.near_misses.sides > 0, x.near_misses),
     "sides of joints that nearly reach another polygon: rock that was perhaps meant to be parted there is not");
@@ -92,6 +95,7 @@ struct BlockFigures {
   std::uint64_t slivers = 0;
   std::string hash;
   double exact_share = 0;
+  std::optional<BlockSizes> sizes = {};
 };
 
 /// When only the rock near free faces was cut.
@@ -135,6 +139,7 @@ void block_fields(V& v, const std::optional<BlockFigures>& blocks, const topolog
       w("offenders", when_any(certificate.offenders), "numbers of blocks that did not pass, at most 20");
     }));
   v("exact_share", or_null(blocks, &B::exact_share), "part of the cutter's decisions that needed exact numbers, 0..1");
+  v("sizes", blocks ? blocks->sizes : std::nullopt, "block sizes and shapes");
   v("window", window,
     "present when only the rock near free faces was cut ([output] blocks = \"key\"): the other figures are of this "
     "box");
