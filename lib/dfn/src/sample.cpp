@@ -76,7 +76,7 @@ Region region_of(const JointSet& set, const DomainBox& domain) {
     return {domain, radius, 2 * radius * p32 / set.area_share(), false};
   }
   const DomainBox box = set.spec().buffer ? scaled(domain, buffer) : grown(domain, set.reach());
-  return {box, 0, p32 / set.mean_area() * volume(box), false};
+  return {box, 0, p32 / (set.area_share() * set.mean_area()) * volume(box), false};
 }
 
 class Sampler final {

@@ -66,31 +66,6 @@ void add_shape(ShapeClasses& classes, const BlockComplex& complex, const topolog
   ++(rod ? (plate ? classes.bladed : classes.elongated) : (plate ? classes.platy : classes.cubic));
 }
 
-/// The part of a convex or star-like loop of corners within a half space; loops that fold are taken piece by piece with
-/// their sign, so the area stays right.
-std::vector<Vec3> clipped(std::span<const Vec3> corners, double Vec3::* axis, double at, double sign) {
-  std::vector<Vec3> kept;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3 p = corners[i], q = corners[(i + 1) % corners.size()];
-    const double a = sign * (p.*axis - at), b = sign * (q.*axis - at);
-    if (a >= 0) kept.push_back(p);
-    if ((a > 0 && b < 0) || (a < 0 && b > 0)) kept.push_back(p + (a / (a - b)) * (q - p));
-  }
-  return kept;
-}
-
-Vec3 area_within(std::vector<Vec3> corners, const Box& box) {
-  for (double Vec3::* const axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
-    corners = clipped(corners, axis, box.min.*axis, 1);
-    corners = clipped(corners, axis, box.max.*axis, -1);
-  }
-  Vec3 twice{0, 0, 0};
-  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
-    twice += cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
-  }
-  return twice / 2;
-}
-
 /// Area vectors of a joint's flat parts within the box.
 std::vector<Vec3> areas_of(const topology::CutInput& input, std::size_t joint, const Box& box) {
   std::vector<Vec3> areas;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cleave/core/sha256.hpp"
+#include "cleave/scene3d/drawing_order.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "cleave/stochastic/ensemble.hpp"
 #include "context.hpp"
@@ -288,6 +289,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .given = {},
               .notes = {}};
   for (const TomlEntry& entry : table.entries) scene.given.push_back(entry.key);
+  keep_intensities(scene, problems);
   find_notes(scene, root);
   scene.notes = std::move(problems).take_notes();
   return scene;

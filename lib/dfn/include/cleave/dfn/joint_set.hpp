@@ -131,6 +131,8 @@ class JointSet final {
   /// Part of the area of the model's planes (or faces) that become joints; 1 for models that draw joints themselves.
   /// Hierarchical: 1, its intensity is that of the planes.
   [[nodiscard]] double area_share() const noexcept { return area_share_; }
+  /// What joints that end at others keep of their area, (0, 1]: found by trial draws, as it depends on the other sets.
+  void set_area_share(double share) noexcept { area_share_ = share; }
 
  private:
   explicit JointSet(JointSetSpec spec) : spec_{std::move(spec)} {}
