@@ -124,7 +124,7 @@ own_use = {
     "cleave/survey/traces.hpp": "part of survey/analyse.hpp",
     "cleave/topology/ranges.hpp": "part of topology/block_complex.hpp",
 }
-most_public = 118
+most_public = 119
 
 
 def headers():
