@@ -11,6 +11,7 @@
 #include "assets.hpp"
 #include "cleave/core/version.hpp"
 #include "cleave/exchange/text.hpp"
+#include "cleave/realize/block_sizes.hpp"
 #include "drawings.hpp"
 #include "html_key_blocks.hpp"
 #include "html_parts.hpp"
@@ -176,7 +177,7 @@ std::string blocks_section(const Page& page) {
       out += fact(std::string{"Volume "} + level + ", by number; by volume",
                   display(sizes.by_number.at(level)) + "; " + display(sizes.by_volume.at(level)) + " m³");
     }
-    out += fact("D50, D80", display(sizes.d50_m) + ", " + display(sizes.d80_m) + " m");
+    out += fact("D50, D80", display(sizes.d50.si()) + ", " + display(sizes.d80.si()) + " m");
     out += fact("Cubic, platy, elongated, bladed",
                 display_count(sizes.shapes.cubic) + ", " + display_count(sizes.shapes.platy) + ", " +
                     display_count(sizes.shapes.elongated) + ", " + display_count(sizes.shapes.bladed));
