@@ -70,8 +70,8 @@ TEST(BlockSizes, AllBlocksWhereFewAreInner) {
   EXPECT_EQ(sizes.count, 3U);
   EXPECT_NEAR(level(sizes.by_number, "p50"), 16, 1e-9);
   EXPECT_NEAR(level(sizes.by_volume, "p75"), 32, 1e-9);
-  EXPECT_NEAR(sizes.d50_m, std::cbrt(16.0), 1e-9);
-  EXPECT_NEAR(sizes.d80_m, std::cbrt(32.0), 1e-9);
+  EXPECT_NEAR(sizes.d50.si(), std::cbrt(16.0), 1e-9);
+  EXPECT_NEAR(sizes.d80.si(), std::cbrt(32.0), 1e-9);
   // Two level planes in 4 m: P10 and P32 are 0.5; no trace on a level plane.
   ASSERT_EQ(result.figures.input.sets.size(), 1U);
   EXPECT_NEAR(result.figures.input.sets[0].p32, 0.5, 1e-12);

@@ -108,8 +108,7 @@ own_use = {
     "cleave/dbem/touch.hpp": "part of dbem/world.hpp",
     "cleave/exchange/triangulate.hpp": "part of exchange/polygons.hpp",
     "cleave/scene/toml_tree.hpp": "part of scene/table_reader.hpp",
-    "cleave/motion/body.hpp": "part of motion/world.hpp",
-    "cleave/motion/world.hpp": "blocks in motion",
+    "cleave/realize/motion.hpp": "part of realize/run_result.hpp",
     "cleave/stability/block_theory.hpp": "part of stability/maximum_blocks.hpp",
     "cleave/stability/direction.hpp": "part of stability/maximum_blocks.hpp",
     "cleave/stability/motion.hpp": "the motions that block theory and analyses name",
@@ -124,7 +123,7 @@ own_use = {
     "cleave/survey/traces.hpp": "part of survey/analyse.hpp",
     "cleave/topology/ranges.hpp": "part of topology/block_complex.hpp",
 }
-most_public = 118
+most_public = 119
 
 
 def headers():

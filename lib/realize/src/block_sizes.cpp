@@ -175,8 +175,8 @@ std::optional<BlockSizes> block_sizes(const BlockComplex& complex) {
   }
   sizes.by_number = percentiles_by_number(volumes);
   sizes.by_volume = percentiles_by_volume(std::move(volumes));
-  sizes.d50_m = std::cbrt(sizes.by_volume.at("p50"));
-  sizes.d80_m = std::cbrt(sizes.by_volume.at("p80"));
+  sizes.d50 = metres(std::cbrt(sizes.by_volume.at("p50")));
+  sizes.d80 = metres(std::cbrt(sizes.by_volume.at("p80")));
   return sizes;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cleave/core/fields.hpp"
+#include "cleave/core/quantity.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene3d/scene.hpp"
 #include "cleave/topology/block_complex.hpp"
@@ -56,7 +57,8 @@ struct BlockSizes {
   std::uint64_t count = 0;
   bool inner = true;  ///< blocks that touch a fixed side are left out
   Percentiles by_number, by_volume;
-  double d50_m = 0, d80_m = 0, jv = 0;
+  Length d50, d80;
+  double jv = 0;
   ShapeClasses shapes;
 };
 template <class V>
@@ -66,8 +68,8 @@ void fields(V& v, const BlockSizes& x) {
     "inner: those that touch no fixed side of the domain; all: fewer than 30 are, so the others count too");
   v("by_number", x.by_number, "m3, below which so much of their number lies");
   v("by_volume", x.by_volume, "m3, of blocks up to which so much of their volume is made (passing)");
-  v("d50_m", x.d50_m, "cube root of by_volume.p50");
-  v("d80_m", x.d80_m, "cube root of by_volume.p80");
+  v("d50_m", x.d50, "cube root of by_volume.p50");
+  v("d80_m", x.d80, "cube root of by_volume.p80");
   v("jv", x.jv, "1/m, volumetric joint count: joints of each set along its mean normal, added (Palmstrom 1982)");
   v("shapes", x.shapes, "number by Zingg's classes, a >= b >= c the axes of the ellipsoid of inertia");
 }
