@@ -220,10 +220,12 @@ class Cascade {
     if (warm) coulomb(start(), Method::newton, {.rough = 1e-4, .fine = 1e-6});
     if (!done()) coulomb(none(), Method::newton, {});
     if (!done()) by_slip(From::frictionless, 1e-5, 4);
-    if (!done() && !spent()) by_slip(From::rest, 1e-5, 4);
-    if (!done() && best_.report.residual < 1e-4) by_slip(From::rest, 1e-8, 8);
+    if (!done() && !options_.locking) by_slip(From::frictionless, 1e-8, 8);
+    if (!done() && !spent() && options_.locking) by_slip(From::rest, 1e-5, 4);
+    if (!done() && best_.report.residual < 1e-4 && options_.locking) by_slip(From::rest, 1e-8, 8);
     if (!done() && !spent()) by_sweeps(warm ? start() : none());
     for (const double finest : {1e-5, 1e-10}) {
+      if (!options_.locking) break;
       if (!done() && !spent()) by_bounds(finest);
       if (!done() && !spent()) by_slip(From::rest, 0.1 * finest, 8);
     }

@@ -267,7 +267,12 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
         double rebounding = 0;
         for (const double rebound : {1.0, 0.99, 0.97, 0.93, 0.85, 0.7, 0.5, 0.25, 0.0}) {
           group = group_of(island, out.touches, mid, step, rebound);
-          found = motion::solve(group, options.solver);
+          SolverOptions how = options.solver;
+          const double slow = 2 * step * norm(options.gravity);
+          how.locking = std::ranges::all_of(island.bodies, [&](std::uint32_t b) {
+            return norm(mid[b].v) + norm(spin(mid[b], b)) * shapes[b].radius <= slow;
+          });
+          found = motion::solve(group, how);
           rebounding = 0;
           for (const Point& p : group.points) rebounding = std::min(rebounding, p.b[0]);
           if (rebounding >= 0 || gain_of(island, group, found, mid, step).gain <= 0) break;
