@@ -291,7 +291,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
           const bool bonded = k >= island.touches.size();
           if (bonded) {
             const auto& [bond, share] = island.bonds[k - island.touches.size()];
-            const double loose = 1e-6 * step * norm(options.gravity) + 1e-9;
+            const double loose = 1e-3 * step * norm(options.gravity) + 1e-9;
             if (slip.cwiseAbs().maxCoeff() > loose && slip[0] > -loose) {
               if (out.broken.empty() || out.broken.back() != bond) out.broken.push_back(bond);
             }

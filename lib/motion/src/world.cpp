@@ -92,6 +92,7 @@ std::string_view name_of(Method method) noexcept {
     case Method::none: return "none needed";
     case Method::newton: return "newton";
     case Method::proximal: return "proximal";
+    case Method::sweeps: return "sweeps";
     case Method::convex: return "convex";
   }
   return "";

@@ -18,6 +18,7 @@
 #include "html_stability.hpp"
 #include "html_why.hpp"
 #include "key_groups.hpp"
+#include "motion.hpp"
 #include "stages_section.hpp"
 #include "stereonet.hpp"
 #include "unrolled.hpp"
@@ -286,6 +287,7 @@ std::string report_html(const Page& page) {
   out += why_section(page);
   out += unrolled_section(page);
   if (page.result.key_groups) out += key_groups_section(*page.result.key_groups);
+  if (page.result.motion) out += motion_section(*page.result.motion);
   out += support_section(page);
   out += maximum_section(page);
   if (r.sequence) out += stages_section(*r.sequence);

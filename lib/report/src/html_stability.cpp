@@ -124,9 +124,10 @@ std::string maximum_section(const Page& page) {
   if (page.result.maximum_blocks.empty()) return {};
   std::string out =
       "<section id=\"maximum\"><h2>Largest key blocks of block theory</h2>\n<p class=\"small\">What joints without "
-      "end, "
-      "in the mean orientations of three sets and anywhere, can make at the tunnel; orientations alone decide. Volumes "
-      "are upper bounds.</p>\n<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Sets</th><th>Below</th>"
+      "end, in the mean orientations of three sets and anywhere, can make at the tunnel; orientations alone decide. "
+      "Volumes are upper bounds of blocks with one joint of each of the three sets. Blocks between two joints of one "
+      "set are not among them, nor is the scatter of a set about its mean: either may make a larger one.</p>\n"
+      "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Sets</th><th>Below</th>"
       "<th>Where</th><th>Volume (m³)</th><th>Weight (kN)</th><th>Height (m)</th><th>Face (m²)</th><th>Mode</th>"
       "<th>Factor</th><th>Target</th><th>Required pressure (kPa)</th></tr></thead><tbody>\n";
   for (const scene::MaximumRow& row : page.result.maximum_blocks) {

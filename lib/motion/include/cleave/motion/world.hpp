@@ -66,9 +66,10 @@ enum class Method : std::uint8_t {
   none,      ///< nothing pressed
   newton,    ///< semismooth, from the last forces or from none
   proximal,  ///< along falling proximal weights
+  sweeps,    ///< semismooth, from sweeps over the points
   convex,    ///< convex programmes with slip or bounds of friction renewed
 };
-inline constexpr std::size_t method_count = 4;
+inline constexpr std::size_t method_count = 5;
 [[nodiscard]] std::string_view name_of(Method method) noexcept;
 
 struct SolverOptions {
