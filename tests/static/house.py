@@ -176,11 +176,11 @@ bare = {
     "io": 7,  # what stands in a file, in the file's numbers
     "exchange": 1,  # a field of cells
     "field_data": 3,
-    "realize": 17,  # figures of results, which are written with their unit in the name
+    "realize": 18,  # figures of results, which are written with their unit in the name
     "scene": 11,  # costs of runs, and degrees that orientations are turned by
     "scene2d": 26,  # bodies and their results, in the units of the solvers
     "scene3d": 6,
-    "stability": 39,  # support plans and their figures
+    "stability": 49,  # support plans, kinds of bolts and their figures
     "stochastic": 15,  # records, which are written with their unit in the name
     "survey": 2,
     "topology": 5,  # figures of a cut, with the unit in the name
