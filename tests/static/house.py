@@ -123,7 +123,7 @@ own_use = {
     "cleave/survey/traces.hpp": "part of survey/analyse.hpp",
     "cleave/topology/ranges.hpp": "part of topology/block_complex.hpp",
 }
-most_public = 119
+most_public = 120
 
 
 def headers():
