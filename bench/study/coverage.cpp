@@ -99,6 +99,66 @@ void cones(study::Study& study, int samples) {
   }
 }
 
+/// Discs of exponential or lognormal diameters on edge: few traces in a circle, half of them cut off. What is printed
+/// after the laws were compared.
+void sizes(study::Study& study, int samples) {
+  struct Rock {
+    const char* name;
+    double mean, sigma, traces;  ///< sigma 0: exponential
+  };
+  for (const Rock& rock : {Rock{"exponential_3m", 3, 0, 39}, Rock{"exponential_3m", 3, 0, 150},
+                           Rock{"lognormal_3m_2m", 3, std::sqrt(std::log1p(4.0 / 9)), 35},
+                           Rock{"lognormal_3m_2m", 3, std::sqrt(std::log1p(4.0 / 9)), 150}}) {
+    const bool exponential = rock.sigma == 0;
+    const double mu = std::log(rock.mean) - rock.sigma * rock.sigma / 2, variation = exponential ? 1 : 4.0 / 9;
+    const double square = rock.mean * rock.mean * (1 + variation), trace = pi / 4 * square / rock.mean, radius = 5;
+    const double p20 = rock.traces / (pi * radius * radius + 2 * radius * trace), p30 = p20 / rock.mean;
+    int mean = 0, spread = 0, density = 0, collapsed = 0;
+    for (int k = 0; k < samples; ++k) {
+      Rng rng{{.seed = 74, .realization = static_cast<std::uint64_t>(k), .purpose = exponential ? 1U : 2U}};
+      survey::WindowSurvey window{.name = "w",
+                                  .window = survey::CircleWindow{{0, 0}, radius},
+                                  .normal = {0, 0, 1},
+                                  .x_axis = {1, 0, 0},
+                                  .traces = {},
+                                  .border = {},
+                                  .truncation = {}};
+      constexpr double half = 25;
+      for (double at = -std::log(rng.uniform()); at < p20 * 4 * half * half; at -= std::log(rng.uniform())) {
+        // Met in proportion to its diameter.
+        const double d = exponential ? -rock.mean * std::log(rng.uniform() * rng.uniform())
+                                     : std::exp(mu + rock.sigma * rock.sigma + rock.sigma * rng.normal());
+        const double u = rng.uniform(), l = d * std::sqrt(1 - u * u);
+        const double x = half * (2 * rng.uniform() - 1), y = half * (2 * rng.uniform() - 1);
+        window.traces.push_back({{x, y - l / 2}, {x, y + l / 2}});
+      }
+      survey::SurveyInput input;
+      input.windows.push_back(std::move(window));
+      input.rules.push_back({.name = "a",
+                             .polygon = {},
+                             .azimuth = std::pair{150.0, 30.0},
+                             .dip = Dip::degrees(90),
+                             .dip_direction = DipDirection::degrees(90),
+                             .kappa = 1e6,
+                             .shape = {}});
+      const survey::SurveyResult result = survey::analyse(input);
+      const survey::SetResult& set = result.sets.front();
+      const auto holds = [](const std::optional<survey::Estimate>& e, double truth) {
+        return e && e->value && e->low <= truth && truth <= e->high ? 1 : 0;
+      };
+      mean += holds(set.size_mean, rock.mean);
+      spread += holds(set.size_std, rock.mean * std::sqrt(variation));
+      density += holds(set.p30, p30);
+      collapsed += set.size_mean && set.size_mean->high < 1.01 * set.size_mean->low ? 1 : 0;
+    }
+    const std::string setting = fmt::format("traces={}", rock.traces);
+    row(study, rock.name, "mean size after the choice of a law", setting, mean, samples, true);
+    row(study, rock.name, "std of sizes after the choice of a law", setting, spread, samples, true);
+    row(study, rock.name, "P30 after the choice of a law", setting, density, samples, true);
+    if (collapsed > 0) study.broken(fmt::format("{}: {} fits collapsed to one size", rock.name, collapsed));
+  }
+}
+
 }  // namespace
 }  // namespace cleave
 
@@ -108,5 +168,6 @@ int main(int argc, char** argv) {
     cleave::monte_carlo(study, samples);
     cleave::rqd_of_lines(study, samples);
     cleave::cones(study, samples);
+    cleave::sizes(study, samples / 2);
   });
 }

@@ -122,9 +122,10 @@ Result run_watched(const std::string& text, const std::string& shown, const std:
       if (PyErr_CheckSignals() != 0) throw py::error_already_set{};
       if (progress.is_none()) continue;
       if (const auto seen = state.seen()) {
-        const py::object share = seen->total == 0
-                                     ? py::object{py::none()}
-                                     : py::object{py::float_(static_cast<double>(seen->done) / static_cast<double>(seen->total))};
+        const py::object share =
+            seen->total == 0
+                ? py::object{py::none()}
+                : py::object{py::float_(static_cast<double>(seen->done) / static_cast<double>(seen->total))};
         progress(seen->stage, share);  // what it raises ends the run
       }
     }
@@ -156,7 +157,8 @@ py::dict block_arrays(const py::object& self) {
   arrays["convex"] = column<bool>(items, [](const Block& b) -> const auto& { return b.convex; }, self);
   arrays["fixed"] = column<bool>(items, [](const Block& b) -> const auto& { return b.fixed; }, self);
   arrays["free"] = column<bool>(items, [](const Block& b) -> const auto& { return b.free; }, self);
-  arrays["vertices"] = column<std::uint32_t>(items, [](const Block& b) -> const auto& { return b.counts.vertices; }, self);
+  arrays["vertices"] =
+      column<std::uint32_t>(items, [](const Block& b) -> const auto& { return b.counts.vertices; }, self);
   arrays["edges"] = column<std::uint32_t>(items, [](const Block& b) -> const auto& { return b.counts.edges; }, self);
   arrays["faces"] = column<std::uint32_t>(items, [](const Block& b) -> const auto& { return b.counts.faces; }, self);
   return arrays;
@@ -181,7 +183,8 @@ py::dict face_arrays(const py::object& self) {
 /// Corners of face `number`: the outer loop, then holes, as indices into `points`.
 std::vector<std::vector<std::uint32_t>> loops_of(Result& result, std::size_t number) {
   const auto& complex = result.complex();
-  if (number >= complex.faces().size()) throw py::index_error{"there are " + std::to_string(complex.faces().size()) + " faces"};
+  if (number >= complex.faces().size())
+    throw py::index_error{"there are " + std::to_string(complex.faces().size()) + " faces"};
   std::vector<std::vector<std::uint32_t>> loops;
   for (const auto loop : complex.loops(complex.faces()[topology::FaceId{number}])) {
     auto& corners = loops.emplace_back();
@@ -194,10 +197,12 @@ std::vector<std::vector<std::uint32_t>> loops_of(Result& result, std::size_t num
 py::dict cell_arrays(const py::object& self) {
   const report::Cells& cells = self.cast<Result&>().cells();
   py::dict arrays;
-  arrays["points"] = vectors(std::span{std::as_const(cells.points)}, [](const geometry::Vec3& p) -> const auto& { return p; }, self);
+  arrays["points"] =
+      vectors(std::span{std::as_const(cells.points)}, [](const geometry::Vec3& p) -> const auto& { return p; }, self);
   arrays["face_stream"] = numbers<std::int64_t>(cells.face_stream, self);
   arrays["face_ends"] = numbers<std::int64_t>(cells.face_ends, self);
-  arrays["block"] = column<std::uint32_t>(std::span{std::as_const(cells.block)}, [](const topology::BlockId& b) -> const auto& { return b; }, self);
+  arrays["block"] = column<std::uint32_t>(
+      std::span{std::as_const(cells.block)}, [](const topology::BlockId& b) -> const auto& { return b; }, self);
   arrays["volume"] = numbers<double>(cells.volume, self);
   return arrays;
 }
@@ -240,11 +245,10 @@ PYBIND11_MODULE(_cleave, m) {
       .def("loops", &loops_of)
       .def("text", [](const Result& r, const std::string& name) { return text_of(r.any(), name); })
       .def("write", &write_to);
-  m.def("run",
-        [](const std::string& text, const std::string& shown, const std::filesystem::path& folder,
-           std::optional<std::uint64_t> seed, unsigned threads, const py::object& progress) {
-          return run_watched(text, shown, folder, {.seed = seed, .threads = std::max(1U, threads)}, progress);
-        });
+  m.def("run", [](const std::string& text, const std::string& shown, const std::filesystem::path& folder,
+                  std::optional<std::uint64_t> seed, unsigned threads, const py::object& progress) {
+    return run_watched(text, shown, folder, {.seed = seed, .threads = std::max(1U, threads)}, progress);
+  });
   m.def("problems", &problems_of);
 }
 

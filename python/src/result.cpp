@@ -69,8 +69,8 @@ std::expected<AnyResult, RunFailure> run_ensemble(const scene::Scene& scene, con
   const scene::MonteCarloWatch watch{[&](const stochastic::Ensemble&, std::uint64_t done, std::uint64_t) {
     progress.advance(done - std::exchange(shown, done));
   }};
-  auto result = timer.run("monte_carlo",
-                          [&] { return scene::run_monte_carlo(scene, settings.threads, file, {}, watch); });
+  auto result =
+      timer.run("monte_carlo", [&] { return scene::run_monte_carlo(scene, settings.threads, file, {}, watch); });
   progress.end();
   if (!result) return std::unexpected(RunFailure{describe(result.error())});
   Ensemble ensemble{report::monte_carlo_page(scene, scene::cost_of(timer, settings.threads), *std::move(result)), {}};
@@ -100,11 +100,11 @@ std::expected<AnyResult, RunFailure> run(scene::AnyScene scene, const RunSetting
 }
 
 std::string_view kind_of(const AnyResult& result) noexcept {
-  return std::visit(overloaded{[](const scene::RunResult&) { return "blocks"; },
-                               [](const Ensemble&) { return "monte_carlo"; },
-                               [](const scene::BodiesResult&) { return "elastic"; },
-                               [](const scene::ContactResult&) { return "contact"; }},
-                    result);
+  return std::visit(
+      overloaded{[](const scene::RunResult&) { return "blocks"; }, [](const Ensemble&) { return "monte_carlo"; },
+                 [](const scene::BodiesResult&) { return "elastic"; },
+                 [](const scene::ContactResult&) { return "contact"; }},
+      result);
 }
 
 std::string summary_of(const AnyResult& result) {
@@ -126,7 +126,8 @@ std::vector<std::string> notes_of(const AnyResult& result) {
 std::string complaint_of(const AnyResult& result) {
   return std::visit(
       overloaded{[](const scene::RunResult& r) {
-                   return r.complex ? std::string{} : "the block system did not pass its own check: " + describe(r.complex.error());
+                   return r.complex ? std::string{}
+                                    : "the block system did not pass its own check: " + describe(r.complex.error());
                  },
                  [](const Ensemble& e) {
                    const auto& f = e.page.result.figures;
@@ -135,7 +136,9 @@ std::string complaint_of(const AnyResult& result) {
                               ? std::string{"the stated precision is not reached"}
                               : std::string{};
                  },
-                 [](const scene::BodiesResult& r) { return r.converged ? std::string{} : std::string{"the solution did not converge"}; },
+                 [](const scene::BodiesResult& r) {
+                   return r.converged ? std::string{} : std::string{"the solution did not converge"};
+                 },
                  [](const scene::ContactResult& r) { return r.converged ? std::string{} : r.stopped_why; }},
       result);
 }
@@ -181,23 +184,24 @@ std::expected<void, report::WriteError> write(const AnyResult& result, const fs:
   fs::create_directories(folder, failed);
   if (failed) return std::unexpected(report::CannotCreate{folder, failed.message()});
   using Written = std::expected<void, report::WriteError>;
-  return std::visit(overloaded{[&](const scene::RunResult& r) -> Written { return report::write_all(r, folder); },
-                               [&](const Ensemble& e) -> Written {
-                                 CLEAVE_CHECK(report::write_file(folder / "realizations.csv", e.records_csv));
-                                 CLEAVE_CHECK(report::write_file(folder / "report.html", report::monte_carlo_html(e.page)));
-                                 return report::write_file(folder / "summary.json", report::monte_carlo_json(e.page));
-                               },
-                               [&](const scene::BodiesResult& r) -> Written {
-                                 CLEAVE_CHECK(report::write_bodies_files(r, folder));
-                                 if (r.output.report) CLEAVE_CHECK(report::write_bodies_report(r, folder));
-                                 return report::write_bodies_summary(r, folder);
-                               },
-                               [&](const scene::ContactResult& r) -> Written {
-                                 CLEAVE_CHECK(report::write_contact_files(r, folder));
-                                 if (r.output.report) CLEAVE_CHECK(report::write_contact_report(r, folder));
-                                 return report::write_contact_summary(r, folder);
-                               }},
-                    result);
+  return std::visit(
+      overloaded{[&](const scene::RunResult& r) -> Written { return report::write_all(r, folder); },
+                 [&](const Ensemble& e) -> Written {
+                   CLEAVE_CHECK(report::write_file(folder / "realizations.csv", e.records_csv));
+                   CLEAVE_CHECK(report::write_file(folder / "report.html", report::monte_carlo_html(e.page)));
+                   return report::write_file(folder / "summary.json", report::monte_carlo_json(e.page));
+                 },
+                 [&](const scene::BodiesResult& r) -> Written {
+                   CLEAVE_CHECK(report::write_bodies_files(r, folder));
+                   if (r.output.report) CLEAVE_CHECK(report::write_bodies_report(r, folder));
+                   return report::write_bodies_summary(r, folder);
+                 },
+                 [&](const scene::ContactResult& r) -> Written {
+                   CLEAVE_CHECK(report::write_contact_files(r, folder));
+                   if (r.output.report) CLEAVE_CHECK(report::write_contact_report(r, folder));
+                   return report::write_contact_summary(r, folder);
+                 }},
+      result);
 }
 
 }  // namespace cleave::python

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "cases.hpp"
 #include "chains.hpp"
 #include "cleave/core/rng.hpp"
@@ -53,6 +55,43 @@ TEST(KeyGroups, TellGroupsFromWhatHolds) {
   EXPECT_TRUE(found.groups[1].proof.has_value());
   EXPECT_NEAR(found.groups[1].up.factor, tan_deg(30) / tan_deg(31), 1e-7);
   EXPECT_EQ(found.held, 1U);
+}
+
+// A splinter between a wall and a block that falls: beside that its speed is next to nothing, but no force holds it.
+// Forces locked in between the rough walls could hold both, so neither is proved to move.
+TEST(KeyGroups, WhatNoForceHoldsIsNotAtRest) {
+  Builder b{Freedom::translation};
+  const std::uint32_t large = b.block({0, 0, -1}, 1);
+  const std::uint32_t splinter = b.block({0, 0, -1e-14}, 1e-14);
+  b.contact(large, rock, {0, 1, 0}, 0.2);
+  b.contact(large, rock, {0, -1, 0}, 0.2);
+  b.contact(splinter, rock, {1, 0, 0}, 0.5);
+  b.contact(splinter, large, {-1, 0, 0}, 0.5);
+  const Groups found = find_groups(b.made());
+  std::vector<std::uint32_t> named;
+  for (const Group& group : found.groups) named.insert(named.end(), group.bodies.begin(), group.bodies.end());
+  std::ranges::sort(named);
+  EXPECT_EQ(named, (std::vector<std::uint32_t>{large, splinter}));
+}
+
+// On 89.5 (89.8) degrees a block is pressed with sin(0.5) (sin(0.2)) of its weight: half (a fifth) of its cohesion
+// counts.
+TEST(KeyGroups, CohesionThatNextToNothingPressesIsNotReliedOn) {
+  const auto groups_on = [](double dip, double cohesion) {
+    Builder b{Freedom::translation};
+    const std::uint32_t block = b.block({0, 0, -1}, 1);
+    Contact& contact = b.contact(block, rock, {sin_deg(dip), 0, cos_deg(dip)}, 0);
+    contact.bonds.push_back({.corners = {Vec3{}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}, .cohesion = cohesion});
+    return find_groups(b.made()).groups;
+  };
+  ASSERT_EQ(groups_on(89.5, 1.2).size(), 1U);
+  EXPECT_EQ(groups_on(89.5, 1.2)[0].verdict, Verdict::in_doubt);
+  EXPECT_TRUE(groups_on(89.5, 2.2).empty());  // half of it is enough
+  ASSERT_EQ(groups_on(89.8, 4.5).size(), 1U);
+  EXPECT_EQ(groups_on(89.8, 4.5)[0].verdict, Verdict::in_doubt);
+  EXPECT_TRUE(groups_on(89.8, 5.5).empty());
+  EXPECT_TRUE(groups_on(80, 1.2).empty());
+  EXPECT_EQ(groups_on(89.5, 0.9).at(0).verdict, Verdict::certain);
 }
 
 // Cohesion that only an even share of shear would bear, or that a corner that opens would lose, is not relied on where

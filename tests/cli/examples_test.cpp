@@ -77,6 +77,10 @@ TEST_F(ExamplesTest, TunnelSupportIsCheckedInTwoSteps) {
   const auto result = result_of("tunnel_support");
   const auto& support = result["support"];
   EXPECT_EQ(support["bolts"].get<int>() - support["spot_bolts"].get<int>(), 288);
+  EXPECT_TRUE(support["passes"].get<bool>());
+  EXPECT_EQ(support["not_held"].get<int>(), 0);
+  EXPECT_EQ(support["combined_blocks"].get<int>(), 16);
+  EXPECT_TRUE(support["designs"][0]["found"].get<bool>());
   EXPECT_GT(support["blocks"].get<int>(), 0);
   EXPECT_EQ(support["blocks"].get<int>(), support["held_by_bolts"].get<int>() +
                                               support["held_by_shotcrete"].get<int>() +

@@ -44,6 +44,54 @@ TEST(SizeLawTest, TruncatedMomentsAreTheClosedForms) {
   EXPECT_NEAR(power_law(2.5, 1, 100).moment(2), 4.500045, 5e-7);
 }
 
+// E min(max(X, a), b)^k = a^k + the integral of k x^(k-1) P(X > x) from a to b.
+TEST(SizeLawTest, ClampedLawsHaveTheirLimitsAsSizes) {
+  const auto clamped = [](SizeDistribution d, double mean, double std, double min, double max) {
+    return SizeLaw::make({.distribution = d,
+                          .mean = metres(mean),
+                          .std = metres(std),
+                          .exponent = 1.5,
+                          .min = metres(min),
+                          .max = metres(max),
+                          .clamp = true})
+        .value();
+  };
+  const SizeLaw small = clamped(exponential, 80, 0, 40, 120);
+  const double a = std::exp(-0.5), b = std::exp(-1.5);
+  EXPECT_NEAR(small.moment(1), 40 + 80 * (a - b), 1e-11);
+  EXPECT_NEAR(small.moment(2), 1600 + 2 * (80 * (40 * a - 120 * b) + 6400 * (a - b)), 1e-8);
+  EXPECT_DOUBLE_EQ(small.quantile(0.39).si(), 40);
+  EXPECT_GT(small.quantile(0.394).si(), 40);
+  EXPECT_DOUBLE_EQ(small.quantile(0.78).si(), 120);
+  EXPECT_NEAR(small.quantile(0.5).si(), 80 * std::log(2), 1e-9);  // between them the law itself
+  const double ratio = std::pow(0.1, 1.5);
+  EXPECT_NEAR(clamped(power, 1, 1, 2, 20).moment(1), 2 + 4 * (1 - std::pow(0.1, 0.5)), 1e-11);
+  EXPECT_DOUBLE_EQ(clamped(power, 1, 1, 2, 20).quantile(1 - 0.9 * ratio).si(), 20);
+  for (const SizeLaw& law : {small, clamped(normal, 60, 40, 40, 120), clamped(lognormal, 60, 50, 40, 120),
+                             clamped(gamma, 60, 50, 40, 120), clamped(power, 1, 1, 2, 20)}) {
+    double sum = 0, square = 0;
+    constexpr int points = 200000;
+    for (int i = 0; i < points; ++i) {
+      const double x = law.quantile((i + 0.5) / points).si();
+      sum += x / points;
+      square += x * x / points;
+    }
+    EXPECT_NEAR(sum, law.moment(1), 1e-4 * sum);
+    EXPECT_NEAR(square, law.moment(2), 1e-4 * square);
+  }
+}
+
+TEST(SizeLawTest, UniformSizes) {
+  const SizeLaw law =
+      SizeLaw::make(
+          {.distribution = uniform, .mean = {}, .std = {}, .exponent = {}, .min = metres(2), .max = metres(8)})
+          .value();
+  EXPECT_DOUBLE_EQ(law.moment(1), 5);
+  EXPECT_DOUBLE_EQ(law.moment(2), 28);
+  EXPECT_DOUBLE_EQ(law.quantile(0.25).si(), 3.5);
+  EXPECT_DOUBLE_EQ(law.largest().si(), 8);
+}
+
 TEST(SizeLawTest, WithoutLimitsTheMomentsAreTheLawsOwn) {
   EXPECT_DOUBLE_EQ(law(exponential, 7, 0).moment(1), 7);
   EXPECT_DOUBLE_EQ(law(exponential, 7, 0).moment(2), 98);

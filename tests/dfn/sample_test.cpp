@@ -92,6 +92,41 @@ TEST(SampleTest, CountIsExactAndCentresAreUniformInTheBox) {
   }
 }
 
+// Centres fill a box 1.4 times the domain's at the density that the domain alone would have.
+TEST(SampleTest, ABufferKeepsTheDensity) {
+  JointSetSpec spec = fisher_squares(0, Count{4000});
+  spec.shape = Square{SizeLaw::constant(metres(30))};  // reaches the domain from everywhere in the box
+  spec.buffer = 1.4;
+  const auto counted = drawn(spec);
+  ASSERT_GT(counted.size(), 9000U);  // of 4000 1.4^3 = 10976; some turn their edge to the domain and miss it
+  EXPECT_EQ(counted.back().index, 10975U);
+  EXPECT_EQ(expected_draws(JointSet::make(spec).value(), box), 10976);
+  const auto inside = [](const SampledJoint& j, double times) {
+    return std::abs(j.centre.x) <= 10 * times && std::abs(j.centre.y - 20) <= 15 * times &&
+           std::abs(j.centre.z - 110) <= 10 * times;
+  };
+  double within = 0, farthest = 0;
+  for (const SampledJoint& j : counted) {
+    EXPECT_TRUE(inside(j, 1.4 * (1 + 1e-12)));
+    within += inside(j, 1) ? 1 : 0;
+    farthest = std::max(farthest, std::abs(j.centre.x));
+  }
+  EXPECT_NEAR(within, 4000, 4.5 * std::sqrt(4000.0));
+  EXPECT_GT(farthest, 13.9);
+  // A Poisson number at the same density; without a buffer the box would reach 21 m beyond the domain.
+  spec.intensity = P30{4000 / 12000.0};
+  EXPECT_NEAR(expected_draws(JointSet::make(spec).value(), box), 10976, 1e-6);
+  spec.buffer = {};
+  EXPECT_GT(expected_draws(JointSet::make(spec).value(), box), 40'000);
+  // Planes have no centres, and a smaller box no meaning.
+  spec.buffer = 0.5;
+  EXPECT_FALSE(JointSet::make(spec).has_value());
+  spec.buffer = 1.4;
+  spec.intensity = P32{1};
+  spec.shape = Persistent{};
+  EXPECT_FALSE(JointSet::make(spec).has_value());
+}
+
 TEST(SampleTest, CornersLieAboutTheCentreInTheJointsPlane) {
   for (const SampledJoint& j : drawn(fisher_squares(3, Count{500}))) {
     const auto c = polygon(j).corners();

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/report/key_blocks.hpp"
 #include "hand_made.hpp"
 #include "html.hpp"
-#include "cleave/report/key_blocks.hpp"
 #include "view3d.hpp"
 
 namespace cleave::report {
@@ -223,10 +223,30 @@ TEST(HtmlStability, SupportShowsBlocksBodiesAndLoadCases) {
   EXPECT_NE(support.find("quake &lt;1&gt;</td><td>no</td><td>5</td><td>2</td>"), std::string::npos);
 }
 
+TEST(HtmlStability, ThePatternFoundHasItsSpacingRingsAndShareThatFails) {
+  Tunnel t;
+  scene::DesignResult found{.length = 3, .found = true, .scale = 1.5, .bolts = 132, .spot_bolts = 7, .cost = 396};
+  found.spacing = {3.75, 4.5};
+  found.rings = 22;
+  found.offsets = 40;
+  found.failing = 7;
+  found.failing_share = {0.07, 0.33};
+  found.governing = 12;
+  t.result.designs = {found, scene::DesignResult{.length = 2}};
+  const std::string support = section(report_html(t.page), "support");
+  EXPECT_NE(support.find("<tr><td>3</td><td>3.75 × 4.5</td><td>22</td><td>132</td><td>7</td><td>396</td><td>7 of 40 "
+                         "(7 to 33 %)</td><td>12</td></tr>"),
+            std::string::npos)
+      << support;
+  EXPECT_NE(support.find("none passes"), std::string::npos);
+}
+
 TEST(HtmlStability, LargestKeyBlocksHaveATable) {
   Tunnel t;
   const std::string maximum = section(report_html(t.page), "maximum");
   EXPECT_NE(maximum.find("A, B, C &amp; D</td><td>A, C &amp; D</td><td>roof</td><td>12.5</td>"), std::string::npos);
+  // What they are bounds of is said.
+  EXPECT_NE(maximum.find("between two joints of one set are not among them"), std::string::npos);
   t.result.maximum_blocks.clear();
   EXPECT_TRUE(section(report_html(t.page), "maximum").empty());
 }

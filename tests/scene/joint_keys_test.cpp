@@ -81,5 +81,26 @@ TEST(JointKeys, KeepDangling) {
   EXPECT_DOUBLE_EQ(kept.complex.value().complex().data().dangling->area.si(), 24);
 }
 
+// A clamped size and a box of centres; where they mean nothing they are refused.
+TEST(JointKeys, BufferAndClamp) {
+  const std::string set = "[[joint_set]]\norientation = { dip = 30, dip_direction = 30 }\nintensity = { count = 40 }\n";
+  const auto sizes = [](std::string_view more) {
+    return "size = { distribution = \"exponential\", mean = 80, min = 40, max = 120" + std::string{more} + " }\n";
+  };
+  const Scene clamped = scene_of(with_box(set + "shape = \"square\"\nbuffer = 1.5\n" + sizes(", clamp = true")));
+  const dfn::JointSetSpec& spec = clamped.joint_sets.front().law.spec();
+  EXPECT_EQ(spec.buffer, 1.5);
+  EXPECT_NEAR(std::get<dfn::Square>(spec.shape).size.moment(1), 70.672040, 1e-6);
+  const Scene cut = scene_of(with_box(set + "shape = \"square\"\n" + sizes("")));
+  EXPECT_NEAR(std::get<dfn::Square>(cut.joint_sets.front().law.spec().shape).size.moment(1), 73.441863, 1e-6);
+  EXPECT_FALSE(cut.joint_sets.front().law.spec().buffer.has_value());
+  EXPECT_EQ(error_of(with_box(set + "size = \"persistent\"\nbuffer = 2\n")),
+            "s.toml:7: joint_set[1].buffer: has no meaning where joints are not drawn by their centres; remove it: "
+            "planes are drawn throughout the domain");
+  EXPECT_NE(error_of(with_box(set + "size = 3\nbuffer = 0.9\n")).find("joint_set[1].buffer"), std::string::npos);
+  EXPECT_NE(error_of(with_box(set + "size = { distribution = \"uniform\", min = 2 }\n")).find("size.max"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace cleave::scene::test

@@ -221,6 +221,10 @@ TEST(KeyBlocksScene, PowerhouseIsSupportedInTwoSteps) {
   EXPECT_EQ(r.support->bolts.size() - r.support->spot_bolts, 1174U);
   EXPECT_GT(r.support->blocks.size(), 10U);
   EXPECT_FALSE(r.support->combined.empty());
+  EXPECT_TRUE(r.support->passes());
+  ASSERT_EQ(r.designs.size(), 1U);
+  EXPECT_TRUE(r.designs[0].found);
+  EXPECT_GT(r.designs[0].spot_bolts, 0U);
   EXPECT_GE(r.analysis->batches.size(), 6U);
 }
 

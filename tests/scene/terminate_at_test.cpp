@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cleave/realize/run.hpp"
+#include "cleave/scene3d/bounds.hpp"
 #include "parse_support.hpp"
 
 namespace cleave::scene::test {
@@ -55,11 +56,47 @@ TEST(TerminateAt, TheSetNamedMayStandBelow) {
   const std::string a = joint_set("A", 70, 100, "terminate_at = [\"B\"]"), b = joint_set("B", 20, 30, "");
   const std::string free_a = joint_set("A", 70, 100, "");
   const auto ended = joints_of(std::string{box} + a + b, "A"), whole = joints_of(std::string{box} + free_a + b, "A");
-  ASSERT_EQ(ended.size(), whole.size());
-  ASSERT_GT(ended.size(), 20U);
-  EXPECT_LT(area_of(ended), 0.9 * area_of(whole));
+  ASSERT_GT(whole.size(), 20U);
+  // More are drawn, so that what is left has the intensity asked for.
+  EXPECT_GT(ended.size(), 1.1 * static_cast<double>(whole.size()));
+  const auto mean = [](const auto& joints) { return area_of(joints) / static_cast<double>(joints.size()); };
+  EXPECT_LT(mean(ended), 0.9 * mean(whole));
   // What they end at is drawn as if nothing ended there.
   EXPECT_EQ(area_of(joints_of(std::string{box} + a + b, "B")), area_of(joints_of(std::string{box} + free_a + b, "B")));
+}
+
+// P32 within the domain, mean over realizations, is what is asked for although joints lose half of their area.
+TEST(TerminateAt, IntensitiesAreThoseAskedFor) {
+  const std::string text = std::string{box} + joint_set("A", 70, 100, "terminates_at = [\"B\"]") +
+                           joint_set("B", 20, 30, "terminates_at = [\"C\"]") + joint_set("C", 80, 200, "");
+  const Scene scene = scene_of(text);
+  EXPECT_EQ(std::ranges::count_if(scene.notes, [](const Problem& p) { return p.what.contains("of their area"); }), 2);
+  EXPECT_LT(scene.joint_sets[0].law.area_share(), 0.8);
+  EXPECT_EQ(scene.joint_sets[2].law.area_share(), 1);
+  const Box domain{{0, 0, 0}, {20, 20, 20}};
+  std::vector<std::vector<double>> p32(3);
+  for (std::uint64_t k = 0; k < 60; ++k) {
+    const auto drawn = sample(scene, k);
+    ASSERT_TRUE(drawn.has_value());
+    std::vector<double> sums(3, 0.0);
+    for (std::size_t j = 0; j < drawn->input.joints.size(); ++j) {
+      const std::string& name = drawn->sets[drawn->joints[topology::JointId{j}].set].name;
+      const auto corners = std::get<topology::Joint>(drawn->input.joints[j]).polygons.front().corners();
+      sums.at(static_cast<std::size_t>(name[0] - 'A')) +=
+          geometry::norm(area_within({corners.begin(), corners.end()}, domain)) / 8000;
+    }
+    for (std::size_t i = 0; i < 3; ++i) p32[i].push_back(sums[i]);
+  }
+  for (const std::vector<double>& set : p32) {
+    double mean = 0, square = 0;
+    for (const double v : set) mean += v / 60;
+    for (const double v : set) square += (v - mean) * (v - mean) / 59;
+    EXPECT_NEAR(mean, 0.4, 4 * std::sqrt(square / 60) + 0.01 * 0.4);  // and the trials' own error
+  }
+  // A number of joints, or of centres, is that of joints drawn, whatever is left of them.
+  std::string counted = text;
+  counted.replace(counted.find("p32 = 0.4"), 9, "count = 40");
+  EXPECT_EQ(scene_of(counted).joint_sets[0].law.area_share(), 1);
 }
 
 TEST(TerminateAt, GivenJointsCountToo) {

@@ -480,6 +480,28 @@ TEST(SupportTest, ForcesBetweenMembersAreInternal) {
   EXPECT_NEAR(result.combined[0].net_force, 27.718880, 1e-5);
 }
 
+// A slab of 149 N pushes one of 1 N, 0.1 m long with 4 m2 of face down the slope: what it passes is counted apart.
+TEST(SupportTest, ForcesThatNoFaceCanTakeAreToldApart) {
+  const Slope slope = Slope::make(30, 15, 2, {14.9});
+  const Settings with = weighing(150, 60, 20);
+  const Analysis a = analyse(slope.complex, with);
+  SupportPlan plan = plan_with({});
+  plan.most_pressure = 3;
+  const auto result = check_support(slope.complex, with, a, plan);
+  const auto toe = std::ranges::max_element(result.blocks, {}, &SupportedBlock::received);
+  ASSERT_NE(toe, result.blocks.end());
+  const double tangent = std::tan(radians(20));
+  const double net = std::sin(radians(30)) - tangent * std::cos(radians(30));  // of 1 N
+  const double per_newton = net / (4 + 0.2 * tangent);                         // 4 m2 below, 0.2 m2 above
+  EXPECT_NEAR(toe->received, 149 * net, 1e-6);
+  EXPECT_NEAR(toe->required_pressure, 150 * per_newton, 1e-6);
+  EXPECT_NEAR(toe->own_pressure, per_newton, 1e-8);
+  EXPECT_TRUE(toe->passed_on);
+  for (const SupportedBlock& block : result.blocks) EXPECT_EQ(block.passed_on, block.block == toe->block);
+  plan.most_pressure = 7;
+  for (const SupportedBlock& block : check_support(slope.complex, with, a, plan).blocks) EXPECT_FALSE(block.passed_on);
+}
+
 // Plates of 1 m and 3 m one behind the other: a bolt of 3 m with 0.5 m of anchorage grips both, with 2.5 m only one.
 TEST(SupportTest, AnchorageDecidesWhatIsStitched) {
   const Slope slope = Slope::make(30, 4, 2, {3});

@@ -108,8 +108,7 @@ own_use = {
     "cleave/dbem/touch.hpp": "part of dbem/world.hpp",
     "cleave/exchange/triangulate.hpp": "part of exchange/polygons.hpp",
     "cleave/scene/toml_tree.hpp": "part of scene/table_reader.hpp",
-    "cleave/motion/body.hpp": "part of motion/world.hpp",
-    "cleave/motion/world.hpp": "blocks in motion",
+    "cleave/realize/motion.hpp": "part of realize/run_result.hpp",
     "cleave/stability/block_theory.hpp": "part of stability/maximum_blocks.hpp",
     "cleave/stability/direction.hpp": "part of stability/maximum_blocks.hpp",
     "cleave/stability/motion.hpp": "the motions that block theory and analyses name",
@@ -124,7 +123,7 @@ own_use = {
     "cleave/survey/traces.hpp": "part of survey/analyse.hpp",
     "cleave/topology/ranges.hpp": "part of topology/block_complex.hpp",
 }
-most_public = 118
+most_public = 120
 
 
 def headers():
@@ -177,11 +176,11 @@ bare = {
     "io": 7,  # what stands in a file, in the file's numbers
     "exchange": 1,  # a field of cells
     "field_data": 3,
-    "realize": 17,  # figures of results, which are written with their unit in the name
+    "realize": 18,  # figures of results, which are written with their unit in the name
     "scene": 11,  # costs of runs, and degrees that orientations are turned by
     "scene2d": 26,  # bodies and their results, in the units of the solvers
     "scene3d": 6,
-    "stability": 39,  # support plans and their figures
+    "stability": 49,  # support plans, kinds of bolts and their figures
     "stochastic": 15,  # records, which are written with their unit in the name
     "survey": 2,
     "topology": 5,  # figures of a cut, with the unit in the name

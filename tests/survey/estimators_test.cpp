@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -7,6 +8,7 @@
 
 #include "cleave/core/rng.hpp"
 #include "cleave/geometry/orientation.hpp"
+#include "cleave/survey/analyse.hpp"
 #include "cleave/survey/fit.hpp"
 #include "cleave/survey/orientation.hpp"
 #include "cleave/survey/size.hpp"
@@ -364,6 +366,40 @@ TEST(FitTest, BootstrapPValuesAreUniform) {
     alarms += *fit_complete(x, Family::exponential, 99, 5)->p_value <= 0.1 ? 1 : 0;
   }
   EXPECT_NEAR(alarms, 0.1 * runs, 4.5 * std::sqrt(0.09 * runs));
+}
+
+// Traces that only a law of mostly tiny joints explains: a note says that mean size and P30 hang on the law.
+TEST(AnalysisTest, SaysWhenTracesAndSizesDisagree) {
+  const auto notes_of = [](double sigma) {
+    WindowSurvey window{.name = "w",
+                        .window = CircleWindow{{0, 0}, 60},
+                        .normal = {0, 0, 1},
+                        .x_axis = {1, 0, 0},
+                        .traces = {},
+                        .border = {},
+                        .truncation = {}};
+    Rng rng{{.seed = 21}};
+    for (int i = 0; i < 250; ++i) {
+      // Sizes of the joints met: in proportion to the size.
+      const double u = rng.uniform(), l = std::exp(sigma * rng.normal()) * std::sqrt(1 - u * u);
+      const double x = 80 * (rng.uniform() - 0.5), y = 80 * (rng.uniform() - 0.5);
+      window.traces.push_back({{x, y - l / 2}, {x, y + l / 2}});
+    }
+    SurveyInput input;
+    input.windows.push_back(std::move(window));
+    input.rules.push_back({.name = "a",
+                           .polygon = {},
+                           .azimuth = std::pair{150.0, 30.0},
+                           .dip = Dip::degrees(90),
+                           .dip_direction = DipDirection::degrees(90),
+                           .kappa = 1e6,
+                           .shape = {}});
+    const SurveyResult result = analyse(input);
+    return std::ranges::count_if(result.sets.front().notes,
+                                 [](const std::string& note) { return note.contains("disagree"); });
+  };
+  EXPECT_EQ(notes_of(0.4), 0);
+  EXPECT_EQ(notes_of(1.6), 1);
 }
 
 }  // namespace

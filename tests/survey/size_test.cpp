@@ -174,5 +174,28 @@ TEST(SizeTest, LikelihoodOfTracesFindsTheDiameters) {
   EXPECT_FALSE(fit_discs(std::vector<SeenLength>{{1, 0}}, {1, 0}, Family::gamma).has_value());
 }
 
+// The likelihood of nearly equal discs has a pole at the longest trace: no fit may run into it, whatever the sample.
+TEST(SizeTest, FitsDoNotCollapseToOneSize) {
+  int fits = 0;
+  for (std::uint64_t k = 0; k < 60; ++k) {
+    Rng rng{{.seed = 12, .realization = k}};
+    std::vector<SeenLength> lengths;
+    for (int i = 0; i < 37; ++i) {
+      const double d = k % 3 == 0 ? 4.7314 : 3 * std::exp(0.6 * rng.normal()), u = rng.uniform();
+      lengths.push_back({d * std::sqrt(1 - u * u), rng.uniform() < 0.7 ? 2U : 1U});
+    }
+    for (const Family family : {Family::lognormal, Family::gamma}) {
+      const auto fit = fit_discs(lengths, {50, 8}, family);
+      if (!fit) continue;  // refused: it has no maximum in between
+      ++fits;
+      EXPECT_GT(std_of(*fit), 0.02 * fit->moment(1)) << k;
+      const Estimate mean = estimate_of(*fit, "mean", [](const Fit& f) { return f.moment(1); });
+      EXPECT_GT(mean.high, 1.02 * mean.low) << k;
+      EXPECT_LT(mean.value.value(), 40) << k;
+    }
+  }
+  EXPECT_GT(fits, 60);
+}
+
 }  // namespace
 }  // namespace cleave::survey

@@ -186,17 +186,20 @@ class Search final {
   void look_weaker(ContactForces forces) {
     if (std::ranges::all_of(taken_, [](std::uint8_t t) { return t != 0; })) return;
     std::vector<double> share(island_.contacts().size(), even_share);
+    std::vector<std::uint8_t> hardly(share.size(), 0);
     std::vector<std::uint8_t> moves;
     for (int round = 0; round < most_rounds; ++round) {
-      const bool more = turns(island_.freedom()) && open_in_part(forces, share);
-      if (round > 0 && !more) break;
+      const bool opened = turns(island_.freedom()) && open_in_part(forces, share);
+      const bool lighter = hardly_pressed(forces, share, hardly);
+      if (round > 0 && !opened && !lighter) break;
       Ended ended;
       moves = moving_ones(start_from_rest(with_bonds(island_, share), within_reach, ended).speed);
       forces = std::move(ended.forces);
     }
     for (std::vector<std::uint32_t>& members : connected_parts(island_, not_taken(std::move(moves)))) {
-      // Of one block in translation the answer is the only one.
-      if (members.size() > 1 || turns(island_.freedom())) in_doubt(std::move(members));
+      // Of one block in translation the answer is the only one, but for cohesion that next to nothing presses into use.
+      const bool one = members.size() == 1 && !turns(island_.freedom());
+      if (!one || leans(members.front(), hardly)) in_doubt(std::move(members));
     }
   }
 
@@ -222,6 +225,37 @@ class Search final {
       more = true;
     }
     return more;
+  }
+
+  /// Cohesion counts in proportion where a contact is pressed with less than sin(1 degree) of the load of its lighter
+  /// body, as for single blocks; false when no share fell.
+  /// `hardly` names these contacts.
+  bool hardly_pressed(const ContactForces& forces, std::vector<double>& share,
+                      std::vector<std::uint8_t>& hardly) const {
+    constexpr double full = 0.01745240643728351;  // sin 1 degree
+    bool more = false;
+    for (std::size_t c = 0; c < share.size(); ++c) {
+      const Contact& contact = island_.contacts()[c];
+      if (!(share[c] > 0) || contact.bonds.empty()) continue;
+      double pressed = 0, load = norm(island_.bodies()[contact.body].force);
+      for (const geometry::Vec3 force : forces.at_points[c]) pressed += std::max(0.0, dot(force, contact.normal));
+      if (contact.other) load = std::min(load, norm(island_.bodies()[*contact.other].force));
+      const double counts = load > 0 ? pressed / (full * load) : 1;
+      if (counts < 1) hardly[c] = 1;
+      if (!(counts < (1 - 1e-3) * share[c])) continue;
+      share[c] = counts;
+      more = true;
+    }
+    return more;
+  }
+
+  /// Whether a contact of the body is hardly pressed.
+  [[nodiscard]] bool leans(std::uint32_t body, const std::vector<std::uint8_t>& hardly) const {
+    for (std::size_t c = 0; c < hardly.size(); ++c) {
+      const Contact& contact = island_.contacts()[c];
+      if ((contact.body == body || contact.other == body) && hardly[c] != 0) return true;
+    }
+    return false;
   }
 
   /// Whether a part moves, or rests beside what rests.

@@ -10,7 +10,7 @@ ExitCode init_scene(const std::string& kind) {
   }
   complain("cleave init: \"" + kind +
            "\" is not known; choose one of: tunnel, slope, wedge, network, monte-carlo, bodies, contact, support, "
-           "survey, bench, csv, water");
+           "survey, bench, csv, water, motion");
   return ExitCode::wrong_input;
 }
 

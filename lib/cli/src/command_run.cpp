@@ -30,6 +30,7 @@ using Written = std::expected<void, report::WriteError>;
 Written write_files(scene::RunResult& result, const std::filesystem::path& folder) {
   CLEAVE_CHECK(report::write_blocks_vtu(result, folder));
   CLEAVE_CHECK(report::write_dangling(result, folder));
+  CLEAVE_CHECK(report::write_motion(result, folder));
   for (const auto write : {report::write_exports, report::write_sections}) {
     CLEAVE_TRY(std::vector<std::string> notes, write(result, folder));
     std::ranges::move(notes, std::back_inserter(result.notes));
@@ -47,6 +48,11 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
                                       .log = log_of,
                                       .figures = figures_of};
   if (const auto failed = publish(result, files, out, timer, progress, interrupts, settings.quiet)) return *failed;
+  if (result.complex && result.motion && !result.motion->converged) {
+    complain(fmt::format("{}:1: motion: {}; the state reached is in the result; try a smaller motion.step",
+                         settings.scene, result.motion->stopped_why));
+    return ExitCode::check_failed;
+  }
   if (result.complex) return ExitCode::done;
   complain(fmt::format("{}:1: certificate: the block system did not pass its own check ({}); please report this scene",
                        settings.scene, topology::describe(result.complex.error())));

@@ -52,6 +52,12 @@ std::string key_block_lines(const scene::KeyBlockFigures& key) {
   return text;
 }
 
+std::string motion_line(const scene::MotionResult& motion) {
+  return fmt::format("motion       {} of {} blocks moved, {:.4g} s{}, {} steps, residual {:.1e}, energy error {:.1e}\n",
+                     motion.moved(), motion.blocks.size(), motion.end.si(), motion.at_rest ? " (at rest)" : "",
+                     motion.steps, motion.residual, motion.energy_error);
+}
+
 }  // namespace
 
 std::string figures_of(const scene::RunResult& result) {
@@ -61,6 +67,7 @@ std::string figures_of(const scene::RunResult& result) {
   text += excavation_lines(figures.input.excavations);
   text += figures.blocks ? block_lines(*figures.blocks, result.certificate()) : certificate_line(result.certificate());
   if (figures.key_blocks) text += key_block_lines(*figures.key_blocks);
+  if (result.motion) text += motion_line(*result.motion);
   text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", result.cost.wall_s,
                       result.cost.cpu_s, result.cost.peak_rss_mb, result.cost.threads);
   return text;

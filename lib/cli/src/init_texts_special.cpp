@@ -215,6 +215,49 @@ water = { table = 9 }
 seismic = [0.1, 0, 0]
 )toml";
 
+constexpr std::string_view motion =
+    R"toml(# Key blocks of a slope let go: they slide until they rest. See docs/motion.md.
+schema = 1
+title = "Blocks in motion"
+
+[domain]
+box = { min = [0, 0, 0], max = [30, 10, 14] }
+
+[[joint]]                      # what the blocks slide on
+plane = { through = [14, 5, 6], dip = 36, dip_direction = 90 }
+
+[[joint]]
+plane = { through = [9, 5, 8], dip = 80, dip_direction = 270 }
+
+[[joint]]
+plane = { through = [12, 3.5, 6], dip = 88, dip_direction = 180 }
+
+[[joint]]
+plane = { through = [12, 7.5, 6], dip = 88, dip_direction = 0 }
+
+[joints.default]
+friction = 28                  # degrees
+cohesion = 0                   # Pa
+
+[rock]
+density = 2600                 # kg/m3
+
+[[excavation]]
+name = "slope"
+kind = "slope"
+profile = { direction = 90, points = [[0, 12], [11, 12], [15, 4], [30, 4]] }
+
+[stability]
+
+[motion]
+release = "batches"            # or "all", "groups", "stage"
+until = "rest"                 # after `duration` at the latest
+duration = 4                   # s
+step = 0.01                    # s, the longest
+restitution = 0
+surface_friction = 35          # degrees, of faces that are no joints
+)toml";
+
 }  // namespace
 
 std::optional<std::string_view> special_init_text(std::string_view kind) noexcept {
@@ -223,6 +266,7 @@ std::optional<std::string_view> special_init_text(std::string_view kind) noexcep
   if (kind == "bench") return bench;
   if (kind == "csv") return csv;
   if (kind == "water") return water;
+  if (kind == "motion") return motion;
   return std::nullopt;
 }
 

@@ -149,6 +149,16 @@ void check_model(Check& check, const Model& model) {
              model);
 }
 
+/// A box of centres means something only for joints that have them.
+std::optional<ModelMismatch> buffer_mismatch(const JointSetSpec& spec) {
+  if (!spec.buffer) return std::nullopt;
+  const bool centres =
+      std::holds_alternative<Baecher>(spec.model) || std::holds_alternative<EnhancedBaecher>(spec.model);
+  if (centres && !std::holds_alternative<Persistent>(spec.shape)) return std::nullopt;
+  return ModelMismatch{"buffer", "has no meaning where joints are not drawn by their centres",
+                       "remove it: planes are drawn throughout the domain"};
+}
+
 /// What a model cannot do together with the rest.
 std::optional<ModelMismatch> mismatch(const JointSetSpec& spec) {
   const bool persistent = std::holds_alternative<Persistent>(spec.shape);
@@ -242,11 +252,13 @@ std::expected<JointSet, JointSetError> JointSet::make(JointSetSpec spec) {
   check_rotation(check, spec.rotation);
   check_intensity(check, spec.intensity);
   check_model(check, spec.model);
+  if (spec.buffer) check.range("buffer", *spec.buffer, 1, 100, "give how many times the domain's box, 1 to 100");
   if (check.error()) return std::unexpected(*check.error());
   if (std::holds_alternative<Persistent>(spec.shape) && std::holds_alternative<P30>(spec.intensity)) {
     return std::unexpected(NoCentres{});
   }
   if (auto wrong = mismatch(spec)) return std::unexpected(*std::move(wrong));
+  if (auto wrong = buffer_mismatch(spec)) return std::unexpected(*std::move(wrong));
   std::visit([](auto& law) { law.dip_direction = DipDirection::degrees(reduced(law.dip_direction.degrees())); },
              spec.orientation);
   const double share = share_of(spec);

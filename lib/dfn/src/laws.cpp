@@ -129,12 +129,59 @@ std::expected<SizeLaw, SizeError> SizeLaw::make(const SizeSpec& spec) {
       if (law.a_ <= 2 && !spec.max) return std::unexpected(MissingParameter{"max"});
       break;
     }
+    case SizeDistribution::uniform: {
+      CLEAVE_TRY(law.min_, positive(spec.min, "min"));
+      CLEAVE_TRY(law.max_, positive(spec.max, "max"));
+      break;
+    }
   }
   if (law.mass_ < least_share) return empty();
+  if (spec.clamp) {
+    if (!spec.min && spec.distribution == SizeDistribution::normal) return std::unexpected(MissingParameter{"min"});
+    if (!spec.min && !spec.max) return std::unexpected(MissingParameter{"max"});
+    law.clamp();
+  }
   return law;
 }
 
+/// What lies beyond the limits, law by law, from the tail itself.
+void SizeLaw::clamp() {
+  switch (distribution_) {
+    case SizeDistribution::constant:
+    case SizeDistribution::uniform: return;
+    case SizeDistribution::normal:
+    case SizeDistribution::lognormal:
+    case SizeDistribution::gamma:
+      at_min_ = below_;
+      at_max_ = above_;
+      return;
+    case SizeDistribution::exponential:
+      at_min_ = -std::expm1(-min_ / a_);
+      at_max_ = std::exp(-max_ / a_);
+      return;
+    case SizeDistribution::power:
+      at_max_ = std::pow(min_ / max_, a_);
+      mass_ = 1 - at_max_;
+      return;
+  }
+}
+
 Length SizeLaw::quantile(double u) const noexcept {
+  if (at_min_ == 0 && at_max_ == 0) return quantile_within(u);
+  if (u <= at_min_) return metres(min_);
+  if (1 - u <= at_max_) return metres(max_);
+  constexpr double least = 0x1p-54;
+  return quantile_within(std::fmin(std::fmax((u - at_min_) / mass_, least), 1 - 2 * least));
+}
+
+double SizeLaw::moment(int k) const noexcept {
+  const double within = moment_within(k);
+  if (at_min_ == 0 && at_max_ == 0) return within;
+  const double all = at_min_ + mass_ + at_max_, at_max = at_max_ > 0 ? at_max_ * std::pow(max_, k) : 0;
+  return (at_min_ * std::pow(min_, k) + mass_ * within + at_max) / all;
+}
+
+Length SizeLaw::quantile_within(double u) const noexcept {
   const auto standard = [&] {
     const double low = below_ + u * mass_, high = above_ + (1 - u) * mass_;
     return low < high ? normal_quantile(low) : -normal_quantile(high);
@@ -149,12 +196,13 @@ Length SizeLaw::quantile(double u) const noexcept {
       const double low = below_ + u * mass_, high = above_ + (1 - u) * mass_;
       return within(b_ * (low < high ? special::gamma_below_inverse(a_, low) : special::gamma_above_inverse(a_, high)));
     }
+    case SizeDistribution::uniform: return within(min_ + u * (max_ - min_));
     case SizeDistribution::power: return within(min_ * std::exp(-std::log1p(u * (std::pow(min_ / max_, a_) - 1)) / a_));
   }
   std::unreachable();
 }
 
-double SizeLaw::moment(int k) const noexcept {
+double SizeLaw::moment_within(int k) const noexcept {
   CLEAVE_ASSERT(k == 1 || k == 2);
   switch (distribution_) {
     case SizeDistribution::constant: return k == 1 ? a_ : a_ * a_;
@@ -187,6 +235,7 @@ double SizeLaw::moment(int k) const noexcept {
                                             : special::gamma_below(shape, to) - special::gamma_below(shape, from);
       return std::pow(b_, k) * (k == 1 ? a_ : a_ * (a_ + 1)) * between / mass_;
     }
+    case SizeDistribution::uniform: return k == 1 ? (min_ + max_) / 2 : (min_ * min_ + min_ * max_ + max_ * max_) / 3;
     case SizeDistribution::power: {
       const double ratio = min_ / max_;
       const double scale = std::pow(min_, k) * a_ / (1 - std::pow(ratio, a_));

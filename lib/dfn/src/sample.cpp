@@ -56,9 +56,16 @@ struct Region {
   bool exact = false;
 };
 
+DomainBox scaled(const DomainBox& box, double times) {
+  const Vec3 middle = (box.min + box.max) / 2, half = times / 2 * sides(box);
+  return {middle - half, middle + half};
+}
+
 Region region_of(const JointSet& set, const DomainBox& domain) {
+  const double buffer = set.spec().buffer.value_or(1);
   if (const auto* count = std::get_if<Count>(&set.spec().intensity)) {
-    return {domain, 0, static_cast<double>(count->joints), true};
+    const DomainBox box = buffer > 1 ? scaled(domain, buffer) : domain;
+    return {box, 0, std::round(static_cast<double>(count->joints) * buffer * buffer * buffer), true};
   }
   const double p32 = set.expected_p32(volume(domain));
   if (!(p32 > 0)) return {domain, 0, 0, true};
@@ -68,8 +75,8 @@ Region region_of(const JointSet& set, const DomainBox& domain) {
     const double radius = norm(sides(domain)) / 2;
     return {domain, radius, 2 * radius * p32 / set.area_share(), false};
   }
-  const DomainBox box = grown(domain, set.reach());
-  return {box, 0, p32 / set.mean_area() * volume(box), false};
+  const DomainBox box = set.spec().buffer ? scaled(domain, buffer) : grown(domain, set.reach());
+  return {box, 0, p32 / (set.area_share() * set.mean_area()) * volume(box), false};
 }
 
 class Sampler final {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <map>
+#include <utility>
 
 #include "world_impl.hpp"
 
@@ -20,6 +21,79 @@ bool within(const Placed& cell, Vec3 p, double depth) {
     if (dot(cell.normals[s], p - cell.vertices[cell.cell->sides[s].corners[0]]) > -depth) return false;
   }
   return true;
+}
+
+/// Of the touches of two bodies on one plane only the corners of their convex hull: no pressure leaves it. `plane`: one
+/// normal, one pair of surfaces, gaps equal to rounding.
+void keep_hull(const std::vector<Touch>& plane, std::vector<Touch>& out) {
+  if (plane.size() < 4) {
+    out.insert(out.end(), plane.begin(), plane.end());
+    return;
+  }
+  const Frame frame = frame_of(plane[0].normal);
+  const double tolerance = 1e-9 * plane[0].size;
+  struct At {
+    double x, y;
+    const Touch* touch;
+  };
+  std::vector<At> at;
+  for (const Touch& t : plane) at.push_back({dot(frame.t1, t.point), dot(frame.t2, t.point), &t});
+  std::ranges::stable_sort(at, [](const At& a, const At& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  std::vector<At> hull;
+  const auto half = [&](const auto& order, std::size_t least) {
+    for (const At& p : order) {
+      while (hull.size() > least + 1) {
+        const At &a = hull[hull.size() - 2], &b = hull.back();
+        const double turned = (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+        if (turned > tolerance * std::hypot(p.x - a.x, p.y - a.y)) break;
+        hull.pop_back();
+      }
+      if (hull.empty() || std::hypot(p.x - hull.back().x, p.y - hull.back().y) > tolerance) hull.push_back(p);
+    }
+  };
+  half(at, 0);
+  const std::size_t lower = hull.size() - 1;
+  std::ranges::reverse(at);
+  half(at, lower);
+  if (hull.size() > 1 && std::hypot(hull.back().x - hull[0].x, hull.back().y - hull[0].y) <= tolerance) hull.pop_back();
+  for (const At& p : hull) out.push_back(*p.touch);
+}
+
+/// All touches with those that lie within hulls of others left out.
+std::vector<Touch> reduced(const std::vector<Touch>& list) {
+  std::vector<Touch> out, plane;
+  std::vector<std::uint8_t> used(list.size(), 0);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> of_pair;
+  for (std::uint32_t k = 0; k < list.size(); ++k) {
+    of_pair[{std::min(list[k].body, list[k].other), std::max(list[k].body, list[k].other)}].push_back(k);
+  }
+  for (const auto& [pair, own] : of_pair) {
+    for (std::size_t a = 0; a < own.size(); ++a) {
+      if (used[own[a]] != 0) continue;
+      const Touch& first = list[own[a]];
+      plane.assign(1, first);
+      for (std::size_t b = a + 1; b < own.size(); ++b) {
+        Touch t = list[own[b]];
+        if (used[own[b]] != 0) continue;
+        if (t.body != first.body) {
+          std::swap(t.body, t.other);
+          std::swap(t.cell, t.other_cell);
+          std::swap(t.surface, t.other_surface);
+          t.normal = -t.normal;
+        }
+        const double near = 1e-8 * first.size;
+        if (t.surface != first.surface || t.other_surface != first.other_surface ||
+            dot(t.normal, first.normal) < 1 - 1e-14 || std::abs(t.gap - first.gap) > near ||
+            std::abs(dot(first.normal, t.point - first.point)) > near) {
+          continue;
+        }
+        used[own[b]] = 1;
+        plane.push_back(t);
+      }
+      keep_hull(plane, out);
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -73,12 +147,12 @@ std::vector<Touch> World::Impl::touches_of(const std::vector<Pair>& pairs, const
     }
     out.insert(out.end(), own.begin(), own.end());
   }
-  return out;
+  return reduced(out);
 }
 
 void World::Impl::recall(std::vector<Touch>& list, double step) const {
   if (!(last_step > 0)) return;
-  const auto key = [](const Touch& t) { return std::tuple{t.body, t.cell, t.other, t.other_cell}; };
+  const auto key = [](const Touch& t) { return std::pair{std::min(t.body, t.other), std::max(t.body, t.other)}; };
   const double ratio = step / last_step;
   std::vector<std::uint32_t> order(touches.size());
   for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = k;
@@ -89,7 +163,8 @@ void World::Impl::recall(std::vector<Touch>& list, double step) const {
     double nearest = 0.1 * t.size;
     std::optional<std::uint32_t> best;
     for (const std::uint32_t k : own) {
-      if (used[k] != 0 || dot(touches[k].normal, t.normal) < 0.99) continue;
+      const double same = touches[k].body == t.body ? 1 : -1;
+      if (used[k] != 0 || same * dot(touches[k].normal, t.normal) < 0.99) continue;
       if (const double d = norm(touches[k].point - t.point); d < nearest) {
         nearest = d;
         best = k;
@@ -97,7 +172,7 @@ void World::Impl::recall(std::vector<Touch>& list, double step) const {
     }
     if (!best) continue;
     used[*best] = 1;
-    t.impulse = ratio * touches[*best].impulse;
+    t.impulse = (touches[*best].body == t.body ? ratio : -ratio) * touches[*best].impulse;
   }
 }
 
@@ -107,11 +182,11 @@ std::vector<Touch> World::Impl::missed(const std::vector<Touch>& list, const std
   for (const Touch& t : at_end) {
     if (t.gap > -1e-8 * t.size) continue;
     const bool known = std::ranges::any_of(list, [&](const Touch& l) {
-      const bool same = l.cell == t.cell && l.other_cell == t.other_cell;
-      const bool turned = l.cell == t.other_cell && l.other_cell == t.cell;
+      const bool same = l.body == t.body && l.other == t.other;
+      const bool turned = l.body == t.other && l.other == t.body;
       if (!same && !turned) return false;
       const double along = dot(l.normal, t.normal);
-      return (same ? along : -along) > 0.99 && norm(l.point - t.point) < 0.2 * t.size;
+      return (same ? along : -along) > 0.99 && std::abs(dot(l.normal, l.point - t.point)) < 0.2 * t.size;
     });
     if (known) continue;
     Touch back = t;

@@ -223,7 +223,7 @@ double Newton::inner(const Programme& programme, std::vector<Vector3d>& x, doubl
   double value = evaluate(programme, x, rho, v, gradient, locals);
   double size = gradient.norm();
   int stuck = 0;
-  for (int iteration = 0; iteration < (convex ? 60 : 30); ++iteration) {
+  for (int iteration = 0; iteration < (convex ? 100 : 30); ++iteration) {
     // Where forces are large against the weight, rounding of G x is all that is left.
     double carried = 1;
     for (const Local& l : locals) carried = std::max(carried, l.x.lpNorm<Eigen::Infinity>());

@@ -81,4 +81,7 @@ class Newton final {
   std::size_t factors_ = 0;
 };
 
+/// Sweeps over the points, each solved alone by projected steps (Jean 1999): coarse, but never lost.
+void sweep(const Scaled& scaled, std::vector<Eigen::Vector3d>& x, int sweeps);
+
 }  // namespace cleave::motion

@@ -125,8 +125,26 @@ class Cascade {
     look_at(x, method);
   }
 
+  /// From forces that are near.
+  void nearby(const Unknowns& x, Method method) {
+    for (const double rough : {1e-3, 1e-5}) {
+      if (!done()) coulomb(x, method, {.rough = rough, .fine = std::min(rough, 1e-6)});
+    }
+  }
+
   void proximal(double fall) {
     coulomb(none(), Method::proximal, {.rough = 1, .fine = 1e-7, .fall = fall, .recentrings = 3, .last = 6});
+  }
+
+  /// Sweeps to come near, Newton from there.
+  void by_sweeps(Unknowns x) {
+    Progress progress;
+    for (int round = 0; round < 40 && !done() && !spent() && progress.goes_on(best_.report.residual); ++round) {
+      sweep(scaled_, x, 100);
+      look_at(x, Method::sweeps);
+      if (done()) return;
+      nearby(x, Method::sweeps);
+    }
   }
 
   /// Ends rounds that get no nearer.
@@ -140,19 +158,35 @@ class Cascade {
     }
   };
 
-  /// The slip given, the rest is one convex programme; the slip is then renewed.
-  void by_slip(double finest) {
+  std::vector<double> slips(const Unknowns& x) const {
+    std::vector<double> out;
+    for (const Vector3d& u : velocities(x)) out.push_back(u.tail<2>().norm());
+    return out;
+  }
+
+  /// The slip given, the rest is one convex programme; the slip is then renewed. From the slip without friction:
+  /// forces that only lock blocks between one another, and hold as well as not, are not found; from none they are.
+  enum class From : std::uint8_t { frictionless, rest };
+  void by_slip(From from, double finest, int last) {
     Unknowns x = none();
     Programme programme{.law = Law::cone, .given = std::vector<double>(x.size(), 0)};
+    if (from == From::frictionless) {
+      Unknowns free = none();
+      (void)newton_.solve({.law = Law::frictionless}, free, {.fine = 1e-5, .last = 4, .finest = 1e-5});
+      programme.given = slips(free);
+    }
     Progress progress;
     for (int round = 0; round < 60 && !done() && !spent() && progress.goes_on(best_.report.residual); ++round) {
-      (void)newton_.solve(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4, .finest = finest});
-      const std::vector<Vector3d> u = velocities(x);
+      const double hidden = newton_.solve(
+          programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = last, .finest = finest});
+      look_at(x, Method::convex);
+      if (done()) return;
+      const std::vector<double> slip = slips(x);
       for (std::size_t k = 0; k < x.size(); ++k) {
-        const double slip = u[k].tail<2>().norm();
-        programme.given[k] = round < 20 ? slip : 0.5 * (programme.given[k] + slip);
+        const double renewed = round < 20 ? slip[k] : 0.5 * (programme.given[k] + slip[k]);
+        programme.given[k] = slip[k] > 30 * hidden ? renewed : 0;
       }
-      coulomb(x, Method::convex, {.rough = 1e-3, .fine = 1e-6});
+      nearby(x, Method::convex);
     }
   }
 
@@ -168,7 +202,7 @@ class Cascade {
         const double bound = std::max(0.0, e.mu * x[k][0] + e.cohesion);
         programme.given[k] = round < 20 ? bound : 0.5 * (programme.given[k] + bound);
       }
-      coulomb(x, Method::convex, {.rough = 1e-3, .fine = 1e-6});
+      nearby(x, Method::convex);
     }
   }
 
@@ -185,9 +219,15 @@ class Cascade {
     for (const Point& p : group_.points) warm = warm || !p.start.isZero();
     if (warm) coulomb(start(), Method::newton, {.rough = 1e-4, .fine = 1e-6});
     if (!done()) coulomb(none(), Method::newton, {});
+    if (!done()) by_slip(From::frictionless, 1e-5, 4);
+    if (!done() && !options_.locking) by_slip(From::frictionless, 1e-8, 8);
+    if (!done() && !spent() && options_.locking) by_slip(From::rest, 1e-5, 4);
+    if (!done() && best_.report.residual < 1e-4 && options_.locking) by_slip(From::rest, 1e-8, 8);
+    if (!done() && !spent()) by_sweeps(warm ? start() : none());
     for (const double finest : {1e-5, 1e-10}) {
-      if (!done() && !spent()) by_slip(finest);
+      if (!options_.locking) break;
       if (!done() && !spent()) by_bounds(finest);
+      if (!done() && !spent()) by_slip(From::rest, 0.1 * finest, 8);
     }
     if (!done() && !spent()) proximal(0.1);
     if (!done() && !spent()) proximal(1.0 / 3);

@@ -267,7 +267,12 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
         double rebounding = 0;
         for (const double rebound : {1.0, 0.99, 0.97, 0.93, 0.85, 0.7, 0.5, 0.25, 0.0}) {
           group = group_of(island, out.touches, mid, step, rebound);
-          found = motion::solve(group, options.solver);
+          SolverOptions how = options.solver;
+          const double slow = 2 * step * norm(options.gravity);
+          how.locking = std::ranges::all_of(island.bodies, [&](std::uint32_t b) {
+            return norm(mid[b].v) + norm(spin(mid[b], b)) * shapes[b].radius <= slow;
+          });
+          found = motion::solve(group, how);
           rebounding = 0;
           for (const Point& p : group.points) rebounding = std::min(rebounding, p.b[0]);
           if (rebounding >= 0 || gain_of(island, group, found, mid, step).gain <= 0) break;
@@ -291,7 +296,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
           const bool bonded = k >= island.touches.size();
           if (bonded) {
             const auto& [bond, share] = island.bonds[k - island.touches.size()];
-            const double loose = 1e-6 * step * norm(options.gravity) + 1e-9;
+            const double loose = 1e-3 * step * norm(options.gravity) + 1e-9;
             if (slip.cwiseAbs().maxCoeff() > loose && slip[0] > -loose) {
               if (out.broken.empty() || out.broken.back() != bond) out.broken.push_back(bond);
             }

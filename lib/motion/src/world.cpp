@@ -92,6 +92,7 @@ std::string_view name_of(Method method) noexcept {
     case Method::none: return "none needed";
     case Method::newton: return "newton";
     case Method::proximal: return "proximal";
+    case Method::sweeps: return "sweeps";
     case Method::convex: return "convex";
   }
   return "";
@@ -204,9 +205,12 @@ StepReport World::Impl::close(Attempt& done) {
     momentum += shapes[b].mass * state[b].v;
     report.max_speed = std::max(report.max_speed, norm(state[b].v) + norm(spin(state[b], b)) * shapes[b].radius);
   }
-  double weight = 0;
-  for (std::uint32_t b = 0; b < shapes.size(); ++b) weight += held[b] == 0 ? shapes[b].mass : 0;
-  largest_momentum = std::max({largest_momentum, norm(momentum), now * weight * norm(options.gravity)});
+  double weight = 0, all = 0;
+  for (std::uint32_t b = 0; b < shapes.size(); ++b) {
+    weight += held[b] == 0 ? shapes[b].mass : 0;
+    all += held[b] == 0 ? shapes[b].mass * norm(state[b].v) : 0;
+  }
+  largest_momentum = std::max({largest_momentum, all, now * weight * norm(options.gravity)});
   momentum_off = norm(momentum - expected);
   report.time = now;
   report.contacts = contacts.size();

@@ -122,6 +122,11 @@ SupportFigures count_support(const stability::SupportResult& support) {
     f.not_held += b.held == stability::Held::not_held ? 1U : 0U;
     f.required_force_n += b.required_force;
     f.missing_force_n += b.missing_force;
+    if (b.passed_on) {
+      ++f.passed_on_blocks;
+      f.passed_on_not_held += b.held == stability::Held::not_held ? 1U : 0U;
+      f.passed_on_required_force_n += b.required_force;
+    }
     if (b.small) {
       ++f.small_blocks;
       f.small_not_held += b.held == stability::Held::not_held ? 1U : 0U;
@@ -147,7 +152,7 @@ SupportFigures count_support(const RunResult& result, const stability::SupportRe
   std::vector<PressureAt> blocks;
   for (const stability::SupportedBlock& b : support.blocks) {
     const BlockPlace place = place_of(result, result.complex->complex(), b.block, {});
-    blocks.push_back({place.location, place.free_area, pascals(b.required_pressure)});
+    blocks.push_back({place.location, place.free_area, pascals(b.passed_on ? b.own_pressure : b.required_pressure)});
   }
   figures.pressures = pressure_diagram(std::move(blocks));
   for (const PressureFigures& row : figures.pressures) {
@@ -162,6 +167,13 @@ Figures count(const RunResult& result) {
   Figures figures;
   figures.input.joints = result.joints.size();
   figures.input.files = result.files;
+  if (!result.joints.empty()) {
+    std::vector<SetId> set_of;
+    std::vector<std::string> names;
+    for (const JointInfo& joint : result.joints) set_of.push_back(joint.set);
+    for (const SetInfo& set : result.sets) names.push_back(set.name);
+    if (set_of.size() == result.input.joints.size()) figures.input.sets = count_sets(result.input, set_of, names);
+  }
   if (result.complex) {
     const topology::BlockComplex& complex = result.complex->complex();
     const topology::CutReport& report = complex.report();
@@ -174,6 +186,10 @@ Figures count(const RunResult& result) {
     figures.input.snapped = report.snapped;
     figures.input.near_misses = report.near_misses;
     figures.blocks = count_blocks(complex, result.block_hash);
+    figures.blocks->sizes = block_sizes(complex);
+    for (const SetFigures& set : figures.input.sets) {
+      if (figures.blocks->sizes) figures.blocks->sizes->jv += set.p10;
+    }
     if (result.micro_blocks.policy != MicroBlockPolicy::keep) {
       figures.micro_blocks = count_micro_blocks(complex, result.micro_blocks);
     }

@@ -58,7 +58,7 @@ class DesignSearch {
   using Check = std::function<stability::SupportResult(const stability::SupportPlan&)>;
   DesignSearch(const SupportSettings& support, double length, std::uint64_t seed, Check check)
       : support_{&support}, length_{length}, seed_{seed}, check_{std::move(check)}, plan_{support.plan} {
-    plan_.spot.reset();  // spot bolts would hide what the pattern lacks
+    if (!support.design->spot) plan_.spot.reset();  // spot bolts would hide what the pattern lacks
     plan_.factors = false;
   }
 
@@ -76,8 +76,14 @@ class DesignSearch {
           (passes(middle) ? low : high) = middle;
         }
       }
-      row.bolts = bolts_with(*support_, low, length_, {}).size();
+      plan_.bolts = bolts_with(*support_, low, length_, {});
+      row.bolts = plan_.bolts.size();
       row.cost = static_cast<double>(row.bolts) * (design.cost_per_bolt + design.cost_per_metre * length_);
+      if (plan_.spot) {
+        row.spot_bolts = check_(plan_).spot_bolts;
+        row.cost +=
+            static_cast<double>(row.spot_bolts) * (design.cost_per_bolt + design.cost_per_metre * plan_.spot->length);
+      }
     }
     row.scale = low;
     describe(low, row);

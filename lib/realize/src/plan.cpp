@@ -37,10 +37,12 @@ std::string why_stability(const Scene& scene) {
   return why;
 }
 
-std::string why_write(const OutputSettings& output, bool stability) {
+std::string why_write(const OutputSettings& output, bool stability, bool motion) {
   std::string files = "summary.json, log.txt";
   if (output.vtu) files += ", blocks.vtu";
   if (output.csv && stability) files += ", key_blocks.csv";
+  if (motion && output.csv) files += ", motion.csv";
+  if (motion && output.vtu) files += ", motion_NNNN.vtu, motion.pvd";
   for (const SectionSpec& section : output.sections) {
     files += section.name.empty() ? ", section.toml" : ", section_" + section.name + ".toml";
   }
@@ -161,6 +163,17 @@ Decision decide_elastic(const Scene& scene) {
                             scene.excavations[scene.field_stress->excavation].name)};
 }
 
+Decision decide_motion(const Scene& scene) {
+  if (!scene.motion) return {false, "no [[body]] and no [motion]"};
+  if (scene.monte_carlo) return {false, "not in ensembles; cleave replay shows one realization"};
+  std::string_view which = "every block that no side of the domain holds";
+  if (scene.motion->release == Release::batches) which = "key blocks";
+  if (scene.motion->release == Release::groups) which = "key blocks and key groups";
+  if (scene.motion->release == Release::stage) which = "key blocks, stage by stage";
+  return {true, fmt::format("{} in motion, {} {:g} s", which, scene.motion->to_rest ? "to rest or" : "for",
+                            scene.motion->duration.si())};
+}
+
 Decision decide(const Scene& scene, Stage stage) {
   const bool stability = scene.stability.has_value();
   const std::size_t sets = scene.joint_sets.size();
@@ -176,10 +189,10 @@ Decision decide(const Scene& scene, Stage stage) {
     case Stage::support: return {scene.support && stability, why_support(scene)};
     case Stage::monte_carlo: return {scene.monte_carlo.has_value(), why_monte_carlo(scene)};
     case Stage::elastic: return decide_elastic(scene);
-    case Stage::contact: return {false, "no [[body]]"};
+    case Stage::contact: return decide_motion(scene);
     case Stage::write:
       return {true, scene.monte_carlo ? "summary.json, log.txt, realizations.csv, copies of the scene"
-                                      : why_write(scene.output, stability)};
+                                      : why_write(scene.output, stability, scene.motion.has_value())};
     case Stage::report: return {scene.output.report, scene.output.report ? "report.html" : "output.report = false"};
   }
   std::unreachable();

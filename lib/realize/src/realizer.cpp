@@ -11,6 +11,7 @@
 #include "cut_problem.hpp"
 #include "field_stress.hpp"
 #include "judge.hpp"
+#include "motion_run.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -71,9 +72,11 @@ Realizer::Done Realizer::step(Stage stage) {
       return {};
     case Stage::elastic:
       return made_.analysis && detail_ == Detail::shown ? booked(stage, [&] { return clamp(); }) : Done{};
+    case Stage::contact:
+      if (made_.analysis && scene_->motion && detail_ == Detail::shown) booked(stage, [&] { move(); });
+      return {};
     case Stage::read:
     case Stage::monte_carlo:
-    case Stage::contact:
     case Stage::write:
     case Stage::report: return {};  // not of a realization
   }
@@ -210,6 +213,8 @@ void Realizer::support() {
     judge_support(*scene_, *made_.complex, *made_.analysis, made_, true);
   }
 }
+
+void Realizer::move() { made_.motion = run_motion(*scene_, made_, made_.complex->complex()); }
 
 Realizer::Done Realizer::clamp() {
   const auto field = TunnelField::make(*scene_, *scene_->field_stress, options_.threads);

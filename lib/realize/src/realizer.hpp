@@ -41,6 +41,7 @@ class Realizer final {
   void judge_groups();
   void support();
   [[nodiscard]] Done clamp();
+  void move();
   [[nodiscard]] stability::Settings settings(const topology::BlockComplex& complex) const;
   /// Nothing is asked of ensembles that is only flagged.
   [[nodiscard]] stability::Settings of_detail(stability::Settings settings) const;

@@ -91,6 +91,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
     }
   }
   result.notes = notes_of(scene, result);
+  if (result.motion) std::ranges::copy(result.motion->notes, std::back_inserter(result.notes));
   if (result.complex) add_excavation_notes(result.excavations, result.notes);
   result.title = scene.title;
   result.project = scene.project;

@@ -46,21 +46,6 @@ Strength draw_strength(const Scene& scene, std::uint64_t realization, SetId set,
           properties.tension.quantile(uniform(Draw::tension)), properties.jrc, properties.jcs};
 }
 
-geometry::Vec3 upward(geometry::Vec3 n) {
-  const bool down = n.z < 0 || (n.z == 0 && (n.y < 0 || (n.y == 0 && n.x < 0)));
-  return down ? -n : n;
-}
-
-/// Area vector of a polygon (Newell), relative to its first corner.
-geometry::Vec3 area_vector(const geometry::Polygon& polygon) {
-  const auto corners = polygon.corners();
-  geometry::Vec3 sum;
-  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
-    sum += geometry::cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
-  }
-  return sum;
-}
-
 JointInfo describe_joint(SetId set, JointOrigin origin, std::string source, Strength strength, geometry::Vec3 normal) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   const geometry::Vec3 n = upward(normal);
@@ -102,26 +87,6 @@ void add_measured(const Scene& scene, std::uint64_t realization, SampledScene& d
 
 using SampledSets = std::vector<std::vector<dfn::SampledJoint>>;
 
-/// Given joints of a set, as joints drawn later see them.
-std::vector<dfn::SampledJoint> given_joints(const Scene& scene, SetId set) {
-  std::vector<dfn::SampledJoint> joints;
-  for (const MeasuredJoint& joint : scene.joints) {
-    if (joint.set != set) continue;
-    std::visit(overloaded{[&](const topology::Joint& polygons) {
-                            for (const geometry::Polygon& polygon : polygons.polygons) {
-                              const geometry::Vec3 normal = upward(geometry::normalized(area_vector(polygon)));
-                              joints.push_back({polygon, polygon.corners().front(), normal, 0});
-                            }
-                          },
-                          [&](const topology::PersistentJoint& plane) {
-                            const geometry::Vec3 normal = upward(geometry::normalized(plane.normal));
-                            joints.push_back({dfn::InfinitePlane{plane.through, normal}, plane.through, normal, 0});
-                          }},
-               joint.geometry);
-  }
-  return joints;
-}
-
 /// The joints of all sets, each drawn after those it ends at.
 std::expected<SampledSets, std::vector<Problem>> sample_sets(const Scene& scene, std::uint64_t realization,
                                                              const Box& box) {
@@ -138,7 +103,7 @@ std::expected<SampledSets, std::vector<Problem>> sample_sets(const Scene& scene,
         older.emplace_back(sampled[other]);
       } else {
         auto& joints = given[other - count];
-        if (joints.empty()) joints = given_joints(scene, SetId{other - count});
+        if (joints.empty()) joints = given_joints(scene.joints, SetId{other - count});
         older.emplace_back(joints);
       }
     }

@@ -10,8 +10,8 @@
 #include "cleave/exchange/json_fields.hpp"
 #include "cleave/exchange/text.hpp"
 #include "cleave/exchange/vtu_writer.hpp"
-#include "html_parts.hpp"
 #include "cleave/report/summary.hpp"
+#include "html_parts.hpp"
 #include "tables2d.hpp"
 
 namespace cleave::report {

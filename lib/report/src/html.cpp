@@ -11,12 +11,14 @@
 #include "assets.hpp"
 #include "cleave/core/version.hpp"
 #include "cleave/exchange/text.hpp"
+#include "cleave/realize/block_sizes.hpp"
 #include "drawings.hpp"
 #include "html_key_blocks.hpp"
 #include "html_parts.hpp"
 #include "html_stability.hpp"
 #include "html_why.hpp"
 #include "key_groups.hpp"
+#include "motion.hpp"
 #include "stages_section.hpp"
 #include "stereonet.hpp"
 #include "unrolled.hpp"
@@ -167,6 +169,20 @@ std::string blocks_section(const Page& page) {
   out += fact("Largest face-vector sum", display(c.face_vector_max_relative, 2) + " (relative)");
   out += fact("Decisions that needed exact numbers", display(100 * b.exact_share, 3) + " %");
   out += fact("Hash of the block system", "<code>" + escape_xml(b.hash) + "</code>");
+  if (b.sizes) {
+    const scene::BlockSizes& sizes = *b.sizes;
+    const std::string which = sizes.inner ? " (touching no fixed side)" : " (all)";
+    out += fact("Whole blocks measured", display_count(sizes.count) + which);
+    for (const char* const level : {"p10", "p50", "p90"}) {
+      out += fact(std::string{"Volume "} + level + ", by number; by volume",
+                  display(sizes.by_number.at(level)) + "; " + display(sizes.by_volume.at(level)) + " m³");
+    }
+    out += fact("D50, D80", display(sizes.d50.si()) + ", " + display(sizes.d80.si()) + " m");
+    out += fact("Cubic, platy, elongated, bladed",
+                display_count(sizes.shapes.cubic) + ", " + display_count(sizes.shapes.platy) + ", " +
+                    display_count(sizes.shapes.elongated) + ", " + display_count(sizes.shapes.bladed));
+    out += fact("Volumetric joint count Jv", display(sizes.jv) + " 1/m");
+  }
   out += "</tbody></table></div>\n<figure>" + size_curve(std::move(volumes));
   return out +
          "<figcaption>Share of the <span class=\"key-a\">number of blocks</span> and of the <span class=\"key-b\">rock "
@@ -271,6 +287,7 @@ std::string report_html(const Page& page) {
   out += why_section(page);
   out += unrolled_section(page);
   if (page.result.key_groups) out += key_groups_section(*page.result.key_groups);
+  if (page.result.motion) out += motion_section(*page.result.motion);
   out += support_section(page);
   out += maximum_section(page);
   if (r.sequence) out += stages_section(*r.sequence);

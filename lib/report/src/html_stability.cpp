@@ -1,9 +1,12 @@
 #include "html_stability.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <span>
 
 #include "cleave/exchange/text.hpp"
+#include "html_parts.hpp"
 #include "pyramid_net.hpp"
 
 namespace cleave::report {
@@ -95,16 +98,24 @@ std::string support_section(const Page& page) {
   }
   if (!page.result.designs.empty()) {
     out +=
-        "<h3>Search for a pattern</h3><table><thead><tr><th>Length (m)</th><th>Spacing times</th><th>Bolts</th>"
-        "<th>Cost</th></tr></thead><tbody>\n";
+        "<h3>Search for a pattern</h3><div class=\"scroll\"><table id=\"designs\"><thead><tr><th>Length (m)</th>"
+        "<th>Spacing (m)</th><th>Rings</th><th>Bolts</th><th>Spot bolts</th><th>Cost</th><th>Random places that "
+        "fail</th><th>Governing block</th></tr></thead><tbody>\n";
     for (const scene::DesignResult& d : page.result.designs) {
-      out += "<tr><td>" + display(d.length, 3) + "</td><td>" + (d.found ? display(d.scale, 3) : "none passes") +
-             "</td><td>" + (d.found ? display_count(d.bolts) : "–") + "</td><td>" +
-             (d.found ? display(d.cost, 4) : "–") + "</td></tr>\n";
+      const auto if_found = [&](std::string text) { return d.found ? std::move(text) : std::string{"–"}; };
+      out += detail::table_row(
+          {display(d.length, 3), d.found ? display(d.spacing[0], 3) + " × " + display(d.spacing[1], 3) : "none passes",
+           if_found(d.rings > 0 ? display_count(d.rings) : "a grid"), if_found(display_count(d.bolts)),
+           if_found(display_count(d.spot_bolts)), if_found(display(d.cost, 4)),
+           fmt::format("{} of {} ({:.0f} to {:.0f} %)", d.failing, d.offsets, 100 * d.failing_share[0],
+                       100 * d.failing_share[1]),
+           d.governing ? std::to_string(*d.governing) : "–"});
     }
     out +=
-        "</tbody></table><p class=\"small\">Widest spacing at which every offset of the pattern that was tried holds "
-        "all blocks, alone and stitched.</p>\n";
+        "</tbody></table></div><p class=\"small\">Widest spacing at which every offset of the pattern that was tried "
+        "holds all blocks, alone and stitched; spacing and rings of the first pattern. Random places: offsets drawn at "
+        "random at which that pattern was tried again (where none passes, the tightest one), with the 95 % interval of "
+        "the share that fails. The governing block misses its target most often, or has the least margin.</p>\n";
   }
   return out + "</section>\n";
 }
@@ -113,9 +124,10 @@ std::string maximum_section(const Page& page) {
   if (page.result.maximum_blocks.empty()) return {};
   std::string out =
       "<section id=\"maximum\"><h2>Largest key blocks of block theory</h2>\n<p class=\"small\">What joints without "
-      "end, "
-      "in the mean orientations of three sets and anywhere, can make at the tunnel; orientations alone decide. Volumes "
-      "are upper bounds.</p>\n<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Sets</th><th>Below</th>"
+      "end, in the mean orientations of three sets and anywhere, can make at the tunnel; orientations alone decide. "
+      "Volumes are upper bounds of blocks with one joint of each of the three sets. Blocks between two joints of one "
+      "set are not among them, nor is the scatter of a set about its mean: either may make a larger one.</p>\n"
+      "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Sets</th><th>Below</th>"
       "<th>Where</th><th>Volume (m³)</th><th>Weight (kN)</th><th>Height (m)</th><th>Face (m²)</th><th>Mode</th>"
       "<th>Factor</th><th>Target</th><th>Required pressure (kPa)</th></tr></thead><tbody>\n";
   for (const scene::MaximumRow& row : page.result.maximum_blocks) {

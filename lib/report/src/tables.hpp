@@ -207,6 +207,10 @@ void fields(V& v, const SupportBlockRow& x) {
   v("required_pressure_pa", x.b.required_pressure);
   v("free_area_m2", x.b.free_area);
   v("shotcrete_thickness_m", x.b.needed_thickness, "that would hold the block alone");
+  v("received_n", x.b.received, "what blocks of later batches pass to it");
+  v("own_pressure_pa", x.b.own_pressure, "required_pressure_pa without that");
+  v("passed_on", x.b.passed_on,
+    "its free faces cannot take what it received (`most_pressure`): hold the blocks behind");
 }
 
 struct CombinedBlockRow {

@@ -10,10 +10,12 @@
 #include "cleave/exchange/dangling.hpp"
 #include "cleave/exchange/exports.hpp"
 #include "cleave/exchange/vtu.hpp"
-#include "html.hpp"
+#include "cleave/exchange/vtu_writer.hpp"
 #include "cleave/report/key_blocks.hpp"
-#include "key_groups.hpp"
 #include "cleave/report/summary.hpp"
+#include "html.hpp"
+#include "key_groups.hpp"
+#include "motion.hpp"
 
 namespace cleave::report {
 namespace {
@@ -46,6 +48,18 @@ std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result,
                             blocks_vtu(make_cells(state), stage.analysis ? &*stage.analysis : nullptr, text)));
   }
   return {};
+}
+
+std::expected<void, WriteError> write_motion(const scene::RunResult& result, const fs::path& folder) {
+  if (!result.motion || complex_of(result) == nullptr) return {};
+  if (result.output.csv) CLEAVE_CHECK(write_file(folder / "motion.csv", motion_csv(*result.motion)));
+  if (!result.output.vtu) return {};
+  std::vector<std::pair<double, std::string>> series;
+  for (std::size_t f = 0; f < result.motion->frames.size(); ++f) {
+    series.emplace_back(result.motion->frames[f].time.si(), frame_file("motion", f));
+    CLEAVE_CHECK(write_file(folder / series.back().second, motion_vtu(result, f)));
+  }
+  return write_file(folder / "motion.pvd", pvd(series));
 }
 
 std::expected<void, WriteError> write_dangling(const scene::RunResult& result, const fs::path& folder) {
@@ -106,6 +120,7 @@ std::expected<void, WriteError> write_all(const scene::RunResult& result, const 
   if (error) return std::unexpected(CannotCreate{folder, error.message()});
   CLEAVE_CHECK(write_blocks_vtu(result, folder));
   CLEAVE_CHECK(write_dangling(result, folder));
+  CLEAVE_CHECK(write_motion(result, folder));
   CLEAVE_CHECK(write_exports(result, folder));
   CLEAVE_CHECK(write_sections(result, folder));
   CLEAVE_CHECK(write_key_blocks_csv(result, folder));

@@ -15,6 +15,51 @@ Box box_of(std::span<const geometry::Vec3> points) noexcept {
 }
 Box box_of(const geometry::Solid& solid) noexcept { return box_of(solid.vertices()); }
 
+geometry::Vec3 upward(geometry::Vec3 n) noexcept {
+  const bool down = n.z < 0 || (n.z == 0 && (n.y < 0 || (n.y == 0 && n.x < 0)));
+  return down ? -n : n;
+}
+
+geometry::Vec3 area_vector(const geometry::Polygon& polygon) {
+  const auto corners = polygon.corners();
+  geometry::Vec3 sum;
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    sum += geometry::cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
+  }
+  return sum;
+}
+
+namespace {
+
+/// The part of a loop of corners within a half space. Loops that fold are taken piece by piece with their sign, so the
+/// area stays right.
+std::vector<geometry::Vec3> clipped(std::span<const geometry::Vec3> corners, double geometry::Vec3::* axis, double at,
+                                    double sign) {
+  std::vector<geometry::Vec3> kept;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const geometry::Vec3 p = corners[i], q = corners[(i + 1) % corners.size()];
+    const double a = sign * (p.*axis - at), b = sign * (q.*axis - at);
+    if (a >= 0) kept.push_back(p);
+    if ((a > 0 && b < 0) || (a < 0 && b > 0)) kept.push_back(p + (a / (a - b)) * (q - p));
+  }
+  return kept;
+}
+
+}  // namespace
+
+geometry::Vec3 area_within(std::vector<geometry::Vec3> corners, const Box& box) {
+  using geometry::Vec3;
+  for (double Vec3::* const axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+    corners = clipped(corners, axis, box.min.*axis, 1);
+    corners = clipped(corners, axis, box.max.*axis, -1);
+  }
+  Vec3 twice{0, 0, 0};
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    twice += geometry::cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
+  }
+  return twice / 2;
+}
+
 bool apart(const Box& a, const Box& b) noexcept {
   return a.max.x < b.min.x || b.max.x < a.min.x || a.max.y < b.min.y || b.max.y < a.min.y || a.max.z < b.min.z ||
          b.max.z < a.min.z;

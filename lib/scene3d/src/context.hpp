@@ -54,6 +54,10 @@ struct ParsedStability {
 /// [field_stress]; after [rock] and the excavations.
 [[nodiscard]] std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, const Rock& rock,
                                                                     const std::vector<Excavation>& excavations);
+/// [motion]; after what it releases.
+[[nodiscard]] std::optional<MotionSettings> parse_motion(const TableReader& root,
+                                                         const std::optional<StabilitySettings>& stability,
+                                                         const std::optional<SequenceSettings>& sequence);
 [[nodiscard]] MicroBlocks parse_micro_blocks(const TableReader& root);
 
 /// Adds notes on a scene that is not wrong: joints outside the domain, no joints at all, strengths that nobody stated.

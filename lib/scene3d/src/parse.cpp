@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cleave/core/sha256.hpp"
+#include "cleave/scene3d/drawing_order.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "cleave/stochastic/ensemble.hpp"
 #include "context.hpp"
@@ -176,6 +177,7 @@ const KeyTable& scene_keys() {
            {"field_stress", key::table(&field_stress_keys), "", "clamping by the stress around a tunnel"},
            {"support", key::table(&support_keys), "", "bolts and shotcrete"},
            {"sequence", key::table(&sequence_keys), "", "excavation in stages"},
+           {"motion", key::table(&motion_keys), "", "blocks in motion"},
            {"micro_blocks", key::table(&micro_blocks_keys), "", "blocks thinner or smaller than a limit"},
            {"monte_carlo", key::table(&monte_carlo_keys), "", "many realizations instead of one run"},
            {"output", key::table(&output_keys), "", "files of the result"}},
@@ -186,6 +188,7 @@ const KeyTable& scene_keys() {
                 {Stage::support, {"support"}},
                 {Stage::monte_carlo, {"monte_carlo"}},
                 {Stage::elastic, {"field_stress"}},
+                {Stage::contact, {"motion"}},
                 {Stage::write, {"output"}},
                 {Stage::report, {"project", "output"}}}};
   return keys;
@@ -236,9 +239,10 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   std::optional<FieldStressSettings> field_stress = parse_field_stress(root, rock, excavations);
   OutputSettings output = parse_output(root);
   std::optional<SequenceSettings> sequence = parse_sequence(root, excavations);
+  const std::optional<MotionSettings> motion = parse_motion(root, stability.settings, sequence);
   const MicroBlocks micro_blocks = parse_micro_blocks(root);
   // What is asked for of all the rock needs all the rock.
-  if (sequence || header.keep_dangling || micro_blocks.policy == MicroBlockPolicy::exclude) {
+  if (sequence || motion || header.keep_dangling || micro_blocks.policy == MicroBlockPolicy::exclude) {
     output.only_key_blocks = false;
   }
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
@@ -274,6 +278,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .stability = stability.settings,
               .field_stress = field_stress,
               .sequence = std::move(sequence),
+              .motion = motion,
               .micro_blocks = micro_blocks,
               .output = output,
               .monte_carlo = std::move(monte_carlo),
@@ -284,6 +289,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
               .given = {},
               .notes = {}};
   for (const TomlEntry& entry : table.entries) scene.given.push_back(entry.key);
+  keep_intensities(scene, problems);
   find_notes(scene, root);
   scene.notes = std::move(problems).take_notes();
   return scene;

@@ -23,12 +23,15 @@ constexpr NumberRule exponent_rule{0, true, 100, false, ""};
 constexpr NumberRule aspect_rule{0, true, 1e6, false, ""};
 constexpr NumberRule per_metre_rule{0, false, 1e9, false, " 1/m"};
 constexpr NumberRule per_volume_rule{0, false, 1e9, false, ""};
+constexpr NumberRule buffer_rule{1, true, 100, false, ""};
 constexpr std::int64_t most_sides = 256;
 constexpr std::array<string_view, 5> orientation_laws{"fisher", "uniform", "normal", "constant", "bootstrap"};
-constexpr std::array<string_view, 6> size_laws{"constant", "normal", "exponential", "lognormal", "power", "gamma"};
-constexpr std::array<dfn::SizeDistribution, 6> size_kinds{
+constexpr std::array<string_view, 7> size_laws{"constant", "normal", "exponential", "lognormal",
+                                               "power",    "gamma",  "uniform"};
+constexpr std::array<dfn::SizeDistribution, 7> size_kinds{
     dfn::SizeDistribution::constant,  dfn::SizeDistribution::normal, dfn::SizeDistribution::exponential,
-    dfn::SizeDistribution::lognormal, dfn::SizeDistribution::power,  dfn::SizeDistribution::gamma};
+    dfn::SizeDistribution::lognormal, dfn::SizeDistribution::power,  dfn::SizeDistribution::gamma,
+    dfn::SizeDistribution::uniform};
 constexpr std::array<string_view, 1> persistent_word{"persistent"};
 constexpr std::array<string_view, 3> rotation_laws{"uniform", "normal", "constant"};
 constexpr std::array<string_view, 5> shape_words{"rectangle", "square", "disc", "ellipse", "polygon"};
@@ -61,6 +64,8 @@ const KeyTable& size_keys() {
                {"std", key::number(rule::length_or_zero), "", "m, before the law is cut"},
                {"min", key::number(rule::length_or_zero), "", "m"},
                {"max", key::number(rule::length), "", "m"},
+               {"clamp", key::flag(), "false",
+                "true: what the law draws beyond `min` or `max` becomes these; false: it is drawn again"},
                {"exponent", key::number(exponent_rule), "", "of the power law"}}};
   return keys;
 }
@@ -216,7 +221,11 @@ const KeyTable& joint_set_keys() {
              "degrees in the joint's plane from strike, or a law `uniform` (`min`, `max`) or `normal` (`mean`, `std`)"},
             {"intensity", key::table(&intensity_keys), required,
              "one of `count` (exactly so many centres in the domain's box), `p32` (1/m), `p30` (1/m3), `p10` (1/m "
-             "along the mean normal), `spacing` (m)"}}};
+             "along the mean normal), `spacing` (m)"},
+            {"buffer", key::number(buffer_rule), "",
+             "joints have their centres in a box so many times as large as the domain's, about its centre, at the same "
+             "density; without it `count` fills the domain's box, the others a box that all joints are drawn in that "
+             "can reach the domain"}}};
     for (Key& key : model_keys()) table.keys.push_back(std::move(key));
     return table;
   }();
@@ -251,6 +260,7 @@ std::optional<dfn::SizeLaw> parse_size(const TableReader& set, string_view key) 
     spec.min = length("min");
     spec.max = length("max");
     spec.exponent = table.number("exponent");
+    spec.clamp = table.flag("clamp");
     // A lower limit of 0 says no more than that sizes are positive.
     if (spec.min && spec.min->si() == 0) spec.min = std::nullopt;
     if (!law || set.problems().errors() != before) return std::nullopt;
@@ -438,7 +448,8 @@ void parse_joint_set(Context& context, const TableReader& set, const OtherSets& 
   const auto rotation = parse_rotation(set);
   const auto intensity = parse_intensity(set);
   if (context.problems.errors() != before || !orientation || !shape || !rotation || !intensity || !model) return;
-  auto law = dfn::JointSet::make({*orientation, *shape, *rotation, *intensity, *model});
+  const auto buffer = set.number("buffer");
+  auto law = dfn::JointSet::make({*orientation, *shape, *rotation, *intensity, *model, buffer});
   if (!law) {
     struct Refusal {
       std::string key, what, remedy;

@@ -119,6 +119,7 @@ const KeyTable& design_keys() {
           {"scale", key::pair(rule::factor), "[0.25, 4]", "tightest and widest multiple of the patterns' spacings"},
           {"phases", key::whole(1, 64), "4", "offsets of the pattern that must all pass"},
           {"offsets", key::whole(1, 10000), "40", "drawn at random, at which the pattern found is tried"},
+          {"spot", key::flag(), "false", "true: the spot bolts of `[support]` count too; without, the pattern alone"},
           {"cost_per_bolt", key::number(cost_rule), "0", "in any currency"},
           {"cost_per_metre", key::number(cost_rule), "1", "of bolt"}}};
   return keys;
@@ -347,6 +348,8 @@ void parse_design(const TableReader& owner, SupportSettings& support) {
   design.offsets = static_cast<std::uint32_t>(table->count("offsets"));
   design.cost_per_bolt = table->value("cost_per_bolt");
   design.cost_per_metre = table->value("cost_per_metre");
+  design.spot = table->flag("spot");
+  if (design.spot && !support.plan.spot) table->error("spot", "there are none", "add spot to [support]");
   if (support.patterns.empty()) {
     owner.error("design", "there is no pattern to space", "add [[support.bolts]] with tunnel or grid");
     return;
@@ -368,6 +371,10 @@ const KeyTable& support_keys() {
            "adhesion where stated; counts together with bolts; bending between bolts is not checked; below"},
           {"spot_area", key::number(area_rule), "0.5",
            "m2 of free face of a block: below, it is small: no spot bolts, and apart in the summary"},
+          {"most_pressure", key::number(rule::strength), "2e6",
+           "Pa on free faces that support can give: blocks that need more, because of forces passed to them, are "
+           "counted "
+           "apart (`passed_on`)"},
           {"action", key::word(actions), "\"passive\"",
            "`\"active\"`: tensioned bolts, in the factor of bolts alone (`factor_with_bolts`) only; what holds is "
            "decided "
@@ -392,6 +399,7 @@ std::optional<SupportSettings> parse_support(const TableReader& root, const std:
   parse_design(table, support);
   support.plan.active = table.choice("action") == std::size_t{1};
   support.plan.spot_area = table.value("spot_area");
+  support.plan.most_pressure = table.value("most_pressure");
   support.plan.key_only = table.flag("key_only");
   if (stability && stability->target) {
     support.plan.target_falling = stability->target->falling;

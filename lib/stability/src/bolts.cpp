@@ -1,11 +1,10 @@
-#include "cleave/stability/bolts.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "cleave/core/overloaded.hpp"
+#include "cleave/stability/support.hpp"
 
 namespace cleave::stability {
 namespace {

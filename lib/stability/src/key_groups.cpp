@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <limits>
 #include <unordered_set>
 #include <utility>
 
 #include "assembly_of.hpp"
+#include "cleave/core/assert.hpp"
 #include "contacts.hpp"
+#include "touching.hpp"
 
 namespace cleave::stability {
 namespace {
@@ -19,6 +22,8 @@ using topology::BlockId;
 
 /// Layers of blocks behind the exposed ones that are looked at; as many more around a group that touches the last.
 constexpr std::uint32_t first_layers = 3;
+/// Among more blocks what moving tips push along is not looked for: it is in doubt.
+constexpr std::size_t most_pushed = 200;
 
 /// What no other group has taken; it moves with those, but it is they that are proved to move.
 assembly::Group without(const assembly::Group& group, const std::vector<std::uint8_t>& taken) {
@@ -32,6 +37,14 @@ assembly::Group without(const assembly::Group& group, const std::vector<std::uin
   }
   if (out.bodies.size() < group.bodies.size() && group.verdict == Verdict::certain) out.verdict = Verdict::unsafe;
   return out;
+}
+
+assembly::Assembly with_contacts(const assembly::Assembly& assembly, std::vector<assembly::Contact> more) {
+  assembly::AssemblySpec spec{assembly.freedom(), assembly.bodies(), assembly.contacts()};
+  std::ranges::move(more, std::back_inserter(spec.contacts));
+  auto made = assembly::Assembly::make(std::move(spec));
+  CLEAVE_ASSERT(made.has_value());
+  return *std::move(made);
 }
 
 class Search final {
@@ -146,6 +159,7 @@ class Search final {
       std::ranges::set_union(blocks, wider, std::back_inserter(both));
       blocks = std::move(both);
     }
+    add_pushed(found, blocks, batch);
     for (const KeyGroup& group : found) {
       for (const BlockId id : group.blocks) {
         neighbours(id,
@@ -153,6 +167,87 @@ class Search final {
       }
     }
     return found;
+  }
+
+  /// Blocks at rest that the tips of moving ones push along, in doubt: whether they do depends on forces at edges and
+  /// corners that have no area yet, all of them together or one by one.
+  void add_pushed(std::vector<KeyGroup>& found, const std::vector<BlockId>& blocks, std::uint32_t batch) {
+    const std::vector<KeyGroup> all = found;
+    for (const KeyGroup& group : all) {
+      if (group.verdict == Verdict::in_doubt) continue;
+      std::vector<BlockId> around;
+      std::ranges::set_intersection(within(group.blocks, 2, batch), blocks, std::back_inserter(around));
+      std::vector<BlockId> touched;
+      for (const assembly::Contact& tip : touching_contacts(model_, group.blocks, group.rates, around)) {
+        touched.push_back(around[*tip.other]);
+      }
+      std::ranges::sort(touched);
+      touched.erase(std::ranges::unique(touched).begin(), touched.end());
+      if (touched.empty()) continue;
+      // Among many what tips touch is in doubt without a look.
+      if (group.blocks.size() > most_pushed) {
+        for (const BlockId id : touched) doubt(found, {id}, batch);
+        continue;
+      }
+      look_pushed(found, group, touched, blocks, batch);
+      for (std::size_t k = 0; touched.size() > 1 && k < touched.size(); ++k) {
+        if (!in_one_of(found, touched[k])) look_pushed(found, group, {touched[k]}, blocks, batch);
+      }
+    }
+    std::ranges::sort(found, {}, [](const KeyGroup& g) { return g.blocks.front(); });
+  }
+
+  /// Pushes at some blocks at rest; a few layers of others behind them may give way with them.
+  void look_pushed(std::vector<KeyGroup>& found, const KeyGroup& group, const std::vector<BlockId>& touched,
+                   const std::vector<BlockId>& blocks, std::uint32_t batch) {
+    std::vector<BlockId> near, these;
+    std::ranges::set_union(within(touched, 2, batch), group.blocks, std::back_inserter(near));
+    std::ranges::set_intersection(near, blocks, std::back_inserter(these));
+    std::vector<assembly::Contact> tips = touching_contacts(model_, group.blocks, group.rates, these);
+    std::erase_if(
+        tips, [&](const assembly::Contact& tip) { return !std::ranges::binary_search(touched, these[*tip.other]); });
+    doubt_what_moves(found, assembly_of(model_, these, batch), tips, these, batch);
+  }
+
+  void doubt_what_moves(std::vector<KeyGroup>& found, const assembly::Assembly& without_tips,
+                        const std::vector<assembly::Contact>& tips, const std::vector<BlockId>& blocks,
+                        std::uint32_t batch) {
+    const assembly::Assembly whole = with_contacts(without_tips, tips);
+    for (const bool moments : {false, true}) {
+      if (moments && out_.without_moments) continue;
+      const assembly::Start start = start_from_rest(moments ? whole : whole.with(Freedom::translation), 1);
+      std::vector<BlockId> these;
+      if (start.found == assembly::FromRest::unsettled) {
+        for (const assembly::Contact& tip : tips) these.push_back(blocks[*tip.other]);
+      }
+      const double most = start.speed.empty() ? 0 : std::ranges::max(start.speed);
+      for (std::size_t b = 0; b < start.speed.size(); ++b) {
+        if (start.speed[b] > 1e-6 * most && most > 1e-8) these.push_back(blocks[b]);
+      }
+      doubt(found, these, batch);
+    }
+  }
+
+  [[nodiscard]] static bool in_one_of(const std::vector<KeyGroup>& groups, BlockId id) {
+    return std::ranges::any_of(groups, [&](const KeyGroup& g) { return std::ranges::binary_search(g.blocks, id); });
+  }
+
+  /// Those that are in no group yet.
+  void doubt(std::vector<KeyGroup>& found, std::vector<BlockId> blocks, std::uint32_t batch) {
+    KeyGroup out{.batch = batch, .verdict = Verdict::in_doubt, .moments = false};
+    std::ranges::sort(blocks);
+    for (const BlockId id : blocks) {
+      if (!out.blocks.empty() && out.blocks.back() == id) continue;
+      if (in_one_of(found, id)) continue;
+      out.blocks.push_back(id);
+      out.volume += complex().blocks()[id].volume;
+    }
+    if (out.blocks.empty()) return;
+    out.rates.resize(out.blocks.size());
+    out.factor_up = std::numeric_limits<double>::infinity();
+    out.factor_move = 1;
+    out.factors = false;
+    found.push_back(std::move(out));
   }
 
   /// Whether a group that moves has a block beside one that may move too and was not looked at.

@@ -101,6 +101,14 @@ class Check final {
     return least ? whole * least->share : infinite;
   }
 
+  /// Pa, of which 1 on its free faces gives `push`, that brings the body to its target; infinite where none does.
+  [[nodiscard]] double pressure_needed(const Body& body, Vec3 push) const {
+    const double against = -dot(push, body.bare.direction);
+    if (!(against > 1e-9 * norm(push))) return infinite;
+    const double limit = 4 * body.target * body.bare.driving / against;
+    return least_multiple(body, limit * push, limit);
+  }
+
   void find_needy() {
     received_by_ = IdVector<BlockId, ForceSum>(complex_->blocks().size());
     for (const Judgement& giver : analysis_->judgements) {
@@ -132,10 +140,17 @@ class Check final {
       entry.required_direction = best_direction(*body);
       const double most = 1.05 * body->target * body->bare.driving;
       entry.required_force = least_multiple(*body, most * entry.required_direction, most);
-      entry.required_pressure = infinite;
-      if (const double against = -dot(push, body->bare.direction); against > 1e-9 * norm(push)) {
-        const double limit = 4 * body->target * body->bare.driving / against;
-        entry.required_pressure = least_multiple(*body, limit * push, limit);
+      entry.required_pressure = pressure_needed(*body, push);
+      entry.own_pressure = entry.required_pressure;
+      if (const ForceSum& received = received_by_[id]; received.force != Vec3{}) {
+        entry.received = norm(received.force);
+        Body own = *body;
+        own.resultant.add(-received.force, received.scale);
+        own.bare = judge(own.contacts, own.resultant, *settings_);
+        own.target = target_of(own.bare.mode, *plan_);
+        entry.own_pressure = moves(own.bare.mode) && own.lacks() ? pressure_needed(own, push) : 0;
+        entry.passed_on =
+            entry.required_pressure > plan_->most_pressure && !(entry.own_pressure > plan_->most_pressure);
       }
       needy_[id] = static_cast<std::uint32_t>(bodies_.size());
       bodies_.push_back(*std::move(body));

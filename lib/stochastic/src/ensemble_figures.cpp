@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t resamples = 2000;
 /// By simulation of realizations with key blocks as heavy-tailed as those of tunnels (`./x study coverage`).
 constexpr double widening_of_means = 0.5, widening_of_ratios = 1;
-constexpr double skewed = 0.2, heavy = 0.4;
+constexpr double skewed = 0.2, heavy_tailed = 0.4;
 
 double lean(double skewness, std::uint64_t n) { return std::abs(skewness) / std::sqrt(number(n)); }
 
@@ -48,7 +48,7 @@ Estimate Ensemble::estimate(std::string name, const Moments& m, Method method) c
              .skewness = skewness,
              .smallest = m.smallest(),
              .largest = m.largest(),
-             .optimistic = m.count() >= 3 && lean(skewness, m.count()) > heavy,
+             .optimistic = m.count() >= 3 && lean(skewness, m.count()) > heavy_tailed,
              .bootstrap = {}};
   if (m.count() >= 2) {
     const Interval t =
@@ -90,7 +90,7 @@ Estimate Ensemble::ratio_estimate(std::string name, const PairMoments& pair, boo
           .high = interval.high,
           .std = se * std::sqrt(number(pair.count())),
           .skewness = skewness,
-          .optimistic = !share && pair.count() >= 3 && lean(skewness, pair.count()) > heavy,
+          .optimistic = !share && pair.count() >= 3 && lean(skewness, pair.count()) > heavy_tailed,
           .bootstrap = {}};
 }
 

@@ -366,7 +366,7 @@ class Analysis final {
       // Given how many were seen the laws are fitted to their lengths alone: both errors are independent.
       const auto mapped = static_cast<std::size_t>(
           std::ranges::count_if(lengths, [&](const SeenLength& l) { return l.length > 0 && l.length >= truncation; }));
-      const Estimate& offered = set.sizes.front().offered;
+      const Estimate& offered = *set.offered;
       set.p30 = over(over(frequency(mapped, 1, in_.confidence), detail::scaled(offered, "", width, ""), "", ""), sine,
                      "P30", "traces / E[(A + b l) width across the traces] E sin V under the law of sizes");
     } else if (set.p20->value) {
@@ -406,8 +406,8 @@ class Analysis final {
     detail::fit_laws(set, lengths, {0, 1, truncation}, detail::length_per_end(lengths, in_.confidence), in_.confidence);
     if (!set.size || !set.p32_lines || !set.p32_lines->value) return;
     if (!set.sizes.empty()) {
-      set.p30 = over(*set.p32_lines, detail::scaled(set.sizes.front().offered, "", shape_area(set.shape), ""), "P30",
-                     "P32 / E area");
+      set.p30 =
+          over(*set.p32_lines, detail::scaled(*set.offered, "", shape_area(set.shape), ""), "P30", "P32 / E area");
     } else {
       const double area = shape_area(set.shape) * size_moment(*set.size, 2);
       const double low = set.size_mean->low / set.size->mean, high = set.size_mean->high / set.size->mean;
@@ -426,6 +426,17 @@ class Analysis final {
       set.notes.emplace_back(
           "P32 of lines and of windows disagree beyond their intervals: the disc model or the sets do "
           "not fit");
+    }
+    if (set.mean_length && set.mean_length->value && set.size_mean && set.size_mean->value) {
+      const double traces = *set.mean_length->value, sizes = *set.size_mean->value;
+      constexpr double far = 5;
+      if (traces > far * sizes || sizes > far * traces) {
+        set.notes.push_back(fmt::format(
+            "the mean trace, {:.3g} m, and the mean size under the {} law, {:.3g} m, disagree {:.0f} times: most "
+            "joints "
+            "of that law are too small to be seen here, so mean size and P30 hang on the law alone; E L^2/E L does not",
+            traces, name_of(set.size->family), sizes, std::max(traces / sizes, sizes / traces)));
+      }
     }
     if (!set.p32) set.notes.emplace_back("no line and no window: the intensity is not known");
   }

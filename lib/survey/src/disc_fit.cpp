@@ -136,6 +136,30 @@ double disc_chance(const Fit& diameters, const Meeting& meeting) {
   return meeting.chance(integral(f, steps, upper, l0, 1) / mean, integral(f, steps, upper, l0, 0) / mean);
 }
 
+namespace {
+
+/// Logarithm of a law's relative spread, 0 where it has none of its own. The density of traces of equal discs has a
+/// pole at their diameter: towards one size, that of the longest trace, the likelihood rises without end as the root of
+/// 1/spread. Times the spread it does not.
+double log_spread(const Fit& law) {
+  switch (law.family) {
+    case Family::lognormal: return std::log(law.b);
+    case Family::gamma: return -0.5 * std::log(law.a);
+    case Family::exponential:
+    case Family::power: return 0;
+  }
+  std::unreachable();
+}
+
+/// No maximum in between: a spread below 2 % of the size or beyond all that joints can have.
+bool at_bounds(const Fit& law) {
+  constexpr double least = 0.02, most = 4;
+  const double spread = std::exp(log_spread(law));
+  return (law.family == Family::lognormal || law.family == Family::gamma) && !(spread > least && spread < most);
+}
+
+}  // namespace
+
 std::optional<Fit> fit_discs(std::span<const SeenLength> all, const Meeting& meeting, Family family) {
   std::vector<SeenLength> lengths;
   double sum = 0, ended = 0, low = INFINITY, high = 0;
@@ -174,11 +198,12 @@ std::optional<Fit> fit_discs(std::span<const SeenLength> all, const Meeting& mee
   };
   const auto loss = [&](const std::array<double, 2>& p) {
     const double extra = detail::parameters(family) == 1 ? p[1] * p[1] : 0;  // an unused variable is drawn to 0
-    const double l = -log_likelihood(law(p)) + extra;
+    const double l = -log_likelihood(law(p)) + extra - log_spread(law(p));
     return std::isfinite(l) ? l : 1e300;
   };
   const std::array<double, 2> best = detail::minimum(detail::start_of(family, sum / (0.5 * ended)), loss);
   Fit fit = law(best);
+  if (at_bounds(fit)) return std::nullopt;
   for (const auto& p : detail::one_error_away(best, static_cast<std::size_t>(detail::parameters(family)), loss)) {
     const Fit moved = law(p);
     fit.moved.push_back({moved.a, moved.b});

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cleave/core/rng.hpp"
+#include "cleave/core/special.hpp"
 
 namespace cleave::survey::detail {
 
@@ -144,6 +145,48 @@ void fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Mee
   undecided(set, "size", [](const FittedSize& l) { return std::pair{l.law.family, l.aic}; }, set.sizes);
 }
 
+/// Interval of a figure over laws of which none is certain: the tails of all, weighted by exp(-AIC/2), hold together
+/// what one law's would (Turek & Fletcher 2012), on the logarithm.
+void average(Estimate& taken, const std::vector<FittedSize>& laws, const std::function<Estimate(const FittedSize&)>& of,
+             double confidence) {
+  struct Law {
+    double weight, middle, error;
+  };
+  const double z = normal_quantile(0.5 + confidence / 2);
+  std::vector<Law> known;
+  for (const FittedSize& law : laws) {
+    const Estimate e = of(law);
+    if (!e.value || !(*e.value > 0) || !(e.high > *e.value) || !std::isfinite(e.high)) continue;
+    known.push_back({std::exp((laws.front().aic - law.aic) / 2), std::log(*e.value), std::log(e.high / *e.value) / z});
+  }
+  if (known.size() < 2) return;
+  const auto end = [&](double level) {
+    double low = INFINITY, high = -INFINITY, sum = 0;
+    for (const Law& law : known) {
+      low = std::min(low, law.middle - 10 * law.error);
+      high = std::max(high, law.middle + 10 * law.error);
+      sum += law.weight;
+    }
+    for (int i = 0; i < 100; ++i) {
+      const double middle = (low + high) / 2;
+      double below = 0;
+      for (const Law& law : known) below += law.weight / sum * special::normal_cdf((middle - law.middle) / law.error);
+      (below < level ? low : high) = middle;
+    }
+    return std::exp(low);
+  };
+  taken.low = std::min(*taken.value, end((1 - confidence) / 2));
+  taken.high = std::max(*taken.value, end((1 + confidence) / 2));
+  taken.method += ", over all laws by their AIC";
+}
+
+void average_over_laws(SetResult& set, double confidence) {
+  average(*set.size_mean, set.sizes, [](const FittedSize& law) { return law.mean; }, confidence);
+  average(*set.size_std, set.sizes, [](const FittedSize& law) { return law.std; }, confidence);
+  set.offered = set.sizes.front().offered;
+  average(*set.offered, set.sizes, [](const FittedSize& law) { return law.offered; }, confidence);
+}
+
 }  // namespace
 
 void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meeting& meeting,
@@ -191,6 +234,7 @@ void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meet
     set.size = set.sizes.front().law;
     set.size_mean = set.sizes.front().mean;
     set.size_std = set.sizes.front().std;
+    average_over_laws(set, confidence);
   } else if (mean && mean->value) {
     set.notes.emplace_back("the exponential law of sizes with the same mean trace is taken");
     set.size = size_law(Family::exponential, *mean->value, 0, set.chords);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -51,7 +52,8 @@ using Shape = std::variant<Rectangle, Square, Disc, Ellipse, RegularPolygon, Per
 
 // ---- intensity ------------------------------------------------------------------------------------------------------
 
-/// Exactly this many joints, centres uniform in the domain's box.
+/// Exactly this many joints, centres uniform in the domain's box; in a larger box (`JointSetSpec::buffer`) as many more
+/// as it is larger, so that the density stays.
 struct Count {
   std::uint64_t joints = 0;
 };
@@ -83,6 +85,9 @@ struct JointSetSpec {
   RotationLaw rotation = FixedRotation{};
   Intensity intensity;
   Model model = Baecher{};
+  /// Side of the box of centres over that of the domain's box, >= 1; none: the box of `Count`, or the grown box. Only
+  /// for models that draw joints by their centres.
+  std::optional<double> buffer = {};
 };
 
 /// The number of a key is not finite or out of its range. `key` is spelt as in the scene file ("orientation.kappa").
@@ -126,6 +131,8 @@ class JointSet final {
   /// Part of the area of the model's planes (or faces) that become joints; 1 for models that draw joints themselves.
   /// Hierarchical: 1, its intensity is that of the planes.
   [[nodiscard]] double area_share() const noexcept { return area_share_; }
+  /// What joints that end at others keep of their area, (0, 1]: found by trial draws, as it depends on the other sets.
+  void set_area_share(double share) noexcept { area_share_ = share; }
 
  private:
   explicit JointSet(JointSetSpec spec) : spec_{std::move(spec)} {}

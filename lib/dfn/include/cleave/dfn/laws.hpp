@@ -16,16 +16,19 @@ namespace cleave::dfn {
 
 // ---- size -----------------------------------------------------------------------------------------------------------
 
-enum class SizeDistribution : std::uint8_t { constant, normal, exponential, lognormal, power, gamma };
+enum class SizeDistribution : std::uint8_t { constant, normal, exponential, lognormal, power, gamma, uniform };
 
 /// `mean` and `std` are those of the law before truncation to [min, max]. What a law does not use is left empty.
 struct SizeSpec {
   SizeDistribution distribution = SizeDistribution::constant;
-  std::optional<Length> mean;      ///< all but power
+  std::optional<Length> mean;      ///< all but power and uniform
   std::optional<Length> std;       ///< normal, lognormal, gamma
   std::optional<double> exponent;  ///< power: N(> x) ~ x^-exponent; needs min, and max when exponent <= 2
   std::optional<Length> min;       ///< >= 0; a normal law is cut at 1e-6 of its mean if this is smaller
-  std::optional<Length> max;
+  std::optional<Length> max;       ///< uniform: needs it, and min
+  /// What the law draws beyond min or max is taken as these, not drawn again: the limits then have probabilities of
+  /// their own.
+  bool clamp = false;
 };
 
 struct MissingParameter {
@@ -49,10 +52,10 @@ class SizeLaw final {
   [[nodiscard]] static std::expected<SizeLaw, SizeError> make(const SizeSpec& spec);
   [[nodiscard]] static SizeLaw constant(Length size);  ///< precondition: finite and > 0
 
-  /// Inverse of the truncated distribution function: larger u, larger size. Precondition: 0 < u < 1. Computed in the
-  /// tail that is the shorter one, so it is accurate far out as well.
+  /// Inverse of the truncated (or clamped) distribution function: larger u, larger size. Precondition: 0 < u < 1.
+  /// Computed in the tail that is the shorter one, so it is accurate far out as well.
   [[nodiscard]] Length quantile(double u) const noexcept;
-  /// E[X^k], k = 1 or 2, of the truncated law (m^k); closed forms.
+  /// E[X^k], k = 1 or 2, of the truncated (or clamped) law (m^k); closed forms.
   [[nodiscard]] double moment(int k) const noexcept;
   /// Part of the untruncated law within the limits, (0, 1].
   [[nodiscard]] double kept_share() const noexcept;
@@ -63,10 +66,15 @@ class SizeLaw final {
  private:
   SizeLaw() = default;
   SizeDistribution distribution_ = SizeDistribution::constant;
-  double a_ = 0, b_ = 0;          // parameters: constant value; mean, std; mean; mu, sigma; exponent; shape, scale
-  double min_ = 0, max_ = 0;      // limits, max may be infinite
-  double below_ = 0, above_ = 0;  // normal, lognormal: probability below min and above max
-  double mass_ = 1;               // probability between the limits
+  double a_ = 0, b_ = 0;            // parameters: constant value; mean, std; mean; mu, sigma; exponent; shape, scale
+  double min_ = 0, max_ = 0;        // limits, max may be infinite
+  double below_ = 0, above_ = 0;    // normal, lognormal: probability below min and above max
+  double mass_ = 1;                 // probability between the limits
+  double at_min_ = 0, at_max_ = 0;  // clamped laws: probabilities of the limits themselves
+
+  void clamp();
+  [[nodiscard]] Length quantile_within(double u) const noexcept;
+  [[nodiscard]] double moment_within(int k) const noexcept;
 };
 
 // ---- orientation ----------------------------------------------------------------------------------------------------

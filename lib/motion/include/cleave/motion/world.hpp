@@ -66,13 +66,16 @@ enum class Method : std::uint8_t {
   none,      ///< nothing pressed
   newton,    ///< semismooth, from the last forces or from none
   proximal,  ///< along falling proximal weights
+  sweeps,    ///< semismooth, from sweeps over the points
   convex,    ///< convex programmes with slip or bounds of friction renewed
 };
-inline constexpr std::size_t method_count = 4;
+inline constexpr std::size_t method_count = 5;
 [[nodiscard]] std::string_view name_of(Method method) noexcept;
 
 struct SolverOptions {
-  double accept = 1e-8;         ///< residual above which an answer is never called converged
+  double accept = 1e-8;  ///< residual above which an answer is never called converged
+  /// Whether forces that only lock bodies between one another may hold them: what moves they would stop at once.
+  bool locking = true;
   std::size_t patience = 4000;  ///< linear solves after which nothing more is tried
 };
 

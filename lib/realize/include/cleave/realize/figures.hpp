@@ -11,6 +11,7 @@
 #include "cleave/core/fields.hpp"
 #include "cleave/core/quantity.hpp"
 #include "cleave/geometry/vec3.hpp"
+#include "cleave/realize/block_sizes.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene3d/scene.hpp"
 #include "cleave/stability/key_groups.hpp"
@@ -70,12 +71,14 @@ struct CutFigures : InputFigures {
   std::vector<ExcavationFigures> excavations = {};
   std::vector<topology::SnappedJoint> snapped = {};
   topology::NearMisses near_misses = {};
+  std::vector<SetFigures> sets = {};
 };
 template <class V>
 void fields(V& v, const CutFigures& x) {
   fields(v, static_cast<const InputFigures&>(x));
   v("files", when_any(x.files), "read for the scene, beside the scene file itself (scene_sha256)");
   v("excavations", when_any(x.excavations), "in the order of the scene");
+  v("sets", when_any(x.sets), "joint sets as they lie in the box around the domain");
   v("snapped", when_any(x.snapped), "the joints that `snap` changed, by number; absent when there are none");
   v("near_misses", when(x.near_misses.sides > 0, x.near_misses),
     "sides of joints that nearly reach another polygon: rock that was perhaps meant to be parted there is not");
@@ -92,6 +95,7 @@ struct BlockFigures {
   std::uint64_t slivers = 0;
   std::string hash;
   double exact_share = 0;
+  std::optional<BlockSizes> sizes = {};
 };
 
 /// When only the rock near free faces was cut.
@@ -135,6 +139,7 @@ void block_fields(V& v, const std::optional<BlockFigures>& blocks, const topolog
       w("offenders", when_any(certificate.offenders), "numbers of blocks that did not pass, at most 20");
     }));
   v("exact_share", or_null(blocks, &B::exact_share), "part of the cutter's decisions that needed exact numbers, 0..1");
+  v("sizes", blocks ? blocks->sizes : std::nullopt, "block sizes and shapes");
   v("window", window,
     "present when only the rock near free faces was cut ([output] blocks = \"key\"): the other figures are of this "
     "box");
@@ -234,6 +239,7 @@ struct DesignResult {
   bool found = false;
   double scale = 0;  ///< on the scene's spacings
   std::size_t bolts = 0;
+  std::size_t spot_bolts = 0;  ///< beside them, where they count
   double cost = 0;
   /// Of the first pattern, m: along a tunnel's axis and around its section, or across and down a grid.
   std::array<double, 2> spacing{};
@@ -250,8 +256,8 @@ void fields(V& v, const DesignResult& x) {
   v("length_m", x.length);
   v("found", x.found);
   v("spacing_scale", x.scale, "on the scene's spacings");
-  v("bolts", x.bolts);
-  v("cost", x.cost);
+  v("bolts", x.bolts, "of the patterns");
+  v("cost", x.cost, "of all bolts");
   v("spacing_m", x.spacing, "of the first pattern, of the tightest where none is found");
   v("rings", x.rings, "of the first pattern; 0: a grid");
   v("offsets", x.offsets, "drawn at random, at which the pattern was tried");
@@ -259,6 +265,7 @@ void fields(V& v, const DesignResult& x) {
   v("failing_share_low", x.failing_share[0], "95 % interval of the share of offsets that fail");
   v("failing_share_high", x.failing_share[1]);
   v("governing_block", x.governing, "misses its target most often, or has the least margin");
+  v("spot_bolts", x.spot_bolts, "beside the pattern, where `spot` counts them");
 }
 
 /// Support pressure at one part of the openings: how the free faces of the blocks below their target share it.
@@ -286,6 +293,9 @@ struct SupportFigures {
   /// Blocks with less free face than `spot_area`.
   std::uint64_t small_blocks = 0, small_not_held = 0;
   double small_required_force_n = 0;
+  /// Blocks whose free faces cannot take what others pass to them.
+  std::uint64_t passed_on_blocks = 0, passed_on_not_held = 0;
+  double passed_on_required_force_n = 0;
   std::vector<PressureFigures> pressures = {};
 };
 /// The support under one named load case.
@@ -328,6 +338,11 @@ void support_fields(V& v, const SupportFigures& x, double tunnel_length, const s
   v("small_blocks", x.small_blocks, "with less free face than spot_area");
   v("small_not_held", x.small_not_held);
   v("small_required_force_n", or_null(x.small_required_force_n), "null: none is enough");
+  v("passed_on_blocks", x.passed_on_blocks,
+    "whose free faces would need more than most_pressure for what others pass to them, and not without: hold the "
+    "others. In `pressures` with what they need by themselves");
+  v("passed_on_not_held", x.passed_on_not_held);
+  v("passed_on_required_force_n", or_null(x.passed_on_required_force_n), "null: none is enough");
   v("missing_force_n", or_null(x.missing_force_n), "null: no force is enough");
   v("designs", when_any(designs), "[support.design]: what was found for each length");
   v("load_cases", when_any(cases), "the same check under each [[load]]");

@@ -14,6 +14,7 @@
 #include "cleave/core/quantity.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/realize/figures.hpp"
+#include "cleave/realize/motion.hpp"
 #include "cleave/realize/sequence.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene3d/scene.hpp"
@@ -167,6 +168,8 @@ struct Realization : SampledScene {
   std::vector<DesignResult> designs = {};
   /// Where the scene has [field_stress] and something is judged.
   std::optional<FieldStressResult> field_stress = {};
+  /// Where the scene has [motion] and something is judged.
+  std::optional<MotionResult> motion = {};
   /// Blocks cut by a window that cases or support depend on: then none of it holds, and a larger window is needed.
   std::vector<topology::BlockId> undecided = {};
 
@@ -231,6 +234,7 @@ void fields(V& v, const RunResult& x) {
   v("field_stress", x.field_stress,
     "Key blocks at a tunnel with the stress of the rock across their joints ([field_stress]); error, condition and "
     "residual are those of the elastic section.");
+  v("motion", x.motion, "Blocks in motion ([motion]).");
   v("maximum_blocks", f.maximum_blocks,
     "Largest key blocks that persistent joints of the sets' mean orientations can make at a tunnel "
     "(stability.maximum_blocks).");

@@ -39,6 +39,9 @@ using WriteError = std::variant<CannotCreate, NoSpace, CannotWrite>;
 /// dangling.vtu and dangling.obj, where the scene keeps what dangles.
 [[nodiscard]] std::expected<void, WriteError> write_dangling(const scene::RunResult& result,
                                                              const std::filesystem::path& folder);
+/// motion.csv, motion_NNNN.vtu and motion.pvd, where blocks were in motion.
+[[nodiscard]] std::expected<void, WriteError> write_motion(const scene::RunResult& result,
+                                                           const std::filesystem::path& folder);
 /// One file for each format in [output] exports, named blocks with the format's ending; what the user should know about
 /// them comes back.
 [[nodiscard]] std::expected<std::vector<std::string>, WriteError> write_exports(const scene::RunResult& result,

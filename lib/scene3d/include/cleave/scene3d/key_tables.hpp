@@ -19,6 +19,7 @@ namespace cleave::scene {
 [[nodiscard]] const KeyTable& strength_keys();  ///< [joints.NAME]
 [[nodiscard]] const KeyTable& rock_keys();
 [[nodiscard]] const KeyTable& field_stress_keys();
+[[nodiscard]] const KeyTable& motion_keys();
 
 /// seismic, water, surcharge, point and line: of [stability] and of [[load]].
 [[nodiscard]] std::vector<Key> load_set_keys();

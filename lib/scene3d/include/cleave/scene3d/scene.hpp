@@ -184,6 +184,7 @@ struct DesignSettings {
   std::uint32_t phases = 4;            ///< offsets of the pattern that must all pass
   double cost_per_bolt = 0, cost_per_metre = 1;
   std::uint32_t offsets = 40;  ///< drawn at random, at which the pattern found is tried
+  bool spot = false;           ///< spot bolts count too
 };
 
 struct SupportSettings {
@@ -234,6 +235,26 @@ struct FieldStressSettings {
   std::uint32_t line = 1;   ///< in the scene file
 };
 
+/// Which blocks are let go.
+enum class Release : std::uint8_t {
+  batches,  ///< those of the batches of key blocks
+  all,      ///< every block that no side of the domain holds
+  groups,   ///< those of the batches and of key groups that move or may
+  stage,    ///< those that leave in the stages of [sequence], one stage after the other
+};
+/// [motion]: blocks in motion.
+struct MotionSettings {
+  Release release = Release::batches;
+  Time duration = Time::from_si(10);
+  bool to_rest = false;  ///< ends when all are at rest, after `duration` at the latest
+  Time step = Time::from_si(0.01);
+  Time frame = {};  ///< between two written states; 0: a fiftieth of `duration`
+  double restitution = 0;
+  FrictionAngle surface_friction = FrictionAngle::degrees(35);  ///< of faces that are no joints
+  bool error = true;                                            ///< a second run with half the step
+  std::uint32_t line = 1;                                       ///< in the scene file
+};
+
 /// What becomes of the blocks that leave in one stage before the next one is excavated.
 enum class Fallen : std::uint8_t {
   stay_out,  ///< they have fallen: their room is void from then on
@@ -269,6 +290,7 @@ struct Scene {
   std::optional<StabilitySettings> stability;  ///< empty: the scene has no [stability] and no free face
   std::optional<FieldStressSettings> field_stress;
   std::optional<SequenceSettings> sequence;  ///< empty: all excavations are of one stage
+  std::optional<MotionSettings> motion = {};
   MicroBlocks micro_blocks;
   OutputSettings output;
   std::optional<MonteCarloSettings> monte_carlo;

@@ -113,12 +113,14 @@ struct SetResult {
   std::optional<Estimate> p32;     ///< the one that sets.toml takes
   std::vector<FittedLaw> lengths;  ///< trace lengths, by AIC, best first
   ShapeRule shape;
-  Chords chords;                                ///< of the shape along the set's traces, mean over the windows
-  std::vector<FittedSize> sizes;                ///< by AIC, best first
-  std::optional<SizeOfJoints> size;             ///< taken
-  std::optional<Estimate> size_mean, size_std;  ///< of it, when it comes from a fitted law
-  std::optional<Estimate> m2, m3;               ///< E L^2/E L and E L^3/E L whatever the law (lengths: 2S/m; best fit)
-  std::vector<Fit> spacings;                    ///< along the lines, by AIC; `estimate_of` has their intervals
+  Chords chords;                     ///< of the shape along the set's traces, mean over the windows
+  std::vector<FittedSize> sizes;     ///< by AIC, best first
+  std::optional<SizeOfJoints> size;  ///< taken
+  /// Of it, when it comes from a fitted law; the intervals are over all laws, as none is certain.
+  std::optional<Estimate> size_mean, size_std;
+  std::optional<Estimate> offered;  ///< as in FittedSize, of the law taken, over all laws
+  std::optional<Estimate> m2, m3;   ///< E L^2/E L and E L^3/E L whatever the law (lengths: 2S/m; best fit)
+  std::vector<Fit> spacings;        ///< along the lines, by AIC; `estimate_of` has their intervals
   std::vector<double> gaps, seen_lengths;
   std::vector<Estimate> comparisons;  ///< formulas of the source that are biased: for comparison only
   std::vector<std::string> notes;

@@ -1,0 +1,207 @@
+#include "cleave/realize/block_sizes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <span>
+#include <variant>
+
+#include "cleave/core/assert.hpp"
+#include "cleave/core/overloaded.hpp"
+#include "cleave/scene3d/bounds.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using geometry::Vec3;
+using topology::BlockComplex;
+using topology::BlockId;
+
+/// Integral of x x^T over a block about its centroid, over its volume: by signed tetrahedra from the centroid.
+std::array<double, 6> covariance(const BlockComplex& complex, const topology::Block& block) {
+  std::array<double, 6> sum{};
+  const Vec3 to_centre = block.centroid - complex.origin();
+  for (const topology::FaceId id : block.faces) {
+    for (const auto& loop : complex.loops(complex.faces()[id])) {
+      const Vec3 a = complex.vertices()[loop[0]] - to_centre;
+      for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
+        const Vec3 b = complex.vertices()[loop[i]] - to_centre, c = complex.vertices()[loop[i + 1]] - to_centre;
+        const double six = dot(a, cross(b, c));
+        const Vec3 s = a + b + c;
+        const auto part = [&](double Vec3::* p, double Vec3::* q) {
+          return six / 120 * (a.*p * a.*q + b.*p * b.*q + c.*p * c.*q + s.*p * s.*q);
+        };
+        sum[0] += part(&Vec3::x, &Vec3::x);
+        sum[1] += part(&Vec3::y, &Vec3::y);
+        sum[2] += part(&Vec3::z, &Vec3::z);
+        sum[3] += part(&Vec3::x, &Vec3::y);
+        sum[4] += part(&Vec3::y, &Vec3::z);
+        sum[5] += part(&Vec3::z, &Vec3::x);
+      }
+    }
+  }
+  const double volume = block.volume.si();
+  for (double& value : sum) value = volume > 0 ? value / volume : 0;
+  return sum;
+}
+
+/// Eigenvalues of a symmetric matrix, largest first (Smith 1961).
+std::array<double, 3> eigenvalues(const std::array<double, 6>& m) {
+  const auto [xx, yy, zz, xy, yz, zx] = m;
+  const double mean = (xx + yy + zz) / 3, off = xy * xy + yz * yz + zx * zx;
+  const double a = xx - mean, b = yy - mean, c = zz - mean;
+  const double p = std::sqrt((a * a + b * b + c * c + 2 * off) / 6);
+  if (!(p > 0)) return {mean, mean, mean};
+  const double det = (a * (b * c - yz * yz) - xy * (xy * c - yz * zx) + zx * (xy * yz - b * zx)) / (p * p * p);
+  const double angle = std::acos(std::clamp(det / 2, -1.0, 1.0)) / 3;
+  const double first = mean + 2 * p * std::cos(angle), last = mean + 2 * p * std::cos(angle + 2 * std::numbers::pi / 3);
+  return {first, 3 * mean - first - last, last};
+}
+
+void add_shape(ShapeClasses& classes, const BlockComplex& complex, const topology::Block& block) {
+  const auto values = eigenvalues(covariance(complex, block));
+  constexpr double limit = 4.0 / 9;  // squares of the axes
+  const bool rod = values[1] <= limit * values[0], plate = values[2] <= limit * values[1];
+  ++(rod ? (plate ? classes.bladed : classes.elongated) : (plate ? classes.platy : classes.cubic));
+}
+
+/// Area vectors of a joint's flat parts within the box.
+std::vector<Vec3> areas_of(const topology::CutInput& input, std::size_t joint, const Box& box) {
+  std::vector<Vec3> areas;
+  std::visit(overloaded{
+                 [&](const topology::Joint& polygons) {
+                   for (std::size_t i = 0; i < polygons.polygons.size(); ++i) {
+                     const auto corners = polygons.polygons[i].corners();
+                     Vec3 area = area_within({corners.begin(), corners.end()}, box);
+                     if (i < polygons.holes.size()) {
+                       for (const geometry::Polygon& hole : polygons.holes[i]) {
+                         const auto own = hole.corners();
+                         const Vec3 less = area_within({own.begin(), own.end()}, box);
+                         area = area - (dot(less, area) < 0 ? -less : less);
+                       }
+                     }
+                     areas.push_back(area);
+                   }
+                 },
+                 [&](const topology::PersistentJoint& plane) {
+                   const Vec3 n = normalized(plane.normal), some = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+                   const Vec3 e1 = normalized(cross(n, some)), e2 = cross(n, e1);
+                   const Vec3 middle = (box.min + box.max) / 2;
+                   const Vec3 foot = middle + dot(plane.through - middle, n) * n;
+                   const double far = norm(box.max - box.min);
+                   areas.push_back(area_within({foot - far * e1 - far * e2, foot + far * e1 - far * e2,
+                                                foot + far * e1 + far * e2, foot - far * e1 + far * e2},
+                                               box));
+                 },
+             },
+             input.joints[joint]);
+  return areas;
+}
+
+SetFigures figures_of(std::string name, std::uint64_t joints, const std::vector<Vec3>& areas, double volume) {
+  SetFigures set{.name = std::move(name), .joints = joints};
+  // Mean axis by area: turned to one side until none changes.
+  Vec3 mean = areas.front();
+  for (int round = 0; round < 50; ++round) {
+    Vec3 next{0, 0, 0};
+    for (const Vec3 a : areas) next += dot(a, mean) < 0 ? -a : a;
+    const bool same = norm(next - mean) <= 1e-12 * norm(mean);
+    mean = next;
+    if (same || !(norm(mean) > 0)) break;
+  }
+  const double length = norm(mean);
+  for (const Vec3 a : areas) {
+    set.p32 += norm(a) / volume;
+    set.p21 += std::hypot(a.x, a.y) / volume;
+    set.p10 += length > 0 ? std::abs(dot(a, mean)) / length / volume : 0;
+  }
+  return set;
+}
+
+}  // namespace
+
+double Percentiles::at(std::string_view level) const {
+  const auto found = std::ranges::find(levels, level, &std::pair<std::string_view, double>::first);
+  CLEAVE_ASSERT(found != levels.end());
+  return values.at(static_cast<std::size_t>(found - levels.begin()));
+}
+
+Percentiles percentiles_by_number(std::vector<double> volumes) {
+  std::ranges::sort(volumes);
+  Percentiles result;
+  for (std::size_t i = 0; i < Percentiles::levels.size(); ++i) {
+    const double at = Percentiles::levels.at(i).second * static_cast<double>(volumes.size() - 1);
+    const auto below = std::min(static_cast<std::size_t>(at), volumes.size() - 1);
+    const std::size_t above = std::min(below + 1, volumes.size() - 1);
+    result.values.at(i) = volumes[below] + (at - static_cast<double>(below)) * (volumes[above] - volumes[below]);
+  }
+  return result;
+}
+
+Percentiles percentiles_by_volume(std::vector<double> volumes) {
+  std::ranges::sort(volumes);
+  const double all = std::accumulate(volumes.begin(), volumes.end(), 0.0);
+  Percentiles result;
+  double passed = 0;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < Percentiles::levels.size(); ++i) {
+    const double wanted = Percentiles::levels.at(i).second * all * (1 - 1e-12);
+    while (next + 1 < volumes.size() && passed + volumes[next] < wanted) passed += volumes[next++];
+    result.values.at(i) = volumes[next];
+  }
+  return result;
+}
+
+std::optional<BlockSizes> block_sizes(const BlockComplex& complex) {
+  constexpr std::size_t enough = 30;
+  std::vector<BlockId> inner, all;
+  for (std::size_t i = 0; i < complex.blocks().size(); ++i) {
+    const topology::Block& block = complex.blocks()[BlockId{i}];
+    if (block.truncated) continue;
+    all.emplace_back(i);
+    if (!block.fixed) inner.emplace_back(i);
+  }
+  if (all.empty()) return std::nullopt;
+  BlockSizes sizes;
+  sizes.inner = inner.size() >= enough;
+  const std::vector<BlockId>& counted = sizes.inner ? inner : all;
+  sizes.count = counted.size();
+  std::vector<double> volumes;
+  for (const BlockId id : counted) {
+    const topology::Block& block = complex.blocks()[id];
+    volumes.push_back(block.volume.si());
+    add_shape(sizes.shapes, complex, block);
+  }
+  sizes.by_number = percentiles_by_number(volumes);
+  sizes.by_volume = percentiles_by_volume(std::move(volumes));
+  sizes.d50 = metres(std::cbrt(sizes.by_volume.at("p50")));
+  sizes.d80 = metres(std::cbrt(sizes.by_volume.at("p80")));
+  return sizes;
+}
+
+std::vector<SetFigures> count_sets(const topology::CutInput& input, const std::vector<SetId>& set_of,
+                                   const std::vector<std::string>& names) {
+  const Box box = box_of(input.domain);
+  const Vec3 sides = box.max - box.min;
+  std::vector<std::vector<Vec3>> areas(names.size());
+  std::vector<std::uint64_t> joints(names.size(), 0);
+  for (std::size_t j = 0; j < input.joints.size(); ++j) {
+    const std::size_t set = set_of[j].index();
+    bool meets = false;
+    for (const Vec3 area : areas_of(input, j, box)) {
+      if (!(norm(area) > 0)) continue;
+      areas[set].push_back(area);
+      meets = true;
+    }
+    joints[set] += meets ? 1U : 0U;
+  }
+  std::vector<SetFigures> figures;
+  for (std::size_t set = 0; set < names.size(); ++set) {
+    if (areas[set].empty()) continue;
+    figures.push_back(figures_of(names[set], joints[set], areas[set], sides.x * sides.y * sides.z));
+  }
+  return figures;
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,368 @@
+#include "motion_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "cleave/assembly/groups.hpp"
+#include "cleave/motion/world.hpp"
+
+namespace cleave::scene {
+namespace {
+
+using geometry::Vec3;
+using topology::BlockComplex;
+using topology::BlockId;
+
+constexpr double millimetre = 1e-3;
+/// All slower than this for so many steps in a row: at rest.
+constexpr double resting_speed = 1e-4;
+constexpr int resting_steps = 20;
+
+double tangent(FrictionAngle angle) { return std::tan(angle.degrees() * std::numbers::pi / 180); }
+
+/// Residual of the contact law up to which a step counts, about a micrometre a second: blocks wedged between nearly
+/// parallel faces reach no less by rounding.
+constexpr double accepted = 1e-5;
+
+/// Numbers of equal strengths.
+class Surfaces {
+ public:
+  explicit Surfaces(const MotionSettings& settings) : restitution_{settings.restitution} {
+    static_cast<void>((*this)(tangent(settings.surface_friction)));
+  }
+  std::uint32_t operator()(double friction) {
+    const auto [at, fresh] = number_.try_emplace(friction, static_cast<std::uint32_t>(list.size()));
+    if (fresh) list.push_back({friction, restitution_});
+    return at->second;
+  }
+  std::vector<motion::Surface> list;
+
+ private:
+  double restitution_;
+  std::map<double, std::uint32_t> number_;
+};
+
+/// When each block is let go: a number of a wave; none: never.
+using Waves = std::vector<std::optional<std::uint32_t>>;
+
+Waves waves_of(const Scene& scene, const Realization& made, const BlockComplex& complex) {
+  Waves waves(complex.blocks().size());
+  const auto may_move = [&](BlockId b) { return !complex.blocks()[b].fixed && !complex.blocks()[b].truncated; };
+  const auto add = [&](BlockId b, std::uint32_t wave) {
+    if (may_move(b)) waves[b.index()] = wave;
+  };
+  const Release release = scene.motion->release;
+  if (release == Release::all) {
+    for (std::uint32_t b = 0; b < waves.size(); ++b) add(BlockId{b}, 0);
+    return waves;
+  }
+  if (release == Release::stage && made.sequence) {
+    const auto& stages = scene.sequence->stages;
+    for (std::uint32_t b = 0; b < waves.size() && b < made.sequence->stage_of_block.size(); ++b) {
+      const std::int32_t stage = made.sequence->stage_of_block[b];
+      const auto at = std::ranges::find(stages, static_cast<std::uint32_t>(std::max(stage, 0)));
+      if (stage > 0 && at != stages.end()) add(BlockId{b}, static_cast<std::uint32_t>(at - stages.begin()));
+    }
+  }
+  for (const stability::Batch& batch : made.analysis->batches) {
+    for (const BlockId b : batch.blocks) {
+      if (!waves[b.index()])
+        add(b, release == Release::stage ? static_cast<std::uint32_t>(scene.sequence->stages.size() - 1) : 0);
+    }
+  }
+  if (release == Release::groups && made.key_groups) {
+    for (const stability::KeyGroup& group : made.key_groups->groups) {
+      if (group.verdict != assembly::Verdict::certain && group.verdict != assembly::Verdict::unsafe) continue;
+      for (const BlockId b : group.blocks) add(b, 0);
+    }
+  }
+  return waves;
+}
+
+/// Bodies of a world and the blocks they are.
+struct Cast {
+  motion::SceneSpec scene;
+  std::vector<BlockId> moving;  ///< the first bodies
+  std::vector<std::uint32_t> wave;
+  std::size_t walls = 0;
+};
+
+motion::Polyhedron shape_of(const BlockComplex& complex, BlockId block, const Realization& made, Surfaces& surfaces) {
+  motion::Polyhedron shape;
+  std::map<topology::VertexId, std::uint32_t> number;
+  for (const topology::FaceId f : complex.blocks()[block].faces) {
+    const topology::Face& face = complex.faces()[f];
+    motion::Facet facet;
+    if (face.role == topology::Role::joint) {
+      double least = std::numeric_limits<double>::infinity();
+      for (const topology::Patch& patch : complex.patches(face)) {
+        if (patch.joint) least = std::min(least, tangent(made.joints[*patch.joint].strength.friction));
+      }
+      if (std::isfinite(least)) facet.surface = surfaces(least);
+    }
+    for (const auto loop : complex.loops(face)) {
+      auto& corners = facet.loops.emplace_back();
+      for (const topology::VertexId v : loop) {
+        const auto [at, fresh] = number.try_emplace(v, static_cast<std::uint32_t>(shape.vertices.size()));
+        if (fresh) shape.vertices.push_back(complex.vertices()[v]);
+        corners.push_back(at->second);
+      }
+    }
+    shape.facets.push_back(std::move(facet));
+  }
+  return shape;
+}
+
+/// Cohesion and tension of the patches of blocks that are let go, each at its centroid.
+void add_bonds(const BlockComplex& complex, const Realization& made, const std::vector<std::uint32_t>& body,
+               Cast& cast) {
+  for (const BlockId b : cast.moving) {
+    for (const topology::FaceId f : complex.blocks()[b].faces) {
+      const topology::Face& face = complex.faces()[f];
+      for (const topology::Patch& patch : complex.patches(face)) {
+        if (!patch.joint || !patch.neighbour) continue;
+        const Strength& strength = made.joints[*patch.joint].strength;
+        if (strength.cohesion.si() <= 0 && strength.tension.si() <= 0) continue;
+        const std::uint32_t own = body[b.index()], other = body[patch.neighbour->index()];
+        if (other == static_cast<std::uint32_t>(-1) || (other < own && other < cast.moving.size())) continue;
+        cast.scene.bonds.push_back({.body = own,
+                                    .other = other,
+                                    .normal = geometry::normalized(-face.outward),
+                                    .shares = {{patch.centroid - complex.origin(), patch.area.si()}},
+                                    .cohesion = strength.cohesion.si(),
+                                    .tension = strength.tension.si(),
+                                    .friction = tangent(strength.friction)});
+      }
+    }
+  }
+}
+
+Cast cast_of(const Scene& scene, const Realization& made, const BlockComplex& complex) {
+  Cast cast;
+  Surfaces surfaces{*scene.motion};
+  const Waves waves = waves_of(scene, made, complex);
+  std::vector<std::uint8_t> wall(waves.size(), 0);
+  for (std::uint32_t b = 0; b < waves.size(); ++b) {
+    const topology::Block& block = complex.blocks()[BlockId{b}];
+    if (!waves[b]) {
+      wall[b] = std::max(wall[b], static_cast<std::uint8_t>(block.free ? 1 : 0));
+      continue;
+    }
+    cast.moving.push_back(BlockId{b});
+    cast.wave.push_back(*waves[b]);
+    for (const topology::FaceId f : block.faces) {
+      for (const topology::Patch& patch : complex.patches(complex.faces()[f])) {
+        if (patch.neighbour) wall[patch.neighbour->index()] = 1;
+      }
+    }
+  }
+  std::vector<std::uint32_t> body(waves.size(), static_cast<std::uint32_t>(-1));
+  const auto add = [&](BlockId b, bool fixed) {
+    body[b.index()] = static_cast<std::uint32_t>(cast.scene.bodies.size());
+    cast.scene.bodies.push_back(
+        {.shape = shape_of(complex, b, made, surfaces), .density = scene.rock.density, .fixed = fixed});
+  };
+  for (std::size_t k = 0; k < cast.moving.size(); ++k) add(cast.moving[k], cast.wave[k] > 0);
+  for (std::uint32_t b = 0; b < waves.size() && !cast.moving.empty(); ++b) {
+    if (waves[b] || wall[b] == 0) continue;
+    add(BlockId{b}, true);
+    ++cast.walls;
+  }
+  add_bonds(complex, made, body, cast);
+  cast.scene.surfaces = std::move(surfaces.list);
+  return cast;
+}
+
+/// One run of a world, written down at equal times.
+class Recorder {
+ public:
+  Recorder(const Scene& scene, const BlockComplex& complex, const Cast& cast, motion::World world)
+      : settings_{*scene.motion}, complex_{complex}, cast_{cast}, world_{std::move(world)} {
+    const double frame = settings_.frame.si() > 0 ? settings_.frame.si() : settings_.duration.si() / 50;
+    frame_ = std::max(frame, settings_.duration.si() / 1000);
+    for (const BlockId b : cast.moving) result.blocks.push_back({.block = b, .centroid = {}});
+    Vec3 lo{1e300, 1e300, 1e300}, hi = -lo;
+    for (const Vec3 v : complex.vertices()) {
+      lo = {std::min(lo.x, v.x), std::min(lo.y, v.y), std::min(lo.z, v.z)};
+      hi = {std::max(hi.x, v.x), std::max(hi.y, v.y), std::max(hi.z, v.z)};
+    }
+    const Vec3 margin = 0.25 * (hi - lo);
+    low_ = lo - margin;
+    high_ = hi + margin;
+    lowest_ = lo.z - 0.05 * (hi.z - lo.z);
+  }
+
+  void run() {
+    result.converged = true;
+    record(0);
+    int quiet = 0;
+    const auto waves = cast_.wave.empty() ? 0U : *std::ranges::max_element(cast_.wave);
+    for (std::size_t frame = 1; world_.time() < settings_.duration.si() - 1e-9 && !result.blocks.empty();) {
+      release(waves);
+      const double until = std::min(static_cast<double>(frame) * frame_, settings_.duration.si());
+      const auto report = world_.step(until - world_.time());
+      if (!report) {
+        result.converged = false;
+        result.stopped_why = describe(report.error());
+        break;
+      }
+      look_at(*report);
+      if (world_.time() >= until - 1e-9) {
+        record(world_.time());
+        ++frame;
+      }
+      quiet = report->max_speed < resting_speed && released_ == waves ? quiet + 1 : 0;
+      result.at_rest = quiet >= resting_steps;
+      if (result.at_rest && settings_.to_rest) break;
+    }
+    if (result.frames.back().time.si() < world_.time()) record(world_.time());
+    finish();
+  }
+  MotionResult result;
+  [[nodiscard]] const motion::World& world() const { return world_; }
+
+ private:
+  /// Wave k of n goes at k/n of the duration.
+  void release(std::uint32_t waves) {
+    const double each = settings_.duration.si() / (waves + 1);
+    while (released_ < waves && world_.time() >= each * (released_ + 1) - 1e-9) {
+      ++released_;
+      for (std::size_t k = 0; k < cast_.wave.size(); ++k) {
+        if (cast_.wave[k] == released_) world_.set_fixed(k, false);
+      }
+    }
+  }
+  void look_at(const motion::StepReport& report) {
+    ++result.steps;
+    result.contacts = std::max<std::uint64_t>(result.contacts, report.contacts);
+    result.residual = std::max(result.residual, report.residual);
+    result.penetration = std::max(result.penetration, metres(report.max_penetration));
+    result.overlap = std::max(result.overlap, report.overlap);
+    for (std::size_t k = 0; k < result.blocks.size(); ++k) {
+      MotionBlock& block = result.blocks[k];
+      if (block.left) continue;
+      block.fastest = std::max(block.fastest, norm(world_.velocity(k)));
+      if (!block.first_motion && norm(world_.displacement(k)) > millimetre) {
+        block.first_motion = Time::from_si(world_.time());
+      }
+      const Vec3 c = world_.centroid(k);
+      const bool inside = c.x > low_.x && c.y > low_.y && c.x < high_.x && c.y < high_.y && c.z > lowest_;
+      if (inside) continue;
+      block.left = true;
+      world_.set_fixed(k, true);
+    }
+  }
+  void record(double time) {
+    MotionFrame frame{.time = Time::from_si(time), .places = {}};
+    for (std::size_t k = 0; k < result.blocks.size(); ++k) {
+      frame.places.push_back({world_.displacement(k), world_.turn(k), world_.velocity(k)});
+    }
+    result.frames.push_back(std::move(frame));
+  }
+  void finish() {
+    result.end = Time::from_si(world_.time());
+    result.walls = cast_.walls;
+    const motion::Energy& e = world_.energy();
+    result.potential_lost = e.start - e.potential;
+    result.kinetic = e.kinetic;
+    result.dissipated = e.friction + e.lost;
+    result.energy_error = e.closing_error;
+    result.momentum_error = world_.momentum_error();
+    for (std::size_t k = 0; k < result.blocks.size(); ++k) {
+      MotionBlock& block = result.blocks[k];
+      const Vec3 shift = world_.displacement(k);
+      block.moved = norm(shift) > millimetre;
+      block.fall = metres(-shift.z);
+      block.runout = metres(std::hypot(shift.x, shift.y));
+      block.centroid = complex_.origin() + world_.centroid(k);
+    }
+  }
+
+  const MotionSettings& settings_;
+  const BlockComplex& complex_;
+  const Cast& cast_;
+  motion::World world_;
+  double frame_ = 0, lowest_ = 0;
+  Vec3 low_, high_;
+  std::uint32_t released_ = 0;
+};
+
+/// How far apart two runs are, frame by frame, until a block is further apart than a quarter of its size.
+void compare(const MotionResult& fine, const BlockComplex& complex, MotionResult& result) {
+  double worst = 0;
+  result.determined = result.end;
+  for (std::size_t f = 0; f < std::min(fine.frames.size(), result.frames.size()); ++f) {
+    double now = 0;
+    bool lost = false;
+    for (std::size_t k = 0; k < result.blocks.size(); ++k) {
+      const MotionFrame::Place &a = result.frames[f].places[k], &b = fine.frames[f].places[k];
+      const double size = std::cbrt(complex.blocks()[result.blocks[k].block].volume.si());
+      const motion::Turn between = motion::Turn{a.turn.w, -a.turn.x, -a.turn.y, -a.turn.z} * b.turn;
+      const double apart = norm(a.shift - b.shift) + size * angle_of(between);
+      lost = lost || apart > 0.25 * size;
+      now = std::max(now, apart);
+    }
+    if (lost) {
+      result.determined = result.frames[f == 0 ? 0 : f - 1].time;
+      break;
+    }
+    worst = std::max(worst, now);
+  }
+  result.error = metres(worst);
+}
+
+void add_notes(const Scene& scene, const MotionResult& result, std::vector<std::string>& notes) {
+  if (result.blocks.empty()) notes.emplace_back("motion: no block is let go");
+  if (!result.converged) notes.push_back("motion: " + result.stopped_why + "; the state reached is in the result");
+  const auto left = std::ranges::count_if(result.blocks, &MotionBlock::left);
+  if (left > 0) notes.push_back(fmt::format("motion: {} blocks left the domain and were followed no further", left));
+  if (scene.motion->to_rest && !result.at_rest && result.converged && !result.blocks.empty()) {
+    notes.push_back(fmt::format("motion: not at rest after {:g} s; set a longer motion.duration", result.end.si()));
+  }
+  const LoadSet& loads = scene.stability->loads;
+  if (norm(loads.seismic) > 0 || loads.water || loads.water_level || !loads.pressures.empty() ||
+      !loads.surcharges.empty() || !loads.points.empty() || !loads.lines.empty()) {
+    notes.emplace_back("motion: gravity alone acts on blocks in motion; the other loads of [stability] are left out");
+  }
+  if (scene.support) notes.emplace_back("motion: blocks move without their support");
+}
+
+}  // namespace
+
+std::uint64_t MotionResult::moved() const noexcept {
+  return static_cast<std::uint64_t>(std::ranges::count_if(blocks, &MotionBlock::moved));
+}
+
+MotionResult run_motion(const Scene& scene, const Realization& made, const BlockComplex& complex) {
+  const Cast cast = cast_of(scene, made, complex);
+  motion::WorldOptions options{.gravity = scene.stability->gravity, .step = scene.motion->step.si()};
+  options.solver.accept = accepted;
+  auto world = motion::World::make(cast.scene, options);
+  if (!world) {
+    MotionResult refused;
+    refused.stopped_why = "refused: " + describe(world.error());
+    refused.notes.push_back("motion: " + refused.stopped_why);
+    return refused;
+  }
+  Recorder recorder{scene, complex, cast, *std::move(world)};
+  recorder.run();
+  MotionResult result = std::move(recorder.result);
+  if (scene.motion->error && result.converged && !result.blocks.empty()) {
+    options.step /= 2;
+    options.displacement /= 2;
+    options.rotation /= 2;
+    if (auto again = motion::World::make(cast.scene, options)) {
+      Recorder fine{scene, complex, cast, *std::move(again)};
+      fine.run();
+      if (fine.result.converged) compare(fine.result, complex, result);
+    }
+  }
+  add_notes(scene, result, result.notes);
+  return result;
+}
+
+}  // namespace cleave::scene

@@ -1,0 +1,137 @@
+#include "motion.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "cleave/exchange/cells.hpp"
+#include "cleave/exchange/text.hpp"
+#include "cleave/exchange/vtu_writer.hpp"
+#include "html_parts.hpp"
+
+namespace cleave::report {
+namespace {
+
+using detail::fact;
+
+using geometry::Vec3;
+
+constexpr std::size_t most_rows = 200;
+
+}  // namespace
+
+std::string motion_csv(const scene::MotionResult& motion) {
+  std::string out = "block,moved,first_motion_s,fall_m,runout_m,speed_m_s,x_m,y_m,z_m,left\n";
+  for (const scene::MotionBlock& b : motion.blocks) {
+    out += std::to_string(b.block.value()) + (b.moved ? ",1," : ",0,");
+    if (b.first_motion) append_number(out, b.first_motion->si());
+    for (const double x : {b.fall.si(), b.runout.si(), b.fastest, b.centroid.x, b.centroid.y, b.centroid.z}) {
+      out += ',';
+      append_number(out, x);
+    }
+    out += b.left ? ",1\n" : ",0\n";
+  }
+  return out;
+}
+
+std::string motion_vtu(const scene::RunResult& result, std::size_t frame) {
+  const topology::BlockComplex& complex = result.complex->complex();
+  const scene::MotionResult& motion = *result.motion;
+  const Cells cells = make_cells(complex);
+  std::vector<std::int64_t> place(complex.blocks().size(), -1);
+  for (std::size_t k = 0; k < motion.blocks.size(); ++k) {
+    place[motion.blocks[k].block.index()] = static_cast<std::int64_t>(k);
+  }
+  std::vector<Vec3> points, velocity, displacement;
+  std::vector<std::int64_t> connectivity, ends, faces, face_ends, block;
+  std::vector<double> speed;
+  std::size_t begin = 0;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const std::span<const std::int64_t> own =
+        std::span{cells.connectivity}.subspan(begin, static_cast<std::size_t>(cells.ends[c]) - begin);
+    begin = static_cast<std::size_t>(cells.ends[c]);
+    const std::int64_t k = place[cells.block[c].index()];
+    if (k < 0) continue;
+    const auto& at = motion.frames[frame].places[static_cast<std::size_t>(k)];
+    const Vec3 centre = motion.blocks[static_cast<std::size_t>(k)].centroid -
+                        motion.frames.back().places[static_cast<std::size_t>(k)].shift;
+    const auto first = static_cast<std::int64_t>(points.size());
+    for (const std::int64_t p : own) {
+      connectivity.push_back(static_cast<std::int64_t>(points.size()));
+      points.push_back(centre + at.shift + at.turn * (cells.points[static_cast<std::size_t>(p)] - centre));
+    }
+    const auto number = [&](std::int64_t p) { return first + (std::ranges::lower_bound(own, p) - own.begin()); };
+    const std::span<const std::int64_t> stream = cells.faces_of(c);
+    faces.push_back(stream[0]);
+    for (std::size_t i = 1; i < stream.size();) {
+      const auto corners = static_cast<std::size_t>(stream[i]);
+      faces.push_back(stream[i]);
+      for (std::size_t j = 1; j <= corners; ++j) faces.push_back(number(stream[i + j]));
+      i += corners + 1;
+    }
+    ends.push_back(static_cast<std::int64_t>(connectivity.size()));
+    face_ends.push_back(static_cast<std::int64_t>(faces.size()));
+    block.push_back(cells.block[c].value());
+    velocity.push_back(at.velocity);
+    displacement.push_back(at.shift);
+    speed.push_back(norm(at.velocity));
+  }
+  VtuWriter vtu{VtuFormat::binary, "cleave; blocks let go, metres; velocity of the centroid"};
+  vtu.begin_piece(points.size(), ends.size());
+  vtu.points(points);
+  vtu.begin("Cells");
+  vtu.array("connectivity", connectivity);
+  vtu.array("offsets", ends);
+  vtu.array("types", std::vector<std::uint8_t>(ends.size(), 42));  // VTK_POLYHEDRON
+  vtu.array("faces", faces);
+  vtu.array("faceoffsets", face_ends);
+  vtu.end("Cells");
+  vtu.begin("CellData");
+  vtu.array("block", block);
+  vtu.array("speed", speed);
+  vtu.vectors("velocity", velocity);
+  vtu.vectors("displacement", displacement);
+  vtu.end("CellData");
+  return std::move(vtu).finish();
+}
+
+std::string motion_section(const scene::MotionResult& motion) {
+  std::string out = "<section id=\"motion\"><h2>Blocks in motion</h2>\n";
+  if (!motion.converged) {
+    out += "<p class=\"note\">The run stopped: " + escape_xml(motion.stopped_why) + ".</p>\n";
+  }
+  out += "<div class=\"scroll\"><table class=\"facts\"><tbody>";
+  out += fact("Ended", display(motion.end.si(), 4) + (motion.at_rest ? " s, at rest" : " s, not at rest"));
+  out += fact("Let go", display_count(motion.blocks.size()));
+  out += fact("Moved", display_count(motion.moved()));
+  out += fact("Steps", display_count(motion.steps));
+  out += fact("Residual of the contact law", display(motion.residual, 2));
+  out += fact("Deepest penetration parted", display(motion.penetration.si(), 2) + " m");
+  out += fact("Potential energy lost", display(motion.potential_lost / 1000, 4) + " kJ");
+  out += fact("Error of the energy balance", display(motion.energy_error, 2) + " (relative)");
+  if (motion.error) {
+    out += fact("Distance from a run with half the step",
+                display(motion.error->si(), 2) + " m until " + display(motion.determined->si(), 3) + " s");
+  }
+  out +=
+      "</tbody></table></div>\n<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Block</th>"
+      "<th>First motion (s)</th><th>Fall (m)</th><th>Run-out (m)</th><th>Speed, largest (m/s)</th></tr></thead>"
+      "<tbody>\n";
+  std::vector<const scene::MotionBlock*> rows;
+  for (const scene::MotionBlock& b : motion.blocks) {
+    if (b.moved) rows.push_back(&b);
+  }
+  std::ranges::stable_sort(rows, std::ranges::greater{}, [](const scene::MotionBlock* b) { return b->fall.si(); });
+  for (std::size_t k = 0; k < std::min(rows.size(), most_rows); ++k) {
+    const scene::MotionBlock& b = *rows[k];
+    out += "<tr><td>" + std::to_string(b.block.value()) + "</td><td>" +
+           (b.first_motion ? display(b.first_motion->si(), 3) : std::string{}) + "</td><td>" + display(b.fall.si(), 3) +
+           "</td><td>" + display(b.runout.si(), 3) + "</td><td>" + display(b.fastest, 3) + "</td></tr>\n";
+  }
+  out += "</tbody></table></div>\n";
+  if (rows.size() > most_rows) {
+    out += "<p class=\"small\">The " + display_count(most_rows) + " that fell farthest; all are in motion.csv.</p>\n";
+  }
+  return out + "<p class=\"small\">Positions in time: motion.pvd, for ParaView.</p></section>\n";
+}
+
+}  // namespace cleave::report

@@ -1,0 +1,64 @@
+#include <array>
+#include <string_view>
+
+#include "cleave/scene3d/key_tables.hpp"
+#include "context.hpp"
+
+namespace cleave::scene {
+namespace {
+
+constexpr NumberRule duration_rule{0, true, 1e4, false, " s"};
+constexpr NumberRule step_rule{1e-6, false, 1, false, " s"};
+constexpr std::array<std::string_view, 1> until_rest{"rest"};
+
+}  // namespace
+
+const KeyTable& motion_keys() {
+  static const KeyTable keys{
+      .name = "motion",
+      .keys = {
+          {"release", key::word<Release>(), "\"batches\"",
+           "which blocks are let go: those of the `\"batches\"` of key blocks; `\"all\"` that no side of the domain "
+           "holds; those of the batches and of key `\"groups\"`; those that leave in a `\"stage\"` of `[sequence]`, "
+           "one "
+           "stage after the other. All others are walls"},
+          {"duration", key::number(duration_rule), "10", "s"},
+          {"until", key::word(until_rest), "", "`\"rest\"`: ends when all are at rest, after `duration` at the latest"},
+          {"step", key::number(step_rule), "0.01", "s, the longest; steps are shortened where something moves far"},
+          {"frame", key::number(duration_rule), "a fiftieth of `duration`", "s between two written states"},
+          {"restitution", key::number(rule::probability), "0", "of the speed of approach, given back at an impact"},
+          {"surface_friction", key::number(rule::friction), "35",
+           "degrees, of faces that are no joints; of two faces the lesser counts"},
+          {"error", key::flag(), "true", "runs again with half the step and says how far apart the two runs are"}}};
+  return keys;
+}
+
+std::optional<MotionSettings> parse_motion(const TableReader& root, const std::optional<StabilitySettings>& stability,
+                                           const std::optional<SequenceSettings>& sequence) {
+  const auto found = root.sub("motion");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
+  MotionSettings settings;
+  settings.line = table.line();
+  settings.release = table.word<Release>("release");
+  settings.duration = Time::from_si(table.value("duration"));
+  settings.to_rest = table.choice("until").has_value();
+  settings.step = Time::from_si(table.value("step"));
+  if (const auto frame = table.number("frame")) settings.frame = Time::from_si(*frame);
+  settings.restitution = table.value("restitution");
+  settings.surface_friction = FrictionAngle::degrees(table.value("surface_friction"));
+  settings.error = table.flag("error");
+  if (!stability && root.problems().errors() == 0) {
+    root.error("motion", "lets blocks go, but nothing is free", "add an excavation or stability.free");
+  }
+  if (settings.release == Release::groups && stability && stability->groups == stability::GroupsCheck::off) {
+    table.error("release", "is \"groups\", but stability.groups is \"off\"", "set stability.groups = \"note\"");
+  }
+  if (settings.release == Release::stage && !sequence && root.problems().errors() == 0) {
+    table.error("release", "is \"stage\", but all excavations are of one stage",
+                "give the excavations different `stage` numbers, or take \"batches\"");
+  }
+  return settings;
+}
+
+}  // namespace cleave::scene

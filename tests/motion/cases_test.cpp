@@ -1,0 +1,183 @@
+#include <cmath>
+
+#include "overlap.hpp"
+#include "solver.hpp"
+#include "worlds.hpp"
+
+namespace cleave::motion {
+namespace {
+
+using namespace worlds;
+
+TEST(Cases, SpinningPrismStops) {
+  World w = world({floor(), body(prism(regular(6, 1), 0, 0.4), {}, {0, 0, 5})}, 0.3, {.step = 2e-3});
+  ASSERT_TRUE(run(w, 0.2));
+  EXPECT_NEAR((5 - w.spin(1).z) / 0.2, 7.0632, 0.01);
+  ASSERT_TRUE(run(w, 0.72));
+  EXPECT_LT(norm(w.spin(1)), 1e-6);
+}
+
+TEST(Cases, CornerHitsTheFloor) {
+  const Turn turn = turn_by({0, 0, 0.3}) * turn_by({0, 0.4, 0}) * turn_by({0.5, 0, 0});
+  Polyhedron shape = moved(block(1, 2, 3), {}, turn);
+  double low = 0;
+  for (const Vec3 v : shape.vertices) low = std::min(low, v.z);
+  shape = moved(std::move(shape), {0, 0, -low});
+  const auto hit = [&](double friction) {
+    World w = world({floor(), body(shape, {0, 0, -1})}, friction, {.gravity = {}, .step = 1e-7, .theta = 1});
+    EXPECT_TRUE(w.step().has_value());
+    return std::pair{w.velocity(1), w.spin(1)};
+  };
+  const auto [v, w] = hit(0);
+  EXPECT_NEAR(v.z, -0.11250997, 1e-6);
+  expect_near(w, {-0.28887331, 0.26695906, -0.15912853}, 1e-6);
+  for (const double friction : {0.2, 10.0}) {
+    const auto [vs, ws] = hit(friction);
+    expect_near(vs, {0.083289122, 0.096432118, -0.019744001}, 1e-6);
+    expect_near(ws, {-0.054822102, 0.041793685, -0.027138938}, 1e-6);
+  }
+}
+
+TEST(Cases, OverhangOfBricks) {
+  for (const bool diagonal : {false, true}) {
+    for (const double share : {0.99, 1.01}) {
+      std::vector<BodySpec> bodies{floor()};
+      std::vector<double> offset{0};
+      for (int k = 2; k > 0; --k) offset.push_back(offset.back() + share * 0.5 / k);
+      for (int k = 0; k < 3; ++k) {
+        const double x = offset[static_cast<std::size_t>(k)], y = diagonal ? x : 0;
+        bodies.push_back(body(box({x, y, 0.2 * k}, {x + 1, y + 1, 0.2 * k + 0.2})));
+      }
+      World w = world(std::move(bodies), 0.6, {.step = 0.01, .theta = 1, .sleep = false});
+      ASSERT_TRUE(w.step().has_value());
+      double fastest = 0;
+      for (std::size_t b = 1; b < 4; ++b) fastest = std::max(fastest, norm(w.spin(b)));
+      EXPECT_EQ(fastest > 1e-6, share > 1) << diagonal << " " << fastest;
+    }
+  }
+}
+
+TEST(Cases, CohesionHoldsOrBreaks) {
+  const Turn plane = slope(35, 222.5);
+  const double dip = 35 * degree, weight = 9.81, area = 2;
+  const double needed = weight * (std::sin(dip) - std::cos(dip) * std::tan(20 * degree)) / area;
+  for (const double share : {0.99, 1.01}) {
+    Bond bond{.body = 1,
+              .other = 0,
+              .normal = plane * Vec3{0, 0, 1},
+              .shares = {},
+              .cohesion = share * needed,
+              .tension = 0,
+              .friction = std::tan(20 * degree)};
+    const auto at = [&](double x, double y) { return plane * Vec3{x, y, 0}; };
+    add_triangle(at(-0.5, -1), at(0.5, -1), at(0.5, 1), bond.shares);
+    add_triangle(at(-0.5, -1), at(0.5, 1), at(-0.5, 1), bond.shares);
+    auto made = World::make({.bodies = {floor(plane), body(moved(block(1, 2, 0.5), plane * Vec3{0, 0, 0.25}, plane))},
+                             .surfaces = {{std::tan(20 * degree), 0}},
+                             .bonds = {bond}},
+                            {});
+    ASSERT_TRUE(made.has_value());
+    ASSERT_TRUE(run(*made, 0.3));
+    EXPECT_EQ(norm(made->displacement(1)) > 1e-3, share < 1) << share;
+  }
+}
+
+TEST(Cases, HungByABond) {
+  for (const double share : {0.99, 1.01}) {
+    Bond bond{.body = 1,
+              .other = 0,
+              .normal = {0, 0, -1},
+              .shares = {},
+              .cohesion = 1e9,
+              .tension = share * 25506,
+              .friction = 0.5};
+    add_triangle({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0.5, 0.5, 0}, bond.shares);
+    add_triangle({-0.5, -0.5, 0}, {0.5, 0.5, 0}, {-0.5, 0.5, 0}, bond.shares);
+    BodySpec cube = body(box({-0.5, -0.5, -1}, {0.5, 0.5, 0}));
+    cube.density = kilograms_per_cubic_metre(2600);
+    auto made =
+        World::make({.bodies = {{.shape = box({-5, -5, 0}, {5, 5, 1}), .fixed = true}, cube}, .bonds = {bond}}, {});
+    ASSERT_TRUE(made.has_value());
+    ASSERT_TRUE(run(*made, 0.3));
+    EXPECT_EQ(norm(made->displacement(1)) > 1e-3, share < 1) << share;
+  }
+}
+
+TEST(Cases, ConcaveBodiesFallInAHeap) {
+  std::vector<BodySpec> bodies{floor()};
+  for (int k = 0; k < 6; ++k) {
+    const Polyhedron shape = prism({{0, 0}, {0.9, 0}, {0.9, 0.3}, {0.3, 0.3}, {0.3, 0.6}, {0, 0.6}}, 0, 0.3);
+    bodies.push_back(
+        body(moved(shape, {0.1 * (k % 2), 0.1 * (k % 3), 0.2 + 1.1 * k}, turn_by({0.3 * k, 0.2 * k, 0.5 * k}))));
+  }
+  World w = world(std::move(bodies), 0.5, {.step = 5e-3, .solver = {.accept = 1e-6}});
+  ASSERT_TRUE(run(w, 1.2));
+  for (std::size_t b = 1; b < w.size(); ++b) EXPECT_GT(w.centroid(b).z, 0.1);
+  EXPECT_LT(w.energy().largest_gain, 1e-9 * w.energy().start + 1e-9);
+}
+
+TEST(Cases, CloudWithoutWalls) {
+  std::vector<BodySpec> bodies;
+  for (int k = 0; k < 27; ++k) {
+    const Vec3 at{0.8 * (k % 3 - 1), 0.8 * (k / 3 % 3 - 1), 0.8 * (k / 9 - 1)};
+    bodies.push_back(body(moved(icosahedron(0.3), at, turn_by({0.1 * k, 0.2 * k, 0.3})), -1.0 * at,
+                          {0.3 * (k % 4), 0.2 * (k % 5), -0.1 * k}));
+  }
+  World w = world(std::move(bodies), 0.4, {.gravity = {}, .step = 5e-3});
+  const Vec3 p = w.momentum(), l = w.angular_momentum();
+  const double scale = std::sqrt(w.energy().start);
+  ASSERT_TRUE(run(w, 1));
+  EXPECT_LT(norm(w.momentum() - p), 1e-12 * scale * 10);
+  EXPECT_LT(norm(w.angular_momentum() - l), 1e-4 * scale);  // parting overlaps turns a little
+  EXPECT_LT(w.energy().largest_gain, 1e-10 * w.energy().start);
+  EXPECT_LT(w.energy().kinetic, 0.9 * w.energy().start);
+}
+
+TEST(Cases, OverlapIsSeenApartFromContacts) {
+  // At the start it is refused; its depth is the least width of what is shared.
+  const auto made = World::make({.bodies = {body(block(1, 1, 1)), body(moved(block(1, 1, 1), {0.2, 0.1, 0.999}))}}, {});
+  ASSERT_FALSE(made.has_value());
+  EXPECT_NE(describe(made.error()).find("overlap"), std::string::npos);
+  const auto apart = World::make({.bodies = {body(block(1, 1, 1)), body(moved(block(1, 1, 1), {0.2, 0.1, 1}))}}, {});
+  EXPECT_TRUE(apart.has_value());
+  const auto cells = convex_cells(block(1, 1, 1), 1);
+  ASSERT_TRUE(cells.has_value() && cells->size() == 1);
+  Placed a{.cell = &(*cells)[0], .size = std::sqrt(3.0)}, b = a;
+  place(a, {}, {});
+  place(b, {0.85, 0.85, 0.9}, turn_by({0.7, -0.5, 0.2}));
+  EXPECT_EQ(overlap_depth(a, b, 1e-9), 0);
+  place(b, {0.2, 0.1, 0.97}, {});
+  EXPECT_NEAR(overlap_depth(a, b, 1e-9), 0.03, 1e-12);
+}
+
+TEST(Cases, WidestAxisOfTwoCubes) {
+  const auto cells = convex_cells(block(1, 1, 1), 1);
+  Placed a{.cell = &(*cells)[0], .size = std::sqrt(3.0)}, b = a;
+  place(a, {}, {});
+  place(b, {0.85, 0.85, 0.9}, turn_by({0.7, -0.5, 0.2}));
+  const auto axis = widest_axis(b, a);
+  ASSERT_TRUE(axis.has_value());
+  EXPECT_NEAR(axis->gap, 0.0075637513, 1e-9);
+  expect_near(axis->normal, {0.86418333, 0.01107871, 0.50305509}, 1e-7);
+}
+
+TEST(Cases, ConcaveBodiesAreTheirCells) {
+  const Polyhedron shape = prism({{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 2}, {0, 2}}, 0, 1);
+  const auto cells = convex_cells(shape, 4);
+  ASSERT_TRUE(cells.has_value());
+  EXPECT_EQ(cells->size(), 2U);
+  EXPECT_FALSE(convex_cells(shape, 5).has_value());
+}
+
+TEST(Cases, PegInANotch) {
+  // A cube dropped into the notch of an L: floor and wall of the notch both hold it.
+  Polyhedron notch = prism({{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}}, -1, 1);
+  notch = moved(std::move(notch), {}, turn_by({90 * degree, 0, 0}));
+  World w = world({{.shape = notch, .fixed = true}, body(box({1, -0.4, 1.5}, {1.8, 0.4, 2.3}), {-0.5, 0, 0})}, 0.3,
+                  {.step = 5e-3});
+  ASSERT_TRUE(run(w, 0.8));
+  expect_near(w.displacement(1), {0, 0, -0.5}, 1e-6);
+}
+
+}  // namespace
+}  // namespace cleave::motion

@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "cleave/realize/run.hpp"
+#include "parse_support.hpp"
+
+// Blocks of a scene in motion.
+
+namespace cleave::scene::test {
+namespace {
+
+/// A block of 10 m3 on a plane that dips 40 degrees east, open at its foot and its top.
+std::string slab(double friction, const std::string& more) {
+  return "[domain]\nbox = { min = [0, 0, 0], max = [30, 6, 14] }\n"
+         "[[joint]]\nplane = { through = [14, 3, 6], dip = 40, dip_direction = 90 }\n"
+         "[[joint]]\nplane = { through = [9, 3, 8], dip = 80, dip_direction = 270 }\n"
+         "[[joint]]\nplane = { through = [12, 2, 6], dip = 89, dip_direction = 180 }\n"
+         "[[joint]]\nplane = { through = [12, 4, 6], dip = 89, dip_direction = 0 }\n"
+         "[joints.default]\nfriction = " +
+         std::to_string(friction) +
+         "\n[rock]\ndensity = 2600\n[[excavation]]\nkind = \"slope\"\n"
+         "profile = { direction = 90, points = [[0, 12], [11, 12], [15, 4], [30, 4]] }\n[stability]\n[motion]\n" +
+         more;
+}
+
+RunResult moved(const std::string& text) {
+  const Scene scene = scene_of(text);
+  StageTimer timer;
+  Progress progress{ProgressStyle::quiet};
+  auto result = run(scene, {.threads = 1}, timer, progress);
+  if (!result) {
+    ADD_FAILURE() << "the scene does not run";
+    return empty_result();
+  }
+  EXPECT_TRUE(result->motion.has_value());
+  return std::move(*result);
+}
+
+TEST(MotionScene, KeyBlockSlidesAsItsAccelerationSays) {
+  const RunResult result = moved(slab(20, "duration = 0.3\nstep = 0.005\n"));
+  const MotionResult& motion = *result.motion;
+  EXPECT_TRUE(motion.converged) << motion.stopped_why;
+  ASSERT_EQ(motion.blocks.size(), result.figures.key_blocks->count);
+  ASSERT_GE(motion.blocks.size(), 1U);
+  const double dip = 40 * std::numbers::pi / 180, friction = 20 * std::numbers::pi / 180;
+  const double a = 9.81 * (std::sin(dip) - std::cos(dip) * std::tan(friction));
+  const double path = std::hypot(motion.blocks[0].fall.si(), motion.blocks[0].runout.si());
+  EXPECT_NEAR(path, 0.5 * a * 0.09, 1e-3);
+  EXPECT_TRUE(motion.blocks[0].moved);
+  EXPECT_LT(motion.energy_error, 1e-9);
+  EXPECT_LE(motion.overlap, 1e-6);
+  ASSERT_TRUE(motion.error.has_value());
+  EXPECT_LT(motion.error->si(), 0.01);
+}
+
+TEST(MotionScene, WhatFrictionHoldsRests) {
+  const RunResult result = moved(slab(45, "release = \"all\"\nuntil = \"rest\"\nduration = 2\nerror = false\n"));
+  EXPECT_TRUE(result.motion->converged) << result.motion->stopped_why;
+  EXPECT_TRUE(result.motion->at_rest);
+  EXPECT_EQ(result.motion->moved(), 0U);
+  EXPECT_FALSE(result.motion->error.has_value());
+}
+
+TEST(MotionScene, CohesionHoldsUntilItIsLess) {
+  // The slab weighs about a tenth of a meganewton on some ten square metres.
+  for (const auto& [cohesion, moves] : {std::pair{"1e6", false}, {"10", true}}) {
+    std::string text = slab(20, "release = \"all\"\nduration = 0.2\nerror = false\n");
+    text.insert(text.find("\n[rock]"), std::string{"\ncohesion = "} + cohesion);
+    EXPECT_EQ(moved(text).motion->moved() > 0, moves) << cohesion;
+  }
+}
+
+TEST(MotionScene, WhatCannotBeIsRefused) {
+  const auto refused = [](std::string text, const std::string& from, const std::string& to) {
+    if (const auto at = text.find(from); at != std::string::npos) text.replace(at, from.size(), to);
+    return !parse_text(text).has_value();
+  };
+  EXPECT_TRUE(refused(slab(20, "release = \"stage\"\n"), "", ""));
+  EXPECT_TRUE(refused(slab(20, "release = \"groups\"\n"), "[stability]\n", "[stability]\ngroups = \"off\"\n"));
+  EXPECT_TRUE(refused(slab(20, "until = \"tea\"\n"), "", ""));
+  EXPECT_TRUE(refused(slab(20, "restitution = 1.5\n"), "", ""));
+}
+
+}  // namespace
+}  // namespace cleave::scene::test
