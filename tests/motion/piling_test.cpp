@@ -124,5 +124,43 @@ TEST(Piling, IcosahedraInABin) {
   EXPECT_LT(w.energy().largest_gain, 1e-9 * w.energy().start + 1e-9);
 }
 
+TEST(Piling, EveryStepIsLookedAtForOverlaps) {
+  // What rounding leaves is more than is allowed here: such steps are cut and refused, never accepted.
+  std::vector<BodySpec> bodies{floor()};
+  for (int k = 0; k < 4; ++k) {
+    bodies.push_back(
+        body(moved(icosahedron(0.3), {0.05 * k, 0.02 * k, 0.5 + 0.7 * k}, turn_by({0.1 * k, 0.2 * k, 0.3}))));
+  }
+  World w = world(std::move(bodies), 0.4, {.step = 5e-3, .overlap = 1e-15});
+  std::size_t cut = 0;
+  while (w.time() < 0.6) {
+    const auto report = w.step();
+    if (!report) {
+      EXPECT_FALSE(report.error().reason.empty());
+      ++cut;
+      break;
+    }
+    EXPECT_LE(report->overlap, 1e-15) << w.time();
+    cut += report->cuts;
+  }
+  EXPECT_GT(cut, 0U);
+}
+
+TEST(Piling, AFastBodyDoesNotPassThroughAThinPlate) {
+  for (const double speed : {20.0, 200.0}) {
+    for (const double far : {1.0, 200.0}) {  // a body far away makes the scene large
+      std::vector<BodySpec> bodies{
+          {.shape = box({-2, -2, -0.02}, {2, 2, 0}), .fixed = true},
+          body(moved(icosahedron(0.1), {0.01, 0.02, 1}, turn_by({0.1, 0.2, 0.3})), {0, 0, -speed}),
+          body(box({far, 5, 5}, {far + 1, 6, 6}))};
+      World w = world(std::move(bodies), 0.4, {.gravity = {}, .step = 0.01});
+      while (w.time() < 2 / speed) {
+        if (!w.step()) break;  // a run that stops says so
+      }
+      EXPECT_GT(w.centroid(1).z, 0) << speed << " " << far;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cleave::motion
