@@ -146,6 +146,25 @@ TEST(Piling, EveryStepIsLookedAtForOverlaps) {
   EXPECT_GT(cut, 0U);
 }
 
+TEST(Piling, BlocksBetweenParallelWallsFall) {
+  // Forces locked in between rough walls could hold them; nothing is there to lock them in.
+  for (const int count : {1, 2, 5}) {
+    for (const double friction : {0.3, 1.0}) {
+      std::vector<BodySpec> bodies{{.shape = box({-1, -2, -6}, {0, 3, 6}), .fixed = true},
+                                   {.shape = box({count + 0.0, -2, -6}, {count + 1.0, 3, 6}), .fixed = true}};
+      for (int k = 0; k < count; ++k) bodies.push_back(body(box({k + 0.0, 0, 0}, {k + 1.0, 1, 1 + 0.25 * (k % 2)})));
+      World w = world(std::move(bodies), friction, {.step = 0.01});
+      while (w.time() < 0.3 - 1e-12) {
+        const auto report = w.step(0.3 - w.time());
+        ASSERT_TRUE(report.has_value()) << count << " " << friction << describe(report.error());
+      }
+      for (int k = 0; k < count; ++k) {
+        EXPECT_NEAR(w.displacement(static_cast<std::size_t>(k) + 2).z, -9.81 * 0.045, 1e-6) << count << " " << friction;
+      }
+    }
+  }
+}
+
 TEST(Piling, AFastBodyDoesNotPassThroughAThinPlate) {
   for (const double speed : {20.0, 200.0}) {
     for (const double far : {1.0, 200.0}) {  // a body far away makes the scene large
