@@ -10,8 +10,8 @@
 
 namespace cleave::stochastic {
 
-void run_ordered(std::uint64_t first, std::uint64_t end, std::uint64_t step, ThreadLimit threads, std::size_t ahead,
-                 const std::function<std::function<bool()>(std::uint64_t)>& make) {
+void run_ordered(std::uint64_t first, std::uint64_t end, std::uint64_t step, [[maybe_unused]] ThreadLimit threads,
+                 [[maybe_unused]] std::size_t ahead, const std::function<std::function<bool()>(std::uint64_t)>& make) {
   bool stopped = false;
   if (!CLEAVE_THREADS || threads.count() == 1) {
     for (std::uint64_t i = first; i < end && !stopped; i += step) stopped = !make(i)();
