@@ -1,7 +1,5 @@
 #include "arrays.hpp"
 
-#include <utility>
-
 namespace cleave::python {
 
 py::array sealed(py::array array) {

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
-#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -106,7 +105,6 @@ Result run_watched(const std::string& text, const std::string& shown, const std:
         thrown = std::current_exception();
       }
       over = true;
-      over.notify_all();
     }};
     struct StopOnTheWayOut {
       Progress& progress;

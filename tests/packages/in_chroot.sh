@@ -7,7 +7,7 @@ chroot=${1:-$(mktemp -d)/debian}
 mirror=${CLEAVE_MIRROR:-http://deb.debian.org/debian}
 [[ -d $chroot/etc ]] || debootstrap --variant=minbase bookworm "$chroot" "$mirror" >/dev/null
 inside() { chroot "$chroot" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"; }
-for file in resolv.conf apt/sources.list; do [[ -e /etc/$file && $file == resolv.conf ]] && cp "/etc/$file" "$chroot/etc/$file"; done
+cp /etc/resolv.conf "$chroot/etc/"
 cp /etc/apt/apt.conf.d/*prox* "$chroot/etc/apt/apt.conf.d/" 2>/dev/null || true
 rm -rf "$chroot/root/packages" "$chroot/root/consumer"
 mkdir "$chroot/root/packages"
@@ -16,7 +16,6 @@ cp -r "$root/examples/consumer" "$chroot/root/consumer"
 cp "$root/examples/wedge_slope/wedge_slope.toml" "$chroot/root/"
 
 inside apt-get update >/dev/null
-inside find / -xdev -type f -newermt 1970-01-02 -path '*cleave*' | grep -v '^/root/' >"$chroot/root/before" || true
 inside bash -c 'apt-get install -y --no-install-recommends /root/packages/*.deb cmake g++ make pkg-config man-db' >/dev/null
 
 echo "== program"

@@ -15,8 +15,8 @@ def upward(dip, dip_direction):
     return np.array([math.sin(d) * math.sin(a), math.sin(d) * math.cos(a), math.cos(d)])
 
 
-def row_of(result, number=None):
-    """The row of the largest block that is key or would be."""
+def row_of(result):
+    """The row of the largest block that is key or would be; None without one."""
     rows = list(result.key_blocks.rows())
     return max(rows, key=lambda r: r["volume_m3"]) if rows else None
 
