@@ -1,4 +1,5 @@
 #include "cleave/exchange/cells.hpp"
+#include "cleave/exchange/exports.hpp"
 
 #include <gtest/gtest.h>
 
@@ -119,6 +120,29 @@ TEST(Cells, CavitiesThatTouch) {
   expect_good(with_cavities({{{2, 2, 2}, {4, 4, 4}}, {{4, 4, 4}, {6, 6, 6}}}), 3 + 2);  // at a vertex: one plane each
   expect_good(with_cavities({{{2, 2, 2}, {4, 4, 4}}, {{4, 4, 2}, {6, 6, 4}}}), 2 + 2);  // along an edge
   expect_good(with_cavities({{{2, 2, 2}, {4, 4, 4}}, {{4, 4, 2}, {6, 6, 4}}, {{6, 2, 2}, {8, 4, 4}}}), 2 + 3);
+}
+
+// As many planes as are worth it; beyond them the block is one cell with all its shells, and that is said.
+TEST(Cells, VeryManyCavitiesStayClosed) {
+  const auto stacked = [](int count) {
+    std::vector<std::pair<Vec3, Vec3>> voids;
+    for (int i = 0; i < count; ++i) {
+      const double low = 0.5 + 0.125 * i;  // along the diagonal: one plane each, whatever its direction
+      voids.push_back({{low, low, low}, {low + 0.0625, low + 0.0625, low + 0.0625}});
+    }
+    return with_cavities(voids);
+  };
+  expect_good(stacked(64), 64 + 65);
+  const auto complex = stacked(65);
+  const Cells cells = make_cells(complex);
+  ASSERT_EQ(cells.with_cavities.size(), 1U);
+  EXPECT_EQ(cells.size(), complex.blocks().size());
+  double volume = 0;
+  for (const double v : cells.volume) volume += v;
+  EXPECT_NEAR(volume, 1000, 1e-9);
+  const Exported exported = export_blocks(cells, ExportFormat::obj, "t");
+  ASSERT_EQ(exported.notes.size(), 1U);
+  EXPECT_NE(exported.notes.front().find("not cut open"), std::string::npos) << exported.notes.front();
 }
 
 TEST(Cells, SameBlocksSameCells) {

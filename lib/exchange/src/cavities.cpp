@@ -146,6 +146,7 @@ std::optional<std::vector<Surface>> cut_through_cavities(Surface triangles, std:
       best = axis;
     }
   }
+  if (at.size() > most_planes) return std::nullopt;
   std::ranges::sort(at);
   std::vector<Surface> cells;
   for (Surface& part : cut_at(std::move(triangles), best, at, points)) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <utility>
 
 #include "cleave/scene/output.hpp"
@@ -22,13 +23,7 @@ constexpr std::array<ExportName, 8> names{{
 }};
 static_assert(std::ranges::equal(names, scene::known_exports, {}, &ExportName::name));
 
-}  // namespace
-
-std::span<const ExportName> export_names() noexcept { return names; }
-
-const ExportName& name_of(ExportFormat format) { return names[static_cast<std::size_t>(format)]; }
-
-Exported export_blocks(const Cells& cells, ExportFormat format, std::string_view title) {
+Exported written(const Cells& cells, ExportFormat format, std::string_view title) {
   switch (format) {
     case ExportFormat::obj: return detail::blocks_obj(cells, title);
     case ExportFormat::ply: return detail::blocks_ply(cells, title);
@@ -40,6 +35,22 @@ Exported export_blocks(const Cells& cells, ExportFormat format, std::string_view
     case ExportFormat::dda: return detail::section_dda(cells, title);
   }
   std::unreachable();
+}
+
+}  // namespace
+
+std::span<const ExportName> export_names() noexcept { return names; }
+
+const ExportName& name_of(ExportFormat format) { return names[static_cast<std::size_t>(format)]; }
+
+Exported export_blocks(const Cells& cells, ExportFormat format, std::string_view title) {
+  Exported result = written(cells, format, title);
+  for (const topology::BlockId block : cells.with_cavities) {
+    result.notes.push_back("block " + std::to_string(block.value()) +
+                           " has so many cavities that it was not cut open: it is one surface of several shells, which "
+                           "other programs may take for solid");
+  }
+  return result;
 }
 
 }  // namespace cleave::report

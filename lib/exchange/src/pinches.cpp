@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -107,16 +107,6 @@ bool has_pinched_edge(const std::vector<Use>& uses) {
   return false;
 }
 
-std::vector<Use> first_pinched_edge(const std::vector<Use>& uses) {
-  for (std::size_t i = 2; i < uses.size(); ++i) {
-    if (!same_edge(uses[i - 2], uses[i])) continue;
-    std::vector<Use> group;
-    std::ranges::copy_if(uses, std::back_inserter(group), [&](const Use& u) { return same_edge(u, uses[i]); });
-    return group;
-  }
-  return {};
-}
-
 // Puts a point into the middle of an edge of a polygon; a triangle is cut in two and stays triangles, the second one
 // goes to `more`.
 void insert(std::vector<Polygon>& polygons, std::vector<Polygon>& more, const Use& use, std::uint32_t point) {
@@ -136,6 +126,28 @@ void insert(std::vector<Polygon>& polygons, std::vector<Polygon>& more, const Us
   const std::uint32_t to = corners[(at + 1) % 3], third = corners[(at + 2) % 3];
   more.push_back({.corners = {point, to, third}, .outward = polygon.outward, .face = polygon.face});
   corners = {from, point, third};
+}
+
+// Gives each pair of uses of every pinched edge a middle point of its own. A triangle is cut once only: its other edges
+// wait for the next round. At least the first pinched edge is gone afterwards.
+void part_pinched_edges(std::vector<Polygon>& polygons, const std::vector<Use>& uses, std::vector<Vec3>& points) {
+  std::vector<Polygon> halves;
+  std::vector<bool> cut(polygons.size(), false);
+  for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
+    while (end < uses.size() && same_edge(uses[end], uses[i])) ++end;
+    const std::span group{uses.begin() + static_cast<std::ptrdiff_t>(i), end - i};
+    if (group.size() <= 2 || std::ranges::any_of(group, [&](const Use& u) { return cut[u.polygon]; })) continue;
+    const Vec3 middle = points[group.front().low] + 0.5 * (points[group.front().high] - points[group.front().low]);
+    for (const auto& [a, b] : pair_up({group.begin(), group.end()}, polygons, points, Through::rock)) {
+      const auto point = static_cast<std::uint32_t>(points.size());
+      points.push_back(middle);
+      for (const Use& use : {a, b}) {
+        cut[use.polygon] = polygons[use.polygon].corners.size() == 3;
+        insert(polygons, halves, use, point);
+      }
+    }
+  }
+  polygons.insert(polygons.end(), halves.begin(), halves.end());
 }
 
 // The polygons with a point of its own for every fan at the ends of pinched edges.
@@ -195,15 +207,7 @@ void separate_pinches(std::vector<Polygon>& polygons, std::vector<Vec3>& points)
   // Both ends of some edge are one fan each however its uses are paired: each pair gets a middle point of its own.
   polygons = with_doubled_points(std::move(polygons), uses, points, Through::rock);
   for (uses = uses_of(polygons); has_pinched_edge(uses); uses = uses_of(polygons)) {
-    const auto group = first_pinched_edge(uses);
-    const Vec3 middle = points[group.front().low] + 0.5 * (points[group.front().high] - points[group.front().low]);
-    std::vector<Polygon> halves;
-    for (const auto& [a, b] : pair_up(group, polygons, points, Through::rock)) {
-      const auto point = static_cast<std::uint32_t>(points.size());
-      points.push_back(middle);
-      for (const Use& use : {a, b}) insert(polygons, halves, use, point);
-    }
-    polygons.insert(polygons.end(), halves.begin(), halves.end());
+    part_pinched_edges(polygons, uses, points);
   }
 }
 

@@ -32,7 +32,7 @@ struct Cells {
   std::vector<std::int64_t> ends;          ///< per cell: index one past its last entry in `connectivity`
   std::vector<topology::BlockId> block;    ///< per cell
   std::vector<double> volume;              ///< m3, of the cell
-  /// Blocks with cavities that could not be cut (a cavity without height): one cell with several shells. None is known.
+  /// Blocks with cavities that were not cut open, as more than 64 planes were needed: one cell with several shells.
   std::vector<topology::BlockId> with_cavities;
 
   [[nodiscard]] std::size_t size() const noexcept { return block.size(); }
