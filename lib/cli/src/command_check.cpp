@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <expected>
+#include <vector>
+
 #include "cleave/core/overloaded.hpp"
 #include "cleave/load/load.hpp"
 #include "cleave/realize/run.hpp"
@@ -44,12 +47,16 @@ ExitCode check_scene(const std::string& path) {
 ExitCode plan_scene(const std::string& path) {
   const auto scene = scene::load(path);
   if (!scene) return report_problems(scene.error());
+  using Planned = std::expected<scene::Plan, std::vector<scene::Problem>>;
+  const Planned plan = std::visit(overloaded{[](const scene::Scene& blocks) { return make_costed_plan(blocks); },
+                                             [](const auto& scene2d) -> Planned { return make_plan(scene2d); }},
+                                  *scene);
+  if (!plan) return report_problems(plan.error());
   say(std::visit(
       [&](const auto& loaded) {
-        const scene::Plan plan = make_plan(loaded);
-        return fmt::format("plan of {} ({})\n{}estimated size: {}, up to {:.0f} MB and {:.1f} s of CPU\n", path,
-                           loaded.title, describe(plan, true), size_of(loaded, plan.estimate), plan.estimate.memory_mb,
-                           plan.estimate.seconds) +
+        const scene::SizeEstimate& size = plan->estimate;
+        return fmt::format("plan of {} ({})\n{}estimated size: {}, about {:.0f} MB and {:.2g} s of CPU\n", path,
+                           loaded.title, describe(*plan, true), size_of(loaded, size), size.memory_mb, size.seconds) +
                notes_of(loaded);
       },
       *scene));

@@ -64,7 +64,7 @@ namespace {
 ExitCode run_blocks(const RunArguments& arguments, const scene::Scene& scene, StageTimer& timer, Progress& progress,
                     InterruptWatch& interrupts) {
   return in_out_folder(arguments.out, interrupts, [&](OutFolder& out) {
-    auto result = scene::run(scene, {.threads = arguments.threads}, timer, progress);
+    auto result = scene::run(scene, {.threads = arguments.threads, .memory_mb = arguments.memory_mb}, timer, progress);
     if (!result) return report_problems(result.error());
     return write_and_publish(*result, out, timer, progress, interrupts, {arguments.scene, arguments.quiet});
   });

@@ -18,7 +18,8 @@ struct RunArguments {
   std::optional<std::uint64_t> seed;
   bool quiet = false;
   stochastic::Shard shard;
-  bool sharded = false;  ///< --shard was given
+  bool sharded = false;                            ///< --shard was given
+  std::optional<double> memory_mb = std::nullopt;  ///< of the machine; what needs more is refused
 };
 [[nodiscard]] ExitCode run_scene(const RunArguments& arguments);
 

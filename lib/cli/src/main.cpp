@@ -168,6 +168,7 @@ ExitCode run_program(int argc, char** argv) {
         complain("cleave run: --seed: \"" + seed + "\" is not a whole number from 0 to 9223372036854775807");
         return ExitCode::wrong_input;
       }
+      if (memory == 0) run.memory_mb = machine_memory_mb();
       if (shard.empty()) return run_scene(run);
       if (const auto part = shard_of(shard)) {
         run.shard = *part;

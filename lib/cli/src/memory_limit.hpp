@@ -11,4 +11,7 @@ inline constexpr std::uint64_t least_memory = 64'000'000, most_memory = 1'000'00
 /// taking the machine down. A limit that already stands and is lower stays. False where the system knows no such limit.
 [[nodiscard]] bool limit_memory(std::uint64_t bytes) noexcept;
 
+/// Megabytes (10^6 bytes) of this machine, or of the control group that the process lives in where that is less.
+[[nodiscard]] double machine_memory_mb();
+
 }  // namespace cleave::cli

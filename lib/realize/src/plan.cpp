@@ -2,16 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "cleave/core/expected.hpp"
 #include "cleave/dfn/sample.hpp"
+#include "cleave/realize/run.hpp"
 #include "cleave/scene/plan_stages.hpp"
 #include "cleave/scene3d/bounds.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "cleave/scene3d/scene.hpp"
+#include "cut_estimate.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -57,76 +57,34 @@ std::string why_support(const Scene& scene) {
          (scene.support->plan.shotcrete ? " and shotcrete" : "") + (scene.support->design ? "; with a search" : "");
 }
 
-using geometry::Vec3;
+/// The program alone.
+constexpr double program_mb = 16, program_s = 0.008;
 
-/// The section of a plane through the middle of a body over its mean section, at most about (a cube across its
-/// diagonal: 1.5).
-constexpr double whole = 1.5;
-
-/// What a joint shares with the body at most, m2: its own area, and the mean section of a box of sides `side`
-/// parallel to it (volume over width), times `whole`.
-double area_of(const MeasuredJoint& joint, Vec3 side) {
-  const auto section = [&](Vec3 normal) {
-    const double width = std::abs(normal.x) * side.x + std::abs(normal.y) * side.y + std::abs(normal.z) * side.z;
-    return side.x * side.y * side.z * norm(normal) / width;
-  };
-  if (const auto* plane = std::get_if<topology::PersistentJoint>(&joint.geometry))
-    return whole * section(plane->normal);
-  double area = 0;
-  for (const geometry::Polygon& polygon : std::get<topology::Joint>(joint.geometry).polygons) {
-    const auto corners = polygon.corners();
-    Vec3 twice{0, 0, 0};
-    for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
-      twice = twice + cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
-    }
-    if (norm(twice) > 0) area += std::min(norm(twice) / 2, whole * section(twice));
-  }
-  return area;
-}
-
-/// Joints, and a bracket of the number of blocks: at least 1; at most what independent isotropic planes of the same
-/// area in a volume make, as of all directions these have the most vertices.
-SizeEstimate estimate(const Scene& scene) {
-  SizeEstimate size;
-  size.joints = static_cast<double>(scene.joints.size());
+/// Random joints that are drawn, kept or not.
+double draws_of(const Scene& scene) {
   const Box box = box_of(scene.domain);
-  const Vec3 side = box.max - box.min;
-  const double volume = side.x * side.y * side.z;
-  const double surface = 2 * (side.x * side.y + side.y * side.z + side.z * side.x);
-  const double breadth = (side.x + side.y + side.z) / 2;  // mean over directions
-  double per_volume = 0;                                  // area of joints in a volume, 1/m
-  for (const MeasuredJoint& joint : scene.joints) per_volume += area_of(joint, side) / volume;
-  for (const RandomSet& set : scene.joint_sets) {
-    const double draws = dfn::expected_draws(set.law, {box.min, box.max});
-    size.joints += draws;
-    const dfn::JointSetSpec& spec = set.law.spec();
-    if (const auto* count = std::get_if<dfn::Count>(&spec.intensity)) {
-      const double section = whole * volume / breadth;
-      const bool planes = std::holds_alternative<dfn::Persistent>(spec.shape);
-      const double area = planes ? section : std::min(section, set.law.mean_area());
-      per_volume += static_cast<double>(count->joints) * area / volume;
-    } else {
-      // Their number is Poisson's: two standard deviations more.
-      per_volume += set.law.expected_p32(volume) * (1 + 2 / std::sqrt(std::max(1.0, draws)));
-    }
-  }
-  // Each vertex is the lowest point of one cell, and so is the lowest point of each cell that has it on the boundary:
-  // so cells are 1 + planes that meet the body + lines that do + vertices in it (Miles 1972).
-  const double s = per_volume, pi = std::numbers::pi;
-  const double isotropic = 1 + s * breadth + pi / 8 * s * s * surface / 4 + pi / 48 * s * s * s * volume;
-  const double n = size.joints, pairs = n * std::max(0.0, n - 1) / 2, triples = pairs * std::max(0.0, n - 2) / 3;
-  size.blocks_high = std::min(1 + n + pairs + triples, 1.5 * isotropic);
-  size.memory_mb = 20 + 0.003 * n + 0.005 * size.blocks_high;
-  size.seconds = 0.05 + 5e-5 * n + 4e-5 * size.blocks_high;
-  return size;
+  double draws = 0;
+  for (const RandomSet& set : scene.joint_sets) draws += dfn::expected_draws(set.law, {box.min, box.max});
+  return draws;
 }
 
-/// Expected seconds of CPU of a stage.
-double seconds_of(Stage stage, const SizeEstimate& size) {
-  if (stage == Stage::draw) return 1e-5 * size.joints;
-  if (stage == Stage::cut) return 4e-5 * size.joints + 2.4e-5 * size.blocks_high;
-  if (stage == Stage::audit) return 1.6e-5 * size.blocks_high;
-  return 0;
+/// Expected seconds of CPU of a stage of one realization; 0 for those whose cost the joints do not tell.
+double seconds_of(Stage stage, const Scene& scene, const CutEstimate& cut) {
+  constexpr double section_by_boundary_elements = 0.4, a_bolt = 4e-4;
+  switch (stage) {
+    case Stage::draw: return 1.5e-7 * draws_of(scene) + 1e-6 * cut.joints;
+    case Stage::cut: return cut.cut_s();
+    case Stage::audit: return cut.audit_s();
+    case Stage::stability: return 3e-6 * cut.blocks;
+    case Stage::write: return 0.002 + (scene.output.vtu ? 3.5e-6 * cut.blocks : 0);
+    case Stage::report: return 0.002 + 1.5e-6 * cut.blocks;
+    case Stage::support: return a_bolt * static_cast<double>(scene.support->plan.bolts.size());
+    case Stage::elastic: return section_by_boundary_elements;
+    case Stage::read:
+    case Stage::monte_carlo:
+    case Stage::contact: return 0;
+  }
+  std::unreachable();
 }
 
 struct Decision {
@@ -201,15 +159,31 @@ Decision decide(const Scene& scene, Stage stage) {
 }  // namespace
 
 Plan make_plan(const Scene& scene) {
-  Plan plan{.stages = {}, .estimate = estimate(scene)};
-  const double runs = scene.monte_carlo ? static_cast<double>(scene.monte_carlo->realizations) : 1;
+  Plan plan;
   for (const Stage stage : all_stages) {
     auto [run, why] = decide(scene, stage);
-    const double seconds = run ? runs * seconds_of(stage, plan.estimate) : 0;
-    plan.stages.push_back({.stage = stage, .run = run, .why = std::move(why), .inputs = {}, .seconds = seconds});
+    plan.stages.push_back({.stage = stage, .run = run, .why = std::move(why)});
   }
-  plan.estimate.seconds *= runs;
   add_inputs(scene_keys(), scene.given, plan);
+  return plan;
+}
+
+std::expected<Plan, std::vector<Problem>> make_costed_plan(const Scene& scene) {
+  CLEAVE_TRY(const SampledScene drawn, sample(scene));
+  const CutEstimate cut = estimate_cut(drawn);
+  Plan plan = make_plan(scene);
+  plan.estimate = {.joints = cut.joints,
+                   .blocks_low = cut.blocks_low,
+                   .blocks_high = cut.blocks_high,
+                   .memory_mb = program_mb + cut.memory_mb(),
+                   .seconds = program_s};
+  const double runs = scene.monte_carlo ? static_cast<double>(scene.monte_carlo->realizations) : 1;
+  for (PlannedStage& planned : plan.stages) {
+    if (!planned.run) continue;
+    const bool once = planned.stage == Stage::write || planned.stage == Stage::report;
+    planned.seconds = (once ? 1 : runs) * seconds_of(planned.stage, scene, cut);
+    plan.estimate.seconds += planned.seconds;
+  }
   return plan;
 }
 

@@ -1,5 +1,7 @@
 #include "realizer.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -8,6 +10,7 @@
 #include "cleave/stability/analyse.hpp"
 #include "cleave/stability/near_field.hpp"
 #include "cleave/topology/cut.hpp"
+#include "cut_estimate.hpp"
 #include "cut_problem.hpp"
 #include "field_stress.hpp"
 #include "judge.hpp"
@@ -90,7 +93,21 @@ Realizer::Done Realizer::draw_joints() {
   return {};
 }
 
+Realizer::Done Realizer::fits_memory() const {
+  constexpr double least_joints = 100;  // fewer never fill a machine, and an estimate takes longer than their cut
+  if (!options_.memory_mb || static_cast<double>(made_.input.joints.size()) < least_joints) return {};
+  const CutEstimate expected = estimate_cut(made_);
+  if (expected.memory_mb() <= *options_.memory_mb) return {};
+  return std::unexpected(std::vector<Problem>{
+      {scene_->shown, 1, "domain",
+       fmt::format("about {:.2g} blocks are expected, which take about {:.0f} GB; this machine has {:.0f} GB",
+                   expected.blocks, expected.memory_mb() / 1000, *options_.memory_mb / 1000),
+       "make the domain smaller, take joints that matter less out, cut only what key blocks need (output.blocks = "
+       "\"key\"), or say with --memory what the run may take"}});
+}
+
 Realizer::Done Realizer::cut() {
+  CLEAVE_CHECK(fits_memory());
   auto cut = [&]() -> std::expected<topology::BlockComplex, topology::CutError> {
     if (!scene_->sequence) return topology::cut(made_.input, {.threads = options_.threads});
     CLEAVE_TRY(in_stages_, topology::SequentialCut::make(made_.input, {.threads = options_.threads}));

@@ -34,6 +34,8 @@ class Realizer final {
  private:
   [[nodiscard]] Done step(Stage stage);
   [[nodiscard]] Done draw_joints();
+  /// Refuses what is expected to be too large for the machine.
+  [[nodiscard]] Done fits_memory() const;
   [[nodiscard]] Done cut();
   [[nodiscard]] Done cut_near_free_faces();
   void audit();

@@ -16,9 +16,15 @@ namespace cleave::scene {
 
 [[nodiscard]] Plan make_plan(const Scene& scene);
 
+/// The plan with what it is expected to cost, from the joints of the first realization. Errors: those of `sample`.
+[[nodiscard]] std::expected<Plan, std::vector<Problem>> make_costed_plan(const Scene& scene);
+
 struct RunOptions {
   unsigned threads = 1;           ///< at least 1; changes nothing but the time
   std::uint64_t realization = 0;  ///< number of the random realization
+  /// Megabytes (10^6 bytes) that the machine has: what is expected to need more is refused before it is cut. No limit
+  /// when empty.
+  std::optional<double> memory_mb = std::nullopt;
 };
 
 /// Draws the random joints, the strength of each joint and what is random of the loads. A pure function of the scene
@@ -37,7 +43,8 @@ void realize(const Scene& scene, std::uint64_t first, std::uint64_t count, Stage
 /// `progress` shows them.
 ///
 /// Errors are what only these stages can see in a scene: a joint too small for the lattice, excavations that leave no
-/// rock, more joints than can be drawn. A certificate that does not pass is a result, not an error.
+/// rock, more joints than can be drawn, a cut that the machine has no memory for. A certificate that does not pass is a
+/// result, not an error.
 [[nodiscard]] std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options,
                                                                  StageTimer& timer, Progress& progress);
 
