@@ -93,6 +93,14 @@ TEST(KeyGroups, CohesionThatNextToNothingPressesIsNotReliedOn) {
   EXPECT_TRUE(groups_on(89.8, 5.5).empty());
   EXPECT_TRUE(groups_on(80, 1.2).empty());
   EXPECT_EQ(groups_on(89.5, 0.9).at(0).verdict, Verdict::certain);
+  // Nor in the factor, which is that of the block judged alone; certainty counts all of it.
+  const double half = sin_deg(0.5) / sin_deg(1);
+  const Group sure = groups_on(89.5, 0.9).at(0), doubtful = groups_on(89.5, 1.2).at(0);
+  EXPECT_NEAR(sure.up.factor, 0.9 / sin_deg(89.5), 1e-6);
+  EXPECT_NEAR(sure.moving.factor, half * 0.9 / sin_deg(89.5), 1e-6);
+  EXPECT_NEAR(doubtful.moving.factor, half * 1.2 / sin_deg(89.5), 1e-6);
+  // Full from one degree on.
+  EXPECT_NEAR(groups_on(88.9, 0.9).at(0).moving.factor, 0.9 / sin_deg(88.9), 1e-6);
 }
 
 // Cohesion that only an even share of shear would bear, or that a corner that opens would lose, is not relied on where
