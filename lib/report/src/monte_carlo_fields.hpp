@@ -106,6 +106,12 @@ void quantity_fields(V& v, const stochastic::Estimate& x, double confidence) {
 }
 
 template <class V>
+void fields(V& v, const scene::StageSeconds& x) {
+  v("stage", x.stage);
+  v("thread_s", x.seconds);
+}
+
+template <class V>
 void order_fields(V& v, const stochastic::OrderFigures& x, const std::vector<std::uint32_t>& stages) {
   const auto mean = [](const stochastic::Estimate& e) { return group([&e](auto& w) { mean_fields(w, e); }); };
   v("stages", stages);
@@ -121,6 +127,8 @@ void fields(V& v, const MonteCarloPage& x) {
   const stochastic::Figures& f = x.result.figures;
   const scene::StoppedBy stopped = x.result.stopped_by;
   v("scene_file", x.scene_file, "of Monte Carlo runs: name of the scene's file, without its folder");
+  v("realization_cost", when_any(x.result.stages),
+    "seconds that the threads of this process spent in the stages of the realizations it made");
   v("monte_carlo", group([&](auto& w) {
       w("realizations", f.realizations);
       w("seed", x.seed);

@@ -326,6 +326,21 @@ std::string inputs_section(const MonteCarloPage& page) {
   return out + "</tbody></table></section>\n";
 }
 
+std::string stages_table(const MonteCarloPage& page) {
+  if (page.result.stages.empty()) return {};
+  double all = 0;
+  for (const scene::StageSeconds& row : page.result.stages) all += row.seconds;
+  std::string out =
+      "<section id=\"stages\"><h2>Cost of the realizations by stage</h2>\n<p class=\"small\">Of those made by this "
+      "run, over all threads.</p>\n<table><thead><tr><th>Stage</th><th>Seconds of a "
+      "thread</th><th>Share</th></tr></thead><tbody>\n";
+  for (const scene::StageSeconds& row : page.result.stages) {
+    out += "<tr><td>" + row.stage + "</td><td>" + display(row.seconds, 3) + "</td><td>" +
+           percent(all > 0 ? row.seconds / all : 0) + "</td></tr>\n";
+  }
+  return out + "</tbody></table></section>\n";
+}
+
 }  // namespace
 
 std::string monte_carlo_html(const MonteCarloPage& page) {
@@ -355,6 +370,7 @@ std::string monte_carlo_html(const MonteCarloPage& page) {
   out += notes_section(page);
   out += detail::plan_section(page.plan);
   out += detail::cost_section(page.cost);
+  out += stages_table(page);
   out += inputs_section(page);
   return out + detail::page_foot() + std::string{detail::page_end};
 }
