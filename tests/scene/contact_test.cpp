@@ -328,6 +328,29 @@ TEST(ContactScene, NoRestIsSaid) {
   EXPECT_FALSE(r.frames.empty());
 }
 
+TEST(ContactScene, ARunOutOfWorkStopsAndKeepsWhatIsDone) {
+  const std::string stack =
+      ground +
+      "[[body]]\nrectangle = { corner = [0, 0.01], width = 1, height = 1 }\nrepeat = { count = 5, shift = "
+      "[0.1, 1.01] }\n";
+  const ContactResult whole = ran(motion + stack);
+  EXPECT_TRUE(whole.converged);
+  ASSERT_GT(whole.work, 0);
+  const double half = 0.5e-9 * whole.work;
+  const ContactResult stopped = ran(fmt::format("{}work = {:.17g}\n{}", motion, half, stack));
+  EXPECT_FALSE(stopped.converged);
+  EXPECT_NE(stopped.stopped_why.find("of contact.work at"), std::string::npos) << stopped.stopped_why;
+  EXPECT_GE(stopped.work, 1e9 * half);
+  EXPECT_LT(stopped.end_time, 1);
+  EXPECT_GT(stopped.steps, 0U);
+  // As far as it came it is the same run.
+  ASSERT_GE(whole.history.size(), stopped.history.size());
+  for (std::size_t k = 0; k + 1 < stopped.history.size(); ++k) {
+    EXPECT_EQ(stopped.history[k].kinetic, whole.history[k].kinetic) << k;
+  }
+  EXPECT_TRUE(ran(fmt::format("{}work = {:.17g}\n{}", motion, 4 * half, stack)).converged);
+}
+
 TEST(ContactScene, ErrorOfTheStepsIsEstimatedOrNot) {
   // A block of 0.4 x 1 m rocks on its base; the answer of a hundredth of the step is the exact one.
   const auto rocking = [](double step, bool asked) {

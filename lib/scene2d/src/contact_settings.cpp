@@ -103,6 +103,9 @@ const KeyTable& contact_keys() {
           {"strength", key::table(&rock_strength_keys), "",
            "`{ cohesion, friction, tension }` of the rock of elastic bodies (Pa, degrees, Pa): `safety` of their "
            "stress"},
+          {"work", key::number({0, true, 1e9, false, ""}), "none",
+           "10^9 operations the run may take, counted, not timed (some 0.4 s each): beyond it the run stops with exit "
+           "code 4 and keeps what is done"},
           {"damping", key::number({0, false, 10, false, ""}), "0", "share of critical damping of elastic vibrations"}}};
   return keys;
 }
@@ -178,6 +181,7 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   s.largest_move = table.value("max_displacement");
   s.frames = static_cast<std::size_t>(table.count("frames"));
   s.estimate = table.flag("estimate");
+  if (const auto most = table.number("work")) s.work = 1e9 * *most;
   if (const auto strength = table.sub("strength")) {
     s.strength = RockStrength{.cohesion = strength->need_number("cohesion").value_or(0),
                               .friction = strength->need_number("friction").value_or(0),
