@@ -66,6 +66,7 @@ class Recorder final {
       weight_ += world.mass(b) * scene.settings.gravity;
       loaded_ = loaded_ || !body.loads.empty();
     }
+    loaded_ = loaded_ || scene.settings.ground.has_value();
     for (std::size_t m = 0; m < shares_.size(); ++m) shares_[m] = 0;
   }
 
@@ -397,6 +398,10 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
     const ContactSettings& s = scene.settings;
     dbem::WorldOptions options;
     options.gravity = s.gravity;
+    if (s.ground) {
+      options.ground = [&ground = *s.ground](double t) { return ground.at(t); };
+      options.ground_mean = [&ground = *s.ground](double from, double to) { return ground.mean(from, to); };
+    }
     options.step = s.step;
     options.longest_step = s.max_step;
     options.displacement = s.largest_move;

@@ -65,6 +65,8 @@ struct WorldOptions {
   /// Acceleration of the ground (m/s2) as a function of time: every body feels the opposite. Fixed bodies are the
   /// ground.
   std::function<Vec2(double)> ground = {};
+  /// Mean of `ground` from one time to another; empty: its value in the middle, which misses what is shorter.
+  std::function<Vec2(double, double)> ground_mean = {};
   double step = 1e-3;          ///< s, the first one
   double longest_step = 0;     ///< s; 0: `step`
   bool adaptive = false;       ///< lengthens steps while little moves, see `displacement`
