@@ -51,10 +51,20 @@ TEST_F(MonteCarloTest, WritesRecordsEstimatesAndAReport) {
   EXPECT_EQ(mc["exceedance"][0]["by_chainage"].size(), 20U);
   EXPECT_GT(mc["quantities"]["key_block_volume_m3_per_metre"]["mean"], 0);
   EXPECT_EQ(std::ranges::count(read("out/realizations.csv"), '\n'), 42);
+  // What the stages of the realizations cost is told.
+  std::vector<std::string> stages;
+  double seconds = 0;
+  const json summary = json::parse(read("out/summary.json"));
+  for (const json& row : summary["realization_cost"]) {
+    stages.push_back(row["stage"]);
+    seconds += row["thread_s"].get<double>();
+  }
+  EXPECT_EQ(stages, (std::vector<std::string>{"draw", "cut", "audit", "stability"}));
+  EXPECT_GT(seconds, 0);
   const std::string page = read("out/report.html");
   for (const char* part : {"<section id=\"estimates\">", "<section id=\"figures\">", "<section id=\"probability\">",
-                           "<section id=\"quantiles\">", "<section id=\"extremes\">", "<section id=\"inputs\">",
-                           "chainage (m)", "replay"}) {
+                           "<section id=\"quantiles\">", "<section id=\"pressures\">", "<section id=\"stages\">",
+                           "<section id=\"extremes\">", "<section id=\"inputs\">", "chainage (m)", "replay"}) {
     EXPECT_TRUE(page.contains(part)) << part;
   }
   // Quantities of summary.json have their rows.

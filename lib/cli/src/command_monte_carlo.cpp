@@ -40,6 +40,9 @@ std::string figures_text(const report::MonteCarloPage& page) {
   }
   text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", page.cost.wall_s,
                       page.cost.cpu_s, page.cost.peak_rss_mb, page.cost.threads);
+  for (const scene::StageSeconds& row : page.result.stages) {
+    text += fmt::format("  {:<10} {:.2f} s of threads\n", row.stage, row.seconds);
+  }
   return text;
 }
 
