@@ -81,9 +81,9 @@ std::vector<BodySpec> arch(int stones, double thickness) {
 std::vector<BodySpec> pile(int count, Random& random) {
   std::vector<BodySpec> out;
   for (int k = 0; k < count; ++k) {
-    const double x = 0.9 * (k % 2), y = 0.9 * (k / 2 % 2), z = 0.9 * (k / 4);
+    const double x = 1.1 * (k % 2), y = 1.1 * (k / 2 % 2), z = 0.9 * (k / 4);
     const double tilt = between(random, -0.2, 0.2);
-    out.push_back(stone(moved(block(0.7, 0.7, 0.6), {x, y, z + 0.4}, turn_by({tilt, 0.5 * tilt, 3 * tilt}))));
+    out.push_back(stone(moved(block(0.7, 0.7, 0.6), {x, y, z + 0.5}, turn_by({tilt, 0.5 * tilt, 3 * tilt}))));
     out.back().velocity = {between(random, -1, 1), between(random, -1, 1), -6};
   }
   out.push_back(wall({-20, -20, -1}, {20, 20, 0}));

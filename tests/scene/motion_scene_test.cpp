@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 #include <string>
-#include <tuple>
 
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
@@ -71,34 +70,6 @@ TEST(MotionScene, CohesionHoldsUntilItIsLess) {
     std::string text = slab(20, "release = \"all\"\nduration = 0.2\nerror = false\n");
     text.insert(text.find("\n[rock]"), std::string{"\ncohesion = "} + cohesion);
     EXPECT_EQ(moved(text).motion->moved() > 0, moves) << cohesion;
-  }
-}
-
-TEST(MotionScene, StagesGoOneAfterTheOther) {
-  // The slab is undercut by the second cut alone, or by the first.
-  const auto staged = [](int upper, int lower) {
-    std::string text = slab(20, "release = \"stage\"\nduration = 0.4\nstep = 0.005\nerror = false\n");
-    const std::string whole = "profile = { direction = 90, points = [[0, 12], [11, 12], [15, 4], [30, 4]] }\n";
-    const auto at = text.find(whole);
-    text.insert(at, "name = \"lower\"\nstage = " + std::to_string(lower) + "\n");
-    text.insert(text.find("[stability]"),
-                "[[excavation]]\nname = \"upper\"\nkind = \"slope\"\nstage = " + std::to_string(upper) +
-                    "\nprofile = { direction = 90, points = [[0, 12], [11, 12], [13, 8], [30, 8]] }\n");
-    return moved(text);
-  };
-  const double dip = 40 * std::numbers::pi / 180, friction = 20 * std::numbers::pi / 180;
-  const double a = 9.81 * (std::sin(dip) - std::cos(dip) * std::tan(friction));
-  for (const auto& [upper, lower, start] : {std::tuple{1, 2, 0.2}, {2, 1, 0.0}}) {
-    const RunResult result = staged(upper, lower);
-    const MotionResult& motion = *result.motion;
-    EXPECT_TRUE(motion.converged) << motion.stopped_why;
-    ASSERT_EQ(motion.blocks.size(), 1U) << upper;
-    ASSERT_TRUE(motion.blocks[0].first_motion.has_value()) << upper;
-    EXPECT_NEAR(motion.blocks[0].first_motion->si(), start + std::sqrt(2e-3 / a), 0.006) << upper;
-    const double path = std::hypot(motion.blocks[0].fall.si(), motion.blocks[0].runout.si());
-    EXPECT_NEAR(path, 0.5 * a * (0.4 - start) * (0.4 - start), 5e-3) << upper;
-    EXPECT_LT(motion.energy_error, 1e-9);
-    EXPECT_LT(motion.momentum_error, 1e-9);
   }
 }
 
