@@ -62,6 +62,29 @@ TEST(NearMisses, NotOfWhatWasCutOff) {
   EXPECT_EQ(near_misses(input).sides, 0U);
 }
 
+TEST(NearMisses, ASlitInAWall) {
+  // Two tiles above a long one come apart from the corner they share upwards; roundings apart they are one wall.
+  const auto u = uniform(26);
+  for (const double gap : {1e-7, 1e-9, 0.0}) {
+    for (int k = 0; k < 4; ++k) {
+      const Placement at = turned(u);
+      auto input = scene(box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}));
+      const auto p = [&](double x, double y) { return at({x, y, 0.01}); };
+      add(input, {{p(-3, -3), p(3, -3), p(3, -0.2), p(0, -0.2), p(-3, -0.2)},
+                  {p(-3, -0.2), p(0, -0.2), p(-gap / 2, 3), p(-3, 3)},
+                  {p(0, -0.2), p(3, -0.2), p(3, 3), p(gap / 2, 3)}});
+      const auto found = near_misses(input);
+      EXPECT_EQ(found.sides, gap > 0 ? 1U : 0U) << gap;
+      EXPECT_EQ(count_blocks(input), gap > 0 ? 1U : 2U) << gap;
+      if (gap == 0) continue;
+      EXPECT_LE(found.largest.si(), gap);
+      EXPECT_GT(found.largest.si(), 0);
+      EXPECT_EQ(found.joint, topology::JointId{1U});
+      EXPECT_EQ(found.other, topology::JointId{2U});
+    }
+  }
+}
+
 TEST(NearMisses, ClosedSurfacesHaveNone) {
   const auto u = uniform(13);
   for (int k = 0; k < 30; ++k) {

@@ -127,6 +127,7 @@ void fields(V& v, const MonteCarloPage& x) {
   const stochastic::Figures& f = x.result.figures;
   const scene::StoppedBy stopped = x.result.stopped_by;
   v("scene_file", x.scene_file, "of Monte Carlo runs: name of the scene's file, without its folder");
+  v("openings", when_any(x.excavations), "of Monte Carlo runs: what each takes of the rock, in the order of the scene");
   v("realization_cost", when_any(x.result.stages),
     "seconds that the threads of this process spent in the stages of the realizations it made");
   v("monte_carlo", group([&](auto& w) {

@@ -322,6 +322,12 @@ std::string inputs_section(const MonteCarloPage& page) {
     out += row("File", escape_xml(file.name) + " <code>" + escape_xml(file.sha256) + "</code>");
   }
   out += row("Seed", std::to_string(page.seed));
+  for (const scene::ExcavationFigures& e : page.excavations) {
+    out += row(
+        "Excavation",
+        escape_xml(e.name) + ", " + display(e.volume.si(), 4) + " m³" +
+            (e.outside_share.value_or(0) > 0 ? ", " + percent(*e.outside_share) + " of it outside the domain" : ""));
+  }
   out += row("Hash of the records", "<code>" + escape_xml(page.result.figures.hash) + "</code>");
   return out + "</tbody></table></section>\n";
 }

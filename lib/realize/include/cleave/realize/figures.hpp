@@ -30,6 +30,12 @@ void fields(V& v, const SnappedJoint& x) {
   v("edges_adopted", x.adopted_edges, "sides that now end on another joint's plane");
 }
 template <class V>
+void fields(V& v, const CoarseSnap& x) {
+  v("polygons", x.polygons, "polygons with sides shorter than twice `snap`: their corners became one or passed each other");
+  v("shortest_m", x.shortest, "their shortest side; a `snap` of less than half of it keeps all polygons as they are");
+  v("joint", x.joint, "whose side that is");
+}
+template <class V>
 void fields(V& v, const NearMisses& x) {
   v("sides", x.sides, "sides of joints that miss another polygon by less than 1e-6 of the domain's extent");
   v("largest_m", x.largest, "the most that one of them misses by; `snap` of a little more closes them all");
@@ -71,6 +77,7 @@ struct CutFigures : InputFigures {
   std::vector<InputFile> files = {};
   std::vector<ExcavationFigures> excavations = {};
   std::vector<topology::SnappedJoint> snapped = {};
+  topology::CoarseSnap coarse_snap = {};
   topology::NearMisses near_misses = {};
   std::vector<SetFigures> sets = {};
 };
@@ -81,6 +88,8 @@ void fields(V& v, const CutFigures& x) {
   v("excavations", when_any(x.excavations), "in the order of the scene");
   v("sets", when_any(x.sets), "joint sets as they lie in the box around the domain");
   v("snapped", when_any(x.snapped), "the joints that `snap` changed, by number; absent when there are none");
+  v("coarse_snap", when(x.coarse_snap.polygons > 0, x.coarse_snap),
+    "polygons that are smaller than `snap`: what they part may be other than what was meant");
   v("near_misses", when(x.near_misses.sides > 0, x.near_misses),
     "sides of joints that nearly reach another polygon: rock that was perhaps meant to be parted there is not");
 }

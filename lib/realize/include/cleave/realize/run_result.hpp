@@ -55,7 +55,8 @@ struct CaseSupport {
 struct MaximumRow {
   std::array<std::string, 3> sets;  ///< names
   stability::MaximumKeyBlock block;
-  std::string where;  ///< "roof", "floor", "right wall", "left wall" (looking along the axis)
+  std::string where;          ///< "roof", "floor", "right wall", "left wall" (looking along the axis)
+  std::string position = {};  ///< of eight: "roof", "upper right", "right", "lower right", "floor", ...
 };
 
 enum class JointOrigin : std::uint8_t { measured, drawn };
