@@ -141,6 +141,14 @@ TEST_F(ContactExamplesTest, BlockSlidesAsTheClosedFormSays) {
   EXPECT_LT(slid(ran(steep)), 1e-9);
 }
 
+// Its equation of motion under the record, integrated apart in steps of 5e-6 s.
+TEST_F(ContactExamplesTest, ABlockOnAShakenSlopeSlidesAsNewmarkSays) {
+  const auto result = example("shaken_slope/shaken_slope");
+  const auto u = at(result, "block");
+  EXPECT_NEAR(u[0] * std::sin(20 * degree) + u[1] * std::cos(20 * degree), 0, 1e-9);
+  EXPECT_NEAR(std::hypot(u[0], u[1]), 0.2460462066, 1e-4 * 0.246);
+}
+
 // 0.0397 m in plane strain with shear; alone the thin layer would sag 0.0595 m (beam), the thick one 0.0335 m.
 TEST_F(ContactExamplesTest, TwoLayersSagTogether) {
   const auto result = example("two_layer_beam/two_layer_beam");

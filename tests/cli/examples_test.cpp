@@ -2,6 +2,7 @@
 #include <sstream>
 #include <string>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "program.hpp"
@@ -63,6 +64,29 @@ TEST_F(ExamplesTest, SlabBehindToeIsOneKeyGroup) {
   EXPECT_NE(table.find("\n1,1,unsafe,"), std::string::npos) << table;
 }
 
+/// Every null of a result has its reason beside it: `NAME_reason` (without the unit), or `reason` of the object.
+void expect_reasons(const nlohmann::json& value, const std::string& where) {
+  if (value.is_array()) {
+    for (const auto& element : value) expect_reasons(element, where + "[]");
+  }
+  if (!value.is_object()) return;
+  for (const auto& [name, member] : value.items()) {
+    if (!member.is_null()) {
+      expect_reasons(member, where + "." + name);
+      continue;
+    }
+    const std::string plain = name.substr(0, name.find_last_of('_'));
+    EXPECT_TRUE(value.contains("reason") || value.contains(name + "_reason") || value.contains(plain + "_reason"))
+        << where << "." << name;
+  }
+}
+
+TEST_F(ExamplesTest, EveryNullHasItsReasonBesideIt) {
+  for (const char* name : {"cavern", "crossing_tunnels", "tunnel_support", "powerhouse", "half_pit", "hillside"}) {
+    expect_reasons(result_of(name), name);
+  }
+}
+
 TEST_F(ExamplesTest, TunnelHasKeyBlocksAndAnotherSeedIsAnotherNetwork) {
   const auto result = result_of("tunnel");
   EXPECT_GE(result["blocks"]["count"].get<int>(), 500);
@@ -85,6 +109,15 @@ TEST_F(ExamplesTest, TunnelSupportIsCheckedInTwoSteps) {
   EXPECT_EQ(support["blocks"].get<int>(), support["held_by_bolts"].get<int>() +
                                               support["held_by_shotcrete"].get<int>() +
                                               support["held_by_both"].get<int>() + support["not_held"].get<int>());
+  // The terminal and the log say what holds and what the search found.
+  const std::string log = read("tunnel_support/log.txt");
+  const auto& design = support["designs"][0];
+  EXPECT_TRUE(log.contains("support      passes: 18 blocks below their target")) << log;
+  EXPECT_TRUE(log.contains(fmt::format(
+      "  bolts of 3 m: {} at 10 x 11.44 m in 8 rings beside 1 spot; fails at 0 of 40 random offsets [0.0, 8.8 %]; "
+      "block {} governs\n",
+      design["bolts"].get<int>(), design["governing_block"].get<int>())))
+      << log;
   // The forces of all blocks over the 80 m of tunnel.
   double required = 0;
   std::istringstream rows{read("tunnel_support/support_blocks.csv")};

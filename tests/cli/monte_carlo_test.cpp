@@ -31,6 +31,36 @@ class MonteCarloTest : public ProgramTest {
   }
 };
 
+// What the openings take is the same in all realizations: told once, with the share that misses the rock.
+TEST_F(MonteCarloTest, OpeningsAreToldWithTheShareThatMissesTheRock) {
+  const auto with = [&](const std::string& axis) {
+    std::string text = scene("realizations = 12");
+    text.replace(text.rfind("axis = "), std::string::npos, "axis = " + axis + "\n");
+    write("s.toml", text);
+    return cleave("run s.toml -o out");
+  };
+  const Ended whole = with("[[4, 0, 3], [4, 8, 3]]");
+  ASSERT_EQ(whole.code, 0) << whole.err;
+  json summary = json::parse(read("out/summary.json"));
+  EXPECT_NEAR(summary["openings"][0]["volume_m3"].get<double>(), 32, 1e-9);
+  EXPECT_EQ(summary["openings"][0]["outside_share"], 0);
+  EXPECT_FALSE(whole.out.contains("lies outside the domain"));
+  EXPECT_TRUE(whole.out.contains("excavated    t, 32 m3")) << whole.out;
+  const Ended half = with("[[4, -4, 3], [4, 4, 3]]");
+  ASSERT_EQ(half.code, 0) << half.err;
+  summary = json::parse(read("out/summary.json"));
+  EXPECT_NEAR(summary["openings"][0]["volume_m3"].get<double>(), 16, 1e-9);
+  EXPECT_NEAR(summary["openings"][0]["outside_share"].get<double>(), 0.5, 1e-9);
+  const std::string note = "t: 50 % of it lies outside the domain; it removes 16 m3 of rock";
+  EXPECT_TRUE(half.out.contains(note)) << half.out;
+  EXPECT_TRUE(read("out/log.txt").contains(note));
+  EXPECT_TRUE(read("out/report.html").contains(note));
+  EXPECT_TRUE(summary["monte_carlo"]["notes"].dump().contains(note));
+  const Ended none = with("[[4, -9, 3], [4, -1, 3]]");
+  EXPECT_EQ(none.code, 2);
+  EXPECT_TRUE(none.err.contains("removes no rock")) << none.err;
+}
+
 TEST_F(MonteCarloTest, WritesRecordsEstimatesAndAReport) {
   write("s.toml", scene("realizations = 40\nvolumes = [0.1, 5]"));
   const Ended run = cleave("run s.toml -o out --threads 2");
@@ -51,10 +81,20 @@ TEST_F(MonteCarloTest, WritesRecordsEstimatesAndAReport) {
   EXPECT_EQ(mc["exceedance"][0]["by_chainage"].size(), 20U);
   EXPECT_GT(mc["quantities"]["key_block_volume_m3_per_metre"]["mean"], 0);
   EXPECT_EQ(std::ranges::count(read("out/realizations.csv"), '\n'), 42);
+  // What the stages of the realizations cost is told.
+  std::vector<std::string> stages;
+  double seconds = 0;
+  const json summary = json::parse(read("out/summary.json"));
+  for (const json& row : summary["realization_cost"]) {
+    stages.push_back(row["stage"]);
+    seconds += row["thread_s"].get<double>();
+  }
+  EXPECT_EQ(stages, (std::vector<std::string>{"draw", "cut", "audit", "stability"}));
+  EXPECT_GT(seconds, 0);
   const std::string page = read("out/report.html");
   for (const char* part : {"<section id=\"estimates\">", "<section id=\"figures\">", "<section id=\"probability\">",
-                           "<section id=\"quantiles\">", "<section id=\"extremes\">", "<section id=\"inputs\">",
-                           "chainage (m)", "replay"}) {
+                           "<section id=\"quantiles\">", "<section id=\"pressures\">", "<section id=\"stages\">",
+                           "<section id=\"extremes\">", "<section id=\"inputs\">", "chainage (m)", "replay"}) {
     EXPECT_TRUE(page.contains(part)) << part;
   }
   // Quantities of summary.json have their rows.

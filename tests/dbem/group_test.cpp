@@ -128,7 +128,8 @@ TEST(InteriorTest, ReachesTheLawByItself) {
   const ContactProblem problem = world->problems(2e-3).front();
   std::vector<double> residuals;
   std::size_t factors = 0;
-  interior(problem, 1000, factors, [&](const std::vector<Vec2>& impulses) {
+  Work work;
+  interior(problem, 1000, work, factors, [&](const std::vector<Vec2>& impulses) {
     residuals.push_back(natural_residual(problem, impulses));
     return residuals.back() < 2e-4;  // the last digits are Newton's
   });
@@ -147,7 +148,8 @@ TEST(InteriorTest, AWallPastItsFrictionIsSolved) {
     if (!bodies) problem.rigid.reset();
     double residual = 1;
     std::size_t factors = 0;
-    interior(problem, 1000, factors, [&](const std::vector<Vec2>& impulses) {
+    Work work;
+    interior(problem, 1000, work, factors, [&](const std::vector<Vec2>& impulses) {
       residual = natural_residual(problem, impulses);
       return residual < 1e-8;
     });
@@ -181,6 +183,35 @@ TEST(InteriorTest, AWallPastItsFrictionSlidesOnItsFloor) {
   }
 }
 
+// Counted, not timed: the same step fails on any machine, and one that is given more is solved.
+TEST(WorkTest, AStepThatTakesTooMuchWorkIsRefused) {
+  WorldOptions options{.gravity = {0.6 * g, -g}, .step = 1e-3};
+  double taken = 0;
+  for (int run = 0; run < 2; ++run) {
+    auto world = World::make(wall(6, 6), law(0.5), options);
+    ASSERT_TRUE(world.has_value());
+    const auto report = world->step();
+    ASSERT_TRUE(report.has_value()) << describe(report.error());
+    EXPECT_GT(report->work, 1e6);
+    if (run > 0) {
+      EXPECT_EQ(report->work, taken);
+    }
+    taken = report->work;
+  }
+  options.try_work = 1e-3 * taken;
+  auto world = World::make(wall(6, 6), law(0.5), options);
+  ASSERT_TRUE(world.has_value());
+  const std::vector<Vec2> before = world->outline(1);
+  const auto report = world->step();
+  ASSERT_FALSE(report.has_value());
+  EXPECT_EQ(std::get<StepFailed>(report.error()).reason,
+            "the contact law was not met with the work that a try may take");
+  EXPECT_EQ(world->outline(1), before);
+  EXPECT_EQ(world->time(), 0);
+  options.try_work = 0;
+  EXPECT_FALSE(World::make(wall(6, 6), law(0.5), options).has_value());
+}
+
 TEST(FrontalFactorTest, KnowsTheSignOfItsDeterminant) {
   for (const double beside : {0.1, 10.0}) {
     linear::FrontalFactor factor{3, 1, {{0, 1}, {1, 2}}};
@@ -202,7 +233,8 @@ TEST(TurningPathTest, EndsAtAnAnswerOfTheLaw) {
       const ContactProblem problem = world->problems(1e-3).front();
       double residual = 1;
       std::size_t factors = 0;
-      turning_path(problem, 4000, factors, [&](const std::vector<Vec2>& impulses) {
+      Work work;
+      turning_path(problem, 4000, work, factors, [&](const std::vector<Vec2>& impulses) {
         residual = natural_residual(problem, impulses);
         return residual < 1e-6;
       });

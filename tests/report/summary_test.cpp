@@ -58,9 +58,10 @@ TEST(SummaryJson, KeysAndTheirOrderAreTheContracts) {
   EXPECT_EQ(keys(json["blocks"]["certificate"]),
             (std::vector<std::string>{"passed", "euler_violations", "open_shells", "face_vector_max_relative",
                                       "unpaired_patches", "misfits"}));
-  EXPECT_EQ(keys(json["key_blocks"]),
-            (std::vector<std::string>{"count", "volume_m3", "batches", "stopped_at_max_batches",
-                                      "lowest_factor_of_safety", "equilibrium_residual", "hash"}));
+  EXPECT_EQ(
+      keys(json["key_blocks"]),
+      (std::vector<std::string>{"count", "volume_m3", "batches", "stopped_at_max_batches", "lowest_factor_of_safety",
+                                "lowest_factor_of_safety_reason", "equilibrium_residual", "hash"}));
   EXPECT_EQ(keys(json["key_blocks"]["batches"][0]), (std::vector<std::string>{"batch", "count", "volume_m3", "modes"}));
   EXPECT_EQ(keys(json["key_blocks"]["batches"][0]["modes"]),
             (std::vector<std::string>{"falling", "lifting", "sliding", "wedge"}));

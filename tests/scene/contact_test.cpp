@@ -57,6 +57,12 @@ TEST(ContactScene, BadInputIsNamed) {
            "[[body]]\nname = \"a\"\nrectangle = { corner = [5, 0], width = 1, height = 1 }\n",
        "\"a\" is the name of the body of line 4, too"},
       {motion + "[[body]]\njoint = \"A\"\n" + square, "there is no [joints.A]"},
+      {motion + "[joints.a]\nfriction = 20\nresidual_friction = 25\n[[body]]\n" + square, "is more than friction"},
+      {motion + "ground = { time = { kind = \"step\" } }\n[[body]]\n" + square, "contact.ground"},
+      {motion + "ground = { record = { step = 0.1 } }\n[[body]]\n" + square, "contact.ground.record.x: is missing"},
+      {"[contact]\nstatic = true\nground = { acceleration = [1, 0] }\n[[body]]\n" + square, "knows no time"},
+      {motion + "ground = { acceleration = [1, 0] }\n[[body]]\nsupport = [{ side = 1, kind = \"fixed\" }]\n" + square,
+       "vibrates about a ground at rest"},
       {motion + "[joints.bedding]\n[[body]]\njoint = \"beding\"\n" + square, "did you mean \"bedding\""},
       {motion + "[[body]]\nname = \"\"\n" + square, "body[1].name: is empty"},
       {motion + "gravity = -9.81\n[[body]]\n" + square, "contact.gravity: is -9.81; give a number from 0"},
@@ -326,6 +332,126 @@ TEST(ContactScene, NoRestIsSaid) {
   EXPECT_FALSE(r.converged);
   EXPECT_NE(r.stopped_why.find("did not come to rest"), std::string::npos);
   EXPECT_FALSE(r.frames.empty());
+}
+
+TEST(ContactScene, ARunOutOfWorkStopsAndKeepsWhatIsDone) {
+  const std::string stack =
+      ground +
+      "[[body]]\nrectangle = { corner = [0, 0.01], width = 1, height = 1 }\nrepeat = { count = 5, shift = "
+      "[0.1, 1.01] }\n";
+  const ContactResult whole = ran(motion + stack);
+  EXPECT_TRUE(whole.converged);
+  ASSERT_GT(whole.work, 0);
+  const double half = 0.5e-9 * whole.work;
+  const ContactResult stopped = ran(fmt::format("{}work = {:.17g}\n{}", motion, half, stack));
+  EXPECT_FALSE(stopped.converged);
+  EXPECT_NE(stopped.stopped_why.find("of contact.work at"), std::string::npos) << stopped.stopped_why;
+  EXPECT_GE(stopped.work, 1e9 * half);
+  EXPECT_LT(stopped.end_time, 1);
+  EXPECT_GT(stopped.steps, 0U);
+  // As far as it came it is the same run.
+  ASSERT_GE(whole.history.size(), stopped.history.size());
+  for (std::size_t k = 0; k + 1 < stopped.history.size(); ++k) {
+    EXPECT_EQ(stopped.history[k].kinetic, whole.history[k].kinetic) << k;
+  }
+  EXPECT_TRUE(ran(fmt::format("{}work = {:.17g}\n{}", motion, 4 * half, stack)).converged);
+}
+
+/// Of a block on a floor that moves: Newmark's sliding block (1965), both ways, in small steps.
+double newmark(const GroundMotion& motion_of_ground, Vec2 gravity, double friction, double end) {
+  constexpr double dt = 2e-6;
+  double v = 0, x = 0;
+  for (double t = 0; t < end; t += dt) {
+    const Vec2 field = gravity - motion_of_ground.at(t + 0.5 * dt);
+    const double free = v + dt * field.x, grip = dt * friction * std::max(0.0, -field.y);
+    v = std::copysign(std::max(0.0, std::abs(free) - grip), free);
+    x += dt * v;
+  }
+  return x;
+}
+
+TEST(ContactScene, ABlockOnAMovingGroundSlidesAsNewmarksBlock) {
+  const std::string block =
+      ground + "[[body]]\nname = \"block\"\nrectangle = { corner = [0, 0], width = 1, height = 0.4 }\n";
+  const std::string strength = "[joints.default]\nfriction = 20\n";
+  const double friction = std::tan(20 * std::numbers::pi / 180);
+  const auto moved = [&](const std::string& more, double step) {
+    const ContactResult result =
+        ran(fmt::format("[contact]\nduration = 1.5\nstep = {}\n{}\n{}{}", step, more, strength, block));
+    EXPECT_TRUE(result.converged);
+    EXPECT_NEAR(result.bodies[1].centroid.y, 0.2, 1e-6);
+    return result.bodies[1].centroid.x - 0.5;
+  };
+  // Constant: closed form.
+  const double left = -0.5 * (0.5 * 9.81 - friction * 9.81) * 1.5 * 1.5;
+  EXPECT_NEAR(moved("ground = { acceleration = [4.905, 0] }", 1e-2), left, 1e-7);
+  // Less than friction holds: it goes with the ground.
+  EXPECT_NEAR(moved("ground = { acceleration = [3.5, 0] }", 1e-2), 0, 1e-9);
+  // A ground that shakes upwards lightens the block.
+  GroundMotion shaken;
+  shaken.amplitude = {5, -4};
+  shaken.time = {.kind = TimeFunction::Kind::harmonic, .duration = 0, .frequency = 2};
+  const double steep = newmark(shaken, {1.5, -9.7}, friction, 1.5);
+  const std::string harmonic =
+      "gravity = [1.5, -9.7]\nground = { acceleration = [5, -4], time = { kind = \"harmonic\", frequency = 2 } }";
+  EXPECT_GT(std::abs(steep), 0.01);
+  EXPECT_NEAR(moved(harmonic, 1e-3), steep, 2e-3 * std::abs(steep));
+  // The same triangle as a pulse and as a record whose values lie where no step ends.
+  GroundMotion pulse;
+  pulse.amplitude = {-8, 0};
+  pulse.time = {.kind = TimeFunction::Kind::pulse, .duration = 0.7, .frequency = 0};
+  const double thrown = newmark(pulse, {0, -9.81}, friction, 1.5);
+  EXPECT_GT(thrown, 0.1);
+  const double by_pulse =
+      moved("ground = { acceleration = [-8, 0], time = { kind = \"pulse\", duration = 0.7 } }", 1e-3);
+  const double by_record = moved("ground = { record = { step = 0.35, x = [0, 4, 0], scale = -2 } }", 1e-3);
+  EXPECT_NEAR(by_pulse, thrown, 1e-3 * thrown);
+  EXPECT_NEAR(by_record, by_pulse, 1e-9);
+}
+
+TEST(ContactScene, MeansOfARecordAreThoseOfItsLines) {
+  const ContactScene scene =
+      parsed(motion + "ground = { record = { step = 0.25, x = [0, 4, -2], y = [1], scale = 0.5 } }\n" + ground +
+             "[[body]]\nrectangle = { corner = [0, 0], width = 1, height = 1 }\n");
+  ASSERT_TRUE(scene.settings.ground.has_value());
+  const GroundMotion& g = *scene.settings.ground;
+  EXPECT_EQ(g.at(0.25), (Vec2{2, 0}));
+  EXPECT_EQ(g.at(0.125), (Vec2{1, 0.25}));
+  EXPECT_EQ(g.at(0.6), (Vec2{}));
+  for (const auto& [from, to] : {std::pair{0.0, 0.1}, {0.1, 0.45}, {0.2, 0.9}, {0.6, 0.7}, {0.0, 0.5}}) {
+    Vec2 sum;
+    constexpr int parts = 20000;
+    for (int k = 0; k < parts; ++k) sum += 1.0 / parts * g.at(from + (to - from) * (k + 0.5) / parts);
+    EXPECT_NEAR(norm(g.mean(from, to) - sum), 0, 1e-4) << from << ' ' << to;
+  }
+}
+
+// A joint that has slipped holds by its residual friction only; one that has not keeps all it had.
+TEST(ContactScene, WhatHasSlippedHoldsLess) {
+  const auto moved = [&](const std::string& joints, const std::string& more = "") {
+    const ContactResult result =
+        ran("[contact]\nduration = 0.8\nstep = 0.001\ngravity = [4.905, -8.495709]\n" + joints + ground +
+            "[[body]]\nrectangle = { corner = [-3, 0], width = 1, height = 0.4 }\n" + more);
+    EXPECT_TRUE(result.converged);
+    return result.bodies[1].centroid.x + 2.5;
+  };
+  const auto slid = [](double degrees) {
+    return 0.5 * 0.64 * (4.905 - 8.495709 * std::tan(degrees * std::numbers::pi / 180));
+  };
+  EXPECT_NEAR(moved("[joints.default]\nfriction = 31\nresidual_friction = 10\n"), 0, 1e-9);
+  EXPECT_NEAR(moved("[joints.default]\nfriction = 28\n"), slid(28), 1e-6);
+  // All but the first steps at 10 degrees.
+  EXPECT_NEAR(moved("[joints.default]\nfriction = 28\nresidual_friction = 10\n"), slid(10), 5e-3);
+  // The weaker of two joints counts here, too.
+  const std::string two =
+      "[joints.a]\nfriction = 28\nresidual_friction = 20\n[joints.b]\nfriction = 35\nresidual_friction = 10\n";
+  const std::string floor =
+      "[[body]]\nname = \"ground\"\nfixed = true\nrectangle = { corner = [-5, -1], width = 10, height = 1 }\njoint = "
+      "\"a\"\n";
+  const ContactResult result =
+      ran("[contact]\nduration = 0.8\nstep = 0.001\ngravity = [4.905, -8.495709]\n" + two + floor +
+          "[[body]]\nrectangle = { corner = [-3, 0], width = 1, height = 0.4 }\njoint = \"b\"\n");
+  EXPECT_NEAR(result.bodies[1].centroid.x + 2.5, slid(10), 5e-3);
 }
 
 TEST(ContactScene, ErrorOfTheStepsIsEstimatedOrNot) {

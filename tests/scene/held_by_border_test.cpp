@@ -165,6 +165,13 @@ TEST(Openings, WhatARunRefusesIsFoundByTheCheck) {
   ASSERT_EQ(swallowed.size(), 1U);
 }
 
+TEST(CoarseSnap, TheNoteNamesTheJoint) {
+  const RunResult result =
+      run_of("snap = 0.01\n" +
+             with_box("[[joint]]\nname = \"chip\"\npolygon = [[4, 1, 1], [4, 1.004, 1], [4, 7, 5], [4, 1, 5]]\n"));
+  EXPECT_EQ(notes_with(result, "snap is too coarse for a polygon: the shortest side, of joint chip ("), 1U);
+}
+
 TEST(NearMisses, TheNoteNamesTheJoints) {
   const RunResult result =
       run_of(with_box("[[joint]]\nname = \"crown\"\npolygon = [[4, 1, 1], [4, 7, 1], [4, 7, 5], [4, 1, 5]]\n"

@@ -194,6 +194,55 @@ TEST(KeyBlocksScene, LargestKeyBlocksAreTheCuttersBlocks) {
   EXPECT_GE(sliding + wedges, 1U);
 }
 
+// Joints half as long make the block half as large in every length: the cutter's block, with planes through an apex
+// half as far from the wall.
+TEST(KeyBlocksScene, LargestKeyBlocksScaleWithTheLengthOfJoints) {
+  const auto with = [](const std::string& limit, double right, double up) {
+    std::string text = wedge_scene(right, up);
+    text.insert(text.find(", sets = ["), limit);
+    return result_of(text);
+  };
+  const RunResult whole = with("", 20, 20);
+  std::size_t seen = 0;
+  for (std::size_t k = 0; k < whole.maximum_blocks.size(); ++k) {
+    const stability::MaximumKeyBlock& large = whole.maximum_blocks[k].block;
+    EXPECT_EQ(large.scale, 1);
+    // Its traces bound its face on the roof; its joint faces are triangles with the apex.
+    EXPECT_GT(large.longest_trace(), 0);
+    EXPECT_GE(large.largest_extent(), large.longest_trace() * (1 - 1e-9));
+    const bool roof = std::abs(large.block.face_vector.x) < 1e-9 * large.block.face_area && large.block.apex[1] > 0;
+    for (const char* key : {"trace", "size"}) {
+      const double limit = 0.5 * (key[0] == 't' ? large.longest_trace() : large.largest_extent());
+      const RunResult scaled = with(fmt::format(", {} = {:.17g}", key, limit), 20, 20);
+      ASSERT_EQ(scaled.maximum_blocks.size(), whole.maximum_blocks.size());
+      const stability::MaximumKeyBlock& half = scaled.maximum_blocks[k].block;
+      EXPECT_NEAR(half.scale, 0.5, 1e-12);
+      EXPECT_NEAR(half.block.volume, large.block.volume / 8, 1e-9 * large.block.volume);
+      EXPECT_NEAR(half.block.height, large.block.height / 2, 1e-9 * large.block.height);
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(half.areas[i], large.areas[i] / 4, 1e-9 * (1 + large.areas[i]));
+      // Cohesion goes with areas, weight with volume.
+      if (large.mode == stability::Mode::sliding) {
+        EXPECT_GT(half.factor_of_safety, large.factor_of_safety);
+      }
+      for (const MaximumRow& row : scaled.maximum_blocks) {
+        EXPECT_LE(key[0] == 't' ? row.block.longest_trace() : row.block.largest_extent(), limit * (1 + 1e-9));
+      }
+      if (!roof || !stability::moves(half.mode)) continue;
+      const auto& apex = large.block.apex;
+      const RunResult cut = with("", 0.5 * apex[0], 3 + 0.5 * (apex[1] - 3));
+      bool same = false;
+      for (const stability::Judgement& j : cut.analysis->judgements) {
+        const double volume = cut.complex->complex().blocks()[j.block].volume.si();
+        same = same || (std::abs(volume / half.block.volume - 1) < 1e-4 &&
+                        std::abs(j.factor_of_safety - half.factor_of_safety) < 1e-4);
+      }
+      EXPECT_TRUE(same) << half.block.volume;
+      ++seen;
+    }
+  }
+  EXPECT_GE(seen, 1U);
+}
+
 std::string example(const std::string& name) {
   std::ifstream file{std::string{CLEAVE_SOURCE_DIR} + "/examples/" + name + "/" + name + ".toml"};
   EXPECT_TRUE(file.is_open());

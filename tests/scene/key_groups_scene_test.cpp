@@ -8,6 +8,7 @@
 
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
+#include "sanitized.hpp"
 
 // Groups of blocks through a whole scene.
 
@@ -179,8 +180,10 @@ TEST(KeyGroupsScene, WhatATipMayPushAheadIsInDoubt) {
     }
     return out;
   };
-  EXPECT_EQ(doubtful(mound_on_the_left), (std::vector<std::uint32_t>{9, 10}));
   EXPECT_EQ(doubtful(mound_on_the_right), (std::vector<std::uint32_t>{11}));
+  // The same with more blocks, which takes sanitizers minutes.
+  if (support::sanitized) return;
+  EXPECT_EQ(doubtful(mound_on_the_left), (std::vector<std::uint32_t>{9, 10}));
 }
 
 // With groups off, what only lesser neighbours hold is said: here a larger one that could slide but does not.

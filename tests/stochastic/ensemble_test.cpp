@@ -97,6 +97,46 @@ TEST(EnsembleTest, FactorsAndPressuresAreDistributed) {
   EXPECT_DOUBLE_EQ(f.factors[9].share_below, 10.0 / 18);
   EXPECT_DOUBLE_EQ(f.factors.back().share_below, 10.0 / 18);
   EXPECT_DOUBLE_EQ(f.factors[9].number_below, 2.5);
+  // All four realizations have a block below 0.1; the share has the interval of a share of blocks.
+  EXPECT_DOUBLE_EQ(f.factors[0].probability, 1);
+  EXPECT_DOUBLE_EQ(f.factors[0].interval.low, clopper_pearson(4, 4, f.confidence).low);
+  EXPECT_LT(f.factors[0].share_interval.low, 4.0 / 18);
+  EXPECT_GT(f.factors[0].share_interval.high, 4.0 / 18);
+  EXPECT_LT(f.factors[0].share_interval.high, 1);
+}
+
+// The least factor of a realization and the pressures it needs are exceeded as often as they are, with exact intervals.
+TEST(EnsembleTest, LeastFactorAndPressuresAreExceededAsOftenAsTheyAre) {
+  Ensemble ensemble{options()};
+  for (std::uint64_t k = 0; k < 10; ++k) {
+    Record r = record(k, {2});
+    r.free_m2 = 100;
+    r.all.support_transferred_n = k < 3 ? 30'000 : 100'000;  // 300 Pa, 1 kPa
+    r.largest_pressure_pa = k < 6 ? 3e3 : 3e4;
+    r.factors.resize(factor_bins);
+    ++r.factors[k < 7 ? 5 : 12];  // 0.5 to 0.6, 1.2 to 1.3
+    ensemble.add(r, "x");
+  }
+  const Figures f = ensemble.figures();
+  const auto at = [&](double factor) {
+    return *std::ranges::find_if(f.factors, [&](const FactorPoint& p) { return std::abs(p.factor - factor) < 1e-9; });
+  };
+  EXPECT_DOUBLE_EQ(at(0.5).probability, 0);
+  EXPECT_DOUBLE_EQ(at(0.6).probability, 0.7);
+  EXPECT_DOUBLE_EQ(at(1.3).probability, 1);
+  EXPECT_DOUBLE_EQ(at(0.6).interval.low, clopper_pearson(7, 10, f.confidence).low);
+  EXPECT_DOUBLE_EQ(at(0.6).interval.high, clopper_pearson(7, 10, f.confidence).high);
+  // From the last that all exceed to the first that none does.
+  std::vector<double> pressures, areas, blocks;
+  for (const PressureExceedance& row : f.pressures) {
+    pressures.push_back(row.pressure_pa);
+    areas.push_back(row.probability);
+    blocks.push_back(row.block_probability);
+  }
+  EXPECT_EQ(pressures, (std::vector<double>{200, 500, 1e3, 2e3, 5e3, 1e4, 2e4, 5e4}));
+  EXPECT_EQ(areas, (std::vector<double>{1, 0.7, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(blocks, (std::vector<double>{1, 1, 1, 1, 0.4, 0.4, 0.4, 0}));
+  EXPECT_DOUBLE_EQ(f.pressures[1].interval.high, clopper_pearson(7, 10, f.confidence).high);
 }
 
 TEST(EnsembleTest, FiguresByHand) {

@@ -100,9 +100,41 @@ TEST(Snapping, NeverOpensWhatIsClosed) {
   const auto cells =
       support::voronoi(60, [&] { return static_cast<double>(random() >> 11U) * 0x1p-53; }, 0.6, false).polygons;
   for (const double distance : {1e-12, 1e-9, 1e-7}) {
-    EXPECT_EQ(count_blocks(snapped(input_of(cells, 0.6), distance)), 60U) << distance;
+    const auto audited = certified(snapped(input_of(cells, 0.6), distance));
+    EXPECT_EQ(audited.complex().blocks().size(), 60U) << distance;
+    EXPECT_EQ(audited.complex().report().near_misses.sides, 0U) << distance;
     EXPECT_EQ(count_blocks(snapped(input_of(triangulated(cells), 0.6), distance)), 60U) << distance;
   }
+}
+
+TEST(Snapping, TooCoarseForTheSmallestPolygonsIsSaid) {
+  std::mt19937_64 random{5};
+  const auto cells =
+      support::voronoi(60, [&] { return static_cast<double>(random() >> 11U) * 0x1p-53; }, 0.6, false).polygons;
+  double shortest = 1;
+  std::size_t owner = 0;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    for (std::size_t i = 0; i < cells[k].size(); ++i) {
+      const double side = geometry::norm(cells[k][(i + 1) % cells[k].size()] - cells[k][i]);
+      if (side >= shortest) continue;
+      shortest = side;
+      owner = k;
+    }
+  }
+  const auto said = [&](double distance) {
+    return topology::cut(snapped(input_of(cells, 0.6), distance)).value().report().coarse_snap;
+  };
+  EXPECT_EQ(said(0.49 * shortest).polygons, 0U);
+  const auto few = said(0.51 * shortest), many = said(1e-2);
+  EXPECT_GE(few.polygons, 1U);
+  EXPECT_NEAR(few.shortest.si(), shortest, 1e-12);
+  EXPECT_GT(many.polygons, few.polygons);
+  const auto& named = cells[many.joint.index()];
+  double least = 1;
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    least = std::min(least, geometry::norm(named[(i + 1) % named.size()] - named[i]));
+  }
+  EXPECT_NEAR(least, shortest, 1e-12) << owner;
 }
 
 TEST(Snapping, TriangulatedCellsBelowTheirShortestSides) {

@@ -1,5 +1,6 @@
 """Blocks in contact: sliding, toppling, arches."""
 import math
+import tomllib
 
 from case import ROOT, Case
 
@@ -71,7 +72,67 @@ def arches():
                    "Milankovitch (1907), Heyman (1982); critical ratios of finitely many voussoirs recomputed", path, values)
 
 
+def end(result, name):
+    return next(p for p in result.summary["contact"]["points"] if p["name"] == name)["displacement"]
+
+
+def shaken():
+    def values(r):
+        yield "status", "converged", r.summary["contact"]["status"], 0
+        yield "way down the slope after 4 s (m)", 0.2460462066, math.hypot(*end(r, "block")), 1e-4
+    yield Case("shaken_slope", "Newmark's sliding block on a slope of 20 degrees under a record", "Rigid block, friction 25 degrees.",
+               "Newmark (1965); equation of motion integrated in steps of 5e-6 s", ROOT / "examples/shaken_slope/shaken_slope.toml", values)
+
+
+def two_layers():
+    path = ROOT / "examples/two_layer_beam/two_layer_beam.toml"
+    for plane, exact, text in (("strain", 0.03971, "Galerkin with 56 elements a beam"), ("stress", 0.0423, "Galerkin with 38 elements a beam")):
+        scene = tomllib.loads(path.read_text())
+        scene["contact"]["plane"] = plane
+
+        def values(r, exact=exact):
+            yield "status", "converged", r.summary["contact"]["status"], 0
+            yield "sag by another method (m)", exact, -end(r, "middle")[1], 5e-3
+            yield "sag, slender beams (m); the source has 0.041, 0.0414 and 0.0408", 0.041, -end(r, "middle")[1], 0.05
+        yield Case(f"two_layer_beam_{plane}", f"Two beams one on the other, plane {plane}", "The upper one is thinner and pushes; no friction.",
+                   f"Fu (2014), 7.5.3 (beams without shear); {text}", scene, values)
+
+
+def goodman_bray():
+    for name, stands, text in (("stands", True, "friction above the limit of 38.151 degrees"), ("falls", False, "friction below it"),
+                               ("bolted", True, "weaker, with a bolt above the limit force of 2,012.9 kN/m")):
+        def values(r, stands=stands):
+            yield "status", "converged", r.summary["contact"]["status"], 0
+            yield "stands", stands, r.summary["contact"]["max_displacement_m"] < 1e-6, 0
+        yield Case(f"goodman_bray_{name}", f"Sixteen columns that topple: {text}", "Rigid blocks on steps.",
+                   "Goodman and Bray (1976); Fu (2014), 7.5.5", ROOT / f"examples/goodman_bray/{name}.toml", values)
+
+
+def roof_and_columns():
+    def roof(r):
+        yield "status", "converged", r.summary["contact"]["status"], 0
+        for layer in range(1, 5):
+            yield f"layer {layer} falls on the floor (m)", -4.0, end(r, f"layer {layer}")[1], 1e-3
+        yield "layer 5 stays", True, end(r, "layer 5")[1] > -1e-3, 0
+    yield Case("tunnel_roof", "Roof of five layers with open joints, friction 35 degrees", "The lower layers fall, the closed one is an arch.",
+               "Fu (2014), 7.5.6", ROOT / "examples/tunnel_roof/tunnel_roof.toml", roof)
+
+    def columns_of_a_slope(r):
+        turned = {b["name"]: abs(b["rotation"]) for b in r.summary["contact"]["bodies"]}
+        yield "status", "converged", r.summary["contact"]["status"], 0
+        for k in (3, 7, 10):
+            yield f"column {k} topples", True, turned[f"column {k}"] > 15, 0
+        for k in (1, 2, 11, 12, 13, 14):
+            yield f"column {k} stays upright", True, turned[f"column {k}"] < 1, 0
+    yield Case("toppling_columns", "Fourteen columns on a slope", "Heights so that the third, seventh and tenth topple.",
+               "Fu (2014), 7.5.5", ROOT / "examples/toppling_columns/toppling_columns.toml", columns_of_a_slope)
+
+
 def cases():
     yield from sliding()
     yield from columns()
     yield from arches()
+    yield from shaken()
+    yield from two_layers()
+    yield from goodman_bray()
+    yield from roof_and_columns()

@@ -1,5 +1,6 @@
 """Elastic bodies: closed forms of statics, benchmarks of NAFEMS, waves and vibrations."""
 import math
+import tomllib
 
 from case import ROOT, Case
 
@@ -131,6 +132,20 @@ def free_fall():
     return Case("free_fall", "Free fall (Fu 2014, 6.6.1)", "A block falls for half a second.", "Closed form: g t^2 / 2", ROOT / "examples/bem/free_fall.toml", values)
 
 
+def sudden_load():
+    """The top follows a triangle wave between 0 and twice the static stretch."""
+    period = 4 * 4 / math.sqrt(1e5 / 1)
+    for name, share, way, tolerance in (("quarter", 0.25, 4e-5, 1e-2), ("half", 0.5, 8e-5, 5e-2)):
+        scene = tomllib.loads((ROOT / "examples/bem/bar.toml").read_text())
+        scene["elastic"]["time"] = {"end": share * period, "step": period / 1000}
+
+        def values(r, way=way, tolerance=tolerance):
+            yield "status", "converged", r.summary["elastic"]["status"], 0
+            yield "displacement of the top (m)", way, point(r, "top")["displacement"][1], tolerance
+        yield Case(f"bar_sudden_load_{name}", f"Bar under a sudden load after a {name} of its period (Fu 2014, chapter 6)",
+                   "Pulled at its top from the start; at half the period the wave has a corner.", "Closed form: 2 p L / E after half a period", scene, values)
+
+
 def cases():
     yield lame()
     yield kirsch()
@@ -140,3 +155,4 @@ def cases():
     yield disc()
     yield from frequencies()
     yield free_fall()
+    yield from sudden_load()

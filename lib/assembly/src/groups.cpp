@@ -125,7 +125,7 @@ namespace {
 /// One island.
 class Search final {
  public:
-  explicit Search(const Assembly& island) : island_{island}, taken_(island.bodies().size(), 0) {}
+  explicit Search(const Assembly& island) : island_{island}, taken_(island.bodies().size(), 0), counts_(island.contacts().size(), 1.0) {}
 
   /// False when it stands without friction.
   bool run() {
@@ -136,6 +136,8 @@ class Search final {
     }
     Ended ended;
     const Start start = start_from_rest(island_, 1, ended);
+    std::vector<std::uint8_t> hardly(island_.contacts().size(), 0);
+    (void)hardly_pressed(ended.forces, counts_, hardly);
     const std::vector<std::uint8_t> moving = moving_ones(start.speed);
     std::vector<std::uint8_t> open = not_at_rest(island_, moving, ended);
     // What rests in a search that begins with motion is not looked at again among many: to fix it only adds support.
@@ -295,8 +297,10 @@ class Search final {
     if (group.factors) {
       const Assembly part = island_.part(members, Assembly::Others::fixed);
       const Accuracy accuracy = members.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::quick;
+      // What is certain counts all cohesion; what may move counts what is pressed.
       group.up = static_factor(part, accuracy);
-      group.moving = moving_factor(part, group.up.factor, accuracy);
+      const Assembly pressed = with_bonds(island_, counts_).part(members, Assembly::Others::fixed);
+      group.moving = moving_factor(pressed, group.up.factor, accuracy);
     } else {
       group.up.factor = verdict == Verdict::certain ? 1 : infinite;
       group.moving.factor = 1;
@@ -310,6 +314,7 @@ class Search final {
 
   const Assembly& island_;
   std::vector<std::uint8_t> taken_;
+  std::vector<double> counts_;  ///< by contact: share of its cohesion in factors
   std::vector<Group> groups_;
 };
 

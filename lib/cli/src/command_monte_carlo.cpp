@@ -29,6 +29,9 @@ std::string figures_text(const report::MonteCarloPage& page) {
   const stochastic::Figures& f = page.result.figures;
   std::string text = fmt::format("{}\nrealizations {} ({}), seed {}\n", page.title, f.realizations,
                                  name_of(page.result.stopped_by), page.seed);
+  for (const scene::ExcavationFigures& e : page.excavations) {
+    text += fmt::format("excavated    {}, {:.6g} m3\n", e.name, e.volume.si());
+  }
   for (const Estimate& e : f.estimates) {
     if (e.name.starts_with("share") || e.name.starts_with("first_batch_share")) continue;
     text += fmt::format("  {:<44} {:>12.5g} +- {:<10.3g} [{:.5g}, {:.5g}]\n", e.name, e.mean, e.standard_error, e.low,
@@ -40,6 +43,9 @@ std::string figures_text(const report::MonteCarloPage& page) {
   }
   text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", page.cost.wall_s,
                       page.cost.cpu_s, page.cost.peak_rss_mb, page.cost.threads);
+  for (const scene::StageSeconds& row : page.result.stages) {
+    text += fmt::format("  {:<10} {:.2f} s of threads\n", row.stage, row.seconds);
+  }
   return text;
 }
 
@@ -127,6 +133,7 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
   if (arguments.shard.of > settings.realizations / settings.strengths_per_geometry) {
     return refuse("there are fewer realizations than shards", "ask for fewer shards");
   }
+  if (const auto taken = scene::excavated(scene); !taken) return report_problems(taken.error());
   auto copies = scene_copies(scene, arguments.scene);
   if (!copies) {
     complain(copies.error().message);

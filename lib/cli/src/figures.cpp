@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace cleave::cli {
 namespace {
@@ -52,6 +53,35 @@ std::string key_block_lines(const scene::KeyBlockFigures& key) {
   return text;
 }
 
+/// kN, or that no force is enough.
+std::string force_text(double newtons) {
+  return std::isfinite(newtons) ? fmt::format("{:.4g} kN", newtons / 1000) : "no force is enough";
+}
+
+std::string design_line(const scene::DesignResult& design) {
+  const std::string spacing = fmt::format("{:.4g} x {:.4g} m", design.spacing[0], design.spacing[1]);
+  const std::string governs = design.governing ? fmt::format("; block {} governs", *design.governing) : "";
+  if (!design.found) {
+    return fmt::format("  bolts of {:g} m: no pattern found, down to {}{}\n", design.length, spacing, governs);
+  }
+  return fmt::format("  bolts of {:g} m: {} at {}{}{}; fails at {} of {} random offsets [{:.1f}, {:.1f} %]{}\n",
+                     design.length, design.bolts, spacing,
+                     design.rings > 0 ? fmt::format(" in {} rings", design.rings) : "",
+                     design.spot_bolts > 0 ? fmt::format(" beside {} spot", design.spot_bolts) : "", design.failing,
+                     design.offsets, 100 * design.failing_share[0], 100 * design.failing_share[1], governs);
+}
+
+std::string support_lines(const scene::SupportFigures& support, const std::vector<scene::DesignResult>& designs) {
+  std::string text = fmt::format(
+      "support      {}: {} blocks below their target, {} held by bolts, {} by shotcrete, {} by both, {} not held\n"
+      "  {} bolts, {} stitched bodies ({} failing); required {}, missing {}\n",
+      support.passes ? "passes" : "DOES NOT PASS", support.blocks, support.held_by_bolts, support.held_by_shotcrete,
+      support.held_by_both, support.not_held, support.bolts, support.combined, support.combined_failing,
+      force_text(support.required_force_n), force_text(support.missing_force_n));
+  for (const scene::DesignResult& design : designs) text += design_line(design);
+  return text;
+}
+
 std::string motion_line(const scene::MotionResult& motion) {
   return fmt::format("motion       {} of {} blocks moved, {:.4g} s{}, {} steps, residual {:.1e}, energy error {:.1e}\n",
                      motion.moved(), motion.blocks.size(), motion.end.si(), motion.at_rest ? " (at rest)" : "",
@@ -67,6 +97,7 @@ std::string figures_of(const scene::RunResult& result) {
   text += excavation_lines(figures.input.excavations);
   text += figures.blocks ? block_lines(*figures.blocks, result.certificate()) : certificate_line(result.certificate());
   if (figures.key_blocks) text += key_block_lines(*figures.key_blocks);
+  if (figures.support) text += support_lines(*figures.support, result.designs);
   if (result.motion) text += motion_line(*result.motion);
   text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", result.cost.wall_s,
                       result.cost.cpu_s, result.cost.peak_rss_mb, result.cost.threads);

@@ -339,7 +339,9 @@ Vec2 World::Impl::force_on(const State& at, std::size_t body, double step, doubl
   const double when = time + 0.5 * step;
   const Shape& shape = shapes[body];
   Vec2 acceleration = options.gravity;
-  if (options.ground) acceleration += -options.ground(when);
+  if (options.ground) {
+    acceleration += -(options.ground_mean && step > 0 ? options.ground_mean(time, time + step) : options.ground(when));
+  }
   Vec2 force = shape.mass * acceleration;
   torque = 0;
   if (modal != nullptr) modal->assign(shape.modes, 0.0);

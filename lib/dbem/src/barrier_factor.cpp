@@ -37,8 +37,8 @@ FrontalFactor factor_for(const ContactProblem& problem) {
 
 }  // namespace
 
-BarrierFactor::BarrierFactor(const ContactProblem& problem)
-    : problem_{&problem}, bodies_{in_bodies(problem)}, factor_{factor_for(problem)} {}
+BarrierFactor::BarrierFactor(const ContactProblem& problem, Work& work)
+    : problem_{&problem}, work_{&work}, bodies_{in_bodies(problem)}, factor_{factor_for(problem)} {}
 
 Vec2 BarrierFactor::impulse(std::size_t contact, Vec2 z) const {
   return {z.x, sense_[contact] * (problem_->mu[contact] * z.x - z.y)};
@@ -58,7 +58,9 @@ bool BarrierFactor::compute(std::vector<Barrier> barrier) {
     sense_[c] = b.back >= b.ahead ? 1 : -1;
     barrier_[c] = {b.normal + 4 * mu * mu * far, -2 * mu * far, -2 * mu * far, b.ahead + b.back};
   }
-  return bodies_ ? compute_in_bodies() : compute_in_contacts();
+  const bool done = bodies_ ? compute_in_bodies() : compute_in_contacts();
+  work_->add(factor_.factor_work() + 50 * static_cast<double>(m));
+  return done;
 }
 
 bool BarrierFactor::compute_in_contacts() {
@@ -114,6 +116,7 @@ bool BarrierFactor::compute_in_bodies() {
 
 void BarrierFactor::precondition(const std::vector<Vec2>& y, std::vector<Vec2>& z) const {
   const std::size_t m = y.size();
+  work_->add(factor_.solve_work() + 50 * static_cast<double>(m) + product_work(*problem_));
   z.resize(m);
   if (!bodies_) {
     Eigen::VectorXd all(2 * static_cast<Eigen::Index>(m));

@@ -22,7 +22,7 @@ struct Barrier {
 /// with 10^10 times what W has, and n hardly at all: in n and t the difference would be lost.
 class BarrierFactor final {
  public:
-  explicit BarrierFactor(const ContactProblem& problem);
+  BarrierFactor(const ContactProblem& problem, Work& work);
   /// False when a pivot vanishes.
   [[nodiscard]] bool compute(std::vector<Barrier> barrier);
   /// False when rounding keeps `z` from six digits.
@@ -39,6 +39,7 @@ class BarrierFactor final {
   [[nodiscard]] Vec2 turned(std::size_t contact, Vec2 y) const;
 
   const ContactProblem* problem_;
+  Work* work_;
   bool bodies_;
   FrontalFactor factor_;
   std::vector<double> sense_;

@@ -32,6 +32,8 @@ class BodyFactor final {
   [[nodiscard]] bool holds(double soft, const Pattern& pattern) const { return soft == soft_ && pattern == pattern_; }
   /// Residual (n, t) of each contact, 0 where there is no equation, to unknowns.
   void apply(const ContactProblem& problem, const std::vector<Vec2>& residual, std::vector<Vec2>& z) const;
+  [[nodiscard]] double factor_work() const { return factor_.factor_work(); }
+  [[nodiscard]] double solve_work() const { return factor_.solve_work(); }
 
  private:
   FrontalFactor factor_;

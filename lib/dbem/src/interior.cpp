@@ -29,8 +29,16 @@ struct Values {
 /// Mehrotra's predictor and corrector solve in some 25 factors whatever the states of the contacts.
 class Interior final {
  public:
-  explicit Interior(const ContactProblem& problem)
-      : problem_{problem}, m_{problem.contacts()}, factor_{problem}, slid_(m_), off_(m_), at_(m_), way_{}, d_(m_) {
+  Interior(const ContactProblem& problem, Work& work)
+      : problem_{problem},
+        work_{work},
+        m_{problem.contacts()},
+        factor_{problem, work},
+        slid_(m_),
+        off_(m_),
+        at_(m_),
+        way_{},
+        d_(m_) {
     for (const Vec2 b : problem.b) speed_ = std::max({speed_, std::abs(b.x), std::abs(b.y)});
     guess_slip();
     start(1);
@@ -39,7 +47,7 @@ class Interior final {
   /// Solves for the present speeds of slip; `share`: of the first complementarity at which it is enough. Counts
   /// factors.
   bool solve(double share, std::size_t& factors) {
-    for (int k = 0; k < 60; ++k) {
+    for (int k = 0; k < 60 && !work_.over(); ++k) {
       const double gap = complementarity();
       if (k == 0) whole_ = std::max(whole_, gap);
       if (!std::isfinite(gap)) return false;
@@ -247,6 +255,7 @@ class Interior final {
   }
 
   const ContactProblem& problem_;
+  Work& work_;
   std::size_t m_;
   BarrierFactor factor_;
   double speed_ = 0, whole_ = 0, pace_ = 1;
@@ -258,9 +267,9 @@ class Interior final {
 
 }  // namespace
 
-void interior(const ContactProblem& problem, std::size_t most, std::size_t& factors,
+void interior(const ContactProblem& problem, std::size_t most, Work& work, std::size_t& factors,
               const std::function<bool(const std::vector<Vec2>&)>& enough) {
-  Interior inside{problem};
+  Interior inside{problem, work};
   double share = rough;
   while (factors < most) {
     if (!inside.solve(share, factors)) return;

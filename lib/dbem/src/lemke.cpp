@@ -9,7 +9,7 @@ namespace cleave::dbem {
 // z = (n + tau, t+, t-, gamma), w = (g, s + gamma, -s + gamma, mu n + c - t+ - t-), 0 <= w _|_ z >= 0 (Cottle and
 // Dantzig 1968; the linear complementarity form of plane Coulomb friction: Klarbring 1986). Scaled by the mean
 // diagonal.
-std::vector<Vec2> lemke(const ContactProblem& problem, std::size_t& pivots) {
+std::vector<Vec2> lemke(const ContactProblem& problem, Work& work, std::size_t& pivots) {
   const auto m = static_cast<Eigen::Index>(problem.contacts());
   const Eigen::Index n = 4 * m;
   std::vector<Vec2> b = problem.b;
@@ -60,7 +60,8 @@ std::vector<Vec2> lemke(const ContactProblem& problem, std::size_t& pivots) {
   bool done = table.col(2 * n + 1).minCoeff(&row) >= 0;
   Eigen::Index column = 2 * n;
   const std::size_t most = 40 * static_cast<std::size_t>(n);
-  for (pivots = 0; !done && pivots < most; ++pivots) {
+  for (pivots = 0; !done && pivots < most && !work.over(); ++pivots) {
+    work.add(static_cast<double>(n) * static_cast<double>(2 * n + 2));
     table.row(row) /= table(row, column);
     Eigen::VectorXd factor = table.col(column);
     factor[row] = 0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cleave/dbem/solver.hpp"
+#include "work.hpp"
 
 namespace cleave::dbem {
 
@@ -69,32 +70,35 @@ struct Pattern {
 /// of the bodies where those are rigid, else of the symmetric part in the contacts, kept while few contacts change.
 class PatternSolver final {
  public:
-  PatternSolver();
+  /// Adds to `work` what it does.
+  explicit PatternSolver(Work& work);
   ~PatternSolver();
   PatternSolver(const PatternSolver&) = delete;
   PatternSolver& operator=(const PatternSolver&) = delete;
   /// Empty when singular.
   [[nodiscard]] std::vector<Vec2> solve(const ContactProblem& problem, double soft, const Pattern& pattern,
                                         const std::vector<Vec2>& rhs);
+  [[nodiscard]] Work& work() const noexcept { return *work_; }
 
  private:
   struct Kept;
+  Work* work_;
   std::unique_ptr<Kept> kept_;
   std::unique_ptr<class BodyFactor> bodies_;
 };
 
-/// `solve` with the factors of an earlier call on the same contacts.
+/// `solve` with the factors of an earlier call on the same contacts, and as much work as that of `linear` may be.
 [[nodiscard]] ContactSolution solve_again(const ContactProblem& problem, const SolverOptions& options,
                                           PatternSolver& linear);
 
 /// Interior points on convex programmes, one after the other: shows `enough` the answer of each until it says so, up to
 /// `most` factors. Sure and slow; answers are as near as rounding lets a barrier come, a few linear solves short.
-void interior(const ContactProblem& problem, std::size_t most, std::size_t& factors,
+void interior(const ContactProblem& problem, std::size_t most, Work& work, std::size_t& factors,
               const std::function<bool(const std::vector<Vec2>&)>& enough);
 
 /// Points along paths that turn until they come to an answer: where interior points go round in circles. Rigid bodies
 /// only. Shows `enough` what is near the end of a path until it says so, up to `most` factors.
-void turning_path(const ContactProblem& problem, std::size_t most, std::size_t& factors,
+void turning_path(const ContactProblem& problem, std::size_t most, Work& work, std::size_t& factors,
                   const std::function<bool(const std::vector<Vec2>&)>& enough);
 
 /// Groups whose linear solves are dear.
@@ -104,6 +108,11 @@ void turning_path(const ContactProblem& problem, std::size_t most, std::size_t& 
 [[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> links_of_contacts(const BlockMatrix& w);
 
 /// Exact complementary pivoting; empty when it does not end. Counts pivots.
-[[nodiscard]] std::vector<Vec2> lemke(const ContactProblem& problem, std::size_t& pivots);
+[[nodiscard]] std::vector<Vec2> lemke(const ContactProblem& problem, Work& work, std::size_t& pivots);
+
+/// Operations of one product with W.
+[[nodiscard]] inline double product_work(const ContactProblem& problem) {
+  return 8 * static_cast<double>(problem.w.values.size());
+}
 
 }  // namespace cleave::dbem

@@ -13,10 +13,10 @@ namespace {
 constexpr double parting_softness = 1e-4;
 
 /// Sweeps that leave at most half of the deepest penetration; empty when they do not.
-std::vector<Vec2> swept_apart(const ContactProblem& problem, int sweeps) {
+std::vector<Vec2> swept_apart(const ContactProblem& problem, Work& work, int sweeps) {
   const std::vector<Vec2> nowhere(problem.contacts());
   std::vector<Vec2> found = nowhere;
-  sweep(problem, 0, nowhere, sweeps, found);
+  sweep(problem, work, 0, nowhere, sweeps, found);
   std::vector<Vec2> gaps = problem.b;
   problem.w.add_product(found, gaps);
   double before = 0, after = 0;
@@ -30,21 +30,27 @@ std::vector<Vec2> swept_apart(const ContactProblem& problem, int sweeps) {
 
 /// Groups of more contacts than this are parted by sweeps where those do.
 constexpr std::size_t dear = 600;
+/// Penetrations, over the smaller feature, that such a group keeps where sweeps do not part them: a tenth of what fails
+/// a step.
+constexpr double harmless = 1e-7;
 
 /// Impulses that part bodies, empty when none were found: a convex programme. Newton nearly always gets home and leaves
 /// a millionth of a penetration, interior points do where it goes round in circles. In very large groups both are dear
-/// and a few sweeps part nearly as well.
-std::vector<Vec2> least_move(const ContactProblem& problem, SolverOptions how, std::size_t& solves) {
+/// and a few sweeps part nearly as well; where those do not (a body wedged between others), only what is `deep` is
+/// worth more.
+std::vector<Vec2> least_move(const ContactProblem& problem, Work& work, bool deep, SolverOptions how,
+                             std::size_t& solves) {
   if (problem.contacts() > dear) {
-    std::vector<Vec2> found = swept_apart(problem, 100);
-    if (!found.empty()) return found;
+    std::vector<Vec2> found = swept_apart(problem, work, 100);
+    if (!found.empty() || !deep) return found;
   }
   how.accept = std::max(how.accept, 1e-6);
   how.target = 1e-2 * how.accept;
   how.newton_iterations = 30;
   for (const Method method : {Method::newton, Method::interior}) {
     how.method = method;
-    ContactSolution found = solve(problem, how);
+    PatternSolver linear{work};
+    ContactSolution found = solve_again(problem, how, linear);
     solves += found.report.iterations;
     if (found.report.status != ContactReport::Status::not_converged) return std::move(found.impulse);
   }
@@ -138,21 +144,21 @@ double World::Impl::slow_down(const Island& island, const Rows& rows, double wan
 }
 
 /// Parts penetrating bodies: the least move in the norm of the masses that leaves no gap negative. Positions only.
-bool World::Impl::project(Attempt& out) const {
+bool World::Impl::project(Attempt& out, Work& work) const {
   std::vector<Island> islands = islands_of(out.touches);
   bool moved = false;
   for (Island& island : islands) {
-    bool deep = false;
+    double deepest = 0;  // over the smaller feature
     std::erase_if(island.touches, [&](std::uint32_t k) {
       const auto held = [&](std::uint32_t b) { return shapes[b].inverse_x + shapes[b].inverse_y <= 0; };
       return held(out.touches[k].i) && held(out.touches[k].j);
     });
     for (const std::uint32_t k : island.touches) {
       const Touch& t = out.touches[k];
-      deep = deep ||
-             (t.gap < -contact_depth * std::min(shapes[t.i].feature, shapes[t.j].feature) && law_of(t).compliance <= 0);
+      if (law_of(t).compliance > 0) continue;
+      deepest = std::max(deepest, -t.gap / std::min(shapes[t.i].feature, shapes[t.j].feature));
     }
-    if (!deep) continue;
+    if (deepest <= contact_depth) continue;
     const Rows rows = rows_of(out.touches, island, out.state);
     ContactProblem problem;
     const std::size_t m = island.touches.size();
@@ -168,7 +174,7 @@ bool World::Impl::project(Attempt& out) const {
       problem.b.push_back({law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap, 0});
     }
     problem.rigid = rigid_form(rows, island, true);
-    const std::vector<Vec2> impulse = least_move(problem, options.solver, out.report.parting);
+    const std::vector<Vec2> impulse = least_move(problem, work, deepest > harmless, options.solver, out.report.parting);
     if (impulse.empty()) continue;  // left for the next step
     State shift;
     shift.v.assign(size(), {});

@@ -22,8 +22,10 @@ double largest(const std::vector<Vec2>& y) {
 
 }  // namespace
 
-PathFactor::PathFactor(const ContactProblem& problem)
-    : problem_{&problem}, factor_{problem.rigid->inverse_mass.size(), 3, links_of_bodies(*problem.rigid)} {}
+PathFactor::PathFactor(const ContactProblem& problem, Work& work)
+    : problem_{&problem},
+      work_{&work},
+      factor_{problem.rigid->inverse_mass.size(), 3, links_of_bodies(*problem.rigid)} {}
 
 Vec2 PathFactor::impulse(std::size_t contact, Vec2 z) const {
   return {z.x, sense_[contact] * (problem_->mu[contact] * z.x - z.y)};
@@ -65,10 +67,12 @@ bool PathFactor::compute(const std::vector<Barrier>& barrier) {
       }
     }
   }
+  work_->add(factor_.factor_work() + 50 * static_cast<double>(barrier.size()));
   return factor_.factorise();
 }
 
 void PathFactor::nearly(const std::vector<Vec2>& y, std::vector<Vec2>& z) const {
+  work_->add(factor_.solve_work() + 50 * static_cast<double>(y.size()) + product_work(*problem_));
   const RigidForm& form = *problem_->rigid;
   const auto at = [](std::uint32_t body, std::size_t d) {
     return 3 * static_cast<Eigen::Index>(body) + static_cast<Eigen::Index>(d);

@@ -13,7 +13,7 @@ namespace cleave::dbem {
 class PathFactor final {
  public:
   /// The bodies of the problem must be rigid.
-  explicit PathFactor(const ContactProblem& problem);
+  PathFactor(const ContactProblem& problem, Work& work);
   /// False when a pivot vanishes.
   [[nodiscard]] bool compute(const std::vector<Barrier>& barrier);
   /// False when rounding keeps `z` from two digits.
@@ -34,6 +34,7 @@ class PathFactor final {
   [[nodiscard]] std::vector<Vec2> missing(const std::vector<Vec2>& y, const std::vector<Vec2>& z) const;
 
   const ContactProblem* problem_;
+  Work* work_;
   FrontalFactor factor_;
   std::vector<double> sense_;
   std::vector<Own> own_;

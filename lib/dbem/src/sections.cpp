@@ -49,7 +49,9 @@ void World::Impl::make_bonds() {
     const Touch& t = touches[first];
     const JointLaw& law = law_of(t);
     const double feature = std::min(shapes[t.i].feature, shapes[t.j].feature);
-    if (done[first] != 0 || (law.cohesion <= 0 && law.tension <= 0) || t.gap > 1e-6 * feature) continue;
+    const bool weakens = law.residual_friction >= 0 && law.residual_friction < law.friction;
+    const bool bonded = law.cohesion > 0 || law.tension > 0 || weakens;
+    if (done[first] != 0 || !bonded || t.gap > 1e-6 * feature) continue;
     // The closed stretch of the joint around this contact.
     const std::vector<Along> all = joint_of(*this, first);
     std::size_t low = 0;

@@ -114,7 +114,7 @@ struct PatternSolver::Kept {
   double soft = -1;
 };
 
-PatternSolver::PatternSolver() = default;
+PatternSolver::PatternSolver(Work& work) : work_{&work} {}
 PatternSolver::~PatternSolver() = default;
 
 namespace {
@@ -238,6 +238,7 @@ std::vector<Vec2> PatternSolver::solve(const ContactProblem& problem, double sof
     assemble(w, soft, pattern, rhs, number, right, [](int, int, double) {});
   } else if (number.count <= dense_up_to) {
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(number.count, number.count);
+    work_->add(std::pow(number.count, 3) / (number.symmetric ? 6 : 3) + 2 * product_work(problem));
     assemble(w, soft, pattern, rhs, number, right, [&](int r, int c, double v) { a(r, c) = v; });
     if (number.symmetric) {
       const Eigen::LLT<Eigen::MatrixXd> cholesky{a};
@@ -248,9 +249,13 @@ std::vector<Vec2> PatternSolver::solve(const ContactProblem& problem, double sof
     }
   } else {
     bool done = false;
+    // Of a step of GMRES beside the factor.
+    const double around = product_work(problem) + 100 * static_cast<double>(rhs.size());
     if (problem.rigid && 3 * static_cast<int>(problem.rigid->inverse_mass.size()) <= number.count) {
       if (!bodies_) bodies_ = std::make_unique<BodyFactor>(problem);
-      if (bodies_->holds(soft, pattern) || bodies_->compute(problem, soft, pattern)) {
+      const bool held = bodies_->holds(soft, pattern);
+      if (held || bodies_->compute(problem, soft, pattern)) {
+        if (!held) work_->add(bodies_->factor_work() + 50 * static_cast<double>(rhs.size()));
         assemble(w, soft, pattern, rhs, number, right, [](int, int, double) {});
         std::vector<Vec2> residual(rhs.size()), unknown;
         z = gmres(
@@ -261,6 +266,7 @@ std::vector<Vec2> PatternSolver::solve(const ContactProblem& problem, double sof
                 residual[k] = {number.n[k] >= 0 ? r[number.n[k]] : 0.0, number.t[k] >= 0 ? r[number.t[k]] : 0.0};
               }
               bodies_->apply(problem, residual, unknown);
+              work_->add(bodies_->solve_work() + around);
               Eigen::VectorXd out(r.size());
               for (std::size_t k = 0; k < rhs.size(); ++k) {
                 if (number.n[k] >= 0) out[number.n[k]] = unknown[k].x;
@@ -276,20 +282,26 @@ std::vector<Vec2> PatternSolver::solve(const ContactProblem& problem, double sof
       z = gmres(
           right, most, 1e-12, 1e-12,
           [&](const Eigen::VectorXd& x, Eigen::VectorXd& out) { multiply(w, soft, pattern, number, x, out); },
-          [&](const Eigen::VectorXd& r) { return precondition(*kept_, w, number, r); });
+          [&](const Eigen::VectorXd& r) {
+            work_->add(kept_->factor.solve_work() + around);
+            return precondition(*kept_, w, number, r);
+          });
       return z.size() > 0;
     };
     // A factor made for other states of a few contacts does: each takes GMRES two steps more.
     if (!done && kept_ && kept_->soft == soft && changes(kept_->pattern, pattern) <= 3) done = iterate(12);
     if (!done) {
       if (!kept_) kept_ = std::make_unique<Kept>(FrontalFactor{w.rows(), 2, links_of_contacts(w)});
-      if (factorise(*kept_, w, soft, pattern, number)) {
+      const bool factorised = factorise(*kept_, w, soft, pattern, number);
+      work_->add(kept_->factor.factor_work() + 2 * product_work(problem));
+      if (factorised) {
         done = iterate(20);
       } else {
         kept_.reset();
       }
     }
     if (!done) {
+      work_->add(100 * std::pow(number.count, 2));  // a bound of what a sparse factor of the plane takes
       const Eigen::SparseLU<Eigen::SparseMatrix<double>> lu{sparse(w, soft, pattern, rhs, number, right)};
       if (lu.info() != Eigen::Success) return {};
       z = lu.solve(right);

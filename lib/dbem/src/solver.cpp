@@ -29,11 +29,8 @@ class Cascade final {
       method_ = method;
       p_ = std::move(tried.p);
     }
-    return best_ <= options_.accept || iterations_ >= options_.patience;
+    return best_ <= options_.accept || iterations_ >= options_.patience || work().over();
   }
-
-  /// One more try from the best answer found.
-  [[nodiscard]] const std::vector<Vec2>& best() const { return p_; }
 
   ContactSolution finish() {
     ContactSolution solution;
@@ -102,7 +99,8 @@ class Cascade final {
         return;
       }
     }
-    if (wanders && (along_path(std::min(quick_look, options_.path)) || swept())) return;
+    if (wanders && (swept() || along_path(std::min(quick_look, options_.path)))) return;
+    if (work().over()) return;
     // Rather than cut the step of a large group at once: what made it hard is often there in a shorter one, too.
     if (iterations_ >= options_.patience) {
       if (large && !inside(wanders ? 150 : 1000)) along_path(options_.path);
@@ -130,7 +128,7 @@ class Cascade final {
     Tried swept{p_};
     for (int more = 0; more < 4; ++more) {
       const std::vector<Vec2> nowhere(swept.p.size());
-      sweep(problem_, 0, nowhere, 500, swept.p);
+      sweep(problem_, work(), 0, nowhere, 500, swept.p);
       if (take(swept, Method::continuation) || take(from_here(swept.p, 10), Method::newton)) return;
     }
   }
@@ -139,14 +137,14 @@ class Cascade final {
   /// forces through the group, which takes sweeps for ever.
   bool swept() {
     constexpr std::size_t most = 12;
-    constexpr int sweeps = 400;
+    constexpr int sweeps = 1200;
     const double enough = 0.1 * options_.accept;
     const std::vector<Vec2> nowhere(p_.size());
     Tried turn{p_};
     std::array<double, 3> before{1e300, 1e300, 1e300};  // best of the rounds before
-    for (std::size_t k = 0; k < most && best_ <= 0.7 * before[k % 3]; ++k) {
+    for (std::size_t k = 0; k < most && best_ <= 0.7 * before[k % 3] && !work().over(); ++k) {
       before[k % 3] = best_;
-      sweep(problem_, 0, nowhere, sweeps, turn.p);
+      sweep(problem_, work(), 0, nowhere, sweeps, turn.p);
       const double residual = judge(problem_, turn.p).residual;
       take(turn, Method::continuation);
       Tried next = proximal(linear_, problem_, turn.p, enough, 100);
@@ -164,7 +162,7 @@ class Cascade final {
     if (problem_.contacts() > 5000) most = std::min<std::size_t>(most, 300);
     bool done = false;
     std::size_t factors = 0, counted = 0, programmes = 0;
-    interior(problem_, most, factors, [&](const std::vector<Vec2>& p) {
+    interior(problem_, most, work(), factors, [&](const std::vector<Vec2>& p) {
       Tried here{p};
       here.iterations = factors - counted;
       counted = factors;
@@ -175,7 +173,7 @@ class Cascade final {
         ++programmes;
         if (!problem_.rigid || !std::has_single_bit(programmes)) return false;
         std::vector<Vec2> turn = p;
-        sweep(problem_, 0, turn, 400, turn);
+        sweep(problem_, work(), 0, turn, 400, turn);
         return (take(Tried{turn}, Method::interior) && best_ <= options_.accept) ||
                (take(proximal(linear_, problem_, std::move(turn), 0.1 * options_.accept, 60), Method::interior) &&
                 best_ <= options_.accept);
@@ -192,10 +190,10 @@ class Cascade final {
 
   /// Proximal points from what is near the end of a path.
   bool along_path(std::size_t most) {
-    if (!problem_.rigid || most == 0) return false;
+    if (!problem_.rigid || most == 0 || work().over()) return false;
     std::size_t factors = 0, counted = 0;
     bool done = false;
-    turning_path(problem_, most, factors, [&](const std::vector<Vec2>& p) {
+    turning_path(problem_, most, work(), factors, [&](const std::vector<Vec2>& p) {
       iterations_ += factors - counted;
       counted = factors;
       done = (take(proximal(linear_, problem_, p, 0.1 * options_.accept, 30), Method::interior) ||
@@ -211,11 +209,13 @@ class Cascade final {
   static constexpr std::size_t most_for_lemke = 100;
   Tried pivot() const {
     Tried tried;
-    tried.p = lemke(problem_, tried.iterations);
+    tried.p = lemke(problem_, work(), tried.iterations);
     return tried;
   }
 
  private:
+  [[nodiscard]] Work& work() const { return linear_.work(); }
+
   PatternSolver& linear_;
   const ContactProblem& problem_;
   const SolverOptions& options_;
@@ -237,7 +237,8 @@ bool nothing_pushes(const ContactProblem& problem) {
 }  // namespace
 
 ContactSolution solve(const ContactProblem& problem, const SolverOptions& options) {
-  PatternSolver linear;
+  Work work;
+  PatternSolver linear{work};
   return solve_again(problem, options, linear);
 }
 

@@ -47,8 +47,8 @@ void centre(ContactProblem& problem, const std::vector<Vec2>& found, const std::
 /// Impulses of one group of bodies. Restitution at several contacts at once, or with friction, may ask for more energy
 /// than there is (Kane 1984): then half of it is asked for, and again.
 ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
-                                          const State& free, double step, std::size_t cut) const {
-  PatternSolver linear;
+                                          const State& free, double step, std::size_t cut, Work& work) const {
+  PatternSolver linear{work};
   SolverOptions how = options.solver;
   // What resists in a large group is sooner solved by shorter steps than by all that can be tried.
   const bool last = cut == options.cuts;
@@ -62,7 +62,8 @@ ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island
     Creep creep;
     for (int centring = 0; found.report.status == ContactReport::Status::converged; ++centring) {
       creep = creep_of(problem, found.impulse, viscous);
-      if (creep.most <= 1e-8 * creep.speed || centring >= (creep.most <= hidden * creep.speed ? 4 : 40)) break;
+      if (creep.most <= 1e-8 * creep.speed || work.over() || centring >= (creep.most <= hidden * creep.speed ? 4 : 40))
+        break;
       centre(problem, found.impulse, viscous);
       ContactSolution again = solve_again(problem, how, linear);
       again.report.iterations += found.report.iterations;
@@ -106,7 +107,7 @@ ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island
   }
 }
 
-std::optional<World::Impl::Failure> World::Impl::attempt(double step, std::size_t cut, Attempt& out) {
+std::optional<World::Impl::Failure> World::Impl::attempt(double step, std::size_t cut, Work& work, Attempt& out) {
   std::vector<Touch> list = touches;
   std::vector<Touch> moved;
   std::vector<Rows> rows;
@@ -157,10 +158,13 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, std::size_
     for (std::size_t s = 0; s < out.islands.size(); ++s) {
       Island& island = out.islands[s];
       if (island.theta < 1) rows[s] = rows_of(moved, island, mid);
-      solutions.push_back(solve_island(moved, island, rows[s], free, step, cut));
+      solutions.push_back(solve_island(moved, island, rows[s], free, step, cut, work));
       const ContactReport& report = solutions.back().report;
       if (report.status == ContactReport::Status::not_converged) {
-        return Failure{report.residual, "the contact law was not met", 0};
+        return Failure{report.residual,
+                       work.over() ? "the contact law was not met with the work that a try may take"
+                                   : "the contact law was not met",
+                       0};
       }
       if (const double share = until_first_bounce(moved, island, rows[s], solutions.back(), step); share < 1) {
         return Failure{0, "", share};
@@ -331,7 +335,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, std::size_
       deepest = std::max(deepest, -t.gap / std::min(shapes[t.i].feature, shapes[t.j].feature));
     }
     if (deepest <= contact_depth) break;
-    if (!project(out)) break;
+    if (!project(out, work)) break;
     parted = true;
     double limit_again = 0;
     find(out.state, out.corners, out.boxes, std::max(next_step, step), out.touches, limit_again);
@@ -422,14 +426,18 @@ std::expected<StepReport, StepError> World::step(double at_most) {
   }
   std::size_t cuts = 0;
   double shortest = step;
+  const double most_work = w.options.try_work * std::max(1.0, 0.01 * static_cast<double>(w.size()));
   for (int tries = 0;; ++tries) {
     Attempt trial;
-    const std::optional<Impl::Failure> failed = w.attempt(step, cuts, trial);
+    Work work{most_work};
+    const std::optional<Impl::Failure> failed = w.attempt(step, cuts, work, trial);
+    report.work += work.spent();
     if (!failed) {
       trial.report.step = step;
       trial.report.time = w.time + step;
       trial.report.cuts = cuts;
       trial.report.shortened = report.shortened;
+      trial.report.work = report.work;
       trial.report.contacts = trial.contacts.size();
       trial.report.islands = trial.islands.size();
       trial.report.broken = trial.broken.size();

@@ -47,7 +47,8 @@ Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, 
   const double hopeless = give_up * map.squared;
   double least = map.squared;
   std::size_t rounds = 0;
-  while (tried.iterations < most) {
+  const double evaluation = product_work(problem) + 40 * static_cast<double>(problem.contacts());
+  while (tried.iterations < most && !linear.work().over()) {
     if (evaluator.residual(map, tried.p) <= tolerance) {
       tried.converged = true;
       return tried;
@@ -59,6 +60,7 @@ Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, 
     const auto at = [&](double step) {
       for (std::size_t k = 0; k < d.size(); ++k) next[k] = tried.p[k] + step * d[k];
       evaluator.evaluate(next, trial);
+      linear.work().add(evaluation);
     };
     double step = 1;
     bool less = false;
@@ -121,7 +123,7 @@ Tried open_close(PatternSolver& linear, const ContactProblem& problem, std::size
   Pattern pattern{std::vector<std::uint8_t>(m), std::vector<std::uint8_t>(m), std::vector<double>(m)};
   std::vector<Vec2> rhs(m);
   std::vector<Vec2> y;
-  for (tried.iterations = 1; tried.iterations <= passes; ++tried.iterations) {
+  for (tried.iterations = 1; tried.iterations <= passes && !linear.work().over(); ++tried.iterations) {
     for (std::size_t k = 0; k < m; ++k) {
       const bool slips = state[k] == State::slip;
       pattern.closed[k] = state[k] == State::open ? 0 : 1;
@@ -166,14 +168,14 @@ Tried open_close(PatternSolver& linear, const ContactProblem& problem, std::size
       return tried;
     }
   }
-  tried.iterations = passes;
+  tried.iterations = std::min(tried.iterations, passes);
   return tried;
 }
 
 Tried continuation(PatternSolver& linear, const ContactProblem& problem, const SolverOptions& options, double factor) {
   Tried tried;
   std::size_t iterations = 0;
-  for (double soft = 1; soft > 1e-9 && iterations < options.patience; soft /= factor) {
+  for (double soft = 1; soft > 1e-9 && iterations < options.patience && !linear.work().over(); soft /= factor) {
     Tried stage = newton(linear, problem, soft, 1e-8, 40, std::move(tried.p));
     iterations += stage.iterations;
     tried = std::move(stage);
@@ -183,9 +185,10 @@ Tried continuation(PatternSolver& linear, const ContactProblem& problem, const S
   return tried;
 }
 
-void sweep(const ContactProblem& problem, double soft, const std::vector<Vec2>& centre, int sweeps,
+void sweep(const ContactProblem& problem, Work& work, double soft, const std::vector<Vec2>& centre, int sweeps,
            std::vector<Vec2>& p) {
   const BlockMatrix& w = problem.w;
+  work.add(sweeps * (product_work(problem) + 30 * static_cast<double>(p.size())));
   for (int pass = 0; pass < sweeps; ++pass) {
     for (std::size_t at = 0; at < p.size(); ++at) {
       const std::size_t k = pass % 2 == 0 ? at : p.size() - 1 - at;
@@ -211,13 +214,13 @@ Tried proximal(PatternSolver& linear, const ContactProblem& given, std::vector<V
   double best = cold ? 1.0 : judge(given, tried.p).residual;
   double soft = cold ? 1.0 : std::clamp(1e3 * best, 1e-6, 1e-2);
   if (cold) {
-    sweep(problem, soft, centre, 50, tried.p);
+    sweep(problem, linear.work(), soft, centre, 50, tried.p);
   } else if (is_large(problem)) {
     tried = keep_states(linear, problem, centre, soft);
   }
   std::size_t stale = 0, easy = 0;
   double least = 1e-10;
-  for (int outer = 0; outer < 60 && stale < 8 && tried.iterations < patience; ++outer) {
+  for (int outer = 0; outer < 60 && stale < 8 && tried.iterations < patience && !linear.work().over(); ++outer) {
     const double inner = std::clamp(1e-2 * best, 0.1 * enough, 1e-3);
     Tried stage = newton(linear, problem, soft, inner, 40, tried.p, centre);
     tried.iterations += stage.iterations;

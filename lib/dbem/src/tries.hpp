@@ -33,7 +33,7 @@ Tried continuation(PatternSolver& linear, const ContactProblem& problem, const S
 
 /// Sweeps over the contacts, each solved alone (block Gauss-Seidel), on W + e diag(W) about `centre`. A cheap start for
 /// Newton where e is large.
-void sweep(const ContactProblem& problem, double soft, const std::vector<Vec2>& centre, int sweeps,
+void sweep(const ContactProblem& problem, Work& work, double soft, const std::vector<Vec2>& centre, int sweeps,
            std::vector<Vec2>& p);
 
 /// Proximal points: Newton on W + e diag(W) about the last answer, e as small as Newton bears. Forces that equilibrium

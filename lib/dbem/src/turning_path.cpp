@@ -41,8 +41,8 @@ constexpr double first_look = 1e-5, end_of_path = 1e-12, astray = 1e3;
 /// sign of the determinant (Smale 1976), also where a step has left it for a neighbouring piece.
 class TurningPath final {
  public:
-  TurningPath(const ContactProblem& problem, std::uint64_t draw)
-      : problem_{problem}, m_{problem.contacts()}, factor_{problem}, at_(m_), apart_(m_), first_(m_) {
+  TurningPath(const ContactProblem& problem, Work& work, std::uint64_t draw)
+      : problem_{problem}, m_{problem.contacts()}, factor_{problem, work}, at_(m_), apart_(m_), first_(m_) {
     begin(draw);
   }
 
@@ -259,13 +259,13 @@ class TurningPath final {
 
 }  // namespace
 
-void turning_path(const ContactProblem& problem, std::size_t most, std::size_t& factors,
+void turning_path(const ContactProblem& problem, std::size_t most, Work& work, std::size_t& factors,
                   const std::function<bool(const std::vector<Vec2>&)>& enough) {
-  for (std::uint64_t draw = 1; factors < most; ++draw) {
-    TurningPath path{problem, draw};
+  for (std::uint64_t draw = 1; factors < most && !work.over(); ++draw) {
+    TurningPath path{problem, work, draw};
     const std::size_t end = std::min(most, factors + most_of_one_path);
     double look = first_look;
-    while (factors < end && path.advance(factors) && path.share() < astray) {
+    while (factors < end && !work.over() && path.advance(factors) && path.share() < astray) {
       if (path.share() >= look) continue;
       look = 0.1 * path.share();
       if (enough(path.impulses()) || path.share() < end_of_path) return;

@@ -72,6 +72,7 @@ std::optional<WorldError> check_options(const WorldOptions& o) {
   if (!good(o.solver.accept)) return BadOption{"the accepted residual is not a number"};
   if (!(o.displacement > 0) || !(o.rotation > 0)) return BadOption{"displacement and rotation limits must be positive"};
   if (!(o.position_error >= 0) || !(o.overlap >= 0)) return BadOption{"tolerances must not be negative"};
+  if (!(o.try_work > 0)) return BadOption{"the work of a try must be positive"};
   if (!(o.regularisation >= 0)) return BadOption{"regularisation must not be negative"};
   return std::nullopt;
 }

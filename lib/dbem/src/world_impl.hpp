@@ -7,6 +7,7 @@
 
 #include "clash.hpp"
 #include "cleave/dbem/world.hpp"
+#include "work.hpp"
 
 namespace cleave::dbem {
 
@@ -222,9 +223,9 @@ struct World::Impl {
     double factor = 0;   // > 0: not a failure; redo with this share of the step; 1: with what woke
     bool clash = false;  // by bodies that would share space
   };
-  [[nodiscard]] std::optional<Failure> attempt(double step, std::size_t cut, Attempt& out);
+  [[nodiscard]] std::optional<Failure> attempt(double step, std::size_t cut, Work& work, Attempt& out);
   [[nodiscard]] ContactSolution solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
-                                             const State& free, double step, std::size_t cut) const;
+                                             const State& free, double step, std::size_t cut, Work& work) const;
   [[nodiscard]] bool bounces(const Touch& touch, double closing, double step) const;
   [[nodiscard]] double until_first_bounce(const std::vector<Touch>& list, const Island& island, const Rows& rows,
                                           const ContactSolution& found, double step) const;
@@ -232,7 +233,7 @@ struct World::Impl {
   void accept(Attempt&& done);
 
   // parting.cpp
-  bool project(Attempt& out) const;  // false: nothing could be parted
+  bool project(Attempt& out, Work& work) const;  // false: nothing could be parted
   double slow_down(const Island& island, const Rows& rows, double wanted, State& at) const;
   bool add_missed(const Attempt& out, const std::vector<Clash>& clashes, std::vector<Touch>& list) const;
   /// Every pair of bodies that overlap by more than rounding; tells the deepest in the report.

@@ -177,6 +177,13 @@ void FrontalFactor::find_fronts(const std::vector<std::uint32_t>& parent,
     if (up != none) fronts_[front_of[up]].children.push_back(k);
   }
   factors_.resize(fronts_.size());
+  constexpr double handling = 500;
+  for (const Front& front : fronts_) {
+    const auto inner = static_cast<double>(width_) * (front.last - front.first);
+    const auto outer = static_cast<double>(width_) * static_cast<double>(front.rows.size());
+    factor_work_ += handling + inner * (inner * inner / 6 + inner * outer / 2 + outer * outer / 2);
+    solve_work_ += 0.1 * handling + inner * (inner + 2 * outer);
+  }
 }
 
 void FrontalFactor::clear(bool symmetric) {

@@ -8,6 +8,9 @@ namespace cleave::motion {
 std::optional<double> World::Impl::part(std::vector<State>& s, double& deepest) {
   // Again: parted bodies may touch what they did not touch before.
   constexpr int rounds = 8;
+  // Overlaps of a block between two walls cannot all be parted: what is left is judged below.
+  SolverOptions how = options.solver;
+  how.patience = std::min<std::size_t>(how.patience, 300);
   double lift = 0;
   deepest = 0;
   for (int round = 0; round < rounds; ++round) {
@@ -37,7 +40,7 @@ std::optional<double> World::Impl::part(std::vector<State>& s, double& deepest) 
         group.points[k].start.setZero();
       }
       for (Vector6& free : group.free) free.setZero();
-      const Solution moved = motion::solve(group, options.solver);
+      const Solution moved = motion::solve(group, how);
       if (moved.report.status == SolveReport::Status::not_converged && moved.report.residual > 1e-4) return {};
       for (std::size_t k = 0; k < only.bodies.size(); ++k) {
         const std::uint32_t b = only.bodies[k];

@@ -231,7 +231,93 @@ class Cascade {
     }
     if (!done() && !spent()) proximal(0.1);
     if (!done() && !spent()) proximal(1.0 / 3);
+    if (done() && options_.prefer_motion) prefer_motion();
     best_.report.iterations = newton_.factors();
+  }
+
+  /// Kinetic energy over the one that bodies have without contacts.
+  [[nodiscard]] double motion_of(const std::vector<Vector6>& velocity) const {
+    double kept = 0, free = 0;
+    for (std::size_t b = 0; b < velocity.size(); ++b) {
+      kept += velocity[b].dot(group_.mass[b] * velocity[b]);
+      free += group_.free[b].dot(group_.mass[b] * group_.free[b]);
+    }
+    return free > 0 ? kept / free : 0;
+  }
+
+  [[nodiscard]] std::vector<Vector6> velocities_of(const Unknowns& x) const {
+    std::vector<Vector3d> impulse;
+    for (std::size_t k = 0; k < x.size(); ++k) impulse.emplace_back(x[k] * scaled_.elements[k].scale);
+    return respond(group_, impulse).velocity;
+  }
+
+  /// Whether a body stands that would move without contacts, and friction may be why.
+  [[nodiscard]] bool somebody_stands() const {
+    double fastest = 0;
+    for (const Vector6& v : group_.free) fastest = std::max(fastest, v.norm());
+    for (const Point& p : group_.points) {
+      if (!(p.mu > 0)) continue;
+      for (const std::uint32_t b : {p.body, p.other}) {
+        if (b == ground || group_.free[b].norm() <= 1e-6 * fastest) continue;
+        if (best_.velocity[b].norm() <= 1e-6 * fastest) return true;
+      }
+    }
+    return false;
+  }
+
+  /// Coulomb's problem may have several answers. One in which bodies stand counts only where the search from motion,
+  /// friction followed up from none, ends in no other one that keeps more of the motion.
+  void prefer_motion() {
+    if (!somebody_stands()) return;
+    Unknowns free = none();
+    (void)newton_.solve({.law = Law::frictionless}, free, {.fine = 1e-5, .last = 4, .finest = 1e-8});
+    if (motion_of(velocities_of(free)) <= motion_of(best_.velocity) + 1e-9) return;  // stands without friction
+    Solution standing = std::move(best_);
+    best_ = {};
+    best_.impulse.assign(group_.points.size(), Vector3d::Zero());
+    tried_ = false;
+    by_rising_friction(std::move(free));
+    const bool found = done();
+    const bool other = found && motion_of(best_.velocity) > motion_of(standing.velocity) + 1e-9;
+    standing.report.may_be_locked = other || !found;
+    if (other) {
+      best_.report.may_be_locked = true;
+    } else {
+      best_ = std::move(standing);
+    }
+  }
+
+  /// The slip of one share of the friction is where the next one starts.
+  void by_rising_friction(Unknowns x) {
+    std::vector<double> friction;
+    for (const auto& e : scaled_.elements) friction.push_back(e.mu);
+    Programme programme{.law = Law::cone, .given = slips(x)};
+    constexpr double shares = 8;
+    for (double k = 1; k <= shares && !done() && !spent(); ++k) {
+      for (std::size_t e = 0; e < friction.size(); ++e) scaled_.elements[e].mu = k / shares * friction[e];
+      const bool last = k >= shares;
+      Progress progress;
+      for (int round = 0; round < (last ? 60 : 6) && !spent(); ++round) {
+        const double hidden =
+            newton_.solve(programme, x, {.rough = round == 0 ? 1e-1 : 1e-3, .fine = 1e-5, .last = 4, .finest = 1e-5});
+        double change = 0, largest = 0;
+        const std::vector<double> slip = slips(x);
+        for (std::size_t e = 0; e < slip.size(); ++e) {
+          const double renewed = slip[e] > 30 * hidden ? slip[e] : 0;
+          change = std::max(change, std::abs(renewed - programme.given[e]));
+          largest = std::max(largest, renewed);
+          programme.given[e] = renewed;
+        }
+        if (last) {
+          look_at(x, Method::convex);
+          nearby(x, Method::convex);
+          if (done() || !progress.goes_on(best_.report.residual)) break;
+        } else if (change <= 1e-3 * largest) {
+          break;
+        }
+      }
+    }
+    for (std::size_t e = 0; e < friction.size(); ++e) scaled_.elements[e].mu = friction[e];
   }
 
   const Group& group_;

@@ -279,6 +279,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
         }
         out.report.iterations += found.report.iterations;
         out.report.residual = std::max(out.report.residual, found.report.residual);
+        if (found.report.may_be_locked) out.report.may_be_locked += island.bodies.size();
         out.report.stick += found.report.stick;
         out.report.slip += found.report.slip;
         if (found.report.status == SolveReport::Status::not_converged) {

@@ -184,6 +184,7 @@ Figures count(const RunResult& result) {
     figures.input.largest_snap_m = report.largest_snap_m;
     figures.input.merged_planes = report.merged_planes;
     figures.input.snapped = report.snapped;
+    figures.input.coarse_snap = report.coarse_snap;
     figures.input.near_misses = report.near_misses;
     figures.blocks = count_blocks(complex, result.block_hash);
     figures.blocks->sizes = block_sizes(complex);

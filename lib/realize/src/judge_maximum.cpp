@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -39,6 +40,14 @@ stability::JointStrength median_strength(const JointProperties& p) {
       Strength{p.friction.quantile(half), p.cohesion.quantile(half), p.tension.quantile(half), p.jrc, p.jcs});
 }
 
+/// One of eight, from up to the right.
+std::string_view position_of(double right, double up) {
+  static constexpr std::array<std::string_view, 8> names{"roof",  "upper right", "right", "lower right",
+                                                         "floor", "lower left",  "left",  "upper left"};
+  const double eighths = std::atan2(right, up) / (std::numbers::pi / 4);
+  return names[static_cast<std::size_t>(std::lround(eighths) + 8) % 8];
+}
+
 }  // namespace
 
 void judge_maximum_blocks(const Scene& scene, Realization& made) {
@@ -75,9 +84,10 @@ void judge_maximum_blocks(const Scene& scene, Realization& made) {
                                      .partial = *partial,
                                      .target_falling = target.falling,
                                      .target_sliding = target.sliding};
-  for (auto& block : stability::maximum_key_blocks(planes, tunnel, loads)) {
+  for (auto& block : stability::maximum_key_blocks(planes, tunnel, loads, {wanted.trace, wanted.size})) {
     MaximumRow row{
         .sets = {}, .block = block, .where = std::string{location_of(block.block.apex[0], block.block.apex[1])}};
+    row.position = position_of(block.block.apex[0], block.block.apex[1]);
     for (std::size_t i = 0; i < 3; ++i) row.sets[i] = scene.sets[used[block.planes[i]]].name;
     made.maximum_blocks.push_back(std::move(row));
   }

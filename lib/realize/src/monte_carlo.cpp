@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
+#include <mutex>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
@@ -108,8 +111,13 @@ Record record_of(std::uint64_t k, const Realization& made, const stochastic::Que
 
 std::vector<Record> make_records(const Scene& scene, const stochastic::Questions& questions, std::uint64_t first,
                                  std::uint64_t count) {
-  std::vector<Record> records;
   StageTimer timer;
+  return make_records(scene, questions, first, count, timer);
+}
+
+std::vector<Record> make_records(const Scene& scene, const stochastic::Questions& questions, std::uint64_t first,
+                                 std::uint64_t count, StageTimer& timer) {
+  std::vector<Record> records;
   realize(scene, first, count, timer, [&](std::uint64_t k, const Realization* made) {
     if (made != nullptr) {
       records.push_back(record_of(k, *made, questions));
@@ -141,6 +149,27 @@ std::vector<std::uint64_t> looks_of(const MonteCarloSettings& settings) {
   return looks;
 }
 
+/// What the stages of the threads' realizations took in all.
+class Spent final {
+ public:
+  void add(const StageTimer& timer) {
+    const std::scoped_lock lock{mutex_};
+    for (const cleave::StageCost& row : timer.stages()) seconds_[row.stage] += row.wall_s;
+  }
+  [[nodiscard]] std::vector<StageSeconds> in_order(const Plan& plan) const {
+    std::vector<StageSeconds> out;
+    for (const PlannedStage& stage : plan.stages) {
+      const auto it = seconds_.find(name_of(stage.stage));
+      if (it != seconds_.end()) out.push_back({it->first, it->second});
+    }
+    return out;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, double, std::less<>> seconds_;
+};
+
 StoppedBy reason(const MonteCarloSettings& settings, const Ensemble& ensemble) {
   if (!settings.stop) return StoppedBy::count;
   return narrow_enough(ensemble.moments(settings.stop->quantity), *settings.stop) ? StoppedBy::precision
@@ -156,6 +185,13 @@ std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& sc
   const stochastic::Questions questions = questions_of(scene);
   const ThreadLimit limit{threads};
   const std::uint64_t group = strengths_per_geometry(scene);
+  Spent spent;
+  const auto booked = [&](std::uint64_t first, std::uint64_t count) {
+    StageTimer timer;
+    std::vector<Record> records = make_records(scene, questions, first, count, timer);
+    spent.add(timer);
+    return records;
+  };
   const MakeRecords make = [&](std::uint64_t first, std::uint64_t end, std::uint64_t step, const auto& commit) {
     // An interrupted run may have stopped inside a geometry.
     const auto first_of = [&](std::uint64_t geometry) { return std::max(first, geometry * group); };
@@ -163,12 +199,14 @@ std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& sc
         first / group, (end + group - 1) / group, step, limit, 64 * limit.count(),
         [&](std::uint64_t geometry) -> std::function<bool()> {
           const std::uint64_t k = first_of(geometry), count = std::min(end, (geometry + 1) * group) - k;
-          return [&commit, records = make_records(scene, questions, k, count)] {
+          return [&commit, records = booked(k, count)] {
             return std::ranges::all_of(records, [&](const Record& record) { return commit(record); });
           };
         });
   };
-  return run_monte_carlo(scene, make, path, shard, watch);
+  CLEAVE_TRY(MonteCarloResult result, run_monte_carlo(scene, make, path, shard, watch));
+  result.stages = spent.in_order(make_plan(scene));
+  return result;
 }
 
 std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& scene, const MakeRecords& make,

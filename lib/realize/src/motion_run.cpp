@@ -240,6 +240,7 @@ class Recorder {
     ++result.steps;
     result.contacts = std::max<std::uint64_t>(result.contacts, report.contacts);
     result.residual = std::max(result.residual, report.residual);
+    result.may_be_locked = std::max<std::uint64_t>(result.may_be_locked, report.may_be_locked);
     result.penetration = std::max(result.penetration, metres(report.max_penetration));
     result.overlap = std::max(result.overlap, report.overlap);
     for (std::size_t k = 0; k < result.blocks.size(); ++k) {
@@ -322,6 +323,12 @@ void add_notes(const Scene& scene, const MotionResult& result, std::vector<std::
   if (left > 0) notes.push_back(fmt::format("motion: {} blocks left the domain and were followed no further", left));
   if (scene.motion->to_rest && !result.at_rest && result.converged && !result.blocks.empty()) {
     notes.push_back(fmt::format("motion: not at rest after {:g} s; set a longer motion.duration", result.end.si()));
+  }
+  if (result.may_be_locked > 0) {
+    notes.push_back(fmt::format(
+        "motion: up to {} blocks at a time were in groups that forces locked between them may hold; those that can "
+        "move were let move, but not every other answer may have been found",
+        result.may_be_locked));
   }
   const LoadSet& loads = scene.stability->loads;
   if (norm(loads.seismic) > 0 || loads.water || loads.water_level || !loads.pressures.empty() ||

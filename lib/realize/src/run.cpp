@@ -74,6 +74,19 @@ std::vector<Problem> refusals(const Scene& scene) {
   return problems;
 }
 
+std::expected<Excavated, std::vector<Problem>> excavated(const Scene& scene) {
+  Excavated out;
+  if (scene.excavations.empty()) return out;
+  CLEAVE_TRY(const SampledScene drawn, sample(scene));
+  const auto cut = topology::cut({.domain = drawn.input.domain, .excavations = drawn.input.excavations});
+  if (!cut) return std::unexpected(std::vector{problem_of(cut.error(), scene, drawn)});
+  const std::vector<ExcavationInfo> taken = taken_by(scene, drawn, cut->report().excavated);
+  if (auto missing = without_rock(scene, taken); !missing.empty()) return std::unexpected(missing);
+  for (const ExcavationInfo& info : taken) out.openings.push_back({info.name, info.taken.removed, info.outside_share});
+  add_excavation_notes(taken, out.notes);
+  return out;
+}
+
 std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options, StageTimer& timer,
                                                    Progress& progress) {
   Plan plan = make_plan(scene);

@@ -15,6 +15,12 @@ double rounded_up(double length) {
   return std::ceil(1.05 * length / unit) * unit;
 }
 
+/// A length a little below, in two digits.
+double rounded_down(double length) {
+  const double unit = std::pow(10.0, std::floor(std::log10(length)) - 1);
+  return std::floor(0.95 * length / unit) * unit;
+}
+
 /// "joint crown (scene.toml:14)", "joint 7 (scene.toml:14)", "joint 7 (A #3)".
 std::string name_of(topology::JointId id, const Scene& scene, const Realization& made) {
   const bool named = id.index() < scene.joints.size() && !scene.joints[id.index()].name.empty();
@@ -25,6 +31,14 @@ std::string name_of(topology::JointId id, const Scene& scene, const Realization&
 void add_cut_notes(const Scene& scene, const Realization& made, std::vector<std::string>& notes) {
   const topology::CutReport& report = made.cut;
   const std::size_t joints = made.joints.size();
+  if (const topology::CoarseSnap& coarse = report.coarse_snap; coarse.polygons > 0) {
+    notes.push_back(fmt::format(
+        "snap is too coarse for {}: the shortest side, of {}, is {:.2g} m, and corners nearer than twice the snap "
+        "become "
+        "one or pass each other, so there may be other blocks than those meant; a snap of {:.2g} keeps them all",
+        coarse.polygons == 1 ? "a polygon" : fmt::format("{} polygons", coarse.polygons),
+        name_of(coarse.joint, scene, made), coarse.shortest.si(), rounded_down(coarse.shortest.si() / 2)));
+  }
   if (const topology::NearMisses& near = report.near_misses; near.sides > 0) {
     notes.push_back(fmt::format(
         "{} of joints {} another polygon by less than 1e-6 of the domain without touching it, by {:.2g} m at most "

@@ -125,10 +125,12 @@ std::string maximum_section(const Page& page) {
   std::string out =
       "<section id=\"maximum\"><h2>Largest key blocks of block theory</h2>\n<p class=\"small\">What joints without "
       "end, in the mean orientations of three sets and anywhere, can make at the tunnel; orientations alone decide. "
-      "Volumes are upper bounds of blocks with one joint of each of the three sets. Blocks between two joints of one "
+      "Volumes are upper bounds of blocks with one joint of each of the three sets; scale: where the scene limits the "
+      "length of joints, what all lengths were multiplied by. Blocks between two joints of one "
       "set are not among them, nor is the scatter of a set about its mean: either may make a larger one.</p>\n"
       "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Sets</th><th>Below</th>"
-      "<th>Where</th><th>Volume (m³)</th><th>Weight (kN)</th><th>Height (m)</th><th>Face (m²)</th><th>Mode</th>"
+      "<th>Where</th><th>Scale</th><th>Volume (m³)</th><th>Weight (kN)</th><th>Height (m)</th><th>Face "
+      "(m²)</th><th>Mode</th>"
       "<th>Factor</th><th>Target</th><th>Required pressure (kPa)</th></tr></thead><tbody>\n";
   for (const scene::MaximumRow& row : page.result.maximum_blocks) {
     const stability::MaximumKeyBlock& b = row.block;
@@ -137,7 +139,8 @@ std::string maximum_section(const Page& page) {
       if (((b.block.code >> i) & 1U) != 0) below += (below.empty() ? "" : ", ") + escape_xml(row.sets[i]);
     }
     out += "<tr><td>" + escape_xml(row.sets[0]) + ", " + escape_xml(row.sets[1]) + ", " + escape_xml(row.sets[2]) +
-           "</td><td>" + (below.empty() ? "–" : below) + "</td><td>" + row.where + "</td><td>" +
+           "</td><td>" + (below.empty() ? "–" : below) + "</td><td>" +
+           (row.position.empty() ? row.where : row.position) + "</td><td>" + display(b.scale, 3) + "</td><td>" +
            display(b.block.volume) + "</td><td>" + display(b.weight.si() / 1000) + "</td><td>" +
            display(b.block.height, 3) + "</td><td>" + display(b.block.face_area, 3) + "</td><td>" +
            std::string{stability::name(b.mode)} + "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" +

@@ -1,5 +1,7 @@
 #include "cleave/report/monte_carlo.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "cleave/realize/run.hpp"
@@ -20,6 +22,10 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
                       .tunnel_length_m = ensemble_options_of(scene).tunnel_length_m,
                       .stop_quantity = {},
                       .orders = orders_of(scene)};
+  if (auto taken = scene::excavated(scene)) {
+    page.excavations = std::move(taken->openings);
+    std::ranges::move(taken->notes, std::back_inserter(page.result.figures.notes));
+  }
   for (const scene::Problem& note : scene.notes) page.notes.push_back(describe(note));
   if (scene.monte_carlo && scene.monte_carlo->stop) page.stop_quantity = scene.monte_carlo->stop->quantity;
   return page;

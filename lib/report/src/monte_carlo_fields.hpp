@@ -30,8 +30,21 @@ void fields(V& v, const SizePoint& x) {
 template <class V>
 void fields(V& v, const FactorPoint& x) {
   v("factor", x.factor);
-  v("share_below", x.share_below);
+  v("share_below", x.share_below, "of those blocks");
+  fields(v, x.share_interval);
   v("number_below", x.number_below, "mean a realization");
+  v("probability", x.probability, "that a realization has one: the distribution of its least factor");
+  v("probability_low", x.interval.low);
+  v("probability_high", x.interval.high);
+}
+template <class V>
+void fields(V& v, const PressureExceedance& x) {
+  v("pressure_pa", x.pressure_pa);
+  v("probability", x.probability, "that a realization needs more over the area of its excavations");
+  fields(v, x.interval);
+  v("block_probability", x.block_probability, "that a block of its first batch needs more over its free area");
+  v("block_low", x.block_interval.low);
+  v("block_high", x.block_interval.high);
 }
 template <class V>
 void fields(V& v, const RunningPoint& x) {
@@ -93,6 +106,12 @@ void quantity_fields(V& v, const stochastic::Estimate& x, double confidence) {
 }
 
 template <class V>
+void fields(V& v, const scene::StageSeconds& x) {
+  v("stage", x.stage);
+  v("thread_s", x.seconds);
+}
+
+template <class V>
 void order_fields(V& v, const stochastic::OrderFigures& x, const std::vector<std::uint32_t>& stages) {
   const auto mean = [](const stochastic::Estimate& e) { return group([&e](auto& w) { mean_fields(w, e); }); };
   v("stages", stages);
@@ -108,6 +127,9 @@ void fields(V& v, const MonteCarloPage& x) {
   const stochastic::Figures& f = x.result.figures;
   const scene::StoppedBy stopped = x.result.stopped_by;
   v("scene_file", x.scene_file, "of Monte Carlo runs: name of the scene's file, without its folder");
+  v("openings", when_any(x.excavations), "of Monte Carlo runs: what each takes of the rock, in the order of the scene");
+  v("realization_cost", when_any(x.result.stages),
+    "seconds that the threads of this process spent in the stages of the realizations it made");
   v("monte_carlo", group([&](auto& w) {
       w("realizations", f.realizations);
       w("seed", x.seed);
@@ -159,6 +181,7 @@ void fields(V& v, const MonteCarloPage& x) {
       w("middle_area_fixed_share", f.middle_fixed_share, "the same in the middle half of the tunnel");
       w("guard_length_m", f.guard_length_m, "lost at each end of the tunnel to blocks that the domain holds");
       w("factors_of_safety", f.factors, "distribution over the blocks that would move without friction");
+      w("pressure_exceedance", f.pressures, "of what has to be held");
       w("surface_blocks_fixed_share", f.surface_fixed_share);
       w("key_volume_beside_fixed_share", f.beside_fixed_share);
       w("notes", f.notes);

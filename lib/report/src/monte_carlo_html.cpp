@@ -132,6 +132,42 @@ std::string exceedance_figure(const Figures& f) {
          percent(f.confidence) + " intervals.</figcaption></figure>\n";
 }
 
+std::string factor_figure(const Figures& f) {
+  if (f.factors.empty()) return {};
+  Plot plot{Axis{0, f.factors.back().factor, false, "factor of safety F"}, Axis{0, 1, false, "share, probability"},
+            "Distribution of the factor of safety"};
+  std::vector<PlotPoint> blocks, least;
+  for (const auto& row : f.factors) {
+    plot.whisker(row.factor, row.interval.low, row.interval.high);
+    plot.dot(row.factor, row.probability);
+    least.push_back({row.factor, row.probability});
+    blocks.push_back({row.factor, row.share_below});
+  }
+  plot.line(least);
+  plot.line(blocks, "b");
+  return "<figure>" + std::move(plot).svg() +
+         "<figcaption><span class=\"key-a\">Probability that the least factor of safety of a realization lies below "
+         "F</span>, with exact " +
+         percent(f.confidence) +
+         " intervals, and <span class=\"key-b\">share of all blocks that would move without friction with a factor "
+         "below F</span>.</figcaption></figure>\n";
+}
+
+std::string pressure_table(const Figures& f) {
+  if (f.pressures.empty()) return {};
+  std::string out =
+      "<section id=\"pressures\"><h2>Probability of support pressures</h2>\n<p class=\"small\">What has to be held, "
+      "each passed force once: over the area of the excavations, and on a block of the first batch over its own free "
+      "area (slivers included).</p>\n<table><thead><tr><th>Pressure above (kPa)</th><th>Over the area</th><th>Exact "
+      "interval</th><th>On a block</th><th>Exact interval</th></tr></thead><tbody>\n";
+  for (const auto& row : f.pressures) {
+    out += "<tr><td>" + display(row.pressure_pa / 1000) + "</td><td>" + display(row.probability) + "</td><td>" +
+           interval(row.interval.low, row.interval.high) + "</td><td>" + display(row.block_probability) + "</td><td>" +
+           interval(row.block_interval.low, row.block_interval.high) + "</td></tr>\n";
+  }
+  return out + "</tbody></table></section>\n";
+}
+
 std::string chainage_figure(const MonteCarloPage& page) {
   const Figures& f = page.result.figures;
   if (!page.tunnel_length_m) return {};
@@ -286,7 +322,28 @@ std::string inputs_section(const MonteCarloPage& page) {
     out += row("File", escape_xml(file.name) + " <code>" + escape_xml(file.sha256) + "</code>");
   }
   out += row("Seed", std::to_string(page.seed));
+  for (const scene::ExcavationFigures& e : page.excavations) {
+    out += row(
+        "Excavation",
+        escape_xml(e.name) + ", " + display(e.volume.si(), 4) + " m³" +
+            (e.outside_share.value_or(0) > 0 ? ", " + percent(*e.outside_share) + " of it outside the domain" : ""));
+  }
   out += row("Hash of the records", "<code>" + escape_xml(page.result.figures.hash) + "</code>");
+  return out + "</tbody></table></section>\n";
+}
+
+std::string stages_table(const MonteCarloPage& page) {
+  if (page.result.stages.empty()) return {};
+  double all = 0;
+  for (const scene::StageSeconds& row : page.result.stages) all += row.seconds;
+  std::string out =
+      "<section id=\"stages\"><h2>Cost of the realizations by stage</h2>\n<p class=\"small\">Of those made by this "
+      "run, over all threads.</p>\n<table><thead><tr><th>Stage</th><th>Seconds of a "
+      "thread</th><th>Share</th></tr></thead><tbody>\n";
+  for (const scene::StageSeconds& row : page.result.stages) {
+    out += "<tr><td>" + row.stage + "</td><td>" + display(row.seconds, 3) + "</td><td>" +
+           percent(all > 0 ? row.seconds / all : 0) + "</td></tr>\n";
+  }
   return out + "</tbody></table></section>\n";
 }
 
@@ -303,12 +360,14 @@ std::string monte_carlo_html(const MonteCarloPage& page) {
   std::string out = detail::page_begin(title, detail::project_line(page.project) + escape_xml(page.scene_file) +
                                                   " · Monte Carlo, seed " + std::to_string(page.seed) + shard);
   out += cards(page);
-  const std::string figures = running_figure(f) + size_figure(f) + exceedance_figure(f) + chainage_figure(page);
+  const std::string figures =
+      running_figure(f) + size_figure(f) + exceedance_figure(f) + factor_figure(f) + chainage_figure(page);
   if (!figures.empty()) {
     out += "<section id=\"figures\"><h2>Convergence, sizes, probabilities</h2>\n<div class=\"columns\">" + figures +
            "</div></section>\n";
   }
   out += probability_table(f);
+  out += pressure_table(f);
   out += orders_table(page);
   out += estimates_table(f);
   out += variances_table(f);
@@ -317,6 +376,7 @@ std::string monte_carlo_html(const MonteCarloPage& page) {
   out += notes_section(page);
   out += detail::plan_section(page.plan);
   out += detail::cost_section(page.cost);
+  out += stages_table(page);
   out += inputs_section(page);
   return out + detail::page_foot() + std::string{detail::page_end};
 }

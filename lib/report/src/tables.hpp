@@ -269,5 +269,10 @@ void fields(V& v, const MaximumRow& x) {
   v("factor_of_safety", b.factor_of_safety);
   v("target", b.target, "required factor of safety");
   v("required_pressure_pa", b.required_pressure, "on the free face, for that target");
+  v("position", x.position, "as UnWedge names wedges at the perimeter");
+  v("scale", b.scale,
+    "of its lengths, that no joint be longer than `trace` and `size` of the scene allow; 1: the largest");
+  v("trace_m", b.longest_trace(), "longest trace of its joints on the wall");
+  v("joint_size_m", b.largest_extent(), "largest extent of its joint faces");
 }
 }  // namespace cleave::scene

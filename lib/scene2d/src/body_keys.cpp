@@ -48,6 +48,17 @@ namespace {
 
 constexpr NumberRule frequency_rule{0, true, 1e9, false, " Hz"};
 
+const KeyTable& body_rock_keys() {
+  static const KeyTable keys{
+      .name = "rock of bodies",
+      .keys = {{"density", key::number(body_density_rule), "2700", "kg/m3, of bodies that state none"},
+               {"young", key::number(young_rule), "", "Pa, of bodies that state none"},
+               {"poisson", key::number(poisson_rule), "", "Poisson's ratio of bodies that state none"}}};
+  return keys;
+}
+
+}  // namespace
+
 const KeyTable& time_function_keys() {
   static const KeyTable keys{
       .name = "body.load.time",
@@ -60,17 +71,6 @@ const KeyTable& time_function_keys() {
           {"follows", key::flag(), "false", "true: the load turns with the body"}}};
   return keys;
 }
-
-const KeyTable& body_rock_keys() {
-  static const KeyTable keys{
-      .name = "rock of bodies",
-      .keys = {{"density", key::number(body_density_rule), "2700", "kg/m3, of bodies that state none"},
-               {"young", key::number(young_rule), "", "Pa, of bodies that state none"},
-               {"poisson", key::number(poisson_rule), "", "Poisson's ratio of bodies that state none"}}};
-  return keys;
-}
-
-}  // namespace
 
 std::vector<Key> side_keys() {
   return {{"side", key::whole(1, 1'000'000), "", "a side, counted from 1 in the order of the corners"},

@@ -48,6 +48,8 @@ inline constexpr std::array<std::string_view, 1> all_sides{"all"};
 /// [[x, y], [x, y], ...], at least two.
 [[nodiscard]] std::optional<std::vector<bem::Vec2>> corners_of(const TableReader& table, const TomlNode& node,
                                                                const std::string& path);
+/// Of such a `time`.
+[[nodiscard]] const KeyTable& time_function_keys();
 /// `time = { kind, duration, frequency, follows }` of a load; a constant when absent.
 [[nodiscard]] TimeFunction parse_time_function(const TableReader& load, bool& follows);
 

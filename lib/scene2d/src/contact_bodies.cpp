@@ -281,6 +281,9 @@ dbem::Laws laws_of(const ContactScene& scene) {
     out.friction = std::tan(joint.friction * std::numbers::pi / 180);
     out.cohesion = joint.cohesion;
     out.tension = joint.tension;
+    if (joint.residual_friction) {
+      out.residual_friction = std::tan(*joint.residual_friction * std::numbers::pi / 180);
+    }
     out.restitution = scene.settings.restitution;
     return out;
   };
@@ -293,6 +296,10 @@ dbem::Laws laws_of(const ContactScene& scene) {
       ContactJoint joint = second;
       if (a > 0) {
         joint.friction = std::min(first.friction, second.friction);
+        if (first.residual_friction || second.residual_friction) {
+          joint.residual_friction = std::min(first.residual_friction.value_or(first.friction),
+                                             second.residual_friction.value_or(second.friction));
+        }
         joint.cohesion = std::min(first.cohesion, second.cohesion);
         joint.tension = std::min(first.tension, second.tension);
       }

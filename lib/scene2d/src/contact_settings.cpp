@@ -69,6 +69,69 @@ std::optional<std::size_t> body_at(const std::vector<ContactBody>& bodies, Vec2 
 
 }  // namespace
 
+namespace {
+
+const KeyTable& record_keys() {
+  static const KeyTable keys{
+      .name = "contact.ground.record",
+      .keys = {{"step", key::number(time_rule), required, "s between two values; straight lines between them"},
+               {"x", key::array(key::number(rule::acceleration), 0, 1'000'000), "[]",
+                "m/s2 to the right, the first at 0 s; 0 after the last"},
+               {"y", key::array(key::number(rule::acceleration), 0, 1'000'000), "[]", "m/s2 upwards, likewise"},
+               {"scale", key::number({-1e6, false, 1e6, false, ""}), "1", "times the values"}}};
+  return keys;
+}
+
+const KeyTable& ground_keys() {
+  static const KeyTable keys{
+      .name = "contact.ground",
+      .keys = {{"acceleration", key::pair(rule::acceleration), "", "`[x, y]` in m/s2, times `time`"},
+               {"time", key::table(&time_function_keys), "constant",
+                "as of a load: `step`, `ramp`, `pulse` or `harmonic`"},
+               {"record", key::table(&record_keys), "", "`{ step, x, y, scale }`: an accelerogram"}},
+      .one_of = {{"acceleration", "record"}}};
+  return keys;
+}
+
+void parse_record(const TableReader& table, GroundMotion& ground) {
+  ground.step = table.need_number("step").value_or(1);
+  const std::vector<double> x = table.numbers("x").value_or(std::vector<double>{});
+  const std::vector<double> y = table.numbers("y").value_or(std::vector<double>{});
+  if (!table.has("x") && !table.has("y")) table.missing("x", "write the accelerations: x = [0, 0.5, ...]");
+  const double scale = table.value("scale");
+  ground.amplitude = {scale, scale};
+  ground.record.resize(std::max<std::size_t>({x.size(), y.size(), 1}));
+  for (std::size_t k = 0; k < x.size(); ++k) ground.record[k].x = x[k];
+  for (std::size_t k = 0; k < y.size(); ++k) ground.record[k].y = y[k];
+}
+
+void parse_ground(const TableReader& contact, ContactScene& scene) {
+  const auto found = contact.sub("ground");
+  if (!found) return;
+  const TableReader& table = *found;
+  if (table.one_of() == nullptr) return;
+  GroundMotion ground;
+  if (const auto record = table.sub("record")) {
+    if (table.has("time")) table.error("time", "stands beside record", "a record has its own times: remove this key");
+    parse_record(*record, ground);
+  } else {
+    ground.amplitude = pair(table, "acceleration").value_or(Vec2{});
+    bool follows = false;
+    ground.time = parse_time_function(table, follows);
+    if (follows) table.error("time", "follows no body", "remove follows");
+  }
+  if (scene.settings.to_rest) {
+    contact.error("ground", "moves, but static = true knows no time", "remove ground, or static = true");
+  }
+  if (std::ranges::any_of(scene.bodies, &ContactBody::clamped)) {
+    contact.error("ground", "moves, but a body with `support` vibrates about a ground at rest",
+                  "make that body fixed, or let it rest on a fixed one");
+  }
+  scene.settings.ground = std::move(ground);
+}
+
+}  // namespace
+
 const KeyTable& contact_keys() {
   static const KeyTable keys{
       .name = "contact",
@@ -82,6 +145,9 @@ const KeyTable& contact_keys() {
            "found: exit code 4"},
           {"gravity", key::either({key::number(downwards_rule), key::pair(rule::acceleration)}), "9.81",
            "m/s2 downwards (not negative), or `[x, y]`"},
+          {"ground", key::table(&ground_keys), "at rest",
+           "its motion: bodies feel the opposite acceleration, and all results are relative to the ground (what is "
+           "`fixed`); not with `static`"},
           {"rigid", key::either({key::flag(), key::word(auto_word)}), "\"auto\"",
            "`true`: three freedoms a body; `false`: elastic; `\"auto\"`: elastic where a body is clamped or strains "
            "may "
@@ -103,6 +169,9 @@ const KeyTable& contact_keys() {
           {"strength", key::table(&rock_strength_keys), "",
            "`{ cohesion, friction, tension }` of the rock of elastic bodies (Pa, degrees, Pa): `safety` of their "
            "stress"},
+          {"work", key::number({0, true, 1e9, false, ""}), "none",
+           "10^9 operations the run may take, counted, not timed (some 0.4 s each): beyond it the run stops with exit "
+           "code 4 and keeps what is done"},
           {"damping", key::number({0, false, 10, false, ""}), "0", "share of critical damping of elastic vibrations"}}};
   return keys;
 }
@@ -117,7 +186,8 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
     }
   }
   s.to_rest = table.flag("static");
-  double smallest = 1e300, fastest = 0, load_time = 1e300;
+  parse_ground(table, scene);
+  double smallest = 1e300, fastest = 0, load_time = s.ground ? s.ground->fastest() : 1e300;
   for (const ContactBody& body : scene.bodies) {
     if (body.fixed || body.corners.size() < 3) continue;
     bem::Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
@@ -178,6 +248,7 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   s.largest_move = table.value("max_displacement");
   s.frames = static_cast<std::size_t>(table.count("frames"));
   s.estimate = table.flag("estimate");
+  if (const auto most = table.number("work")) s.work = 1e9 * *most;
   if (const auto strength = table.sub("strength")) {
     s.strength = RockStrength{.cohesion = strength->need_number("cohesion").value_or(0),
                               .friction = strength->need_number("friction").value_or(0),

@@ -23,6 +23,8 @@ constexpr std::array<string_view, 1> fixed_word{"fixed"};
 const KeyTable& contact_strength_keys() {
   static const KeyTable keys{.name = "joints of bodies",
                              .keys = {{"friction", key::number(rule::friction), "30", "degrees"},
+                                      {"residual_friction", key::number(rule::friction), "`friction`",
+                                       "degrees, where a contact has slipped or opened, and of new contacts"},
                                       {"cohesion", key::number(rule::stress), "0", "Pa, until a contact breaks"},
                                       {"tension", key::number(rule::stress), "0", "Pa, until a contact breaks"}}};
   return keys;
@@ -312,6 +314,11 @@ std::vector<ContactJoint> parse_strengths(const TableReader& root) {
     joint.friction = named.table.number("friction").value_or(out[0].friction);
     joint.cohesion = named.table.number("cohesion").value_or(out[0].cohesion);
     joint.tension = named.table.number("tension").value_or(out[0].tension);
+    joint.residual_friction = named.table.number("residual_friction");
+    if (!joint.residual_friction && !named.table.has("friction")) joint.residual_friction = out[0].residual_friction;
+    if (joint.residual_friction && *joint.residual_friction > joint.friction) {
+      named.table.error("residual_friction", "is more than friction", "what has slipped holds no better: make it less");
+    }
   }
   if (std::ranges::none_of(tables, [](const Named& n) { return n.at == 0 && n.table.has("friction"); }) &&
       std::ranges::any_of(out, [&](const ContactJoint& j) { return j.name == "default"; }) && tables.empty()) {

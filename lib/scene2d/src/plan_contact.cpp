@@ -94,6 +94,7 @@ Plan make_plan(const ContactScene& scene) {
     why += "; no friction";
   }
   if (s.gravity == Vec2{}) why += "; no weight";
+  if (s.ground) why += "; the ground moves";
   std::string files = scene.output.vtu ? ", contact_NNNN.vtu, contact.pvd" : "";
   if (scene.output.csv) files += scene.points.empty() ? ", history.csv" : ", history.csv, points.csv";
   if (scene.output.csv) files += ", bodies.csv";

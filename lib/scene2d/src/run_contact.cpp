@@ -66,6 +66,7 @@ class Recorder final {
       weight_ += world.mass(b) * scene.settings.gravity;
       loaded_ = loaded_ || !body.loads.empty();
     }
+    loaded_ = loaded_ || scene.settings.ground.has_value();
     for (std::size_t m = 0; m < shares_.size(); ++m) shares_[m] = 0;
   }
 
@@ -76,6 +77,7 @@ class Recorder final {
     result_.residual = std::max(result_.residual, report.residual);
     result_.largest_penetration = std::max(result_.largest_penetration, report.max_penetration);
     result_.iterations += report.iterations;
+    result_.work += report.work;
     for (std::size_t m = 0; m < shares_.size(); ++m) {
       shares_[m] += report.solved_by[m];
       solves_[m] += report.solves_by[m];
@@ -216,6 +218,15 @@ class Recorder final {
   bool grounded_ = false, loaded_ = false;
 };
 
+/// Whether a run has taken all the work it may; it stops there.
+bool out_of_work(const ContactSettings& settings, ContactResult& result) {
+  if (result.work < settings.work) return false;
+  result.converged = false;
+  result.stopped_why = fmt::format("the run has taken the {:.6g} x 10^9 operations of contact.work at {:.6g} s",
+                                   1e-9 * settings.work, result.end_time);
+  return true;
+}
+
 /// Steps of given lengths until the time is over.
 void follow(const ContactScene& scene, dbem::World& world, Recorder& recorder, ContactResult& result,
             Progress& progress) {
@@ -250,6 +261,7 @@ void follow(const ContactScene& scene, dbem::World& world, Recorder& recorder, C
     const auto now = static_cast<std::uint64_t>(static_cast<double>(pieces) * std::min(1.0, world.time() / s.duration));
     if (now > done) progress.advance(now - done);
     done = std::max(done, now);
+    if (!end && out_of_work(s, result)) break;
   }
   if (!result.converged) {
     // The state at which it stopped is kept.
@@ -334,6 +346,10 @@ void relax(const ContactScene& scene, dbem::World& world, Recorder& recorder, Co
       recorder.frame(world.time());
       return;
     }
+    if (out_of_work(s, result)) {
+      recorder.frame(world.time());
+      return;
+    }
   }
   recorder.frame(world.time());
   result.converged = false;
@@ -382,6 +398,10 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
     const ContactSettings& s = scene.settings;
     dbem::WorldOptions options;
     options.gravity = s.gravity;
+    if (s.ground) {
+      options.ground = [&ground = *s.ground](double t) { return ground.at(t); };
+      options.ground_mean = [&ground = *s.ground](double from, double to) { return ground.mean(from, to); };
+    }
     options.step = s.step;
     options.longest_step = s.max_step;
     options.displacement = s.largest_move;

@@ -71,8 +71,12 @@ const KeyTable& transfer_keys() {
 const KeyTable& maximum_keys() {
   static const KeyTable keys{
       .name = "maximum_blocks",
-      .keys = {{"tunnel", key::text(), required, "name of an excavation of kind tunnel"},
-               {"sets", key::texts(), "", "joint sets, three at least; none: all that have joints"}}};
+      .keys = {
+          {"tunnel", key::text(), required, "name of an excavation of kind tunnel"},
+          {"sets", key::texts(), "", "joint sets, three at least; none: all that have joints"},
+          {"trace", key::number(rule::length), "",
+           "m, longest trace of a joint on the wall: blocks are scaled down to it"},
+          {"size", key::number(rule::length), "", "m, largest extent of a joint face: blocks are scaled down to it"}}};
   return keys;
 }
 
@@ -112,6 +116,8 @@ std::optional<MaximumBlockSettings> parse_maximum_blocks(const Context& context,
   const TableReader& table = *found;
   MaximumBlockSettings settings;
   settings.line = table.line();
+  settings.trace = table.number("trace").value_or(settings.trace);
+  settings.size = table.number("size").value_or(settings.size);
   const auto name = table.need_text("tunnel");
   if (!name) return std::nullopt;
   std::vector<string_view> tunnels;
@@ -188,7 +194,8 @@ const KeyTable& stability_keys() {
         {"maximum_blocks", key::table(&maximum_keys), "",
          "`{ tunnel = \"NAME\", sets = [\"A\", \"B\", \"C\"] }`: largest key blocks that persistent joints of the "
          "sets' "
-         "mean orientations can make at a straight tunnel with a convex section; without `sets` all that have joints"},
+         "mean orientations can make at a straight tunnel with a convex section; without `sets` all that have joints; "
+         "with `trace` (on the wall) or `size` (of a joint face), m, scaled down to joints that long"},
         {"max_batches", key::whole(1, 1'000'000), "50", "batches at most"},
         {"require_open_cone", key::flag(), "false",
          "true: a block counts as removable only when it can leave all its contacts at once", "strict"},

@@ -25,7 +25,44 @@ std::vector<Direction> rows_of(std::span<const Direction> planes, std::uint32_t 
   return rows;
 }
 
+/// Collects where a wall's part meets the planes of a block.
+class Faces final {
+ public:
+  Faces(std::span<const Direction> rows, Vec3 apex) : rows_{rows}, apex_{apex}, points_(rows.size(), {apex}) {}
+
+  void meet(const Convex& wall, MaximumBlock& block) {
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      for (std::size_t i = 0; i < wall.size(); ++i) {
+        const Vec3 a = wall[i], b = wall[(i + 1) % wall.size()];
+        if (!on(k, a)) continue;
+        points_[k].push_back(a);
+        if (on(k, b)) block.traces[k] += norm(b - a);
+      }
+      for (const Vec3 p : points_[k]) {
+        for (const Vec3 q : points_[k]) block.extents[k] = std::max(block.extents[k], norm(p - q));
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] bool on(std::size_t plane, Vec3 at) const {
+    return std::abs(dot(rows_[plane].unit(), at - apex_)) < 1e-9 * (1 + norm(at - apex_));
+  }
+  std::span<const Direction> rows_;
+  Vec3 apex_;
+  std::vector<std::vector<Vec3>> points_;
+};
+
 }  // namespace
+
+void MaximumBlock::scale(double factor) {
+  volume *= factor * factor * factor;
+  face_area *= factor * factor;
+  face_vector = factor * factor * face_vector;
+  height *= factor;
+  for (double& t : traces) t *= factor;
+  for (double& e : extents) e *= factor;
+}
 
 std::optional<Direction> direction_of(Vec3 v) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -129,11 +166,14 @@ std::optional<MaximumBlock> maximum_block(std::span<const Direction> planes, std
   const double det = n1u * n2v - n1v * n2u;
   if (std::abs(det) < 1e-12) return std::nullopt;
   MaximumBlock block{.code = code};
+  block.traces.assign(rows.size(), 0);
+  block.extents.assign(rows.size(), 0);
   block.apex = {(h1 * n2v - h2 * n1v) / det, (n1u * h2 - n2u * h1) / det};
   const Vec3 apex = block.apex[0] * tunnel.right + block.apex[1] * tunnel.up;
   double reach_along = 1;
   for (const auto& c : tunnel.outline) reach_along += std::abs(c[0]) + std::abs(c[1]);
   reach_along = 1e4 * (reach_along + norm(apex));
+  Faces faces{rows, apex};
   block.height = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < tunnel.outline.size(); ++i) {
     const auto& a = tunnel.outline[i];
@@ -148,6 +188,7 @@ std::optional<MaximumBlock> maximum_block(std::span<const Direction> planes, std
     Convex wall{p - reach_along * tunnel.axis, q - reach_along * tunnel.axis, q + reach_along * tunnel.axis,
                 p + reach_along * tunnel.axis};
     for (const Direction& n : rows) wall = clipped(wall, -n.unit(), -dot(n.unit(), apex));
+    faces.meet(wall, block);
     const double area = integrate(wall).total;
     block.face_area += area;
     block.face_vector += area * out;

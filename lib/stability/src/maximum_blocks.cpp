@@ -62,7 +62,21 @@ double required_pressure(const Loaded& loaded, const Settings& settings, const V
   return std::numeric_limits<double>::infinity();
 }
 
+double most(const std::vector<double>& lengths) { return lengths.empty() ? 0 : std::ranges::max(lengths); }
+
+/// What brings the lengths of a block's joints down to those allowed.
+double scale_of(const MaximumBlock& block, const Persistence& persistence) {
+  const double trace = most(block.traces), size = most(block.extents);
+  double scale = 1;
+  if (trace > persistence.trace) scale = persistence.trace / trace;
+  if (size > persistence.size) scale = std::min(scale, persistence.size / size);
+  return scale;
+}
+
 }  // namespace
+
+double MaximumKeyBlock::longest_trace() const noexcept { return most(block.traces); }
+double MaximumKeyBlock::largest_extent() const noexcept { return most(block.extents); }
 
 bool is_convex(std::span<const std::array<double, 2>> outline) {
   const std::size_t n = outline.size();
@@ -79,7 +93,8 @@ bool is_convex(std::span<const std::array<double, 2>> outline) {
 }
 
 std::vector<MaximumKeyBlock> maximum_key_blocks(std::span<const TheoryPlane> planes, const ConvexTunnel& tunnel,
-                                                const TheoryLoads& loads, double least) {
+                                                const TheoryLoads& loads, const Persistence& persistence,
+                                                double least) {
   std::vector<MaximumKeyBlock> found;
   const auto body = Loads::make(loads.gravity, loads.seismic);
   const auto rock = RockMass::make(loads.density);
@@ -93,9 +108,11 @@ std::vector<MaximumKeyBlock> maximum_key_blocks(std::span<const TheoryPlane> pla
         std::vector<Direction> upward;
         for (const std::size_t p : chosen) upward.push_back(planes[p].upward);
         for (std::uint32_t code = 0; code < 8; ++code) {
-          const auto block = maximum_block(upward, code, tunnel);
+          auto block = maximum_block(upward, code, tunnel);
           if (!block || !(block->volume > least)) continue;
-          MaximumKeyBlock row{.planes = chosen, .block = *block};
+          const double scale = scale_of(*block, persistence);
+          block->scale(scale);
+          MaximumKeyBlock row{.planes = chosen, .block = *block, .scale = scale};
           std::vector<Direction> rows;
           std::array<Vec3, 3> inward;
           for (std::size_t p = 0; p < 3; ++p) {

@@ -38,7 +38,11 @@ Ensemble::Ensemble(EnsembleOptions options)
       within_(quantities().size()),
       within_squares_(quantities().size()),
       below_(SizeHistogram::bins),
-      first_below_(SizeHistogram::bins) {
+      first_below_(SizeHistogram::bins),
+      factors_below_(factor_bins - 1),
+      with_factor_below_(factor_bins - 1),
+      pressing_(pressures_pa().size()),
+      pressing_blocks_(pressures_pa().size()) {
   CLEAVE_ASSERT(options_.strengths_per_geometry >= 1);
   if (!options_.stability) options_.running_quantity = "block_count";
   const Quantity* running = quantity_named(options_.running_quantity);
@@ -70,6 +74,17 @@ std::vector<double> Ensemble::numbers_of(const Record& record) const {
     std::uint64_t sum = 0;
     for (const std::uint32_t count : tally->sizes.counts()) numbers.push_back(number(sum += count));
     numbers.push_back(number(tally->count));
+  }
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i + 1 < factor_bins; ++i) {
+    below += i < record.factors.size() ? record.factors[i] : 0;
+    numbers.push_back(number(below));
+    numbers.push_back(below > 0 ? 1 : 0);
+  }
+  numbers.push_back(number(std::accumulate(record.factors.begin(), record.factors.end(), std::uint64_t{0})));
+  for (const double pressure : pressures_pa()) {
+    numbers.push_back(pressure_over_area(record) > pressure ? 1 : 0);
+    numbers.push_back(record.largest_pressure_pa > pressure ? 1 : 0);
   }
   const auto least = std::ranges::min_element(record.orders, {}, &OrderTally::key_m3);
   for (std::size_t i = 0; i < orders_.size(); ++i) {
@@ -154,6 +169,16 @@ void Ensemble::add_unit(const std::vector<double>& sums) {
     for (PairMoments& bin : *below) bin.add(take(), count);
     ++next;
   }
+  const double judged = sums[next + 2 * factors_below_.size()];
+  for (std::size_t i = 0; i < factors_below_.size(); ++i) {
+    factors_below_[i].add(take(), judged);
+    with_factor_below_[i].add(take() / m);
+  }
+  ++next;
+  for (std::size_t i = 0; i < pressing_.size(); ++i) {
+    pressing_[i].add(take() / m);
+    pressing_blocks_[i].add(take() / m);
+  }
   for (OrderMoments& order : orders_) {
     for (Moments* moments :
          {&order.count, &order.volume, &order.count_difference, &order.volume_difference, &order.best}) {
@@ -175,8 +200,6 @@ void Ensemble::add_extremes(const Record& record) {
   free_fixed_ += record.free_fixed_m2;
   middle_ += record.middle_m2;
   middle_fixed_ += record.middle_fixed_m2;
-  factors_.resize(std::max(factors_.size(), record.factors.size()));
-  for (std::size_t i = 0; i < record.factors.size(); ++i) factors_[i] += record.factors[i];
   key_volume_ += record.all.volume_m3;
   beside_fixed_ += record.key_beside_fixed_m3;
 }

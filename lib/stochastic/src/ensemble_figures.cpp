@@ -291,11 +291,31 @@ void Ensemble::add_border(Figures& figures) const {
 }
 
 void Ensemble::add_factors(Figures& figures) const {
-  const double all = number(std::accumulate(factors_.begin(), factors_.end(), std::uint64_t{0}));
-  double below = 0;
-  for (std::size_t i = 0; i + 1 < factors_.size(); ++i) {
-    below += number(factors_[i]);
-    figures.factors.push_back({factor_step * number(i + 1), below / all, counted_ > 0 ? below / number(counted_) : 0});
+  if (!options_.stability || units_ == 0 || !factors_below_.front().has_ratio()) return;
+  const double blocks = factors_below_.front().sum_x() / number(units_ * options_.strengths_per_geometry);
+  for (std::size_t i = 0; i < factors_below_.size(); ++i) {
+    const PairMoments& below = factors_below_[i];
+    figures.factors.push_back({.factor = factor_step * number(i + 1),
+                               .share_below = below.ratio(),
+                               .share_interval = share_interval(below),
+                               .number_below = below.ratio() * blocks,
+                               .probability = probability_of(with_factor_below_[i]),
+                               .interval = probability_interval(with_factor_below_[i])});
+  }
+}
+
+void Ensemble::add_pressures(Figures& figures) const {
+  if (!options_.stability || units_ == 0) return;
+  for (std::size_t i = 0; i < pressing_.size(); ++i) {
+    const PressureExceedance row{.pressure_pa = pressures_pa()[i],
+                                 .probability = probability_of(pressing_[i]),
+                                 .block_probability = probability_of(pressing_blocks_[i]),
+                                 .interval = probability_interval(pressing_[i]),
+                                 .block_interval = probability_interval(pressing_blocks_[i])};
+    // Pressures that all exceed, or none, say nothing more but the last and the first.
+    if (row.probability >= 1 && row.block_probability >= 1) figures.pressures.clear();
+    figures.pressures.push_back(row);
+    if (!(row.probability > 0) && !(row.block_probability > 0)) break;
   }
 }
 
@@ -333,6 +353,7 @@ Figures Ensemble::figures() const {
   add_variances(figures);
   add_border(figures);
   add_factors(figures);
+  add_pressures(figures);
   add_notes(figures);
   return figures;
 }

@@ -6,6 +6,8 @@
 /// What is averaged over realizations: quantities of one, and ratios of sums over all.
 namespace cleave::stochastic {
 
+double pressure_over_area(const Record& r) { return r.free_m2 > 0 ? r.all.support_transferred_n / r.free_m2 : 0; }
+
 const std::vector<Quantity>& quantities() {
   static const std::vector<Quantity> all{
       {"key_block_volume_m3", [](const Record& r) { return r.all.volume_m3; }, true, false, true},
@@ -22,8 +24,7 @@ const std::vector<Quantity>& quantities() {
       {"batches", [](const Record& r) { return static_cast<double>(r.batches); }, true, false, false},
       {"probability_of_failure", [](const Record& r) { return r.all.count > 0 ? 1.0 : 0.0; }, true, false, false, false,
        true},
-      {"support_pressure_pa",
-       [](const Record& r) { return r.free_m2 > 0 ? r.all.support_transferred_n / r.free_m2 : 0; }, true, false, true},
+      {"support_pressure_pa", pressure_over_area, true, false, true},
       {"largest_support_pressure_pa", [](const Record& r) { return r.largest_pressure_pa; }, true, false, true},
       {"block_count", [](const Record& r) { return number(r.blocks); }, false, true, true},
       {"block_mean_volume_m3", [](const Record& r) { return r.blocks > 0 ? r.rock_m3 / number(r.blocks) : 0; }, false,
@@ -46,6 +47,12 @@ const std::vector<Quantity>& quantities() {
       {"support_spot_bolts", [](const Record& r) { return r.support ? number(r.support->spot_bolts) : 0; }, true, false,
        false, true},
   };
+  return all;
+}
+
+const std::vector<double>& pressures_pa() {
+  static const std::vector<double> all{1e2, 2e2, 5e2, 1e3, 2e3, 5e3, 1e4, 2e4, 5e4,
+                                       1e5, 2e5, 5e5, 1e6, 2e6, 5e6, 1e7, 2e7, 5e7};
   return all;
 }
 

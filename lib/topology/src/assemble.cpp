@@ -292,6 +292,7 @@ void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Da
   report.excavated = excavated_volumes(parts, cells);
   report.lattice_pitch_m = prepared.lattice.pitch();
   report.largest_snap_m = prepared.largest_snap;
+  report.coarse_snap = prepared.coarse_snap;
   report.bend_m = prepared.bend * prepared.lattice.pitch();
   report.merged_planes = prepared.merged_planes;
   report.adopted_edges = prepared.adopted_edges;

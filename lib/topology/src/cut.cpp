@@ -65,12 +65,15 @@ std::string describe(const CutError& error) {
 namespace {
 
 NearMisses near_misses(const detail::Prepared& prepared, const detail::Gaps& gaps) {
-  if (gaps.sides == 0) return {};
+  if (gaps.sides == 0) return prepared.open_rims;
   const detail::Facet *joint = &prepared.facets[gaps.first], *other = &prepared.facets[gaps.second];
   if (joint->owner != detail::Owner::joint) std::swap(joint, other);
   const bool both = other->owner == detail::Owner::joint;
-  return {gaps.sides, metres(gaps.largest * prepared.lattice.pitch() * 0x1p48), JointId{joint->owner_index},
-          both ? std::optional{JointId{other->owner_index}} : std::nullopt};
+  NearMisses found{gaps.sides, metres(gaps.largest * prepared.lattice.pitch() * 0x1p48), JointId{joint->owner_index},
+                   both ? std::optional{JointId{other->owner_index}} : std::nullopt};
+  if (prepared.open_rims.largest > found.largest) found = prepared.open_rims;
+  found.sides = gaps.sides + prepared.open_rims.sides;
+  return found;
 }
 
 }  // namespace

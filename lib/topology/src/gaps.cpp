@@ -96,7 +96,6 @@ void Gaps::add(const Gaps& other) noexcept {
 }
 
 GapFinder::GapFinder(const Prepared& prepared) noexcept : prepared_{prepared}, limit_{0} {
-  constexpr double share = 1e-6;
   Vec lo{1, 1, 1}, hi{-1, -1, -1};
   for (const Facet& facet : prepared.facets) {
     if (facet.owner == Owner::joint || facet.owner == Owner::excavation) continue;
@@ -105,7 +104,7 @@ GapFinder::GapFinder(const Prepared& prepared) noexcept : prepared_{prepared}, l
       hi[k] = std::max(hi[k], facet.hi[k]);
     }
   }
-  for (std::size_t k = 0; k < 3; ++k) limit_ = std::max(limit_, share * (hi[k] - lo[k]));
+  for (std::size_t k = 0; k < 3; ++k) limit_ = std::max(limit_, near_miss * (hi[k] - lo[k]));
 }
 
 void GapFinder::look(Index i, Index j, Gaps& found) const {
@@ -140,6 +139,10 @@ void GapFinder::look(Index i, Index j, Gaps& found) const {
     return std::ranges::all_of(edges_of(facet), [&](const HalfSpace& e) { return height(e, p) >= -2 * limit_; });
   };
   constexpr double touching = 0x1p-46;
+  // There is no rock there: corners on a side of the domain are put just beyond it.
+  const auto outside = [&](Vec3 p) {
+    return std::ranges::any_of(prepared_.clip, [&](const HalfSpace& side) { return height(side, p) < -touching; });
+  };
   std::uint64_t sides = 0;
   Nearest nearest;
   const auto look_from = [&](const Outline& from, const Facet& its, const Outline& to, const Facet& beyond) {
@@ -149,7 +152,7 @@ void GapFinder::look(Index i, Index j, Gaps& found) const {
       if (!left_of_side(its, p, q)) continue;
       const Nearest own_nearest = to_outline(p, q, to);
       if (own_nearest.distance > limit_) continue;
-      if (!there(beyond, own_nearest.on_second)) continue;
+      if (!there(beyond, own_nearest.on_second) || outside(own_nearest.on_first)) continue;
       if (own_nearest.distance < nearest.distance) nearest = own_nearest;
       any = true;
       // A side that only starts near is not the one that misses.

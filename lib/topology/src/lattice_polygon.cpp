@@ -59,7 +59,8 @@ Three spread(std::span<const LatticePoint> corners, std::span<const std::size_t>
   return {order[0], second, third, squared_area(span, corners[third] - first)};
 }
 
-/// Preferred corners come first, unless they lie about on one line: their roundings would turn the plane any way.
+}  // namespace
+
 std::optional<exact::Plane> plane_of(std::span<const LatticePoint> corners, std::span<const std::size_t> preferred) {
   constexpr double least_share = 0x1p-12;  // of the squared area that any corners have
   std::vector<std::size_t> order(corners.size());
@@ -79,8 +80,6 @@ std::optional<exact::Plane> plane_of(std::span<const LatticePoint> corners, std:
   }
   return exact::Plane::through(corners[three.first], corners[three.second], corners[three.third]);
 }
-
-}  // namespace
 
 LatticePoint direction_along(const exact::Plane& plane) {
   const auto& n = plane.normal();

@@ -4,7 +4,9 @@
 #include <utility>
 
 #include "detail/folds.hpp"
+#include "detail/gaps.hpp"
 #include "detail/hanging_corners.hpp"
+#include "detail/open_rims.hpp"
 #include "detail/overlaps.hpp"
 #include "detail/preparation.hpp"
 #include "detail/rounded_corners.hpp"
@@ -62,6 +64,7 @@ Preparation::Done Preparation::collect_polygons() {
       if (left_out(j, box)) continue;
       JointPolygon entry{number, blank_, {}, {}};
       entry.corners = sites_of(corners, number);
+      snapper_.compare(corners, number);
       entry.at_border = touch_.has_value() && !well_inside(box);
       if (k < joint->holes.size()) {
         for (const auto& hole : joint->holes[k]) entry.holes.push_back(sites_of(hole.corners(), number));
@@ -282,6 +285,9 @@ Preparation::Done Preparation::add_polygons() {
 void Preparation::unite_sheets() {
   const double flat = std::max(flat_within, roundings_of_corners * farthest_ * 0x1p-52 / lattice_.pitch());
   sheets_ = find_sheets(polygons_, beside_, shared_, flat, out_.bend);
+  double extent = 0;
+  for (std::size_t k = 0; k < 3; ++k) extent = std::max(extent, domain_.hi[k] - domain_.lo[k]);
+  out_.open_rims = find_open_rims(polygons_, beside_, sheets_, shared_, out_, near_miss * extent / lattice_.pitch());
 }
 
 }  // namespace cleave::topology::detail

@@ -1,7 +1,10 @@
 #include "detail/sheets.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 #include "detail/folds.hpp"
 #include "detail/side_users.hpp"
@@ -31,45 +34,120 @@ bool goes_on(const JointPolygon& entry, const JointPolygon& next, LatticePoint a
   return sense(entry) * sense(next) < 0;
 }
 
+double bend_of(const JointPolygon& entry, const Plane& plane) {
+  double most = 0;
+  for (const LatticePoint c : entry.corners) most = std::max(most, distance_sites(plane, c));
+  return most;
+}
+
+/// The square of twice the vector area: the same number whichever corner came first.
+double squared_area(std::span<const LatticePoint> corners) {
+  std::array<exact::Int128, 3> sum{};
+  const auto product = [](std::int64_t p, std::int64_t q) { return static_cast<exact::Int128>(p) * q; };
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    const LatticePoint u = corners[i] - corners[0], v = corners[i + 1] - corners[0];
+    sum[0] += product(u.y, v.z) - product(u.z, v.y);
+    sum[1] += product(u.z, v.x) - product(u.x, v.z);
+    sum[2] += product(u.x, v.y) - product(u.y, v.x);
+  }
+  const double x = static_cast<double>(sum[0]), y = static_cast<double>(sum[1]), z = static_cast<double>(sum[2]);
+  return x * x + y * y + z * z;
+}
+
+/// Largest first: the planes of small ones, and of needles above all, are turned by roundings.
+std::vector<std::size_t> leaders(std::span<const JointPolygon> polygons) {
+  std::vector<std::pair<double, LatticePoint>> keys;
+  for (const JointPolygon& entry : polygons) {
+    keys.emplace_back(-squared_area(entry.corners), std::ranges::min(entry.corners));
+  }
+  std::vector<std::size_t> order(polygons.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return keys[k]; });
+  return order;
+}
+
+class Sheets {
+ public:
+  Sheets(std::span<const JointPolygon> polygons, const SharedCorners& shared, std::vector<std::uint8_t> taken,
+         double flat)
+      : polygons_{polygons}, users_{polygons, shared}, taken_{std::move(taken)}, flat_{flat} {}
+
+  struct Sheet {
+    std::vector<std::size_t> polygons;  ///< in the order in which they were reached
+    Plane plane;
+  };
+  /// From this polygon as far as one plane goes. The leader's own plane is only as good as the leader is large, so it
+  /// is laid through corners farther and farther apart while that holds more.
+  std::optional<Sheet> from(std::size_t leader) {
+    constexpr int rounds = 64;
+    const Plane& own = polygons_[leader].polygon.plane;
+    if (taken_[leader] != 0 || bend_of(polygons_[leader], own) > flat_) return std::nullopt;
+    Sheet sheet = reached(leader, own);
+    for (int round = 0; round < rounds && sheet.polygons.size() > 1; ++round) {
+      const auto wider = through_far_corners(sheet);
+      if (!wider || bend_of(polygons_[leader], *wider) > flat_) break;
+      Sheet more = reached(leader, *wider);
+      if (more.polygons.size() <= sheet.polygons.size()) break;
+      sheet = std::move(more);
+    }
+    for (const std::size_t k : sheet.polygons) taken_[k] = 1;
+    return sheet;
+  }
+
+ private:
+  Sheet reached(std::size_t leader, const Plane& plane) {
+    Sheet sheet{{leader}, plane};
+    taken_[leader] = 1;
+    for (std::size_t at = 0; at < sheet.polygons.size(); ++at) {
+      const JointPolygon& entry = polygons_[sheet.polygons[at]];
+      SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) {
+        for (const auto& [side, user] : users_.of(a, b)) {
+          if (taken_[user] != 0 || !goes_on(entry, polygons_[user], a, b, plane)) continue;
+          if (bend_of(polygons_[user], plane) > flat_) continue;
+          taken_[user] = 1;
+          sheet.polygons.push_back(user);
+        }
+      });
+    }
+    for (const std::size_t k : sheet.polygons) taken_[k] = 0;
+    return sheet;
+  }
+  [[nodiscard]] std::optional<Plane> through_far_corners(const Sheet& sheet) const {
+    std::vector<LatticePoint> corners;
+    for (const std::size_t k : sheet.polygons) {
+      corners.insert(corners.end(), polygons_[k].corners.begin(), polygons_[k].corners.end());
+    }
+    std::ranges::iter_swap(corners.begin(), std::ranges::min_element(corners));
+    return plane_of(corners, {});
+  }
+
+  std::span<const JointPolygon> polygons_;
+  SideUsers users_;
+  std::vector<std::uint8_t> taken_;
+  double flat_;
+};
+
 }  // namespace
 
 std::vector<std::optional<Plane>> find_sheets(std::span<const JointPolygon> polygons,
                                               const std::vector<std::uint8_t>& left_out, const SharedCorners& shared,
-                                              double flat, double& bend_of_all) {
-  std::vector<std::optional<Plane>> sheets(polygons.size());
-  if (!shared.any_side() && std::ranges::none_of(polygons, &JointPolygon::folded)) return sheets;
-  const SideUsers users{polygons, shared};
-  const auto bend = [](const JointPolygon& entry, const Plane& plane) {
-    double most = 0;
-    for (const LatticePoint c : entry.corners) most = std::max(most, distance_sites(plane, c));
-    return most;
-  };
-  std::vector<std::uint8_t> seen = left_out;
-  for (std::size_t first = 0; first < polygons.size(); ++first) {
-    const Plane& plane = polygons[first].polygon.plane;
-    if (seen[first] != 0 || bend(polygons[first], plane) > flat) continue;
-    std::vector<std::size_t> reached{first};
-    seen[first] = 1;
-    bool bent = false;
-    double most = 0;
-    for (std::size_t at = 0; at < reached.size(); ++at) {
-      const JointPolygon& entry = polygons[reached[at]];
-      bent = bent || entry.folded || !entry.polygon.plane.coincides_with(plane);
-      most = std::max(most, bend(entry, plane));
-      SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) {
-        for (const auto& [side, user] : users.of(a, b)) {
-          if (seen[user] != 0 || !goes_on(entry, polygons[user], a, b, plane)) continue;
-          if (bend(polygons[user], plane) > flat) continue;
-          seen[user] = 1;
-          reached.push_back(user);
-        }
-      });
-    }
+                                              double flat, double& bend) {
+  std::vector<std::optional<Plane>> planes(polygons.size());
+  if (!shared.any_side() && std::ranges::none_of(polygons, &JointPolygon::folded)) return planes;
+  Sheets sheets{polygons, shared, left_out, flat};
+  for (const std::size_t leader : leaders(polygons)) {
+    const auto sheet = sheets.from(leader);
+    if (!sheet) continue;
+    const bool bent = std::ranges::any_of(sheet->polygons, [&](std::size_t k) {
+      return polygons[k].folded || !polygons[k].polygon.plane.coincides_with(sheet->plane);
+    });
     if (!bent) continue;
-    for (const std::size_t k : reached) sheets[k] = plane;
-    bend_of_all = std::max(bend_of_all, most);
+    for (const std::size_t k : sheet->polygons) {
+      planes[k] = sheet->plane;
+      bend = std::max(bend, bend_of(polygons[k], sheet->plane));
+    }
   }
-  return sheets;
+  return planes;
 }
 
 }  // namespace cleave::topology::detail

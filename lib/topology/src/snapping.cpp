@@ -100,6 +100,22 @@ LatticePoint Snapper::site(geometry::Vec3 p, Index joint) {
   return site;
 }
 
+void Snapper::compare(std::span<const geometry::Vec3> corners, Index joint) {
+  if (!active()) return;
+  bool any = false;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const geometry::Vec3 p = corners[i], q = corners[(i + 1) % corners.size()];
+    const double side = geometry::norm(q - p);
+    if (side >= 2 * distance_ || lattice_.snap(p.x, p.y, p.z) == lattice_.snap(q.x, q.y, q.z)) continue;
+    if (coarse_.polygons == 0 || side < coarse_.shortest.si()) {
+      coarse_.shortest = metres(side);
+      coarse_.joint = JointId{joint};
+    }
+    any = true;
+  }
+  if (any) ++coarse_.polygons;
+}
+
 SnappedJoint& Snapper::note(Index joint, double moved_m) {
   largest_move_ = std::max(largest_move_, moved_m);
   SnappedJoint& entry = changed_.try_emplace(joint, SnappedJoint{JointId{joint}, metres(0), false, 0}).first->second;

@@ -6,6 +6,9 @@
 
 namespace cleave::topology::detail {
 
+/// What is nearer than this share of the domain's extent nearly meets.
+inline constexpr double near_miss = 1e-6;
+
 /// Sides of joints that end just short of another polygon.
 struct Gaps {
   std::uint64_t sides = 0;

@@ -24,6 +24,11 @@ struct LatticePolygon {
   bool exactly_planar;  ///< all corners lie on the plane
 };
 
+/// The plane of such three corners; empty when all lie on one line. Preferred corners come first, unless they lie about
+/// on one line: their roundings would turn the plane any way.
+[[nodiscard]] std::optional<exact::Plane> plane_of(std::span<const exact::LatticePoint> corners,
+                                                   std::span<const std::size_t> preferred);
+
 /// Empty when the corners have collapsed to a line or a point.
 [[nodiscard]] std::optional<LatticePolygon> make_lattice_polygon(std::vector<exact::LatticePoint> corners,
                                                                  std::span<const std::size_t> preferred = {});

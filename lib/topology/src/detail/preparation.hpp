@@ -54,6 +54,7 @@ class Preparation {
     builder_.finish();
     out_.keep_dangling = input_.keep_dangling;
     out_.largest_snap = snapper_.largest_move();
+    out_.coarse_snap = snapper_.coarse();
     out_.merged_planes = snapper_.merged_planes();
     out_.adopted_edges = snapper_.adopted_edges();
     out_.snapped = snapper_.changed();

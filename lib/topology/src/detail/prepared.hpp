@@ -86,6 +86,8 @@ struct Prepared {
   std::vector<std::array<exact::FixedPoint, 3>> domain_surface;
   bool windowed = false;
   double largest_snap = 0;  ///< m
+  CoarseSnap coarse_snap;
+  NearMisses open_rims;  ///< slits within a surface
   std::uint64_t merged_planes = 0, adopted_edges = 0;
   std::vector<SnappedJoint> snapped;
   std::vector<Index> outside;  ///< joints whose box misses the domain's

@@ -34,6 +34,8 @@ class Snapper final {
   void add_corner(geometry::Vec3 p, bool of_solid);
   void weld() { weld_.finish(); }
   [[nodiscard]] exact::LatticePoint site(geometry::Vec3 p, Index joint);
+  /// Notes a polygon with a side so short that its ends may be moved past each other.
+  void compare(std::span<const geometry::Vec3> corners, Index joint);
   /// A surface that polygons may snap to.
   void remember(const LatticePolygon& polygon);
   void remember(const exact::Plane& persistent);
@@ -49,6 +51,7 @@ class Snapper final {
   [[nodiscard]] Moves moves_through(std::span<const JointPolygon> polygons, const SharedCorners& shared);
 
   [[nodiscard]] double largest_move() const noexcept { return largest_move_; }
+  [[nodiscard]] const CoarseSnap& coarse() const noexcept { return coarse_; }
   /// The joints that were changed, by number.
   [[nodiscard]] std::vector<SnappedJoint> changed() const;
   [[nodiscard]] std::uint64_t merged_planes() const noexcept { return merged_planes_; }
@@ -81,6 +84,7 @@ class Snapper final {
   std::vector<geometry::Bounds> boxes_;
   std::unique_ptr<geometry::BoxTree> tree_;  ///< over `boxes_`
   std::map<Index, SnappedJoint> changed_;
+  CoarseSnap coarse_;
   double largest_move_ = 0;
   std::uint64_t merged_planes_ = 0, adopted_edges_ = 0;
 };

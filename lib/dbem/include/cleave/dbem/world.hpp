@@ -65,6 +65,8 @@ struct WorldOptions {
   /// Acceleration of the ground (m/s2) as a function of time: every body feels the opposite. Fixed bodies are the
   /// ground.
   std::function<Vec2(double)> ground = {};
+  /// Mean of `ground` from one time to another; empty: its value in the middle, which misses what is shorter.
+  std::function<Vec2(double, double)> ground_mean = {};
   double step = 1e-3;          ///< s, the first one
   double longest_step = 0;     ///< s; 0: `step`
   bool adaptive = false;       ///< lengthens steps while little moves, see `displacement`
@@ -78,6 +80,9 @@ struct WorldOptions {
   bool sleep = true;              ///< bodies at rest are left alone until something touches them
   double sleep_speed = 1e-7;      ///< m/s
   bool quasi_static = false;      ///< every step starts from rest and is fully implicit: for static answers
+  /// Operations that one try of a step may take for each 100 bodies (at least as for 100); counted, not timed: some
+  /// 2.5 x 10^9 take a second. A try that would need more fails: the step is cut, or the run stops.
+  double try_work = 5e9;
   SolverOptions solver = {};
 };
 
@@ -116,6 +121,7 @@ struct StepReport {
   std::size_t stick = 0, slip = 0, opened = 0, broken = 0;
   double residual = 0;  ///< the worst of the islands
   std::size_t iterations = 0;
+  double work = 0;                     ///< operations of all tries
   std::size_t parting = 0;             ///< linear solves that parted penetrating bodies
   PerMethod<std::size_t> solved_by{};  ///< islands
   PerMethod<std::size_t> solves_by{};  ///< iterations of those islands, by the method that ended them

@@ -27,6 +27,10 @@ class FrontalFactor final {
   /// Of the determinant, after `factorise`.
   [[nodiscard]] int sign() const;
   [[nodiscard]] std::size_t nodes() const noexcept { return place_.size(); }
+  /// Multiplications of one `factorise` as it was last cleared for, and of one `solve`; with what handling a front
+  /// costs.
+  [[nodiscard]] double factor_work() const noexcept { return symmetric_ ? factor_work_ : 2 * factor_work_; }
+  [[nodiscard]] double solve_work() const noexcept { return solve_work_; }
 
  private:
   struct Front {
@@ -52,6 +56,7 @@ class FrontalFactor final {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> links_;  // of nodes
   std::vector<Front> fronts_;
   std::vector<Factor> factors_;
+  double factor_work_ = 0, solve_work_ = 0;  // of symmetric values
 };
 
 }  // namespace cleave::linear

@@ -76,6 +76,8 @@ struct SolverOptions {
   double accept = 1e-8;  ///< residual above which an answer is never called converged
   /// Whether forces that only lock bodies between one another may hold them: what moves they would stop at once.
   bool locking = true;
+  /// Whether an answer in which bodies stand is looked at again from motion, and gives way to one that moves.
+  bool prefer_motion = true;
   std::size_t patience = 4000;  ///< linear solves after which nothing more is tried
 };
 
@@ -93,6 +95,8 @@ struct SolveReport {
   std::size_t iterations = 0;  ///< linear solves, of all tries
   std::size_t stick = 0, slip = 0, opened = 0;
   double max_penetration = 0;  ///< largest closing velocity left
+  /// Another answer holds bodies that move in this one, or none that moves was found or ruled out.
+  bool may_be_locked = false;
 };
 
 // ---- motion
@@ -142,11 +146,12 @@ struct StepReport {
   double time = 0, step = 0;  ///< after the step; its length
   std::size_t cuts = 0, retries = 0, contacts = 0, islands = 0, asleep = 0, broken = 0;
   std::size_t stick = 0, slip = 0, iterations = 0;
-  double residual = 0;         ///< the worst of the groups
-  double max_penetration = 0;  ///< deepest overlap before bodies were parted
-  double overlap = 0;          ///< deepest overlap left, looked for apart from the contacts
-  double max_speed = 0;        ///< of a point
-  double unbalanced = 0;       ///< largest gain of velocity over that of free fall
+  std::size_t may_be_locked = 0;  ///< bodies in groups of which another answer moves or stands, or may
+  double residual = 0;            ///< the worst of the groups
+  double max_penetration = 0;     ///< deepest overlap before bodies were parted
+  double overlap = 0;             ///< deepest overlap left, looked for apart from the contacts
+  double max_speed = 0;           ///< of a point
+  double unbalanced = 0;          ///< largest gain of velocity over that of free fall
 };
 
 /// Blocks in motion. A copy is a saved state.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -27,6 +28,12 @@ void fields(V& v, const SnappedJoint& x) {
   v("moved_m", x.moved, "the farthest that a corner, or a corner of a side, was moved");
   v("plane_merged", x.plane_merged, "it took an earlier polygon's plane");
   v("edges_adopted", x.adopted_edges, "sides that now end on another joint's plane");
+}
+template <class V>
+void fields(V& v, const CoarseSnap& x) {
+  v("polygons", x.polygons, "polygons with sides shorter than twice `snap`: their corners became one or passed each other");
+  v("shortest_m", x.shortest, "their shortest side; a `snap` of less than half of it keeps all polygons as they are");
+  v("joint", x.joint, "whose side that is");
 }
 template <class V>
 void fields(V& v, const NearMisses& x) {
@@ -70,6 +77,7 @@ struct CutFigures : InputFigures {
   std::vector<InputFile> files = {};
   std::vector<ExcavationFigures> excavations = {};
   std::vector<topology::SnappedJoint> snapped = {};
+  topology::CoarseSnap coarse_snap = {};
   topology::NearMisses near_misses = {};
   std::vector<SetFigures> sets = {};
 };
@@ -80,6 +88,8 @@ void fields(V& v, const CutFigures& x) {
   v("excavations", when_any(x.excavations), "in the order of the scene");
   v("sets", when_any(x.sets), "joint sets as they lie in the box around the domain");
   v("snapped", when_any(x.snapped), "the joints that `snap` changed, by number; absent when there are none");
+  v("coarse_snap", when(x.coarse_snap.polygons > 0, x.coarse_snap),
+    "polygons that are smaller than `snap`: what they part may be other than what was meant");
   v("near_misses", when(x.near_misses.sides > 0, x.near_misses),
     "sides of joints that nearly reach another polygon: rock that was perhaps meant to be parted there is not");
 }
@@ -191,6 +201,8 @@ void fields(V& v, const KeyBlockFigures& x) {
   v("batches", x.batches);
   v("stopped_at_max_batches", x.stopped_at_max_batches, "true when more batches may follow");
   v("lowest_factor_of_safety", or_null(x.lowest_factor_of_safety), "of all judged blocks; null when none is finite");
+  v("lowest_factor_of_safety_reason",
+    when(!std::isfinite(x.lowest_factor_of_safety), "no judged block has a finite factor"));
   v("equilibrium_residual", x.equilibrium_residual,
     "largest unbalanced force over the applied ones, with and without force transfer");
   v("below_target", x.below_target, "judged blocks below the scene's target");
@@ -220,6 +232,7 @@ void fields(V& v, const KeyGroupFigures& x) {
   v("unsafe", x.unsafe);
   v("in_doubt", x.in_doubt, "could not be decided; not in count");
   v("factor", or_null(x.factor), "least factor of safety of the groups; null without groups");
+  v("factor_reason", when(!std::isfinite(x.factor), "no group has a finite factor"));
 }
 [[nodiscard]] KeyGroupFigures count_key_groups(const stability::KeyGroups& groups);
 
@@ -282,6 +295,7 @@ void fields(V& v, const PressureFigures& x) {
   v("p90_pa", or_null(x.p90.si()));
   v("p95_pa", or_null(x.p95.si()));
   v("largest_pa", or_null(x.largest.si()), "of the neediest block, however small its face");
+  v("reason", when(!std::isfinite(x.largest.si()), "no pressure is enough for a block there"));
 }
 
 struct SupportFigures {
@@ -330,20 +344,28 @@ void support_fields(V& v, const SupportFigures& x, double tunnel_length, const s
   v("combined_blocks", x.combined);
   v("combined_failing", x.combined_failing);
   v("required_force_n", or_null(x.required_force_n), "sum over blocks of the least single force; null: none is enough");
+  v("required_force_reason", when(!std::isfinite(x.required_force_n), "no single force is enough for a block"));
   v("required_force_n_per_metre",
     when(tunnel_length > 0, or_null(x.required_force_n / (tunnel_length > 0 ? tunnel_length : 1))), "of tunnel");
   v("largest_required_pressure_pa", or_null(x.largest_required_pressure_pa),
     "that 95 % of the free faces below their target need at the neediest place of `pressures`; null: none is enough");
+  v("largest_required_pressure_reason",
+    when(!std::isfinite(x.largest_required_pressure_pa), "no pressure is enough at the neediest place"));
   v("pressures", when_any(x.pressures), "pressure diagram: by place, as percentiles of area");
   v("small_blocks", x.small_blocks, "with less free face than spot_area");
   v("small_not_held", x.small_not_held);
   v("small_required_force_n", or_null(x.small_required_force_n), "null: none is enough");
+  v("small_required_force_reason",
+    when(!std::isfinite(x.small_required_force_n), "no single force is enough for a block"));
   v("passed_on_blocks", x.passed_on_blocks,
     "whose free faces would need more than most_pressure for what others pass to them, and not without: hold the "
     "others. In `pressures` with what they need by themselves");
   v("passed_on_not_held", x.passed_on_not_held);
   v("passed_on_required_force_n", or_null(x.passed_on_required_force_n), "null: none is enough");
+  v("passed_on_required_force_reason",
+    when(!std::isfinite(x.passed_on_required_force_n), "no single force is enough for a block"));
   v("missing_force_n", or_null(x.missing_force_n), "null: no force is enough");
+  v("missing_force_reason", when(!std::isfinite(x.missing_force_n), "no force is enough for a block that is not held"));
   v("designs", when_any(designs), "[support.design]: what was found for each length");
   v("load_cases", when_any(cases), "the same check under each [[load]]");
 }
@@ -360,8 +382,11 @@ void fields(V& v, const MaximumFigures& x) {
   v("count", x.count);
   v("largest_volume_m3", x.largest_volume_m3);
   v("lowest_factor_of_safety", or_null(x.lowest_factor_of_safety));
+  v("lowest_factor_of_safety_reason", when(!std::isfinite(x.lowest_factor_of_safety), "none of them can move"));
   v("largest_required_pressure_pa", or_null(x.largest_required_pressure_pa),
     "on the block's free face; null: none reaches the target");
+  v("largest_required_pressure_reason",
+    when(!std::isfinite(x.largest_required_pressure_pa), "no pressure brings one of them to its target"));
 }
 
 /// [micro_blocks] of the scene, where it does not keep silent about them.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cleave/core/cost.hpp"
 #include "cleave/realize/run_result.hpp"
 #include "cleave/realize/sequence.hpp"
 #include "cleave/scene3d/scene.hpp"
@@ -36,6 +37,9 @@ namespace cleave::scene {
 /// Realizations `first` .. `first + count - 1`, all of one geometry, which is cut once.
 [[nodiscard]] std::vector<stochastic::Record> make_records(const Scene& scene, const stochastic::Questions& questions,
                                                            std::uint64_t first, std::uint64_t count);
+/// The same, booked by stage.
+[[nodiscard]] std::vector<stochastic::Record> make_records(const Scene& scene, const stochastic::Questions& questions,
+                                                           std::uint64_t first, std::uint64_t count, StageTimer& timer);
 
 /// Realization `k`: draws, cuts, audits and judges on the calling thread. Whatever goes wrong is in the record.
 /// Precondition: the scene has [monte_carlo].
@@ -50,10 +54,17 @@ enum class StoppedBy : std::uint8_t {
 /// "realizations", "precision", "max".
 [[nodiscard]] std::string_view name_of(StoppedBy stopped) noexcept;
 
+/// Seconds that the threads of this process spent in a stage, over all realizations it made.
+struct StageSeconds {
+  std::string stage;
+  double seconds = 0;
+};
+
 struct MonteCarloResult {
   stochastic::Figures figures;
   StoppedBy stopped_by = StoppedBy::count;
   stochastic::Shard shard;
+  std::vector<StageSeconds> stages = {};  ///< in the order of the plan; empty where records were read alone
 };
 
 struct MonteCarloWatch {

@@ -42,6 +42,7 @@ struct MotionResult {
   bool at_rest = false;
   Time end = {};
   std::uint64_t steps = 0, walls = 0, contacts = 0;
+  std::uint64_t may_be_locked = 0;  ///< the most blocks at a time in groups for which the law may have another answer
   double residual = 0;
   Length penetration = {};
   double overlap = 0;  ///< over the size of the smaller block
@@ -65,6 +66,8 @@ void fields(V& v, const MotionResult& x) {
   v("residual", x.residual, "of the contact law, the worst of all steps");
   v("max_penetration_m", x.penetration, "deepest overlap before bodies were parted, of all steps");
   v("max_overlap_relative", x.overlap, "deepest overlap left, over the size of the smaller block");
+  v("may_be_locked", x.may_be_locked,
+    "the most blocks at a time in groups that rest in one answer of the contact law and move in another, or may");
   v("released", x.blocks.size(), "blocks let go");
   v("walls", x.walls, "blocks that never move and may be touched");
   v("moved", x.moved(), "blocks whose centroid moved by more than a millimetre");

@@ -52,6 +52,15 @@ void realize(const Scene& scene, std::uint64_t first, std::uint64_t count, Stage
 /// that cannot be drawn, openings that miss the rock or leave none, forces on no free face.
 [[nodiscard]] std::vector<Problem> refusals(const Scene& scene);
 
+/// What the openings take of the rock, in order of the scene, and what a user should know of that.
+struct Excavated {
+  std::vector<ExcavationFigures> openings;
+  std::vector<std::string> notes;
+};
+/// Of an ensemble, in all of whose realizations it is the same: the openings are cut alone. An opening that takes
+/// nothing is an error.
+[[nodiscard]] std::expected<Excavated, std::vector<Problem>> excavated(const Scene& scene);
+
 /// The blocks that [micro_blocks] is about, in order.
 [[nodiscard]] std::vector<topology::BlockId> micro_blocks(const topology::BlockComplex& complex,
                                                           const MicroBlocks& limits);

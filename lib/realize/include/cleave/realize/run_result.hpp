@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <expected>
 #include <limits>
@@ -54,7 +55,8 @@ struct CaseSupport {
 struct MaximumRow {
   std::array<std::string, 3> sets;  ///< names
   stability::MaximumKeyBlock block;
-  std::string where;  ///< "roof", "floor", "right wall", "left wall" (looking along the axis)
+  std::string where;          ///< "roof", "floor", "right wall", "left wall" (looking along the axis)
+  std::string position = {};  ///< of eight: "roof", "upper right", "right", "lower right", "floor", ...
 };
 
 enum class JointOrigin : std::uint8_t { measured, drawn };
@@ -129,6 +131,8 @@ void fields(V& v, const FieldStressResult& x) {
   v("blocks", x.blocks.size(), "blocks at the tunnel that were judged");
   v("held", x.held, "unstable without this stress, stable with it");
   v("lowest_factor_of_safety", or_null(x.lowest_factor_of_safety()), "with it; null: none is finite");
+  v("lowest_factor_of_safety_reason",
+    when(!std::isfinite(x.lowest_factor_of_safety()), "no block at the tunnel slides"));
 }
 
 /// Everything that goes into the cutter, and what each joint is.

@@ -21,6 +21,7 @@ struct MonteCarloPage {
   scene::MonteCarloResult result;
   std::string scene_file;
   std::vector<scene::InputFile> files;
+  std::vector<scene::ExcavationFigures> excavations = {};  ///< the same in all realizations
   std::vector<std::string> notes;
   std::optional<double> tunnel_length_m;
   std::string stop_quantity;                       ///< empty: fixed number

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -156,7 +157,9 @@ struct Targets {
 struct MaximumBlockSettings {
   std::uint32_t excavation = 0;  ///< of kind tunnel, straight, with a convex section
   std::vector<SetId> sets;       ///< three at least; empty: all that have joints
-  std::uint32_t line = 1;        ///< in the scene file
+  /// m: longest trace on the wall, largest extent of a joint face.
+  double trace = std::numeric_limits<double>::infinity(), size = trace;
+  std::uint32_t line = 1;  ///< in the scene file
 };
 
 struct StabilitySettings {

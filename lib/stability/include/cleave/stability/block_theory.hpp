@@ -49,6 +49,11 @@ struct MaximumBlock {
   double face_area = 0;          ///< m2 of the tunnel's wall
   geometry::Vec3 face_vector{};  ///< m2: the wall's parts times their normals into the rock, summed up
   double height = 0;             ///< m, apex to the nearest point of the section
+  /// By plane, m: its trace on the wall, and the largest extent of its joint face.
+  std::vector<double> traces = {}, extents = {};
+
+  /// All lengths times `factor`: the block of the same shape at the same side, its apex nearer to the wall.
+  void scale(double factor);
 };
 /// Empty where the pyramid is empty, holds the axis, or sees the section from all round.
 [[nodiscard]] std::optional<MaximumBlock> maximum_block(std::span<const Direction> planes, std::uint32_t code,

@@ -23,7 +23,10 @@ struct MaximumKeyBlock {
   std::array<std::size_t, 3> planes{};        ///< which, ascending
   std::array<geometry::Vec3, 3> upward = {};  ///< their unit normals
   MaximumBlock block;                         ///< bit i of its code: below planes[i]
-  std::array<double, 3> areas{};              ///< m2 of the joint faces
+  double scale = 1;                           ///< of its lengths, that no joint be longer than it may be
+  [[nodiscard]] double longest_trace() const noexcept;
+  [[nodiscard]] double largest_extent() const noexcept;
+  std::array<double, 3> areas{};  ///< m2 of the joint faces
   Force weight = {};
   Mode mode = Mode::stable;
   geometry::Vec3 direction = {};  ///< unit; zero where nothing drives it
@@ -35,6 +38,12 @@ struct MaximumKeyBlock {
   double required_pressure = 0;
 };
 
+/// How long joints may be, m.
+struct Persistence {
+  double trace = std::numeric_limits<double>::infinity();  ///< on the wall
+  double size = std::numeric_limits<double>::infinity();   ///< largest extent of a joint face
+};
+
 struct TheoryLoads {
   Density density;
   geometry::Vec3 gravity;       ///< m/s2
@@ -44,10 +53,11 @@ struct TheoryLoads {
 };
 
 /// For every three of the planes and every choice of their sides: the largest removable block (Goodman and Shi 1985),
-/// its faces, mode and factor of safety. Blocks below `least` m3 are left out. In order of planes, then code.
+/// its faces, mode and factor of safety; scaled down where joints are not as long. Blocks below `least` m3 are left
+/// out. In order of planes, then code.
 [[nodiscard]] std::vector<MaximumKeyBlock> maximum_key_blocks(std::span<const TheoryPlane> planes,
                                                               const ConvexTunnel& tunnel, const TheoryLoads& loads,
-                                                              double least = 1e-9);
+                                                              const Persistence& persistence = {}, double least = 1e-9);
 
 /// Whether the corners, counter-clockwise, bound a convex region.
 [[nodiscard]] bool is_convex(std::span<const std::array<double, 2>> outline);

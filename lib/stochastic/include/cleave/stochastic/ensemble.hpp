@@ -89,7 +89,18 @@ struct SizePoint {
 struct FactorPoint {
   double factor = 0;
   double share_below = 0;   ///< of those blocks, all realizations
+  Interval share_interval;  ///< of the effective number of blocks, as of all shares
   double number_below = 0;  ///< mean a realization
+  double probability = 0;   ///< that a realization has such a block: the distribution of its least factor
+  Interval interval;        ///< Clopper-Pearson
+};
+
+/// P(what has to be held > pressure) of a realization: over the area of the excavations, and on a block of the first
+/// batch.
+struct PressureExceedance {
+  double pressure_pa = 0;
+  double probability = 0, block_probability = 0;
+  Interval interval, block_interval;  ///< Clopper-Pearson
 };
 
 struct RunningPoint {
@@ -120,6 +131,8 @@ struct Figures {
   std::uint64_t failures = 0;
   std::uint64_t stopped_at_max_batches = 0;
   std::vector<FactorPoint> factors = {};  ///< empty when there are no such blocks
+  std::vector<PressureExceedance> pressures =
+      {};  ///< from the last pressure that all exceed to the first that none does
   /// Of the area of excavations' free faces, that of blocks which the domain's border holds; in the middle half of the
   /// tunnel; and the length at each end of the tunnel that is lost so, m.
   double free_area_fixed_share = 0;
@@ -187,6 +200,7 @@ class Ensemble final {
   void add_exceedances(Figures& figures) const;
   void add_border(Figures& figures) const;
   void add_factors(Figures& figures) const;
+  void add_pressures(Figures& figures) const;
   void add_notes(Figures& figures) const;
 
   EnsembleOptions options_;
@@ -218,7 +232,9 @@ class Ensemble final {
   std::uint64_t failures_ = 0, stopped_ = 0;
   std::uint64_t surface_ = 0, surface_fixed_ = 0;
   double free_ = 0, free_fixed_ = 0, middle_ = 0, middle_fixed_ = 0;  // m2
-  std::vector<std::uint64_t> factors_;
+  std::vector<PairMoments> factors_below_;                            // share of blocks below the upper end of bin i
+  std::vector<Moments> with_factor_below_;                            // 1 for a realization with such a block
+  std::vector<Moments> pressing_, pressing_blocks_;                   // 1 for a realization above the pressure
   double key_volume_ = 0, beside_fixed_ = 0;
   Sha256 hash_;
 };

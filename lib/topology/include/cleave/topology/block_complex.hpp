@@ -112,6 +112,14 @@ struct NearMisses {
   std::optional<JointId> other;  ///< from this joint; none: from the domain or an excavation
 };
 
+/// Polygons with sides shorter than twice CutInput::snap: their corners become one or pass each other, so that what they
+/// part may be other than what was meant. A `snap` of less than half the shortest keeps all of them as they are.
+struct CoarseSnap {
+  std::uint64_t polygons = 0;
+  Length shortest;              ///< side
+  JointId joint = JointId{0U};  ///< whose side that is
+};
+
 /// What one excavation takes of the domain (or window).
 struct ExcavatedVolume {
   Volume removed = {};  ///< rock: what several take counts for the first of them
@@ -126,6 +134,7 @@ struct CutReport {
   std::uint64_t merged_planes = 0;    ///< by `snap`
   std::uint64_t adopted_edges = 0;    ///< by `snap`
   std::vector<SnappedJoint> snapped;  ///< all joints that `snap` changed, by number
+  CoarseSnap coarse_snap;
   NearMisses near_misses;
   std::uint64_t joints_outside = 0;  ///< joints that do not meet the domain
   std::vector<JointId> outside;      ///< which

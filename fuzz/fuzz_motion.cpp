@@ -1,0 +1,150 @@
+/// Small random stacks, falling clusters and free clouds of blocks in three dimensions, convex or not, as they are and
+/// turned by a quarter, mirrored or listed backwards: every accepted step meets the law and shares no space, no run
+/// gains energy without restitution, momentum and energy close, and the first steps do not depend on how it is written.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+#include <vector>
+
+#include "byte_source.hpp"
+#include "cleave/motion/world.hpp"
+#include "fuzz_target.hpp"
+#include "shapes.hpp"
+
+namespace {
+
+using namespace cleave::motion;
+
+struct Setting {
+  std::vector<BodySpec> bodies;
+  double friction = 0;
+  Vec3 gravity;
+};
+
+void require(bool good, const char* what, double value) {
+  if (good) return;
+  std::fprintf(stderr, "%s: %g\n", what, value);
+  std::abort();
+}
+
+double count_of(cleave::support::ByteSource& bytes, std::size_t last) { return static_cast<double>(bytes.up_to(last)); }
+
+Polyhedron random_shape(cleave::support::ByteSource& bytes) {
+  const double a = 0.4 + 0.1 * count_of(bytes, 8), b = 0.4 + 0.1 * count_of(bytes, 8),
+               c = 0.3 + 0.1 * count_of(bytes, 5);
+  switch (bytes.up_to(3)) {
+    case 0: return shapes::icosahedron(0.5 * a);
+    case 1: return shapes::prism(shapes::regular(3 + static_cast<unsigned>(bytes.up_to(4)), 0.7 * a), -c / 2, c / 2);
+    case 2: {
+      const double x = 0.5 * a, y = 0.5 * b;
+      return shapes::moved(shapes::prism({{0, 0}, {2 * x, 0}, {2 * x, y}, {x, y}, {x, 2 * y}, {0, 2 * y}}, 0, c),
+                           {-0.5 * a, -0.5 * b, -c / 2});
+    }
+    default: return shapes::block(a, b, c);
+  }
+}
+
+double unit(cleave::support::ByteSource& bytes) { return (count_of(bytes, 254) - 127) / 127; }
+
+Setting random_setting(cleave::support::ByteSource& bytes) {
+  enum class Kind : std::uint8_t { stack, falling, cloud };
+  const auto kind = static_cast<Kind>(bytes.up_to(2));
+  Setting out{.bodies = {}, .friction = 0.1 * count_of(bytes, 12), .gravity = {0, 0, -9.81}};
+  const std::size_t count = 1 + bytes.up_to(5);
+  double top = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (kind == Kind::stack) {
+      const double h = 0.2 + 0.1 * count_of(bytes, 6), x = 0.2 * unit(bytes), y = 0.2 * unit(bytes);
+      out.bodies.push_back({.shape = shapes::box({x - 0.5, y - 0.4, top}, {x + 0.5, y + 0.4, top + h})});
+      top += h;
+      continue;
+    }
+    const Turn turn = turn_by({unit(bytes), unit(bytes), unit(bytes)});
+    const Vec3 at = kind == Kind::cloud
+                        ? Vec3{1.9 * static_cast<double>(k % 2), 1.9 * static_cast<double>(k / 2 % 2),
+                               1.9 * static_cast<double>(k / 4)}
+                        : Vec3{0.3 * unit(bytes), 0.3 * unit(bytes), 1.1 + 1.9 * static_cast<double>(k)};
+    BodySpec body{.shape = shapes::moved(random_shape(bytes), at, turn)};
+    body.density = cleave::kilograms_per_cubic_metre(std::pow(10, unit(bytes)));
+    body.velocity = kind == Kind::cloud ? 3.0 * (Vec3{0.9, 0.9, 0.9} - at) : Vec3{0, 0, -4};
+    body.spin = {unit(bytes), unit(bytes), unit(bytes)};
+    out.bodies.push_back(std::move(body));
+  }
+  if (kind == Kind::cloud) {
+    out.gravity = {};
+  } else {
+    out.bodies.push_back({.shape = shapes::box({-6, -6, -1}, {6, 6, 0}), .fixed = true});
+  }
+  return out;
+}
+
+/// Every direction by a map of the axes; spins turn the other way in a mirror.
+template <class Map>
+Setting mapped(Setting in, const Map& map, bool mirror) {
+  for (BodySpec& body : in.bodies) {
+    for (Vec3& v : body.shape.vertices) v = map(v);
+    body.velocity = map(body.velocity);
+    body.spin = mirror ? -map(body.spin) : map(body.spin);
+    if (!mirror) continue;
+    for (Facet& facet : body.shape.facets) {
+      for (auto& loop : facet.loops) std::ranges::reverse(loop);
+    }
+  }
+  in.gravity = map(in.gravity);
+  return in;
+}
+
+struct Outcome {
+  bool made = false, one_answer = true;
+  double early = 0;  ///< kinetic energy after the first steps
+  double scale = 0;
+};
+
+Outcome run(const Setting& setting, int steps, int early) {
+  Outcome out;
+  WorldOptions options{.gravity = setting.gravity, .step = 0.01};
+  options.solver.accept = 1e-6;
+  options.solver.patience = 1000;
+  auto made = World::make({.bodies = setting.bodies, .surfaces = {{setting.friction, 0}}}, options);
+  if (!made) return out;
+  out.made = true;
+  double weight = 0;
+  for (std::size_t b = 0; b < made->size(); ++b) weight += made->fixed(b) ? 0 : made->mass(b);
+  out.scale = std::abs(made->energy().start) + weight * 9.81;
+  for (int k = 0; k < steps; ++k) {
+    const auto report = made->step();
+    if (!report) break;  // said, and the world is as it was
+    require(report->residual <= options.solver.accept, "a step misses the law", report->residual);
+    require(report->overlap <= options.overlap, "bodies share space", report->overlap);
+    out.one_answer = out.one_answer && (k >= early || report->may_be_locked == 0);
+    if (k + 1 == early) out.early = made->energy().kinetic;
+  }
+  require(made->energy().largest_gain <= 1e-5 * out.scale, "energy grows", made->energy().largest_gain / out.scale);
+  require(made->energy().closing_error <= 1e-9, "energy does not close", made->energy().closing_error);
+  require(made->momentum_error() <= 1e-9, "momentum does not close", made->momentum_error());
+  return out;
+}
+
+}  // namespace
+
+CLEAVE_FUZZ_TARGET(input) {
+  cleave::support::ByteSource bytes{input};
+  const auto how = bytes.up_to(3);
+  const Setting setting = random_setting(bytes);
+  constexpr int early = 4;
+  const Outcome plain = run(setting, 60, early);
+  Setting other = setting;
+  if (how == 1) other = mapped(setting, [](Vec3 v) { return Vec3{-v.y, v.x, v.z}; }, false);
+  if (how == 2) other = mapped(setting, [](Vec3 v) { return Vec3{-v.x, v.y, v.z}; }, true);
+  if (how == 3) std::ranges::reverse(other.bodies);
+  if (how == 0) return;
+  const Outcome again = run(other, early, early);
+  require(plain.made == again.made, "one way of writing it is refused", 0);
+  if (!plain.made || !plain.one_answer || !again.one_answer) return;
+  require(std::abs(plain.early - again.early) <= 1e-4 * plain.scale, "it depends on how it is written",
+          (plain.early - again.early) / plain.scale);
+}

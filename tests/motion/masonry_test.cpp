@@ -1,0 +1,168 @@
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "worlds.hpp"
+
+namespace cleave::motion {
+namespace {
+
+using namespace worlds;
+
+/// What stands after some steps from rest: nothing turns or moves.
+bool stands(World w, int steps = 3) {
+  double fastest = 0;
+  for (int k = 0; k < steps; ++k) {
+    const auto report = w.step();
+    EXPECT_TRUE(report.has_value());
+    if (!report) return false;
+    fastest = std::max(fastest, report->max_speed);
+  }
+  return fastest < 1e-6;
+}
+
+/// In the plane x-z, extruded along y.
+Polyhedron upright(const std::vector<std::pair<double, double>>& xz, double half) {
+  return moved(prism(xz, -half, half), {}, turn_by({90 * degree, 0, 0}));
+}
+
+/// Stones with straight edges of an arch of mean radius 1, `open` degrees in all, between two fixed ones.
+std::vector<BodySpec> arch(int stones, double thickness, double open) {
+  const double ri = 1 - thickness / 2, ro = 1 + thickness / 2, each = open * degree / stones;
+  std::vector<BodySpec> bodies;
+  for (int k = -1; k <= stones; ++k) {
+    const double a = -open * degree / 2 + k * each, b = a + each;
+    const auto at = [](double r, double angle) { return std::pair{r * std::sin(angle), r * std::cos(angle)}; };
+    bodies.push_back(body(upright({at(ri, a), at(ri, b), at(ro, b), at(ro, a)}, 0.25)));
+    bodies.back().fixed = k < 0 || k == stones;
+  }
+  for (BodySpec& b : bodies) {
+    if (mass_properties(b.shape)) continue;
+    for (Facet& f : b.shape.facets) std::ranges::reverse(f.loops[0]);
+  }
+  return bodies;
+}
+
+TEST(Masonry, LeastThicknessOfASemicircularArch) {
+  for (const auto& [stones, least] : {std::pair{7, 0.095704}, {12, 0.104857}, {21, 0.106695}}) {
+    for (const double share : {0.99, 1.01}) {
+      World w = world(arch(stones, share * least, 180), 5, {.step = 0.01, .theta = 1, .sleep = false});
+      EXPECT_EQ(stands(std::move(w)), share > 1) << stones << " " << share;
+    }
+  }
+}
+
+TEST(Masonry, ArchesUnderALevelPush) {
+  // Oppenheim 1992, and a semicircle.
+  for (const auto& [stones, open, push] : {std::tuple{7, 157.5, 0.373612}, {12, 180.0, 0.157332}}) {
+    for (const double share : {0.99, 1.01}) {
+      World w = world(arch(stones, 0.15, open), 5,
+                      {.gravity = {share * push * 9.81, 0, -9.81}, .step = 0.01, .theta = 1, .sleep = false});
+      EXPECT_EQ(stands(std::move(w)), share < 1) << stones << " " << share;
+    }
+  }
+}
+
+TEST(Masonry, WallInBondUnderALevelPush) {
+  // Four courses, ends with half stones: it slides along, and topples across.
+  for (const auto& [friction, along, limit] :
+       {std::tuple{0.3, true, 0.3}, {0.3, false, 0.25}, {0.5, true, 0.5}, {0.5, false, 0.25}}) {
+    for (const double share : {0.99, 1.01}) {
+      std::vector<BodySpec> bodies{floor()};
+      for (int row = 0; row < 4; ++row) {
+        for (double x = row % 2 == 0 ? 0 : -0.5; x < 4; x += 1) {
+          const double a = std::max(x, 0.0), b = std::min(x + 1, 4.0);
+          bodies.push_back(body(box({a, 0, 0.5 * row}, {b, 0.5, 0.5 * row + 0.5})));
+        }
+      }
+      const double push = share * limit * 9.81;
+      World w =
+          world(std::move(bodies), friction,
+                {.gravity = {along ? push : 0, along ? 0 : push, -9.81}, .step = 0.01, .theta = 1, .sleep = false});
+      EXPECT_EQ(stands(std::move(w), 1), share < 1) << friction << " " << along << " " << share;
+    }
+  }
+}
+
+TEST(Masonry, OverhangOfFiveBricks) {
+  for (const double share : {0.999, 1.001}) {
+    std::vector<BodySpec> bodies{floor()};
+    double x = 0;
+    for (int k = 0; k < 5; ++k) {
+      bodies.push_back(body(box({x, 0, 0.2 * k}, {x + 1, 1, 0.2 * k + 0.2})));
+      x += share * 0.5 / (4 - k + (k == 4 ? 1 : 0));
+    }
+    World w = world(std::move(bodies), 0.6, {.step = 0.01, .theta = 1, .sleep = false});
+    EXPECT_EQ(stands(std::move(w), 1), share < 1) << share;
+  }
+}
+
+TEST(Masonry, DominoTouchesItsNeighbour) {
+  const double spin = 1;
+  // About its toe, the edge x = 0.1, z = 0.
+  BodySpec first = body(box({0, 0, 0}, {0.1, 0.4, 1}), {}, {0, spin, 0});
+  first.velocity = cross(first.spin, Vec3{-0.05, 0, 0.5});
+  World w = world({floor(), first, body(box({0.4, 0, 0}, {0.5, 0.4, 1}))}, 5, {.step = 1e-3, .sleep = false});
+  ASSERT_TRUE(run(w, 0.304));
+  EXPECT_LT(norm(w.spin(2)), 1e-9);
+  ASSERT_TRUE(run(w, 0.306));
+  EXPECT_NEAR(angle_of(w.turn(1)), 0.30469265 - 1.21 * 0.00027166, 5e-4);
+  EXPECT_NEAR(w.spin(1).y, 1.2116061, 5e-3);
+  ASSERT_TRUE(run(w, 0.32));
+  EXPECT_GT(w.spin(2).y, 0.05);
+}
+
+TEST(Masonry, DominoTopplesOrFallsBack) {
+  for (const double spin : {0.375, 0.39}) {
+    BodySpec first = body(box({0, 0, 0}, {0.1, 0.4, 1}), {}, {0, spin, 0});
+    first.velocity = cross(first.spin, Vec3{-0.05, 0, 0.5});
+    World w = world({floor(), first}, 5, {.step = 2e-3, .sleep = false});
+    ASSERT_TRUE(run(w, 2.4));
+    EXPECT_EQ(angle_of(w.turn(1)) > 0.5, spin > 0.38122257) << spin;
+  }
+}
+
+TEST(Masonry, PrismRollsDownAtMcGeersSpeed) {
+  const Turn plane = turn_by({0, 15 * degree, 0});
+  const double height = std::cos(30 * degree);
+  // Axis along y, a face on the slope.
+  Polyhedron shape = moved(prism(regular(6, 1), -0.5, 0.5), {}, turn_by({90 * degree, 0, 0}));
+  shape = moved(std::move(shape), plane * Vec3{-12, 0, height}, plane);
+  BodySpec rolling = body(std::move(shape), {}, {0, 1.6, 0});
+  rolling.velocity = cross(rolling.spin, plane * Vec3{-0.5, 0, height});
+  World w = world({floor(plane), std::move(rolling)}, 10, {.step = 2e-3});
+  ASSERT_TRUE(run(w, 3));
+  const Vec3 from = w.displacement(1);
+  ASSERT_TRUE(run(w, 3 + 5 * 0.61317018));
+  // Five faces, each as long as the radius.
+  EXPECT_NEAR(dot(plane * Vec3{1, 0, 0}, w.displacement(1) - from) / (5 * 0.61317018), 1.6308686, 0.02);
+  EXPECT_LT(std::abs(w.displacement(1).y), 1e-6);
+}
+
+TEST(Masonry, ColumnsComeDownAndLoseAllTheyFell) {
+  constexpr int columns = 3, cubes = 6;
+  std::vector<BodySpec> bodies{floor()};
+  double fallen = 0;
+  for (int c = 0; c < columns; ++c) {
+    for (int k = 0; k < cubes; ++k) {
+      const double drop = 2 + 0.01 * k, low = k + drop;
+      bodies.push_back(body(box({3.0 * c, 0, low}, {3.0 * c + 1, 1, low + 1})));
+      bodies.back().density = kilograms_per_cubic_metre(2600);
+      fallen += 2600 * 9.81 * drop;
+    }
+  }
+  World w = world(std::move(bodies), 0, {.step = 5e-3});
+  const double last = std::sqrt(2 * (2 + 0.01 * (cubes - 1)) / 9.81);
+  ASSERT_TRUE(run(w, last - 0.006));
+  EXPECT_GT(norm(w.velocity(cubes)), 6);
+  ASSERT_TRUE(run(w, last + 0.006));
+  EXPECT_LT(norm(w.velocity(cubes)), 1e-6);
+  ASSERT_TRUE(run(w, 1));
+  EXPECT_NEAR((w.energy().lost - w.energy().projected) / fallen, 1, 1e-9);
+  EXPECT_EQ(w.energy().friction, 0);
+}
+
+}  // namespace
+}  // namespace cleave::motion
