@@ -85,6 +85,28 @@ TEST(StackTest, FiftyStandOnTheirWeight) {
   EXPECT_NEAR(base / (50 * 2600 * g), 1, 1e-8);
 }
 
+// Where four corners meet, those that lie across are no contact while nothing moves: their line would be a guess that
+// changes from step to step, and with it all forces.
+TEST(StackTest, StacksSideBySideKeepTheirForces) {
+  std::vector<Body> bodies{fixed("floor", rectangle(-5, -1, 30, 1))};
+  for (int k = 0; k < 4; ++k) {
+    for (int r = 0; r < 20; ++r) bodies.push_back(block("b", rectangle(k, r, 1, 1)));
+  }
+  World world = make(bodies, law(0.6), {.step = 1e-2, .sleep = false});
+  for (int k = 0; k < 20; ++k) {
+    const auto report = world.step();
+    ASSERT_TRUE(report.has_value()) << describe(report.error());
+    EXPECT_LT(report->max_speed, 1e-6);
+    if (k > 2) {
+      EXPECT_LE(report->iterations, 10U) << k;
+    }
+  }
+  for (const Contact& c : world.contacts()) {
+    const double rows = std::abs(c.normal.x) > 0.5 ? 0 : 20 - c.point.y;
+    EXPECT_LT(c.normal_force, (rows + 1) * 2600 * g) << c.point.y;
+  }
+}
+
 TEST(ArchTest, FallsOrStandsAsLimitAnalysisSays) {
   struct Case {
     std::size_t count;

@@ -84,6 +84,10 @@ double off(const Line& line) { return std::max({0.0, -line.ratio, line.ratio - 1
 const Line* holding_line(const Line& first, const Line& last, double tolerance) {
   const double size = std::max(std::abs(first.touch.gap), std::abs(last.touch.gap));
   const double drift = std::abs(first.after - first.touch.gap) + std::abs(last.after - last.touch.gap);
+  // Corners that lie over one another and stay there meet nowhere: a contact would have to guess its line, and guess
+  // anew in every step. What comes in all the same is found by the check for overlaps.
+  const bool two = std::abs(cross(first.touch.normal, last.touch.normal)) > 1e-6;
+  if (two && size <= tolerance && drift <= tolerance) return nullptr;
   const bool level = std::abs(first.touch.gap - last.touch.gap) <= 1e-12 * size + 1e-3 * tolerance;
   if (level && std::abs(first.after - last.after) <= 1e-9 * (size + drift) + 1e-3 * tolerance) {
     return off(last) < off(first) ? &last : &first;  // one line by two names: where the foot lies on the edge
