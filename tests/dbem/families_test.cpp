@@ -40,6 +40,17 @@ TEST_P(FamilyTest, NothingPassesThroughAnythingAndNoEnergyComes) {
 INSTANTIATE_TEST_SUITE_P(Contact, FamilyTest, ::testing::Range<std::size_t>(0, contact_family_names.size()),
                          [](const auto& one) { return std::string{contact_family_names[one.param]}; });
 
+// Blocks 10^9 times as heavy as those they fall on: the whole stack was thrown up, step by step, in runs called right.
+TEST(ContactEnergyTest, HeavyBlocksOnLightOnesBringInNoEnergy) {
+  for (const std::uint64_t seed : {770025U, 770118U}) {
+    const ContactScene scene = make_contact_scene(ContactFamily::ratio, seed);
+    const ContactOutcome outcome = run_contact_scene(scene);
+    ASSERT_TRUE(outcome.made);
+    EXPECT_LT(outcome.energy_gain, 1e-6) << seed;
+    EXPECT_LT(outcome.overlap, 1e-6) << seed;
+  }
+}
+
 ContactScene drop_onto_equal(double step, bool held) {
   ContactScene scene;
   const auto put = [&](std::vector<Vec2> ring, bool fix) {

@@ -129,7 +129,7 @@ TEST(EnsembleTest, LeastFactorAndPressuresAreExceededAsOftenAsTheyAre) {
   // From the last that all exceed to the first that none does.
   std::vector<double> pressures, areas, blocks;
   for (const PressureExceedance& row : f.pressures) {
-    pressures.push_back(row.pressure_pa);
+    pressures.push_back(row.pressure.si());
     areas.push_back(row.probability);
     blocks.push_back(row.block_probability);
   }

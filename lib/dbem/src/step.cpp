@@ -19,6 +19,9 @@ constexpr double hidden = 1e-3;
 /// Velocities below this are none, m/s.
 constexpr double at_rest = 1e-9;
 
+/// Largest energy that contacts may bring in with a step, over the energy of the group.
+constexpr double most_energy_gain = 1e-7;
+
 struct Creep {
   double most = 0;   // velocity the regularisation lets contacts give way with, m/s
   double speed = 0;  // largest velocity of the problem, m/s
@@ -107,6 +110,21 @@ ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island
   }
 }
 
+double World::Impl::energy_brought_in(const std::vector<Touch>& list, const Island& island, const Rows& rows,
+                                      const ContactSolution& found, const State& after) const {
+  if (island.theta < 1) return 0;
+  double gain = 0, size = 0;
+  for (std::size_t k = 0; k < island.touches.size(); ++k) {
+    const JointLaw& law = law_of(list[island.touches[k]]);
+    if (law.restitution > 0 || law.compliance > 0) return 0;
+    gain += dot(found.impulse[k], velocity_of(rows, k, after));
+  }
+  for (const std::uint32_t b : island.bodies) {
+    size += shapes[b].mass * (dot(state.v[b], state.v[b]) + shapes[b].feature * norm(options.gravity));
+  }
+  return size > 0 ? gain / size : 0;
+}
+
 std::optional<World::Impl::Failure> World::Impl::attempt(double step, std::size_t cut, Work& work, Attempt& out) {
   std::vector<Touch> list = touches;
   std::vector<Touch> moved;
@@ -181,6 +199,8 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, std::size_
         const Vec2 p = solutions.back().impulse[k];
         if (p != Vec2{}) add_impulse(rows[s], k, p, island.theta, step, out.state);
       }
+      const double gain = energy_brought_in(moved, island, rows[s], solutions.back(), out.state);
+      if (gain > most_energy_gain) return Failure{gain, "its contacts bring in energy", 0};
     }
     if (tear_sections(list, out, solutions, step)) continue;
     // The mean rule lets a contact that opens and shuts again within a step, or slip that turns round, bring in energy

@@ -223,6 +223,10 @@ struct World::Impl {
     double factor = 0;   // > 0: not a failure; redo with this share of the step; 1: with what woke
     bool clash = false;  // by bodies that would share space
   };
+  /// Work of the impulses on the velocities they leave behind, over the energy of the group: never positive for an
+  /// exact answer of the implicit rule. 0 for other rules, and where contacts give back or are springs.
+  [[nodiscard]] double energy_brought_in(const std::vector<Touch>& list, const Island& island, const Rows& rows,
+                                         const ContactSolution& found, const State& after) const;
   [[nodiscard]] std::optional<Failure> attempt(double step, std::size_t cut, Work& work, Attempt& out);
   [[nodiscard]] ContactSolution solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
                                              const State& free, double step, std::size_t cut, Work& work) const;

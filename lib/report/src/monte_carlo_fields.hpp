@@ -39,7 +39,7 @@ void fields(V& v, const FactorPoint& x) {
 }
 template <class V>
 void fields(V& v, const PressureExceedance& x) {
-  v("pressure_pa", x.pressure_pa);
+  v("pressure_pa", x.pressure.si());
   v("probability", x.probability, "that a realization needs more over the area of its excavations");
   fields(v, x.interval);
   v("block_probability", x.block_probability, "that a block of its first batch needs more over its free area");

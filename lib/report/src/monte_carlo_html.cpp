@@ -161,7 +161,7 @@ std::string pressure_table(const Figures& f) {
       "area (slivers included).</p>\n<table><thead><tr><th>Pressure above (kPa)</th><th>Over the area</th><th>Exact "
       "interval</th><th>On a block</th><th>Exact interval</th></tr></thead><tbody>\n";
   for (const auto& row : f.pressures) {
-    out += "<tr><td>" + display(row.pressure_pa / 1000) + "</td><td>" + display(row.probability) + "</td><td>" +
+    out += "<tr><td>" + display(row.pressure.si() / 1000) + "</td><td>" + display(row.probability) + "</td><td>" +
            interval(row.interval.low, row.interval.high) + "</td><td>" + display(row.block_probability) + "</td><td>" +
            interval(row.block_interval.low, row.block_interval.high) + "</td></tr>\n";
   }

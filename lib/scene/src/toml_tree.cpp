@@ -17,6 +17,8 @@
 // - its tables of letters and blanks promise the compiler that places in them are never reached which a letter with an
 // accent outside of
 //   quotes reaches: there the answer is "no". That header is read here first, and its include guard keeps it so.
+// - it reads numbers by streams, which take a failed allocation for a wrong number: `from_chars` allocates nothing.
+#define TOML_FLOAT_CHARCONV 1
 #define TOML_EXCEPTIONS 1
 #define TOML_HEADER_ONLY 1
 #define TOML_ENABLE_FORMATTERS 0

@@ -94,7 +94,7 @@ const KeyTable& ground_keys() {
 }
 
 void parse_record(const TableReader& table, GroundMotion& ground) {
-  ground.step = table.need_number("step").value_or(1);
+  ground.step = Time::from_si(table.need_number("step").value_or(1));
   const std::vector<double> x = table.numbers("x").value_or(std::vector<double>{});
   const std::vector<double> y = table.numbers("y").value_or(std::vector<double>{});
   if (!table.has("x") && !table.has("y")) table.missing("x", "write the accelerations: x = [0, 0.5, ...]");
@@ -187,7 +187,7 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   }
   s.to_rest = table.flag("static");
   parse_ground(table, scene);
-  double smallest = 1e300, fastest = 0, load_time = s.ground ? s.ground->fastest() : 1e300;
+  double smallest = 1e300, fastest = 0, load_time = s.ground ? s.ground->fastest().si() : 1e300;
   for (const ContactBody& body : scene.bodies) {
     if (body.fixed || body.corners.size() < 3) continue;
     bem::Vec2 low{1e300, 1e300}, high{-1e300, -1e300};

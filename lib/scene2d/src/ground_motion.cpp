@@ -19,7 +19,7 @@ Vec2 under_line(Vec2 a, Vec2 b, double from, double to) { return (to - from) * (
 Vec2 GroundMotion::at(double t) const {
   if (record.empty()) return time(t) * amplitude;
   const double last = static_cast<double>(record.size() - 1);
-  const double place = t / step;
+  const double place = t / step.si();
   if (!(place >= 0) || place > last) return {};
   const auto k = std::min(static_cast<std::size_t>(place), record.size() - 1);
   const Vec2 next = k + 1 < record.size() ? record[k + 1] : record[k];
@@ -29,18 +29,18 @@ Vec2 GroundMotion::at(double t) const {
 Vec2 GroundMotion::mean(double from, double to) const {
   if (record.empty()) return time.mean(from, to) * amplitude;
   const double last = static_cast<double>(record.size() - 1);
-  const double a = std::clamp(from / step, 0.0, last), b = std::clamp(to / step, 0.0, last);
+  const double a = std::clamp(from / step.si(), 0.0, last), b = std::clamp(to / step.si(), 0.0, last);
   Vec2 sum{};
   for (auto k = static_cast<std::size_t>(a); k + 1 < record.size() && static_cast<double>(k) < b; ++k) {
     const double start = static_cast<double>(k);
     sum += under_line(record[k], record[k + 1], std::max(a - start, 0.0), std::min(b - start, 1.0));
   }
-  return times(amplitude, (step / (to - from)) * sum);
+  return times(amplitude, (step.si() / (to - from)) * sum);
 }
 
-double GroundMotion::fastest() const {
+Time GroundMotion::fastest() const {
   // Lines between values change within a few of them.
-  return record.empty() ? time.fastest() : 4 * step;
+  return record.empty() ? Time::from_si(time.fastest()) : 4 * step;
 }
 
 }  // namespace cleave::scene

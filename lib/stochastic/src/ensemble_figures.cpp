@@ -307,7 +307,7 @@ void Ensemble::add_factors(Figures& figures) const {
 void Ensemble::add_pressures(Figures& figures) const {
   if (!options_.stability || units_ == 0) return;
   for (std::size_t i = 0; i < pressing_.size(); ++i) {
-    const PressureExceedance row{.pressure_pa = pressures_pa()[i],
+    const PressureExceedance row{.pressure = Stress::from_si(pressures_pa()[i]),
                                  .probability = probability_of(pressing_[i]),
                                  .block_probability = probability_of(pressing_blocks_[i]),
                                  .interval = probability_interval(pressing_[i]),

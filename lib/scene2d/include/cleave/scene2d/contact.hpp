@@ -83,10 +83,10 @@ struct GroundMotion {
   TimeFunction time;
   /// Accelerations at equal steps from 0 on, lines between them, nothing after the last; empty: `time`.
   std::vector<bem::Vec2> record;
-  double step = 0;  ///< s, of the record
+  Time step;  ///< of the record
   [[nodiscard]] bem::Vec2 at(double t) const;
   [[nodiscard]] bem::Vec2 mean(double from, double to) const;  ///< exact; from < to
-  [[nodiscard]] double fastest() const;                        ///< s in which it changes; infinite: it does not
+  [[nodiscard]] Time fastest() const;                          ///< in which it changes; infinite: it does not
 };
 
 struct ContactSettings {

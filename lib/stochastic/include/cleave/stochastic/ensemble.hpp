@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cleave/core/sha256.hpp"
+#include "cleave/core/quantity.hpp"
 #include "cleave/stochastic/intervals.hpp"
 #include "cleave/stochastic/moments.hpp"
 #include "cleave/stochastic/record.hpp"
@@ -98,7 +99,7 @@ struct FactorPoint {
 /// P(what has to be held > pressure) of a realization: over the area of the excavations, and on a block of the first
 /// batch.
 struct PressureExceedance {
-  double pressure_pa = 0;
+  Stress pressure;
   double probability = 0, block_probability = 0;
   Interval interval, block_interval;  ///< Clopper-Pearson
 };
