@@ -32,6 +32,19 @@ TEST(ProgressTest, ALogGetsOneLineEveryTenSeconds) {
   EXPECT_EQ(b.lines, (std::vector<std::string>{"cut: 25 %, 30 s left\n", "cut: 25 %, 1 min 00 s left\n"}));
 }
 
+// What an earlier run did took no time of this one.
+TEST(ProgressTest, WhatWasThereBeforeSaysNothingOfTheTimeLeft) {
+  Bench b{ProgressStyle::lines};
+  b.progress.begin("monte_carlo", 1000);
+  b.progress.found(899);
+  b.progress.advance();
+  b.at(10.0);
+  b.progress.advance(9);
+  b.at(20.0);
+  EXPECT_EQ(b.lines, (std::vector<std::string>{"monte_carlo: 90 %, 16 min 40 s left\n",
+                                               "monte_carlo: 91 %, 3 min 02 s left\n"}));
+}
+
 TEST(ProgressTest, ATerminalGetsOneLineThatIsWipedAtTheEnd) {
   Bench b{ProgressStyle::terminal};
   b.progress.begin("draw");

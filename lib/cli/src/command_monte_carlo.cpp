@@ -160,7 +160,9 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
   progress.begin("monte_carlo", settings.realizations / arguments.shard.of);
   std::uint64_t shown = 0;
   const scene::MonteCarloWatch watch{[&](const stochastic::Ensemble& ensemble, std::uint64_t done, std::uint64_t) {
-    progress.advance(done - shown);
+    // Called after each record that is made: what came since the last one besides it was there before.
+    if (done - shown > 1) progress.found(done - shown - 1);
+    progress.advance();
     shown = done;
     kept = done;
     progress.note(running_text(ensemble, quantity, settings.confidence));

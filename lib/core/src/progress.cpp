@@ -48,11 +48,17 @@ class Progress::State final {
     const std::scoped_lock lock{mutex_};
     stage_ = Stage{.name = std::string{name}, .total = total, .start_s = clock_(), .note = {}};
     done_.store(0, std::memory_order_relaxed);
+    found_.store(0, std::memory_order_relaxed);
   }
 
   void advance(std::uint64_t count) {
     done_.fetch_add(count, std::memory_order_relaxed);
     if (stop_.load(std::memory_order_relaxed)) throw Stopped{};
+  }
+
+  void found(std::uint64_t count) {
+    found_.fetch_add(count, std::memory_order_relaxed);
+    advance(count);
   }
 
   [[nodiscard]] std::optional<Seen> seen() {
@@ -111,9 +117,11 @@ class Progress::State final {
     const double elapsed = now - stage.start_s;
     const auto done = std::min(done_.load(std::memory_order_relaxed), stage.total);
     std::string text;
-    if (stage.total > 0 && done > 0) {
+    const auto found = std::min(found_.load(std::memory_order_relaxed), done);
+    if (stage.total > 0 && done > found) {
       const double share = static_cast<double>(done) / static_cast<double>(stage.total);
-      text = fmt::format("{}: {:.0f} %, {} left", stage.name, 100.0 * share, duration(elapsed / share - elapsed));
+      const double left = elapsed * static_cast<double>(stage.total - done) / static_cast<double>(done - found);
+      text = fmt::format("{}: {:.0f} %, {} left", stage.name, 100.0 * share, duration(left));
     } else {
       text = fmt::format("{}: {}", stage.name, duration(elapsed));
     }
@@ -129,6 +137,7 @@ class Progress::State final {
   double last_s_;
   bool line_shown_ = false;
   std::atomic<std::uint64_t> done_{0};
+  std::atomic<std::uint64_t> found_{0};
   std::atomic<bool> stop_{false};
 #if CLEAVE_THREADS
   std::jthread ticker_;  // last: it stops before anything it looks at goes away
@@ -154,6 +163,7 @@ Progress::~Progress() { state_->end(); }
 
 void Progress::begin(std::string_view stage, std::uint64_t total) { state_->begin(stage, total); }
 void Progress::advance(std::uint64_t count) { state_->advance(count); }
+void Progress::found(std::uint64_t count) { state_->found(count); }
 void Progress::note(std::string_view text) { state_->note(text); }
 void Progress::end() { state_->end(); }
 void Progress::tick() { state_->tick(); }

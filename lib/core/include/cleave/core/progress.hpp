@@ -44,6 +44,8 @@ class Progress final {
   void begin(std::string_view stage, std::uint64_t total = 0);
   /// `count` more pieces are done.
   void advance(std::uint64_t count = 1);
+  /// `count` more pieces were done by an earlier run: they count in the share, and say nothing of the time left.
+  void found(std::uint64_t count);
   /// Text behind the share, say a running mean with its interval; an empty one takes it away.
   void note(std::string_view text);
   /// The stage is over; a terminal's line is wiped, so that what follows starts on a clean line.
