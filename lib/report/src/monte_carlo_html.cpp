@@ -12,6 +12,7 @@ namespace cleave::report {
 namespace {
 
 using detail::Axis;
+using detail::LineStyle;
 using detail::Plot;
 using detail::PlotPoint;
 using stochastic::Estimate;
@@ -96,7 +97,7 @@ std::string size_figure(const Figures& f) {
   for (const auto& p : f.first_sizes) first.push_back({p.volume_m3, p.share});
   plot.band(low, high);
   plot.line(all);
-  plot.line(first, "line-b");
+  plot.line(first, LineStyle::dashed);
   return "<figure>" + std::move(plot).svg() +
          "<figcaption>Share of key blocks smaller than V, by number: <span class=\"key-a\">all batches</span> (band: "
          "two "
@@ -144,7 +145,7 @@ std::string factor_figure(const Figures& f) {
     blocks.push_back({row.factor, row.share_below});
   }
   plot.line(least);
-  plot.line(blocks, "b");
+  plot.line(blocks, LineStyle::dashed);
   return "<figure>" + std::move(plot).svg() +
          "<figcaption><span class=\"key-a\">Probability that the least factor of safety of a realization lies below "
          "F</span>, with exact " +

@@ -70,10 +70,10 @@ void Plot::ticks(const Axis& axis, bool horizontal) {
   for (double v = std::ceil(axis.low / step) * step; v <= axis.high * (1 + 1e-12); v += step) tick(v, display(v, 3));
 }
 
-void Plot::line(const std::vector<PlotPoint>& points, std::string_view style) {
+void Plot::line(const std::vector<PlotPoint>& points, LineStyle style) {
   if (points.empty()) return;
   out_ += "<path class=\"";
-  out_ += style;
+  out_ += style == LineStyle::solid ? "line-a" : "line-b";
   out_ +=
       "\" d=\"" + path_of(points, [&](double v) { return at_x(v); }, [&](double v) { return at_y(v); }, false) + "\"/>";
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,10 +19,12 @@ struct PlotPoint {
 };
 
 /// A drawing with two axes as inline SVG, 520 x 320. Values beyond the axes are drawn on their border.
+enum class LineStyle : std::uint8_t { solid, dashed };
+
 class Plot final {
  public:
   Plot(Axis x, Axis y, std::string_view description);
-  void line(const std::vector<PlotPoint>& points, std::string_view style = "line-a");
+  void line(const std::vector<PlotPoint>& points, LineStyle style = LineStyle::solid);
   /// Between `low` and `high`, whose points share their x.
   void band(const std::vector<PlotPoint>& low, const std::vector<PlotPoint>& high);
   /// A rectangle from the x axis up to `height`.

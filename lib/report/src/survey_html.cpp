@@ -20,6 +20,7 @@ namespace {
 using detail::Axis;
 using detail::estimate_text;
 using detail::fixed;
+using detail::LineStyle;
 using detail::Plot;
 using detail::PlotPoint;
 using geometry::Vec3;
@@ -133,7 +134,6 @@ std::string histogram(Lengths shown) {
   for (std::size_t i = 0; i < bins; ++i) {
     plot.bar(width * static_cast<double>(i), width * static_cast<double>(i + 1), counts[i] / n / width, "#9aa5ae");
   }
-  const char* style = "line-a";
   std::string names;
   for (std::size_t k = 0; k < std::min<std::size_t>(2, shown.laws.size()); ++k) {
     std::vector<PlotPoint> line;
@@ -141,11 +141,10 @@ std::string histogram(Lengths shown) {
       const double x = high * i / 200;
       line.push_back({x, std::min(shown.laws[k].density(x), 1.2 * top)});
     }
-    plot.line(line, style);
+    plot.line(line, k == 0 ? LineStyle::solid : LineStyle::dashed);
     names += std::string{k == 0 ? "<span class=\"key-a\">" : ", <span class=\"key-b\">"} +
              std::string{name_of(shown.laws[k].family)} + "</span>";
     if (shown.laws[k].p_value) names += " (Kolmogorov-Smirnov p = " + display(*shown.laws[k].p_value, 2) + ")";
-    style = "line-b";
   }
   return "<figure>" + std::move(plot).svg() + "<figcaption>" + escape_xml(shown.caption) + ": " + names +
          ".</figcaption></figure>";
