@@ -135,7 +135,7 @@ void part_pinched_edges(std::vector<Polygon>& polygons, const std::vector<Use>& 
   std::vector<bool> cut(polygons.size(), false);
   for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
     while (end < uses.size() && same_edge(uses[end], uses[i])) ++end;
-    const std::span group{uses.begin() + static_cast<std::ptrdiff_t>(i), end - i};
+    const std::span group = std::span{uses}.subspan(i, end - i);
     if (group.size() <= 2 || std::ranges::any_of(group, [&](const Use& u) { return cut[u.polygon]; })) continue;
     const Vec3 middle = points[group.front().low] + 0.5 * (points[group.front().high] - points[group.front().low]);
     for (const auto& [a, b] : pair_up({group.begin(), group.end()}, polygons, points, Through::rock)) {
