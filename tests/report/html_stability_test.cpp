@@ -244,7 +244,8 @@ TEST(HtmlStability, ThePatternFoundHasItsSpacingRingsAndShareThatFails) {
 TEST(HtmlStability, LargestKeyBlocksHaveATable) {
   Tunnel t;
   const std::string maximum = section(report_html(t.page), "maximum");
-  EXPECT_NE(maximum.find("A, B, C &amp; D</td><td>A, C &amp; D</td><td>roof</td><td>1</td><td>12.5</td>"), std::string::npos);
+  EXPECT_NE(maximum.find("A, B, C &amp; D</td><td>A, C &amp; D</td><td>roof</td><td>1</td><td>12.5</td>"),
+            std::string::npos);
   // What they are bounds of is said.
   EXPECT_NE(maximum.find("between two joints of one set are not among them"), std::string::npos);
   t.result.maximum_blocks.clear();

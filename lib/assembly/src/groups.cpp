@@ -125,7 +125,8 @@ namespace {
 /// One island.
 class Search final {
  public:
-  explicit Search(const Assembly& island) : island_{island}, taken_(island.bodies().size(), 0), counts_(island.contacts().size(), 1.0) {}
+  explicit Search(const Assembly& island)
+      : island_{island}, taken_(island.bodies().size(), 0), counts_(island.contacts().size(), 1.0) {}
 
   /// False when it stands without friction.
   bool run() {

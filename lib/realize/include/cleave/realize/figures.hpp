@@ -31,7 +31,8 @@ void fields(V& v, const SnappedJoint& x) {
 }
 template <class V>
 void fields(V& v, const CoarseSnap& x) {
-  v("polygons", x.polygons, "polygons with sides shorter than twice `snap`: their corners became one or passed each other");
+  v("polygons", x.polygons,
+    "polygons with sides shorter than twice `snap`: their corners became one or passed each other");
   v("shortest_m", x.shortest, "their shortest side; a `snap` of less than half of it keeps all polygons as they are");
   v("joint", x.joint, "whose side that is");
 }

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "cleave/core/sha256.hpp"
 #include "cleave/core/quantity.hpp"
+#include "cleave/core/sha256.hpp"
 #include "cleave/stochastic/intervals.hpp"
 #include "cleave/stochastic/moments.hpp"
 #include "cleave/stochastic/record.hpp"

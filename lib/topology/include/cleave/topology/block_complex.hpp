@@ -112,8 +112,8 @@ struct NearMisses {
   std::optional<JointId> other;  ///< from this joint; none: from the domain or an excavation
 };
 
-/// Polygons with sides shorter than twice CutInput::snap: their corners become one or pass each other, so that what they
-/// part may be other than what was meant. A `snap` of less than half the shortest keeps all of them as they are.
+/// Polygons with sides shorter than twice CutInput::snap: their corners become one or pass each other, so that what
+/// they part may be other than what was meant. A `snap` of less than half the shortest keeps all of them as they are.
 struct CoarseSnap {
   std::uint64_t polygons = 0;
   Length shortest;              ///< side
