@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -65,7 +66,7 @@ TEST_P(PlannedSize, BracketHoldsTheBlocksThatComeOut) {
   const auto blocks = static_cast<double>(result->complex->complex().blocks().size());
   EXPECT_LE(estimate.blocks_low, blocks);
   EXPECT_GE(estimate.blocks_high, blocks);
-  EXPECT_LE(estimate.blocks_high, 6 * blocks);
+  EXPECT_LE(estimate.blocks_high, std::max(6 * blocks, 4 * estimate.joints));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -75,7 +76,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Sized{"LargeRectangles",
                           random_sets("shape = \"rectangle\"\nsize = { distribution = \"normal\", mean = 30, std = 5 }",
                                       "p32 = 0.3")},
-                    Sized{"Discs", random_sets("shape = \"disc\"\nsize = 8", "p32 = 0.8")}),
+                    Sized{"Discs", random_sets("shape = \"disc\"\nsize = 8", "p32 = 0.8")},
+                    Sized{"DiscsThatHangLoosely", random_sets("shape = \"disc\"\nsize = 4", "p32 = 0.1")}),
     [](const auto& named) { return named.param.name; });
 
 /// What examples cost once on one machine: tests/golden/costs.py writes it anew.
