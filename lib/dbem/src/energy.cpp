@@ -34,4 +34,19 @@ double World::Impl::potential_of(const State& at) const {
   return sum;
 }
 
+double World::Impl::energy_brought_in(const std::vector<Touch>& list, const Island& island, const Rows& rows,
+                                      const ContactSolution& found, const State& after) const {
+  if (island.theta < 1) return 0;
+  double gain = 0, size = 0;
+  for (std::size_t k = 0; k < island.touches.size(); ++k) {
+    const JointLaw& law = law_of(list[island.touches[k]]);
+    if (law.restitution > 0 || law.compliance > 0) return 0;
+    gain += dot(found.impulse[k], velocity_of(rows, k, after));
+  }
+  for (const std::uint32_t b : island.bodies) {
+    size += shapes[b].mass * (dot(state.v[b], state.v[b]) + shapes[b].feature * norm(options.gravity));
+  }
+  return size > 0 ? gain / size : 0;
+}
+
 }  // namespace cleave::dbem
