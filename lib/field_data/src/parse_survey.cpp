@@ -228,7 +228,7 @@ class SurveyParser final {
           line.joints.push_back(in_.orientations.size());
           line.positions.push_back(*at);
           if (lengths) line.lengths.push_back(length_of(*file, *data, row));
-          in_.orientations.push_back({*normal, set_of_row(*data, row, ""), direction_at(line, *at), std::nullopt});
+          in_.orientations.push_back({*normal, set_of_row(*data, row, ""), line.direction_at(*at), std::nullopt});
         }
       } else if (at) {
         line.positions.push_back(*at);
@@ -376,14 +376,6 @@ class SurveyParser final {
   }
 
  private:
-  static Vec3 direction_at(const survey::LineSurvey& line, double position) {
-    for (const auto& [direction, length] : line.pieces) {
-      if (position <= length) return direction;
-      position -= length;
-    }
-    return line.pieces.back().first;
-  }
-
   /// Length of the trace that a row states, and how many of its ends were seen (column `ends`; none: both). No length:
   /// 0.
   survey::SeenLength length_of(const LoadedFile& file, const SurveyTable& table, const SurveyTable::Row& row) {

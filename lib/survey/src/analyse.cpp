@@ -17,31 +17,9 @@ namespace cleave::survey {
 
 using geometry::Vec3;
 
-double weight_of(const MeasuredOrientation& joint, double cap) {
-  const double weight = joint.line     ? terzaghi_weight(joint.normal, *joint.line, cap)
-                        : joint.window ? window_weight(joint.normal, *joint.window, 0, 1, 0, cap)
-                                       : 1.0;
-  return weight < cap || weight == 1 ? weight : (joint.line ? 2 : 1.5) * cap;
-}
-
-double LineSurvey::length() const noexcept {
-  double sum = 0;
-  for (const auto& [direction, piece] : pieces) sum += piece;
-  return sum;
-}
-
 namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
-
-/// The direction of the line where a position lies.
-Vec3 direction_at(const LineSurvey& line, double position) {
-  for (const auto& [direction, length] : line.pieces) {
-    if (position <= length) return direction;
-    position -= length;
-  }
-  return line.pieces.back().first;
-}
 
 class Analysis final {
  public:
@@ -259,7 +237,7 @@ class Analysis final {
         if (out_.set_of[line.joints[i]] == k) positions.push_back(line.positions[i]);
       }
       joints += positions.size();
-      const double cosine = std::abs(dot(set.orientation.mean, direction_at(line, line.length() / 2)));
+      const double cosine = std::abs(dot(set.orientation.mean, line.direction_at(line.length() / 2)));
       for (const double gap : gaps_of(std::move(positions))) set.gaps.push_back(gap * cosine);
     }
     const auto over_pieces = [&](auto&& cosine) {

@@ -41,6 +41,9 @@ struct LineSurvey {
       lengths;             ///< of the traces met, one a position where any was measured (length 0: not this one)
   Length truncation = {};  ///< shorter traces were not recorded
   [[nodiscard]] double length() const noexcept;
+  /// Unit direction of the line at this many metres from its start; of its last piece beyond the end. Precondition: a
+  /// piece.
+  [[nodiscard]] geometry::Vec3 direction_at(double position) const;
 };
 
 struct WindowSurvey {
