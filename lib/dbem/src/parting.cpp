@@ -121,6 +121,25 @@ bool World::Impl::add_missed(const Attempt& out, const std::vector<Clash>& clash
   return added;
 }
 
+/// Corners of which no line was known and that came in. True when a contact was added to the list.
+bool World::Impl::add_crossed(const Attempt& out, std::vector<Touch>& list) const {
+  bool added = false;
+  for (const CornerChoice& choice : choices) {
+    CornerChoice after = choice;
+    for (Touch* line : {&after.first, &after.last}) {
+      renew_touch(*line, corners_of(out.corners, line->i), corners_of(out.corners, line->j));
+    }
+    const std::uint32_t i = choice.first.i, j = choice.first.j;
+    const double rounding = 2 * contact_depth * std::min(shapes[i].feature, shapes[j].feature);
+    const std::optional<Touch> crossed = line_crossed(choice, after, rounding);
+    const auto known = [&](const Touch& other) { return key_of(other) == key_of(*crossed); };
+    if (!crossed || std::ranges::any_of(list, known)) continue;
+    list.push_back(*crossed);
+    added = true;
+  }
+  return added;
+}
+
 /// Takes up to `wanted` of kinetic energy from a group, all velocities by one factor: what touches still touches, what
 /// slides slides the same way. Returns what was taken; nothing where a support moves.
 double World::Impl::slow_down(const Island& island, const Rows& rows, double wanted, State& at) const {
