@@ -251,7 +251,8 @@ void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const 
 }
 
 std::optional<Touch> line_crossed(const CornerChoice& choice, const CornerChoice& after, double rounding) {
-  if (after.first.gap >= -rounding || after.last.gap >= -rounding) return std::nullopt;
+  const auto keeps = [&](const Touch& was, const Touch& is) { return is.gap >= std::min(was.gap, 0.0) - rounding; };
+  if (keeps(choice.first, after.first) || keeps(choice.last, after.last)) return std::nullopt;
   const double a = behind(choice.first.gap, after.first.gap, rounding).since;
   const double b = behind(choice.last.gap, after.last.gap, rounding).since;
   // Both at once, from corner on corner: the line that is less far behind takes the least away from the motion.

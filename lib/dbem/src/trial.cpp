@@ -40,6 +40,7 @@ std::optional<World::Impl::Failure> Trial::run() {
     if (auto failed = move()) return failed;
     if (auto failed = look()) return failed;
     if (out_.report.retries >= most_rounds || !contacts_came_up()) break;
+    if (w_.wake(list_, std::numeric_limits<double>::infinity())) return Failure{0, "", 1};
     ++out_.report.retries;
   }
   note_contacts();

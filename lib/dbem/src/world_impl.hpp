@@ -249,6 +249,10 @@ struct World::Impl {
 
   // parting.cpp
   bool project(Attempt& out, Work& work) const;  // false: nothing could be parted
+  bool part_group(Island& island, Attempt& out, Work& work) const;
+  [[nodiscard]] ContactProblem parting_problem(const std::vector<Touch>& list, const Island& island,
+                                               const Rows& rows) const;
+  void keep_angular_momentum(const Island& island, double turned, State& at) const;
   double slow_down(const Island& island, const Rows& rows, double wanted, State& at) const;
   bool add_missed(const Attempt& out, const std::vector<Clash>& clashes, std::vector<Touch>& list) const;
   bool add_crossed(const Attempt& out, std::vector<Touch>& list) const;

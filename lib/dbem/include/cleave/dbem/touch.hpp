@@ -87,7 +87,7 @@ void find_touches(const Placed& i, const Placed& j, const Reach& reach, const Dr
 void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const Vec2> corners_j);
 
 /// The line of a choice that was crossed last on the way from the gaps it was made with to those of `after`: the two
-/// corners have come in there. Nothing while one line keeps them apart but for `rounding`.
+/// corners have come in there, or farther in. Nothing while one line holds but for `rounding`.
 [[nodiscard]] std::optional<Touch> line_crossed(const CornerChoice& choice, const CornerChoice& after, double rounding);
 
 /// The edge of a polygon that moves from `before` to `after` which a point moving from `from` to `to` crosses first
