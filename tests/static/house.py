@@ -121,7 +121,6 @@ own_use = {
     "cleave/survey/size.hpp": "part of survey/analyse.hpp",
     "cleave/survey/fit.hpp": "part of survey/analyse.hpp",
     "cleave/survey/traces.hpp": "part of survey/analyse.hpp",
-    "cleave/topology/ranges.hpp": "part of topology/block_complex.hpp",
 }
 most_public = 120
 

@@ -13,6 +13,7 @@
 #include "cleave/core/fields.hpp"
 #include "cleave/core/id.hpp"
 #include "cleave/core/quantity.hpp"
+#include "cleave/facets/cut_input.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/realize/figures.hpp"
 #include "cleave/realize/motion.hpp"
@@ -26,8 +27,7 @@
 #include "cleave/stability/sensitivity.hpp"
 #include "cleave/stability/support.hpp"
 #include "cleave/topology/audit.hpp"
-#include "cleave/topology/cut_input.hpp"
-#include "cleave/topology/ids.hpp"
+#include "cleave/topology/block_complex.hpp"
 
 namespace cleave::scene {
 

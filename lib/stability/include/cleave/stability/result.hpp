@@ -9,7 +9,7 @@
 #include "cleave/core/quantity.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/stability/rotation.hpp"
-#include "cleave/topology/ids.hpp"
+#include "cleave/topology/block_complex.hpp"
 
 namespace cleave::stability {
 

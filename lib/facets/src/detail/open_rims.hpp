@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "cleave/facets/prepared.hpp"
 #include "detail/joint_polygon.hpp"
-#include "detail/prepared.hpp"
 #include "detail/shared_corners.hpp"
 
 namespace cleave::topology::detail {

@@ -8,7 +8,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "cleave/core/disjoint_sets.hpp"
-#include "detail/prepared.hpp"
+#include "cleave/facets/prepared.hpp"
 
 namespace cleave::topology::detail {
 

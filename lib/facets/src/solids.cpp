@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
+#include "cleave/exact/predicates.hpp"
 #include "cleave/geometry/triangulate.hpp"
-#include "detail/position.hpp"
 
 namespace cleave::topology::detail {
 namespace {
@@ -91,7 +91,7 @@ std::optional<Index> add_half_spaces(const geometry::Solid& solid, std::span<con
     const auto exact_corner = exact::fixed_meet(p, q, r);
     if (!exact_corner) return Index{0};
     exact_corners[v] = *exact_corner;
-    corners[v] = meet_position(exact::meet(exact::line_of(p, q), r), p, q, r);
+    corners[v] = exact::meet_position(exact::meet(exact::line_of(p, q), r), p, q, r);
   }
   if (owner == Owner::domain) {
     for (const auto& face : faces) {

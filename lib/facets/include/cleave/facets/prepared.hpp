@@ -12,8 +12,7 @@
 #include "cleave/exact/fixed.hpp"
 #include "cleave/exact/lattice.hpp"
 #include "cleave/exact/plane.hpp"
-#include "cleave/topology/block_complex.hpp"
-#include "cleave/topology/cut.hpp"
+#include "cleave/facets/cut_input.hpp"
 
 /// Stage 1 of the cutter: the input on the lattice, as distinct planes and convex facets on them.
 ///
@@ -85,7 +84,7 @@ struct Prepared {
   /// What bounds the domain, or the window when there is one: triangles, counter-clockwise seen from outside.
   std::vector<std::array<exact::FixedPoint, 3>> domain_surface;
   bool windowed = false;
-  double largest_snap = 0;  ///< m
+  Length largest_snap;
   CoarseSnap coarse_snap;
   NearMisses open_rims;  ///< slits within a surface
   std::uint64_t merged_planes = 0, adopted_edges = 0;

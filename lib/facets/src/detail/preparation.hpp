@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "cleave/core/expected.hpp"
+#include "cleave/facets/prepared.hpp"
 #include "detail/domain_touch.hpp"
 #include "detail/extents.hpp"
 #include "detail/facet_builder.hpp"
 #include "detail/folds.hpp"
 #include "detail/joint_polygon.hpp"
-#include "detail/prepared.hpp"
 #include "detail/shared_corners.hpp"
 #include "detail/snapping.hpp"
 
@@ -53,7 +53,7 @@ class Preparation {
     CLEAVE_CHECK(terminate());
     builder_.finish();
     out_.keep_dangling = input_.keep_dangling;
-    out_.largest_snap = snapper_.largest_move();
+    out_.largest_snap = metres(snapper_.largest_move());
     out_.coarse_snap = snapper_.coarse();
     out_.merged_planes = snapper_.merged_planes();
     out_.adopted_edges = snapper_.adopted_edges();

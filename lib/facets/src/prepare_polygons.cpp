@@ -3,8 +3,8 @@
 #include <limits>
 #include <utility>
 
+#include "cleave/facets/gaps.hpp"
 #include "detail/folds.hpp"
-#include "detail/gaps.hpp"
 #include "detail/hanging_corners.hpp"
 #include "detail/open_rims.hpp"
 #include "detail/overlaps.hpp"

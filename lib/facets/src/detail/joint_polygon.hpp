@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "cleave/facets/prepared.hpp"
 #include "detail/lattice_polygon.hpp"
-#include "detail/prepared.hpp"
 
 namespace cleave::topology::detail {
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/facets/prepared.hpp"
 #include "detail/convex_pieces.hpp"
 #include "detail/holes.hpp"
 #include "detail/lattice_polygon.hpp"
-#include "detail/prepared.hpp"
 
 namespace cleave::topology::detail {
 

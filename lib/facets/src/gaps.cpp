@@ -1,4 +1,4 @@
-#include "detail/gaps.hpp"
+#include "cleave/facets/gaps.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <expected>
 
-#include "cleave/topology/cut.hpp"
+#include "cleave/facets/cut_input.hpp"
 
 namespace cleave::topology::detail {
 

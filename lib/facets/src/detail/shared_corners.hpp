@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/facets/prepared.hpp"
 #include "detail/lattice_polygon.hpp"
-#include "detail/prepared.hpp"
 
 namespace cleave::topology::detail {
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "detail/prepared.hpp"
+#include "cleave/facets/prepared.hpp"
 
 namespace cleave::topology::detail {
 
