@@ -172,7 +172,7 @@ void fields(V& v, const BoltRow& x) {
   v("y", x.b.bolt.collar.y);
   v("z", x.b.bolt.collar.z);
   direction_fields(v, x.b.bolt.direction, "direction_x", "direction_y", "direction_z");
-  v("length_m", x.b.bolt.length);
+  v("length_m", x.b.bolt.length.si());
   v("status", name(x.b.status), "whether it holds a block, is redundant, too short or pierces nothing");
   v("limit", when(x.b.capacity > 0, name(x.b.limit)), "what its capacity is limited by");
   v("serves", x.b.serves, "the block that takes most of it");

@@ -16,11 +16,11 @@ struct RingPattern {
   geometry::Vec3 up{0, 0, 1};
   std::vector<std::array<double, 2>> outline;
   std::array<double, 2> arc{-120, 120};
-  double along = 1, around = 1;                ///< m
-  double offset_along = 0, offset_around = 0;  ///< m of the first ring and of the first bolt of a ring
-  bool stagger = false;                        ///< every second ring half a spacing further round
-  double inclination = 0;                      ///< degrees from the normal towards the axis's end
-  double length = 3;
+  Length along = metres(1), around = metres(1);
+  Length offset_along, offset_around;  ///< of the first ring and of the first bolt of a ring
+  bool stagger = false;                ///< every second ring half a spacing further round
+  double inclination = 0;              ///< degrees from the normal towards the axis's end
+  Length length = metres(3);
   BoltType type;
   std::uint32_t group = 0, after_stage = 0;
 };
@@ -32,12 +32,12 @@ struct RingPattern {
 struct GridPattern {
   geometry::Vec3 corner;
   geometry::Vec3 across, down;  ///< unit, in the plane
-  double width = 0, height = 0;
-  double spacing_across = 1, spacing_down = 1;
-  double offset_across = 0, offset_down = 0;
+  Length width, height;
+  Length spacing_across = metres(1), spacing_down = metres(1);
+  Length offset_across, offset_down;
   bool stagger = false;
   geometry::Vec3 direction;  ///< unit, into the rock
-  double length = 3;
+  Length length = metres(3);
   BoltType type;
   std::uint32_t group = 0, after_stage = 0;
 };

@@ -49,7 +49,7 @@ using NearError = std::variant<topology::CutError, topology::Certificate>;
 
 /// What is asked of the same window beside the analysis.
 struct NearMore {
-  double depth = 0;  ///< m: how far behind free faces the first window goes at least (the longest bolt)
+  Length depth;  ///< how far behind free faces the first window goes at least (the longest bolt)
   /// Looks at a window in which the analysis is decided; returns the truncated blocks that its own answer depends on,
   /// none when it stands.
   std::function<std::vector<topology::BlockId>(const topology::AuditedComplex&, const Analysis&)> undecided = {};
