@@ -9,7 +9,6 @@
 #include "audited.hpp"
 #include "cleave/geometry/solid.hpp"
 #include "cleave/stability/analyse.hpp"
-#include "cleave/stability/held_from_within.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/cut.hpp"
 #include "handmade.hpp"

@@ -8,8 +8,7 @@
 
 #include "audited.hpp"
 #include "cleave/geometry/solid.hpp"
-#include "cleave/stability/bolt_patterns.hpp"
-#include "cleave/stability/sensitivity.hpp"
+#include "cleave/stability/analyse.hpp"
 #include "cleave/stability/support.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/cut.hpp"
@@ -332,7 +331,7 @@ TEST(SupportTest, FallingBlockHangsOnItsBolts) {
   EXPECT_NEAR(result.blocks[0].factor_with_bolts, 1.555021, 1e-6);
   EXPECT_NEAR(result.blocks[0].required_pressure, 1.5 * 120 / 4, 1e-6);
   EXPECT_NEAR(result.blocks[0].required_force, 1.5 * 120, 1e-6);
-  EXPECT_EQ(result.blocks[0].free_area, 4);
+  EXPECT_EQ(result.blocks[0].free_area.si(), 4);
 }
 
 TEST(SupportTest, ShotcreteHoldsSmallFacesByTheirPerimeter) {

@@ -9,7 +9,7 @@
 
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
-#include "cleave/stochastic/intervals.hpp"
+#include "cleave/stochastic/statistics.hpp"
 #include "judge.hpp"
 
 namespace cleave::scene {

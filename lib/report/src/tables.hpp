@@ -205,7 +205,7 @@ void fields(V& v, const SupportBlockRow& x) {
   v("missing_force_n", x.b.missing_force);
   v("required_force_n", x.b.required_force);
   v("required_pressure_pa", x.b.required_pressure);
-  v("free_area_m2", x.b.free_area);
+  v("free_area_m2", x.b.free_area.si());
   v("shotcrete_thickness_m", x.b.needed_thickness, "that would hold the block alone");
   v("received_n", x.b.received, "what blocks of later batches pass to it");
   v("own_pressure_pa", x.b.own_pressure, "required_pressure_pa without that");

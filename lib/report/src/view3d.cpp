@@ -9,10 +9,10 @@
 #include <memory>
 #include <utility>
 
+#include "cleave/exchange/exports.hpp"
 #include "cleave/exchange/json.hpp"
 #include "cleave/exchange/polygons.hpp"
 #include "cleave/exchange/text.hpp"
-#include "cleave/exchange/vtu.hpp"
 
 namespace cleave::report {
 namespace {

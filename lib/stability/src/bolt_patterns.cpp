@@ -1,4 +1,4 @@
-#include "cleave/stability/bolt_patterns.hpp"
+#include "cleave/stability/support.hpp"
 
 #include <algorithm>
 #include <cmath>

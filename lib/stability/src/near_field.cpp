@@ -1,4 +1,4 @@
-#include "cleave/stability/near_field.hpp"
+#include "cleave/stability/analyse.hpp"
 
 #include <algorithm>
 #include <cmath>

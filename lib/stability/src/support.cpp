@@ -132,11 +132,11 @@ class Check final {
       for (const FaceId face_id : block.faces) {
         const Face& face = complex_->faces()[face_id];
         if (face.role != topology::Role::free) continue;
-        entry.free_area += face.area.si();
+        entry.free_area += face.area;
         push -= face.area.si() * face.outward;
       }
-      entry.small = square_metres(entry.free_area) < plan_->spot_area;
-      if (norm(push) > 1e-9 * entry.free_area) entry.free_outward = -push / norm(push);
+      entry.small = entry.free_area < plan_->spot_area;
+      if (norm(push) > 1e-9 * entry.free_area.si()) entry.free_outward = -push / norm(push);
       entry.required_direction = best_direction(*body);
       const double most = 1.05 * body->target * body->bare.driving;
       entry.required_force = least_multiple(*body, most * entry.required_direction, most);
@@ -262,8 +262,7 @@ class Check final {
       entry.missing_force = more ? most * more->share : infinite;
     };
     look();
-    if (result_.blocks[i].held == Held::not_held && plan_->spot &&
-        square_metres(result_.blocks[i].free_area) >= plan_->spot_area)
+    if (result_.blocks[i].held == Held::not_held && plan_->spot && result_.blocks[i].free_area >= plan_->spot_area)
       place_spot_bolts(result_.blocks[i], look);
     if (plan_->factors) result_.blocks[i].factor_with_support = factor_with(body, help, *settings_);
   }

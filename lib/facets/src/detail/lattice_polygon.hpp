@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "cleave/exact/lattice.hpp"
 #include "cleave/exact/plane.hpp"
 
 namespace cleave::topology::detail {

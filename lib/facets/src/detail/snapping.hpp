@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/exact/lattice.hpp"
+#include "cleave/exact/plane.hpp"
 #include "cleave/geometry/box_tree.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "detail/joint_polygon.hpp"

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/exact/lattice.hpp"
+#include "cleave/exact/plane.hpp"
 
 namespace cleave::topology::detail {
 

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "cleave/exact/fixed.hpp"
-#include "cleave/exact/lattice.hpp"
 #include "cleave/exact/plane.hpp"
 #include "cleave/facets/cut_input.hpp"
 

@@ -43,7 +43,7 @@ struct Surcharge {
   FreeSurface on = AnyFreeFace{};
   std::optional<Box> within = {};
   geometry::Vec3 traction = {};  ///< Pa
-  Stress pressure;
+  Stress pressure = {};
 };
 
 /// A force at a point of a free face; a free face must lie within `reach`.
