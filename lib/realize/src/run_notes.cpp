@@ -239,11 +239,23 @@ void add_border_note(const stability::DomainHeld& held, std::vector<std::string>
 }  // namespace
 
 void add_excavation_notes(const std::vector<ExcavationInfo>& excavations, std::vector<std::string>& notes) {
+  const auto lies_outside = [](const ExcavationInfo& info) { return info.outside_share.value_or(0) > 0; };
+  const auto outside = std::ranges::count_if(excavations, lies_outside);
+  if (outside == 1) {
+    const auto info = std::ranges::find_if(excavations, lies_outside);
+    notes.push_back(fmt::format("{}: {:.3g} % of it lies outside the domain; it removes {:.6g} m3 of rock", info->name,
+                                100 * *info->outside_share, info->taken.removed.si()));
+  } else if (outside > 1) {
+    const auto share = [](const ExcavationInfo& info) { return info.outside_share.value_or(0); };
+    const auto most = std::ranges::max_element(excavations, {}, share);
+    double removed = 0;
+    for (const ExcavationInfo& info : excavations) removed += lies_outside(info) ? info.taken.removed.si() : 0;
+    notes.push_back(
+        fmt::format("{} openings lie partly outside the domain, up to {:.3g} % of one ({}); they remove {:.6g} m3 of "
+                    "rock: the list of excavations has the share of each",
+                    outside, 100 * *most->outside_share, most->name, removed));
+  }
   for (const ExcavationInfo& info : excavations) {
-    if (info.outside_share.value_or(0) > 0) {
-      notes.push_back(fmt::format("{}: {:.3g} % of it lies outside the domain; it removes {:.6g} m3 of rock", info.name,
-                                  100 * *info.outside_share, info.taken.removed.si()));
-    }
     if (info.taken.inside.si() > 0 && !(info.taken.removed.si() > 0)) {
       notes.push_back(fmt::format("{}: removes no rock that the openings before it have left", info.name));
     }
