@@ -215,12 +215,7 @@ RunResult run_of(const std::string& text) {
   const Scene scene = scene_of(text);
   StageTimer timer;
   Progress progress{ProgressStyle::quiet};
-  auto result = run(scene, {.threads = 1}, timer, progress);
-  if (!result) {
-    ADD_FAILURE() << "the scene does not run";
-    return {};
-  }
-  return std::move(*result);
+  return run(scene, {.threads = 1}, timer, progress).value();
 }
 
 std::size_t notes_with(const RunResult& result, std::string_view text) {
