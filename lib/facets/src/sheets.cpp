@@ -100,17 +100,20 @@ class Sheets {
 
  private:
   /// Where polygons lie on one another beyond a side that they share, as where a corner was moved past another: layers
-  /// of one plane would have no order about that side, so all of them are cut and shown on planes of their own.
+  /// of one plane would have no order about that side, so all of them are cut and shown on planes of their own; so are
+  /// polygons that cross themselves.
   void leave_out_turned_back() {
     std::vector<std::size_t> layers, found;
     for (std::size_t k = 0; k < polygons_.size(); ++k) {
       if (taken_[k] != 0) continue;
-      SideUsers::for_each_side(polygons_[k], [&](LatticePoint a, LatticePoint b) {
+      const JointPolygon& entry = polygons_[k];
+      if (entry.folded && !entry.polygon.convex && crosses_itself(entry.corners)) found.push_back(k);
+      SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) {
         bool turned_back = false;
         layers.assign(1, k);
         for (const auto& [side, user] : users_.of(a, b)) {
           if (user == k || taken_[user] != 0) continue;
-          const int sense = sense_beside(polygons_[k], polygons_[user], a, b);
+          const int sense = sense_beside(entry, polygons_[user], a, b);
           if (sense != 0) layers.push_back(user);
           turned_back = turned_back || sense > 0;
         }
