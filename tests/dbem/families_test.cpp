@@ -55,9 +55,17 @@ TEST(ContactEnergyTest, HeavyBlocksOnLightOnesBringInNoEnergy) {
 // ran into and pushed into another sleeper, which nobody looked at: 4e-5 of its size, called converged.
 TEST(OverlapSceneTest, ACornerOnTheCornerOfASleeperWakesIt) {
   for (const std::uint64_t seed : {21582U, 21901U}) {
-    const ContactOutcome outcome = run_contact_scene(make_contact_scene(ContactFamily::lattice, seed));
+    const ContactScene scene = make_contact_scene(ContactFamily::lattice, seed);
+    const ContactOutcome outcome = run_contact_scene(scene);
     EXPECT_FALSE(outcome.stopped) << outcome.why;
     EXPECT_LT(outcome.overlap, 1e-6) << seed;
+    World world = make(scene.bodies, scene.laws, scene.options);
+    while (world.time() < scene.until * (1 - 1e-12)) {
+      ASSERT_TRUE(world.step(scene.until - world.time()).has_value());
+      for (std::size_t b = 0; b < world.size(); ++b) {
+        ASSERT_TRUE(!world.asleep(b) || world.velocity(b) == Vec2{}) << seed << ' ' << world.time();
+      }
+    }
   }
 }
 
