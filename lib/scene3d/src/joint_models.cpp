@@ -48,7 +48,7 @@ bool takes(std::size_t model, string_view key) {
     case 6:
       return key == "share" || key == "min_corners" || key == "min_angle" || key == "max_elongation" ||
              key == "zones" || key == "shift" || key == "rotation_kappa";
-    case 7: return key == "gaps" || key == "bridge";
+    case 7: return key == "gaps" || key == "bridge" || key == "through";
     default: return false;
   }
 }
@@ -110,7 +110,10 @@ std::vector<Key> model_keys() {
           {"rotation_kappa", key::number(rule::kappa), "", "kappa of a Fisher rotation of each polygon (`mit`)",
            "turn_kappa"},
           {"gaps", key::either({key::word<dfn::Orthogonal::Gaps>(), key::table(&gap_keys)}), "\"poisson\"",
-           "distances of the planes: a law, or `{ distribution, variation }` (`orthogonal`)"},
+           "distances of the planes: a law (`constant`: regular ones), or `{ distribution, variation }`; with it a set of "
+           "persistent joints is `orthogonal`"},
+          {"through", key::vector(rule::coordinate), "",
+           "m, a point that one of the planes passes, for `gaps = \"constant\"`; without it the first lies at random"},
           {"bridge", size_type(), "the law of `size`", "m, rock between the joints of a row (`orthogonal`)"}};
 }
 
@@ -121,6 +124,10 @@ std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& o
     if (!word) return std::nullopt;
     model = *word;
   }
+  const TomlEntry* size = set.find("size");
+  const bool persistent = size != nullptr && std::holds_alternative<std::string>(size->node.value);
+  // Endless joints with a law of gaps are parallel planes.
+  if (model == 0 && persistent && set.has("gaps")) model = 7;
   for (const Key& own_key : model_keys()) {
     const string_view key = own_key.name;
     if (key == "probability" && model == 0) continue;
@@ -190,13 +197,12 @@ std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& o
         }
       }
       // Without a law of their own, bridges are as long as joints.
-      const TomlEntry* size = set.find("size");
-      const bool persistent = size != nullptr && std::holds_alternative<std::string>(size->node.value);
       if (set.has("bridge")) {
         orthogonal.bridge = parse_size(set, "bridge");
       } else if (size != nullptr && !persistent) {
         orthogonal.bridge = parse_size(set, "size");
       }
+      orthogonal.through = set.vec3("through");
       return orthogonal;
     }
     default: return dfn::Baecher{};

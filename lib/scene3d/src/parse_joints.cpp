@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "attitude_keys.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/geometry/polygon_holes.hpp"
@@ -19,20 +20,14 @@ namespace {
 using std::string_view;
 
 const KeyTable& disc_keys() {
-  static const KeyTable keys{
-      .name = "joint.disc",
-      .keys = {{"centre", key::vector(rule::coordinate), required, "m"},
-               {"dip", key::number(rule::dip), required, "degrees"},
-               {"dip_direction", key::number(rule::dip_direction), required, "degrees"},
-               {"radius", key::number(rule::length), required, "m"},
-               {"sides", key::whole(3, 1024), "32", "of the regular polygon of the disc's area"}}};
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "joint.disc", .keys = {{"centre", key::vector(rule::coordinate), required, "m"}}};
+    for (Key& key : attitude_keys(true)) table.keys.push_back(std::move(key));
+    table.keys.push_back({"radius", key::number(rule::length), required, "m"});
+    table.keys.push_back({"sides", key::whole(3, 1024), "32", "of the regular polygon of the disc's area"});
+    return table;
+  }();
   return keys;
-}
-
-std::optional<geometry::Attitude> parse_attitude(const Context& context, const TableReader& table) {
-  const auto dip = table.need_number("dip"), direction = table.need_number("dip_direction");
-  if (!dip || !direction) return std::nullopt;
-  return geometry::Attitude{Dip::degrees(*dip), context.turned(*direction)};
 }
 
 using Geometry = std::variant<topology::Joint, topology::PersistentJoint>;
@@ -158,10 +153,12 @@ OwnStrength parse_own_strength(const TableReader& joint, bool is_file) {
 }  // namespace
 
 const KeyTable& plane_keys() {
-  static const KeyTable keys{.name = "plane",
-                             .keys = {{"through", key::vector(rule::coordinate), required, "m, a point of the plane"},
-                                      {"dip", key::number(rule::dip), required, "degrees"},
-                                      {"dip_direction", key::number(rule::dip_direction), required, "degrees"}}};
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "plane",
+                   .keys = {{"through", key::vector(rule::coordinate), required, "m, a point of the plane"}}};
+    for (Key& key : attitude_keys(true)) table.keys.push_back(std::move(key));
+    return table;
+  }();
   return keys;
 }
 
@@ -172,9 +169,9 @@ const KeyTable& joint_keys() {
                 "`.obj`: each face one joint; `.csv`: each row one joint (below); `.stl`, `.ply`: the whole surface "
                 "one joint; `.dxf`, `.ts`, `.fab`, `.dat`: polygons and surfaces ([formats](formats.md))"},
                {"plane", key::table(&plane_keys), "",
-                "`{ through, dip, dip_direction }`: persistent: cuts the whole domain"},
+                "`{ through, dip, dip_direction }` (or `trend`, `plunge` of the pole): persistent: cuts the whole domain"},
                {"disc", key::table(&disc_keys), "",
-                "`{ centre, dip, dip_direction, radius, sides = 32 }`: regular polygon of the disc's area"},
+                "`{ centre, dip, dip_direction, radius, sides = 32 }` (or `trend`, `plunge`): regular polygon of the disc's area"},
                {"polygon", key::points(), "", "`[[x, y, z], ...]`: simple, planar, convex or not"},
                {"holes", key::array(key::points()), "",
                 "beside `polygon`: outlines of holes in its plane, strictly inside it and apart from each other"},

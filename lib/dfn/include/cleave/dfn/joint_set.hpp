@@ -53,9 +53,10 @@ using Shape = std::variant<Rectangle, Square, Disc, Ellipse, RegularPolygon, Per
 // ---- intensity ------------------------------------------------------------------------------------------------------
 
 /// Exactly this many joints, centres uniform in the domain's box; in a larger box (`JointSetSpec::buffer`) as many more
-/// as it is larger, so that the density stays.
+/// as it is larger, so that the density stays, or so many in all of it (`in_buffer`).
 struct Count {
   std::uint64_t joints = 0;
+  bool in_buffer = false;
 };
 /// Joint area per volume (1/m). This and the next three draw a Poisson number of joints in the domain's box grown by
 /// the largest half extent of a joint on all sides (planes: in the smallest ball around the box), so the domain has no

@@ -76,6 +76,8 @@ struct Orthogonal {
   Gaps gaps = Gaps::poisson;
   double gap_variation = 0.5;     ///< standard deviation / mean of lognormal gaps
   std::optional<SizeLaw> bridge;  ///< intact rock between two joints of a row
+  /// A point that one of the planes passes; none: the place of the first is random, too.
+  std::optional<geometry::Vec3> through = {};
 };
 
 using Model = std::variant<Baecher, EnhancedBaecher, Veneziano, Dershowitz, Mosaic, Hierarchical, Mit, Orthogonal>;
