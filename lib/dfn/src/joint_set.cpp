@@ -276,6 +276,9 @@ std::expected<JointSet, JointSetError> JointSet::make(JointSetSpec spec) {
   const double share = share_of(spec);
   std::expected<JointSet, JointSetError> set{JointSet{std::move(spec)}};
   set->area_share_ = share;
+  if (std::holds_alternative<P10>(set->spec_.intensity) || std::holds_alternative<Spacing>(set->spec_.intensity)) {
+    set->mean_cosine_ = set->find_mean_cosine();
+  }
   return set;
 }
 
@@ -285,7 +288,9 @@ double JointSet::mean_area() const noexcept { return detail::mean_area(spec_.sha
 
 double JointSet::reach() const noexcept { return detail::reach(spec_.shape); }
 
-double JointSet::mean_cosine() const noexcept {
+double JointSet::mean_cosine() const noexcept { return mean_cosine_ ? *mean_cosine_ : find_mean_cosine(); }
+
+double JointSet::find_mean_cosine() const noexcept {
   if (const auto* fisher = std::get_if<FisherOrientation>(&spec_.orientation)) {
     const double k = fisher->kappa;  // 1 - tanh(k/2)/k
     return k < 1e-3 ? 0.5 + k * k / 24 : 1 - std::tanh(k / 2) / k;

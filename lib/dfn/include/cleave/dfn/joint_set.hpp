@@ -125,7 +125,7 @@ class JointSet final {
   /// limit count up to their quantile 1 - 1e-6.
   [[nodiscard]] double reach() const noexcept;
   /// E |n . mean normal|: turns P10 into P32. Closed form for Fisher's law, else the mean over 2^16 points of a fixed
-  /// low-discrepancy sequence (error below 1e-4; some milliseconds).
+  /// low-discrepancy sequence (error below 1e-4; some milliseconds, but for intensities along a line once a set).
   [[nodiscard]] double mean_cosine() const noexcept;
   /// Joint area per volume that the intensity asks for (1/m); for Count joints in `volume` (m3).
   [[nodiscard]] double expected_p32(double volume) const noexcept;
@@ -137,8 +137,10 @@ class JointSet final {
 
  private:
   explicit JointSet(JointSetSpec spec) : spec_{std::move(spec)} {}
+  [[nodiscard]] double find_mean_cosine() const noexcept;
   JointSetSpec spec_;
   double area_share_ = 1;
+  std::optional<double> mean_cosine_;  ///< of intensities along a line, which need it in every draw
 };
 
 }  // namespace cleave::dfn
