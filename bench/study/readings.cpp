@@ -1,8 +1,8 @@
 /// Study "readings": which reading of the text of Fu (2014) comes nearest to all that its sections 4.5.2, 4.5.3, 5.2.1,
 /// 5.3 and 5.4 print. Problems are these sections (and `all`), methods the readings, the setting a figure; `error` is
 /// |ln(printed/ours)|, `condition` our figure. Rows of `all`: `error` is what no reading explains (the spread that is
-/// left between printed and ours, of logarithms), `condition` the logarithm of the likelihood. The best readings are run
-/// again with more realizations; the table of the best one is printed last.
+/// left between printed and ours, of logarithms), `condition` the logarithm of the likelihood. The best readings are
+/// run again with more realizations; the table of the best one is printed last.
 
 #include "readings.hpp"
 

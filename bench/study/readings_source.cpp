@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
-#include <array>
 #include <limits>
 #include <sstream>
 
@@ -66,22 +66,53 @@ std::string size_line(std::string_view scene_size, const Section& section, const
 std::string Reading::label() const {
   constexpr std::array<std::string_view, 4> limit_names{"redrawn", "clamped", "no limits", "upper limit"};
   return fmt::format("{}; box {}; {}; {}", extent > 1 ? "half sides and radii" : "sides and diameters", box,
-                     limit_names.at(static_cast<std::size_t>(limits)), density ? "number in the domain" : "number in the box");
+                     limit_names.at(static_cast<std::size_t>(limits)),
+                     density ? "number in the domain" : "number in the box");
 }
 
 const std::vector<Section>& sections() {
   static const std::vector<Section> all{
-      {"4.5.2 tunnel", "tunnel/tunnel.toml", 1, {}, 13, false,
+      {"4.5.2 tunnel",
+       "tunnel/tunnel.toml",
+       1,
+       {},
+       13,
+       false,
        {{"blocks", blocks, 4458}, {"batches", batches, 5}, {"first batch: key blocks", first, 10}}},
-      {"4.5.3 powerhouse", "powerhouse/powerhouse.toml", 1, {}, 107, false,
+      {"4.5.3 powerhouse",
+       "powerhouse/powerhouse.toml",
+       1,
+       {},
+       107,
+       false,
        {{"blocks", blocks, 7511}, {"batches", batches, 6}, {"first batch: key blocks", first, 18}}},
-      {"5.2.1 four tunnels", "four_tunnels/four_tunnels.toml", 1, {}, 21, false,
+      {"5.2.1 four tunnels",
+       "four_tunnels/four_tunnels.toml",
+       1,
+       {},
+       21,
+       false,
        {{"batches", batches, 41}, {"key blocks", keys, 247}, {"first batch: key blocks", first, 19}}},
-      {"5.3 small", "thesis_tunnel/small.toml", 60, {13, 13, 13}, 0, true,
+      {"5.3 small",
+       "thesis_tunnel/small.toml",
+       60,
+       {13, 13, 13},
+       0,
+       true,
        table({{{1295, 257}, {191, 37}, {29, 24}, {313, 382}, {10, 13}, {7, 5}, {32, 35}, {5, 5}}})},
-      {"5.3 medium", "thesis_tunnel/medium.toml", 60, {13, 13, 13}, 0, true,
+      {"5.3 medium",
+       "thesis_tunnel/medium.toml",
+       60,
+       {13, 13, 13},
+       0,
+       true,
        table({{{2925, 411}, {83, 12}, {112, 126}, {1879, 3448}, {13, 13}, {13, 6}, {41, 42}, {3, 4}}})},
-      {"5.4 Jinping", "jinping_entrance/jinping_entrance.toml", 120, {80, 30}, 0, false,
+      {"5.4 Jinping",
+       "jinping_entrance/jinping_entrance.toml",
+       120,
+       {80, 30},
+       0,
+       false,
        table({{{2358, 475}, {116, 28}, {418, 276}, {15698, 10095}, {41, 16}, {47, 47}, {580, 760}, {14, 14}}})},
   };
   return all;
@@ -116,7 +147,8 @@ std::vector<Compared> compare(const Section& section, const std::vector<Record>&
   for (const Printed& figure : section.figures) {
     std::vector<double> values;
     for (const Record& r : records) {
-      if (const double v = figure.of(r); r.outcome == stochastic::Outcome::done && std::isfinite(v)) values.push_back(v);
+      if (const double v = figure.of(r); r.outcome == stochastic::Outcome::done && std::isfinite(v))
+        values.push_back(v);
     }
     const double n = number(values.size());
     if (values.size() < 2) continue;
@@ -137,7 +169,8 @@ std::vector<Compared> compare(const Section& section, const std::vector<Record>&
                    mean * std::exp(half), std::log(figure.mean / mean), std::sqrt(printed_variation + variation / n)});
     if (!figure.std) continue;
     const double kurtosis = std::max(3.0, fourth / (std * std * std * std));
-    const double of_std = std::sqrt((kurtosis - 1) / 4 / n), of_printed = std::sqrt((kurtosis - 1) / 4 / section.realizations);
+    const double of_std = std::sqrt((kurtosis - 1) / 4 / n),
+                 of_printed = std::sqrt((kurtosis - 1) / 4 / section.realizations);
     all.push_back({std::string{section.name}, std::string{figure.name} + ": standard deviation", *figure.std, std,
                    std * std::exp(-1.96 * of_std), std * std::exp(1.96 * of_std), std::log(*figure.std / std),
                    std::hypot(of_std, of_printed)});

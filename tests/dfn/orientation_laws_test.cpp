@@ -37,14 +37,15 @@ TEST(DawsonTest, AgreesWithItsTable) {  // Abramowitz & Stegun (1964), table 7.5
 }
 
 struct Shares {
-  double first = 0, second = 0, cosine = 0;  ///< E (n.v1)^2, E (n.v2)^2, E |n.v3|
+  double first = 0, second = 0, cosine = 0;     ///< E (n.v1)^2, E (n.v2)^2, E |n.v3|
   std::array<std::array<double, 6>, 8> bins{};  ///< azimuth, cosine
 };
 
 constexpr std::array<double, 7> steps_of(double k) {
   // Cosines that part the law in pieces of some size, however narrow it is.
   std::array<double, 7> c{0, 0, 0, 0, 0, 0, 1};
-  for (std::size_t i = 1; i < 6; ++i) c[i] = k > 4 ? 1 - (6 - static_cast<double>(i)) * 0.6 / k : static_cast<double>(i) / 6;
+  for (std::size_t i = 1; i < 6; ++i)
+    c[i] = k > 4 ? 1 - (6 - static_cast<double>(i)) * 0.6 / k : static_cast<double>(i) / 6;
   return c;
 }
 std::size_t bin_of(const std::array<double, 7>& steps, double c) {
@@ -87,8 +88,8 @@ TEST(BinghamTest, DrawsHaveTheLaw) {
   struct Law {
     double k1, k2;
   };
-  for (const auto& [k1, k2] : {Law{0, 0}, Law{-3, -1}, Law{-20, -20}, Law{-60, -15}, Law{-40, -0.5}, Law{-2, -30},
-                               Law{-500, -3}}) {
+  for (const auto& [k1, k2] :
+       {Law{0, 0}, Law{-3, -1}, Law{-20, -20}, Law{-60, -15}, Law{-40, -0.5}, Law{-2, -30}, Law{-500, -3}}) {
     SCOPED_TRACE(k1);
     SCOPED_TRACE(k2);
     const BinghamOrientation law = BinghamOrientation::make(Dip::degrees(0), DipDirection::degrees(0), k1, k2, {});
@@ -153,8 +154,8 @@ TEST(BinghamTest, EqualOnBothAxesIsWatsonsLaw) {  // E c^2 of exp(k c^2) on the 
 
 TEST(BinghamTest, AxesLieInTheMeanPlane) {
   // Dip 40 to 070, axis of k1 at 25 degrees from the strike: normals stay away from it and spread across.
-  const OrientationLaw law = BinghamOrientation::make(Dip::degrees(40), DipDirection::degrees(70), -400, -20,
-                                                      Rotation::degrees(25));
+  const OrientationLaw law =
+      BinghamOrientation::make(Dip::degrees(40), DipDirection::degrees(70), -400, -20, Rotation::degrees(25));
   const detail::Frame mean = detail::mean_frame(law);
   const Vec3 up_dip = cross(mean.normal, mean.strike);
   const double c = std::cos(25 * pi / 180), s = std::sin(25 * pi / 180);
@@ -191,8 +192,8 @@ TEST(BinghamTest, ExtremesStayFinite) {
 
 TEST(NormalOrientationTest, DipAndDirectionAreBivariateNormal) {
   for (const double r : {-0.8, 0.0, 0.5, 1.0}) {
-    const NormalOrientation law{Dip::degrees(45), DipDirection::degrees(180), Dip::degrees(4), DipDirection::degrees(10),
-                                r};
+    const NormalOrientation law{Dip::degrees(45), DipDirection::degrees(180), Dip::degrees(4),
+                                DipDirection::degrees(10), r};
     double sum = 0, one = 0, two = 0;
     double chi2 = 0;
     std::array<double, 16> squares{};

@@ -63,9 +63,9 @@ TEST(FieldTables, AnglesBeyondTheirRangeTurnThePlane) {
 }
 
 TEST(FieldTables, DeclinationTurnsEveryDirection) {
-  for (const auto& [table, direction] :
-       std::map<std::string, double>{{"dip,dip_direction\n40,355\n", 7.5}, {"dip,strike\n40,265\n", 7.5},
-                                     {"trend,plunge\n175,50\n", 7.5 + 1e-13}}) {
+  for (const auto& [table, direction] : std::map<std::string, double>{{"dip,dip_direction\n40,355\n", 7.5},
+                                                                      {"dip,strike\n40,265\n", 7.5},
+                                                                      {"trend,plunge\n175,50\n", 7.5 + 1e-13}}) {
     const auto rows = read(poles + "declination = 12.5\n", table);
     ASSERT_EQ(rows.size(), 1U);
     expect_plane(rows[0].normal, 40, direction);
@@ -118,8 +118,8 @@ const std::string hole = "[[borehole]]\nlength = 100\nfile = \"t.csv\"\n";
 TEST(FieldTables, OrientedCoreOfAVerticalHole) {
   // Down the hole with the reference to the north: beta turns clockwise, so east at 90; the plane dips towards its
   // ellipse's lower end, by 90 - alpha.
-  const auto rows = read(hole + "trend = 0\nplunge = 90\nreference = 0\n",
-                         "depth,alpha,beta\n1,30,0\n2,30,90\n3,65,200\n4,90,77\n");
+  const auto rows =
+      read(hole + "trend = 0\nplunge = 90\nreference = 0\n", "depth,alpha,beta\n1,30,0\n2,30,90\n3,65,200\n4,90,77\n");
   ASSERT_EQ(rows.size(), 4U);
   expect_plane(rows[0].normal, 60, 0);
   expect_plane(rows[1].normal, 60, 90);
@@ -131,8 +131,8 @@ TEST(FieldTables, OrientedCoreOfAVerticalHole) {
 
 TEST(FieldTables, OrientedCoreOfAnInclinedHole) {
   // Hole 60 down to the east (090). A plane that it meets at alpha = 40 with the lower end at the bottom (beta 0): the
-  // long axis plunges 60 - 40 = 20 to the east where it turns to the bottom side... by vectors: axis = cos 40 d + sin 40
-  // b, b = the bottom's direction (towards 270, 30 down).
+  // long axis plunges 60 - 40 = 20 to the east where it turns to the bottom side... by vectors: axis = cos 40 d + sin
+  // 40 b, b = the bottom's direction (towards 270, 30 down).
   const auto rows = read(hole + "trend = 90\nplunge = 60\n", "depth,alpha,beta\n10,40,0\n20,40,180\n30,50,90\n");
   ASSERT_EQ(rows.size(), 3U);
   // d = (cos 60, 0, -sin 60), b = (-sin 60, 0, -cos 60): the long axis at 60 + 40 = 100 degrees down from east: the
@@ -140,7 +140,8 @@ TEST(FieldTables, OrientedCoreOfAnInclinedHole) {
   expect_plane(rows[0].normal, 80, 270);
   // The other way: 60 - 40 = 20 degrees down to the east.
   expect_plane(rows[1].normal, 20, 90);
-  // beta 90: clockwise seen down a hole to the east from its bottom is d x b = north or south: d x b = (0, cos^2 + sin^2, 0).
+  // beta 90: clockwise seen down a hole to the east from its bottom is d x b = north or south: d x b = (0, cos^2 +
+  // sin^2, 0).
   const double s = std::sin(50 * std::numbers::pi / 180), c = std::cos(50 * std::numbers::pi / 180);
   const Vec3 normal = s * Vec3{0.5, 0, -std::sqrt(0.75)} - c * Vec3{0, 1, 0};
   EXPECT_NEAR(std::abs(dot(rows[2].normal, normal)), 1, 1e-12);

@@ -58,7 +58,8 @@ TEST(NormalLawTest, FitsCensoredTracesAndCovers) {
       const double l = truth.quantile(rng.uniform()), middle = (2 * rng.uniform() - 1) * (10 + 12) / 2;
       const double from = std::max(-5.0, middle - l / 2), to = std::min(5.0, middle + l / 2);
       if (from >= to) continue;
-      seen.push_back({to - from, static_cast<std::uint32_t>((middle - l / 2 > -5 ? 1 : 0) + (middle + l / 2 < 5 ? 1 : 0))});
+      seen.push_back(
+          {to - from, static_cast<std::uint32_t>((middle - l / 2 > -5 ? 1 : 0) + (middle + l / 2 < 5 ? 1 : 0))});
     }
     const auto fit = fit_lengths(seen, {.area = 60, .width = 6}, Family::normal);
     ASSERT_TRUE(fit.has_value());

@@ -60,8 +60,10 @@ namespace detail {
 double dawson(double x) noexcept {
   const double x2 = x * x;
   if (x < 0.2) {
-    return x * (1 - x2 * (2.0 / 3) * (1 - x2 * (2.0 / 5) * (1 - x2 * (2.0 / 7) * (1 - x2 * (2.0 / 9) *
-           (1 - x2 * (2.0 / 11) * (1 - x2 * (2.0 / 13)))))));
+    return x * (1 - x2 * (2.0 / 3) *
+                        (1 - x2 * (2.0 / 5) *
+                                 (1 - x2 * (2.0 / 7) *
+                                          (1 - x2 * (2.0 / 9) * (1 - x2 * (2.0 / 11) * (1 - x2 * (2.0 / 13)))))));
   }
   if (x > 40) {  // 1/2x (1 + 1/(2x^2) + 3/(2x^2)^2 + 15/(2x^2)^3 ...)
     const double y = 1 / (2 * x2);
@@ -89,8 +91,10 @@ BinghamDraw draw_bingham(const BinghamOrientation& law, double u, double v) noex
   const double theta = (static_cast<double>(i) + within) * (pi / 2 / panels);
   const double azimuth = azimuth_at(stretch_of(law.k1, law.k2), theta);
   const double a = steepness(law.k1, law.k2, azimuth);
-  const double turned = quarter == 0 ? azimuth : quarter == 1 ? pi - azimuth : quarter == 2 ? pi + azimuth
-                                                                                            : 2 * pi - azimuth;
+  const double turned = quarter == 0   ? azimuth
+                        : quarter == 1 ? pi - azimuth
+                        : quarter == 2 ? pi + azimuth
+                                       : 2 * pi - azimuth;
   if (a < 1e-12) return {v, turned};
   // Versine w with G(w) = v G(1), G(w) the integral of exp(-a (2x - x^2)) from 0: concave, so Newton's steps from below
   // stay below. Fisher's law of kappa = 2 a begins below.

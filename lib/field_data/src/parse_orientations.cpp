@@ -188,16 +188,18 @@ class OrientationsParser final {
 }  // namespace
 
 Key declination_key() {
-  return {"declination", key::number(declination_rule), "0",
-          "degrees, added to all trends, strikes and dip directions of the file: of compasses that show magnetic north, "
-          "positive to the east"};
+  return {
+      "declination", key::number(declination_rule), "0",
+      "degrees, added to all trends, strikes and dip directions of the file: of compasses that show magnetic north, "
+      "positive to the east"};
 }
 
 Key core_reference_key() {
-  return {"reference", key::either({key::word<CoreReference>(), key::number(trend_rule)}), "\"bottom\"",
-          "where the line along an oriented core lies that `beta` is measured from, clockwise seen down the hole, to "
-          "the lower end of the ellipse: `\"bottom\"` or `\"top\"` of the hole, or towards an azimuth (degrees; vertical "
-          "holes)"};
+  return {
+      "reference", key::either({key::word<CoreReference>(), key::number(trend_rule)}), "\"bottom\"",
+      "where the line along an oriented core lies that `beta` is measured from, clockwise seen down the hole, to "
+      "the lower end of the ellipse: `\"bottom\"` or `\"top\"` of the hole, or towards an azimuth (degrees; vertical "
+      "holes)"};
 }
 
 std::optional<Core> parse_core(InputContext& context, const TableReader& table, Vec3 line) {

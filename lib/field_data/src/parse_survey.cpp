@@ -41,7 +41,8 @@ const KeyTable& line_keys() {
                {"length", key::number(rule::length), "", "m"},
                {"points", key::points(), "", "`[[x, y, z], ...]` in m, of a bent line, instead of the three"},
                {"file", key::text(), required,
-                "table with `distance` (m along the line) and, where measured, orientations (as above, or `alpha` and `beta` "
+                "table with `distance` (m along the line) and, where measured, orientations (as above, or `alpha` and "
+                "`beta` "
                 "of an oriented core), and `length` of the trace with `ends` (0, 1, 2 of them seen; 2 where empty)"},
                {"columns", key::texts(), "[]", "names of the columns of a table without a header"},
                {"wrap", key::flag(), "false", "true: accept angles outside their range"},

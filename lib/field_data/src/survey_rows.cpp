@@ -57,9 +57,7 @@ bool agree(InputContext& context, const LoadedFile& file, const SurveyTable::Row
 
 namespace {
 
-Vec3 across(Vec3 line, Vec3 towards) {
-  return towards - dot(towards, line) * line;
-}
+Vec3 across(Vec3 line, Vec3 towards) { return towards - dot(towards, line) * line; }
 
 std::optional<Core> core_towards(Vec3 line, Vec3 towards) {
   const Vec3 off = across(line, towards);
@@ -81,8 +79,8 @@ std::optional<Core> core_of(const InputContext& context, Vec3 line, double azimu
 
 Vec3 normal_in_core(const Core& core, double alpha, double beta) {
   // Towards the ellipse's lower end: clockwise seen down the hole is the right-hand turn about it.
-  const Vec3 end = geometry::cos_degrees(beta) * core.reference +
-                   geometry::sin_degrees(beta) * cross(core.down, core.reference);
+  const Vec3 end =
+      geometry::cos_degrees(beta) * core.reference + geometry::sin_degrees(beta) * cross(core.down, core.reference);
   return upwards(geometry::sin_degrees(alpha) * core.down - geometry::cos_degrees(alpha) * end);
 }
 

@@ -151,7 +151,8 @@ bool is_preamble(InputContext& context, const LoadedFile& file, std::uint32_t li
   const bool known = word.starts_with("version") || word == "units" || word == "unit" || word == "declination";
   const std::size_t colon = cells.front().find(':');
   if (!known || (cells.size() != 2 && colon == std::string::npos)) return false;
-  const std::string value{bare(cells.size() == 2 ? string_view{cells[1]} : string_view{cells.front()}.substr(colon + 1))};
+  const std::string value{
+      bare(cells.size() == 2 ? string_view{cells[1]} : string_view{cells.front()}.substr(colon + 1))};
   if (word.starts_with("unit") && find_unit("m", value) == nullptr && !lower(value).starts_with("met")) {
     context.problems.error_in(file.shown, line, "units", fmt::format("are \"{}\"", value.substr(0, 40)),
                               "convert the table to metres, or state the units behind the columns' names");

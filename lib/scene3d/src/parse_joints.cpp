@@ -165,27 +165,29 @@ const KeyTable& plane_keys() {
 const KeyTable& joint_keys() {
   static const KeyTable keys{
       .name = "joint",
-      .keys = {{"file", key::text(), "",
-                "`.obj`: each face one joint; `.csv`: each row one joint (below); `.stl`, `.ply`: the whole surface "
-                "one joint; `.dxf`, `.ts`, `.fab`, `.dat`: polygons and surfaces ([formats](formats.md))"},
-               {"plane", key::table(&plane_keys), "",
-                "`{ through, dip, dip_direction }` (or `trend`, `plunge` of the pole): persistent: cuts the whole domain"},
-               {"disc", key::table(&disc_keys), "",
-                "`{ centre, dip, dip_direction, radius, sides = 32 }` (or `trend`, `plunge`): regular polygon of the disc's area"},
-               {"polygon", key::points(), "", "`[[x, y, z], ...]`: simple, planar, convex or not"},
-               {"holes", key::array(key::points()), "",
-                "beside `polygon`: outlines of holes in its plane, strictly inside it and apart from each other"},
-               {"set", key::text(), "\"default\"",
-                "name of its set; for `.dxf`, `.ts` and `.fab` the layer, object or set that the file names"},
-               {"name", key::text(), "", "of a single joint"},
-               {"terminates_at", key::texts(), "[]", "names of flat joints: it ends on their planes, below", "ends_on"},
-               {"surface", key::flag(), "true of `.stl`, `.ply`",
-                "of mesh files: true makes the whole mesh one joint, false each face a joint of its own"},
-               {"wrap", key::flag(), "false", "of CSV files: accept dips and directions outside 0..90 and 0..360"},
-               {"friction", key::number(rule::friction), "that of its set",
-                "degrees, of this joint alone (not of files: there it is a column)"},
-               {"cohesion", key::number(rule::strength), "that of its set", "Pa, of this joint alone"},
-               {"tension", key::number(rule::strength), "that of its set", "Pa, of this joint alone"}},
+      .keys =
+          {{"file", key::text(), "",
+            "`.obj`: each face one joint; `.csv`: each row one joint (below); `.stl`, `.ply`: the whole surface "
+            "one joint; `.dxf`, `.ts`, `.fab`, `.dat`: polygons and surfaces ([formats](formats.md))"},
+           {"plane", key::table(&plane_keys), "",
+            "`{ through, dip, dip_direction }` (or `trend`, `plunge` of the pole): persistent: cuts the whole domain"},
+           {"disc", key::table(&disc_keys), "",
+            "`{ centre, dip, dip_direction, radius, sides = 32 }` (or `trend`, `plunge`): regular polygon of the "
+            "disc's area"},
+           {"polygon", key::points(), "", "`[[x, y, z], ...]`: simple, planar, convex or not"},
+           {"holes", key::array(key::points()), "",
+            "beside `polygon`: outlines of holes in its plane, strictly inside it and apart from each other"},
+           {"set", key::text(), "\"default\"",
+            "name of its set; for `.dxf`, `.ts` and `.fab` the layer, object or set that the file names"},
+           {"name", key::text(), "", "of a single joint"},
+           {"terminates_at", key::texts(), "[]", "names of flat joints: it ends on their planes, below", "ends_on"},
+           {"surface", key::flag(), "true of `.stl`, `.ply`",
+            "of mesh files: true makes the whole mesh one joint, false each face a joint of its own"},
+           {"wrap", key::flag(), "false", "of CSV files: accept dips and directions outside 0..90 and 0..360"},
+           {"friction", key::number(rule::friction), "that of its set",
+            "degrees, of this joint alone (not of files: there it is a column)"},
+           {"cohesion", key::number(rule::strength), "that of its set", "Pa, of this joint alone"},
+           {"tension", key::number(rule::strength), "that of its set", "Pa, of this joint alone"}},
       .one_of = {{"file", "plane", "disc", "polygon"}}};
   return keys;
 }

@@ -64,7 +64,7 @@ std::optional<SizeOfJoints> size_law(Family family, double mean_length, double s
       const double shape = (2 - m.ratio()) / (m.ratio() - 1), scale = m.m2 / (shape + 1);
       return SizeOfJoints{.family = family, .mean = shape * scale, .std = std::sqrt(shape) * scale};
     }
-    case Family::power:  // its limits are not to be had from two moments
+    case Family::power:                        // its limits are not to be had from two moments
     case Family::normal: return std::nullopt;  // a law of traces: sizes are never below their traces
   }
   std::unreachable();

@@ -130,8 +130,8 @@ struct BinghamOrientation {
   /// Precondition: k1 and k2 from -1e9 to 0.
   [[nodiscard]] static BinghamOrientation make(Dip dip, DipDirection direction, double k1, double k2, Rotation axis);
 };
-using OrientationLaw = std::variant<UniformOrientation, FisherOrientation, NormalOrientation, BootstrapOrientation,
-                                    BinghamOrientation>;
+using OrientationLaw =
+    std::variant<UniformOrientation, FisherOrientation, NormalOrientation, BootstrapOrientation, BinghamOrientation>;
 
 // ---- rotation in the joint's plane ----------------------------------------------------------------------------------
 
