@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "cleave/exchange/cells.hpp"
+#include "cleave/exchange/exports.hpp"
 #include "cleave/exchange/text.hpp"
 #include "cleave/exchange/vtu_writer.hpp"
 #include "html_parts.hpp"
