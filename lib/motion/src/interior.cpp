@@ -61,8 +61,12 @@ double room(const Vector3d& x, const Vector3d& d) {
   // a s^2 + 2 b s + c = 0, its smallest positive root.
   const double root = b * b - a * c;
   if (a < 0) {
-    const double s = b > 0 ? (b + std::sqrt(std::max(0.0, root))) / -a : c / (std::sqrt(std::max(0.0, root)) - b);
-    if (s > 0) most = std::min(most, s);
+    const double far = std::sqrt(std::max(0.0, root));
+    if (b > 0) {
+      most = std::min(most, (b + far) / -a);
+    } else if (far - b > 0) {
+      most = std::min(most, c / (far - b));
+    }
   } else if (b < 0 && root >= 0) {
     most = std::min(most, c / (std::sqrt(root) - b));
   }
@@ -144,6 +148,9 @@ double Interior::solve(std::vector<Vector3d>& x, const Options& options) {
   double least = std::numeric_limits<double>::infinity();
   int stuck = 0;
   for (std::size_t round = 0; round < options.most; ++round) {
+    const bool inside =
+        std::ranges::all_of(cones_, [](const Cone& c) { return square(c.force) > 0 && square(c.speed) > 0; });
+    if (!inside) break;
     const double blunt = 0.1 * std::min(1.0, left);
     double off = 0;
     VectorXd off_v = v;

@@ -44,7 +44,7 @@ struct MotionResult {
   std::uint64_t steps = 0, walls = 0, contacts = 0;
   std::uint64_t may_be_locked = 0;  ///< the most blocks at a time in groups for which the law may have another answer
   std::uint64_t rough_steps = 0;    ///< in which the best answer found did not meet the law to what is accepted
-  double missed_speed = 0;          ///< m/s, largest by which a contact missed the law in those
+  double missed_speed = 0;          ///< largest by which a contact missed the law in those
   double residual = 0;
   Length penetration = {};
   double overlap = 0;  ///< over the size of the smaller block
