@@ -105,6 +105,10 @@ std::string motion_section(const scene::MotionResult& motion) {
   out += fact("Moved", display_count(motion.moved()));
   out += fact("Steps", display_count(motion.steps));
   out += fact("Residual of the contact law", display(motion.residual, 2));
+  if (motion.rough_steps > 0) {
+    out += fact("Steps that missed the law",
+                display_count(motion.rough_steps) + ", by at most " + display(motion.missed_speed, 2) + " m/s");
+  }
   out += fact("Deepest penetration parted", display(motion.penetration.si(), 2) + " m");
   out += fact("Potential energy lost", display(motion.potential_lost / 1000, 4) + " kJ");
   out += fact("Error of the energy balance", display(motion.energy_error, 2) + " (relative)");
