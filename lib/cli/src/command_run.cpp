@@ -53,6 +53,13 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
                          settings.scene, result.motion->stopped_why));
     return ExitCode::check_failed;
   }
+  if (result.complex && result.motion && result.motion->rough_steps > 0) {
+    complain(
+        fmt::format("{}:1: motion: {} of {} steps did not meet the contact law to 1e-5, the worst {:.2g}; the result "
+                    "is whole, but rough; try a smaller motion.step",
+                    settings.scene, result.motion->rough_steps, result.motion->steps, result.motion->residual));
+    return ExitCode::check_failed;
+  }
   if (result.complex) return ExitCode::done;
   complain(fmt::format("{}:1: certificate: the block system did not pass its own check ({}); please report this scene",
                        settings.scene, topology::describe(result.complex.error())));
