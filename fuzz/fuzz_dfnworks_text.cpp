@@ -1,6 +1,6 @@
 /// Any bytes as a polygon file of dfnWorks: surfaces or an error, never a crash; line ends do not matter.
 
-#include "cleave/io/surfaces.hpp"
+#include "cleave/io/mesh.hpp"
 #include "fuzz_target.hpp"
 #include "surfaces_check.hpp"
 

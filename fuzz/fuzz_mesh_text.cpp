@@ -19,7 +19,6 @@
 #include "cleave/geometry/triangulate.hpp"
 #include "cleave/io/joint_csv.hpp"
 #include "cleave/io/mesh.hpp"
-#include "cleave/io/mesh_write.hpp"
 #include "fuzz_target.hpp"
 
 namespace {

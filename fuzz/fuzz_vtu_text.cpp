@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cleave/core/assert.hpp"
-#include "cleave/io/polyhedra.hpp"
+#include "cleave/io/mesh.hpp"
 #include "fuzz_target.hpp"
 
 CLEAVE_FUZZ_TARGET(bytes) {

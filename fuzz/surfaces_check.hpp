@@ -8,7 +8,7 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/geometry/polygon.hpp"
 #include "cleave/geometry/solid.hpp"
-#include "cleave/io/surfaces.hpp"
+#include "cleave/io/mesh.hpp"
 
 /// What must hold for a reader of io::Surfaces, whatever the bytes.
 namespace cleave::fuzz {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "cleave/assembly/factors.hpp"
+#include "cleave/assembly/groups.hpp"
 #include "cleave/core/rng.hpp"
 #include "study.hpp"
 

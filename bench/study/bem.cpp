@@ -13,7 +13,6 @@
 
 #include "bem_problems.hpp"
 #include "cleave/bem/motion.hpp"
-#include "cleave/bem/reshape.hpp"
 #include "cleave/bem/statics.hpp"
 #include "drbem.hpp"
 #include "initial_stress.hpp"

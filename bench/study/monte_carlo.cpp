@@ -19,8 +19,7 @@
 #include "cleave/core/rng.hpp"
 #include "cleave/realize/monte_carlo.hpp"
 #include "cleave/scene3d/parse.hpp"
-#include "cleave/stochastic/intervals.hpp"
-#include "cleave/stochastic/moments.hpp"
+#include "cleave/stochastic/statistics.hpp"
 #include "study.hpp"
 
 namespace cleave {

@@ -16,7 +16,7 @@
 
 #include "cleave/realize/run.hpp"
 #include "cleave/scene3d/parse.hpp"
-#include "cleave/stability/near_field.hpp"
+#include "cleave/stability/analyse.hpp"
 #include "study.hpp"
 
 namespace cleave {

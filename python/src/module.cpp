@@ -17,7 +17,7 @@
 #include "arrays.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/version.hpp"
-#include "cleave/exchange/cells.hpp"
+#include "cleave/exchange/exports.hpp"
 #include "cleave/report/write.hpp"
 #include "result.hpp"
 

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "chains.hpp"
-#include "cleave/assembly/factors.hpp"
+#include "cleave/assembly/groups.hpp"
 
 namespace cleave::assembly {
 namespace {

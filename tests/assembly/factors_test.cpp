@@ -1,4 +1,4 @@
-#include "cleave/assembly/factors.hpp"
+#include "cleave/assembly/groups.hpp"
 
 #include <gtest/gtest.h>
 

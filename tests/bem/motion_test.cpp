@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "cleave/bem/boundary_stress.hpp"
+#include "cleave/bem/block.hpp"
 #include "cleave/bem/motion.hpp"
 #include "drbem.hpp"
 #include "shapes.hpp"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "cleave/bem/boundary_stress.hpp"
+#include "cleave/bem/block.hpp"
 #include "cleave/bem/motion.hpp"
 #include "shapes.hpp"
 

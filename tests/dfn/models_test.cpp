@@ -1,4 +1,4 @@
-#include "cleave/dfn/models.hpp"
+#include "cleave/dfn/laws.hpp"
 
 #include <gtest/gtest.h>
 

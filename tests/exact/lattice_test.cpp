@@ -1,4 +1,4 @@
-#include "cleave/exact/lattice.hpp"
+#include "cleave/exact/plane.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cleave/geometry/shapes.hpp"
+#include "cleave/geometry/polygon.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cleave/io/surfaces.hpp"
+#include "cleave/io/mesh.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cleave/io/polyhedra.hpp"
+#include "cleave/io/mesh.hpp"
 
 namespace cleave::io {
 namespace {

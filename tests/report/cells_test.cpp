@@ -1,4 +1,3 @@
-#include "cleave/exchange/cells.hpp"
 #include "cleave/exchange/exports.hpp"
 
 #include <gtest/gtest.h>

@@ -320,8 +320,8 @@ TEST(StabilityTables, RowsOfTheFilesBesideKeyBlocks) {
   EXPECT_TRUE(maximum_blocks_csv(t.result).contains("\nA,B,C & D,101,roof,0,0,12.5,"));
   t.result.support.reset();
   const std::string keys = key_blocks_csv(t.complex, t.result);
-  EXPECT_TRUE(keys.contains(",faces,joints,turns,x_m,"));
-  EXPECT_TRUE(keys.contains("9,,0,sliding,1,1000,0,0,-1,800,1.2,6,7,1,"));
+  EXPECT_TRUE(keys.contains(",faces,joints,topples,turns,x_m,"));
+  EXPECT_TRUE(keys.contains("9,,0,sliding,1,1000,0,0,-1,800,1.2,6,7,1,1,"));
 }
 
 }  // namespace

@@ -227,15 +227,15 @@ TEST(SceneTest, KindsOfBolts) {
   };
   const auto type = [&](const std::string& keys) { return scene_of(with_spot(keys)).support->plan.spot->type; };
   const auto bar = type("bond_strength = 3e5\nanchorage = 0.5\nshear_capacity = 1e5\nangle = \"cosine\"\n");
-  EXPECT_EQ(std::get<stability::GroutedBar>(bar.kind).bond, 3e5);
-  EXPECT_EQ(std::get<stability::GroutedBar>(bar.kind).shear, 1e5);
+  EXPECT_EQ(std::get<stability::GroutedBar>(bar.kind).bond.si(), 3e5);
+  EXPECT_EQ(std::get<stability::GroutedBar>(bar.kind).shear.si(), 1e5);
   EXPECT_EQ(bar.angle, stability::AngleLaw::cosine);
   const auto tube = type("kind = \"friction\"\nbond_strength = 4e4\nanchorage = 0.5\nshear_capacity = 7e4\n");
-  EXPECT_EQ(std::get<stability::FrictionTube>(tube.kind).shear, 7e4);
+  EXPECT_EQ(std::get<stability::FrictionTube>(tube.kind).shear.si(), 7e4);
   const auto cable = type("kind = \"cable\"\nbond_strength = 2e5\nfree_length = 1.5\nanchorage = 1\n");
-  EXPECT_EQ(std::get<stability::Cable>(cable.kind).free_length, 1.5);
+  EXPECT_EQ(std::get<stability::Cable>(cable.kind).free_length.si(), 1.5);
   const auto end = type("kind = \"mechanical\"\nanchor_capacity = 9e4\nplate_capacity = 1e5\nanchorage = 0.3\n");
-  EXPECT_EQ(std::get<stability::MechanicalAnchor>(end.kind).capacity, 9e4);
+  EXPECT_EQ(std::get<stability::MechanicalAnchor>(end.kind).capacity.si(), 9e4);
 
   const auto wrong = [&](const std::string& keys) { return error_of(with_spot(keys)); };
   EXPECT_NE(wrong("anchorage = 0.5\n").find("bond_strength: is missing"), std::string::npos);
@@ -265,10 +265,10 @@ TEST(SceneTest, NumbersMayBeTextsWithAUnit) {
   EXPECT_EQ(joint.tension.mean, 10e3);
   EXPECT_EQ(joint.friction.min, 20);
   EXPECT_DOUBLE_EQ(scene.rock.density.si(), 26000 / 9.81);
-  EXPECT_EQ(scene.stability->loads.water->unit_weight, 9810);
-  EXPECT_EQ(scene.support->plan.shotcrete->thickness, 0.075);
-  EXPECT_EQ(scene.support->plan.spot->type.tendon, 200e3);
-  EXPECT_EQ(scene.support->plan.spot->type.anchorage, 0.5);
+  EXPECT_EQ(scene.stability->loads.water->unit_weight.si(), 9810);
+  EXPECT_EQ(scene.support->plan.shotcrete->thickness.si(), 0.075);
+  EXPECT_EQ(scene.support->plan.spot->type.tendon.si(), 200e3);
+  EXPECT_EQ(scene.support->plan.spot->type.anchorage.si(), 0.5);
   EXPECT_TRUE(scene.notes.empty());
 }
 

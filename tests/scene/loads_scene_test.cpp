@@ -54,13 +54,13 @@ TEST(LoadsSceneTest, CasesAddUpToTheBaseCase) {
   ASSERT_EQ(s.cases.size(), 2U);
   const LoadSet& rain = s.cases[0].loads;
   EXPECT_EQ(rain.water->level, 5.5);
-  EXPECT_EQ(rain.water->unit_weight, 10e3);
+  EXPECT_EQ(rain.water->unit_weight.si(), 10e3);
   EXPECT_EQ(rain.seismic, (geometry::Vec3{0.1, 0, 0}));
   EXPECT_EQ(rain.surcharges.size(), 1U);
   ASSERT_EQ(rain.points.size(), 1U);
   const LoadSet& quake = s.cases[1].loads;
   EXPECT_EQ(quake.seismic, (geometry::Vec3{0.1, 0.2, 0}));
-  EXPECT_EQ(quake.water->unit_weight, 5e3);
+  EXPECT_EQ(quake.water->unit_weight.si(), 5e3);
   EXPECT_EQ(quake.points.at(0).force, (geometry::Vec3{0, 0, -500}));
   EXPECT_EQ(scene.joints[0].own.friction->degrees(), 40);
   EXPECT_EQ(scene.joints[0].own.cohesion->si(), 5e3);

@@ -9,7 +9,6 @@
 #include "audited.hpp"
 #include "cleave/geometry/solid.hpp"
 #include "cleave/stability/analyse.hpp"
-#include "cleave/stability/held_from_within.hpp"
 #include "cleave/topology/audit.hpp"
 #include "cleave/topology/cut.hpp"
 #include "handmade.hpp"
@@ -137,8 +136,8 @@ TEST(CavityTest, JointsInsideChangeNothing) {
   for (const double friction : {10.0, 30.0, 60.0}) {
     Settings with = statics::settings({strength(friction, 0.3)}, {0.05, 0.04, 0});
     ActionSpec loads;
-    loads.water = WaterTable{.level = middle.z + 0.1, .unit_weight = 0.4};
-    loads.surcharges = {{.on = DomainSide{5}, .pressure = 0.2}};
+    loads.water = WaterTable{.level = middle.z + 0.1, .unit_weight = newtons_per_cubic_metre(0.4)};
+    loads.surcharges = {{.on = DomainSide{5}, .pressure = pascals(0.2)}};
     with.actions = Actions::make(std::move(loads)).value();
     const Analysis a = analyse(one, with);
     ASSERT_EQ(a.judgements.size(), 1U);

@@ -1,6 +1,6 @@
 // Blocks clamped by a stress field: the roof prism of Crawford and Bray (1983) and what follows from statics.
 
-#include "cleave/stability/clamping.hpp"
+#include "cleave/stability/strength.hpp"
 
 #include <gtest/gtest.h>
 

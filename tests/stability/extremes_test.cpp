@@ -65,8 +65,8 @@ TEST(ExtremesTest, PlatesNeedlesAndFriction) {
 
 // Turned with its loads, a scene has the same factor of safety.
 TEST(ExtremesTest, TurningTheSceneTurnsTheLoads) {
-  const ActionSpec loads{.water = WaterTable{.level = -1, .unit_weight = 0.3},
-                         .surcharges = {{.on = DomainSide{5}, .pressure = 0.2}}};
+  const ActionSpec loads{.water = WaterTable{.level = -1, .unit_weight = newtons_per_cubic_metre(0.3)},
+                         .surcharges = {{.on = DomainSide{5}, .pressure = pascals(0.2)}}};
   const Judgement first = slab(8, 3, 2, 30, 0, loads);
   EXPECT_GT(first.factor_of_safety, 0.1);
   for (const double turn : {17.0, 90.0, 211.0}) {

@@ -66,7 +66,8 @@ TEST(WaterTest, SubmergedBlockIsLiftedByItsVolumeThroughItsCentroid) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const auto complex = audited(random_rock(seed));
     const auto& c = complex.complex();
-    const Actions water = actions({.water = WaterTable{.level = 20, .unit_weight = 9810, .on_free_faces = true}});
+    const Actions water = actions(
+        {.water = WaterTable{.level = 20, .unit_weight = newtons_per_cubic_metre(9810), .on_free_faces = true}});
     for (const BlockId id : c.blocks().ids()) {
       const auto& block = c.blocks()[id];
       if (block.fixed) continue;  // what presses on the domain's outside is not counted
@@ -94,7 +95,8 @@ TEST(WaterTest, LiftIsTheVolumeBelowTheTable) {
       if (block.centroid.z < 5.3) below += block.volume.si();
     }
     const auto& c = whole.complex();
-    const Actions water = actions({.water = WaterTable{.level = 5.3, .unit_weight = 1, .on_free_faces = true}});
+    const Actions water =
+        actions({.water = WaterTable{.level = 5.3, .unit_weight = newtons_per_cubic_metre(1), .on_free_faces = true}});
     for (const BlockId id : c.blocks().ids()) {
       const ForceSum sum = water_forces(c, water, {0, 0, -1}, id, [](BlockId) { return true; });
       lift += sum.force.z;
@@ -124,7 +126,7 @@ TEST(WaterTest, OnlyContactsThatStandCarryWater) {
     return BlockId{0U};
   };
   const BlockId west = at({1, 1, 1}), south = at({3, 0.5, 1}), north = at({3, 1.5, 1});
-  const Actions water = actions({.water = WaterTable{.level = 1.5, .unit_weight = 10}});
+  const Actions water = actions({.water = WaterTable{.level = 1.5, .unit_weight = newtons_per_cubic_metre(10)}});
   const auto force = [&](auto there) { return water_forces(c, water, {0, 0, -9}, west, there).force; };
   const double full = 10 * 1.5 * 1.5 / 2 * 2;
   EXPECT_LT(norm(force([](BlockId) { return true; }) - Vec3{-full, 0, 0}), 1e-12);
@@ -264,15 +266,17 @@ struct Ground {
 
 TEST(SurfaceLoadTest, SurchargeOnTheAreaInsideTheBox) {
   const Ground ground;
-  const Actions load = actions(
-      {.surcharges = {
-           {.on = DomainSide{5}, .within = Box{{1, 2, 3}, {5, 6, 5}}, .traction = {0, 100, 0}, .pressure = 50}}});
+  const Actions load = actions({.surcharges = {{.on = DomainSide{5},
+                                                .within = Box{{1, 2, 3}, {5, 6, 5}},
+                                                .traction = {0, 100, 0},
+                                                .pressure = pascals(50)}}});
   EXPECT_LT(norm(ground.at(load, 1.5).force - Vec3{0, 800, -400}), 1e-9);  // x 1..3, y 2..6
   EXPECT_LT(norm(ground.at(load, 5).force - Vec3{0, 800, -400}), 1e-9);    // x 3..5
   EXPECT_LT(norm(ground.at(load, 8.5).force), 1e-12);
   const Vec3 arm = Vec3{4, 4, 4} - Vec3{5, 5, 2};
   EXPECT_LT(norm(ground.at(load, 5).moment - cross(arm, Vec3{0, 800, -400})), 1e-9);
-  EXPECT_LT(norm(ground.at(actions({.surcharges = {{.on = ExcavationWall{0}, .pressure = 1}}}), 5).force), 1e-12);
+  EXPECT_LT(norm(ground.at(actions({.surcharges = {{.on = ExcavationWall{0}, .pressure = pascals(1)}}}), 5).force),
+            1e-12);
 }
 
 TEST(SurfaceLoadTest, PointAndLineForcesGoToTheBlocksUnderThem) {
@@ -287,8 +291,8 @@ TEST(SurfaceLoadTest, PointAndLineForcesGoToTheBlocksUnderThem) {
                                .lines = {{.from = {5, 5, 4}, .to = {15, 5, 4}, .per_metre = {0, 0, -10}}}});
   const auto wrong = misplaced(ground.complex.complex(), off);
   ASSERT_EQ(wrong.size(), 2U);
-  EXPECT_NEAR(wrong[0].off, 0.5, 1e-9);
-  EXPECT_NEAR(wrong[1].off, 5, 1e-9);
+  EXPECT_NEAR(wrong[0].off.si(), 0.5, 1e-9);
+  EXPECT_NEAR(wrong[1].off.si(), 5, 1e-9);
 }
 
 TEST(SurfaceLoadTest, WrongActionsAreRefused) {

@@ -10,7 +10,7 @@
 
 #include "cleave/core/rng.hpp"
 #include "cleave/geometry/solid.hpp"
-#include "cleave/stability/motion.hpp"
+#include "cleave/stability/block_theory.hpp"
 #include "cleave/topology/cut.hpp"
 #include "handmade.hpp"
 #include "oracles.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cleave/core/rng.hpp"
-#include "cleave/stability/motion.hpp"
+#include "cleave/stability/block_theory.hpp"
 #include "handmade.hpp"
 #include "oracles.hpp"
 

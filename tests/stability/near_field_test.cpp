@@ -1,6 +1,6 @@
 /// Key blocks found without cutting more than their neighbourhood are those of the whole scene.
 
-#include "cleave/stability/near_field.hpp"
+#include "cleave/stability/analyse.hpp"
 
 #include <gtest/gtest.h>
 

@@ -70,7 +70,7 @@ TEST(NearLoadsTest, SurchargesAndSupportPressure) {
     if (trial % 2 == 0) {
       spec.surcharges.push_back({.within = Box{{17, 15, 17}, {23, 25, 18.5}}, .traction = {0, 0, -50e3}});  // floor
     } else {
-      spec.surcharges.push_back({.on = ExcavationWall{0}, .pressure = trial % 4 == 1 ? 30e3 : -30e3});
+      spec.surcharges.push_back({.on = ExcavationWall{0}, .pressure = pascals(trial % 4 == 1 ? 30e3 : -30e3)});
     }
     s.actions = actions(std::move(spec));
   });

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "cleave/core/rng.hpp"
-#include "cleave/stability/near_field.hpp"
+#include "cleave/stability/analyse.hpp"
 #include "statics.hpp"
 
 namespace cleave::stability::near_scenes {

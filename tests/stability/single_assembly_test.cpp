@@ -10,7 +10,7 @@
 #include <string>
 
 #include "assembly_of.hpp"
-#include "cleave/assembly/factors.hpp"
+#include "cleave/assembly/groups.hpp"
 #include "cleave/core/id.hpp"
 #include "contacts.hpp"
 #include "near_scenes.hpp"

@@ -248,12 +248,12 @@ Analysis loaded_slabs(double length, double density) {
   with.loads = Loads::make({0, 0, -9.81}, {0.05, 0.02, 0}).value();
   with.rotation = RotationCheck::flag;
   ActionSpec spec;
-  spec.water = WaterTable{.level = -6 * l, .unit_weight = 9810 * k};
+  spec.water = WaterTable{.level = -6 * l, .unit_weight = newtons_per_cubic_metre(9810 * k)};
   spec.joint_pressure = {std::nullopt, 5e3 * k * l};
   spec.surcharges = {{.on = AnyFreeFace{},
                       .within = Box{f.at(0, 0, 5 * l) - Vec3{l, l, l}, f.at(0, 0, 5 * l) + 6 * l * Vec3{1, 1, 1}},
                       .traction = {1e3 * k * l, 0, 0},
-                      .pressure = 4e3 * k * l}};
+                      .pressure = pascals(4e3 * k * l)}};
   spec.points = {{.at = f.at(25 * l, 5 * l, 5 * l), .force = k * l * l * l * Vec3{2e5, 1e5, -3e5}}};
   spec.lines = {{.from = f.at(12 * l, 2 * l, 5 * l),
                  .to = f.at(18 * l, 8 * l, 5 * l),

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cleave/core/rng.hpp"
-#include "cleave/stochastic/intervals.hpp"
+#include "cleave/stochastic/statistics.hpp"
 
 namespace cleave::stochastic {
 namespace {

@@ -1,4 +1,4 @@
-#include "cleave/stochastic/intervals.hpp"
+#include "cleave/stochastic/statistics.hpp"
 #include "heavy_rock.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "cleave/stochastic/moments.hpp"
+#include "cleave/stochastic/statistics.hpp"
 
 #include <gtest/gtest.h>
 

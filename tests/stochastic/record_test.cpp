@@ -10,7 +10,6 @@
 #include <iterator>
 
 #include "cleave/core/rng.hpp"
-#include "cleave/stochastic/record_file.hpp"
 
 namespace cleave::stochastic {
 namespace {

@@ -1,4 +1,4 @@
-#include "cleave/stochastic/value_store.hpp"
+#include "cleave/stochastic/statistics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cleave/exact/plane.hpp"
-#include "cleave/stability/direction.hpp"
+#include "cleave/stability/block_theory.hpp"
 #include "cleave/topology/block_complex.hpp"
 
 namespace cleave::handmade {

@@ -3,9 +3,9 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/facets/cut_input.hpp"
 #include "cleave/geometry/polygon.hpp"
 #include "cleave/geometry/solid.hpp"
-#include "cleave/topology/cut_input.hpp"
 #include "integer_scene.hpp"
 
 namespace cleave::testing {

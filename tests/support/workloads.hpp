@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "cleave/facets/cut_input.hpp"
 #include "cleave/geometry/vec3.hpp"
-#include "cleave/topology/cut_input.hpp"
 
 namespace cleave::support {
 

@@ -11,7 +11,6 @@
 #include "cleave/dfn/sample.hpp"
 #include "cleave/survey/fit.hpp"
 #include "cleave/survey/orientation.hpp"
-#include "cleave/survey/size.hpp"
 #include "cleave/survey/traces.hpp"
 #include "line.hpp"
 

@@ -1,4 +1,4 @@
-#include "cleave/survey/size.hpp"
+#include "cleave/survey/traces.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <expected>
 #include <vector>
 
-#include "cleave/assembly/certificate.hpp"
+#include "cleave/assembly/groups.hpp"
 
 namespace cleave::assembly {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cleave/assembly/factors.hpp"
+#include "cleave/assembly/groups.hpp"
 #include "newton.hpp"
 
 namespace cleave::assembly {

@@ -1,4 +1,4 @@
-#include "cleave/assembly/certificate.hpp"
+#include "cleave/assembly/groups.hpp"
 
 #include <Eigen/Sparse>
 #include <Eigen/SparseCholesky>

@@ -1,4 +1,4 @@
-#include "cleave/bem/boundary_stress.hpp"
+#include "cleave/bem/block.hpp"
 
 namespace cleave::bem {
 

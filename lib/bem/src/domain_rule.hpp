@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "cleave/bem/mesh.hpp"
+#include "cleave/bem/problem.hpp"
 
 namespace cleave::bem {
 

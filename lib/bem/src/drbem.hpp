@@ -12,7 +12,6 @@
 #include "cleave/bem/motion.hpp"
 #include "cleave/bem/problem.hpp"
 #include "cleave/bem/statics.hpp"
-#include "cleave/bem/time_scheme.hpp"
 
 namespace cleave::bem {
 

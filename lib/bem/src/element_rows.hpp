@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "cleave/bem/mesh.hpp"
+#include "cleave/bem/problem.hpp"
 #include "half_plane.hpp"
 #include "kelvin.hpp"
 

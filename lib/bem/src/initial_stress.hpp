@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <functional>
 
-#include "cleave/bem/mesh.hpp"
+#include "cleave/bem/problem.hpp"
 #include "kelvin.hpp"
 
 /// Stress before loading in the boundary integral equation: the term B(y) = integral over the body of eps*_ijk sigma_jk

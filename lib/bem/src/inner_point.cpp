@@ -1,8 +1,8 @@
-#include "cleave/bem/inner_point.hpp"
+#include "cleave/bem/motion.hpp"
 
 #include <cmath>
 
-#include "cleave/bem/boundary_stress.hpp"
+#include "cleave/bem/block.hpp"
 #include "field_values.hpp"
 
 namespace cleave::bem {

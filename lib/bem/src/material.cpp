@@ -1,4 +1,4 @@
-#include "cleave/bem/material.hpp"
+#include "cleave/bem/problem.hpp"
 
 #include <fmt/format.h>
 

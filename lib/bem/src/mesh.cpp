@@ -1,4 +1,4 @@
-#include "cleave/bem/mesh.hpp"
+#include "cleave/bem/problem.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "cleave/bem/reshape.hpp"
+#include "cleave/bem/motion.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <span>
 
 #include "block_build.hpp"
-#include "cleave/bem/boundary_stress.hpp"
+#include "cleave/bem/block.hpp"
 #include "gauss.hpp"
 #include "with_eigen.hpp"
 

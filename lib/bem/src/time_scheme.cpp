@@ -1,4 +1,4 @@
-#include "cleave/bem/time_scheme.hpp"
+#include "cleave/bem/motion.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <cstddef>
 
-#include "cleave/bem/dense.hpp"
+#include "cleave/bem/block.hpp"
 
 namespace cleave::bem {
 

@@ -11,7 +11,7 @@
 #include "cleave/realize/monte_carlo.hpp"
 #include "cleave/report/write.hpp"
 #include "cleave/stochastic/paired.hpp"
-#include "cleave/stochastic/record_file.hpp"
+#include "cleave/stochastic/record.hpp"
 #include "commands.hpp"
 #include "monte_carlo_folder.hpp"
 #include "problems.hpp"

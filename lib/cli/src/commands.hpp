@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cleave/stochastic/record_file.hpp"
+#include "cleave/stochastic/record.hpp"
 #include "exit_code.hpp"
 
 /// The commands of the program; each prints what it has to say and returns how the program ends.

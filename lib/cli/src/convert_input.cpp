@@ -15,11 +15,10 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
-#include "cleave/geometry/shapes.hpp"
+#include "cleave/geometry/polygon.hpp"
 #include "cleave/io/file.hpp"
 #include "cleave/io/joint_csv.hpp"
-#include "cleave/io/polyhedra.hpp"
-#include "cleave/io/surfaces.hpp"
+#include "cleave/io/mesh.hpp"
 #include "cleave/load/load.hpp"
 #include "cleave/realize/run.hpp"
 #include "commands.hpp"

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "cleave/exchange/cells.hpp"
+#include "cleave/exchange/exports.hpp"
 #include "cleave/io/mesh.hpp"
 
 namespace cleave::cli {

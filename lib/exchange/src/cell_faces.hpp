@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cleave/exchange/cells.hpp"
+#include "cleave/exchange/exports.hpp"
 #include "cleave/geometry/vec3.hpp"
 
 namespace cleave::report::detail {

@@ -1,4 +1,4 @@
-#include "cleave/exchange/cells.hpp"
+#include "cleave/exchange/exports.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "cleave/exchange/vtu.hpp"
+#include "cleave/exchange/exports.hpp"
 
 #include <cmath>
 #include <utility>

@@ -8,7 +8,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/orientation.hpp"
-#include "cleave/geometry/shapes.hpp"
+#include "cleave/geometry/polygon.hpp"
 #include "cleave/geometry/tunnel.hpp"
 #include "tunnel_tags.hpp"
 

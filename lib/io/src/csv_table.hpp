@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cleave/io/read_error.hpp"
+#include "cleave/io/file.hpp"
 
 namespace cleave::io {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cleave/core/expected.hpp"
-#include "cleave/io/surfaces.hpp"
+#include "cleave/io/mesh.hpp"
 #include "mesh_build.hpp"
 #include "text.hpp"
 

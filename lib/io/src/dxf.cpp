@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "cleave/core/expected.hpp"
-#include "cleave/io/surfaces.hpp"
+#include "cleave/io/mesh.hpp"
 #include "dxf_pairs.hpp"
 #include "face_cleaner.hpp"
 #include "text.hpp"

@@ -9,7 +9,7 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/geometry/polygon.hpp"
-#include "cleave/io/surfaces.hpp"
+#include "cleave/io/mesh.hpp"
 #include "mesh_build.hpp"
 #include "text.hpp"
 

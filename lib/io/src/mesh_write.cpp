@@ -1,4 +1,4 @@
-#include "cleave/io/mesh_write.hpp"
+#include "cleave/io/mesh.hpp"
 
 #include <fmt/format.h>
 

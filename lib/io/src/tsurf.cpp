@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "cleave/core/expected.hpp"
-#include "cleave/io/surfaces.hpp"
+#include "cleave/io/mesh.hpp"
 #include "mesh_build.hpp"
 #include "text.hpp"
 

@@ -13,7 +13,7 @@
 
 #include "bytes.hpp"
 #include "cleave/core/expected.hpp"
-#include "cleave/io/polyhedra.hpp"
+#include "cleave/io/mesh.hpp"
 #include "text.hpp"
 #include "xml_tags.hpp"
 

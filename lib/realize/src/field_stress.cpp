@@ -9,7 +9,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/parallel.hpp"
 #include "cleave/core/special.hpp"
-#include "cleave/stability/clamping.hpp"
+#include "cleave/stability/strength.hpp"
 
 namespace cleave::scene {
 namespace {

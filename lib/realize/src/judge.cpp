@@ -115,8 +115,8 @@ std::vector<Problem> misplaced_loads(const Scene& scene, const SampledScene& dra
       const bool point = m.kind == stability::Misplaced::Kind::point;
       problems.push_back({scene.shown, loads.line,
                           fmt::format("{}{}[{}]", where, point ? "point" : "line", m.index + 1),
-                          point ? fmt::format("lies {:.3g} m off the nearest free face", m.off)
-                                : fmt::format("{:.3g} m of it lie on no free face", m.off),
+                          point ? fmt::format("lies {:.3g} m off the nearest free face", m.off.si())
+                                : fmt::format("{:.3g} m of it lie on no free face", m.off.si()),
                           "forces act on free faces: move it onto one"});
     }
   };

@@ -29,7 +29,7 @@ namespace cleave::scene {
                                                    const topology::BlockComplex& complex);
 
 /// m, the longest bolt that the support has or may try: how far behind free faces rock matters to it.
-[[nodiscard]] double longest_bolt(const Scene& scene);
+[[nodiscard]] Length longest_bolt(const Scene& scene);
 
 /// m, of all tunnels.
 [[nodiscard]] double tunnel_length(const Scene& scene);

@@ -7,7 +7,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "cleave/realize/places.hpp"
-#include "cleave/stability/maximum_blocks.hpp"
+#include "cleave/stability/block_theory.hpp"
 #include "judge.hpp"
 
 namespace cleave::scene {

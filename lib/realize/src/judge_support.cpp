@@ -9,7 +9,7 @@
 
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
-#include "cleave/stochastic/intervals.hpp"
+#include "cleave/stochastic/statistics.hpp"
 #include "judge.hpp"
 
 namespace cleave::scene {
@@ -30,9 +30,11 @@ std::vector<Bolt> bolts_with(const SupportSettings& support, double scale, doubl
         overloaded{[&](stability::RingPattern ring) {
                      ring.along *= scale;
                      ring.around *= scale;
-                     ring.offset_along = std::fmod(ring.offset_along + phase.along * ring.along, ring.along);
-                     ring.offset_around = std::fmod(ring.offset_around + phase.around * ring.around, ring.around);
-                     ring.length = length;
+                     ring.offset_along =
+                         metres(std::fmod((ring.offset_along + phase.along * ring.along).si(), ring.along.si()));
+                     ring.offset_around =
+                         metres(std::fmod((ring.offset_around + phase.around * ring.around).si(), ring.around.si()));
+                     ring.length = metres(length);
                      return bolts_of(ring);
                    },
                    [&](stability::GridPattern grid) {
@@ -40,7 +42,7 @@ std::vector<Bolt> bolts_with(const SupportSettings& support, double scale, doubl
                      grid.spacing_down *= scale;
                      grid.offset_across += phase.along * grid.spacing_across;
                      grid.offset_down += phase.around * grid.spacing_down;
-                     grid.length = length;
+                     grid.length = metres(length);
                      return bolts_of(grid);
                    }},
         pattern);
@@ -81,8 +83,8 @@ class DesignSearch {
       row.cost = static_cast<double>(row.bolts) * (design.cost_per_bolt + design.cost_per_metre * length_);
       if (plan_.spot) {
         row.spot_bolts = check_(plan_).spot_bolts;
-        row.cost +=
-            static_cast<double>(row.spot_bolts) * (design.cost_per_bolt + design.cost_per_metre * plan_.spot->length);
+        row.cost += static_cast<double>(row.spot_bolts) *
+                    (design.cost_per_bolt + design.cost_per_metre * plan_.spot->length.si());
       }
     }
     row.scale = low;
@@ -105,15 +107,15 @@ class DesignSearch {
 
   void describe(double scale, DesignResult& row) const {
     std::visit(overloaded{[&](const stability::RingPattern& ring) {
-                            row.spacing = {scale * ring.along, scale * ring.around};
+                            row.spacing = {scale * ring.along.si(), scale * ring.around.si()};
                             double length = 0;
                             for (std::size_t i = 0; i + 1 < ring.axis.size(); ++i)
                               length += geometry::norm(ring.axis[i + 1] - ring.axis[i]);
-                            const double offset = std::fmod(ring.offset_along, row.spacing[0]);
+                            const double offset = std::fmod(ring.offset_along.si(), row.spacing[0]);
                             row.rings = static_cast<std::size_t>((length - offset) / row.spacing[0]) + 1;
                           },
                           [&](const stability::GridPattern& grid) {
-                            row.spacing = {scale * grid.spacing_across, scale * grid.spacing_down};
+                            row.spacing = {scale * grid.spacing_across.si(), scale * grid.spacing_down.si()};
                           }},
                support_->patterns.front());
   }
@@ -168,13 +170,13 @@ void note(const std::vector<topology::BlockId>& undecided, Realization& made) {
 
 }  // namespace
 
-double longest_bolt(const Scene& scene) {
-  double longest = 0;
+Length longest_bolt(const Scene& scene) {
+  Length longest;
   if (!scene.support) return longest;
   for (const Bolt& bolt : scene.support->plan.bolts) longest = std::max(longest, bolt.length);
   if (scene.support->plan.spot) longest = std::max(longest, scene.support->plan.spot->length);
   if (scene.support->design) {
-    for (const double length : scene.support->design->lengths) longest = std::max(longest, length);
+    for (const double length : scene.support->design->lengths) longest = std::max(longest, metres(length));
   }
   return longest;
 }

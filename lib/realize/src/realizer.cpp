@@ -8,7 +8,6 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/expected.hpp"
 #include "cleave/stability/analyse.hpp"
-#include "cleave/stability/near_field.hpp"
 #include "cleave/topology/cut.hpp"
 #include "cut_estimate.hpp"
 #include "cut_problem.hpp"

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/exchange/cells.hpp"
 #include "cleave/exchange/csv.hpp"
+#include "cleave/exchange/exports.hpp"
 #include "cleave/exchange/text.hpp"
 #include "cleave/exchange/vtu_writer.hpp"
 #include "html_parts.hpp"

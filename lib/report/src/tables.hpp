@@ -180,7 +180,7 @@ void fields(V& v, const BoltRow& x) {
   v("y", x.b.bolt.collar.y);
   v("z", x.b.bolt.collar.z);
   direction_fields(v, x.b.bolt.direction, "direction_x", "direction_y", "direction_z");
-  v("length_m", x.b.bolt.length);
+  v("length_m", x.b.bolt.length.si());
   v("status", name(x.b.status), "whether it holds a block, is redundant, too short or pierces nothing");
   v("limit", when(x.b.capacity > 0, name(x.b.limit)), "what its capacity is limited by");
   v("serves", x.b.serves, "the block that takes most of it");
@@ -213,7 +213,7 @@ void fields(V& v, const SupportBlockRow& x) {
   v("missing_force_n", x.b.missing_force);
   v("required_force_n", x.b.required_force);
   v("required_pressure_pa", x.b.required_pressure);
-  v("free_area_m2", x.b.free_area);
+  v("free_area_m2", x.b.free_area.si());
   v("shotcrete_thickness_m", x.b.needed_thickness, "that would hold the block alone");
   v("received_n", x.b.received, "what blocks of later batches pass to it");
   v("own_pressure_pa", x.b.own_pressure, "required_pressure_pa without that");

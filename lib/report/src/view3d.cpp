@@ -9,10 +9,10 @@
 #include <memory>
 #include <utility>
 
+#include "cleave/exchange/exports.hpp"
 #include "cleave/exchange/json.hpp"
 #include "cleave/exchange/polygons.hpp"
 #include "cleave/exchange/text.hpp"
-#include "cleave/exchange/vtu.hpp"
 
 namespace cleave::report {
 namespace {
@@ -195,7 +195,7 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
     std::vector<std::uint32_t> serves;
     for (const stability::BoltResult& bolt : support->bolts) {
       const Vec3 head = bolt.bolt.collar - middle;
-      const Vec3 tip = head + bolt.bolt.length * bolt.bolt.direction;
+      const Vec3 tip = head + bolt.bolt.length.si() * bolt.bolt.direction;
       for (const double c : {head.x, head.y, head.z, tip.x, tip.y, tip.z}) ends.push_back(static_cast<float>(c));
       status.push_back(std::to_underlying(bolt.status));
       serves.push_back(bolt.serves ? bolt.serves->value() : unused);

@@ -6,10 +6,8 @@
 #include <utility>
 
 #include "cleave/core/expected.hpp"
-#include "cleave/exchange/cells.hpp"
 #include "cleave/exchange/dangling.hpp"
 #include "cleave/exchange/exports.hpp"
-#include "cleave/exchange/vtu.hpp"
 #include "cleave/exchange/vtu_writer.hpp"
 #include "cleave/report/key_blocks.hpp"
 #include "cleave/report/summary.hpp"

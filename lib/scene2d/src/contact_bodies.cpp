@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "cleave/bem/block.hpp"
-#include "cleave/bem/boundary_stress.hpp"
 
 namespace cleave::scene {
 namespace {

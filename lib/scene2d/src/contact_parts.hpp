@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cleave/bem/vec2.hpp"
+#include "cleave/bem/outline.hpp"
 #include "cleave/scene/table_reader.hpp"
 #include "cleave/scene2d/contact.hpp"
 

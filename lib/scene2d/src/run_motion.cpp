@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "body_runs.hpp"
-#include "cleave/bem/boundary_stress.hpp"
+#include "cleave/bem/block.hpp"
 
 namespace cleave::scene {
 namespace {

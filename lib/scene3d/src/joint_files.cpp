@@ -11,7 +11,7 @@
 
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/orientation.hpp"
-#include "cleave/geometry/shapes.hpp"
+#include "cleave/geometry/polygon.hpp"
 #include "cleave/io/joint_csv.hpp"
 #include "cleave/io/mesh.hpp"
 #include "cleave/scene/file_input.hpp"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "cleave/facets/cut_input.hpp"
 #include "cleave/geometry/polygon.hpp"
 #include "cleave/geometry/vec3.hpp"
-#include "cleave/topology/cut_input.hpp"
 #include "context.hpp"
 
 namespace cleave::scene {

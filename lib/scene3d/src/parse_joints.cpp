@@ -7,8 +7,8 @@
 
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/orientation.hpp"
+#include "cleave/geometry/polygon.hpp"
 #include "cleave/geometry/polygon_holes.hpp"
-#include "cleave/geometry/shapes.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "context.hpp"
 #include "joint_files.hpp"

@@ -109,7 +109,7 @@ std::optional<stability::WaterTable> parse_water(const Context& context, const T
   const auto law = parse_number_law(table, "table", -1e12, 1e12);
   const auto level = law ? std::optional{law->quantile(0.5)} : std::nullopt;
   if (law && law->kind != FrictionLaw::Kind::constant) loads.water_level = *law;
-  const double unit_weight = table.value("unit_weight");
+  const UnitWeight unit_weight = newtons_per_cubic_metre(table.value("unit_weight"));
   const bool free_faces = table.flag("free_faces");
   if (!level) {
     for (const string_view key : {"unit_weight", "free_faces"}) {
@@ -145,7 +145,7 @@ void parse_surcharge(const TableReader& table, const std::optional<geometry::Sol
   loads.surcharges.push_back({.on = *surface,
                               .within = box,
                               .traction = traction.value_or(geometry::Vec3{}),
-                              .pressure = pressure.value_or(0)});
+                              .pressure = pascals(pressure.value_or(0))});
 }
 
 void add(LoadSet& sum, const LoadSet& part, double factor) {

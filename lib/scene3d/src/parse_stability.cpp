@@ -6,7 +6,7 @@
 
 #include "cleave/scene/nearest.hpp"
 #include "cleave/scene3d/key_tables.hpp"
-#include "cleave/stability/maximum_blocks.hpp"
+#include "cleave/stability/block_theory.hpp"
 #include "context.hpp"
 
 namespace cleave::scene {

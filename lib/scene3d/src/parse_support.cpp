@@ -142,7 +142,7 @@ std::optional<stability::BoltKind> parse_kind(const TableReader& table, double a
     if (!(table.value("plate_capacity") > 0)) {
       table.error("plate_capacity", "is 0", "a bolt that is free up to its head holds by its plate alone");
     }
-    return anchor.transform([](double a) { return stability::BoltKind{stability::MechanicalAnchor{a}}; });
+    return anchor.transform([](double a) { return stability::BoltKind{stability::MechanicalAnchor{newtons(a)}}; });
   }
   misused({"anchor_capacity"});
   const auto bond = table.number("bond_strength");
@@ -150,14 +150,15 @@ std::optional<stability::BoltKind> parse_kind(const TableReader& table, double a
     table.missing("bond_strength", "add bond_strength = 200e3, N per metre");
   }
   if (!bond) return std::nullopt;
-  const double shear = table.value("shear_capacity");
+  const ForcePerLength strength = newtons_per_metre(*bond);
+  const Force shear = newtons(table.value("shear_capacity"));
   if (name == "cable") {
     misused({"shear_capacity"});
-    return stability::Cable{.bond = *bond, .free_length = table.value("free_length")};
+    return stability::Cable{.bond = strength, .free_length = metres(table.value("free_length"))};
   }
   misused({"free_length"});
-  if (name == "friction") return stability::FrictionTube{.bond = *bond, .shear = shear};
-  return stability::GroutedBar{.bond = *bond, .shear = shear};
+  if (name == "friction") return stability::FrictionTube{.bond = strength, .shear = shear};
+  return stability::GroutedBar{.bond = strength, .shear = shear};
 }
 
 /// Keys of `bolt_keys` but the length.
@@ -168,9 +169,9 @@ std::optional<stability::BoltType> parse_type(const TableReader& table) {
   if (!tendon || !anchorage) return std::nullopt;
   const auto kind = parse_kind(table, *anchorage);
   if (!kind) return std::nullopt;
-  return stability::BoltType{.tendon = *tendon,
-                             .plate = plate,
-                             .anchorage = *anchorage,
+  return stability::BoltType{.tendon = newtons(*tendon),
+                             .plate = newtons(plate),
+                             .anchorage = metres(*anchorage),
                              .kind = *kind,
                              .angle = table.word<stability::AngleLaw>("angle")};
 }
@@ -191,10 +192,10 @@ void parse_rings(const TableReader& table, const std::vector<Excavation>& excava
     ring.axis = excavation.tunnel->axis;
     ring.up = excavation.tunnel->up;
     ring.outline = excavation.tunnel->outline;
-    ring.along = (*spacing)[0];
-    ring.around = (*spacing)[1];
-    ring.offset_along = offset ? (*offset)[0] : 0;
-    ring.offset_around = offset ? (*offset)[1] : 0;
+    ring.along = metres((*spacing)[0]);
+    ring.around = metres((*spacing)[1]);
+    ring.offset_along = metres(offset ? (*offset)[0] : 0);
+    ring.offset_around = metres(offset ? (*offset)[1] : 0);
     if (arc) ring.arc = *arc;
     if (!table.has("after_stage")) ring.after_stage = excavation.stage;
     ring.stagger = table.flag("stagger");
@@ -231,12 +232,12 @@ void parse_grid(const TableReader& owner, stability::GridPattern grid, SupportSe
   grid.corner = *corner;
   grid.down = {std::cos(d) * std::sin(a), std::cos(d) * std::cos(a), -std::sin(d)};
   grid.across = geometry::cross(normal, grid.down);
-  grid.width = *width;
-  grid.height = *height;
-  grid.spacing_across = (*spacing)[0];
-  grid.spacing_down = (*spacing)[1];
-  grid.offset_across = offset ? (*offset)[0] : 0;
-  grid.offset_down = offset ? (*offset)[1] : 0;
+  grid.width = metres(*width);
+  grid.height = metres(*height);
+  grid.spacing_across = metres((*spacing)[0]);
+  grid.spacing_down = metres((*spacing)[1]);
+  grid.offset_across = metres(offset ? (*offset)[0] : 0);
+  grid.offset_down = metres(offset ? (*offset)[1] : 0);
   grid.stagger = owner.flag("stagger");
   if (plunge) {
     const double p = *plunge * (3.14159265358979323846 / 180);
@@ -269,7 +270,7 @@ void parse_bolts(const TableReader& root, const std::vector<Excavation>& excavat
       }
     };
     const auto stage = table.integer("after_stage").transform([](auto k) { return static_cast<std::uint32_t>(k); });
-    const double l = length.value_or(1);
+    const Length l = metres(length.value_or(1));
     const stability::BoltType t = type.value_or(stability::BoltType{});
     if (kind->key == "tunnel") {
       misused({"direction", "plunge"});
@@ -316,7 +317,7 @@ void parse_spot(const TableReader& owner, SupportSettings& support) {
   const auto length = table->need_number("length");
   const auto type = parse_type(*table);
   const auto most = static_cast<std::uint32_t>(table->count("max_per_block"));
-  if (length && type) support.plan.spot = stability::SpotBolts{.type = *type, .length = *length, .most = most};
+  if (length && type) support.plan.spot = stability::SpotBolts{.type = *type, .length = metres(*length), .most = most};
 }
 
 void parse_shotcrete(const TableReader& owner, SupportSettings& support) {
@@ -326,7 +327,8 @@ void parse_shotcrete(const TableReader& owner, SupportSettings& support) {
   const double adhesion = table->value("adhesion"), width = table->value("bond_width");
   if (!thickness || !strength) return;
   support.plan.shotcrete = stability::Shotcrete{
-      .thickness = *thickness, .shear_strength = *strength, .adhesion = adhesion, .bond_width = width};
+      .thickness = metres(*thickness), .shear_strength = pascals(*strength), .bond_width = metres(width)};
+  if (adhesion > 0) support.plan.shotcrete->adhesion = pascals(adhesion);
 }
 
 void parse_design(const TableReader& owner, SupportSettings& support) {
@@ -398,8 +400,8 @@ std::optional<SupportSettings> parse_support(const TableReader& root, const std:
   parse_shotcrete(table, support);
   parse_design(table, support);
   support.plan.active = table.choice("action") == std::size_t{1};
-  support.plan.spot_area = table.value("spot_area");
-  support.plan.most_pressure = table.value("most_pressure");
+  support.plan.spot_area = square_metres(table.value("spot_area"));
+  support.plan.most_pressure = pascals(table.value("most_pressure"));
   support.plan.key_only = table.flag("key_only");
   if (stability && stability->target) {
     support.plan.target_falling = stability->target->falling;

@@ -15,8 +15,8 @@ std::expected<Actions, BadAction> Actions::make(ActionSpec spec) {
   };
   if (spec.water) {
     if (!std::isfinite(spec.water->level)) return bad("water", "the table's level is not finite; give metres");
-    if (!std::isfinite(spec.water->unit_weight) || spec.water->unit_weight < 0) {
-      return bad("water", fmt::format("unit weight {} N/m3 is not >= 0; water has 9810", spec.water->unit_weight));
+    if (!std::isfinite(spec.water->unit_weight.si()) || spec.water->unit_weight < UnitWeight{}) {
+      return bad("water", fmt::format("unit weight {} N/m3 is not >= 0; water has 9810", spec.water->unit_weight.si()));
     }
   }
   for (const auto& pressure : spec.joint_pressure) {
@@ -27,7 +27,8 @@ std::expected<Actions, BadAction> Actions::make(ActionSpec spec) {
   for (std::size_t i = 0; i < spec.surcharges.size(); ++i) {
     const Surcharge& s = spec.surcharges[i];
     const std::string which = fmt::format("surcharge {}", i + 1);
-    if (!geometry::is_finite(s.traction) || !std::isfinite(s.pressure)) return bad(which, "is not finite; give Pa");
+    if (!geometry::is_finite(s.traction) || !std::isfinite(s.pressure.si()))
+      return bad(which, "is not finite; give Pa");
     if (!s.within) continue;
     if (!geometry::is_finite(s.within->min) || !geometry::is_finite(s.within->max) ||
         !(s.within->min.x < s.within->max.x && s.within->min.y < s.within->max.y &&

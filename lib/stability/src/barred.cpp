@@ -2,7 +2,7 @@
 #include <optional>
 #include <utility>
 
-#include "cleave/stability/held_from_within.hpp"
+#include "cleave/stability/analyse.hpp"
 #include "contacts.hpp"
 #include "verdict.hpp"
 

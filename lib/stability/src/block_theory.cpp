@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "cleave/core/assert.hpp"
-#include "cleave/stability/motion.hpp"
 #include "flat.hpp"
 
 namespace cleave::stability {

@@ -14,7 +14,7 @@ using topology::BlockId;
 
 namespace {
 
-double metres(const Bolt& bolt, const Pierced& p) { return gripped_length(bolt.type, bolt.length, p.from, p.to); }
+double grip_in(const Bolt& bolt, const Pierced& p) { return gripped_length(bolt.type, bolt.length.si(), p.from, p.to); }
 
 }  // namespace
 
@@ -25,11 +25,11 @@ Grip grip_of(const BoltResult& bolt, BlockId block) {
     if (p.block == block) {
       if (!found) grip.first = p.from;
       found = true;
-      grip.gripped += metres(bolt.bolt, p);
+      grip.gripped += grip_in(bolt.bolt, p);
       grip.last = p.to;
       grip.behind = 0;
     } else if (found) {
-      grip.behind += metres(bolt.bolt, p);
+      grip.behind += grip_in(bolt.bolt, p);
     }
   }
   grip.collar = !bolt.pierced.empty() && bolt.pierced.front().block == block;
@@ -37,7 +37,7 @@ Grip grip_of(const BoltResult& bolt, BlockId block) {
 }
 
 bool gripped(const Grip& grip, const BoltType& type) {
-  if (grip.collar && type.plate > 0) return true;
+  if (grip.collar && type.plate > newtons(0)) return true;
   return anchors(type, grip.gripped);
 }
 
@@ -47,11 +47,11 @@ BodyGrip grip_of(const BoltResult& bolt, std::span<const BlockId> members, const
   for (const Pierced& p : bolt.pierced) {
     if (std::ranges::binary_search(members, p.block)) {
       entered = true;
-      grip.inside += metres(bolt.bolt, p);
+      grip.inside += grip_in(bolt.bolt, p);
       grip.anchored = 0;
       grip.gripped = grip.gripped || gripped(grip_of(bolt, p.block), bolt.bolt.type);
     } else if (entered && stays(p.block)) {
-      grip.anchored += metres(bolt.bolt, p);
+      grip.anchored += grip_in(bolt.bolt, p);
     }
   }
   grip.collar = !bolt.pierced.empty() && std::ranges::binary_search(members, bolt.pierced.front().block);

@@ -88,14 +88,14 @@ BoltPath BoltPaths::path(const Bolt& bolt) const {
       exit = at;
       through = &face;
     }
-    if (through == nullptr || exit >= bolt.length || through->role == topology::Role::fixed) {
+    if (through == nullptr || exit >= bolt.length.si() || through->role == topology::Role::fixed) {
       // Rock beyond a fixed side goes on and never moves.
-      pierced.push_back({block, t, bolt.length});
+      pierced.push_back({block, t, bolt.length.si()});
       break;
     }
     if (through->role == topology::Role::window) {
       path.leaves_window = true;
-      pierced.push_back({block, t, bolt.length});
+      pierced.push_back({block, t, bolt.length.si()});
       break;
     }
     exit = std::max(exit, t);

@@ -1,4 +1,4 @@
-#include "cleave/stability/bolt_patterns.hpp"
+#include "cleave/stability/support.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -60,16 +60,17 @@ std::size_t count(double length, double offset, double spacing) {
 
 std::vector<Bolt> bolts_of(const RingPattern& pattern) {
   std::vector<Bolt> bolts;
-  if (!(pattern.along > 0) || !(pattern.around > 0) || pattern.axis.size() < 2 || pattern.outline.size() < 3) {
+  if (!(pattern.along > metres(0)) || !(pattern.around > metres(0)) || pattern.axis.size() < 2 ||
+      pattern.outline.size() < 3) {
     return bolts;
   }
   const Arc arc = arc_of(pattern);
   double total = 0;
   for (std::size_t i = 0; i + 1 < pattern.axis.size(); ++i) total += norm(pattern.axis[i + 1] - pattern.axis[i]);
-  const std::size_t rings = count(total, pattern.offset_along, pattern.along);
+  const std::size_t rings = count(total, pattern.offset_along.si(), pattern.along.si());
   const double tilt = pattern.inclination * std::numbers::pi / 180;
   for (std::size_t ring = 0; ring < rings; ++ring) {
-    double station = pattern.offset_along + static_cast<double>(ring) * pattern.along;
+    double station = (pattern.offset_along + static_cast<double>(ring) * pattern.along).si();
     std::size_t leg = 0;
     while (leg + 2 < pattern.axis.size() && station > norm(pattern.axis[leg + 1] - pattern.axis[leg])) {
       station -= norm(pattern.axis[leg + 1] - pattern.axis[leg]);
@@ -78,10 +79,10 @@ std::vector<Bolt> bolts_of(const RingPattern& pattern) {
     const Vec3 ahead = normalized(pattern.axis[leg + 1] - pattern.axis[leg]);
     const Vec3 right = normalized(cross(ahead, pattern.up)), up = cross(right, ahead);
     const Vec3 centre = pattern.axis[leg] + station * ahead;
-    const double shift = pattern.stagger && ring % 2 == 1 ? 0.5 * pattern.around : 0;
-    const std::size_t in_ring = count(arc.length, pattern.offset_around + shift, pattern.around);
+    const double shift = pattern.stagger && ring % 2 == 1 ? 0.5 * pattern.around.si() : 0;
+    const std::size_t in_ring = count(arc.length, pattern.offset_around.si() + shift, pattern.around.si());
     for (std::size_t k = 0; k < in_ring; ++k) {
-      double s = pattern.offset_around + shift + static_cast<double>(k) * pattern.around;
+      double s = pattern.offset_around.si() + shift + static_cast<double>(k) * pattern.around.si();
       std::size_t e = 0;
       while (e + 1 < arc.edges.size() && s > arc.edges[e].length) s -= arc.edges[e++].length;
       const Arc::Edge& edge = arc.edges[e];
@@ -102,14 +103,15 @@ std::vector<Bolt> bolts_of(const RingPattern& pattern) {
 
 std::vector<Bolt> bolts_of(const GridPattern& pattern) {
   std::vector<Bolt> bolts;
-  if (!(pattern.spacing_across > 0) || !(pattern.spacing_down > 0)) return bolts;
-  const std::size_t rows = count(pattern.height, pattern.offset_down, pattern.spacing_down);
+  if (!(pattern.spacing_across > metres(0)) || !(pattern.spacing_down > metres(0))) return bolts;
+  const std::size_t rows = count(pattern.height.si(), pattern.offset_down.si(), pattern.spacing_down.si());
   for (std::size_t row = 0; row < rows; ++row) {
-    const double y = pattern.offset_down + static_cast<double>(row) * pattern.spacing_down;
-    const double shift = pattern.offset_across + (pattern.stagger && row % 2 == 1 ? 0.5 * pattern.spacing_across : 0);
-    const std::size_t columns = count(pattern.width, shift, pattern.spacing_across);
+    const double y = (pattern.offset_down + static_cast<double>(row) * pattern.spacing_down).si();
+    const double shift =
+        pattern.offset_across.si() + (pattern.stagger && row % 2 == 1 ? 0.5 * pattern.spacing_across.si() : 0);
+    const std::size_t columns = count(pattern.width.si(), shift, pattern.spacing_across.si());
     for (std::size_t column = 0; column < columns; ++column) {
-      const double x = shift + static_cast<double>(column) * pattern.spacing_across;
+      const double x = shift + static_cast<double>(column) * pattern.spacing_across.si();
       bolts.push_back({.collar = pattern.corner + x * pattern.across + y * pattern.down,
                        .direction = pattern.direction,
                        .length = pattern.length,

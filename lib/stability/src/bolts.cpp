@@ -16,15 +16,17 @@ using geometry::Vec3;
 /// N per gripped metre.
 double bond_of(const BoltType& type) {
   return std::visit(
-      overloaded{[](const GroutedBar& k) { return k.bond; }, [](const FrictionTube& k) { return k.bond; },
-                 [](const Cable& k) { return k.bond; },
-                 [&](const MechanicalAnchor& k) { return type.anchorage > 0 ? k.capacity / type.anchorage : 0.0; }},
+      overloaded{[](const GroutedBar& k) { return k.bond.si(); }, [](const FrictionTube& k) { return k.bond.si(); },
+                 [](const Cable& k) { return k.bond.si(); },
+                 [&](const MechanicalAnchor& k) {
+                   return type.anchorage > metres(0) ? (k.capacity / type.anchorage).si() : 0.0;
+                 }},
       type.kind);
 }
 
 double shear_of(const BoltType& type) {
   return std::visit(
-      overloaded{[](const GroutedBar& k) { return k.shear; }, [](const FrictionTube& k) { return k.shear; },
+      overloaded{[](const GroutedBar& k) { return k.shear.si(); }, [](const FrictionTube& k) { return k.shear.si(); },
                  [](const Cable&) { return 0.0; }, [](const MechanicalAnchor&) { return 0.0; }},
       type.kind);
 }
@@ -32,8 +34,8 @@ double shear_of(const BoltType& type) {
 /// m from the collar at which the kind begins to grip.
 double grip_begins(const BoltType& type, double length) {
   return std::visit(overloaded{[](const GroutedBar&) { return 0.0; }, [](const FrictionTube&) { return 0.0; },
-                               [](const Cable& k) { return k.free_length; },
-                               [&](const MechanicalAnchor&) { return std::max(0.0, length - type.anchorage); }},
+                               [](const Cable& k) { return k.free_length.si(); },
+                               [&](const MechanicalAnchor&) { return std::max(0.0, length - type.anchorage.si()); }},
                     type.kind);
 }
 
@@ -73,18 +75,18 @@ double gripped_length(const BoltType& type, double length, double from, double t
   return std::max(0.0, to - std::max(from, grip_begins(type, length)));
 }
 
-bool anchors(const BoltType& type, double metres) {
+bool anchors(const BoltType& type, double grip) {
   // An anchor at the end is whole or nothing: its length is a difference of two.
   const bool end = std::holds_alternative<MechanicalAnchor>(type.kind);
-  return metres > 0 && metres >= (end ? type.anchorage * (1 - 1e-12) : type.anchorage);
+  return grip > 0 && grip >= (end ? type.anchorage * (1 - 1e-12) : type.anchorage).si();
 }
 
 Capacity capacity(const BoltType& type, bool plate_on_block, double before, double behind) {
   const double bond = bond_of(type);
-  const double head = (plate_on_block ? type.plate : 0) + bond * before;
+  const double head = (plate_on_block ? type.plate.si() : 0) + bond * before;
   const double anchor = bond * behind;
   Capacity least{head, BoltLimit::head};
-  if (type.tendon < least.force) least = {type.tendon, BoltLimit::tendon};
+  if (type.tendon.si() < least.force) least = {type.tendon.si(), BoltLimit::tendon};
   if (anchor < least.force) least = {anchor, BoltLimit::anchor};
   return least;
 }

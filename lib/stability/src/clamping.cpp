@@ -1,4 +1,4 @@
-#include "cleave/stability/clamping.hpp"
+#include "cleave/stability/strength.hpp"
 
 #include <algorithm>
 #include <array>

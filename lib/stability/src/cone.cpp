@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 
-#include "cleave/stability/motion.hpp"
+#include "cleave/stability/block_theory.hpp"
 #include "integers.hpp"
 
 namespace cleave::stability {

@@ -9,7 +9,7 @@
 
 #include "cleave/core/id.hpp"
 #include "cleave/stability/analyse.hpp"
-#include "cleave/stability/motion.hpp"
+#include "cleave/stability/block_theory.hpp"
 #include "cleave/topology/block_complex.hpp"
 #include "surface_loads.hpp"
 

@@ -1,4 +1,4 @@
-#include "cleave/stability/direction.hpp"
+#include "cleave/stability/block_theory.hpp"
 
 #include <bit>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <numbers>
 #include <utility>
 
-#include "cleave/stability/held_from_within.hpp"
+#include "cleave/stability/analyse.hpp"
 #include "contacts.hpp"
 #include "verdict.hpp"
 

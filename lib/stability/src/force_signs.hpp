@@ -5,10 +5,9 @@
 #include <optional>
 #include <utility>
 
-#include "cleave/exact/sign.hpp"
+#include "cleave/exact/integer.hpp"
 #include "cleave/exact/wide.hpp"
-#include "cleave/stability/direction.hpp"
-#include "cleave/stability/motion.hpp"
+#include "cleave/stability/block_theory.hpp"
 
 namespace cleave::stability {
 

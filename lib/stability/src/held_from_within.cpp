@@ -1,4 +1,4 @@
-#include "cleave/stability/held_from_within.hpp"
+#include "cleave/stability/analyse.hpp"
 
 #include <algorithm>
 #include <cstddef>

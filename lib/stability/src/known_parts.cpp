@@ -108,7 +108,8 @@ std::vector<Resultant> KnownParts::own_loads(const Parts& same, std::uint32_t ba
   rock.add(weight * settings.loads.seismic(), weight * norm(settings.loads.seismic()));
   loads.push_back(rock);
   if (const auto& table = settings.actions.spec().water; table && g > 0) {
-    rock.add(-table->unit_weight / g * gravity, table->unit_weight);
+    const double of_water = table->unit_weight.si();
+    rock.add(-of_water / g * gravity, of_water);
     loads.push_back(rock);
   }
   return loads;

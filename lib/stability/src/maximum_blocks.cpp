@@ -1,4 +1,4 @@
-#include "cleave/stability/maximum_blocks.hpp"
+#include "cleave/stability/block_theory.hpp"
 
 #include <algorithm>
 #include <cmath>

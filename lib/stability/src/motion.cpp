@@ -1,4 +1,4 @@
-#include "cleave/stability/motion.hpp"
+#include "cleave/stability/block_theory.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "cleave/stability/near_field.hpp"
+#include "cleave/stability/analyse.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -141,7 +141,7 @@ std::expected<NearKeyBlocks, NearError> analyse_near_field(const topology::CutIn
   topology::CutInput part = input;
   Settings only_key = settings;
   only_key.only_key_blocks = true;
-  std::optional<NearField> near = NearField::around_free_faces(input, more.depth);
+  std::optional<NearField> near = NearField::around_free_faces(input, more.depth.si());
   for (unsigned round = 1;; ++round) {
     part.window = near ? std::optional{near->window()} : std::nullopt;
     auto cut = timer.run("cut", [&] { return topology::cut(part, options); });

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cleave/stability/rotation.hpp"
+#include "cleave/stability/result.hpp"
 #include "contacts.hpp"
 #include "verdict.hpp"
 

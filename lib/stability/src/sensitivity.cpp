@@ -1,4 +1,4 @@
-#include "cleave/stability/sensitivity.hpp"
+#include "cleave/stability/analyse.hpp"
 
 #include <cstddef>
 #include <utility>

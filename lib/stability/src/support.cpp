@@ -132,11 +132,11 @@ class Check final {
       for (const FaceId face_id : block.faces) {
         const Face& face = complex_->faces()[face_id];
         if (face.role != topology::Role::free) continue;
-        entry.free_area += face.area.si();
+        entry.free_area += face.area;
         push -= face.area.si() * face.outward;
       }
       entry.small = entry.free_area < plan_->spot_area;
-      if (norm(push) > 1e-9 * entry.free_area) entry.free_outward = -push / norm(push);
+      if (norm(push) > 1e-9 * entry.free_area.si()) entry.free_outward = -push / norm(push);
       entry.required_direction = best_direction(*body);
       const double most = 1.05 * body->target * body->bare.driving;
       entry.required_force = least_multiple(*body, most * entry.required_direction, most);
@@ -149,8 +149,8 @@ class Check final {
         own.bare = judge(own.contacts, own.resultant, *settings_);
         own.target = target_of(own.bare.mode, *plan_);
         entry.own_pressure = moves(own.bare.mode) && own.lacks() ? pressure_needed(own, push) : 0;
-        entry.passed_on =
-            entry.required_pressure > plan_->most_pressure && !(entry.own_pressure > plan_->most_pressure);
+        entry.passed_on = pascals(entry.required_pressure) > plan_->most_pressure &&
+                          !(pascals(entry.own_pressure) > plan_->most_pressure);
       }
       needy_[id] = static_cast<std::uint32_t>(bodies_.size());
       bodies_.push_back(*std::move(body));
@@ -189,7 +189,7 @@ class Check final {
   [[nodiscard]] BoltForce action(const BoltResult& bolt, BlockId block, BoltStatus& status) const {
     const Grip grip = grip_of(bolt, block);
     const BoltType& type = bolt.bolt.type;
-    const bool plate = grip.collar && type.plate > 0;
+    const bool plate = grip.collar && type.plate > newtons(0);
     status = BoltStatus::too_short;
     if (!anchors(type, grip.behind)) return {{}, BoltLimit::anchor};
     if (!plate && !holds_head(bolt, grip)) return {{}, BoltLimit::head};
@@ -197,7 +197,7 @@ class Check final {
     double front = 0;
     bool front_plate = false;
     if (const Pierced* before = held_in_front(bolt, grip)) {
-      front = gripped_length(type, bolt.bolt.length, before->from, before->to);
+      front = gripped_length(type, bolt.bolt.length.si(), before->from, before->to);
       front_plate = true;
     }
     const Capacity c = capacity(type, plate || front_plate, grip.gripped + front, grip.behind);
@@ -217,7 +217,7 @@ class Check final {
   [[nodiscard]] bool holds_head(const BoltResult& bolt, const Grip& grip) const {
     const BoltType& type = bolt.bolt.type;
     if (anchors(type, grip.gripped)) return true;
-    return std::holds_alternative<MechanicalAnchor>(type.kind) && type.plate > 0 &&
+    return std::holds_alternative<MechanicalAnchor>(type.kind) && type.plate > newtons(0) &&
            held_in_front(bolt, grip) != nullptr;
   }
 
@@ -272,13 +272,13 @@ class Check final {
     const Shotcrete& layer = *plan_->shotcrete;
     const double perimeter =
         keyed_perimeter(*complex_, entry.block, [&](BlockId other) { return needy_[other] != none; });
-    double hold = perimeter * layer.thickness * layer.shear_strength;
-    if (layer.adhesion > 0) hold = std::min(hold, perimeter * layer.bond_width * layer.adhesion);
+    double hold = perimeter * layer.thickness.si() * layer.shear_strength.si();
+    if (layer.adhesion) hold = std::min(hold, perimeter * layer.bond_width.si() * layer.adhesion->si());
     const Body& body = bodies_[needy_[entry.block]];
     const double rock = body.bare.resistance.least;
     entry.factor_with_shotcrete = (rock + hold) / body.bare.driving;
     const double lack = body.target * body.bare.driving - rock;
-    entry.needed_thickness = perimeter > 0 ? lack / (perimeter * layer.shear_strength) : infinite;
+    entry.needed_thickness = perimeter > 0 ? lack / (perimeter * layer.shear_strength.si()) : infinite;
     return hold;
   }
 
@@ -350,7 +350,7 @@ class Check final {
       const BoltType& type = bolt.bolt.type;
       const BodyGrip grip = grip_of(bolt, members, [&](BlockId id) { return !can_be_member(id); });
       if (!grip.gripped || !anchors(type, grip.anchored)) continue;
-      const Capacity tension = capacity(type, grip.collar && type.plate > 0, grip.inside, grip.anchored);
+      const Capacity tension = capacity(type, grip.collar && type.plate > newtons(0), grip.inside, grip.anchored);
       const BoltForce held = force_against(bolt.bolt, tension, anchors(type, grip.inside), motion);
       if (held.force == Vec3{}) continue;  // its motion would shorten it
       help.force += held.force;

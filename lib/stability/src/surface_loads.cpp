@@ -141,7 +141,7 @@ IdVector<BlockId, ForceSum> surface_forces(const BlockComplex& complex, const Ac
       }
       if (!(area.total > 0)) continue;
       const Vec3 centre = area.first / area.total;
-      const Vec3 traction = load.traction - load.pressure * face.outward;
+      const Vec3 traction = load.traction - load.pressure.si() * face.outward;
       sums[face.block].add(area.total * traction, centre - complex.blocks()[face.block].centroid);
     }
   }
@@ -168,13 +168,13 @@ std::vector<Misplaced> misplaced(const BlockComplex& complex, const Actions& act
   const ActionSpec& spec = actions.spec();
   for (std::size_t i = 0; i < spec.points.size(); ++i) {
     const double off = nearest_free_face(complex, spec.points[i].at).distance;
-    if (off > reach) out.push_back({Misplaced::Kind::point, i, off});
+    if (off > reach) out.push_back({Misplaced::Kind::point, i, metres(off)});
   }
   for (std::size_t i = 0; i < spec.lines.size(); ++i) {
     double share = 0;
     for (const Piece& piece : pieces_of(complex, spec.lines[i])) share += piece.to - piece.from;
     const double length = norm(spec.lines[i].to - spec.lines[i].from);
-    if ((1 - share) * length > reach) out.push_back({Misplaced::Kind::line, i, (1 - share) * length});
+    if ((1 - share) * length > reach) out.push_back({Misplaced::Kind::line, i, metres((1 - share) * length)});
   }
   return out;
 }

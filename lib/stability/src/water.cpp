@@ -47,7 +47,7 @@ ForceSum water_forces(const BlockComplex& complex, const Actions& actions, Vec3 
   const topology::Block& block = complex.blocks()[id];
   const double g = geometry::norm(gravity);
   std::optional<LinearPressure> table;
-  if (spec.water && g > 0) table = {spec.water->unit_weight, spec.water->level, -gravity / g};
+  if (spec.water && g > 0) table = {spec.water->unit_weight.si(), spec.water->level, -gravity / g};
   const auto push = [&](const Face& face, const Moments& m) {
     if (!(m.total > 0)) return;
     sum.add(-m.total * face.outward, m.first / m.total - block.centroid);

@@ -1,4 +1,4 @@
-#include "cleave/stochastic/intervals.hpp"
+#include "cleave/stochastic/statistics.hpp"
 
 #include <algorithm>
 #include <cmath>

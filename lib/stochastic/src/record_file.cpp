@@ -1,4 +1,4 @@
-#include "cleave/stochastic/record_file.hpp"
+#include "cleave/stochastic/record.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

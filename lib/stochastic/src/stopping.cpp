@@ -1,4 +1,4 @@
-#include "cleave/stochastic/stopping.hpp"
+#include "cleave/stochastic/statistics.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "cleave/core/special.hpp"
-#include "cleave/survey/size.hpp"
+#include "cleave/survey/traces.hpp"
 #include "maximum_likelihood.hpp"
 
 /// Trace lengths of discs. With D = l cosh t the density, the probability of more than l and its integral are

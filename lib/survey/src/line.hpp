@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "cleave/survey/estimate.hpp"
+#include "cleave/survey/fit.hpp"
 
 /// Frequencies and spacings along scanlines and boreholes.
 namespace cleave::survey {

@@ -291,7 +291,7 @@ void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Da
   CutReport& report = out.report;
   report.excavated = excavated_volumes(parts, cells);
   report.lattice_pitch_m = prepared.lattice.pitch();
-  report.largest_snap_m = prepared.largest_snap;
+  report.largest_snap_m = prepared.largest_snap.si();
   report.coarse_snap = prepared.coarse_snap;
   report.bend_m = prepared.bend * prepared.lattice.pitch();
   report.merged_planes = prepared.merged_planes;

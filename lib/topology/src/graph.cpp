@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
+#include "cleave/exact/predicates.hpp"
 #include "detail/crossings.hpp"
 #include "detail/pieces.hpp"
-#include "detail/position.hpp"
 #include "detail/stages.hpp"
 
 namespace cleave::topology::detail {
@@ -383,8 +383,8 @@ std::vector<Vec> positions_of(const Prepared& prepared, const Graph& graph, Thre
   in_pieces(positions.size(), 4096, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       const Vertex& v = graph.vertices[k];
-      positions[k] = meet_position(v.approx, prepared.planes[v.planes[0]], prepared.planes[v.planes[1]],
-                                   prepared.planes[v.planes[2]]);
+      positions[k] = exact::meet_position(v.approx, prepared.planes[v.planes[0]], prepared.planes[v.planes[1]],
+                                          prepared.planes[v.planes[2]]);
     }
   });
   return positions;

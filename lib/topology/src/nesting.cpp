@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "cleave/core/disjoint_sets.hpp"
-#include "detail/prepared.hpp"
+#include "cleave/facets/prepared.hpp"
 
 namespace cleave::topology::detail {
 namespace {

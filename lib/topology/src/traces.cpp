@@ -5,9 +5,9 @@
 #include <optional>
 #include <span>
 
-#include "detail/gaps.hpp"
+#include "cleave/exact/predicates.hpp"
+#include "cleave/facets/gaps.hpp"
 #include "detail/pieces.hpp"
-#include "detail/position.hpp"
 #include "detail/stages.hpp"
 
 namespace cleave::topology::detail {
@@ -58,7 +58,7 @@ class Clipper {
   [[nodiscard]] const End& lower() const { return *lower_; }
   [[nodiscard]] const End& upper() const { return *upper_; }
   [[nodiscard]] std::array<double, 3> position(const End& end) const {
-    return meet_position(end.point, signs_.plane(p_), signs_.plane(q_), signs_.plane(end.half_space.plane));
+    return exact::meet_position(end.point, signs_.plane(p_), signs_.plane(q_), signs_.plane(end.half_space.plane));
   }
 
  private:

@@ -3,7 +3,7 @@
 #include <span>
 #include <unordered_map>
 
-#include "cleave/exact/sign.hpp"
+#include "cleave/exact/integer.hpp"
 #include "detail/fixed_measure.hpp"
 #include "detail/stages.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "detail/prepared.hpp"
+#include "cleave/facets/prepared.hpp"
 
 namespace cleave::topology::detail {
 

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "cleave/exact/predicates.hpp"
-#include "detail/prepared.hpp"
+#include "cleave/facets/prepared.hpp"
 
 namespace cleave::topology::detail {
 

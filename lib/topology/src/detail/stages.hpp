@@ -6,9 +6,10 @@
 
 #include "cleave/core/parallel.hpp"
 #include "cleave/exact/predicates.hpp"
+#include "cleave/facets/gaps.hpp"
+#include "cleave/facets/prepared.hpp"
 #include "cleave/geometry/vec3.hpp"
-#include "detail/gaps.hpp"
-#include "detail/prepared.hpp"
+#include "cleave/topology/block_complex.hpp"
 #include "detail/signs.hpp"
 
 /// The immutable values between the stages of the cutter, in the order they are made.

@@ -1,14 +1,120 @@
 #pragma once
 
 #include <cstdint>
+#include <expected>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <vector>
 
-#include "cleave/assembly/certificate.hpp"
-#include "cleave/assembly/factors.hpp"
+#include "cleave/assembly/assembly.hpp"
 
 namespace cleave::assembly {
+
+// ---- Factors --------------------------------------------------------------------------------------------------------
+
+/// The unique rate of motion nearest to free fall, in the metric of the masses, that contacts of the associated law
+/// (opening tan(friction)/F times the slip) let through: zero when forces in all contacts can hold the loads.
+struct Projection {
+  Motion motion;
+  std::vector<double> speed;  ///< of each body, as a share of the largest free fall
+  double largest = 0;         ///< of `speed`
+  bool settled = false;       ///< rates are as exact as rounding lets them be
+};
+/// With strengths over `factor`; infinity: without strength.
+[[nodiscard]] Projection project(const Assembly& assembly, double factor);
+
+/// Forces in the contacts, N: at each point and then at each bond, normal and two tangents as vectors.
+struct ContactForces {
+  std::vector<std::vector<geometry::Vec3>> at_points, at_bonds;
+};
+/// Forces that hold the loads at strengths over `factor` (infinity: without strength), every point pressed by
+/// `prestress` times the largest load at least. They may lack balance: check them.
+[[nodiscard]] ContactForces holding_forces(const Assembly& assembly, double factor, double prestress = 0);
+
+/// The largest F at which strengths/F still admit balance: above it motion is certain whatever the law of flow, the
+/// initial stress or the stiffness. Infinite above 10^4, 0 below 10^-4.
+struct StaticFactor {
+  double factor = 0;
+  double lower = 0;  ///< largest F at which forces were found
+  bool settled = true;
+};
+[[nodiscard]] StaticFactor static_factor(const Assembly& assembly);
+
+/// What the search for motion from rest under Coulomb's law found at one strength.
+enum class FromRest : std::uint8_t {
+  moves,      ///< a solution that moves, all conditions checked
+  rests,      ///< only solutions at rest were found: no proof that there is no other
+  unsettled,  ///< neither
+};
+struct Start {
+  FromRest found = FromRest::unsettled;
+  Motion motion;              ///< accelerations, m/s2 and 1/s2
+  std::vector<double> speed;  ///< of each body, as a share of the largest free fall
+  double residual = 1;        ///< largest violation of the conditions, relative
+};
+/// Follows the branch of motion from frictionless contacts down to strengths over `factor`.
+[[nodiscard]] Start start_from_rest(const Assembly& assembly, double factor);
+
+/// The factor of safety of an assembly: the least F at which the Coulomb problem from rest, strengths over F, has a
+/// solution that moves. An upper estimate: no search proves that there is no motion below.
+struct MovingFactor {
+  double factor = 0;    ///< infinite when nothing moves without friction, 0 when it moves at any
+  bool settled = true;  ///< just below, a state at rest was found; false: nothing that could be checked
+};
+/// `up`: what `static_factor` found.
+[[nodiscard]] MovingFactor moving_factor(const Assembly& assembly, double up);
+
+// ---- Their certificate ----------------------------------------------------------------------------------------------
+
+/// Why a certificate was refused.
+struct Refused {
+  double driving = 0;  ///< what had to be more
+  double charge = 0;   ///< than this
+};
+
+/// Proof that an assembly does not stay at rest at strengths over `factor`, whatever the law of flow, the initial
+/// stress, the stiffness or the order of loading: rates at which the loads do more work than the contacts can take up.
+/// Each point of a contact is taken to press with `most` at the utmost. Made by the check alone.
+class MotionCertificate final {
+ public:
+  [[nodiscard]] double factor() const noexcept { return factor_; }
+  [[nodiscard]] const Motion& motion() const noexcept { return motion_; }
+  [[nodiscard]] double driving() const noexcept { return driving_; }  ///< W, rounded down
+  [[nodiscard]] double charge() const noexcept { return charge_; }    ///< W, rounded up
+  [[nodiscard]] double most() const noexcept { return most_; }        ///< N, where a contact does not state its own
+
+ private:
+  friend std::expected<MotionCertificate, Refused> check_motion(const Assembly&, double, const Motion&, double);
+  MotionCertificate(double factor, Motion motion, double driving, double charge, double most)
+      : factor_{factor}, motion_{std::move(motion)}, driving_{driving}, charge_{charge}, most_{most} {}
+  double factor_;
+  Motion motion_;
+  double driving_, charge_, most_;
+};
+/// Shares no code with the solver; intervals rounded outwards, normals and points widened by their own rounding.
+/// `most`: over the largest load.
+[[nodiscard]] std::expected<MotionCertificate, Refused> check_motion(const Assembly& assembly, double factor,
+                                                                     const Motion& motion, double most = 1e3);
+
+/// Proof that forces hold an assembly at strengths over `factor`: they lie so far inside what the contacts carry that
+/// what they lack of balance can be made up. With `factor` infinite no motion lets the loads do work: the assembly
+/// stays under every law of friction. Otherwise it is no proof that it stays.
+class RestCertificate final {
+ public:
+  [[nodiscard]] double factor() const noexcept { return factor_; }
+  [[nodiscard]] double margin() const noexcept { return margin_; }  ///< N: least distance to what contacts carry
+  [[nodiscard]] double repair() const noexcept { return repair_; }  ///< N: what balance takes at most
+
+ private:
+  friend std::expected<RestCertificate, Refused> check_rest(const Assembly&, double, const ContactForces&);
+  RestCertificate(double factor, double margin, double repair) : factor_{factor}, margin_{margin}, repair_{repair} {}
+  double factor_, margin_, repair_;
+};
+[[nodiscard]] std::expected<RestCertificate, Refused> check_rest(const Assembly& assembly, double factor,
+                                                                 const ContactForces& forces);
+
+// ---- Groups of an assembly ------------------------------------------------------------------------------------------
 
 enum class Verdict : std::uint8_t {
   certain,          ///< moves whatever the initial stress and the law of flow: a certificate was checked

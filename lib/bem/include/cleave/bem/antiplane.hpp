@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "cleave/bem/mesh.hpp"
+#include "cleave/bem/problem.hpp"
 #include "cleave/bem/statics.hpp"
 
 namespace cleave::bem {

@@ -8,10 +8,18 @@
 #include <variant>
 #include <vector>
 
-#include "cleave/bem/dense.hpp"
 #include "cleave/bem/problem.hpp"
 
 namespace cleave::bem {
+
+/// A dense matrix by columns, for values that cross the module's border; the arithmetic happens inside.
+struct DenseMatrix {
+  std::size_t rows = 0;
+  std::size_t columns = 0;
+  std::vector<double> values;
+
+  [[nodiscard]] double operator()(std::size_t row, std::size_t column) const { return values[column * rows + row]; }
+};
 
 struct BlockOptions {
   MeshSize mesh;
@@ -149,5 +157,18 @@ struct NodeSpring {
 [[nodiscard]] std::vector<double> static_displacement(const BlockOperator& block, const std::vector<HeldFreedom>& held,
                                                       const std::vector<double>& forces,
                                                       const std::vector<NodeSpring>& springs = {});
+
+// ---- Stress on its boundary -----------------------------------------------------------------------------------------
+
+// Stress on the boundary of bodies that are followed by their block operator (in motion, in contact).
+
+/// Element-wise tractions (Pa) of the static extension of the boundary's displacements. O(freedoms^2).
+[[nodiscard]] std::vector<std::array<Vec2, 3>> tractions_of(const BlockOperator& block,
+                                                            const std::vector<double>& freedoms);
+
+/// Stress (Pa, body frame, tension positive) at a place of the boundary: from these tractions, and from the strain of
+/// the displacements along the side by Hooke's law.
+[[nodiscard]] Sym2 boundary_stress(const BlockOperator& block, BoundaryPlace at, const std::vector<double>& freedoms,
+                                   const std::vector<std::array<Vec2, 3>>& tractions);
 
 }  // namespace cleave::bem

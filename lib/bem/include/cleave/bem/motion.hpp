@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <expected>
 #include <functional>
@@ -10,11 +11,91 @@
 #include <vector>
 
 #include "cleave/bem/block.hpp"
-#include "cleave/bem/inner_point.hpp"
-#include "cleave/bem/reshape.hpp"
-#include "cleave/bem/time_scheme.hpp"
 
 namespace cleave::bem {
+
+// ---- Time schemes ---------------------------------------------------------------------------------------------------
+
+/// Newmark (1959). (1/2, 1) is the thesis's and DDA's choice: first order, rings for ever at large steps.
+struct Newmark {
+  double beta = 0.25;
+  double gamma = 0.5;
+};
+/// Houbolt (1950).
+struct Houbolt {};
+/// Chung and Hulbert (1993): second order, damps what the step cannot follow; rho in [0, 1] is the spectral radius at
+/// infinite frequency.
+struct GeneralizedAlpha {
+  double rho = 0.8;
+};
+/// First order, damps all: to reach a state of rest.
+struct BackwardEuler {};
+using Scheme = std::variant<Newmark, Houbolt, GeneralizedAlpha, BackwardEuler>;
+
+[[nodiscard]] std::string name_of(const Scheme& scheme);
+
+/// Largest factor by which one step multiplies a free motion u'' = -lambda u, for z = lambda dt^2; complex lambda
+/// belong to unsymmetric operators. Above 1 the motion grows.
+[[nodiscard]] double spectral_radius(const Scheme& scheme, std::complex<double> z);
+
+/// The four numbers Newmark and generalized-alpha have in common.
+struct AlphaNumbers {
+  double am = 0, af = 0, beta = 0.25, gamma = 0.5;
+};
+[[nodiscard]] AlphaNumbers numbers_of(const Scheme& scheme);
+
+// ---- Points inside --------------------------------------------------------------------------------------------------
+
+// Points inside bodies that are followed by their block operator. Nothing of it is built or kept unless asked for.
+
+/// A material point: where it was in the first shape and where in the shape of the newest operator, body's frame.
+struct InnerPoint {
+  Vec2 reference;
+  Vec2 at;
+};
+
+struct InnerState {
+  Vec2 displacement;  ///< m
+  Sym2 stress;        ///< Pa, body's frame, tension positive
+};
+
+/// Field of these freedoms at a point inside: static extension of the boundary's values (accurate up to the boundary,
+/// as of `Solution::stress`) and the bubbles. O(elements) once the tractions are known, O(freedoms^2) for them.
+[[nodiscard]] InnerState inner_state(const BlockOperator& block, const InnerPoint& point,
+                                     const std::vector<double>& freedoms);
+
+// ---- New shapes -----------------------------------------------------------------------------------------------------
+
+// Bodies that deform so much that the operator of their first shape is no longer theirs.
+
+/// Largest change of the boundary's tangent, |du/ds| (no unit): stretch of the boundary and local turn against the
+/// body's frame together. What says whether an operator is still good.
+[[nodiscard]] double steepest(const BlockOperator& block, const std::vector<double>& freedoms);
+
+/// The stress that a body carries from one shape to the next, without cells. Every build starts a linear step about the
+/// deformed outline (updated Lagrangian description; Bathe 1996, section 6.2). At points of the boundary stress is kept
+/// as Cauchy stress: it turns with the material (polar decomposition of the boundary's displacement gradient) and
+/// grows by Hooke's law of the logarithmic strain since the last build. In the new shape it is represented by the
+/// boundary displacement whose stress is closest to it (least squares), so that its nodal forces are K times that.
+/// Exact for uniform stress; elsewhere an error of second order in the strain between two builds.
+class CarriedStress final {
+ public:
+  explicit CarriedStress(const BlockOperator& block);
+
+  /// Operator of the shape that `freedoms` (since `now` was built) give, with the stress taken over. Mass stays with
+  /// the material: mass matrix and bubbles are those of the first build, so momentum is kept.
+  [[nodiscard]] std::expected<BlockOperator, BlockError> advance(const BlockOperator& now,
+                                                                 const std::vector<double>& freedoms,
+                                                                 const BlockOptions& options);
+  /// Freedoms whose linear field on the newest operator carries the stress of the newest shape.
+  [[nodiscard]] const std::vector<double>& strained() const noexcept { return strained_; }
+
+ private:
+  std::vector<Sym2> stress_;  // points of the boundary, body's frame
+  std::vector<double> strained_;
+};
+
+// ---- Motion ---------------------------------------------------------------------------------------------------------
 
 /// Nodal forces times a function of time; world axes unless `follows`, then they turn with the body.
 struct TimedLoad {

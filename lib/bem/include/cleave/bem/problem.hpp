@@ -3,16 +3,150 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <expected>
 #include <functional>
+#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
-#include "cleave/bem/material.hpp"
-#include "cleave/bem/mesh.hpp"
 #include "cleave/bem/outline.hpp"
-#include "cleave/bem/vec2.hpp"
+#include "cleave/core/quantity.hpp"
 
 namespace cleave::bem {
+
+// ---- Material -------------------------------------------------------------------------------------------------------
+
+enum class PlaneState : std::uint8_t { strain, stress };
+
+struct BadModulus {
+  double young_pa;
+};
+struct BadPoisson {
+  double poisson;
+};
+struct BadDensity {
+  double density;
+};
+using MaterialError = std::variant<BadModulus, BadPoisson, BadDensity>;
+[[nodiscard]] std::string describe(const MaterialError& error);
+
+/// Isotropic and linear. Plane stress is plane strain with another Poisson ratio: nu' = nu / (1 + nu), same shear
+/// modulus (Timoshenko and Goodier 1951, section 15), so every formula of this module is written for plane strain.
+class Material final {
+ public:
+  /// Needs young > 0 (finite), -1 < poisson < 0.5 (plane strain; in plane stress 0.5 itself too), density >= 0.
+  [[nodiscard]] static std::expected<Material, MaterialError> make(Stress young, double poisson, Density density,
+                                                                   PlaneState state = PlaneState::strain);
+
+  [[nodiscard]] double young() const noexcept { return young_; }                      ///< Pa
+  [[nodiscard]] double poisson() const noexcept { return poisson_; }                  ///< as given
+  [[nodiscard]] double density() const noexcept { return density_; }                  ///< kg/m3
+  [[nodiscard]] double mu() const noexcept { return young_ / (2 * (1 + poisson_)); }  ///< Pa
+  [[nodiscard]] double nu() const noexcept {
+    return state_ == PlaneState::strain ? poisson_ : poisson_ / (1 + poisson_);
+  }
+  [[nodiscard]] double lambda() const noexcept { return 2 * mu() * nu() / (1 - 2 * nu()); }  ///< Pa, in-plane
+  [[nodiscard]] PlaneState state() const noexcept { return state_; }
+  /// Stress normal to the plane, Pa.
+  [[nodiscard]] double out_of_plane(Sym2 stress) const noexcept {
+    return state_ == PlaneState::strain ? poisson_ * (stress.xx + stress.yy) : 0.0;
+  }
+  /// In-plane stress of an in-plane strain.
+  [[nodiscard]] Sym2 stress(Sym2 strain) const noexcept {
+    const double l = lambda() * (strain.xx + strain.yy);
+    return {l + 2 * mu() * strain.xx, 2 * mu() * strain.xy, l + 2 * mu() * strain.yy};
+  }
+  [[nodiscard]] Sym2 strain(Sym2 s) const noexcept {
+    const double t = nu() * (s.xx + s.yy);
+    return {(s.xx - t) / (2 * mu()), s.xy / (2 * mu()), (s.yy - t) / (2 * mu())};
+  }
+
+ private:
+  Material(double young, double poisson, double density, PlaneState state)
+      : young_{young}, poisson_{poisson}, density_{density}, state_{state} {}
+  double young_, poisson_, density_;
+  PlaneState state_;
+};
+
+// ---- Mesh -----------------------------------------------------------------------------------------------------------
+
+/// Polynomial order of displacement and traction on an element.
+enum class Order : std::uint8_t { constant = 0, linear = 1, quadratic = 2 };
+[[nodiscard]] constexpr std::size_t nodes_of(Order order) noexcept { return static_cast<std::size_t>(order) + 1; }
+
+/// x(s) = c0 + c1 s + c2 s^2, s in [-1, 1]; straight sides are exactly straight (c2 = 0), arcs quadratic.
+struct Element {
+  Vec2 c0, c1, c2;
+  bool curved = false;
+  std::array<std::uint32_t, 3> node{};  ///< displacement nodes, nodes_of(order) of them
+  std::uint32_t loop = 0;
+  std::uint32_t side = 0;
+
+  [[nodiscard]] Vec2 at(double s) const noexcept { return c0 + s * (c1 + s * c2); }
+  [[nodiscard]] Vec2 derivative(double s) const noexcept { return c1 + (2 * s) * c2; }
+  [[nodiscard]] Vec2 normal(double s) const noexcept {
+    const Vec2 t = derivative(s);
+    return turned_right(t) / norm(t);
+  }
+};
+
+/// Values of the shape functions at s, and their derivatives; unused places are 0.
+[[nodiscard]] constexpr std::array<double, 3> shape(Order order, double s) noexcept {
+  switch (order) {
+    case Order::constant: return {1, 0, 0};
+    case Order::linear: return {(1 - s) / 2, (1 + s) / 2, 0};
+    case Order::quadratic: return {s * (s - 1) / 2, 1 - s * s, s * (s + 1) / 2};
+  }
+  return {};
+}
+[[nodiscard]] constexpr std::array<double, 3> shape_slope(Order order, double s) noexcept {
+  switch (order) {
+    case Order::constant: return {0, 0, 0};
+    case Order::linear: return {-0.5, 0.5, 0};
+    case Order::quadratic: return {s - 0.5, -2 * s, s + 0.5};
+  }
+  return {};
+}
+/// Second derivatives (constant).
+[[nodiscard]] constexpr std::array<double, 3> shape_curve(Order order) noexcept {
+  return order == Order::quadratic ? std::array<double, 3>{1, -2, 1} : std::array<double, 3>{0, 0, 0};
+}
+/// Local coordinates of the nodes.
+[[nodiscard]] std::span<const double> local_nodes(Order order) noexcept;
+
+/// One element of which a node is part.
+struct Use {
+  std::uint32_t element;
+  std::uint32_t local;
+};
+
+struct Node {
+  Vec2 x;
+  std::vector<Use> uses;  ///< the element that ends here first, then the one that starts
+  bool corner = false;    ///< the outline turns here (by more than 1e-7 rad), or the condition changes
+};
+
+/// Elements and nodes of one region's boundary.
+struct Mesh {
+  Order order = Order::quadratic;
+  std::vector<Element> elements;
+  std::vector<Node> nodes;
+
+  [[nodiscard]] std::size_t per_element() const noexcept { return nodes_of(order); }
+};
+
+struct MeshSize {
+  Order order = Order::quadratic;
+  double element = 0;         ///< longest element, m; 0: a sixteenth of the outline's larger extent
+  double arc_degrees = 15;    ///< at most this much of an arc on one element
+  std::size_t subdivide = 1;  ///< every element count is multiplied by this
+};
+
+/// Coordinates become (x - origin) / scale. Precondition: the loops have passed check_loops.
+[[nodiscard]] Mesh make_mesh(const std::vector<Loop>& loops, const MeshSize& size, Vec2 origin = {}, double scale = 1);
+
+// ---- Problem --------------------------------------------------------------------------------------------------------
 
 /// A given value at a boundary point x (m) with outward unit normal n.
 using Value = std::function<double(Vec2 x, Vec2 n)>;

@@ -36,6 +36,10 @@ class Quantity final {
     value_ -= b.value_;
     return *this;
   }
+  constexpr Quantity& operator*=(double s) noexcept {
+    value_ *= s;
+    return *this;
+  }
 
  private:
   double value_ = 0.0;
@@ -61,6 +65,8 @@ using Density = Quantity<-3, 1, 0>;
 using Acceleration = Quantity<1, 0, -2>;
 using Force = Quantity<1, 1, -2>;
 using Stress = Quantity<-1, 1, -2>;
+using ForcePerLength = Quantity<0, 1, -2>;  ///< N/m
+using UnitWeight = Quantity<-2, 1, -2>;     ///< N/m3
 using Time = Quantity<0, 0, 1>;
 
 [[nodiscard]] constexpr Length metres(double v) noexcept { return Length::from_si(v); }
@@ -70,6 +76,9 @@ using Time = Quantity<0, 0, 1>;
 [[nodiscard]] constexpr Acceleration metres_per_second_squared(double v) noexcept { return Acceleration::from_si(v); }
 [[nodiscard]] constexpr Force newtons(double v) noexcept { return Force::from_si(v); }
 [[nodiscard]] constexpr Stress pascals(double v) noexcept { return Stress::from_si(v); }
+[[nodiscard]] constexpr ForcePerLength newtons_per_metre(double v) noexcept { return ForcePerLength::from_si(v); }
+[[nodiscard]] constexpr UnitWeight newtons_per_cubic_metre(double v) noexcept { return UnitWeight::from_si(v); }
+[[nodiscard]] constexpr Time seconds(double v) noexcept { return Time::from_si(v); }
 
 /// An angle of one kind (a dip is not a friction angle); made from degrees or radians, never from a bare double.
 template <class Kind>

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "cleave/bem/vec2.hpp"
+#include "cleave/bem/outline.hpp"
 
 /// Blocks in contact in the plane: the discrete boundary element method. SI units; everything is per metre of
 /// thickness, so a mass is in kg/m and a force in N/m. x to the right, y up, angles counter-clockwise in radians.

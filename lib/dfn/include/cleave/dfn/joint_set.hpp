@@ -8,7 +8,6 @@
 #include <variant>
 
 #include "cleave/dfn/laws.hpp"
-#include "cleave/dfn/models.hpp"
 #include "cleave/geometry/vec3.hpp"
 
 namespace cleave::dfn {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "cleave/exact/plane.hpp"
@@ -84,6 +85,14 @@ struct PointApprox {
 [[nodiscard]] bool same_sense_exact(const Plane& p, const Plane& q, const Plane& r, const Plane& s) noexcept;
 /// The meet of three planes in units of 2^48 sites, from the integers: correct to about 2^-51 of its size.
 [[nodiscard]] std::array<double, 3> position_exact(const Plane& p, const Plane& q, const Plane& r) noexcept;
+/// The same in double where the proven error is below 2^-44, from the integers otherwise; `point` is their `meet`.
+/// Precondition: the planes meet in one point.
+[[nodiscard]] inline std::array<double, 3> meet_position(const PointApprox& point, const Plane& p, const Plane& q,
+                                                         const Plane& r) noexcept {
+  constexpr double w_min = 0x1p-2;  // error <= (1024 u + |x| 1024 u) / |W|, and |x| <= 1/2
+  if (std::abs(point.w) >= w_min) return {point.x[0] / point.w, point.x[1] / point.w, point.x[2] / point.w};
+  return position_exact(p, q, r);
+}
 
 /// Where P and Q's line runs parallel to S (their det3 is zero): the side of S on which the line lies, zero when it
 /// lies in S. Precondition: P and Q are not parallel.

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "cleave/core/vec2.hpp"
-#include "cleave/exact/sign.hpp"
+#include "cleave/exact/integer.hpp"
 #include "cleave/geometry/vec3.hpp"
 
 /// Exact orientation signs of points given as doubles, for the checks of polygons and meshes at the border and for

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cleave/geometry/vec3.hpp"
-#include "cleave/io/read_error.hpp"
+#include "cleave/io/file.hpp"
 
 namespace cleave::io {
 

@@ -11,9 +11,9 @@
 
 #include "cleave/core/quantity.hpp"
 #include "cleave/geometry/orientation.hpp"
-#include "cleave/geometry/shapes.hpp"
+#include "cleave/geometry/polygon.hpp"
 #include "cleave/geometry/vec3.hpp"
-#include "cleave/io/read_error.hpp"
+#include "cleave/io/file.hpp"
 
 namespace cleave::io {
 

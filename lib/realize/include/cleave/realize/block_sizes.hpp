@@ -11,10 +11,10 @@
 
 #include "cleave/core/fields.hpp"
 #include "cleave/core/quantity.hpp"
+#include "cleave/facets/cut_input.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene3d/scene.hpp"
 #include "cleave/topology/block_complex.hpp"
-#include "cleave/topology/cut_input.hpp"
 
 /// Block sizes of a mass, and how much of each joint set is in it.
 namespace cleave::scene {

@@ -14,7 +14,6 @@
 #include "cleave/stochastic/ensemble.hpp"
 #include "cleave/stochastic/measure.hpp"
 #include "cleave/stochastic/record.hpp"
-#include "cleave/stochastic/record_file.hpp"
 
 namespace cleave::scene {
 

@@ -10,7 +10,7 @@
 #include "cleave/core/quantity.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/motion/body.hpp"
-#include "cleave/topology/ids.hpp"
+#include "cleave/topology/block_complex.hpp"
 
 namespace cleave::scene {
 

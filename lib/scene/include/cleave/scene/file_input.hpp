@@ -4,9 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "cleave/io/file.hpp"
 #include "cleave/io/mesh.hpp"
-#include "cleave/io/read_error.hpp"
-#include "cleave/io/surfaces.hpp"
 #include "cleave/scene/common_keys.hpp"
 
 namespace cleave::scene {

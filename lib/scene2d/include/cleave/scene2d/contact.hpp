@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "cleave/bem/material.hpp"
-#include "cleave/bem/vec2.hpp"
+#include "cleave/bem/outline.hpp"
+#include "cleave/bem/problem.hpp"
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
 #include "cleave/core/quantity.hpp"

@@ -13,17 +13,16 @@
 #include "cleave/core/id.hpp"
 #include "cleave/core/quantity.hpp"
 #include "cleave/dfn/joint_set.hpp"
+#include "cleave/facets/cut_input.hpp"
 #include "cleave/geometry/solid.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene/output.hpp"
 #include "cleave/scene/problem.hpp"
 #include "cleave/stability/actions.hpp"
 #include "cleave/stability/analyse.hpp"
-#include "cleave/stability/bolt_patterns.hpp"
 #include "cleave/stability/key_groups.hpp"
 #include "cleave/stability/support.hpp"
-#include "cleave/stochastic/stopping.hpp"
-#include "cleave/topology/cut_input.hpp"
+#include "cleave/stochastic/statistics.hpp"
 
 /// A validated scene: what `scene::parse` makes of a TOML file and the files it names. Past this border nothing is
 /// re-checked. Units: metres, degrees (in their own types), Pa, kg/m3, m/s2. Dip directions are already turned by

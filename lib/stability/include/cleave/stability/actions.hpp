@@ -18,7 +18,7 @@ namespace cleave::stability {
 struct WaterTable {
   /// m: -x.g/|g| on the table; with gravity straight down the z of the table.
   double level = 0;
-  double unit_weight = 9810;  ///< N/m3
+  UnitWeight unit_weight = newtons_per_cubic_metre(9810);
   /// Also on free faces (a lake, a flooded opening). Without it whatever is open is drained.
   bool on_free_faces = false;
 };
@@ -43,7 +43,7 @@ struct Surcharge {
   FreeSurface on = AnyFreeFace{};
   std::optional<Box> within = {};
   geometry::Vec3 traction = {};  ///< Pa
-  double pressure = 0;           ///< Pa
+  Stress pressure = {};
 };
 
 /// A force at a point of a free face; a free face must lie within `reach`.
@@ -92,7 +92,7 @@ class Actions final {
 struct Misplaced {
   enum class Kind : std::uint8_t { point, line } kind;
   std::size_t index;  ///< into points or lines
-  double off;         ///< m: distance of the point; length of the line that lies on no free face
+  Length off;         ///< distance of the point; length of the line that lies on no free face
 };
 [[nodiscard]] std::vector<Misplaced> misplaced(const topology::BlockComplex& complex, const Actions& actions);
 

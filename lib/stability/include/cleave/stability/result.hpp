@@ -8,10 +8,26 @@
 
 #include "cleave/core/quantity.hpp"
 #include "cleave/geometry/vec3.hpp"
-#include "cleave/stability/rotation.hpp"
-#include "cleave/topology/ids.hpp"
+#include "cleave/topology/block_complex.hpp"
 
 namespace cleave::stability {
+
+enum class RotationCheck : std::uint8_t {
+  off,
+  flag,    ///< looked at and reported; mode, key and batches are those of translation
+  decide,  ///< a block that turns is a key block too
+};
+
+/// Whether a block that cannot slide could turn (topple, or twist on its base).
+///
+/// It turns for certain when no forces at its contacts (compression, friction within the cone, cohesion spread evenly
+/// over each contact) balance the applied forces and their moments about its centroid: then no statics holds it. That
+/// such forces exist does not prove that it stands. Tension is not counted.
+struct Rotation {
+  bool turns = false;
+  geometry::Vec3 axis = {};  ///< unit, through the centroid, right-handed; zero when it does not turn
+  double lack = 0;           ///< what is left unbalanced over the load (moments over the block's reach); 0 when nothing
+};
 
 /// How a block would move without friction: the projection of the resultant on the cone of admissible directions.
 enum class Mode : std::uint8_t {

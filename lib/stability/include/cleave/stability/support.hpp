@@ -15,22 +15,22 @@ namespace cleave::stability {
 
 /// A bar in grout over its whole length.
 struct GroutedBar {
-  double bond = 0;   ///< N/m, the weaker of grout-rock and grout-bar
-  double shear = 0;  ///< N across the bar; 0: not counted
+  ForcePerLength bond = {};  ///< the weaker of grout-rock and grout-bar
+  Force shear = {};          ///< across the bar
 };
 /// A tube that the rock clamps over its whole length (split set, Swellex): it slips at `bond`.
 struct FrictionTube {
-  double bond = 0;   ///< N/m
-  double shear = 0;  ///< N across the tube; 0: not counted
+  ForcePerLength bond = {};
+  Force shear = {};  ///< across the tube
 };
 /// Strands in grout, free in a sleeve behind the head; too flexible for shear.
 struct Cable {
-  double bond = 0;         ///< N/m
-  double free_length = 0;  ///< m from the collar
+  ForcePerLength bond = {};
+  Length free_length = {};  ///< from the collar
 };
 /// Held at its end over the anchorage (expansion shell, resin), free up to the plate. Loose in its hole: no shear.
 struct MechanicalAnchor {
-  double capacity = 0;  ///< N of the whole anchor
+  Force capacity = {};  ///< of the whole anchor
 };
 using BoltKind = std::variant<GroutedBar, FrictionTube, Cable, MechanicalAnchor>;
 /// By index of the variant.
@@ -47,9 +47,9 @@ enum class AngleLaw : std::uint8_t {
 /// What a bolt can carry (Windsor and Thompson 1992): tendon, plate, and what its kind holds on both sides of a
 /// section.
 struct BoltType {
-  double tendon = 0;     ///< N
-  double plate = 0;      ///< N at the head; 0: no plate
-  double anchorage = 0;  ///< m gripped for a block to count
+  Force tendon = {};
+  Force plate = {};       ///< at the head
+  Length anchorage = {};  ///< gripped for a block to count
   BoltKind kind = GroutedBar{};
   AngleLaw angle = AngleLaw::full;
 };
@@ -57,7 +57,7 @@ struct BoltType {
 struct Bolt {
   geometry::Vec3 collar;     ///< m, on a free face
   geometry::Vec3 direction;  ///< unit, into the rock
-  double length = 0;         ///< m
+  Length length = {};
   BoltType type;
   std::uint32_t group = 0;        ///< pattern it belongs to
   std::uint32_t after_stage = 0;  ///< of excavation: it is there in the next one
@@ -68,8 +68,8 @@ enum class BoltLimit : std::uint8_t { head, tendon, anchor, shear };
 
 /// How much of the bolt from `from` to `to` (m from its collar) its kind grips; m.
 [[nodiscard]] double gripped_length(const BoltType& type, double length, double from, double to);
-/// Whether `metres` of grip are an anchorage.
-[[nodiscard]] bool anchors(const BoltType& type, double metres);
+/// Whether `grip` metres are an anchorage.
+[[nodiscard]] bool anchors(const BoltType& type, double grip);
 
 /// Axial capacity at a section of a bolt that grips `before` metres on the collar's side of it and `behind` metres
 /// beyond: the least of head (plate and grip), tendon and anchor; N.
@@ -90,15 +90,15 @@ struct BoltForce {
 
 /// Ring shear along the edge of a small free face (Barrett and McCreath 1995).
 struct Shotcrete {
-  double thickness = 0;       ///< m
-  double shear_strength = 0;  ///< Pa
-  double adhesion = 0;        ///< Pa; 0: not limited by it
-  double bond_width = 0.03;   ///< m
+  Length thickness = {};
+  Stress shear_strength = {};
+  std::optional<Stress> adhesion = {};  ///< where it limits what the layer holds
+  Length bond_width = metres(0.03);
 };
 
 struct SpotBolts {
   BoltType type;
-  double length = 0;        ///< m
+  Length length = {};
   std::uint32_t most = 20;  ///< per block
 };
 
@@ -110,10 +110,10 @@ struct SupportPlan {
   double target_sliding = 1.3;
   /// Bolts tensioned before the rock moves: they reduce the driving force (else they add to the resistance).
   bool active = false;
-  double spot_area = 0.5;      ///< m2 of free face below which no spot bolts are placed
-  double most_pressure = 2e6;  ///< Pa on free faces that support can give
-  bool key_only = false;       ///< stitch only blocks that need support
-  bool factors = true;         ///< find each block's factor with the support: verdicts do without
+  Area spot_area = square_metres(0.5);  ///< of free face below which no spot bolts are placed
+  Stress most_pressure = pascals(2e6);  ///< on free faces that support can give
+  bool key_only = false;                ///< stitch only blocks that need support
+  bool factors = true;                  ///< find each block's factor with the support: verdicts do without
 };
 
 /// Empty: the plan is sound.
@@ -170,8 +170,8 @@ struct SupportedBlock {
   std::optional<double> mobilised = {};  ///< least share of the bolts that holds it; empty when no share does
   Mode mode_held = Mode::stable;         ///< at that share
   Held held = Held::not_held;
-  std::uint32_t bolts = 0;                 ///< that act on it
-  double free_area = 0;                    ///< m2
+  std::uint32_t bolts = 0;  ///< that act on it
+  Area free_area = {};
   bool small = false;                      ///< below the plan's `spot_area`
   geometry::Vec3 free_outward = {};        ///< mean of its free faces' outward normals by area; zero when they cancel
   double required_force = 0;               ///< N: least single force that reaches the target without other support
@@ -220,5 +220,42 @@ struct SupportResult {
 /// what lies outside. Both must pass.
 [[nodiscard]] SupportResult check_support(const topology::AuditedComplex& complex, const Settings& settings,
                                           const Analysis& analysis, const SupportPlan& plan);
+
+// ---- Patterns of bolts ----------------------------------------------------------------------------------------------
+
+/// Bolts in rings along a straight or bent axis. The outline is the section's, (u, v) in metres, counter-clockwise
+/// looking along the axis with u to the right; the bolted arc is where its outward normal lies within `arc` degrees of
+/// up (to the right positive).
+struct RingPattern {
+  std::vector<geometry::Vec3> axis;
+  geometry::Vec3 up{0, 0, 1};
+  std::vector<std::array<double, 2>> outline;
+  std::array<double, 2> arc{-120, 120};
+  Length along = metres(1), around = metres(1);
+  Length offset_along = {}, offset_around = {};  ///< of the first ring and of the first bolt of a ring
+  bool stagger = false;                          ///< every second ring half a spacing further round
+  double inclination = 0;                        ///< degrees from the normal towards the axis's end
+  Length length = metres(3);
+  BoltType type;
+  std::uint32_t group = 0, after_stage = 0;
+};
+/// A ring every `along` m, in each a bolt every `around` m of the arc: (floor((L - o)/along) + 1)
+/// (floor((P - o)/around) + 1) bolts. Empty for spacings that are not > 0.
+[[nodiscard]] std::vector<Bolt> bolts_of(const RingPattern& pattern);
+
+/// Bolts on a grid in a plane: columns along strike, rows down dip, from `corner`.
+struct GridPattern {
+  geometry::Vec3 corner;
+  geometry::Vec3 across, down;  ///< unit, in the plane
+  Length width = {}, height = {};
+  Length spacing_across = metres(1), spacing_down = metres(1);
+  Length offset_across = {}, offset_down = {};
+  bool stagger = false;
+  geometry::Vec3 direction;  ///< unit, into the rock
+  Length length = metres(3);
+  BoltType type;
+  std::uint32_t group = 0, after_stage = 0;
+};
+[[nodiscard]] std::vector<Bolt> bolts_of(const GridPattern& pattern);
 
 }  // namespace cleave::stability

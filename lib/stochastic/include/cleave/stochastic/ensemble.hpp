@@ -9,10 +9,8 @@
 
 #include "cleave/core/quantity.hpp"
 #include "cleave/core/sha256.hpp"
-#include "cleave/stochastic/intervals.hpp"
-#include "cleave/stochastic/moments.hpp"
 #include "cleave/stochastic/record.hpp"
-#include "cleave/stochastic/value_store.hpp"
+#include "cleave/stochastic/statistics.hpp"
 
 namespace cleave::stochastic {
 

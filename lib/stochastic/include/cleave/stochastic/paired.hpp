@@ -6,9 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "cleave/stochastic/intervals.hpp"
-#include "cleave/stochastic/moments.hpp"
 #include "cleave/stochastic/record.hpp"
+#include "cleave/stochastic/statistics.hpp"
 
 namespace cleave::stochastic {
 

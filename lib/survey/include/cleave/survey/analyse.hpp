@@ -9,10 +9,8 @@
 
 #include "cleave/core/quantity.hpp"
 #include "cleave/geometry/vec3.hpp"
-#include "cleave/survey/estimate.hpp"
 #include "cleave/survey/fit.hpp"
 #include "cleave/survey/orientation.hpp"
-#include "cleave/survey/size.hpp"
 #include "cleave/survey/traces.hpp"
 
 /// A whole survey: from what was measured to joint sets with their laws.

@@ -4,9 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "cleave/survey/estimate.hpp"
 #include "cleave/survey/fit.hpp"
-#include "cleave/survey/size.hpp"
 #include "cleave/survey/traces.hpp"
 
 /// Formulas of Fu (2014), appendix A, that are biased or ask for more than they need. For comparison only:

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,11 +11,68 @@
 #include "cleave/core/id.hpp"
 #include "cleave/core/quantity.hpp"
 #include "cleave/exact/plane.hpp"
+#include "cleave/facets/cut_input.hpp"
 #include "cleave/geometry/vec3.hpp"
-#include "cleave/topology/ids.hpp"
-#include "cleave/topology/ranges.hpp"
 
 namespace cleave::topology {
+
+using PlaneId = Id<struct PlaneTag>;  ///< one a distinct plane; coplanar joints share it
+using VertexId = Id<struct VertexTag>;
+using FaceId = Id<struct FaceTag>;  ///< a face of one block (not shared)
+using BlockId = Id<struct BlockTag>;
+
+/// Neighbouring face numbers: the faces of one block.
+using FaceRange = IdRange<FaceId>;
+
+/// The loops of one face, each a span of corners; the outer loop first.
+class LoopRange final {
+ public:
+  class Iterator {
+   public:
+    using value_type = std::span<const VertexId>;
+    using difference_type = std::ptrdiff_t;
+    Iterator() = default;
+    Iterator(const LoopRange& loops, std::size_t at) noexcept
+        : corners_{loops.corners_}, holes_{loops.holes_}, at_{at} {}
+    [[nodiscard]] value_type operator*() const { return LoopRange{corners_, holes_}[at_]; }
+    Iterator& operator++() noexcept {
+      ++at_;
+      return *this;
+    }
+    Iterator operator++(int) noexcept {
+      Iterator old = *this;
+      ++at_;
+      return old;
+    }
+    friend bool operator==(const Iterator& a, const Iterator& b) noexcept { return a.at_ == b.at_; }
+
+   private:
+    std::span<const VertexId> corners_;
+    std::span<const std::uint32_t> holes_;
+    std::size_t at_ = 0;
+  };
+
+  /// `holes` say where the second, third, ... loop begins in `corners`.
+  LoopRange(std::span<const VertexId> corners, std::span<const std::uint32_t> holes) noexcept
+      : corners_{corners}, holes_{holes} {}
+
+  [[nodiscard]] std::size_t size() const noexcept { return corners_.empty() ? 0 : 1 + holes_.size(); }
+  [[nodiscard]] bool empty() const noexcept { return corners_.empty(); }
+  [[nodiscard]] std::span<const VertexId> operator[](std::size_t k) const {
+    const std::size_t first = k == 0 ? 0 : holes_[k - 1];
+    const std::size_t last = k < holes_.size() ? holes_[k] : corners_.size();
+    return corners_.subspan(first, last - first);
+  }
+  [[nodiscard]] std::span<const VertexId> front() const { return (*this)[0]; }
+  [[nodiscard]] Iterator begin() const noexcept { return {*this, 0}; }
+  [[nodiscard]] Iterator end() const noexcept { return {*this, size()}; }
+  /// The corners of all loops, one loop after another.
+  [[nodiscard]] std::span<const VertexId> all_corners() const noexcept { return corners_; }
+
+ private:
+  std::span<const VertexId> corners_;
+  std::span<const std::uint32_t> holes_;
+};
 
 /// What lies behind a face of a block.
 enum class Role : std::uint8_t {
@@ -93,31 +152,6 @@ struct Dangling {
   std::uint64_t free_edges = 0;
   Length free_edge_length;
   std::uint64_t joints = 0, isolated_joints = 0;  ///< with at least one piece; of those, isolated
-};
-
-/// What CutInput::snap changed of a joint.
-struct SnappedJoint {
-  JointId joint;
-  Length moved;       ///< the farthest that a corner, or a corner of a side, was from where it is now meant to be
-  bool plane_merged;  ///< one of its polygons took an earlier polygon's plane
-  std::uint32_t adopted_edges;  ///< sides that now end on another polygon's plane
-};
-
-/// Sides of joints that end less than 1e-6 of the domain's extent from another polygon without touching it: rock that
-/// was perhaps meant to be parted there is not. `CutInput::snap` of a little more than the largest closes them.
-struct NearMisses {
-  std::uint64_t sides = 0;
-  Length largest;
-  JointId joint = JointId{0U};   ///< whose side is the farthest off
-  std::optional<JointId> other;  ///< from this joint; none: from the domain or an excavation
-};
-
-/// Polygons with sides shorter than twice CutInput::snap: their corners become one or pass each other, so that what
-/// they part may be other than what was meant. A `snap` of less than half the shortest keeps all of them as they are.
-struct CoarseSnap {
-  std::uint64_t polygons = 0;
-  Length shortest;              ///< side
-  JointId joint = JointId{0U};  ///< whose side that is
 };
 
 /// What one excavation takes of the domain (or window).

@@ -7,7 +7,6 @@
 #include "cleave/core/vec2.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/topology/block_complex.hpp"
-#include "cleave/topology/ids.hpp"
 
 namespace cleave::topology {
 

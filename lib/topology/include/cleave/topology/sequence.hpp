@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "cleave/core/id.hpp"
+#include "cleave/facets/cut_input.hpp"
 #include "cleave/topology/block_complex.hpp"
 #include "cleave/topology/cut.hpp"
-#include "cleave/topology/cut_input.hpp"
 
 namespace cleave::topology {
 
