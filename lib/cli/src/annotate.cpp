@@ -53,6 +53,12 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(' ') - first + 1);
 }
 
+/// All that is opened is closed.
+bool closed(std::string_view text) {
+  return std::ranges::count(text, '(') == std::ranges::count(text, ')') &&
+         std::ranges::count(text, '{') == std::ranges::count(text, '}') && std::ranges::count(text, '"') % 2 == 0;
+}
+
 /// What a key says of itself, as plain text; of an inline table with one key what that one says.
 std::string words_of(const Key& key, std::string_view value) {
   bool named = false;
@@ -63,9 +69,13 @@ std::string words_of(const Key& key, std::string_view value) {
   }
   std::string text{key.help};
   std::erase(text, '`');
-  if (text.size() <= longest) return text;
-  const std::size_t end = text.find_last_of(";,:.(", longest);
-  text.resize(end == std::string::npos || end == 0 ? text.find_last_of(' ', longest) : end);
+  if (text.starts_with('{') || text.starts_with('[')) return {};  // the form, which the value shows
+  if (text.ends_with(", below")) text.resize(text.size() - 7);
+  while (text.size() > longest || !closed(text)) {
+    const std::size_t end = text.find_last_of(";,:", std::min(longest, text.size() - 1));
+    if (end == std::string::npos || end == 0) return {};
+    text.resize(end);
+  }
   return std::string{trimmed(text)};
 }
 

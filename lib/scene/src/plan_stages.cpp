@@ -9,7 +9,6 @@
 
 namespace cleave::scene {
 
-std::span<const std::string_view> stage_names() noexcept { return enum_names<Stage>; }
 std::string_view name_of(Stage stage) noexcept { return enum_name(stage); }
 
 bool Plan::runs(Stage stage) const noexcept {

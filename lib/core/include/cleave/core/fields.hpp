@@ -3,7 +3,6 @@
 #include <initializer_list>
 #include <optional>
 #include <ranges>
-#include <span>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -51,13 +50,9 @@ template <std::ranges::range T>
 /// One of these texts.
 struct OneOf {
   std::string_view value;
-  std::span<const std::string_view> names;
+  std::initializer_list<std::string_view> names;
 };
-/// Names that are gone after the call must not be kept.
-[[nodiscard]] inline OneOf one_of(std::string_view value, const std::initializer_list<std::string_view>& names) {
-  return {value, std::span<const std::string_view>{names}};
-}
-[[nodiscard]] inline OneOf one_of(std::string_view value, std::span<const std::string_view> names) {
+[[nodiscard]] inline OneOf one_of(std::string_view value, std::initializer_list<std::string_view> names) {
   return {value, names};
 }
 
