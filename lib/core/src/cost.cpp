@@ -1,6 +1,8 @@
 #include "cleave/core/cost.hpp"
 
+#ifndef __wasm__
 #include <sys/resource.h>
+#endif
 
 #include <algorithm>
 #include <array>
@@ -16,6 +18,7 @@
 namespace cleave {
 namespace {
 
+#ifndef __wasm__
 /// VmHWM of this process, KiB; 0 where it is not told. What getrusage tells was taken over from the process that
 /// started this one.
 double high_water_kib() noexcept {
@@ -34,14 +37,19 @@ double high_water_kib() noexcept {
   }
   return 0;
 }
+#endif
 
 }  // namespace
 
 double peak_memory_mb() noexcept {
+#ifdef __wasm__
+  return static_cast<double>(__builtin_wasm_memory_size(0)) * 65536e-6;  // it never shrinks
+#else
   if (const double kib = high_water_kib(); kib > 0) return kib * 1024.0 * 1e-6;
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) != 0) return 0.0;
   return static_cast<double>(usage.ru_maxrss) * 1024.0 * 1e-6;  // Linux counts in KiB
+#endif
 }
 
 double cpu_seconds() noexcept {

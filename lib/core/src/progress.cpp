@@ -7,13 +7,18 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <condition_variable>
 #include <cstdio>
-#include <mutex>
+#include <cstdlib>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
+
+#include "cleave/core/mutex.hpp"
+
+#if CLEAVE_THREADS
+#include <condition_variable>
+#include <thread>
+#endif
 
 namespace cleave {
 namespace {
@@ -27,6 +32,15 @@ std::string duration(double seconds) {
   if (s < 60) return fmt::format("{} s", s);
   if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
   return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
+}
+
+/// Ends the run at once where a program is built without exceptions.
+[[noreturn]] void stopped() {
+#ifdef __cpp_exceptions
+  throw Stopped{};
+#else
+  std::abort();
+#endif
 }
 
 struct Stage {
@@ -44,8 +58,8 @@ class Progress::State final {
       : style_{style}, sink_{std::move(sink)}, clock_{std::move(clock)}, last_s_{clock_()} {}
 
   void begin(std::string_view name, std::uint64_t total) {
-    if (stop_.load(std::memory_order_relaxed)) throw Stopped{};
-    const std::scoped_lock lock{mutex_};
+    if (stop_.load(std::memory_order_relaxed)) stopped();
+    const Lock lock{mutex_};
     stage_ = Stage{.name = std::string{name}, .total = total, .start_s = clock_(), .note = {}};
     done_.store(0, std::memory_order_relaxed);
     found_.store(0, std::memory_order_relaxed);
@@ -53,7 +67,7 @@ class Progress::State final {
 
   void advance(std::uint64_t count) {
     done_.fetch_add(count, std::memory_order_relaxed);
-    if (stop_.load(std::memory_order_relaxed)) throw Stopped{};
+    if (stop_.load(std::memory_order_relaxed)) stopped();
   }
 
   void found(std::uint64_t count) {
@@ -62,7 +76,7 @@ class Progress::State final {
   }
 
   [[nodiscard]] std::optional<Seen> seen() {
-    const std::scoped_lock lock{mutex_};
+    const Lock lock{mutex_};
     if (!stage_) return std::nullopt;
     return Seen{stage_->name, done_.load(std::memory_order_relaxed), stage_->total};
   }
@@ -70,18 +84,18 @@ class Progress::State final {
   void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
   void note(std::string_view text) {
-    const std::scoped_lock lock{mutex_};
+    const Lock lock{mutex_};
     if (stage_) stage_->note = text;
   }
 
   void end() {
-    const std::scoped_lock lock{mutex_};
+    const Lock lock{mutex_};
     stage_.reset();
     if (std::exchange(line_shown_, false)) sink_(wipe_line);
   }
 
   void tick() {
-    const std::scoped_lock lock{mutex_};
+    const Lock lock{mutex_};
     if (!stage_) return;
     const double now = clock_();
     switch (style_) {
@@ -132,7 +146,7 @@ class Progress::State final {
   ProgressStyle style_;
   Sink sink_;
   Clock clock_;
-  std::mutex mutex_;
+  Mutex mutex_;
   std::optional<Stage> stage_;
   double last_s_;
   bool line_shown_ = false;

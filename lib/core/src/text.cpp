@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <memory>
+#include <string>
 #include <system_error>
 
 namespace cleave {
@@ -29,13 +33,29 @@ bool has_control_characters(std::string_view text) noexcept {
   return false;
 }
 
-bool is_formula(std::string_view text) noexcept {
-  if (text.empty() || !std::string_view{"=+-@"}.contains(text.front())) return false;
-  const std::string_view number = text.front() == '+' ? text.substr(1) : text;
+namespace {
+
+/// The whole of it, and within the range of a double.
+bool is_number(std::string_view text) {
+#ifdef __cpp_lib_to_chars
   double value = 0;
-  const char* const stop = std::to_address(number.end());
-  const auto [end, error] = std::from_chars(std::to_address(number.begin()), stop, value);
-  return error != std::errc{} || end != stop;
+  const char* const stop = std::to_address(text.end());
+  const auto [end, error] = std::from_chars(std::to_address(text.begin()), stop, value);
+  return error == std::errc{} && end == stop;
+#else  // LLVM's library reads no floating-point numbers before version 20
+  if (text.empty() || text.find_first_of(" \t\n\v\f\rxX+") == 0) return false;
+  const std::string copy{text};
+  char* end = nullptr;
+  const double value = std::strtod(copy.c_str(), &end);
+  return end == std::to_address(copy.end()) && std::abs(value) <= std::numeric_limits<double>::max();
+#endif
+}
+
+}  // namespace
+
+bool is_formula(std::string_view text) {
+  if (text.empty() || !std::string_view{"=+-@"}.contains(text.front())) return false;
+  return !is_number(text.front() == '+' ? text.substr(1) : text);
 }
 
 std::string csv_field(std::string_view text, std::string_view others) {

@@ -4,11 +4,11 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "cleave/core/mutex.hpp"
 #include "detail/block_maker.hpp"
 #include "detail/dangling.hpp"
 #include "detail/exact_volume.hpp"
@@ -95,7 +95,7 @@ class Joiner {
 
   /// `blocks` are those of the share; their faces get their final numbers.
   void hand_in(std::size_t share, MadeBlocks made, std::span<Block> blocks) {
-    std::unique_lock lock{mutex_};
+    Lock lock{mutex_};
     waiting_[share].emplace(std::move(made), blocks);
     if (busy_) return;  // whoever is at it looks again before leaving
     busy_ = true;
@@ -132,7 +132,7 @@ class Joiner {
   }
 
   MadeBlocks& out_;
-  std::mutex mutex_;
+  Mutex mutex_;
   std::vector<std::optional<std::pair<MadeBlocks, std::span<Block>>>> waiting_;
   std::size_t next_ = 0;
   bool busy_ = false;

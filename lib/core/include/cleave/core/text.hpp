@@ -23,7 +23,7 @@ namespace cleave {
 [[nodiscard]] bool has_control_characters(std::string_view text) noexcept;
 
 /// Whether spreadsheets take it for a formula: it begins with = + - or @ and is no number.
-[[nodiscard]] bool is_formula(std::string_view text) noexcept;
+[[nodiscard]] bool is_formula(std::string_view text);
 
 /// One field of a CSV row: in quotes where it holds a comma, a quote, a line end or one of `others`; what would be a
 /// formula has an apostrophe before it.

@@ -1,0 +1,5 @@
+if(NOT TARGET Boost::headers)
+  add_library(Boost::headers INTERFACE IMPORTED GLOBAL)
+  target_include_directories(Boost::headers INTERFACE ${CLEAVE_WASM_HEADERS})
+  target_compile_definitions(Boost::headers INTERFACE BOOST_NO_EXCEPTIONS)
+endif()
