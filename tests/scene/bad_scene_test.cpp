@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(
             "s.toml:1: TOML: Error while parsing key-value pair: expected '=', saw '0'; fix the syntax: see "
             "https://toml.io"},
         Bad{"Twice", with_box("seed = 1\n[domain]\n"),
-            "s.toml:4: TOML: Error while parsing table header: cannot redefine existing table 'domain'; mend the "
+            "s.toml:4: TOML: Error while parsing table header: cannot redefine existing table 'domain'; fix the "
             "syntax: see "
             "https://toml.io"},
         Bad{"DecimalComma", "seed = 1\nsnap = 0,5 # m\n",
