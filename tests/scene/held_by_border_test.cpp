@@ -97,6 +97,16 @@ TEST(Openings, TheVolumeOfEachIsSaid) {
   EXPECT_EQ(notes_with(result, "outside the domain"), 1U);
 }
 
+TEST(Openings, OneNoteSpeaksOfAllThatLieOutside) {
+  const RunResult result =
+      run_of(with_box(opening("a third", "[6, 2, 2]", "[9, 4, 4]") + opening("two thirds", "[6, 5, 2]", "[12, 7, 4]")));
+  EXPECT_EQ(notes_with(result, "outside the domain"), 1U);
+  EXPECT_EQ(notes_with(result,
+                       "2 openings lie partly outside the domain, up to 66.7 % of one (two thirds); they remove "
+                       "16 m3 of rock"),
+            1U);
+}
+
 TEST(Openings, OfARunThatCutsOnlyNearFreeFacesTheyAreWhole) {
   const RunResult result = run_of(with_box(opening("room", "[3, 3, 2]", "[5, 5, 4]") +
                                            "[[joint]]\nplane = { through = [4, 4, 3], dip = 30, dip_direction = 0 }\n"

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cleave/realize/run.hpp"
@@ -207,6 +209,51 @@ TEST(KeyGroupsScene, WhereOffBarredBlocksAreANote) {
   // Judged together there is nothing to add; on rough joints it holds by itself.
   EXPECT_EQ(notes_with(20, "note"), "");
   EXPECT_EQ(notes_with(56, "off"), "");
+}
+
+RunResult run_of(const std::string& text) {
+  const Scene scene = scene_of(text);
+  StageTimer timer;
+  Progress progress{ProgressStyle::quiet};
+  return run(scene, {.threads = 1}, timer, progress).value();
+}
+
+std::size_t notes_with(const RunResult& result, std::string_view text) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(result.notes, [&](const std::string& note) { return note.contains(text); }));
+}
+
+// With 30 degrees of friction the two stand, under an earthquake out of the slope they do not.
+TEST(KeyGroupsScene, OfEachLoadCase) {
+  const std::string cases = "[[load]]\nname = \"calm\"\n[[load]]\nname = \"quake\"\nseismic = [-0.35, 0, 0]\n";
+  const RunResult noted = run_of(active_and_passive(30) + cases);
+  EXPECT_EQ(noted.key_groups->groups.size(), 0U);
+  EXPECT_EQ(notes_with(noted, "load case quake: 1 key group (555 m3)"), 1U);
+  EXPECT_EQ(notes_with(noted, "load case calm"), 0U);
+  EXPECT_TRUE(noted.load_cases[1].analysis.batches.empty());
+  // Where groups decide, they are key blocks of their case.
+  const RunResult decided = run_of(active_and_passive(30) + "groups = \"decide\"\n" + cases);
+  EXPECT_TRUE(decided.load_cases[0].analysis.batches.empty());
+  ASSERT_EQ(decided.load_cases[1].analysis.batches.size(), 1U);
+  EXPECT_EQ(decided.load_cases[1].analysis.batches[0].blocks.size(), 2U);
+  EXPECT_EQ(notes_with(decided, "load case quake: 2 key blocks, 0 in the base case"), 1U);
+}
+
+TEST(KeyGroupsScene, OfEachStage) {
+  const std::string pit =
+      "[[excavation]]\nname = \"pit\"\nstage = 2\nkind = \"polyhedron\"\n"
+      "box = { min = [30, 0, -15], max = [35, 1, -10] }\n";
+  const RunResult result = run_of(pit + active_and_passive(20));
+  EXPECT_EQ(notes_with(result, "after stage 1: 1 key group (555 m3)"), 1U);
+  EXPECT_EQ(notes_with(run_of(pit + active_and_passive(30)), "key group"), 0U);
+}
+
+// What is checked of support is said: one block after the other.
+TEST(KeyGroupsScene, SupportIsNotSaidToHoldThem) {
+  const std::string shotcrete = "[support]\nshotcrete = { thickness = 0.1, strength = 2e6 }\n";
+  EXPECT_EQ(notes_with(run_of(active_and_passive(20) + shotcrete), "whether it holds the key groups was not asked"),
+            1U);
+  EXPECT_EQ(notes_with(run_of(active_and_passive(30) + shotcrete), "whether it holds the key groups"), 0U);
 }
 
 }  // namespace

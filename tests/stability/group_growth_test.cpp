@@ -20,8 +20,12 @@ using geometry::Vec3;
 using statics::audited;
 
 constexpr int along = 14;
-/// tan(friction) below block k of the bar: what lies behind pushes.
-double grip(int k) { return 0.8 - 0.055 * k; }
+/// tan(friction) below block k of a bar.
+using Grip = double (*)(int);
+/// Blocks 4 and 10 stay by themselves; what lies behind them pushes them.
+double firm_in_the_middle(int k) { return k == 4 || k == 10 ? 1 : k < 4 ? 0.72 : 0.4; }
+/// All lean on the first one, which alone stays, and with the next three.
+double firm_in_front(int k) { return k == 0 ? 3 : 0.5; }
 
 /// A bar that dips 3 in 4 out of a wall at x = 40, in a box of rock: one end is open. 14 blocks in line, each on a
 /// joint of its own; above it a short bar of one block. All corners are dyadic, so that the joints below lie in one
@@ -58,7 +62,7 @@ topology::CutInput bars() {
   return input;
 }
 
-Settings grips() {
+Settings grips(Grip grip) {
   Settings out = statics::settings({statics::strength(0)});
   const auto of = [](double tan) { return statics::strength(std::atan(tan) * 180 / std::numbers::pi); };
   for (std::uint32_t k = 0; k < along; ++k) out.strengths.set(topology::JointId{k}, of(grip(static_cast<int>(k))));
@@ -67,7 +71,7 @@ Settings grips() {
 }
 
 /// Of the first blocks of the bar, which go as one: the first is cut by the wall, 0.625 times as large as the others.
-double factor(int blocks) {
+double factor(Grip grip, int blocks) {
   double load = 0, held = 0;
   for (int k = 0; k < blocks; ++k) {
     const double weight = k == 0 ? 0.625 : 1;
@@ -82,10 +86,10 @@ const KeyGroup& first_bar(const KeyGroups& groups) {
   return groups.groups[0].blocks.size() > groups.groups[1].blocks.size() ? groups.groups[0] : groups.groups[1];
 }
 
-TEST(GroupGrowth, BlocksFarBehindTheFirstLayersPush) {
+TEST(GroupGrowth, BlocksFarBehindThatHoldOneByOnePush) {
   const auto complex = audited(bars());
   ASSERT_EQ(complex.complex().blocks().size(), along + 2U);
-  const KeyGroups found = find_key_groups(complex, grips());
+  const KeyGroups found = find_key_groups(complex, grips(firm_in_the_middle));
   EXPECT_EQ(found.blocks, 5U);  // four of the bar, and the short one
   EXPECT_FALSE(found.cut_off);
   EXPECT_FALSE(found.too_many);
@@ -99,13 +103,41 @@ TEST(GroupGrowth, BlocksFarBehindTheFirstLayersPush) {
   // Forces locked in between base and roof may hold it.
   EXPECT_EQ(bar.verdict, Verdict::unsafe);
   EXPECT_EQ(bar.batch, 1U);
-  EXPECT_NEAR(bar.factor_move, factor(along), 1e-4);
-  EXPECT_LT(factor(along), 0.8 * factor(4));
+  EXPECT_NEAR(bar.factor_move, factor(firm_in_the_middle, along), 1e-4);
+  EXPECT_LT(factor(firm_in_the_middle, along), 0.8 * factor(firm_in_the_middle, 4));
+}
+
+// With three layers behind the first block the bar stays; with all that leans on it from farther off it does not.
+TEST(GroupGrowth, WhatLeansOnTheFirstLayersPushesThem) {
+  ASSERT_GT(factor(firm_in_front, 4), 1.1);
+  const auto complex = audited(bars());
+  const KeyGroups found = find_key_groups(complex, grips(firm_in_front));
+  EXPECT_EQ(found.blocks, along + 1U);
+  ASSERT_EQ(found.groups.size(), 2U);
+  const KeyGroup& bar = first_bar(found);
+  ASSERT_EQ(bar.blocks.size(), 1U * along);
+  EXPECT_EQ(bar.verdict, Verdict::unsafe);
+  EXPECT_NEAR(bar.factor_move, factor(firm_in_front, along), 1e-4);
+}
+
+// Half the cohesion counts, as for what rests: with a little more than twice what holds it a block leans on nothing.
+TEST(GroupGrowth, WhatCohesionHoldsDoesNotLean) {
+  const auto complex = audited(bars());
+  const auto near = [&](double share) {
+    Settings settings = grips(firm_in_front);
+    // A block of 25 m3 on 10 m2 of 3 in 4: driven with 15 N, held with 10 N by friction of 1 in 2.
+    const double lack = 1.05 * 15 - 10, friction = std::atan(0.5) * 180 / std::numbers::pi;
+    const JointStrength held = statics::strength(friction, share * lack / 10);
+    for (std::uint32_t k = 1; k < along; ++k) settings.strengths.set(topology::JointId{k}, held);
+    return find_key_groups(complex, settings).blocks;
+  };
+  EXPECT_EQ(near(1.9), along + 1U);
+  EXPECT_EQ(near(2.1), 5U);
 }
 
 TEST(GroupGrowth, SaysWhereItMayNotGrow) {
   const auto complex = audited(bars());
-  const KeyGroups found = find_key_groups(complex, grips(), {.blocks = 9, .turning = 9});
+  const KeyGroups found = find_key_groups(complex, grips(firm_in_the_middle), {.blocks = 9, .turning = 9});
   EXPECT_TRUE(found.cut_off);
   EXPECT_FALSE(found.too_many);
   // What moves without the rest is still said, and the rest in later states.
@@ -114,8 +146,8 @@ TEST(GroupGrowth, SaysWhereItMayNotGrow) {
   EXPECT_EQ(found.groups[2].batch, 2U);
   const KeyGroup& bar = first_bar(found);
   ASSERT_EQ(bar.blocks.size(), 4U);
-  EXPECT_NEAR(bar.factor_move, factor(4), 1e-5);
-  EXPECT_TRUE(find_key_groups(complex, grips(), {.blocks = 4, .turning = 4}).too_many);
+  EXPECT_NEAR(bar.factor_move, factor(firm_in_the_middle, 4), 1e-5);
+  EXPECT_TRUE(find_key_groups(complex, grips(firm_in_the_middle), {.blocks = 4, .turning = 4}).too_many);
 }
 
 }  // namespace

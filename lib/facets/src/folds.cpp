@@ -117,9 +117,11 @@ double distance_sites(const exact::Plane& plane, LatticePoint p) {
                   std::ldexp(a[3] / scale, 48));
 }
 
-std::vector<Triangle> fold(std::vector<LatticePoint> corners) {
+namespace {
+
+/// Triangles that fill a tidy ring; empty where it crosses itself on the lattice.
+std::vector<Triangle> filling(const std::vector<LatticePoint>& corners) {
   constexpr std::size_t largest = 96;  // the best choice costs the cube of the corners
-  tidy(corners);
   std::vector<Triangle> out;
   if (corners.size() == 3) return {{corners[0], corners[1], corners[2]}};
   const auto along = facing(corners);
@@ -133,6 +135,20 @@ std::vector<Triangle> fold(std::vector<LatticePoint> corners) {
     if (out.size() + 2 == corners.size()) return out;
     out.clear();
   }
+  return {};
+}
+
+}  // namespace
+
+bool crosses_itself(std::vector<LatticePoint> corners) {
+  tidy(corners);
+  return filling(corners).empty();
+}
+
+std::vector<Triangle> fold(std::vector<LatticePoint> corners) {
+  tidy(corners);
+  std::vector<Triangle> out = filling(corners);
+  if (!out.empty()) return out;
   // It crosses itself on the lattice. A fan has the same rim whatever its triangles do.
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
     if (!on_one_line(corners[0], corners[i], corners[i + 1])) out.push_back({corners[0], corners[i], corners[i + 1]});

@@ -230,8 +230,16 @@ bool Preparation::rim_shared(const JointPolygon& entry) const {
 }
 
 void Preparation::snap_planes() {
+  std::vector<LatticePolygon> own;
+  for (const JointPolygon& entry : polygons_) own.push_back(entry.polygon);
   snapper_.merge_planes(polygons_, shared_);
-  for (JointPolygon& entry : polygons_) set_fold(entry);
+  for (std::size_t k = 0; k < polygons_.size(); ++k) {
+    JointPolygon& entry = polygons_[k];
+    set_fold(entry);
+    if (!entry.folded || entry.polygon.plane.coincides_with(own[k].plane)) continue;
+    entry.polygon = std::move(own[k]);  // it is cut on its own corners after all
+    set_fold(entry);
+  }
 }
 
 Preparation::Done Preparation::add_polygons() {

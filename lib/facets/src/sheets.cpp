@@ -16,22 +16,24 @@ using exact::Plane;
 
 namespace {
 
+/// Which way a polygon has the side a b, seen along the plane's normal: on its left 1, on its right -1; 0 where it is
+/// not about along the plane.
+int sense_of(const JointPolygon& entry, LatticePoint a, LatticePoint b, const Plane& plane) {
+  const auto n = plane.unit_normal(), m = entry.polygon.plane.unit_normal();
+  const double cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+  if (std::abs(cosine) < 0.999) return 0;
+  const std::size_t count = entry.corners.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const LatticePoint p = entry.corners[i], q = entry.corners[(i + 1) % count];
+    if (p == a && q == b) return cosine > 0 ? 1 : -1;
+    if (p == b && q == a) return cosine > 0 ? -1 : 1;
+  }
+  return 0;
+}
+
 /// Whether `next` lies beyond the side a b of `entry`, about along the plane, and not back over it.
 bool goes_on(const JointPolygon& entry, const JointPolygon& next, LatticePoint a, LatticePoint b, const Plane& plane) {
-  const auto n = plane.unit_normal();
-  const auto sense = [&](const JointPolygon& polygon) {
-    const auto m = polygon.polygon.plane.unit_normal();
-    const double cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
-    if (std::abs(cosine) < 0.999) return 0;
-    const std::size_t count = polygon.corners.size();
-    for (std::size_t i = 0; i < count; ++i) {
-      const LatticePoint p = polygon.corners[i], q = polygon.corners[(i + 1) % count];
-      if (p == a && q == b) return cosine > 0 ? 1 : -1;
-      if (p == b && q == a) return cosine > 0 ? -1 : 1;
-    }
-    return 0;
-  };
-  return sense(entry) * sense(next) < 0;
+  return sense_of(entry, a, b, plane) * sense_of(next, a, b, plane) < 0;
 }
 
 double bend_of(const JointPolygon& entry, const Plane& plane) {
@@ -70,7 +72,9 @@ class Sheets {
  public:
   Sheets(std::span<const JointPolygon> polygons, const SharedCorners& shared, std::vector<std::uint8_t> taken,
          double flat)
-      : polygons_{polygons}, users_{polygons, shared}, taken_{std::move(taken)}, flat_{flat} {}
+      : polygons_{polygons}, users_{polygons, shared}, taken_{std::move(taken)}, flat_{flat} {
+    leave_out_turned_back();
+  }
 
   struct Sheet {
     std::vector<std::size_t> polygons;  ///< in the order in which they were reached
@@ -95,6 +99,37 @@ class Sheets {
   }
 
  private:
+  /// Where polygons lie on one another beyond a side that they share, as where a corner was moved past another: layers
+  /// of one plane would have no order about that side, so all of them are cut and shown on planes of their own; so are
+  /// polygons that cross themselves.
+  void leave_out_turned_back() {
+    std::vector<std::size_t> layers, found;
+    for (std::size_t k = 0; k < polygons_.size(); ++k) {
+      if (taken_[k] != 0) continue;
+      const JointPolygon& entry = polygons_[k];
+      if (entry.folded && !entry.polygon.convex && crosses_itself(entry.corners)) found.push_back(k);
+      SideUsers::for_each_side(entry, [&](LatticePoint a, LatticePoint b) {
+        bool turned_back = false;
+        layers.assign(1, k);
+        for (const auto& [side, user] : users_.of(a, b)) {
+          if (user == k || taken_[user] != 0) continue;
+          const int sense = sense_beside(entry, polygons_[user], a, b);
+          if (sense != 0) layers.push_back(user);
+          turned_back = turned_back || sense > 0;
+        }
+        if (turned_back) found.insert(found.end(), layers.begin(), layers.end());
+      });
+    }
+    for (const std::size_t k : found) taken_[k] = 1;
+  }
+  /// 1 where two polygons lie on one another beside their side, -1 where they go on from one another, 0 where they are
+  /// not about in one plane or exactly so.
+  [[nodiscard]] int sense_beside(const JointPolygon& one, const JointPolygon& other, LatticePoint a,
+                                 LatticePoint b) const {
+    const Plane &p = one.polygon.plane, &q = other.polygon.plane;
+    if (p.coincides_with(q) || std::min(bend_of(one, q), bend_of(other, p)) > flat_) return 0;
+    return sense_of(one, a, b, p) * sense_of(other, a, b, p);
+  }
   Sheet reached(std::size_t leader, const Plane& plane) {
     Sheet sheet{{leader}, plane};
     taken_[leader] = 1;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "cleave/core/assert.hpp"
@@ -14,6 +15,7 @@
 #include "field_stress.hpp"
 #include "judge.hpp"
 #include "motion_run.hpp"
+#include "run_notes.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -205,21 +207,54 @@ Realizer::Done Realizer::judge() {
   }
   made_.domain_held = stability::domain_held(complex, with, *made_.analysis);
   if (!near_) judge_cases(*scene_, complex, made_);
+  if (scene_->stability->groups != stability::GroupsCheck::off) {
+    judge_groups_of_cases();
+    judge_groups_of_stages();
+  }
   made_.sensitivity = stability::sensitivity(complex, with, *made_.analysis);
   judge_maximum_blocks(*scene_, made_);
   return {};
 }
 
+/// Ensembles do not count groups, so they do not decide in a replay of one of its realizations.
+bool Realizer::groups_decide() const {
+  return scene_->stability->groups == stability::GroupsCheck::decide && !scene_->monte_carlo;
+}
+
 void Realizer::judge_groups() {
   const topology::AuditedComplex& complex = *made_.complex;
   const stability::Settings with = settings(complex.complex());
-  // Ensembles do not count groups, so they do not decide in a replay of one of its realizations.
-  const bool decides = scene_->stability->groups == stability::GroupsCheck::decide && !scene_->monte_carlo;
+  const bool decides = groups_decide();
   made_.key_groups =
       stability::find_key_groups(complex, with, decides ? stability::most_together : stability::most_noted);
   if (!decides) return;
   stability::decide_by_groups(complex, with, *made_.key_groups, *made_.analysis);
   made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
+}
+
+void Realizer::judge_groups_of_cases() {
+  const topology::AuditedComplex& complex = *made_.complex;
+  for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
+    CaseResult& load = made_.load_cases[k];
+    const stability::Settings with =
+        of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
+    const stability::KeyGroups found =
+        stability::find_key_groups(complex, with, groups_decide() ? stability::most_together : stability::most_noted);
+    if (groups_decide()) stability::decide_by_groups(complex, with, found, load.analysis);
+    add_moving_group_notes(found, load.analysis, "load case " + load.name + ": ", group_notes_);
+  }
+}
+
+/// Each stage, with what fell before it: a state of its own, in which groups may move that do not in the final one.
+void Realizer::judge_groups_of_stages() {
+  if (!made_.sequence) return;
+  for (const StageResult& row : made_.sequence->stages) {
+    if (!row.complex || !*row.complex || !row.analysis) continue;
+    const topology::AuditedComplex& complex = **row.complex;
+    const stability::KeyGroups found =
+        stability::find_key_groups(complex, settings(complex.complex()), stability::most_noted);
+    add_moving_group_notes(found, *row.analysis, "after stage " + std::to_string(row.stage) + ": ", group_notes_);
+  }
 }
 
 void Realizer::support() {

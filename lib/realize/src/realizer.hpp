@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <expected>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "cleave/realize/run.hpp"
@@ -29,6 +30,8 @@ class Realizer final {
   [[nodiscard]] Done next(const Plan& plan, std::uint64_t realization);
 
   [[nodiscard]] const Realization& now() const noexcept { return made_; }
+  /// On groups of blocks under other load cases and after earlier stages.
+  [[nodiscard]] const std::vector<std::string>& group_notes() const noexcept { return group_notes_; }
   [[nodiscard]] Realization take() && { return std::move(made_); }
 
  private:
@@ -41,6 +44,9 @@ class Realizer final {
   void audit();
   [[nodiscard]] Done judge();
   void judge_groups();
+  void judge_groups_of_cases();
+  void judge_groups_of_stages();
+  [[nodiscard]] bool groups_decide() const;
   void support();
   [[nodiscard]] Done clamp();
   void move();
@@ -66,6 +72,7 @@ class Realizer final {
   std::optional<topology::SequentialCut> in_stages_;
   std::optional<topology::StageBlocks> final_state_;
   Realization made_;
+  std::vector<std::string> group_notes_;
 };
 
 }  // namespace cleave::scene

@@ -155,27 +155,10 @@ KeyGroupFigures count_key_groups(const stability::KeyGroups& groups) {
   return figures;
 }
 
-namespace {
-
-/// Groups that move though no block of theirs does by itself, and what could not be decided.
-void add_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis,
-                     std::vector<std::string>& notes) {
-  if (groups.too_many) {
-    notes.push_back(
-        fmt::format("key groups: {} blocks near free faces are too many to be judged together; only single blocks were "
-                    "judged, and what they say holds for each alone (groups = \"decide\" judges up to {})",
-                    groups.blocks, stability::most_together.blocks));
-  }
-  if (groups.without_moments) {
-    notes.push_back(fmt::format(
-        "key groups: {} blocks near free faces were judged together in translation only; groups = \"decide\" "
-        "looks at moments too",
-        groups.blocks));
-  }
-  if (groups.cut_off) {
-    notes.push_back(
-        "key groups: one that moves touches more blocks than are judged together; more may move than it says");
-  }
+void add_moving_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis,
+                            std::string_view where, std::vector<std::string>& notes) {
+  // Tables of groups are those of the base case in the final state.
+  const std::string_view seen = where.empty() ? ": see key_groups.csv" : "";
   std::size_t beyond = 0, doubt = 0;
   double volume = 0, in_doubt = 0, least = std::numeric_limits<double>::infinity();
   for (const stability::KeyGroup& group : groups.groups) {
@@ -195,18 +178,47 @@ void add_group_notes(const stability::KeyGroups& groups, const stability::Analys
   }
   if (beyond > 0) {
     notes.push_back(
-        fmt::format("{} key {} ({:.4g} m3) of blocks that do not all move by themselves, least factor of "
-                    "safety {:.3g}: see key_groups.csv",
-                    beyond, beyond == 1 ? "group" : "groups", volume, least));
+        fmt::format("{}{} key {} ({:.4g} m3) of blocks that do not all move by themselves, least factor of "
+                    "safety {:.3g}{}",
+                    where, beyond, beyond == 1 ? "group" : "groups", volume, least, seen));
   }
   if (doubt > 0) {
-    notes.push_back(
-        fmt::format("{} {} of blocks ({:.4g} m3) could not be decided together: in doubt, not stable; see "
-                    "key_groups.csv",
-                    doubt, doubt == 1 ? "group" : "groups", in_doubt));
+    notes.push_back(fmt::format("{}{} {} of blocks ({:.4g} m3) could not be decided together: in doubt, not stable{}",
+                                where, doubt, doubt == 1 ? "group" : "groups", in_doubt, seen));
   }
   if (groups.at_the_edge && beyond + doubt > 0) {
-    notes.push_back("key groups reach the edge of the box that was cut: what lies beyond was taken to stay");
+    notes.push_back(
+        fmt::format("{}key groups reach the edge of the box that was cut: what lies beyond was taken to stay", where));
+  }
+}
+
+namespace {
+
+/// Of the final state under the loads of the base case, with what was not looked at.
+void add_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis, bool supported,
+                     std::vector<std::string>& notes) {
+  if (groups.too_many) {
+    notes.push_back(
+        fmt::format("key groups: {} blocks near free faces are too many to be judged together; only single blocks were "
+                    "judged, and what they say holds for each alone (groups = \"decide\" judges up to {})",
+                    groups.blocks, stability::most_together.blocks));
+  }
+  if (groups.without_moments) {
+    notes.push_back(fmt::format(
+        "key groups: {} blocks near free faces were judged together in translation only; groups = \"decide\" "
+        "looks at moments too",
+        groups.blocks));
+  }
+  if (groups.cut_off) {
+    notes.push_back(
+        "key groups: one that moves touches more blocks than are judged together; more may move than it says");
+  }
+  const std::size_t before = notes.size();
+  add_moving_group_notes(groups, analysis, "", notes);
+  if (supported && notes.size() > before) {
+    notes.push_back(
+        "the support was checked block by block and for stitched bodies: whether it holds the key groups was not "
+        "asked");
   }
 }
 
@@ -239,11 +251,23 @@ void add_border_note(const stability::DomainHeld& held, std::vector<std::string>
 }  // namespace
 
 void add_excavation_notes(const std::vector<ExcavationInfo>& excavations, std::vector<std::string>& notes) {
+  const auto lies_outside = [](const ExcavationInfo& info) { return info.outside_share.value_or(0) > 0; };
+  const auto outside = std::ranges::count_if(excavations, lies_outside);
+  if (outside == 1) {
+    const auto info = std::ranges::find_if(excavations, lies_outside);
+    notes.push_back(fmt::format("{}: {:.3g} % of it lies outside the domain; it removes {:.6g} m3 of rock", info->name,
+                                100 * *info->outside_share, info->taken.removed.si()));
+  } else if (outside > 1) {
+    const auto share = [](const ExcavationInfo& info) { return info.outside_share.value_or(0); };
+    const auto most = std::ranges::max_element(excavations, {}, share);
+    double removed = 0;
+    for (const ExcavationInfo& info : excavations) removed += lies_outside(info) ? info.taken.removed.si() : 0;
+    notes.push_back(
+        fmt::format("{} openings lie partly outside the domain, up to {:.3g} % of one ({}); they remove {:.6g} m3 of "
+                    "rock: the list of excavations has the share of each",
+                    outside, 100 * *most->outside_share, most->name, removed));
+  }
   for (const ExcavationInfo& info : excavations) {
-    if (info.outside_share.value_or(0) > 0) {
-      notes.push_back(fmt::format("{}: {:.3g} % of it lies outside the domain; it removes {:.6g} m3 of rock", info.name,
-                                  100 * *info.outside_share, info.taken.removed.si()));
-    }
     if (info.taken.inside.si() > 0 && !(info.taken.removed.si() > 0)) {
       notes.push_back(fmt::format("{}: removes no rock that the openings before it have left", info.name));
     }
@@ -302,7 +326,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
       notes.push_back(fmt::format("load case {}: {} key blocks, {} in the base case", load.name, leaving, base));
     }
   }
-  if (made.key_groups) add_group_notes(*made.key_groups, *analysis, notes);
+  if (made.key_groups) add_group_notes(*made.key_groups, *analysis, made.support.has_value(), notes);
   return notes;
 }
 

@@ -11,6 +11,7 @@
 #include "cleave/core/assert.hpp"
 #include "contacts.hpp"
 #include "touching.hpp"
+#include "verdict.hpp"
 
 namespace cleave::stability {
 namespace {
@@ -22,6 +23,9 @@ using topology::BlockId;
 
 /// Layers of blocks behind the exposed ones that are looked at; as many more around a group that touches the last.
 constexpr std::uint32_t first_layers = 3;
+/// A block leans on others when it would move without them at strengths over this and half its cohesion: as what rests
+/// is looked at again (`assembly::find_groups`).
+constexpr double leans_below = 1.05, share_of_cohesion = 0.5;
 /// Among more blocks what moving tips push along is not looked for: it is in doubt.
 constexpr std::size_t most_pushed = 200;
 
@@ -108,7 +112,35 @@ class Search final {
     }
     // Later states differ beside what has left alone.
     for (const BlockId id : left_) neighbours(id, begin);
-    return within(open, first_layers, batch);
+    return with_leaning(within(open, first_layers, batch), batch);
+  }
+
+  /// These blocks and those farther off that lean on them, directly or on others that do: taken to be fixed they would
+  /// press on nothing. Ascending.
+  [[nodiscard]] std::vector<BlockId> with_leaning(std::vector<BlockId> blocks, std::uint32_t batch) const {
+    std::vector<BlockId> gone = std::move(blocks);
+    Model without = model_;
+    for (const BlockId id : gone) without.remove(id, batch - 1);
+    for (std::size_t k = 0; k < gone.size(); ++k) {
+      neighbours(gone[k], [&](BlockId other) {
+        if (!may_move(other, batch) || !without.present(other, batch) || !moves_in(without, other, batch)) return;
+        without.remove(other, batch - 1);
+        gone.push_back(other);
+      });
+    }
+    std::ranges::sort(gone);
+    return gone;
+  }
+
+  /// Alone beside what is there in `without`, or nearly, under the forces that it is under.
+  [[nodiscard]] bool moves_in(Model& without, BlockId id, std::uint32_t batch) const {
+    Contacts contacts = without.contacts(id, batch);
+    if (contacts.cone.dimension() == 0) return false;
+    for (Contact& group : contacts.groups) {
+      group.cohesion *= share_of_cohesion;
+      group.tension *= share_of_cohesion;
+    }
+    return judge(contacts, model_.applied_forces(id, batch), model_.settings()).factor_of_safety < leans_below;
   }
 
   /// Blocks within some layers of those given, and these; ascending.
@@ -276,7 +308,7 @@ class Search final {
       if (out.empty()) return wide;
       for (const KeyGroup& group : out) seeds.insert(seeds.end(), group.blocks.begin(), group.blocks.end());
       found.erase(out.begin(), out.end());
-      wide = within(seeds, layers, batch);
+      wide = with_leaning(within(seeds, layers, batch), batch);
     }
   }
 
@@ -345,7 +377,7 @@ void decide_by_groups(const topology::AuditedComplex& complex, const Settings& s
                       Analysis& analysis) {
   const Model model{complex.complex(), settings};
   for (const KeyGroup& group : groups.groups) {
-    if (group.verdict == Verdict::in_doubt) continue;
+    if (group.verdict == assembly::Verdict::in_doubt) continue;
     for (std::size_t k = 0; k < group.blocks.size(); ++k) {
       const BlockId id = group.blocks[k];
       const topology::Block& block = complex.complex().blocks()[id];

@@ -56,6 +56,7 @@ bool BlockMaker::internal(Index flank) const {
   if (!parts_.sheets.empty()) {
     const Index sheet = parts_.sheets[a / 2];
     if (sheet != parts_.sheets[b / 2] || (!flat && sheet == none)) return false;
+    if (!flat && parts_.looks_up(a) != parts_.looks_up(b)) return false;  // the sheet turns back here
   }
   const bool a_joint = parts_.block_of[a ^ 1U] != none, b_joint = parts_.block_of[b ^ 1U] != none;
   if (a_joint || b_joint) return a_joint == b_joint;
@@ -324,11 +325,9 @@ bool BlockMaker::straight_on_a_sheet(Index side) const {
 void BlockMaker::add_face(Index face, Index block) {
   const std::span members = std::span{members_}.subspan(face_begin_[face], face_begin_[face + 1] - face_begin_[face]);
   const Index first = members.front();
-  const PlaneFace& plane_face = parts_.arrangement.faces[first / 2];
   const Index plane = parts_.plane_of(first / 2);
   const Vec3 normal = parts_.normals[plane];
-  const bool positive =
-      (first % 2 == 0) == (plane == plane_face.plane || geometry::dot(normal, parts_.normals[plane_face.plane]) > 0);
+  const bool positive = parts_.looks_up(first);
   const Nature nature = parts_.nature(first);
   Face made{.block = BlockId{block},
             .plane = PlaneId{plane},

@@ -23,5 +23,7 @@ inline constexpr double roundings_of_corners = 16;
 /// round. Those with the largest smallest height, so that rounded corners on straight sides make no needle that looks
 /// anywhere. Empty where no area is left.
 [[nodiscard]] std::vector<std::array<exact::LatticePoint, 3>> fold(std::vector<exact::LatticePoint> corners);
+/// Whether no such triangles fill the ring without lying on one another.
+[[nodiscard]] bool crosses_itself(std::vector<exact::LatticePoint> corners);
 
 }  // namespace cleave::topology::detail

@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include "cleave/exact/wide.hpp"
 #include "cleave/topology/block_complex.hpp"
 
 namespace cleave::topology::detail {
@@ -206,11 +208,11 @@ class BlockAuditor final {
     std::vector<std::pair<double, std::uint32_t>> around;
     for (const std::uint32_t s : group) {
       // Into the face: outward normal x direction of the side.
-      const Vec3 m = complex_.faces()[block_->faces[sides_[s].face]].outward;
+      const Vec3 m = face_of(s).outward;
       const Vec3 into = geometry::cross(m, forward(s) ? axis : -axis);
       around.emplace_back(std::atan2(geometry::dot(into, e2), geometry::dot(into, e1)), s);
     }
-    std::ranges::sort(around);
+    order_closely(around, axis);
     // Turning counter-clockwise about the axis leaves a forward side towards the outside: the inside is met clockwise.
     for (std::size_t i = 0; i < around.size(); ++i) {
       const std::uint32_t s = around[i].second;
@@ -221,6 +223,46 @@ class BlockAuditor final {
       sides_[t].partner = s;
     }
     return std::ranges::none_of(group, [&](std::uint32_t s) { return sides_[s].partner == unset; });
+  }
+
+  /// By angle about the axis, from after the widest gap; where doubles cannot tell, by the integers of the planes.
+  void order_closely(std::vector<std::pair<double, std::uint32_t>>& around, Vec3 axis) const {
+    std::ranges::sort(around);
+    std::size_t start = 0;
+    double widest = around.front().first + 2 * std::numbers::pi - around.back().first;
+    for (std::size_t i = 1; i < around.size(); ++i) {
+      const double gap = around[i].first - around[i - 1].first;
+      if (gap <= widest) continue;
+      widest = gap;
+      start = i;
+    }
+    for (std::size_t i = 0; i < start; ++i) around[i].first += 2 * std::numbers::pi;
+    std::ranges::rotate(around, around.begin() + static_cast<std::ptrdiff_t>(start));
+    constexpr double close = 1e-7;
+    for (std::size_t i = 1; i < around.size(); ++i) {
+      for (std::size_t j = i; j > 0; --j) {
+        const double apart = around[j].first - around[j - 1].first;
+        if (std::abs(apart) > close || !comes_after(around[j - 1].second, around[j].second, axis)) break;
+        std::swap(around[j - 1], around[j]);
+      }
+    }
+  }
+
+  /// Of two faces about an edge at nearly the same angle: whether the first is met after the second, counter-clockwise
+  /// about the axis. Exact for faces whose planes hold the edge.
+  [[nodiscard]] bool comes_after(std::uint32_t s, std::uint32_t t, Vec3 axis) const {
+    const Face &one = face_of(s), &other = face_of(t);
+    const auto line = exact::exact_line(complex_.planes()[one.plane], complex_.planes()[other.plane]);
+    const Vec3 size{std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)};
+    const std::size_t k = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const double along = k == 0 ? axis.x : k == 1 ? axis.y : axis.z;
+    const bool flipped = (along < 0) != (turned(s, one) != turned(t, other));
+    return flipped ? line.m.at(k) > 0 : line.m.at(k) < 0;
+  }
+  [[nodiscard]] const Face& face_of(std::uint32_t s) const { return complex_.faces()[block_->faces[sides_[s].face]]; }
+  /// Whether the face's plane has to be turned for its normal, crossed with the axis, to point into the face.
+  [[nodiscard]] bool turned(std::uint32_t s, const Face& face) const {
+    return face.block_on_positive_side == (sides_[s].from < sides_[s].to);
   }
 
   const BlockComplex& complex_;

@@ -42,6 +42,12 @@ struct BlockParts {
   [[nodiscard]] Index plane_of(Index face) const {
     return sheets.empty() || sheets[face] == none ? arrangement.faces[face].plane : sheets[face];
   }
+  /// Whether a half-face looks to the positive side of that plane. Pieces of a sheet that was folded back over itself
+  /// look to either side.
+  [[nodiscard]] bool looks_up(Index half_face) const {
+    const Index plane = plane_of(half_face / 2), own = arrangement.faces[half_face / 2].plane;
+    return (half_face % 2 == 0) == (plane == own || geometry::dot(normals[plane], normals[own]) > 0);
+  }
   [[nodiscard]] Index half_face_of(Index flank) const { return 2 * arrangement.face[flank / 2] + flank % 2; }
   [[nodiscard]] geometry::Vec3 position(Index vertex) const {
     const Vec& p = positions[vertex];

@@ -35,7 +35,7 @@ struct Together {
   std::size_t blocks = 0, turning = 0;
 };
 /// Where groups are only noted, so many that it costs little.
-inline constexpr Together most_together{20'000, 20'000}, most_noted{1'500, 60};
+inline constexpr Together most_together{20'000, 20'000}, most_noted{3'000, 60};
 
 struct KeyGroups {
   std::vector<KeyGroup> groups = {};  ///< by batch, then by lowest block
@@ -51,9 +51,10 @@ struct KeyGroups {
   bool at_the_edge = false;
 };
 
-/// Blocks near free faces judged together, state by state: first in translation, then with moments. What is farther off
-/// is taken to be fixed, which only adds support; groups that touch its end are looked at again in more rock around
-/// them. `most`: of more blocks nothing is looked for, and `too_many` says so.
+/// Blocks near free faces judged together, state by state: first in translation, then with moments. With them go the
+/// blocks farther off that would not stay without them, however many behind one another: taken to be fixed those would
+/// press on nothing. All else is taken to be fixed, which only adds support; groups that touch its end are looked at
+/// again in more rock around them. `most`: of more blocks nothing is looked for, and `too_many` says so.
 [[nodiscard]] KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings,
                                         const Together& most = most_together);
 
