@@ -179,7 +179,7 @@ void solve_suite(study::Study& study) {
     }
   }
   for (const auto& [family, share] : by_family) fmt::print("{}: {} of {} solved\n", family, share.solved, share.all);
-  const std::map<std::string, double> promised{{"up to 100", 0.9}, {"1e3", 0.8}, {"1e6", 0}};
+  const std::map<std::string, double> promised{{"up to 100", 0.99}, {"1e3", 0.95}, {"1e6", 0}};
   for (const auto& [ratio, share] : by_ratio) {
     fmt::print("mass ratio {}: {} of {} solved\n", ratio, share.solved, share.all);
     if (share.solved < promised.at(ratio) * share.all) study.broken("share solved at a mass ratio " + ratio);

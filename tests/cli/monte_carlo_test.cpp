@@ -56,6 +56,8 @@ TEST_F(MonteCarloTest, OpeningsAreToldWithTheShareThatMissesTheRock) {
   EXPECT_TRUE(read("out/log.txt").contains(note));
   EXPECT_TRUE(read("out/report.html").contains(note));
   EXPECT_TRUE(summary["monte_carlo"]["notes"].dump().contains(note));
+  // Nor is what was not counted left unsaid.
+  EXPECT_TRUE(summary["monte_carlo"]["notes"].dump().contains("what only moves together (key groups) is not counted"));
   const Ended none = with("[[4, -9, 3], [4, -1, 3]]");
   EXPECT_EQ(none.code, 2);
   EXPECT_TRUE(none.err.contains("removes no rock")) << none.err;

@@ -12,12 +12,6 @@ namespace {
 using namespace scenes;
 using support::elastic_body;
 
-World make(std::vector<Body> bodies, Laws laws, WorldOptions options) {
-  auto world = World::make(std::move(bodies), std::move(laws), std::move(options));
-  EXPECT_TRUE(world.has_value()) << describe(world.error());
-  return *std::move(world);
-}
-
 TEST(ElasticTest, ASliderGoesAsTheRigidOne) {
   for (const auto& [young, phi, tolerance] :
        {std::tuple{2e10, 10.0, 1e-4}, std::tuple{2e10, 20.0, 1e-4}, std::tuple{1e8, 20.0, 1e-2}}) {

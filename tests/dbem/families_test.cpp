@@ -51,6 +51,67 @@ TEST(ContactEnergyTest, HeavyBlocksOnLightOnesBringInNoEnergy) {
   }
 }
 
+// A corner that fell on the corner of a sleeping block gave it a push while it slept; it was then parted from what it
+// ran into and pushed into another sleeper, which nobody looked at: 4e-5 of its size, called converged.
+TEST(OverlapSceneTest, ACornerOnTheCornerOfASleeperWakesIt) {
+  for (const std::uint64_t seed : {21582U, 21901U}) {
+    const ContactScene scene = make_contact_scene(ContactFamily::lattice, seed);
+    const ContactOutcome outcome = run_contact_scene(scene);
+    EXPECT_FALSE(outcome.stopped) << outcome.why;
+    EXPECT_LT(outcome.overlap, 1e-6) << seed;
+    World world = make(scene.bodies, scene.laws, scene.options);
+    while (world.time() < scene.until * (1 - 1e-12)) {
+      ASSERT_TRUE(world.step(scene.until - world.time()).has_value());
+      for (std::size_t b = 0; b < world.size(); ++b) {
+        ASSERT_TRUE(!world.asleep(b) || world.velocity(b) == Vec2{}) << seed << ' ' << world.time();
+      }
+    }
+  }
+}
+
+// Parting bodies of a free group that slide past each other must keep their angular momentum, and did so by a spin that
+// brought in 10^-5 of the energy.
+TEST(ContactEnergyTest, PartingAFreeGroupBringsInNoEnergy) {
+  for (const std::uint64_t seed : {20124U, 20977U, 21533U}) {
+    const ContactOutcome outcome = run_contact_scene(make_contact_scene(ContactFamily::gas, seed));
+    EXPECT_LT(outcome.energy_gain, 1e-9) << seed;
+    EXPECT_LT(outcome.momentum, 1e-11) << seed;
+  }
+}
+
+// A tip on a tip: while both rest no line can be told, and none may be needed to keep the upper block from sinking in.
+TEST(OverlapSceneTest, ATipOnATipDoesNotSinkIn) {
+  for (const double step : {1e-5, 1e-4, 1e-3, 1e-2}) {
+    for (const bool held : {true, false}) {
+      const std::vector<Vec2> house{{-0.5, 0}, {0.5, 0}, {0.5, 1}, {0, 1.5}, {-0.5, 1}};
+      const std::vector<Vec2> diamond{{0, 1.5}, {0.5, 2}, {0, 2.5}, {-0.5, 2}};
+      std::vector<Body> bodies{fixed("floor", rectangle(-5, -1, 10, 1)),
+                               held ? fixed("house", house) : block("house", house), block("diamond", diamond)};
+      World world = make(bodies, law(1.5), {.step = step});
+      for (int k = 0; k < 40; ++k) {
+        const auto report = world.step();
+        ASSERT_TRUE(report.has_value()) << describe(report.error());
+        EXPECT_LT(report->max_penetration, 5e-9) << step << ' ' << k;
+        // On a line of 45 degrees with more friction than that it stays where it is.
+        EXPECT_LT(report->max_speed, 1e-6) << step << ' ' << k;
+      }
+      EXPECT_NEAR(world.outline(2)[0].y, 1.5, 1e-8);
+    }
+  }
+}
+
+// What touches by a corner alone, and falls past it, falls.
+TEST(OverlapSceneTest, ADiagonalNeighbourIsNotHeldByItsCorner) {
+  for (const double step : {1e-4, 1e-3, 1e-2}) {
+    World world = make({fixed("floor", rectangle(-5, -1, 10, 1)), fixed("post", rectangle(0, 0, 1, 1)),
+                        block("loose", rectangle(1, 1, 1, 1))},
+                       law(0), {.step = step});
+    run(world, 0.4);
+    EXPECT_NEAR(world.displacement(2).y, -0.5 * g * 0.16, 1e-9) << step;
+    EXPECT_NEAR(world.displacement(2).x, 0, 1e-9) << step;
+  }
+}
+
 ContactScene drop_onto_equal(double step, bool held) {
   ContactScene scene;
   const auto put = [&](std::vector<Vec2> ring, bool fix) {

@@ -59,7 +59,8 @@ std::vector<Touch> touches_of(const std::vector<Vec2>& a, const std::vector<Vec2
   const std::vector<std::uint8_t> sharp_a(a.size(), 1);
   if (sharp_b.empty()) sharp_b.assign(b.size(), 1);
   std::vector<Touch> out;
-  find_touches(placed(0, a, sharp_a), placed(1, b, sharp_b), {1e-3, 0.1, 1e-5, 1e-5, 1e-9}, {}, out);
+  std::vector<CornerChoice> choices;
+  find_touches(placed(0, a, sharp_a), placed(1, b, sharp_b), {1e-3, 0.1, 1e-5, 1e-5, 1e-9}, {}, out, choices);
   return out;
 }
 

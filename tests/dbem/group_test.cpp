@@ -198,17 +198,17 @@ TEST(WorkTest, AStepThatTakesTooMuchWorkIsRefused) {
     }
     taken = report->work;
   }
-  options.try_work = 1e-3 * taken;
+  options.step_work = 1e-3 * taken;
   auto world = World::make(wall(6, 6), law(0.5), options);
   ASSERT_TRUE(world.has_value());
   const std::vector<Vec2> before = world->outline(1);
   const auto report = world->step();
   ASSERT_FALSE(report.has_value());
   EXPECT_EQ(std::get<StepFailed>(report.error()).reason,
-            "the contact law was not met with the work that a try may take");
+            "the contact law was not met with the work that a step may take");
   EXPECT_EQ(world->outline(1), before);
   EXPECT_EQ(world->time(), 0);
-  options.try_work = 0;
+  options.step_work = 0;
   EXPECT_FALSE(World::make(wall(6, 6), law(0.5), options).has_value());
 }
 

@@ -9,12 +9,6 @@ namespace {
 
 using namespace scenes;
 
-World make(std::vector<Body> bodies, Laws laws, WorldOptions options) {
-  auto world = World::make(std::move(bodies), std::move(laws), std::move(options));
-  EXPECT_TRUE(world.has_value()) << describe(world.error());
-  return *std::move(world);
-}
-
 double slid(double phi) { return phi >= 30 ? 0.0 : g * (0.5 - std::cos(radians(30)) * std::tan(radians(phi))); }
 
 TEST(SliderTest, SlidesAsTheClosedForm) {

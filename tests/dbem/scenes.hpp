@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cleave/dbem/world.hpp"
@@ -78,6 +79,13 @@ inline std::vector<Body> arch(std::size_t count, double thickness, std::size_t p
     bodies.push_back(block(fmt::format("v{}", k), corners));
   }
   return bodies;
+}
+
+/// Throws when the scene is wrong.
+inline World make(std::vector<Body> bodies, Laws laws, WorldOptions options) {
+  auto world = World::make(std::move(bodies), std::move(laws), std::move(options));
+  if (!world) throw std::runtime_error(describe(world.error()));
+  return *std::move(world);
 }
 
 inline void run(World& world, double until) {

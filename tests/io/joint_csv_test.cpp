@@ -27,6 +27,23 @@ std::vector<ReadError> problems(std::string_view text, const JointCsvOptions& op
   return table.error();
 }
 
+TEST(JointCsvTest, PolesByTrendAndPlunge) {
+  const JointTable t = read("trend,plunge,x,y,z\n220,55,1,2,3\n30,0,0,0,0\n0,90,0,0,0\n");
+  EXPECT_EQ(t.rows[0].plane.dip.degrees(), 35);  // the pole points down: the plane dips the other way
+  EXPECT_EQ(t.rows[0].plane.direction.degrees(), 40);
+  EXPECT_EQ(t.rows[1].plane.dip.degrees(), 90);
+  EXPECT_EQ(t.rows[1].plane.direction.degrees(), 210);
+  EXPECT_EQ(t.rows[2].plane.dip.degrees(), 0);
+  const JointTable wrapped = read("trend,plunge,x,y,z\n-140,-55,1,2,3\n", {.wrap = true});
+  EXPECT_EQ(wrapped.rows[0].plane.dip.degrees(), 35);
+  EXPECT_EQ(wrapped.rows[0].plane.direction.degrees(), 220);
+  EXPECT_EQ(problems("trend,plunge,x,y,z\n10,95,0,0,0\n").front().what, "plunge is 95, outside 0..90");
+  EXPECT_EQ(problems("trend,x,y,z\n10,0,0,0\n").front().what, "of trend and plunge of the pole one is missing");
+  const JointTable both = read("dip,dip_direction,trend,plunge,x,y,z\n30,40,1,2,0,0,0\n");
+  EXPECT_EQ(both.rows[0].plane.dip.degrees(), 30);
+  EXPECT_EQ(both.notes.back(), "trend and plunge are not used beside dip");
+}
+
 TEST(JointCsvTest, FormulasComeBackAndControlCharactersDoNotGetIn) {
   const JointTable t = read("x,y,z,dip,dip direction,set\n0,0,0,60,30,=A1\n0,0,0,50,20,'=A1\n0,0,0,40,10,'tis\n");
   EXPECT_EQ(t.rows[0].set, "=A1");

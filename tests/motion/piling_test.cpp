@@ -38,6 +38,32 @@ TEST(Piling, StacksOfCubesRest) {
   }
 }
 
+TEST(Piling, AHundredCubesThatBeginToToppleAreSolved) {
+  // From no forces at all: their slowest mode is 1e-8 of their stiffest one.
+  std::vector<BodySpec> bodies{floor()};
+  for (int k = 0; k < 100; ++k) bodies.push_back(body(box({-0.5, -0.5, k + 0.0}, {0.5, 0.5, k + 1.0})));
+  World w = world(std::move(bodies), 0.6, {.gravity = {0.8, 0.5, -9.81}, .step = 0.01, .cuts = 0});
+  const auto report = w.step();
+  ASSERT_TRUE(report.has_value());
+  EXPECT_LE(report->residual, 1e-8);
+  EXPECT_EQ(report->rough, 0U);
+  EXPECT_GT(norm(w.velocity(100)), 1e-4);
+}
+
+TEST(Piling, RoughAnswersAreCounted) {
+  // What rounding leaves is more than is accepted here: refused, or used and called rough where that is tolerated.
+  for (const double tolerate : {0.0, 1e-4}) {
+    World w = world({floor(), body(box({0, 0, 0}, {1, 1, 1})), body(box({0.1, 0.2, 1}, {1.1, 1.2, 2}))}, 0.5,
+                    {.gravity = {3, 1, -9.81}, .cuts = 1, .solver = {.accept = 1e-30, .tolerate = tolerate}});
+    const auto report = w.step();
+    ASSERT_EQ(report.has_value(), tolerate > 0);
+    if (!report) continue;
+    EXPECT_EQ(report->rough, 2U);
+    EXPECT_GT(report->residual, 0);
+    EXPECT_LE(report->residual, tolerate);
+  }
+}
+
 TEST(Piling, CubeDroppedFlat) {
   for (const double e : {0.0, 0.5, 1.0}) {
     World w = world({floor(), body(box({-0.5, -0.5, 1}, {0.5, 0.5, 2}))}, 0.5, {.step = 1e-3}, e);

@@ -309,6 +309,70 @@ void fill_ratio(Draws& draw, ContactScene& s) {
   s.until = 0.4;
 }
 
+/// A block whose lowest corner is at `tip`.
+Ring on_its_tip(Draws& draw, Vec2 tip, double size) {
+  const double wide = size * draw.of({1, 1, 0.2, 0.6});
+  switch (draw.count(0, 2)) {
+    case 0: return {tip, tip + Vec2{wide, size}, tip + Vec2{-wide, size}};
+    case 1: return {tip, tip + Vec2{wide, size}, tip + Vec2{0, 2 * size}, tip + Vec2{-wide, size}};
+    default: return {tip, tip + Vec2{wide, size}, tip + Vec2{0, 1.5 * size}, tip + Vec2{-wide, size}};
+  }
+}
+
+void fill_towers_of_tips(Draws& draw, ContactScene& s) {
+  const double roof = draw.of({0.5, 0.25, 0.1, 1}), gap = draw.of({0, 0, 0, 1e-9, 1e-6, 1e-3});
+  add(s, {{-0.5, 0}, {0.5, 0}, {0.5, 1}, {0, 1 + roof}, {-0.5, 1}}, draw.one_in(2));
+  double y = 1 + roof + gap;
+  for (std::size_t k = draw.count(1, 3); k > 0; --k) {
+    Ring ring = on_its_tip(draw, {draw.of({0, 0, 0, 1e-10, -1e-9, 1e-7}), y}, draw.of({0.5, 0.5, 1, 0.2}));
+    const bool last = ring.size() == 3;
+    y = ring[last ? 1 : 2].y + gap;
+    add(s, std::move(ring), false);
+    if (last) break;
+  }
+}
+
+void fill_diagonals(Draws& draw, ContactScene& s) {
+  const std::size_t across = draw.count(2, 5), up = draw.count(2, 4);
+  const double pitch = 1 + draw.of({0, 0, 1e-9, 1e-6}), angle = draw.of({0, 0, 0.3, 1});
+  const bool all = draw.one_in(3), held = draw.one_in(2);
+  const Vec2 corner{5 * std::sin(angle), 0};
+  for (std::size_t i = 0; i < across; ++i) {
+    for (std::size_t r = 0; r < up; ++r) {
+      if ((i + r) % 2 != 0 && !all) continue;
+      const Ring ring = rectangle(static_cast<double>(i) * pitch, static_cast<double>(r) * pitch, 1, 1);
+      add(s, shifted(turned(ring, angle), corner), held && i == 0 && r == 0);
+    }
+  }
+}
+
+void fill_diamonds(Draws& draw, ContactScene& s) {
+  const std::size_t across = draw.count(2, 4), rows = draw.count(1, 4);
+  const double gap = draw.of({0, 0, 1e-9, 1e-5});
+  for (std::size_t k = 0; k <= across; ++k) {
+    const double x = 2 * static_cast<double>(k);
+    add(s, {{x - 1, 0}, {x + 1, 0}, {x, 1}}, draw.one_in(2));
+  }
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t k = 0; k < across + r % 2; ++k) {
+      const double x = 2 * static_cast<double>(k) + (r % 2 == 0 ? 1 : 0), y = static_cast<double>(r) * (1 + gap) + gap;
+      add(s, {{x, y}, {x + 1, y + 1}, {x, y + 2}, {x - 1, y + 1}}, false);
+    }
+  }
+}
+
+void fill_tips(Draws& draw, ContactScene& s) {
+  add(s, rectangle(-20, -1, 40, 1), true);
+  switch (draw.count(0, 2)) {
+    case 0: fill_towers_of_tips(draw, s); break;
+    case 1: fill_diagonals(draw, s); break;
+    default: fill_diamonds(draw, s); break;
+  }
+  s.options.gravity = {9.81 * draw.of({0, 0, 0, 0.2}), -9.81};
+  s.options.step = draw.of({1e-4, 1e-3, 5e-3, 1e-2});
+  s.until = s.options.step < 1e-3 ? 0.2 : 0.6;
+}
+
 }  // namespace
 
 ContactScene make_contact_scene(ContactFamily family, std::uint64_t seed) {
@@ -329,6 +393,7 @@ ContactScene make_contact_scene(ContactFamily family, std::uint64_t seed) {
     case ContactFamily::lattice: fill_lattice(draw, scene); break;
     case ContactFamily::stacks: fill_stacks(draw, scene); break;
     case ContactFamily::ratio: fill_ratio(draw, scene); break;
+    case ContactFamily::tips: fill_tips(draw, scene); break;
   }
   return scene;
 }

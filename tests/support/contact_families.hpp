@@ -26,9 +26,11 @@ enum class ContactFamily : std::uint8_t {
   lattice,   ///< convex and concave polygons of equal cells on a lattice, falling
   stacks,    ///< stacks side by side, faces against faces
   ratio,     ///< stacks and lintels of blocks up to 10^9 times heavier than others
+  tips,      ///< corners on corners: blocks on their tips, diagonal neighbours, staircases, diamonds side by side
 };
-inline constexpr std::array<std::string_view, 12> contact_family_names{
-    "dropped", "column", "row", "head_on", "toe", "slope", "rubble", "cut_wall", "gas", "lattice", "stacks", "ratio"};
+inline constexpr std::array<std::string_view, 13> contact_family_names{
+    "dropped",  "column", "row",     "head_on", "toe",   "slope", "rubble",
+    "cut_wall", "gas",    "lattice", "stacks",  "ratio", "tips"};
 
 struct ContactScene {
   std::vector<dbem::Body> bodies;

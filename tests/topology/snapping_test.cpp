@@ -140,7 +140,7 @@ TEST(Snapping, TooCoarseForTheSmallestPolygonsIsSaid) {
 TEST(Snapping, TooCoarseForTheSmallestTrianglesIsCertifiedAllTheSame) {
   // Corners move past each other, so that polygons of one plane lie on one another: blocks may be other than those
   // meant, which is said, and are right as what they are.
-  const std::array<std::array<double, 2>, 3> scenes{{{0, 1.5}, {7, 0.8}, {7, 3}}};  // seed, shares of the shortest side
+  const std::array<std::array<double, 2>, 4> scenes{{{0, 1.5}, {2, 10}, {7, 0.8}, {7, 3}}};  // seed, share of a side
   for (const auto& [seed, share] : scenes) {
     std::mt19937_64 random{static_cast<std::uint64_t>(seed)};
     const auto triangles =

@@ -31,52 +31,16 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Elements& eleme
 
 }  // namespace
 
-/// Projection of w on what an element can carry, its derivative, and the envelope that it is the gradient of.
-struct Newton::Local {
-  Vector3d x = Vector3d::Zero();
-  Matrix3d slope = Matrix3d::Zero();
-  bool any = false;  ///< slope is not zero
-};
-
 namespace {
 
-template <class Out>
-void onto_disc(const Vector2d& t, double radius, Out& out) {
-  const double length = t.norm();
-  if (length <= radius) {
-    out.x.template tail<2>() = t;
-    out.slope.template bottomRightCorner<2, 2>().setIdentity();
-  } else if (radius > 0) {
-    const Vector2d e = t / length;
-    out.x.template tail<2>() = radius * e;
-    out.slope.template bottomRightCorner<2, 2>() = radius / length * (Eigen::Matrix2d::Identity() - e * e.transpose());
-  }
+void held_in_disc(const Vector2d& t, double radius, linear::Projection& out) {
+  linear::onto_disc(t, radius, out);
   out.any = out.any || radius > 0;
-}
-
-template <class Out>
-void onto_cone(const Vector3d& w, double mu, Out& out) {
-  const Vector2d t = w.tail<2>();
-  const double length = t.norm();
-  if (length <= mu * w[0]) {
-    out.x = w;
-    out.slope.setIdentity();
-    out.any = true;
-    return;
-  }
-  if (mu * length <= -w[0]) return;
-  const double normal = (w[0] + mu * length) / (1 + mu * mu);
-  const Vector2d e = t / length;
-  out.x << normal, mu * normal * e;
-  const Vector3d along = Vector3d{1, mu * e[0], mu * e[1]};
-  out.slope = along * along.transpose() / (1 + mu * mu);
-  out.slope.template bottomRightCorner<2, 2>() +=
-      mu * normal / length * (Eigen::Matrix2d::Identity() - e * e.transpose());
-  out.any = true;
 }
 
 }  // namespace
 
+/// Projection of w on what an element can carry; Moreau's envelope is what it is the gradient of.
 Newton::Local Newton::local(const Problem& problem, std::size_t k, const Vector3d& w) const {
   const Element& e = elements_->all()[k];
   Local out;
@@ -89,14 +53,11 @@ Newton::Local Newton::local(const Problem& problem, std::size_t k, const Vector3
       out.slope(0, 0) = 1;
       out.any = true;
     }
-    onto_disc(w.tail<2>(), holds ? e.cohesion / problem.divisor : 0, out);
+    held_in_disc(w.tail<2>(), holds ? e.cohesion / problem.divisor : 0, out);
     return out;
   }
   const double mu = e.friction / problem.divisor;
-  if (problem.law == Law::cone && mu > 0) {
-    onto_cone(w, mu, out);
-    return out;
-  }
+  if (problem.law == Law::cone && mu > 0) return linear::onto_cone(w, mu, 0);
   if (w[0] > problem.least_normal) {
     out.x[0] = w[0];
     out.slope(0, 0) = 1;
@@ -107,10 +68,10 @@ Newton::Local Newton::local(const Problem& problem, std::size_t k, const Vector3
   switch (problem.law) {
     case Law::frictionless:
     case Law::cone: break;
-    case Law::tresca: onto_disc(w.tail<2>(), problem.threshold[k], out); break;
+    case Law::tresca: held_in_disc(w.tail<2>(), problem.threshold[k], out); break;
     case Law::coulomb: {
       const double radius = mu * out.x[0];
-      onto_disc(w.tail<2>(), radius, out);
+      held_in_disc(w.tail<2>(), radius, out);
       const double length = w.tail<2>().norm();
       if (length > radius && w[0] > 0 && mu > 0) out.slope.bottomLeftCorner<2, 1>() = mu / length * w.tail<2>();
       break;

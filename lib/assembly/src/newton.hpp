@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "cleave/linear/cone.hpp"
 #include "cleave/linear/fronts.hpp"
 #include "elements.hpp"
 
@@ -54,7 +55,7 @@ class Newton final {
   [[nodiscard]] unsigned factors() const noexcept { return factors_; }
 
  private:
-  struct Local;
+  using Local = linear::Projection;
   [[nodiscard]] Local local(const Problem& problem, std::size_t k, const Eigen::Vector3d& w) const;
   /// Residual v - r - G P(x - u / rho), and the convex function that it is the gradient of.
   double evaluate(const Problem& problem, const State& at, double rho, const Eigen::VectorXd& v,

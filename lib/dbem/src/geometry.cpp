@@ -80,8 +80,9 @@ void World::Impl::rebuild_pairs(const State& at, const std::vector<Box>& box, do
 }
 
 void World::Impl::find(const State& at, const std::vector<Vec2>& all, const std::vector<Box>& box, double step,
-                       std::vector<Touch>& out, double& longest) {
+                       std::vector<Touch>& out, std::vector<CornerChoice>& undecided, double& longest) {
   out.clear();
+  undecided.clear();
   longest = std::numeric_limits<double>::infinity();
   const double fall = norm(options.gravity) * step;
   bool rebuild = fat.size() != size();
@@ -114,8 +115,25 @@ void World::Impl::find(const State& at, const std::vector<Vec2>& all, const std:
                   .near = near,
                   .corner = std::clamp(margin, near, 0.3 * feature),
                   .touching = 2 * contact_depth * feature},
-                 drift(at, {a, 0, b, 0}, step), out);
+                 drift(at, {a, 0, b, 0}, step), out, undecided);
   }
+}
+
+void World::Impl::look(double step) {
+  find(state, corners, boxes, step, touches, choices, limit);
+  settle_choices();
+}
+
+void World::Impl::settle_choices() {
+  std::erase_if(choices, [&](const CornerChoice& choice) {
+    for (const Touch* line : {&choice.first, &choice.last}) {
+      const auto at = std::ranges::lower_bound(memory, key_of(*line), {}, &Memory::key);
+      if (at == memory.end() || at->key != key_of(*line) || at->force.x <= 0) continue;
+      touches.push_back(*line);
+      return true;
+    }
+    return false;
+  });
 }
 
 }  // namespace cleave::dbem

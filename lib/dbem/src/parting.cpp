@@ -61,7 +61,10 @@ std::vector<Vec2> least_move(const ContactProblem& problem, Work& work, bool dee
 
 std::vector<Clash> World::Impl::clashes_of(Attempt& out) {
   std::vector<std::uint8_t> lazy(size());
-  for (std::size_t b = 0; b < size(); ++b) lazy[b] = idle(b) ? 1 : 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    const bool there = out.state.x[b] == state.x[b] && out.state.angle[b] == state.angle[b];
+    lazy[b] = idle(b) && there ? 1 : 0;
+  }
   const auto solid = [&](std::uint32_t b) {
     return Solid{corners_of(out.corners, b), out.boxes[b], shapes[b].convex && shapes[b].modes == 0};
   };
@@ -121,6 +124,26 @@ bool World::Impl::add_missed(const Attempt& out, const std::vector<Clash>& clash
   return added;
 }
 
+/// Corners of which no line was known and that came in. True when a contact was added to the list.
+bool World::Impl::add_crossed(const Attempt& out, std::vector<Touch>& list) const {
+  bool added = false;
+  for (const CornerChoice& choice : choices) {
+    CornerChoice after = choice;
+    for (Touch* line : {&after.first, &after.last}) {
+      renew_touch(*line, corners_of(out.corners, line->i), corners_of(out.corners, line->j));
+    }
+    const std::uint32_t i = choice.first.i, j = choice.first.j;
+    // Of the arithmetic, not what counts as touching: the shorter the step, the less comes in with the first one.
+    const double rounding = 1e-12 * std::min(shapes[i].feature, shapes[j].feature) + 1e-15 * norm(after.first.point);
+    const std::optional<Touch> crossed = line_crossed(choice, after, rounding);
+    const auto known = [&](const Touch& other) { return key_of(other) == key_of(*crossed); };
+    if (!crossed || std::ranges::any_of(list, known)) continue;
+    list.push_back(*crossed);
+    added = true;
+  }
+  return added;
+}
+
 /// Takes up to `wanted` of kinetic energy from a group, all velocities by one factor: what touches still touches, what
 /// slides slides the same way. Returns what was taken; nothing where a support moves.
 double World::Impl::slow_down(const Island& island, const Rows& rows, double wanted, State& at) const {
@@ -143,81 +166,110 @@ double World::Impl::slow_down(const Island& island, const Rows& rows, double wan
   return taken;
 }
 
-/// Parts penetrating bodies: the least move in the norm of the masses that leaves no gap negative. Positions only.
+/// The least move in the norm of the masses that leaves no gap negative, as a contact problem without friction.
+ContactProblem World::Impl::parting_problem(const std::vector<Touch>& list, const Island& island,
+                                            const Rows& rows) const {
+  const std::size_t m = island.touches.size();
+  ContactProblem problem;
+  problem.w = delassus(rows, 1, 1, true);
+  problem.mu.assign(m, 0.0);
+  problem.cohesion.assign(m, 0.0);
+  problem.tension.assign(m, 0.0);
+  for (std::size_t k = 0; k < m; ++k) {
+    bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
+    d.xx *= 1 + parting_softness;
+    d.yy *= 1 + parting_softness;
+    const Touch& t = list[island.touches[k]];
+    problem.b.push_back({law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap, 0});
+  }
+  problem.rigid = rigid_form(rows, island, true);
+  return problem;
+}
+
+/// Moving bodies of a free group that slide past each other changes their angular momentum by `turned`: a common spin
+/// takes that out. What energy that brings is taken from how they move against each other, all by one factor: what
+/// touches still touches.
+void World::Impl::keep_angular_momentum(const Island& island, double turned, State& at) const {
+  double mass = 0, inertia = 0, angular = 0;
+  Vec2 centre{}, velocity{};
+  for (const std::uint32_t b : island.bodies) {
+    mass += shapes[b].mass;
+    centre += shapes[b].mass * at.x[b];
+    velocity += shapes[b].mass * at.v[b];
+  }
+  centre = centre / mass;
+  velocity = velocity / mass;
+  for (const std::uint32_t b : island.bodies) {
+    const Vec2 r = at.x[b] - centre;
+    inertia += shapes[b].inertia + shapes[b].mass * dot(r, r);
+    angular += shapes[b].inertia * at.spin[b] + shapes[b].mass * cross(r, at.v[b] - velocity);
+  }
+  const double common = angular / inertia, spin = -turned / inertia;
+  const auto own = [&](std::uint32_t b) {  // against the group as one body
+    return at.v[b] - velocity - common * turned_left(at.x[b] - centre);
+  };
+  double inner = 0;
+  for (const std::uint32_t b : island.bodies) {
+    const double turn = at.spin[b] - common;
+    inner += 0.5 * shapes[b].mass * dot(own(b), own(b)) + 0.5 * shapes[b].inertia * turn * turn;
+  }
+  const double gain = spin * (angular + 0.5 * inertia * spin);
+  const double factor = gain > 0 && inner > 0 ? std::sqrt(std::max(0.0, 1 - gain / inner)) : 1.0;
+  for (const std::uint32_t b : island.bodies) {
+    at.v[b] = velocity + (common + spin) * turned_left(at.x[b] - centre) + factor * own(b);
+    at.spin[b] = common + spin + factor * (at.spin[b] - common);
+  }
+}
+
+/// Parts one group; false: nothing to do, or left for the next step.
+bool World::Impl::part_group(Island& island, Attempt& out, Work& work) const {
+  std::erase_if(island.touches, [&](std::uint32_t k) {
+    const auto held = [&](std::uint32_t b) { return shapes[b].inverse_x + shapes[b].inverse_y <= 0; };
+    return held(out.touches[k].i) && held(out.touches[k].j);
+  });
+  double deepest = 0;  // over the smaller feature
+  for (const std::uint32_t k : island.touches) {
+    const Touch& t = out.touches[k];
+    if (law_of(t).compliance > 0) continue;
+    deepest = std::max(deepest, -t.gap / std::min(shapes[t.i].feature, shapes[t.j].feature));
+  }
+  if (deepest <= contact_depth) return false;
+  const Rows rows = rows_of(out.touches, island, out.state);
+  const ContactProblem problem = parting_problem(out.touches, island, rows);
+  const std::vector<Vec2> impulse = least_move(problem, work, deepest > harmless, options.solver, out.report.parting);
+  if (impulse.empty()) return false;
+  State shift;
+  shift.v.assign(size(), {});
+  shift.spin.assign(size(), 0);
+  bool free = true;  // no support takes part
+  for (std::size_t which = 0; which < rows.sides.size(); ++which) {
+    const Side& s = rows.sides[which];
+    const Shape& shape = shapes[s.body];
+    const double p = impulse[which / 2].x;
+    shift.v[s.body] += p * Vec2{shape.inverse_x * s.n.x, shape.inverse_y * s.n.y};
+    shift.spin[s.body] += p * shape.inverse_spin * s.turn_n;
+    free = free && !(shape.inverse_x * shape.inverse_y == 0);
+  }
+  double turned = 0, lifted = 0;
+  for (const std::uint32_t b : island.bodies) {
+    lifted -= shapes[b].mass * dot(options.gravity, shift.v[b]);
+    out.state.x[b] += shift.v[b];
+    out.state.angle[b] += shift.spin[b];
+    turned += shapes[b].mass * cross(shift.v[b], out.state.v[b]);
+  }
+  if (free) keep_angular_momentum(island, turned, out.state);
+  // What came in fell too far before, and is too fast by that: a group on a support pays for the lift with speed.
+  if (!free && lifted > 0) lifted -= slow_down(island, rows, lifted, out.state);
+  out.projected += lifted;
+  return true;
+}
+
+/// Parts penetrating bodies. Positions only, but for what keeps energy and angular momentum.
 bool World::Impl::project(Attempt& out, Work& work) const {
-  std::vector<Island> islands = islands_of(out.touches);
   bool moved = false;
-  for (Island& island : islands) {
-    double deepest = 0;  // over the smaller feature
-    std::erase_if(island.touches, [&](std::uint32_t k) {
-      const auto held = [&](std::uint32_t b) { return shapes[b].inverse_x + shapes[b].inverse_y <= 0; };
-      return held(out.touches[k].i) && held(out.touches[k].j);
-    });
-    for (const std::uint32_t k : island.touches) {
-      const Touch& t = out.touches[k];
-      if (law_of(t).compliance > 0) continue;
-      deepest = std::max(deepest, -t.gap / std::min(shapes[t.i].feature, shapes[t.j].feature));
-    }
-    if (deepest <= contact_depth) continue;
-    const Rows rows = rows_of(out.touches, island, out.state);
-    ContactProblem problem;
-    const std::size_t m = island.touches.size();
-    problem.w = delassus(rows, 1, 1, true);
-    problem.mu.assign(m, 0.0);
-    problem.cohesion.assign(m, 0.0);
-    problem.tension.assign(m, 0.0);
-    for (std::size_t k = 0; k < m; ++k) {
-      bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
-      d.xx *= 1 + parting_softness;
-      d.yy *= 1 + parting_softness;
-      const Touch& t = out.touches[island.touches[k]];
-      problem.b.push_back({law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap, 0});
-    }
-    problem.rigid = rigid_form(rows, island, true);
-    const std::vector<Vec2> impulse = least_move(problem, work, deepest > harmless, options.solver, out.report.parting);
-    if (impulse.empty()) continue;  // left for the next step
-    State shift;
-    shift.v.assign(size(), {});
-    shift.spin.assign(size(), 0);
-    for (std::size_t k = 0; k < m; ++k) {
-      for (const std::size_t which : {2 * k, 2 * k + 1}) {
-        const Side& s = rows.sides[which];
-        const Shape& shape = shapes[s.body];
-        const double p = impulse[k].x;
-        shift.v[s.body] += p * Vec2{shape.inverse_x * s.n.x, shape.inverse_y * s.n.y};
-        shift.spin[s.body] += p * shape.inverse_spin * s.turn_n;
-      }
-    }
-    bool free = true;  // no support takes part
-    for (const Side& s : rows.sides) free = free && !(shapes[s.body].inverse_x * shapes[s.body].inverse_y == 0);
-    double mass = 0, turned = 0, lifted = 0;
-    Vec2 centre{};
-    for (const std::uint32_t b : island.bodies) {
-      lifted -= shapes[b].mass * dot(options.gravity, shift.v[b]);
-      out.state.x[b] += shift.v[b];
-      out.state.angle[b] += shift.spin[b];
-      turned += shapes[b].mass * cross(shift.v[b], out.state.v[b]);
-      mass += shapes[b].mass;
-      centre += shapes[b].mass * out.state.x[b];
-    }
-    if (free) {
-      // Moving bodies that slide past each other changes their angular momentum: a common spin takes that out.
-      centre = centre / mass;
-      double inertia = 0;
-      for (const std::uint32_t b : island.bodies) {
-        const Vec2 r = out.state.x[b] - centre;
-        inertia += shapes[b].inertia + shapes[b].mass * dot(r, r);
-      }
-      const double spin = -turned / inertia;
-      for (const std::uint32_t b : island.bodies) {
-        out.state.v[b] += spin * turned_left(out.state.x[b] - centre);
-        out.state.spin[b] += spin;
-      }
-    }
-    // What came in fell too far before, and is too fast by that: a group on a support pays for the lift with speed.
-    if (!free && lifted > 0) lifted -= slow_down(island, rows, lifted, out.state);
-    out.projected += lifted;
-    moved = true;
+  for (Island& island : islands_of(out.touches)) {
+    const bool parted = part_group(island, out, work);
+    moved = moved || parted;
   }
   if (moved) place_all(out.state, out.corners, out.boxes);
   return moved;

@@ -80,12 +80,12 @@ double off(const Line& line) { return std::max({0.0, -line.ratio, line.ratio - 1
 
 /// Which line of a corner pair holds: the one the predicted way comes through, which is the one it crosses last. Any
 /// line with a positive gap keeps the bodies apart; the choice is which of them does not stop what would pass by.
-/// Nothing when the way leads round behind the corner.
+/// Nothing when the way leads round behind the corner, or nowhere: the motion will tell (`line_crossed`).
 const Line* holding_line(const Line& first, const Line& last, double tolerance) {
   const double size = std::max(std::abs(first.touch.gap), std::abs(last.touch.gap));
   const double drift = std::abs(first.after - first.touch.gap) + std::abs(last.after - last.touch.gap);
-  // Corners that lie over one another and stay there meet nowhere: a contact would have to guess its line, and guess
-  // anew in every step. What comes in all the same is found by the check for overlaps.
+  // Corners that lie over one another and stay there: a contact would have to guess its line, and guess anew in every
+  // step.
   const bool two = std::abs(cross(first.touch.normal, last.touch.normal)) > 1e-6;
   if (two && size <= tolerance && drift <= tolerance) return nullptr;
   const bool level = std::abs(first.touch.gap - last.touch.gap) <= 1e-12 * size + 1e-3 * tolerance;
@@ -105,9 +105,14 @@ const Line* holding_line(const Line& first, const Line& last, double tolerance) 
   return first.after >= last.after ? &first : &last;
 }
 
+struct Found {
+  std::vector<Touch>& touches;
+  std::vector<CornerChoice>& choices;
+};
+
 /// Corner p of i near corner q of j, both sharp: at most one contact, a corner of one against an edge of the other.
 void corner_on_corner(const Placed& i, std::size_t p, const Placed& j, std::size_t q, const Reach& reach,
-                      const Drift& drift, std::vector<Touch>& out) {
+                      const Drift& drift, Found& out) {
   const Wedge own = wedge_at(i.corners, p), other = wedge_at(j.corners, q);
   const Vec2 motion = drift.at(i.corners[p]);
   const std::size_t before_p = before(p, i.corners.size()), before_q = before(q, j.corners.size());
@@ -115,7 +120,7 @@ void corner_on_corner(const Placed& i, std::size_t p, const Placed& j, std::size
   const auto on_j = [&](std::size_t edge) { return line_of(i, p, j, edge, motion); };
   const auto on_i = [&](std::size_t edge) { return line_of(j, q, i, edge, -motion); };
   const auto keep = [&](const Line& line) {
-    if (line.touch.gap < reach.margin && line.touch.gap > -reach.depth) out.push_back(line.touch);
+    if (line.touch.gap < reach.margin && line.touch.gap > -reach.depth) out.touches.push_back(line.touch);
   };
   // Faces that close away from the corners: the corners may still meet when the bodies turn.
   if (const Facing facing = facing_edges(own, other); facing != Facing::none) {
@@ -127,7 +132,11 @@ void corner_on_corner(const Placed& i, std::size_t p, const Placed& j, std::size
   const EntranceLines lines = entrance_lines(own, other);
   const Line first = lines.first_is_edge_of_j ? on_j(q) : on_i(p);
   const Line last = lines.last_is_edge_of_j ? on_j(before_q) : on_i(before_p);
-  if (const Line* line = holding_line(first, last, reach.touching)) keep(*line);
+  if (const Line* line = holding_line(first, last, reach.touching)) {
+    keep(*line);
+  } else {
+    out.choices.push_back({first.touch, last.touch});
+  }
 }
 
 bool overlap_boxes(const Box& a, const Box& b, double margin) {
@@ -148,7 +157,7 @@ struct Candidate {
 /// Corners of i against edges and corners of j. Pairs of corners are made only when `corners_too`; otherwise the other
 /// direction has made them.
 void one_direction(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift, bool corners_too,
-                   std::vector<Touch>& out) {
+                   Found& out) {
   const auto [margin, depth, near, corner, touching] = reach;
 
   const std::size_t n = j.corners.size();
@@ -171,7 +180,7 @@ void one_direction(const Placed& i, const Placed& j, const Reach& reach, const D
       } else {  // in a concave corner: both edges hold it
         for (const std::size_t edge : {before(close, n), close}) {
           const Touch t = touch_of(i, v, j, edge);
-          if (t.gap < margin && t.gap > -depth) out.push_back(t);
+          if (t.gap < margin && t.gap > -depth) out.touches.push_back(t);
         }
       }
     }
@@ -193,7 +202,7 @@ void one_direction(const Placed& i, const Placed& j, const Reach& reach, const D
       const bool beside = (c.edge == next(best->edge, n) && j.sharp[c.edge] == 0) ||
                           (best->edge == next(c.edge, n) && j.sharp[best->edge] == 0);
       const bool keep = c.edge == best->edge || (!j.convex && (c.at.gap >= 0 || (beside && c.at.gap > -near)));
-      if (keep) out.push_back(touch_of(i, v, j, c.edge));
+      if (keep) out.touches.push_back(touch_of(i, v, j, c.edge));
     }
   }
 }
@@ -214,11 +223,13 @@ EntranceLines entrance_lines(const Wedge& i, const Wedge& j) {
   return lines;
 }
 
-void find_touches(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift, std::vector<Touch>& out) {
+void find_touches(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift, std::vector<Touch>& out,
+                  std::vector<CornerChoice>& choices) {
   if (!overlap_boxes(i.box, j.box, std::max(reach.margin, reach.near))) return;
   const std::size_t first = out.size();
-  one_direction(i, j, reach, drift, true, out);
-  one_direction(j, i, reach, drift, false, out);
+  Found found{out, choices};
+  one_direction(i, j, reach, drift, true, found);
+  one_direction(j, i, reach, drift, false, found);
   // Two corners may hold each other twice where an edge passes through both: keep one a place and line.
   std::vector<Touch> kept;
   for (std::size_t k = first; k < out.size(); ++k) {
@@ -237,6 +248,16 @@ void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const 
   touch.gap = a.gap;
   touch.ratio = std::clamp(a.ratio, 0.0, 1.0);
   touch.normal = a.normal;
+}
+
+std::optional<Touch> line_crossed(const CornerChoice& choice, const CornerChoice& after, double rounding) {
+  const auto keeps = [&](const Touch& was, const Touch& is) { return is.gap >= std::min(was.gap, 0.0) - rounding; };
+  if (keeps(choice.first, after.first) || keeps(choice.last, after.last)) return std::nullopt;
+  const double a = behind(choice.first.gap, after.first.gap, rounding).since;
+  const double b = behind(choice.last.gap, after.last.gap, rounding).since;
+  // Both at once, from corner on corner: the line that is less far behind takes the least away from the motion.
+  const bool level = std::abs(a - b) <= 1e-9 || std::max(choice.first.gap, choice.last.gap) <= rounding;
+  return (level ? after.first.gap >= after.last.gap : a > b) ? choice.first : choice.last;
 }
 
 std::size_t first_crossing(std::span<const Vec2> before, std::span<const Vec2> after, Vec2 from, Vec2 to,

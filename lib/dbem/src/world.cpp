@@ -72,7 +72,7 @@ std::optional<WorldError> check_options(const WorldOptions& o) {
   if (!good(o.solver.accept)) return BadOption{"the accepted residual is not a number"};
   if (!(o.displacement > 0) || !(o.rotation > 0)) return BadOption{"displacement and rotation limits must be positive"};
   if (!(o.position_error >= 0) || !(o.overlap >= 0)) return BadOption{"tolerances must not be negative"};
-  if (!(o.try_work > 0)) return BadOption{"the work of a try must be positive"};
+  if (!(o.step_work > 0)) return BadOption{"the work of a step must be positive"};
   if (!(o.regularisation >= 0)) return BadOption{"regularisation must not be negative"};
   return std::nullopt;
 }
@@ -231,7 +231,7 @@ std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws
     w.height = std::max(all.high.y - all.low.y, all.high.x - all.low.x);
   }
   if (auto bad = find_overlap(w)) return std::unexpected(*std::move(bad));
-  w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
+  w.look(w.next_step);
   w.seen_step = w.next_step;
   w.make_bonds();
   w.energy.kinetic = w.kinetic_of(w.state);
@@ -322,7 +322,7 @@ std::expected<void, WorldError> World::set_velocity(std::size_t body, Vec2 veloc
   std::ranges::fill(w.asleep, std::uint8_t{0});
   std::ranges::fill(w.calm, std::uint16_t{0});
   w.fat.clear();
-  w.find(w.state, w.corners, w.boxes, w.next_step, w.touches, w.limit);
+  w.look(w.next_step);
   const double before = w.energy.kinetic;
   w.energy.kinetic = w.kinetic_of(w.state);
   w.start_energy += w.energy.kinetic - before;
@@ -333,7 +333,7 @@ std::expected<void, WorldError> World::set_step(double step) {
   Impl& w = *impl_;
   if (!good(step) || step <= 0) return std::unexpected(BadOption{fmt::format("step {} s is not positive", step)});
   w.options.step = w.next_step = step;
-  w.find(w.state, w.corners, w.boxes, step, w.touches, w.limit);
+  w.look(step);
   w.seen_step = step;
   return {};
 }
@@ -344,7 +344,8 @@ std::vector<ContactProblem> World::problems(double step) const {
   std::vector<Touch> list = w.touches;
   if (w.seen_step < step) {
     Impl again = w;
-    again.find(w.state, w.corners, w.boxes, step, list, again.limit);
+    again.look(step);
+    list = std::move(again.touches);
   }
   std::vector<Island> islands = w.islands_of(list);
   std::vector<Rows> rows;

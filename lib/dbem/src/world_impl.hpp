@@ -118,6 +118,7 @@ struct Attempt {
   std::vector<Vec2> corners;
   std::vector<Box> boxes;
   std::vector<Touch> touches;  // at the end of the step
+  std::vector<CornerChoice> choices;
   std::vector<Memory> memory;
   std::vector<Contact> contacts;
   std::vector<std::uint32_t> broken;
@@ -148,6 +149,7 @@ struct World::Impl {
   std::vector<BodyPair> pairs;
   Sweep sweep;  // of the check for overlaps
   std::vector<Touch> touches;
+  std::vector<CornerChoice> choices;  // corners that may come to touch, the motion tells on which line
   std::vector<Memory> memory;
   std::vector<Bond> bonds;
   std::vector<BondKey> bond_keys;
@@ -181,7 +183,11 @@ struct World::Impl {
   void rebuild_pairs(const State& at, const std::vector<Box>& box, double step);
   /// Contacts at a state for a step of this length; also the longest step that misses none.
   void find(const State& at, const std::vector<Vec2>& all, const std::vector<Box>& box, double step,
-            std::vector<Touch>& out, double& limit);
+            std::vector<Touch>& out, std::vector<CornerChoice>& undecided, double& limit);
+  /// Corners that carried a force on one of their lines go on with it.
+  void settle_choices();
+  /// What touches now, for a step of this length.
+  void look(double step);
 
   // assembly.cpp
   [[nodiscard]] std::vector<Island> islands_of(const std::vector<Touch>& list) const;
@@ -227,9 +233,14 @@ struct World::Impl {
   /// exact answer of the implicit rule. 0 for other rules, and where contacts give back or are springs.
   [[nodiscard]] double energy_brought_in(const std::vector<Touch>& list, const Island& island, const Rows& rows,
                                          const ContactSolution& found, const State& after) const;
-  [[nodiscard]] std::optional<Failure> attempt(double step, std::size_t cut, Work& work, Attempt& out);
   [[nodiscard]] ContactSolution solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
                                              const State& free, double step, std::size_t cut, Work& work) const;
+  /// Restitution that brings in energy.
+  [[nodiscard]] bool gives_back_too_much(const std::vector<Touch>& list, const Island& island, const Rows& rows,
+                                         const State& free, double step, const ContactSolution& found) const;
+  /// Steps from `step` down until one holds.
+  [[nodiscard]] std::expected<StepReport, StepError> try_steps(double step, std::size_t shortened);
+  void choose_next_step(const StepReport& report);
   [[nodiscard]] bool bounces(const Touch& touch, double closing, double step) const;
   [[nodiscard]] double until_first_bounce(const std::vector<Touch>& list, const Island& island, const Rows& rows,
                                           const ContactSolution& found, double step) const;
@@ -238,8 +249,13 @@ struct World::Impl {
 
   // parting.cpp
   bool project(Attempt& out, Work& work) const;  // false: nothing could be parted
+  bool part_group(Island& island, Attempt& out, Work& work) const;
+  [[nodiscard]] ContactProblem parting_problem(const std::vector<Touch>& list, const Island& island,
+                                               const Rows& rows) const;
+  void keep_angular_momentum(const Island& island, double turned, State& at) const;
   double slow_down(const Island& island, const Rows& rows, double wanted, State& at) const;
   bool add_missed(const Attempt& out, const std::vector<Clash>& clashes, std::vector<Touch>& list) const;
+  bool add_crossed(const Attempt& out, std::vector<Touch>& list) const;
   /// Every pair of bodies that overlap by more than rounding; tells the deepest in the report.
   [[nodiscard]] std::vector<Clash> clashes_of(Attempt& out);
   [[nodiscard]] double shortened_by_springs(const Attempt& out, BodyPair pair) const;

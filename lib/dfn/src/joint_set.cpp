@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "bingham.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "orientation.hpp"
 #include "shape.hpp"
@@ -52,6 +53,13 @@ void check_orientation(Check& check, const OrientationLaw& law) {
             check.range("orientation.dip_std", l.dip_std.degrees(), 0, 90, "give 0 to 90 degrees");
             check.range("orientation.dip_direction_std", l.dip_direction_std.degrees(), 0, 360,
                         "give 0 to 360 degrees");
+            check.range("orientation.correlation", l.correlation, -1, 1, "give -1 to 1");
+          },
+          [&](const BinghamOrientation& l) {
+            check_mean(check, l.dip, l.dip_direction);
+            check.range("orientation.k1", l.k1, -1e9, 0, "give -1e9 (one plane of normals) to 0 (even)");
+            check.range("orientation.k2", l.k2, -1e9, 0, "give -1e9 (one plane of normals) to 0 (even)");
+            check.range("orientation.axis", l.axis.degrees(), -360, 360, "give -360 to 360 degrees");
           },
           [&](const BootstrapOrientation& l) {
             if (l.jitter) check.range("orientation.jitter", *l.jitter, 0, 1e12, "give a kappa of 0 to 1e12");
@@ -196,6 +204,10 @@ std::optional<ModelMismatch> mismatch(const JointSetSpec& spec) {
           },
           [&](const Orthogonal& m) -> std::optional<ModelMismatch> {
             if (auto e = wants_planes("orthogonal")) return e;
+            if (m.through && m.gaps != Orthogonal::Gaps::constant) {
+              return ModelMismatch{"through", "fixes the place of planes whose distances are random",
+                                   "write gaps = \"constant\", or remove it"};
+            }
             if (!persistent && !std::holds_alternative<Rectangle>(spec.shape)) {
               return ModelMismatch{"shape", "the model \"orthogonal\" lays rectangles or whole planes",
                                    "write shape = \"rectangle\" with bridge, or size = \"persistent\""};
@@ -264,6 +276,9 @@ std::expected<JointSet, JointSetError> JointSet::make(JointSetSpec spec) {
   const double share = share_of(spec);
   std::expected<JointSet, JointSetError> set{JointSet{std::move(spec)}};
   set->area_share_ = share;
+  if (std::holds_alternative<P10>(set->spec_.intensity) || std::holds_alternative<Spacing>(set->spec_.intensity)) {
+    set->mean_cosine_ = set->find_mean_cosine();
+  }
   return set;
 }
 
@@ -273,11 +288,14 @@ double JointSet::mean_area() const noexcept { return detail::mean_area(spec_.sha
 
 double JointSet::reach() const noexcept { return detail::reach(spec_.shape); }
 
-double JointSet::mean_cosine() const noexcept {
+double JointSet::mean_cosine() const noexcept { return mean_cosine_ ? *mean_cosine_ : find_mean_cosine(); }
+
+double JointSet::find_mean_cosine() const noexcept {
   if (const auto* fisher = std::get_if<FisherOrientation>(&spec_.orientation)) {
     const double k = fisher->kappa;  // 1 - tanh(k/2)/k
     return k < 1e-3 ? 0.5 + k * k / 24 : 1 - std::tanh(k / 2) / k;
   }
+  if (const auto* bingham = std::get_if<BinghamOrientation>(&spec_.orientation)) return detail::mean_cosine(*bingham);
   // Additive recurrence on the plastic number (Roberts 2018).
   constexpr int points = 1 << 16;
   const geometry::Vec3 axis = mean_normal();
@@ -292,7 +310,10 @@ double JointSet::mean_cosine() const noexcept {
 
 double JointSet::expected_p32(double volume) const noexcept {
   return std::visit(overloaded{
-                        [&](const Count& i) { return static_cast<double>(i.joints) * mean_area() / volume; },
+                        [&](const Count& i) {
+                          const double side = i.in_buffer ? spec_.buffer.value_or(1) : 1;
+                          return static_cast<double>(i.joints) * mean_area() / (volume * side * side * side);
+                        },
                         [](const P32& i) { return i.value; },
                         [&](const P30& i) { return i.value * mean_area(); },
                         [&](const P10& i) { return i.value / mean_cosine(); },

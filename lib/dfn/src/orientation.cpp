@@ -5,6 +5,7 @@
 #include <numbers>
 #include <variant>
 
+#include "bingham.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
 
@@ -22,6 +23,17 @@ Frame frame_of_normal(Vec3 normal, Vec3 strike_if_flat) {
   const double steepness = std::hypot(normal.x, normal.y);
   if (steepness < 1e-12) return {normal, strike_if_flat};
   return {normal, Vec3{-normal.y, normal.x, 0} / steepness};
+}
+
+Frame bingham(const BinghamOrientation& law, double u, double v) {
+  const Frame mean = frame_of(law.dip.degrees(), law.dip_direction.degrees());
+  const Vec3 up_dip = cross(mean.normal, mean.strike);
+  const double c = std::cos(law.axis.radians()), s = std::sin(law.axis.radians());
+  const BinghamDraw drawn = draw_bingham(law, u, v);
+  const double sine = std::sqrt(drawn.versine * (2 - drawn.versine));
+  const double first = sine * std::cos(drawn.azimuth), second = sine * std::sin(drawn.azimuth);
+  const Vec3 across = (first * c - second * s) * mean.strike + (first * s + second * c) * up_dip;
+  return frame_of_normal(normalized((1 - drawn.versine) * mean.normal + across), mean.strike);
 }
 
 Frame about(const Frame& mean, double kappa, double u, double v) {
@@ -80,10 +92,12 @@ Frame draw(const OrientationLaw& law, double u, double v) noexcept {
                         },
                         [&](const FisherOrientation& l) { return fisher(l, u, v); },
                         [&](const BootstrapOrientation& l) { return bootstrap(l, u, v); },
+                        [&](const BinghamOrientation& l) { return bingham(l, u, v); },
                         [&](const NormalOrientation& l) {
-                          return frame_of(
-                              l.dip.degrees() + normal_quantile(u) * l.dip_std.degrees(),
-                              l.dip_direction.degrees() + normal_quantile(v) * l.dip_direction_std.degrees());
+                          const double first = normal_quantile(u), r = l.correlation;
+                          const double second = r * first + std::sqrt(1 - r * r) * normal_quantile(v);
+                          return frame_of(l.dip.degrees() + first * l.dip_std.degrees(),
+                                          l.dip_direction.degrees() + second * l.dip_direction_std.degrees());
                         },
                     },
                     law);

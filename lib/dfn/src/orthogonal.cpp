@@ -47,6 +47,23 @@ struct Run {
   double from, to;
 };
 
+/// Where the planes lie along the mean normal, from -radius to radius about the middle.
+std::vector<double> offsets(const Orthogonal& model, double spacing, double radius, std::optional<double> through,
+                            Rng& rng) {
+  std::vector<double> all;
+  if (through) {
+    const double first = -radius + std::fmod(std::fmod(*through + radius, spacing) + spacing, spacing);
+    for (std::size_t i = 0; first + static_cast<double>(i) * spacing < radius; ++i) {
+      all.push_back(first + static_cast<double>(i) * spacing);
+    }
+    return all;
+  }
+  for (double at = -radius + first_gap(model, spacing, rng); at < radius; at += gap(model, spacing, rng)) {
+    all.push_back(at);
+  }
+  return all;
+}
+
 /// Joints of one row between `low` and `high`, begun so far before that the start is forgotten.
 std::vector<Run> runs(const SizeLaw& size, const SizeLaw& bridge, double low, double high, Rng& rng) {
   const double cycle = size.moment(1) + bridge.moment(1);
@@ -75,10 +92,12 @@ std::vector<SampledJoint> orthogonal(const JointSet& set, const DomainBox& domai
   const auto* rectangle = std::get_if<Rectangle>(&set.spec().shape);
   std::vector<SampledJoint> joints;
   Rng positions = streams.of(Draw::position, 0);
+  std::optional<double> known;
+  if (model.through) known = dot(*model.through - middle, mean.normal);
   std::uint32_t number = 0;
-  for (double at = -radius + first_gap(model, spacing, positions); at < radius;
-       at += gap(model, spacing, positions), ++number) {
-    Rng turn = streams.of(Draw::orientation, number);
+  for (const double at : offsets(model, spacing, radius, known, positions)) {
+    const std::uint32_t plane = number++;
+    Rng turn = streams.of(Draw::orientation, plane);
     const double u = turn.uniform(), v = turn.uniform();
     const Frame frame = draw(set.spec().orientation, u, v);
     const Vec3 through = middle + at * mean.normal;
@@ -102,7 +121,7 @@ std::vector<SampledJoint> orthogonal(const JointSet& set, const DomainBox& domai
                    [&](AspectRatio r) { return SizeLaw::constant(metres(rectangle->size.moment(1) / r.ratio)); },
                    [](const SizeLaw& law) { return law; }},
         rectangle->second);
-    Rng along = streams.of(Draw::size, number), across = streams.of(Draw::aspect, number);
+    Rng along = streams.of(Draw::size, plane), across = streams.of(Draw::aspect, plane);
     const std::vector<Run> rows = runs(second, *model.bridge, low_y, high_y, across);
     for (const Run& row : rows) {
       for (const Run& run : runs(rectangle->size, *model.bridge, low_x, high_x, along)) {

@@ -65,7 +65,8 @@ Region region_of(const JointSet& set, const DomainBox& domain) {
   const double buffer = set.spec().buffer.value_or(1);
   if (const auto* count = std::get_if<Count>(&set.spec().intensity)) {
     const DomainBox box = buffer > 1 ? scaled(domain, buffer) : domain;
-    return {box, 0, std::round(static_cast<double>(count->joints) * buffer * buffer * buffer), true};
+    const double times = count->in_buffer ? 1 : buffer * buffer * buffer;
+    return {box, 0, std::round(static_cast<double>(count->joints) * times), true};
   }
   const double p32 = set.expected_p32(volume(domain));
   if (!(p32 > 0)) return {domain, 0, 0, true};

@@ -12,6 +12,7 @@
 #include "cleave/io/trace_map.hpp"
 #include "cleave/scene/common_keys.hpp"
 #include "cleave/scene/file_input.hpp"
+#include "parse_orientations.hpp"
 #include "survey_rows.hpp"
 #include "survey_table.hpp"
 
@@ -21,8 +22,6 @@ namespace {
 using geometry::Vec3;
 using std::string_view;
 
-constexpr NumberRule trend_rule{0, false, 360, false, " degrees"};
-constexpr NumberRule plunge_rule{-90, false, 90, false, " degrees"};
 constexpr NumberRule truncation_rule{0, false, 1e6, false, " m"};
 
 constexpr NumberRule scale_rule{0, true, 1e9, false, " m"};
@@ -31,34 +30,6 @@ constexpr NumberRule aspect_rule{1, false, 1000, false, ""};
 constexpr NumberRule confidence_rule{0.5, false, 0.9999, false, ""};
 constexpr NumberRule cap_rule{1, false, 1000, false, ""};
 /// In the order of survey::JointShape.
-
-const KeyTable& line_direction_keys() {
-  static const KeyTable keys{.name = "orientations.line",
-                             .keys = {{"trend", key::number(trend_rule), required, "degrees"},
-                                      {"plunge", key::number(plunge_rule), required, "degrees below horizontal"}}};
-  return keys;
-}
-
-const KeyTable& outcrop_keys() {
-  static const KeyTable keys{.name = "orientations.outcrop",
-                             .keys = {{"dip", key::number(rule::dip), required, "degrees"},
-                                      {"dip_direction", key::number(rule::dip_direction), required, "degrees"}}};
-  return keys;
-}
-
-const KeyTable& orientations_keys() {
-  static const KeyTable keys{
-      .name = "orientations",
-      .keys = {
-          {"file", key::text(), required,
-           "table with `dip` and `dip_direction` or `strike` (right-hand rule), or `trend` and `plunge` of the pole"},
-          {"set", key::text(), "", "of all rows; or a column `set`"},
-          {"columns", key::texts(), "[]", "names of the columns of a table without a header"},
-          {"wrap", key::flag(), "false", "true: accept angles outside their range"},
-          {"line", key::table(&line_direction_keys), "", "`{ trend, plunge }` they were met on"},
-          {"outcrop", key::table(&outcrop_keys), "", "`{ dip, dip_direction }` they were met on"}}};
-  return keys;
-}
 
 const KeyTable& line_keys() {
   static const KeyTable keys{
@@ -69,10 +40,13 @@ const KeyTable& line_keys() {
                {"length", key::number(rule::length), "", "m"},
                {"points", key::points(), "", "`[[x, y, z], ...]` in m, of a bent line, instead of the three"},
                {"file", key::text(), required,
-                "table with `distance` (m along the line) and, where measured, orientations, and `length` of the trace "
-                "with `ends` (0, 1, 2 of them seen; 2 where empty)"},
+                "table with `distance` (m along the line) and, where measured, orientations (as above, or `alpha` and "
+                "`beta` "
+                "of an oriented core), and `length` of the trace with `ends` (0, 1, 2 of them seen; 2 where empty)"},
                {"columns", key::texts(), "[]", "names of the columns of a table without a header"},
                {"wrap", key::flag(), "false", "true: accept angles outside their range"},
+               declination_key(),
+               core_reference_key(),
                {"truncation", key::number(truncation_rule), "0", "m: shorter traces were not recorded"}}};
   return keys;
 }
@@ -142,49 +116,12 @@ class SurveyParser final {
  public:
   SurveyParser(InputContext& context, SurveyScene& scene) : context_{context}, in_{scene.input} {}
 
-  void orientations(const TableReader& table) {
-    const auto file = context_.file(table, "file");
-    const auto set = table.text("set");
-    const bool wrap = table.boolean("wrap").value_or(false);
-    std::optional<Vec3> line, window;
-    if (const auto reader = table.sub("line")) {
-      const auto trend = reader->need_number("trend"), plunge = reader->need_number("plunge");
-      if (trend && plunge) line = line_of(context_, *trend, *plunge);
-    }
-    if (const auto reader = table.sub("outcrop")) {
-      const auto dip = reader->need_number("dip"), direction = reader->need_number("dip_direction");
-      if (dip && direction) window = normal_of(context_, *dip, *direction);
-    }
-    if (!file) {
-      if (!table.has("file")) table.missing("file", "add file = \"poles.csv\"");
-      return;
-    }
-    const auto data = read_survey_table(context_, *file, table.texts("columns").value_or(std::vector<std::string>{}));
-    if (!data) return;
-    if (!has_orientation(*data)) {
-      context_.problems.error_in(
-          file->shown, 1, "columns", "lacks the columns of an orientation",
-          "give dip with dip_direction or strike (right-hand rule), or trend and plunge of the pole");
-      return;
-    }
-    std::size_t wrong = 0;
-    for (const SurveyTable::Row& row : data->rows) {
-      const std::size_t before = context_.problems.errors();
-      const auto normal = normal_of_row(context_, *file, *data, row, wrap);
-      if (normal) {
-        in_.orientations.push_back({*normal, set_of_row(*data, row, set.value_or("")), line, window});
-      } else if (context_.problems.errors() == before) {
-        ++empty_;  // a row without an orientation
-      } else if (++wrong >= 20) {
-        return;
-      }
-    }
-  }
+  void orientations(const TableReader& table) { parse_orientations(context_, table, in_, empty_); }
 
   void line(const TableReader& table) {
     survey::LineSurvey line;
     line.name = table.text("name").value_or(table.path());
-    const bool wrap = table.boolean("wrap").value_or(false);
+    RowRules rules{.wrap = table.flag("wrap"), .declination = table.value("declination")};
     if (table.has("points")) {
       const auto points = table.points("points");
       if (!points) return;
@@ -211,7 +148,11 @@ class SurveyParser final {
       context_.problems.error_in(file->shown, 1, "columns", "lacks the column distance", "give metres along the line");
       return;
     }
-    const bool oriented = has_orientation(*data), lengths = data->column("length").has_value();
+    const bool core = has_core_angles(*data), oriented = core || has_orientation(*data);
+    const bool lengths = data->column("length").has_value();
+    if (table.has("reference") && !core) {
+      table.error("reference", "belongs to a table with the columns alpha and beta", "remove it, or add them");
+    }
     line.truncation = metres(table.number("truncation").value_or(0));
     std::size_t wrong = 0;
     for (const SurveyTable::Row& row : data->rows) {
@@ -222,17 +163,21 @@ class SurveyParser final {
                                    fmt::format("is {} m, outside the line of {} m", *at, line.length()),
                                    "correct it, or the line's length");
       }
-      if (at && oriented) {
-        if (const auto normal = normal_of_row(context_, *file, *data, row, wrap)) {
-          line.joints.push_back(in_.orientations.size());
-          line.positions.push_back(*at);
-          if (lengths) line.lengths.push_back(length_of(*file, *data, row));
-          in_.orientations.push_back({*normal, set_of_row(*data, row, ""), line.direction_at(*at), std::nullopt});
-        }
-      } else if (at) {
+      std::optional<Vec3> normal;
+      if (at && core) {
+        rules.core = parse_core(context_, table, line.direction_at(*at));
+        if (!rules.core) return;
+      }
+      if (at && oriented) normal = normal_of_row(context_, *file, *data, row, rules);
+      const std::size_t times = at && (normal || !oriented) ? quantity_of(context_, *file, *data, row) : 0;
+      for (std::size_t i = 0; i < times; ++i) {
         line.positions.push_back(*at);
         if (lengths) line.lengths.push_back(length_of(*file, *data, row));
+        if (!normal) continue;
+        line.joints.push_back(in_.orientations.size());
+        in_.orientations.push_back({*normal, set_of_row(*data, row, ""), line.direction_at(*at), std::nullopt});
       }
+      if (too_many(context_, *file, in_)) return;
       if (context_.problems.errors() != before && ++wrong >= 20) return;
     }
     in_.lines.push_back(std::move(line));

@@ -49,6 +49,10 @@ dfn::SizeSpec size_spec(const survey::SetResult& set) {
       spec.exponent = set.size->exponent;
       spec.min = metres(set.size->min);
       break;
+    case survey::Family::normal:
+      spec.distribution = dfn::SizeDistribution::normal;
+      spec.std = metres(set.size->std);
+      break;
   }
   return spec;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 
 #include "cleave/geometry/orientation.hpp"
 
@@ -20,12 +21,13 @@ Vec3 normal_of(const InputContext& context, double dip, double direction) {
 
 namespace {
 
-/// Degrees of a row within [0, high], or wrapped there when the survey allows it.
+/// Degrees of a row within [0, high], or any when the survey allows it: all that follows is periodic, and a dip beyond
+/// its range turns the plane as it does on a compass (-35/400 is 35/220).
 std::optional<double> angle(InputContext& context, const LoadedFile& file, const SurveyTable::Row& row,
                             string_view name, std::optional<double> value, double high, bool wrap, bool swapped) {
   if (!value) return std::nullopt;
   if (*value >= 0 && *value <= high) return value;
-  if (wrap) return high == 360 ? geometry::wrap_degrees(*value) : std::abs(std::remainder(*value, 180));
+  if (wrap) return geometry::wrap_degrees(*value);
   context.problems.error_in(file.shown, row.line, std::string{name},
                             fmt::format("is {}, outside 0 to {} degrees", *value, high),
                             swapped ? "are dip and dip direction swapped? Then swap their names; else correct it, or "
@@ -53,22 +55,71 @@ bool agree(InputContext& context, const LoadedFile& file, const SurveyTable::Row
 
 }  // namespace
 
+namespace {
+
+Vec3 across(Vec3 line, Vec3 towards) { return towards - dot(towards, line) * line; }
+
+std::optional<Core> core_towards(Vec3 line, Vec3 towards) {
+  const Vec3 off = across(line, towards);
+  if (norm(off) < 1e-6) return std::nullopt;
+  return Core{line, normalized(off)};
+}
+
+Vec3 upwards(Vec3 normal) { return normal.z < 0 ? -normal : normal; }
+
+}  // namespace
+
+std::optional<Core> core_of(Vec3 line, CoreReference side) {
+  return core_towards(line, {0, 0, side == CoreReference::bottom ? -1.0 : 1.0});
+}
+
+std::optional<Core> core_of(const InputContext& context, Vec3 line, double azimuth) {
+  return core_towards(line, line_of(context, azimuth, 0));
+}
+
+Vec3 normal_in_core(const Core& core, double alpha, double beta) {
+  // Towards the ellipse's lower end: clockwise seen down the hole is the right-hand turn about it.
+  const Vec3 end =
+      geometry::cos_degrees(beta) * core.reference + geometry::sin_degrees(beta) * cross(core.down, core.reference);
+  return upwards(geometry::sin_degrees(alpha) * core.down - geometry::cos_degrees(alpha) * end);
+}
+
+bool has_core_angles(const SurveyTable& table) {
+  return table.column("alpha").has_value() && table.column("beta").has_value();
+}
+
+std::size_t quantity_of(InputContext& context, const LoadedFile& file, const SurveyTable& table,
+                        const SurveyTable::Row& row) {
+  constexpr double most = 10'000;
+  const auto value = cell_number(context, file, table, row, "quantity");
+  if (!value) return 1;
+  if (*value >= 0 && *value <= most && *value == std::floor(*value)) return static_cast<std::size_t>(*value);
+  context.problems.error_in(file.shown, row.line, "quantity", fmt::format("is {}", *value),
+                            fmt::format("give a whole number of like joints, 0 to {}", most));
+  return 0;
+}
+
 std::optional<Vec3> normal_of_row(InputContext& context, const LoadedFile& file, const SurveyTable& table,
-                                  const SurveyTable::Row& row, bool wrap) {
+                                  const SurveyTable::Row& row, const RowRules& rules) {
+  const bool wrap = rules.wrap;
   bool swapped = false;
   const auto value = [&](string_view name, double high) {
     return angle(context, file, row, name, cell_number(context, file, table, row, name), high, wrap, swapped);
   };
+  if (rules.core && has_core_angles(table)) {
+    const auto alpha = value("alpha", 90), beta = value("beta", 360);
+    if (!alpha || !beta) return std::nullopt;
+    return normal_in_core(*rules.core, *alpha, *beta);
+  }
   if (table.column("trend") && table.column("plunge")) {
     const auto trend = value("trend", 360), plunge = value("plunge", 90);
     if (!trend || !plunge) return std::nullopt;
-    const Vec3 pole = line_of(context, *trend, *plunge);
-    const Vec3 normal = pole.z < 0 ? -pole : pole;
+    const Vec3 normal = upwards(line_of(context, *trend + rules.declination, *plunge));
     if (table.column("dip") && table.column("dip_direction")) {
       const auto dip = value("dip", 90), direction = value("dip_direction", 360);
       if (dip && direction &&
-          !agree(context, file, row, "trend", normal, normal_of(context, *dip, *direction), "trend and plunge",
-                 "dip and dip_direction")) {
+          !agree(context, file, row, "trend", normal, normal_of(context, *dip, *direction + rules.declination),
+                 "trend and plunge", "dip and dip_direction")) {
         return std::nullopt;
       }
     }
@@ -97,7 +148,7 @@ std::optional<Vec3> normal_of_row(InputContext& context, const LoadedFile& file,
       return std::nullopt;
     }
   }
-  return normal_of(context, *dip, *direction);
+  return upwards(normal_of(context, *dip, *direction + rules.declination));
 }
 
 bool has_orientation(const SurveyTable& table) {

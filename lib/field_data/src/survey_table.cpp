@@ -19,7 +19,7 @@ using std::string_view;
 
 /// The names that other programs give to the same column.
 std::string canonical(string_view name) {
-  constexpr std::array<std::pair<string_view, string_view>, 15> aliases{{{"dipdir", "dip_direction"},
+  constexpr std::array<std::pair<string_view, string_view>, 25> aliases{{{"dipdir", "dip_direction"},
                                                                          {"dipdirection", "dip_direction"},
                                                                          {"dip_dir", "dip_direction"},
                                                                          {"dd", "dip_direction"},
@@ -33,7 +33,17 @@ std::string canonical(string_view name) {
                                                                          {"joint_set", "set"},
                                                                          {"trace_length", "length"},
                                                                          {"persistence", "length"},
-                                                                         {"terminations", "ends"}}};
+                                                                         {"terminations", "ends"},
+                                                                         {"set_id", "set"},
+                                                                         {"joint_set_id", "set"},
+                                                                         {"easting", "x"},
+                                                                         {"northing", "y"},
+                                                                         {"elevation", "z"},
+                                                                         {"qty", "quantity"},
+                                                                         {"traverse_id", "traverse"},
+                                                                         {"pole_trend", "trend"},
+                                                                         {"pole_plunge", "plunge"},
+                                                                         {"strike_right", "strike"}}};
   std::string word = lower(name);
   std::ranges::replace_if(word, [](char c) { return c == ' ' || c == '-'; }, '_');
   for (const auto& [alias, own] : aliases) {
@@ -44,11 +54,13 @@ std::string canonical(string_view name) {
 
 /// The unit a column is read in; empty: it has none.
 string_view unit_of(string_view column) {
-  constexpr std::array<std::pair<string_view, string_view>, 10> units{{{"dip", "degrees"},
+  constexpr std::array<std::pair<string_view, string_view>, 12> units{{{"dip", "degrees"},
                                                                        {"dip_direction", "degrees"},
                                                                        {"strike", "degrees"},
                                                                        {"trend", "degrees"},
                                                                        {"plunge", "degrees"},
+                                                                       {"alpha", "degrees"},
+                                                                       {"beta", "degrees"},
                                                                        {"distance", "m"},
                                                                        {"length", "m"},
                                                                        {"x", "m"},
@@ -65,6 +77,12 @@ bool add_column(SurveyTable& table, string_view cell) {
   const ColumnHead head = column_head(cell);
   table.columns.push_back(canonical(head.name));
   const string_view own = unit_of(table.columns.back());
+  const std::string stated = lower(head.unit);
+  // "X (Easting)" says which way the axis goes, no unit.
+  if (own == "m" && (stated == "easting" || stated == "northing" || stated == "elevation")) {
+    table.units.push_back(nullptr);
+    return true;
+  }
   table.units.push_back(own.empty() || head.unit.empty() ? nullptr : find_unit(own, head.unit));
   return own.empty() || head.unit.empty() || table.units.back() != nullptr;
 }
@@ -124,6 +142,31 @@ std::optional<std::size_t> SurveyTable::column(string_view name) const {
   return static_cast<std::size_t>(it - columns.begin());
 }
 
+namespace {
+
+/// What stands before the header of tables that other programs write: "Version, 1", "Units, m", "Declination, 2.5".
+bool is_preamble(InputContext& context, const LoadedFile& file, std::uint32_t line,
+                 const std::vector<std::string>& cells) {
+  const std::string word = lower(string_view{cells.front()}.substr(0, cells.front().find(':')));
+  const bool known = word.starts_with("version") || word == "units" || word == "unit" || word == "declination";
+  const std::size_t colon = cells.front().find(':');
+  if (!known || (cells.size() != 2 && colon == std::string::npos)) return false;
+  const std::string value{
+      bare(cells.size() == 2 ? string_view{cells[1]} : string_view{cells.front()}.substr(colon + 1))};
+  if (word.starts_with("unit") && find_unit("m", value) == nullptr && !lower(value).starts_with("met")) {
+    context.problems.error_in(file.shown, line, "units", fmt::format("are \"{}\"", value.substr(0, 40)),
+                              "convert the table to metres, or state the units behind the columns' names");
+  }
+  if (const auto degrees = number_of(value); word == "declination" && degrees && *degrees != 0) {
+    context.problems.note_in(file.shown, line, "declination",
+                             fmt::format("the file names {} degrees, which are not added to its directions", *degrees),
+                             "write declination in the survey where they are from magnetic north");
+  }
+  return true;
+}
+
+}  // namespace
+
 std::optional<SurveyTable> read_survey_table(InputContext& context, const LoadedFile& file,
                                              const std::vector<std::string>& columns) {
   SurveyTable table;
@@ -141,6 +184,7 @@ std::optional<SurveyTable> read_survey_table(InputContext& context, const Loaded
   if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
   std::uint32_t line = 0;
   char separator = 0;
+  bool preamble = false;
   while (!bytes.empty()) {
     ++line;
     const std::size_t end = std::min(bytes.find('\n'), bytes.size());
@@ -153,6 +197,11 @@ std::optional<SurveyTable> read_survey_table(InputContext& context, const Loaded
     }
     std::vector<std::string> cells = split(text, separator);
     if (separator == ';') take_decimal_commas(cells);
+    if (table.columns.empty() && is_preamble(context, file, line, cells)) {
+      preamble = true;
+      separator = 0;
+      continue;
+    }
     if (table.columns.empty()) {
       if (std::ranges::any_of(cells, [](const std::string& c) { return number_of(c).has_value(); })) {
         context.problems.error_in(file.shown, line, "columns",
@@ -167,6 +216,12 @@ std::optional<SurveyTable> read_survey_table(InputContext& context, const Loaded
     }
     const bool heading = table.rows.empty() && !columns.empty() &&
                          std::ranges::none_of(cells, [](const std::string& c) { return number_of(c).has_value(); });
+    // Behind the joints such files have a table of their sets.
+    if (preamble && !table.rows.empty() &&
+        std::ranges::none_of(cells, [](const std::string& c) { return number_of(c).has_value(); })) {
+      context.problems.note_in(file.shown, line, "file", "what follows the joints is not read", "");
+      break;
+    }
     if (!heading) table.rows.push_back({line, std::move(cells)});
   }
   if (table.rows.empty()) {

@@ -25,6 +25,8 @@ enum class Column : std::uint8_t {
   dip,
   dip_direction,
   strike,
+  trend,
+  plunge,
   x,
   y,
   z,
@@ -38,7 +40,7 @@ enum class Column : std::uint8_t {
   set,
   id
 };
-constexpr std::size_t column_count = 15;
+constexpr std::size_t column_count = 17;
 
 /// First the name we write, then what else is understood.
 struct Names {
@@ -52,6 +54,8 @@ constexpr std::array<Names, column_count> known{{
      "degrees",
      {"dip_direction", "dipdirection", "dipdir", "dip_dir", "dip_azimuth", "dd", "azimuth"}},
     {Column::strike, "degrees", {"strike"}},
+    {Column::trend, "degrees", {"trend", "pole_trend"}},
+    {Column::plunge, "degrees", {"plunge", "pole_plunge"}},
     {Column::x, "m", {"x", "easting", "east"}},
     {Column::y, "m", {"y", "northing", "north"}},
     {Column::z, "m", {"z", "elevation"}},
@@ -141,8 +145,17 @@ class TableReader final {
       }
     }
     table_.notes.insert(table_.notes.begin(), "columns read: " + understood);
-    if (!has(Column::dip)) wrong("there is no column dip", "add it (degrees from horizontal)");
-    if (has(Column::dip_direction) == has(Column::strike)) {
+    const bool plane = has(Column::dip) || has(Column::dip_direction) || has(Column::strike);
+    const bool pole = !plane && (has(Column::trend) || has(Column::plunge));
+    if (plane && (has(Column::trend) || has(Column::plunge))) {
+      table_.notes.emplace_back("trend and plunge are not used beside dip");
+      place_[index(Column::trend)] = place_[index(Column::plunge)] = std::nullopt;
+    }
+    if (pole && has(Column::trend) != has(Column::plunge)) {
+      wrong("of trend and plunge of the pole one is missing", "give both");
+    }
+    if (!pole && !has(Column::dip)) wrong("there is no column dip", "add it (degrees from horizontal)");
+    if (!pole && has(Column::dip_direction) == has(Column::strike)) {
       wrong(has(Column::strike) ? "there are both dip_direction and strike"
                                 : "there is no column dip_direction or strike",
             "give one of them");
@@ -229,9 +242,24 @@ class TableReader final {
     return std::nullopt;
   }
 
+  /// Of the pole: the normal that points down.
+  geometry::Attitude of_pole(const CsvTable::Row& row) {
+    const double trend = required(row, Column::trend), plunge = required(row, Column::plunge);
+    if (!options_.wrap && !(plunge >= 0 && plunge <= 90)) {
+      problem(row, Column::plunge, ReadFault::out_of_range, fmt::format("plunge is {}, outside 0..90", plunge),
+              "correct it, or set wrap = true");
+    }
+    if (!options_.wrap && !(trend >= 0 && trend <= 360)) {
+      problem(row, Column::trend, ReadFault::out_of_range, fmt::format("trend is {}, outside 0..360", trend),
+              "correct it, or set wrap = true");
+    }
+    return within(90 - plunge, geometry::wrap_degrees(trend) + 180);
+  }
+
   geometry::Attitude attitude(const CsvTable::Row& row) {
+    if (has(Column::trend)) return of_pole(row);
     const Column bearing = has(Column::strike) ? Column::strike : Column::dip_direction;
-    double dip = required(row, Column::dip);
+    const double dip = required(row, Column::dip);
     double direction = required(row, bearing);
     if (!options_.wrap) {
       if (!(dip >= 0 && dip <= 90)) {
@@ -250,6 +278,11 @@ class TableReader final {
       }
     }
     if (bearing == Column::strike) direction = geometry::wrap_degrees(direction) + 90;
+    return within(dip, direction);
+  }
+
+  /// The same plane with a dip in 0..90 and a direction in 0..360.
+  static geometry::Attitude within(double dip, double direction) {
     dip = geometry::wrap_degrees(dip);
     if (dip > 180) {  // a dip upwards is a dip the other way
       dip = 360 - dip;

@@ -9,7 +9,6 @@ namespace cleave::motion {
 namespace {
 
 using Eigen::Index;
-using Eigen::Matrix2d;
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -77,41 +76,9 @@ void Scaled::add(const Element& e, const Vector3d& x, VectorXd& v) const {
 
 namespace {
 
-template <class Out>
-void onto_disc(const Vector2d& t, double radius, Out& out) {
-  const double length = t.norm();
-  if (length <= radius) {
-    out.x.template tail<2>() = t;
-    out.slope.template bottomRightCorner<2, 2>().setIdentity();
-    out.any = true;
-  } else if (radius > 0) {
-    const Vector2d e = t / length;
-    out.x.template tail<2>() = radius * e;
-    out.slope.template bottomRightCorner<2, 2>() = radius / length * (Matrix2d::Identity() - e * e.transpose());
-    out.any = true;
-  }
-}
-
-/// Onto |t| <= mu (n + apex), n >= -apex.
-template <class Out>
-void onto_cone(Vector3d w, double mu, double apex, Out& out) {
-  w[0] += apex;
-  const Vector2d t = w.tail<2>();
-  const double length = t.norm();
-  if (length <= mu * w[0]) {
-    out.x = w;
-    out.slope.setIdentity();
-    out.any = true;
-  } else if (mu * length > -w[0]) {
-    const double normal = (w[0] + mu * length) / (1 + mu * mu);
-    const Vector2d e = t / length;
-    out.x << normal, mu * normal * e;
-    const Vector3d along{1, mu * e[0], mu * e[1]};
-    out.slope = along * along.transpose() / (1 + mu * mu);
-    out.slope.template bottomRightCorner<2, 2>() += mu * normal / length * (Matrix2d::Identity() - e * e.transpose());
-    out.any = true;
-  }
-  out.x[0] -= apex;
+void held_in_disc(const Vector2d& t, double radius, linear::Projection& out) {
+  linear::onto_disc(t, radius, out);
+  out.any = out.any || radius > 0 || t.norm() <= radius;
 }
 
 }  // namespace
@@ -124,12 +91,12 @@ Newton::Local Newton::project(const Programme& programme, std::size_t k, const V
   const Scaled::Element& e = scaled_->elements[k];
   Local out;
   if (programme.law == Law::cone && e.mu > 0) {
-    onto_cone(w, e.mu, e.cohesion / e.mu, out);
+    out = linear::onto_cone(w, e.mu, e.cohesion / e.mu);
     // The apex of a bond that is weaker in tension is cut off.
     if (out.x[0] < -e.tension) {
       out = {};
       out.x[0] = -e.tension;
-      onto_disc(w.tail<2>(), e.cohesion - e.mu * e.tension, out);
+      held_in_disc(w.tail<2>(), e.cohesion - e.mu * e.tension, out);
     }
     return out;
   }
@@ -141,14 +108,14 @@ Newton::Local Newton::project(const Programme& programme, std::size_t k, const V
   }
   switch (programme.law) {
     case Law::frictionless: break;
-    case Law::tresca: onto_disc(w.tail<2>(), programme.given[k], out); break;
-    case Law::cone: onto_disc(w.tail<2>(), e.cohesion, out); break;
+    case Law::tresca: held_in_disc(w.tail<2>(), programme.given[k], out); break;
+    case Law::cone: held_in_disc(w.tail<2>(), e.cohesion, out); break;
     case Law::coulomb: {
       const double radius = closed                            ? e.mu * out.x[0] + e.cohesion
                             : e.cohesion > 0 && e.tension > 0 ? e.cohesion - e.mu * e.tension
                                                               : 0;
       const double length = w.tail<2>().norm();
-      onto_disc(w.tail<2>(), radius, out);
+      held_in_disc(w.tail<2>(), radius, out);
       if (closed && length > radius && e.mu > 0) out.slope.bottomLeftCorner<2, 1>() = e.mu / length * w.tail<2>();
       break;
     }

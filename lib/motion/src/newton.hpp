@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "cleave/linear/cone.hpp"
 #include "cleave/linear/fronts.hpp"
 #include "solver.hpp"
 
@@ -62,11 +63,7 @@ class Newton final {
   [[nodiscard]] std::size_t factors() const noexcept { return factors_; }
 
  private:
-  struct Local {
-    Eigen::Vector3d x = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
-    bool any = false;
-  };
+  using Local = linear::Projection;
   [[nodiscard]] Local project(const Programme& programme, std::size_t k, const Eigen::Vector3d& w) const;
   /// Residual v - G P(x - y / rho); of the convex laws also the function that it is the gradient of.
   double evaluate(const Programme& programme, const std::vector<Eigen::Vector3d>& centre, double rho,

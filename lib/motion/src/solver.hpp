@@ -44,6 +44,10 @@ struct Solution {
 /// Cheapest way first; every answer is judged by its natural-map residual, recomputed whatever found it.
 [[nodiscard]] Solution solve(const Group& group, const SolverOptions& options);
 
+/// As if contacts gave way by `weight` of what moves their bodies: where nothing meets the law, as for a block between
+/// walls that leave it no room, what is missed is shared out. Convex without friction: always solved.
+[[nodiscard]] Solution solve_softly(const Group& group, double weight);
+
 /// Residual of the natural map (Alart and Curnier 1991) of any impulses: the larger of that in impulses over
 /// max(|p|, |b / diag W|), and that in velocities over max(|b|, 1e-6 |W p|).
 [[nodiscard]] double natural_residual(const Group& group, const std::vector<Eigen::Vector3d>& impulse);

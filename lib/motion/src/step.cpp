@@ -213,7 +213,7 @@ bool World::Impl::close_island(const Island& island, const Group& group, const S
   return true;
 }
 
-std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& out) {
+std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tolerate, Attempt& out) {
   std::vector<double> travel(shapes.size(), 0);
   std::vector<Touch> extra;
   for (int round = 0;;) {
@@ -268,6 +268,7 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
         for (const double rebound : {1.0, 0.99, 0.97, 0.93, 0.85, 0.7, 0.5, 0.25, 0.0}) {
           group = group_of(island, out.touches, mid, step, rebound);
           SolverOptions how = options.solver;
+          how.tolerate = tolerate;
           const double slow = 2 * step * norm(options.gravity);
           how.locking = std::ranges::all_of(island.bodies, [&](std::uint32_t b) {
             return norm(mid[b].v) + norm(spin(mid[b], b)) * shapes[b].radius <= slow;
@@ -282,6 +283,8 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
         if (found.report.may_be_locked) out.report.may_be_locked += island.bodies.size();
         out.report.stick += found.report.stick;
         out.report.slip += found.report.slip;
+        if (found.report.status == SolveReport::Status::rough) out.report.rough += island.bodies.size();
+        out.report.missed_speed = std::max(out.report.missed_speed, found.report.missed_speed);
         if (found.report.status == SolveReport::Status::not_converged) {
           return Failure{found.report.residual, "the contact law was not met"};
         }
@@ -330,10 +333,8 @@ std::optional<World::Impl::Failure> World::Impl::attempt(double step, Attempt& o
     break;
   }
   double deepest = 0;
-  const auto lift = part(out.state, deepest);
+  out.projected = part(out.state, deepest);
   out.report.max_penetration = deepest;
-  if (!lift) return Failure{deepest, "overlapping bodies could not be parted"};
-  out.projected = *lift;
   double smallest = extent;
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (moves(b)) smallest = std::min(smallest, shapes[b].size);

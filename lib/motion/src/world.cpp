@@ -94,6 +94,7 @@ std::string_view name_of(Method method) noexcept {
     case Method::proximal: return "proximal";
     case Method::sweeps: return "sweeps";
     case Method::convex: return "convex";
+    case Method::interior: return "interior";
   }
   return "";
 }
@@ -170,7 +171,9 @@ std::expected<StepReport, StepFailed> World::step(double at_most) {
   Impl::Failure last;
   for (std::size_t cut = 0; cut <= own.options.cuts; ++cut) {
     Attempt attempt;
-    const auto failed = own.attempt(step, attempt);
+    // A rougher answer counts where a shorter step does no better.
+    const double tolerate = (cut == 0 ? 0.1 : 1) * own.options.solver.tolerate;
+    const auto failed = own.attempt(step, tolerate, attempt);
     if (!failed) {
       attempt.report.cuts = cut;
       attempt.report.step = step;

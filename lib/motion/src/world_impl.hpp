@@ -82,7 +82,7 @@ struct World::Impl {
     std::string reason;
   };
   [[nodiscard]] double longest_step(double at_most) const;
-  [[nodiscard]] std::optional<Failure> attempt(double step, Attempt& out);
+  [[nodiscard]] std::optional<Failure> attempt(double step, double tolerate, Attempt& out);
   void accept(Attempt& done);
   [[nodiscard]] StepReport close(Attempt& done);
   void count_energy();
@@ -115,8 +115,8 @@ struct World::Impl {
   [[nodiscard]] double deepest_overlap(std::string& where) const;
 
   // parting.cpp
-  /// Moves bodies apart that overlap; what that brings in of potential energy. None when it does not succeed.
-  [[nodiscard]] std::optional<double> part(std::vector<State>& s, double& deepest);
+  /// Moves bodies apart that overlap, as far as there is room; what that brings in of energy.
+  [[nodiscard]] double part(std::vector<State>& s, double& deepest);
 };
 
 [[nodiscard]] Matrix6 mass_matrix(const Shape& shape, Turn turn);

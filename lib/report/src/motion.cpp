@@ -100,9 +100,13 @@ std::string motion_section(const scene::MotionResult& motion) {
   out += facts({{"released", "Let go"},
                 {"moved"},
                 {"steps"},
-                {"residual", "Residual of the contact law", 2},
-                {"max_penetration_m", "Deepest penetration", 2}},
+                {"residual", "Residual of the contact law", 2}},
                motion);
+  if (motion.rough_steps > 0) {
+    out += fact("Steps that missed the law",
+                display_count(motion.rough_steps) + ", by at most " + display(motion.missed_speed, 2) + " m/s");
+  }
+  out += facts({{"max_penetration_m", "Deepest penetration", 2}}, motion);
   out += fact("Potential energy lost", display(motion.potential_lost / 1000, 4) + " kJ");
   out += fact("Error of the energy balance", display(motion.energy_error, 2) + " (relative)");
   if (motion.error) {

@@ -48,7 +48,7 @@ bool takes(std::size_t model, string_view key) {
     case 6:
       return key == "share" || key == "min_corners" || key == "min_angle" || key == "max_elongation" ||
              key == "zones" || key == "shift" || key == "rotation_kappa";
-    case 7: return key == "gaps" || key == "bridge";
+    case 7: return key == "gaps" || key == "bridge" || key == "through";
     default: return false;
   }
 }
@@ -90,28 +90,32 @@ std::vector<dfn::Zone> parse_zones(const TableReader& set) {
 }  // namespace
 
 std::vector<Key> model_keys() {
-  return {{"model", key::word(models), "\"baecher\"",
-           "`baecher`: centres, orientations and sizes independent of each other; the others below"},
-          {"terminates_at", key::texts(), "all random sets above",
-           "names of other sets, random or given, anywhere in the scene, but not in a circle (`enhanced_baecher`, "
-           "`hierarchical`)",
-           "terminate_at"},
-          {"probability", key::number(rule::probability), "1",
-           "that a joint ends where it meets one of them (`enhanced_baecher`)"},
-          {"share", key::either({key::number(rule::share), key::array(key::number(rule::probability), 3, 3)}), "0.5",
-           "probability that a polygon is a joint (1 in `mosaic`); `hierarchical`: bounded by none, one, two or more "
-           "older joints, `[0.1, 0.5, 1]`"},
-          {"seeds", key::word<dfn::Mosaic::Seeds>(), "\"poisson\"", "of the cells (`mosaic`)"},
-          {"min_corners", key::whole(3, 8), "4", "polygons with fewer corners are no joints (`mit`)"},
-          {"min_angle", key::number(angle_rule), "60", "degrees, smallest angle of a polygon (`mit`)"},
-          {"max_elongation", key::number(elongation_rule), "1.6", "of a polygon (`mit`)"},
-          {"zones", key::tables(&zone_keys), "[]", "boxes with a probability of their own (`mit`)"},
-          {"shift", key::number(rule::length_or_zero), "0", "m, of each polygon (`mit`)"},
-          {"rotation_kappa", key::number(rule::kappa), "", "kappa of a Fisher rotation of each polygon (`mit`)",
-           "turn_kappa"},
-          {"gaps", key::either({key::word<dfn::Orthogonal::Gaps>(), key::table(&gap_keys)}), "\"poisson\"",
-           "distances of the planes: a law, or `{ distribution, variation }` (`orthogonal`)"},
-          {"bridge", size_type(), "the law of `size`", "m, rock between the joints of a row (`orthogonal`)"}};
+  return {
+      {"model", key::word(models), "\"baecher\"",
+       "`baecher`: centres, orientations and sizes independent of each other; the others below"},
+      {"terminates_at", key::texts(), "all random sets above",
+       "names of other sets, random or given, anywhere in the scene, but not in a circle (`enhanced_baecher`, "
+       "`hierarchical`)",
+       "terminate_at"},
+      {"probability", key::number(rule::probability), "1",
+       "that a joint ends where it meets one of them (`enhanced_baecher`)"},
+      {"share", key::either({key::number(rule::share), key::array(key::number(rule::probability), 3, 3)}), "0.5",
+       "probability that a polygon is a joint (1 in `mosaic`); `hierarchical`: bounded by none, one, two or more "
+       "older joints, `[0.1, 0.5, 1]`"},
+      {"seeds", key::word<dfn::Mosaic::Seeds>(), "\"poisson\"", "of the cells (`mosaic`)"},
+      {"min_corners", key::whole(3, 8), "4", "polygons with fewer corners are no joints (`mit`)"},
+      {"min_angle", key::number(angle_rule), "60", "degrees, smallest angle of a polygon (`mit`)"},
+      {"max_elongation", key::number(elongation_rule), "1.6", "of a polygon (`mit`)"},
+      {"zones", key::tables(&zone_keys), "[]", "boxes with a probability of their own (`mit`)"},
+      {"shift", key::number(rule::length_or_zero), "0", "m, of each polygon (`mit`)"},
+      {"rotation_kappa", key::number(rule::kappa), "", "kappa of a Fisher rotation of each polygon (`mit`)",
+       "turn_kappa"},
+      {"gaps", key::either({key::word<dfn::Orthogonal::Gaps>(), key::table(&gap_keys)}), "\"poisson\"",
+       "distances of the planes: a law (`constant`: regular ones), or `{ distribution, variation }`; with it a set of "
+       "persistent joints is `orthogonal`"},
+      {"through", key::vector(rule::coordinate), "",
+       "m, a point that one of the planes passes, for `gaps = \"constant\"`; without it the first lies at random"},
+      {"bridge", size_type(), "the law of `size`", "m, rock between the joints of a row (`orthogonal`)"}};
 }
 
 std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& others) {
@@ -121,6 +125,10 @@ std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& o
     if (!word) return std::nullopt;
     model = *word;
   }
+  const TomlEntry* size = set.find("size");
+  const bool persistent = size != nullptr && std::holds_alternative<std::string>(size->node.value);
+  // Endless joints with a law of gaps are parallel planes.
+  if (model == 0 && persistent && set.has("gaps")) model = 7;
   for (const Key& own_key : model_keys()) {
     const string_view key = own_key.name;
     if (key == "probability" && model == 0) continue;
@@ -190,13 +198,12 @@ std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& o
         }
       }
       // Without a law of their own, bridges are as long as joints.
-      const TomlEntry* size = set.find("size");
-      const bool persistent = size != nullptr && std::holds_alternative<std::string>(size->node.value);
       if (set.has("bridge")) {
         orthogonal.bridge = parse_size(set, "bridge");
       } else if (size != nullptr && !persistent) {
         orthogonal.bridge = parse_size(set, "size");
       }
+      orthogonal.through = set.vec3("through");
       return orthogonal;
     }
     default: return dfn::Baecher{};

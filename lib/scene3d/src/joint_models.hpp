@@ -23,6 +23,10 @@ struct OtherSets {
 /// `others.drawn.size()` is that of a [[joint_set]], one beyond it that of a set of given joints.
 [[nodiscard]] std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& others);
 
+/// Keys of `orientation`, and the law they state; clockwise from the scene's y axis.
+[[nodiscard]] const KeyTable& orientation_keys();
+[[nodiscard]] std::optional<dfn::OrientationLaw> parse_orientation(Context& context, const TableReader& set);
+
 /// A law of sizes under `key`.
 [[nodiscard]] std::optional<dfn::SizeLaw> parse_size(const TableReader& set, std::string_view key);
 

@@ -8,7 +8,6 @@
 #include "cleave/core/overloaded.hpp"
 #include "cleave/dfn/joint_set.hpp"
 #include "cleave/geometry/orientation.hpp"
-#include "cleave/io/joint_csv.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "context.hpp"
 #include "joint_models.hpp"
@@ -25,30 +24,10 @@ constexpr NumberRule per_metre_rule{0, false, 1e9, false, " 1/m"};
 constexpr NumberRule per_volume_rule{0, false, 1e9, false, ""};
 constexpr NumberRule buffer_rule{1, true, 100, false, ""};
 constexpr std::int64_t most_sides = 256;
-constexpr std::array<string_view, 5> orientation_laws{"fisher", "uniform", "normal", "constant", "bootstrap"};
+constexpr std::array<string_view, 2> count_boxes{"domain", "buffer"};
 constexpr std::array<string_view, 1> persistent_word{"persistent"};
 constexpr std::array<string_view, 3> rotation_laws{"uniform", "normal", "constant"};
 constexpr std::array<string_view, 5> shape_words{"rectangle", "square", "disc", "ellipse", "polygon"};
-
-const KeyTable& orientation_keys() {
-  static const KeyTable keys{
-      .name = "orientation",
-      .keys = {{"dip", key::number(rule::dip), "", "degrees, of the mean plane"},
-               {"dip_direction", key::number(rule::dip_direction), "", "degrees, of the mean plane"},
-               {"distribution", key::word(orientation_laws), "\"constant\"",
-                "`\"fisher\"` with `kappa`; `\"uniform\"` with `dip_range`, `dip_direction_range`; `\"normal\"` with "
-                "`dip_std`, `dip_direction_std`; `\"constant\"`: all parallel; or `\"bootstrap\"` with `file`, `set` "
-                "and `jitter`"},
-               {"kappa", key::number(rule::kappa), "", "concentration of the Fisher law"},
-               {"dip_range", key::number(rule::dip), "", "degrees, plus or minus"},
-               {"dip_direction_range", key::number(rule::half_turn), "", "degrees, plus or minus"},
-               {"dip_std", key::number(rule::dip), "", "degrees"},
-               {"dip_direction_std", key::number(rule::half_turn), "", "degrees"},
-               {"file", key::text(), "", "a table of orientations, drawn with replacement"},
-               {"set", key::text(), "", "only the rows of this set"},
-               {"jitter", key::number(rule::kappa), "", "kappa of a Fisher rotation of each draw"}}};
-  return keys;
-}
 
 const KeyTable& size_keys() {
   static const KeyTable keys{
@@ -77,11 +56,15 @@ const KeyTable& rotation_keys() {
 const KeyTable& intensity_keys() {
   static const KeyTable keys{
       .name = "intensity",
-      .keys = {{"count", key::whole(0, 10'000'000), "", "exactly so many centres, in the domain's box"},
-               {"p32", key::number(per_metre_rule), "", "1/m, area in a volume"},
-               {"p30", key::number(per_volume_rule), "", "1/m3, centres in a volume"},
-               {"p10", key::number(per_metre_rule), "", "1/m, number along the mean normal"},
-               {"spacing", key::number(rule::length), "", "m, along the mean normal"}},
+      .keys =
+          {{"count", key::whole(0, 10'000'000), "", "exactly so many centres, in the domain's box"},
+           {"count_in", key::word(count_boxes), "\"domain\"",
+            "`\"domain\"`: `count` is that of the domain's box, in a larger box (`buffer`) there are as many more as "
+            "it is larger; `\"buffer\"`: it is that of the larger box"},
+           {"p32", key::number(per_metre_rule), "", "1/m, area in a volume"},
+           {"p30", key::number(per_volume_rule), "", "1/m3, centres in a volume"},
+           {"p10", key::number(per_metre_rule), "", "1/m, number along the mean normal"},
+           {"spacing", key::number(rule::length), "", "m, along the mean normal"}},
       .one_of = {{"count", "p32", "p30", "p10", "spacing"}}};
   return keys;
 }
@@ -93,97 +76,6 @@ std::optional<std::size_t> distribution_of(const TableReader& table, string_view
     return std::nullopt;
   }
   return table.choice("distribution");
-}
-
-/// Normals of a table of orientations, drawn with replacement.
-std::optional<dfn::OrientationLaw> parse_bootstrap(Context& context, const TableReader& table) {
-  for (const string_view key : {"dip", "dip_direction"}) {
-    if (table.has(key)) table.error(key, "has no meaning for the distribution \"bootstrap\"", "remove it");
-  }
-  const auto jitter = table.number("jitter");
-  const auto only = table.text("set");
-  if (!table.has("file")) {
-    table.missing("file", "add file = \"poles.csv\" with columns dip and dip_direction");
-    return std::nullopt;
-  }
-  const auto file = context.file(table, "file");
-  if (!file) return std::nullopt;
-  const auto joints = io::parse_joint_csv(file->bytes, file->shown, {.wrap = false, .need_position = false});
-  if (!joints) {
-    for (const io::ReadError& e : joints.error()) {
-      context.problems.error_in(e.file, std::max(1U, e.line), "file", e.what, e.remedy);
-    }
-    return std::nullopt;
-  }
-  std::vector<geometry::Vec3> normals;
-  for (const io::JointRow& row : joints->rows) {
-    if (only && row.set != *only) continue;
-    normals.push_back(geometry::upward_normal({row.plane.dip, context.turned(row.plane.direction.degrees())}));
-  }
-  if (normals.empty()) {
-    table.error("file", only ? fmt::format("holds no joint of the set \"{}\"", only->substr(0, 60)) : "holds no joints",
-                "name a table with at least one row");
-    return std::nullopt;
-  }
-  std::vector<double> weights(normals.size(), 1.0);
-  return dfn::BootstrapOrientation::make(std::move(normals), std::move(weights), jitter);
-}
-
-std::optional<dfn::OrientationLaw> parse_orientation(Context& context, const TableReader& set) {
-  if (!set.has("orientation")) {
-    set.missing("orientation",
-                "add orientation = { dip = 30, dip_direction = 30, distribution = \"fisher\", kappa = 40 }");
-    return std::nullopt;
-  }
-  const auto found = set.sub("orientation");
-  if (!found) return std::nullopt;
-  const TableReader& table = *found;
-  if (const auto* word = table.find("distribution")) {
-    const auto* text = std::get_if<std::string>(&word->node.value);
-    if (text != nullptr && *text == "bootstrap") return parse_bootstrap(context, table);
-  }
-  for (const string_view key : {"file", "jitter", "set"}) {
-    if (table.has(key)) {
-      table.error(key, "has a meaning only for the distribution \"bootstrap\"",
-                  "remove it, or set distribution = \"bootstrap\"");
-    }
-  }
-  const auto dip = table.need_number("dip"), direction = table.need_number("dip_direction");
-  const auto law = table.has("distribution") ? table.choice("distribution") : std::optional<std::size_t>{3};
-  if (!law) return std::nullopt;
-
-  constexpr std::array<std::pair<string_view, std::size_t>, 5> own{
-      {{"kappa", 0}, {"dip_range", 1}, {"dip_direction_range", 1}, {"dip_std", 2}, {"dip_direction_std", 2}}};
-  for (const auto& [key, owner] : own) {
-    if (owner == *law || !table.has(key)) continue;
-    table.error(key, fmt::format("has no meaning for the distribution \"{}\"", orientation_laws[*law]),
-                fmt::format("remove it, or set distribution = \"{}\"", orientation_laws[owner]));
-  }
-  switch (*law) {
-    case 0: {
-      const auto kappa = table.need_number("kappa");
-      if (!dip || !direction || !kappa) return std::nullopt;
-      return dfn::FisherOrientation{Dip::degrees(*dip), context.turned(*direction), *kappa};
-    }
-    case 1: {
-      const auto a = table.need_number("dip_range");
-      const auto b = table.need_number("dip_direction_range");
-      if (!dip || !direction || !a || !b) return std::nullopt;
-      return dfn::UniformOrientation{Dip::degrees(*dip), context.turned(*direction), Dip::degrees(*a),
-                                     DipDirection::degrees(*b)};
-    }
-    case 2: {
-      const auto a = table.need_number("dip_std");
-      const auto b = table.need_number("dip_direction_std");
-      if (!dip || !direction || !a || !b) return std::nullopt;
-      return dfn::NormalOrientation{Dip::degrees(*dip), context.turned(*direction), Dip::degrees(*a),
-                                    DipDirection::degrees(*b)};
-    }
-    default: break;
-  }
-  if (!dip || !direction) return std::nullopt;
-  return dfn::UniformOrientation{Dip::degrees(*dip), context.turned(*direction), Dip::degrees(0),
-                                 DipDirection::degrees(0)};
 }
 
 }  // namespace
@@ -321,7 +213,16 @@ std::optional<dfn::Intensity> parse_intensity(const TableReader& set) {
   if (entry->key == "count") {
     const auto count = table.integer("count");
     if (!count) return std::nullopt;
-    return dfn::Count{static_cast<std::uint64_t>(*count)};
+    const bool in_buffer = table.has("count_in") && table.choice("count_in") == 1;
+    if (in_buffer && !set.has("buffer")) {
+      table.error("count_in", "needs a box that is larger than the domain's", "add buffer, or remove it");
+      return std::nullopt;
+    }
+    return dfn::Count{static_cast<std::uint64_t>(*count), in_buffer};
+  }
+  if (table.has("count_in")) {
+    table.error("count_in", fmt::format("has no meaning for \"{}\"", entry->key), "remove it");
+    return std::nullopt;
   }
   const auto value = table.number(entry->key);
   if (!value) return std::nullopt;

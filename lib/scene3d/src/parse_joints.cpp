@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "attitude_keys.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/geometry/polygon.hpp"
@@ -19,20 +20,14 @@ namespace {
 using std::string_view;
 
 const KeyTable& disc_keys() {
-  static const KeyTable keys{
-      .name = "joint.disc",
-      .keys = {{"centre", key::vector(rule::coordinate), required, "m"},
-               {"dip", key::number(rule::dip), required, "degrees"},
-               {"dip_direction", key::number(rule::dip_direction), required, "degrees"},
-               {"radius", key::number(rule::length), required, "m"},
-               {"sides", key::whole(3, 1024), "32", "of the regular polygon of the disc's area"}}};
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "joint.disc", .keys = {{"centre", key::vector(rule::coordinate), required, "m"}}};
+    for (Key& key : attitude_keys(true)) table.keys.push_back(std::move(key));
+    table.keys.push_back({"radius", key::number(rule::length), required, "m"});
+    table.keys.push_back({"sides", key::whole(3, 1024), "32", "of the regular polygon of the disc's area"});
+    return table;
+  }();
   return keys;
-}
-
-std::optional<geometry::Attitude> parse_attitude(const Context& context, const TableReader& table) {
-  const auto dip = table.need_number("dip"), direction = table.need_number("dip_direction");
-  if (!dip || !direction) return std::nullopt;
-  return geometry::Attitude{Dip::degrees(*dip), context.turned(*direction)};
 }
 
 using Geometry = std::variant<topology::Joint, topology::PersistentJoint>;
@@ -158,37 +153,41 @@ OwnStrength parse_own_strength(const TableReader& joint, bool is_file) {
 }  // namespace
 
 const KeyTable& plane_keys() {
-  static const KeyTable keys{.name = "plane",
-                             .keys = {{"through", key::vector(rule::coordinate), required, "m, a point of the plane"},
-                                      {"dip", key::number(rule::dip), required, "degrees"},
-                                      {"dip_direction", key::number(rule::dip_direction), required, "degrees"}}};
+  static const KeyTable keys = [] {
+    KeyTable table{.name = "plane",
+                   .keys = {{"through", key::vector(rule::coordinate), required, "m, a point of the plane"}}};
+    for (Key& key : attitude_keys(true)) table.keys.push_back(std::move(key));
+    return table;
+  }();
   return keys;
 }
 
 const KeyTable& joint_keys() {
   static const KeyTable keys{
       .name = "joint",
-      .keys = {{"file", key::text(), "",
-                "`.obj`: each face one joint; `.csv`: each row one joint (below); `.stl`, `.ply`: the whole surface "
-                "one joint; `.dxf`, `.ts`, `.fab`, `.dat`: polygons and surfaces ([formats](formats.md))"},
-               {"plane", key::table(&plane_keys), "",
-                "`{ through, dip, dip_direction }`: persistent: cuts the whole domain"},
-               {"disc", key::table(&disc_keys), "",
-                "`{ centre, dip, dip_direction, radius, sides = 32 }`: regular polygon of the disc's area"},
-               {"polygon", key::points(), "", "`[[x, y, z], ...]`: simple, planar, convex or not"},
-               {"holes", key::array(key::points()), "",
-                "beside `polygon`: outlines of holes in its plane, strictly inside it and apart from each other"},
-               {"set", key::text(), "\"default\"",
-                "name of its set; for `.dxf`, `.ts` and `.fab` the layer, object or set that the file names"},
-               {"name", key::text(), "", "of a single joint"},
-               {"terminates_at", key::texts(), "[]", "names of flat joints: it ends on their planes, below", "ends_on"},
-               {"surface", key::flag(), "true of `.stl`, `.ply`",
-                "of mesh files: true makes the whole mesh one joint, false each face a joint of its own"},
-               {"wrap", key::flag(), "false", "of CSV files: accept dips and directions outside 0..90 and 0..360"},
-               {"friction", key::number(rule::friction), "that of its set",
-                "degrees, of this joint alone (not of files: there it is a column)"},
-               {"cohesion", key::number(rule::strength), "that of its set", "Pa, of this joint alone"},
-               {"tension", key::number(rule::strength), "that of its set", "Pa, of this joint alone"}},
+      .keys =
+          {{"file", key::text(), "",
+            "`.obj`: each face one joint; `.csv`: each row one joint (below); `.stl`, `.ply`: the whole surface "
+            "one joint; `.dxf`, `.ts`, `.fab`, `.dat`: polygons and surfaces ([formats](formats.md))"},
+           {"plane", key::table(&plane_keys), "",
+            "`{ through, dip, dip_direction }` (or `trend`, `plunge` of the pole): persistent: cuts the whole domain"},
+           {"disc", key::table(&disc_keys), "",
+            "`{ centre, dip, dip_direction, radius, sides = 32 }` (or `trend`, `plunge`): regular polygon of the "
+            "disc's area"},
+           {"polygon", key::points(), "", "`[[x, y, z], ...]`: simple, planar, convex or not"},
+           {"holes", key::array(key::points()), "",
+            "beside `polygon`: outlines of holes in its plane, strictly inside it and apart from each other"},
+           {"set", key::text(), "\"default\"",
+            "name of its set; for `.dxf`, `.ts` and `.fab` the layer, object or set that the file names"},
+           {"name", key::text(), "", "of a single joint"},
+           {"terminates_at", key::texts(), "[]", "names of flat joints: it ends on their planes, below", "ends_on"},
+           {"surface", key::flag(), "true of `.stl`, `.ply`",
+            "of mesh files: true makes the whole mesh one joint, false each face a joint of its own"},
+           {"wrap", key::flag(), "false", "of CSV files: accept dips and directions outside 0..90 and 0..360"},
+           {"friction", key::number(rule::friction), "that of its set",
+            "degrees, of this joint alone (not of files: there it is a column)"},
+           {"cohesion", key::number(rule::strength), "that of its set", "Pa, of this joint alone"},
+           {"tension", key::number(rule::strength), "that of its set", "Pa, of this joint alone"}},
       .one_of = {{"file", "plane", "disc", "polygon"}}};
   return keys;
 }

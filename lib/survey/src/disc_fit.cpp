@@ -41,6 +41,7 @@ double upper_end(const Fit& law) {
     case Family::lognormal: return std::exp(std::min(700.0, law.a + 8 * law.b));
     case Family::gamma: return law.b * (law.a + 12 * std::sqrt(law.a) + 45);
     case Family::power: return law.max;
+    case Family::normal: return law.a + 9 * law.b;
   }
   std::unreachable();
 }
@@ -52,6 +53,7 @@ double log_width(const Fit& law) {
     case Family::lognormal: return law.b;
     case Family::gamma: return 1 / std::sqrt(1 + law.a);
     case Family::power: return 0.2;
+    case Family::normal: return std::min(1.0, law.b / law.a);
   }
   std::unreachable();
 }
@@ -145,6 +147,7 @@ double log_spread(const Fit& law) {
   switch (law.family) {
     case Family::lognormal: return std::log(law.b);
     case Family::gamma: return -0.5 * std::log(law.a);
+    case Family::normal: return std::log(law.b / law.a);
     case Family::exponential:
     case Family::power: return 0;
   }

@@ -16,6 +16,10 @@ namespace {
 
 constexpr double tiny = 1e-300;
 
+double normal_density(double z) { return std::exp(-z * z / 2) / std::sqrt(2 * std::numbers::pi); }
+/// What a normal law leaves above 0.
+double above_zero(const Fit& fit) { return special::normal_cdf(fit.a / fit.b); }
+
 double log_likelihood(const Fit& fit, std::span<const SeenLength> lengths, const Meeting& meeting) {
   double sum = 0;
   for (const SeenLength& l : lengths) {
@@ -62,6 +66,10 @@ Fit law_at(Family family, const std::array<double, 2>& p, double min, double max
       fit.min = min;
       fit.max = max;
       break;
+    case Family::normal:
+      fit.a = std::exp(std::clamp(p[0], -40.0, 40.0));
+      fit.b = std::exp(std::clamp(p[1], -40.0, 40.0));
+      break;
   }
   return fit;
 }
@@ -72,6 +80,7 @@ std::array<double, 2> start_of(Family family, double mean) {
     case Family::lognormal: return {std::log(mean) - 0.3, std::log(0.8)};
     case Family::gamma: return {0.3, std::log(mean) - 0.3};
     case Family::power: return {0.5, 0.0};
+    case Family::normal: return {std::log(mean), std::log(mean) - 0.7};
   }
   std::unreachable();
 }
@@ -84,6 +93,7 @@ std::string_view name_of(Family family) noexcept {
     case Family::lognormal: return "lognormal";
     case Family::gamma: return "gamma";
     case Family::power: return "power";
+    case Family::normal: return "normal";
   }
   std::unreachable();
 }
@@ -100,6 +110,7 @@ double Fit::density(double x) const {
     case Family::power:
       if (x < min || x > max) return 0;
       return a * std::pow(x, -a - 1) / (std::pow(min, -a) - std::pow(max, -a));
+    case Family::normal: return normal_density((x - a) / b) / (b * above_zero(*this));
   }
   std::unreachable();
 }
@@ -114,6 +125,7 @@ double Fit::below(double x) const {
       if (x <= min) return 0;
       if (x >= max) return 1;
       return (std::pow(min, -a) - std::pow(x, -a)) / (std::pow(min, -a) - std::pow(max, -a));
+    case Family::normal: return 1 - special::normal_cdf((a - x) / b) / above_zero(*this);
   }
   std::unreachable();
 }
@@ -124,6 +136,7 @@ double Fit::quantile(double u) const {
     case Family::lognormal: return std::exp(a + b * normal_quantile(u));
     case Family::gamma: return b * special::gamma_below_inverse(a, u);
     case Family::power: return std::pow(std::pow(min, -a) - u * (std::pow(min, -a) - std::pow(max, -a)), -1 / a);
+    case Family::normal: return std::max(0.0, a - b * normal_quantile((1 - u) * above_zero(*this)));
   }
   std::unreachable();
 }
@@ -142,6 +155,11 @@ double Fit::moment(int k) const {
       return std::abs(k - a) < 1e-9 ? c * std::log(max / min)
                                     : c * (std::pow(max, k - a) - std::pow(min, k - a)) / (k - a);
     }
+    case Family::normal: {
+      double before = 1, m = a + b * normal_density(a / b) / above_zero(*this);
+      for (int i = 2; i <= k; ++i) before = std::exchange(m, a * m + (i - 1) * b * b * before);
+      return m;
+    }
   }
   std::unreachable();
 }
@@ -158,6 +176,10 @@ double Fit::mean_excess(double x) const {
       const double tail = std::abs(1 - a) < 1e-9 ? c * std::log(max / from)
                                                  : c * (std::pow(max, 1 - a) - std::pow(from, 1 - a)) / (1 - a);
       return tail - x * (1 - below(x));
+    }
+    case Family::normal: {
+      const double z = (x - a) / b;
+      return std::max(0.0, b * (normal_density(z) - z * special::normal_cdf(-z)) / above_zero(*this));
     }
   }
   std::unreachable();

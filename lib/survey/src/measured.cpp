@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "cleave/survey/analyse.hpp"
 
 namespace cleave::survey {
@@ -6,7 +10,17 @@ double weight_of(const MeasuredOrientation& joint, double cap) {
   const double weight = joint.line     ? terzaghi_weight(joint.normal, *joint.line, cap)
                         : joint.window ? window_weight(joint.normal, *joint.window, 0, 1, 0, cap)
                                        : 1.0;
-  return weight < cap || weight == 1 ? weight : (joint.line ? 2 : 1.5) * cap;
+  const double capped = weight < cap || weight == 1 ? weight : (joint.line ? 2 : 1.5) * cap;
+  if (joint.line || !joint.window || !joint.outcrop) return capped;
+  // The longer the part of the border across the traces, the more of them are met beyond those with their centres in
+  // the outcrop.
+  const geometry::Vec3 trace = cross(joint.normal, *joint.window);
+  if (!(norm(trace) > 0)) return capped;
+  const OutcropSize& o = *joint.outcrop;
+  const double cosine = std::min(1.0, std::abs(dot(trace, o.along)) / norm(trace));
+  const double width = o.width.si(), height = o.height.si();
+  const double across = width * std::sqrt(1 - cosine * cosine) + height * cosine;
+  return capped / (1 + std::numbers::pi / 4 * o.diameter.si() * across / (width * height));
 }
 
 double LineSurvey::length() const noexcept {

@@ -191,7 +191,7 @@ void average_over_laws(SetResult& set, double confidence) {
 
 void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meeting& meeting,
               const std::optional<Estimate>& mean, double confidence) {
-  for (const Family family : {Family::exponential, Family::lognormal, Family::gamma, Family::power}) {
+  for (const Family family : {Family::exponential, Family::lognormal, Family::gamma, Family::power, Family::normal}) {
     // Pooled windows of equal shape: area over width of the sums.
     auto fit = fit_lengths(lengths, meeting, family);
     if (!fit) continue;

@@ -64,7 +64,8 @@ std::optional<SizeOfJoints> size_law(Family family, double mean_length, double s
       const double shape = (2 - m.ratio()) / (m.ratio() - 1), scale = m.m2 / (shape + 1);
       return SizeOfJoints{.family = family, .mean = shape * scale, .std = std::sqrt(shape) * scale};
     }
-    case Family::power: return std::nullopt;  // its limits are not to be had from two moments
+    case Family::power:                        // its limits are not to be had from two moments
+    case Family::normal: return std::nullopt;  // a law of traces: sizes are never below their traces
   }
   std::unreachable();
 }
@@ -119,6 +120,13 @@ double size_moment(const SizeOfJoints& law, int k) {
       fit.a = law.exponent;
       fit.min = law.min;
       fit.max = law.max;
+      return fit.moment(k);
+    }
+    case Family::normal: {
+      Fit fit;
+      fit.family = Family::normal;
+      fit.a = law.mean;
+      fit.b = law.std;
       return fit.moment(k);
     }
   }

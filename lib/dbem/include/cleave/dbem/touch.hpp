@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -38,6 +39,12 @@ struct Touch {
   friend bool operator==(const Touch&, const Touch&) = default;
 };
 
+/// Two corners that nothing tells the line of yet: they lie over one another and stay there as far as is known, or pass
+/// each other by. Only the motion tells whether they meet, and on which of the two lines.
+struct CornerChoice {
+  Touch first, last;
+};
+
 /// Axis-parallel box.
 struct Box {
   Vec2 low, high;
@@ -72,10 +79,16 @@ struct Reach {
 };
 /// Appends every contact of the two bodies. `drift` (of i relative to j) decides between two entrance lines with equal
 /// gaps. Edge against edge gives the two ends of the common interval; a corner in a concave corner gives both edges.
-void find_touches(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift, std::vector<Touch>& out);
+/// Corners that are no contact yet go to `choices`.
+void find_touches(const Placed& i, const Placed& j, const Reach& reach, const Drift& drift, std::vector<Touch>& out,
+                  std::vector<CornerChoice>& choices);
 
 /// Gap, foot, normal and point of a known pair of corner and edge at new places of the corners.
 void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const Vec2> corners_j);
+
+/// The line of a choice that was crossed last on the way from the gaps it was made with to those of `after`: the two
+/// corners have come in there, or farther in. Nothing while one line holds but for `rounding`.
+[[nodiscard]] std::optional<Touch> line_crossed(const CornerChoice& choice, const CornerChoice& after, double rounding);
 
 /// The edge of a polygon that moves from `before` to `after` which a point moving from `from` to `to` crosses first
 /// from outside (or from a penetration of `rounding`); npos when none.

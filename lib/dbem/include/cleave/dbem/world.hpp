@@ -80,9 +80,9 @@ struct WorldOptions {
   bool sleep = true;              ///< bodies at rest are left alone until something touches them
   double sleep_speed = 1e-7;      ///< m/s
   bool quasi_static = false;      ///< every step starts from rest and is fully implicit: for static answers
-  /// Operations that one try of a step may take for each 100 bodies (at least as for 100); counted, not timed: some
-  /// 2.5 x 10^9 take a second. A try that would need more fails: the step is cut, or the run stops.
-  double try_work = 5e9;
+  /// Operations that a step with all its tries may take for each 100 bodies (at least as for 100); counted, not timed:
+  /// some 2.5 x 10^9 take a second. What would need more is cut, and then refused.
+  double step_work = 5e9;
   SolverOptions solver = {};
 };
 

@@ -52,9 +52,10 @@ using Shape = std::variant<Rectangle, Square, Disc, Ellipse, RegularPolygon, Per
 // ---- intensity ------------------------------------------------------------------------------------------------------
 
 /// Exactly this many joints, centres uniform in the domain's box; in a larger box (`JointSetSpec::buffer`) as many more
-/// as it is larger, so that the density stays.
+/// as it is larger, so that the density stays, or so many in all of it (`in_buffer`).
 struct Count {
   std::uint64_t joints = 0;
+  bool in_buffer = false;
 };
 /// Joint area per volume (1/m). This and the next three draw a Poisson number of joints in the domain's box grown by
 /// the largest half extent of a joint on all sides (planes: in the smallest ball around the box), so the domain has no
@@ -123,7 +124,7 @@ class JointSet final {
   /// limit count up to their quantile 1 - 1e-6.
   [[nodiscard]] double reach() const noexcept;
   /// E |n . mean normal|: turns P10 into P32. Closed form for Fisher's law, else the mean over 2^16 points of a fixed
-  /// low-discrepancy sequence (error below 1e-4; some milliseconds).
+  /// low-discrepancy sequence (error below 1e-4; some milliseconds, but for intensities along a line once a set).
   [[nodiscard]] double mean_cosine() const noexcept;
   /// Joint area per volume that the intensity asks for (1/m); for Count joints in `volume` (m3).
   [[nodiscard]] double expected_p32(double volume) const noexcept;
@@ -135,8 +136,10 @@ class JointSet final {
 
  private:
   explicit JointSet(JointSetSpec spec) : spec_{std::move(spec)} {}
+  [[nodiscard]] double find_mean_cosine() const noexcept;
   JointSetSpec spec_;
   double area_share_ = 1;
+  std::optional<double> mean_cosine_;  ///< of intensities along a line, which need it in every draw
 };
 
 }  // namespace cleave::dfn

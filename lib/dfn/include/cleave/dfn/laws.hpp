@@ -93,12 +93,13 @@ struct FisherOrientation {
   DipDirection dip_direction;
   double kappa = 0;
 };
-/// Dip and dip direction normal and independent; dips fold back into [0, 90].
+/// Dip and dip direction of a bivariate normal law with this correlation; dips fold back into [0, 90].
 struct NormalOrientation {
   Dip dip;
   DipDirection dip_direction;
   Dip dip_std;
   DipDirection dip_direction_std;
+  double correlation = 0;  ///< -1 to 1
 };
 /// Measured normals drawn with replacement, each as often as its weight says, and turned by Fisher's law with `jitter`
 /// (none: exactly as measured). Dip and dip direction are those of the weighted mean axis.
@@ -112,14 +113,27 @@ struct BootstrapOrientation {
   [[nodiscard]] static BootstrapOrientation make(std::vector<geometry::Vec3> normals, std::vector<double> weights,
                                                  std::optional<double> jitter);
 };
-using OrientationLaw = std::variant<UniformOrientation, FisherOrientation, NormalOrientation, BootstrapOrientation>;
-
-// ---- rotation in the joint's plane
-// ------------------------------------------------------------------------------------
-
 struct RotationKind;
 /// From the strike (dip direction - 90) to the first side or axis, counter-clockwise seen from above.
 using Rotation = Angle<RotationKind>;
+
+/// Bingham's (1974) law of axes about the mean normal v3: density proportional to exp(k1 (n.v1)^2 + k2 (n.v2)^2), v1 in
+/// the mean plane at `axis` from the strike, v2 across it. k1 = k2: the same spread all round; k2 = 0 and k1 far below
+/// it: a girdle.
+struct BinghamOrientation {
+  Dip dip;
+  DipDirection dip_direction;
+  double k1 = 0, k2 = 0;           ///< -1e9 to 0
+  Rotation axis;                   ///< of v1
+  std::vector<double> density;     ///< of azimuths about v3 over a quarter turn, at equal steps of a stretched azimuth
+  std::vector<double> cumulative;  ///< its integral up to each of them, the last one 1
+  /// Precondition: k1 and k2 from -1e9 to 0.
+  [[nodiscard]] static BinghamOrientation make(Dip dip, DipDirection direction, double k1, double k2, Rotation axis);
+};
+using OrientationLaw =
+    std::variant<UniformOrientation, FisherOrientation, NormalOrientation, BootstrapOrientation, BinghamOrientation>;
+
+// ---- rotation in the joint's plane ----------------------------------------------------------------------------------
 
 struct FixedRotation {
   Rotation angle;
@@ -199,6 +213,8 @@ struct Orthogonal {
   Gaps gaps = Gaps::poisson;
   double gap_variation = 0.5;     ///< standard deviation / mean of lognormal gaps
   std::optional<SizeLaw> bridge;  ///< intact rock between two joints of a row
+  /// A point that one of the planes passes; none: the place of the first is random, too.
+  std::optional<geometry::Vec3> through = {};
 };
 
 using Model = std::variant<Baecher, EnhancedBaecher, Veneziano, Dershowitz, Mosaic, Hierarchical, Mit, Orthogonal>;

@@ -56,7 +56,8 @@ struct JointCsvOptions {
 };
 
 /// Joints from a table with a header. Columns in any order, in either case, blanks and hyphens as underscores: dip
-/// (dip_angle), dip_direction (dipdir, dip_dir, dd, azimuth) or strike (right-hand rule), x (easting), y (northing), z
+/// (dip_angle), dip_direction (dipdir, dip_dir, dd, azimuth) or strike (right-hand rule), or trend and plunge of the
+/// pole (the normal that points down), x (easting), y (northing), z
 /// (elevation), radius | diameter | side_a, side_b, rotation | none = persistent, set, friction (degrees), cohesion
 /// (Pa), id; a unit in brackets behind the name ("cohesion (kPa)") counts. A column that is not understood but holds a
 /// number where a joint would be left persistent is an error.

@@ -68,12 +68,14 @@ enum class Method : std::uint8_t {
   proximal,  ///< along falling proximal weights
   sweeps,    ///< semismooth, from sweeps over the points
   convex,    ///< convex programmes with slip or bounds of friction renewed
+  interior,  ///< interior points, then semismooth
 };
-inline constexpr std::size_t method_count = 5;
+inline constexpr std::size_t method_count = 6;
 [[nodiscard]] std::string_view name_of(Method method) noexcept;
 
 struct SolverOptions {
   double accept = 1e-8;  ///< residual above which an answer is never called converged
+  double tolerate = 0;   ///< residual up to which the best answer may be used where none converges; it is called rough
   /// Whether forces that only lock bodies between one another may hold them: what moves they would stop at once.
   bool locking = true;
   /// Whether an answer in which bodies stand is looked at again from motion, and gives way to one that moves.
@@ -86,6 +88,7 @@ struct SolveReport {
   enum class Status : std::uint8_t {
     converged,
     open,           ///< no contact carries anything
+    rough,          ///< the best answer found, not accepted but tolerated
     not_converged,  ///< the best answer found; never to be used as if it were right
   };
   Status status = Status::open;
@@ -147,6 +150,8 @@ struct StepReport {
   std::size_t cuts = 0, retries = 0, contacts = 0, islands = 0, asleep = 0, broken = 0;
   std::size_t stick = 0, slip = 0, iterations = 0;
   std::size_t may_be_locked = 0;  ///< bodies in groups of which another answer moves or stands, or may
+  std::size_t rough = 0;          ///< bodies in groups whose answer is tolerated only
+  double missed_speed = 0;        ///< largest velocity by which a contact misses the law
   double residual = 0;            ///< the worst of the groups
   double max_penetration = 0;     ///< deepest overlap before bodies were parted
   double overlap = 0;             ///< deepest overlap left, looked for apart from the contacts

@@ -43,6 +43,8 @@ struct MotionResult {
   Time end = {};
   std::uint64_t steps = 0, walls = 0, contacts = 0;
   std::uint64_t may_be_locked = 0;  ///< the most blocks at a time in groups for which the law may have another answer
+  std::uint64_t rough_steps = 0;    ///< in which the best answer found did not meet the law to what is accepted
+  double missed_speed = 0;          ///< largest by which a contact missed the law in those
   double residual = 0;
   Length penetration = {};
   double overlap = 0;  ///< over the size of the smaller block
@@ -57,13 +59,21 @@ struct MotionResult {
 };
 template <class V>
 void fields(V& v, const MotionResult& x) {
-  v("status", one_of(x.converged ? "converged" : "stopped", {"converged", "stopped"}),
-    "stopped: a step could not be solved within its residual or without overlap, and the run ends there");
+  v("status",
+    one_of(!x.converged        ? "stopped"
+           : x.rough_steps > 0 ? "rough"
+                               : "converged",
+           {"converged", "rough", "stopped"}),
+    "rough: the run went on with the best answers found where none met the contact law to 1e-5 (rough_steps, "
+    "residual); "
+    "stopped: a step could not be solved so or without overlap, and the run ends there");
   v("reason", when(!x.converged, x.stopped_why));
   v("at_rest", x.at_rest);
   v("end_s", x.end);
   v("steps", x.steps);
   v("residual", x.residual, "of the contact law, the worst of all steps");
+  v("rough_steps", x.rough_steps, "steps that went on with an answer between 1e-5 and 1e-3");
+  v("missed_speed_m_s", x.missed_speed, "largest velocity by which a contact missed the law in those steps");
   v("max_penetration_m", x.penetration, "deepest overlap before bodies were parted, of all steps");
   v("max_overlap_relative", x.overlap, "deepest overlap left, over the size of the smaller block");
   v("may_be_locked", x.may_be_locked,

@@ -16,15 +16,24 @@
 /// A whole survey: from what was measured to joint sets with their laws.
 namespace cleave::survey {
 
+/// A rectangular outcrop, and the size of the joints seen on it.
+struct OutcropSize {
+  geometry::Vec3 along;  ///< unit, its side of `width`
+  Length width, height;
+  Length diameter;  ///< of the joints, as discs
+};
+
 /// A joint whose orientation was measured.
 struct MeasuredOrientation {
   geometry::Vec3 normal;                 ///< unit, z >= 0
   std::string set;                       ///< "" when not stated
   std::optional<geometry::Vec3> line;    ///< direction of the line it was met on
   std::optional<geometry::Vec3> window;  ///< normal of the outcrop it was seen on
+  std::optional<OutcropSize> outcrop = {};
 };
 
-/// Weight against the bias of how it was met. Joints beyond the cap (within 5.7 degrees of the line or outcrop for 10)
+/// Weight against the bias of how it was met: on lines 1/|n.l|, on outcrops 1/sin V, where the outcrop's size is known
+/// that of `window_weight`. Joints beyond the cap (within 5.7 degrees of the line or outcrop for 10)
 /// share the mean weight of their zone, so that the cap leaves no bias: where as many lie on either side of the line as
 /// beyond it, 1/|n.l| has the mean 2 caps among those met, 1/sin V of an outcrop 1.5 caps.
 [[nodiscard]] double weight_of(const MeasuredOrientation& joint, double cap);

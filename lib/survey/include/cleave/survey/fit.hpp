@@ -26,11 +26,11 @@ struct Estimate {
 
 // Laws fitted to lengths and spacings by maximum likelihood, with censoring.
 
-enum class Family : std::uint8_t { exponential, lognormal, gamma, power };
+enum class Family : std::uint8_t { exponential, lognormal, gamma, power, normal };
 [[nodiscard]] std::string_view name_of(Family family) noexcept;
 
 /// A fitted law. Parameters: exponential mean; lognormal mu, sigma of the logarithm; gamma shape, scale; power exponent
-/// with the limits min, max.
+/// with the limits min, max; normal mu > 0 and sigma of the law before it is cut at 0.
 struct Fit {
   Family family = Family::exponential;
   double a = 1, b = 1;

@@ -128,7 +128,8 @@ struct Block {
   bool convex;              ///< exact: no re-entrant edge, one shell
   bool fixed;               ///< has a face of Role::fixed
   bool free;                ///< has a face of Role::free
-  /// Smallest width over the face normals (m): distance between the face's plane and the farthest vertex.
+  /// Smallest width (m) over the normals of the eight faces that are largest (all, of blocks with fewer): between the
+  /// outermost vertices along it.
   Length thickness;
   bool sliver;  ///< thickness below 1e-6 of the domain's extent
   /// Has a face of Role::window: only a part of the block is known, and it may go on as another part elsewhere.

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "world_impl.hpp"
+
+namespace cleave::dbem {
+
+/// One try of a step: groups of touching bodies, the impulses between them, where these lead, and whether that may be
+/// believed. Done again with the contacts that come up on the way. Changes nothing of the world but what it remembers
+/// for later tries (`hint`, `torn_now`), and what it wakes.
+class Trial final {
+ public:
+  Trial(World::Impl& world, double step, std::size_t cut, Work& work, Attempt& out);
+  /// Nothing: `out` is a step that holds.
+  [[nodiscard]] std::optional<World::Impl::Failure> run();
+
+ private:
+  using Failure = World::Impl::Failure;
+
+  /// Groups, their rules in time, and the geometry that impulses act on.
+  void divide();
+  [[nodiscard]] std::optional<Failure> solve();
+  [[nodiscard]] std::optional<Failure> solve_group(std::size_t group);
+  /// The answer of the round before, where the same contacts are asked the same.
+  [[nodiscard]] const ContactSolution* found_before(std::size_t group) const;
+  /// The mean rule lets a contact that opens and shuts again within a step, or slip that turns round, bring in energy
+  /// of the order of (g step)^2: such groups are done again by the implicit rule, which cannot.
+  [[nodiscard]] bool mean_rule_gained();
+  [[nodiscard]] std::optional<Failure> move();
+  [[nodiscard]] std::optional<Failure> error_of_position() const;
+  /// What touches and overlaps now; fails where something wakes.
+  [[nodiscard]] std::optional<Failure> look();
+  [[nodiscard]] bool contacts_came_up();
+
+  void note_contacts();
+  void note_contact(std::size_t group, std::size_t contact);
+  void note_torn(const Touch& t, Vec2 impulse, Vec2 velocity, ContactState how, const Bond& bond);
+  /// Work of the loads other than gravity, and what is left over at each body.
+  void note_loads();
+  void part();
+  [[nodiscard]] std::optional<Failure> judge_overlaps() const;
+
+  World::Impl& w_;
+  double step_;
+  std::size_t cut_;
+  Work& work_;
+  Attempt& out_;
+  std::vector<Touch> list_;   // at the start of the step
+  std::vector<Touch> moved_;  // where impulses act
+  std::vector<Rows> rows_;    // of each group
+  std::vector<ContactSolution> solutions_;
+  std::vector<Clash> clashes_;
+  std::vector<double> theta_;  // of each body
+  std::vector<std::uint8_t> implicit_;
+  State free_;  // without contacts
+  // Of the round before, by the first contact of the group.
+  std::vector<Island> groups_before_;
+  std::vector<ContactSolution> solutions_before_;
+  std::vector<std::uint32_t> group_of_;
+};
+
+}  // namespace cleave::dbem

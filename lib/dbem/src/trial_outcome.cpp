@@ -1,0 +1,119 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "trial.hpp"
+
+/// What a step that was solved came to, and whether bodies share space after it.
+namespace cleave::dbem {
+
+void Trial::note_contacts() {
+  for (std::size_t s = 0; s < out_.islands.size(); ++s) {
+    for (std::size_t k = 0; k < out_.islands[s].touches.size(); ++k) note_contact(s, k);
+  }
+  for (std::uint32_t b = 0; b < w_.bonds.size(); ++b) {
+    if (!w_.bonds[b].broken && w_.torn_now[w_.bonds[b].section] != 0) out_.broken.push_back(b);
+  }
+}
+
+void Trial::note_contact(std::size_t group, std::size_t contact) {
+  const Rows& rows = rows_[group];
+  const Touch& t = list_[out_.islands[group].touches[contact]];
+  const Vec2 p = solutions_[group].impulse[contact];
+  const Vec2 now = w_.velocity_of(rows, contact, out_.state);
+  const Vec2 old = w_.velocity_of(rows, contact, w_.state);
+  const JointLaw& law = w_.law_of(t);
+  const Bond* bond = w_.bond_of(t);
+  out_.friction -= law.compliance > 0 ? 0.0 : p.y * 0.5 * (now.y + old.y);
+  const double mu = bond == nullptr && law.residual_friction >= 0 ? law.residual_friction : law.friction;
+  const double bound = mu * p.x / step_ + (bond != nullptr ? bond->cohesion : 0.0);
+  ContactState how = ContactState::stick;
+  if (p == Vec2{}) {
+    how = ContactState::open;
+  } else if (std::abs(p.y) / step_ >= bound * (1 - 1e-9)) {
+    how = ContactState::slip;
+  }
+  if (bond != nullptr) note_torn(t, p, now, how, *bond);
+  if (p != Vec2{}) out_.memory.push_back({key_of(t), p / step_, law.compliance, t.point, t.normal});
+  const Touch& at = moved_[out_.islands[group].touches[contact]];
+  out_.contacts.push_back({t.i, t.vertex, t.j, t.edge, w_.anchor + at.point, at.normal, t.gap, p.x / step_, p.y / step_,
+                           now.y, how, bond != nullptr});
+  // Bodies whose velocity is given do work through their contacts.
+  for (const std::size_t which : {2 * contact, 2 * contact + 1}) {
+    const Side& side = rows.sides[which];
+    const Shape& shape = w_.shapes[side.body];
+    const Vec2 impulse = p.x * side.n + p.y * side.t;
+    const Vec2 v = out_.state.v[side.body];
+    if (shape.inverse_x == 0) out_.work -= impulse.x * v.x;
+    if (shape.inverse_y == 0) out_.work -= impulse.y * v.y;
+    if (shape.inverse_spin == 0) {
+      out_.work -= (p.x * side.turn_n + p.y * side.turn_t) * out_.state.spin[side.body];
+    }
+  }
+}
+
+void Trial::note_torn(const Touch& t, Vec2 impulse, Vec2 velocity, ContactState how, const Bond& bond) {
+  const double feature = std::min(w_.shapes[t.i].feature, w_.shapes[t.j].feature);
+  const bool torn = impulse.x / step_ <= -bond.tension && velocity.x * step_ > 1e-9 * feature;
+  const bool sheared = how == ContactState::slip && std::abs(velocity.y) * step_ > 1e-9 * feature;
+  if (!torn && !sheared) return;
+  out_.broken.push_back(std::ranges::lower_bound(w_.bond_keys, BondKey{t.i, t.vertex, t.j, 0})->bond);
+}
+
+void Trial::note_loads() {
+  double most_change = 0, most_pull = 0;
+  for (std::size_t b = 0; b < w_.size(); ++b) {
+    if (w_.idle(b)) continue;
+    const Shape& shape = w_.shapes[b];
+    double torque = 0;
+    std::vector<double> modal;
+    const Vec2 force = w_.force_on(w_.state, b, step_, torque, shape.timed ? &modal : nullptr);
+    const Vec2 other = force - shape.mass * w_.options.gravity;
+    out_.work += dot(other, out_.state.x[b] - w_.state.x[b]) + torque * (out_.state.angle[b] - w_.state.angle[b]);
+    for (std::size_t m = 0; m < modal.size(); ++m) {
+      const std::size_t at = w_.first_mode[b] + m;
+      out_.work += modal[m] * (out_.state.e[at] - w_.state.e[at]);
+    }
+    if (shape.mass > 0) most_pull = std::max(most_pull, norm(force) / shape.mass);
+    const Vec2 dv = out_.state.v[b] - w_.state.v[b];
+    double change = norm(dv) + std::abs(out_.state.spin[b] - w_.state.spin[b]) * shape.radius;
+    const double speed = w_.speed_bound(out_.state, b);
+    if (shape.modes > 0) change = std::max(change, speed);
+    most_change = std::max(most_change, change / step_);
+    out_.report.max_speed = std::max(out_.report.max_speed, speed);
+  }
+  out_.report.unbalanced = most_pull > 0 ? most_change / most_pull : most_change;
+}
+
+void Trial::part() {
+  bool parted = false;
+  for (int pass = 0; pass < 3; ++pass) {
+    double deepest = 0;
+    for (const Touch& t : out_.touches) {
+      if (w_.law_of(t).compliance > 0) continue;
+      deepest = std::max(deepest, -t.gap / std::min(w_.shapes[t.i].feature, w_.shapes[t.j].feature));
+    }
+    if (deepest <= contact_depth) break;
+    if (!w_.project(out_, work_)) break;
+    parted = true;
+    double limit_again = 0;
+    const double plan = std::max(w_.next_step, step_);
+    w_.find(out_.state, out_.corners, out_.boxes, plan, out_.touches, out_.choices, limit_again);
+    out_.limit = std::min(out_.limit, limit_again);
+  }
+  if (parted) clashes_ = w_.clashes_of(out_);
+}
+
+std::optional<World::Impl::Failure> Trial::judge_overlaps() const {
+  for (const Clash& clash : clashes_) {
+    if (clash.depth <= clash.allowed + w_.shortened_by_springs(out_, clash.pair)) continue;
+    return Failure{out_.report.residual,
+                   fmt::format("bodies '{}' and '{}' run into one another", w_.bodies[clash.pair.a].name,
+                               w_.bodies[clash.pair.b].name),
+                   0, true};
+  }
+  return std::nullopt;
+}
+
+}  // namespace cleave::dbem

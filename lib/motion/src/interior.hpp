@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "cleave/linear/fronts.hpp"
+#include "newton.hpp"
+
+namespace cleave::motion {
+
+/// Coulomb's law on the cone by interior points (Kojima, Mizuno and Yoshise 1989; scaling of Nesterov and Todd 1997;
+/// for friction Acary, Armand, Nguyen and Shpakovych 2023): forces x inside the cone and velocities inside its dual,
+/// opened by mu |slip|, with products that fall to zero along a path. The slip is part of the linearised system.
+/// A weight about given forces keeps those near them that the law leaves open.
+class Interior final {
+ public:
+  explicit Interior(const Scaled& scaled);
+  Interior(const Scaled&&) = delete;
+
+  struct Options {
+    double weight = 1e-8;   ///< of x - centre
+    double goal = 1e-13;    ///< of the mean product
+    double start = 1e3;     ///< how far inside the cone forces begin, of what moves a body by 1
+    bool coupled = true;    ///< slip in the linearised system, else renewed from step to step
+    std::size_t most = 60;  ///< factors
+  };
+  /// Forces near the end of the path; the products left. `x`: the centre, then the answer.
+  double solve(std::vector<Eigen::Vector3d>& x, const Options& options);
+  [[nodiscard]] std::size_t factors() const noexcept { return factors_; }
+
+ private:
+  /// Of one contact: scaled force and velocity, and what the linearised system needs.
+  struct Cone {
+    Eigen::Vector3d force = Eigen::Vector3d::Zero(), speed = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d scaling = Eigen::Matrix3d::Zero(), back = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d soft = Eigen::Matrix3d::Zero(), turn = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d off = Eigen::Vector3d::Zero();
+    Eigen::Vector3d d_force = Eigen::Vector3d::Zero(), d_speed = Eigen::Vector3d::Zero();
+  };
+  [[nodiscard]] bool factor(bool symmetric);
+  void back_substitute(Eigen::VectorXd& x) const;
+
+  const Scaled* scaled_;
+  bool dense_;
+  std::optional<linear::FrontalFactor> sparse_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+  std::vector<Cone> cones_;
+  std::size_t factors_ = 0;
+};
+
+}  // namespace cleave::motion

@@ -1,0 +1,194 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "cleave/field_data/survey_file.hpp"
+#include "cleave/geometry/orientation.hpp"
+
+// Tables of orientations as field programs write them, against planes worked out by hand.
+
+namespace cleave::scene {
+namespace {
+
+using geometry::Vec3;
+
+std::expected<SurveyScene, std::vector<Problem>> parsed(const std::string& toml, const std::string& table) {
+  return parse_survey(toml, "s.toml", [table](const std::string& name) -> std::expected<LoadedFile, FileRefusal> {
+    if (name != "t.csv") return std::unexpected(FileRefusal{"the file does not exist", "check the name"});
+    return LoadedFile{table, name};
+  });
+}
+std::vector<survey::MeasuredOrientation> read(const std::string& toml, const std::string& table) {
+  const auto survey = parsed(toml, table);
+  if (!survey) {
+    for (const Problem& problem : survey.error()) ADD_FAILURE() << describe(problem);
+    return {};
+  }
+  return survey->input.orientations;
+}
+std::string error_of(const std::string& toml, const std::string& table) {
+  const auto survey = parsed(toml, table);
+  return survey ? "taken" : describe(survey.error().front());
+}
+std::vector<std::string> notes_of(const std::string& toml, const std::string& table) {
+  std::vector<std::string> notes;
+  if (const auto survey = parsed(toml, table)) {
+    for (const Problem& note : survey->notes) notes.push_back(describe(note));
+  }
+  return notes;
+}
+void expect_plane(Vec3 normal, double dip, double direction) {
+  const Vec3 n = geometry::upward_normal({Dip::degrees(dip), DipDirection::degrees(direction)});
+  EXPECT_NEAR(std::abs(dot(normal, n)), 1, 1e-12) << dip << "/" << direction;
+  EXPECT_GE(normal.z, 0);
+}
+
+const std::string poles = "[[orientations]]\nfile = \"t.csv\"\n";
+
+TEST(FieldTables, AnglesBeyondTheirRangeTurnThePlane) {
+  const auto rows = read(poles + "wrap = true\n", "dip,dip_direction\n-35,400\n100,20\n35,-140\n35,580\n190,10\n");
+  ASSERT_EQ(rows.size(), 5U);
+  expect_plane(rows[0].normal, 35, 220);  // so the manual of Dips has it
+  expect_plane(rows[1].normal, 80, 200);
+  expect_plane(rows[2].normal, 35, 220);
+  expect_plane(rows[3].normal, 35, 220);
+  expect_plane(rows[4].normal, 10, 10);
+  EXPECT_TRUE(error_of(poles, "dip,dip_direction\n-35,400\n").contains("outside 0 to 90 degrees"));
+  const auto trends = read(poles + "wrap = true\n", "trend,plunge\n400,-55\n");
+  expect_plane(trends[0].normal, 35, 40);  // the line points up: so does the normal
+}
+
+TEST(FieldTables, DeclinationTurnsEveryDirection) {
+  for (const auto& [table, direction] : std::map<std::string, double>{{"dip,dip_direction\n40,355\n", 7.5},
+                                                                      {"dip,strike\n40,265\n", 7.5},
+                                                                      {"trend,plunge\n175,50\n", 7.5 + 1e-13}}) {
+    const auto rows = read(poles + "declination = 12.5\n", table);
+    ASSERT_EQ(rows.size(), 1U);
+    expect_plane(rows[0].normal, 40, direction);
+  }
+}
+
+TEST(FieldTables, QuantitiesAreSoManyJoints) {
+  const auto rows = read(poles, "Dip,Dip Direction,Quantity,Set\n40,100,3,a\n50,200,0,b\n60,300,,c\n");
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[2].set, "a");
+  EXPECT_EQ(rows[3].set, "c");
+  EXPECT_TRUE(error_of(poles, "dip,dip_direction,quantity\n40,100,1.5\n").contains("quantity: is 1.5"));
+  EXPECT_TRUE(error_of(poles, "dip,dip_direction,quantity\n40,100,-1\n").contains("quantity: is -1"));
+}
+
+TEST(FieldTables, TraversesSayHowEachWasMet) {
+  const std::string toml = poles +
+                           "[[orientations.traverse]]\nname = \"1\"\nline = { trend = 90, plunge = 0 }\n"
+                           "[[orientations.traverse]]\nname = \"2\"\noutcrop = { dip = 90, dip_direction = 0 }\n";
+  const auto rows = read(toml, "Dip,Dip Direction,Traverse\n40,90,1\n40,180,2\n40,180,\n");
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_NEAR(survey::weight_of(rows[0], 10), 1 / std::sin(40 * std::numbers::pi / 180), 1e-12);
+  EXPECT_NEAR(survey::weight_of(rows[1], 10), 1 / std::sin(50 * std::numbers::pi / 180), 1e-12);
+  EXPECT_EQ(survey::weight_of(rows[2], 10), 1);
+  EXPECT_TRUE(error_of(toml, "dip,dip_direction,traverse\n40,90,3\n").contains("traverse: \"3\" is not described"));
+  EXPECT_TRUE(error_of(toml, "dip,dip_direction\n40,90\n").contains("lacks the column traverse"));
+  const auto notes = notes_of(poles, "dip,dip_direction,traverse\n40,90,1\n");
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(notes[0].contains("how each was laid is not described"));
+}
+
+// Kulatilake & Wu (1984): window 3 by 2 m, discs of 2.4 m, plane 50/070, level window: 23.171108 joints a P30.
+TEST(FieldTables, OutcropsOfASizeMeetJointsBySize) {
+  const std::string toml = poles + "outcrop = { dip = 0, dip_direction = 90, width = 3, height = 2, diameter = 2.4 }\n";
+  const auto rows = read(toml, "dip,dip_direction\n50,70\n");
+  ASSERT_EQ(rows.size(), 1U);
+  // The width lies along the strike, north here; the reference has it to the east: the trace runs 340.
+  const double v = std::sin(50 * std::numbers::pi / 180), beta = 20 * std::numbers::pi / 180;
+  const double met = v * (2.4 * 6 + std::numbers::pi / 4 * 2.4 * 2.4 * (3 * std::sin(beta) + 2 * std::cos(beta)));
+  EXPECT_NEAR(survey::weight_of(rows[0], 10), 2.4 * 6 / met, 1e-12);
+  const auto east = read(poles + "outcrop = { dip = 0, dip_direction = 0, width = 3, height = 2, diameter = 2.4 }\n",
+                         "dip,dip_direction\n50,70\n");
+  EXPECT_NEAR(2.4 * 6 / survey::weight_of(east[0], 10), 23.171108, 5e-7);
+  EXPECT_TRUE(error_of(poles + "outcrop = { dip = 0, dip_direction = 90, width = 3 }\n", "dip,dip_direction\n50,70\n")
+                  .contains("outcrop.height: is missing"));
+}
+
+const std::string hole = "[[borehole]]\nlength = 100\nfile = \"t.csv\"\n";
+
+TEST(FieldTables, OrientedCoreOfAVerticalHole) {
+  // Down the hole with the reference to the north: beta turns clockwise, so east at 90; the plane dips towards its
+  // ellipse's lower end, by 90 - alpha.
+  const auto rows =
+      read(hole + "trend = 0\nplunge = 90\nreference = 0\n", "depth,alpha,beta\n1,30,0\n2,30,90\n3,65,200\n4,90,77\n");
+  ASSERT_EQ(rows.size(), 4U);
+  expect_plane(rows[0].normal, 60, 0);
+  expect_plane(rows[1].normal, 60, 90);
+  expect_plane(rows[2].normal, 25, 200);
+  expect_plane(rows[3].normal, 0, 0);
+  EXPECT_TRUE(error_of(hole + "trend = 0\nplunge = 90\n", "depth,alpha,beta\n1,30,0\n")
+                  .contains("a vertical hole has no lower side"));
+}
+
+TEST(FieldTables, OrientedCoreOfAnInclinedHole) {
+  // Hole 60 down to the east (090). A plane that it meets at alpha = 40 with the lower end at the bottom (beta 0): the
+  // long axis plunges 60 - 40 = 20 to the east where it turns to the bottom side... by vectors: axis = cos 40 d + sin
+  // 40 b, b = the bottom's direction (towards 270, 30 down).
+  const auto rows = read(hole + "trend = 90\nplunge = 60\n", "depth,alpha,beta\n10,40,0\n20,40,180\n30,50,90\n");
+  ASSERT_EQ(rows.size(), 3U);
+  // d = (cos 60, 0, -sin 60), b = (-sin 60, 0, -cos 60): the long axis at 60 + 40 = 100 degrees down from east: the
+  // plane strikes north and dips 80 to the west.
+  expect_plane(rows[0].normal, 80, 270);
+  // The other way: 60 - 40 = 20 degrees down to the east.
+  expect_plane(rows[1].normal, 20, 90);
+  // beta 90: clockwise seen down a hole to the east from its bottom is d x b = north or south: d x b = (0, cos^2 +
+  // sin^2, 0).
+  const double s = std::sin(50 * std::numbers::pi / 180), c = std::cos(50 * std::numbers::pi / 180);
+  const Vec3 normal = s * Vec3{0.5, 0, -std::sqrt(0.75)} - c * Vec3{0, 1, 0};
+  EXPECT_NEAR(std::abs(dot(rows[2].normal, normal)), 1, 1e-12);
+  // From the top of the hole all turn by half.
+  const auto top = read(hole + "trend = 90\nplunge = 60\nreference = \"top\"\n", "depth,alpha,beta\n10,40,180\n");
+  expect_plane(top[0].normal, 80, 270);
+  EXPECT_TRUE(error_of(hole + "trend = 90\nplunge = 60\n", "depth,alpha,beta\n10,95,0\n").contains("alpha: is 95"));
+  EXPECT_TRUE(error_of(poles, "alpha,beta\n40,0\n").contains("needs the line of its core"));
+  const auto met = read(poles + "line = { trend = 90, plunge = 60 }\n", "alpha,beta\n40,0\n");
+  expect_plane(met[0].normal, 80, 270);
+}
+
+TEST(FieldTables, EveryPlaneOfACoreComesBack) {
+  const Vec3 d = geometry::line_vector({geometry::Trend::degrees(217), geometry::Plunge::degrees(38)});
+  Vec3 b = Vec3{0, 0, -1} - dot(Vec3{0, 0, -1}, d) * d;
+  b = b / norm(b);
+  for (int dip = 5; dip <= 85; dip += 20) {
+    for (int direction = 3; direction < 360; direction += 40) {
+      Vec3 n = geometry::upward_normal({Dip::degrees(dip), DipDirection::degrees(direction)});
+      if (dot(n, d) < 0) n = -n;  // alpha = asin(n.d); the ellipse's lower end lies against n across the core
+      const double alpha = std::asin(dot(n, d)) * 180 / std::numbers::pi;
+      const Vec3 end = -(n - dot(n, d) * d);
+      double beta = std::atan2(dot(end, cross(d, b)), dot(end, b)) * 180 / std::numbers::pi;
+      if (beta < 0) beta += 360;
+      const auto rows = read(poles + "line = { trend = 217, plunge = 38 }\n",
+                             "alpha,beta\n" + std::to_string(alpha) + "," + std::to_string(beta) + "\n");
+      ASSERT_EQ(rows.size(), 1U);
+      EXPECT_NEAR(std::abs(dot(rows[0].normal, n)), 1, 1e-12);
+    }
+  }
+}
+
+TEST(FieldTables, TablesOfShapeMetriX) {
+  const std::string table =
+      "Version,1\nUnits,m\nDeclination,3.5\nX (Easting),Y (Northing),Z (Elevation),Persistence (m),Dip,Dip "
+      "Direction,Set ID,Colour\n10.5,20.25,3,4.5,60,120,1,#ff0000\n11,21,4,2.5,62,125,2,#00ff00\nSet ID,Set "
+      "Name,Mean Dip\n1,A,61\n";
+  const auto rows = read(poles, table);
+  ASSERT_EQ(rows.size(), 2U);
+  expect_plane(rows[0].normal, 60, 120);
+  EXPECT_EQ(rows[1].set, "2");
+  const auto notes = notes_of(poles, table);
+  ASSERT_EQ(notes.size(), 2U);
+  EXPECT_TRUE(notes[0].contains("3.5 degrees, which are not added")) << notes[0];
+  EXPECT_TRUE(notes[1].contains("what follows the joints is not read")) << notes[1];
+  EXPECT_TRUE(error_of(poles, "Units,furlong\nDip,Dip Direction\n1,2\n").contains("units: are \"furlong\""));
+}
+
+}  // namespace
+}  // namespace cleave::scene
