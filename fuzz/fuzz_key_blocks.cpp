@@ -1,4 +1,4 @@
-/// Small lattice scenes (three sets of joints around a tunnel, or degenerate on purpose) under any gravity, quake,
+/// Small lattice scenes (three sets of joints around a tunnel, or degenerate on purpose) under any gravity, earthquake,
 /// water, strength: key blocks in batches. All figures are finite; forces balance; a block that leaves does not run
 /// into what holds it; turning the scene turns the answer; and a part of the rock that decides
 /// (`Settings::only_key_blocks`), whatever its size, decides as the whole rock does.

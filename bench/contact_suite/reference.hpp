@@ -28,8 +28,8 @@ class PassProblem final {
   [[nodiscard]] std::vector<dbem::Vec2> condensed() const;
   /// All nodal freedoms in one sparse matrix, factorised.
   [[nodiscard]] std::vector<dbem::Vec2> sparse_full() const;
-  /// The source's: block matrices built anew, all in one dense matrix, factorised. `rebuild` false leaves the first
-  /// out.
+  /// That of Fu (2014): block matrices built anew, all in one dense matrix, factorised. `rebuild` false leaves the
+  /// first out.
   [[nodiscard]] std::vector<dbem::Vec2> dense_full(bool rebuild) const;
 
  private:

@@ -66,7 +66,7 @@ Problem pyramid() {
   return p;
 }
 
-/// Blocks in line on a plane, one behind the other, joints upright to it: as one.
+/// Blocks in line on a plane, one behind the other, joints at right angles to it: as one.
 Problem line(std::uint32_t count) {
   Problem p{fmt::format("line of {}", count), {.freedom = Freedom::translation}, {}, {}};
   const Vec3 normal = plane(35, 90), along{std::cos(radians(35)), 0, -std::sin(radians(35))};

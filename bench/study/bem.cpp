@@ -201,7 +201,7 @@ void add_bar(study::Study& study) {
           {.name = fmt::format("{} bubbles {}", name, bubbles), .points = points, .line = true, .fit = false});
     }
   }
-  // The source's operator: with and without inner nodes, refused where it grows.
+  // The operator of Fu (2014): with and without inner nodes, refused where it grows.
   Loop held = loop;
   held[0].condition = 1;
   held[2].condition = 2;
@@ -243,7 +243,7 @@ void add_bar(study::Study& study) {
   study.plot("bar-time", plot);
 }
 
-/// First frequency of the clamped column of the source (Ritz: 35.4263 per second).
+/// First frequency of the clamped column of Fu (2014) (Ritz: 35.4263 per second).
 void add_frequency(study::Study& study) {
   const Material m = of_shear(4e4, 0.25, 1);
   study::Plot plot{.title = "column: error of the first frequency",
@@ -287,8 +287,8 @@ void add_frequency(study::Study& study) {
   study.plot("column-frequency", plot);
 }
 
-/// Initial stress by the source's cells and without them, from every node of a square: uniform stress, whose term in
-/// the equations is exactly that of its tractions. Error: largest difference to that over the largest value.
+/// Initial stress by the cells of Fu (2014) and without them, from every node of a square: uniform stress, whose term
+/// in the equations is exactly that of its tractions. Error: largest difference to that over the largest value.
 void add_initial_stress(study::Study& study) {
   const Sym2 stress{-3, 0.7, -1};
   const Loop square = polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, 0, 4);

@@ -123,7 +123,7 @@ std::string deck(const PeerProblem& p, const Grid& grid) {
     out += fmt::format("{}, {:.11g}, {:.11g}, 0\n", n + 1, grid.nodes[n].x, grid.nodes[n].y);
   }
   out += "*ELEMENT, TYPE=CPE8, ELSET=E\n";
-  // The maps of the rings turn the other way: corners must run anticlockwise.
+  // The maps of the rings turn the other way: corners must run counter-clockwise.
   const Vec2 a = p.map(0, 0), b = p.map(0.01, 0), c = p.map(0, 0.01);
   const bool mirrored = cross(b - a, c - a) < 0;
   std::size_t element = 0;

@@ -33,7 +33,7 @@ namespace {
 using bem::Vec2;
 
 struct Piece {
-  std::vector<Vec2> corners;  ///< convex, anticlockwise, at most 8
+  std::vector<Vec2> corners;  ///< convex, counter-clockwise, at most 8
   bool fixed = false;
 };
 struct Case {

@@ -1,5 +1,5 @@
 /// Study "contact_speed": the cost of a pass over fixed contact states in the condensed form, as one sparse system and
-/// as the source does it (blocks built anew, one dense system); and of whole steps of large scenes. `error` of a pass
+/// as Fu (2014) does it (blocks built anew, one dense system); and of whole steps of large scenes. `error` of a pass
 /// is the largest difference of impulses from the sparse system's over the largest impulse, of a scene the worst
 /// residual; `condition` is the number of contacts. Costs of scenes are a step's.
 
@@ -182,7 +182,7 @@ void study_speed(study::Study& study) {
       scene(study, name, wall(80, 125, false), {.gravity = leaning, .step = 1e-3, .sleep = false}, 1, 10);
     }
   }
-  passes(study, quick ? 2 : 10, 3, true);  // the source's last: it takes long
+  passes(study, quick ? 2 : 10, 3, true);  // that of Fu (2014) last: it takes long
 }
 
 }  // namespace

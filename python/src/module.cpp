@@ -85,7 +85,7 @@ class Result {
   std::optional<Links> links_;
 };
 
-/// Runs on a thread of its own while this one lets Python live: signals are seen, progress is told.
+/// Runs on a thread of its own while this one lets Python live: signals are seen, progress is reported.
 Result run_watched(const std::string& text, const std::string& shown, const std::filesystem::path& folder,
                    const RunSettings& settings, const py::object& progress) {
   auto loaded = [&] {

@@ -175,7 +175,7 @@ void columns(Drawing& d) {
   }
 }
 
-/// A circle in chords, with upright sides or others.
+/// A circle in chords, with vertical sides or others.
 void slices(Drawing& d) {
   const double face = d.number(35, 65), tall = d.number(5, 12);
   const double crest = tall / along(face).z * along(face).x, back = crest + d.number(1, 4);

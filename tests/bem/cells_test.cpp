@@ -1,4 +1,5 @@
-// The source's cells for initial stress, as a comparison: what they integrate over the domain is a boundary integral.
+// The cells of Fu (2014) for initial stress, as a comparison: what they integrate over the domain is a boundary
+// integral.
 
 #include <gtest/gtest.h>
 

@@ -120,7 +120,7 @@ TEST(AxialWave, NewmarkOfTheSourceIsDampedAndEveryStepIsStable) {
     }
     return most;
   };
-  // The source's parameters: peaks of a mesh four times as fine with 72 inner motions.
+  // Parameters of Fu (2014): peaks of a mesh four times as fine with 72 inner motions.
   EXPECT_NEAR(peak(Newmark{0.5, 1}, 5e-4, 0.1), 6.833e-5, 1.2e-7);
   EXPECT_NEAR(peak(Newmark{0.5, 1}, 2e-4, 0.1), 6.990e-5, 1.2e-7);
   // The static answer twice over is 8e-5. Houbolt, of second order, loses less of it than this Newmark, of first.
@@ -428,7 +428,7 @@ TEST(DualReciprocity, SourceColumnAndItsSpectralRadius) {
   ASSERT_TRUE(forced.has_value());
   EXPECT_GT(forced->radius, 1);
   EXPECT_GT(std::abs(forced->displacement.back().y), 1e-2);
-  // Over the first period a stable step is as good as the source's curves: 5e-4 s.
+  // Over the first period a stable step is as good as the curves of Fu (2014): 5e-4 s.
   const auto run = d.run(Newmark{0.5, 1}, 5e-4, 200, one, {0, 4}, false);
   ASSERT_TRUE(run.has_value()) << describe(run.error());
   double peak = 0;

@@ -174,7 +174,7 @@ TEST(Pin, TakesAwayTheVelocityThatItDoesNotAllow) {
 }
 
 TEST(InnerPoint, AxialWaveGivesItsStressInside) {
-  // Column of the source, pull on its top in a ramp of one transit: d'Alembert's stress, with reflections.
+  // Column of Fu (2014), pull on its top in a ramp of one transit: d'Alembert's stress, with reflections.
   BlockOptions o;
   const double young = 1e5, c = std::sqrt(young), length = 4, rise = 4 / c;
   const BlockOperator b = BlockOperator::make({testing::rectangle({-1, 0}, {1, 4}, {0, 0, 0, 0}, {2, 8, 2, 8})},
@@ -195,7 +195,7 @@ TEST(InnerPoint, AxialWaveGivesItsStressInside) {
   const std::vector<double> heights{1, 2, 3.9};  // above the base
   for (const double y : heights) motion.follow({0.1, y - 2});
   std::vector<double> square(heights.size());
-  double base = 0;  // the source's figure 6-12: traction at the clamped end, between 0 and 2
+  double base = 0;  // figure 6-12 of Fu (2014): traction at the clamped end, between 0 and 2
   const int steps = 1500;
   for (int k = 0; k < steps; ++k) {
     motion.advance();

@@ -205,8 +205,8 @@ TEST(BrazilianDisc, CentreStress) {
   EXPECT_NEAR(centre.yy, -2 / pi * (std::sin(2 * alpha) + alpha), 1e-4);
 }
 
-/// Stress of the disc of radius 1 under forces 1 at both ends of its upright diameter (Hertz 1883): Flamant's fields of
-/// the two and a uniform tension 1 / pi.
+/// Stress of the disc of radius 1 under forces 1 at both ends of its vertical diameter (Hertz 1883): Flamant's fields
+/// of the two and a uniform tension 1 / pi.
 Sym2 hertz(Vec2 x) {
   Sym2 s{1 / pi, 0, 1 / pi};
   for (const double end : {1.0, -1.0}) {

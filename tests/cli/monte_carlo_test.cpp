@@ -83,7 +83,7 @@ TEST_F(MonteCarloTest, WritesRecordsEstimatesAndAReport) {
   EXPECT_EQ(mc["exceedance"][0]["by_chainage"].size(), 20U);
   EXPECT_GT(mc["quantities"]["key_block_volume_m3_per_metre"]["mean"], 0);
   EXPECT_EQ(std::ranges::count(read("out/realizations.csv"), '\n'), 42);
-  // What the stages of the realizations cost is told.
+  // What the stages of the realizations cost is reported.
   std::vector<std::string> stages;
   double seconds = 0;
   const json summary = json::parse(read("out/summary.json"));

@@ -119,7 +119,7 @@ TEST_F(SurveyIntervalsTest, EveryEstimateHasItsInterval) {
         "Histogram of trace lengths", "Histogram of spacings", "Kolmogorov-Smirnov p = ", "for comparison only"}) {
     EXPECT_TRUE(page.contains(part)) << part;
   }
-  // The source's formulas stand beside by name, and say what they are.
+  // Formulas of Fu (2014) stand beside by name, and say what they are.
   const auto compared = [](const json& list, const std::string& method) {
     for (const json& e : list) {
       if (e["method"].get<std::string>().contains(method)) return e["note"].get<std::string>();

@@ -204,7 +204,7 @@ TEST_F(SurveyShapesTest, BentLinesBoreholesAndPolygonsOnTheNet) {
   EXPECT_EQ(result["sets"][1]["joints"], 16);
   EXPECT_EQ(result["sets"][2]["joints"], 3);
   EXPECT_NEAR(result["sets"][0]["orientation"]["dip"], 90, 1e-6);
-  // Parallel joints: N over the lengths projected on the normal; the hole adds nothing to upright joints.
+  // Parallel joints: N over the lengths projected on the normal; the hole adds nothing to vertical joints.
   EXPECT_NEAR(result["sets"][0]["p32"]["value"], 0.8, 1e-6);
   EXPECT_NEAR(result["sets"][1]["p32"]["value"], 1.6, 1e-6);
   EXPECT_NEAR(result["sets"][2]["p32"]["value"], 0.6, 0.05);

@@ -172,7 +172,7 @@ TEST(WorldTest, SaysWhatIsWrongWithAScene) {
   EXPECT_EQ(error(bodies), "bodies 'floor' and 'b0' overlap at the start: 0.25 m deep at (0, 0)");
   bodies = stack(1);
   std::ranges::reverse(bodies[1].outline);
-  EXPECT_EQ(error(bodies), "body 'b0': outline: corners run clockwise; state them anticlockwise");
+  EXPECT_EQ(error(bodies), "body 'b0': outline: corners run clockwise; state them counter-clockwise");
   bodies = stack(1);
   bodies[1].outline.resize(2);
   EXPECT_NE(error(bodies), "none");

@@ -65,7 +65,7 @@ TEST(Terrain, TrianglesOfAnySense) {
   EXPECT_NEAR(close_ground(ground, 0).value().volume().si(), prisms(ground, 0), 1e-12);
 }
 
-// A sheet whose middle strip leans over: fine inside, but where it reaches the border its upright sides would overlap.
+// A sheet whose middle strip leans over: fine inside, but where it reaches the border its vertical sides would overlap.
 TEST(Terrain, AnOverhangAtTheBorderIsRefused) {
   const Ground ground{
       .vertices = {{0, 0, 1}, {6, 0, 1}, {4, 0, 5}, {10, 0, 5}, {0, 4, 1}, {6, 4, 1}, {4, 4, 5}, {10, 4, 5}},

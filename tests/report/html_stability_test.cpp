@@ -208,8 +208,8 @@ TEST(HtmlStability, SensitivityIsATornado) {
 TEST(HtmlStability, TurningBlocksAreMarkedInTheTable) {
   const Tunnel t;
   const std::string keys = section(report_html(t.page), "keys");
-  EXPECT_NE(keys.find("<th>Turns?</th>"), std::string::npos);
-  EXPECT_EQ(count(keys, ">turns</td>"), 1U);
+  EXPECT_NE(keys.find("<th>Topples?</th>"), std::string::npos);
+  EXPECT_EQ(count(keys, ">topples</b></td>"), 1U);
   EXPECT_EQ(t.result.figures.key_blocks->turning, 1U);
 }
 
@@ -244,7 +244,8 @@ TEST(HtmlStability, ThePatternFoundHasItsSpacingRingsAndShareThatFails) {
 TEST(HtmlStability, LargestKeyBlocksHaveATable) {
   Tunnel t;
   const std::string maximum = section(report_html(t.page), "maximum");
-  EXPECT_NE(maximum.find("A, B, C &amp; D</td><td>A, C &amp; D</td><td>roof</td><td>1</td><td>12.5</td>"),
+  EXPECT_NE(maximum.find("A, B, C &amp; D</td><td>A, C &amp; D</td><td>roof</td><td data-v=\"1\">1</td>"
+                         "<td data-v=\"12.5\">12.5</td>"),
             std::string::npos);
   // What they are bounds of is said.
   EXPECT_NE(maximum.find("between two joints of one set are not among them"), std::string::npos);
@@ -319,8 +320,8 @@ TEST(StabilityTables, RowsOfTheFilesBesideKeyBlocks) {
   EXPECT_TRUE(maximum_blocks_csv(t.result).contains("\nA,B,C & D,101,roof,0,0,12.5,"));
   t.result.support.reset();
   const std::string keys = key_blocks_csv(t.complex, t.result);
-  EXPECT_TRUE(keys.contains(",faces,joints,turns,x_m,"));
-  EXPECT_TRUE(keys.contains("9,,0,sliding,1,1000,0,0,-1,800,1.2,6,7,1,"));
+  EXPECT_TRUE(keys.contains(",faces,joints,topples,turns,x_m,"));
+  EXPECT_TRUE(keys.contains("9,,0,sliding,1,1000,0,0,-1,800,1.2,6,7,1,1,"));
 }
 
 }  // namespace

@@ -39,7 +39,8 @@ TEST(KeyBlocksCsv, EveryPartBringsItsColumns) {
             header +
                 ",key_transferred,mode_transferred,direction_x_transferred,direction_y_transferred,"
                 "direction_z_transferred,net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred,"
-                "lost_n_transferred,turns,held_by_supported,bolts_supported,mobilised_share_supported,"
+                "untransferred_n,lost_n_transferred,topples,turns,held_by_supported,bolts_supported,mobilised_share_"
+                "supported,"
                 "factor_of_safety_supported,missing_force_n_supported,required_force_n_supported,"
                 "required_pressure_pa_supported,key_clamped,factor_of_safety_clamped,compression_n_clamped,"
                 "tension_n_clamped" +
@@ -136,10 +137,11 @@ TEST(KeyBlocksCsv, ColumnsAfterForceTransferFollow) {
       csv,
       header +
           ",key_transferred,mode_transferred,direction_x_transferred,direction_y_transferred,direction_z_transferred,"
-          "net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred,lost_n_transferred" +
+          "net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred,untransferred_n,"
+          "lost_n_transferred" +
           places +
-          "0,1,1,sliding,1,1000,0,0,-1,800,0.5,6,7,1,wedge,1,0,0,900,0.25,900,0,0,0,0,,,0,,,0,1.7320508075688772\n"
-          "1,,0,wedge,1,1000,0,0,-1,800,2,6,7,0,wedge,0,0,-1,800,2,0,0,0,0,1,,,0,,,0,1.7320508075688772\n");
+          "0,1,1,sliding,1,1000,0,0,-1,800,0.5,6,7,1,wedge,1,0,0,900,0.25,900,0,0,0,0,0,,,0,,,0,1.7320508075688772\n"
+          "1,,0,wedge,1,1000,0,0,-1,800,2,6,7,0,wedge,0,0,-1,800,2,0,0,0,0,0,1,,,0,,,0,1.7320508075688772\n");
 }
 
 // docs/results.md holds what the columns say of themselves; CLEAVE_GOLDEN=1 in the environment writes it anew.

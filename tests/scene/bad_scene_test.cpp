@@ -29,39 +29,37 @@ INSTANTIATE_TEST_SUITE_P(
     Scene, BadSceneTest,
     testing::Values(
         Bad{"Empty", "",
-            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network, "
-            "bodies"},
+            "s.toml:1: domain: the file is empty; start from a scene that cleave init prints: cleave init tunnel"},
         Bad{"OnlyAComment", "# nothing\n",
-            "s.toml:1: domain: the file is empty; start from one of: cleave init tunnel, slope, wedge, network, "
-            "bodies"},
+            "s.toml:1: domain: the file is empty; start from a scene that cleave init prints: cleave init tunnel"},
         Bad{"NotToml", "v 0 0 0\nf 1 2 3\n",
-            "s.toml:1: TOML: Error while parsing key-value pair: expected '=', saw '0'; mend the syntax: see "
+            "s.toml:1: TOML: Error while parsing key-value pair: expected '=', saw '0'; fix the syntax: see "
             "https://toml.io"},
         Bad{"Twice", with_box("seed = 1\n[domain]\n"),
-            "s.toml:4: TOML: Error while parsing table header: cannot redefine existing table 'domain'; mend the "
+            "s.toml:4: TOML: Error while parsing table header: cannot redefine existing table 'domain'; fix the "
             "syntax: see "
             "https://toml.io"},
         Bad{"DecimalComma", "seed = 1\nsnap = 0,5 # m\n",
-            "s.toml:2: TOML: the number has a decimal comma: write a point; mend the syntax: see https://toml.io"},
+            "s.toml:2: TOML: the number has a decimal comma: write a point; fix the syntax: see https://toml.io"},
         Bad{"Backslashes", "include = \"C:\\sets\\a.toml\"\n",
             "s.toml:1: TOML: a backslash in double quotes begins a sign such as \\n: write paths with / or in single "
-            "quotes; mend the syntax: see https://toml.io"},
+            "quotes; fix the syntax: see https://toml.io"},
         Bad{"QuotesOfAWordProcessor",
             "title = \xE2\x80\x9C"
             "A\xE2\x80\x9D\n",
-            "s.toml:1: TOML: the quotes are those of a word processor: write straight ones (\"); mend the syntax: see "
+            "s.toml:1: TOML: the quotes are those of a word processor: write straight ones (\"); fix the syntax: see "
             "https://toml.io"},
         Bad{"NoQuotes", "nonplanar = triangulate\n",
-            "s.toml:1: TOML: text stands in quotes: write \"triangulate\"; mend the syntax: see https://toml.io"},
+            "s.toml:1: TOML: text stands in quotes: write \"triangulate\"; fix the syntax: see https://toml.io"},
         Bad{"Workbook", "PK\x03\x04rest",
             "s.toml:1: TOML: is a workbook or an archive (.xlsx, .zip), not a text: save the scene as plain text, "
             "tables "
-            "as CSV; mend the syntax: see https://toml.io"},
+            "as CSV; fix the syntax: see https://toml.io"},
         Bad{"Utf16",
             std::string{"\xFF\xFE"
                         "s\0e\0",
                         6},
-            "s.toml:1: TOML: is UTF-16 text: save it as UTF-8 (in Notepad: Save as, Encoding UTF-8); mend the syntax: "
+            "s.toml:1: TOML: is UTF-16 text: save it as UTF-8 (in Notepad: Save as, Encoding UTF-8); fix the syntax: "
             "see "
             "https://toml.io"},
         Bad{"SingleBrackets", with_box("[joint_set]\ndip = 3\n"),

@@ -30,9 +30,9 @@ RunResult result_of(const std::string& text) {
 constexpr double radius = 3, apex = 4.5, length = 4, density = 2700, gravity = 9.81, nu = 0.25;
 
 /// A roof prism over a circular tunnel along y: two joints that dip at 60 degrees away from each other and meet
-/// above the axis, two upright ones across it. The whole scene turned by `azimuth` clockwise about z.
-/// `skew`: degrees by which the upright joints are off a right angle to the axis; `friction` of the two sloping joints,
-/// `ends` of the upright ones.
+/// above the axis, two vertical ones across it. The whole scene turned by `azimuth` clockwise about z.
+/// `skew`: degrees by which the vertical joints are off a right angle to the axis; `friction` of the two sloping
+/// joints, `ends` of the vertical ones.
 std::string roof(std::string_view stress, double azimuth = 0, std::string_view more = "", double depth = 0,
                  double skew = 0, double friction = 35, double ends = 35) {
   const double a = azimuth * pi / 180;
@@ -84,7 +84,7 @@ double on_face(double sx, double sz) {
 }
 
 /// The prism moved down by steps: the largest factor at which its faces, N falling and S rising until friction, carry
-/// the weight somewhere on the way. `slope`: N and upward S of one sloping face, `end` N of one upright one.
+/// the weight somewhere on the way. `slope`: N and upward S of one sloping face, `end` N of one vertical one.
 double by_steps(double weight, double n, double s, double area, double end, double end_area, double friction,
                 double end_friction, double ratio) {
   const double c = std::cos(pi / 6), sine = std::sin(pi / 6);

@@ -58,7 +58,7 @@ TEST(HeldByTheBorder, ASliceOfASlopeThatIsHeldByItsOwnSidesIsTold) {
 TEST(HeldByTheBorder, WhatFrictionHoldsIsNotTold) { EXPECT_EQ(notes_with(run_of(slice(20)), "held only by"), 0U); }
 
 TEST(HeldByTheBorder, RockBelowHoldsWhatStandsOnIt) {
-  // The column in front of an upright joint stands on the bottom of the domain; an earthquake moves nothing there.
+  // The column in front of a vertical joint stands on the bottom of the domain; an earthquake moves nothing there.
   const std::string column = with_box(
       "[[joint]]\nplane = { through = [6, 4, 1], dip = 90, dip_direction = 90 }\n[joints.default]\nfriction = 30\n"
       "[stability]\nfree = [\"top\", \"east\"]\nseismic = [0.3, 0, 0]\n");
@@ -66,7 +66,7 @@ TEST(HeldByTheBorder, RockBelowHoldsWhatStandsOnIt) {
 }
 
 TEST(HeldByTheBorder, ABlockInsideIsAKeyBlockAsBefore) {
-  // Two upright joints free the slice of the domain's sides: the block between them leaves, two beside it stay.
+  // Two vertical joints free the slice of the domain's sides: the block between them leaves, two beside it stay.
   const RunResult result =
       run_of(slice(40) + "[[joint]]\nplane = { through = [0, 2, 0], dip = 90, dip_direction = 0 }\n" +
              "[[joint]]\nplane = { through = [0, 6, 0], dip = 90, dip_direction = 0 }\n");

@@ -101,7 +101,7 @@ TEST(KeyBlocksScene, TheSearchFindsTheWidestPatternThatPasses) {
   const std::size_t bolts = result_of(slope(found.scale, found.scale, 0.5, 0.5, "")).support->bolts.size();
   EXPECT_EQ(found.bolts, bolts);
   EXPECT_NEAR(found.cost, static_cast<double>(bolts) * (10 + 2 * 12), 1e-9);
-  // At other places than those of the search it may fail: that is told, with the block that decides.
+  // At other places than those of the search it may fail: that is reported, with the block that decides.
   EXPECT_EQ(found.offsets, 40U);
   EXPECT_LE(found.failing, found.offsets);
   EXPECT_LE(found.failing_share[0], static_cast<double>(found.failing) / 40);

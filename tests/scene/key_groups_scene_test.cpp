@@ -31,7 +31,7 @@ stability::KeyGroups groups_of(const std::string& text) {
   return std::move(*result->key_groups);
 }
 
-/// A block of 233 m3 on 55 degrees behind one of 322 m3 on 10 degrees, an upright joint between them, 1 m thick.
+/// A block of 233 m3 on 55 degrees behind one of 322 m3 on 10 degrees, a vertical joint between them, 1 m thick.
 std::string active_and_passive(double friction) {
   const double steep = std::tan(55 * std::numbers::pi / 180), flat = std::tan(10 * std::numbers::pi / 180);
   const double tall = 20, wide = 2 * 233 / tall, length = 20, front = 0.02;

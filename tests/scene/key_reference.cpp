@@ -8,9 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/field_data/survey_file.hpp"
+#include "cleave/scene2d/bodies.hpp"
+#include "cleave/scene2d/contact.hpp"
 #include "cleave/scene3d/key_tables.hpp"
-#include "keys2d.hpp"
-#include "survey_keys.hpp"
 
 namespace cleave::scene {
 namespace {

@@ -77,7 +77,7 @@ TEST(Rebuilding, PlanSaysWhatIsLeftOut) {
   EXPECT_TRUE(ran(bare).points[0].stress.empty());
 }
 
-/// Column of the source under a sudden pull, nu = 0.
+/// Column of Fu (2014) under a sudden pull, nu = 0.
 std::string column(double step, int elements) {
   return "[rock]\nyoung = 1e5\npoisson = 0\ndensity = 1\n[elastic]\nstress = false\nelement = " +
          std::to_string(4.0 / elements) + "\ntime = { end = 0.1, step = " + std::to_string(step) +

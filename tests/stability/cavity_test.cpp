@@ -35,7 +35,7 @@ void add_box(topology::CutInput& input, Vec3 lo, Vec3 hi) {
   }
 }
 
-/// A block of 4 x 4 x 3 m hangs in a roof between upright joints.
+/// A block of 4 x 4 x 3 m hangs in a roof between vertical joints.
 topology::CutInput ceiling() {
   topology::CutInput input{.domain = geometry::make_box({-6, -6, 0}, {6, 6, 9}).value(),
                            .joints = {},

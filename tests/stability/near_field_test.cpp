@@ -70,7 +70,7 @@ TEST(NearFieldTest, FollowsATallBlock) {
 TEST(NearFieldTest, PartsOfOneBlockDoNotHoldEachOther) {
   topology::CutInput input = tall_block();
   const auto square = [&](const std::array<Vec3, 4>& corners) { add_square(input, corners); };
-  // The bent joint, through all of the block up to z = 28: a nose to the right at z = 9, upright from z = 10.
+  // The bent joint, through all of the block up to z = 28: a nose to the right at z = 9, vertical from z = 10.
   input.joints.emplace_back(topology::Joint{{
       geometry::Polygon::make({{19.8, 18.5, 7}, {19.8, 21.5, 7}, {20.4, 21.5, 9}, {20.4, 18.5, 9}}).value(),
       geometry::Polygon::make({{20.4, 18.5, 9}, {20.4, 21.5, 9}, {19.8, 21.5, 10}, {19.8, 18.5, 10}}).value(),

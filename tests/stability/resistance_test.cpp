@@ -57,7 +57,7 @@ TEST(ResistanceTest, SlidingOnAPlane) {
 }
 
 // Cohesion of a wall on which nothing presses does not count; the more the resultant stands against it, the more of it
-// does, up to one degree: no jump between an upright joint and one that is nearly so.
+// does, up to one degree: no jump between a vertical joint and one that is nearly so.
 TEST(ResistanceTest, CohesionDoesNotJumpWhereAJointStandsUpright) {
   const Settings with = settings({strength(30, 1680)});
   const auto factor = [&](double dip, const Settings& s) {

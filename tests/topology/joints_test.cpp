@@ -73,7 +73,7 @@ TEST(Holes, TurnedOutOfTheAxes) {
 }
 
 TEST(Terminations, TheFarPartIsTakenAway) {
-  // Level planes z = 2 and x = 1: the upright one kept below only.
+  // Level planes z = 2 and x = 1: the vertical one kept below only.
   auto input = scene(cube());
   input.joints.emplace_back(topology::PersistentJoint{{2, 2, 2}, {0, 0, 1}});
   input.joints.emplace_back(topology::PersistentJoint{{1, 2, 1}, {1, 0, 0}});
@@ -105,7 +105,7 @@ TEST(Terminations, InclinedJointsAndTwoEnds) {
 }
 
 TEST(Terminations, OnAJointFarFromTheWindow) {
-  // A level joint that ends on an upright one which the window does not reach.
+  // A level joint that ends on a vertical one which the window does not reach.
   auto input = scene(cube());
   input.joints.emplace_back(parallelogram({2, 2, 2}, {9, 0, 0}, {0, 9, 0}));
   input.joints.emplace_back(parallelogram({3, 2, 2}, {0, 9, 0}, {0, 0, 9}));

@@ -95,7 +95,7 @@ TEST(SharedEdges, JointsFromTheEdgesOfABoxTunnelToThoseOfTheDomain) {
 }
 
 TEST(SharedEdges, JointsThroughAllEdgesAndVerticesOfTheGround) {
-  // 4 x 4 cells; upright planes along rows, columns and the cells' diagonals: one column of rock a triangle.
+  // 4 x 4 cells; vertical planes along rows, columns and the cells' diagonals: one column of rock a triangle.
   const std::vector<double> values{3, 4, 5, 4, 3, 2, 6, 1, 5, 4, 3, 3, 3, 7, 2, 5, 4, 6, 2, 1, 4, 4, 5, 3, 2};
   const auto ground =
       geometry::ground_of({.columns = 5, .rows = 5, .x = 0, .y = 0, .step_x = 1, .step_y = 1, .values = values});

@@ -42,7 +42,7 @@ TEST(Scenes, TwoHalfJointsInAnL) {
   const Shapes corner{{cuboid, 16}, {{12, 18, 8, 8, 1, 0}, 48}};
   EXPECT_EQ(shapes(joints({level(-1, 2), upright(-1, 2)})), corner);
   EXPECT_EQ(shapes(joints({level(-1, 3), upright(-1, 2)})), corner) << "the level one goes on";
-  EXPECT_EQ(shapes(joints({level(-1, 2), upright(-1, 3)})), corner) << "the upright one goes on";
+  EXPECT_EQ(shapes(joints({level(-1, 2), upright(-1, 3)})), corner) << "the vertical one goes on";
   EXPECT_EQ(shapes(joints({level(-1, 3), upright(-1, 3)})), corner) << "both go on";
 }
 

@@ -61,7 +61,7 @@ TEST(SectionOfBlocks, GridFallsIntoItsCells) {
 }
 
 // Random joints, some of them finite, and a tunnel: areas add up to that of the section, corners on inner sides are
-// corners of a neighbour or lie on its side, every polygon is anticlockwise.
+// corners of a neighbour or lie on its side, every polygon is counter-clockwise.
 TEST(SectionOfBlocks, RandomSystemsAddUp) {
   Rng rng{20260};
   std::size_t polygons = 0, concave = 0;

@@ -57,7 +57,7 @@ TEST(Snapping, APlaneIsTakenOverWhereNoCornerIsNear) {
 }
 
 TEST(Snapping, ASideThatNearlyReachesAJointEndsOnIt) {
-  // An upright joint that stops 0.8 d short of the level one, and one that stops 3 d short of it.
+  // A vertical joint that stops 0.8 d short of the level one, and one that stops 3 d short of it.
   const auto upright = [](double x, double gap) {
     return joint({{x, -1, -1}, {x, 5, -1}, {x, 5, 2 - gap}, {x, -1, 2 - gap}});
   };

@@ -93,7 +93,7 @@ def two_layers():
         def values(r, exact=exact):
             yield "status", "converged", r.summary["contact"]["status"], 0
             yield "sag by another method (m)", exact, -end(r, "middle")[1], 5e-3
-            yield "sag, slender beams (m); the source has 0.041, 0.0414 and 0.0408", 0.041, -end(r, "middle")[1], 0.05
+            yield "sag, slender beams (m); Fu (2014) has 0.041, 0.0414 and 0.0408", 0.041, -end(r, "middle")[1], 0.05
         yield Case(f"two_layer_beam_{plane}", f"Two beams one on the other, plane {plane}", "The upper one is thinner and pushes; no friction.",
                    f"Fu (2014), 7.5.3 (beams without shear); {text}", scene, values)
 

@@ -66,7 +66,7 @@ TEST(LargeGeometry, AFaultOfAHundredThousandTriangles) {
         geometry::Polygon::make({fault.vertices[a], fault.vertices[b], fault.vertices[c]}).value());
   }
   input.joints.emplace_back(std::move(surface));
-  for (int k = 1; k <= 5; ++k) {  // upright planes in two directions: 36 columns, each cut once by the fault
+  for (int k = 1; k <= 5; ++k) {  // vertical planes in two directions: 36 columns, each cut once by the fault
     input.joints.emplace_back(topology::PersistentJoint{{100.0 / 6 * k, 50, 30}, {1, 0.01 * k, 0}});
     input.joints.emplace_back(topology::PersistentJoint{{50, 100.0 / 6 * k, 30}, {0.02, 1, 0}});
   }

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 using geometry::Vec3;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// Factors beyond are told from infinity and 0 no more.
+/// Factors beyond are reported as infinity and 0.
 constexpr double largest_factor = 1e4, least_factor = 1e-4;
 /// Larger assemblies take larger steps, and end sooner: to 1e-4.
 constexpr std::size_t few_for_factors = 16;

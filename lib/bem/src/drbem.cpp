@@ -165,7 +165,7 @@ std::expected<Drbem, DrbemError> Drbem::make(const Region& region, const MeshSiz
     const Vec2 d = x - out.points_[q];
     ParticularPair p = of_power(d, normal, nu, 1);
     if (basis == Basis::one_plus_r) {
-      // The 1 of 1 + r is a metre, as in the source; r is scaled here.
+      // The 1 of 1 + r is a metre, as in Fu (2014); r is scaled here.
       const ParticularPair one = of_power(d, normal, nu, 0);
       p.u = p.u + (1 / h) * one.u;
       p.t = p.t + (1 / h) * one.t;

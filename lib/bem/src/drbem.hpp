@@ -26,9 +26,9 @@ struct UnstableStep {
 using DrbemError = std::variant<SolveError, BlockNeedsDensity, UnstableStep>;
 [[nodiscard]] std::string describe(const DrbemError& error);
 
-/// The source's elastodynamic operator, M u'' + H u = G t with M = density (G T - H U) F^-1, for one region whose sides
-/// are clamped or carry tractions. Kept as a reference: M and H are not symmetric, complex eigenvalues let motions
-/// grow, so its spectral radius is computed before a run and an unstable step refused unless forced.
+/// The elastodynamic operator of Fu (2014), M u'' + H u = G t with M = density (G T - H U) F^-1, for one region whose
+/// sides are clamped or carry tractions. Kept as a reference: M and H are not symmetric, complex eigenvalues let
+/// motions grow, so its spectral radius is computed before a run and an unstable step refused unless forced.
 class Drbem final {
  public:
   [[nodiscard]] static std::expected<Drbem, DrbemError> make(const Region& region, const MeshSize& size, Basis basis,

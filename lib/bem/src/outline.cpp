@@ -34,10 +34,10 @@ std::optional<Arc> arc_of(const Loop& loop, std::size_t side) {
   const Vec2 from = a - centre;
   const Vec2 to = a + b - centre;
   double sweep = std::atan2(cross(from, to), dot(from, to));
-  // The point between lies right of the chord on an anticlockwise arc.
-  const bool anticlockwise = cross(b, m) < 0;
-  if (anticlockwise && sweep < 0) sweep += 2 * std::numbers::pi;
-  if (!anticlockwise && sweep > 0) sweep -= 2 * std::numbers::pi;
+  // The point between lies right of the chord on an counter-clockwise arc.
+  const bool counter_clockwise = cross(b, m) < 0;
+  if (counter_clockwise && sweep < 0) sweep += 2 * std::numbers::pi;
+  if (!counter_clockwise && sweep > 0) sweep -= 2 * std::numbers::pi;
   return Arc{centre, norm(from), std::atan2(from.y, from.x), sweep};
 }
 
@@ -249,8 +249,8 @@ std::expected<CheckedLoops, OutlineError> check_loops(std::vector<Loop> loops, b
   }
   CheckedLoops out{std::move(loops), {}};
   for (std::size_t l = 0; l < out.loops.size(); ++l) {
-    const bool want_anticlockwise = !exterior && l == 0;
-    if ((signed_area(out.loops[l]) > 0) != want_anticlockwise) {
+    const bool want_counter_clockwise = !exterior && l == 0;
+    if ((signed_area(out.loops[l]) > 0) != want_counter_clockwise) {
       out.loops[l] = reversed(out.loops[l]);
       out.turned.push_back(l);
     }

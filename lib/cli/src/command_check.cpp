@@ -12,7 +12,7 @@
 namespace cleave::cli {
 
 ExitCode report_problems(const std::vector<scene::Problem>& problems) {
-  for (const scene::Problem& problem : problems) complain(describe(problem));
+  for (const scene::Problem& problem : problems) print_error(describe(problem));
   return ExitCode::wrong_input;
 }
 
@@ -40,7 +40,7 @@ ExitCode check_scene(const std::string& path) {
     if (const auto refused = refusals(*blocks); !refused.empty()) return report_problems(refused);
   }
   const std::string notes = std::visit([](const auto& loaded) { return notes_of(loaded); }, *scene);
-  say(notes + fmt::format("{}: no error found\n", path));
+  print(notes + fmt::format("{}: no error found\n", path));
   return ExitCode::done;
 }
 
@@ -52,7 +52,7 @@ ExitCode plan_scene(const std::string& path) {
                                              [](const auto& scene2d) -> Planned { return make_plan(scene2d); }},
                                   *scene);
   if (!plan) return report_problems(plan.error());
-  say(std::visit(
+  print(std::visit(
       [&](const auto& loaded) {
         const scene::SizeEstimate& size = plan->estimate;
         return fmt::format("plan of {} ({})\n{}estimated size: {}, about {:.0f} MB and {:.2g} s of CPU\n", path,

@@ -24,7 +24,7 @@ using stochastic::PairedEstimate;
 using stochastic::Record;
 
 ExitCode wrong(const std::string& folder, const std::string& what) {
-  complain(fmt::format("{}:1: OUT: {}", folder, what));
+  print_error(fmt::format("{}:1: OUT: {}", folder, what));
   return ExitCode::wrong_input;
 }
 
@@ -142,12 +142,12 @@ ExitCode compare_results(const std::string& first, const std::string& second, co
   for (const std::string& note : notes) text += "note: " + note + "\n";
   if (!out.empty()) {
     if (const auto written = report::write_file(out, json_of(rows, first, second, confidence, notes)); !written) {
-      complain(describe(written.error()));
+      print_error(describe(written.error()));
       return ExitCode::machine_failed;
     }
     text += fmt::format("written to {}\n", out);
   }
-  say(text);
+  print(text);
   return ExitCode::done;
 }
 

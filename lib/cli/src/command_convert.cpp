@@ -70,7 +70,7 @@ Converted blocks_as(const report::Cells& cells, const std::string& ending, const
 
 std::expected<Converted, std::string> convert(const ConvertInput& input, const std::string& in,
                                               const std::string& out) {
-  const std::string ending = ending_of(out);
+  const std::string ending = extension_of(out);
   const std::string title = std::filesystem::path{in}.filename().string();
   if (const auto* mesh = std::get_if<io::MeshData>(&input.content)) {
     if (is_mesh(ending)) return faces_as(*mesh, ending);
@@ -83,13 +83,13 @@ std::expected<Converted, std::string> convert(const ConvertInput& input, const s
 }
 
 ExitCode wrong(const std::string& message) {
-  complain(message);
+  print_error(message);
   return ExitCode::wrong_input;
 }
 
 }  // namespace
 
-std::string ending_of(const std::string& path) {
+std::string extension_of(const std::string& path) {
   std::string ending = std::filesystem::path{path}.extension().string();
   for (char& c : ending) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
@@ -98,7 +98,7 @@ std::string ending_of(const std::string& path) {
 }
 
 ExitCode convert_file(const std::string& in, const std::string& out, std::uint64_t realization) {
-  const std::string ending = ending_of(out);
+  const std::string ending = extension_of(out);
   if (ending != ".vtu" && !is_network(ending) && !format_of(ending)) {
     std::string known = ".vtu .fab .dat";
     for (const report::ExportName& name : report::export_names()) known += fmt::format(" {}", name.ending);
@@ -109,15 +109,15 @@ ExitCode convert_file(const std::string& in, const std::string& out, std::uint64
     return wrong(fmt::format("{}:1: OUT: is a folder; name a file", out));
   const auto input = read_convert_input(in, realization);
   if (!input) return wrong(input.error());
-  for (const std::string& note : input->notes) say("note: " + in + ": " + note + "\n");
+  for (const std::string& note : input->notes) print("note: " + in + ": " + note + "\n");
   const auto converted = convert(*input, in, out);
   if (!converted) return wrong(converted.error());
-  for (const std::string& note : converted->notes) say("note: " + out + ": " + note + "\n");
+  for (const std::string& note : converted->notes) print("note: " + out + ": " + note + "\n");
   if (const auto written = report::write_file(out, converted->bytes); !written) {
-    complain(describe(written.error()));
+    print_error(describe(written.error()));
     return ExitCode::machine_failed;
   }
-  say(fmt::format("{}: {}\n", out, converted->summary));
+  print(fmt::format("{}: {}\n", out, converted->summary));
   return ExitCode::done;
 }
 

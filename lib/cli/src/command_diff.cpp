@@ -9,6 +9,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <vector>
 
@@ -83,7 +84,7 @@ std::vector<KeyRow> key_rows(std::string_view csv) {
 std::optional<Result> read_result(const std::string& name) {
   const fs::path folder{name};
   const auto refuse = [&](const std::string& what) {
-    complain(fmt::format("{}:1: OUT: {}; name the folder of a finished run of cleave", name, what));
+    print_error(fmt::format("{}:1: OUT: {}; name the folder of a finished run of cleave", name, what));
     return std::nullopt;
   };
   const auto text = text_of(folder / "summary.json");
@@ -231,9 +232,12 @@ ExitCode diff_results(const std::string& first, const std::string& second) {
     differ = true;
     text += fmt::format("{}\n{}", title, lines);
   };
-  const auto figures = [&](std::string_view title, std::initializer_list<std::string_view> keys) {
+  // What has lines of its own, and what never says that results differ.
+  std::set<std::string_view> seen{"plan", "cost", "realization_cost", "scene_file"};
+  const auto figures = [&](std::string_view title, const std::vector<std::string_view>& keys) {
     std::string lines;
     for (const std::string_view key : keys) {
+      seen.insert(key);
       std::vector<std::string> found;
       const Json &x = member(a->summary, key), &y = member(b->summary, key);
       if (x.is_null() != y.is_null()) {
@@ -253,13 +257,20 @@ ExitCode diff_results(const std::string& first, const std::string& second) {
   const Json &left = member(a->summary, "blocks"), &right = member(b->summary, "blocks");
   const bool same = left.is_object() && right.is_object() && member(left, "hash").is_string() &&
                     member(left, "hash") == member(right, "hash");
-  section(same ? "key blocks, one by one" : "key blocks, one by one (told by their volumes: the block systems differ)",
-          compare_key_blocks(*a, *b, same));
+  section(
+      same ? "key blocks, one by one" : "key blocks, one by one (matched by their volumes: the block systems differ)",
+      compare_key_blocks(*a, *b, same));
   figures("stages", {"sequence"});
   figures("support", {"support"});
-  figures("other results", {"monte_carlo", "elastic", "contact"});
+  std::vector<std::string_view> others;
+  for (const Json* summary : {&a->summary, &b->summary}) {
+    for (const auto& [key, value] : summary->items()) {
+      if (!seen.contains(key) && std::ranges::find(others, key) == others.end()) others.emplace_back(key);
+    }
+  }
+  figures("other results", others);
   if (!differ) text += "no difference in scene, plan, counts, volumes and key blocks\n";
-  say(text);
+  print(text);
   return ExitCode::done;
 }
 

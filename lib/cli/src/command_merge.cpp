@@ -21,7 +21,7 @@ using stochastic::RecordFile;
 using stochastic::RunIdentity;
 
 ExitCode wrong(const std::string& folder, const std::string& what) {
-  complain(fmt::format("{}:1: OUT: {}", folder, what));
+  print_error(fmt::format("{}:1: OUT: {}", folder, what));
   return ExitCode::wrong_input;
 }
 
@@ -135,11 +135,11 @@ ExitCode merge_results(const std::vector<std::string>& folders, const std::strin
   const RunIdentity whole{first.version, first.scene_sha256, first.seed, {}};
   auto folder = MonteCarloFolder::prepare(out, header_of(whole));
   if (!folder) {
-    complain(folder.error().message);
+    print_error(folder.error().message);
     return folder.error().code;
   }
   const auto failed = [&](const stochastic::RecordFileError& error) {
-    complain(fmt::format("{}:1: -o: {}", out, describe(error)));
+    print_error(fmt::format("{}:1: -o: {}", out, describe(error)));
     return std::holds_alternative<stochastic::SystemFailure>(error) ? ExitCode::machine_failed : ExitCode::wrong_input;
   };
   auto result = timer.run("monte_carlo", [&]() -> std::expected<scene::MonteCarloResult, stochastic::RecordFileError> {

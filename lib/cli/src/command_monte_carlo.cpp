@@ -67,12 +67,13 @@ ExitCode end_of(const scene::MonteCarloResult& result, const std::string& scene)
     for (std::size_t i = 0; i < std::min<std::size_t>(f.failed.size(), 10); ++i) {
       list += (list.empty() ? "" : ", ") + std::to_string(f.failed[i]);
     }
-    complain(fmt::format("{}:1: monte_carlo: {} realizations could not be done ({}{}); look at one with cleave replay",
-                         scene, f.failures, list, f.failures > 10 ? ", ..." : ""));
+    print_error(
+        fmt::format("{}:1: monte_carlo: {} realizations could not be done ({}{}); look at one with cleave replay",
+                    scene, f.failures, list, f.failures > 10 ? ", ..." : ""));
     return ExitCode::check_failed;
   }
   if (result.stopped_by == scene::StoppedBy::max) {
-    complain(
+    print_error(
         fmt::format("{}:1: monte_carlo.stop: the stated precision is not reached after {} realizations; raise max "
                     "or relative_half_width",
                     scene, f.realizations));
@@ -108,13 +109,13 @@ ExitCode publish_monte_carlo(const scene::Scene& scene, scene::MonteCarloResult 
   auto published =
       interrupts != nullptr ? interrupts->guarded([&] { return folder.publish(files); }) : folder.publish(files);
   if (!published) {
-    complain(published.error().message);
+    print_error(published.error().message);
     return published.error().code;
   }
   if (!quiet) {
     std::string text = figures_text(page);
     for (const std::string& note : page.result.figures.notes) text += "note: " + note + "\n";
-    say(text + fmt::format("result in {}\n", folder.folder().generic_string()));
+    print(text + fmt::format("result in {}\n", folder.folder().generic_string()));
   }
   return end_of(page.result, scene.shown);
 }
@@ -123,7 +124,7 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
                                Progress& progress, InterruptWatch& interrupts, const scene::MakeRecords* make) {
   const scene::MonteCarloSettings& settings = *scene.monte_carlo;
   const auto refuse = [&](std::string_view what, std::string_view remedy) {
-    complain(fmt::format("{}:1: --shard: {}; {}", arguments.scene, what, remedy));
+    print_error(fmt::format("{}:1: --shard: {}; {}", arguments.scene, what, remedy));
     return ExitCode::wrong_input;
   };
   if (arguments.shard.of > 1 && settings.stop) {
@@ -136,14 +137,14 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
   if (const auto taken = scene::excavated(scene); !taken) return report_problems(taken.error());
   auto copies = scene_copies(scene, arguments.scene);
   if (!copies) {
-    complain(copies.error().message);
+    print_error(copies.error().message);
     return copies.error().code;
   }
   const std::string header = header_of(stochastic::RunIdentity{
       .scene_sha256 = scene_and_files_sha256(scene), .seed = scene.seed, .shard = arguments.shard});
   auto folder = MonteCarloFolder::prepare(arguments.out, header);
   if (!folder) {
-    complain(folder.error().message);
+    print_error(folder.error().message);
     return folder.error().code;
   }
   std::atomic<std::uint64_t> kept{0};
@@ -175,7 +176,7 @@ ExitCode run_monte_carlo_scene(const scene::Scene& scene, const RunArguments& ar
   });
   progress.end();
   if (!result) {
-    complain(fmt::format("{}:1: -o: {}", arguments.out, describe(result.error())));
+    print_error(fmt::format("{}:1: -o: {}", arguments.out, describe(result.error())));
     return std::holds_alternative<stochastic::SystemFailure>(result.error()) ? ExitCode::machine_failed
                                                                              : ExitCode::wrong_input;
   }

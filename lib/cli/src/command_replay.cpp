@@ -32,7 +32,7 @@ ExitCode replay_realization(const ReplayArguments& arguments) {
     return !stored;
   });
   const auto wrong = [&](const std::string& what) {
-    complain(fmt::format("{}:1: OUT: {}", arguments.result, what));
+    print_error(fmt::format("{}:1: OUT: {}", arguments.result, what));
     return ExitCode::wrong_input;
   };
   if (!identity) return wrong("realizations.csv: " + describe(identity.error()));
@@ -58,7 +58,7 @@ ExitCode replay_realization(const ReplayArguments& arguments) {
     const ExitCode end =
         write_and_publish(*run, folder, timer, progress, interrupts, {arguments.result, arguments.quiet});
     if (end != ExitCode::done || same) return end;
-    complain(
+    print_error(
         fmt::format("{}:1: realizations.csv: the record of realization {} is not reproduced; was it made by "
                     "another build of cleave?",
                     arguments.result, arguments.realization));

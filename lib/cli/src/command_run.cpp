@@ -49,8 +49,8 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
                                       .figures = figures_of};
   if (const auto failed = publish(result, files, out, timer, progress, interrupts, settings.quiet)) return *failed;
   if (result.complex && result.motion && !result.motion->converged) {
-    complain(fmt::format("{}:1: motion: {}; the state reached is in the result; try a smaller motion.step",
-                         settings.scene, result.motion->stopped_why));
+    print_error(fmt::format("{}:1: motion: {}; the state reached is in the result; try a smaller motion.step",
+                            settings.scene, result.motion->stopped_why));
     return ExitCode::check_failed;
   }
   if (result.complex && result.motion && result.motion->rough_steps > 0) {
@@ -61,8 +61,9 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
     return ExitCode::check_failed;
   }
   if (result.complex) return ExitCode::done;
-  complain(fmt::format("{}:1: certificate: the block system did not pass its own check ({}); please report this scene",
-                       settings.scene, topology::describe(result.complex.error())));
+  print_error(
+      fmt::format("{}:1: certificate: the block system did not pass its own check ({}); please report this scene",
+                  settings.scene, topology::describe(result.complex.error())));
   return ExitCode::check_failed;
 }
 
@@ -89,12 +90,12 @@ ExitCode run_scene(const RunArguments& arguments) {
   progress.end();
   if (!scene) return report_problems(scene.error());
   if (arguments.seed) std::visit([&](auto& loaded) { loaded.seed = *arguments.seed; }, *scene);
-  const auto* blocks = std::get_if<scene::Scene>(&*scene);
-  if (blocks != nullptr && blocks->monte_carlo) {
-    return run_monte_carlo_scene(*blocks, arguments, timer, progress, interrupts);
+  const scene::Plan plan = std::visit([](const auto& loaded) { return make_plan(loaded); }, *scene);
+  if (plan.runs(scene::Stage::monte_carlo)) {
+    return run_monte_carlo_scene(std::get<scene::Scene>(*scene), arguments, timer, progress, interrupts);
   }
   if (arguments.sharded) {
-    complain(fmt::format("{}:1: --shard: the scene has no [monte_carlo]; run it without --shard", arguments.scene));
+    print_error(fmt::format("{}:1: --shard: the scene has no [monte_carlo]; run it without --shard", arguments.scene));
     return ExitCode::wrong_input;
   }
   return std::visit(

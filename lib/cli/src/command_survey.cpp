@@ -64,7 +64,7 @@ ExitCode survey_data(const std::string& data, const std::string& out, bool quiet
   const survey::SurveyResult result = survey::analyse(survey->input);
   auto folder = OutFolder::prepare(out);
   if (!folder) {
-    complain(folder.error().message);
+    print_error(folder.error().message);
     return folder.error().code;
   }
   interrupts.on_interrupt([&] { folder->discard(); });
@@ -78,25 +78,25 @@ ExitCode survey_data(const std::string& data, const std::string& out, bool quiet
   files.emplace_back("survey.json", report::survey_json(*survey, result, maps));
   for (const auto& [name, content] : files) {
     if (auto written = report::write_file(folder->folder() / name, content); !written) {
-      complain(describe(written.error()));
+      print_error(describe(written.error()));
       interrupts.guarded([&] { folder->discard(); });
       return ExitCode::machine_failed;
     }
   }
   if (auto published = interrupts.guarded([&] { return folder->publish(); }); !published) {
-    complain(published.error().message);
+    print_error(published.error().message);
     interrupts.guarded([&] { folder->discard(); });
     return published.error().code;
   }
   interrupts.on_interrupt({});
   if (quiet) return ExitCode::done;
-  say(text);
+  print(text);
   for (const survey::SetResult& set : result.sets) {
-    for (const std::string& note : set.notes) say("note: " + set.name + ": " + note + "\n");
+    for (const std::string& note : set.notes) print("note: " + set.name + ": " + note + "\n");
   }
-  for (const std::string& note : result.notes) say("note: " + note + "\n");
-  for (const scene::Problem& note : survey->notes) say("note: " + describe(note) + "\n");
-  say(fmt::format("result in {}\n", folder->final_name().generic_string()));
+  for (const std::string& note : result.notes) print("note: " + note + "\n");
+  for (const scene::Problem& note : survey->notes) print("note: " + describe(note) + "\n");
+  print(fmt::format("result in {}\n", folder->final_name().generic_string()));
   return ExitCode::done;
 }
 

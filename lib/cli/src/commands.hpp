@@ -38,6 +38,8 @@ struct ReplayArguments {
 [[nodiscard]] ExitCode plan_scene(const std::string& scene);
 [[nodiscard]] ExitCode check_scene(const std::string& scene);
 [[nodiscard]] ExitCode init_scene(const std::string& kind);
+/// "tunnel, slope, ...": what init_scene knows.
+[[nodiscard]] std::string init_kinds();
 /// Prints what differs between two finished results: scene, plan, counts, volumes, key blocks; not what they cost.
 [[nodiscard]] ExitCode diff_results(const std::string& first, const std::string& second);
 /// Paired differences of two Monte Carlo results with the same seed; to the file `out` too when it is not empty.
@@ -45,11 +47,11 @@ struct ReplayArguments {
 [[nodiscard]] ExitCode convert_file(const std::string& in, const std::string& out, std::uint64_t realization);
 
 /// ".obj" of "a/b.OBJ"; empty when there is none.
-[[nodiscard]] std::string ending_of(const std::string& path);
+[[nodiscard]] std::string extension_of(const std::string& path);
 
 /// "error: WHAT" on stderr.
-void complain(const std::string& what);
+void print_error(const std::string& what);
 /// Prints to stdout; the program's end tells when that failed.
-void say(const std::string& text);
+void print(const std::string& text);
 
 }  // namespace cleave::cli

@@ -299,7 +299,7 @@ std::expected<ConvertInput, std::string> read_convert_input(const std::string& i
   std::error_code ignored;
   const bool is_folder = std::filesystem::is_directory(in, ignored);
   const std::string file = is_folder ? (std::filesystem::path{in} / "blocks.vtu").generic_string() : in;
-  const std::string ending = ending_of(file);
+  const std::string ending = extension_of(file);
   constexpr std::string_view endings = " .vtu .obj .stl .ply .dxf .ts .fab .dat .csv .toml ";
   if (ending.empty() || endings.find(" " + ending + " ") == std::string_view::npos) {
     return std::unexpected(fmt::format("{}:1: IN: the ending is not known; {}", in, known_endings));

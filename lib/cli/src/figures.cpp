@@ -97,6 +97,10 @@ std::string figures_of(const scene::RunResult& result) {
   text += excavation_lines(figures.input.excavations);
   text += figures.blocks ? block_lines(*figures.blocks, result.certificate()) : certificate_line(result.certificate());
   if (figures.key_blocks) text += key_block_lines(*figures.key_blocks);
+  for (const scene::CaseFigures& load : figures.load_cases) {
+    text += fmt::format("  under {}: {} blocks, {:.6g} m3, lowest factor of safety {:.4g}\n", load.name,
+                        load.figures.count, load.figures.volume_m3, load.figures.lowest_factor_of_safety);
+  }
   if (figures.support) text += support_lines(*figures.support, result.designs);
   if (result.motion) text += motion_line(*result.motion);
   text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", result.cost.wall_s,

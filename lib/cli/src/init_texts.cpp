@@ -1,5 +1,13 @@
 #include "init_texts.hpp"
 
+#include <algorithm>
+#include <array>
+#include <iterator>
+
+#include "cleave/scene2d/bodies.hpp"
+#include "cleave/scene2d/contact.hpp"
+#include "cleave/scene3d/key_tables.hpp"
+
 namespace cleave::cli {
 namespace {
 
@@ -36,19 +44,19 @@ intensity = { p32 = 0.4 }
 
 [joints.default]               # [joints.A] for one set alone
 friction = { distribution = "uniform", min = 20, max = 30 }   # degrees, one value a joint; or just a number
-cohesion = 0                   # Pa
+cohesion = 0
 
 [rock]
-density = 2700                 # kg/m3
+density = 2700
 
 [[excavation]]
 name = "tunnel"
 kind = "tunnel"
 section = { shape = "horseshoe", width = 8, height = 8 }
-axis = [[20, 0, 15], [20, 40, 15]]   # through the middle of the section
+axis = [[20, 0, 15], [20, 40, 15]]
 
 [stability]
-gravity = 9.81                 # m/s2, downwards
+gravity = 9.81
 max_batches = 50
 )toml";
 
@@ -72,7 +80,7 @@ name = "bedding"
 orientation = { dip = 40, dip_direction = 80, distribution = "fisher", kappa = 100 }
 shape = "rectangle"
 size = { distribution = "constant", mean = 60 }
-intensity = { spacing = 4 }    # metres along the set's normal
+intensity = { spacing = 4 }
 
 [[joint_set]]
 name = "cross"
@@ -91,7 +99,7 @@ cohesion = 0
 
 [joints.fault]
 friction = 18
-cohesion = 2e3                 # Pa
+cohesion = 2e3
 
 [rock]
 density = 2600
@@ -125,11 +133,11 @@ plane = { through = [19.5, 10, 1], dip = 60, dip_direction = 135 }
 set = "south-east"
 
 [joints.default]
-friction = 30                  # degrees
-cohesion = 0                   # Pa
+friction = 30
+cohesion = 0
 
 [rock]
-density = 2700                 # kg/m3
+density = 2700
 
 [stability]
 free = ["top", "east"]
@@ -150,7 +158,7 @@ name = "A"
 orientation = { dip = 80, dip_direction = 90, distribution = "fisher", kappa = 30 }
 shape = "disc"
 size = { distribution = "exponential", mean = 30, min = 2, max = 100 }   # diameter, metres
-intensity = { p32 = 0.2 }      # m2 of joint in a m3 of rock
+intensity = { p32 = 0.2 }
 
 [[joint_set]]
 name = "B"
@@ -179,13 +187,13 @@ schema = 1
 title = "Loaded bracket"
 
 [rock]
-density = 2700                 # kg/m3
-young = 60e9                   # Pa
+density = 2700
+young = 60e9
 poisson = 0.25
 
 [elastic]
 plane = "strain"               # or "stress"
-gravity = 9.81                 # m/s2 downwards, or [x, y]
+gravity = 9.81
 # order = "quadratic"          # constant, linear
 # element = 0.2                # longest element, metres
 tolerance = 1e-3               # refine until displacements change by less (relative)
@@ -201,7 +209,7 @@ points = [ { name = "tip", at = [4, 1] }, { name = "middle", at = [2, 0.5] } ]
 
 [[body]]
 name = "bracket"
-outline = [[0, 0], [4, 0], [4, 1], [0, 1]]            # anticlockwise; side 1 runs from the first corner to the second
+outline = [[0, 0], [4, 0], [4, 1], [0, 1]]            # counter-clockwise; side 1 runs from the first corner to the second
 round_holes = [ { centre = [1, 0.5], radius = 0.2 } ]
 support = [ { side = 4, kind = "fixed" } ]            # roller symmetry spring displacement bonded pin
 load = [ { side = 3, pressure = 1e5 },                # Pa on the top
@@ -215,14 +223,14 @@ schema = 1
 title = "Columns on a slope"
 
 [rock]
-density = 2600                 # kg/m3
+density = 2600
 # young = 20e9                 # Pa; with poisson, blocks deform where strains are worth it (cleave plan says so)
 # poisson = 0.25
 
 [joints.default]
-friction = 35                  # degrees
-cohesion = 0                   # Pa, until a contact breaks
-tension = 0                    # Pa, likewise
+friction = 35
+cohesion = 0
+tension = 0
 
 [contact]
 duration = 2                   # s; or static = true: relax to rest
@@ -236,7 +244,7 @@ points = [ { name = "top", at = [3.24, 4.95], body = "tall" } ]
 [[body]]
 name = "slope"
 fixed = true
-outline = [[0, 0], [8, 0], [8, 3]]                            # anticlockwise
+outline = [[0, 0], [8, 0], [8, 3]]                            # counter-clockwise
 
 [[body]]
 name = "low"                                                  # side 1 runs from the first corner to the second
@@ -269,7 +277,7 @@ name = "A"
 orientation = { dip = 30, dip_direction = 30, distribution = "fisher", kappa = 40 }
 shape = "disc"
 size = { distribution = "lognormal", mean = 15, std = 6, min = 2, max = 40 }   # diameter, m
-intensity = { p32 = 0.2 }      # m2 of joint in a m3 of rock
+intensity = { p32 = 0.2 }
 
 [[joint_set]]
 name = "B"
@@ -286,7 +294,7 @@ size = { distribution = "lognormal", mean = 15, std = 6, min = 2, max = 40 }
 intensity = { p32 = 0.2 }
 
 [rock]
-density = 2700                 # kg/m3
+density = 2700
 
 [joints.default]
 friction = { distribution = "normal", mean = 28, std = 3, min = 15, max = 40 }   # degrees, one value a joint
@@ -300,21 +308,24 @@ axis = [[12, 0, 12], [12, 20, 12]]
 
 [monte_carlo]
 realizations = 100             # or stop = { quantity = "key_block_volume", relative_half_width = 0.1, max = 5000 }
-volume_thresholds = [0.1, 1, 10]         # m3: the probability of a key block above each
-chainage_bins = 10            # of the tunnel's axis
+volume_thresholds = [0.1, 1, 10]
+chainage_bins = 10
 )toml";
+
+constexpr std::array<InitText, 7> texts{{{"tunnel", tunnel, &scene::scene_keys},
+                                         {"slope", slope, &scene::scene_keys},
+                                         {"wedge", wedge, &scene::scene_keys},
+                                         {"network", network, &scene::scene_keys},
+                                         {"monte-carlo", monte_carlo, &scene::scene_keys},
+                                         {"bodies", bodies, &scene::elastic_scene_keys},
+                                         {"contact", contact, &scene::contact_scene_keys}}};
 
 }  // namespace
 
-std::optional<std::string_view> init_text(std::string_view kind) noexcept {
-  if (kind == "tunnel") return tunnel;
-  if (kind == "slope") return slope;
-  if (kind == "wedge") return wedge;
-  if (kind == "network") return network;
-  if (kind == "bodies") return bodies;
-  if (kind == "contact") return contact;
-  if (kind == "monte-carlo") return monte_carlo;
-  return special_init_text(kind);
+std::vector<InitText> init_texts() {
+  std::vector<InitText> all{texts.begin(), texts.end()};
+  std::ranges::copy(special_init_texts(), std::back_inserter(all));
+  return all;
 }
 
 }  // namespace cleave::cli

@@ -1,14 +1,20 @@
 #pragma once
 
-#include <optional>
+#include <span>
 #include <string_view>
+#include <vector>
+
+#include "cleave/scene/keys.hpp"
 
 namespace cleave::cli {
 
-/// The scene that `cleave init KIND` prints; empty for other kinds.
-[[nodiscard]] std::optional<std::string_view> init_text(std::string_view kind) noexcept;
-
-/// Those that show one thing: support, survey, bench, csv, water, motion.
-[[nodiscard]] std::optional<std::string_view> special_init_text(std::string_view kind) noexcept;
+/// What `cleave init KIND` prints, with what the declarations of its keys say.
+struct InitText {
+  std::string_view kind, text;
+  const scene::KeyTable& (*keys)();  ///< null: no TOML
+};
+[[nodiscard]] std::vector<InitText> init_texts();
+/// Those that show one thing.
+[[nodiscard]] std::span<const InitText> special_init_texts() noexcept;
 
 }  // namespace cleave::cli

@@ -1,5 +1,10 @@
 #include "init_texts.hpp"
 
+#include <array>
+
+#include "cleave/field_data/survey_file.hpp"
+#include "cleave/scene3d/key_tables.hpp"
+
 namespace cleave::cli {
 namespace {
 
@@ -19,7 +24,7 @@ name = "A"
 orientation = { dip = 40, dip_direction = 30, distribution = "fisher", kappa = 60 }
 shape = "disc"
 size = { distribution = "lognormal", mean = 12, std = 4, min = 2, max = 30 }   # diameter
-intensity = { p32 = 0.4 }      # m2 of joint in a m3 of rock
+intensity = { p32 = 0.4 }
 
 [[joint_set]]
 name = "B"
@@ -52,17 +57,17 @@ axis = [[15, 0, 15], [15, 30, 15]]
 target = { falling = 1.5, sliding = 1.3 }   # factors of safety that support has to reach
 
 [support]
-shotcrete = { thickness = 0.05, strength = 1e6 }   # m, Pa in shear
+shotcrete = { thickness = 0.05, strength = 1e6 }
 
 [[support.bolts]]
 name = "pattern"
 tunnel = "tunnel"
-spacing = [1.5, 1.5]           # m along the axis and around the section
-length = 4                     # m
-tendon_capacity = 200e3        # N
-plate_capacity = 100e3         # N
-bond_strength = 200e3          # N per metre
-anchorage = 0.5                # m of bond behind a block that a bolt needs to count
+spacing = [1.5, 1.5]
+length = 4
+tendon_capacity = 200e3
+plate_capacity = 100e3
+bond_strength = 200e3
+anchorage = 0.5
 )toml";
 
 constexpr std::string_view survey =
@@ -133,9 +138,9 @@ name = "pit"
 kind = "benches"
 plan = [[20, 20], [60, 20], [60, 60], [20, 60]]   # the crest, seen from above
 top = 40
-height = 10                    # m, of each bench
-width = 5                      # m, of the berms
-angle = 70                     # degrees, of the faces
+height = 10
+width = 5
+angle = 70
 count = 2
 stage_each = true              # one bench after the other: blocks_stage_1.vtu, ...
 
@@ -236,11 +241,11 @@ plane = { through = [12, 3.5, 6], dip = 88, dip_direction = 180 }
 plane = { through = [12, 7.5, 6], dip = 88, dip_direction = 0 }
 
 [joints.default]
-friction = 28                  # degrees
-cohesion = 0                   # Pa
+friction = 28
+cohesion = 0
 
 [rock]
-density = 2600                 # kg/m3
+density = 2600
 
 [[excavation]]
 name = "slope"
@@ -252,22 +257,21 @@ profile = { direction = 90, points = [[0, 12], [11, 12], [15, 4], [30, 4]] }
 [motion]
 release = "batches"            # or "all", "groups", "stage"
 until = "rest"                 # after `duration` at the latest
-duration = 4                   # s
+duration = 4
 step = 0.01                    # s, the longest
 restitution = 0
 surface_friction = 35          # degrees, of faces that are no joints
 )toml";
 
+constexpr std::array<InitText, 6> texts{{{"support", support, &scene::scene_keys},
+                                         {"survey", survey, &scene::survey_keys},
+                                         {"bench", bench, &scene::scene_keys},
+                                         {"csv", csv, nullptr},
+                                         {"water", water, &scene::scene_keys},
+                                         {"motion", motion, &scene::scene_keys}}};
+
 }  // namespace
 
-std::optional<std::string_view> special_init_text(std::string_view kind) noexcept {
-  if (kind == "support") return support;
-  if (kind == "survey") return survey;
-  if (kind == "bench") return bench;
-  if (kind == "csv") return csv;
-  if (kind == "water") return water;
-  if (kind == "motion") return motion;
-  return std::nullopt;
-}
+std::span<const InitText> special_init_texts() noexcept { return texts; }
 
 }  // namespace cleave::cli

@@ -165,7 +165,7 @@ ExitCode run_program(int argc, char** argv) {
   run_command->callback([&] {
     chosen = [&] {
       if (!seed.empty() && !(run.seed = seed_of(seed))) {
-        complain("cleave run: --seed: \"" + seed + "\" is not a whole number from 0 to 9223372036854775807");
+        print_error("cleave run: --seed: \"" + seed + "\" is not a whole number from 0 to 9223372036854775807");
         return ExitCode::wrong_input;
       }
       if (memory == 0) run.memory_mb = machine_memory_mb();
@@ -175,7 +175,7 @@ ExitCode run_program(int argc, char** argv) {
         run.sharded = true;
         return run_scene(run);
       }
-      complain("cleave run: --shard: \"" + shard + "\" is not K/N with K from 1 to N; write --shard 1/3");
+      print_error("cleave run: --shard: \"" + shard + "\" is not K/N with K from 1 to N; write --shard 1/3");
       return ExitCode::wrong_input;
     };
   });
@@ -220,9 +220,7 @@ ExitCode run_program(int argc, char** argv) {
 
   std::string kind;
   CLI::App* init = app.add_subcommand("init", "prints a commented scene to start from");
-  init->add_option("kind", kind,
-                   "tunnel, slope, wedge, network, monte-carlo, bodies, contact, support, survey, bench, csv or water")
-      ->required();
+  init->add_option("kind", kind, "one of: " + init_kinds())->required();
   init->callback([&] { chosen = [&] { return init_scene(kind); }; });
 
   std::string in, out;
@@ -251,7 +249,7 @@ ExitCode run_program(int argc, char** argv) {
     compare->add_option("-o,--out", compared, "file for the figures (JSON)");
     compare->callback([&, note] {
       chosen = [&, note] {
-        say(note);
+        print(note);
         return compare_results(first, second, compared);
       };
     });
@@ -271,12 +269,12 @@ ExitCode run_program(int argc, char** argv) {
     // A wrong option is why the right one is missing: it is named first.
     const std::vector<std::string> left = app.remaining(true);
     const auto option = std::ranges::find_if(left, [](const std::string& word) { return word.starts_with('-'); });
-    complain(std::string{"cleave: "} +
-             (option != left.end() ? "The following argument was not expected: " + *option : error.what()) +
-             "; see cleave --help");
+    print_error(std::string{"cleave: "} +
+                (option != left.end() ? "The following argument was not expected: " + *option : error.what()) +
+                "; see cleave --help");
     return ExitCode::wrong_input;
   } catch (const CLI::ParseError& error) {
-    complain(std::string{"cleave: "} + error.what() + "; see cleave --help");
+    print_error(std::string{"cleave: "} + error.what() + "; see cleave --help");
     return ExitCode::wrong_input;
   }
   return chosen();
@@ -295,14 +293,14 @@ int main(int argc, char** argv) {
     write_raw(memory_text);
     end = ExitCode::machine_failed;
   } catch (const std::system_error& error) {  // no threads to be had, a file system that fails
-    complain(std::string{"machine: "} + error.what() + "; check limits, memory and disks, then try again");
+    print_error(std::string{"machine: "} + error.what() + "; check limits, memory and disks, then try again");
     end = ExitCode::machine_failed;
   } catch (const std::exception& error) {
-    complain(error.what());
+    print_error(error.what());
     write_raw(bug_text);
   }
   if (std::fflush(stdout) != 0 && end == ExitCode::done) {
-    complain("stdout: cannot be written; check the space left");
+    print_error("stdout: cannot be written; check the space left");
     end = ExitCode::machine_failed;
   }
   return static_cast<int>(end);

@@ -230,11 +230,11 @@ ExitCode run(const RunArguments& arguments) {
   MPI_Allreduce(&same, &all, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
   if (all == 0) {
     if (!scene && rank == 0) return report_problems(scene.error());
-    if (rank == 0) complain(arguments.scene + ":1: scene: not the same on all machines; copy it to all of them");
+    if (rank == 0) print_error(arguments.scene + ":1: scene: not the same on all machines; copy it to all of them");
     return ExitCode::wrong_input;
   }
   if (!scene->monte_carlo) {
-    if (rank == 0) complain(arguments.scene + ":1: monte_carlo: the scene has none; use cleave run");
+    if (rank == 0) print_error(arguments.scene + ":1: monte_carlo: the scene has none; use cleave run");
     return ExitCode::wrong_input;
   }
   if (rank == 0) return coordinate(*scene, arguments, ranks);
@@ -263,7 +263,7 @@ int main(int argc, char** argv) {
     end = static_cast<int>(run(arguments));
   } catch (const CLI::ParseError& error) {
     end = error.get_exit_code() == 0 ? app.exit(error) : static_cast<int>(ExitCode::wrong_input);
-    if (end != 0) complain(std::string{"cleave_mpi: "} + error.what());
+    if (end != 0) print_error(std::string{"cleave_mpi: "} + error.what());
   }
   MPI_Finalize();
   return end;

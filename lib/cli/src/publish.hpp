@@ -23,7 +23,7 @@ template <class Work>
 [[nodiscard]] ExitCode in_out_folder(const std::string& name, InterruptWatch& interrupts, const Work& work) {
   auto out = OutFolder::prepare(name);
   if (!out) {
-    complain(out.error().message);
+    print_error(out.error().message);
     return out.error().code;
   }
   interrupts.on_interrupt([&] { out->discard(); });
@@ -63,17 +63,17 @@ template <class Result>
   if (written) written = report::write_file(out.folder() / "log.txt", files.log(result));
   if (written) written = files.summary(result, out.folder());
   if (!written) {
-    complain(out.by_final_name(describe(written.error())));
+    print_error(out.by_final_name(describe(written.error())));
     return ExitCode::machine_failed;
   }
   if (auto published = interrupts.guarded([&] { return out.publish(); }); !published) {
-    complain(published.error().message);
+    print_error(published.error().message);
     return published.error().code;
   }
   if (!quiet) {
     std::string text = files.figures(result);
     for (const std::string& note : result.notes) text += "note: " + note + "\n";
-    say(text + fmt::format("result in {}\n", out.final_name().generic_string()));
+    print(text + fmt::format("result in {}\n", out.final_name().generic_string()));
   }
   return std::nullopt;
 }

@@ -39,7 +39,7 @@ template <class Result>
       return *failed;
     }
     if (result->converged) return ExitCode::done;
-    complain(fmt::format("{}:1: {}", arguments.scene, scene.complaint(*result)));
+    print_error(fmt::format("{}:1: {}", arguments.scene, scene.complaint(*result)));
     return ExitCode::check_failed;
   });
 }

@@ -96,7 +96,7 @@ class PatternSolver final {
 void interior(const ContactProblem& problem, std::size_t most, Work& work, std::size_t& factors,
               const std::function<bool(const std::vector<Vec2>&)>& enough);
 
-/// Points along paths that turn until they come to an answer: where interior points go round in circles. Rigid bodies
+/// Points along paths that turn until they come to an answer: where the interior-point solver stagnates. Rigid bodies
 /// only. Shows `enough` what is near the end of a path until it says so, up to `most` factors.
 void turning_path(const ContactProblem& problem, std::size_t most, Work& work, std::size_t& factors,
                   const std::function<bool(const std::vector<Vec2>&)>& enough);

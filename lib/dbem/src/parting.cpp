@@ -35,7 +35,7 @@ constexpr std::size_t dear = 600;
 constexpr double harmless = 1e-7;
 
 /// Impulses that part bodies, empty when none were found: a convex programme. Newton nearly always gets home and leaves
-/// a millionth of a penetration, interior points do where it goes round in circles. In very large groups both are dear
+/// a millionth of a penetration, the interior-point solver does where it stagnates. In very large groups both are dear
 /// and a few sweeps part nearly as well; where those do not (a body wedged between others), only what is `deep` is
 /// worth more.
 std::vector<Vec2> least_move(const ContactProblem& problem, Work& work, bool deep, SolverOptions how,

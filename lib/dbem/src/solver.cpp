@@ -124,7 +124,7 @@ class Cascade final {
     if (problem_.contacts() <= 3 * most_for_lemke && take(pivot(), Method::lemke)) return;
     if (take(from_here(p_, most), Method::newton)) return;
     if (inside(1000) || along_path(options_.path)) return;
-    // Sweeps creep up to an answer where Newton goes round in circles between the states of a few contacts.
+    // Sweeps creep up to an answer where Newton orbits between the states of a few contacts.
     Tried swept{p_};
     for (int more = 0; more < 4; ++more) {
       const std::vector<Vec2> nowhere(swept.p.size());

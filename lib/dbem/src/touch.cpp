@@ -8,7 +8,7 @@ namespace cleave::dbem {
 namespace {
 using std::numbers::pi;
 
-/// Angle from a to b, anticlockwise, in [0, 2 pi).
+/// Angle from a to b, counter-clockwise, in [0, 2 pi).
 double turn(Vec2 a, Vec2 b) {
   const double angle = std::atan2(cross(a, b), dot(a, b));
   return angle < 0 ? angle + 2 * pi : angle;

@@ -77,12 +77,12 @@ Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, 
       }
     }
     if (!less && evaluator.residual(map, tried.p) <= 1e-10) break;  // nothing but rounding is left
-    // A full step often leaves the corner a short one is caught in; when that goes round in circles, the best one.
+    // A full step often leaves the corner a short one is caught in; when that stagnates, the best one.
     if (!less) at(++caught % 2 == 1 ? 1.0 : std::max(best_step, 0.1));
     std::swap(tried.p, next);
     std::swap(map, trial);
     if (map.squared > hopeless) return tried;
-    // About a centre, what goes round in circles is helped by more weight on the centre, not by patience.
+    // About a centre, what stagnates is helped by more weight on the centre, not by patience.
     rounds = map.squared < 0.9 * least ? 0 : rounds + 1;
     least = std::min(least, map.squared);
     if (!centre.empty() && is_large(problem) && rounds >= 8) return tried;

@@ -100,7 +100,7 @@ std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
   }
   const auto checked = bem::check_loops({bem::polygon(c)}, false);
   if (!checked) return BadOutline{body.name, bem::describe(checked.error())};
-  if (!checked->turned.empty()) return BadOutline{body.name, "corners run clockwise; state them anticlockwise"};
+  if (!checked->turned.empty()) return BadOutline{body.name, "corners run clockwise; state them counter-clockwise"};
   const PolygonMoments moments = polygon_moments(c);
   shape.local_centroid = moments.centroid;
   double perimeter = 0;

@@ -13,7 +13,6 @@
 #include "cleave/scene/common_keys.hpp"
 #include "cleave/scene/file_input.hpp"
 #include "parse_orientations.hpp"
-#include "survey_keys.hpp"
 #include "survey_rows.hpp"
 #include "survey_table.hpp"
 
@@ -390,7 +389,7 @@ std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, 
   Problems problems{shown};
   auto tree = read_toml(text);
   if (!tree) {
-    problems.error(tree.error().line, "TOML", tree.error().what, "mend the syntax: see https://toml.io");
+    problems.error(tree.error().line, "TOML", tree.error().what, "fix the syntax: see https://toml.io");
     return std::unexpected(std::move(problems).take_errors());
   }
   const TableReader root{*tree, 1, "", problems, survey_keys()};

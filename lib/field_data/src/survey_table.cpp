@@ -244,7 +244,8 @@ std::optional<double> cell_number(InputContext& context, const LoadedFile& file,
   const auto value = number_of(row.cells[*at]);
   if (!value) {
     context.problems.error_in(file.shown, row.line, std::string{name},
-                              fmt::format("\"{}\" is not a number", row.cells[*at].substr(0, 40)), "mend or empty it");
+                              fmt::format("\"{}\" is not a number", row.cells[*at].substr(0, 40)),
+                              "correct or empty it");
   }
   if (value && table.units[*at] != nullptr) return to_unit(*value, *table.units[*at]);
   return value;

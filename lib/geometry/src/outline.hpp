@@ -11,7 +11,7 @@ namespace cleave::geometry {
 
 /// A closed ring of corners, measured: what Polygon and the triangulation both need to know about it.
 /// Invariant: at least three corners, none repeated in a row, in range, wider than rounding, and no two edges meet when
-/// seen along the dominant axis of `normal`. How far it is from planar is told, not judged.
+/// seen along the dominant axis of `normal`. How far it is from planar is reported, not judged.
 struct Outline {
   std::vector<Vec3> corners;        ///< repeated ones removed
   std::vector<std::size_t> source;  ///< number of each corner in the list that was given

@@ -229,7 +229,7 @@ std::string describe(const TerrainError& error) {
           [](const TwistedGround&) {
             return std::string{
                 "the triangles are no single sheet: three or more share an edge, the surface is twisted, or parts "
-                "touch in a vertex only; mend the surface"};
+                "touch in a vertex only; fix the surface"};
           },
           [](const SolidError& e) { return describe(e); },
       },

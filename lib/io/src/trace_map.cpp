@@ -190,7 +190,7 @@ std::expected<TraceMap, ReadError> parse_table(std::string_view bytes, std::stri
     const auto c = segments ? value(*x2) : a, d = segments ? value(*y2) : b;
     if (!a || !b || !c || !d) {
       return std::unexpected(error(name, ReadFault::bad_number, row.line, "holds a coordinate that is no number",
-                                   "mend or remove the line"));
+                                   "correct or remove the line"));
     }
     if (segments) {
       map.lines.push_back({{scale * *a, scale * *b}, {scale * *c, scale * *d}});

@@ -115,10 +115,10 @@ double CutEstimate::cut_s() const noexcept { return 6e-5 * faces + 1e-5 * joints
 double CutEstimate::audit_s() const noexcept { return 2.4e-6 * blocks; }
 
 /// The joints and the border of the domain are a surface; by Euler's formula, and where all hangs together without
-/// tunnels, it parts the rock into 1 + (joints that border the rock all round) + (ends of lines of two joints at the
+/// tunnels, it divides the rock into 1 + (joints that border the rock all round) + (ends of lines of two joints at the
 /// border) + (points of three joints) - (lines of two joints) + (joints inside) blocks. Of each, what plates of these
 /// areas and attitudes have on average when they lie anywhere (Santalo 1976). Where each joint meets few others, most
-/// of it hangs loosely and parts nothing.
+/// of it hangs loosely and separates nothing.
 CutEstimate estimate_cut(const SampledScene& drawn) {
   const Box box = box_of(drawn.input.domain);
   const Vec3 side = box.max - box.min;

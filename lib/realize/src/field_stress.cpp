@@ -195,7 +195,7 @@ ClampedBlock clamp(const topology::BlockComplex& complex, const stability::Judge
                    const std::vector<std::uint32_t>& leaves, const stability::Settings& settings,
                    std::optional<double> stiffness_ratio) {
   ClampedBlock out{.block = judged.block};
-  // Faces on one plane are told as one.
+  // Faces on one plane are reported as one.
   std::map<std::pair<topology::PlaneId, bool>, ClampedPlane> planes;
   std::vector<stability::ClampedContact> contacts;
   for (auto& [id, contact] : contacts_of(complex, judged, field, leaves, settings.strengths)) {

@@ -143,7 +143,9 @@ SupportFigures count_support(const stability::SupportResult& support) {
   return f;
 }
 
-RunResult empty_result() { return {{{.input = {.domain = geometry::make_box({0, 0, 0}, {1, 1, 1}).value()}}}}; }
+RunResult empty_result() {
+  return {{{.input = {.domain = geometry::make_box({0, 0, 0}, {1, 1, 1}).value()}}}, ResultHead{}};
+}
 
 namespace {
 

@@ -95,7 +95,7 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   progress.end();
   if (!done) return std::unexpected(done.error());
   const std::vector<std::string> group_notes = realizer.group_notes();
-  RunResult result{std::move(realizer).take()};
+  RunResult result{std::move(realizer).take(), head_of(scene, std::move(plan))};
   if (result.complex) {
     CLEAVE_TRY(result.excavations, timer.run(name_of(Stage::cut), [&] { return taken_by(scene, result); }));
     if (auto missing = without_rock(scene, result.excavations); !missing.empty()) return std::unexpected(missing);
@@ -108,16 +108,9 @@ std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const Run
   std::ranges::copy(group_notes, std::back_inserter(result.notes));
   if (result.motion) std::ranges::copy(result.motion->notes, std::back_inserter(result.notes));
   if (result.complex) add_excavation_notes(result.excavations, result.notes);
-  result.title = scene.title;
-  result.project = scene.project;
-  result.seed = scene.seed;
-  result.scene_file = scene.file_name;
-  result.scene_sha256 = scene.sha256;
   result.files = scene.files;
   result.north = scene.north;
-  result.plan = std::move(plan);
   result.cost = cost_of(timer, options.threads);
-  result.output = scene.output;
   result.rock = scene.rock;
   result.stability = scene.stability;
   result.micro_blocks = scene.micro_blocks;

@@ -42,7 +42,7 @@ void add_cut_notes(const Scene& scene, const Realization& made, std::vector<std:
   if (const topology::NearMisses& near = report.near_misses; near.sides > 0) {
     notes.push_back(fmt::format(
         "{} of joints {} another polygon by less than 1e-6 of the domain without touching it, by {:.2g} m at most "
-        "({} and {}): the rock is not parted there; snap = {:.2g} would close that",
+        "({} and {}): the rock is not divided there; snap = {:.2g} would close that",
         near.sides == 1 ? "a side" : fmt::format("{} sides", near.sides), near.sides == 1 ? "misses" : "miss",
         near.largest.si(), name_of(near.joint, scene, made),
         near.other ? name_of(*near.other, scene, made) : std::string{"a side of the domain or an excavation"},
@@ -53,7 +53,7 @@ void add_cut_notes(const Scene& scene, const Realization& made, std::vector<std:
   }
   if (!report.dangling.empty()) {
     notes.push_back(
-        fmt::format("{} of {} joints end inside the rock and part no two blocks", report.dangling.size(), joints));
+        fmt::format("{} of {} joints end inside the rock and separate nothing", report.dangling.size(), joints));
   }
 }
 
@@ -125,7 +125,7 @@ void add_cohesion_note(const stability::Analysis& analysis, std::vector<std::str
   }
   if (blocks == 0) return;
   notes.push_back(fmt::format(
-      "{} key {} along joints with cohesion on which nothing presses (upright joints, say), up to {:.3g} kN of it: it "
+      "{} key {} along joints with cohesion on which nothing presses (vertical joints, say), up to {:.3g} kN of it: it "
       "is not counted; parallel_contact = true counts it",
       blocks, blocks == 1 ? "block moves" : "blocks move", largest / 1000));
 }

@@ -1,4 +1,4 @@
-// Sortable tables. `row(id)` is the row of a block; `onPick` is told the number of the block whose row was clicked.
+// Sortable tables. `row(id)` is the row of a block; `onPick` receives the number of the block whose row was clicked.
 const tables = (function () {
   'use strict';
   const listeners = [];

@@ -12,6 +12,7 @@
 #include "cleave/exchange/vtu_writer.hpp"
 #include "cleave/report/summary.hpp"
 #include "html_parts.hpp"
+#include "html_table.hpp"
 #include "tables2d.hpp"
 
 namespace cleave::report {
@@ -159,17 +160,14 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
     out += "</section>\n";
   }
   if (!result.points.empty()) {
-    out += "<section><h2>Points</h2>\n<table>\n" + table_row({"point", "x (m)", "y (m)", "u<sub>x</sub> (m)",
-                                                              "u<sub>y</sub> (m)", "xx (Pa)", "yy (Pa)", "xy (Pa)"},
-                                                             true);
+    std::vector<Shown> columns = point_columns();
+    columns.insert(columns.end(), {{"stress_xx_pa", {}, 6}, {"stress_yy_pa", {}, 6}, {"stress_xy_pa", {}, 6}});
+    HtmlTable table{std::move(columns), StressPointRow{}};
     for (const scene::PointResult& p : result.points) {
       const Vec2 u = p.displacement.empty() ? Vec2{} : p.displacement.back();
-      out += table_row({escape_xml(p.name), display(p.at.x), display(p.at.y), display(u.x, 6), display(u.y, 6),
-                        p.stress.empty() ? "–" : display(p.stress.back().xx, 6),
-                        p.stress.empty() ? "–" : display(p.stress.back().yy, 6),
-                        p.stress.empty() ? "–" : display(p.stress.back().xy, 6)});
+      table.add(StressPointRow{{0, p.name, p.at, u}, p.stress.empty() ? std::nullopt : std::optional{p.stress.back()}});
     }
-    out += "</table>\n</section>\n";
+    out += "<section><h2>Points</h2>\n" + std::move(table).html() + "</section>\n";
   }
   if (!result.trials.empty()) {
     out +=

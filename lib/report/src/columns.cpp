@@ -47,11 +47,14 @@ std::string columns_of_tables() {
   const stability::SupportedBlock supported{.block = topology::BlockId{0U}};
   const stability::BoltResult bolt{};
   const stability::CombinedBlock combined{};
+  const stability::KeyGroup group{};
   const TableParts all{.force_transfer = true, .rotation = true, .support = true, .field_stress = true};
   return table("key_blocks.csv", KeyBlockRow{.j = judgement, .parts = all}) +
          table("load_cases.csv", LoadCaseRow{"", judgement}) + table("bolts.csv", BoltRow{.pattern = {}, .b = bolt}) +
          table("support_blocks.csv", SupportBlockRow{"", supported}) +
          table("combined_blocks.csv", CombinedBlockRow{.load = "", .b = combined}) +
+         table("key_groups.csv", KeyGroupRow{group}) +
+         table("motion.csv", scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}}) +
          table("maximum_blocks.csv", scene::MaximumRow{}) + table("points.csv", StressPointRow{}) +
          table("history.csv", scene::ContactHistory{}) + table("bodies.csv", scene::ContactBodyResult{});
 }

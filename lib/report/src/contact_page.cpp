@@ -8,6 +8,8 @@
 #include "cleave/exchange/text.hpp"
 #include "cleave/report/contact.hpp"
 #include "html_parts.hpp"
+#include "html_table.hpp"
+#include "tables2d.hpp"
 
 namespace cleave::report {
 namespace {
@@ -126,18 +128,16 @@ std::string bodies_table(const scene::ContactResult& result) {
   if (order.size() > most) {
     std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::size_t b) { return result.bodies[b].largest; });
   }
-  std::string out = "<div class=\"scroll\"><table>\n" +
-                    table_row({"body", "freedoms", "largest displacement (m)", "u<sub>x</sub> (m)", "u<sub>y</sub> (m)",
-                               "rotation (°)", "contact force on it (kN/m)"},
-                              true);
-  for (std::size_t k = 0; k < order.size() && k < most; ++k) {
-    const scene::ContactBodyResult& body = result.bodies[order[k]];
-    out += table_row({escape_xml(body.name), display_count(body.freedoms), display(body.largest),
-                      display(body.centroid.x - body.start.x), display(body.centroid.y - body.start.y),
-                      display(body.rotation * 180 / std::numbers::pi),
-                      display(body.force.x / 1e3) + ", " + display(body.force.y / 1e3)});
-  }
-  out += "</table></div>\n";
+  HtmlTable table{{{"body"},
+                   {"max_displacement_m", "Largest displacement (m)"},
+                   {"displacement_x_m", "u<sub>x</sub> (m)"},
+                   {"displacement_y_m", "u<sub>y</sub> (m)"},
+                   {"rotation_degrees", "Rotation (°)"},
+                   {"contact_force_x_n_per_m", "Contact force on it, x (kN/m)"},
+                   {"contact_force_y_n_per_m", "y (kN/m)"}},
+                  scene::ContactBodyResult{}};
+  for (std::size_t k = 0; k < order.size() && k < most; ++k) table.add(result.bodies[order[k]]);
+  std::string out = std::move(table).html();
   if (order.size() > most) {
     out += "<p class=\"small\">The " + display_count(most) + " of " + display_count(order.size()) +
            " that moved most; bodies.csv has all.</p>\n";
@@ -230,14 +230,12 @@ std::string contact_report_html(const scene::ContactResult& result) {
   if (!result.points.empty()) out += "<div id=\"ux\"></div><div id=\"uy\"></div>\n";
   out += "<div id=\"energy\"></div><div id=\"contacts\"></div>\n</div>\n</section>\n";
   if (!result.points.empty()) {
-    out += "<section><h2>Points</h2>\n<div class=\"scroll\"><table>\n" +
-           table_row({"point", "x (m)", "y (m)", "u<sub>x</sub> (m)", "u<sub>y</sub> (m)"}, true);
+    HtmlTable table{point_columns(), PointRow{}};
     for (std::size_t p = 0; p < result.points.size(); ++p) {
       const Vec2 u = result.history.empty() ? Vec2{} : result.history.back().points[p];
-      out += table_row({escape_xml(result.points[p].name), display(result.points[p].at.x),
-                        display(result.points[p].at.y), display(u.x, 6), display(u.y, 6)});
+      table.add(PointRow{0, result.points[p].name, result.points[p].at, u});
     }
-    out += "</table></div>\n</section>\n";
+    out += "<section><h2>Points</h2>\n" + std::move(table).html() + "</section>\n";
   }
   out += "<section><h2>Bodies</h2>\n" + bodies_table(result) + "</section>\n<section><h2>Solvers</h2>\n" +
          solver_bars(result) + "<div class=\"plots\"><div id=\"steps\"></div>" +

@@ -16,6 +16,7 @@
 #include "html_key_blocks.hpp"
 #include "html_parts.hpp"
 #include "html_stability.hpp"
+#include "html_table.hpp"
 #include "html_why.hpp"
 #include "key_groups.hpp"
 #include "motion.hpp"
@@ -96,28 +97,48 @@ struct Range {
   }
 };
 
-std::string set_rows(const Page& page) {
-  std::string out;
+struct SetRow {
+  Html name = {};
+  std::uint64_t joints = 0;
+  MeanPole mean = {};
+  Range friction = {}, cohesion = {};
+};
+template <class V>
+void fields(V& v, const SetRow& x) {
+  const auto tenth = [](double degrees) { return display(std::round(degrees * 10) / 10) + "°"; };
+  v("set", x.name);
+  v("joints", x.joints);
+  v("mean", Html{tenth(x.mean.dip_degrees) + " / " + tenth(x.mean.dip_direction_degrees)});
+  v("kappa", x.joints > 1 ? std::optional{x.mean.kappa} : std::nullopt);
+  v("friction", Html{x.friction.text()});
+  v("cohesion", Html{x.cohesion.text()});
+}
+
+std::string set_table(const Page& page) {
+  HtmlTable table{{{"set"},
+                   {"joints"},
+                   {"mean", "Mean dip / dip direction"},
+                   {"kappa", "Concentration κ", 3},
+                   {"friction", "Friction (°)"},
+                   {"cohesion", "Cohesion (kPa)"}},
+                  SetRow{}};
   for (const scene::SetId id : page.result.sets.ids()) {
-    const std::size_t set = id.index();
+    SetRow row;
     std::vector<geometry::Vec3> normals;
-    Range friction, cohesion;
     for (const scene::JointInfo& joint : page.result.joints) {
       if (joint.set != id) continue;
       normals.push_back(joint.normal);
-      friction.add(joint.strength.friction.degrees());
-      cohesion.add(joint.strength.cohesion.si() / 1000);
+      row.friction.add(joint.strength.friction.degrees());
+      row.cohesion.add(joint.strength.cohesion.si() / 1000);
     }
     if (normals.empty()) continue;
-    const MeanPole mean = mean_of(normals);
-    out += "<tr><td><svg class=\"mark\" viewBox=\"0 0 16 16\">" + set_marker(set, 8, 8, 5) + "</svg>" +
-           escape_xml(page.result.sets[id].name) + "</td><td>" + display_count(normals.size()) + "</td><td>" +
-           display(std::round(mean.dip_degrees * 10) / 10) + "° / " +
-           display(std::round(mean.dip_direction_degrees * 10) / 10) + "°</td><td>" +
-           (normals.size() > 1 ? display(mean.kappa, 3) : "–") + "</td><td>" + friction.text() + "</td><td>" +
-           cohesion.text() + "</td></tr>\n";
+    row.name.text = "<svg class=\"mark\" viewBox=\"0 0 16 16\">" + set_marker(id.index(), 8, 8, 5) + "</svg>" +
+                    escape_xml(page.result.sets[id].name);
+    row.joints = normals.size();
+    row.mean = mean_of(normals);
+    table.add(row);
   }
-  return out;
+  return std::move(table).html();
 }
 
 std::string stereonet_section(const Page& page) {
@@ -140,10 +161,8 @@ std::string stereonet_section(const Page& page) {
     const std::size_t step = (joints.size() + max_plotted_poles - 1) / max_plotted_poles;
     out += " One in " + std::to_string(step) + " poles is drawn; the means use all.";
   }
-  out +=
-      "</figcaption></figure>\n<div><table><thead><tr><th>Set</th><th>Joints</th><th>Mean dip / dip direction</th>"
-      "<th>Concentration κ</th><th>Friction (°)</th><th>Cohesion (kPa)</th></tr></thead><tbody>\n";
-  return out + set_rows(page) + "</tbody></table></div></div></section>\n";
+  out += "</figcaption></figure>\n<div>" + set_table(page) + "</div></div></section>\n";
+  return out;
 }
 
 std::string blocks_section(const Page& page) {
@@ -155,19 +174,22 @@ std::string blocks_section(const Page& page) {
   std::string out =
       "<section id=\"blocks\"><h2>Block system and certificate</h2>\n<div class=\"columns\"><div><table "
       "class=\"facts\"><tbody>\n";
-  out += fact("Blocks", display_count(b.count));
-  out += fact("Not convex", display_count(b.concave));
-  out += fact("With holes", display_count(b.with_holes));
-  out += fact("With cavities", display_count(b.with_cavities));
-  out += fact("Slivers (kept)", display_count(b.slivers));
-  out += fact("Sum of block volumes", display(b.volume_m3, 8) + " m³");
-  out += fact("Domain less excavations", display(b.domain_volume_m3, 8) + " m³");
-  out += fact("Volume error", display(c.volume_relative_error, 2) + " (relative)");
-  out += fact("Euler–Poincaré violations", display_count(c.euler_violations));
-  out += fact("Open shells", display_count(c.open_shells));
-  out += fact("Unpaired joint patches", display_count(c.unpaired_patches));
-  out += fact("Largest face-vector sum", display(c.face_vector_max_relative, 2) + " (relative)");
-  out += fact("Decisions that needed exact numbers", display(100 * b.exact_share, 3) + " %");
+  const auto system = group([&](auto& w) { scene::block_fields(w, page.figures().blocks, c, page.result.window); });
+  out += facts({{"count", "Blocks"},
+                {"concave", "Not convex"},
+                {"with_holes"},
+                {"with_cavities"},
+                {"slivers", "Slivers (kept)"},
+                {"volume_m3", "Sum of block volumes", 8},
+                {"domain_volume_m3", "Domain less excavations", 8},
+                {"volume_relative_error", "Volume error (relative)", 2}},
+               system);
+  out += facts({{"euler_violations", "Euler–Poincaré violations"},
+                {"open_shells"},
+                {"unpaired_patches", "Unpaired joint patches"},
+                {"face_vector_max_relative", "Largest face-vector sum (relative)", 2}},
+               c);
+  out += facts({{"exact_share", "Decisions that needed exact numbers", 3}}, system);
   out += fact("Hash of the block system", "<code>" + escape_xml(b.hash) + "</code>");
   if (b.sizes) {
     const scene::BlockSizes& sizes = *b.sizes;
@@ -177,10 +199,8 @@ std::string blocks_section(const Page& page) {
       out += fact(std::string{"Volume "} + level + ", by number; by volume",
                   display(sizes.by_number.at(level)) + "; " + display(sizes.by_volume.at(level)) + " m³");
     }
-    out += fact("D50, D80", display(sizes.d50.si()) + ", " + display(sizes.d80.si()) + " m");
-    out += fact("Cubic, platy, elongated, bladed",
-                display_count(sizes.shapes.cubic) + ", " + display_count(sizes.shapes.platy) + ", " +
-                    display_count(sizes.shapes.elongated) + ", " + display_count(sizes.shapes.bladed));
+    out += facts({{"d50_m", "D50"}, {"d80_m", "D80"}}, sizes);
+    out += facts({{"cubic"}, {"platy"}, {"elongated"}, {"bladed"}}, sizes.shapes);
     out += fact("Volumetric joint count Jv", display(sizes.jv) + " 1/m");
   }
   out += "</tbody></table></div>\n<figure>" + size_curve(std::move(volumes));

@@ -8,6 +8,7 @@
 #include "cleave/exchange/text.hpp"
 #include "cleave/realize/places.hpp"
 #include "drawings.hpp"
+#include "html_table.hpp"
 #include "tables.hpp"
 
 namespace cleave::report {
@@ -15,12 +16,6 @@ namespace {
 
 /// Smaller ones an engineer does not look for first.
 constexpr Volume shown_from = Volume::from_si(1e-3);
-
-void cell(std::string& out, double value, const std::string& shown) {
-  out += "<td data-v=\"";
-  append_number(out, value);
-  out += "\">" + shown + "</td>";
-}
 
 std::string trend_and_plunge(const geometry::Vec3& d) {
   constexpr double to_degrees = 57.29577951308232;
@@ -44,59 +39,69 @@ std::string where(const scene::BlockPlace& place) {
 /// Hidden in the table until they are asked for.
 bool is_micro(const topology::Block& block) { return block.sliver || block.volume < shown_from; }
 
-std::string key_block_rows(const Page& page, const std::vector<const stability::Judgement*>& judgements) {
-  std::string out;
-  for (const stability::Judgement* row : judgements) {
-    const stability::Judgement& j = *row;
-    const topology::Block& block = page.complex->blocks()[j.block];
-    const std::vector<topology::JointId> joints = scene::joints_of(*page.complex, j.block);
-    const scene::BlockPlace place = scene::place_of(page.result, *page.complex, j.block, joints);
-    out += "<tr data-block=\"" + std::to_string(j.block.value()) + "\" class=\"" + (j.key ? "" : "stays ") +
-           (is_micro(block) ? "micro" : "") + "\">";
-    cell(out, j.block.value(), std::to_string(j.block.value()));
-    const std::string swatch =
-        j.batch ? "<i class=\"swatch\" style=\"background:" + batch_colour(*j.batch) + "\"></i>" : "";
-    cell(out, j.batch ? *j.batch : 1e9,
-         swatch + (j.batch ? std::to_string(*j.batch) : (j.key ? (j.transferred ? "held" : "later") : "stays")));
-    out += "<td>";
-    out += stability::name(j.mode);
-    out += "</td><td>" + where(place) + "</td>";
-    cell(out, block.volume.si(), display(block.volume.si()));
-    cell(out, j.weight.si(), display(j.weight.si() / 1000));
-    out += "<td>" + trend_and_plunge(j.direction) + "</td>";
-    cell(out, j.net.si(), display(j.net.si() / 1000));
-    cell(out, j.factor_of_safety, display(j.factor_of_safety, 3));
-    if (page.result.analysis->force_transfer) {
-      const double net = j.transferred ? j.transferred->net.si() : j.net.si();
-      const double factor = j.transferred ? j.transferred->factor_of_safety : j.factor_of_safety;
-      cell(out, net, display(net / 1000));
-      cell(out, factor, display(factor, 3));
-    }
-    if (page.result.field_stress) {
-      const auto& clamped = page.result.field_stress->blocks;
-      const auto found = std::ranges::lower_bound(clamped, j.block, {}, &scene::ClampedBlock::block);
-      if (found != clamped.end() && found->block == j.block) {
-        cell(out, found->factor_of_safety, display(found->factor_of_safety, 3));
-      } else {
-        out += "<td>–</td>";
-      }
-    }
-    if (page.result.analysis->rotation != stability::RotationCheck::off) {
-      out += !j.rotation ? "<td>–</td>" : j.rotation->turns ? "<td class=\"warn\">turns</td>" : "<td>no</td>";
-    }
-    cell(out, place.free_area.si(), display(place.free_area.si(), 3));
-    cell(out, place.depth.si(), display(place.depth.si(), 3));
-    cell(out, place.extent.si(), display(place.extent.si(), 3));
-    cell(out, static_cast<double>(block.faces.size()), std::to_string(block.faces.size()));
-    std::string sets, numbers;
-    for (const scene::SetId set : place.sets)
-      sets += (sets.empty() ? "" : ", ") + escape_xml(page.result.sets[set].name);
-    for (const topology::JointId joint : joints) {
-      numbers += (numbers.empty() ? "" : ", ") + std::to_string(joint.value());
-    }
-    out += "<td>" + (sets.empty() ? "–" : sets) + "</td><td class=\"wide\">" + numbers + "</td></tr>\n";
+/// A row of the page's table: what key_blocks.csv says, and cells that join figures.
+struct ShownBlock {
+  const KeyBlockRow& row;
+};
+template <class V>
+void fields(V& v, const ShownBlock& x) {
+  const stability::Judgement& j = x.row.j;
+  fields(v, x.row);
+  const std::string swatch =
+      j.batch ? "<i class=\"swatch\" style=\"background:" + batch_colour(*j.batch) + "\"></i>" : "";
+  v("leaves",
+    Html{swatch + (j.batch ? std::to_string(*j.batch) : (j.key ? (j.transferred ? "held" : "later") : "stays")),
+         j.batch ? *j.batch : 1e9},
+    "when it leaves, from 1");
+  v("where", Html{where(x.row.place)});
+  v("direction", Html{trend_and_plunge(j.direction)}, "of first motion, trend / plunge");
+  if (x.row.parts.rotation) {
+    v("turns_over", Html{!j.rotation ? "–" : j.rotation->turns ? "<b class=\"warn\">topples</b>" : "no"});
   }
-  return out;
+}
+
+std::string key_block_table(const Page& page, const std::vector<const stability::Judgement*>& judgements) {
+  const stability::Judgement none{.block = topology::BlockId{0U}};
+  HtmlTable table{{{"block"},
+                   {"leaves", "Batch"},
+                   {"mode"},
+                   {"where"},
+                   {"volume_m3"},
+                   {"weight_n"},
+                   {"direction"},
+                   {"net_force_n"},
+                   {"factor_of_safety", {}, 3},
+                   {"net_force_n_transferred", "Net force, transferred (kN)", 4, true},
+                   {"factor_of_safety_transferred", "Factor, transferred", 3, true},
+                   {"factor_of_safety_clamped", "Factor, clamped by field stress", 3, true},
+                   {"turns_over", "Topples?", 4, true},
+                   {"free_area_m2", {}, 3},
+                   {"depth_m", {}, 3},
+                   {"extent_m", {}, 3},
+                   {"faces"},
+                   {"sets"},
+                   {"joints"}},
+                  ShownBlock{KeyBlockRow{.j = none, .parts = parts_of(page.result)}},
+                  "class=\"sortable\""};
+  for (const stability::Judgement* j : judgements) {
+    const KeyBlockRow row = key_block_row(*page.complex, page.result, *j);
+    const bool micro = is_micro(page.complex->blocks()[j->block]);
+    table.add(ShownBlock{row}, "data-block=\"" + std::to_string(j->block.value()) + "\" class=\"" +
+                                   (j->key ? "" : "stays ") + (micro ? "micro" : "") + "\"");
+  }
+  return std::move(table).html();
+}
+
+std::string cases_table(const std::vector<scene::CaseFigures>& cases) {
+  if (cases.empty()) return {};
+  return "<h3>Under the load cases</h3>" +
+         html_table({{"name", "Case"},
+                     {"count", "Key blocks"},
+                     {"volume_m3"},
+                     {"lowest_factor_of_safety", {}, 3},
+                     {"below_target", "Below the target"}},
+                    scene::CaseFigures{}, cases, "id=\"load-cases\"") +
+         "<p class=\"small\">Block by block: load_cases.csv.</p>\n";
 }
 
 }  // namespace
@@ -124,7 +129,10 @@ std::string key_blocks_section(const Page& page) {
            "<figcaption>Volume that leaves, by batch. "
            "All blocks of a batch leave together; what they held up leaves in the next.</figcaption></figure>\n";
   const std::vector<const stability::Judgement*> judgements = by_severity(*page.result.analysis);
-  if (judgements.empty()) return out + "<p>No removable block would move, even without friction.</p></section>\n";
+  if (judgements.empty()) {
+    return out + "<p>No removable block would move, even without friction.</p>" +
+           cases_table(page.figures().load_cases) + "</section>\n";
+  }
   out +=
       "<p class=\"small\">Every removable block that would move without friction, the largest net force first; those "
       "that friction and cohesion hold are marked “stays” and follow by their factor. Click a heading to sort, a row "
@@ -144,17 +152,7 @@ std::string key_blocks_section(const Page& page) {
            display_count(micro) + (micro == 1 ? " block" : " blocks") + " below a litre or thinner than 1e-6 of the " +
            "domain too (" + display(micro_volume, 3) + " m³ in all, counted above)</label>\n";
   }
-  out +=
-      "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Block</th><th>Batch</th><th>Mode</th>"
-      "<th>Where</th><th>Volume (m³)</th><th>Weight (kN)</th><th>Direction</th><th>Net force (kN)</th>"
-      "<th>Factor of safety</th>";
-  if (page.result.analysis->force_transfer) out += "<th>Net force, transferred (kN)</th><th>Factor, transferred</th>";
-  if (page.result.field_stress) out += "<th>Factor, clamped by field stress</th>";
-  if (page.result.analysis->rotation != stability::RotationCheck::off) out += "<th>Turns?</th>";
-  out +=
-      "<th>Free area (m²)</th><th>Depth (m)</th><th>Extent (m)</th><th>Faces</th><th>Sets</th><th "
-      "class=\"wide\">Joints</th></tr></thead><tbody>\n";
-  out += key_block_rows(page, judgements) + "</tbody></table></div>";
+  out += key_block_table(page, judgements);
   if (page.result.field_stress) {
     const scene::FieldStressResult& f = *page.result.field_stress;
     out += "<p class=\"small\">Clamped: the same motion with the stress of the rock around “" + escape_xml(f.tunnel) +
@@ -163,7 +161,7 @@ std::string key_blocks_section(const Page& page) {
            (f.held == 1 ? " block that would fall is" : " blocks that would fall are") +
            " held by it. The stress goes when the rock loosens: do not count on it for support.</p>";
   }
-  return out + "</section>\n";
+  return out + cases_table(page.figures().load_cases) + "</section>\n";
 }
 
 }  // namespace cleave::report

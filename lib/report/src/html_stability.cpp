@@ -4,26 +4,111 @@
 
 #include <algorithm>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cleave/exchange/text.hpp"
 #include "html_parts.hpp"
+#include "html_table.hpp"
 #include "pyramid_net.hpp"
+#include "tables.hpp"
 
 namespace cleave::report {
 namespace {
 
 std::string pressure_table(const std::vector<scene::PressureFigures>& pressures) {
   if (pressures.empty()) return {};
-  const auto kpa = [](Stress pressure) { return "<td>" + display(pressure.si() / 1000, 3) + "</td>"; };
-  std::string out =
-      "<table><caption>Support pressure by place (kPa), as shares of the free faces below their target</caption>"
-      "<thead><tr><th>Place</th><th>Area (m²)</th><th>Half</th><th>90 %</th><th>95 %</th><th>All</th></tr></thead>"
-      "<tbody>\n";
-  for (const scene::PressureFigures& row : pressures) {
-    out += "<tr><td>" + row.place + "</td><td>" + display(row.area.si(), 3) + "</td>" + kpa(row.p50) + kpa(row.p90) +
-           kpa(row.p95) + kpa(row.largest) + "</tr>\n";
+  return "<p class=\"small\">Support pressure by place, as shares of the free faces below their target.</p>\n" +
+         html_table({{"place"},
+                     {"area_m2", {}, 3},
+                     {"p50_pa", "Half (kPa)", 3},
+                     {"p90_pa", "90 % (kPa)", 3},
+                     {"p95_pa", "95 % (kPa)", 3},
+                     {"largest_pa", "All (kPa)", 3}},
+                    scene::PressureFigures{}, pressures);
+}
+
+std::string blocks_table(const stability::SupportResult& support) {
+  if (support.blocks.empty()) return {};
+  const stability::SupportedBlock none{.block = topology::BlockId{0U}};
+  HtmlTable table{{{"block"},
+                   {"mode"},
+                   {"net_force_n"},
+                   {"factor_of_safety", "Factor", 3},
+                   {"target", {}, 3},
+                   {"held_by"},
+                   {"bolts"},
+                   {"factor_with_bolts", "Bolts alone", 3},
+                   {"factor_with_support", {}, 3},
+                   {"mobilised_share", "Share used (%)", 3},
+                   {"missing_force_n", "Missing (kN)"},
+                   {"required_force_n"},
+                   {"required_pressure_pa", {}, 3}},
+                  SupportBlockRow{"", none},
+                  "class=\"sortable\""};
+  for (const stability::SupportedBlock& b : support.blocks) {
+    table.add(SupportBlockRow{"", b}, "data-block=\"" + std::to_string(b.block.value()) + "\"");
   }
-  return out + "</tbody></table>\n";
+  return std::move(table).html();
+}
+
+std::string combined_table(const stability::SupportResult& support) {
+  if (support.combined.empty()) return {};
+  const stability::CombinedBlock none{};
+  HtmlTable table{{{"members", "Blocks"},
+                   {"volume_m3"},
+                   {"removable"},
+                   {"mode"},
+                   {"net_force_n"},
+                   {"factor_of_safety", "Factor", 3},
+                   {"target", {}, 3},
+                   {"passes"},
+                   {"missing_force_n", "Missing (kN)"}},
+                  CombinedBlockRow{.load = "", .b = none},
+                  "id=\"combined\""};
+  for (const stability::CombinedBlock& b : support.combined) table.add(CombinedBlockRow{.load = "", .b = b});
+  return "<h3>Stitched bodies</h3>" + std::move(table).html();
+}
+
+/// A search for a pattern; what only a pattern that was found has is empty for others.
+struct DesignRow {
+  const scene::DesignResult& d;
+};
+template <class V>
+void fields(V& v, const DesignRow& x) {
+  const scene::DesignResult& d = x.d;
+  fields(v, d);
+  const Html none{"–"};
+  const auto if_found = [&](std::string text) { return d.found ? Html{std::move(text)} : none; };
+  v("spacing", d.found ? Html{display(d.spacing[0], 3) + " × " + display(d.spacing[1], 3)} : Html{"none passes"});
+  v("found_rings", if_found(d.rings > 0 ? display_count(d.rings) : "a grid"));
+  v("found_bolts", if_found(display_count(d.bolts)));
+  v("found_spot_bolts", if_found(display_count(d.spot_bolts)));
+  v("found_cost", if_found(display(d.cost, 4)));
+  v("failing", Html{fmt::format("{} of {} ({:.0f} to {:.0f} %)", d.failing, d.offsets, 100 * d.failing_share[0],
+                                100 * d.failing_share[1])});
+}
+
+std::string designs_table(const std::vector<scene::DesignResult>& designs) {
+  if (designs.empty()) return {};
+  const scene::DesignResult none{};
+  HtmlTable table{{{"length_m", {}, 3},
+                   {"spacing", "Spacing (m)"},
+                   {"found_rings", "Rings"},
+                   {"found_bolts", "Bolts"},
+                   {"found_spot_bolts", "Spot bolts"},
+                   {"found_cost", "Cost"},
+                   {"failing", "Random places that fail"},
+                   {"governing_block"}},
+                  DesignRow{none},
+                  "id=\"designs\""};
+  for (const scene::DesignResult& d : designs) table.add(DesignRow{d});
+  return "<h3>Search for a pattern</h3>" + std::move(table).html() +
+         "<p class=\"small\">Widest spacing at which every offset of the pattern that was tried holds all blocks, "
+         "alone and stitched; spacing and rings of the first pattern. Random places: offsets drawn at random at which "
+         "that pattern was tried again (where none passes, the tightest one), with the 95 % interval of the share that "
+         "fails. The governing block misses its target most often, or has the least margin.</p>\n";
 }
 
 }  // namespace
@@ -44,81 +129,41 @@ std::string support_section(const Page& page) {
     out += " Required force: " + display(f.required_force_n / page.result.tunnel_length / 1000, 3) +
            " kN per metre of tunnel.";
   }
-  out += "</p>\n" + pressure_table(f.pressures);
-  if (!page.result.support->blocks.empty()) {
-    out +=
-        "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Block</th><th>Mode</th><th>Net force (kN)</th>"
-        "<th>Factor</th><th>Target</th><th>Held by</th><th>Bolts</th><th>Bolts alone</th><th>Factor with "
-        "support</th><th>Share used</th>"
-        "<th>Missing (kN)</th><th>Required force (kN)</th><th>Required pressure (kPa)</th></tr></thead><tbody>\n";
-    for (const stability::SupportedBlock& b : page.result.support->blocks) {
-      out += "<tr data-block=\"" + std::to_string(b.block.value()) + "\"><td>" + std::to_string(b.block.value()) +
-             "</td><td>" + std::string{stability::name(b.mode)} + "</td><td>" + display(b.net_force / 1000) +
-             "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" + display(b.target, 3) + "</td><td>" +
-             std::string{stability::name(b.held)} + "</td><td>" + std::to_string(b.bolts) + "</td><td>" +
-             display(b.factor_with_bolts, 3) + "</td><td>" +
-             (b.factor_with_support ? display(*b.factor_with_support, 3) : "–") + "</td><td>" +
-             (b.mobilised ? display(*b.mobilised, 3) : "–") + "</td><td>" + display(b.missing_force / 1000) +
-             "</td><td>" + display(b.required_force / 1000) + "</td><td>" + display(b.required_pressure / 1000, 3) +
-             "</td></tr>\n";
-    }
-    out += "</tbody></table></div>\n";
-  }
-  if (!page.result.support->combined.empty()) {
-    out +=
-        "<h3>Stitched bodies</h3><div class=\"scroll\"><table id=\"combined\"><thead><tr><th>Blocks</th><th>Volume "
-        "(m³)</th><th>Mode</th><th>Net force (kN)</th><th>Factor</th><th>Target</th><th>Passes</th><th>Missing "
-        "(kN)</th></tr></thead><tbody>\n";
-    for (const stability::CombinedBlock& b : page.result.support->combined) {
-      constexpr std::size_t most_named = 12;
-      std::string members;
-      for (std::size_t k = 0; k < std::min(b.members.size(), most_named); ++k) {
-        members += (k == 0 ? "" : ", ") + std::to_string(b.members[k].value());
-      }
-      if (b.members.size() > most_named) members += " and " + display_count(b.members.size() - most_named) + " more";
-      const std::string mode = b.removable ? std::string{stability::name(b.mode)} : "cannot move";
-      out += "<tr><td class=\"wide\">" + members + "</td><td>" + display(b.volume) + "</td><td>" + mode + "</td><td>" +
-             display(b.net_force / 1000) + "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" +
-             display(b.target, 3) + "</td><td>" + (b.passes ? "yes" : "no") + "</td><td>" +
-             display(b.missing_force / 1000) + "</td></tr>\n";
-    }
-    out += "</tbody></table></div>\n";
-  }
+  out += "</p>\n" + pressure_table(f.pressures) + blocks_table(*page.result.support) +
+         combined_table(*page.result.support);
   if (!page.figures().support_cases.empty()) {
-    out +=
-        "<h3>Under the load cases</h3><table id=\"support-cases\"><thead><tr><th>Case</th><th>Passes</th><th>Blocks "
-        "that need support</th><th>Not held</th><th>Stitched bodies</th><th>Of them "
-        "failing</th></tr></thead><tbody>\n";
-    for (const auto& [name, c] : page.figures().support_cases) {
-      out += "<tr><td>" + escape_xml(name) + "</td><td>" + (c.passes ? "yes" : "no") + "</td><td>" +
-             display_count(c.blocks) + "</td><td>" + display_count(c.not_held) + "</td><td>" +
-             display_count(c.combined) + "</td><td>" + display_count(c.combined_failing) + "</td></tr>\n";
-    }
-    out += "</tbody></table><p class=\"small\">Block by block: support_blocks.csv, combined_blocks.csv.</p>\n";
+    out += "<h3>Under the load cases</h3>" +
+           html_table({{"name", "Case"},
+                       {"passes"},
+                       {"blocks", "Blocks that need support"},
+                       {"not_held"},
+                       {"combined_blocks", "Stitched bodies"},
+                       {"combined_failing", "Of them failing"}},
+                      scene::SupportCaseFigures{}, page.figures().support_cases, "id=\"support-cases\"") +
+           "<p class=\"small\">Block by block: support_blocks.csv, combined_blocks.csv.</p>\n";
   }
-  if (!page.result.designs.empty()) {
-    out +=
-        "<h3>Search for a pattern</h3><div class=\"scroll\"><table id=\"designs\"><thead><tr><th>Length (m)</th>"
-        "<th>Spacing (m)</th><th>Rings</th><th>Bolts</th><th>Spot bolts</th><th>Cost</th><th>Random places that "
-        "fail</th><th>Governing block</th></tr></thead><tbody>\n";
-    for (const scene::DesignResult& d : page.result.designs) {
-      const auto if_found = [&](std::string text) { return d.found ? std::move(text) : std::string{"–"}; };
-      out += detail::table_row(
-          {display(d.length, 3), d.found ? display(d.spacing[0], 3) + " × " + display(d.spacing[1], 3) : "none passes",
-           if_found(d.rings > 0 ? display_count(d.rings) : "a grid"), if_found(display_count(d.bolts)),
-           if_found(display_count(d.spot_bolts)), if_found(display(d.cost, 4)),
-           fmt::format("{} of {} ({:.0f} to {:.0f} %)", d.failing, d.offsets, 100 * d.failing_share[0],
-                       100 * d.failing_share[1]),
-           d.governing ? std::to_string(*d.governing) : "–"});
-    }
-    out +=
-        "</tbody></table></div><p class=\"small\">Widest spacing at which every offset of the pattern that was tried "
-        "holds all blocks, alone and stitched; spacing and rings of the first pattern. Random places: offsets drawn at "
-        "random at which that pattern was tried again (where none passes, the tightest one), with the 95 % interval of "
-        "the share that fails. The governing block misses its target most often, or has the least margin.</p>\n";
-  }
-  return out + "</section>\n";
+  return out + designs_table(page.result.designs) + "</section>\n";
 }
+
+namespace {
+
+/// A largest key block, its sets and place as a reader names them.
+struct LargestRow {
+  const scene::MaximumRow& row;
+};
+template <class V>
+void fields(V& v, const LargestRow& x) {
+  fields(v, x.row);
+  std::vector<std::string> below;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (((x.row.block.block.code >> i) & 1U) != 0) below.push_back(x.row.sets[i]);
+  }
+  v("sets", x.row.sets);
+  v("below_planes", below);
+  v("place", x.row.position.empty() ? x.row.where : x.row.position);
+}
+
+}  // namespace
 
 std::string maximum_section(const Page& page) {
   if (page.result.maximum_blocks.empty()) return {};
@@ -127,26 +172,24 @@ std::string maximum_section(const Page& page) {
       "end, in the mean orientations of three sets and anywhere, can make at the tunnel; orientations alone decide. "
       "Volumes are upper bounds of blocks with one joint of each of the three sets; scale: where the scene limits the "
       "length of joints, what all lengths were multiplied by. Blocks between two joints of one "
-      "set are not among them, nor is the scatter of a set about its mean: either may make a larger one.</p>\n"
-      "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Sets</th><th>Below</th>"
-      "<th>Where</th><th>Scale</th><th>Volume (m³)</th><th>Weight (kN)</th><th>Height (m)</th><th>Face "
-      "(m²)</th><th>Mode</th>"
-      "<th>Factor</th><th>Target</th><th>Required pressure (kPa)</th></tr></thead><tbody>\n";
-  for (const scene::MaximumRow& row : page.result.maximum_blocks) {
-    const stability::MaximumKeyBlock& b = row.block;
-    std::string below;
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (((b.block.code >> i) & 1U) != 0) below += (below.empty() ? "" : ", ") + escape_xml(row.sets[i]);
-    }
-    out += "<tr><td>" + escape_xml(row.sets[0]) + ", " + escape_xml(row.sets[1]) + ", " + escape_xml(row.sets[2]) +
-           "</td><td>" + (below.empty() ? "–" : below) + "</td><td>" +
-           (row.position.empty() ? row.where : row.position) + "</td><td>" + display(b.scale, 3) + "</td><td>" +
-           display(b.block.volume) + "</td><td>" + display(b.weight.si() / 1000) + "</td><td>" +
-           display(b.block.height, 3) + "</td><td>" + display(b.block.face_area, 3) + "</td><td>" +
-           std::string{stability::name(b.mode)} + "</td><td>" + display(b.factor_of_safety, 3) + "</td><td>" +
-           display(b.target, 3) + "</td><td>" + display(b.required_pressure / 1000, 3) + "</td></tr>\n";
-  }
-  out += "</tbody></table></div>\n<div class=\"columns\">\n";
+      "set are not among them, nor is the scatter of a set about its mean: either may make a larger one.</p>\n";
+  const scene::MaximumRow none{};
+  HtmlTable table{{{"sets"},
+                   {"below_planes", "Below"},
+                   {"place", "Where"},
+                   {"scale", {}, 3},
+                   {"volume_m3"},
+                   {"weight_n"},
+                   {"height_m", {}, 3},
+                   {"face_area_m2", "Face (m²)", 3},
+                   {"mode"},
+                   {"factor_of_safety", "Factor", 3},
+                   {"target", {}, 3},
+                   {"required_pressure_pa", {}, 3}},
+                  LargestRow{none},
+                  "class=\"sortable\""};
+  for (const scene::MaximumRow& row : page.result.maximum_blocks) table.add(LargestRow{row});
+  out += std::move(table).html() + "<div class=\"columns\">\n";
   constexpr std::size_t most_nets = 4;
   const std::span<const scene::MaximumRow> rows{page.result.maximum_blocks};
   std::size_t nets = 0;

@@ -12,6 +12,7 @@
 #include "drawings.hpp"
 #include "html_key_blocks.hpp"
 #include "html_parts.hpp"
+#include "html_table.hpp"
 #include "stereonet.hpp"
 #include "svg.hpp"
 #include "tables.hpp"
@@ -198,7 +199,7 @@ std::string face_table(const Page& page, const stability::Judgement& j) {
 }
 
 /// Forces in the plane of gravity and of the motion, to one scale, gravity downwards on the page: weight, reactions,
-/// resistance, driving force, and all other loads (water, quake, surcharge) summed up, from W + Q + sum N = T.
+/// resistance, driving force, and all other loads (water, earthquake, surcharge) summed up, from W + Q + sum N = T.
 std::string force_arrows(const Page& page, const stability::Judgement& j) {
   const Vec3 gravity = page.result.stability ? page.result.stability->gravity : Vec3{0, 0, -9.81};
   const Vec3 up = norm(gravity) > 0 ? geometry::normalized(-gravity) : Vec3{0, 0, 1};
@@ -291,32 +292,25 @@ std::string tornado(const stability::Sensitivity& s) {
 
 /// Where it is and what its figures are.
 std::string facts_of(const Page& page, const stability::Judgement& j) {
-  const topology::Block& block = page.complex->blocks()[j.block];
-  const scene::BlockPlace place =
-      scene::place_of(page.result, *page.complex, j.block, scene::joints_of(*page.complex, j.block));
-  std::string out = "<table class=\"facts\"><tbody>\n", sets;
-  for (const scene::SetId set : place.sets) sets += (sets.empty() ? "" : ", ") + escape_xml(page.result.sets[set].name);
-  if (!place.location.empty()) out += fact("Where", std::string{place.location});
-  if (place.clock) out += fact("Clock position", clock_text(*place.clock));
-  if (place.chainage) out += fact("Chainage", display(*place.chainage, 4) + " m");
-  out += fact("Centroid", vector_text(place.centroid) + " m");
-  out += fact("Volume", display(block.volume.si(), 4) + " m³");
-  out += fact("Weight", display(j.weight.si() / 1000, 4) + " kN");
-  out += fact("Free area", display(place.free_area.si(), 3) + " m²");
-  out += fact("Depth", display(place.depth.si(), 3) + " m");
-  out += fact("Largest extent", display(place.extent.si(), 3) + " m");
-  if (!sets.empty()) out += fact("Joint sets", sets);
+  const KeyBlockRow row = key_block_row(*page.complex, page.result, j);
+  std::string out = "<table class=\"facts\"><tbody>\n";
+  out += facts({{"location", "Where"}, {"clock", "Clock position"}, {"chainage_m"}}, row);
+  out += fact("Centroid", vector_text(row.place.centroid) + " m");
+  out += facts({{"volume_m3"},
+                {"weight_n"},
+                {"free_area_m2", {}, 3},
+                {"depth_m", {}, 3},
+                {"extent_m", "Largest extent", 3},
+                {"sets", "Joint sets"}},
+               row);
   out += fact("Driving force", display(j.driving.si() / 1000, 4) + " kN");
   out += fact("Resistance", display(j.resistance.si() / 1000, 4) + " kN");
-  out += fact("Factor of safety", display(j.factor_of_safety, 3));
-  if (page.result.support) {
-    const auto& rows = page.result.support->blocks;
-    const auto row = std::ranges::lower_bound(rows, j.block, {}, &stability::SupportedBlock::block);
-    if (row != rows.end() && row->block == j.block) {
-      if (row->factor_with_support) out += fact("With support", display(*row->factor_with_support, 3));
-      out += fact("Target", display(row->target, 3));
-      out += fact("Held by", std::string{stability::name(row->held)});
-      if (row->missing_force > 0) out += fact("Missing", display(row->missing_force / 1000, 4) + " kN");
+  out += facts({{"factor_of_safety", {}, 3}}, row);
+  if (row.supported != nullptr) {
+    out += facts({{"factor_with_support", "With support", 3}, {"target", {}, 3}, {"held_by"}},
+                 SupportBlockRow{"", *row.supported});
+    if (row.supported->missing_force > 0) {
+      out += fact("Missing", display(row.supported->missing_force / 1000, 4) + " kN");
     }
   }
   return out + "</tbody></table>\n";
@@ -337,7 +331,8 @@ std::string why_section(const Page& page) {
   if (keys.empty()) return {};
   std::string out =
       "<section id=\"why\"><h2>Why they move</h2>\n<p class=\"small\">Click a block. Forces in the plane of gravity "
-      "and motion: W weight, Q other loads (water, quake, loads on free faces), N reactions of the joints numbered, R "
+      "and motion: W weight, Q other loads (water, earthquake, loads on free faces), N reactions of the joints "
+      "numbered, R "
       "resistance, T driving force. Nets of the lower hemisphere: joints of the block blue, free surfaces dashed, "
       "poles "
       "of pressed joints and their friction circles orange, direction of motion a green cross.</p>\n";

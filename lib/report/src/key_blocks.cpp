@@ -29,22 +29,29 @@ const Row* row_of(const std::vector<Row>& rows, topology::BlockId block) {
   return found != rows.end() && found->block == block ? &*found : nullptr;
 }
 
+}  // namespace
+
+TableParts parts_of(const scene::RunResult& result) {
+  return {.force_transfer = result.analysis->force_transfer,
+          .rotation = result.analysis->rotation != stability::RotationCheck::off,
+          .support = result.support.has_value(),
+          .field_stress = result.field_stress.has_value()};
+}
+
 KeyBlockRow key_block_row(const topology::BlockComplex& complex, const scene::RunResult& result,
-                          const stability::Judgement& j, const TableParts& parts) {
+                          const stability::Judgement& j) {
   const topology::Block& block = complex.blocks()[j.block];
   KeyBlockRow row{.j = j,
                   .volume_m3 = block.volume.si(),
                   .faces = block.faces.size(),
                   .joints = scene::joints_of(complex, j.block),
-                  .parts = parts,
+                  .parts = parts_of(result),
                   .supported = result.support ? row_of(result.support->blocks, j.block) : nullptr,
                   .clamped = result.field_stress ? row_of(result.field_stress->blocks, j.block) : nullptr};
   row.place = scene::place_of(result, complex, j.block, row.joints);
   for (const scene::SetId set : row.place.sets) row.sets.push_back(result.sets[set].name);
   return row;
 }
-
-}  // namespace
 
 std::string clock_text(double hours) {
   const auto halves = static_cast<int>(std::lround(2 * hours)) % 24;
@@ -53,14 +60,10 @@ std::string clock_text(double hours) {
 
 std::string key_blocks_csv(const topology::BlockComplex& complex, const scene::RunResult& result) {
   const stability::Analysis& analysis = *result.analysis;
-  const TableParts parts{.force_transfer = analysis.force_transfer,
-                         .rotation = analysis.rotation != stability::RotationCheck::off,
-                         .support = result.support.has_value(),
-                         .field_stress = result.field_stress.has_value()};
-  CsvTable table{KeyBlockRow{.j = no_judgement, .parts = parts}};
+  CsvTable table{KeyBlockRow{.j = no_judgement, .parts = parts_of(result)}};
   for (const stability::Judgement& j : analysis.judgements) {
     if (!stability::moves(j.mode) && !j.key) continue;  // key without moving: it turns, and that was to decide
-    table.add(key_block_row(complex, result, j, parts));
+    table.add(key_block_row(complex, result, j));
   }
   return std::move(table).text();
 }

@@ -2,50 +2,49 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "cleave/exchange/csv.hpp"
 #include "cleave/exchange/text.hpp"
+#include "html_table.hpp"
+#include "tables.hpp"
 
 namespace cleave::report {
 namespace {
 
 constexpr std::size_t most_rows = 100;
 
-std::string blocks_text(const stability::KeyGroup& group, std::size_t most) {
-  std::string out;
-  for (std::size_t k = 0; k < std::min(most, group.blocks.size()); ++k) {
-    out += (k == 0 ? "" : " ") + std::to_string(group.blocks[k].value());
-  }
-  if (group.blocks.size() > most) out += " ...";
-  return out;
-}
-
-std::string shown(double factor, bool known) {
-  if (!known) return "";
-  return std::isinf(factor) ? "no limit" : display(factor, 3);
+/// A group as a page shows it: words for its verdict, and that a factor has no limit.
+struct ShownGroup {
+  const stability::KeyGroup& g;
+  std::size_t number;
+};
+template <class V>
+void fields(V& v, const ShownGroup& x) {
+  const auto factor = [&](double f) {
+    return !x.g.factors ? Html{} : std::isinf(f) ? Html{"no limit", f} : Html{display(f, 3), f};
+  };
+  std::string verdict{assembly::name(x.g.verdict)};
+  std::ranges::replace(verdict, '_', ' ');
+  v("group", x.number);
+  v("batch", x.g.batch);
+  v("verdict", verdict);
+  v("blocks", x.g.blocks);
+  v("volume_m3", x.g.volume);
+  v("factor_move", factor(x.g.factor_move), "of motion from rest: the factor of safety of the group");
+  v("factor_up", factor(x.g.factor_up), "above it motion is certain");
+  v("moments", x.g.moments, "blocks turn: translation alone does not move them");
 }
 
 }  // namespace
 
 std::string key_groups_csv(const stability::KeyGroups& groups) {
-  std::string out =
-      "group,batch,verdict,blocks,volume_m3,factor_up,factor_move,direction_x,direction_y,direction_z,moments\n";
-  std::size_t number = 0;
-  for (const stability::KeyGroup& group : groups.groups) {
-    out += std::to_string(++number) + ',' + std::to_string(group.batch) + ',';
-    out += assembly::name(group.verdict);
-    out += ',' + blocks_text(group, group.blocks.size()) + ',';
-    append_number(out, group.volume.si());
-    for (const double factor : {group.factor_up, group.factor_move}) {
-      out += ',';
-      if (group.factors) append_number(out, factor);
-    }
-    for (const double d : {group.direction.x, group.direction.y, group.direction.z}) {
-      out += ',';
-      append_number(out, d);
-    }
-    out += group.moments ? ",1\n" : ",0\n";
+  const stability::KeyGroup none{};
+  CsvTable table{KeyGroupRow{none}};
+  for (std::size_t number = 0; const stability::KeyGroup& group : groups.groups) {
+    table.add(KeyGroupRow{group, ++number});
   }
-  return out;
+  return std::move(table).text();
 }
 
 std::string key_groups_section(const stability::KeyGroups& groups) {
@@ -54,23 +53,22 @@ std::string key_groups_section(const stability::KeyGroups& groups) {
       "<section id=\"groups\"><h2>Blocks judged together</h2>\n<p class=\"small\">Groups that move together. Certain: "
       "no forces in the joints hold it, whatever the stress in the rock. Unsafe: only stress locked in between the "
       "blocks could. In doubt: not decided, not stable. The factor of safety is that of motion from rest; above the "
-      "upper factor motion is certain.</p>\n<div class=\"scroll\"><table "
-      "class=\"sortable\"><thead><tr><th>Group</th><th>Batch</th>"
-      "<th>Verdict</th><th>Blocks</th><th>Volume (m³)</th><th>Factor of safety</th><th>Upper factor</th><th>Turns</th>"
-      "</tr></thead><tbody>\n";
+      "upper factor motion is certain.</p>\n";
+  const stability::KeyGroup none{};
+  HtmlTable table{{{"group"},
+                   {"batch"},
+                   {"verdict"},
+                   {"blocks"},
+                   {"volume_m3"},
+                   {"factor_move", "Factor of safety"},
+                   {"factor_up", "Upper factor"},
+                   {"moments", "Turns"}},
+                  ShownGroup{none, 0},
+                  "class=\"sortable\""};
   for (std::size_t k = 0; k < std::min(most_rows, groups.groups.size()); ++k) {
-    const stability::KeyGroup& group = groups.groups[k];
-    std::string verdict{assembly::name(group.verdict)};
-    std::ranges::replace(verdict, '_', ' ');
-    out += "<tr>";
-    for (const std::string& cell : {std::to_string(k + 1), std::to_string(group.batch), verdict, blocks_text(group, 20),
-                                    display(group.volume.si(), 4), shown(group.factor_move, group.factors),
-                                    shown(group.factor_up, group.factors), std::string{group.moments ? "yes" : "no"}}) {
-      out += "<td>" + cell + "</td>";
-    }
-    out += "</tr>\n";
+    table.add(ShownGroup{groups.groups[k], k + 1});
   }
-  out += "</tbody></table></div>\n";
+  out += std::move(table).html();
   if (groups.groups.size() > most_rows) out += "<p class=\"note\">All are in key_groups.csv.</p>\n";
   return out + "</section>\n";
 }

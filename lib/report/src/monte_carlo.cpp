@@ -9,19 +9,14 @@
 namespace cleave::report {
 
 MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost& cost, scene::MonteCarloResult result) {
-  MonteCarloPage page{.title = scene.title,
-                      .project = scene.project,
-                      .seed = scene.seed,
-                      .scene_sha256 = scene.sha256,
-                      .plan = make_plan(scene),
-                      .cost = cost,
-                      .result = std::move(result),
-                      .scene_file = scene.file_name,
-                      .files = scene.files,
-                      .notes = {},
-                      .tunnel_length_m = ensemble_options_of(scene).tunnel_length_m,
-                      .stop_quantity = {},
-                      .orders = orders_of(scene)};
+  MonteCarloPage page{head_of(scene, make_plan(scene)),
+                      std::move(result),
+                      scene.files,
+                      {},
+                      ensemble_options_of(scene).tunnel_length_m,
+                      {},
+                      orders_of(scene)};
+  page.cost = cost;
   if (auto taken = scene::excavated(scene)) {
     page.excavations = std::move(taken->openings);
     std::ranges::move(taken->notes, std::back_inserter(page.result.figures.notes));

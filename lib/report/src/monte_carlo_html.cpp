@@ -6,6 +6,8 @@
 #include "cleave/exchange/text.hpp"
 #include "cleave/report/monte_carlo.hpp"
 #include "html_parts.hpp"
+#include "html_table.hpp"
+#include "monte_carlo_fields.hpp"
 #include "plot.hpp"
 
 namespace cleave::report {
@@ -159,14 +161,16 @@ std::string pressure_table(const Figures& f) {
   std::string out =
       "<section id=\"pressures\"><h2>Probability of support pressures</h2>\n<p class=\"small\">What has to be held, "
       "each passed force once: over the area of the excavations, and on a block of the first batch over its own free "
-      "area (slivers included).</p>\n<table><thead><tr><th>Pressure above (kPa)</th><th>Over the area</th><th>Exact "
-      "interval</th><th>On a block</th><th>Exact interval</th></tr></thead><tbody>\n";
-  for (const auto& row : f.pressures) {
-    out += "<tr><td>" + display(row.pressure.si() / 1000) + "</td><td>" + display(row.probability) + "</td><td>" +
-           interval(row.interval.low, row.interval.high) + "</td><td>" + display(row.block_probability) + "</td><td>" +
-           interval(row.block_interval.low, row.block_interval.high) + "</td></tr>\n";
-  }
-  return out + "</tbody></table></section>\n";
+      "area (slivers included).</p>\n";
+  out += html_table({{"pressure_pa", "Pressure above (kPa)"},
+                     {"probability", "Over the area"},
+                     {"low", "Exact interval from"},
+                     {"high", "to"},
+                     {"block_probability", "On a block"},
+                     {"block_low", "Exact interval from"},
+                     {"block_high", "to"}},
+                    stochastic::PressureExceedance{}, f.pressures);
+  return out + "</section>\n";
 }
 
 std::string chainage_figure(const MonteCarloPage& page) {
@@ -191,44 +195,60 @@ std::string chainage_figure(const MonteCarloPage& page) {
   return out;
 }
 
-std::string estimates_table(const Figures& f) {
-  std::string out =
-      "<section id=\"estimates\"><h2>Estimates</h2>\n<p class=\"small\">The sample size is the number of realizations, "
-      "not of blocks. “ratio”: sum over all realizations over sum over all realizations, delta method.</p>\n"
-      "<div class=\"scroll\"><table><thead><tr><th class=\"wide\">Quantity</th><th>Mean</th><th>Standard "
-      "error</th><th>" +
-      percent(f.confidence) +
-      " interval</th><th>Standard deviation</th><th>Smallest … largest</th><th>Kind</th></tr></thead><tbody>\n";
-  for (const Estimate& e : f.estimates) {
-    std::string range = interval(e.low, e.high);
-    if (e.optimistic) {
-      range += e.bootstrap ? "; bootstrap " + interval(e.bootstrap->low, e.bootstrap->high) : "";
-      range += " (optimistic)";
-    }
-    out += "<tr><td class=\"wide\">" + escape_xml(words(e.name)) + "</td><td>" + display(e.mean) + "</td><td>" +
-           display(e.standard_error, 3) + "</td><td>" + range + "</td><td>" +
-           (e.method == stochastic::Method::ratio ? "–" : display(e.std, 3)) + "</td><td>" +
-           (e.method == stochastic::Method::ratio ? "–" : interval(e.smallest, e.largest)) + "</td><td>" +
-           escape_xml(words(std::string{stochastic::name_of(e.method)})) + "</td></tr>\n";
+/// A quantity with what a reader wants to know of its estimate.
+struct EstimateRow {
+  const Estimate& e;
+  double confidence = 0;
+};
+template <class V>
+void fields(V& v, const EstimateRow& x) {
+  const Estimate& e = x.e;
+  const bool ratio = e.method == stochastic::Method::ratio;
+  std::string range = interval(e.low, e.high);
+  if (e.optimistic) {
+    range += e.bootstrap ? "; bootstrap " + interval(e.bootstrap->low, e.bootstrap->high) : "";
+    range += " (optimistic)";
   }
-  return out + "</tbody></table></div></section>\n";
+  v("name", words(e.name));
+  v("interval", Html{range});
+  v("spread", ratio ? Html{"–"} : Html{display(e.std, 3)});
+  v("range", ratio ? Html{"–"} : Html{interval(e.smallest, e.largest)});
+  v("kind", words(std::string{stochastic::name_of(e.method)}));
+  quantity_fields(v, e, x.confidence);
+}
+
+std::string estimates_table(const Figures& f) {
+  const Estimate none{};
+  const std::string interval_heading = percent(f.confidence) + " interval";
+  HtmlTable table{{{"name", "Quantity"},
+                   {"mean"},
+                   {"standard_error", {}, 3},
+                   {"interval", interval_heading},
+                   {"spread", "Standard deviation"},
+                   {"range", "Smallest … largest"},
+                   {"kind"}},
+                  EstimateRow{none}};
+  for (const Estimate& e : f.estimates) table.add(EstimateRow{e, f.confidence});
+  return "<section id=\"estimates\"><h2>Estimates</h2>\n<p class=\"small\">The sample size is the number of "
+         "realizations, not of blocks. “ratio”: sum over all realizations over sum over all realizations, delta "
+         "method.</p>\n" +
+         std::move(table).html() + "</section>\n";
 }
 
 std::string probability_table(const Figures& f) {
   if (f.exceedances.empty()) return {};
-  std::string out =
-      "<section id=\"probability\"><h2>Probability of large key blocks</h2>\n<table><thead><tr><th>Volume above "
-      "(m³)</th><th>Realizations with one</th><th>Probability</th><th>Exact interval</th><th>Mean "
-      "number</th><th>Number "
-      "per metre of tunnel</th></tr></thead><tbody>\n";
-  for (const auto& e : f.exceedances) {
-    out += "<tr><td>" + display(e.volume_m3) + "</td><td>" + display_count(e.realizations) + "</td><td>" +
-           display(e.probability) + "</td><td>" + interval(e.interval.low, e.interval.high) + "</td><td>" +
-           display(e.number) + " ± " + display(e.number_standard_error, 2) + "</td><td>" +
-           (e.per_metre ? display(*e.per_metre) + " ± " + display(*e.per_metre_standard_error, 2) : "–") +
-           "</td></tr>\n";
-  }
-  return out + "</tbody></table></section>\n";
+  return "<section id=\"probability\"><h2>Probability of large key blocks</h2>\n" +
+         html_table({{"volume_m3", "Volume above (m³)"},
+                     {"realizations", "Realizations with one"},
+                     {"probability"},
+                     {"low", "Exact interval from"},
+                     {"high", "to"},
+                     {"number", "Mean number"},
+                     {"number_standard_error", "±", 2},
+                     {"per_metre", "Number per metre of tunnel"},
+                     {"per_metre_standard_error", "±", 2}},
+                    stochastic::Exceedance{}, f.exceedances) +
+         "</section>\n";
 }
 
 std::string orders_table(const MonteCarloPage& page) {
@@ -274,19 +294,15 @@ std::string variances_table(const Figures& f) {
 
 std::string quantile_table(const Figures& f) {
   if (f.quantiles.empty()) return {};
-  std::string out =
-      "<section id=\"quantiles\"><h2>Quantiles</h2>\n<p class=\"small\">By order statistics: no law is "
-      "assumed.</p><div "
-      "class=\"scroll\"><table><thead><tr><th "
-      "class=\"wide\">Quantity</th><th>p</th><th>Value</th><th>Interval</th></tr>"
-      "</thead><tbody>\n";
-  for (const auto& q : f.quantiles) {
-    out += "<tr><td class=\"wide\">" + escape_xml(words(q.name)) + "</td><td>" + percent(q.p) + "</td><td>" +
-           display(q.value) + "</td><td>" +
-           (q.interval ? interval(q.interval->low, q.interval->high) : "not available: too few realizations") +
-           "</td></tr>\n";
+  HtmlTable table{{{"quantity"}, {"p"}, {"value"}, {"low", "Interval from"}, {"high", "to"}, {"reason", " "}},
+                  stochastic::QuantileEstimate{}};
+  for (stochastic::QuantileEstimate q : f.quantiles) {
+    q.name = words(q.name);
+    table.add(q);
   }
-  return out + "</tbody></table></div></section>\n";
+  return "<section id=\"quantiles\"><h2>Quantiles</h2>\n<p class=\"small\">By order statistics: no law is "
+         "assumed.</p>" +
+         std::move(table).html() + "</section>\n";
 }
 
 std::string extremes_section(const Figures& f) {
@@ -294,17 +310,13 @@ std::string extremes_section(const Figures& f) {
   std::string out =
       "<section id=\"extremes\"><h2>Worst and best realizations</h2>\n<p class=\"small\">Scenes to look at, not "
       "bounds: "
-      "<code>cleave replay OUT --realization K</code> makes any of them again as a full run.</p>\n<table><thead><tr>"
-      "<th>Worst</th><th>Key-block volume (m³)</th><th>Key blocks</th><th>Best</th><th>Key-block volume "
-      "(m³)</th><th>Key blocks</th></tr></thead><tbody>\n";
-  for (std::size_t i = 0; i < f.worst.size(); ++i) {
-    const auto& w = f.worst[i];
-    const auto& b = f.best[i];
-    out += "<tr><td>" + std::to_string(w.realization) + "</td><td>" + display(w.volume_m3) + "</td><td>" +
-           display_count(w.count) + "</td><td>" + std::to_string(b.realization) + "</td><td>" + display(b.volume_m3) +
-           "</td><td>" + display_count(b.count) + "</td></tr>\n";
+      "<code>cleave replay OUT --realization K</code> makes any of them again as a full run.</p>\n<div "
+      "class=\"columns\">";
+  for (const auto& [name, rows] : {std::pair{"Worst", &f.worst}, std::pair{"Best", &f.best}}) {
+    out += html_table({{"realization", name}, {"key_block_volume_m3"}, {"key_block_count", "Key blocks"}},
+                      stochastic::Extreme{}, *rows);
   }
-  return out + "</tbody></table></section>\n";
+  return out + "</div></section>\n";
 }
 
 std::string notes_section(const MonteCarloPage& page) {
@@ -333,19 +345,27 @@ std::string inputs_section(const MonteCarloPage& page) {
   return out + "</tbody></table></section>\n";
 }
 
+struct StageRow {
+  const scene::StageSeconds& stage;
+  double share = 0;
+};
+template <class V>
+void fields(V& v, const StageRow& x) {
+  fields(v, x.stage);
+  v("share", x.share);
+}
+
 std::string stages_table(const MonteCarloPage& page) {
   if (page.result.stages.empty()) return {};
   double all = 0;
   for (const scene::StageSeconds& row : page.result.stages) all += row.seconds;
   std::string out =
       "<section id=\"stages\"><h2>Cost of the realizations by stage</h2>\n<p class=\"small\">Of those made by this "
-      "run, over all threads.</p>\n<table><thead><tr><th>Stage</th><th>Seconds of a "
-      "thread</th><th>Share</th></tr></thead><tbody>\n";
-  for (const scene::StageSeconds& row : page.result.stages) {
-    out += "<tr><td>" + row.stage + "</td><td>" + display(row.seconds, 3) + "</td><td>" +
-           percent(all > 0 ? row.seconds / all : 0) + "</td></tr>\n";
-  }
-  return out + "</tbody></table></section>\n";
+      "run, over all threads.</p>\n";
+  const scene::StageSeconds none{};
+  HtmlTable table{{{"stage"}, {"thread_s", "Seconds of a thread", 3}, {"share"}}, StageRow{none}};
+  for (const scene::StageSeconds& row : page.result.stages) table.add(StageRow{row, all > 0 ? row.seconds / all : 0});
+  return out + std::move(table).html() + "</section>\n";
 }
 
 }  // namespace

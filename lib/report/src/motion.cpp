@@ -1,12 +1,16 @@
 #include "motion.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
+#include "cleave/exchange/csv.hpp"
 #include "cleave/exchange/exports.hpp"
 #include "cleave/exchange/text.hpp"
 #include "cleave/exchange/vtu_writer.hpp"
 #include "html_parts.hpp"
+#include "html_table.hpp"
+#include "tables.hpp"
 
 namespace cleave::report {
 namespace {
@@ -20,17 +24,9 @@ constexpr std::size_t most_rows = 200;
 }  // namespace
 
 std::string motion_csv(const scene::MotionResult& motion) {
-  std::string out = "block,moved,first_motion_s,fall_m,runout_m,speed_m_s,x_m,y_m,z_m,left\n";
-  for (const scene::MotionBlock& b : motion.blocks) {
-    out += std::to_string(b.block.value()) + (b.moved ? ",1," : ",0,");
-    if (b.first_motion) append_number(out, b.first_motion->si());
-    for (const double x : {b.fall.si(), b.runout.si(), b.fastest, b.centroid.x, b.centroid.y, b.centroid.z}) {
-      out += ',';
-      append_number(out, x);
-    }
-    out += b.left ? ",1\n" : ",0\n";
-  }
-  return out;
+  CsvTable table{scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}}};
+  for (const scene::MotionBlock& b : motion.blocks) table.add(b);
+  return std::move(table).text();
 }
 
 std::string motion_vtu(const scene::RunResult& result, std::size_t frame) {
@@ -101,37 +97,37 @@ std::string motion_section(const scene::MotionResult& motion) {
   }
   out += "<div class=\"scroll\"><table class=\"facts\"><tbody>";
   out += fact("Ended", display(motion.end.si(), 4) + (motion.at_rest ? " s, at rest" : " s, not at rest"));
-  out += fact("Let go", display_count(motion.blocks.size()));
-  out += fact("Moved", display_count(motion.moved()));
-  out += fact("Steps", display_count(motion.steps));
-  out += fact("Residual of the contact law", display(motion.residual, 2));
+  out += facts({{"released", "Let go"},
+                {"moved"},
+                {"steps"},
+                {"residual", "Residual of the contact law", 2}},
+               motion);
   if (motion.rough_steps > 0) {
     out += fact("Steps that missed the law",
                 display_count(motion.rough_steps) + ", by at most " + display(motion.missed_speed, 2) + " m/s");
   }
-  out += fact("Deepest penetration parted", display(motion.penetration.si(), 2) + " m");
+  out += facts({{"max_penetration_m", "Deepest penetration", 2}}, motion);
   out += fact("Potential energy lost", display(motion.potential_lost / 1000, 4) + " kJ");
   out += fact("Error of the energy balance", display(motion.energy_error, 2) + " (relative)");
   if (motion.error) {
     out += fact("Distance from a run with half the step",
                 display(motion.error->si(), 2) + " m until " + display(motion.determined->si(), 3) + " s");
   }
-  out +=
-      "</tbody></table></div>\n<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>Block</th>"
-      "<th>First motion (s)</th><th>Fall (m)</th><th>Run-out (m)</th><th>Speed, largest (m/s)</th></tr></thead>"
-      "<tbody>\n";
+  out += "</tbody></table></div>\n";
   std::vector<const scene::MotionBlock*> rows;
   for (const scene::MotionBlock& b : motion.blocks) {
     if (b.moved) rows.push_back(&b);
   }
   std::ranges::stable_sort(rows, std::ranges::greater{}, [](const scene::MotionBlock* b) { return b->fall.si(); });
-  for (std::size_t k = 0; k < std::min(rows.size(), most_rows); ++k) {
-    const scene::MotionBlock& b = *rows[k];
-    out += "<tr><td>" + std::to_string(b.block.value()) + "</td><td>" +
-           (b.first_motion ? display(b.first_motion->si(), 3) : std::string{}) + "</td><td>" + display(b.fall.si(), 3) +
-           "</td><td>" + display(b.runout.si(), 3) + "</td><td>" + display(b.fastest, 3) + "</td></tr>\n";
-  }
-  out += "</tbody></table></div>\n";
+  HtmlTable table{{{"block"},
+                   {"first_motion_s", {}, 3},
+                   {"fall_m", {}, 3},
+                   {"runout_m", "Run-out (m)", 3},
+                   {"speed_m_s", "Speed, largest (m/s)", 3}},
+                  scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}},
+                  "class=\"sortable\""};
+  for (std::size_t k = 0; k < std::min(rows.size(), most_rows); ++k) table.add(*rows[k]);
+  out += std::move(table).html();
   if (rows.size() > most_rows) {
     out += "<p class=\"small\">The " + display_count(most_rows) + " that fell farthest; all are in motion.csv.</p>\n";
   }

@@ -1,6 +1,12 @@
 #include "stages_section.hpp"
 
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "cleave/exchange/text.hpp"
+#include "html_table.hpp"
 
 namespace cleave::report {
 namespace {
@@ -11,15 +17,25 @@ std::string numbers(const std::vector<std::uint32_t>& stages) {
   return out;
 }
 
-std::string order_rows(const scene::SequenceResult& sequence) {
-  std::string out;
-  for (std::size_t i = 0; i < sequence.orders.size(); ++i) {
-    const scene::OrderResult& order = sequence.orders[i];
-    const char* remark = i == sequence.best ? "smallest volume" : i == 0 ? "the scene's" : "";
-    out += "<tr><td>" + numbers(order.stages) + "</td><td>" + display_count(order.key_blocks) + "</td><td>" +
-           display(order.key_volume.si()) + "</td><td>" + remark + "</td></tr>\n";
-  }
-  return out;
+struct OrderRow {
+  const scene::OrderResult& order;
+  std::string_view remark = {};
+};
+template <class V>
+void fields(V& v, const OrderRow& x) {
+  fields(v, x.order);
+  v("order", Html{numbers(x.order.stages)});
+  v("remark", Html{std::string{x.remark}});
+}
+
+struct StageRow {
+  const scene::StageResult& stage;
+};
+template <class V>
+void fields(V& v, const StageRow& x) {
+  fields(v, x.stage);
+  v("blocks", x.stage.passed() ? Html{display_count(x.stage.blocks.count)} : Html{"certificate did not pass"});
+  v("key_block_count", x.stage.key_blocks.count);
 }
 
 }  // namespace
@@ -30,25 +46,29 @@ std::string stages_section(const scene::SequenceResult& sequence) {
       "that leave in a stage ";
   out += sequence.fallen == scene::Fallen::stay_out ? "stay out: the next stage finds their room empty."
                                                     : "are held in place: the next stage finds them where they were.";
-  out +=
-      " A block that left in part in an earlier stage is not new.</p>\n<table><thead><tr><th>Stage</th><th>Taken "
-      "out</th><th>Blocks</th><th>Rock (m³)</th><th>Key blocks</th><th>of them new</th><th>New (m³)</th></tr></thead>"
-      "<tbody>\n";
-  for (const scene::StageResult& stage : sequence.stages) {
-    std::string names;
-    for (const std::string& name : stage.excavations) names += (names.empty() ? "" : ", ") + escape_xml(name);
-    out += "<tr><td>" + std::to_string(stage.stage) + "</td><td>" + names + "</td><td>" +
-           (stage.passed() ? display_count(stage.blocks.count) : std::string{"certificate did not pass"}) +
-           "</td><td>" + display(stage.blocks.volume_m3) + "</td><td>" + display_count(stage.key_blocks.count) +
-           "</td><td>" + display_count(stage.new_key_blocks) + "</td><td>" + display(stage.new_key_volume.si()) +
-           "</td></tr>\n";
-  }
-  out += "</tbody></table>\n";
+  out += " A block that left in part in an earlier stage is not new.</p>\n";
+  const scene::StageResult no_stage{};
+  HtmlTable stages{{{"stage"},
+                    {"excavations", "Taken out"},
+                    {"blocks"},
+                    {"block_volume_m3", "Rock (m³)"},
+                    {"key_block_count", "Key blocks"},
+                    {"new_key_block_count", "of them new"},
+                    {"new_key_block_volume_m3", "New (m³)"}},
+                   StageRow{no_stage}};
+  for (const scene::StageResult& stage : sequence.stages) stages.add(StageRow{stage});
+  out += std::move(stages).html();
   if (sequence.orders.size() > 1) {
-    out +=
-        "<h3>Orders of excavation</h3>\n<table><thead><tr><th>Order of the stages</th><th>Key blocks</th><th>Volume "
-        "(m³)</th><th></th></tr></thead><tbody>\n" +
-        order_rows(sequence) + "</tbody></table>\n";
+    const scene::OrderResult no_order{};
+    HtmlTable orders{{{"order", "Order of the stages"},
+                      {"key_block_count", "Key blocks"},
+                      {"key_block_volume_m3", "Volume (m³)"},
+                      {"remark", " "}},
+                     OrderRow{no_order}};
+    for (std::size_t i = 0; i < sequence.orders.size(); ++i) {
+      orders.add(OrderRow{sequence.orders[i], i == sequence.best ? "smallest volume" : i == 0 ? "the scene's" : ""});
+    }
+    out += "<h3>Orders of excavation</h3>\n" + std::move(orders).html();
   }
   return out + "</section>\n";
 }

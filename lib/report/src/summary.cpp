@@ -50,8 +50,8 @@ std::string summary_schema() {
   head_fields(figures, blocks);
   const std::vector<std::string> head = figures.required();
   fields(figures, blocks);
-  plane_fields(figures, scene::BodiesResult{});
-  plane_fields(figures, scene::ContactResult{});
+  scene2d_fields(figures, scene::BodiesResult{});
+  scene2d_fields(figures, scene::ContactResult{});
   fields(figures, MonteCarloPage{});
   json.end_object();
   json.key("required");

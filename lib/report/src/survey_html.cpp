@@ -113,7 +113,7 @@ class DensityNet final {
 /// What a histogram shows: values, the laws fitted to them (the best first), and words.
 struct Lengths {
   std::vector<double> values;
-  std::vector<survey::Fit> laws;  ///< `p_value` is told where there is one
+  std::vector<survey::Fit> laws;  ///< `p_value` is shown where there is one
   std::string axis, label, caption;
 };
 

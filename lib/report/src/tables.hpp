@@ -30,6 +30,11 @@ struct KeyBlockRow {
   std::vector<std::string> sets = {};
 };
 
+/// `result` has an analysis.
+[[nodiscard]] TableParts parts_of(const scene::RunResult& result);
+[[nodiscard]] KeyBlockRow key_block_row(const topology::BlockComplex& complex, const scene::RunResult& result,
+                                        const stability::Judgement& j);
+
 template <class V>
 void direction_fields(V& v, const geometry::Vec3& d, std::string_view x, std::string_view y, std::string_view z) {
   v(x, d.x);
@@ -55,7 +60,8 @@ void transferred_fields(V& v, const stability::Judgement& j) {
   v("net_force_n_transferred", t.net);
   v("factor_of_safety_transferred", t.factor_of_safety);
   v("passed_n_transferred", t.passed, "what the block passes on");
-  v("lost_n_transferred", t.lost, "what of it the scene's reading of the transfer loses");
+  v("untransferred_n", t.lost, "what of it the scene's reading of the transfer loses");
+  v("lost_n_transferred", t.lost, "old name of `untransferred_n`; goes with the next version");
 }
 
 template <class V>
@@ -131,9 +137,11 @@ void fields(V& v, const KeyBlockRow& x) {
   v("joints", x.joints, "numbers of the joints it touches, joined by `;`");
   if (x.parts.force_transfer) transferred_fields(v, x.j);
   if (x.parts.rotation) {
-    v("turns", x.j.rotation ? std::optional{x.j.rotation->turns} : std::nullopt,
+    const std::optional<bool> topples = x.j.rotation ? std::optional{x.j.rotation->turns} : std::nullopt;
+    v("topples", topples,
       "rotational check: 1 when no forces at its contacts hold the block against turning, 0 when some do; empty for a "
       "block that translation moves");
+    v("turns", topples, "old name of `topples`; goes with the next version");
   }
   if (x.parts.support) supported_fields(v, x.j, x.supported);
   if (x.parts.field_stress) clamped_fields(v, x.clamped);
@@ -237,9 +245,44 @@ void fields(V& v, const CombinedBlockRow& x) {
   v("missing_force_n", x.b.missing_force);
 }
 
+struct KeyGroupRow {
+  const stability::KeyGroup& g;
+  std::size_t number = 0;
+};
+template <class V>
+void fields(V& v, const KeyGroupRow& x) {
+  // Numbers of blocks are joined by blanks here.
+  std::string blocks;
+  for (const topology::BlockId id : x.g.blocks) blocks += (blocks.empty() ? "" : " ") + std::to_string(id.value());
+  v("group", x.number, "from 1");
+  v("batch", x.g.batch, "in whose state it was found, from 1");
+  v("verdict", assembly::name(x.g.verdict), "`certain`, `unsafe` or `in_doubt`");
+  v("blocks", blocks, "numbers, joined by blanks");
+  v("volume_m3", x.g.volume);
+  v("factor_up", when(x.g.factors, x.g.factor_up), "above it motion is certain; `inf`: there is no such factor");
+  v("factor_move", when(x.g.factors, x.g.factor_move),
+    "of motion from rest: the factor of safety of the group; empty for a group too large for factors");
+  direction_fields(v, x.g.direction, "direction_x", "direction_y", "direction_z");
+  v("moments", x.g.moments, "1 when blocks turn: translation alone does not move them");
+}
+
 }  // namespace cleave::report
 
 namespace cleave::scene {
+template <class V>
+void fields(V& v, const MotionBlock& x) {
+  v("block", x.block);
+  v("moved", x.moved, "1 when its centroid moved by more than a millimetre");
+  v("first_motion_s", x.first_motion, "when it had moved so far");
+  v("fall_m", x.fall, "of the centroid, downwards");
+  v("runout_m", x.runout, "of the centroid, level");
+  v("speed_m_s", x.fastest, "largest speed of the centroid");
+  v("x_m", x.centroid.x, "centroid at the end");
+  v("y_m", x.centroid.y);
+  v("z_m", x.centroid.z);
+  v("left", x.left, "1 when it left the domain and was followed no further");
+}
+
 template <class V>
 void fields(V& v, const MaximumRow& x) {
   const stability::MaximumKeyBlock& b = x.block;

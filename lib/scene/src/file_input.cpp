@@ -8,7 +8,7 @@
 
 namespace cleave::scene {
 
-std::string ending_of(std::string_view name) {
+std::string extension_of(std::string_view name) {
   const std::size_t dot = name.find_last_of('.');
   if (dot == std::string_view::npos || name.find('/', dot) != std::string_view::npos) return {};
   std::string ending{name.substr(dot + 1)};
@@ -29,7 +29,7 @@ using Surfaces = std::expected<io::Surfaces, io::ReadError>;
 using Mesh = std::expected<io::MeshData, io::ReadError>;
 
 std::optional<Surfaces> parse_surfaces(const LoadedFile& loaded) {
-  const std::string ending = ending_of(loaded.shown);
+  const std::string ending = extension_of(loaded.shown);
   if (ending == "dxf") return io::parse_dxf(loaded.bytes, loaded.shown);
   if (ending == "ts") return io::parse_tsurf(loaded.bytes, loaded.shown);
   if (ending == "fab") return io::parse_fab(loaded.bytes, loaded.shown);
@@ -38,7 +38,7 @@ std::optional<Surfaces> parse_surfaces(const LoadedFile& loaded) {
 }
 
 std::optional<Mesh> parse_faces(const LoadedFile& loaded) {
-  const std::string ending = ending_of(loaded.shown);
+  const std::string ending = extension_of(loaded.shown);
   if (ending == "obj") return io::parse_obj(loaded.bytes, loaded.shown);
   if (ending == "stl") return io::parse_stl(loaded.bytes, loaded.shown);
   if (ending == "ply") return io::parse_ply(loaded.bytes, loaded.shown);

@@ -5,24 +5,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "cleave/core/enum_names.hpp"
+
 namespace cleave::scene {
 
-std::string_view name_of(Stage stage) noexcept {
-  switch (stage) {
-    case Stage::read: return "read";
-    case Stage::draw: return "draw";
-    case Stage::cut: return "cut";
-    case Stage::audit: return "audit";
-    case Stage::stability: return "stability";
-    case Stage::support: return "support";
-    case Stage::monte_carlo: return "monte_carlo";
-    case Stage::elastic: return "elastic";
-    case Stage::contact: return "contact";
-    case Stage::write: return "write";
-    case Stage::report: return "report";
-  }
-  std::unreachable();
-}
+std::string_view name_of(Stage stage) noexcept { return enum_name(stage); }
 
 bool Plan::runs(Stage stage) const noexcept {
   return std::ranges::any_of(stages,
@@ -48,6 +35,16 @@ void add_inputs(const KeyTable& keys, const std::vector<std::string>& given, Pla
       if (std::ranges::find(given, name) != given.end()) planned->inputs.emplace_back(name);
     }
   }
+}
+
+ResultHead head_of(const SceneHead& scene, Plan plan) {
+  return {.title = scene.title,
+          .project = scene.project,
+          .seed = scene.seed,
+          .scene_file = scene.file_name,
+          .scene_sha256 = scene.sha256,
+          .plan = std::move(plan),
+          .output = scene.output};
 }
 
 Plan plan_of_bodies(Stage work, const std::string& why, const std::string& files, bool report) {

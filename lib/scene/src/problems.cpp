@@ -59,7 +59,7 @@ std::vector<Problem> Problems::take_errors() && {
   errors_ = std::move(sorted);
   if (error_count_ > errors_.size()) {
     errors_.push_back({file_, 1, "scene", fmt::format("{} more errors are not shown", error_count_ - errors_.size()),
-                       "mend these first"});
+                       "fix these first"});
   }
   return std::move(errors_);
 }

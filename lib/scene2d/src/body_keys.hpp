@@ -13,7 +13,6 @@
 #include "cleave/scene/common_keys.hpp"
 #include "cleave/scene/table_reader.hpp"
 #include "cleave/scene2d/bodies.hpp"
-#include "keys2d.hpp"
 
 /// What scenes of bodies and scenes of contact read alike.
 namespace cleave::scene {
@@ -29,6 +28,7 @@ inline constexpr NumberRule body_density_rule{0, false, 1e5, false, " kg/m3"};
 
 inline constexpr std::array<std::string_view, 1> all_sides{"all"};
 
+[[nodiscard]] const KeyTable& elastic_keys();
 /// side and sides of a support or load.
 [[nodiscard]] std::vector<Key> side_keys();
 /// What a load is.

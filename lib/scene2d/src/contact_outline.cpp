@@ -95,7 +95,8 @@ std::vector<Vec2> voussoir(const TableReader& table) {
   if (!(thickness < 2 * radius))
     table.error("thickness", "is not less than twice the radius", "make the stone thinner");
   if (!(to > from) || !(to - from < 180)) {
-    table.error("to", "must lie above from, by less than 180 degrees", "angles count anticlockwise from the x axis");
+    table.error("to", "must lie above from, by less than 180 degrees",
+                "angles count counter-clockwise from the x axis");
   }
   std::vector<Vec2> out;
   for (int k = 0; k <= chords; ++k) {
@@ -155,7 +156,7 @@ ContactOutline parse_contact_outline(const TableReader& body) {
   }
   const auto checked = bem::check_loops({bem::polygon(corners)}, false);
   if (!checked) {
-    body.error(key, describe(checked.error()), "mend the corners");
+    body.error(key, describe(checked.error()), "correct the corners");
     return out;
   }
   const std::size_t n = corners.size();
@@ -163,7 +164,7 @@ ContactOutline parse_contact_outline(const TableReader& body) {
   if (checked->turned.empty()) {
     for (std::size_t k = 0; k < n; ++k) out.side_of[k] = k;
   } else {
-    body.note(key, "runs clockwise and was turned; sides keep their numbers", "write the corners anticlockwise");
+    body.note(key, "runs clockwise and was turned; sides keep their numbers", "write the corners counter-clockwise");
     std::ranges::reverse(corners);
     for (std::size_t k = 0; k < n; ++k) out.side_of[k] = (2 * n - 2 - k) % n;
   }

@@ -147,7 +147,7 @@ void parse_outline(const TableReader& body, Outline& outline, bool infinite) {
   } else if (const auto circle = body.sub("circle")) {
     if (auto loop = circle_of(*circle, false)) outline.add(std::move(*loop));
   } else if (!body.has("circle")) {
-    body.missing("outline", "write outline = [[x, y], [x, y], [x, y], ...], anticlockwise, or circle = {...}");
+    body.missing("outline", "write outline = [[x, y], [x, y], [x, y], ...], counter-clockwise, or circle = {...}");
   }
   if (const TomlEntry* holes = body.find("holes")) {
     if (const auto* array = std::get_if<TomlArray>(&holes->node.value)) {
@@ -361,10 +361,10 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, bem::Plan
     auto checked = bem::check_loops(outline.loops, infinite);
     if (!checked) {
       body.problems().error(body.line_of(infinite ? "holes" : "outline"), body.path_of(infinite ? "holes" : "outline"),
-                            describe(checked.error()), "mend the corners");
+                            describe(checked.error()), "correct the corners");
     } else if (!infinite && std::ranges::find(checked->turned, std::size_t{0}) != checked->turned.end()) {
       body.note(body.has("outline") ? "outline" : "circle", "runs clockwise and was turned; sides keep their numbers",
-                "write the corners anticlockwise");
+                "write the corners counter-clockwise");
     }
     if (checked) {
       for (std::size_t l = 0; l < outline.loops.size(); ++l) {
@@ -430,7 +430,7 @@ std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, 
   Problems problems{shown};
   auto tree = read_toml(text);
   if (!tree) {
-    problems.error(tree.error().line, "TOML", tree.error().what, "mend the syntax: see https://toml.io");
+    problems.error(tree.error().line, "TOML", tree.error().what, "fix the syntax: see https://toml.io");
     return std::unexpected(std::move(problems).take_errors());
   }
   const TableReader root{*tree, 1, "", problems, elastic_scene_keys()};

@@ -5,14 +5,13 @@
 
 #include "cleave/scene/plan_stages.hpp"
 #include "cleave/scene2d/contact.hpp"
-#include "keys2d.hpp"
 
 namespace cleave::scene {
 namespace {
 
 using bem::Vec2;
 
-/// Below this estimate of the strain a run follows rigid blocks unless it is told otherwise.
+/// Below this estimate of the strain a run follows rigid blocks unless the scene says otherwise.
 constexpr double strain_that_matters = 1e-4;
 
 double extent(const ContactScene& scene) {
@@ -107,6 +106,7 @@ Plan make_plan(const ContactScene& scene) {
       20 + blocks * (rigidity.elastic ? 0.3 : 0.005) + 3e-5 * blocks * static_cast<double>(s.frames);
   plan.estimate.seconds = blocks * (rigidity.elastic ? 0.05 : 0) +
                           (s.to_rest ? std::min(steps, 2000.0) : steps) * blocks * (2e-5 + 2e-7 * freedoms);
+  std::ranges::find(plan.stages, Stage::contact, &PlannedStage::stage)->seconds = plan.estimate.seconds;
   add_inputs(contact_scene_keys(), scene.given, plan);
   return plan;
 }

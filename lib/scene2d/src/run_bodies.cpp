@@ -9,7 +9,6 @@
 #include "cleave/core/parallel.hpp"
 #include "cleave/scene/plan_stages.hpp"
 #include "cleave/scene2d/bodies.hpp"
-#include "keys2d.hpp"
 
 namespace cleave::scene {
 
@@ -243,6 +242,7 @@ Plan make_plan(const BodiesScene& scene) {
   // The estimate of the error runs it once more with twice the step.
   const double runs = moving && scene.time->estimate ? 1.5 : 1;
   if (moving) plan.estimate.seconds += runs * 4e-9 * unknowns * scene.time->end / scene.time->step;
+  std::ranges::find(plan.stages, Stage::elastic, &PlannedStage::stage)->seconds = plan.estimate.seconds;
   add_inputs(elastic_scene_keys(), scene.given, plan);
   return plan;
 }
@@ -250,13 +250,7 @@ Plan make_plan(const BodiesScene& scene) {
 std::expected<BodiesResult, std::vector<Problem>> run(const BodiesScene& scene, unsigned threads, StageTimer& timer,
                                                       Progress& progress) {
   BodiesResult result;
-  result.title = scene.title;
-  result.project = scene.project;
-  result.seed = scene.seed;
-  result.scene_file = scene.file_name;
-  result.scene_sha256 = scene.sha256;
-  result.plan = make_plan(scene);
-  result.output = scene.output;
+  static_cast<ResultHead&>(result) = head_of(scene, make_plan(scene));
   for (const Problem& note : scene.notes) result.notes.push_back(describe(note));
   progress.begin("elastic");
   const auto wrong = timer.run("elastic", [&] {

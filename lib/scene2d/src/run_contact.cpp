@@ -374,13 +374,7 @@ std::vector<Vec2> corners_at(const ContactResult& result, std::size_t frame, std
 std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene, unsigned threads, StageTimer& timer,
                                                        Progress& progress) {
   ContactResult result;
-  result.title = scene.title;
-  result.project = scene.project;
-  result.seed = scene.seed;
-  result.scene_file = scene.file_name;
-  result.scene_sha256 = scene.sha256;
-  result.plan = make_plan(scene);
-  result.output = scene.output;
+  static_cast<ResultHead&>(result) = head_of(scene, make_plan(scene));
   const RigidityChoice rigidity = rigidity_of(scene);
   result.elastic = rigidity.elastic;
   result.to_rest = scene.settings.to_rest;

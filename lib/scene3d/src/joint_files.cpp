@@ -21,9 +21,9 @@ namespace {
 
 using std::string_view;
 
-/// The faces of a mesh as polygons. What is wrong with one is reported, but for those without area: they part nothing,
-/// and programs that cut faces into triangles write them (ours, too, where a corner lies on a side). They are left out,
-/// and that is said.
+/// The faces of a mesh as polygons. What is wrong with one is reported, but for those without area: they separate
+/// nothing, and programs that cut faces into triangles write them (ours, too, where a corner lies on a side). They are
+/// left out, and that is said.
 class FaceReader final {
  public:
   FaceReader(Context& context, const io::MeshData& mesh, const std::string& shown)
@@ -54,7 +54,7 @@ class FaceReader final {
   }
   [[nodiscard]] std::uint32_t line_of(std::size_t f) const { return std::max(1U, mesh_->lines[f]); }
   [[nodiscard]] std::string key_of(std::size_t f) const {
-    const bool obj = ending_of(*shown_) == "obj";
+    const bool obj = extension_of(*shown_) == "obj";
     return obj ? fmt::format("f (face {})", f + 1) : fmt::format("face {}", f + 1);
   }
 
@@ -161,7 +161,7 @@ void parse_joint_file(Context& context, const TableReader& joint, const std::opt
   const bool wrap = joint.boolean("wrap").value_or(false);
   const auto loaded = context.file(joint, "file");
   if (!loaded) return;
-  const std::string ending = ending_of(loaded->shown);
+  const std::string ending = extension_of(loaded->shown);
   if (ending == "csv") {
     const auto table = io::parse_joint_csv(loaded->bytes, loaded->shown, {.wrap = wrap, .need_position = true});
     if (!table) {

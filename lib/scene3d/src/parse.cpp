@@ -71,7 +71,7 @@ void take_includes(TomlTable& table, Problems& problems, const ReadFile& read_fi
     auto tree = read_toml(file->bytes);
     if (!tree) {
       problems.error_in(file->shown, tree.error().line, "TOML", tree.error().what,
-                        "mend the syntax: see https://toml.io");
+                        "fix the syntax: see https://toml.io");
       continue;
     }
     // Files that the included one names lie beside it.
@@ -154,7 +154,7 @@ const KeyTable& scene_keys() {
            {"snap", key::number(snap_rule), "0",
             "m; above 0 corners closer than this become one, near-coincident planes merge and edges within this "
             "distance of another joint end on it, whatever the order of the joints; what is closed stays closed. "
-            "Polygons that share corners part the rock without it"},
+            "Polygons that share corners divide the rock without it"},
            {"nonplanar", key::word(nonplanar_words), "\"refuse\"",
             "or `\"triangulate\"`: polygons (and faces of `domain.corners`) whose corners lie further than max(1e-6 of "
             "the "
@@ -199,7 +199,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   Problems problems{shown};
   auto tree = read_toml(text);
   if (!tree) {
-    problems.error(tree.error().line, "TOML", tree.error().what, "mend the syntax: see https://toml.io");
+    problems.error(tree.error().line, "TOML", tree.error().what, "fix the syntax: see https://toml.io");
     return std::unexpected(std::move(problems).take_errors());
   }
   const auto has = [&](string_view key) {
@@ -211,8 +211,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
     return std::unexpected(std::move(problems).take_errors());
   }
   if (tree->entries.empty()) {
-    problems.error(1, "domain", "the file is empty",
-                   "start from one of: cleave init tunnel, slope, wedge, network, bodies");
+    problems.error(1, "domain", "the file is empty", "start from a scene that cleave init prints: cleave init tunnel");
     return std::unexpected(std::move(problems).take_errors());
   }
   TomlTable table = without_plane_sections(std::move(*tree), problems);
@@ -260,35 +259,34 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   }
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 
-  Scene scene{.title = header.title,
-              .project = std::move(project),
-              .seed = header.seed,
-              .snap = header.snap,
-              .north = context.north,
-              .domain = std::move(*domain),
-              .free_domain_tags = std::move(stability.free_domain_tags),
-              .sets = std::move(context.sets),
-              .joints = std::move(joints),
-              .terminations = std::move(context.terminations),
-              .keep_dangling = header.keep_dangling,
-              .joint_sets = std::move(joint_sets),
-              .rock = rock,
-              .excavations = std::move(excavations),
-              .support = std::move(support),
-              .stability = stability.settings,
-              .field_stress = field_stress,
-              .sequence = std::move(sequence),
-              .motion = motion,
-              .micro_blocks = micro_blocks,
-              .output = output,
-              .monte_carlo = std::move(monte_carlo),
-              .shown = shown,
-              .file_name = stem_of(shown),
-              .sha256 = sha256_hex(text),
-              .files = std::move(context.files),
-              .given = {},
-              .notes = {}};
-  for (const TomlEntry& entry : table.entries) scene.given.push_back(entry.key);
+  SceneHead head{.title = header.title,
+                 .project = std::move(project),
+                 .seed = header.seed,
+                 .output = output,
+                 .shown = shown,
+                 .file_name = stem_of(shown),
+                 .sha256 = sha256_hex(text)};
+  for (const TomlEntry& entry : table.entries) head.given.push_back(entry.key);
+  Scene scene{std::move(head),
+              {.snap = header.snap,
+               .north = context.north,
+               .domain = std::move(*domain),
+               .free_domain_tags = std::move(stability.free_domain_tags),
+               .sets = std::move(context.sets),
+               .joints = std::move(joints),
+               .terminations = std::move(context.terminations),
+               .keep_dangling = header.keep_dangling,
+               .joint_sets = std::move(joint_sets),
+               .rock = rock,
+               .excavations = std::move(excavations),
+               .support = std::move(support),
+               .stability = stability.settings,
+               .field_stress = field_stress,
+               .sequence = std::move(sequence),
+               .motion = motion,
+               .micro_blocks = micro_blocks,
+               .monte_carlo = std::move(monte_carlo),
+               .files = std::move(context.files)}};
   keep_intensities(scene, problems);
   find_notes(scene, root);
   scene.notes = std::move(problems).take_notes();

@@ -143,7 +143,7 @@ std::optional<geometry::Ground> ground_of_mesh(Context& context, const TableRead
 std::optional<geometry::Ground> parse_ground(Context& context, const TableReader& owner) {
   const auto loaded = context.file(owner, "file");
   if (!loaded) return std::nullopt;
-  const std::string ending = ending_of(loaded->shown);
+  const std::string ending = extension_of(loaded->shown);
   const bool grid = ending == "asc" || ending == "grd" || ending == "xyz" || ending == "txt" || ending == "csv";
   return grid ? ground_of_grid(context, owner, *loaded) : ground_of_mesh(context, owner, *loaded);
 }

@@ -39,7 +39,8 @@ const KeyTable& field_stress_keys() {
           {"stress", key::array(key::number(stress_rule), 6, 6), required,
            "`[xx, yy, zz, xy, yz, zx]` of the undisturbed rock at `level`, Pa, compression negative"},
           {"gradient", key::array(key::number(gradient_rule), 6, 6), "0",
-           "the same per metre upwards (weight of the rock: zz = density x gravity); level upright tunnels only"},
+           "the same per metre upwards (weight of the rock: zz = density x gravity); level tunnels with a vertical "
+           "section only"},
           {"level", key::number(rule::coordinate), "0", "z in m"},
           {"surface", key::number(rule::coordinate), "",
            "z of the free ground surface above (half plane); none: infinite rock"},
@@ -107,11 +108,11 @@ std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, c
     return settings;
   }
   const geometry::Vec3 axis = geometry::normalized(line.axis[1] - line.axis[0]);
-  const bool upright = std::abs(axis.z) < 1e-9 && geometry::norm(geometry::cross(line.up, {0, 0, 1})) < 1e-9;
+  const bool vertical_section = std::abs(axis.z) < 1e-9 && geometry::norm(geometry::cross(line.up, {0, 0, 1})) < 1e-9;
   const bool varies = largest(settings.gradient) > 0;
-  if (!upright && (varies || settings.surface)) {
+  if (!vertical_section && (varies || settings.surface)) {
     table.error(
-        varies ? "gradient" : "surface", "needs a level tunnel that stands upright",
+        varies ? "gradient" : "surface", "needs a level tunnel with a vertical section",
         "the section of an inclined tunnel lies at many depths: give the stress at its middle, without this key");
   }
   // Shear along the axis that changes with depth is no field of a long tunnel.

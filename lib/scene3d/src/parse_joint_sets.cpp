@@ -24,12 +24,6 @@ constexpr NumberRule per_metre_rule{0, false, 1e9, false, " 1/m"};
 constexpr NumberRule per_volume_rule{0, false, 1e9, false, ""};
 constexpr NumberRule buffer_rule{1, true, 100, false, ""};
 constexpr std::int64_t most_sides = 256;
-constexpr std::array<string_view, 7> size_laws{"constant", "normal", "exponential", "lognormal",
-                                               "power",    "gamma",  "uniform"};
-constexpr std::array<dfn::SizeDistribution, 7> size_kinds{
-    dfn::SizeDistribution::constant,  dfn::SizeDistribution::normal, dfn::SizeDistribution::exponential,
-    dfn::SizeDistribution::lognormal, dfn::SizeDistribution::power,  dfn::SizeDistribution::gamma,
-    dfn::SizeDistribution::uniform};
 constexpr std::array<string_view, 2> count_boxes{"domain", "buffer"};
 constexpr std::array<string_view, 1> persistent_word{"persistent"};
 constexpr std::array<string_view, 3> rotation_laws{"uniform", "normal", "constant"};
@@ -38,7 +32,7 @@ constexpr std::array<string_view, 5> shape_words{"rectangle", "square", "disc", 
 const KeyTable& size_keys() {
   static const KeyTable keys{
       .name = "size",
-      .keys = {{"distribution", key::word(size_laws), required, "law of the size"},
+      .keys = {{"distribution", key::word<dfn::SizeDistribution>(), required, "law of the size"},
                {"mean", key::number(rule::length), "", "m, before the law is cut to `min`..`max`"},
                {"std", key::number(rule::length_or_zero), "", "m, before the law is cut"},
                {"min", key::number(rule::length_or_zero), "", "m"},
@@ -142,7 +136,7 @@ std::optional<dfn::SizeLaw> parse_size(const TableReader& set, string_view key) 
   } else {
     const std::size_t before = set.problems().errors();
     const TableReader table = *set.sub(key);
-    const auto law = distribution_of(table, size_laws.front());
+    const auto law = distribution_of(table, enum_names<dfn::SizeDistribution>.front());
     const auto length = [&](string_view name) -> std::optional<Length> {
       const auto value = table.number(name);
       return value ? std::optional{metres(*value)} : std::nullopt;
@@ -156,7 +150,7 @@ std::optional<dfn::SizeLaw> parse_size(const TableReader& set, string_view key) 
     // A lower limit of 0 says no more than that sizes are positive.
     if (spec.min && spec.min->si() == 0) spec.min = std::nullopt;
     if (!law || set.problems().errors() != before) return std::nullopt;
-    spec.distribution = size_kinds[*law];
+    spec.distribution = static_cast<dfn::SizeDistribution>(*law);
   }
   auto law = dfn::SizeLaw::make(spec);
   if (law) return std::move(*law);

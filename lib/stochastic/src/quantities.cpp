@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "cleave/core/enum_names.hpp"
 #include "cleave/stochastic/ensemble.hpp"
 #include "number.hpp"
 
@@ -68,14 +69,7 @@ const Quantity* quantity_named(std::string_view word) {
   return nullptr;
 }
 
-std::string_view name_of(Method method) noexcept {
-  switch (method) {
-    case Method::mean: return "mean";
-    case Method::ratio: return "ratio";
-    case Method::mean_of_ratios: return "mean_of_ratios";
-  }
-  std::unreachable();
-}
+std::string_view name_of(Method method) noexcept { return enum_name(method); }
 
 const std::vector<Ensemble::Ratio>& Ensemble::ratios() {
   static const auto all_count = [](const Record& r) { return number(r.all.count); };

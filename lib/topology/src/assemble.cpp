@@ -138,7 +138,7 @@ class Joiner {
   bool busy_ = false;
 };
 
-/// Each thread makes shares of neighbouring blocks, and their faces are put behind one another: what comes out does not
+/// Each thread makes shares of neighbouring blocks, and their faces are concatenated: what comes out does not
 /// depend on where the shares end.
 std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, MadeBlocks& out) {
   const std::size_t blocks = parts.begin.size() - 1;

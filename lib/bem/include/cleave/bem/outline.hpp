@@ -60,7 +60,7 @@ struct Side {
   friend bool operator==(const Side&, const Side&) = default;
 };
 
-/// A closed curve. The material lies on its left: the outer loop of a body runs anticlockwise, holes clockwise.
+/// A closed curve. The material lies on its left: the outer loop of a body runs counter-clockwise, holes clockwise.
 using Loop = std::vector<Side>;
 
 /// A full circle as two arcs; clockwise for a hole or an opening.

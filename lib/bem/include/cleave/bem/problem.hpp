@@ -164,7 +164,7 @@ struct Component {
 };
 
 enum class Axes : std::uint8_t {
-  fixed,   ///< first component along x turned by `turn`, second a quarter turn anticlockwise of it
+  fixed,   ///< first component along x turned by `turn`, second a quarter turn counter-clockwise of it
   normal,  ///< first along the outward normal, second along the boundary's direction (material on the left)
 };
 
@@ -172,7 +172,7 @@ enum class Axes : std::uint8_t {
 /// a roller, along any direction.
 struct Condition {
   Axes axes = Axes::fixed;
-  double turn = 0;  ///< radians, anticlockwise
+  double turn = 0;  ///< radians, counter-clockwise
   std::array<Component, 2> component = {};
   bool bonded = false;  ///< glued to a side of another region that runs the other way; `component` is not used
 };

@@ -9,7 +9,7 @@
 #include "cleave/bem/outline.hpp"
 
 /// Blocks in contact in the plane: the discrete boundary element method. SI units; everything is per metre of
-/// thickness, so a mass is in kg/m and a force in N/m. x to the right, y up, angles anticlockwise in radians.
+/// thickness, so a mass is in kg/m and a force in N/m. x to the right, y up, angles counter-clockwise in radians.
 namespace cleave::dbem {
 using bem::Vec2;
 
@@ -44,8 +44,8 @@ struct Held {
 /// One block as the caller states it.
 struct Body {
   std::string name;
-  /// Corners anticlockwise, a simple polygon, convex or not, in coordinates of its own; `origin` says where those are
-  /// in the scene. Corners stated near their own origin lose nothing when the scene lies 10^6 m away.
+  /// Corners counter-clockwise, a simple polygon, convex or not, in coordinates of its own; `origin` says where those
+  /// are in the scene. Corners stated near their own origin lose nothing when the scene lies 10^6 m away.
   std::vector<Vec2> outline;
   Vec2 origin = {};
   double density = 0;                  ///< kg/m3; mass and inertia follow from the outline unless they are given
@@ -85,7 +85,7 @@ struct Laws {
   [[nodiscard]] const JointLaw& of(std::size_t property_a, std::size_t property_b) const noexcept;
 };
 
-/// Area, centroid and polar second moment about the centroid of a simple anticlockwise polygon.
+/// Area, centroid and polar second moment about the centroid of a simple counter-clockwise polygon.
 struct PolygonMoments {
   double area = 0;
   Vec2 centroid;

@@ -11,7 +11,7 @@
 /// Contact geometry of two simple polygons: every contact is a corner of one body against an edge of the other.
 namespace cleave::dbem {
 
-/// The material at a corner: anticlockwise from `out` (along the edge that leaves it) to `back` (towards the corner
+/// The material at a corner: counter-clockwise from `out` (along the edge that leaves it) to `back` (towards the corner
 /// before it). Neither need be of unit length.
 struct Wedge {
   Vec2 out, back;

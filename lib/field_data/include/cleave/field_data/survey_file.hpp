@@ -12,6 +12,8 @@
 
 namespace cleave::scene {
 
+struct KeyTable;
+
 /// A survey file (DATA.toml) with all that it names, validated.
 struct SurveyScene {
   survey::SurveyInput input;
@@ -19,6 +21,8 @@ struct SurveyScene {
   std::vector<InputFile> files;
   std::vector<Problem> notes;
 };
+
+[[nodiscard]] const KeyTable& survey_keys();
 [[nodiscard]] std::expected<SurveyScene, std::vector<Problem>> parse_survey(std::string_view text,
                                                                             const std::string& shown,
                                                                             const ReadFile& read_file);

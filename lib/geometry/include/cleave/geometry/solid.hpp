@@ -76,8 +76,8 @@ using SolidError = std::variant<NoFaces, BadVertex, BadFace, OpenEdge, NonManifo
 /// uses the triangles of `triangulate`, the ones that were checked here.
 class Solid final {
  public:
-  /// The face tags index `tags`; without tags all must be 0. Of several faults the first found is told, looked for in
-  /// this order: vertices, corner lists, edges (lowest vertex numbers first), areas of faces, volume, crossings,
+  /// The face tags index `tags`; without tags all must be 0. Of several faults the first found is reported, looked for
+  /// in this order: vertices, corner lists, edges (lowest vertex numbers first), areas of faces, volume, crossings,
   /// shells. O(n log n).
   [[nodiscard]] static std::expected<Solid, SolidError> make(std::vector<Vec3> vertices, std::vector<SolidFace> faces,
                                                              std::vector<std::string> tags = {});

@@ -37,6 +37,18 @@ void fields(V& v, const CoarseSnap& x) {
   v("joint", x.joint, "whose side that is");
 }
 template <class V>
+void fields(V& v, const Certificate& x) {
+  v("passed", x.passed);
+  v("euler_violations", x.euler_violations);
+  v("open_shells", x.open_shells);
+  v("face_vector_max_relative", x.face_vector_max_relative,
+    "largest |sum of face vectors| / sum of areas over the blocks");
+  v("unpaired_patches", x.unpaired_patches, "joint patches whose area the neighbour does not match");
+  v("misfits", x.misfits,
+    "faces and blocks whose stored place, areas, volumes or flags are not those of their corners");
+  v("offenders", when_any(x.offenders), "numbers of blocks that did not pass, at most 20");
+}
+template <class V>
 void fields(V& v, const NearMisses& x) {
   v("sides", x.sides, "sides of joints that miss another polygon by less than 1e-6 of the domain's extent");
   v("largest_m", x.largest, "the most that one of them misses by; `snap` of a little more closes them all");
@@ -138,17 +150,7 @@ void block_fields(V& v, const std::optional<BlockFigures>& blocks, const topolog
   v("slivers", or_null(blocks, &B::slivers), "blocks thinner than 1e-6 of the domain's extent; they are kept");
   v("hash", or_null(blocks, &B::hash),
     "of the block system: the same for every thread count, compiler and optimisation level");
-  v("certificate", group([&](auto& w) {
-      w("passed", certificate.passed);
-      w("euler_violations", certificate.euler_violations);
-      w("open_shells", certificate.open_shells);
-      w("face_vector_max_relative", certificate.face_vector_max_relative,
-        "largest |sum of face vectors| / sum of areas over the blocks");
-      w("unpaired_patches", certificate.unpaired_patches, "joint patches whose area the neighbour does not match");
-      w("misfits", certificate.misfits,
-        "faces and blocks whose stored place, areas, volumes or flags are not those of their corners");
-      w("offenders", when_any(certificate.offenders), "numbers of blocks that did not pass, at most 20");
-    }));
+  v("certificate", certificate);
   v("exact_share", or_null(blocks, &B::exact_share), "part of the cutter's decisions that needed exact numbers, 0..1");
   v("sizes", blocks ? blocks->sizes : std::nullopt, "block sizes and shapes");
   v("window", window,

@@ -187,26 +187,17 @@ struct Realization : SampledScene {
 /// elastic when `run` returns. The program adds `write` (VTU, CSV) and `report` (HTML) as it does them, and writes
 /// summary.json last, so that all costs are in it but its own few milliseconds; report.html shows the costs known when
 /// it is written.
-struct RunResult : Realization {
-  std::string title = {};
-  Project project = {};
-  std::uint64_t seed = 1;
-  std::string scene_file = {};    ///< name without folder
-  std::string scene_sha256 = {};  ///< of the scene file's bytes, hex
+struct RunResult : Realization, ResultHead {
   std::vector<InputFile> files = {};
   double north =
       0;  ///< degrees from +y to true north, clockwise: add nothing to dip directions, turn only the north arrow
 
-  Plan plan = {};
-  RunCost cost = {};
-  OutputSettings output = {};
   Rock rock = {};
   std::optional<StabilitySettings> stability = {};
   std::vector<ExcavationInfo> excavations = {};  ///< as many as input.excavations, same order
   MicroBlocks micro_blocks = {};                 ///< the scene's policy
   std::vector<std::string> bolt_groups = {};     ///< names, by Bolt::group
   double tunnel_length = 0;                      ///< m, of all tunnels
-  std::vector<std::string> notes = {};  ///< what a user should know: joints outside the domain, what was left out
 
   Figures figures = {};  ///< `count` of all that
 };

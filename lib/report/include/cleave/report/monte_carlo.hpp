@@ -11,18 +11,10 @@
 namespace cleave::report {
 
 /// A Monte Carlo run as its writers need it.
-struct MonteCarloPage {
-  std::string title;
-  scene::Project project = {};
-  std::uint64_t seed = 1;
-  std::string scene_sha256;
-  scene::Plan plan;
-  scene::RunCost cost;
+struct MonteCarloPage : scene::ResultHead {
   scene::MonteCarloResult result;
-  std::string scene_file;
   std::vector<scene::InputFile> files;
   std::vector<scene::ExcavationFigures> excavations = {};  ///< the same in all realizations
-  std::vector<std::string> notes;
   std::optional<double> tunnel_length_m;
   std::string stop_quantity;                       ///< empty: fixed number
   std::vector<std::vector<std::uint32_t>> orders;  ///< of the excavation stages, as in the figures

@@ -11,7 +11,7 @@
 namespace cleave::scene {
 
 /// "obj" of "a/b.OBJ"; empty when there is none.
-[[nodiscard]] std::string ending_of(std::string_view name);
+[[nodiscard]] std::string extension_of(std::string_view name);
 
 /// True for the endings of files that hold polygons and surfaces: .dxf .ts .fab .dat.
 [[nodiscard]] bool is_surfaces(std::string_view ending);

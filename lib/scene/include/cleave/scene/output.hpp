@@ -1,12 +1,14 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "cleave/core/fields.hpp"
 #include "cleave/geometry/vec3.hpp"
+#include "cleave/scene/problem.hpp"
 
 namespace cleave::scene {
 
@@ -44,5 +46,18 @@ struct OutputSettings {
 /// What [output] exports may name; docs/formats.md has the files.
 inline constexpr std::array<std::string_view, 8> known_exports{"obj",   "ply",    "stl",   "3dec",
                                                                "3dec5", "lsdyna", "nmm3d", "dda"};
+
+/// What every kind of scene says of itself, and where it was read.
+struct SceneHead {
+  std::string title = {};
+  Project project = {};
+  std::uint64_t seed = 1;
+  OutputSettings output = {};
+  std::string shown = {};               ///< how messages name the scene file
+  std::string file_name = {};           ///< the same without its folder
+  std::string sha256 = {};              ///< of the scene file's bytes
+  std::vector<std::string> given = {};  ///< keys of the scene file, those of included ones too
+  std::vector<Problem> notes = {};      ///< worth knowing, not wrong: a joint outside the domain
+};
 
 }  // namespace cleave::scene

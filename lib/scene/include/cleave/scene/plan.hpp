@@ -10,6 +10,7 @@
 #include "cleave/core/cost.hpp"
 #include "cleave/core/fields.hpp"
 #include "cleave/core/version.hpp"
+#include "cleave/scene/output.hpp"
 
 namespace cleave::scene {
 
@@ -32,7 +33,7 @@ inline constexpr std::array all_stages{Stage::read,      Stage::draw,    Stage::
                                        Stage::stability, Stage::support, Stage::monte_carlo, Stage::elastic,
                                        Stage::contact,   Stage::write,   Stage::report};
 
-/// "read", "draw", ... as in summary.json.
+/// "read", "draw", ... as in summary.json: the enumerators.
 [[nodiscard]] std::string_view name_of(Stage stage) noexcept;
 
 struct PlannedStage {
@@ -117,9 +118,24 @@ void fields(V& v, const InputFigures& x) {
   v("merged_planes", x.merged_planes, "near-coincident planes merged because of the scene's `snap`");
 }
 
-/// What every summary.json begins with. `Result`: a result of any kind of scene.
-template <class V, class Result>
-void head_fields(V& v, const Result& x) {
+/// What the result of every kind of scene begins with.
+struct ResultHead {
+  std::string title = {};
+  Project project = {};
+  std::uint64_t seed = 1;
+  std::string scene_file = {};    ///< name without folder
+  std::string scene_sha256 = {};  ///< of the scene file's bytes, hex
+  Plan plan = {};
+  RunCost cost = {};
+  OutputSettings output = {};
+  std::vector<std::string> notes = {};  ///< what a user should know: joints outside the domain, what was left out
+};
+/// Of a scene before it runs: without cost and notes.
+[[nodiscard]] ResultHead head_of(const SceneHead& scene, Plan plan);
+
+/// What every summary.json begins with.
+template <class V>
+void head_fields(V& v, const ResultHead& x) {
   v("cleave", version, "version of the program");
   v("schema", 1U, "version of this schema");
   v("title", x.title);

@@ -22,6 +22,8 @@
 /// thickness.
 namespace cleave::scene {
 
+struct KeyTable;
+
 /// Factor of a load against time.
 struct TimeFunction {
   enum class Kind : std::uint8_t { step, ramp, pulse, harmonic };
@@ -78,10 +80,7 @@ struct TimeSettings {
   bool estimate = true;   ///< of the error, by a run half as fine
 };
 
-struct BodiesScene {
-  std::string title;
-  Project project = {};
-  std::uint64_t seed = 1;
+struct BodiesScene : SceneHead {
   std::vector<BodySpec> bodies;
   std::vector<PointSpec> points;
   bem::Vec2 gravity;
@@ -90,15 +89,12 @@ struct BodiesScene {
   bool stress = false;          ///< contours of stress inside
   std::size_t frequencies = 0;  ///< natural ones that are asked for, of every body
   std::optional<TimeSettings> time;
-  OutputSettings output;
-  std::string shown, file_name, sha256;
-  std::vector<std::string> given;  ///< keys of the scene file
-  std::vector<Problem> notes;
 };
 
 [[nodiscard]] std::expected<BodiesScene, std::vector<Problem>> parse_bodies(std::string_view text,
                                                                             const std::string& shown);
 
+[[nodiscard]] const KeyTable& elastic_scene_keys();
 [[nodiscard]] Plan make_plan(const BodiesScene& scene);
 
 /// One cell of a picture of stress.
@@ -149,32 +145,32 @@ struct MeshTrial {
   double error = 0;
 };
 
-struct BodiesResult {
-  std::string title;
-  Project project = {};
-  std::uint64_t seed = 1;
-  std::string scene_file, scene_sha256;
-  Plan plan;
-  RunCost cost;
-  OutputSettings output;
+/// What the results of both two-dimensional scenes begin with.
+struct Scene2dResult : ResultHead {
   bool converged = true;
-  std::string stopped_why;
+  std::string stopped_why = {};
   std::uint64_t steps = 0;
   double residual = 0, largest_displacement = 0;
+};
+template <class V>
+void status_fields(V& v, const Scene2dResult& x) {
+  v("status", one_of(x.converged ? "converged" : "stopped", {"converged", "stopped"}));
+  v("reason", when(!x.converged, x.stopped_why), "why it stopped");
+}
+
+struct BodiesResult : Scene2dResult {
   std::vector<BodyResult> bodies;
   std::vector<PointResult> points;
   std::vector<double> times;                  ///< of the frames, s; one zero for a static scene
   std::vector<std::array<double, 3>> energy;  ///< kinetic, elastic, gravity a frame, all bodies
   std::vector<MeshTrial> trials;
-  std::vector<std::string> notes;
 };
 
 /// Section `elastic`.
 template <class V>
-void plane_fields(V& v, const BodiesResult& x) {
+void scene2d_fields(V& v, const BodiesResult& x) {
   v("elastic", group([&](auto& w) {
-      w("status", one_of(x.converged ? "converged" : "stopped", {"converged", "stopped"}));
-      w("reason", when(!x.converged, x.stopped_why), "why it stopped");
+      status_fields(w, x);
       w("steps", x.steps, "time steps; 0 for a static scene");
       w("residual", x.residual, "of the linear systems, relative");
       w("max_displacement_m", x.largest_displacement);
@@ -218,7 +214,7 @@ void plane_fields(V& v, const BodiesResult& x) {
 template <class V>
 void fields(V& v, const BodiesResult& x) {
   v("input", InputFigures{});
-  plane_fields(v, x);
+  scene2d_fields(v, x);
 }
 
 [[nodiscard]] std::expected<BodiesResult, std::vector<Problem>> run(const BodiesScene& scene, unsigned threads,

@@ -51,7 +51,7 @@ struct ContactLoad {
 struct ContactBody {
   std::string name;
   std::uint32_t line = 1;
-  std::vector<bem::Vec2> corners;  ///< anticlockwise; side k runs from corner k to the next
+  std::vector<bem::Vec2> corners;  ///< counter-clockwise; side k runs from corner k to the next
   std::vector<std::size_t> joint;  ///< of each side, into ContactScene::joints
   std::optional<double> young, poisson;
   double density = 2700;
@@ -110,18 +110,11 @@ struct ContactSettings {
   double work = std::numeric_limits<double>::infinity();  ///< operations the run may take
 };
 
-struct ContactScene {
-  std::string title;
-  Project project = {};
-  std::uint64_t seed = 1;
+struct ContactScene : SceneHead {
   std::vector<ContactBody> bodies;
   std::vector<ContactJoint> joints;  ///< [0] is the default
   std::vector<PointSpec> points;
   ContactSettings settings;
-  OutputSettings output;
-  std::string shown, file_name, sha256;
-  std::vector<std::string> given;  ///< keys of the scene file
-  std::vector<Problem> notes;
 };
 
 /// Which two-dimensional scene a text is: [contact], or [[body]] alone; empty for any other, which may be no TOML.
@@ -138,6 +131,7 @@ struct RigidityChoice {
 };
 [[nodiscard]] RigidityChoice rigidity_of(const ContactScene& scene);
 
+[[nodiscard]] const KeyTable& contact_scene_keys();
 [[nodiscard]] Plan make_plan(const ContactScene& scene);
 
 /// Two bodies that lie in each other at the start.
@@ -206,19 +200,10 @@ struct ContactBodyResult {
   std::vector<bem::Vec2> outline;  ///< at the start, as drawn
   bem::Vec2 force;                 ///< N/m: sum of the contact forces on it at the end
 };
-struct ContactResult {
-  std::string title;
-  Project project = {};
-  std::uint64_t seed = 1;
-  std::string scene_file, scene_sha256;
-  Plan plan;
-  RunCost cost;
-  OutputSettings output;
-  bool converged = true;
-  std::string stopped_why;
-  std::uint64_t steps = 0, cut_steps = 0;
+struct ContactResult : Scene2dResult {
+  std::uint64_t cut_steps = 0;
   double end_time = 0;
-  double residual = 0, largest_displacement = 0, largest_penetration = 0;
+  double largest_penetration = 0;
   bool elastic = false;
   bool to_rest = false;
   double drift_momentum = 0, drift_angular = 0;  ///< relative, see docs/contact.md
@@ -234,7 +219,6 @@ struct ContactResult {
   std::vector<SolverShare> solvers;
   std::uint64_t iterations = 0;
   double work = 0;  ///< operations
-  std::vector<std::string> notes;
 };
 
 /// What became of the bodies. One has moved that lies farther from its place at the start than `moves_from` of its
@@ -266,13 +250,12 @@ inline constexpr std::string_view name_of(const ContactVerdict& verdict) {
 
 /// Section `contact`.
 template <class V>
-void plane_fields(V& v, const ContactResult& x) {
+void scene2d_fields(V& v, const ContactResult& x) {
   const ContactHistory last = x.history.empty() ? ContactHistory{} : x.history.back();
   const ContactVerdict verdict = verdict_of(x);
   const std::string name_of_first = verdict.since ? x.bodies[verdict.first].name : std::string{};
   v("contact", group([&](auto& w) {
-      w("status", one_of(x.converged ? "converged" : "stopped", {"converged", "stopped"}));
-      w("reason", when(!x.converged, x.stopped_why), "why it stopped");
+      status_fields(w, x);
       w("verdict", one_of(name_of(verdict), {"stands", "slides", "topples", "falls", "not known"}),
         "of the body that moved first; stands: none moved by more than 1 % of its size; not known: the run stopped "
         "before one did");
@@ -335,7 +318,7 @@ void plane_fields(V& v, const ContactResult& x) {
 template <class V>
 void fields(V& v, const ContactResult& x) {
   v("input", InputFigures{});
-  plane_fields(v, x);
+  scene2d_fields(v, x);
 }
 
 /// Where the corners of a body are drawn in a frame.

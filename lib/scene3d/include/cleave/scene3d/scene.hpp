@@ -272,10 +272,8 @@ struct SequenceSettings {
   std::vector<std::vector<std::uint32_t>> orders;
 };
 
-struct Scene {
-  std::string title;
-  Project project = {};
-  std::uint64_t seed = 1;
+/// What a scene of blocks asks for, validated.
+struct SceneContent {
   Length snap;
   double north = 0;  ///< degrees from y to true north, clockwise; only for display: orientations are turned already
 
@@ -294,16 +292,10 @@ struct Scene {
   std::optional<SequenceSettings> sequence;  ///< empty: all excavations are of one stage
   std::optional<MotionSettings> motion = {};
   MicroBlocks micro_blocks;
-  OutputSettings output;
   std::optional<MonteCarloSettings> monte_carlo;
-
-  std::string shown;      ///< how messages name the scene file
-  std::string file_name;  ///< the same without its folder
-  std::string sha256;     ///< of the scene file's bytes
-  std::vector<InputFile> files;
-  std::vector<std::string> given;  ///< keys of the scene file, those of included ones too
-  std::vector<Problem>
-      notes;  ///< worth knowing, not wrong: a joint outside the domain, properties of a set without joints
+  std::vector<InputFile> files = {};
 };
+
+struct Scene : SceneHead, SceneContent {};
 
 }  // namespace cleave::scene

@@ -132,7 +132,7 @@ struct SetResult {
   std::optional<Estimate> m2, m3;   ///< E L^2/E L and E L^3/E L whatever the law (lengths: 2S/m; best fit)
   std::vector<Fit> spacings;        ///< along the lines, by AIC; `estimate_of` has their intervals
   std::vector<double> gaps, seen_lengths;
-  std::vector<Estimate> comparisons;  ///< formulas of the source that are biased: for comparison only
+  std::vector<Estimate> comparisons;  ///< formulas of Fu (2014) that are biased: for comparison only
   std::vector<std::string> notes;
 };
 

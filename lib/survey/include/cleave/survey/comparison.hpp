@@ -7,7 +7,7 @@
 #include "cleave/survey/fit.hpp"
 #include "cleave/survey/traces.hpp"
 
-/// Formulas of the source (Fu 2014, appendix A) that are biased or ask for more than they need. For comparison only:
+/// Formulas of Fu (2014), appendix A, that are biased or ask for more than they need. For comparison only:
 /// each says so in its note, and no other figure is made of them.
 namespace cleave::survey {
 

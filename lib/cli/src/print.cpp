@@ -4,10 +4,10 @@
 
 namespace cleave::cli {
 
-void complain(const std::string& what) {
+void print_error(const std::string& what) {
   const std::string line = "error: " + what + "\n";
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
-void say(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
 
 }  // namespace cleave::cli

@@ -1,0 +1,90 @@
+#include "html_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "html_parts.hpp"
+
+namespace cleave::report {
+namespace {
+
+/// The longest suffix stands first.
+constexpr std::array<ShownUnit, 11> units{{{"_n_per_m", "kN/m", 1e-3},
+                                           {"_m_s", "m/s", 1},
+                                           {"_pa", "kPa", 1e-3},
+                                           {"_m3", "m³", 1},
+                                           {"_m2", "m²", 1},
+                                           {"_deg", "°", 1},
+                                           {"share", "%", 100},
+                                           {"_m", "m", 1},
+                                           {"_n", "kN", 1e-3},
+                                           {"_s", "s", 1},
+                                           {"_j", "kJ", 1e-3}}};
+
+std::string_view bare_name(std::string_view name) {
+  const ShownUnit* const unit = unit_of(name);
+  if (unit != nullptr && unit->suffix.starts_with('_')) name.remove_suffix(unit->suffix.size());
+  return name;
+}
+
+std::string words_of(std::string_view name) {
+  std::string words{bare_name(name)};
+  std::ranges::replace(words, '_', ' ');
+  if (!words.empty()) words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
+  return words;
+}
+
+}  // namespace
+
+const ShownUnit* unit_of(std::string_view name) {
+  const auto* const found = std::ranges::find_if(units, [&](const ShownUnit& u) { return name.ends_with(u.suffix); });
+  return found != units.end() ? found : nullptr;
+}
+
+std::string heading_of(std::string_view name) {
+  const ShownUnit* const unit = unit_of(name);
+  return unit != nullptr ? words_of(name).append(" (").append(unit->unit).append(")") : words_of(name);
+}
+
+void HtmlTable::head(const std::vector<ChosenFigures::Cell>& cells, std::string_view attributes) {
+  text_ = "<div class=\"scroll\"><table";
+  if (!attributes.empty()) text_.append(" ").append(attributes);
+  text_ += "><thead><tr>";
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (!cells[i].found) continue;
+    text_ += "<th";
+    if (!cells[i].help.empty()) text_ += " title=\"" + escape_xml(cells[i].help) + "\"";
+    const std::string_view heading = columns_[i].heading;
+    text_ += ">" + (heading.empty() ? heading_of(columns_[i].name) : std::string{heading}) + "</th>";
+  }
+  text_ += "</tr></thead><tbody>\n";
+}
+
+void HtmlTable::add_cells(const std::vector<ChosenFigures::Cell>& cells, std::string_view attributes) {
+  text_ += "<tr";
+  if (!attributes.empty()) text_.append(" ").append(attributes);
+  text_ += ">";
+  for (const ChosenFigures::Cell& cell : cells) {
+    if (!cell.found) continue;
+    text_ += "<td";
+    if (sortable_ && cell.value.sort) text_ += " data-v=\"" + number(*cell.value.sort) + "\"";
+    text_ += ">" + cell.value.text + "</td>";
+  }
+  text_ += "</tr>\n";
+}
+
+std::string HtmlTable::html() && { return std::move(text_) + "</tbody></table></div>\n"; }
+
+std::string fact_rows(const std::vector<Shown>& chosen, const std::vector<ChosenFigures::Cell>& cells) {
+  std::string out;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (!cells[i].found || cells[i].value.text == "–") continue;
+    const ShownUnit* const unit = cells[i].value.sort ? unit_of(chosen[i].name) : nullptr;
+    out += detail::fact(chosen[i].heading.empty() ? words_of(chosen[i].name) : std::string{chosen[i].heading},
+                        unit != nullptr ? cells[i].value.text + " " + std::string{unit->unit} : cells[i].value.text);
+  }
+  return out;
+}
+
+}  // namespace cleave::report
