@@ -97,11 +97,7 @@ std::string motion_section(const scene::MotionResult& motion) {
   }
   out += "<div class=\"scroll\"><table class=\"facts\"><tbody>";
   out += fact("Ended", display(motion.end.si(), 4) + (motion.at_rest ? " s, at rest" : " s, not at rest"));
-  out += facts({{"released", "Let go"},
-                {"moved"},
-                {"steps"},
-                {"residual", "Residual of the contact law", 2}},
-               motion);
+  out += facts({{"released", "Let go"}, {"moved"}, {"steps"}, {"residual", "Residual of the contact law", 2}}, motion);
   if (motion.rough_steps > 0) {
     out += fact("Steps that missed the law",
                 display_count(motion.rough_steps) + ", by at most " + display(motion.missed_speed, 2) + " m/s");
