@@ -52,7 +52,7 @@ struct Tunnel {
     stability::Bolt bolt;
     bolt.collar = {1, 2, 3};
     bolt.direction = {0, 0, 1};
-    bolt.length = 4;
+    bolt.length = metres(4);
     for (const auto status : {stability::BoltStatus::holds, stability::BoltStatus::too_short}) {
       stability::BoltResult row{.bolt = bolt};
       row.status = status;

@@ -54,7 +54,7 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
     return ExitCode::check_failed;
   }
   if (result.complex && result.motion && result.motion->rough_steps > 0) {
-    complain(
+    print_error(
         fmt::format("{}:1: motion: {} of {} steps did not meet the contact law to 1e-5, the worst {:.2g}; the result "
                     "is whole, but rough; try a smaller motion.step",
                     settings.scene, result.motion->rough_steps, result.motion->steps, result.motion->residual));
