@@ -32,7 +32,9 @@ TEST(Piling, StacksOfCubesRest) {
       // A million times the mass on top may be refused; it is never answered wrongly.
       if (!report && top > 1e5) return;
       ASSERT_TRUE(report.has_value()) << count << " " << top << describe(report.error());
-      EXPECT_NEAR(reaction(w) / weight, 1, 1e-8) << count << " " << top;
+      // Each contact may miss the law by the residual, 1e-8 of the speed of free fall in a step; under a million times
+      // the mass it does, and the top comes down by what all of them miss.
+      EXPECT_NEAR(reaction(w) / weight, 1, top > 1e5 ? count * 1e-8 : 1e-8) << count << " " << top;
     }
     for (int k = 1; k <= count; ++k) EXPECT_LT(norm(w.velocity(static_cast<std::size_t>(k))), 1e-7) << top;
   }
