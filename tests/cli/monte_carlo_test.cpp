@@ -36,6 +36,7 @@ TEST_F(MonteCarloTest, OpeningsAreToldWithTheShareThatMissesTheRock) {
   const auto with = [&](const std::string& axis) {
     std::string text = scene("realizations = 12");
     text.replace(text.rfind("axis = "), std::string::npos, "axis = " + axis + "\n");
+    text.replace(text.find("groups = \"off\""), 14, "groups = \"note\"");
     write("s.toml", text);
     return cleave("run s.toml -o out");
   };
