@@ -13,20 +13,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr std::size_t few_bodies = 12;
-
-Index row(std::uint32_t body) { return 6 * static_cast<Index>(body); }
-
-std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Scaled& scaled) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
-  for (const auto& e : scaled.elements) {
-    if (e.other == ground) continue;
-    const std::pair link{std::min(e.body, e.other), std::max(e.body, e.other)};
-    if (out.empty() || out.back() != link) out.push_back(link);
-  }
-  return out;
-}
-
 /// From impulses (n, t) to the cone |t| <= n of axes of one length: n is stretched by this.
 double stretch(const Scaled::Element& e) { return e.mu > 0 ? e.mu : 1; }
 

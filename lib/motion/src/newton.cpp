@@ -6,18 +6,12 @@
 #include <utility>
 
 namespace cleave::motion {
-namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-/// Up to so many rows a dense factor is as good.
-constexpr std::size_t few_bodies = 12;
-
-Index row(std::uint32_t body) { return 6 * static_cast<Index>(body); }
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Scaled& scaled) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
@@ -28,8 +22,6 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Scaled& scaled)
   }
   return out;
 }
-
-}  // namespace
 
 Scaled::Scaled(const Group& group) : bodies{group.mass.size()} {
   std::vector<Eigen::LLT<Matrix6>> mass;

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "cleave/linear/cone.hpp"
@@ -80,5 +81,14 @@ class Newton final {
 
 /// Sweeps over the points, each solved alone by projected steps (Jean 1999): coarse, but never lost.
 void sweep(const Scaled& scaled, std::vector<Eigen::Vector3d>& x, int sweeps);
+
+/// Up to so many bodies a dense factor is as good.
+constexpr std::size_t few_bodies = 12;
+
+/// First of the six rows of a body.
+[[nodiscard]] inline Eigen::Index row(std::uint32_t body) { return 6 * static_cast<Eigen::Index>(body); }
+
+/// Pairs of bodies that touch, the smaller number first: where factors have entries.
+[[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Scaled& scaled);
 
 }  // namespace cleave::motion
