@@ -38,6 +38,7 @@ class Elements final {
 
   [[nodiscard]] const std::vector<Element>& all() const noexcept { return elements_; }
   [[nodiscard]] std::size_t bodies() const noexcept { return bodies_; }
+  [[nodiscard]] Freedom freedom() const noexcept { return freedom_; }
   [[nodiscard]] Eigen::Index width() const noexcept { return width_; }
   [[nodiscard]] const Eigen::VectorXd& load() const noexcept { return load_; }
   /// Elements of one contact, first and one past the last.

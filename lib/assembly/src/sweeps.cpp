@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace cleave::assembly {
 namespace {
@@ -9,81 +10,66 @@ namespace {
 using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using Eigen::VectorXd;
 
 /// Blocks far smaller than the largest are measured against this share of its load.
 constexpr double least_load = 1e-6;
 /// Sweeps between choices of what is awake.
 constexpr int between = 8;
 
-template <int width>
-Vector3d relative(const Element& e, const VectorXd& v) {
-  Vector3d u =
-      e.on_body.template topRows<width>().transpose() * v.template segment<width>(width * static_cast<Index>(e.body));
-  if (e.other) {
-    u.noalias() += e.on_other.template topRows<width>().transpose() *
-                   v.template segment<width>(width * static_cast<Index>(*e.other));
-  }
-  return u;
+/// Rates of the two bodies that a unit force moves.
+Matrix3d response_of(const Element& e) {
+  Matrix3d response = e.on_body.transpose() * e.on_body;
+  if (e.other) response += e.on_other.transpose() * e.on_other;
+  return response;
 }
 
-template <int width>
-double opening(const Element& e, const VectorXd& v) {
-  double u =
-      e.on_body.template topRows<width>().col(0).dot(v.template segment<width>(width * static_cast<Index>(e.body)));
-  if (e.other) {
-    u += e.on_other.template topRows<width>().col(0).dot(
-        v.template segment<width>(width * static_cast<Index>(*e.other)));
-  }
-  return u;
-}
-
-template <int width>
-void add(const Element& e, const Vector3d& x, VectorXd& v) {
-  v.template segment<width>(width * static_cast<Index>(e.body)).noalias() += e.on_body.template topRows<width>() * x;
-  if (e.other) {
-    v.template segment<width>(width * static_cast<Index>(*e.other)).noalias() +=
-        e.on_other.template topRows<width>() * x;
-  }
-}
-
-/// What a contact carries of w: no pull, shear within friction times its own pressure.
-inline Vector3d carried(const Element& e, const Vector3d& w, double divisor, bool presses) {
-  Vector3d x = w;
-  double cap = 0;
-  if (e.bond) {
-    x[0] = std::clamp(w[0], -e.tension / divisor, 0.0);
-    cap = presses ? e.cohesion / divisor : 0;
-  } else {
-    x[0] = std::max(0.0, w[0]);
-    cap = e.friction / divisor * x[0];
-  }
-  const double shear = std::sqrt(w[1] * w[1] + w[2] * w[2]);
-  if (shear > cap) x.tail<2>() *= cap / shear;
-  return x;
-}
-
-bool sticks(const Element& e, const Vector3d& x, double divisor) {
-  return x[0] > 0 && std::sqrt(x[1] * x[1] + x[2] * x[2]) <= e.friction / divisor * x[0];
+/// Shear to within a bound.
+inline void limit_shear(Vector3d& x, double cap) {
+  const double square = x[1] * x[1] + x[2] * x[2];
+  if (square <= cap * cap) return;
+  const double share = cap / std::sqrt(square);
+  x[1] *= share;
+  x[2] *= share;
 }
 
 }  // namespace
 
+template <class A>
+Sweeps::Links<A> Sweeps::links_of(const Elements& elements) {
+  Links<A> out;
+  out.reserve(elements.all().size());
+  const auto rows = [](std::size_t body) { return static_cast<std::uint32_t>(A::rows * body); };
+  for (const Element& e : elements.all()) {
+    // Largest eigenvalue, from above: the largest sum of a row.
+    const double most = response_of(e).cwiseAbs().rowwise().sum().maxCoeff();
+    out.push_back({rows(e.body), rows(e.other ? *e.other : elements.bodies()), 1 / std::max(most, 1e-300), e.friction,
+                   e.bond, A{e}});
+  }
+  return out;
+}
+
+Sweeps::AnyLinks Sweeps::any_links_of(const Elements& elements) {
+  switch (elements.freedom()) {
+    case Freedom::translation: return links_of<StraightArm>(elements);
+    case Freedom::rigid: return links_of<Arm<6>>(elements);
+    case Freedom::section_translation: return links_of<Arm<2>>(elements);
+    case Freedom::section: return links_of<Arm<3>>(elements);
+  }
+  std::unreachable();
+}
+
 Sweeps::Sweeps(const Elements& elements, double divisor, double asleep)
     : elements_{&elements},
       divisor_{divisor},
+      strength_{1 / divisor},
       asleep_{asleep},
       state_{elements.load(), std::vector<Vector3d>(elements.all().size(), Vector3d::Zero())},
+      links_{any_links_of(elements)},
       before_(state_.x),
       along_(state_.x) {
-  weight_.reserve(elements.all().size());
-  stiff_.reserve(elements.all().size());
-  for (const Element& e : elements.all()) {
-    Matrix3d response = e.on_body.transpose() * e.on_body;
-    if (e.other) response += e.on_other.transpose() * e.on_other;
-    // Largest eigenvalue, from above: the largest sum of a row.
-    weight_.push_back(std::max(response.cwiseAbs().rowwise().sum().maxCoeff(), 1e-300));
-    bonds_ = bonds_ || e.bond;
+  const bool straight = std::visit([]<class A>(const Links<A>&) { return !A::turns; }, links_);
+  for (std::size_t k = 0; !straight && k < elements.all().size(); ++k) {
+    Matrix3d response = response_of(elements.all()[k]);
     response.diagonal().array() += std::max(1e-9 * response.trace(), 1e-300);
     stiff_.emplace_back(response.inverse());
   }
@@ -91,11 +77,14 @@ Sweeps::Sweeps(const Elements& elements, double divisor, double asleep)
   for (std::size_t b = 0; b < elements.bodies(); ++b) {
     own_.push_back(std::max(elements.load().segment(w * static_cast<Index>(b), w).norm(), least_load));
   }
+  take(state_.x);
 }
 
 double Sweeps::speed_over_own(std::size_t body) const {
-  const Index w = elements_->width();
-  return state_.v.segment(w * static_cast<Index>(body), w).norm() / own_[body];
+  const auto width = static_cast<std::size_t>(elements_->width());
+  double square = 0;
+  for (std::size_t row = width * body; row < width * (body + 1); ++row) square += rates_[row] * rates_[row];
+  return std::sqrt(square) / own_[body];
 }
 
 std::vector<std::uint8_t> Sweeps::moving(double still) const {
@@ -108,7 +97,12 @@ void Sweeps::take(const std::vector<Vector3d>& forces) {
   state_.x = forces;
   state_.v = elements_->load();
   for (std::size_t k = 0; k < forces.size(); ++k) elements_->add_force(elements_->all()[k], forces[k], state_.v);
+  rates_.assign(state_.v.begin(), state_.v.end());
+  rates_.resize(rates_.size() + static_cast<std::size_t>(elements_->width()), 0);
 }
+
+/// To the state.
+void Sweeps::tell_rates() { std::copy_n(rates_.begin(), state_.v.size(), state_.v.begin()); }
 
 void Sweeps::choose() {
   const std::vector<std::uint8_t> awake = moving(asleep_);
@@ -124,88 +118,89 @@ void Sweeps::choose() {
   }
 }
 
-template <int width>
-double Sweeps::sweep(bool forwards) {
-  double change = 0;
-  for (std::size_t i = 0; i < active_.size(); ++i) {
-    const std::uint32_t k = active_[forwards ? i : active_.size() - 1 - i];
-    const Element& e = elements_->all()[k];
-    Vector3d& x = state_.x[k];
-    bool presses = true;
-    if (e.bond) {
-      presses = false;
-      const auto [first, last] = elements_->of_contact(e.contact);
-      for (std::size_t j = first; j < last; ++j) {
-        presses = presses || (!elements_->all()[j].bond && state_.x[j][0] > 1e-9);
-      }
-    }
-    // Most contacts are open, and stay so.
-    if (!e.bond && x[0] == 0 && opening<width>(e, state_.v) >= 0) {
-      if (x[1] == 0 && x[2] == 0) continue;
-    }
-    const Vector3d u = relative<width>(e, state_.v);
-    // Where it sticks the relative rate vanishes at once; else a step of the largest response.
-    Vector3d next = e.bond ? x : Vector3d{x - stiff_[k] * u};
-    if (e.bond || !sticks(e, next, divisor_)) next = carried(e, x - u / weight_[k], divisor_, presses);
-    const Vector3d step = next - x;
-    const double size = step.squaredNorm();
-    if (!(size > 0)) continue;
-    change += size;
-    add<width>(e, step, state_.v);
-    x = next;
+bool Sweeps::patch_presses(const Element& e) const {
+  const auto [first, last] = elements_->of_contact(e.contact);
+  for (std::size_t j = first; j < last; ++j) {
+    if (!elements_->all()[j].bond && state_.x[j][0] > 1e-9) return true;
   }
-  return change;
+  return false;
 }
 
-template <int width>
-void Sweeps::extrapolate(double share) {
+Vector3d Sweeps::carried_by_bond(const Element& e, Vector3d x) const {
+  x[0] = std::clamp(x[0], -e.tension / divisor_, 0.0);
+  limit_shear(x, patch_presses(e) ? e.cohesion / divisor_ : 0);
+  return x;
+}
+
+template <class A>
+Vector3d Sweeps::next(const Link<A>& link, std::uint32_t element, const Vector3d& rate) const {
+  const Vector3d& x = state_.x[element];
+  if (link.bond) return carried_by_bond(elements_->all()[element], x - link.stop * rate);
+  const double friction = link.friction * strength_;
+  // Where it sticks the relative rate vanishes at once; else a step of the largest response.
+  if constexpr (A::turns) {
+    const Vector3d stuck = x - stiff_[element] * rate;
+    const double cap = friction * stuck[0];
+    if (stuck[0] > 0 && stuck[1] * stuck[1] + stuck[2] * stuck[2] <= cap * cap) return stuck;
+  }
+  // No pull; shear within friction times its own pressure.
+  Vector3d out = x - link.stop * rate;
+  if (!(out[0] > 0)) return Vector3d::Zero();
+  limit_shear(out, friction * out[0]);
+  return out;
+}
+
+template <class A>
+void Sweeps::sweep(const Links<A>& links, std::uint32_t element) {
+  const Link<A>& link = links[element];
+  Vector3d& x = state_.x[element];
+  double* const of_body = &rates_[link.body];
+  double* const of_other = &rates_[link.other];
+  // Most contacts are open, and stay so.
+  const bool none = x[0] == 0 && x[1] == 0 && x[2] == 0;
+  if (none && !link.bond && link.arm.opening(of_body, of_other) >= 0) return;
+  const Vector3d found = next(link, element, link.arm.rate(of_body, of_other));
+  const Vector3d step = found - x;
+  if (step[0] == 0 && step[1] == 0 && step[2] == 0) return;
+  link.arm.push(step, of_body, of_other);
+  x = found;
+}
+
+template <class A>
+void Sweeps::extrapolate(const Links<A>& links, double share) {
   for (const std::uint32_t k : active_) {
-    const Vector3d found = state_.x[k] - before_[k];
-    if (share > 0) {
-      const Vector3d step = share * along_[k];
-      if (step.squaredNorm() > 0) {
-        add<width>(elements_->all()[k], step, state_.v);
-        state_.x[k] += step;
-      }
-      along_[k] = step + found;
-    } else {
-      along_[k] = found;
-    }
+    const Vector3d step = share * along_[k];
+    along_[k] = step + state_.x[k] - before_[k];
+    if (step[0] == 0 && step[1] == 0 && step[2] == 0) continue;
+    links[k].arm.push(step, &rates_[links[k].body], &rates_[links[k].other]);
+    state_.x[k] += step;
   }
 }
 
-namespace {
-template <class Call>
-auto by_width(Index width, Call&& call) {
-  switch (width) {
-    case 2: return call.template operator()<2>();
-    case 3: return call.template operator()<3>();
-    default: return call.template operator()<6>();
+template <class A>
+void Sweeps::run(const Links<A>& links, int most) {
+  double last = 0;
+  for (int k = 0; k < most && !active_.empty(); ++k) {
+    for (const std::uint32_t e : active_) before_[e] = state_.x[e];
+    // There and back: symmetric, so that directions can be conjugate.
+    for (std::size_t i = 0; i < active_.size(); ++i) sweep(links, active_[i]);
+    for (std::size_t i = active_.size(); i-- > 0;) sweep(links, active_[i]);
+    double change = 0;
+    for (const std::uint32_t e : active_) change += (state_.x[e] - before_[e]).squaredNorm();
+    if (k + 1 == most) return;
+    // Before the step, which may lead beyond what a contact carries: what is left alone must not keep that.
+    if ((k + 1) % between == 0) choose();
+    extrapolate(links, last > 0 && change <= last ? change / last : 0);
+    if (change < 1e-26) return;
+    last = change;
   }
 }
-}  // namespace
 
 void Sweeps::run(int most) {
   for (Vector3d& a : along_) a.setZero();
   choose();
-  double last = 0;
-  for (int k = 0; k < most; ++k) {
-    if (active_.empty()) return;
-    for (const std::uint32_t e : active_) before_[e] = state_.x[e];
-    double change = 0;
-    by_width(elements_->width(), [&]<int width>() {
-      // There and back: symmetric, so that directions can be conjugate.
-      (void)sweep<width>(true);
-      (void)sweep<width>(false);
-      for (const std::uint32_t e : active_) change += (state_.x[e] - before_[e]).squaredNorm();
-      if (k + 1 == most) return;
-      // Before the step, which may lead beyond what a contact carries: what is left alone must not keep that.
-      if ((k + 1) % between == 0) choose();
-      extrapolate<width>(last > 0 && change <= last ? change / last : 0);
-    });
-    if (change < 1e-26) return;
-    last = change;
-  }
+  std::visit([&](const auto& links) { run(links, most); }, links_);
+  tell_rates();
 }
 
 }  // namespace cleave::assembly

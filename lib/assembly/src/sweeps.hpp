@@ -2,8 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <variant>
 #include <vector>
 
+#include "arm.hpp"
 #include "newton.hpp"
 
 namespace cleave::assembly {
@@ -21,7 +24,10 @@ class Sweeps final {
   /// Up to so many sweeps; ends when all is at rest or nothing changes any more.
   void run(int most);
   /// Goes on with other strengths.
-  void strength_over(double divisor) { divisor_ = divisor; }
+  void strength_over(double divisor) {
+    divisor_ = divisor;
+    strength_ = 1 / divisor;
+  }
   [[nodiscard]] const State& state() const noexcept { return state_; }
   /// Goes on from another state of the forces; rates follow from them.
   void take(const std::vector<Eigen::Vector3d>& forces);
@@ -29,22 +35,46 @@ class Sweeps final {
   [[nodiscard]] std::vector<std::uint8_t> moving(double still) const;
 
  private:
-  template <int width>
-  double sweep(bool forwards);
-  template <int width>
-  void extrapolate(double share);
+  /// What a sweep needs of one element.
+  template <class A>
+  struct Link {
+    std::uint32_t body, other;  ///< first rows of either; of fixed rock those behind the last body, which stay 0
+    double stop;                ///< force that stops a unit rate at most
+    double friction;
+    bool bond;
+    A arm;
+  };
+  template <class A>
+  using Links = std::vector<Link<A>>;
+  using AnyLinks = std::variant<Links<Arm<2>>, Links<Arm<3>>, Links<StraightArm>, Links<Arm<6>>>;
+
+  template <class A>
+  static Links<A> links_of(const Elements& elements);
+  static AnyLinks any_links_of(const Elements& elements);
+  template <class A>
+  void run(const Links<A>& links, int most);
+  template <class A>
+  void sweep(const Links<A>& links, std::uint32_t element);
+  template <class A>
+  void extrapolate(const Links<A>& links, double share);
+  /// Force of an element, that its bodies move past at a rate, after a step.
+  template <class A>
+  [[nodiscard]] Eigen::Vector3d next(const Link<A>& link, std::uint32_t element, const Eigen::Vector3d& rate) const;
+  [[nodiscard]] Eigen::Vector3d carried_by_bond(const Element& e, Eigen::Vector3d x) const;
+  [[nodiscard]] bool patch_presses(const Element& e) const;
   void choose();
+  void tell_rates();
   [[nodiscard]] double speed_over_own(std::size_t body) const;
 
   const Elements* elements_;
-  double divisor_, asleep_;
+  double divisor_, strength_, asleep_;
   State state_;
-  std::vector<double> weight_;                   ///< by element: largest response to a unit force
-  std::vector<Eigen::Matrix3d> stiff_;           ///< by element: force that stops a unit rate
+  AnyLinks links_;
+  std::vector<double> rates_;                    ///< rows of all bodies, and of one more that stays 0
+  std::vector<Eigen::Matrix3d> stiff_;           ///< by element where bodies turn: force that stops a unit rate
   std::vector<double> own_;                      ///< by body: rate of free fall
   std::vector<std::uint32_t> active_;            ///< elements beside a body that is not at rest
   std::vector<Eigen::Vector3d> before_, along_;  ///< by element; of what is at rest the force and zero
-  bool bonds_ = false;
 };
 
 }  // namespace cleave::assembly
