@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "elements.hpp"
 
@@ -13,6 +14,7 @@ template <std::size_t width>
 class Arm final {
  public:
   static constexpr std::size_t rows = width;
+  using Rates = std::span<const double, rows>;
   static constexpr bool turns = true;  ///< a force may move the point across itself
   explicit Arm(const Element& e) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -23,14 +25,12 @@ class Arm final {
       }
     }
   }
-  [[nodiscard]] double opening(const double* of_body, const double* of_other) const {
-    return along(0, of_body, of_other);
-  }
+  [[nodiscard]] double opening(Rates of_body, Rates of_other) const { return along(0, of_body, of_other); }
   /// Opening and two slips.
-  [[nodiscard]] Eigen::Vector3d rate(const double* of_body, const double* of_other) const {
+  [[nodiscard]] Eigen::Vector3d rate(Rates of_body, Rates of_other) const {
     return {along(0, of_body, of_other), along(1, of_body, of_other), along(2, of_body, of_other)};
   }
-  void push(const Eigen::Vector3d& x, double* of_body, double* of_other) const {
+  void push(const Eigen::Vector3d& x, std::span<double, rows> of_body, std::span<double, rows> of_other) const {
     for (std::size_t row = 0; row < width; ++row) {
       of_body[row] += body_[0][row] * x[0] + body_[1][row] * x[1] + body_[2][row] * x[2];
       of_other[row] += other_[0][row] * x[0] + other_[1][row] * x[1] + other_[2][row] * x[2];
@@ -38,7 +38,7 @@ class Arm final {
   }
 
  private:
-  [[nodiscard]] double along(std::size_t axis, const double* of_body, const double* of_other) const {
+  [[nodiscard]] double along(std::size_t axis, Rates of_body, Rates of_other) const {
     double out = 0;
     for (std::size_t row = 0; row < width; ++row) {
       out += body_[axis][row] * of_body[row] + other_[axis][row] * of_other[row];
@@ -52,6 +52,7 @@ class Arm final {
 class StraightArm final {
  public:
   static constexpr std::size_t rows = 3;
+  using Rates = std::span<const double, rows>;
   static constexpr bool turns = false;
   explicit StraightArm(const Element& e) {
     body_ = e.on_body.col(0).norm();
@@ -63,14 +64,12 @@ class StraightArm final {
     if (!e.other) return;
     for (std::size_t row = 0; row < 3; ++row) other_ += e.on_other(static_cast<Eigen::Index>(row), 0) * axes_[0][row];
   }
-  [[nodiscard]] double opening(const double* of_body, const double* of_other) const {
-    return along(0, between(of_body, of_other));
-  }
-  [[nodiscard]] Eigen::Vector3d rate(const double* of_body, const double* of_other) const {
+  [[nodiscard]] double opening(Rates of_body, Rates of_other) const { return along(0, between(of_body, of_other)); }
+  [[nodiscard]] Eigen::Vector3d rate(Rates of_body, Rates of_other) const {
     const std::array<double, 3> u = between(of_body, of_other);
     return {along(0, u), along(1, u), along(2, u)};
   }
-  void push(const Eigen::Vector3d& x, double* of_body, double* of_other) const {
+  void push(const Eigen::Vector3d& x, std::span<double, rows> of_body, std::span<double, rows> of_other) const {
     for (std::size_t row = 0; row < 3; ++row) {
       const double force = axes_[0][row] * x[0] + axes_[1][row] * x[1] + axes_[2][row] * x[2];
       of_body[row] += body_ * force;
@@ -79,7 +78,7 @@ class StraightArm final {
   }
 
  private:
-  [[nodiscard]] std::array<double, 3> between(const double* of_body, const double* of_other) const {
+  [[nodiscard]] std::array<double, 3> between(Rates of_body, Rates of_other) const {
     return {body_ * of_body[0] + other_ * of_other[0], body_ * of_body[1] + other_ * of_other[1],
             body_ * of_body[2] + other_ * of_other[2]};
   }

@@ -19,6 +19,8 @@ constexpr Index few_rows = 72;
 /// Rates below are none: free fall has about 1.
 constexpr double at_rest = 1e-14;
 
+}  // namespace
+
 std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Elements& elements) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
   for (const Element& e : elements.all()) {
@@ -28,8 +30,6 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Elements& eleme
   }
   return out;
 }
-
-}  // namespace
 
 namespace {
 

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "cleave/linear/cone.hpp"
@@ -10,6 +11,9 @@
 #include "elements.hpp"
 
 namespace cleave::assembly {
+
+/// Pairs of bodies that touch, each as often as they have contacts.
+[[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Elements& elements);
 
 /// What a contact can carry.
 enum class Law : std::uint8_t {

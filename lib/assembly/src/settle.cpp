@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "alternating.hpp"
 #include "branch.hpp"
 #include "parts.hpp"
 #include "sweeps.hpp"
@@ -24,9 +25,9 @@ struct Part {
 constexpr double creeps = 1e-3;
 /// Violation that a solution of more than a few bodies may have.
 constexpr double enough_of_many = 1e-4;
-/// Sweeps of a round; bodies of a part that is solved at once.
 constexpr int sweeps_a_round = 100, sweeps_a_step = 40;
-constexpr std::size_t most_of_a_part = 200;
+/// Bodies of a part that Newton's method is tried on.
+constexpr std::size_t most_of_newton = 200;
 
 /// Largest rate that forces leave.
 double lack(const Elements& elements, const State& state) {
@@ -35,16 +36,19 @@ double lack(const Elements& elements, const State& state) {
   return left.lpNorm<Eigen::Infinity>();
 }
 
-/// Newton's method on one part from the forces that sweeps found; false when that leads nowhere. With `solved` a
-/// solution to `exact_enough` was found.
-bool polish(const Elements& part, double divisor, State& state, bool& solved) {
+double enough_of(const Elements& part) { return part.bodies() > few_bodies ? enough_of_many : exact_enough; }
+
+/// Whether a solution at rest may follow a state: what moves must not come to rest in forces that no sweep would have
+/// led to.
+bool may_rest(const Elements& part, const State& before, const State& found) {
+  return before.v.lpNorm<Eigen::Infinity>() <= creeps && lack(part, found) <= slow;
+}
+
+/// Newton's method on one part from the forces that sweeps found: true when it solved it.
+bool by_newton(const Elements& part, double divisor, State& state) {
   double before = violation(part, divisor, state);
-  bool better = false;
-  const double enough = part.bodies() > few_bodies ? enough_of_many : exact_enough;
-  solved = before <= enough;
-  const bool creeping = state.v.lpNorm<Eigen::Infinity>() <= creeps;
+  const State start = state;
   for (const double rough : {1e-2, 1e-3}) {
-    if (solved) break;
     Newton newton{part};
     State next = state;
     Problem problem{.law = Law::coulomb, .divisor = divisor};
@@ -54,19 +58,33 @@ bool polish(const Elements& part, double divisor, State& state, bool& solved) {
       (void)newton.solve(problem, next, rough);
     }
     if (next.v.lpNorm<Eigen::Infinity>() <= slow) {
-      // What moves must not come to rest in forces that no sweep would have led to.
-      if (!creeping || lack(part, next) > slow) continue;
-      solved = true;
-    } else {
-      const double after = violation(part, divisor, next);
-      if (!(after < before)) continue;
-      before = after;
-      solved = after <= enough;
+      if (!may_rest(part, start, next)) continue;
+      state = std::move(next);
+      return true;
     }
+    const double after = violation(part, divisor, next);
+    if (!(after < before)) continue;
+    before = after;
     state = std::move(next);
-    better = true;
+    if (before <= enough_of(part)) return true;
   }
-  return better || solved;
+  return false;
+}
+
+/// Alternating directions on one part, likewise.
+bool by_alternation(const Elements& part, double divisor, State& state) {
+  State next = state;
+  const bool solved = alternate(part, divisor, enough_of(part), next);
+  if (next.v.lpNorm<Eigen::Infinity>() <= slow && !may_rest(part, state, next)) return false;
+  state = std::move(next);
+  return solved;
+}
+
+/// One part from the forces that sweeps found: true when a solution was found, and what comes nearer in any case.
+bool polish(const Elements& part, double divisor, State& state) {
+  if (violation(part, divisor, state) <= enough_of(part)) return true;
+  if (part.bodies() <= most_of_newton && by_newton(part, divisor, state)) return true;
+  return part.bodies() > few_bodies && by_alternation(part, divisor, state);
 }
 
 /// The search of `settle`.
@@ -125,7 +143,7 @@ class Settling final {
     for (std::vector<std::uint32_t>& members : linked_parts(elements_->all(), moving)) {
       Part& found = parts_.emplace_back();
       found.members = std::move(members);
-      found.solved = found.members.size() <= most_of_a_part && solve(found, forces);
+      found.solved = solve(found, forces);
       solved_all_ = solved_all_ && found.solved;
     }
     sweeps_.take(forces);
@@ -140,8 +158,7 @@ class Settling final {
           sweeps_.state().v.segment(width_ * static_cast<Index>(found.members[k]), width_);
     }
     for (const std::uint32_t k : from) state.x.push_back(forces[k]);
-    bool solved = false;
-    if (!polish(part, divisor_, state, solved)) return false;
+    const bool solved = polish(part, divisor_, state);
     for (std::size_t k = 0; k < from.size(); ++k) forces[from[k]] = state.x[k];
     found.v = std::move(state.v);
     found.residual = violation(part, divisor_, {found.v, std::move(state.x)});

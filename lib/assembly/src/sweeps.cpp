@@ -154,8 +154,7 @@ template <class A>
 void Sweeps::sweep(const Links<A>& links, std::uint32_t element) {
   const Link<A>& link = links[element];
   Vector3d& x = state_.x[element];
-  double* const of_body = &rates_[link.body];
-  double* const of_other = &rates_[link.other];
+  const auto of_body = rows_of<A>(link.body), of_other = rows_of<A>(link.other);
   // Most contacts are open, and stay so.
   const bool none = x[0] == 0 && x[1] == 0 && x[2] == 0;
   if (none && !link.bond && link.arm.opening(of_body, of_other) >= 0) return;
@@ -172,7 +171,7 @@ void Sweeps::extrapolate(const Links<A>& links, double share) {
     const Vector3d step = share * along_[k];
     along_[k] = step + state_.x[k] - before_[k];
     if (step[0] == 0 && step[1] == 0 && step[2] == 0) continue;
-    links[k].arm.push(step, &rates_[links[k].body], &rates_[links[k].other]);
+    links[k].arm.push(step, rows_of<A>(links[k].body), rows_of<A>(links[k].other));
     state_.x[k] += step;
   }
 }

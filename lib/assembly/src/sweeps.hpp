@@ -2,7 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -48,6 +48,11 @@ class Sweeps final {
   using Links = std::vector<Link<A>>;
   using AnyLinks = std::variant<Links<Arm<2>>, Links<Arm<3>>, Links<StraightArm>, Links<Arm<6>>>;
 
+  /// Of a body.
+  template <class A>
+  [[nodiscard]] std::span<double, A::rows> rows_of(std::uint32_t first) {
+    return std::span{rates_}.subspan(first).template first<A::rows>();
+  }
   template <class A>
   static Links<A> links_of(const Elements& elements);
   static AnyLinks any_links_of(const Elements& elements);

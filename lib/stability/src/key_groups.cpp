@@ -26,8 +26,9 @@ constexpr std::uint32_t first_layers = 3;
 /// A block leans on others when it would move without them at strengths over this and half its cohesion: as what rests
 /// is looked at again (`assembly::find_groups`).
 constexpr double leans_below = 1.05, share_of_cohesion = 0.5;
-/// Among more blocks what moving tips push along is not looked for: it is in doubt.
-constexpr std::size_t most_pushed = 200;
+/// Among more blocks what moving tips push along is not looked for: it is in doubt. So is what would have to be looked
+/// at one by one where blocks times looks are more.
+constexpr std::size_t most_pushed = 200, most_looks = 6'000;
 
 /// What no other group has taken; it moves with those, but it is they that are proved to move.
 assembly::Group without(const assembly::Group& group, const std::vector<std::uint8_t>& taken) {
@@ -218,12 +219,18 @@ class Search final {
       if (touched.empty()) continue;
       // Among many what tips touch is in doubt without a look.
       if (group.blocks.size() > most_pushed) {
-        for (const BlockId id : touched) doubt(found, {id}, batch);
+        doubt(found, touched, batch);
         continue;
       }
       look_pushed(found, group, touched, blocks, batch);
-      for (std::size_t k = 0; touched.size() > 1 && k < touched.size(); ++k) {
-        if (!in_one_of(found, touched[k])) look_pushed(found, group, {touched[k]}, blocks, batch);
+      if (touched.size() == 1) continue;
+      std::erase_if(touched, [&](BlockId id) { return in_one_of(found, id); });
+      if (touched.size() * group.blocks.size() > most_looks) {
+        doubt(found, touched, batch);
+        continue;
+      }
+      for (const BlockId id : touched) {
+        if (!in_one_of(found, id)) look_pushed(found, group, {id}, blocks, batch);
       }
     }
     std::ranges::sort(found, {}, [](const KeyGroup& g) { return g.blocks.front(); });
