@@ -1,6 +1,7 @@
 #include "alternating.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -13,12 +14,15 @@ using Eigen::Index;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Weights of the law against the balance, one after the other, each for so many steps: heavy ones carry loads through
-/// many contacts at once, light ones end the motion of what is left.
-constexpr double first_weight = 1e3, next_weight = 0.25;
-constexpr int weights = 6, steps_a_weight = 100;
+/// Weights of the law against the balance: from a heavy one, that carries loads through many contacts at once, to light
+/// ones, that end the motion of what is left; then once more from a heavier one.
+constexpr std::array first_weights{1e3, 3e4};
+constexpr double next_weight = 0.25;
+constexpr int weights = 5, steps_a_weight = 100;
 /// Steps between looks at the solution, and at which patches press.
 constexpr int between_looks = 20;
+/// Below this largest rate all may be on its way to rest, which takes a share of the violation of what moves.
+constexpr double creeps = 1e-3, rest_needs = 1e-3;
 /// Of each step; above 1: beyond its end.
 constexpr double relaxation = 1.6;
 
@@ -43,63 +47,68 @@ class Alternating final {
     }
   }
 
-  /// False when the bodies' equations cannot be solved.
+  /// True when `best` violates by no more than `enough`.
   bool run(double enough, State& best) {
-    double least = violation(elements_, divisor_, best);
-    double weight = first_weight;
-    for (int k = 0; k < weights && least > enough; ++k, weight *= next_weight) {
-      if (!factorise(weight)) return false;
-      for (int step = 1; step <= steps_a_weight && least > enough; ++step) {
-        move(weight);
-        carry(weight);
-        if (step % between_looks == 0) look(least, best);
+    least_ = violation(elements_, divisor_, best);
+    for (const double first : first_weights) {
+      weight_ = first;
+      for (int k = 0; k < weights; ++k, weight_ *= next_weight) {
+        if (!factorise()) return false;
+        for (int step = 1; step <= steps_a_weight; ++step) {
+          move();
+          carry();
+          if (step % between_looks != 0) continue;
+          look(best);
+          if (least_ <= enough * (best.v.lpNorm<Eigen::Infinity>() > creeps ? 1 : rest_needs)) return true;
+        }
       }
     }
-    return least <= enough;
+    return least_ <= enough;
   }
 
  private:
   [[nodiscard]] double friction(const Element& e) const { return e.bond ? 0 : e.friction / divisor_; }
 
-  bool factorise(double weight) {
+  bool factorise() {
     matrix_.clear(true);
     for (std::size_t b = 0; b < elements_.bodies(); ++b) matrix_.block(b, b).diagonal().setOnes();
     const std::vector<Element>& all = elements_.all();
     for (std::size_t k = 0; k < all.size(); ++k) {
       const Element& e = all[k];
-      const Rows on_body = weight * relative_[k] * e.on_body;
+      const Rows on_body = weight_ * relative_[k] * e.on_body;
       matrix_.block(e.body, e.body) += on_body * e.on_body.transpose();
       if (!e.other) continue;
       matrix_.block(e.body, *e.other) += on_body * e.on_other.transpose();
-      matrix_.block(*e.other, e.body) += weight * relative_[k] * e.on_other * e.on_body.transpose();
-      matrix_.block(*e.other, *e.other) += weight * relative_[k] * e.on_other * e.on_other.transpose();
+      matrix_.block(*e.other, e.body) += weight_ * relative_[k] * e.on_other * e.on_body.transpose();
+      matrix_.block(*e.other, *e.other) += weight_ * relative_[k] * e.on_other * e.on_other.transpose();
     }
     return matrix_.factorise();
   }
 
   /// The bodies, under forces that pull contacts to the rates that they allow.
-  void move(double weight) {
+  void move() {
     v_ = elements_.load();
     for (std::size_t k = 0; k < x_.size(); ++k) {
       Vector3d pull = allowed_[k];
       pull[0] -= slid_[k];
-      elements_.add_force(elements_.all()[k], x_[k] + weight * relative_[k] * pull, v_);
+      elements_.add_force(elements_.all()[k], x_[k] + weight_ * relative_[k] * pull, v_);
     }
     matrix_.solve(v_);
   }
 
   /// Each contact, as far as it carries.
-  void carry(double weight) {
+  void carry() {
     for (std::size_t k = 0; k < x_.size(); ++k) {
       const Element& e = elements_.all()[k];
-      const double own = weight * relative_[k];
+      const double own = weight_ * relative_[k];
       Vector3d u = elements_.relative(e, v_);
       u[0] += slid_[k];
       const Vector3d beyond = relaxation * u + (1 - relaxation) * allowed_[k];
       const Vector3d next = carried(k, x_[k] - own * beyond);
-      allowed_[k] = beyond + (next - x_[k]) / own;
+      const Vector3d allowed = beyond + (next - x_[k]) / own;
+      allowed_[k] = allowed;
       x_[k] = next;
-      slid_[k] = friction(e) * allowed_[k].tail<2>().norm();
+      slid_[k] = friction(e) * allowed.tail<2>().norm();
     }
   }
 
@@ -112,18 +121,18 @@ class Alternating final {
   }
 
   /// Keeps what violates least, with the rates that the forces give.
-  void look(double& least, State& best) {
+  void look(State& best) {
     State now{elements_.load(), x_};
     for (std::size_t k = 0; k < x_.size(); ++k) elements_.add_force(elements_.all()[k], x_[k], now.v);
     pressing_ = pressing(elements_, now);
     const double found = violation(elements_, divisor_, now);
-    if (!(found < least)) return;
-    least = found;
+    if (!(found < least_)) return;
+    least_ = found;
     best = std::move(now);
   }
 
   const Elements& elements_;
-  double divisor_;
+  double divisor_, weight_ = 0, least_ = 0;
   linear::FrontalFactor matrix_;
   VectorXd v_;
   std::vector<Vector3d> x_, allowed_;  ///< by element: force; rate, opening by the slip more, that the law allows
