@@ -209,11 +209,25 @@ TEST_F(MonteCarloTest, InterruptKeepsWhatIsDone) {
   EXPECT_FALSE(exists("out/summary.json"));
 }
 
-// Groups of blocks are not counted in ensembles: they decide nothing in the replay of a realization either.
-TEST_F(MonteCarloTest, ReplayOfASceneWhereGroupsDecideReproducesItsRecord) {
-  write("s.toml", text_of(fs::path{CLEAVE_SOURCE_DIR} / "examples/slab_behind_toe/slab_behind_toe.toml") +
-                      "\ngroups = \"decide\"\n[monte_carlo]\nrealizations = 2\n");
+// The slab alone and the toe alone stay; both together leave in every realization, and in the replay of one.
+TEST_F(MonteCarloTest, GroupsThatDecideCountInEveryRealizationAndItsReplay) {
+  const std::string example = text_of(fs::path{CLEAVE_SOURCE_DIR} / "examples/slab_behind_toe/slab_behind_toe.toml");
+  write("s.toml", example + "\ngroups = \"decide\"\n[monte_carlo]\nrealizations = 2\n");
+  write("note.toml", example + "\n[monte_carlo]\nrealizations = 2\n");
   ASSERT_EQ(cleave("run s.toml -o out --quiet").code, 0);
+  ASSERT_EQ(cleave("run note.toml -o alone --quiet").code, 0);
+  const auto mean = [&](const std::string& folder, const std::string& name) {
+    const json summary = json::parse(read(folder + "/summary.json"));
+    return summary["monte_carlo"]["quantities"][name]["mean"].get<double>();
+  };
+  EXPECT_EQ(mean("alone", "probability_of_failure"), 0);
+  EXPECT_EQ(mean("out", "probability_of_failure"), 1);
+  EXPECT_EQ(mean("out", "key_group_count"), 1);
+  EXPECT_NEAR(mean("out", "key_group_volume_m3"), mean("out", "key_block_volume_m3"), 1e-9);
+  EXPECT_GT(mean("out", "key_group_volume_m3"), 300);
+  EXPECT_EQ(mean("out", "groups_leave_doubt"), 0);
+  EXPECT_FALSE(read("out/summary.json").contains("what only moves together"));
+  EXPECT_TRUE(read("alone/summary.json").contains("what only moves together"));
   const Ended replay = cleave("replay out --realization 1");
   EXPECT_EQ(replay.code, 0) << replay.err;
   EXPECT_NE(replay.out.find("is reproduced to the last digit"), std::string::npos) << replay.out;

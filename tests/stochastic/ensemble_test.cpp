@@ -389,5 +389,27 @@ TEST(EnsembleTest, SupportFiguresOnlyWhereThereIsASupport) {
   EXPECT_TRUE(std::ranges::none_of(plain.estimates, [](const Estimate& e) { return e.name == "support_fails"; }));
 }
 
+// What could not be decided is a figure: it counts as stable otherwise.
+TEST(EnsembleTest, KeyGroupsAreFiguresWhereTheyDecide) {
+  EnsembleOptions deciding = options();
+  deciding.groups = true;
+  Ensemble with{deciding}, without{options()};
+  Record moves = record(0, {1}), doubt = record(1, {}), many = record(2, {}), none = record(3, {});
+  moves.groups = Grouped{.moving = 2, .in_doubt = 0, .moving_m3 = 5};
+  doubt.groups = Grouped{.in_doubt = 1, .in_doubt_m3 = 7};
+  many.groups = Grouped{.too_many = true};
+  none.groups = Grouped{};
+  for (Ensemble* e : {&with, &without}) {
+    for (const Record* r : {&moves, &doubt, &many, &none}) e->add(*r, "");
+  }
+  const Figures f = with.figures(), plain = without.figures();
+  EXPECT_DOUBLE_EQ(find(f, "key_group_count").mean, 0.5);
+  EXPECT_DOUBLE_EQ(find(f, "key_group_volume_m3").mean, 1.25);
+  EXPECT_DOUBLE_EQ(find(f, "groups_in_doubt_count").mean, 0.25);
+  EXPECT_DOUBLE_EQ(find(f, "groups_in_doubt_m3").mean, 1.75);
+  EXPECT_DOUBLE_EQ(find(f, "groups_leave_doubt").mean, 0.5);
+  EXPECT_TRUE(std::ranges::none_of(plain.estimates, [](const Estimate& e) { return e.name.contains("group"); }));
+}
+
 }  // namespace
 }  // namespace cleave::stochastic

@@ -70,6 +70,7 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .chainage_parts = questions.chainage_parts,
                                       .seed = scene.seed,
                                       .support = scene.support.has_value(),
+                                      .groups = scene.stability && scene.stability->decides_by_groups(),
                                       .orders = orders_of(scene).size(),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
@@ -100,6 +101,15 @@ Record record_of(std::uint64_t k, const Realization& made, const stochastic::Que
       if (std::isfinite(block.missing_force)) sum.missing_n += block.missing_force;
     }
     for (const stability::CombinedBlock& body : made.support->combined) sum.failing_bodies += body.passes ? 0U : 1U;
+  }
+  if (made.key_groups) {
+    stochastic::Grouped& groups = record.groups.emplace();
+    groups.too_many = made.key_groups->too_many;
+    for (const stability::KeyGroup& group : made.key_groups->groups) {
+      const bool doubt = group.verdict == assembly::Verdict::in_doubt;
+      ++(doubt ? groups.in_doubt : groups.moving);
+      (doubt ? groups.in_doubt_m3 : groups.moving_m3) += group.volume.si();
+    }
   }
   if (made.sequence) {
     for (const OrderResult& order : made.sequence->orders) {

@@ -197,7 +197,10 @@ Realizer::Done Realizer::judge() {
   if (auto misplaced = misplaced_loads(*scene_, made_, complex.complex()); !misplaced.empty()) {
     return std::unexpected(std::move(misplaced));
   }
-  if (detail_ == Detail::counted) return {};
+  if (detail_ == Detail::counted) {
+    if (scene_->stability->decides_by_groups()) judge_groups();
+    return {};
+  }
   made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
   if (scene_->stability->groups != stability::GroupsCheck::off) judge_groups();
   const stability::Settings with = settings(complex.complex());
@@ -216,15 +219,10 @@ Realizer::Done Realizer::judge() {
   return {};
 }
 
-/// Ensembles do not count groups, so they do not decide in a replay of one of its realizations.
-bool Realizer::groups_decide() const {
-  return scene_->stability->groups == stability::GroupsCheck::decide && !scene_->monte_carlo;
-}
-
 void Realizer::judge_groups() {
   const topology::AuditedComplex& complex = *made_.complex;
   const stability::Settings with = settings(complex.complex());
-  const bool decides = groups_decide();
+  const bool decides = scene_->stability->decides_by_groups();
   made_.key_groups =
       stability::find_key_groups(complex, with, decides ? stability::most_together : stability::most_noted);
   if (!decides) return;
@@ -238,9 +236,9 @@ void Realizer::judge_groups_of_cases() {
     CaseResult& load = made_.load_cases[k];
     const stability::Settings with =
         of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
-    const stability::KeyGroups found =
-        stability::find_key_groups(complex, with, groups_decide() ? stability::most_together : stability::most_noted);
-    if (groups_decide()) stability::decide_by_groups(complex, with, found, load.analysis);
+    const stability::KeyGroups found = stability::find_key_groups(
+        complex, with, scene_->stability->decides_by_groups() ? stability::most_together : stability::most_noted);
+    if (scene_->stability->decides_by_groups()) stability::decide_by_groups(complex, with, found, load.analysis);
     add_moving_group_notes(found, load.analysis, "load case " + load.name + ": ", group_notes_);
   }
 }

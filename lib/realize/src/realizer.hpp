@@ -46,7 +46,6 @@ class Realizer final {
   void judge_groups();
   void judge_groups_of_cases();
   void judge_groups_of_stages();
-  [[nodiscard]] bool groups_decide() const;
   void support();
   [[nodiscard]] Done clamp();
   void move();

@@ -21,10 +21,10 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
     page.excavations = std::move(taken->openings);
     std::ranges::move(taken->notes, std::back_inserter(page.result.figures.notes));
   }
-  if (scene.stability && scene.stability->groups != stability::GroupsCheck::off) {
+  if (scene.stability && scene.stability->groups == stability::GroupsCheck::note) {
     page.result.figures.notes.push_back(
-        "blocks were judged one by one: what only moves together (key groups) is not counted, so that more may fail; a "
-        "single run of a realization tells its groups");
+        "blocks were judged one by one: what only moves together (key groups) is not counted, so that more may fail; "
+        "groups = \"decide\" counts it, a single run of a realization tells its groups");
   }
   for (const scene::Problem& note : scene.notes) page.notes.push_back(describe(note));
   if (scene.monte_carlo && scene.monte_carlo->stop) page.stop_quantity = scene.monte_carlo->stop->quantity;

@@ -47,6 +47,17 @@ const std::vector<Quantity>& quantities() {
        true, false, false, true, true},
       {"support_spot_bolts", [](const Record& r) { return r.support ? number(r.support->spot_bolts) : 0; }, true, false,
        false, true},
+      {"key_group_count", [](const Record& r) { return r.groups ? number(r.groups->moving) : 0; }, true, false, true,
+       false, false, true},
+      {"key_group_volume_m3", [](const Record& r) { return r.groups ? r.groups->moving_m3 : 0; }, true, false, true,
+       false, false, true},
+      {"groups_in_doubt_count", [](const Record& r) { return r.groups ? number(r.groups->in_doubt) : 0; }, true, false,
+       true, false, false, true},
+      {"groups_in_doubt_m3", [](const Record& r) { return r.groups ? r.groups->in_doubt_m3 : 0; }, true, false, true,
+       false, false, true},
+      {"groups_leave_doubt",
+       [](const Record& r) { return r.groups && (r.groups->in_doubt > 0 || r.groups->too_many) ? 1.0 : 0.0; }, true,
+       false, false, false, true, true},
   };
   return all;
 }

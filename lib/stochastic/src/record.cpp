@@ -156,6 +156,11 @@ std::vector<double> numbers_of(const std::optional<Supported>& s) {
   return {number(s->needing), number(s->not_held),   s->not_held_m3,
           s->missing_n,       number(s->spot_bolts), number(s->failing_bodies)};
 }
+std::vector<double> numbers_of(const std::optional<Grouped>& g) {
+  if (!g) return {};
+  return {static_cast<double>(g->moving), static_cast<double>(g->in_doubt), g->moving_m3, g->in_doubt_m3,
+          g->too_many ? 1.0 : 0.0};
+}
 std::vector<double> numbers_of(const std::vector<OrderTally>& orders) {
   std::vector<double> numbers;
   for (const OrderTally& order : orders) {
@@ -172,6 +177,12 @@ bool take(const std::vector<double>& n, std::optional<Supported>& support) {
   if (n.size() != 6 || !is_count(n[0]) || !is_count(n[1]) || !is_count(n[4]) || !is_count(n[5])) return false;
   const auto count = [](double x) { return static_cast<std::uint64_t>(x); };
   support = Supported{count(n[0]), count(n[1]), n[2], n[3], count(n[4]), count(n[5])};
+  return true;
+}
+bool take(const std::vector<double>& n, std::optional<Grouped>& groups) {
+  if (n.empty()) return true;
+  if (n.size() != 5 || !is_count(n[0]) || !is_count(n[1]) || (n[4] != 0 && n[4] != 1)) return false;
+  groups = Grouped{static_cast<std::uint64_t>(n[0]), static_cast<std::uint64_t>(n[1]), n[2], n[3], n[4] == 1};
   return true;
 }
 bool take(const std::vector<double>& n, std::vector<OrderTally>& orders) {
@@ -202,7 +213,7 @@ std::string_view record_columns() noexcept {
          "pentahedral,hexahedral,higher,other,concave,sphericity_sum,sizes,"
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
-         "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,crc32";
+         "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -225,9 +236,9 @@ std::string line_of(const Record& r) {
   w.tally(r.first);
   w.list(std::span{r.above});
   w.list(std::span{r.chainage_m3});
-  const std::vector<double> support = numbers_of(r.support), orders = numbers_of(r.orders);
-  w.list(std::span{support});
-  w.list(std::span{orders});
+  for (const std::vector<double>& numbers : {numbers_of(r.support), numbers_of(r.orders), numbers_of(r.groups)}) {
+    w.list(std::span{numbers});
+  }
   return std::move(w).finish();
 }
 
@@ -261,10 +272,13 @@ std::optional<Record> record_of(std::string_view line) {
   r.tally(record.first);
   r.list(record.above);
   r.list(record.chainage_m3);
-  std::vector<double> support, orders;
+  std::vector<double> support, orders, groups;
   r.list(support);
   r.list(orders);
-  if (!take(support, record.support) || !take(orders, record.orders)) return std::nullopt;
+  r.list(groups);
+  if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups)) {
+    return std::nullopt;
+  }
   if (!record.factors.empty() && record.factors.size() != factor_bins) return std::nullopt;
   if (!r.good() || outcome > static_cast<unsigned>(Outcome::refused) || stopped > 1) return std::nullopt;
   record.outcome = static_cast<Outcome>(outcome);

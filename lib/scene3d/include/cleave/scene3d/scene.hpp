@@ -169,6 +169,8 @@ struct StabilitySettings {
   stability::TransferReadings transfer = {};
   stability::RotationCheck rotation = stability::RotationCheck::flag;
   stability::GroupsCheck groups = stability::GroupsCheck::note;
+  /// Blocks of groups that move are key blocks too.
+  [[nodiscard]] bool decides_by_groups() const noexcept { return groups == stability::GroupsCheck::decide; }
   std::optional<MaximumBlockSettings> maximum_blocks = {};
   std::uint32_t max_batches = 50;
   LoadSet loads = {};                ///< of the base case, seismic included

@@ -23,6 +23,7 @@ struct Quantity {
   bool quantiles;            ///< its values are kept (on disk) for order statistics
   bool support = false;      ///< needs a support design
   bool probability = false;  ///< 0 or 1 in a realization
+  bool groups = false;       ///< needs blocks judged together
 };
 [[nodiscard]] const std::vector<Quantity>& quantities();
 /// The quantity of a scene's word: with or without its unit ("key_block_volume", "key_block_volume_m3").
@@ -151,6 +152,7 @@ struct EnsembleOptions {
   std::uint32_t chainage_parts = 0;
   std::uint64_t seed = 1;  ///< of the bootstrap
   bool support = false;    ///< a support design was checked
+  bool groups = false;     ///< blocks were judged together
   std::size_t orders = 0;  ///< of excavation stages
   /// Nested design: so many realizations in a row have the same joints, each its own strengths and loads. Then the
   /// sample unit is the geometry: means over its realizations enter every estimate.
@@ -181,7 +183,7 @@ class Ensemble final {
     return (options_.stability || !stability) && (options_.whole_system || !whole_system);
   }
   [[nodiscard]] bool has(const Quantity& q) const {
-    return has(q.stability, q.whole_system) && (options_.support || !q.support);
+    return has(q.stability, q.whole_system) && (options_.support || !q.support) && (options_.groups || !q.groups);
   }
   static const std::vector<Ratio>& ratios();
   [[nodiscard]] std::vector<double> numbers_of(const Record& record) const;

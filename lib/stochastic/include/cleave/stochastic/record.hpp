@@ -75,6 +75,15 @@ struct Supported {
   friend bool operator==(const Supported&, const Supported&) = default;
 };
 
+/// Blocks judged together (key groups), where the scene decides by them: those that move are key blocks too.
+struct Grouped {
+  std::uint64_t moving = 0;    ///< groups that move or may
+  std::uint64_t in_doubt = 0;  ///< groups that could not be decided
+  double moving_m3 = 0, in_doubt_m3 = 0;
+  bool too_many = false;  ///< more blocks than are judged together: nothing was looked for
+  friend bool operator==(const Grouped&, const Grouped&) = default;
+};
+
 /// One order of the excavation stages: what leaves when it is followed.
 struct OrderTally {
   std::uint64_t key_blocks = 0;
@@ -109,6 +118,7 @@ struct Record {
   std::vector<std::uint64_t> above;  ///< key blocks above each of the volumes asked for
   std::vector<double> chainage_m3;   ///< largest key block in each part of the axis; empty without a tunnel
   std::optional<Supported> support;  ///< of a scene with [support]
+  std::optional<Grouped> groups;     ///< of a scene with groups = "decide"
   std::vector<OrderTally> orders;    ///< of a scene with [sequence]: its own order first, then those to compare
   friend bool operator==(const Record&, const Record&) = default;
 };
