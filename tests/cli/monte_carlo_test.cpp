@@ -227,6 +227,7 @@ TEST_F(MonteCarloTest, GroupsThatDecideCountInEveryRealizationAndItsReplay) {
   EXPECT_GT(mean("out", "key_group_volume_m3"), 300);
   EXPECT_EQ(mean("out", "groups_leave_doubt"), 0);
   EXPECT_FALSE(read("out/summary.json").contains("what only moves together"));
+  EXPECT_TRUE(read("out/summary.json").contains("what it takes to hold a group is not in them"));
   EXPECT_TRUE(read("alone/summary.json").contains("what only moves together"));
   const Ended replay = cleave("replay out --realization 1");
   EXPECT_EQ(replay.code, 0) << replay.err;

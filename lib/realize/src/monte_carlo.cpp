@@ -41,6 +41,7 @@ std::string scene_and_files_sha256(const Scene& scene) {
 stochastic::Questions questions_of(const Scene& scene) {
   stochastic::Questions questions;
   if (!scene.monte_carlo) return questions;
+  questions.groups = scene.stability && scene.stability->decides_by_groups();
   questions.volumes_m3 = scene.monte_carlo->volumes;
   for (const Excavation& excavation : scene.excavations) {
     if (excavation.axis.empty()) continue;
@@ -70,7 +71,7 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .chainage_parts = questions.chainage_parts,
                                       .seed = scene.seed,
                                       .support = scene.support.has_value(),
-                                      .groups = scene.stability && scene.stability->decides_by_groups(),
+                                      .groups = questions.groups,
                                       .orders = orders_of(scene).size(),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
@@ -102,7 +103,7 @@ Record record_of(std::uint64_t k, const Realization& made, const stochastic::Que
     }
     for (const stability::CombinedBlock& body : made.support->combined) sum.failing_bodies += body.passes ? 0U : 1U;
   }
-  if (made.key_groups) {
+  if (questions.groups && made.key_groups) {
     stochastic::Grouped& groups = record.groups.emplace();
     groups.too_many = made.key_groups->too_many;
     for (const stability::KeyGroup& group : made.key_groups->groups) {

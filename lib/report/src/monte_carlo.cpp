@@ -26,6 +26,11 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
         "blocks were judged one by one: what only moves together (key groups) is not counted, so that more may fail; "
         "groups = \"decide\" counts it, a single run of a realization tells its groups");
   }
+  if (scene.stability && scene.stability->decides_by_groups()) {
+    page.result.figures.notes.push_back(
+        "blocks of key groups are key blocks, but forces to be held, pressures and support are those of single blocks: "
+        "what it takes to hold a group is not in them");
+  }
   for (const scene::Problem& note : scene.notes) page.notes.push_back(describe(note));
   if (scene.monte_carlo && scene.monte_carlo->stop) page.stop_quantity = scene.monte_carlo->stop->quantity;
   return page;

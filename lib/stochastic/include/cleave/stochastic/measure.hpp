@@ -15,6 +15,7 @@ struct Questions {
   std::vector<double> volumes_m3;    ///< count key blocks above each
   std::vector<geometry::Vec3> axis;  ///< polyline of the tunnel that chainage runs along; empty: none
   std::uint32_t chainage_parts = 0;  ///< equal parts of the axis
+  bool groups = false;               ///< blocks judged together decide
 };
 
 /// Length of a polyline, m.
