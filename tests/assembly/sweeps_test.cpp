@@ -68,7 +68,8 @@ TEST(SweepsTest, Pairs) {
 }
 
 // Loads of heavy blocks go through light ones in as many sweeps as the ratio of their masses; all of them at once need
-// few. Stacks side by side slide on their bases or not at all: their joints are parallel, and along the slide the sides.
+// few. Stacks side by side slide on their bases or not at all: their joints are parallel, and along the slide the
+// sides.
 TEST(SweepsTest, HeavyBlocksOnLightOnesSettle) {
   const double dip = 30, phi = 40, factor = tan_deg(phi) / tan_deg(dip);
   Builder wall{Freedom::translation};

@@ -395,8 +395,8 @@ TEST(EnsembleTest, KeyGroupsAreFiguresWhereTheyDecide) {
   deciding.groups = true;
   Ensemble with{deciding}, without{options()};
   Record moves = record(0, {1}), doubt = record(1, {}), many = record(2, {}), none = record(3, {});
-  moves.groups = Grouped{.moving = 2, .in_doubt = 0, .moving_m3 = 5};
-  doubt.groups = Grouped{.in_doubt = 1, .in_doubt_m3 = 7};
+  moves.groups = Grouped{.moving = 2, .in_doubt = 0, .moving_volume = cubic_metres(5)};
+  doubt.groups = Grouped{.in_doubt = 1, .in_doubt_volume = cubic_metres(7)};
   many.groups = Grouped{.too_many = true};
   none.groups = Grouped{};
   for (Ensemble* e : {&with, &without}) {

@@ -109,7 +109,7 @@ Record record_of(std::uint64_t k, const Realization& made, const stochastic::Que
     for (const stability::KeyGroup& group : made.key_groups->groups) {
       const bool doubt = group.verdict == assembly::Verdict::in_doubt;
       ++(doubt ? groups.in_doubt : groups.moving);
-      (doubt ? groups.in_doubt_m3 : groups.moving_m3) += group.volume.si();
+      (doubt ? groups.in_doubt_volume : groups.moving_volume) += group.volume;
     }
   }
   if (made.sequence) {

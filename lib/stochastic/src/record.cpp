@@ -158,8 +158,8 @@ std::vector<double> numbers_of(const std::optional<Supported>& s) {
 }
 std::vector<double> numbers_of(const std::optional<Grouped>& g) {
   if (!g) return {};
-  return {static_cast<double>(g->moving), static_cast<double>(g->in_doubt), g->moving_m3, g->in_doubt_m3,
-          g->too_many ? 1.0 : 0.0};
+  return {static_cast<double>(g->moving), static_cast<double>(g->in_doubt), g->moving_volume.si(),
+          g->in_doubt_volume.si(), g->too_many ? 1.0 : 0.0};
 }
 std::vector<double> numbers_of(const std::vector<OrderTally>& orders) {
   std::vector<double> numbers;
@@ -182,7 +182,8 @@ bool take(const std::vector<double>& n, std::optional<Supported>& support) {
 bool take(const std::vector<double>& n, std::optional<Grouped>& groups) {
   if (n.empty()) return true;
   if (n.size() != 5 || !is_count(n[0]) || !is_count(n[1]) || (n[4] != 0 && n[4] != 1)) return false;
-  groups = Grouped{static_cast<std::uint64_t>(n[0]), static_cast<std::uint64_t>(n[1]), n[2], n[3], n[4] == 1};
+  groups = Grouped{static_cast<std::uint64_t>(n[0]), static_cast<std::uint64_t>(n[1]), cubic_metres(n[2]),
+                   cubic_metres(n[3]), n[4] == 1};
   return true;
 }
 bool take(const std::vector<double>& n, std::vector<OrderTally>& orders) {

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "cleave/core/quantity.hpp"
 #include "cleave/core/version.hpp"
 
 /// What is kept of one realization: some hundred bytes, one line of realizations.csv.
@@ -79,7 +80,7 @@ struct Supported {
 struct Grouped {
   std::uint64_t moving = 0;    ///< groups that move or may
   std::uint64_t in_doubt = 0;  ///< groups that could not be decided
-  double moving_m3 = 0, in_doubt_m3 = 0;
+  Volume moving_volume = {}, in_doubt_volume = {};
   bool too_many = false;  ///< more blocks than are judged together: nothing was looked for
   friend bool operator==(const Grouped&, const Grouped&) = default;
 };
