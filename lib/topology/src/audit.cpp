@@ -1,24 +1,21 @@
 #include "cleave/topology/audit.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <string_view>
 #include <tuple>
 #include <utility>
 
 #include "detail/block_auditor.hpp"
 #include "detail/fit_auditor.hpp"
+#include "detail/offenders.hpp"
 #include "detail/pieces.hpp"
 
 namespace cleave::topology {
 namespace {
 
-/// Patches between two blocks in one plane whose areas are not matched from the other side. `name(block)` is called for
-/// the blocks on both sides, from several threads unless `threads` is one.
-std::uint64_t count_unpaired(const BlockComplex& complex, ThreadLimit threads, const auto& name) {
+/// Patches between two blocks in one plane whose areas are not matched from the other side.
+std::uint64_t count_unpaired(const BlockComplex& complex, ThreadLimit threads) {
   struct Pair {
     std::uint32_t high, plane;
     double area;  ///< of the lower block's patches less those of the higher one's
@@ -45,7 +42,6 @@ std::uint64_t count_unpaired(const BlockComplex& complex, ThreadLimit threads, c
       count(begin[std::min(a, b) + std::size_t{1}]);
     } else {
       ++found;
-      name(BlockId{a});
     }
   });
   for (std::size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
@@ -77,56 +73,13 @@ std::uint64_t count_unpaired(const BlockComplex& complex, ThreadLimit threads, c
           area += own[last].area;
           size += std::abs(own[last].area);
         }
-        if (std::abs(area) > 1e-9 * size || last - first < 2) {
-          ++here;
-          name(BlockId{b});
-          name(BlockId{own[first].high});
-        }
+        if (detail::unmatched(area, size, last - first)) ++here;
         first = last;
       }
     }
     found += here;
   });
   return found;
-}
-
-constexpr std::size_t most_named = 20;
-
-/// The blocks at fault, each once, and the first misfits.
-class Named {
- public:
-  explicit Named(std::size_t blocks) : blocks_{blocks} {}
-  void add(BlockId block) {
-    if (block.index() < blocks_) offenders_.push_back(block);
-  }
-  void add(const Misfit& misfit) {
-    add(misfit.block);
-    misfits_.push_back(misfit);
-  }
-  void give(Certificate& certificate) {
-    std::ranges::sort(offenders_);
-    offenders_.erase(std::unique(offenders_.begin(), offenders_.end()), offenders_.end());
-    const auto place = [](const Misfit& m) { return std::tuple{m.block, m.face, m.of}; };
-    std::ranges::sort(misfits_, {}, place);
-    misfits_.erase(std::unique(misfits_.begin(), misfits_.end()), misfits_.end());
-    offenders_.erase(offenders_.begin() + static_cast<std::ptrdiff_t>(std::min(offenders_.size(), most_named)),
-                     offenders_.end());
-    misfits_.erase(misfits_.begin() + static_cast<std::ptrdiff_t>(std::min(misfits_.size(), most_named)),
-                   misfits_.end());
-    certificate.offenders = std::move(offenders_);
-    certificate.first_misfits = std::move(misfits_);
-  }
-
- private:
-  std::size_t blocks_;
-  std::vector<BlockId> offenders_;
-  std::vector<Misfit> misfits_;
-};
-
-std::string describe(const Misfit& misfit) {
-  std::string text = fmt::format("block {}: {}", misfit.block.value(), name_of(misfit.of));
-  if (misfit.face) text += fmt::format(" of face {}", misfit.face->value());
-  return text;
 }
 
 /// Kahan's sum.
@@ -144,42 +97,6 @@ class Sum {
 };
 
 }  // namespace
-
-std::string_view name_of(Misfit::Of of) noexcept {
-  switch (of) {
-    case Misfit::Of::corners: return "corners";
-    case Misfit::Of::normal: return "normal";
-    case Misfit::Of::neighbour: return "neighbour";
-    case Misfit::Of::area: return "area";
-    case Misfit::Of::volume: return "volume";
-    case Misfit::Of::flags: return "flags";
-    case Misfit::Of::owner: return "owner";
-  }
-  std::unreachable();
-}
-
-std::string describe(const Certificate& certificate) {
-  std::string text;
-  const auto add = [&](std::uint64_t count, std::string_view one, std::string_view many) {
-    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, count == 1 ? one : many);
-  };
-  add(certificate.open_shells, "block is not closed", "blocks are not closed");
-  add(certificate.euler_violations, "block breaks Euler's formula", "blocks break Euler's formula");
-  add(certificate.unpaired_patches, "contact differs on its two sides", "contacts differ on their two sides");
-  add(certificate.misfits, "stored figure does not fit its corners", "stored figures do not fit their corners");
-  for (std::size_t k = 0; k < certificate.first_misfits.size(); ++k) {
-    text += (k == 0 ? " (" : "; ") + describe(certificate.first_misfits[k]);
-  }
-  if (!certificate.first_misfits.empty()) text += certificate.misfits > most_named ? "; ...)" : ")";
-  text += fmt::format("{}volumes off by {:.1e}, face vectors by {:.1e}", text.empty() ? "" : ", ",
-                      certificate.volume_relative_error, certificate.face_vector_max_relative);
-  if (certificate.offenders.empty()) return text;
-  text += certificate.offenders.size() == 1 ? "; block" : "; blocks";
-  for (const BlockId block : certificate.offenders) {
-    text += fmt::format("{} {}", block == certificate.offenders.front() ? "" : ",", block.value());
-  }
-  return text;
-}
 
 std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned thread_count) {
   const ThreadLimit threads{std::max(1U, thread_count)};
@@ -202,7 +119,7 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned 
   });
 
   Certificate certificate;
-  Named named{blocks};
+  detail::Offenders named{blocks};
   Sum volume;
   bool closures_hold = true;
   for (std::size_t b = 0; b < blocks; ++b) {
@@ -215,17 +132,20 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned 
     const bool closes = detail::FitAuditor::closes(m.closure, complex.blocks()[BlockId{b}].faces.size());
     closures_hold = closures_hold && closes;
     if (!verdict.closed || !verdict.euler || !closes) named.add(BlockId{b});
-    if (m.misfits > 0) static_cast<void>(fit.measure(BlockId{b}, [&](const Misfit& misfit) { named.add(misfit); }));
+    if (m.misfits > 0) {
+      std::vector<Misfit> own;
+      fit.measure(BlockId{b}, &own);
+      named.add(own);
+    }
     volume.add(m.volume);
   }
-  certificate.unpaired_patches = count_unpaired(complex, threads, [](BlockId) {});
+  certificate.unpaired_patches = count_unpaired(complex, threads);
   if (certificate.unpaired_patches > 0) {
-    count_unpaired(complex, ThreadLimit{1}, [&](BlockId block) { named.add(block); });
+    for (const BlockId block : detail::unpaired_blocks(complex)) named.add(block);
   }
-  fit.find_faces_without_block([&](const Misfit& misfit) {
-    ++certificate.misfits;
-    named.add(misfit);
-  });
+  const auto lost = fit.faces_without_block();
+  certificate.misfits += lost.size();
+  named.add(lost);
   named.give(certificate);
   const double rock = complex.rock_volume().si();
   const auto off = [rock](double sum) { return rock > 0 ? std::abs(sum - rock) / rock : 1; };

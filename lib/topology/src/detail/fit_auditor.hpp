@@ -38,16 +38,13 @@ class FitAuditor final {
     }
   }
 
-  [[nodiscard]] BlockMeasure measure(BlockId b) const {
-    return measure(b, [](const Misfit&) {});
-  }
-  /// `name(misfit)` is called for each misfit.
-  [[nodiscard]] BlockMeasure measure(BlockId b, const auto& name) const {
+  /// Misfits are put behind `named`, if there is one.
+  BlockMeasure measure(BlockId b, std::vector<Misfit>* named = nullptr) const {
     const Block& block = complex_.blocks()[b];
     BlockMeasure out;
     const auto misfit = [&](Misfit::Of of, std::optional<FaceId> face = {}) {
       ++out.misfits;
-      name(Misfit{of, b, face});
+      if (named != nullptr) named->push_back({of, b, face});
     };
     if (block.faces.empty() || complex_.faces()[block.faces[0]].corner_count == 0) {
       misfit(Misfit::Of::corners);
@@ -95,15 +92,17 @@ class FitAuditor final {
     for (const FaceId f : complex_.blocks()[b].faces) surface += complex_.faces()[f].area.si();
     return tolerance_ * surface <= relative * measured ? measured : exactly_.measure(b).volume;
   }
-  /// `name(misfit)` is called for each face that is not among those of the block it names.
-  void find_faces_without_block(const auto& name) const {
+  /// Faces that are not among those of the block they name.
+  [[nodiscard]] std::vector<Misfit> faces_without_block() const {
+    std::vector<Misfit> lost;
     for (const FaceId f : complex_.faces().ids()) {
       const BlockId block = complex_.faces()[f].block;
       const FaceRange own = block.index() < complex_.blocks().size() ? complex_.blocks()[block].faces : FaceRange{};
       if (own.empty() || f < own.front() || f.index() >= own.front().index() + own.size()) {
-        name(Misfit{Misfit::Of::owner, block, f});
+        lost.push_back({Misfit::Of::owner, block, f});
       }
     }
+    return lost;
   }
 
  private:
