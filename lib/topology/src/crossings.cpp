@@ -72,10 +72,15 @@ class AtCorners {
     entries_.clear();
     begin_.assign(1, 0);
     if (!held_.any()) return;
+    const auto own = held_.of(plane);
+    Index last = none;  // segments of one line stand together
     for (const Segment& s : segments) {
-      std::ranges::set_intersection(held_.of(plane), held_.of(s.other), std::back_inserter(corners_));
+      if (s.other != last) {
+        corners_.clear();
+        std::ranges::set_intersection(own, held_.of(s.other), std::back_inserter(corners_));
+        last = s.other;
+      }
       for (const Index corner : corners_) entries_.push_back({corner});
-      corners_.clear();
       begin_.push_back(entries_.size());
     }
   }
@@ -90,11 +95,13 @@ class AtCorners {
   [[nodiscard]] Pair at_one_corner(std::size_t i, std::size_t k) {
     Pair found;
     if (entries_.empty()) return found;
-    for (Entry& a : of(i)) {
-      for (Entry& b : of(k)) {
-        if (a.corner != b.corner) continue;
+    const auto ones = of(i), others = of(k);
+    for (auto a = ones.begin(), b = others.begin(); a != ones.end() && b != others.end();) {
+      if (a->corner == b->corner) {
         if (found.any()) return {};
-        found = {&a, &b};
+        found = {&*a++, &*b++};
+      } else {
+        ++(a->corner < b->corner ? a : b);
       }
     }
     return found;
