@@ -240,6 +240,21 @@ def check_dda(path, y, parts):
     print(f"{path.name}: {count} lines, {boundaries} of them boundary, area of the section {abs(area):.6g} m2")
 
 
+def check_as_joints(cleave, scene, folder, expected):
+    """blocks.obj read as joints of the same domain, which has no openings: the same blocks."""
+    text = scene.read_text()
+    if "[[excavation]]" in text:
+        return
+    domain = next(line for line in text.splitlines() if line.startswith("box = "))
+    again = folder / "joints.toml"
+    again.write_text(f'schema = 1\n[domain]\n{domain}\n[[joint]]\nfile = "out/blocks.obj"\n')
+    subprocess.run([cleave, "run", again, "-o", folder / "joints", "--quiet"], check=True)
+    volumes = read_vtu(folder / "joints" / "blocks.vtu")[1]
+    same = all(close(a, b, 1e-9) for a, b in zip(sorted(volumes.values()), sorted(expected.values())))
+    expect(len(volumes) == len(expected) and same,
+           f"blocks.obj as joints: {len(volumes)} blocks of {len(expected)}, or other volumes")
+
+
 def main():
     cleave, scene, folder = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
@@ -276,6 +291,7 @@ def main():
     subprocess.run([cleave, "convert", out / "blocks.obj", back], check=True, capture_output=True)
     volumes = read_vtu(back)[1]
     expect(close(sum(volumes.values()), sum(expected.values()), 1e-9), "OBJ to VTU: another volume")
+    check_as_joints(cleave, scene, folder, expected)
     sys.exit(1 if wrong else 0)
 
 

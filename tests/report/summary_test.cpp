@@ -141,7 +141,18 @@ TEST(SummaryJson, FitsItsSchema) {
   expect_valid(schema, Json::parse(summary_json(example())), "summary");
   scene::RunResult failed = example();
   failed.figures.blocks.reset();
-  expect_valid(schema, Json::parse(summary_json(failed)), "summary");
+  using topology::Misfit;
+  topology::Certificate certificate;
+  certificate.misfits = 2;
+  certificate.first_misfits = {{Misfit::Of::area, topology::BlockId{4U}, topology::FaceId{17U}},
+                               {Misfit::Of::volume, topology::BlockId{9U}, {}}};
+  certificate.offenders = {topology::BlockId{4U}, topology::BlockId{9U}};
+  failed.complex = std::unexpected(certificate);
+  const Json refused = Json::parse(summary_json(failed));
+  expect_valid(schema, refused, "summary");
+  EXPECT_EQ(refused["blocks"]["certificate"]["first_misfits"],
+            Json::parse(R"([{"block": 4, "face": 17, "of": "area"}, {"block": 9, "of": "volume"}])"));
+  EXPECT_EQ(refused["blocks"]["certificate"]["offenders"], Json::parse("[4, 9]"));
   const Json whole = Json::parse(summary_json(full()));
   expect_valid(schema, whole, "summary");
   for (const char* section : {"support", "field_stress", "maximum_blocks", "micro_blocks", "sequence"}) {

@@ -1,4 +1,7 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <array>
 
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
@@ -60,6 +63,44 @@ TEST(JointKeys, EndsOn) {
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().front().line, 7U);
   EXPECT_EQ(refused.error().front().key, "joint.terminates_at");
+}
+
+/// Six sides of a box as faces of an OBJ file.
+void append_box(std::string& obj, std::size_t& vertices, std::array<double, 3> lo, std::array<double, 3> hi) {
+  for (unsigned k = 0; k < 8; ++k) {
+    obj += fmt::format("v {} {} {}\n", (k & 1U) != 0 ? hi[0] : lo[0], (k & 2U) != 0 ? hi[1] : lo[1],
+                       (k & 4U) != 0 ? hi[2] : lo[2]);
+  }
+  constexpr std::array<std::array<std::size_t, 4>, 6> sides{
+      {{1, 5, 7, 3}, {2, 4, 8, 6}, {1, 2, 6, 5}, {3, 7, 8, 4}, {1, 3, 4, 2}, {5, 6, 8, 7}}};
+  for (const auto& [a, b, c, d] : sides) {
+    obj += fmt::format("f {} {} {} {}\n", vertices + a, vertices + b, vertices + c, vertices + d);
+  }
+  vertices += 8;
+}
+
+// As cleave writes a block with cavities: cut open, the face between its parts inside it.
+TEST(JointKeys, FacesBetweenPartsOfOneBlockAreNoJoints) {
+  const auto halves = [](std::string_view one, std::string_view other) {
+    std::string obj = fmt::format("g {}\n", one);
+    std::size_t vertices = 0;
+    append_box(obj, vertices, {1, 1, 1}, {3, 3, 3});
+    obj += fmt::format("g {}\n", other);
+    append_box(obj, vertices, {3, 1, 1}, {5, 3, 3});
+    return Files{{"b.obj", obj}};
+  };
+  const std::string file = "[[joint]]\nfile = \"b.obj\"\n";
+  EXPECT_EQ(blocks_of(file, halves("block_4", "block_4_part_2")), 2U);
+  EXPECT_EQ(blocks_of(file, halves("block_4_part_2", "block_4_part_3")), 2U);
+  EXPECT_EQ(blocks_of(file + "surface = true\n", halves("block_4", "block_4_part_2")), 2U);
+  EXPECT_EQ(blocks_of(file, halves("block_4", "block_5")), 3U);
+  EXPECT_EQ(blocks_of(file, halves("block_4", "block_5_part_2")), 3U);
+  EXPECT_EQ(blocks_of(file, halves("block_4", "block_4_part_")), 3U);
+  EXPECT_EQ(blocks_of(file, halves("", "")), 3U);
+  const Scene scene = scene_of(with_box(file), halves("block_4", "block_4_part_2"));
+  ASSERT_EQ(scene.notes.size(), 1U);
+  EXPECT_NE(describe(scene.notes.front()).find("2 of 12 faces lie between the parts"), std::string::npos)
+      << describe(scene.notes.front());
 }
 
 TEST(JointKeys, ASurfaceOfAnObjFile) {

@@ -139,5 +139,33 @@ TEST(ConcavePieces, WorkGrowsWithTheCorners) {
   for (const bool upright : {false, true}) EXPECT_LT(work(1000, upright), 6 * work(250, upright));
 }
 
+// A star in a turned plane is flat to a rounding only, so it is cut in triangles. No corner may have many of them:
+// their planes nearly coincide, and the cube of those in one corner meet there.
+TEST(ConcavePieces, APrismOverAFoldedStar) {
+  const Vec3 w = geometry::normalized({0.3, 0.5, 1}), u = geometry::normalized(cross(w, Vec3{0.2, 1, 0}));
+  const Vec3 v = cross(w, u);
+  for (const std::size_t count : {100U, 402U, 1602U}) {
+    std::vector<Vec3> low, high;
+    double area = 0;
+    const double step = 2 * std::numbers::pi / static_cast<double>(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double a = step * static_cast<double>(i), r = i % 2 == 0 ? 5 : 3;
+      const Vec3 corner = r * std::cos(a) * u + r * std::sin(a) * v;
+      low.push_back(corner - 2 * w);
+      high.push_back(corner + 2 * w);
+      area += 0.5 * 5 * 3 * std::sin(step);
+    }
+    auto input = scene(box({-8, -8, -8}, {8, 8, 8}), {joint(low), joint(high)});
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t j = (i + 1) % count;
+      input.joints.emplace_back(joint({low[i], low[j], high[j], high[i]}));
+    }
+    const auto audited = certified(input);
+    ASSERT_EQ(audited.complex().blocks().size(), 2U);
+    EXPECT_NEAR(volumes(audited.complex())[0], 4 * area, 1e-9);
+    ASSERT_LT(audited.complex().report().predicate_calls, 3000 * count);
+  }
+}
+
 }  // namespace
 }  // namespace cleave::testing

@@ -122,6 +122,24 @@ TEST(SharedSides, TheProgramsOwnBlocks) {
   }
 }
 
+/// Some thirty planes meet in each corner there, nearly all by a rounding: what that costs grows with their square.
+TEST(SharedSides, TheProgramsOwnBlocksCostNoCube) {
+  const auto u = uniform(11);
+  auto input = scene(box({0, 0, 0}, {10, 10, 10}));
+  for (int p = 0; p < 12; ++p) {
+    input.joints.emplace_back(topology::PersistentJoint{{10 * u(), 10 * u(), 10 * u()},
+                                                        geometry::normalized({u() - 0.5, u() - 0.5, u() - 0.5})});
+  }
+  const auto first = certified(input);
+  const auto again = read_back(first.complex(), box({0, 0, 0}, {10, 10, 10}));
+  const auto read = certified(again);
+  EXPECT_EQ(read.complex().blocks().size(), first.complex().blocks().size());
+  EXPECT_LT(read.complex().report().predicate_calls, 7500 * first.complex().faces().size());
+  const auto parallel = topology::cut(again, {.threads = 7}).value();
+  EXPECT_EQ(canonical_hash(parallel), canonical_hash(read.complex()));
+  EXPECT_EQ(parallel.report().predicate_calls, read.complex().report().predicate_calls);
+}
+
 /// Discs that end in one another: concave blocks, walls that blocks on either side see in other parts.
 TEST(SharedSides, TheProgramsOwnBlocksOfDiscs) {
   const auto u = uniform(22);

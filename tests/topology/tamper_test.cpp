@@ -286,5 +286,68 @@ TEST(Audit, TellsTheOffender) {
   EXPECT_EQ(audited.error().offenders, (std::vector{BlockId{5U}}));
 }
 
+topology::Certificate refused(Data data) {
+  const auto audited = topology::audit(BlockComplex{std::move(data)});
+  EXPECT_FALSE(audited.has_value());
+  return audited ? topology::Certificate{} : audited.error();
+}
+
+using Of = topology::Misfit::Of;
+
+TEST(Audit, NamesEachMisfitWithItsBlockAndFace) {
+  const Data sound = topology::cut(sound_scenes()[0]).value().data();
+  const BlockId block{5U};
+  const FaceId face = sound.blocks[block].faces[1];
+  const auto expect_named = [&](Of of, bool of_face, const std::function<void(Data&)>& change) {
+    Data data = sound;
+    change(data);
+    const auto certificate = refused(std::move(data));
+    SCOPED_TRACE(describe(certificate));
+    EXPECT_EQ(certificate.misfits, 1U);
+    const topology::Misfit right{of, block, of_face ? std::optional{face} : std::nullopt};
+    EXPECT_EQ(certificate.first_misfits, std::vector{right});
+    EXPECT_EQ(certificate.offenders, std::vector{block});
+    const std::string words = std::string{"(block 5: "} + std::string{name_of(of)} +
+                              (of_face ? " of face " + std::to_string(face.value()) : "") + ")";
+    EXPECT_NE(describe(certificate).find(words), std::string::npos) << words;
+  };
+  expect_named(Of::normal, true, [&](Data& d) { d.faces[face].outward = -d.faces[face].outward; });
+  expect_named(Of::area, true, [&](Data& d) { d.faces[face].area = 2 * d.faces[face].area; });
+  expect_named(Of::volume, false, [&](Data& d) { d.blocks[block].volume = 1.001 * d.blocks[block].volume; });
+  expect_named(Of::flags, false, [&](Data& d) { d.blocks[block].truncated = !d.blocks[block].truncated; });
+}
+
+TEST(Audit, NamesBothSidesOfAContact) {
+  Data data = topology::cut(sound_scenes()[0]).value().data();
+  const Face& face = data.faces[a_joint_face(data)];
+  const BlockId own = face.block, other = data.patches[face.first_patch].neighbour.value();
+  data.patches[face.first_patch].neighbour = BlockId{26U};
+  ASSERT_NE(other, BlockId{26U});
+  const auto certificate = refused(std::move(data));
+  EXPECT_EQ(certificate.unpaired_patches, 2U);
+  std::vector<BlockId> right{own, other, BlockId{26U}};
+  std::ranges::sort(right);
+  EXPECT_EQ(certificate.offenders, right);
+}
+
+TEST(Audit, NamesTheOwnerOfAFaceThatIsNoneOfItsBlock) {
+  Data data = topology::cut(sound_scenes()[0]).value().data();
+  const FaceId face = data.blocks[BlockId{5U}].faces[0];
+  data.faces[face].block = BlockId{7U};
+  const auto certificate = refused(std::move(data));
+  EXPECT_EQ(certificate.first_misfits, (std::vector{topology::Misfit{Of::owner, BlockId{5U}, face},
+                                                    topology::Misfit{Of::owner, BlockId{7U}, face}}));
+}
+
+TEST(Audit, NamesTwentyMisfitsAtMost) {
+  Data data = topology::cut(sound_scenes()[0]).value().data();
+  for (topology::Block& block : data.blocks) block.truncated = true;
+  const auto certificate = refused(std::move(data));
+  EXPECT_EQ(certificate.misfits, 27U);
+  EXPECT_EQ(certificate.first_misfits.size(), 20U);
+  EXPECT_EQ(certificate.offenders.size(), 20U);
+  EXPECT_NE(describe(certificate).find("; ...)"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace cleave::testing

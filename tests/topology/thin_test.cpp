@@ -203,5 +203,68 @@ TEST(Thin, RingsOfSlivers) {
   }
 }
 
+/// Corners in 2^-45 m, which are sites of the lattice of a box of 2 m.
+using Site = std::array<std::int64_t, 3>;
+Vec3 position(const Site& site) {
+  const auto metres = [](std::int64_t n) { return static_cast<double>(n) * 0x1p-45; };
+  return {metres(site[0]), metres(site[1]), metres(site[2])};
+}
+geometry::Solid void_of(const std::vector<Site>& corners,
+                        std::initializer_list<std::array<std::uint32_t, 3>> triangles) {
+  std::vector<Vec3> vertices;
+  std::vector<geometry::SolidFace> faces;
+  for (const Site& corner : corners) vertices.push_back(position(corner));
+  for (const auto& [a, b, c] : triangles) faces.push_back({.corners = {a, b, c}});
+  return geometry::Solid::make(std::move(vertices), std::move(faces)).value();
+}
+
+// The faces of a slot about its edge a b are 1e-16 apart, beside a wedge on the same edge: the rock touches itself
+// along a b, and which of its four faces follows which is more than doubles can tell.
+TEST(Thin, ASlotThinnerThanAnglesInDoublesBesideAWedgeOnItsEdge) {
+  struct Corners {
+    Site a, b, c, above_c;  ///< the slot
+    Site g, h;              ///< with b and c: the room it leads to
+    Site d, e;              ///< with a and b: the wedge
+  };
+  const std::array scenes{
+      Corners{{-3049598621701, 2077147508120, -7235585368024},
+              {8440999973080, 6353224627990, -4626178241009},
+              {982065726708, -5060914081000, 5771876830453},
+              {982065726708, -5060914080995, 5771876830446},
+              {6601443525108, 1037317839901, 3501511962207},
+              {7478301057636, -603602633686, 2329247424884},
+              {4684213531614, 14041042030993, -17633640439478},
+              {4409335624670, 12941530403217, -16534128811702}},
+      Corners{{-2091970803485, 266546763856, -1180276313665},
+              {-3401573368166, 4398940714172, 1781526068841},
+              {121010659088, -1704842078681, -1753380288361},
+              {121010659084, -1704842078682, -1753380288364},
+              {-1909706420923, 994028208797, 1138141470525},
+              {-1099842618787, 2348371959026, -393386167702},
+              {-5339676923794, 6920085370597, 2354630043537},
+              {-5614554830738, 5820573742821, 3454141671313}},
+      Corners{{1424326778065, -318060863967, -39311424506},
+              {-402829542342, -7824124774473, 4702298768861},
+              {8040107599293, -3697814377008, -6461422241895},
+              {8040107599286, -3697814377005, -6461422241888},
+              {3728357629366, -7641024428024, -1834511719264},
+              {5345507777830, -7146659950519, -428761940977},
+              {-6743732456627, -3894615447544, 11124409586249},
+              {-7018610363571, -4994127075320, 12223921214025}},
+  };
+  for (const auto& [a, b, c, above_c, g, h, d, e] : scenes) {
+    const auto slot = void_of({a, b, c, above_c, g, h},
+                              {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 4}, {1, 5, 3}, {1, 4, 5}, {2, 5, 4}, {2, 3, 5}});
+    const double sense = dot(position(e) - position(a), cross(position(b) - position(a), position(d) - position(a)));
+    const auto wedge =
+        void_of({a, b, sense > 0 ? d : e, sense > 0 ? e : d}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}});
+    const auto cut = certified(scene(box({-1, -1, -1}, {1, 1, 1}), {}, {slot, wedge}));
+    ASSERT_EQ(cut.complex().blocks().size(), 1U);
+    const topology::EulerCounts right{
+        .vertices = 8 + 6 + 4 - 2, .edges = 12 + 12 + 6, .faces = 18, .loops = 18, .shells = 2, .genus = 0};
+    EXPECT_EQ(cut.complex().blocks()[topology::BlockId{0U}].counts, right);
+  }
+}
+
 }  // namespace
 }  // namespace cleave::testing

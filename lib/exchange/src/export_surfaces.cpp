@@ -27,7 +27,9 @@ Exported blocks_obj(const Cells& cells, std::string_view title) {
   std::string& out = result.bytes;
   out += "# " + header_of(title) + "\n# ";
   out += unit_line;
-  out += "\n# a group is a closed surface; a block with cavities is several: block_N, block_N_part_2, ...\n";
+  out +=
+      "\n# a group is a closed surface; a block with cavities is several: block_N, block_N_part_2, ...,\n"
+      "# and faces that two of these share lie inside it: they are no joints\n";
   for (const Vec3& p : cells.points) {
     out += "v ";
     append_point(out, p);

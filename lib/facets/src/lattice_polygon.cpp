@@ -175,11 +175,16 @@ std::vector<std::array<std::size_t, 3>> triangulate(const LatticePolygon& polygo
              turn(p[c], p[a], p[i], along) != Sign::negative;
     });
   };
+  // On from the corner after the last ear, round and round: each round takes every other corner of a convex ring, and
+  // no corner gets many triangles. What nearly coincident planes cost grows with the cube of those that meet in a
+  // corner.
+  std::size_t from = 0;
   while (ring.size() > 3) {
     const std::size_t count = ring.size();
-    std::size_t k = 0;
-    while (k < count && !is_ear(k)) ++k;
-    if (k == count) {
+    std::size_t tried = 0;
+    while (tried < count && !is_ear((from + tried) % count)) ++tried;
+    std::size_t k = (from + tried) % count;
+    if (tried == count) {
       // No ear: flat remainders are dropped corner by corner, anything else crosses itself.
       k = 0;
       while (k < count &&
@@ -190,6 +195,7 @@ std::vector<std::array<std::size_t, 3>> triangulate(const LatticePolygon& polygo
       triangles.push_back({ring[(k + count - 1) % count], ring[k], ring[(k + 1) % count]});
     }
     ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(k));
+    from = k + 1;
   }
   if (ring.size() == 3 && turn(p[ring[0]], p[ring[1]], p[ring[2]], along) == Sign::positive) {
     triangles.push_back({ring[0], ring[1], ring[2]});

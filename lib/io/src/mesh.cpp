@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -31,6 +32,25 @@ std::vector<std::uint32_t> first_at_same_place(std::span<const geometry::Vec3> v
   return first;
 }
 
+/// "block_4" of "block_4_part_2"; the whole name where it does not end so.
+std::string_view whole_of(std::string_view group) {
+  constexpr std::string_view part = "_part_";
+  const std::size_t at = group.rfind(part);
+  if (at == std::string_view::npos) return group;
+  const std::string_view number = group.substr(at + part.size());
+  const bool is_number = !number.empty() && std::ranges::all_of(number, [](char c) { return '0' <= c && c <= '9'; });
+  return is_number ? group.substr(0, at) : group;
+}
+
+/// For each group the first one that is of the same whole.
+std::vector<std::uint32_t> first_of_whole(std::span<const std::string> groups) {
+  std::map<std::string_view, std::uint32_t> numbers;
+  std::vector<std::uint32_t> first(groups.size());
+  for (std::uint32_t g = 0; g < groups.size(); ++g)
+    first[g] = numbers.try_emplace(whole_of(groups[g]), g).first->second;
+  return first;
+}
+
 }  // namespace
 
 std::vector<geometry::Vec3> MeshData::corners_of(std::size_t f) const {
@@ -53,6 +73,50 @@ MeshData welded(const MeshData& mesh) {
     corner = at;
   }
   return result;
+}
+
+MeshData without_faces_between_parts(MeshData mesh) {
+  const std::vector<std::uint32_t> whole = first_of_whole(mesh.groups);
+  std::vector<std::size_t> groups_of(mesh.groups.size(), 0);
+  for (const std::uint32_t w : whole) ++groups_of[w];
+  if (std::ranges::none_of(groups_of, [](std::size_t n) { return n > 1; })) return mesh;
+  const std::vector<std::uint32_t> place = first_at_same_place(mesh.vertices);
+  struct Face {
+    std::uint32_t whole, group;
+    std::vector<std::uint32_t> corners;
+    std::size_t number;
+  };
+  std::vector<Face> faces;
+  for (std::size_t f = 0; f < mesh.faces(); ++f) {
+    const std::uint32_t group = mesh.group[f];
+    if (groups_of[whole[group]] < 2) continue;
+    Face& face = faces.emplace_back(Face{whole[group], group, {}, f});
+    for (const std::uint32_t corner : mesh.face(f)) face.corners.push_back(place[corner]);
+    std::ranges::sort(face.corners);
+  }
+  std::ranges::sort(faces, {}, [](const Face& f) { return std::tie(f.whole, f.corners, f.group, f.number); });
+  std::vector<std::uint8_t> between(mesh.faces(), 0);
+  for (std::size_t i = 1; i < faces.size(); ++i) {
+    const Face &a = faces[i - 1], &b = faces[i];
+    if (a.whole != b.whole || a.group == b.group || a.corners != b.corners) continue;
+    between[a.number] = between[b.number] = 1;
+  }
+  MeshData kept{.vertices = std::move(mesh.vertices),
+                .corners = {},
+                .ends = {},
+                .group = {},
+                .groups = std::move(mesh.groups),
+                .lines = {},
+                .notes = std::move(mesh.notes)};
+  for (std::size_t f = 0; f < mesh.faces(); ++f) {
+    if (between[f] != 0) continue;
+    const auto corners = mesh.face(f);
+    kept.corners.insert(kept.corners.end(), corners.begin(), corners.end());
+    kept.ends.push_back(static_cast<std::uint32_t>(kept.corners.size()));
+    kept.group.push_back(mesh.group[f]);
+    kept.lines.push_back(mesh.lines[f]);
+  }
+  return kept;
 }
 
 std::expected<geometry::Solid, geometry::SolidError> solid_of(const MeshData& mesh) {

@@ -188,8 +188,18 @@ void parse_joint_file(Context& context, const TableReader& joint, const std::opt
     add_surfaces(context, surfaces->surfaces, loaded->shown, set_among(surfaces->surfaces.groups), joints);
     return;
   }
-  const auto mesh = mesh_of(context, joint, "file", *loaded);
+  auto mesh = mesh_of(context, joint, "file", *loaded);
   if (!mesh) return;
+  const std::size_t all = mesh->faces();
+  *mesh = io::without_faces_between_parts(*std::move(mesh));
+  if (const std::size_t left_out = all - mesh->faces(); left_out > 0) {
+    context.problems.note_in(
+        loaded->shown, 1, "g",
+        fmt::format("{} of {} faces lie between the parts of a block with cavities (block_N and block_N_part_2): they "
+                    "are no joints and are left out",
+                    left_out, all),
+        "");
+  }
   const SetId id = context.set_named(set.value_or("default"));
   const bool surface = joint.boolean("surface").value_or(ending != "obj");
   const auto one_set = [id](std::uint32_t) { return id; };

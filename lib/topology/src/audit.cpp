@@ -1,15 +1,14 @@
 #include "cleave/topology/audit.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <string_view>
 #include <tuple>
+#include <utility>
 
 #include "detail/block_auditor.hpp"
 #include "detail/fit_auditor.hpp"
+#include "detail/offenders.hpp"
 #include "detail/pieces.hpp"
 
 namespace cleave::topology {
@@ -74,7 +73,7 @@ std::uint64_t count_unpaired(const BlockComplex& complex, ThreadLimit threads) {
           area += own[last].area;
           size += std::abs(own[last].area);
         }
-        if (std::abs(area) > 1e-9 * size || last - first < 2) ++here;
+        if (detail::unmatched(area, size, last - first)) ++here;
         first = last;
       }
     }
@@ -99,25 +98,6 @@ class Sum {
 
 }  // namespace
 
-std::string describe(const Certificate& certificate) {
-  std::string text;
-  const auto add = [&](std::uint64_t count, std::string_view one, std::string_view many) {
-    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, count == 1 ? one : many);
-  };
-  add(certificate.open_shells, "block is not closed", "blocks are not closed");
-  add(certificate.euler_violations, "block breaks Euler's formula", "blocks break Euler's formula");
-  add(certificate.unpaired_patches, "contact differs on its two sides", "contacts differ on their two sides");
-  add(certificate.misfits, "stored figure does not fit its corners", "stored figures do not fit their corners");
-  text += fmt::format("{}volumes off by {:.1e}, face vectors by {:.1e}", text.empty() ? "" : ", ",
-                      certificate.volume_relative_error, certificate.face_vector_max_relative);
-  if (certificate.offenders.empty()) return text;
-  text += certificate.offenders.size() == 1 ? "; block" : "; blocks";
-  for (const BlockId block : certificate.offenders) {
-    text += fmt::format("{} {}", block == certificate.offenders.front() ? "" : ",", block.value());
-  }
-  return text;
-}
-
 std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned thread_count) {
   const ThreadLimit threads{std::max(1U, thread_count)};
   const std::size_t blocks = complex.blocks().size();
@@ -139,6 +119,7 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned 
   });
 
   Certificate certificate;
+  detail::Offenders named{blocks};
   Sum volume;
   bool closures_hold = true;
   for (std::size_t b = 0; b < blocks; ++b) {
@@ -150,12 +131,22 @@ std::expected<AuditedComplex, Certificate> audit(BlockComplex complex, unsigned 
     certificate.face_vector_max_relative = std::max(certificate.face_vector_max_relative, m.closure);
     const bool closes = detail::FitAuditor::closes(m.closure, complex.blocks()[BlockId{b}].faces.size());
     closures_hold = closures_hold && closes;
-    const bool sound = verdict.closed && verdict.euler && m.misfits == 0 && closes;
-    if (!sound && certificate.offenders.size() < 20) certificate.offenders.emplace_back(b);
+    if (!verdict.closed || !verdict.euler || !closes) named.add(BlockId{b});
+    if (m.misfits > 0) {
+      std::vector<Misfit> own;
+      fit.measure(BlockId{b}, &own);
+      named.add(own);
+    }
     volume.add(m.volume);
   }
   certificate.unpaired_patches = count_unpaired(complex, threads);
-  certificate.misfits += fit.faces_without_block();
+  if (certificate.unpaired_patches > 0) {
+    for (const BlockId block : detail::unpaired_blocks(complex)) named.add(block);
+  }
+  const auto lost = fit.faces_without_block();
+  certificate.misfits += lost.size();
+  named.add(lost);
+  named.give(certificate);
   const double rock = complex.rock_volume().si();
   const auto off = [rock](double sum) { return rock > 0 ? std::abs(sum - rock) / rock : 1; };
   constexpr double allowed = 1e-10;

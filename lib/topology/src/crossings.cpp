@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <span>
+#include <vector>
 
 #include "cleave/core/disjoint_sets.hpp"
 
@@ -54,9 +56,78 @@ bool far_away(const PointApprox& point) {
   return std::ranges::any_of(point.x, [w](double x) { return std::abs(x) - exact::meet_error_bound > 0.75 * w; });
 }
 
+/// Which corners the line of each segment of a plane goes through, as both its planes hold them, and whether the
+/// segment was found to meet another one there. Where many planes hold a corner every pair of their lines meets there:
+/// it is enough that each meets one of the others, so that all are known to be one point.
+class AtCorners {
+ public:
+  struct Entry {
+    Index corner;
+    Index vertex = none;  ///< the first of those that are found to be the same point over the lines they are on
+  };
+
+  explicit AtCorners(const HeldCorners& held) : held_{held} {}
+
+  void begin(Index plane, std::span<const Segment> segments) {
+    entries_.clear();
+    begin_.assign(1, 0);
+    if (!held_.any()) return;
+    const auto own = held_.of(plane);
+    Index last = none;  // segments of one line stand together
+    for (const Segment& s : segments) {
+      if (s.other != last) {
+        corners_.clear();
+        std::ranges::set_intersection(own, held_.of(s.other), std::back_inserter(corners_));
+        last = s.other;
+      }
+      for (const Index corner : corners_) entries_.push_back({corner});
+      begin_.push_back(entries_.size());
+    }
+  }
+  /// Of two segments at the one corner that both lines go through; none where that is none or several.
+  struct Pair {
+    Entry *one = nullptr, *other = nullptr;
+    [[nodiscard]] bool any() const { return one != nullptr; }
+    /// Both meet others there, and what they meet is known to be one point.
+    [[nodiscard]] bool known() const { return any() && one->vertex != none && one->vertex == other->vertex; }
+    [[nodiscard]] Index corner() const { return any() ? one->corner : none; }
+  };
+  [[nodiscard]] Pair at_one_corner(std::size_t i, std::size_t k) {
+    Pair found;
+    if (entries_.empty()) return found;
+    const auto ones = of(i), others = of(k);
+    for (auto a = ones.begin(), b = others.begin(); a != ones.end() && b != others.end();) {
+      if (a->corner == b->corner) {
+        if (found.any()) return {};
+        found = {&*a++, &*b++};
+      } else {
+        ++(a->corner < b->corner ? a : b);
+      }
+    }
+    return found;
+  }
+  /// The two were found to meet in this vertex, which is on both lines.
+  static void met(const Pair& at, Index vertex) {
+    if (!at.any()) return;
+    if (at.one->vertex == none) at.one->vertex = at.other->vertex == none ? vertex : at.other->vertex;
+    if (at.other->vertex == none) at.other->vertex = at.one->vertex;
+  }
+
+ private:
+  [[nodiscard]] std::span<Entry> of(std::size_t i) {
+    return std::span{entries_}.subspan(begin_[i], begin_[i + 1] - begin_[i]);
+  }
+
+  const HeldCorners& held_;
+  std::vector<std::size_t> begin_;
+  std::vector<Entry> entries_;  ///< of each segment (CSR)
+  std::vector<Index> corners_;
+};
+
 class Finder {
  public:
-  Finder(const Traces& traces, const Signs& signs) : traces_{traces}, signs_{signs.another()} {}
+  Finder(const Prepared& prepared, const Traces& traces, const Signs& signs)
+      : traces_{traces}, signs_{signs.another()}, at_corners_{prepared.held} {}
 
   struct Result {
     std::vector<Vertex> vertices;
@@ -69,6 +140,7 @@ class Finder {
   /// Some segments of a plane, each with all those after it.
   void meet_others(Index plane, std::span<const Segment> segments, std::size_t first, std::size_t last) {
     head_.clear();
+    at_corners_.begin(plane, segments);
     for (std::size_t i = first; i < last; ++i) {
       const Segment& s = segments[i];
       for (std::size_t k = i + 1; k < segments.size(); ++k) {
@@ -76,7 +148,12 @@ class Finder {
         if (s.other == t.other) continue;
         if (!s.outline && !t.outline && (s.other < plane || t.other < plane)) continue;
         if (apart(s, t) || known(i, k)) continue;
-        if (meet_pair(plane, s, t) && lowest(plane, s) && lowest(plane, t) && overlap(s, t)) {
+        const AtCorners::Pair corner = at_corners_.at_one_corner(i, k);
+        if (corner.known() && cross_at(plane, s, t, corner)) continue;
+        const std::size_t before = vertices_.size();
+        const bool on_one_line = meet_pair(plane, s, t, corner.corner());
+        if (vertices_.size() > before) AtCorners::met(corner, static_cast<Index>(before));
+        if (on_one_line && lowest(plane, s) && lowest(plane, t) && overlap(s, t)) {
           if (head_.empty()) head_.assign(segments.size(), none);
           if (head_[i] == none) head_[i] = static_cast<Index>(i);
           if (head_[k] == none) head_[k] = static_cast<Index>(i);
@@ -94,8 +171,32 @@ class Finder {
     return !head_.empty() && head_[k] != none && head_[k] == head_[i];
   }
 
-  /// Whether they lie on one line.
-  bool meet_pair(Index plane, const Segment& s, const Segment& t) {
+  /// Of two that both end or pass in one corner, as is known: all that is not is that the line of their other planes
+  /// goes through it, too. False where they lie on one line.
+  bool cross_at(Index plane, const Segment& s, const Segment& t, const AtCorners::Pair& at) {
+    const Line& line = traces_.lines[traces_.intervals[s.interval].line];
+    const PointApprox point = exact::meet(line.approx, signs_.plane(t.other));
+    if (signs_.det3(point, line.p, line.q, t.other) == Sign::zero) return false;
+    const Index third = traces_.find_line(s.other, t.other);
+    if (third != none && is_new(third, at.corner())) {
+      on_lines_.push_back({third, at.one->vertex, plane, at.corner()});
+    }
+    return true;
+  }
+  /// False where the line is known to go through the corner; nearly always, as it meets as many planes there.
+  bool is_new(Index line, Index corner) {
+    if (corners_of_.empty()) corners_of_.assign(traces_.lines.size(), {none, none});
+    for (Index& known : corners_of_[line]) {
+      if (known == corner) return false;
+      if (known != none) continue;
+      known = corner;
+      return true;
+    }
+    return true;  // more corners than are remembered
+  }
+
+  /// Whether they lie on one line. `corner`: the one that all three planes hold, or none.
+  bool meet_pair(Index plane, const Segment& s, const Segment& t, Index corner) {
     const Interval &a = traces_.intervals[s.interval], &b = traces_.intervals[t.interval];
     const Line& line = traces_.lines[a.line];
     PointApprox point = exact::meet(line.approx, signs_.plane(t.other));
@@ -115,10 +216,10 @@ class Finder {
     }
     const Index vertex = static_cast<Index>(vertices_.size());
     vertices_.push_back({{line.p, line.q, t.other}, point});
-    on_lines_.push_back({a.line, vertex, t.other});
-    on_lines_.push_back({b.line, vertex, s.other});
+    on_lines_.push_back({a.line, vertex, t.other, corner});
+    on_lines_.push_back({b.line, vertex, s.other, corner});
     if (const Index third = traces_.find_line(s.other, t.other); third != none) {
-      on_lines_.push_back({third, vertex, plane});
+      on_lines_.push_back({third, vertex, plane, corner});
     }
     return false;
   }
@@ -131,6 +232,8 @@ class Finder {
   /// Of each segment of the plane: the first that overlaps with it on its line, itself where it is that; none. Empty
   /// where none do.
   std::vector<Index> head_;
+  AtCorners at_corners_;
+  std::vector<std::array<Index, 2>> corners_of_;  ///< of each line: corners it is known to go through
 };
 
 Segment project(const Prepared& prepared, const Traces& traces, Index plane, Index interval) {
@@ -184,7 +287,7 @@ Drawings draw(const Prepared& prepared, const Traces& traces, ThreadLimit thread
 Crossings find_crossings(const Prepared& prepared, const Traces& traces, Signs& signs, ThreadLimit threads) {
   const auto [begin, segments] = draw(prepared, traces, threads);
   auto results = made_in_pieces(segments.size(), threads, [&](std::size_t first, std::size_t last) {
-    Finder finder{traces, signs};
+    Finder finder{prepared, traces, signs};
     auto plane = static_cast<Index>(std::ranges::upper_bound(begin, first) - begin.begin()) - 1;
     // Segments are taken in the same groups whatever the pieces, a group in the piece that has its first.
     constexpr std::size_t group = 1024;

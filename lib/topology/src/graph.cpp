@@ -80,8 +80,10 @@ class Sorter {
   void sort_along(std::size_t c) {
     const Line& line = classes_.representative(c);
     items_.clear();
+    at_corners_.clear();
     for (Index k = classes_.on_begin[c]; k < classes_.on_begin[c + 1]; ++k) {
       const OnLine& on = classes_.on[k];
+      if (on.corner != none && again(on)) continue;
       const Vertex& v = classes_.crossings.vertices[on.vertex];
       const Sign sense = signs_.det3(line.p, line.q, on.transversal);
       CLEAVE_ASSERT(sense != Sign::zero);
@@ -114,6 +116,17 @@ class Sorter {
     bool as_before = false;  ///< the same point as the item before
   };
 
+  /// Whether the vertex is at a corner where this line has had one already; then they are the same point.
+  bool again(const OnLine& on) {
+    const auto first = std::ranges::find(at_corners_, on.corner, &OnLine::corner);
+    if (first == at_corners_.end()) {
+      at_corners_.push_back(on);
+      return false;
+    }
+    if (first->vertex != on.vertex) same_point_.push_back({first->vertex, on.vertex});
+    return true;
+  }
+
   /// Compares each item with the one before; false where one lies behind it.
   bool steps_forward() {
     for (std::size_t i = 1; i < items_.size(); ++i) {
@@ -135,6 +148,7 @@ class Sorter {
   LineClasses& classes_;  ///< of which each Sorter changes its own classes
   Signs signs_;
   std::vector<Item> items_;
+  std::vector<OnLine> at_corners_;  ///< the first at each
   std::vector<std::array<Index, 2>> same_point_;
 };
 

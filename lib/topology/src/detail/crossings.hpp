@@ -13,6 +13,7 @@ struct OnLine {
   Index line;
   Index vertex;
   Index transversal;
+  Index corner;  ///< that all three planes hold, if it is one; else none
 };
 
 /// All points where intervals on a common facet plane cross or touch, and which lines are one and the same in space.

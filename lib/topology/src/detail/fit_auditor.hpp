@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "cleave/topology/audit.hpp"
 #include "cleave/topology/block_complex.hpp"
 #include "detail/exact_block.hpp"
 
@@ -36,10 +38,19 @@ class FitAuditor final {
     }
   }
 
-  [[nodiscard]] BlockMeasure measure(BlockId b) const {
+  /// Misfits are put behind `named`, if there is one.
+  BlockMeasure measure(BlockId b, std::vector<Misfit>* named = nullptr) const {
     const Block& block = complex_.blocks()[b];
     BlockMeasure out;
-    if (block.faces.empty() || complex_.faces()[block.faces[0]].corner_count == 0) return {0, 1, 1};
+    const auto misfit = [&](Misfit::Of of, std::optional<FaceId> face = {}) {
+      ++out.misfits;
+      if (named != nullptr) named->push_back({of, b, face});
+    };
+    if (block.faces.empty() || complex_.faces()[block.faces[0]].corner_count == 0) {
+      misfit(Misfit::Of::corners);
+      out.closure = 1;
+      return out;
+    }
     const Vec3 apex = complex_.vertices()[complex_.loops(complex_.faces()[block.faces[0]])[0][0]];
     Vec3 sum{};
     double size = 0, surface = 0;
@@ -47,7 +58,11 @@ class FitAuditor final {
     for (const FaceId f : block.faces) {
       const Face& face = complex_.faces()[f];
       Vec3 area{};
-      if (face.block != b || face.corner_count == 0 || !fits(face, apex, area)) ++out.misfits;
+      if (face.block != b) {
+        misfit(Misfit::Of::owner, f);
+      } else if (const auto of = misfit_of(face, apex, area)) {
+        misfit(*of, f);
+      }
       sum += area;
       size += geometry::norm(area);
       if (face.corner_count > 0) {
@@ -62,11 +77,9 @@ class FitAuditor final {
     out.closure = size > 0 ? geometry::norm(sum) / size : 0;
     if (!closes(out.closure, block.faces.size())) out.closure = geometry::norm(sum_again(block, apex)) / size;
     if (out.misfits == 0 && !equal(block.volume.si(), out.volume, surface) && !volume_holds(b, surface, out.volume)) {
-      ++out.misfits;
+      misfit(Misfit::Of::volume);
     }
-    if (block.fixed != fixed || block.free != free || block.truncated != truncated) {
-      ++out.misfits;
-    }
+    if (block.fixed != fixed || block.free != free || block.truncated != truncated) misfit(Misfit::Of::flags);
     return out;
   }
   /// Whether face vectors add up to nothing but roundings.
@@ -80,16 +93,14 @@ class FitAuditor final {
     return tolerance_ * surface <= relative * measured ? measured : exactly_.measure(b).volume;
   }
   /// Faces that are not among those of the block they name.
-  [[nodiscard]] std::uint64_t faces_without_block() const {
-    std::uint64_t lost = 0;
+  [[nodiscard]] std::vector<Misfit> faces_without_block() const {
+    std::vector<Misfit> lost;
     for (const FaceId f : complex_.faces().ids()) {
-      const Face& face = complex_.faces()[f];
-      if (face.block.index() >= complex_.blocks().size()) {
-        ++lost;
-        continue;
+      const BlockId block = complex_.faces()[f].block;
+      const FaceRange own = block.index() < complex_.blocks().size() ? complex_.blocks()[block].faces : FaceRange{};
+      if (own.empty() || f < own.front() || f.index() >= own.front().index() + own.size()) {
+        lost.push_back({Misfit::Of::owner, block, f});
       }
-      const FaceRange own = complex_.blocks()[face.block].faces;
-      if (own.empty() || f < own.front() || f.index() >= own.front().index() + own.size()) ++lost;
     }
     return lost;
   }
@@ -117,9 +128,11 @@ class FitAuditor final {
     return std::abs(a - b) <= 1e-9 * std::abs(b) + tolerance_ * rim;
   }
 
-  /// `area` becomes the vector area of the face's corners, from `apex`: with one apex for all faces of a block each
-  /// edge adds the same part to two of them, with opposite signs and to the last bit.
-  [[nodiscard]] bool fits(const Face& face, Vec3 apex, Vec3& area) const {
+  /// What of a face is not that of its corners, if anything. `area` becomes the vector area of these, from `apex`: with
+  /// one apex for all faces of a block each edge adds the same part to two of them, with opposite signs and to the last
+  /// bit.
+  [[nodiscard]] std::optional<Misfit::Of> misfit_of(const Face& face, Vec3 apex, Vec3& area) const {
+    if (face.corner_count == 0) return Misfit::Of::corners;
     const UnitPlane& plane = normals_[face.plane.index()];
     const double sense = face.block_on_positive_side ? -1 : 1;
     const Vec3 outward = sense * plane.normal;
@@ -134,23 +147,26 @@ class FitAuditor final {
         a = b;
       }
     }
-    if (!(highest <= tolerance_)) return false;
+    if (!(highest <= tolerance_)) return Misfit::Of::corners;
     const Vec3 off = face.outward - outward;
-    if (!(geometry::dot(off, off) <= 1e-18)) return false;
+    if (!(geometry::dot(off, off) <= 1e-18)) return Misfit::Of::normal;
     double patches = 0;
     const bool joint = face.role == Role::joint;
     const auto own = complex_.patches(face);
     for (const Patch& patch : own) {
-      if (patch.neighbour.has_value() != joint || patch.neighbour == face.block) return false;
+      if (patch.neighbour.has_value() != joint || patch.neighbour == face.block) return Misfit::Of::neighbour;
       patches += patch.area.si();
     }
     if (!joint && own.empty()) patches = face.area.si();
     // Nearly always all areas agree to rounding. Else the face is measured from a corner of its own, which is better
     // for small faces, and by what moves of its corners along its rim may do.
     const double measured = geometry::dot(area, outward);
-    if (equal(face.area.si(), measured, 0) && equal(patches, face.area.si(), 0)) return true;
+    if (equal(face.area.si(), measured, 0) && equal(patches, face.area.si(), 0)) return std::nullopt;
     const auto [own_area, rim] = measure_alone(face);
-    return equal(face.area.si(), geometry::dot(own_area, outward), rim) && equal(patches, face.area.si(), rim);
+    if (equal(face.area.si(), geometry::dot(own_area, outward), rim) && equal(patches, face.area.si(), rim)) {
+      return std::nullopt;
+    }
+    return Misfit::Of::area;
   }
 
   /// The sum of a block's face vectors, kept in twice the digits: faces of slivers are small beside the parts that

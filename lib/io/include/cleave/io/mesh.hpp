@@ -56,6 +56,10 @@ struct MeshData {
 /// Vertices at exactly one place become one, vertices no face uses are left out. Faces keep their numbers.
 [[nodiscard]] MeshData welded(const MeshData& mesh);
 
+/// The mesh without the faces that two parts of one block share: groups named `block_4`, `block_4_part_2`, ..., as
+/// cleave writes a block with cavities, cut open. Such a face lies inside the block, so it is no joint.
+[[nodiscard]] MeshData without_faces_between_parts(MeshData mesh);
+
 /// The welded mesh as a closed body; face numbers are those of `mesh`, tags its group names ("surface" for the
 /// nameless).
 [[nodiscard]] std::expected<geometry::Solid, geometry::SolidError> solid_of(const MeshData& mesh);

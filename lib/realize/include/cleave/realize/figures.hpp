@@ -37,6 +37,13 @@ void fields(V& v, const CoarseSnap& x) {
   v("joint", x.joint, "whose side that is");
 }
 template <class V>
+void fields(V& v, const Misfit& x) {
+  v("block", x.block);
+  v("face", x.face, "absent: of the block as a whole");
+  v("of", one_of(name_of(x.of), {"corners", "normal", "neighbour", "area", "volume", "flags", "owner"}),
+    "which figure; corners: off the face's plane, owner: the face is not one of that block");
+}
+template <class V>
 void fields(V& v, const Certificate& x) {
   v("passed", x.passed);
   v("euler_violations", x.euler_violations);
@@ -46,6 +53,7 @@ void fields(V& v, const Certificate& x) {
   v("unpaired_patches", x.unpaired_patches, "joint patches whose area the neighbour does not match");
   v("misfits", x.misfits,
     "faces and blocks whose stored place, areas, volumes or flags are not those of their corners");
+  v("first_misfits", when_any(x.first_misfits), "by block and face, at most 20");
   v("offenders", when_any(x.offenders), "numbers of blocks that did not pass, at most 20");
 }
 template <class V>
@@ -59,6 +67,10 @@ void fields(V& v, const NearMisses& x) {
 template <>
 struct cleave::Sample<cleave::topology::SnappedJoint> {
   static topology::SnappedJoint make() { return {topology::JointId{0U}, {}, false, 0}; }
+};
+template <>
+struct cleave::Sample<cleave::topology::Misfit> {
+  static topology::Misfit make() { return {{}, topology::BlockId{0U}, {}}; }
 };
 
 /// The figures of a run: what is counted, once, when it ends. summary.json, its schema, the console, report.html and

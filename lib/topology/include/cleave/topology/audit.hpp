@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,19 +13,37 @@
 
 namespace cleave::topology {
 
+/// A figure stored with a block or a face that is not that of its corners.
+struct Misfit {
+  enum class Of : std::uint8_t {
+    corners,    ///< the face has none, or they leave its plane
+    normal,     ///< the face looks the wrong way
+    neighbour,  ///< a patch has a neighbour against the face's role, or none, or its own block
+    area,       ///< of the face or of its patches
+    volume,     ///< of the block
+    flags,      ///< fixed, free or truncated
+    owner,      ///< the face is not among those of the block that it names
+  };
+  Of of;
+  BlockId block;
+  std::optional<FaceId> face;  ///< none: of the block as a whole
+  friend bool operator==(const Misfit&, const Misfit&) = default;
+};
+[[nodiscard]] std::string_view name_of(Misfit::Of of) noexcept;
+
 /// The proof that comes with every block system; recomputed from the complex alone, not taken from the cutter.
 struct Certificate {
   bool passed = false;
   std::uint64_t euler_violations = 0;  ///< blocks with an odd or negative genus, or (B1) broken
   std::uint64_t open_shells = 0;       ///< shells with an edge not used once in each direction
   std::uint64_t unpaired_patches = 0;  ///< joint patches whose area is not matched by the neighbour's
-  /// Faces whose corners leave their plane, that look the wrong way, belong to no one block, or whose areas do not add
-  /// up; blocks whose stored volume or flags are not those of their faces.
   std::uint64_t misfits = 0;
-  double face_vector_max_relative = 0;  ///< max over blocks of |sum A_f| / sum |A_f|
-  double volume_relative_error = 0;     ///< |sum of blocks - rock volume| / rock volume
-  Volume volume;                        ///< sum of blocks
-  std::vector<BlockId> offenders;       ///< at most 20
+  std::vector<Misfit> first_misfits = {};  ///< by block and face, at most 20
+  double face_vector_max_relative = 0;     ///< max over blocks of |sum A_f| / sum |A_f|
+  double volume_relative_error = 0;        ///< |sum of blocks - rock volume| / rock volume
+  Volume volume;                           ///< sum of blocks
+  /// Blocks with any of these, those on both sides of a contact that is not matched among them; at most 20.
+  std::vector<BlockId> offenders;
 };
 
 /// What a certificate that did not pass found, and in which blocks; in one line.
