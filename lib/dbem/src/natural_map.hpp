@@ -91,6 +91,10 @@ class PatternSolver final {
 [[nodiscard]] ContactSolution solve_again(const ContactProblem& problem, const SolverOptions& options,
                                           PatternSolver& linear);
 
+/// From the start of the problem, which is nearly an answer, and by what is cheap from there only.
+[[nodiscard]] ContactSolution solve_near(const ContactProblem& problem, const SolverOptions& options,
+                                         PatternSolver& linear);
+
 /// Interior points on convex programmes, one after the other: shows `enough` the answer of each until it says so, up to
 /// `most` factors. Sure and slow; answers are as near as rounding lets a barrier come, a few linear solves short.
 void interior(const ContactProblem& problem, std::size_t most, Work& work, std::size_t& factors,

@@ -73,14 +73,9 @@ class Cascade final {
     const bool wanders = large && problem_.rigid.has_value();
     const double enough = (wanders ? 0.1 : 0.01) * options_.accept;
     if (wanders) {
-      if (warm && take(Tried{problem_.start}, Method::newton) && best_ <= enough) return;
       // Forces that nobody knows yet, of thousands of contacts: sweeps do not carry them through the group.
       if (!warm && problem_.contacts() > 3000 && inside(1000)) return;
-      if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}, enough, options_.patience),
-               Method::continuation) &&
-          best_ <= options_.accept) {
-        return;
-      }
+      if (along_proximal_points(warm ? problem_.start : std::vector<Vec2>{}, enough)) return;
     } else {
       if (!warm && shi()) return;
       // From a warm start a few iterations do or none will.
@@ -99,7 +94,9 @@ class Cascade final {
         return;
       }
     }
-    if (wanders && (swept() || along_path(std::min(quick_look, options_.path)))) return;
+    // From forces that nobody knows a path leads home sooner than sweeps, from the step before sweeps do.
+    const auto look_quickly = [&] { return along_path(std::min(quick_look, options_.path)); };
+    if (wanders && (warm ? swept() || look_quickly() : look_quickly() || swept())) return;
     if (work().over()) return;
     // Rather than cut the step of a large group at once: what made it hard is often there in a shorter one, too.
     if (iterations_ >= options_.patience) {
@@ -131,6 +128,25 @@ class Cascade final {
       sweep(problem_, work(), 0, nowhere, 500, swept.p);
       if (take(swept, Method::continuation) || take(from_here(swept.p, 10), Method::newton)) return;
     }
+  }
+
+  /// What is likely to be enough from a start that is nearly an answer.
+  void run_near() {
+    const bool large = is_large(problem_);
+    const double target = large ? std::max(options_.target, 0.01 * options_.accept) : options_.target;
+    if (large && problem_.rigid) {
+      along_proximal_points(problem_.start, 0.1 * options_.accept);
+    } else {
+      take(newton(linear_, problem_, 0, target, options_.newton_iterations / 6, problem_.start, {}, 1e4),
+           Method::newton);
+    }
+  }
+
+  /// Large groups of rigid bodies: true when an answer was found, the start for one included.
+  bool along_proximal_points(const std::vector<Vec2>& start, double enough) {
+    if (!start.empty() && take(Tried{start}, Method::newton) && best_ <= enough) return true;
+    return take(proximal(linear_, problem_, start, enough, options_.patience), Method::continuation) &&
+           best_ <= options_.accept;
   }
 
   /// Sweeps and proximal points in turns: sweeps find what opens and slips where Newton wanders, proximal points carry
@@ -269,6 +285,12 @@ ContactSolution solve_again(const ContactProblem& problem, const SolverOptions& 
       if (problem.contacts() <= Cascade::most_for_lemke) tries.take(tries.pivot(), Method::lemke);
       break;
   }
+  return tries.finish();
+}
+
+ContactSolution solve_near(const ContactProblem& problem, const SolverOptions& options, PatternSolver& linear) {
+  Cascade tries{linear, problem, options};
+  tries.run_near();
   return tries.finish();
 }
 
