@@ -108,6 +108,9 @@ void turning_path(const ContactProblem& problem, std::size_t most, Work& work, s
 /// Groups whose linear solves are dear.
 [[nodiscard]] inline bool is_large(const ContactProblem& problem) { return problem.contacts() > 150; }
 
+/// Groups of rigid bodies with far more forces than freedoms: plain Newton wanders among them.
+[[nodiscard]] inline bool wanders(const ContactProblem& problem) { return problem.rigid && problem.contacts() > 20; }
+
 /// Pairs of contacts that share a block of W.
 [[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> links_of_contacts(const BlockMatrix& w);
 

@@ -69,13 +69,15 @@ class Cascade final {
       return take(open_close(linear_, problem_, options_.open_close_passes), Method::open_close);
     };
     const std::size_t most = options_.newton_iterations;
-    // Large groups of rigid bodies have far more forces than freedoms: plain Newton wanders among them.
-    const bool wanders = large && problem_.rigid.has_value();
-    const double enough = (wanders ? 0.1 : 0.01) * options_.accept;
-    if (wanders) {
+    const bool wander = wanders(problem_);
+    const double enough = (wander && large ? 0.1 : 0.01) * options_.accept;
+    if (wander) {
       // Forces that nobody knows yet, of thousands of contacts: sweeps do not carry them through the group.
       if (!warm && problem_.contacts() > 3000 && inside(1000)) return;
-      if (along_proximal_points(warm ? problem_.start : std::vector<Vec2>{}, enough)) return;
+      if (along_proximal_points(warm ? problem_.start : std::vector<Vec2>{}, enough)) {
+        if (!large) take(from_here(p_, 5), Method::continuation);  // the last digits
+        return;
+      }
     } else {
       if (!warm && shi()) return;
       // From a warm start a few iterations do or none will.
@@ -96,19 +98,19 @@ class Cascade final {
     }
     // From forces that nobody knows a path leads home sooner than sweeps, from the step before sweeps do.
     const auto look_quickly = [&] { return along_path(std::min(quick_look, options_.path)); };
-    if (wanders && (warm ? swept() || look_quickly() : look_quickly() || swept())) return;
+    if (wander && (warm ? swept() || look_quickly() : look_quickly() || swept())) return;
     if (work().over()) return;
     // Rather than cut the step of a large group at once: what made it hard is often there in a shorter one, too.
     if (iterations_ >= options_.patience) {
-      if (large && !inside(wanders ? 150 : 1000)) along_path(options_.path);
+      if (large && !inside(wander ? 150 : 1000)) along_path(options_.path);
       return;
     }
     // What else there is needs thousands of linear solves there, and never got home.
-    if (wanders && problem_.contacts() > 300) {
+    if (wander && problem_.contacts() > 300) {
       if (!inside(options_.path > 0 ? 150 : 1000)) along_path(options_.path);
       return;
     }
-    if (wanders && shi()) return;
+    if (wander && shi()) return;
     if (take(from_here({}, most), Method::newton)) return;
     if (warm && take(proximal(linear_, problem_, {}, enough, options_.patience), Method::continuation)) return;
     for (const double factor : {10.0, 3.0, 1.5}) {
@@ -134,15 +136,15 @@ class Cascade final {
   void run_near() {
     const bool large = is_large(problem_);
     const double target = large ? std::max(options_.target, 0.01 * options_.accept) : options_.target;
-    if (large && problem_.rigid) {
-      along_proximal_points(problem_.start, 0.1 * options_.accept);
+    if (wanders(problem_)) {
+      along_proximal_points(problem_.start, (large ? 0.1 : 0.01) * options_.accept);
     } else {
       take(newton(linear_, problem_, 0, target, options_.newton_iterations / 6, problem_.start, {}, 1e4),
            Method::newton);
     }
   }
 
-  /// Large groups of rigid bodies: true when an answer was found, the start for one included.
+  /// Groups that wander: true when an answer was found, the start for one included.
   bool along_proximal_points(const std::vector<Vec2>& start, double enough) {
     if (!start.empty() && take(Tried{start}, Method::newton) && best_ <= enough) return true;
     return take(proximal(linear_, problem_, start, enough, options_.patience), Method::continuation) &&
