@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <span>
@@ -110,6 +111,12 @@ void turning_path(const ContactProblem& problem, std::size_t most, Work& work, s
 
 /// Groups of rigid bodies with far more forces than freedoms: plain Newton wanders among them.
 [[nodiscard]] inline bool wanders(const ContactProblem& problem) { return problem.rigid && problem.contacts() > 20; }
+
+/// Without it the law is one convex programme.
+[[nodiscard]] inline bool has_friction(const ContactProblem& problem) {
+  const auto any = [](const std::vector<double>& of) { return std::ranges::any_of(of, [](double x) { return x > 0; }); };
+  return any(problem.mu) || any(problem.cohesion);
+}
 
 /// Pairs of contacts that share a block of W.
 [[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> links_of_contacts(const BlockMatrix& w);

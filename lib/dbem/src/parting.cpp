@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tries.hpp"
@@ -11,6 +12,10 @@ namespace {
 /// Compliance of contacts that part bodies, over their own. Where there is no room to part (a body wedged between
 /// others) a penetration stays, and the harder the contacts the longer it takes to find that out.
 constexpr double parting_softness = 1e-4;
+
+/// Gaps count up to this many times the deepest penetration: no body is moved so far, and an answer is judged by the
+/// largest gap there is.
+constexpr double far_away = 100;
 
 /// Sweeps that leave at most half of the deepest penetration; empty when they do not.
 std::vector<Vec2> swept_apart(const ContactProblem& problem, Work& work, int sweeps) {
@@ -34,20 +39,21 @@ constexpr std::size_t dear = 600;
 /// a step.
 constexpr double harmless = 1e-7;
 
-/// Impulses that part bodies, empty when none were found: a convex programme. Newton nearly always gets home and leaves
-/// a millionth of a penetration, the interior-point solver does where it stagnates. In very large groups both are dear
-/// and a few sweeps part nearly as well; where those do not (a body wedged between others), only what is `deep` is
-/// worth more.
+/// Impulses that part bodies, empty when none were found: a convex programme. Newton nearly always gets home, the
+/// interior-point solver does where it stagnates. In very large groups both are dear and a few sweeps part nearly as
+/// well; where those do not (a body wedged between others), only what is `deep` is worth more, and Newton stagnates.
 std::vector<Vec2> least_move(const ContactProblem& problem, Work& work, bool deep, SolverOptions how,
                              std::size_t& solves) {
   if (problem.contacts() > dear) {
     std::vector<Vec2> found = swept_apart(problem, work, 100);
     if (!found.empty() || !deep) return found;
   }
-  how.accept = std::max(how.accept, 1e-6);
+  how.accept = std::max(how.accept, problem.contacts() > dear ? 1e-4 : 1e-6);
   how.target = 1e-2 * how.accept;
   how.newton_iterations = 30;
-  for (const Method method : {Method::newton, Method::interior}) {
+  std::array methods{Method::newton, Method::interior};
+  if (problem.contacts() > dear) std::ranges::reverse(methods);
+  for (const Method method : methods) {
     how.method = method;
     PatternSolver linear{work};
     ContactSolution found = solve_again(problem, how, linear);
@@ -171,6 +177,8 @@ ContactProblem World::Impl::parting_problem(const std::vector<Touch>& list, cons
                                             const Rows& rows) const {
   const std::size_t m = island.touches.size();
   ContactProblem problem;
+  double deepest = 0;
+  for (const std::uint32_t k : island.touches) deepest = std::max(deepest, -list[k].gap);
   problem.w = delassus(rows, 1, 1, true);
   problem.mu.assign(m, 0.0);
   problem.cohesion.assign(m, 0.0);
@@ -180,7 +188,8 @@ ContactProblem World::Impl::parting_problem(const std::vector<Touch>& list, cons
     d.xx *= 1 + parting_softness;
     d.yy *= 1 + parting_softness;
     const Touch& t = list[island.touches[k]];
-    problem.b.push_back({law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap, 0});
+    const double gap = law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap;
+    problem.b.push_back({std::min(gap, far_away * deepest), 0});
   }
   problem.rigid = rigid_form(rows, island, true);
   return problem;

@@ -98,8 +98,12 @@ class Cascade final {
     }
     // From forces that nobody knows a path leads home sooner than sweeps, from the step before sweeps do.
     const auto look_quickly = [&] { return along_path(std::min(quick_look, options_.path)); };
-    if (wander && (warm ? swept() || look_quickly() : look_quickly() || swept())) return;
+    const bool patient = options_.patience == SolverOptions{}.patience;
+    const std::size_t rounds = patient || !warm ? 12 : 2;
+    if (wander && (warm ? swept(rounds) || look_quickly() : look_quickly() || swept(rounds))) return;
     if (work().over()) return;
+    // Shorter steps from known forces are cheaper than all that follows.
+    if (wander && warm && !patient) return;
     // Rather than cut the step of a large group at once: what made it hard is often there in a shorter one, too.
     if (iterations_ >= options_.patience) {
       if (large && !inside(wander ? 150 : 1000)) along_path(options_.path);
@@ -153,8 +157,7 @@ class Cascade final {
 
   /// Sweeps and proximal points in turns: sweeps find what opens and slips where Newton wanders, proximal points carry
   /// forces through the group, which takes sweeps for ever.
-  bool swept() {
-    constexpr std::size_t most = 12;
+  bool swept(std::size_t most) {
     constexpr int sweeps = 1200;
     const double enough = 0.1 * options_.accept;
     const std::vector<Vec2> nowhere(p_.size());
@@ -187,9 +190,10 @@ class Cascade final {
       // A large group is tried from near answers only. Patience does not end here: nothing else is likelier to help.
       if (is_large(problem_) && judge(problem_, p).residual > 1e-6) {
         take(std::move(here), Method::interior);
+        if (best_ <= options_.accept) return true;
         // Now and then sweeps lead on from there.
         ++programmes;
-        if (!problem_.rigid || !std::has_single_bit(programmes)) return false;
+        if (!problem_.rigid || !has_friction(problem_) || !std::has_single_bit(programmes)) return false;
         std::vector<Vec2> turn = p;
         sweep(problem_, work(), 0, turn, 400, turn);
         return (take(Tried{turn}, Method::interior) && best_ <= options_.accept) ||
