@@ -48,7 +48,7 @@ std::vector<Vec2> least_move(const ContactProblem& problem, Work& work, bool dee
     std::vector<Vec2> found = swept_apart(problem, work, 100);
     if (!found.empty() || !deep) return found;
   }
-  how.accept = std::max(how.accept, problem.contacts() > dear ? 1e-4 : 1e-6);
+  how.accept = std::max(how.accept, problem.contacts() > dear ? 1e-3 : 1e-6);
   how.target = 1e-2 * how.accept;
   how.newton_iterations = 30;
   std::array methods{Method::newton, Method::interior};
@@ -173,12 +173,11 @@ double World::Impl::slow_down(const Island& island, const Rows& rows, double wan
 }
 
 /// The least move in the norm of the masses that leaves no gap negative, as a contact problem without friction.
-ContactProblem World::Impl::parting_problem(const std::vector<Touch>& list, const Island& island,
-                                            const Rows& rows) const {
-  const std::size_t m = island.touches.size();
+ContactProblem World::Impl::parting_problem(const Island& island, const Rows& rows,
+                                            const std::vector<double>& gaps) const {
+  const std::size_t m = gaps.size();
   ContactProblem problem;
-  double deepest = 0;
-  for (const std::uint32_t k : island.touches) deepest = std::max(deepest, -list[k].gap);
+  const double deepest = -std::ranges::min(gaps);
   problem.w = delassus(rows, 1, 1, true);
   problem.mu.assign(m, 0.0);
   problem.cohesion.assign(m, 0.0);
@@ -187,9 +186,7 @@ ContactProblem World::Impl::parting_problem(const std::vector<Touch>& list, cons
     bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
     d.xx *= 1 + parting_softness;
     d.yy *= 1 + parting_softness;
-    const Touch& t = list[island.touches[k]];
-    const double gap = law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap;
-    problem.b.push_back({std::min(gap, far_away * deepest), 0});
+    problem.b.push_back({std::min(gaps[k], far_away * deepest), 0});
   }
   problem.rigid = rigid_form(rows, island, true);
   return problem;
@@ -231,20 +228,25 @@ void World::Impl::keep_angular_momentum(const Island& island, double turned, Sta
 }
 
 /// Parts one group; false: nothing to do, or left for the next step.
-bool World::Impl::part_group(Island& island, Attempt& out, Work& work) const {
+bool World::Impl::part_group(Island& island, Attempt& out, const std::vector<Clash>& clashes, Work& work) const {
   std::erase_if(island.touches, [&](std::uint32_t k) {
     const auto held = [&](std::uint32_t b) { return shapes[b].inverse_x + shapes[b].inverse_y <= 0; };
     return held(out.touches[k].i) && held(out.touches[k].j);
   });
   double deepest = 0;  // over the smaller feature
+  std::vector<double> gaps;
   for (const std::uint32_t k : island.touches) {
     const Touch& t = out.touches[k];
-    if (law_of(t).compliance > 0) continue;
-    deepest = std::max(deepest, -t.gap / std::min(shapes[t.i].feature, shapes[t.j].feature));
+    // Behind a line beside the corner it ends in is not inside: only what shares space is parted.
+    const BodyPair pair{std::min(t.i, t.j), std::max(t.i, t.j)};
+    const auto at = std::ranges::lower_bound(clashes, pair, {}, &Clash::pair);
+    const bool inside = at != clashes.end() && at->pair == pair && law_of(t).compliance <= 0;
+    gaps.push_back(inside ? t.gap : std::max(t.gap, 0.0));
+    deepest = std::max(deepest, -gaps.back() / std::min(shapes[t.i].feature, shapes[t.j].feature));
   }
   if (deepest <= contact_depth) return false;
   const Rows rows = rows_of(out.touches, island, out.state);
-  const ContactProblem problem = parting_problem(out.touches, island, rows);
+  const ContactProblem problem = parting_problem(island, rows, gaps);
   const std::vector<Vec2> impulse = least_move(problem, work, deepest > harmless, options.solver, out.report.parting);
   if (impulse.empty()) return false;
   State shift;
@@ -274,10 +276,10 @@ bool World::Impl::part_group(Island& island, Attempt& out, Work& work) const {
 }
 
 /// Parts penetrating bodies. Positions only, but for what keeps energy and angular momentum.
-bool World::Impl::project(Attempt& out, Work& work) const {
+bool World::Impl::project(Attempt& out, const std::vector<Clash>& clashes, Work& work) const {
   bool moved = false;
   for (Island& island : islands_of(out.touches)) {
-    const bool parted = part_group(island, out, work);
+    const bool parted = part_group(island, out, clashes, work);
     moved = moved || parted;
   }
   if (moved) place_all(out.state, out.corners, out.boxes);

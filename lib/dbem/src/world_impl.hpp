@@ -250,10 +250,12 @@ struct World::Impl {
   void accept(Attempt&& done);
 
   // parting.cpp
-  bool project(Attempt& out, Work& work) const;  // false: nothing could be parted
-  bool part_group(Island& island, Attempt& out, Work& work) const;
-  [[nodiscard]] ContactProblem parting_problem(const std::vector<Touch>& list, const Island& island,
-                                               const Rows& rows) const;
+  /// False: nothing could be parted. Only pairs of `clashes` count as penetrating.
+  bool project(Attempt& out, const std::vector<Clash>& clashes, Work& work) const;
+  bool part_group(Island& island, Attempt& out, const std::vector<Clash>& clashes, Work& work) const;
+  /// `gaps` of the group's contacts.
+  [[nodiscard]] ContactProblem parting_problem(const Island& island, const Rows& rows,
+                                               const std::vector<double>& gaps) const;
   void keep_angular_momentum(const Island& island, double turned, State& at) const;
   double slow_down(const Island& island, const Rows& rows, double wanted, State& at) const;
   bool add_missed(const Attempt& out, const std::vector<Clash>& clashes, std::vector<Touch>& list) const;
