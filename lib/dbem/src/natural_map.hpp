@@ -114,8 +114,8 @@ void turning_path(const ContactProblem& problem, std::size_t most, Work& work, s
 
 /// Without it the law is one convex programme.
 [[nodiscard]] inline bool has_friction(const ContactProblem& problem) {
-  const auto any = [](const std::vector<double>& of) { return std::ranges::any_of(of, [](double x) { return x > 0; }); };
-  return any(problem.mu) || any(problem.cohesion);
+  const auto positive = [](double x) { return x > 0; };
+  return std::ranges::any_of(problem.mu, positive) || std::ranges::any_of(problem.cohesion, positive);
 }
 
 /// Pairs of contacts that share a block of W.
