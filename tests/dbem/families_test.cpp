@@ -69,6 +69,16 @@ TEST(OverlapSceneTest, ACornerOnTheCornerOfASleeperWakesIt) {
   }
 }
 
+// A tip in a side, and at the same height a long side that touches elsewhere: the tip's depth was spread over both.
+TEST(ClashTest, ATipInsideIsNotLostBesideASideThatTouches) {
+  const std::vector<Vec2> block = rectangle(0, 0, 1, 1);
+  const std::vector<Vec2> clamp{{-1, 0},    {1e-10, 0}, {1e-10, 1.5}, {1.5, 1.5}, {1.5, 0.6}, {1 - 1e-5, 0.5},
+                                {1.5, 0.4}, {1.5, 0},   {2, 0},       {2, 2},     {-1, 2}};
+  const double depth = clash_depth({block, box_of(block), true}, {clamp, box_of(clamp), false}, 1e-12);
+  EXPECT_GT(depth, 1e-6);
+  EXPECT_LT(depth, 1e-5);
+}
+
 // A corner that rests on the corner of a sleeping block and is pushed in later comes in by less than what counts as
 // touching: nothing but the contact that came up on the way tells that the block must wake.
 TEST(OverlapSceneTest, ACornerPushedOntoTheCornerOfASleeperWakesIt) {

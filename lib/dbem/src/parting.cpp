@@ -17,6 +17,9 @@ constexpr double parting_softness = 1e-4;
 /// largest gap there is.
 constexpr double far_away = 100;
 
+/// Overlaps below this share of a gap are not what the gap tells of.
+constexpr double far_less = 1e-2;
+
 /// Sweeps that leave at most half of the deepest penetration; empty when they do not.
 std::vector<Vec2> swept_apart(const ContactProblem& problem, Work& work, int sweeps) {
   const std::vector<Vec2> nowhere(problem.contacts());
@@ -81,7 +84,7 @@ std::vector<Clash> World::Impl::clashes_of(Attempt& out) {
     const double rounding = contact_depth * feature;
     const double depth = clash_depth(solid(pair.a), solid(pair.b), rounding);
     out.report.max_penetration = std::max(out.report.max_penetration, depth);
-    if (depth > rounding) found.push_back({pair, depth, std::max(options.overlap * feature, 2 * rounding)});
+    if (depth > 0) found.push_back({pair, depth, std::max(options.overlap * feature, 2 * rounding)});
   }
   return found;
 }
@@ -237,10 +240,11 @@ bool World::Impl::part_group(Island& island, Attempt& out, const std::vector<Cla
   std::vector<double> gaps;
   for (const std::uint32_t k : island.touches) {
     const Touch& t = out.touches[k];
-    // Behind a line beside the corner it ends in is not inside: only what shares space is parted.
+    // Behind a line beside the corner it ends in is not inside: what shares far less space is not parted by it.
     const BodyPair pair{std::min(t.i, t.j), std::max(t.i, t.j)};
     const auto at = std::ranges::lower_bound(clashes, pair, {}, &Clash::pair);
-    const bool inside = at != clashes.end() && at->pair == pair && law_of(t).compliance <= 0;
+    const bool inside =
+        at != clashes.end() && at->pair == pair && at->depth > far_less * -t.gap && law_of(t).compliance <= 0;
     gaps.push_back(inside ? t.gap : std::max(t.gap, 0.0));
     deepest = std::max(deepest, -gaps.back() / std::min(shapes[t.i].feature, shapes[t.j].feature));
   }
