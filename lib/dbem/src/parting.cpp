@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "tries.hpp"
 #include "world_impl.hpp"
@@ -12,10 +13,6 @@ namespace {
 /// Compliance of contacts that part bodies, over their own. Where there is no room to part (a body wedged between
 /// others) a penetration stays, and the harder the contacts the longer it takes to find that out.
 constexpr double parting_softness = 1e-4;
-
-/// Gaps count up to this many times the deepest penetration: no body is moved so far, and an answer is judged by the
-/// largest gap there is.
-constexpr double far_away = 100;
 
 /// Overlaps below this share of a gap are not what the gap tells of.
 constexpr double far_less = 1e-2;
@@ -38,6 +35,10 @@ std::vector<Vec2> swept_apart(const ContactProblem& problem, Work& work, int swe
 
 /// Groups of more contacts than this are parted by sweeps where those do.
 constexpr std::size_t dear = 600;
+/// Gaps of such a group count up to this many times the deepest penetration: no body is moved so far, and an answer is
+/// judged by the largest gap there is.
+constexpr double far_away = 100;
+
 /// Penetrations, over the smaller feature, that such a group keeps where sweeps do not part them: a tenth of what fails
 /// a step.
 constexpr double harmless = 1e-7;
@@ -180,7 +181,7 @@ ContactProblem World::Impl::parting_problem(const Island& island, const Rows& ro
                                             const std::vector<double>& gaps) const {
   const std::size_t m = gaps.size();
   ContactProblem problem;
-  const double deepest = -std::ranges::min(gaps);
+  const double farthest = m > dear ? -far_away * std::ranges::min(gaps) : std::numeric_limits<double>::infinity();
   problem.w = delassus(rows, 1, 1, true);
   problem.mu.assign(m, 0.0);
   problem.cohesion.assign(m, 0.0);
@@ -189,7 +190,7 @@ ContactProblem World::Impl::parting_problem(const Island& island, const Rows& ro
     bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
     d.xx *= 1 + parting_softness;
     d.yy *= 1 + parting_softness;
-    problem.b.push_back({std::min(gaps[k], far_away * deepest), 0});
+    problem.b.push_back({std::min(gaps[k], farthest), 0});
   }
   problem.rigid = rigid_form(rows, island, true);
   return problem;
