@@ -99,21 +99,6 @@ TEST(OverlapSceneTest, ACornerPushedOntoTheCornerOfASleeperWakesIt) {
   EXPECT_LT(world.velocity(1).x, -1e-7);  // it is pushed along
 }
 
-// The tip of a block slides down a tip. Its corner soon lies behind the line of the other side of what it slid off,
-// outside of all: it was parted from that line by a nanometre, again and again, and lost its speed each time.
-TEST(OverlapSceneTest, WhatLiesBehindALineBesideItsCornerIsNotParted) {
-  const std::vector<Body> bodies{fixed("floor", rectangle(-20, -1, 40, 1)),
-                                 fixed("tip", {{-0.5, 0}, {0.5, 0}, {0.5, 1}, {0, 2}, {-0.5, 1}}),
-                                 block("on its tip", {{0, 2 + 1e-9}, {0.5, 2.5 + 1e-9}, {-0.5, 2.5 + 1e-9}})};
-  World world = make(bodies, law(1), {.gravity = {0.2 * g, -g}, .step = 1e-4});
-  const double start = world.energy().total();
-  run(world, 0.2);
-  // Without the turn: (1.2 - 0.8) g / sqrt(2) along the side.
-  EXPECT_GT(norm(world.velocity(2)), 0.9 * 0.4 * g / std::sqrt(2.0) * 0.2);
-  EXPECT_LT(world.energy().projected, 1e-9 * world.mass(2) * g);
-  EXPECT_LT(world.energy().total(), start);
-}
-
 // Parting bodies of a free group that slide past each other must keep their angular momentum, and did so by a spin that
 // brought in 10^-5 of the energy.
 TEST(ContactEnergyTest, PartingAFreeGroupBringsInNoEnergy) {

@@ -14,9 +14,6 @@ namespace {
 /// others) a penetration stays, and the harder the contacts the longer it takes to find that out.
 constexpr double parting_softness = 1e-4;
 
-/// Overlaps below this share of a gap are not what the gap tells of.
-constexpr double far_less = 1e-2;
-
 /// Sweeps that leave at most half of the deepest penetration; empty when they do not.
 std::vector<Vec2> swept_apart(const ContactProblem& problem, Work& work, int sweeps) {
   const std::vector<Vec2> nowhere(problem.contacts());
@@ -85,7 +82,7 @@ std::vector<Clash> World::Impl::clashes_of(Attempt& out) {
     const double rounding = contact_depth * feature;
     const double depth = clash_depth(solid(pair.a), solid(pair.b), rounding);
     out.report.max_penetration = std::max(out.report.max_penetration, depth);
-    if (depth > 0) found.push_back({pair, depth, std::max(options.overlap * feature, 2 * rounding)});
+    if (depth > rounding) found.push_back({pair, depth, std::max(options.overlap * feature, 2 * rounding)});
   }
   return found;
 }
@@ -232,7 +229,7 @@ void World::Impl::keep_angular_momentum(const Island& island, double turned, Sta
 }
 
 /// Parts one group; false: nothing to do, or left for the next step.
-bool World::Impl::part_group(Island& island, Attempt& out, const std::vector<Clash>& clashes, Work& work) const {
+bool World::Impl::part_group(Island& island, Attempt& out, Work& work) const {
   std::erase_if(island.touches, [&](std::uint32_t k) {
     const auto held = [&](std::uint32_t b) { return shapes[b].inverse_x + shapes[b].inverse_y <= 0; };
     return held(out.touches[k].i) && held(out.touches[k].j);
@@ -241,12 +238,7 @@ bool World::Impl::part_group(Island& island, Attempt& out, const std::vector<Cla
   std::vector<double> gaps;
   for (const std::uint32_t k : island.touches) {
     const Touch& t = out.touches[k];
-    // Behind a line beside the corner it ends in is not inside: what shares far less space is not parted by it.
-    const BodyPair pair{std::min(t.i, t.j), std::max(t.i, t.j)};
-    const auto at = std::ranges::lower_bound(clashes, pair, {}, &Clash::pair);
-    const bool inside =
-        at != clashes.end() && at->pair == pair && at->depth > far_less * -t.gap && law_of(t).compliance <= 0;
-    gaps.push_back(inside ? t.gap : std::max(t.gap, 0.0));
+    gaps.push_back(law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap);
     deepest = std::max(deepest, -gaps.back() / std::min(shapes[t.i].feature, shapes[t.j].feature));
   }
   if (deepest <= contact_depth) return false;
@@ -281,10 +273,10 @@ bool World::Impl::part_group(Island& island, Attempt& out, const std::vector<Cla
 }
 
 /// Parts penetrating bodies. Positions only, but for what keeps energy and angular momentum.
-bool World::Impl::project(Attempt& out, const std::vector<Clash>& clashes, Work& work) const {
+bool World::Impl::project(Attempt& out, Work& work) const {
   bool moved = false;
   for (Island& island : islands_of(out.touches)) {
-    const bool parted = part_group(island, out, clashes, work);
+    const bool parted = part_group(island, out, work);
     moved = moved || parted;
   }
   if (moved) place_all(out.state, out.corners, out.boxes);

@@ -87,7 +87,7 @@ void Trial::note_loads() {
 }
 
 void Trial::part() {
-  for (int pass = 0; pass < 3 && w_.project(out_, clashes_, work_); ++pass) {
+  for (int pass = 0; pass < 3 && w_.project(out_, work_); ++pass) {
     double limit_again = 0;
     const double plan = std::max(w_.next_step, step_);
     w_.find(out_.state, out_.corners, out_.boxes, plan, out_.touches, out_.choices, limit_again);

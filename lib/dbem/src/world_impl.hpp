@@ -250,9 +250,9 @@ struct World::Impl {
   void accept(Attempt&& done);
 
   // parting.cpp
-  /// False: nothing could be parted. Only pairs of `clashes` count as penetrating.
-  bool project(Attempt& out, const std::vector<Clash>& clashes, Work& work) const;
-  bool part_group(Island& island, Attempt& out, const std::vector<Clash>& clashes, Work& work) const;
+  /// False: nothing could be parted.
+  bool project(Attempt& out, Work& work) const;
+  bool part_group(Island& island, Attempt& out, Work& work) const;
   /// `gaps` of the group's contacts.
   [[nodiscard]] ContactProblem parting_problem(const Island& island, const Rows& rows,
                                                const std::vector<double>& gaps) const;
