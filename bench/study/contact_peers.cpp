@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cleave/core/rng.hpp"
 #include "cleave/dbem/world.hpp"
 #include "study.hpp"
 
@@ -26,6 +27,8 @@
 // slider: 1 x 0.5 m on 30 degrees, friction 20; error of the way after 0.8 s, closed form.
 // stack:  20 blocks of 1 m; largest displacement after 2 s over the side: it should not move.
 // arch:   12 stones, radius 10 m, 1.12 m thick; largest displacement after 2 s over the thickness: it should not move.
+// falling: 1,000 boxes of 1 m, turned at random, fall side by side in five layers and settle for 2 s; the deepest
+//         overlap at the end over the side: nothing should be inside anything.
 
 namespace cleave::study {
 namespace {
@@ -81,10 +84,55 @@ Case arch(int stones) {
   return out;
 }
 
-/// Displacements of the centroids of what moves.
-using Answer = std::vector<Vec2>;
+Case falling(int count) {
+  const double pitch = 1.6;
+  const int across = count / 5;
+  const double width = pitch * across;
+  Case out{"falling",
+           {{box({-2, -1}, width + 4, 1), true}, {box({-2, 0}, 1, 20), true}, {box({width + 1, 0}, 1, 20), true}},
+           0.5,
+           2};
+  Rng rng{1};
+  for (int k = 0; k < count; ++k) {
+    const Vec2 middle{pitch * (k % across) + 0.8 + 0.1 * (rng.uniform() - 0.5), 1 + 1.5 * (k / across)};
+    const double angle = std::numbers::pi * rng.uniform();
+    out.pieces.push_back({box(middle - rotated(Vec2{0.5, 0.5}, angle), 1, 1, angle), false});
+  }
+  return out;
+}
 
-double error_of(const Case& problem, const Answer& moved) {
+struct Answer {
+  std::vector<Vec2> moved;                    ///< displacements of the centroids of what moves
+  std::vector<std::vector<Vec2>> outlines{};  ///< of all pieces at the end
+};
+
+/// How far the second polygon reaches behind the side of the first that it is least behind; both are convex.
+double depth_behind_sides(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
+  double least = 1e300;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const Vec2 along = a[(k + 1) % a.size()] - a[k];
+    double deepest = -1e300;
+    for (const Vec2 p : b) deepest = std::max(deepest, -dot(turned_right(along), p - a[k]) / norm(along));
+    least = std::min(least, deepest);
+  }
+  return least;
+}
+
+double deepest_overlap(const std::vector<std::vector<Vec2>>& outlines) {
+  double worst = 0;
+  for (std::size_t a = 0; a < outlines.size(); ++a) {
+    for (std::size_t b = a + 1; b < outlines.size(); ++b) {
+      const double depth =
+          std::min(depth_behind_sides(outlines[a], outlines[b]), depth_behind_sides(outlines[b], outlines[a]));
+      worst = std::max(worst, depth);
+    }
+  }
+  return worst;
+}
+
+double error_of(const Case& problem, const Answer& answer) {
+  const std::vector<Vec2>& moved = answer.moved;
+  if (problem.name == "falling") return deepest_overlap(answer.outlines);
   if (problem.name == "slider") {
     const double exact =
         9.81 / 2 * (std::sin(30 * degree) - std::cos(30 * degree) * problem.friction) * problem.end * problem.end;
@@ -116,7 +164,8 @@ std::optional<Answer> by_cleave(const Case& problem, double step) {
   }
   Answer out;
   for (std::size_t b = 0; b < problem.pieces.size(); ++b) {
-    if (!problem.pieces[b].fixed) out.push_back(world->displacement(b));
+    if (!problem.pieces[b].fixed) out.moved.push_back(world->displacement(b));
+    out.outlines.push_back(world->outline(b));
   }
   return out;
 }
@@ -124,7 +173,7 @@ std::optional<Answer> by_cleave(const Case& problem, double step) {
 #ifdef CLEAVE_HAS_BOX2D
 Answer by_box2d(const Case& problem, double step, int velocity_iterations, int position_iterations) {
   b2World world{b2Vec2{0, -9.81F}};
-  std::vector<b2Body*> moving;  // owned by the world
+  std::vector<b2Body*> moving, all;  // owned by the world
   std::vector<b2Vec2> start;
   for (const Piece& piece : problem.pieces) {
     b2BodyDef definition;
@@ -139,6 +188,7 @@ Answer by_box2d(const Case& problem, double step, int velocity_iterations, int p
     fixture.density = 2000;
     fixture.friction = static_cast<float>(problem.friction);
     body->CreateFixture(&fixture);
+    all.push_back(body);
     if (piece.fixed) continue;
     moving.push_back(body);
     start.push_back(body->GetWorldCenter());
@@ -148,7 +198,14 @@ Answer by_box2d(const Case& problem, double step, int velocity_iterations, int p
   Answer out;
   for (std::size_t b = 0; b < moving.size(); ++b) {
     const b2Vec2 u = moving[b]->GetWorldCenter() - start[b];
-    out.push_back({static_cast<double>(u.x), static_cast<double>(u.y)});
+    out.moved.push_back({static_cast<double>(u.x), static_cast<double>(u.y)});
+  }
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    std::vector<Vec2>& outline = out.outlines.emplace_back();
+    for (const Vec2 p : problem.pieces[b].corners) {
+      const b2Vec2 now = all[b]->GetWorldPoint(b2Vec2{static_cast<float>(p.x), static_cast<float>(p.y)});
+      outline.push_back({static_cast<double>(now.x), static_cast<double>(now.y)});
+    }
   }
   return out;
 }
@@ -199,7 +256,7 @@ void order(Study& study) {
 
 void body(Study& study) {
   order(study);
-  const std::vector<Case> cases{slider(), stack(study.quick() ? 5 : 20), arch(12)};
+  const std::vector<Case> cases{slider(), stack(study.quick() ? 5 : 20), arch(12), falling(study.quick() ? 100 : 1000)};
   std::vector<double> steps{0.02, 0.01, 0.005, 0.0025};
   if (!study.quick()) steps.push_back(0.00125);
   Plot plot{"Rigid blocks in contact: error against time", "processor time (s)", "error, relative", {}};
@@ -207,6 +264,7 @@ void body(Study& study) {
     Series own{problem.name + " cleave", {}, true, false};
     Series peer{problem.name + " Box2D", {}, true, false};
     for (const double step : steps) {
+      if (problem.name == "falling" && step != 0.01) continue;  // tens of seconds otherwise
       std::optional<Answer> answer;
       const Cost cost = study.measure([&] { answer = by_cleave(problem, step); });
       Row row{problem.name, "cleave", words(step), std::nullopt, cost, std::nullopt, Status::stopped};

@@ -69,6 +69,36 @@ TEST(OverlapSceneTest, ACornerOnTheCornerOfASleeperWakesIt) {
   }
 }
 
+// A tip in a side, and at the same height a long side that touches elsewhere: the tip's depth was spread over both.
+TEST(ClashTest, ATipInsideIsNotLostBesideASideThatTouches) {
+  const std::vector<Vec2> block = rectangle(0, 0, 1, 1);
+  const std::vector<Vec2> clamp{{-1, 0},    {1e-10, 0}, {1e-10, 1.5}, {1.5, 1.5}, {1.5, 0.6}, {1 - 1e-5, 0.5},
+                                {1.5, 0.4}, {1.5, 0},   {2, 0},       {2, 2},     {-1, 2}};
+  const double depth = clash_depth({block, box_of(block), true}, {clamp, box_of(clamp), false}, 1e-12);
+  EXPECT_GT(depth, 1e-6);
+  EXPECT_LT(depth, 1e-5);
+}
+
+// A corner that rests on the corner of a sleeping block and is pushed in later comes in by less than what counts as
+// touching: nothing but the contact that came up on the way tells that the block must wake.
+TEST(OverlapSceneTest, ACornerPushedOntoTheCornerOfASleeperWakesIt) {
+  std::vector<Body> bodies{block("beside", rectangle(-1, 0, 1, 1)), block("sleeper", rectangle(0, 0, 1, 1)),
+                           block("pushed", rectangle(1, 1, 1, 1))};
+  bodies[2].forces.push_back({{1.5, 1.5}, {-1.3, -1.3}, [](double t) { return t < 0.05 ? 0.0 : 1.0; }, false});
+  World world = make(bodies, law(0.5), {.gravity = {0, 0}, .step = 1e-3});
+  bool slept = false, woke = false;
+  while (world.time() < 0.0595) {
+    ASSERT_TRUE(world.step().has_value());
+    ASSERT_TRUE(!world.asleep(1) || world.velocity(1) == Vec2{}) << world.time();
+    slept = slept || world.asleep(1);
+    woke = woke || (slept && !world.asleep(1));
+  }
+  EXPECT_TRUE(slept);
+  EXPECT_TRUE(woke);
+  EXPECT_NEAR(world.momentum().x, -1.3 * 0.01, 1e-12);
+  EXPECT_LT(world.velocity(1).x, -1e-7);  // it is pushed along
+}
+
 // Parting bodies of a free group that slide past each other must keep their angular momentum, and did so by a spin that
 // brought in 10^-5 of the energy.
 TEST(ContactEnergyTest, PartingAFreeGroupBringsInNoEnergy) {

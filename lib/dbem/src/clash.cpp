@@ -43,13 +43,13 @@ std::vector<Segment> segments_between(std::span<const Vec2> corners, double low,
   return out;
 }
 
-/// Where the level y runs inside: ends of intervals, in order.
-void cross_level(const std::vector<Segment>& of, double y, std::vector<double>& out) {
+/// Sides that the level y crosses, from left to right: in and out in turn.
+void cross_level(const std::vector<Segment>& of, double y, std::vector<Segment>& out) {
   out.clear();
   for (const Segment& s : of) {
-    if (s.low.y <= y && y < s.high.y) out.push_back(s.x_at(y));
+    if (s.low.y <= y && y < s.high.y) out.push_back(s);
   }
-  std::ranges::sort(out);
+  std::ranges::sort(out, {}, [y](const Segment& s) { return s.x_at(y); });
 }
 
 /// Levels between which no side begins, ends or crosses another.
@@ -78,38 +78,67 @@ std::vector<double> levels_of(const std::vector<Segment>& a, const std::vector<S
   return levels;
 }
 
+/// A connected part of what two bodies share, up to some level.
+struct SharedPart {
+  double area = 0;
+  Box extent;
+  double left = 0, right = 0;  // at that level
+  [[nodiscard]] double depth() const { return area / norm(extent.high - extent.low); }
+};
+
+/// What lies between two sides and two levels.
+SharedPart between(const Segment& left, const Segment& right, double y0, double y1) {
+  const double middle = 0.5 * (y0 + y1), l0 = left.x_at(y0), l1 = left.x_at(y1), r0 = right.x_at(y0),
+               r1 = right.x_at(y1);
+  return {.area = std::max(right.x_at(middle) - left.x_at(middle), 0.0) * (y1 - y0),
+          .extent = {{std::min(l0, l1), y0}, {std::max(r0, r1), y1}},
+          .left = l1,
+          .right = r1};
+}
+
+/// Takes in the parts below that `part` goes on with: they meet it between `left` and `right` at its lower level.
+void join(SharedPart& part, std::vector<SharedPart>& below, double left, double right) {
+  std::erase_if(below, [&](const SharedPart& other) {
+    if (other.right < left || right < other.left) return false;
+    part.area += other.area;
+    part.extent = {{std::min(part.extent.low.x, other.extent.low.x), std::min(part.extent.low.y, other.extent.low.y)},
+                   {std::max(part.extent.high.x, other.extent.high.x), part.extent.high.y}};
+    return true;
+  });
+}
+
+/// Mean width of the part that is widest so. Parts beside one another are no one part: a corner deep inside would be
+/// lost in the length of a side that touches elsewhere.
 double depth_by_levels(const Solid& a, const Solid& b) {
   const double low = std::max(a.box.low.y, b.box.low.y);
   const double high = std::min(a.box.high.y, b.box.high.y);
   const std::vector<Segment> sides_a = segments_between(a.corners, low, high);
   const std::vector<Segment> sides_b = segments_between(b.corners, low, high);
   const std::vector<double> levels = levels_of(sides_a, sides_b, low, high);
-  std::vector<double> in_a, in_b;
-  double worst = 0, area = 0;
-  Box extent;
-  const auto end_part = [&] {
-    if (area > 0) worst = std::max(worst, area / norm(extent.high - extent.low));
-    area = 0;
-  };
+  const double rounding = 1e-14 * (std::abs(low) + std::abs(high) + norm(a.box.high) + norm(a.box.low));
+  std::vector<Segment> in_a, in_b;
+  std::vector<SharedPart> below, here;
+  double worst = 0;
   for (std::size_t k = 0; k + 1 < levels.size(); ++k) {
     const double y0 = levels[k], y1 = levels[k + 1];
     if (!(y1 > y0)) continue;
-    cross_level(sides_a, 0.5 * (y0 + y1), in_a);
-    cross_level(sides_b, 0.5 * (y0 + y1), in_b);
-    bool any = false;
+    const double y = 0.5 * (y0 + y1);
+    cross_level(sides_a, y, in_a);
+    cross_level(sides_b, y, in_b);
+    here.clear();
     for (std::size_t p = 0; p + 1 < in_a.size(); p += 2) {
       for (std::size_t q = 0; q + 1 < in_b.size(); q += 2) {
-        const double left = std::max(in_a[p], in_b[q]), right = std::min(in_a[p + 1], in_b[q + 1]);
-        if (!(right > left)) continue;
-        if (area <= 0) extent = {{left, y0}, {right, y1}};
-        extent = {{std::min(extent.low.x, left), extent.low.y}, {std::max(extent.high.x, right), y1}};
-        area += (right - left) * (y1 - y0);
-        any = true;
+        const Segment& left = in_a[p].x_at(y) > in_b[q].x_at(y) ? in_a[p] : in_b[q];
+        const Segment& right = in_a[p + 1].x_at(y) < in_b[q + 1].x_at(y) ? in_a[p + 1] : in_b[q + 1];
+        if (!(right.x_at(y) > left.x_at(y))) continue;
+        here.push_back(between(left, right, y0, y1));
+        join(here.back(), below, left.x_at(y0) - rounding, right.x_at(y0) + rounding);
       }
     }
-    if (!any) end_part();
+    for (const SharedPart& ended : below) worst = std::max(worst, ended.depth());
+    std::swap(below, here);
   }
-  end_part();
+  for (const SharedPart& ended : below) worst = std::max(worst, ended.depth());
   return worst;
 }
 

@@ -276,7 +276,7 @@ void interior(const ContactProblem& problem, std::size_t most, Work& work, std::
     // Speeds of slip that stay let one programme go on to its digits; what comes after an answer is dear in large
     // groups, and seldom gets home from a rough one.
     const bool goes_on = share > fine && inside.change() <= 1e-4;
-    if (!(goes_on && is_large(problem)) && enough(inside.impulses())) return;
+    if (!(goes_on && is_large(problem) && has_friction(problem)) && enough(inside.impulses())) return;
     if (goes_on) {
       share = fine;
       continue;

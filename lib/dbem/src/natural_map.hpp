@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <span>
@@ -91,6 +92,10 @@ class PatternSolver final {
 [[nodiscard]] ContactSolution solve_again(const ContactProblem& problem, const SolverOptions& options,
                                           PatternSolver& linear);
 
+/// From the start of the problem, which is nearly an answer, and by what is cheap from there only.
+[[nodiscard]] ContactSolution solve_near(const ContactProblem& problem, const SolverOptions& options,
+                                         PatternSolver& linear);
+
 /// Interior points on convex programmes, one after the other: shows `enough` the answer of each until it says so, up to
 /// `most` factors. Sure and slow; answers are as near as rounding lets a barrier come, a few linear solves short.
 void interior(const ContactProblem& problem, std::size_t most, Work& work, std::size_t& factors,
@@ -103,6 +108,15 @@ void turning_path(const ContactProblem& problem, std::size_t most, Work& work, s
 
 /// Groups whose linear solves are dear.
 [[nodiscard]] inline bool is_large(const ContactProblem& problem) { return problem.contacts() > 150; }
+
+/// Groups of rigid bodies with far more forces than freedoms: plain Newton wanders among them.
+[[nodiscard]] inline bool wanders(const ContactProblem& problem) { return problem.rigid && problem.contacts() > 20; }
+
+/// Without it the law is one convex programme.
+[[nodiscard]] inline bool has_friction(const ContactProblem& problem) {
+  const auto positive = [](double x) { return x > 0; };
+  return std::ranges::any_of(problem.mu, positive) || std::ranges::any_of(problem.cohesion, positive);
+}
 
 /// Pairs of contacts that share a block of W.
 [[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> links_of_contacts(const BlockMatrix& w);

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "tries.hpp"
 #include "world_impl.hpp"
@@ -30,24 +32,29 @@ std::vector<Vec2> swept_apart(const ContactProblem& problem, Work& work, int swe
 
 /// Groups of more contacts than this are parted by sweeps where those do.
 constexpr std::size_t dear = 600;
+/// Gaps of such a group count up to this many times the deepest penetration: no body is moved so far, and an answer is
+/// judged by the largest gap there is.
+constexpr double far_away = 100;
+
 /// Penetrations, over the smaller feature, that such a group keeps where sweeps do not part them: a tenth of what fails
 /// a step.
 constexpr double harmless = 1e-7;
 
-/// Impulses that part bodies, empty when none were found: a convex programme. Newton nearly always gets home and leaves
-/// a millionth of a penetration, the interior-point solver does where it stagnates. In very large groups both are dear
-/// and a few sweeps part nearly as well; where those do not (a body wedged between others), only what is `deep` is
-/// worth more.
+/// Impulses that part bodies, empty when none were found: a convex programme. Newton nearly always gets home, the
+/// interior-point solver does where it stagnates. In very large groups both are dear and a few sweeps part nearly as
+/// well; where those do not (a body wedged between others), only what is `deep` is worth more, and Newton stagnates.
 std::vector<Vec2> least_move(const ContactProblem& problem, Work& work, bool deep, SolverOptions how,
                              std::size_t& solves) {
   if (problem.contacts() > dear) {
     std::vector<Vec2> found = swept_apart(problem, work, 100);
     if (!found.empty() || !deep) return found;
   }
-  how.accept = std::max(how.accept, 1e-6);
+  how.accept = std::max(how.accept, problem.contacts() > dear ? 1e-3 : 1e-6);
   how.target = 1e-2 * how.accept;
   how.newton_iterations = 30;
-  for (const Method method : {Method::newton, Method::interior}) {
+  std::array methods{Method::newton, Method::interior};
+  if (problem.contacts() > dear) std::ranges::reverse(methods);
+  for (const Method method : methods) {
     how.method = method;
     PatternSolver linear{work};
     ContactSolution found = solve_again(problem, how, linear);
@@ -167,10 +174,11 @@ double World::Impl::slow_down(const Island& island, const Rows& rows, double wan
 }
 
 /// The least move in the norm of the masses that leaves no gap negative, as a contact problem without friction.
-ContactProblem World::Impl::parting_problem(const std::vector<Touch>& list, const Island& island,
-                                            const Rows& rows) const {
-  const std::size_t m = island.touches.size();
+ContactProblem World::Impl::parting_problem(const Island& island, const Rows& rows,
+                                            const std::vector<double>& gaps) const {
+  const std::size_t m = gaps.size();
   ContactProblem problem;
+  const double farthest = m > dear ? -far_away * std::ranges::min(gaps) : std::numeric_limits<double>::infinity();
   problem.w = delassus(rows, 1, 1, true);
   problem.mu.assign(m, 0.0);
   problem.cohesion.assign(m, 0.0);
@@ -179,8 +187,7 @@ ContactProblem World::Impl::parting_problem(const std::vector<Touch>& list, cons
     bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
     d.xx *= 1 + parting_softness;
     d.yy *= 1 + parting_softness;
-    const Touch& t = list[island.touches[k]];
-    problem.b.push_back({law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap, 0});
+    problem.b.push_back({std::min(gaps[k], farthest), 0});
   }
   problem.rigid = rigid_form(rows, island, true);
   return problem;
@@ -228,14 +235,15 @@ bool World::Impl::part_group(Island& island, Attempt& out, Work& work) const {
     return held(out.touches[k].i) && held(out.touches[k].j);
   });
   double deepest = 0;  // over the smaller feature
+  std::vector<double> gaps;
   for (const std::uint32_t k : island.touches) {
     const Touch& t = out.touches[k];
-    if (law_of(t).compliance > 0) continue;
-    deepest = std::max(deepest, -t.gap / std::min(shapes[t.i].feature, shapes[t.j].feature));
+    gaps.push_back(law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap);
+    deepest = std::max(deepest, -gaps.back() / std::min(shapes[t.i].feature, shapes[t.j].feature));
   }
   if (deepest <= contact_depth) return false;
   const Rows rows = rows_of(out.touches, island, out.state);
-  const ContactProblem problem = parting_problem(out.touches, island, rows);
+  const ContactProblem problem = parting_problem(island, rows, gaps);
   const std::vector<Vec2> impulse = least_move(problem, work, deepest > harmless, options.solver, out.report.parting);
   if (impulse.empty()) return false;
   State shift;

@@ -11,7 +11,7 @@
 namespace cleave::dbem {
 namespace {
 
-constexpr int dense_up_to = 120;  // unknowns
+constexpr int dense_up_to = 60;  // unknowns
 
 /// Numbers of the unknowns, -1 where there is none.
 struct Numbering {

@@ -69,16 +69,13 @@ class Cascade final {
       return take(open_close(linear_, problem_, options_.open_close_passes), Method::open_close);
     };
     const std::size_t most = options_.newton_iterations;
-    // Large groups of rigid bodies have far more forces than freedoms: plain Newton wanders among them.
-    const bool wanders = large && problem_.rigid.has_value();
-    const double enough = (wanders ? 0.1 : 0.01) * options_.accept;
-    if (wanders) {
-      if (warm && take(Tried{problem_.start}, Method::newton) && best_ <= enough) return;
+    const bool wander = wanders(problem_);
+    const double enough = (wander && large ? 0.1 : 0.01) * options_.accept;
+    if (wander) {
       // Forces that nobody knows yet, of thousands of contacts: sweeps do not carry them through the group.
       if (!warm && problem_.contacts() > 3000 && inside(1000)) return;
-      if (take(proximal(linear_, problem_, warm ? problem_.start : std::vector<Vec2>{}, enough, options_.patience),
-               Method::continuation) &&
-          best_ <= options_.accept) {
+      if (along_proximal_points(warm ? problem_.start : std::vector<Vec2>{}, enough)) {
+        if (!large) take(from_here(p_, 5), Method::continuation);  // the last digits
         return;
       }
     } else {
@@ -99,19 +96,25 @@ class Cascade final {
         return;
       }
     }
-    if (wanders && (swept() || along_path(std::min(quick_look, options_.path)))) return;
+    // From forces that nobody knows a path leads home sooner than sweeps, from the step before sweeps do.
+    const auto look_quickly = [&] { return along_path(std::min(quick_look, options_.path)); };
+    const bool patient = options_.patience == SolverOptions{}.patience;
+    const std::size_t rounds = patient || !warm ? 12 : 2;
+    if (wander && (warm ? swept(rounds) || look_quickly() : look_quickly() || swept(rounds))) return;
     if (work().over()) return;
+    // Shorter steps from known forces are cheaper than all that follows.
+    if (wander && warm && !patient) return;
     // Rather than cut the step of a large group at once: what made it hard is often there in a shorter one, too.
     if (iterations_ >= options_.patience) {
-      if (large && !inside(wanders ? 150 : 1000)) along_path(options_.path);
+      if (large && !inside(wander ? 150 : 1000)) along_path(options_.path);
       return;
     }
     // What else there is needs thousands of linear solves there, and never got home.
-    if (wanders && problem_.contacts() > 300) {
+    if (wander && problem_.contacts() > 300) {
       if (!inside(options_.path > 0 ? 150 : 1000)) along_path(options_.path);
       return;
     }
-    if (wanders && shi()) return;
+    if (wander && shi()) return;
     if (take(from_here({}, most), Method::newton)) return;
     if (warm && take(proximal(linear_, problem_, {}, enough, options_.patience), Method::continuation)) return;
     for (const double factor : {10.0, 3.0, 1.5}) {
@@ -133,10 +136,28 @@ class Cascade final {
     }
   }
 
+  /// What is likely to be enough from a start that is nearly an answer.
+  void run_near() {
+    const bool large = is_large(problem_);
+    const double target = large ? std::max(options_.target, 0.01 * options_.accept) : options_.target;
+    if (wanders(problem_)) {
+      along_proximal_points(problem_.start, (large ? 0.1 : 0.01) * options_.accept);
+    } else {
+      take(newton(linear_, problem_, 0, target, options_.newton_iterations / 6, problem_.start, {}, 1e4),
+           Method::newton);
+    }
+  }
+
+  /// Groups that wander: true when an answer was found, the start for one included.
+  bool along_proximal_points(const std::vector<Vec2>& start, double enough) {
+    if (!start.empty() && take(Tried{start}, Method::newton) && best_ <= enough) return true;
+    return take(proximal(linear_, problem_, start, enough, options_.patience), Method::continuation) &&
+           best_ <= options_.accept;
+  }
+
   /// Sweeps and proximal points in turns: sweeps find what opens and slips where Newton wanders, proximal points carry
   /// forces through the group, which takes sweeps for ever.
-  bool swept() {
-    constexpr std::size_t most = 12;
+  bool swept(std::size_t most) {
     constexpr int sweeps = 1200;
     const double enough = 0.1 * options_.accept;
     const std::vector<Vec2> nowhere(p_.size());
@@ -169,9 +190,10 @@ class Cascade final {
       // A large group is tried from near answers only. Patience does not end here: nothing else is likelier to help.
       if (is_large(problem_) && judge(problem_, p).residual > 1e-6) {
         take(std::move(here), Method::interior);
+        if (best_ <= options_.accept) return true;
         // Now and then sweeps lead on from there.
         ++programmes;
-        if (!problem_.rigid || !std::has_single_bit(programmes)) return false;
+        if (!problem_.rigid || !has_friction(problem_) || !std::has_single_bit(programmes)) return false;
         std::vector<Vec2> turn = p;
         sweep(problem_, work(), 0, turn, 400, turn);
         return (take(Tried{turn}, Method::interior) && best_ <= options_.accept) ||
@@ -269,6 +291,12 @@ ContactSolution solve_again(const ContactProblem& problem, const SolverOptions& 
       if (problem.contacts() <= Cascade::most_for_lemke) tries.take(tries.pivot(), Method::lemke);
       break;
   }
+  return tries.finish();
+}
+
+ContactSolution solve_near(const ContactProblem& problem, const SolverOptions& options, PatternSolver& linear) {
+  Cascade tries{linear, problem, options};
+  tries.run_near();
   return tries.finish();
 }
 

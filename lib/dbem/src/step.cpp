@@ -77,7 +77,8 @@ bool World::Impl::gives_back_too_much(const std::vector<Touch>& list, const Isla
 /// Impulses of one group of bodies. Restitution at several contacts at once, or with friction, may ask for more energy
 /// than there is (Kane 1984): then half of it is asked for, and again.
 ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
-                                          const State& free, double step, std::size_t cut, Work& work) const {
+                                          const State& free, double step, std::size_t cut,
+                                          const std::vector<Vec2>& known, Work& work) const {
   PatternSolver linear{work};
   SolverOptions how = options.solver;
   // What resists in a large group is sooner solved by shorter steps than by all that can be tried.
@@ -87,15 +88,17 @@ ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island
   for (std::size_t iterations = 0;;) {
     std::vector<Vec2> viscous;
     ContactProblem problem = problem_of(list, island, rows, state, free, step, viscous);
+    if (!known.empty()) centre(problem, known, viscous);
     ContactSolution found = solve_again(problem, how, linear);
     // The regularisation is centred on the forces found, and again, until it moves nothing.
     Creep creep;
     for (int centring = 0; found.report.status == ContactReport::Status::converged; ++centring) {
       creep = creep_of(problem, found.impulse, viscous);
-      if (creep.most <= 1e-8 * creep.speed || work.over() || centring >= (creep.most <= hidden * creep.speed ? 4 : 40))
-        break;
+      const bool fair = creep.most <= hidden * creep.speed;
+      if (creep.most <= 1e-8 * creep.speed || work.over() || centring >= (fair ? 4 : 40)) break;
       centre(problem, found.impulse, viscous);
-      ContactSolution again = solve_again(problem, how, linear);
+      // What is an answer already is not worth all that can be tried.
+      ContactSolution again = fair ? solve_near(problem, how, linear) : solve_again(problem, how, linear);
       again.report.iterations += found.report.iterations;
       if (again.report.status == ContactReport::Status::not_converged) break;
       found = std::move(again);

@@ -56,6 +56,12 @@ void Trial::divide() {
   for (std::size_t s = 0; s < solutions_before_.size(); ++s) {
     group_of_[groups_before_[s].touches[0]] = static_cast<std::uint32_t>(s);
   }
+  impulse_before_.clear();
+  if (!solutions_before_.empty()) impulse_before_.resize(list_.size());
+  for (std::size_t s = 0; s < solutions_before_.size(); ++s) {
+    const std::vector<std::uint32_t>& touches = groups_before_[s].touches;
+    for (std::size_t k = 0; k < touches.size(); ++k) impulse_before_[touches[k]] = solutions_before_[s].impulse[k];
+  }
   w_.mark_impacts(list_, out_.islands, step_, implicit_, rows_);
   theta_.assign(w_.size(), w_.options.quasi_static ? 1.0 : 0.5);
   for (const Island& island : out_.islands) {
@@ -109,6 +115,16 @@ const ContactSolution* Trial::found_before(std::size_t group) const {
   return same ? &solutions_before_[s] : nullptr;
 }
 
+std::vector<Vec2> Trial::impulses_before(const Island& island) const {
+  std::vector<Vec2> out;
+  if (impulse_before_.empty()) return out;
+  for (const std::uint32_t k : island.touches) {
+    out.push_back(k < impulse_before_.size() ? impulse_before_[k] : Vec2{});
+  }
+  if (std::ranges::all_of(out, [](Vec2 p) { return p == Vec2{}; })) out.clear();
+  return out;
+}
+
 std::optional<World::Impl::Failure> Trial::solve_group(std::size_t group) {
   Island& island = out_.islands[group];
   const Rows& rows = rows_[group];
@@ -116,7 +132,7 @@ std::optional<World::Impl::Failure> Trial::solve_group(std::size_t group) {
     island.rebound = groups_before_[group_of_[island.touches[0]]].rebound;
     solutions_.push_back(*known);
   } else {
-    solutions_.push_back(w_.solve_island(moved_, island, rows, free_, step_, cut_, work_));
+    solutions_.push_back(w_.solve_island(moved_, island, rows, free_, step_, cut_, impulses_before(island), work_));
   }
   const ContactSolution& found = solutions_.back();
   if (found.report.status == ContactReport::Status::not_converged) {

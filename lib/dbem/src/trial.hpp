@@ -25,6 +25,8 @@ class Trial final {
   [[nodiscard]] std::optional<Failure> solve_group(std::size_t group);
   /// The answer of the round before, where the same contacts are asked the same.
   [[nodiscard]] const ContactSolution* found_before(std::size_t group) const;
+  /// Impulses of the round before of these contacts; empty when there are none.
+  [[nodiscard]] std::vector<Vec2> impulses_before(const Island& island) const;
   /// The mean rule lets a contact that opens and shuts again within a step, or slip that turns round, bring in energy
   /// of the order of (g step)^2: such groups are done again by the implicit rule, which cannot.
   [[nodiscard]] bool mean_rule_gained();
@@ -59,6 +61,7 @@ class Trial final {
   std::vector<Island> groups_before_;
   std::vector<ContactSolution> solutions_before_;
   std::vector<std::uint32_t> group_of_;
+  std::vector<Vec2> impulse_before_;  // of each contact; empty in the first round
 };
 
 }  // namespace cleave::dbem

@@ -87,22 +87,13 @@ void Trial::note_loads() {
 }
 
 void Trial::part() {
-  bool parted = false;
-  for (int pass = 0; pass < 3; ++pass) {
-    double deepest = 0;
-    for (const Touch& t : out_.touches) {
-      if (w_.law_of(t).compliance > 0) continue;
-      deepest = std::max(deepest, -t.gap / std::min(w_.shapes[t.i].feature, w_.shapes[t.j].feature));
-    }
-    if (deepest <= contact_depth) break;
-    if (!w_.project(out_, work_)) break;
-    parted = true;
+  for (int pass = 0; pass < 3 && w_.project(out_, work_); ++pass) {
     double limit_again = 0;
     const double plan = std::max(w_.next_step, step_);
     w_.find(out_.state, out_.corners, out_.boxes, plan, out_.touches, out_.choices, limit_again);
     out_.limit = std::min(out_.limit, limit_again);
+    clashes_ = w_.clashes_of(out_);
   }
-  if (parted) clashes_ = w_.clashes_of(out_);
 }
 
 std::optional<World::Impl::Failure> Trial::judge_overlaps() const {

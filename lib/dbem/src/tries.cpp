@@ -85,7 +85,7 @@ Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, 
     // About a centre, what stagnates is helped by more weight on the centre, not by patience.
     rounds = map.squared < 0.9 * least ? 0 : rounds + 1;
     least = std::min(least, map.squared);
-    if (!centre.empty() && is_large(problem) && rounds >= 8) return tried;
+    if (!centre.empty() && (is_large(problem) || wanders(problem)) && rounds >= 8) return tried;
   }
   tried.converged = evaluator.residual(map, tried.p) <= std::max(tolerance, 1e-10);
   return tried;
@@ -215,7 +215,7 @@ Tried proximal(PatternSolver& linear, const ContactProblem& given, std::vector<V
   double soft = cold ? 1.0 : std::clamp(1e3 * best, 1e-6, 1e-2);
   if (cold) {
     sweep(problem, linear.work(), soft, centre, 50, tried.p);
-  } else if (is_large(problem)) {
+  } else if (is_large(problem) || wanders(problem)) {
     tried = keep_states(linear, problem, centre, soft);
   }
   std::size_t stale = 0, easy = 0;

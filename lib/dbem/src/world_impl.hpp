@@ -233,8 +233,10 @@ struct World::Impl {
   /// exact answer of the implicit rule. 0 for other rules, and where contacts give back or are springs.
   [[nodiscard]] double energy_brought_in(const std::vector<Touch>& list, const Island& island, const Rows& rows,
                                          const ContactSolution& found, const State& after) const;
+  /// `known`: impulses of a round before, about which the problem is then regularised; empty: none.
   [[nodiscard]] ContactSolution solve_island(const std::vector<Touch>& list, Island& island, const Rows& rows,
-                                             const State& free, double step, std::size_t cut, Work& work) const;
+                                             const State& free, double step, std::size_t cut,
+                                             const std::vector<Vec2>& known, Work& work) const;
   /// Restitution that brings in energy.
   [[nodiscard]] bool gives_back_too_much(const std::vector<Touch>& list, const Island& island, const Rows& rows,
                                          const State& free, double step, const ContactSolution& found) const;
@@ -248,10 +250,12 @@ struct World::Impl {
   void accept(Attempt&& done);
 
   // parting.cpp
-  bool project(Attempt& out, Work& work) const;  // false: nothing could be parted
+  /// False: nothing could be parted.
+  bool project(Attempt& out, Work& work) const;
   bool part_group(Island& island, Attempt& out, Work& work) const;
-  [[nodiscard]] ContactProblem parting_problem(const std::vector<Touch>& list, const Island& island,
-                                               const Rows& rows) const;
+  /// `gaps` of the group's contacts.
+  [[nodiscard]] ContactProblem parting_problem(const Island& island, const Rows& rows,
+                                               const std::vector<double>& gaps) const;
   void keep_angular_momentum(const Island& island, double turned, State& at) const;
   double slow_down(const Island& island, const Rows& rows, double wanted, State& at) const;
   bool add_missed(const Attempt& out, const std::vector<Clash>& clashes, std::vector<Touch>& list) const;
