@@ -152,11 +152,10 @@ TEST_F(CommandsTest, KeyBlocksAloneAreThoseOfTheWholeScene) {
   const std::string all = read("all/summary.json"), key = read("key/summary.json");
   const auto whole = nlohmann::json::parse(all), near = nlohmann::json::parse(key);
   for (const char* section : {"key_blocks", "micro_blocks"}) EXPECT_EQ(whole[section], near[section]);
-  // Groups that reach the edge of the box may stay undecided in one of the two, which is said; those that move are
-  // equal.
-  for (const char* figure : {"judged", "count", "volume_m3", "certain", "unsafe"}) {
-    EXPECT_EQ(whole["key_groups"][figure], near["key_groups"][figure]) << figure;
-  }
+  // What lies beyond the edge of the box is taken to stay: no more moves there than in the whole, and less is said.
+  EXPECT_EQ(whole["key_groups"]["judged"], near["key_groups"]["judged"]);
+  EXPECT_LE(near["key_groups"]["volume_m3"].get<double>(), whole["key_groups"]["volume_m3"].get<double>());
+  EXPECT_GT(near["key_groups"]["volume_m3"].get<double>(), 0.9 * whole["key_groups"]["volume_m3"].get<double>());
   if (whole["key_groups"] != near["key_groups"]) {
     EXPECT_NE(read("key/log.txt").find("key groups reach the edge of the box that was cut"), std::string::npos);
   }

@@ -188,7 +188,9 @@ void add_moving_group_notes(const stability::KeyGroups& groups, const stability:
   }
   if (groups.at_the_edge && beyond + doubt > 0) {
     notes.push_back(
-        fmt::format("{}key groups reach the edge of the box that was cut: what lies beyond was taken to stay", where));
+        fmt::format("{}key groups reach the edge of the box that was cut: what lies beyond was taken to stay, so that "
+                    "more may move; [output] blocks = \"all\" takes it in",
+                    where));
   }
 }
 
