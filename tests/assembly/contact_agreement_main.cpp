@@ -8,6 +8,7 @@
 /// be it in doubt. One that is in none was called stable and moves: the program then prints its scene and ends with 1.
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -264,8 +265,7 @@ class Comparison final {
 int main(int argc, char** argv) {
   const auto arguments = cleave::support::agreement_arguments(argc, argv, "contact_agreement", 500, "each");
   if (!arguments) return 2;
-  const auto folder = std::filesystem::temp_directory_path() /
-                      fmt::format("cleave_contact_agreement_{}_{}", arguments->count, arguments->seed);
+  const auto folder = std::filesystem::temp_directory_path() / fmt::format("cleave_contact_agreement_{}", ::getpid());
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   cleave::testing::Comparison comparison{arguments->word};
