@@ -96,6 +96,9 @@ TEST(JointKeys, FacesBetweenPartsOfOneBlockAreNoJoints) {
   EXPECT_EQ(blocks_of(file, halves("block_4", "block_5")), 3U);
   EXPECT_EQ(blocks_of(file, halves("block_4", "block_5_part_2")), 3U);
   EXPECT_EQ(blocks_of(file, halves("block_4", "block_4_part_")), 3U);
+  // Names of others that end so say nothing about blocks.
+  EXPECT_EQ(blocks_of(file, halves("fault", "fault_part_2")), 3U);
+  EXPECT_EQ(blocks_of(file, halves("block_a", "block_a_part_2")), 3U);
   EXPECT_EQ(blocks_of(file, halves("", "")), 3U);
   const Scene scene = scene_of(with_box(file), halves("block_4", "block_4_part_2"));
   ASSERT_EQ(scene.notes.size(), 1U);

@@ -32,14 +32,18 @@ std::vector<std::uint32_t> first_at_same_place(std::span<const geometry::Vec3> v
   return first;
 }
 
-/// "block_4" of "block_4_part_2"; the whole name where it does not end so.
+bool is_number(std::string_view text) {
+  return !text.empty() && std::ranges::all_of(text, [](char c) { return '0' <= c && c <= '9'; });
+}
+
+/// "block_4" of "block_4_part_2"; the whole name where it is not of this form.
 std::string_view whole_of(std::string_view group) {
-  constexpr std::string_view part = "_part_";
+  constexpr std::string_view block = "block_", part = "_part_";
   const std::size_t at = group.rfind(part);
-  if (at == std::string_view::npos) return group;
-  const std::string_view number = group.substr(at + part.size());
-  const bool is_number = !number.empty() && std::ranges::all_of(number, [](char c) { return '0' <= c && c <= '9'; });
-  return is_number ? group.substr(0, at) : group;
+  if (at == std::string_view::npos || !group.starts_with(block) || at < block.size()) return group;
+  const bool ours =
+      is_number(group.substr(block.size(), at - block.size())) && is_number(group.substr(at + part.size()));
+  return ours ? group.substr(0, at) : group;
 }
 
 /// For each group the first one that is of the same whole.
