@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "branch.hpp"
+#include "settle.hpp"
 
 namespace cleave::assembly {
 namespace {
@@ -21,8 +22,8 @@ constexpr double next_weight = 0.25;
 constexpr int weights = 5, steps_a_weight = 100;
 /// Steps between looks at the solution, and at which patches press.
 constexpr int between_looks = 20;
-/// Below this largest rate all may be on its way to rest, which takes a share of the violation of what moves.
-constexpr double creeps = 1e-3, rest_needs = 1e-3;
+/// Rest takes this share of the violation of what moves.
+constexpr double rest_needs = 1e-3;
 /// Of each step; above 1: beyond its end.
 constexpr double relaxation = 1.6;
 
@@ -79,8 +80,9 @@ class Alternating final {
       matrix_.block(e.body, e.body) += on_body * e.on_body.transpose();
       if (!e.other) continue;
       matrix_.block(e.body, *e.other) += on_body * e.on_other.transpose();
-      matrix_.block(*e.other, e.body) += weight_ * relative_[k] * e.on_other * e.on_body.transpose();
-      matrix_.block(*e.other, *e.other) += weight_ * relative_[k] * e.on_other * e.on_other.transpose();
+      const Rows on_other = weight_ * relative_[k] * e.on_other;
+      matrix_.block(*e.other, e.body) += on_other * e.on_body.transpose();
+      matrix_.block(*e.other, *e.other) += on_other * e.on_other.transpose();
     }
     return matrix_.factorise();
   }

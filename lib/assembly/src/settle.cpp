@@ -21,8 +21,6 @@ struct Part {
   bool solved = false;
 };
 
-/// Share of the largest free fall below which what still moves may be on its way to rest.
-constexpr double creeps = 1e-3;
 /// Violation that a solution of more than a few bodies may have.
 constexpr double enough_of_many = 1e-4;
 constexpr int sweeps_a_round = 100, sweeps_a_step = 40;

@@ -20,6 +20,8 @@ struct Solution {
 
 /// Share of its own free fall below which a body is at rest: among few bodies, and among more.
 inline constexpr double at_rest_of_few = 1e-8, at_rest = 1e-5;
+/// Share of the largest free fall below which what still moves may be on its way to rest.
+inline constexpr double creeps = 1e-3;
 /// So many count as few; and so many are followed from no friction on by exact solutions.
 inline constexpr std::size_t few_bodies = 24, followed_bodies = 8;
 
