@@ -140,8 +140,13 @@ Realizer::Done Realizer::cut_near_free_faces() {
     if (scene_->support && made_.undecided.empty()) {
       booked(Stage::support, [&] { judge_support(*scene_, complex, analysis, made_, detail_ == Detail::shown); });
     }
-    return made_.undecided;
+    // The replay of a realization cuts what the ensemble cut.
+    const bool grows = judges_groups() && (!scene_->monte_carlo || scene_->stability->decides_by_groups());
+    if (!made_.undecided.empty() || !grows) return made_.undecided;
+    booked(Stage::stability, [&] { find_groups(complex); });
+    return made_.key_groups->edge;
   };
+  made_.key_groups.reset();
   auto near =
       stability::analyse_near_field(made_.input, of_detail(settings_of(*scene_, made_)), {.threads = options_.threads},
                                     *timer_, {.depth = longest_bolt(*scene_), .undecided = cases_and_support});
@@ -197,12 +202,13 @@ Realizer::Done Realizer::judge() {
   if (auto misplaced = misplaced_loads(*scene_, made_, complex.complex()); !misplaced.empty()) {
     return std::unexpected(std::move(misplaced));
   }
+  if (!near_) made_.key_groups.reset();
   if (detail_ == Detail::counted) {
-    if (scene_->stability->decides_by_groups()) judge_groups();
+    if (judges_groups()) judge_groups();
     return {};
   }
   made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
-  if (scene_->stability->groups != stability::GroupsCheck::off) judge_groups();
+  if (judges_groups()) judge_groups();
   const stability::Settings with = settings(complex.complex());
   made_.held_from_within = stability::held_from_within(complex, with, *made_.analysis);
   if (!made_.key_groups || made_.key_groups->too_many) {
@@ -219,14 +225,24 @@ Realizer::Done Realizer::judge() {
   return {};
 }
 
+/// Ensembles count groups only where they decide.
+bool Realizer::judges_groups() const {
+  return detail_ == Detail::counted ? scene_->stability->decides_by_groups()
+                                    : scene_->stability->groups != stability::GroupsCheck::off;
+}
+
+void Realizer::find_groups(const topology::AuditedComplex& complex) {
+  const bool decides = scene_->stability->decides_by_groups();
+  made_.key_groups = stability::find_key_groups(complex, settings(complex.complex()),
+                                                decides ? stability::most_together : stability::most_noted);
+}
+
+/// Those of a window were found when it was cut.
 void Realizer::judge_groups() {
   const topology::AuditedComplex& complex = *made_.complex;
-  const stability::Settings with = settings(complex.complex());
-  const bool decides = scene_->stability->decides_by_groups();
-  made_.key_groups =
-      stability::find_key_groups(complex, with, decides ? stability::most_together : stability::most_noted);
-  if (!decides) return;
-  stability::decide_by_groups(complex, with, *made_.key_groups, *made_.analysis);
+  if (!made_.key_groups) find_groups(complex);
+  if (!scene_->stability->decides_by_groups()) return;
+  stability::decide_by_groups(complex, settings(complex.complex()), *made_.key_groups, *made_.analysis);
   made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
 }
 

@@ -43,6 +43,8 @@ class Realizer final {
   [[nodiscard]] Done cut_near_free_faces();
   void audit();
   [[nodiscard]] Done judge();
+  [[nodiscard]] bool judges_groups() const;
+  void find_groups(const topology::AuditedComplex& complex);
   void judge_groups();
   void judge_groups_of_cases();
   void judge_groups_of_stages();

@@ -195,8 +195,11 @@ class Search final {
     add_pushed(found, blocks, batch);
     for (const KeyGroup& group : found) {
       for (const BlockId id : group.blocks) {
-        neighbours(id,
-                   [&](BlockId other) { out_.at_the_edge = out_.at_the_edge || complex().blocks()[other].truncated; });
+        neighbours(id, [&](BlockId other) {
+          if (!complex().blocks()[other].truncated) return;
+          out_.at_the_edge = true;
+          if (group.verdict != Verdict::in_doubt) out_.edge.push_back(other);
+        });
       }
     }
     return found;

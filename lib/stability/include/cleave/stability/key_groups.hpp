@@ -49,6 +49,8 @@ struct KeyGroups {
   bool cut_off = false;
   /// A block that is known in part only was taken to stay beside a block that moves.
   bool at_the_edge = false;
+  /// Those beside groups that move: in a larger window more may move, or more of them together.
+  std::vector<topology::BlockId> edge = {};
 };
 
 /// Blocks near free faces judged together, state by state: first in translation, then with moments. With them go the
