@@ -60,7 +60,8 @@ TEST_F(ExamplesTest, SlabBehindToeIsOneKeyGroup) {
   EXPECT_NEAR(result["key_groups"]["factor"].get<double>(), 0.942790, 1e-6);
   const std::string table = read("slab_behind_toe/key_groups.csv");
   EXPECT_EQ(table.substr(0, table.find('\n')),
-            "group,batch,verdict,blocks,volume_m3,factor_up,factor_move,direction_x,direction_y,direction_z,moments");
+            "group,batch,verdict,blocks,volume_m3,factor_up,factor_move,direction_x,direction_y,direction_z,moments,"
+            "load_case,stage");
   EXPECT_NE(table.find("\n1,1,unsafe,"), std::string::npos) << table;
 }
 

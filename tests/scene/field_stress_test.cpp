@@ -9,7 +9,9 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
+#include "cleave/realize/monte_carlo.hpp"
 #include "cleave/realize/run.hpp"
+#include "cleave/stochastic/ensemble.hpp"
 #include "parse_support.hpp"
 
 namespace cleave::scene::test {
@@ -85,8 +87,9 @@ double on_face(double sx, double sz) {
 
 /// The prism moved down by steps: the largest factor at which its faces, N falling and S rising until friction, carry
 /// the weight somewhere on the way. `slope`: N and upward S of one sloping face, `end` N of one vertical one.
+/// `end_stiffness`: shear stiffness of the vertical faces over that of the sloping ones.
 double by_steps(double weight, double n, double s, double area, double end, double end_area, double friction,
-                double end_friction, double ratio) {
+                double end_friction, double ratio, double end_stiffness = 1) {
   const double c = std::cos(pi / 6), sine = std::sin(pi / 6);
   const auto carries = [&](double factor) {
     const double t = std::tan(friction * pi / 180) / factor, te = std::tan(end_friction * pi / 180) / factor;
@@ -96,7 +99,7 @@ double by_steps(double weight, double n, double s, double area, double end, doub
       const double u = last * k / steps;
       const double normal = std::max(0.0, n - ratio * area * u * sine);
       const double shear = std::min(s + area * u * c, normal * t);
-      if (2 * (shear * c - normal * sine) + 2 * std::min(end_area * u, end * te) >= weight) return true;
+      if (2 * (shear * c - normal * sine) + 2 * std::min(end_stiffness * end_area * u, end * te) >= weight) return true;
     }
     return false;
   };
@@ -256,6 +259,103 @@ TEST(FieldStressScene, DeepBelowTheGroundTheHalfPlaneIsThePlane) {
   for (std::size_t k = 0; k < plane.size(); ++k) EXPECT_NEAR(half[k] / plane[k], 1, 0.03);
 }
 
+/// A second tunnel across the first, `y` m from the prism's middle.
+std::string across(double y, std::string_view more = "") {
+  return fmt::format(
+      "[[excavation]]\nname = \"across\"\nkind = \"tunnel\"\nsection = {{ shape = \"circle\", radius = {}, segments = "
+      "32 "
+      "}}\naxis = [[-30, {}, 0], [30, {}, 0]]\n{}",
+      radius, y, y, more);
+}
+
+// The section of one tunnel knows nothing of a second one: nearer than two widths of it (12 m) no factor is given.
+TEST(FieldStressScene, NothingIsSaidNearAnotherOpening) {
+  const std::string stress = "[-6e6, -5e6, -2e6, 0, 0, 0]";
+  const RunResult alone = result_of(roof(stress));
+  const RunResult near = result_of(roof(stress, 0, across(14)));
+  ASSERT_TRUE(near.field_stress.has_value());
+  EXPECT_EQ(near.field_stress->tunnels, (std::vector<std::string>{"tunnel", "across"}));
+  EXPECT_TRUE(near.field_stress->blocks.empty());
+  EXPECT_EQ(near.field_stress->undecided, 1U);
+  EXPECT_EQ(near.field_stress->held, 0U);
+  EXPECT_TRUE(std::ranges::any_of(near.notes, [](const std::string& n) {
+    return n.starts_with("field stress: 1 block that would move is nearer");
+  }));
+  const RunResult far = result_of(roof(stress, 0, across(18)));
+  EXPECT_EQ(far.field_stress->undecided, 0U);
+  EXPECT_EQ(only_block(far).factor_of_safety, only_block(alone).factor_of_safety);
+  // A heading and the ground are no part of the section either.
+  std::string heading = roof(stress);
+  heading.replace(heading.find("[0, 20, 0]]"), 11, "[0, 13, 0]]");
+  EXPECT_EQ(result_of(heading).field_stress->undecided, 1U);
+  EXPECT_EQ(result_of(roof(stress, 0, "[stability]\nfree = [\"top\"]\n")).field_stress->undecided, 1U);
+}
+
+TEST(FieldStressScene, StiffnessesOfTheSetsTakeThePlaceOfTheirRatio) {
+  const auto with_sets = [](double normal, double shear, double end_normal, double end_shear) {
+    // So little stress that the block has to come out a little until its joints carry it.
+    std::string text = roof("[-5e4, -5e4, -2e4, 0, 0, 0]");
+    std::size_t joint = 0;
+    for (std::size_t at = text.find("[[joint]]\n"); at != std::string::npos; at = text.find("[[joint]]\n", at + 1)) {
+      text.insert(at + 10, joint++ < 2 ? "set = \"slope\"\n" : "set = \"end\"\n");
+    }
+    return text + fmt::format(
+                      "[joints.slope]\nnormal_stiffness = {}\nshear_stiffness = {}\n[joints.end]\n"
+                      "normal_stiffness = {}\nshear_stiffness = {}\n",
+                      normal, shear, end_normal, end_shear);
+  };
+  const auto ratio = result_of(roof("[-5e4, -5e4, -2e4, 0, 0, 0]", 0, "stiffness_ratio = 8\n"));
+  const auto same = result_of(with_sets(8e9, 1e9, 8e9, 1e9));
+  EXPECT_NEAR(only_block(same).factor_of_safety / only_block(ratio).factor_of_safety, 1, 1e-9);
+  // Of unequal stiffness: the steps of an oracle.
+  const auto unequal = result_of(with_sets(8e9, 1e9, 1e9, 1e5));
+  const ClampedBlock& block = only_block(unequal);
+  const ClampedPlane* slope = nullptr;
+  const ClampedPlane* end = nullptr;
+  for (const ClampedPlane& plane : block.planes) {
+    (std::abs(unequal.complex->complex().faces()[plane.face].outward.y) > 0.5 ? end : slope) = &plane;
+  }
+  const auto& judged = *std::ranges::find(unequal.analysis->judgements, block.block, &stability::Judgement::block);
+  const double exact = by_steps(judged.weight.si(), slope->normal_force, slope->shear_force.z / std::cos(pi / 6),
+                                slope->area, end->normal_force, end->area, 35, 35, 8, 1e-4);
+  EXPECT_NEAR(block.factor_of_safety / exact, 1, 5e-3);
+  EXPECT_GT(std::abs(block.factor_of_safety / only_block(same).factor_of_safety - 1), 0.01);
+  std::string one = with_sets(8e9, 1e9, 8e9, 1e9);
+  one.erase(one.rfind("normal_stiffness"));
+  EXPECT_NE(error_of(one).find("joints.end.normal_stiffness: is missing, and other sets have it"), std::string::npos);
+}
+
+// Semi-apex angle 30 degrees: with the friction drawn the prism is held above it and squeezed out below.
+TEST(FieldStressScene, AnEnsembleCountsWhatTheStressHolds) {
+  std::string text = roof("[-6e6, -5e6, -2e6, 0, 0, 0]", 0, "[monte_carlo]\nrealizations = 12\n", 0, 0, 35, 0);
+  const std::size_t at = text.find("friction = 35\n");
+  text.replace(at, 14, "friction = { distribution = \"uniform\", min = 20, max = 40 }\n");
+  const Scene scene = scene_of(text);
+  const Shared shared = shared_by_realizations(scene);
+  std::uint64_t held = 0;
+  for (std::uint64_t k = 0; k < 12; ++k) {
+    const stochastic::Record record = make_record(scene, shared, k);
+    ASSERT_TRUE(record.clamped.has_value());
+    EXPECT_EQ(record.all.count, 1U);
+    StageTimer timer;
+    Progress progress{ProgressStyle::quiet};
+    const auto single = run(scene, {.realization = k}, timer, progress);
+    ASSERT_TRUE(single && single->field_stress);
+    EXPECT_EQ(record.clamped->held, single->field_stress->held);
+    EXPECT_EQ(record.clamped->held_volume, single->field_stress->held_volume);
+    EXPECT_EQ(record, make_record(scene, {.questions = shared.questions}, k));
+    held += record.clamped->held;
+    EXPECT_EQ(stochastic::quantity_named("clamped_key_block_count")->of(record),
+              static_cast<double>(1 - record.clamped->held));
+    EXPECT_EQ(stochastic::quantity_named("clamped_probability_of_failure")->of(record),
+              static_cast<double>(1 - record.clamped->held));
+    EXPECT_EQ(stochastic::quantity_named("clamped_key_block_volume")->of(record),
+              record.clamped->held == 1 ? 0 : record.all.volume_m3);
+  }
+  EXPECT_GT(held, 2U);
+  EXPECT_LT(held, 10U);
+}
+
 TEST(FieldStressScene, MistakesAreNamed) {
   const auto wrong = [](std::string_view stress, std::string_view more) { return error_of(roof(stress, 0, more)); };
   EXPECT_NE(wrong("[1, 2]", "").find("field_stress.stress: must be 6 numbers"), std::string::npos);
@@ -265,7 +365,9 @@ TEST(FieldStressScene, MistakesAreNamed) {
   EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "gradient = [0, 0, 0, 1, 0, 0]\n").find("shear stress along the tunnel"),
             std::string::npos);
   EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "sress = 1\n").find("stress"), std::string::npos);
-  EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "[monte_carlo]\nrealizations = 2\n").find("single runs"), std::string::npos);
+  EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "tunnel = [\"tunnel\", \"tunnel\"]\n").find("twice"), std::string::npos);
+  EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "[joints.x]\nnormal_stiffness = 1e9\n").find("shear_stiffness"),
+            std::string::npos);
   std::string no_poisson = roof("[0, 0, 0, 0, 0, 0]");
   no_poisson.erase(no_poisson.find("poisson"), std::string_view{"poisson = 0.25\n"}.size());
   EXPECT_NE(error_of(no_poisson).find("rock.poisson: is missing"), std::string::npos);

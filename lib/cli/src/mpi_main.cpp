@@ -57,14 +57,14 @@ struct Waiting {
 class Maker final {
  public:
   explicit Maker(const scene::Scene& scene)
-      : scene_{&scene}, questions_{questions_of(scene)}, group_{strengths_per_geometry(scene)} {}
+      : scene_{&scene}, shared_{shared_by_realizations(scene)}, group_{strengths_per_geometry(scene)} {}
   [[nodiscard]] std::vector<Record> operator()(std::uint64_t first) const {
-    return make_records(*scene_, questions_, first, (first / group_ + 1) * group_ - first);
+    return make_records(*scene_, shared_, first, (first / group_ + 1) * group_ - first);
   }
 
  private:
   const scene::Scene* scene_;
-  stochastic::Questions questions_;
+  scene::Shared shared_;
   std::uint64_t group_;
 };
 

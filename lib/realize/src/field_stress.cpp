@@ -29,9 +29,8 @@ std::array<double, 6> turned(const std::array<double, 6>& s, Vec3 right, Vec3 up
 
 }  // namespace
 
-std::expected<TunnelField, bem::SolveError> TunnelField::make(const Scene& scene, const FieldStressSettings& settings,
-                                                              unsigned threads) {
-  const TunnelLine& line = *scene.excavations[settings.excavation].tunnel;
+std::expected<TunnelField, bem::SolveError> TunnelField::make(const TunnelLine& line,
+                                                              const FieldStressSettings& settings, unsigned threads) {
   TunnelField out;
   out.axis_ = normalized(line.axis[1] - line.axis[0]);
   out.right_ = normalized(cross(out.axis_, line.up));
@@ -72,6 +71,15 @@ std::expected<TunnelField, bem::SolveError> TunnelField::make(const Scene& scene
   if (std::abs(out.far_[4]) + std::abs(out.far_[5]) > 1e-12 * size) {
     for (bem::Side& side : opening) side.elements *= 4;
     CLEAVE_TRY(out.along_, bem::Antiplane::make({opening}, surface, {}, {out.far_[5], out.far_[4]}));
+  }
+  return out;
+}
+
+std::expected<TunnelFields, bem::SolveError> TunnelFields::make(const Scene& scene, unsigned threads) {
+  TunnelFields out;
+  for (const std::uint32_t tunnel : scene.field_stress->tunnels) {
+    CLEAVE_TRY(TunnelField field, TunnelField::make(*scene.excavations[tunnel].tunnel, *scene.field_stress, threads));
+    out.fields_.push_back(std::move(field));
   }
   return out;
 }
@@ -161,21 +169,44 @@ namespace {
 
 constexpr std::uint32_t never = UINT32_MAX;
 
+/// What every block is judged with.
+struct Clamping {
+  const Scene* scene;
+  const Realization* made;
+  const stability::Settings* settings;
+  std::vector<std::uint32_t> leaves;  ///< batch in which each block leaves
+
+  [[nodiscard]] const topology::BlockComplex& complex() const { return made->complex->complex(); }
+  [[nodiscard]] std::optional<stability::JointStiffness> stiffness_of(std::optional<topology::JointId> joint) const {
+    if (!joint) return std::nullopt;
+    return scene->sets[made->joints[*joint].set].properties.stiffness;
+  }
+};
+
 /// The joint faces of a block that are still in contact when it is judged, with what the field puts across them.
-std::vector<std::pair<topology::FaceId, stability::ClampedContact>> contacts_of(
-    const topology::BlockComplex& complex, const stability::Judgement& judged, const TunnelField& field,
-    const std::vector<std::uint32_t>& leaves, const stability::StrengthTable& strengths) {
+std::vector<std::pair<topology::FaceId, stability::ClampedContact>> contacts_of(const Clamping& with,
+                                                                                const stability::Judgement& judged,
+                                                                                const TunnelField& field) {
+  const topology::BlockComplex& complex = with.complex();
   std::vector<std::pair<topology::FaceId, stability::ClampedContact>> out;
   for (const topology::FaceId id : complex.blocks()[judged.block].faces) {
     const topology::Face& face = complex.faces()[id];
     if (face.role != topology::Role::joint) continue;
     stability::ClampedContact contact{.inward = -face.outward};
+    double normal = 0, shear = 0;  // stiffness times area, of patches side by side
     for (const topology::Patch& patch : complex.patches(face)) {
-      if (!patch.neighbour || leaves[patch.neighbour->index()] < judged.batch.value_or(never)) continue;
-      contact.area += patch.area.si();
-      contact.strengths.emplace_back(&strengths.of(patch.joint), patch.area.si());
+      if (!patch.neighbour || with.leaves[patch.neighbour->index()] < judged.batch.value_or(never)) continue;
+      const double area = patch.area.si();
+      contact.area += area;
+      contact.strengths.emplace_back(&with.settings->strengths.of(patch.joint), area);
+      if (const auto stiffness = with.stiffness_of(patch.joint)) {
+        normal += stiffness->normal.si() * area;
+        shear += stiffness->shear.si() * area;
+      }
     }
     if (!(contact.area > 0)) continue;
+    if (normal > 0)
+      contact.stiffness = {pascals_per_metre(normal / contact.area), pascals_per_metre(shear / contact.area)};
     const Vec3 force = std::min(1.0, contact.area / face.area.si()) * force_on(complex, face, field);
     contact.normal = dot(force, contact.inward);
     contact.shear = force - contact.normal * contact.inward;
@@ -191,14 +222,13 @@ Vec3 applied_to(const stability::Judgement& judged, const topology::BlockComplex
   return sum;
 }
 
-ClampedBlock clamp(const topology::BlockComplex& complex, const stability::Judgement& judged, const TunnelField& field,
-                   const std::vector<std::uint32_t>& leaves, const stability::Settings& settings,
-                   std::optional<double> stiffness_ratio) {
+ClampedBlock clamp(const Clamping& with, const stability::Judgement& judged, const TunnelField& field) {
+  const topology::BlockComplex& complex = with.complex();
   ClampedBlock out{.block = judged.block};
   // Faces on one plane are reported as one.
   std::map<std::pair<topology::PlaneId, bool>, ClampedPlane> planes;
   std::vector<stability::ClampedContact> contacts;
-  for (auto& [id, contact] : contacts_of(complex, judged, field, leaves, settings.strengths)) {
+  for (auto& [id, contact] : contacts_of(with, judged, field)) {
     const topology::Face& face = complex.faces()[id];
     ClampedPlane& plane =
         planes.try_emplace({face.plane, face.block_on_positive_side}, ClampedPlane{.face = id}).first->second;
@@ -212,47 +242,159 @@ ClampedBlock clamp(const topology::BlockComplex& complex, const stability::Judge
     out.compression += std::max(0.0, plane.normal_force);
     out.tension += std::max(0.0, -plane.normal_force);
   }
-  out.factor_of_safety =
-      stability::clamped_factor(contacts, applied_to(judged, complex), stiffness_ratio, settings.partial);
+  out.factor_of_safety = stability::clamped_factor(contacts, applied_to(judged, complex),
+                                                   with.scene->field_stress->stiffness_ratio, with.settings->partial);
   return out;
+}
+
+// ---- How far a section says what the stress is ----------------------------------------------------------------------
+
+struct Box {
+  Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+  void add(const topology::BlockComplex& complex, const topology::Face& face) {
+    for (const auto& loop : complex.loops(face)) {
+      for (const topology::VertexId id : loop) {
+        const Vec3 p = complex.position(id);
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+      }
+    }
+  }
+  [[nodiscard]] double distance(const Box& other) const {
+    const auto gap = [](double l1, double h1, double l2, double h2) { return std::max({0.0, l2 - h1, l1 - h2}); };
+    return norm(Vec3{gap(low.x, high.x, other.low.x, other.high.x), gap(low.y, high.y, other.low.y, other.high.y),
+                     gap(low.z, high.z, other.low.z, other.high.z)});
+  }
+};
+
+/// The largest distance between two corners of a tunnel's section.
+double width_of(const TunnelLine& line) {
+  double most = 0;
+  for (const auto& [u, v] : line.outline) {
+    for (const auto& [p, q] : line.outline) most = std::max(most, std::hypot(u - p, v - q));
+  }
+  return most;
+}
+
+/// Free faces that the section of a tunnel knows nothing of, with how far they are felt: twice the width of an opening.
+/// What a round hole of that width adds to the stress there is a twenty-fifth of it, 4 %.
+class Surroundings final {
+ public:
+  Surroundings(const Scene& scene, const topology::BlockComplex& complex) : scene_{&scene}, complex_{&complex} {
+    std::map<std::uint32_t, Box> boxes;
+    for (const topology::FaceId id : complex.faces().ids()) {
+      const topology::Face& face = complex.faces()[id];
+      if (face.role != topology::Role::free) continue;
+      Free one{.face = id};
+      one.box.add(complex, face);
+      free_.push_back(one);
+      if (face.excavation) boxes[*face.excavation].add(complex, face);
+    }
+    for (const auto& [excavation, box] : boxes) {
+      const auto& line = scene.excavations[excavation].tunnel;
+      std::array<double, 3> sides{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
+      std::ranges::sort(sides);
+      reach_[excavation] = 2 * (line ? width_of(*line) : sides[1]);
+    }
+  }
+
+  /// Whether the section of this tunnel is all that a block feels.
+  [[nodiscard]] bool alone(topology::BlockId block, std::uint32_t tunnel) const {
+    Box box;
+    for (const topology::FaceId id : complex_->blocks()[block].faces) box.add(*complex_, complex_->faces()[id]);
+    const TunnelLine& line = *scene_->excavations[tunnel].tunnel;
+    const Vec3 axis = normalized(line.axis[1] - line.axis[0]);
+    const double own = 2 * width_of(line);
+    return std::ranges::none_of(free_, [&](const Free& one) {
+      const topology::Face& face = complex_->faces()[one.face];
+      double reach = own;
+      if (face.excavation == tunnel) {
+        if (std::abs(dot(face.outward, axis)) < 0.99) return false;  // a wall; a heading is none
+      } else if (face.excavation) {
+        reach = reach_.at(*face.excavation);
+      } else if (scene_->field_stress->surface && face.outward.z > 0.99) {
+        return false;  // the ground of the half plane
+      }
+      return box.distance(one.box) < reach;
+    });
+  }
+
+ private:
+  struct Free {
+    topology::FaceId face;
+    Box box = {};
+  };
+  const Scene* scene_;
+  const topology::BlockComplex* complex_;
+  std::vector<Free> free_;
+  std::map<std::uint32_t, double> reach_;
+};
+
+/// The tunnel of [field_stress] that a block has a free face of; of a block behind others the one whose axis is
+/// nearest. Its place in FieldStressSettings::tunnels; empty: none.
+std::optional<std::size_t> tunnel_of(const Scene& scene, const topology::BlockComplex& complex,
+                                     const stability::Judgement& judged) {
+  const std::vector<std::uint32_t>& tunnels = scene.field_stress->tunnels;
+  const topology::Block& block = complex.blocks()[judged.block];
+  for (const topology::FaceId id : block.faces) {
+    const topology::Face& face = complex.faces()[id];
+    if (face.role != topology::Role::free || !face.excavation) continue;
+    const auto found = std::ranges::find(tunnels, *face.excavation);
+    if (found != tunnels.end()) return found - tunnels.begin();
+  }
+  if (!judged.batch || *judged.batch < 2 || tunnels.empty()) return std::nullopt;
+  const auto distance = [&](std::uint32_t tunnel) {
+    const std::vector<Vec3>& axis = scene.excavations[tunnel].tunnel->axis;
+    return norm(cross(block.centroid - axis[0], normalized(axis[1] - axis[0])));
+  };
+  return std::ranges::min_element(tunnels, {}, distance) - tunnels.begin();
 }
 
 }  // namespace
 
-FieldStressResult clamp_blocks(const Scene& scene, const TunnelField& field, const topology::BlockComplex& complex,
-                               const stability::Analysis& analysis, const stability::Settings& settings,
-                               unsigned threads) {
+FieldStressResult clamp_blocks(const Scene& scene, const TunnelFields& fields, const Realization& made,
+                               const stability::Settings& settings, unsigned threads) {
   FieldStressResult result;
-  const FieldStressSettings& wanted = *scene.field_stress;
-  result.tunnel = scene.excavations[wanted.excavation].name;
-  const bem::Refined& section = field.section();
-  result.elements = section.solution.diagnostics().elements;
-  result.error = section.error;
-  result.reached = section.reached;
-  result.condition = section.solution.diagnostics().condition;
-  result.residual = section.solution.diagnostics().residual;
-
-  std::vector<std::uint32_t> leaves(complex.blocks().size(), never);
-  for (const topology::BlockId id : settings.left_out) leaves[id.index()] = 0;
-  for (const stability::Judgement& j : analysis.judgements) {
-    if (j.batch) leaves[j.block.index()] = *j.batch;
+  const std::vector<std::uint32_t>& tunnels = scene.field_stress->tunnels;
+  for (std::size_t k = 0; k < tunnels.size(); ++k) {
+    const bem::Refined& section = fields.of_tunnels()[k].section();
+    const bem::Diagnostics& solved = section.solution.diagnostics();
+    result.tunnels.push_back(scene.excavations[tunnels[k]].name);
+    result.elements += solved.elements;
+    result.error = std::max(result.error, section.error);
+    result.reached = result.reached && section.reached;
+    result.condition = std::max(result.condition, solved.condition);
+    result.residual = std::max(result.residual, solved.residual);
   }
-  std::vector<const stability::Judgement*> judged;
+  const topology::BlockComplex& complex = made.complex->complex();
+  const stability::Analysis& analysis = *made.analysis;
+  Clamping with{&scene, &made, &settings, std::vector<std::uint32_t>(complex.blocks().size(), never)};
+  for (const topology::BlockId id : settings.left_out) with.leaves[id.index()] = 0;
+  for (const stability::Judgement& j : analysis.judgements) {
+    if (j.batch) with.leaves[j.block.index()] = *j.batch;
+  }
+  const Surroundings surroundings{scene, complex};
+  std::vector<std::pair<const stability::Judgement*, std::size_t>> judged;
   for (const stability::Judgement& j : analysis.judgements) {
     if (!stability::moves(j.mode)) continue;
-    const bool at_tunnel = std::ranges::any_of(complex.blocks()[j.block].faces, [&](topology::FaceId id) {
-      const topology::Face& face = complex.faces()[id];
-      return face.role == topology::Role::free && face.excavation == wanted.excavation;
-    });
-    if (!at_tunnel && !(j.batch && *j.batch > 1)) continue;
-    judged.push_back(&j);
+    const auto tunnel = tunnel_of(scene, complex, j);
+    if (!tunnel) continue;
+    if (!surroundings.alone(j.block, tunnels[*tunnel])) {
+      ++result.undecided;
+      continue;
+    }
+    judged.emplace_back(&j, *tunnel);
     result.blocks.push_back({.block = j.block});
   }
   parallel_for(judged.size(), ThreadLimit{std::max(1U, threads)}, [&](std::size_t k) {
-    result.blocks[k] = clamp(complex, *judged[k], field, leaves, settings, wanted.stiffness_ratio);
+    const auto [judgement, tunnel] = judged[k];
+    result.blocks[k] = clamp(with, *judgement, fields.of_tunnels()[tunnel]);
   });
   for (std::size_t k = 0; k < judged.size(); ++k) {
-    if (judged[k]->key && result.blocks[k].factor_of_safety >= 1) ++result.held;
+    if (judged[k].first->key && result.blocks[k].factor_of_safety >= 1) {
+      ++result.held;
+      result.held_volume += complex.blocks()[judged[k].first->block].volume;
+    }
   }
   return result;
 }

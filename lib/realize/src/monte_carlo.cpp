@@ -42,6 +42,7 @@ stochastic::Questions questions_of(const Scene& scene) {
   stochastic::Questions questions;
   if (!scene.monte_carlo) return questions;
   questions.groups = scene.stability && scene.stability->decides_by_groups();
+  questions.clamped = scene.stability && scene.field_stress;
   questions.volumes_m3 = scene.monte_carlo->volumes;
   for (const Excavation& excavation : scene.excavations) {
     if (excavation.axis.empty()) continue;
@@ -50,6 +51,10 @@ stochastic::Questions questions_of(const Scene& scene) {
     break;
   }
   return questions;
+}
+
+Shared shared_by_realizations(const Scene& scene, unsigned threads) {
+  return {questions_of(scene), shared_fields(scene, threads)};
 }
 
 std::vector<std::vector<std::uint32_t>> orders_of(const Scene& scene) {
@@ -72,6 +77,7 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .seed = scene.seed,
                                       .support = scene.support.has_value(),
                                       .groups = questions.groups,
+                                      .clamped = questions.clamped,
                                       .orders = orders_of(scene).size(),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
@@ -112,6 +118,11 @@ Record record_of(std::uint64_t k, const Realization& made, const stochastic::Que
       (doubt ? groups.in_doubt_volume : groups.moving_volume) += group.volume;
     }
   }
+  if (made.field_stress) {
+    record.clamped = {.held = made.field_stress->held,
+                      .undecided = made.field_stress->undecided,
+                      .held_volume = made.field_stress->held_volume};
+  }
   if (made.sequence) {
     for (const OrderResult& order : made.sequence->orders) {
       record.orders.push_back({order.key_blocks, order.key_volume.si()});
@@ -120,18 +131,17 @@ Record record_of(std::uint64_t k, const Realization& made, const stochastic::Que
   return record;
 }
 
-std::vector<Record> make_records(const Scene& scene, const stochastic::Questions& questions, std::uint64_t first,
-                                 std::uint64_t count) {
+std::vector<Record> make_records(const Scene& scene, const Shared& shared, std::uint64_t first, std::uint64_t count) {
   StageTimer timer;
-  return make_records(scene, questions, first, count, timer);
+  return make_records(scene, shared, first, count, timer);
 }
 
-std::vector<Record> make_records(const Scene& scene, const stochastic::Questions& questions, std::uint64_t first,
-                                 std::uint64_t count, StageTimer& timer) {
+std::vector<Record> make_records(const Scene& scene, const Shared& shared, std::uint64_t first, std::uint64_t count,
+                                 StageTimer& timer) {
   std::vector<Record> records;
-  realize(scene, first, count, timer, [&](std::uint64_t k, const Realization* made) {
+  realize(scene, shared.fields, first, count, timer, [&](std::uint64_t k, const Realization* made) {
     if (made != nullptr) {
-      records.push_back(record_of(k, *made, questions));
+      records.push_back(record_of(k, *made, shared.questions));
     } else {
       records.emplace_back().realization = k;
       records.back().outcome = Outcome::refused;
@@ -140,8 +150,8 @@ std::vector<Record> make_records(const Scene& scene, const stochastic::Questions
   return records;
 }
 
-Record make_record(const Scene& scene, const stochastic::Questions& questions, std::uint64_t k) {
-  return make_records(scene, questions, k, 1).front();
+Record make_record(const Scene& scene, const Shared& shared, std::uint64_t k) {
+  return make_records(scene, shared, k, 1).front();
 }
 
 std::uint64_t strengths_per_geometry(const Scene& scene) noexcept {
@@ -193,13 +203,13 @@ std::expected<MonteCarloResult, RecordFileError> run_monte_carlo(const Scene& sc
                                                                  const std::filesystem::path& path,
                                                                  const stochastic::Shard& shard,
                                                                  const MonteCarloWatch& watch) {
-  const stochastic::Questions questions = questions_of(scene);
+  const Shared shared = shared_by_realizations(scene, threads);
   const ThreadLimit limit{threads};
   const std::uint64_t group = strengths_per_geometry(scene);
   Spent spent;
   const auto booked = [&](std::uint64_t first, std::uint64_t count) {
     StageTimer timer;
-    std::vector<Record> records = make_records(scene, questions, first, count, timer);
+    std::vector<Record> records = make_records(scene, shared, first, count, timer);
     spent.add(timer);
     return records;
   };

@@ -116,9 +116,14 @@ std::string why_monte_carlo(const Scene& scene) {
 Decision decide_elastic(const Scene& scene) {
   if (!scene.field_stress) return {false, "no [[body]] and no [field_stress]"};
   if (!scene.stability) return {false, "nothing is free, so no block is clamped"};
-  if (scene.monte_carlo) return {false, "not in ensembles"};
-  return {true, fmt::format("stress around \"{}\" (section by boundary elements) on its key blocks",
-                            scene.excavations[scene.field_stress->excavation].name)};
+  std::string names;
+  for (const std::uint32_t tunnel : scene.field_stress->tunnels) {
+    names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", scene.excavations[tunnel].name);
+  }
+  return {true, fmt::format("stress around {} ({} by boundary elements{}) on {} key blocks", names,
+                            scene.field_stress->tunnels.size() == 1 ? "a section" : "sections",
+                            scene.monte_carlo ? ", once for all realizations" : "",
+                            scene.field_stress->tunnels.size() == 1 ? "its" : "their")};
 }
 
 Decision decide_motion(const Scene& scene) {

@@ -55,7 +55,7 @@ Realizer::Done Realizer::next(const Plan& plan, std::uint64_t realization) {
   // How far the rock must be cut depends on the strengths.
   if (near_ || !made_.complex) return execute(plan);
   CLEAVE_CHECK(draw_joints());
-  for (const Stage stage : {Stage::stability, Stage::support}) {
+  for (const Stage stage : {Stage::stability, Stage::support, Stage::elastic}) {
     if (plan.runs(stage)) CLEAVE_CHECK(step(stage));
   }
   return {};
@@ -74,8 +74,7 @@ Realizer::Done Realizer::step(Stage stage) {
     case Stage::support:
       if (made_.analysis && !near_) booked(stage, [&] { support(); });
       return {};
-    case Stage::elastic:
-      return made_.analysis && detail_ == Detail::shown ? booked(stage, [&] { return clamp(); }) : Done{};
+    case Stage::elastic: return made_.analysis ? booked(stage, [&] { return clamp(); }) : Done{};
     case Stage::contact:
       if (made_.analysis && scene_->motion && detail_ == Detail::shown) booked(stage, [&] { move(); });
       return {};
@@ -252,22 +251,21 @@ void Realizer::judge_groups_of_cases() {
     CaseResult& load = made_.load_cases[k];
     const stability::Settings with =
         of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
-    const stability::KeyGroups found = stability::find_key_groups(
+    load.groups = stability::find_key_groups(
         complex, with, scene_->stability->decides_by_groups() ? stability::most_together : stability::most_noted);
-    if (scene_->stability->decides_by_groups()) stability::decide_by_groups(complex, with, found, load.analysis);
-    add_moving_group_notes(found, load.analysis, "load case " + load.name + ": ", group_notes_);
+    if (scene_->stability->decides_by_groups()) stability::decide_by_groups(complex, with, *load.groups, load.analysis);
+    add_moving_group_notes(*load.groups, load.analysis, "load case " + load.name + ": ", group_notes_);
   }
 }
 
 /// Each stage, with what fell before it: a state of its own, in which groups may move that do not in the final one.
 void Realizer::judge_groups_of_stages() {
   if (!made_.sequence) return;
-  for (const StageResult& row : made_.sequence->stages) {
+  for (StageResult& row : made_.sequence->stages) {
     if (!row.complex || !*row.complex || !row.analysis) continue;
     const topology::AuditedComplex& complex = **row.complex;
-    const stability::KeyGroups found =
-        stability::find_key_groups(complex, settings(complex.complex()), stability::most_noted);
-    add_moving_group_notes(found, *row.analysis, "after stage " + std::to_string(row.stage) + ": ", group_notes_);
+    row.groups = stability::find_key_groups(complex, settings(complex.complex()), stability::most_noted);
+    add_moving_group_notes(*row.groups, *row.analysis, "after stage " + std::to_string(row.stage) + ": ", group_notes_);
   }
 }
 
@@ -282,21 +280,31 @@ void Realizer::support() {
 void Realizer::move() { made_.motion = run_motion(*scene_, made_, made_.complex->complex()); }
 
 Realizer::Done Realizer::clamp() {
-  const auto field = TunnelField::make(*scene_, *scene_->field_stress, options_.threads);
-  if (!field) {
-    return std::unexpected(std::vector{Problem{scene_->shown, scene_->field_stress->line, "field_stress",
-                                               describe(field.error()), "see docs/bem.md on field stress"}});
+  if (!options_.fields) {
+    auto fields = TunnelFields::make(*scene_, options_.threads);
+    if (!fields) {
+      return std::unexpected(std::vector{Problem{scene_->shown, scene_->field_stress->line, "field_stress",
+                                                 describe(fields.error()), "see docs/bem.md on field stress"}});
+    }
+    options_.fields = std::make_shared<const TunnelFields>(*std::move(fields));
   }
-  const topology::BlockComplex& complex = made_.complex->complex();
-  made_.field_stress = clamp_blocks(*scene_, *field, complex, *made_.analysis, settings(complex), options_.threads);
+  made_.field_stress =
+      clamp_blocks(*scene_, *options_.fields, made_, settings(made_.complex->complex()), options_.threads);
   return {};
 }
 
-void realize(const Scene& scene, std::uint64_t first, std::uint64_t count, StageTimer& timer,
+std::shared_ptr<const TunnelFields> shared_fields(const Scene& scene, unsigned threads) {
+  if (!scene.field_stress || !scene.stability) return nullptr;
+  auto fields = TunnelFields::make(scene, threads);
+  return fields ? std::make_shared<const TunnelFields>(*std::move(fields)) : nullptr;
+}
+
+void realize(const Scene& scene, const std::shared_ptr<const TunnelFields>& fields, std::uint64_t first,
+             std::uint64_t count, StageTimer& timer,
              const std::function<void(std::uint64_t, const Realization*)>& use) {
   const Plan plan = make_plan(scene);
   Progress progress{ProgressStyle::quiet};
-  Realizer realizer{scene, {.threads = 1, .realization = first}, Detail::counted, timer, progress};
+  Realizer realizer{scene, {.threads = 1, .realization = first, .fields = fields}, Detail::counted, timer, progress};
   for (std::uint64_t k = first; k < first + count; ++k) {
     const Realizer::Done done = k == first ? realizer.execute(plan) : realizer.next(plan, k);
     use(k, done ? &realizer.now() : nullptr);

@@ -155,10 +155,12 @@ KeyGroupFigures count_key_groups(const stability::KeyGroups& groups) {
   return figures;
 }
 
+namespace {
+constexpr std::string_view see_groups = ": see key_groups.csv";
+}  // namespace
+
 void add_moving_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis,
                             std::string_view where, std::vector<std::string>& notes) {
-  // Tables of groups are those of the base case in the final state.
-  const std::string_view seen = where.empty() ? ": see key_groups.csv" : "";
   std::size_t beyond = 0, doubt = 0;
   double volume = 0, in_doubt = 0, least = std::numeric_limits<double>::infinity();
   for (const stability::KeyGroup& group : groups.groups) {
@@ -180,11 +182,11 @@ void add_moving_group_notes(const stability::KeyGroups& groups, const stability:
     notes.push_back(
         fmt::format("{}{} key {} ({:.4g} m3) of blocks that do not all move by themselves, least factor of "
                     "safety {:.3g}{}",
-                    where, beyond, beyond == 1 ? "group" : "groups", volume, least, seen));
+                    where, beyond, beyond == 1 ? "group" : "groups", volume, least, see_groups));
   }
   if (doubt > 0) {
     notes.push_back(fmt::format("{}{} {} of blocks ({:.4g} m3) could not be decided together: in doubt, not stable{}",
-                                where, doubt, doubt == 1 ? "group" : "groups", in_doubt, seen));
+                                where, doubt, doubt == 1 ? "group" : "groups", in_doubt, see_groups));
   }
   if (groups.at_the_edge && beyond + doubt > 0) {
     notes.push_back(
@@ -319,6 +321,13 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
     notes.push_back(fmt::format("field stress: {} unstable {} held by the stress across {} joints; without it {}",
                                 clamped->held, clamped->held == 1 ? "block is" : "blocks are",
                                 clamped->held == 1 ? "its" : "their", clamped->held == 1 ? "it falls" : "they fall"));
+  }
+  if (clamped && clamped->undecided > 0) {
+    notes.push_back(fmt::format(
+        "field stress: {} nearer than two widths to another opening, a heading or the ground: the section of the "
+        "tunnel says nothing of the stress there, and no factor with it is given",
+        clamped->undecided == 1 ? "1 block that would move is"
+                                : fmt::format("{} blocks that would move are", clamped->undecided)));
   }
   for (const CaseResult& load : made.load_cases) {
     std::size_t leaving = 0, base = 0;

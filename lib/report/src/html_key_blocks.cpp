@@ -155,11 +155,16 @@ std::string key_blocks_section(const Page& page) {
   out += key_block_table(page, judgements);
   if (page.result.field_stress) {
     const scene::FieldStressResult& f = *page.result.field_stress;
-    out += "<p class=\"small\">Clamped: the same motion with the stress of the rock around “" + escape_xml(f.tunnel) +
-           "” across the joints (elastic section, " + display_count(f.elements) +
+    std::string names;
+    for (const std::string& tunnel : f.tunnels) names += (names.empty() ? "“" : ", “") + escape_xml(tunnel) + "”";
+    out += "<p class=\"small\">Clamped: the same motion with the stress of the rock around " + names +
+           " across the joints (elastic section, " + display_count(f.elements) +
            " boundary elements, estimated error " + display(f.error, 2) + "). " + display_count(f.held) +
-           (f.held == 1 ? " block that would fall is" : " blocks that would fall are") +
-           " held by it. The stress goes when the rock loosens: do not count on it for support.</p>";
+           (f.held == 1 ? " block that would fall is" : " blocks that would fall are") + " held by it" +
+           (f.undecided == 0 ? std::string{}
+                             : "; of " + display_count(f.undecided) +
+                                   " near another opening, a heading or the ground the section says nothing") +
+           ". The stress goes when the rock loosens: do not count on it for support.</p>";
   }
   return out + cases_table(page.figures().load_cases) + "</section>\n";
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -51,8 +52,9 @@ struct ParsedStability {
 /// Stages of the excavations and [sequence]; empty when all are of one stage.
 [[nodiscard]] std::optional<SequenceSettings> parse_sequence(const TableReader& root,
                                                              const std::vector<Excavation>& excavations);
-/// [field_stress]; after [rock] and the excavations.
-[[nodiscard]] std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, const Rock& rock,
+/// [field_stress]; after [rock], the excavations and the sets that have joints.
+[[nodiscard]] std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, const Context& context,
+                                                                    const std::set<SetId>& used, const Rock& rock,
                                                                     const std::vector<Excavation>& excavations);
 /// [motion]; after what it releases.
 [[nodiscard]] std::optional<MotionSettings> parse_motion(const TableReader& root,

@@ -55,6 +55,13 @@ void find_notes(const Scene& scene, const TableReader& root) {
     problems.note(1, "joints", "no strength is given: friction 30 degrees, cohesion 0 and tension 0 are taken",
                   "add [joints.default] with friction");
   }
+  const bool stiff =
+      std::ranges::any_of(scene.sets, [](const NamedSet& set) { return set.properties.stiffness.has_value(); });
+  if (stiff && !scene.field_stress) {
+    problems.note(root.line_of("joints"), "joints",
+                  "normal_stiffness and shear_stiffness are read by [field_stress] alone",
+                  "add [field_stress]: without it joints are as stiff as blocks");
+  }
   if (!root.has("rock")) {
     problems.note(1, "rock", "no density is given: 2700 kg/m3 is taken", "add [rock] with density");
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "cleave/core/sha256.hpp"
@@ -235,7 +236,10 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   parse_excavations(context, root, domain, excavations);
   ParsedStability stability = parse_stability(context, root, domain, excavations);
   std::optional<SupportSettings> support = parse_support(root, excavations, stability.settings);
-  std::optional<FieldStressSettings> field_stress = parse_field_stress(root, rock, excavations);
+  std::set<SetId> used;
+  for (const MeasuredJoint& joint : joints) used.insert(joint.set);
+  for (const RandomSet& set : joint_sets) used.insert(set.set);
+  std::optional<FieldStressSettings> field_stress = parse_field_stress(root, context, used, rock, excavations);
   OutputSettings output = parse_output(root);
   std::optional<SequenceSettings> sequence = parse_sequence(root, excavations);
   const std::optional<MotionSettings> motion = parse_motion(root, stability.settings, sequence);

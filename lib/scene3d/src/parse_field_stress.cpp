@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <string_view>
+#include <vector>
 
 #include "cleave/scene/nearest.hpp"
 #include "cleave/scene3d/key_tables.hpp"
@@ -29,84 +31,72 @@ double largest(const std::array<double, 6>& values) {
   return out;
 }
 
-}  // namespace
-
-const KeyTable& field_stress_keys() {
-  static const KeyTable keys{
-      .name = "field_stress",
-      .keys = {
-          {"tunnel", key::text(), "the only one", "name of an excavation of kind tunnel with an axis of two points"},
-          {"stress", key::array(key::number(stress_rule), 6, 6), required,
-           "`[xx, yy, zz, xy, yz, zx]` of the undisturbed rock at `level`, Pa, compression negative"},
-          {"gradient", key::array(key::number(gradient_rule), 6, 6), "0",
-           "the same per metre upwards (weight of the rock: zz = density x gravity); level tunnels with a vertical "
-           "section only"},
-          {"level", key::number(rule::coordinate), "0", "z in m"},
-          {"surface", key::number(rule::coordinate), "",
-           "z of the free ground surface above (half plane); none: infinite rock"},
-          {"stiffness_ratio", key::number({1e-3, false, 1e4, false, ""}), "",
-           "normal over shear stiffness of the joints, from which forces follow as the block comes out; none: the "
-           "least factor of the ratios 1, 10, 100 and 1000"},
-          {"tolerance", key::number({1e-8, false, 0.1, false, ""}), "1e-3",
-           "elements are doubled until displacements of the section change by less, relative; a note says when three "
-           "doublings do not do"}}};
-  return keys;
+/// The tunnels that are named, or all straight ones, in the order of the excavations; what is wrong is said.
+std::vector<std::uint32_t> parse_tunnels(const TableReader& table, const std::vector<Excavation>& excavations) {
+  std::vector<string_view> tunnels;
+  std::vector<std::uint32_t> straight;
+  for (std::uint32_t i = 0; i < excavations.size(); ++i) {
+    if (!excavations[i].tunnel) continue;
+    tunnels.emplace_back(excavations[i].name);
+    if (excavations[i].tunnel->axis.size() == 2) straight.push_back(i);
+  }
+  constexpr string_view one_section = "the stress is that of one section: it needs an axis of two points";
+  if (!table.has("tunnel")) {
+    if (straight.empty()) {
+      table.error("tunnel", tunnels.empty() ? "there is no excavation of kind \"tunnel\"" : "is not straight",
+                  tunnels.empty() ? "the stress is that around a tunnel's section: add one, or remove [field_stress]"
+                                  : std::string{one_section});
+    }
+    return straight;
+  }
+  std::vector<std::string> names;
+  if (std::holds_alternative<TomlArray>(table.find("tunnel")->node.value)) {
+    names = table.texts("tunnel").value_or(std::vector<std::string>{});
+  } else if (const auto name = table.text("tunnel")) {
+    names.emplace_back(*name);
+  }
+  std::vector<std::uint32_t> chosen;
+  for (const std::string& name : names) {
+    const auto found =
+        std::ranges::find_if(excavations, [&](const Excavation& e) { return e.tunnel.has_value() && e.name == name; });
+    if (found == excavations.end()) {
+      const auto guess = nearest(name, tunnels);
+      table.error("tunnel", fmt::format("\"{}\" is no excavation of kind \"tunnel\"", name.substr(0, 60)),
+                  guess             ? fmt::format("did you mean \"{}\"?", *guess)
+                  : tunnels.empty() ? "the stress is that around a tunnel's section: add one, or remove [field_stress]"
+                                    : "name one: tunnel = \"NAME\"");
+    } else if (found->tunnel->axis.size() != 2) {
+      table.error("tunnel", names.size() > 1 ? fmt::format("\"{}\" is not straight", name) : "is not straight",
+                  std::string{one_section});
+    } else {
+      chosen.push_back(static_cast<std::uint32_t>(found - excavations.begin()));
+    }
+  }
+  std::ranges::sort(chosen);
+  if (const auto twice = std::ranges::adjacent_find(chosen); twice != chosen.end()) {
+    table.error("tunnel", fmt::format("names \"{}\" twice", excavations[*twice].name), "name it once");
+  }
+  return chosen;
 }
 
-std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, const Rock& rock,
-                                                      const std::vector<Excavation>& excavations) {
-  const auto found = root.sub("field_stress");
-  if (!found) return std::nullopt;
-  const TableReader& table = *found;
-  FieldStressSettings settings;
-  settings.line = table.line();
-  if (!table.has("stress")) {
-    table.missing("stress", "write stress = [xx, yy, zz, xy, yz, zx] in Pa, compression negative");
+/// Stiffnesses belong to all sets that have joints (`used`) or to none.
+void check_stiffness(const TableReader& table, const Context& context, const std::set<SetId>& used, bool ratio) {
+  const auto stiff = [&](SetId set) { return context.sets[set].properties.stiffness.has_value(); };
+  if (std::ranges::none_of(used, stiff)) return;
+  for (const SetId set : used) {
+    if (stiff(set)) continue;
+    table.problems().error(table.line(), "joints." + context.sets[set].name + ".normal_stiffness",
+                           "is missing, and other sets have it",
+                           "[field_stress] needs normal_stiffness and shear_stiffness of every set, or of none");
   }
-  settings.stress = components(table, "stress");
-  settings.gradient = components(table, "gradient");
-  settings.level = table.value("level");
-  settings.surface = table.number("surface");
-  settings.stiffness_ratio = table.number("stiffness_ratio");
-  settings.tolerance = table.value("tolerance");
-  if (!rock.poisson) {
-    root.problems().error(settings.line, "rock.poisson", "is missing",
-                          "stress along the tunnel needs Poisson's ratio: give poisson in [rock], say 0.25");
-  } else {
-    settings.poisson = *rock.poisson;
+  if (ratio) {
+    table.error("stiffness_ratio", "has no meaning beside normal_stiffness and shear_stiffness of [joints]",
+                "remove one of them");
   }
-  if (root.has("monte_carlo")) {
-    table.error("stress", "is part of single runs only: ensembles judge blocks without it",
-                "remove [field_stress] or [monte_carlo]");
-  }
+}
 
-  std::vector<string_view> tunnels;
-  for (const Excavation& e : excavations) {
-    if (e.tunnel) tunnels.emplace_back(e.name);
-  }
-  const auto name = table.text("tunnel");
-  const Excavation* tunnel = nullptr;
-  for (std::uint32_t i = 0; i < excavations.size() && tunnel == nullptr; ++i) {
-    if (!excavations[i].tunnel || (name && excavations[i].name != *name)) continue;
-    tunnel = &excavations[i];
-    settings.excavation = i;
-  }
-  if (tunnel == nullptr || (!name && tunnels.size() > 1)) {
-    const auto guess = name ? nearest(*name, tunnels) : std::nullopt;
-    table.error("tunnel",
-                name              ? fmt::format("\"{}\" is no excavation of kind \"tunnel\"", name->substr(0, 60))
-                : tunnels.empty() ? "there is no excavation of kind \"tunnel\""
-                                  : fmt::format("is missing, and there are {} tunnels", tunnels.size()),
-                guess             ? fmt::format("did you mean \"{}\"?", *guess)
-                : tunnels.empty() ? "the stress is that around a tunnel's section: add one, or remove [field_stress]"
-                                  : "name one: tunnel = \"NAME\"");
-    return std::nullopt;
-  }
-  const TunnelLine& line = *tunnel->tunnel;
-  if (line.axis.size() != 2) {
-    table.error("tunnel", "is not straight", "the stress is that of one section: it needs an axis of two points");
-    return settings;
-  }
+/// A field that changes with depth, or ends at the surface, is one of a level tunnel below it.
+void check_depth(const TableReader& table, const FieldStressSettings& settings, const TunnelLine& line) {
   const geometry::Vec3 axis = geometry::normalized(line.axis[1] - line.axis[0]);
   const bool vertical_section = std::abs(axis.z) < 1e-9 && geometry::norm(geometry::cross(line.up, {0, 0, 1})) < 1e-9;
   const bool varies = largest(settings.gradient) > 0;
@@ -130,6 +120,66 @@ std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, c
     }
   }
   if (settings.surface) {
+    for (const auto& [u, v] : line.outline) {
+      if (!(0.5 * (line.axis[0].z + line.axis[1].z) + v < *settings.surface)) {
+        table.error("surface", "is not above the tunnel", "the tunnel must lie wholly below it");
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+const KeyTable& field_stress_keys() {
+  static const KeyTable keys{
+      .name = "field_stress",
+      .keys = {
+          {"tunnel", key::either({key::text(), key::texts()}), "all that are straight",
+           "name of an excavation of kind tunnel with an axis of two points, or a list of names; each has a section of "
+           "its own"},
+          {"stress", key::array(key::number(stress_rule), 6, 6), required,
+           "`[xx, yy, zz, xy, yz, zx]` of the undisturbed rock at `level`, Pa, compression negative"},
+          {"gradient", key::array(key::number(gradient_rule), 6, 6), "0",
+           "the same per metre upwards (weight of the rock: zz = density x gravity); level tunnels with a vertical "
+           "section only"},
+          {"level", key::number(rule::coordinate), "0", "z in m"},
+          {"surface", key::number(rule::coordinate), "",
+           "z of the free ground surface above (half plane); none: infinite rock"},
+          {"stiffness_ratio", key::number({1e-3, false, 1e4, false, ""}), "",
+           "normal over shear stiffness of all joints, from which forces follow as the block comes out; none: the "
+           "stiffnesses of `[joints]`, or the least factor of the ratios 1, 10, 100 and 1000"},
+          {"tolerance", key::number({1e-8, false, 0.1, false, ""}), "1e-3",
+           "elements are doubled until displacements of the section change by less, relative; a note says when three "
+           "doublings do not do"}}};
+  return keys;
+}
+
+std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, const Context& context,
+                                                      const std::set<SetId>& used, const Rock& rock,
+                                                      const std::vector<Excavation>& excavations) {
+  const auto found = root.sub("field_stress");
+  if (!found) return std::nullopt;
+  const TableReader& table = *found;
+  FieldStressSettings settings;
+  settings.line = table.line();
+  if (!table.has("stress")) {
+    table.missing("stress", "write stress = [xx, yy, zz, xy, yz, zx] in Pa, compression negative");
+  }
+  settings.stress = components(table, "stress");
+  settings.gradient = components(table, "gradient");
+  settings.level = table.value("level");
+  settings.surface = table.number("surface");
+  settings.stiffness_ratio = table.number("stiffness_ratio");
+  settings.tolerance = table.value("tolerance");
+  if (!rock.poisson) {
+    root.problems().error(settings.line, "rock.poisson", "is missing",
+                          "stress along the tunnel needs Poisson's ratio: give poisson in [rock], say 0.25");
+  } else {
+    settings.poisson = *rock.poisson;
+  }
+  check_stiffness(table, context, used, settings.stiffness_ratio.has_value());
+  if (settings.surface) {
     const double up = *settings.surface - settings.level;
     double pull = 0;
     for (const std::size_t i : {2U, 4U, 5U}) {
@@ -139,13 +189,9 @@ std::optional<FieldStressSettings> parse_field_stress(const TableReader& root, c
       table.error("surface", fmt::format("carries a traction of {:.3g} Pa before anything is excavated", pull),
                   "zz, yz and zx must be 0 there: give a gradient such as zz = density * gravity");
     }
-    for (const auto& [u, v] : line.outline) {
-      if (!(0.5 * (line.axis[0].z + line.axis[1].z) + v < *settings.surface)) {
-        table.error("surface", "is not above the tunnel", "the tunnel must lie wholly below it");
-        break;
-      }
-    }
   }
+  settings.tunnels = parse_tunnels(table, excavations);
+  for (const std::uint32_t tunnel : settings.tunnels) check_depth(table, settings, *excavations[tunnel].tunnel);
   return settings;
 }
 

@@ -20,7 +20,7 @@ using Kind = FrictionLaw::Kind;
 struct Stated {
   std::optional<FrictionLaw> friction;
   std::optional<StressLaw> cohesion, tension;
-  std::optional<double> correlation, jrc, jcs;
+  std::optional<double> correlation, jrc, jcs, normal_stiffness, shear_stiffness;
 };
 
 /// A law as it is written, whatever it is of.
@@ -32,6 +32,7 @@ struct Law {
 constexpr NumberRule correlation_rule{-1, false, 1, false, ""};
 constexpr NumberRule roughness_rule{0, true, 20, false, ""};
 constexpr NumberRule wall_rule{0, true, 1e15, false, " Pa", 1e5, 1e9};
+constexpr NumberRule stiffness_rule{0, true, 1e18, false, " Pa/m", 1e7, 1e13};
 constexpr NumberRule young_rule{0, true, 1e15, false, " Pa", 1e8, 1e13};
 constexpr NumberRule poisson_rule{-1, true, 0.5, true, ""};
 constexpr std::array<string_view, 5> law_words{"uniform", "normal", "lognormal", "exponential", "constant"};
@@ -109,9 +110,15 @@ Stated parse_one(const TableReader& table) {
                 own_law<StressLaw>(parse_law(table, "tension")),
                 table.number("friction_cohesion_correlation"),
                 table.number("jrc"),
-                table.number("jcs")};
+                table.number("jcs"),
+                table.number("normal_stiffness"),
+                table.number("shear_stiffness")};
   if (table.has("jrc") != table.has("jcs")) {
     table.missing(table.has("jrc") ? "jcs" : "jrc", "Barton-Bandis needs both: jrc = 8, jcs = 50e6");
+  }
+  if (table.has("normal_stiffness") != table.has("shear_stiffness")) {
+    table.missing(table.has("normal_stiffness") ? "shear_stiffness" : "normal_stiffness",
+                  "give both: normal_stiffness = 10e9, shear_stiffness = 1e9, in Pa/m");
   }
   const auto constant = [](const auto& law) { return law && law->kind == Kind::constant; };
   if (stated.jrc && stated.cohesion && !(constant(stated.cohesion) && stated.cohesion->mean == 0)) {
@@ -135,6 +142,9 @@ JointProperties with(JointProperties base, const Stated& stated) {
   if (stated.tension) base.tension = *stated.tension;
   if (stated.correlation) base.friction_cohesion = *stated.correlation;
   if (stated.cohesion) base.jrc = 0;  // a straight law of its own
+  if (stated.normal_stiffness && stated.shear_stiffness) {
+    base.stiffness = {pascals_per_metre(*stated.normal_stiffness), pascals_per_metre(*stated.shear_stiffness)};
+  }
   if (stated.jrc && stated.jcs) {
     base.jrc = *stated.jrc;
     base.jcs = pascals(*stated.jcs);
@@ -173,7 +183,12 @@ const KeyTable& strength_keys() {
            "joint roughness: with `jcs` the law of Barton and Bandis takes the place of the straight one: "
            "`friction` is then the residual angle, there is no cohesion, and the angle stays between residual and "
            "70 degrees"},
-          {"jcs", key::number(wall_rule), "", "Pa, strength of the joint walls"}}};
+          {"jcs", key::number(wall_rule), "", "Pa, strength of the joint walls"},
+          {"normal_stiffness", key::number(stiffness_rule), "",
+           "Pa/m, with `shear_stiffness`, of every set or of none: how the forces of `[field_stress]` change as a "
+           "block "
+           "comes out"},
+          {"shear_stiffness", key::number(stiffness_rule), "", "Pa/m"}}};
   return keys;
 }
 

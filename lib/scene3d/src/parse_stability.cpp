@@ -190,7 +190,8 @@ const KeyTable& stability_keys() {
          "makes those that do key blocks, `\"off\"` does not ask. Ensembles only ask with `\"decide\"`"},
         {"groups", key::word<stability::GroupsCheck>(), "\"note\"",
          "blocks near free faces are judged together too (key groups): `\"note\"` tells, in `key_groups.csv`, "
-         "`\"decide\"` makes blocks of such groups key blocks, `\"off\"` does not ask. Not in ensembles"},
+         "`\"decide\"` makes blocks of such groups key blocks, `\"off\"` does not ask. Ensembles ask with `\"decide\"` "
+         "alone"},
         {"maximum_blocks", key::table(&maximum_keys), "",
          "`{ tunnel = \"NAME\", sets = [\"A\", \"B\", \"C\"] }`: largest key blocks that persistent joints of the "
          "sets' "

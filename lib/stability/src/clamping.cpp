@@ -32,7 +32,7 @@ struct Matrix {
   }
 };
 
-/// Rigid block on springs of unit shear stiffness per area.
+/// Rigid block on springs: those of the contacts, or of unit shear stiffness per area where they have none.
 class Springs {
  public:
   Springs(std::span<const ClampedContact> contacts, Vec3 applied, double ratio, double factor,
@@ -52,10 +52,10 @@ class Springs {
   [[nodiscard]] Vec3 force(Vec3 u, Matrix& stiffness) const {
     Vec3 sum = applied_;
     for (const ClampedContact& c : contacts_) {
-      const double normal = c.normal - ratio_ * c.area * dot(u, c.inward);
+      const double normal = c.normal - normal_of(c) * c.area * dot(u, c.inward);
       if (!(normal > 1e-12 * size_)) continue;
       open(c, stiffness);
-      const Vec3 trial = c.shear - c.area * (u - dot(u, c.inward) * c.inward);
+      const Vec3 trial = c.shear - shear_of(c) * c.area * (u - dot(u, c.inward) * c.inward);
       const double most = cap(c, normal), tried = norm(trial);
       sum += normal * c.inward;
       if (tried <= most) {
@@ -67,11 +67,11 @@ class Springs {
       sum += most * along;
       // The strength falls with the normal force; its direction turns with the shear.
       const double step = 1e-6 * normal;
-      stiffness.add((cap(c, normal + step) - most) / step * ratio_ * c.area, along, c.inward);
+      stiffness.add((cap(c, normal + step) - most) / step * normal_of(c) * c.area, along, c.inward);
       const double turn = most / tried;
       Matrix part;
       stick(c, part);
-      part.add(-c.area, along, along);
+      part.add(-shear_of(c) * c.area, along, along);
       for (std::size_t i = 0; i < 3; ++i) stiffness.rows[i] += turn * part.rows[i];
     }
     return sum;
@@ -90,16 +90,21 @@ class Springs {
     }
     return (normal * friction / partial_->friction() + cohesion / partial_->cohesion()) / factor_;
   }
-  static void stick(const ClampedContact& c, Matrix& to) {
-    to.rows[0].x += c.area;
-    to.rows[1].y += c.area;
-    to.rows[2].z += c.area;
-    to.add(-c.area, c.inward, c.inward);
+  [[nodiscard]] double normal_of(const ClampedContact& c) const {
+    return c.stiffness ? c.stiffness->normal.si() : ratio_;
   }
-  void open(const ClampedContact& c, Matrix& to) const { to.add(ratio_ * c.area, c.inward, c.inward); }
+  [[nodiscard]] static double shear_of(const ClampedContact& c) { return c.stiffness ? c.stiffness->shear.si() : 1; }
+  static void stick(const ClampedContact& c, Matrix& to) {
+    const double k = shear_of(c) * c.area;
+    to.rows[0].x += k;
+    to.rows[1].y += k;
+    to.rows[2].z += k;
+    to.add(-k, c.inward, c.inward);
+  }
+  void open(const ClampedContact& c, Matrix& to) const { to.add(normal_of(c) * c.area, c.inward, c.inward); }
   [[nodiscard]] double stiffness_scale() const {
     double sum = 0;
-    for (const ClampedContact& c : contacts_) sum += ratio_ * c.area;
+    for (const ClampedContact& c : contacts_) sum += normal_of(c) * c.area;
     return std::max(sum, std::numeric_limits<double>::min());
   }
 
@@ -162,6 +167,8 @@ double clamped_factor(std::span<const ClampedContact> contacts, Vec3 applied, st
   constexpr std::array<double, 4> ratios{1, 10, 100, 1000};
   constexpr double largest = 0x1p30;
   double least = std::numeric_limits<double>::infinity();
+  // With stiffnesses of their own the ratio has no meaning.
+  if (!contacts.empty() && contacts.front().stiffness) stiffness_ratio = 1;
   for (const double ratio :
        stiffness_ratio ? std::span<const double>{&*stiffness_ratio, 1} : std::span<const double>{ratios}) {
     const auto holds = [&](double factor) { return clamped_balances(contacts, applied, ratio, factor, partial); };

@@ -9,6 +9,14 @@ namespace cleave::stochastic {
 
 double pressure_over_area(const Record& r) { return r.free_m2 > 0 ? r.all.support_transferred_n / r.free_m2 : 0; }
 
+namespace {
+
+/// Key blocks that the stress across their joints does not hold, or of which it is not known.
+double clamped_count(const Record& r) { return r.clamped ? number(r.all.count - r.clamped->held) : 0; }
+double clamped_volume(const Record& r) { return r.clamped ? r.all.volume_m3 - r.clamped->held_volume.si() : 0; }
+
+}  // namespace
+
 const std::vector<Quantity>& quantities() {
   static const std::vector<Quantity> all{
       {"key_block_volume_m3", [](const Record& r) { return r.all.volume_m3; }, true, false, true},
@@ -58,6 +66,12 @@ const std::vector<Quantity>& quantities() {
       {"groups_leave_doubt",
        [](const Record& r) { return r.groups && (r.groups->in_doubt > 0 || r.groups->too_many) ? 1.0 : 0.0; }, true,
        false, false, false, true, true},
+      {"clamped_key_block_count", clamped_count, true, false, true, false, false, false, true},
+      {"clamped_key_block_volume_m3", clamped_volume, true, false, true, false, false, false, true},
+      {"clamped_undecided_count", [](const Record& r) { return r.clamped ? number(r.clamped->undecided) : 0; }, true,
+       false, true, false, false, false, true},
+      {"clamped_probability_of_failure", [](const Record& r) { return clamped_count(r) > 0 ? 1.0 : 0.0; }, true, false,
+       false, false, true, false, true},
   };
   return all;
 }

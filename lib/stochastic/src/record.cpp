@@ -161,6 +161,10 @@ std::vector<double> numbers_of(const std::optional<Grouped>& g) {
   return {static_cast<double>(g->moving), static_cast<double>(g->in_doubt), g->moving_volume.si(),
           g->in_doubt_volume.si(), g->too_many ? 1.0 : 0.0};
 }
+std::vector<double> numbers_of(const std::optional<Clamped>& c) {
+  if (!c) return {};
+  return {static_cast<double>(c->held), static_cast<double>(c->undecided), c->held_volume.si()};
+}
 std::vector<double> numbers_of(const std::vector<OrderTally>& orders) {
   std::vector<double> numbers;
   for (const OrderTally& order : orders) {
@@ -184,6 +188,12 @@ bool take(const std::vector<double>& n, std::optional<Grouped>& groups) {
   if (n.size() != 5 || !is_count(n[0]) || !is_count(n[1]) || (n[4] != 0 && n[4] != 1)) return false;
   groups = Grouped{static_cast<std::uint64_t>(n[0]), static_cast<std::uint64_t>(n[1]), cubic_metres(n[2]),
                    cubic_metres(n[3]), n[4] == 1};
+  return true;
+}
+bool take(const std::vector<double>& n, std::optional<Clamped>& clamped) {
+  if (n.empty()) return true;
+  if (n.size() != 3 || !is_count(n[0]) || !is_count(n[1])) return false;
+  clamped = Clamped{static_cast<std::uint64_t>(n[0]), static_cast<std::uint64_t>(n[1]), cubic_metres(n[2])};
   return true;
 }
 bool take(const std::vector<double>& n, std::vector<OrderTally>& orders) {
@@ -214,7 +224,8 @@ std::string_view record_columns() noexcept {
          "pentahedral,hexahedral,higher,other,concave,sphericity_sum,sizes,"
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
-         "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,crc32";
+         "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,clamped,"
+         "crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -237,7 +248,8 @@ std::string line_of(const Record& r) {
   w.tally(r.first);
   w.list(std::span{r.above});
   w.list(std::span{r.chainage_m3});
-  for (const std::vector<double>& numbers : {numbers_of(r.support), numbers_of(r.orders), numbers_of(r.groups)}) {
+  for (const std::vector<double>& numbers :
+       {numbers_of(r.support), numbers_of(r.orders), numbers_of(r.groups), numbers_of(r.clamped)}) {
     w.list(std::span{numbers});
   }
   return std::move(w).finish();
@@ -273,11 +285,13 @@ std::optional<Record> record_of(std::string_view line) {
   r.tally(record.first);
   r.list(record.above);
   r.list(record.chainage_m3);
-  std::vector<double> support, orders, groups;
+  std::vector<double> support, orders, groups, clamped;
   r.list(support);
   r.list(orders);
   r.list(groups);
-  if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups)) {
+  r.list(clamped);
+  if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups) ||
+      !take(clamped, record.clamped)) {
     return std::nullopt;
   }
   if (!record.factors.empty() && record.factors.size() != factor_bins) return std::nullopt;

@@ -67,6 +67,7 @@ using Force = Quantity<1, 1, -2>;
 using Stress = Quantity<-1, 1, -2>;
 using ForcePerLength = Quantity<0, 1, -2>;  ///< N/m
 using UnitWeight = Quantity<-2, 1, -2>;     ///< N/m3
+using Stiffness = Quantity<-2, 1, -2>;      ///< Pa/m, of a joint: stress over displacement
 using Time = Quantity<0, 0, 1>;
 
 [[nodiscard]] constexpr Length metres(double v) noexcept { return Length::from_si(v); }
@@ -78,6 +79,7 @@ using Time = Quantity<0, 0, 1>;
 [[nodiscard]] constexpr Stress pascals(double v) noexcept { return Stress::from_si(v); }
 [[nodiscard]] constexpr ForcePerLength newtons_per_metre(double v) noexcept { return ForcePerLength::from_si(v); }
 [[nodiscard]] constexpr UnitWeight newtons_per_cubic_metre(double v) noexcept { return UnitWeight::from_si(v); }
+[[nodiscard]] constexpr Stiffness pascals_per_metre(double v) noexcept { return Stiffness::from_si(v); }
 [[nodiscard]] constexpr Time seconds(double v) noexcept { return Time::from_si(v); }
 
 /// An angle of one kind (a dip is not a friction angle); made from degrees or radians, never from a bare double.

@@ -3,11 +3,12 @@
 #include <cstdint>
 #include <expected>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "cleave/core/cost.hpp"
-#include "cleave/realize/run_result.hpp"
+#include "cleave/realize/run.hpp"
 #include "cleave/realize/sequence.hpp"
 #include "cleave/scene3d/scene.hpp"
 #include "cleave/stability/support.hpp"
@@ -33,17 +34,23 @@ namespace cleave::scene {
 /// What is kept of realization `k`.
 [[nodiscard]] stochastic::Record record_of(std::uint64_t k, const Realization& made,
                                            const stochastic::Questions& questions);
+/// What all realizations of a scene have in common.
+struct Shared {
+  stochastic::Questions questions = {};
+  std::shared_ptr<const TunnelFields> fields = nullptr;
+};
+[[nodiscard]] Shared shared_by_realizations(const Scene& scene, unsigned threads = 1);
+
 /// Realizations `first` .. `first + count - 1`, all of one geometry, which is cut once.
-[[nodiscard]] std::vector<stochastic::Record> make_records(const Scene& scene, const stochastic::Questions& questions,
+[[nodiscard]] std::vector<stochastic::Record> make_records(const Scene& scene, const Shared& shared,
                                                            std::uint64_t first, std::uint64_t count);
 /// The same, booked by stage.
-[[nodiscard]] std::vector<stochastic::Record> make_records(const Scene& scene, const stochastic::Questions& questions,
+[[nodiscard]] std::vector<stochastic::Record> make_records(const Scene& scene, const Shared& shared,
                                                            std::uint64_t first, std::uint64_t count, StageTimer& timer);
 
 /// Realization `k`: draws, cuts, audits and judges on the calling thread. Whatever goes wrong is in the record.
 /// Precondition: the scene has [monte_carlo].
-[[nodiscard]] stochastic::Record make_record(const Scene& scene, const stochastic::Questions& questions,
-                                             std::uint64_t k);
+[[nodiscard]] stochastic::Record make_record(const Scene& scene, const Shared& shared, std::uint64_t k);
 
 enum class StoppedBy : std::uint8_t {
   count,      ///< the fixed number of realizations is done

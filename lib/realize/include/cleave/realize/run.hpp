@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <expected>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -13,6 +14,8 @@
 #include "cleave/scene3d/scene.hpp"
 
 namespace cleave::scene {
+
+class TunnelFields;
 
 [[nodiscard]] Plan make_plan(const Scene& scene);
 
@@ -25,7 +28,13 @@ struct RunOptions {
   /// Megabytes (10^6 bytes) that the machine has: what is expected to need more is refused before it is cut. No limit
   /// when empty.
   std::optional<double> memory_mb = std::nullopt;
+  /// Of [field_stress], where it has been solved already; it is the same in every realization.
+  std::shared_ptr<const TunnelFields> fields = nullptr;
 };
+
+/// The fields of [field_stress] for all realizations of a scene; null without it, or where it cannot be solved, which
+/// every realization then says.
+[[nodiscard]] std::shared_ptr<const TunnelFields> shared_fields(const Scene& scene, unsigned threads);
 
 /// Draws the random joints, the strength of each joint and what is random of the loads. A pure function of the scene
 /// (with its seed) and the number of the realization; in a nested design the joints are those of the geometry that the
@@ -36,8 +45,8 @@ struct RunOptions {
 /// Realizations `first` .. `first + count - 1` on one thread: the same joints, blocks and judgements as `run` finds for
 /// each, but for what ensembles do not count; null for one that cannot be made. The steps of the plan are booked with
 /// `timer`. Precondition: the realizations belong to one geometry; it is cut once.
-void realize(const Scene& scene, std::uint64_t first, std::uint64_t count, StageTimer& timer,
-             const std::function<void(std::uint64_t, const Realization*)>& use);
+void realize(const Scene& scene, const std::shared_ptr<const TunnelFields>& fields, std::uint64_t first,
+             std::uint64_t count, StageTimer& timer, const std::function<void(std::uint64_t, const Realization*)>& use);
 
 /// Does the steps of the scene's plan from draw to elastic. `timer` books them (the caller has booked `read`),
 /// `progress` shows them.

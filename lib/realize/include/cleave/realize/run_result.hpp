@@ -42,6 +42,7 @@ struct Strength {
 struct CaseResult {
   std::string name;
   stability::Analysis analysis;
+  std::optional<stability::KeyGroups> groups = {};  ///< blocks judged together, where the scene asks for it
 };
 
 /// The support checked under one named load case.
@@ -105,13 +106,15 @@ struct ClampedBlock {
 };
 
 struct FieldStressResult {
-  std::string tunnel;
-  std::size_t elements = 0;
-  double error = 0;  ///< estimate, relative, of the section's displacements
+  std::vector<std::string> tunnels = {};
+  std::size_t elements = 0;  ///< of all sections; the figures below are those of the worst one
+  double error = 0;          ///< estimate, relative, of the section's displacements
   bool reached = true;
   double condition = 0, residual = 0;
-  std::vector<ClampedBlock> blocks = {};  ///< in order of block; those that lie at the tunnel
+  std::vector<ClampedBlock> blocks = {};  ///< in order of block; those that lie at a tunnel
+  std::uint64_t undecided = 0;            ///< at a tunnel, and near another opening, a heading or the ground
   std::uint64_t held = 0;                 ///< unstable without, stable with the stress
+  Volume held_volume = {};
 
   /// Infinite when no block has a finite one.
   [[nodiscard]] double lowest_factor_of_safety() const {
@@ -122,13 +125,17 @@ struct FieldStressResult {
 };
 template <class V>
 void fields(V& v, const FieldStressResult& x) {
-  v("tunnel", x.tunnel);
+  v("tunnels", x.tunnels);
   v("elements", x.elements);
   v("error", x.error, "estimate from two meshes, of displacement, relative");
   v("condition", x.condition);
   v("residual", x.residual);
-  v("blocks", x.blocks.size(), "blocks at the tunnel that were judged");
+  v("blocks", x.blocks.size(), "blocks at the tunnels that were judged");
+  v("undecided", x.undecided,
+    "blocks at the tunnels of which the section says nothing: another opening, a heading or the ground is nearer than "
+    "two widths");
   v("held", x.held, "unstable without this stress, stable with it");
+  v("held_m3", x.held_volume, "their volume");
   v("lowest_factor_of_safety", or_null(x.lowest_factor_of_safety()), "with it; null: none is finite");
   v("lowest_factor_of_safety_reason",
     when(!std::isfinite(x.lowest_factor_of_safety()), "no block at the tunnel slides"));

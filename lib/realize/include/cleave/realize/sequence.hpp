@@ -45,7 +45,8 @@ struct StageResult {
   Volume new_key_volume;
   BlockFigures blocks = {};  ///< of `complex`
   KeyBlockFigures key_blocks = {};
-  std::optional<StageSupport> support = {};  ///< with [support]
+  std::optional<StageSupport> support = {};         ///< with [support]
+  std::optional<stability::KeyGroups> groups = {};  ///< blocks judged together, where the scene asks for it
   [[nodiscard]] bool passed() const noexcept { return !complex || complex->has_value(); }
 };
 template <class V>

@@ -68,6 +68,7 @@ struct JointProperties {
   double friction_cohesion = 0;
   double jrc = 0;  ///< > 0: Barton-Bandis, `friction` is then the residual angle
   Stress jcs = {};
+  std::optional<stability::JointStiffness> stiffness = {};  ///< for [field_stress]
 };
 
 struct NamedSet {
@@ -225,13 +226,13 @@ struct MonteCarloSettings {
   std::uint64_t strengths_per_geometry = 1;
 };
 
-/// [field_stress]: stress of the rock around a tunnel.
+/// [field_stress]: stress of the rock around tunnels.
 struct FieldStressSettings {
-  std::uint32_t excavation = 0;      ///< a straight tunnel
-  std::array<double, 6> stress{};    ///< Pa at `level`: xx, yy, zz, xy, yz, zx; compression negative
-  std::array<double, 6> gradient{};  ///< Pa per metre upwards
-  double level = 0;                  ///< z, m
-  std::optional<double> surface;     ///< z of the free ground surface; empty: infinite rock
+  std::vector<std::uint32_t> tunnels;  ///< excavations, straight tunnels, in their order
+  std::array<double, 6> stress{};      ///< Pa at `level`: xx, yy, zz, xy, yz, zx; compression negative
+  std::array<double, 6> gradient{};    ///< Pa per metre upwards
+  double level = 0;                    ///< z, m
+  std::optional<double> surface;       ///< z of the free ground surface; empty: infinite rock
   double poisson = 0.25;
   /// Normal over shear stiffness of the joints; empty: the least factor over a range of them.
   std::optional<double> stiffness_ratio;

@@ -80,6 +80,12 @@ class JointStrength final {
   Stress jcs_ = {};
 };
 
+/// Stiffness of a joint against closing and against shear, both > 0.
+struct JointStiffness {
+  Stiffness normal, shear;
+  friend bool operator==(const JointStiffness&, const JointStiffness&) = default;
+};
+
 /// The strength of every joint: one for all, and exceptions.
 class StrengthTable final {
  public:
@@ -148,19 +154,22 @@ struct ClampedContact {
   geometry::Vec3 shear = {};  ///< N in the plane of the face, of the rock on the block
   /// Strengths and the areas that they stand for.
   std::vector<std::pair<const JointStrength*, double>> strengths = {};
+  /// All contacts of a block have one or none has.
+  std::optional<JointStiffness> stiffness = {};
 };
 
 /// The block moves as a rigid body by u: across each face normal force falls by k_n A u.n (no tension), shear turns
 /// towards -u by k_s A and is cut off at the strength, N tan(friction) + c A where N > 0 and nothing where the face
 /// opens. Whether there is a u where these forces and `applied` balance, all strengths divided by `factor`. Forces
-/// scale with u, so only `stiffness_ratio` = k_n / k_s matters. `false` also where the search does not settle.
+/// scale with u, so only the ratios of stiffnesses matter: those of the contacts, or `stiffness_ratio` = k_n / k_s of
+/// all where the contacts have none. `false` also where the search does not settle.
 [[nodiscard]] bool clamped_balances(std::span<const ClampedContact> contacts, geometry::Vec3 applied,
                                     double stiffness_ratio, double factor, const PartialFactors& partial = {});
 
 /// The factor of safety: the largest factor on all strengths at which the block still balances, found by doubling and
-/// bisection; the least over the ratios 1, 10, 100 and 1000 where none is given. 0: at no strength up to 1e9 times the
-/// given one; infinite: at 1e-9 of it too. For a prism in a roof with contacts that share a height: Crawford and Bray
-/// (1983) with friction reduced until their pull-out force is the weight.
+/// bisection; the least over the ratios 1, 10, 100 and 1000 where no stiffness is given. 0: at no strength up to 1e9
+/// times the given one; infinite: at 1e-9 of it too. For a prism in a roof with contacts that share a height: Crawford
+/// and Bray (1983) with friction reduced until their pull-out force is the weight.
 [[nodiscard]] double clamped_factor(std::span<const ClampedContact> contacts, geometry::Vec3 applied,
                                     std::optional<double> stiffness_ratio, const PartialFactors& partial = {});
 

@@ -24,6 +24,7 @@ struct Quantity {
   bool support = false;      ///< needs a support design
   bool probability = false;  ///< 0 or 1 in a realization
   bool groups = false;       ///< needs blocks judged together
+  bool clamped = false;      ///< needs the stress across joints
 };
 [[nodiscard]] const std::vector<Quantity>& quantities();
 /// The quantity of a scene's word: with or without its unit ("key_block_volume", "key_block_volume_m3").
@@ -153,6 +154,7 @@ struct EnsembleOptions {
   std::uint64_t seed = 1;  ///< of the bootstrap
   bool support = false;    ///< a support design was checked
   bool groups = false;     ///< blocks were judged together
+  bool clamped = false;    ///< stress across joints was looked at
   std::size_t orders = 0;  ///< of excavation stages
   /// Nested design: so many realizations in a row have the same joints, each its own strengths and loads. Then the
   /// sample unit is the geometry: means over its realizations enter every estimate.
@@ -183,7 +185,8 @@ class Ensemble final {
     return (options_.stability || !stability) && (options_.whole_system || !whole_system);
   }
   [[nodiscard]] bool has(const Quantity& q) const {
-    return has(q.stability, q.whole_system) && (options_.support || !q.support) && (options_.groups || !q.groups);
+    return has(q.stability, q.whole_system) && (options_.support || !q.support) && (options_.groups || !q.groups) &&
+           (options_.clamped || !q.clamped);
   }
   static const std::vector<Ratio>& ratios();
   [[nodiscard]] std::vector<double> numbers_of(const Record& record) const;

@@ -16,6 +16,7 @@ struct Questions {
   std::vector<geometry::Vec3> axis;  ///< polyline of the tunnel that chainage runs along; empty: none
   std::uint32_t chainage_parts = 0;  ///< equal parts of the axis
   bool groups = false;               ///< blocks judged together decide
+  bool clamped = false;              ///< stress across joints is looked at
 };
 
 /// Length of a polyline, m.

@@ -85,6 +85,14 @@ struct Grouped {
   friend bool operator==(const Grouped&, const Grouped&) = default;
 };
 
+/// Key blocks with the stress of the rock across their joints, where the scene states it.
+struct Clamped {
+  std::uint64_t held = 0;       ///< key blocks that the stress holds
+  std::uint64_t undecided = 0;  ///< blocks that would move and of which the stress is not known
+  Volume held_volume = {};
+  friend bool operator==(const Clamped&, const Clamped&) = default;
+};
+
 /// One order of the excavation stages: what leaves when it is followed.
 struct OrderTally {
   std::uint64_t key_blocks = 0;
@@ -120,6 +128,7 @@ struct Record {
   std::vector<double> chainage_m3;   ///< largest key block in each part of the axis; empty without a tunnel
   std::optional<Supported> support;  ///< of a scene with [support]
   std::optional<Grouped> groups;     ///< of a scene with groups = "decide"
+  std::optional<Clamped> clamped;    ///< of a scene with [field_stress]
   std::vector<OrderTally> orders;    ///< of a scene with [sequence]: its own order first, then those to compare
   friend bool operator==(const Record&, const Record&) = default;
 };
