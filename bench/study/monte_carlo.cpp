@@ -81,12 +81,12 @@ void study_seismic(study::Study& study, bool fixed_rock, std::vector<study::Seri
   const std::uint64_t most = study.quick() ? 16 : 512;
   constexpr std::uint64_t strata = 8;
   scene::Scene scene = scene_of(28, 1, "[stability]\nseismic = [0.15, 0, 0]\n");
-  const stochastic::Questions questions = questions_of(scene);
+  const scene::Shared shared = shared_by_realizations(scene);
   // A rock in which more blocks fall the harder it shakes: below that the support force is a straight line.
   std::uint64_t rock = 0;
   const auto key_blocks = [&](double factor) {
     scene.monte_carlo->seismic_factor.mean = factor;
-    return make_record(scene, questions, rock).all.count;
+    return make_record(scene, shared, rock).all.count;
   };
   while (fixed_rock && rock < 300 && (key_blocks(0.2) == 0 || key_blocks(0.2) == key_blocks(1.8))) ++rock;
   const std::string problem = fixed_rock ? "seismic_fixed_rock" : "seismic_random_rock";
@@ -109,8 +109,7 @@ void study_seismic(study::Study& study, bool fixed_rock, std::vector<study::Seri
       // Factors from 0 to 2, as [monte_carlo] seismic_factor would draw them.
       scene.monte_carlo->seismic_factor.mean = 2 * u;
       stochastic::Record record;
-      const study::Cost cost =
-          study.measure([&] { record = make_record(scene, questions, fixed_rock ? rock : k); }, 0, 1);
+      const study::Cost cost = study.measure([&] { record = make_record(scene, shared, fixed_rock ? rock : k); }, 0, 1);
       curve.spent.wall_s += cost.wall_s;
       curve.spent.cpu_s += cost.cpu_s;
       curve.spent.peak_mb = std::max(curve.spent.peak_mb, cost.peak_mb);
@@ -130,7 +129,7 @@ void study_seismic(study::Study& study, bool fixed_rock, std::vector<study::Seri
 void study_monte_carlo(study::Study& study) {
   const std::uint64_t most = study.quick() ? 16 : 512;
   const scene::Scene weak = scene_of(24, 1), strong = scene_of(28, 1), other = scene_of(28, 2);
-  const stochastic::Questions questions = questions_of(weak);
+  const scene::Shared shared = shared_by_realizations(weak);
   using stochastic::Record;
   const std::vector<std::pair<std::string, double (*)(const Record&)>> quantities{
       {"key_block_volume", [](const Record& r) { return r.all.volume_m3; }},
@@ -143,7 +142,7 @@ void study_monte_carlo(study::Study& study) {
   for (std::uint64_t k = 0; k < most; ++k) {
     Record a, b, c;
     const auto timed = [&](Record& record, const scene::Scene& scene) {
-      return study.measure([&] { record = make_record(scene, questions, k); }, 0, 1);
+      return study.measure([&] { record = make_record(scene, shared, k); }, 0, 1);
     };
     const auto spend = [](Curve& curve, const study::Cost& cost) {
       curve.spent.wall_s += cost.wall_s;

@@ -59,6 +59,17 @@ window.addEventListener('load', function () {
       check('search', picked() === id);
       key('n');
       check('next', picked() >= 0);
+      const group = document.querySelector('tr[data-group]');
+      if (group) {
+        group.click();
+        const g = Number(group.dataset.group) - 1, first = view3d.groups[g].keys().next().value;
+        check('group', view3d.state.group === g && blocks3d.shown(first) && group.classList.contains('picked') &&
+          document.getElementById('picked').textContent.indexOf('Group ' + (g + 1)) === 0);
+        check('group alone', blocks3d.blockId.every(function (n, b) { return blocks3d.shown(b) === view3d.groups[g].has(b); }));
+        key('Escape');
+        check('group let go', view3d.state.group === -1);
+        picked();
+      }
       key('ArrowLeft'); key('+'); key('-'); key('Home'); key('f');
       view3d.parallel(true);
       view3d.parallel(false);
@@ -101,6 +112,7 @@ print("1280 px:", wide)
 expected = ["fits", "sorts"] + [name for name in ["micro hidden", "micro shown"] if name in wide]
 if wide["view"]:
     expected += ["link", "escape", "row", "alone", "together", "search", "next", "picture"]
+    expected += [name for name in ["group", "group alone", "group let go"] if "data-group" in text]
 else:
     print("this browser has no WebGL: the 3D view was not driven")
 wrong = [name for name in expected if wide.get(name) is not True] + (["error"] if "error" in wide else [])

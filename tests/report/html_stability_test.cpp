@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/exchange/text.hpp"
 #include "cleave/report/key_blocks.hpp"
 #include "hand_made.hpp"
 #include "html.hpp"
@@ -308,6 +309,36 @@ TEST(HtmlStability, BoltsAreInTheView) {
   EXPECT_NE(html.find("data.bolts"), std::string::npos);             // and the page draws them
   EXPECT_NE(html.find("getElementById('why-'"), std::string::npos);  // a click shows why a block moves
   EXPECT_FALSE(nlohmann::json::parse(pack_view(t.complex, &t.analysis, 1'000'000).json).contains("bolts"));
+}
+
+template <class T>
+std::string packed(std::vector<T> values) {
+  std::string out;
+  append_base64(out, std::as_bytes(std::span{values}));
+  return out;
+}
+
+TEST(HtmlStability, KeyGroupsComeFirstInTheViewWithTheirMotions) {
+  const Tunnel t;
+  const auto last = static_cast<std::uint32_t>(t.complex.blocks().size() - 1);
+  stability::KeyGroups groups;
+  groups.groups.push_back({.batch = 1, .blocks = {topology::BlockId{last}}, .rates = {{{1, 2, 3}, {4, 5, 6}}}});
+  const auto first = nlohmann::json::parse(pack_view(t.complex, nullptr, 1, nullptr, &groups).json);
+  EXPECT_EQ(first["id"], packed<std::uint32_t>({last}));
+  groups.groups.push_back({.batch = 2, .blocks = {topology::BlockId{0U}}});  // in doubt: moves nowhere
+  const auto json = nlohmann::json::parse(pack_view(t.complex, nullptr, 1'000'000, nullptr, &groups).json);
+  EXPECT_EQ(json["groupSizes"], packed<std::uint32_t>({1, 1}));
+  EXPECT_EQ(json["groupBlocks"], packed<std::uint32_t>({last, 0}));
+  // The view's middle is (1.5, 1.5, 1.5).
+  const auto at = [&](std::uint32_t block) {
+    return t.complex.blocks()[topology::BlockId{block}].centroid - geometry::Vec3{1.5, 1.5, 1.5};
+  };
+  std::vector<float> motions;
+  for (const geometry::Vec3& v : {at(last), {1, 2, 3}, {4, 5, 6}, at(0), {}, {}}) {
+    for (const double c : {v.x, v.y, v.z}) motions.push_back(static_cast<float>(c));
+  }
+  EXPECT_EQ(json["groupMotions"], packed(motions));
+  EXPECT_FALSE(pack_view(t.complex, nullptr, 1'000'000).json.contains("group"));
 }
 
 TEST(StabilityTables, RowsOfTheFilesBesideKeyBlocks) {

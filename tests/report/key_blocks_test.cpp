@@ -12,6 +12,7 @@
 
 #include "cleave/exchange/text.hpp"
 #include "hand_made.hpp"
+#include "key_groups.hpp"
 
 namespace cleave::report {
 namespace {
@@ -45,6 +46,33 @@ TEST(KeyBlocksCsv, EveryPartBringsItsColumns) {
                 "required_pressure_pa_supported,key_clamped,factor_of_safety_clamped,compression_n_clamped,"
                 "tension_n_clamped" +
                 places);
+}
+
+TEST(KeyGroupsCsv, LoadCasesAndStagesFollowTheBaseCase) {
+  const auto one = [](std::uint32_t block) {
+    return stability::KeyGroups{.groups = {{.batch = 1, .blocks = {topology::BlockId{block}}, .factors = false}}};
+  };
+  scene::RunResult result = result_of({});
+  result.key_groups = one(3);
+  result.load_cases.push_back({.name = "quake", .analysis = {}, .groups = one(4)});
+  result.load_cases.push_back({.name = "calm", .analysis = {}, .groups = {}});
+  scene::StageResult& stage = result.sequence.emplace().stages.emplace_back();
+  stage.stage = 2;
+  stage.groups = one(5);
+  const std::string csv = key_groups_csv(result);
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,3,0,,,0,0,0,0,,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,4,0,,,0,0,0,0,quake,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,5,0,,,0,0,0,0,,2\n")) << csv;
+  EXPECT_LT(csv.find(",3,0"), csv.find(",4,0"));
+  EXPECT_LT(csv.find(",4,0"), csv.find(",5,0"));
+  // Only groups of the rock that the page shows can be picked in it.
+  const std::string table = key_groups_section(result);
+  EXPECT_TRUE(table.contains("data-group=\"1\""));
+  EXPECT_EQ(table.find("data-group", table.find("data-group") + 1), std::string::npos);
+  EXPECT_TRUE(table.contains("Load case") && table.contains("After stage")) << table;
+  result.load_cases.clear();
+  result.sequence.reset();
+  EXPECT_FALSE(key_groups_section(result).contains("Load case"));
 }
 
 // A tunnel along y, seen by blocks whose free faces look in different ways.

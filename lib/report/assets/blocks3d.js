@@ -43,6 +43,18 @@ const blocks3d = (function () {
       centre[3 * b + k] = to > from ? sum / (to - from) : 0;
     }
   }
+  // Key groups: the places of their blocks, and centroid, velocity and spin of each.
+  const groups = [];
+  if (data.groupSizes) {
+    const of = new Uint32Array(bytes(data.groupBlocks)), motions = new Float32Array(bytes(data.groupMotions));
+    let at = 0;
+    new Uint32Array(bytes(data.groupSizes)).forEach(function (size) {
+      const members = new Map();
+      for (let k = at; k < at + size; ++k) if (indexOf.has(of[k])) members.set(indexOf.get(of[k]), motions.subarray(9 * k, 9 * k + 9));
+      groups.push(members);
+      at += size;
+    });
+  }
   const judged = batch.some(function (n) { return n > 0; });
   const walls = faceRole.some(function (r) { return r === 3; });
   const isWall = function (role) { return role === 3 || (role === 2 && judged); };
@@ -65,7 +77,7 @@ const blocks3d = (function () {
 
   const movable = function (b) { return mode[b] < 4; };
   const state = {
-    colourBy: 'batch', explode: 0, wallOpacity: 1, restOpacity: judged ? 0.05 : 1, axis: 'y', cut: 1, picked: -1, only: -1, parallel: false,
+    colourBy: 'batch', explode: 0, wallOpacity: 1, restOpacity: judged ? 0.05 : 1, axis: 'y', cut: 1, picked: -1, only: -1, group: -1, moved: 0, parallel: false,
     batches: new Map(), modes: new Map()
   };
   const batchKey = function (b) { return batch[b] > 8 ? 9 : batch[b]; };
@@ -81,6 +93,7 @@ const blocks3d = (function () {
   }
   const shown = function (b) {
     if (state.only >= 0) return b === state.only;
+    if (state.group >= 0) return groups[state.group].has(b);
     return movable(b) && state.batches.get(batchKey(b)).on && state.modes.get(mode[b]).on;
   };
   const colourOf = function (b) {
@@ -94,6 +107,6 @@ const blocks3d = (function () {
     data, bytes, triangles, faceBlock, faceRole, faceTriangles, blockId, batch, mode,
     factor, volume, faceCount, blocks, points, extent, indexOf, firstFace, firstTriangle,
     centre, judged, walls, isWall, batchColourOf, modeColours, factorSteps, volumeSteps, css,
-    state, shown, colourOf
+    state, shown, colourOf, groups
   };
 })();

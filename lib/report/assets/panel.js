@@ -201,8 +201,49 @@
   view3d.onPick(function (b) { pick(b, true); });
   tables.onPick(function (id) {
     if (!view3d.indexOf.has(id)) return;
+    if (state.group >= 0) pickGroup(-1);
     pick(view3d.indexOf.get(id), false);
     view3d.zoomTo(state.picked);
+    view3d.holder.scrollIntoView({ block: 'nearest' });
+  });
+
+  // ---- a group as one: alone, with an arrow on each block, and its first motion drawn large ------------------------
+  let playing = 0;
+  const stop = function () { cancelAnimationFrame(playing); playing = 0; state.moved = 0; };
+  const pickGroup = function (g) {
+    stop();
+    document.querySelectorAll('tr[data-group]').forEach(function (row) {
+      row.classList.toggle('picked', Number(row.dataset.group) === g + 1);
+    });
+    only(-1);
+    pick(-1, false);
+    state.group = g;
+    if (g >= 0) {
+      const members = Array.from(view3d.groups[g].keys());
+      pickedBox.textContent = '';
+      const head = make('div', { class: 'buttons' }, pickedBox);
+      make('strong', { text: 'Group ' + (g + 1) + ': ' + members.length + (members.length === 1 ? ' block' : ' blocks') }, head);
+      make('button', { type: 'button', text: 'Go to it' }, head).addEventListener('click', function () { view3d.zoomTo(...members); });
+      const play = make('button', { type: 'button', text: 'Move', 'aria-label': 'Show how the group starts to move' }, head);
+      play.addEventListener('click', function () {
+        if (playing) { stop(); view3d.rebuild(); return; }
+        const start = performance.now();
+        const frame = function (now) {
+          state.moved = 0.5 - 0.5 * Math.cos((now - start) / 1000 * Math.PI / 1.5);
+          view3d.rebuild();
+          playing = requestAnimationFrame(frame);
+        };
+        playing = requestAnimationFrame(frame);
+      });
+      make('button', { type: 'button', text: 'Let go' }, head).addEventListener('click', function () { pickGroup(-1); });
+      make('p', { class: 'small', text: 'Arrows: first motion of each block, drawn large. Groups in doubt have none.' }, pickedBox);
+      if (members.length > 0) view3d.zoomTo(...members);
+    }
+    view3d.rebuild();
+  };
+  tables.onPickGroup(function (g) {
+    if (!view3d.groups[g]) return;
+    pickGroup(g);
     view3d.holder.scrollIntoView({ block: 'nearest' });
   });
 
@@ -220,7 +261,7 @@
     n: function () { step(1); }, p: function () { step(-1); }, Home: view3d.home,
     f: function () { if (state.picked >= 0) view3d.zoomTo(state.picked); },
     i: function () { if (state.picked >= 0) { const b = state.picked; only(state.only === b ? -1 : b); } },
-    Escape: function () { only(-1); pick(-1, false); }
+    Escape: function () { if (state.group >= 0) pickGroup(-1); else { only(-1); pick(-1, false); } }
   };
   view3d.canvas.addEventListener('keydown', function (e) {
     const key = keys[e.key.length === 1 ? e.key.toLowerCase() : e.key];

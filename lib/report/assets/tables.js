@@ -1,7 +1,7 @@
 // Sortable tables. `row(id)` is the row of a block; `onPick` receives the number of the block whose row was clicked.
 const tables = (function () {
   'use strict';
-  const listeners = [];
+  const listeners = [], groupListeners = [];
   document.querySelectorAll('table.sortable').forEach(function (table) {
     const body = table.tBodies[0];
     const headings = Array.from(table.tHead.rows[0].cells);
@@ -25,7 +25,9 @@ const tables = (function () {
     });
     body.addEventListener('click', function (e) {
       const row = e.target.closest('tr');
-      if (row) listeners.forEach(function (f) { f(Number(row.dataset.block)); });
+      if (!row) return;
+      if (row.dataset.group) groupListeners.forEach(function (f) { f(Number(row.dataset.group) - 1, row); });
+      else listeners.forEach(function (f) { f(Number(row.dataset.block)); });
     });
   });
 
@@ -53,6 +55,7 @@ const tables = (function () {
       if (row && micro && row.classList.contains('micro')) micro.checked = true;
       return row;
     },
-    onPick: function (listener) { listeners.push(listener); }
+    onPick: function (listener) { listeners.push(listener); },
+    onPickGroup: function (listener) { groupListeners.push(listener); }
   };
 })();

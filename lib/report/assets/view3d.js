@@ -12,7 +12,7 @@ const view3d = (function () {
     data, bytes, triangles, faceBlock, faceRole, faceTriangles, blockId, batch, mode,
     factor, volume, faceCount, blocks, points, extent, indexOf, firstFace, firstTriangle,
     centre, judged, walls, isWall, batchColourOf, modeColours, factorSteps, volumeSteps, css,
-    state, shown, colourOf
+    state, shown, colourOf, groups
   } = blocks3d;
 
   // ---- the scene --------------------------------------------------------------------------------------------------
@@ -61,9 +61,10 @@ const view3d = (function () {
     key: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0x16191c })),
     wall: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.55, clippingPlanes: [section] })),
     rest: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.3, clippingPlanes: [section] })),
-    picked: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xffffff, depthTest: false }))
+    picked: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xffffff, depthTest: false })),
+    arrows: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xc0392b, depthTest: false }))
   };
-  layers.wall.renderOrder = 1; layers.rest.renderOrder = 3; lines.picked.renderOrder = 9;
+  layers.wall.renderOrder = 1; layers.rest.renderOrder = 3; lines.picked.renderOrder = lines.arrows.renderOrder = 9;
   Object.values(layers).concat(Object.values(lines)).forEach(function (o) { o.frustumCulled = false; scene.add(o); });
   // ---- bolts ------------------------------------------------------------------------------------------------------
   const boltNames = ['hold', 'redundant', 'too short', 'in compression', 'serve no block', 'off the rock'];
@@ -118,6 +119,55 @@ const view3d = (function () {
     return offset;
   };
 
+  // How far a corner of a block of the picked group has moved, to first order.
+  const motionOf = function (b) {
+    const m = state.group >= 0 && state.moved > 0 ? groups[state.group].get(b) : undefined;
+    if (!m) return null;
+    const s = state.moved * groupScale(state.group);
+    return function (p, o) {
+      const x = p[o] - m[0], y = p[o + 1] - m[1], z = p[o + 2] - m[2];
+      p[o] += s * (m[3] + m[7] * z - m[8] * y);
+      p[o + 1] += s * (m[4] + m[8] * x - m[6] * z);
+      p[o + 2] += s * (m[5] + m[6] * y - m[7] * x);
+    };
+  };
+  // The corner that moves fastest goes a third of the way across the group.
+  const groupScale = function (g) {
+    let fastest = 0;
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    groups[g].forEach(function (m, b) {
+      for (let i = 3 * firstTriangle[firstFace[b]]; i < 3 * firstTriangle[firstFace[b + 1]]; ++i) {
+        const p = [0, 1, 2].map(function (k) { return points[3 * triangles[i] + k]; });
+        const x = p[0] - m[0], y = p[1] - m[1], z = p[2] - m[2];
+        fastest = Math.max(fastest, Math.hypot(m[3] + m[7] * z - m[8] * y, m[4] + m[8] * x - m[6] * z, m[5] + m[6] * y - m[7] * x));
+        for (let k = 0; k < 3; ++k) { low[k] = Math.min(low[k], p[k]); high[k] = Math.max(high[k], p[k]); }
+      }
+    });
+    return fastest > 0 ? Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 3 / fastest : 0;
+  };
+  // An arrow from the centroid of each block of the group, as long as it moves, with a head.
+  const drawArrows = function () {
+    const list = [];
+    if (state.group >= 0) {
+      const scale = groupScale(state.group);
+      groups[state.group].forEach(function (m) {
+        const v = [scale * m[3], scale * m[4], scale * m[5]], length = Math.hypot(v[0], v[1], v[2]);
+        if (!(length > extent / 2000)) return;
+        const tip = [m[0] + v[0], m[1] + v[1], m[2] + v[2]];
+        list.push(m[0], m[1], m[2], tip[0], tip[1], tip[2]);
+        const aside = new THREE.Vector3(v[0], v[1], v[2]).cross(new THREE.Vector3(v[2], v[0], v[1])).setLength(length / 10);
+        [1, -1].forEach(function (s) {
+          list.push(tip[0], tip[1], tip[2], tip[0] - 0.2 * v[0] + s * aside.x, tip[1] - 0.2 * v[1] + s * aside.y, tip[2] - 0.2 * v[2] + s * aside.z);
+        });
+      });
+    }
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(list), 3));
+    lines.arrows.geometry.dispose();
+    lines.arrows.geometry = geometry;
+    lines.arrows.visible = list.length > 0;
+  };
+
   // What is looked at: the excavation and the key blocks, else everything.
   const focus = [0, 0, 0];
   let reach = extent / 2;
@@ -146,7 +196,7 @@ const view3d = (function () {
   const layerOf = function (f) {
     const b = faceBlock[f];
     if (shown(b)) return 'key';
-    if (state.only >= 0 && state.restOpacity === 0) return null;
+    if ((state.only >= 0 || state.group >= 0) && state.restOpacity === 0) return null;
     if (isWall(faceRole[f])) return state.wallOpacity > 0 ? 'wall' : null;
     return state.restOpacity > 0 && restFace(f) ? 'rest' : null;
   };
@@ -170,7 +220,7 @@ const view3d = (function () {
     for (let f = 0; f < faceBlock.length; ++f) {
       const name = place[f];
       if (!name) continue;
-      const to = fill[name], b = faceBlock[f], move = offsetOf(b);
+      const to = fill[name], b = faceBlock[f], move = offsetOf(b), go = motionOf(b);
       if (name === 'key') colour.set(colourOf(b)); else colour.copy(name === 'wall' ? wallColour : restColour);
       // Neighbouring blocks of the rest differ a little, so that they can be told apart.
       const tone = name === 'key' ? 1 : 0.9 + 0.1 * ((blockId[b] * 2654435761 >>> 8) % 97) / 97;
@@ -180,6 +230,7 @@ const view3d = (function () {
         for (let k = 0; k < 3; ++k) {
           const v = 3 * triangles[3 * t + k];
           for (let c = 0; c < 3; ++c) p[o + 3 * k + c] = points[v + c] + move[c];
+          if (go) go(p, o + 3 * k);
           to.colour[o + 3 * k] = r; to.colour[o + 3 * k + 1] = g; to.colour[o + 3 * k + 2] = bl;
         }
         const ux = p[o + 3] - p[o], uy = p[o + 4] - p[o + 1], uz = p[o + 5] - p[o + 2];
@@ -195,6 +246,7 @@ const view3d = (function () {
         faceEdges(f, function (i, j) {
           list.push(points[3 * i] + move[0], points[3 * i + 1] + move[1], points[3 * i + 2] + move[2],
             points[3 * j] + move[0], points[3 * j + 1] + move[1], points[3 * j + 2] + move[2]);
+          if (go) { go(list, list.length - 6); go(list, list.length - 3); }
         });
       }
     }
@@ -218,6 +270,7 @@ const view3d = (function () {
     frame.material.color.copy(edgeColour);
     style();
     drawPicked();
+    drawArrows();
     render();
   };
 
@@ -323,14 +376,17 @@ const view3d = (function () {
     const d = new THREE.Vector3().subVectors(camera.position, controls.target);
     return [d.x, d.y, d.z];
   };
-  const zoomTo = function (b) {
-    const move = offsetOf(b), low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    for (let i = 3 * firstTriangle[firstFace[b]]; i < 3 * firstTriangle[firstFace[b + 1]]; ++i) {
-      for (let k = 0; k < 3; ++k) {
-        const v = points[3 * triangles[i] + k] + move[k];
-        low[k] = Math.min(low[k], v); high[k] = Math.max(high[k], v);
+  const zoomTo = function (...members) {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    members.forEach(function (b) {
+      const move = offsetOf(b);
+      for (let i = 3 * firstTriangle[firstFace[b]]; i < 3 * firstTriangle[firstFace[b + 1]]; ++i) {
+        for (let k = 0; k < 3; ++k) {
+          const v = points[3 * triangles[i] + k] + move[k];
+          low[k] = Math.min(low[k], v); high[k] = Math.max(high[k], v);
+        }
       }
-    }
+    });
     if (low[0] > high[0]) return;
     const middle = low.map(function (v, k) { return (v + high[k]) / 2; });
     const radius = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 2;
@@ -419,7 +475,7 @@ const view3d = (function () {
     blocks: { id: blockId, mode: mode, volume: volume, faces: faceCount }, indexOf: indexOf,
     batchColour: batchColourOf, modeColour: function (m) { return modeColours[m]; }, factorSteps: factorSteps,
     place: holder.parentNode, holder: holder, canvas: renderer.domElement, onPick: onPick, volumeSteps: volumeSteps,
-    zoomTo: zoomTo, turn: turn, zoom: zoom, parallel: parallel, picture: picture,
+    groups: groups, zoomTo: zoomTo, turn: turn, zoom: zoom, parallel: parallel, picture: picture,
     mark: function (b) { state.picked = b; drawPicked(); render(); }
   };
 })();

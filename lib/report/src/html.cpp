@@ -66,7 +66,8 @@ std::string cards(const Page& page) {
 std::string view_section(const Page& page, std::string& view_json) {
   if (page.complex == nullptr) return {};
   const stability::Analysis* analysis = pointer_to(page.result.analysis);
-  View3d view = pack_view(*page.complex, analysis, view_budget_bytes, pointer_to(page.result.support));
+  View3d view = pack_view(*page.complex, analysis, view_budget_bytes, pointer_to(page.result.support),
+                          pointer_to(page.result.key_groups));
   view_json = std::move(view.json);
   std::string out =
       "<section id=\"view\"><h2>Blocks in three dimensions</h2>\n<div class=\"stage\">\n<div id=\"scene\">";
@@ -306,7 +307,7 @@ std::string report_html(const Page& page) {
   out += key_blocks_section(page);
   out += why_section(page);
   out += unrolled_section(page);
-  if (page.result.key_groups) out += key_groups_section(*page.result.key_groups);
+  out += key_groups_section(page.result);
   if (page.result.motion) out += motion_section(*page.result.motion);
   out += support_section(page);
   out += maximum_section(page);

@@ -16,60 +16,84 @@ constexpr std::size_t most_rows = 100;
 
 /// A group as a page shows it: words for its verdict, and that a factor has no limit.
 struct ShownGroup {
-  const stability::KeyGroup& g;
-  std::size_t number;
+  const KeyGroupRow& row;
 };
 template <class V>
 void fields(V& v, const ShownGroup& x) {
+  const stability::KeyGroup& g = x.row.g;
   const auto factor = [&](double f) {
-    return !x.g.factors ? Html{} : std::isinf(f) ? Html{"no limit", f} : Html{display(f, 3), f};
+    return !g.factors ? Html{} : std::isinf(f) ? Html{"no limit", f} : Html{display(f, 3), f};
   };
-  std::string verdict{assembly::name(x.g.verdict)};
+  std::string verdict{assembly::name(g.verdict)};
   std::ranges::replace(verdict, '_', ' ');
-  v("group", x.number);
-  v("batch", x.g.batch);
+  v("group", x.row.number);
+  v("batch", g.batch);
   v("verdict", verdict);
-  v("blocks", x.g.blocks);
-  v("volume_m3", x.g.volume);
-  v("factor_move", factor(x.g.factor_move), "of motion from rest: the factor of safety of the group");
-  v("factor_up", factor(x.g.factor_up), "above it motion is certain");
-  v("moments", x.g.moments, "blocks turn: translation alone does not move them");
+  v("blocks", g.blocks);
+  v("volume_m3", g.volume);
+  v("factor_move", factor(g.factor_move), "of motion from rest: the factor of safety of the group");
+  v("factor_up", factor(g.factor_up), "above it motion is certain");
+  v("moments", g.moments, "blocks turn: translation alone does not move them");
+  v("load_case", x.row.load_case);
+  v("stage", x.row.stage);
+}
+
+/// Of the base case in the final state, then of the load cases, then of the stages before the last.
+std::vector<KeyGroupRow> rows_of(const scene::RunResult& result) {
+  std::vector<KeyGroupRow> rows;
+  const auto add = [&](const std::optional<stability::KeyGroups>& groups, std::string_view load_case,
+                       std::optional<std::uint32_t> stage) {
+    if (!groups) return;
+    for (std::size_t number = 0; const stability::KeyGroup& group : groups->groups) {
+      rows.push_back({group, ++number, load_case, stage});
+    }
+  };
+  add(result.key_groups, {}, {});
+  for (const scene::CaseResult& load : result.load_cases) add(load.groups, load.name, {});
+  if (result.sequence) {
+    for (const scene::StageResult& stage : result.sequence->stages) add(stage.groups, {}, stage.stage);
+  }
+  return rows;
 }
 
 }  // namespace
 
-std::string key_groups_csv(const stability::KeyGroups& groups) {
+std::string key_groups_csv(const scene::RunResult& result) {
   const stability::KeyGroup none{};
   CsvTable table{KeyGroupRow{none}};
-  for (std::size_t number = 0; const stability::KeyGroup& group : groups.groups) {
-    table.add(KeyGroupRow{group, ++number});
-  }
+  for (const KeyGroupRow& row : rows_of(result)) table.add(row);
   return std::move(table).text();
 }
 
-std::string key_groups_section(const stability::KeyGroups& groups) {
-  if (groups.groups.empty()) return {};
+std::string key_groups_section(const scene::RunResult& result) {
+  const std::vector<KeyGroupRow> rows = rows_of(result);
+  if (rows.empty()) return {};
   std::string out =
       "<section id=\"groups\"><h2>Blocks judged together</h2>\n<p class=\"small\">Groups that move together. Certain: "
       "no forces in the joints hold it, whatever the stress in the rock. Unsafe: only stress locked in between the "
       "blocks could. In doubt: not decided, not stable. The factor of safety is that of motion from rest; above the "
       "upper factor motion is certain.</p>\n";
+  const bool cases = std::ranges::any_of(rows, [](const KeyGroupRow& row) { return !row.load_case.empty(); });
+  const bool stages = std::ranges::any_of(rows, [](const KeyGroupRow& row) { return row.stage.has_value(); });
+  std::vector<Shown> columns{{"group"},
+                             {"batch"},
+                             {"verdict"},
+                             {"blocks"},
+                             {"volume_m3"},
+                             {"factor_move", "Factor of safety"},
+                             {"factor_up", "Upper factor"},
+                             {"moments", "Turns"}};
+  if (cases) columns.push_back({"load_case", "Load case"});
+  if (stages) columns.push_back({"stage", "After stage"});
   const stability::KeyGroup none{};
-  HtmlTable table{{{"group"},
-                   {"batch"},
-                   {"verdict"},
-                   {"blocks"},
-                   {"volume_m3"},
-                   {"factor_move", "Factor of safety"},
-                   {"factor_up", "Upper factor"},
-                   {"moments", "Turns"}},
-                  ShownGroup{none, 0},
-                  "class=\"sortable\""};
-  for (std::size_t k = 0; k < std::min(most_rows, groups.groups.size()); ++k) {
-    table.add(ShownGroup{groups.groups[k], k + 1});
+  HtmlTable table{columns, ShownGroup{KeyGroupRow{none}}, "class=\"sortable\""};
+  for (std::size_t k = 0; k < std::min(most_rows, rows.size()); ++k) {
+    // Those of the blocks that the page shows can be picked.
+    const bool here = rows[k].load_case.empty() && !rows[k].stage;
+    table.add(ShownGroup{rows[k]}, here ? "data-group=\"" + std::to_string(rows[k].number) + "\"" : "");
   }
   out += std::move(table).html();
-  if (groups.groups.size() > most_rows) out += "<p class=\"note\">All are in key_groups.csv.</p>\n";
+  if (rows.size() > most_rows) out += "<p class=\"note\">All are in key_groups.csv.</p>\n";
   return out + "</section>\n";
 }
 

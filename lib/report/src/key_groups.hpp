@@ -2,15 +2,16 @@
 
 #include <string>
 
-#include "cleave/stability/key_groups.hpp"
+#include "cleave/realize/run_result.hpp"
 
 namespace cleave::report {
 
 /// key_groups.csv: a row a group, in order; numbers of blocks parted by spaces; empty where there is no such number
-/// (factors of a group that is too large for them), `inf` where a factor has no end.
-[[nodiscard]] std::string key_groups_csv(const stability::KeyGroups& groups);
+/// (factors of a group that is too large for them), `inf` where a factor has no end. Load cases and stages follow the
+/// base case after the last stage.
+[[nodiscard]] std::string key_groups_csv(const scene::RunResult& result);
 
 /// The same as a table of the report; empty without groups.
-[[nodiscard]] std::string key_groups_section(const stability::KeyGroups& groups);
+[[nodiscard]] std::string key_groups_section(const scene::RunResult& result);
 
 }  // namespace cleave::report

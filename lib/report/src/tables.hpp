@@ -248,6 +248,8 @@ void fields(V& v, const CombinedBlockRow& x) {
 struct KeyGroupRow {
   const stability::KeyGroup& g;
   std::size_t number = 0;
+  std::string_view load_case = {};
+  std::optional<std::uint32_t> stage = {};
 };
 template <class V>
 void fields(V& v, const KeyGroupRow& x) {
@@ -264,6 +266,9 @@ void fields(V& v, const KeyGroupRow& x) {
     "of motion from rest: the factor of safety of the group; empty for a group too large for factors");
   direction_fields(v, x.g.direction, "direction_x", "direction_y", "direction_z");
   v("moments", x.g.moments, "1 when blocks turn: translation alone does not move them");
+  v("load_case", x.load_case, "name of the `[[load]]` it moves in; empty: the base case");
+  v("stage", x.stage,
+    "after which stage it moves, with the block numbers of `blocks_stage_N.vtu`; empty: after the last");
 }
 
 }  // namespace cleave::report

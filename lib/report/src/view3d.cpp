@@ -37,7 +37,8 @@ void member_vector(JsonWriter& json, std::string_view name, Vec3 v) {
 }
 
 // Key blocks come first: the view must show them whatever the budget.
-std::vector<BlockId> by_importance(const BlockComplex& complex, const stability::Analysis* analysis) {
+std::vector<BlockId> by_importance(const BlockComplex& complex, const stability::Analysis* analysis,
+                                   const stability::KeyGroups* groups) {
   std::vector<std::uint8_t> rank(complex.blocks().size(), 4);
   for (const BlockId id : complex.blocks().ids()) {
     const topology::Block& block = complex.blocks()[id];
@@ -46,6 +47,11 @@ std::vector<BlockId> by_importance(const BlockComplex& complex, const stability:
   }
   if (analysis != nullptr) {
     for (const stability::Judgement& j : analysis->judgements) rank[j.block.index()] = j.key ? 0 : 1;
+  }
+  if (groups != nullptr) {
+    for (const stability::KeyGroup& group : groups->groups) {
+      for (const BlockId id : group.blocks) rank[id.index()] = 0;
+    }
   }
   std::vector<BlockId> order;
   for (const BlockId id : complex.blocks().ids()) order.push_back(id);
@@ -81,6 +87,27 @@ struct FaceColumns {
   std::vector<std::uint32_t> triangles;
 };
 
+/// Blocks of all groups one after the other, with the number of each group's, and of each block centroid (from the
+/// middle of the view), velocity and spin: nine numbers. Groups in doubt move nowhere.
+void add_groups(JsonWriter& json, const BlockComplex& complex, const stability::KeyGroups& groups, Vec3 middle) {
+  std::vector<std::uint32_t> sizes, blocks;
+  std::vector<float> motions;
+  for (const stability::KeyGroup& group : groups.groups) {
+    sizes.push_back(static_cast<std::uint32_t>(group.blocks.size()));
+    for (std::size_t k = 0; k < group.blocks.size(); ++k) {
+      blocks.push_back(group.blocks[k].value());
+      const Vec3 at = complex.blocks()[group.blocks[k]].centroid - middle;
+      const assembly::Rate rate = k < group.rates.size() ? group.rates[k] : assembly::Rate{};
+      for (const Vec3& v : {at, rate.velocity, rate.spin}) {
+        for (const double c : {v.x, v.y, v.z}) motions.push_back(static_cast<float>(c));
+      }
+    }
+  }
+  member_base64(json, "groupSizes", sizes);
+  member_base64(json, "groupBlocks", blocks);
+  member_base64(json, "groupMotions", motions);
+}
+
 std::uint8_t role_code(const topology::Face& face) {
   switch (face.role) {
     case topology::Role::joint: return 0;
@@ -108,7 +135,7 @@ std::size_t view_bytes(const BlockComplex& complex, BlockId block) {
 }
 
 View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysis, std::size_t budget,
-                 const stability::SupportResult* support) {
+                 const stability::SupportResult* support, const stability::KeyGroups* groups) {
   View3d view{.json = {}, .total = complex.blocks().size()};
   BlockColumns blocks;
   FaceColumns faces;
@@ -119,7 +146,7 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
   std::vector<Triangle> of_face;
   FaceLoops loops;
   std::size_t bytes = 0;
-  for (const BlockId id : by_importance(complex, analysis)) {
+  for (const BlockId id : by_importance(complex, analysis, groups)) {
     bytes += view_bytes(complex, id);
     if (bytes > budget && view.shown > 0) break;
     const stability::Judgement* judgement = nullptr;
@@ -187,9 +214,11 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
   member_base64(json, "factor", blocks.factor);
   member_base64(json, "volume", blocks.volume);
   member_base64(json, "faces", blocks.faces);
+  // Relative to the view's middle, as the page has it.
+  const Vec3 middle = 0.5 * (low + high);
+  if (groups != nullptr && !groups->groups.empty()) add_groups(json, complex, *groups, middle);
   if (support != nullptr && !support->bolts.empty()) {
-    // Relative to the view's middle, as the page has it; 2^32 - 1: serves none.
-    const Vec3 middle = 0.5 * (low + high);
+    // 2^32 - 1: serves none.
     std::vector<float> ends;
     std::vector<std::uint8_t> status;
     std::vector<std::uint32_t> serves;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cleave/stability/key_groups.hpp"
 #include "cleave/stability/result.hpp"
 #include "cleave/stability/support.hpp"
 #include "cleave/topology/block_complex.hpp"
@@ -24,8 +25,10 @@ struct View3d {
 
 /// Packs at most `budget` bytes: key blocks first, then judged blocks, blocks with a free face, blocks at the domain's
 /// sides, the rest; each group in the order of block numbers. `analysis` may be null.
-/// With `support` its bolts too: collar and end, what became of each, and the block it serves.
+/// With `support` its bolts too: collar and end, what became of each, and the block it serves. With `groups` the
+/// blocks of each key group, centroids and first motions; they come before all other blocks.
 [[nodiscard]] View3d pack_view(const topology::BlockComplex& complex, const stability::Analysis* analysis,
-                               std::size_t budget, const stability::SupportResult* support = nullptr);
+                               std::size_t budget, const stability::SupportResult* support = nullptr,
+                               const stability::KeyGroups* groups = nullptr);
 
 }  // namespace cleave::report
