@@ -6,14 +6,13 @@
 #include <vector>
 
 #include "cleave/geometry/box_tree.hpp"
+#include "detail/as_vec3.hpp"
 
 namespace cleave::topology::detail {
 namespace {
 
 using exact::LatticePoint;
 using geometry::Vec3;
-
-Vec3 as_vec3(LatticePoint p) { return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)}; }
 
 /// A side of a polygon.
 struct Use {

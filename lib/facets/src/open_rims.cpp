@@ -6,6 +6,7 @@
 
 #include "cleave/geometry/box_tree.hpp"
 #include "cleave/geometry/vec3.hpp"
+#include "detail/as_vec3.hpp"
 #include "detail/side_users.hpp"
 
 namespace cleave::topology::detail {
@@ -13,8 +14,6 @@ namespace {
 
 using exact::LatticePoint;
 using geometry::Vec3;
-
-Vec3 as_vec3(LatticePoint p) { return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)}; }
 
 struct OpenSide {
   std::size_t polygon;

@@ -7,14 +7,13 @@
 
 #include "cleave/core/disjoint_sets.hpp"
 #include "cleave/geometry/box_tree.hpp"
+#include "detail/as_vec3.hpp"
 
 namespace cleave::topology::detail {
 namespace {
 
 using exact::LatticePoint;
 using geometry::Vec3;
-
-Vec3 as_vec3(LatticePoint p) { return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)}; }
 
 /// A polygon in doubles: good to a fraction of a site.
 struct Flat {

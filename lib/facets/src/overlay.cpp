@@ -10,6 +10,7 @@
 #include "cleave/core/disjoint_sets.hpp"
 #include "cleave/exact/fixed.hpp"
 #include "cleave/geometry/box_tree.hpp"
+#include "detail/as_vec3.hpp"
 #include "detail/overlaps.hpp"
 #include "detail/weld.hpp"
 
@@ -25,8 +26,6 @@ using Number = std::uint32_t;
 using Ring = std::vector<Number>;
 using Members = std::vector<std::size_t>;
 using Segment = std::pair<Number, Number>;
-
-Vec3 as_vec3(LatticePoint p) { return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)}; }
 
 struct Seen {
   std::int64_t u, v;

@@ -7,14 +7,13 @@
 #include <vector>
 
 #include "cleave/geometry/vec3.hpp"
+#include "detail/as_vec3.hpp"
 
 namespace cleave::topology::detail {
 namespace {
 
 using exact::LatticePoint;
 using geometry::Vec3;
-
-Vec3 as_vec3(LatticePoint p) { return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)}; }
 
 std::vector<LatticePoint> corners_of(const JointPolygon& entry) {
   std::vector<LatticePoint> corners = entry.corners;

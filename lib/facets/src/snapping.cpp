@@ -6,6 +6,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "detail/as_vec3.hpp"
 #include "detail/folds.hpp"
 #include "detail/side_users.hpp"
 
@@ -17,10 +18,6 @@ using exact::Plane;
 using exact::Sign;
 
 double length(const std::array<double, 3>& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-double distance(LatticePoint a, LatticePoint b) {
-  const LatticePoint d = a - b;
-  return length({static_cast<double>(d.x), static_cast<double>(d.y), static_cast<double>(d.z)});
-}
 double sine(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return length({a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]});
 }
@@ -141,11 +138,8 @@ void Snapper::remember(const Plane& persistent) {
 }
 
 geometry::Bounds Snapper::bounds_of(std::span<const LatticePoint> corners) const {
-  const auto position = [](LatticePoint p) {
-    return geometry::Vec3{static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
-  };
-  geometry::Bounds box = geometry::Bounds::of(position(corners.front()));
-  for (const LatticePoint c : corners) box.grow(geometry::Bounds::of(position(c)));
+  geometry::Bounds box = geometry::Bounds::of(as_vec3(corners.front()));
+  for (const LatticePoint c : corners) box.grow(geometry::Bounds::of(as_vec3(c)));
   const geometry::Vec3 margin{distance_sites_ + 1, distance_sites_ + 1, distance_sites_ + 1};
   return {box.lo - margin, box.hi + margin};
 }

@@ -9,20 +9,11 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/disjoint_sets.hpp"
 #include "cleave/facets/prepared.hpp"
+#include "detail/as_vec3.hpp"
 
 namespace cleave::topology::detail {
 
 using exact::LatticePoint;
-
-namespace {
-
-double distance(LatticePoint a, LatticePoint b) {
-  const LatticePoint d = a - b;
-  const double x = static_cast<double>(d.x), y = static_cast<double>(d.y), z = static_cast<double>(d.z);
-  return std::sqrt(x * x + y * y + z * z);
-}
-
-}  // namespace
 
 void Weld::finish() {
   std::ranges::sort(sites_);  // of solids before of joints
