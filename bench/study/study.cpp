@@ -102,6 +102,10 @@ void Study::plot(const std::string& file, const Plot& plot) {
   good_ = write(std::filesystem::path{folder_} / fmt::format("{}-{}.svg", name_, file), svg(plot)) && good_;
 }
 
+void Study::text(const std::string& file, const std::string& content) {
+  good_ = write(std::filesystem::path{folder_} / fmt::format("{}-{}", name_, file), content) && good_;
+}
+
 bool Study::finish() const {
   std::string csv = fmt::format("{}\n", header);
   for (const Row& row : rows_) csv += line_of(row) + '\n';

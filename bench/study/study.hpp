@@ -49,6 +49,8 @@ class Study final {
   [[nodiscard]] bool kept() const noexcept { return kept_; }
   /// Written as NAME-FILE.svg.
   void plot(const std::string& file, const Plot& plot);
+  /// Written as NAME-FILE.
+  void text(const std::string& file, const std::string& content);
   /// Writes NAME.csv. False (and a message) when the folder cannot be written.
   [[nodiscard]] bool finish() const;
 
