@@ -9,7 +9,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "cleave/realize/run.hpp"
-#include "cleave/scene3d/parse.hpp"
+#include "cleave/scene3d/scene.hpp"
 #include "fuzz_target.hpp"
 
 namespace {

@@ -12,7 +12,7 @@
 
 #include "cleave/core/assert.hpp"
 #include "cleave/field_data/survey_file.hpp"
-#include "cleave/scene3d/parse.hpp"
+#include "cleave/scene3d/scene.hpp"
 #include "fuzz_target.hpp"
 
 namespace {

@@ -368,7 +368,7 @@ void add_rebuilding(study::Study& study) {
                            0.1 / w,
                            {.alpha = 2 * w},
                            {{b.forces_of(end), [w](double t) { return std::min(1.0, t * w / 20); }, false, {}}}};
-          motion.rebuild_by({gradient, o}, held, {});
+          if (gradient > 0) motion.rebuild_by({gradient, o}, held, {});
           for (int k = 0; k < 500; ++k) (void)motion.advance();
           error = std::abs(-motion.displacement_at(b.place({5, 0})).y / 10 / 0.49346 - 1);
           rebuilds = motion.rebuilds();

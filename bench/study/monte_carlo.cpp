@@ -18,7 +18,7 @@
 
 #include "cleave/core/rng.hpp"
 #include "cleave/realize/monte_carlo.hpp"
-#include "cleave/scene3d/parse.hpp"
+#include "cleave/scene3d/scene.hpp"
 #include "cleave/stochastic/statistics.hpp"
 #include "study.hpp"
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "cleave/realize/run.hpp"
-#include "cleave/scene3d/parse.hpp"
+#include "cleave/scene3d/scene.hpp"
 #include "cleave/stability/analyse.hpp"
 #include "study.hpp"
 

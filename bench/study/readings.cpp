@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "cleave/realize/monte_carlo.hpp"
-#include "cleave/scene3d/parse.hpp"
+#include "cleave/scene3d/scene.hpp"
 #include "study.hpp"
 
 namespace cleave {

@@ -28,7 +28,7 @@
 #include "cleave/realize/run.hpp"
 #include "cleave/report/write.hpp"
 #include "cleave/scene2d/contact.hpp"
-#include "cleave/scene3d/parse.hpp"
+#include "cleave/scene3d/scene.hpp"
 #include "random_sections.hpp"
 
 namespace cleave::testing {

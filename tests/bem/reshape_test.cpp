@@ -44,7 +44,7 @@ Stretched stretched(double nu, double gradient) {
                      .damping = {.share = 1},
                      .loads = {{pulled_ends(b, pull), ramped, true,
                                 [&](const BlockOperator& now) { return pulled_ends(now, pull); }}},
-                     .rebuilding = {gradient, o}}};
+                     .rebuilding = gradient > 0 ? std::optional{Rebuilding{gradient, o}} : std::nullopt}};
   for (int k = 0; k < 400; ++k) EXPECT_TRUE(motion.advance().has_value());
   const BoundaryPlace right = b.place({1, 0.1}), left = b.place({-1, 0.1}), top = b.place({0, 0.5}),
                       bottom = b.place({0, -0.5});
@@ -100,7 +100,7 @@ Bent bent(double load, double gradient, std::size_t along, int finer = 1) {
   const Modes modes = supported_modes(b, held);
   const double w = std::sqrt(modes.eigenvalues[0]);
   Vibration motion{b, modes, BackwardEuler{}, 0.1 / finer / w, {.alpha = 2 * w}, {{b.forces_of(t), always, false}}};
-  motion.rebuild_by({gradient, o}, held, {});
+  if (gradient > 0) motion.rebuild_by({gradient, o}, held, {});
   for (int k = 0; k < 400 * finer; ++k) EXPECT_TRUE(motion.advance().has_value());
   const Vec2 u = motion.displacement_at(b.place({length / 2, 0}));
   return {-u.y / length, -u.x / length, motion.rebuilds()};
@@ -135,9 +135,13 @@ TEST(Rebuild, KeepsPlaceMomentumAndAngularMomentum) {
       BlockOperator::make({testing::rectangle({-0.5, -0.15}, {0.5, 0.15}, {0, 0, 0, 0}, {3, 1, 3, 1})},
                           testing::material(3e5, 0.25, 1000), o)
           .value();
-  FreeMotion motion{
-      b,
-      {.step = 1e-3, .modes = 12, .damping = {.share = 0.3}, .velocity = {1, 2}, .spin = 10, .rebuilding = {0.01, o}}};
+  FreeMotion motion{b,
+                    {.step = 1e-3,
+                     .modes = 12,
+                     .damping = {.share = 0.3},
+                     .velocity = {1, 2},
+                     .spin = 10,
+                     .rebuilding = Rebuilding{0.01, o}}};
   const std::size_t inner = motion.follow({0.4, 0});
   const double start = b.inertia() * 10;
   for (int k = 0; k < 2000; ++k) {

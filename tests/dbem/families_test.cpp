@@ -303,10 +303,10 @@ TEST(ClashTest, MeasuresKnownOverlaps) {
 
 TEST(ClashTest, TheSweepFindsThePairsOfBruteForceAsBodiesMove) {
   Rng rng{5};
-  std::vector<Box> boxes(80);
+  std::vector<Box2> boxes(80);
   std::vector<std::uint8_t> idle(boxes.size());
   for (std::uint8_t& i : idle) i = rng.uniform() < 0.3 ? 1 : 0;
-  for (Box& box : boxes) {
+  for (Box2& box : boxes) {
     box.low = {10 * rng.uniform(), 15 * rng.uniform()};
     box.high = box.low + Vec2{2 * rng.uniform(), 2 * rng.uniform()};
   }
@@ -321,7 +321,7 @@ TEST(ClashTest, TheSweepFindsThePairsOfBruteForceAsBodiesMove) {
       }
     }
     EXPECT_EQ(sweep.pairs(boxes, idle), expected);
-    for (Box& box : boxes) {
+    for (Box2& box : boxes) {
       const Vec2 by{rng.uniform() - 0.5, rng.uniform() - 0.5};
       box.low += by;
       box.high += by;

@@ -5,6 +5,7 @@
 
 #include "cleave/core/rng.hpp"
 #include "scenes.hpp"
+#include "touch.hpp"
 
 namespace cleave::dbem {
 namespace {
@@ -129,7 +130,7 @@ TEST(CrossingTest, FindsTheEdgeAPointComesThrough) {
   EXPECT_EQ(first_crossing(square, square, {0.5, -1}, {0.5, 0.5}), 0U);
   EXPECT_EQ(first_crossing(square, square, {2, 0.5}, {0.5, 0.5}), 1U);
   EXPECT_EQ(first_crossing(square, square, {-1, 0.2}, {3, 0.3}), 3U);  // right through
-  EXPECT_EQ(first_crossing(square, square, {-1, -1}, {-0.5, 3}), static_cast<std::size_t>(-1));
+  EXPECT_EQ(first_crossing(square, square, {-1, -1}, {-0.5, 3}), std::nullopt);
 }
 
 TEST(OverlapTest, SeesEveryKindOfOverlap) {
@@ -150,7 +151,7 @@ TEST(OverlapTest, SeesEveryKindOfOverlap) {
 TEST(BroadPhaseTest, FindsThePairsOfBruteForce) {
   Rng rng{11};
   for (int round = 0; round < 20; ++round) {
-    std::vector<Box> boxes;
+    std::vector<Box2> boxes;
     for (int k = 0; k < 120; ++k) {
       const Vec2 low{20 * rng.uniform(), 20 * rng.uniform()};
       const double size = k % 40 == 0 ? 15 * rng.uniform() : 0.2 + 1.5 * rng.uniform();

@@ -1,4 +1,4 @@
-#include "cleave/geometry/slope.hpp"
+#include "cleave/geometry/terrain.hpp"
 
 #include <gtest/gtest.h>
 

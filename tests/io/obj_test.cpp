@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,15 +56,15 @@ TEST(ObjTest, GroupsAreKeptInOrderOfTheirFaces) {
 
 TEST(ObjTest, FaultsNameTheLine) {
   const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  const auto expect = [&](const std::string& text, ReadFault fault, std::uint32_t line) {
+  const auto expect = [&](const std::string& text, ReadFault fault, std::optional<std::uint32_t> line) {
     const ReadError e = refused(text);
     EXPECT_EQ(e.fault, fault) << text << describe(e);
     EXPECT_EQ(e.line, line) << text;
     EXPECT_EQ(e.file, "a.obj");
     EXPECT_FALSE(e.remedy.empty());
   };
-  expect("", ReadFault::empty, 0);
-  expect(v, ReadFault::empty, 0);
+  expect("", ReadFault::empty, {});
+  expect(v, ReadFault::empty, {});
   expect(v + "f 1 2 4\n", ReadFault::out_of_range, 4);
   expect(v + "f 1 2 0\n", ReadFault::out_of_range, 4);
   expect(v + "f 1 2 -4\n", ReadFault::out_of_range, 4);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -26,7 +27,7 @@ Surfaces read(const Parser& parse, std::string_view text) {
   return surfaces ? *surfaces : Surfaces{};
 }
 
-void expect_refused(const Parser& parse, std::string_view text, ReadFault fault, std::uint32_t line) {
+void expect_refused(const Parser& parse, std::string_view text, ReadFault fault, std::optional<std::uint32_t> line) {
   const auto surfaces = parse(text, "a.x");
   ASSERT_FALSE(surfaces.has_value()) << text;
   EXPECT_EQ(surfaces.error().fault, fault) << text << describe(surfaces.error());
@@ -183,12 +184,12 @@ TEST(DxfTest, UnitsAreConverted) {
 }
 
 TEST(DxfTest, FaultsNameTheLine) {
-  expect_refused(parse_dxf, "", ReadFault::empty, 0);
-  expect_refused(parse_dxf, "AutoCAD Binary DXF\r\n\x1a", ReadFault::unknown_format, 0);
-  expect_refused(parse_dxf, "AC1027\1\2", ReadFault::unknown_format, 0);
+  expect_refused(parse_dxf, "", ReadFault::empty, {});
+  expect_refused(parse_dxf, "AutoCAD Binary DXF\r\n\x1a", ReadFault::unknown_format, {});
+  expect_refused(parse_dxf, "AC1027\1\2", ReadFault::unknown_format, {});
   expect_refused(parse_dxf, "solid x\nfacet\n", ReadFault::syntax, 1);
   expect_refused(parse_dxf, "0\nLINE\n", ReadFault::unknown_format, 2);
-  expect_refused(parse_dxf, entities("0 LINE;8 0"), ReadFault::empty, 0);
+  expect_refused(parse_dxf, entities("0 LINE;8 0"), ReadFault::empty, {});
   expect_refused(parse_dxf, pairs("0 SECTION;2 ENTITIES;0 ENDSEC"), ReadFault::truncated, 6);
   expect_refused(parse_dxf, entities("0 3DFACE;10 0;20 nan;30 0;11 1;21 1;31 1;12 1;22 2;32 2"), ReadFault::bad_number,
                  10);
@@ -207,7 +208,7 @@ TEST(DxfTest, FaultsNameTheLine) {
   expect_refused(parse_dxf,
                  pairs("0 SECTION;2 HEADER;9 $INSUNITS;70 1;0 ENDSEC;0 SECTION;2 ENTITIES;0 3DFACE;10 1e308;20 "
                        "1e308;30 0;11 1;21 1;31 1;12 1;22 2;32 2;0 ENDSEC;0 EOF"),
-                 ReadFault::empty, 0);  // so far out that no face there has an area
+                 ReadFault::empty, {});  // so far out that no face there has an area
   std::string garbage;
   for (int i = 0; i < 1000; ++i) garbage += static_cast<char>(i * 37 + i / 7);
   EXPECT_FALSE(parse_dxf(garbage, "a").has_value());
@@ -257,9 +258,9 @@ TEST(TsurfTest, DepthTurnsTheSurfaceOver) {
 
 TEST(TsurfTest, FaultsNameTheLine) {
   const std::string head = "GOCAD TSurf 1\nHEADER {name:a}\nTFACE\n";
-  expect_refused(parse_tsurf, "", ReadFault::empty, 0);
+  expect_refused(parse_tsurf, "", ReadFault::empty, {});
   expect_refused(parse_tsurf, "ply\n", ReadFault::unknown_format, 1);
-  expect_refused(parse_tsurf, head + "END\n", ReadFault::empty, 0);
+  expect_refused(parse_tsurf, head + "END\n", ReadFault::empty, {});
   expect_refused(parse_tsurf, head + "VRTX 1 0 0 0\n", ReadFault::truncated, 4);
   expect_refused(parse_tsurf, head + "VRTX 1 0 0\nEND", ReadFault::bad_number, 4);
   expect_refused(parse_tsurf, head + "VRTX 1 0 0 nan\nEND", ReadFault::bad_number, 4);
@@ -332,14 +333,15 @@ TEST(FabTest, FracturesBentMuchStayBent) {
 }
 
 TEST(FabTest, FaultsNameTheLine) {
-  const auto expect = [&](std::string_view what, std::string_view with, ReadFault fault, std::uint32_t line) {
+  const auto expect = [&](std::string_view what, std::string_view with, ReadFault fault,
+                          std::optional<std::uint32_t> line) {
     expect_refused(parse_fab, replaced(fab, what, with), fault, line);
   };
-  expect_refused(parse_fab, "", ReadFault::empty, 0);
-  expect_refused(parse_fab, "\n\n", ReadFault::empty, 0);
+  expect_refused(parse_fab, "", ReadFault::empty, {});
+  expect_refused(parse_fab, "\n\n", ReadFault::empty, {});
   expect_refused(parse_fab, "GOCAD\n", ReadFault::unknown_format, 1);
   expect_refused(parse_fab, "BEGIN FRACTURE\nEND FRACTURE\n", ReadFault::syntax, 1);
-  expect_refused(parse_fab, "BEGIN FORMAT\nEND FORMAT\n", ReadFault::empty, 0);
+  expect_refused(parse_fab, "BEGIN FORMAT\nEND FORMAT\n", ReadFault::empty, {});
   expect("Ascii", "Binary", ReadFault::unknown_format, 2);
   expect("East", "North", ReadFault::out_of_range, 4);
   expect("Meter", "Mile", ReadFault::out_of_range, 3);

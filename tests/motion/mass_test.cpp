@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "cleave/motion/body.hpp"
+#include "cleave/motion/world.hpp"
 #include "shapes.hpp"
 
 namespace cleave::motion {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/motion/body.hpp"
+#include "cleave/motion/world.hpp"
 
 /// Polyhedra that tests are made of.
 namespace cleave::motion::shapes {

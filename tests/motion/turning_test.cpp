@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "cleave/motion/body.hpp"
+#include "cleave/motion/world.hpp"
 #include "shapes.hpp"
 
 namespace cleave::motion {

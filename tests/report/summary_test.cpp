@@ -122,7 +122,7 @@ scene::RunResult full() {
   r.figures.support->required_force_n = std::numeric_limits<double>::infinity();
   r.figures.support_cases = {{"quake", {}}};
   r.designs = {{.length = 3}};
-  r.tunnel_length = 10;
+  r.tunnel_length = metres(10);
   r.figures.maximum_blocks = scene::MaximumFigures{};
   r.figures.micro_blocks = scene::MicroBlockFigures{};
   r.field_stress = scene::FieldStressResult{};

@@ -508,7 +508,7 @@ TEST(ContactScene, StressOfAStackIsItsWeightAndSafetyThatOfItsStrength) {
         EXPECT_NEAR(node.stress.xy, 0, 1500);
         if (weight < 1e4) continue;
         EXPECT_NEAR(node.von_mises / weight, 1, 0.15);
-        EXPECT_NEAR(node.safety * weight / (2e5 * std::sqrt(3.0)), 1, 0.15);
+        EXPECT_NEAR(*node.safety * weight / (2e5 * std::sqrt(3.0)), 1, 0.15);
       }
     }
   }

@@ -163,9 +163,9 @@ TEST(Sequence, BlocksPutBackAreThoseOfTheWholeExcavation) {
   EXPECT_EQ(result.sequence->stages.back().block_hash, result.block_hash);
   EXPECT_EQ(result.sequence->stages.back().analysis->judgements.size(), result.analysis->judgements.size());
   std::size_t marked = 0;
-  for (const std::int32_t stage : result.sequence->stage_of_block) {
-    EXPECT_TRUE(stage == -1 || stage == 2 || stage == 5);
-    if (stage != -1) ++marked;
+  for (const auto stage : result.sequence->stage_of_block) {
+    EXPECT_TRUE(!stage || stage == 2U || stage == 5U);
+    if (stage) ++marked;
   }
   EXPECT_GT(marked, 0U);
 }

@@ -120,7 +120,7 @@ const ClampedBlock& only_block(const RunResult& r) {
 /// Compressions of the planes, largest first.
 std::vector<double> sorted_forces(const ClampedBlock& block) {
   std::vector<double> out;
-  for (const ClampedPlane& plane : block.planes) out.push_back(plane.normal_force);
+  for (const ClampedPlane& plane : block.planes) out.push_back(plane.normal_force.si());
   std::ranges::sort(out, std::greater{});
   return out;
 }
@@ -141,11 +141,11 @@ TEST(FieldStressScene, ForcesOnTheFacesOfARoofBlockAreKirschs) {
   geometry::Vec3 sum;
   for (const ClampedPlane& plane : block.planes) {
     const geometry::Vec3 n = r.complex->complex().faces()[plane.face].outward;
-    sum += plane.shear_force - plane.normal_force * n;
+    sum += plane.shear_force - plane.normal_force.si() * n;
     (std::abs(n.y) > 0.5 ? end : slope) = &plane;
     if (std::abs(n.y) > 0.5) continue;
     ++sloping;
-    EXPECT_NEAR(plane.normal_force / exact, 1, 5e-3);  // 64 chords in place of the circle
+    EXPECT_NEAR(plane.normal_force.si() / exact, 1, 5e-3);  // 64 chords in place of the circle
   }
   EXPECT_EQ(sloping, 2);
   // The field has no weight of its own and the roof is free: its forces balance, shear and all.
@@ -153,8 +153,8 @@ TEST(FieldStressScene, ForcesOnTheFacesOfARoofBlockAreKirschs) {
   const double up = slope->shear_force.z / std::cos(pi / 6);
   double least = 1e9;
   for (const double ratio : {1.0, 10.0, 100.0, 1000.0}) {
-    least = std::min(least, by_steps(judged.weight.si(), slope->normal_force, up, slope->area, end->normal_force,
-                                     end->area, 35, 35, ratio));
+    least = std::min(least, by_steps(judged.weight.si(), slope->normal_force.si(), up, slope->area.si(),
+                                     end->normal_force.si(), end->area.si(), 35, 35, ratio));
   }
   EXPECT_NEAR(block.factor_of_safety / least, 1, 5e-3);
   EXPECT_GT(block.factor_of_safety, 1);
@@ -183,7 +183,7 @@ TEST(FieldStressScene, StressAlongTheAxisFollowsInPlaneStrain) {
   const ClampedBlock& block = only_block(r);
   for (const ClampedPlane& plane : block.planes) {
     if (std::abs(r.complex->complex().faces()[plane.face].outward.y) < 0.5) continue;
-    EXPECT_NEAR(plane.normal_force / (1e6 * plane.area), 1, 5e-3);
+    EXPECT_NEAR(plane.normal_force.si() / (1e6 * plane.area.si()), 1, 5e-3);
   }
   EXPECT_NEAR(sorted_forces(block)[0] / on_face(-4e6, -4e6), 1, 5e-3);
 }
@@ -195,12 +195,12 @@ TEST(FieldStressScene, VerticalStressAlonePullsTheRoofApart) {
   EXPECT_LT(exact, 0);
   for (const ClampedPlane& plane : block.planes) {
     if (std::abs(r.complex->complex().faces()[plane.face].outward.y) < 0.5) {
-      EXPECT_NEAR(plane.normal_force / exact, 1, 2e-2);
+      EXPECT_NEAR(plane.normal_force.si() / exact, 1, 2e-2);
     }
-    EXPECT_LT(plane.normal_force, 0);
+    EXPECT_LT(plane.normal_force, Force{});
   }
   EXPECT_EQ(block.factor_of_safety, 0);
-  EXPECT_EQ(block.compression, 0);
+  EXPECT_EQ(block.compression, Force{});
 }
 
 TEST(FieldStressScene, ATurnedSceneHasTheSameForces) {
@@ -225,7 +225,7 @@ TEST(FieldStressScene, ShearAlongTheAxisPressesOnObliqueFaces) {
     const RunResult r = result_of(roof(fmt::format("[-6e6, -5e6, -2e6, {}, 0, 0]", shear), 0, "", 0, skew));
     std::vector<double> out;
     for (const ClampedPlane& plane : only_block(r).planes) {
-      if (std::abs(r.complex->complex().faces()[plane.face].outward.z) < 1e-6) out.push_back(plane.normal_force);
+      if (std::abs(r.complex->complex().faces()[plane.face].outward.z) < 1e-6) out.push_back(plane.normal_force.si());
     }
     return out;
   };
@@ -316,8 +316,8 @@ TEST(FieldStressScene, StiffnessesOfTheSetsTakeThePlaceOfTheirRatio) {
     (std::abs(unequal.complex->complex().faces()[plane.face].outward.y) > 0.5 ? end : slope) = &plane;
   }
   const auto& judged = *std::ranges::find(unequal.analysis->judgements, block.block, &stability::Judgement::block);
-  const double exact = by_steps(judged.weight.si(), slope->normal_force, slope->shear_force.z / std::cos(pi / 6),
-                                slope->area, end->normal_force, end->area, 35, 35, 8, 1e-4);
+  const double exact = by_steps(judged.weight.si(), slope->normal_force.si(), slope->shear_force.z / std::cos(pi / 6),
+                                slope->area.si(), end->normal_force.si(), end->area.si(), 35, 35, 8, 1e-4);
   EXPECT_NEAR(block.factor_of_safety / exact, 1, 5e-3);
   EXPECT_GT(std::abs(block.factor_of_safety / only_block(same).factor_of_safety - 1), 0.01);
   std::string one = with_sets(8e9, 1e9, 8e9, 1e9);

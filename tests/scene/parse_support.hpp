@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cleave/scene3d/parse.hpp"
+#include "cleave/scene3d/scene.hpp"
 
 namespace cleave::scene::test {
 

@@ -9,7 +9,6 @@
 
 #include "cleave/core/rng.hpp"
 #include "cleave/survey/analyse.hpp"
-#include "cleave/survey/fit.hpp"
 #include "cleave/survey/orientation.hpp"
 #include "cleave/survey/traces.hpp"
 #include "line.hpp"

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "cleave/core/rng.hpp"
-#include "cleave/survey/fit.hpp"
 #include "cleave/survey/traces.hpp"
 
 // Goodness of fit of trace lengths in windows that cut them off.

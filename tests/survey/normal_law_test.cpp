@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cleave/core/rng.hpp"
-#include "cleave/survey/fit.hpp"
+#include "cleave/survey/traces.hpp"
 
 // The normal law of trace lengths (Fu 2014, table A-1), cut at 0, against quadrature and by its coverage.
 

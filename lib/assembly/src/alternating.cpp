@@ -32,7 +32,7 @@ class Alternating final {
   Alternating(const Elements& elements, double divisor, const State& state)
       : elements_{elements},
         divisor_{divisor},
-        matrix_{elements.bodies(), elements.width(), links(elements)},
+        matrix_{elements.bodies(), elements.width(), linear::links_of(elements.all())},
         v_{state.v},
         x_{state.x},
         pressing_{pressing(elements, state)} {

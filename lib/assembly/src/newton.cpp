@@ -8,30 +8,12 @@ namespace cleave::assembly {
 namespace {
 
 using Eigen::Index;
-using Eigen::Matrix3d;
-using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Up to so many rows a dense factor is as good.
-constexpr Index few_rows = 72;
 /// Rates below are none: free fall has about 1.
 constexpr double at_rest = 1e-14;
-
-}  // namespace
-
-std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Elements& elements) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
-  for (const Element& e : elements.all()) {
-    if (!e.other) continue;
-    const std::pair link{std::min(e.body, *e.other), std::max(e.body, *e.other)};
-    if (out.empty() || out.back() != link) out.push_back(link);
-  }
-  return out;
-}
-
-namespace {
 
 void held_in_disc(const Vector2d& t, double radius, linear::Projection& out) {
   linear::onto_disc(t, radius, out);
@@ -80,9 +62,8 @@ Newton::Local Newton::local(const Problem& problem, std::size_t k, const Vector3
   return out;
 }
 
-Newton::Newton(const Elements& elements) : elements_{&elements}, dense_{elements.load().size() <= few_rows} {
-  if (!dense_) factor_.emplace(elements.bodies(), elements.width(), links(elements));
-}
+Newton::Newton(const Elements& elements)
+    : elements_{&elements}, system_{elements.bodies(), elements.width(), linear::links_of(elements.all())} {}
 
 State Newton::none() const {
   return {VectorXd::Zero(elements_->load().size()), std::vector<Vector3d>(elements_->all().size(), Vector3d::Zero())};
@@ -110,23 +91,8 @@ double Newton::evaluate(const Problem& problem, const State& at, double rho, con
 
 bool Newton::direct(const std::vector<Local>& locals, double rho, bool symmetric, const VectorXd& gradient,
                     VectorXd& step) {
-  ++factors_;
   const Index w = elements_->width();
-  const std::size_t n = elements_->bodies();
-  MatrixXd whole;
-  if (dense_) {
-    whole = MatrixXd::Identity(gradient.size(), gradient.size());
-  } else {
-    factor_->clear(symmetric);
-    for (std::size_t b = 0; b < n; ++b) factor_->block(b, b).diagonal().setOnes();
-  }
-  const auto add = [&](std::size_t row, std::size_t column, const auto& value) {
-    if (dense_) {
-      whole.block(w * static_cast<Index>(row), w * static_cast<Index>(column), w, w) += value;
-    } else {
-      factor_->block(row, column) += value;
-    }
-  };
+  system_.clear(symmetric);
   using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
   const std::vector<Element>& all = elements_->all();
   for (std::size_t first = 0; first < all.size();) {
@@ -147,23 +113,15 @@ bool Newton::direct(const std::vector<Local>& locals, double rho, bool symmetric
     }
     first = k;
     if (!any) continue;
-    add(lead.body, lead.body, own);
+    system_.add(lead.body, lead.body, own);
     if (!lead.other) continue;
-    add(*lead.other, *lead.other, other);
-    add(lead.body, *lead.other, cross);
-    add(*lead.other, lead.body, back);
+    system_.add(*lead.other, *lead.other, other);
+    system_.add(lead.body, *lead.other, cross);
+    system_.add(*lead.other, lead.body, back);
   }
   step = -gradient;
-  if (!dense_) {
-    if (!factor_->factorise()) return false;
-    factor_->solve(step);
-  } else if (symmetric) {
-    const Eigen::LLT<MatrixXd> factor{whole};
-    if (factor.info() != Eigen::Success) return false;
-    factor.solveInPlace(step);
-  } else {
-    step = whole.partialPivLu().solve(step).eval();
-  }
+  if (!system_.factorise()) return false;
+  system_.solve(step);
   return step.allFinite();
 }
 
@@ -178,24 +136,13 @@ double Newton::inner(const Problem& problem, State& state, double rho) {
   for (int iteration = 0; iteration < (convex ? 80 : 30) && size > enough; ++iteration) {
     if (!direct(locals, rho, convex, gradient, step)) break;
     const double slope = gradient.dot(step);
-    double share = 1, best = 0, best_size = size;
-    for (int halving = 0; halving < 30; ++halving, share *= 0.5) {
-      tried = state.v + share * step;
+    const double share = linear::share_of_step({value, size}, slope, convex, 30, [&](double part) {
+      tried = state.v + part * step;
       const double found = evaluate(problem, state, rho, tried, tried_gradient, nullptr);
-      const double found_size = tried_gradient.lpNorm<Eigen::Infinity>();
-      // Near the end the value has no digits left; what remains of the gradient has.
-      if ((convex && found <= value + 1e-4 * share * slope) || found_size <= (1 - 0.1 * share) * size) {
-        best = share;
-        break;
-      }
-      if (found_size < best_size) {
-        best = share;
-        best_size = found_size;
-        if (!convex && halving > 6) break;
-      }
-    }
-    if (!(best > 0)) break;
-    state.v += best * step;
+      return linear::Merit{found, tried_gradient.lpNorm<Eigen::Infinity>()};
+    });
+    if (!(share > 0)) break;
+    state.v += share * step;
     value = evaluate(problem, state, rho, state.v, gradient, &locals);
     const double before = std::exchange(size, gradient.lpNorm<Eigen::Infinity>());
     stuck = size > 0.5 * before && size < 1e-9 ? stuck + 1 : 0;
@@ -207,7 +154,7 @@ double Newton::inner(const Problem& problem, State& state, double rho) {
 
 Settled Newton::solve(const Problem& problem, State& state, double rough) {
   Settled result;
-  const unsigned before = factors_;
+  const unsigned before = factors();
   // Forces that grow far before they hold need less weight; where rates are large that would cost their digits.
   constexpr double fine = 1e-5, finest = 1e-13;
   const bool far = problem.law == Law::cone || problem.law == Law::frictionless;
@@ -237,7 +184,7 @@ Settled Newton::solve(const Problem& problem, State& state, double rough) {
   }
   // Small weights cost digits of balance where rates are large: back.
   if (rho < 1e-3 * fine && state.v.lpNorm<Eigen::Infinity>() > at_rest) result.off = inner(problem, state, fine);
-  result.factors = factors_ - before;
+  result.factors = factors() - before;
   return result;
 }
 

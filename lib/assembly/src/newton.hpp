@@ -6,14 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "cleave/linear/block_system.hpp"
 #include "cleave/linear/cone.hpp"
-#include "cleave/linear/fronts.hpp"
 #include "elements.hpp"
 
 namespace cleave::assembly {
-
-/// Pairs of bodies that touch, each as often as they have contacts.
-[[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Elements& elements);
 
 /// What a contact can carry.
 enum class Law : std::uint8_t {
@@ -56,7 +53,7 @@ class Newton final {
   /// Goes on from `state`. `rough`: of the first proximal weight.
   Settled solve(const Problem& problem, State& state, double rough = 1e-1);
   [[nodiscard]] const Elements& elements() const noexcept { return *elements_; }
-  [[nodiscard]] unsigned factors() const noexcept { return factors_; }
+  [[nodiscard]] unsigned factors() const noexcept { return static_cast<unsigned>(system_.factors()); }
 
  private:
   using Local = linear::Projection;
@@ -69,9 +66,7 @@ class Newton final {
   double inner(const Problem& problem, State& state, double rho);
 
   const Elements* elements_;
-  bool dense_;
-  std::optional<linear::FrontalFactor> factor_;
-  unsigned factors_ = 0;
+  linear::BlockSystem system_;
 };
 
 }  // namespace cleave::assembly

@@ -292,10 +292,10 @@ Modes supported_modes(const BlockOperator& block, const std::vector<HeldFreedom>
   return out;
 }
 
-Modes free_modes(const BlockOperator& block, std::size_t most) {
+Modes free_modes(const BlockOperator& block, std::optional<std::size_t> most) {
   const Modes all = supported_modes(block, {});
   const std::size_t count = all.eigenvalues.size() - 3;
-  const std::size_t kept = most == 0 ? count : std::min(most, count);
+  const std::size_t kept = std::min(most.value_or(count), count);
   const auto first = static_cast<std::ptrdiff_t>(3);
   const auto last = static_cast<std::ptrdiff_t>(3 + kept);
   return {{all.eigenvalues.begin() + first, all.eigenvalues.begin() + last},

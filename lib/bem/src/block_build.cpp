@@ -82,13 +82,10 @@ MatrixXd boundary_gram(const Mesh& mesh) {
 
 GalerkinStiffness galerkin_stiffness(const Mesh& given, Elastic elastic, const BlockOptions& options, bool project) {
   // Lengths below a quarter keep V positive definite; mu = 1.
-  Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
-  for (const Node& node : given.nodes) {
-    low = {std::min(low.x, node.x.x), std::min(low.y, node.x.y)};
-    high = {std::max(high.x, node.x.x), std::max(high.y, node.x.y)};
-  }
-  const double h = 4 * std::max(high.x - low.x, high.y - low.y);
-  const Vec2 centre = 0.5 * (low + high);
+  Box2 box;
+  for (const Node& node : given.nodes) box.add(node.x);
+  const double h = 4 * std::max(box.high.x - box.low.x, box.high.y - box.low.y);
+  const Vec2 centre = 0.5 * (box.low + box.high);
   Mesh mesh = given;
   for (Element& e : mesh.elements) {
     e.c0 = (e.c0 - centre) / h;

@@ -27,10 +27,10 @@ FreeMotion::FreeMotion(const BlockOperator& block, Setup setup) : block_{&block}
 /// All that follows from the operator alone.
 void FreeMotion::adopt() {
   const BlockOperator& block = *block_;
-  if (setup_.modes > 0) modes_ = free_modes(block, setup_.modes);
+  if (setup_.modes != std::size_t{0}) modes_ = free_modes(block, setup_.modes);
   const std::size_t nm = modes_.eigenvalues.size();
   internal_.assign(nm, 0.0);
-  steep_ = setup_.rebuilding.gradient > 0 ? steepest_of(block, modes_) : std::vector<double>{};
+  steep_ = setup_.rebuilding ? steepest_of(block, modes_) : std::vector<double>{};
   // Centrifugal load of a unit spin: phi^T M X; the position field is linear and the operator knows it exactly.
   centrifugal_.assign(nm, 0.0);
   if (nm > 0) {
@@ -113,7 +113,7 @@ std::expected<void, MotionError> FreeMotion::rebuild() {
   for (std::size_t k = 0; k < modes_.eigenvalues.size(); ++k) w += v_[3 + k] * view(modes_.shapes).col(ix(k));
   for (InnerPoint& p : inner_) p.at += inner_state(*block_, p, u).displacement;
   if (!carried_) carried_.emplace(*block_);
-  auto next = carried_->advance(*block_, u, setup_.rebuilding.build);
+  auto next = carried_->advance(*block_, u, setup_.rebuilding->build);
   if (!next) return std::unexpected(RebuildFailed{time(), next.error()});
   const double turning = block_->inertia() * v_[2];
   own_ = std::make_unique<BlockOperator>(*std::move(next));
@@ -276,10 +276,10 @@ std::expected<void, MotionError> FreeMotion::advance() {
   if (steep_.empty()) return {};
   double bound = 0;
   for (std::size_t k = 0; k < nm; ++k) bound += std::abs(q_[3 + k]) * steep_[k];
-  if (bound <= std::max(seen_, 0.5 * setup_.rebuilding.gradient)) return {};
+  if (bound <= std::max(seen_, 0.5 * setup_.rebuilding->gradient)) return {};
   const double steep = steepest(*block_, since_build());
   seen_ = std::max(seen_, steep);
-  return steep > setup_.rebuilding.gradient ? rebuild() : std::expected<void, MotionError>{};
+  return steep > setup_.rebuilding->gradient ? rebuild() : std::expected<void, MotionError>{};
 }
 
 Vec2 FreeMotion::centroid() const noexcept { return {q_[0], q_[1]}; }

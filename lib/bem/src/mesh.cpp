@@ -20,18 +20,13 @@ double graded(double share, double from_start, double from_end) {
 }
 
 double extent_of(const std::vector<Loop>& loops) {
-  Vec2 low{1e300, 1e300};
-  Vec2 high{-1e300, -1e300};
+  Box2 box;
   for (const Loop& loop : loops) {
     for (std::size_t s = 0; s < loop.size(); ++s) {
-      for (const double t : {0.0, 0.25, 0.5, 0.75}) {
-        const Vec2 x = point_on(loop, s, t).x;
-        low = {std::min(low.x, x.x), std::min(low.y, x.y)};
-        high = {std::max(high.x, x.x), std::max(high.y, x.y)};
-      }
+      for (const double t : {0.0, 0.25, 0.5, 0.75}) box.add(point_on(loop, s, t).x);
     }
   }
-  return std::max(high.x - low.x, high.y - low.y);
+  return std::max(box.high.x - box.low.x, box.high.y - box.low.y);
 }
 
 }  // namespace
@@ -47,7 +42,7 @@ std::span<const double> local_nodes(Order order) noexcept {
 
 Mesh make_mesh(const std::vector<Loop>& loops, const MeshSize& size, Vec2 origin, double scale) {
   Mesh mesh{.order = size.order, .elements = {}, .nodes = {}};
-  const double target = size.element > 0 ? size.element : extent_of(loops) / 16;
+  const double target = size.element ? *size.element : extent_of(loops) / 16;
   const std::size_t per = mesh.per_element();
   const auto local = [&](Vec2 x) { return (x - origin) / scale; };
   for (std::size_t l = 0; l < loops.size(); ++l) {

@@ -6,20 +6,13 @@
 namespace cleave::bem {
 namespace {
 
-struct Box {
-  Vec2 low{1e300, 1e300};
-  Vec2 high{-1e300, -1e300};
-};
-
-Box box_of(const std::vector<Region>& regions) {
-  Box box;
+Box2 box_of(const std::vector<Region>& regions) {
+  Box2 box;
   for (const Region& region : regions) {
     for (const Loop& loop : region.loops) {
       for (std::size_t s = 0; s < loop.size(); ++s) {
         for (const double t : {0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875}) {
-          const Vec2 x = point_on(loop, s, t).x;
-          box.low = {std::min(box.low.x, x.x), std::min(box.low.y, x.y)};
-          box.high = {std::max(box.high.x, x.x), std::max(box.high.y, x.y)};
+          box.add(point_on(loop, s, t).x);
         }
       }
     }
@@ -36,7 +29,9 @@ std::optional<SolveError> SystemBuilder::check_numbers() const {
   if (!(options_.integration >= 1e-15 && options_.integration < 1)) {
     return BadNumber{"the relative error of the integrals", options_.integration};
   }
-  if (!std::isfinite(mesh.element)) return BadNumber{"the length of an element", mesh.element};
+  if (mesh.element && !(std::isfinite(*mesh.element) && *mesh.element > 0)) {
+    return BadNumber{"the length of an element", *mesh.element};
+  }
   if (!(mesh.arc_degrees > 0 && mesh.arc_degrees <= 360)) return BadNumber{"the arc on an element", mesh.arc_degrees};
   if (mesh.subdivide == 0) return BadNumber{"the number of parts of an element", 0};
   if (!(options_.memory_limit_mb > 0)) return BadNumber{"the memory allowed", options_.memory_limit_mb};
@@ -89,7 +84,7 @@ std::optional<SolveError> SystemBuilder::scale() {
       }
     }
   }
-  const Box box = box_of(problem_.regions);
+  const Box2 box = box_of(problem_.regions);
   system_.extent = problem_.extent;
   system_.origin = 0.5 * (box.low + box.high);
   // Four times the extent: lengths below one keep ln r of one sign and away from the degenerate scale.
@@ -98,7 +93,7 @@ std::optional<SolveError> SystemBuilder::scale() {
   const double h = system_.scale;
   if (problem_.extent == Extent::half_plane) system_.surface = (problem_.surface - system_.origin.y) / h;
   MeshSize size = options_.mesh;
-  if (size.element <= 0) size.element = h / 64;
+  if (!size.element) size.element = h / 64;
   for (std::size_t r = 0; r < problem_.regions.size(); ++r) {
     const Region& region = problem_.regions[r];
     const Material& m = region.material;

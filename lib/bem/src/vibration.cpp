@@ -44,7 +44,7 @@ void Vibration::rebuild_by(Rebuilding rule, std::vector<HeldFreedom> held, std::
   rule_ = std::move(rule);
   held_ = std::move(held);
   springs_ = std::move(springs);
-  if (rule_.gradient > 0) steep_ = steepest_of(*block_, modes_);
+  steep_ = steepest_of(*block_, modes_);
 }
 
 void Vibration::project() {
@@ -75,7 +75,7 @@ std::expected<void, MotionError> Vibration::rebuild() {
   const auto w = expanded(modes_, v_, n);
   for (InnerPoint& p : inner_) p.at += inner_state(*block_, p, u).displacement;
   if (!carried_) carried_.emplace(*block_);
-  auto next = carried_->advance(*block_, u, rule_.build);
+  auto next = carried_->advance(*block_, u, rule_->build);
   if (!next) return std::unexpected(RebuildFailed{time(), next.error()});
   own_ = std::make_unique<BlockOperator>(*std::move(next));
   block_ = own_.get();
@@ -161,10 +161,10 @@ std::expected<void, MotionError> Vibration::advance() {
   if (steep_.empty()) return {};
   double bound = 0;
   for (std::size_t k = 0; k < u_.size(); ++k) bound += std::abs(u_[k]) * steep_[k];
-  if (bound <= std::max(seen_, 0.5 * rule_.gradient)) return {};
+  if (bound <= std::max(seen_, 0.5 * rule_->gradient)) return {};
   const double steep = steepest(*block_, expanded(modes_, u_, block_->freedoms()));
   seen_ = std::max(seen_, steep);
-  return steep > rule_.gradient ? rebuild() : std::expected<void, MotionError>{};
+  return steep > rule_->gradient ? rebuild() : std::expected<void, MotionError>{};
 }
 
 std::vector<double> Vibration::displacement() const {

@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "cleave/core/text.hpp"
+
 namespace cleave::cli {
 namespace {
 
@@ -45,12 +47,6 @@ const KeyTable* table_of(const KeyTable& root, std::string_view path) {
     table = key != nullptr ? table_in(key->type, named) : nullptr;
   }
   return table;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(' ');
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(' ') - first + 1);
 }
 
 /// All that is opened is closed.

@@ -10,6 +10,7 @@
 
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/core/text.hpp"
 #include "cleave/core/version.hpp"
 #include "cleave/exchange/exports.hpp"
 #include "cleave/io/mesh.hpp"
@@ -89,13 +90,7 @@ ExitCode wrong(const std::string& message) {
 
 }  // namespace
 
-std::string extension_of(const std::string& path) {
-  std::string ending = std::filesystem::path{path}.extension().string();
-  for (char& c : ending) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return ending;
-}
+std::string extension_of(const std::string& path) { return lower(std::filesystem::path{path}.extension().string()); }
 
 ExitCode convert_file(const std::string& in, const std::string& out, std::uint64_t realization) {
   const std::string ending = extension_of(out);

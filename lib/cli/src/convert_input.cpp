@@ -29,7 +29,7 @@ namespace {
 using geometry::Vec3;
 
 std::string message_of(const io::ReadError& error) {
-  return fmt::format("{}:{}: file: {}; {}", error.file, std::max(1U, error.line), error.what, error.remedy);
+  return fmt::format("{}:{}: file: {}; {}", error.file, error.line.value_or(1), error.what, error.remedy);
 }
 
 /// Adds a cell from its faces; its volume by the divergence theorem about its first corner.

@@ -12,7 +12,7 @@
 #include "cleave/core/sha256.hpp"
 #include "cleave/load/load.hpp"
 #include "cleave/report/write.hpp"
-#include "cleave/scene3d/parse.hpp"
+#include "cleave/scene3d/scene.hpp"
 
 namespace cleave::cli {
 namespace {

@@ -107,30 +107,24 @@ double World::Impl::mode_inverse(std::size_t body, std::size_t mode, double thet
   return 1 / (1 + 2 * basis.damping * w + w * w);
 }
 
-BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, bool rigid_only) const {
-  const std::size_t m = rows.sides.size() / 2;
-  BlockMatrix w;
-  w.starts.reserve(m + 1);
-  w.diagonal.resize(m);
-  // Sides of each body, bodies numbered as met.
-  std::vector<std::uint32_t> number(size(), static_cast<std::uint32_t>(-1));
-  std::vector<std::vector<std::uint32_t>> of;
+World::Impl::SidesOfBodies World::Impl::sides_of(const Rows& rows, double theta, double step, bool rigid_only) const {
+  SidesOfBodies out;
+  out.number.resize(size());
   for (std::size_t k = 0; k < rows.sides.size(); ++k) {
     const std::uint32_t body = rows.sides[k].body;
     if (shapes[body].fixed) continue;
-    if (number[body] == static_cast<std::uint32_t>(-1)) {
-      number[body] = static_cast<std::uint32_t>(of.size());
-      of.emplace_back();
+    if (!out.number[body]) {
+      out.number[body] = static_cast<std::uint32_t>(out.of.size());
+      out.of.emplace_back();
     }
-    of[number[body]].push_back(static_cast<std::uint32_t>(k));
+    out.of[*out.number[body]].push_back(static_cast<std::uint32_t>(k));
   }
-  // The modes' part of every pair of sides of a body as one product, rows (n, t) of its sides one after the other.
-  std::vector<Eigen::MatrixXd> bending(of.size());
-  std::vector<Eigen::Index> place_in_body(rows.sides.size());
-  for (const std::vector<std::uint32_t>& sides : of) {
+  out.bending.resize(out.of.size());
+  out.place.resize(rows.sides.size());
+  for (const std::vector<std::uint32_t>& sides : out.of) {
     const std::uint32_t body = rows.sides[sides[0]].body;
     const std::size_t modes = rigid_only ? 0 : shapes[body].modes;
-    for (std::size_t k = 0; k < sides.size(); ++k) place_in_body[sides[k]] = static_cast<Eigen::Index>(2 * k);
+    for (std::size_t k = 0; k < sides.size(); ++k) out.place[sides[k]] = static_cast<Eigen::Index>(2 * k);
     if (modes == 0) continue;
     const auto many = static_cast<Eigen::Index>(2 * sides.size());
     Eigen::MatrixXd shape_rows(static_cast<Eigen::Index>(modes), many);
@@ -140,22 +134,31 @@ BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, b
     }
     for (const std::uint32_t side : sides) {
       const std::size_t from = rows.sides[side].modal;
-      shape_rows.col(place_in_body[side]) = modal_row(std::span{rows.modal}, from, modes).matrix();
-      shape_rows.col(place_in_body[side] + 1) = modal_row(std::span{rows.modal}, from + modes, modes).matrix();
+      shape_rows.col(out.place[side]) = modal_row(std::span{rows.modal}, from, modes).matrix();
+      shape_rows.col(out.place[side] + 1) = modal_row(std::span{rows.modal}, from + modes, modes).matrix();
     }
     const Eigen::MatrixXd scaled = inverse.asDiagonal() * shape_rows;
-    bending[number[body]].noalias() = shape_rows.transpose() * scaled;
+    out.bending[*out.number[body]].noalias() = shape_rows.transpose() * scaled;
   }
-  std::vector<std::size_t> place(m, static_cast<std::size_t>(-1));
+  return out;
+}
+
+BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, bool rigid_only) const {
+  const std::size_t m = rows.sides.size() / 2;
+  const SidesOfBodies sides = sides_of(rows, theta, step, rigid_only);
+  BlockMatrix w;
+  w.starts.reserve(m + 1);
+  w.diagonal.resize(m);
+  std::vector<std::optional<std::size_t>> place(m);
   w.starts.push_back(0);
   for (std::size_t r = 0; r < m; ++r) {
     const auto block_at = [&](std::uint32_t column) -> bem::Mat2& {
-      if (place[column] == static_cast<std::size_t>(-1)) {
+      if (!place[column]) {
         place[column] = w.columns.size();
         w.columns.push_back(column);
         w.values.emplace_back();
       }
-      return w.values[place[column]];
+      return w.values[*place[column]];
     };
     block_at(static_cast<std::uint32_t>(r));
     w.diagonal[r] = w.starts.back();
@@ -167,22 +170,21 @@ BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, b
       const Vec2 at{a.t.x * shape.inverse_x, a.t.y * shape.inverse_y};
       const double wn = a.turn_n * shape.inverse_spin;
       const double wt = a.turn_t * shape.inverse_spin;
-      const Eigen::MatrixXd& bent = bending[number[a.body]];
-      for (const std::uint32_t k : of[number[a.body]]) {
+      const std::uint32_t number = *sides.number[a.body];
+      const Eigen::MatrixXd& bent = sides.bending[number];
+      for (const std::uint32_t k : sides.of[number]) {
         const Side& b = rows.sides[k];
         bem::Mat2 sum{dot(an, b.n) + wn * b.turn_n, dot(an, b.t) + wn * b.turn_t, dot(at, b.n) + wt * b.turn_n,
                       dot(at, b.t) + wt * b.turn_t};
         if (bent.size() > 0) {
-          const Eigen::Index i = place_in_body[which];
-          const Eigen::Index j = place_in_body[k];
+          const Eigen::Index i = sides.place[which];
+          const Eigen::Index j = sides.place[k];
           sum += bem::Mat2{bent(i, j), bent(i, j + 1), bent(i + 1, j), bent(i + 1, j + 1)};
         }
         block_at(k / 2) += sum;
       }
     }
-    for (std::size_t k = w.starts.back(); k < w.columns.size(); ++k) {
-      place[w.columns[k]] = static_cast<std::size_t>(-1);
-    }
+    for (std::size_t k = w.starts.back(); k < w.columns.size(); ++k) place[w.columns[k]].reset();
     w.starts.push_back(w.columns.size());
   }
   return w;
@@ -262,6 +264,24 @@ const JointLaw& World::Impl::law_of(const Touch& t) const {
   return laws.of(of_i, of_j);
 }
 
+Vec2 World::Impl::with_gap(Vec2 free, Vec2 old, const Touch& touch, Vec2 force, const Island& island, double thick,
+                           double step) const {
+  const JointLaw& law = law_of(touch);
+  if (law.compliance > 0) {
+    // A spring in the joint: its shortening at the end of the step carries the force then.
+    return free + (1 / island.theta) * (Vec2{touch.gap, -law.compliance * force.y} / step + (1 - island.theta) * old);
+  }
+  if (bounces(touch, old.x, step)) {
+    // Away at e times the speed of approach, less what the loads take in the rest of the step: bouncing gains nothing.
+    const double away = -island.rebound * law.restitution * old.x + std::min(0.0, free.x - old.x);
+    return {free.x - std::max(away, 0.0), free.y};
+  }
+  // Gaps of rounding size count as closed: a pile at rest sees the same problem every step. Between small bodies they
+  // are as large as those of the large ones that hold them.
+  const double feature = std::min(shapes[touch.i].feature, shapes[touch.j].feature);
+  return {free.x + std::max(touch.gap - std::min(thick, 100 * feature) * contact_depth, 0.0) / step, free.y};
+}
+
 ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Island& island, const Rows& rows,
                                        const State& before, const State& free, double step,
                                        std::vector<Vec2>& viscous) const {
@@ -285,7 +305,6 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     const Touch& touch = list[island.touches[k]];
     const JointLaw& law = law_of(touch);
     const Bond* bond = bond_of(touch);
-    const double feature = std::min(shapes[touch.i].feature, shapes[touch.j].feature);
     const Vec2 force = forces[k];
     bem::Mat2& diagonal = problem.w.values[problem.w.diagonal[k]];
     // Clamped on both sides (shapes vanish there but for rounding): nothing can move, no force is felt.
@@ -298,26 +317,13 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     diagonal.yy *= 1 + options.regularisation;
     const bem::Mat2 plain = diagonal;
     Vec2& b = problem.b[k];
-    b = velocity_of(rows, k, free);
-    const Vec2 old = velocity_of(rows, k, before);
+    b = with_gap(velocity_of(rows, k, free), velocity_of(rows, k, before), touch, force, island, thick, step);
     if (law.compliance > 0) {
-      // A spring in the joint: its shortening at the end of the step carries the force then.
       const double soft = law.compliance / (step * step * theta);
       diagonal.xx += soft;
       diagonal.yy += soft;
-      b += (1 / theta) * (Vec2{touch.gap, -law.compliance * force.y} / step + (1 - theta) * old);
-    } else if (bounces(touch, old.x, step)) {
-      // Away at e times the speed of approach, less what the loads take in the rest of the step: bouncing gains
-      // nothing.
-      const double away = -island.rebound * law.restitution * old.x + std::min(0.0, b.x - old.x);
-      b.x -= std::max(away, 0.0);
-    } else {
-      // Gaps of rounding size count as closed: a pile at rest sees the same problem every step. Between small bodies
-      // they are as large as those of the large ones that hold them.
-      b.x += std::max(touch.gap - std::min(thick, 100 * feature) * contact_depth, 0.0) / step;
     }
-    const bool broke = bond == nullptr && law.residual_friction >= 0;
-    problem.mu[k] = broke ? law.residual_friction : law.friction;
+    problem.mu[k] = bond == nullptr ? law.residual_friction.value_or(law.friction) : law.friction;
     problem.cohesion[k] = bond != nullptr ? bond->cohesion * step : 0.0;
     problem.tension[k] = bond != nullptr ? bond->tension * step : 0.0;
     problem.start[k] = step * force;

@@ -37,7 +37,7 @@ class BodyFactor final {
 
  private:
   FrontalFactor factor_;
-  double soft_ = -1;
+  std::optional<double> soft_;
   Pattern pattern_;
   std::vector<Vec2> softness_;  // E
 };

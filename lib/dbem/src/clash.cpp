@@ -81,7 +81,7 @@ std::vector<double> levels_of(const std::vector<Segment>& a, const std::vector<S
 /// A connected part of what two bodies share, up to some level.
 struct SharedPart {
   double area = 0;
-  Box extent;
+  Box2 extent;
   double left = 0, right = 0;  // at that level
   [[nodiscard]] double depth() const { return area / norm(extent.high - extent.low); }
 };
@@ -157,13 +157,13 @@ double clash_depth(const Solid& a, const Solid& b, double enough) {
   return across <= enough ? across : std::min(across, depth_by_levels(a, b));
 }
 
-void Sweep::choose_axis(std::span<const Box> boxes) {
+void Sweep::choose_axis(std::span<const Box2> boxes) {
   order_.resize(boxes.size());
   std::iota(order_.begin(), order_.end(), 0U);
   // Along the axis on which fewer boxes lie beside one another.
   const auto share = [&](double Vec2::* axis) {
     double low = std::numeric_limits<double>::infinity(), high = -low, widths = 0;
-    for (const Box& box : boxes) {
+    for (const Box2& box : boxes) {
       low = std::min(low, box.low.*axis);
       high = std::max(high, box.high.*axis);
       widths += box.high.*axis - box.low.*axis;
@@ -173,7 +173,7 @@ void Sweep::choose_axis(std::span<const Box> boxes) {
   if (share(&Vec2::y) < share(&Vec2::x)) std::swap(along_, across_);
 }
 
-std::vector<BodyPair> Sweep::pairs(std::span<const Box> boxes, std::span<const std::uint8_t> idle) {
+std::vector<BodyPair> Sweep::pairs(std::span<const Box2> boxes, std::span<const std::uint8_t> idle) {
   const auto low = [&](std::uint32_t b) { return boxes[b].low.*along_; };
   if (order_.size() != boxes.size()) {
     choose_axis(boxes);
@@ -188,10 +188,10 @@ std::vector<BodyPair> Sweep::pairs(std::span<const Box> boxes, std::span<const s
   std::vector<BodyPair> found;
   std::vector<std::uint32_t> open;
   for (const std::uint32_t b : order_) {
-    const Box& box = boxes[b];
+    const Box2& box = boxes[b];
     std::size_t kept = 0;
     for (const std::uint32_t a : open) {
-      const Box& other = boxes[a];
+      const Box2& other = boxes[a];
       if (other.high.*along_ <= box.low.*along_) continue;
       open[kept++] = a;
       if (idle[a] != 0 && idle[b] != 0) continue;

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "cleave/dbem/touch.hpp"
+#include "touch.hpp"
 
 /// Overlaps of outlines as they lie: what every step is judged by. Shares nothing with the search for contacts.
 namespace cleave::dbem {
@@ -12,7 +12,7 @@ namespace cleave::dbem {
 /// An outline for the check.
 struct Solid {
   std::span<const Vec2> corners;
-  Box box;
+  Box2 box;
   bool convex;
 };
 
@@ -24,13 +24,13 @@ struct Solid {
 class Sweep final {
  public:
   /// Pairs (a < b, in order) whose boxes share more than a line; pairs of two `idle` bodies are left out.
-  [[nodiscard]] std::vector<BodyPair> pairs(std::span<const Box> boxes, std::span<const std::uint8_t> idle);
+  [[nodiscard]] std::vector<BodyPair> pairs(std::span<const Box2> boxes, std::span<const std::uint8_t> idle);
 
  private:
   std::vector<std::uint32_t> order_;
   double Vec2::* along_ = &Vec2::x;
   double Vec2::* across_ = &Vec2::y;
-  void choose_axis(std::span<const Box> boxes);
+  void choose_axis(std::span<const Box2> boxes);
 };
 
 }  // namespace cleave::dbem

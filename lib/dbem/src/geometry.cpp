@@ -24,7 +24,7 @@ void World::Impl::place(const State& at, std::size_t body, std::vector<Vec2>& al
   }
 }
 
-void World::Impl::place_all(const State& at, std::vector<Vec2>& all, std::vector<Box>& box) const {
+void World::Impl::place_all(const State& at, std::vector<Vec2>& all, std::vector<Box2>& box) const {
   all.resize(first_corner.back());
   box.resize(size());
   for (std::size_t b = 0; b < size(); ++b) {
@@ -66,7 +66,7 @@ Drift World::Impl::drift(const State& at, const TouchKey& pair, double step) con
   return {step * (vi - vj), step * (at.spin[pair.i] - at.spin[pair.j])};
 }
 
-void World::Impl::rebuild_pairs(const State& at, const std::vector<Box>& box, double step) {
+void World::Impl::rebuild_pairs(const State& at, const std::vector<Box2>& box, double step) {
   fat.resize(size());
   std::vector<std::uint8_t> lazy(size());
   for (std::size_t b = 0; b < size(); ++b) {
@@ -79,7 +79,7 @@ void World::Impl::rebuild_pairs(const State& at, const std::vector<Box>& box, do
   pairs = overlapping_pairs(fat, lazy);
 }
 
-void World::Impl::find(const State& at, const std::vector<Vec2>& all, const std::vector<Box>& box, double step,
+void World::Impl::find(const State& at, const std::vector<Vec2>& all, const std::vector<Box2>& box, double step,
                        std::vector<Touch>& out, std::vector<CornerChoice>& undecided, double& longest) {
   out.clear();
   undecided.clear();

@@ -77,12 +77,19 @@ class PatternSolver final {
   PatternSolver(const PatternSolver&) = delete;
   PatternSolver& operator=(const PatternSolver&) = delete;
   /// Empty when singular.
-  [[nodiscard]] std::vector<Vec2> solve(const ContactProblem& problem, double soft, const Pattern& pattern,
-                                        const std::vector<Vec2>& rhs);
+  [[nodiscard]] std::optional<std::vector<Vec2>> solve(const ContactProblem& problem, double soft,
+                                                       const Pattern& pattern, const std::vector<Vec2>& rhs);
   [[nodiscard]] Work& work() const noexcept { return *work_; }
 
  private:
   struct Kept;
+  struct Call;
+  void solve_dense(Call& call);
+  /// GMRES behind the factor in the freedoms of the bodies; false where that does not do.
+  bool solve_by_bodies(Call& call);
+  /// GMRES behind the factor in the contacts.
+  bool solve_by_contacts(Call& call);
+
   Work* work_;
   std::unique_ptr<Kept> kept_;
   std::unique_ptr<class BodyFactor> bodies_;

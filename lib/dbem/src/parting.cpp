@@ -104,13 +104,13 @@ bool World::Impl::add_missed(const Attempt& out, const std::vector<Clash>& clash
   const auto enter = [&](std::uint32_t i, std::uint32_t j, double rounding) {
     for (std::size_t v = 0; v < corner_count(i); ++v) {
       if (shapes[i].sharp[v] == 0) continue;
-      const std::size_t edge = first_crossing(corners_of(corners, j), corners_of(out.corners, j),
-                                              corners[first_corner[i] + v], out.corners[first_corner[i] + v], rounding);
-      if (edge == static_cast<std::size_t>(-1)) continue;
+      const auto edge = first_crossing(corners_of(corners, j), corners_of(out.corners, j), corners[first_corner[i] + v],
+                                       out.corners[first_corner[i] + v], rounding);
+      if (!edge) continue;
       Touch missed{.i = i,
                    .vertex = static_cast<std::uint32_t>(v),
                    .j = j,
-                   .edge = static_cast<std::uint32_t>(edge),
+                   .edge = static_cast<std::uint32_t>(*edge),
                    .gap = 0,
                    .ratio = 0,
                    .normal = {},

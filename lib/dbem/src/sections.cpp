@@ -49,7 +49,7 @@ void World::Impl::make_bonds() {
     const Touch& t = touches[first];
     const JointLaw& law = law_of(t);
     const double feature = std::min(shapes[t.i].feature, shapes[t.j].feature);
-    const bool weakens = law.residual_friction >= 0 && law.residual_friction < law.friction;
+    const bool weakens = law.residual_friction.value_or(law.friction) < law.friction;
     const bool bonded = law.cohesion > 0 || law.tension > 0 || weakens;
     if (done[first] != 0 || !bonded || t.gap > 1e-6 * feature) continue;
     // The closed stretch of the joint around this contact.

@@ -111,7 +111,7 @@ struct PatternSolver::Kept {
   FrontalFactor factor;
   Numbering number;
   Pattern pattern;
-  double soft = -1;
+  double soft = 0;
 };
 
 PatternSolver::PatternSolver(Work& work) : work_{&work} {}
@@ -228,90 +228,114 @@ Eigen::VectorXd gmres(const Eigen::VectorXd& right, Eigen::Index most, double to
 
 }  // namespace
 
-std::vector<Vec2> PatternSolver::solve(const ContactProblem& problem, double soft, const Pattern& pattern,
-                                       const std::vector<Vec2>& rhs) {
-  const BlockMatrix& w = problem.w;
-  const Numbering number = dbem::number(pattern);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(number.count);
-  Eigen::VectorXd z;
-  if (number.count == 0) {
-    assemble(w, soft, pattern, rhs, number, right, [](int, int, double) {});
-  } else if (number.count <= dense_up_to) {
-    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(number.count, number.count);
-    work_->add(std::pow(number.count, 3) / (number.symmetric ? 6 : 3) + 2 * product_work(problem));
-    assemble(w, soft, pattern, rhs, number, right, [&](int r, int c, double v) { a(r, c) = v; });
-    if (number.symmetric) {
-      const Eigen::LLT<Eigen::MatrixXd> cholesky{a};
-      z = cholesky.info() == Eigen::Success ? Eigen::VectorXd{cholesky.solve(right)}
-                                            : Eigen::VectorXd{a.partialPivLu().solve(right)};
-    } else {
-      z = a.partialPivLu().solve(right);
-    }
-  } else {
-    bool done = false;
-    // Of a step of GMRES beside the factor.
-    const double around = product_work(problem) + 100 * static_cast<double>(rhs.size());
-    if (problem.rigid && 3 * static_cast<int>(problem.rigid->inverse_mass.size()) <= number.count) {
-      if (!bodies_) bodies_ = std::make_unique<BodyFactor>(problem);
-      const bool held = bodies_->holds(soft, pattern);
-      if (held || bodies_->compute(problem, soft, pattern)) {
-        if (!held) work_->add(bodies_->factor_work() + 50 * static_cast<double>(rhs.size()));
-        assemble(w, soft, pattern, rhs, number, right, [](int, int, double) {});
-        std::vector<Vec2> residual(rhs.size()), unknown;
-        z = gmres(
-            right, 30, 1e-12, 1e-9,
-            [&](const Eigen::VectorXd& x, Eigen::VectorXd& out) { multiply(w, soft, pattern, number, x, out); },
-            [&](const Eigen::VectorXd& r) {
-              for (std::size_t k = 0; k < rhs.size(); ++k) {
-                residual[k] = {number.n[k] >= 0 ? r[number.n[k]] : 0.0, number.t[k] >= 0 ? r[number.t[k]] : 0.0};
-              }
-              bodies_->apply(problem, residual, unknown);
-              work_->add(bodies_->solve_work() + around);
-              Eigen::VectorXd out(r.size());
-              for (std::size_t k = 0; k < rhs.size(); ++k) {
-                if (number.n[k] >= 0) out[number.n[k]] = unknown[k].x;
-                if (number.t[k] >= 0) out[number.t[k]] = unknown[k].y;
-              }
-              return out;
-            });
-        done = z.size() > 0;
-      }
-    }
-    const auto iterate = [&](Eigen::Index most) {
-      assemble(w, soft, pattern, rhs, number, right, [](int, int, double) {});
-      z = gmres(
-          right, most, 1e-12, 1e-12,
-          [&](const Eigen::VectorXd& x, Eigen::VectorXd& out) { multiply(w, soft, pattern, number, x, out); },
-          [&](const Eigen::VectorXd& r) {
-            work_->add(kept_->factor.solve_work() + around);
-            return precondition(*kept_, w, number, r);
-          });
-      return z.size() > 0;
-    };
-    // A factor made for other states of a few contacts does: each takes GMRES two steps more.
-    if (!done && kept_ && kept_->soft == soft && changes(kept_->pattern, pattern) <= 3) done = iterate(12);
-    if (!done) {
-      if (!kept_) kept_ = std::make_unique<Kept>(FrontalFactor{w.rows(), 2, links_of_contacts(w)});
-      const bool factorised = factorise(*kept_, w, soft, pattern, number);
-      work_->add(kept_->factor.factor_work() + 2 * product_work(problem));
-      if (factorised) {
-        done = iterate(20);
-      } else {
-        kept_.reset();
-      }
-    }
-    if (!done) {
-      work_->add(100 * std::pow(number.count, 2));  // a bound of what a sparse factor of the plane takes
-      const Eigen::SparseLU<Eigen::SparseMatrix<double>> lu{sparse(w, soft, pattern, rhs, number, right)};
-      if (lu.info() != Eigen::Success) return {};
-      z = lu.solve(right);
-    }
+/// What one call is about.
+struct PatternSolver::Call {
+  const ContactProblem& problem;
+  double soft;
+  const Pattern& pattern;
+  const std::vector<Vec2>& rhs;
+  Numbering number;
+  double around;  ///< work of a step of GMRES beside the factor
+  Eigen::VectorXd right = {}, z = {};
+
+  void assemble_right() {
+    assemble(problem.w, soft, pattern, rhs, number, right, [](int, int, double) {});
   }
-  if (!z.allFinite()) return {};
+  /// False when it gives up.
+  template <class Precondition>
+  bool iterate(Eigen::Index most, double enough, Precondition&& precondition_by) {
+    assemble_right();
+    z = gmres(
+        right, most, 1e-12, enough,
+        [&](const Eigen::VectorXd& x, Eigen::VectorXd& out) { multiply(problem.w, soft, pattern, number, x, out); },
+        precondition_by);
+    return z.size() > 0;
+  }
+};
+
+void PatternSolver::solve_dense(Call& call) {
+  const int count = call.number.count;
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(count, count);
+  work_->add(std::pow(count, 3) / (call.number.symmetric ? 6 : 3) + 2 * product_work(call.problem));
+  assemble(call.problem.w, call.soft, call.pattern, call.rhs, call.number, call.right,
+           [&](int r, int c, double v) { a(r, c) = v; });
+  if (call.number.symmetric) {
+    const Eigen::LLT<Eigen::MatrixXd> cholesky{a};
+    call.z = cholesky.info() == Eigen::Success ? Eigen::VectorXd{cholesky.solve(call.right)}
+                                               : Eigen::VectorXd{a.partialPivLu().solve(call.right)};
+  } else {
+    call.z = a.partialPivLu().solve(call.right);
+  }
+}
+
+bool PatternSolver::solve_by_bodies(Call& call) {
+  const ContactProblem& problem = call.problem;
+  const Numbering& number = call.number;
+  if (!problem.rigid || 3 * static_cast<int>(problem.rigid->inverse_mass.size()) > number.count) return false;
+  if (!bodies_) bodies_ = std::make_unique<BodyFactor>(problem);
+  const bool held = bodies_->holds(call.soft, call.pattern);
+  if (!held && !bodies_->compute(problem, call.soft, call.pattern)) return false;
+  const std::size_t contacts = call.rhs.size();
+  if (!held) work_->add(bodies_->factor_work() + 50 * static_cast<double>(contacts));
+  std::vector<Vec2> residual(contacts), unknown;
+  return call.iterate(30, 1e-9, [&](const Eigen::VectorXd& r) {
+    for (std::size_t k = 0; k < contacts; ++k) {
+      residual[k] = {number.n[k] >= 0 ? r[number.n[k]] : 0.0, number.t[k] >= 0 ? r[number.t[k]] : 0.0};
+    }
+    bodies_->apply(problem, residual, unknown);
+    work_->add(bodies_->solve_work() + call.around);
+    Eigen::VectorXd out(r.size());
+    for (std::size_t k = 0; k < contacts; ++k) {
+      if (number.n[k] >= 0) out[number.n[k]] = unknown[k].x;
+      if (number.t[k] >= 0) out[number.t[k]] = unknown[k].y;
+    }
+    return out;
+  });
+}
+
+bool PatternSolver::solve_by_contacts(Call& call) {
+  const BlockMatrix& w = call.problem.w;
+  const auto iterate = [&](Eigen::Index most) {
+    return call.iterate(most, 1e-12, [&](const Eigen::VectorXd& r) {
+      work_->add(kept_->factor.solve_work() + call.around);
+      return precondition(*kept_, w, call.number, r);
+    });
+  };
+  // A factor made for other states of a few contacts does: each takes GMRES two steps more.
+  if (kept_ && kept_->soft == call.soft && changes(kept_->pattern, call.pattern) <= 3 && iterate(12)) return true;
+  if (!kept_) kept_ = std::make_unique<Kept>(FrontalFactor{w.rows(), 2, links_of_contacts(w)});
+  const bool factorised = factorise(*kept_, w, call.soft, call.pattern, call.number);
+  work_->add(kept_->factor.factor_work() + 2 * product_work(call.problem));
+  if (factorised) return iterate(20);
+  kept_.reset();
+  return false;
+}
+
+std::optional<std::vector<Vec2>> PatternSolver::solve(const ContactProblem& problem, double soft,
+                                                      const Pattern& pattern, const std::vector<Vec2>& rhs) {
+  Call call{problem,
+            soft,
+            pattern,
+            rhs,
+            dbem::number(pattern),
+            product_work(problem) + 100 * static_cast<double>(rhs.size())};
+  const Numbering& number = call.number;
+  call.right = Eigen::VectorXd::Zero(number.count);
+  if (number.count == 0) {
+    call.assemble_right();
+  } else if (number.count <= dense_up_to) {
+    solve_dense(call);
+  } else if (!solve_by_bodies(call) && !solve_by_contacts(call)) {
+    work_->add(100 * std::pow(number.count, 2));  // a bound of what a sparse factor of the plane takes
+    const Eigen::SparseLU<Eigen::SparseMatrix<double>> lu{sparse(problem.w, soft, pattern, rhs, number, call.right)};
+    if (lu.info() != Eigen::Success) return std::nullopt;
+    call.z = lu.solve(call.right);
+  }
+  if (!call.z.allFinite()) return std::nullopt;
   std::vector<Vec2> x(rhs.size());
   for (std::size_t k = 0; k < rhs.size(); ++k) {
-    x[k].x = number.n[k] >= 0 ? z[number.n[k]] : rhs[k].x;
-    x[k].y = number.t[k] >= 0 ? z[number.t[k]] : rhs[k].y + pattern.q[k] * x[k].x;
+    x[k].x = number.n[k] >= 0 ? call.z[number.n[k]] : rhs[k].x;
+    x[k].y = number.t[k] >= 0 ? call.z[number.t[k]] : rhs[k].y + pattern.q[k] * x[k].x;
   }
   return x;
 }

@@ -57,16 +57,18 @@ class Cascade final {
     return solution;
   }
 
+  /// Linear solves of large groups are not spent on digits far below what is promised.
+  [[nodiscard]] double target_of(bool large) const {
+    return large ? std::max(options_.target, 0.01 * options_.accept) : options_.target;
+  }
+  bool shi() { return take(open_close(linear_, problem_, options_.open_close_passes), Method::open_close); }
+
   void run_all() {
     const bool warm = std::ranges::any_of(problem_.start, [](Vec2 v) { return v.x != 0 || v.y != 0; });
     const bool large = is_large(problem_);
-    // Linear solves of large groups are not spent on digits far below what is promised.
-    const double target = large ? std::max(options_.target, 0.01 * options_.accept) : options_.target;
+    const double target = target_of(large);
     const auto from_here = [&](std::vector<Vec2> start, std::size_t most) {
       return newton(linear_, problem_, 0, target, most, std::move(start));
-    };
-    const auto shi = [&] {
-      return take(open_close(linear_, problem_, options_.open_close_passes), Method::open_close);
     };
     const std::size_t most = options_.newton_iterations;
     const bool wander = wanders(problem_);
@@ -96,6 +98,13 @@ class Cascade final {
         return;
       }
     }
+    run_slow(warm, large, wander, enough);
+  }
+
+  /// What is left when the quick ways found no answer.
+  void run_slow(bool warm, bool large, bool wander, double enough) {
+    const double target = target_of(large);
+    const std::size_t most = options_.newton_iterations;
     // From forces that nobody knows a path leads home sooner than sweeps, from the step before sweeps do.
     const auto look_quickly = [&] { return along_path(std::min(quick_look, options_.path)); };
     const bool patient = options_.patience == SolverOptions{}.patience;
@@ -115,6 +124,9 @@ class Cascade final {
       return;
     }
     if (wander && shi()) return;
+    const auto from_here = [&](std::vector<Vec2> start, std::size_t iterations) {
+      return newton(linear_, problem_, 0, target, iterations, std::move(start));
+    };
     if (take(from_here({}, most), Method::newton)) return;
     if (warm && take(proximal(linear_, problem_, {}, enough, options_.patience), Method::continuation)) return;
     for (const double factor : {10.0, 3.0, 1.5}) {

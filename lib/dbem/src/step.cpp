@@ -169,7 +169,7 @@ void World::Impl::accept(Attempt&& done) {
 void World::Impl::choose_next_step(const StepReport& report) {
   if (!options.adaptive) return;
   const double share = report.max_displacement / (options.displacement * height);
-  const double longest = std::max(options.longest_step, options.step);
+  const double longest = std::max(options.longest_step.value_or(0), options.step);
   if (report.cuts > 0 || report.shortened > 0) next_step = report.step;
   calm_steps = share < 1.0 / 3 && report.cuts == 0 ? calm_steps + 1 : 0;
   if (calm_steps >= 5 && next_step < longest) {
@@ -206,16 +206,16 @@ std::expected<StepReport, StepError> World::Impl::try_steps(double step, std::si
       done.asleep = static_cast<std::size_t>(std::ranges::count(asleep, std::uint8_t{1}));
       return done;
     }
-    if (failed->factor >= 1 && left > 0) {  // something woke
+    if (failed->redo == 1 && left > 0) {  // something woke
       look(next_step);
       continue;
     }
-    if (failed->factor > 0 && tries < 60 && left > 0) {
-      step *= failed->factor;
+    if (failed->redo && tries < 60 && left > 0) {
+      step *= *failed->redo;
       ++shortened;
       continue;
     }
-    if (cut == options.cuts || failed->factor > 0 || left <= 0) {
+    if (cut == options.cuts || failed->redo || left <= 0) {
       torn_now.clear();
       return std::unexpected(StepFailed{time, step, failed->residual, failed->reason});
     }

@@ -1,4 +1,4 @@
-#include "cleave/dbem/touch.hpp"
+#include "touch.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -139,12 +139,7 @@ void corner_on_corner(const Placed& i, std::size_t p, const Placed& j, std::size
   }
 }
 
-bool overlap_boxes(const Box& a, const Box& b, double margin) {
-  return a.low.x - margin <= b.high.x && b.low.x - margin <= a.high.x && a.low.y - margin <= b.high.y &&
-         b.low.y - margin <= a.high.y;
-}
-
-bool in_box(const Box& box, Vec2 p, double margin) {
+bool in_box(const Box2& box, Vec2 p, double margin) {
   return p.x >= box.low.x - margin && p.x <= box.high.x + margin && p.y >= box.low.y - margin &&
          p.y <= box.high.y + margin;
 }
@@ -260,10 +255,10 @@ std::optional<Touch> line_crossed(const CornerChoice& choice, const CornerChoice
   return (level ? after.first.gap >= after.last.gap : a > b) ? choice.first : choice.last;
 }
 
-std::size_t first_crossing(std::span<const Vec2> before, std::span<const Vec2> after, Vec2 from, Vec2 to,
-                           double rounding) {
+std::optional<std::size_t> first_crossing(std::span<const Vec2> before, std::span<const Vec2> after, Vec2 from, Vec2 to,
+                                          double rounding) {
   const std::size_t n = before.size();
-  std::size_t best = n;
+  std::optional<std::size_t> best;
   double earliest = 2;
   for (std::size_t e = 0; e < n; ++e) {
     const Against a = against(before, e, from);
@@ -275,7 +270,7 @@ std::size_t first_crossing(std::span<const Vec2> before, std::span<const Vec2> a
     earliest = t;
     best = e;
   }
-  return best < n ? best : static_cast<std::size_t>(-1);
+  return best;
 }
 
 bool inside(std::span<const Vec2> corners, Vec2 point) {
@@ -345,12 +340,9 @@ Overlap overlap(const Placed& i, const Placed& j, double tolerance) {
   return worst;
 }
 
-Box box_of(std::span<const Vec2> corners) {
-  Box box{corners[0], corners[0]};
-  for (const Vec2 c : corners) {
-    box.low = {std::min(box.low.x, c.x), std::min(box.low.y, c.y)};
-    box.high = {std::max(box.high.x, c.x), std::max(box.high.y, c.y)};
-  }
+Box2 box_of(std::span<const Vec2> corners) {
+  Box2 box;
+  for (const Vec2 c : corners) box.add(c);
   return box;
 }
 

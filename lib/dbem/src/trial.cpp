@@ -136,10 +136,9 @@ std::optional<World::Impl::Failure> Trial::solve_group(std::size_t group) {
   }
   const ContactSolution& found = solutions_.back();
   if (found.report.status == ContactReport::Status::not_converged) {
-    return Failure{
-        found.report.residual,
-        work_.over() ? "the contact law was not met with the work that a step may take" : "the contact law was not met",
-        0};
+    return Failure{found.report.residual, work_.over()
+                                              ? "the contact law was not met with the work that a step may take"
+                                              : "the contact law was not met"};
   }
   if (const double share = w_.until_first_bounce(moved_, island, rows, found, step_); share < 1) {
     return Failure{0, "", share};
@@ -158,7 +157,7 @@ std::optional<World::Impl::Failure> Trial::solve_group(std::size_t group) {
     if (p != Vec2{}) w_.add_impulse(rows, k, p, island.theta, step_, out_.state);
   }
   const double gain = w_.energy_brought_in(moved_, island, rows, found, out_.state);
-  if (gain > most_energy_gain) return Failure{gain, "its contacts bring in energy", 0};
+  if (gain > most_energy_gain) return Failure{gain, "its contacts bring in energy"};
   return std::nullopt;
 }
 
@@ -210,7 +209,7 @@ std::optional<World::Impl::Failure> Trial::move() {
     largest_move = std::max(largest_move, move);
   }
   out_.report.max_displacement = largest_move;
-  if (!finite) return Failure{1, "the motion is not finite", 0};
+  if (!finite) return Failure{1, "the motion is not finite"};
   const double over =
       std::max(largest_turn / w_.options.rotation, largest_move / (w_.options.displacement * w_.height));
   if (over > 1) return Failure{0, "the displacement in a step is too large", 0.9 / over};
@@ -218,8 +217,8 @@ std::optional<World::Impl::Failure> Trial::move() {
 }
 
 std::optional<World::Impl::Failure> Trial::error_of_position() const {
-  const double allowed = w_.options.position_error;
-  if (!(allowed > 0) || out_.report.impact) return std::nullopt;
+  if (!w_.options.position_error || out_.report.impact) return std::nullopt;
+  const double allowed = *w_.options.position_error;
   double error = 0;
   for (std::size_t b = 0; b < w_.size(); ++b) {
     if (w_.asleep[b] != 0) continue;

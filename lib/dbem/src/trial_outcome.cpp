@@ -26,7 +26,7 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
   const JointLaw& law = w_.law_of(t);
   const Bond* bond = w_.bond_of(t);
   out_.friction -= law.compliance > 0 ? 0.0 : p.y * 0.5 * (now.y + old.y);
-  const double mu = bond == nullptr && law.residual_friction >= 0 ? law.residual_friction : law.friction;
+  const double mu = bond == nullptr ? law.residual_friction.value_or(law.friction) : law.friction;
   const double bound = mu * p.x / step_ + (bond != nullptr ? bond->cohesion : 0.0);
   ContactState how = ContactState::stick;
   if (p == Vec2{}) {
@@ -102,7 +102,8 @@ std::optional<World::Impl::Failure> Trial::judge_overlaps() const {
     return Failure{out_.report.residual,
                    fmt::format("bodies '{}' and '{}' run into one another", w_.bodies[clash.pair.a].name,
                                w_.bodies[clash.pair.b].name),
-                   0, true};
+                   {},
+                   true};
   }
   return std::nullopt;
 }

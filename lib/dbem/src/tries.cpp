@@ -54,9 +54,10 @@ Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, 
       return tried;
     }
     newton_pattern(evaluator, map, pattern, rhs);
-    const std::vector<Vec2> d = linear.solve(problem, soft, pattern, rhs);
+    const auto solved = linear.solve(problem, soft, pattern, rhs);
     ++tried.iterations;
-    if (d.empty()) return tried;
+    if (!solved) return tried;
+    const std::vector<Vec2>& d = *solved;
     const auto at = [&](double step) {
       for (std::size_t k = 0; k < d.size(); ++k) next[k] = tried.p[k] + step * d[k];
       evaluator.evaluate(next, trial);
@@ -109,9 +110,8 @@ Tried keep_states(PatternSolver& linear, const ContactProblem& problem, const st
     rhs[k].x = closed ? -problem.b[k].x + soft * d.xx * p.x : -problem.tension[k];
     rhs[k].y = stuck ? -problem.b[k].y + soft * d.yy * p.y : closed ? sense * problem.cohesion[k] : p.y;
   }
-  tried.p = linear.solve(problem, soft, pattern, rhs);
+  tried.p = linear.solve(problem, soft, pattern, rhs).value_or(start);
   tried.iterations = 1;
-  if (tried.p.empty()) tried.p = start;
   return tried;
 }
 
@@ -133,9 +133,9 @@ Tried open_close(PatternSolver& linear, const ContactProblem& problem, std::size
       if (state[k] == State::open) rhs[k] = {-problem.tension[k], 0};
       if (slips) rhs[k].y = -sense[k] * problem.cohesion[k];
     }
-    std::vector<Vec2> p = linear.solve(problem, 0, pattern, rhs);
-    if (p.empty()) return tried;
-    tried.p = std::move(p);
+    auto p = linear.solve(problem, 0, pattern, rhs);
+    if (!p) return tried;
+    tried.p = *std::move(p);
     y = problem.b;
     problem.w.add_product(tried.p, y);
     bool same = true;

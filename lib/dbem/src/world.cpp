@@ -58,20 +58,22 @@ std::optional<WorldError> check_law(const JointLaw& law) {
   if (!(law.restitution >= 0 && law.restitution <= 1)) {
     return BadLaw{fmt::format("restitution {} is not between 0 and 1", law.restitution)};
   }
-  if (!good(law.residual_friction)) return BadLaw{"residual friction is not a number"};
+  if (law.residual_friction && !(good(*law.residual_friction) && *law.residual_friction >= 0))
+    return BadLaw{"residual friction is not a number"};
   return std::nullopt;
 }
 
 std::optional<WorldError> check_options(const WorldOptions& o) {
   if (!good(o.gravity)) return BadOption{"gravity is not finite"};
   if (!good(o.step) || o.step <= 0) return BadOption{fmt::format("step {} s is not positive", o.step)};
-  if (!good(o.longest_step) || o.longest_step < 0) {
-    return BadOption{fmt::format("longest step {} s is not at least 0", o.longest_step)};
+  if (o.longest_step && !(good(*o.longest_step) && *o.longest_step > 0)) {
+    return BadOption{fmt::format("longest step {} s is not above 0", *o.longest_step)};
   }
   if (!(o.sleep_speed >= 0)) return BadOption{"the speed below which bodies sleep must not be negative"};
   if (!good(o.solver.accept)) return BadOption{"the accepted residual is not a number"};
   if (!(o.displacement > 0) || !(o.rotation > 0)) return BadOption{"displacement and rotation limits must be positive"};
-  if (!(o.position_error >= 0) || !(o.overlap >= 0)) return BadOption{"tolerances must not be negative"};
+  if ((o.position_error && !(*o.position_error > 0)) || !(o.overlap >= 0))
+    return BadOption{"tolerances must not be negative"};
   if (!(o.step_work > 0)) return BadOption{"the work of a step must be positive"};
   if (!(o.regularisation >= 0)) return BadOption{"regularisation must not be negative"};
   return std::nullopt;
@@ -90,6 +92,22 @@ double smallest_feature(const std::vector<Vec2>& c) {
     }
   }
   return least;
+}
+
+std::optional<WorldError> check_modes(const Body& body, std::size_t corners) {
+  const std::size_t modes = body.modes->omega.size();
+  if (body.modes->shapes.size() != 2 * corners * modes) {
+    return BadModes{body.name, fmt::format("{} numbers instead of 2 x {} corners x {} modes", body.modes->shapes.size(),
+                                           corners, modes)};
+  }
+  for (const double w : body.modes->omega) {
+    if (!good(w) || w <= 0) return BadModes{body.name, fmt::format("frequency {} is not positive", w)};
+  }
+  if (!std::ranges::all_of(body.modes->shapes, [](double x) { return good(x); })) {
+    return BadModes{body.name, "not finite"};
+  }
+  if (!(body.modes->damping >= 0)) return BadModes{body.name, "damping is negative"};
+  return std::nullopt;
 }
 
 std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
@@ -140,24 +158,11 @@ std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
     const BoundaryPoint at = nearest_on(shape.corners, force.at - shape.local_centroid);
     shape.load_places.push_back({at.edge, at.share});
   }
-  if (body.modes) {
-    if (body.modes->shapes.size() != 2 * n * shape.modes) {
-      return BadModes{body.name, fmt::format("{} numbers instead of 2 x {} corners x {} modes",
-                                             body.modes->shapes.size(), n, shape.modes)};
-    }
-    for (const double w : body.modes->omega) {
-      if (!good(w) || w <= 0) return BadModes{body.name, fmt::format("frequency {} is not positive", w)};
-    }
-    if (!std::ranges::all_of(body.modes->shapes, [](double x) { return good(x); })) {
-      return BadModes{body.name, "not finite"};
-    }
-    if (!(body.modes->damping >= 0)) return BadModes{body.name, "damping is negative"};
-  }
-  return std::nullopt;
+  return body.modes ? check_modes(body, n) : std::nullopt;
 }
 
 std::optional<WorldError> find_overlap(World::Impl& w) {
-  std::vector<Box> boxes = w.boxes;
+  std::vector<Box2> boxes = w.boxes;
   const std::vector<std::uint8_t> lazy(w.size(), 0);
   for (const auto [a, b] : overlapping_pairs(boxes, lazy)) {
     const double size = std::min(w.shapes[a].feature, w.shapes[b].feature);
@@ -182,13 +187,13 @@ World& World::operator=(World&& other) noexcept = default;
 World::~World() = default;
 
 std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws, WorldOptions options) {
-  auto impl = std::make_unique<Impl>();
-  Impl& w = *impl;
   if (auto bad = check_law(laws.otherwise)) return std::unexpected(*std::move(bad));
   for (const PairLaw& pair : laws.pairs) {
     if (auto bad = check_law(pair.law)) return std::unexpected(*std::move(bad));
   }
   if (auto bad = check_options(options)) return std::unexpected(*std::move(bad));
+  auto impl = std::make_unique<Impl>();
+  Impl& w = *impl;
   w.bodies = std::move(bodies);
   w.laws = std::move(laws);
   w.options = std::move(options);
@@ -202,34 +207,7 @@ std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws
     w.first_corner.push_back(w.first_corner.back() + body.outline.size());
     w.first_mode.push_back(w.first_mode.back() + w.shapes.back().modes);
   }
-  const std::size_t n = w.size();
-  // Positions are kept relative to the first body: differences of origins are exact or nearly so.
-  if (n > 0) w.anchor = w.bodies[0].origin + w.bodies[0].outline[0];
-  for (std::size_t b = 0; b < n; ++b) {
-    const Vec2 at = (w.bodies[b].origin - w.anchor) + w.shapes[b].local_centroid;
-    // Either origin or outline may carry the large numbers: take them off before they meet the small ones.
-    const Vec2 other = w.bodies[b].origin + (w.shapes[b].local_centroid - w.anchor);
-    w.state.x.push_back(norm(w.bodies[b].origin) > norm(w.shapes[b].local_centroid) ? at : other);
-    w.state.v.push_back(w.bodies[b].velocity);
-    w.state.spin.push_back(w.bodies[b].spin);
-  }
-  w.state.angle.assign(n, 0);
-  w.state.e.assign(w.first_mode.back(), 0);
-  w.state.de.assign(w.first_mode.back(), 0);
-  w.start_x = w.state.x;
-  w.asleep.assign(n, 0);
-  w.calm.assign(n, 0);
-  w.sleep_group.assign(n, 0);
-  w.next_step = w.options.step;
-  w.place_all(w.state, w.corners, w.boxes);
-  if (n > 0) {
-    Box all = w.boxes[0];
-    for (const Box& box : w.boxes) {
-      all.low = {std::min(all.low.x, box.low.x), std::min(all.low.y, box.low.y)};
-      all.high = {std::max(all.high.x, box.high.x), std::max(all.high.y, box.high.y)};
-    }
-    w.height = std::max(all.high.y - all.low.y, all.high.x - all.low.x);
-  }
+  w.place_at_start();
   if (auto bad = find_overlap(w)) return std::unexpected(*std::move(bad));
   w.look(w.next_step);
   w.seen_step = w.next_step;
@@ -237,12 +215,43 @@ std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws
   w.energy.kinetic = w.kinetic_of(w.state);
   w.energy.potential = w.potential_of(w.state);
   w.start_energy = w.energy.total();
-  for (std::size_t b = 0; b < n; ++b) {  // what the first step's change of velocity is compared with
+  for (std::size_t b = 0; b < w.size(); ++b) {  // what the first step's change of velocity is compared with
     double torque = 0;
     const Vec2 force = w.force_on(w.state, b, 0, torque, nullptr);
     w.last_change.push_back({w.shapes[b].inverse_x * force.x, w.shapes[b].inverse_y * force.y});
   }
   return World{std::move(impl)};
+}
+
+void World::Impl::place_at_start() {
+  const std::size_t n = size();
+  // Positions are kept relative to the first body: differences of origins are exact or nearly so.
+  if (n > 0) anchor = bodies[0].origin + bodies[0].outline[0];
+  for (std::size_t b = 0; b < n; ++b) {
+    const Vec2 at = (bodies[b].origin - anchor) + shapes[b].local_centroid;
+    // Either origin or outline may carry the large numbers: take them off before they meet the small ones.
+    const Vec2 other = bodies[b].origin + (shapes[b].local_centroid - anchor);
+    state.x.push_back(norm(bodies[b].origin) > norm(shapes[b].local_centroid) ? at : other);
+    state.v.push_back(bodies[b].velocity);
+    state.spin.push_back(bodies[b].spin);
+  }
+  state.angle.assign(n, 0);
+  state.e.assign(first_mode.back(), 0);
+  state.de.assign(first_mode.back(), 0);
+  start_x = state.x;
+  asleep.assign(n, 0);
+  calm.assign(n, 0);
+  sleep_group.assign(n, 0);
+  next_step = options.step;
+  place_all(state, corners, boxes);
+  if (n > 0) {
+    Box2 all = boxes[0];
+    for (const Box2& box : boxes) {
+      all.add(box.low);
+      all.add(box.high);
+    }
+    height = std::max(all.high.y - all.low.y, all.high.x - all.low.x);
+  }
 }
 
 double World::time() const noexcept { return impl_->time; }

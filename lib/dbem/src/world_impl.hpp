@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Dense>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -116,7 +117,7 @@ struct Clash {
 struct Attempt {
   State state;
   std::vector<Vec2> corners;
-  std::vector<Box> boxes;
+  std::vector<Box2> boxes;
   std::vector<Touch> touches;  // at the end of the step
   std::vector<CornerChoice> choices;
   std::vector<Memory> memory;
@@ -145,7 +146,7 @@ struct World::Impl {
   double seen_step = 0;  // the step `touches` were found for
   double limit = std::numeric_limits<double>::infinity();
   std::vector<Vec2> corners;
-  std::vector<Box> boxes, fat;
+  std::vector<Box2> boxes, fat;
   std::vector<BodyPair> pairs;
   Sweep sweep;  // of the check for overlaps
   std::vector<Touch> touches;
@@ -171,18 +172,19 @@ struct World::Impl {
   [[nodiscard]] std::span<const Vec2> corners_of(const std::vector<Vec2>& all, std::size_t b) const {
     return std::span{all}.subspan(first_corner[b], corner_count(b));
   }
-  [[nodiscard]] Placed placed(const std::vector<Vec2>& all, const std::vector<Box>& box, std::size_t b) const {
+  [[nodiscard]] Placed placed(const std::vector<Vec2>& all, const std::vector<Box2>& box, std::size_t b) const {
     return {static_cast<std::uint32_t>(b), corners_of(all, b), shapes[b].sharp, box[b], shapes[b].convex};
   }
 
   // geometry.cpp
   void place(const State& at, std::size_t body, std::vector<Vec2>& all) const;
-  void place_all(const State& at, std::vector<Vec2>& all, std::vector<Box>& box) const;
+  void place_at_start();
+  void place_all(const State& at, std::vector<Vec2>& all, std::vector<Box2>& box) const;
   [[nodiscard]] Drift drift(const State& at, const TouchKey& pair, double step) const;
   [[nodiscard]] double speed_bound(const State& at, std::size_t body) const;
-  void rebuild_pairs(const State& at, const std::vector<Box>& box, double step);
+  void rebuild_pairs(const State& at, const std::vector<Box2>& box, double step);
   /// Contacts at a state for a step of this length; also the longest step that misses none.
-  void find(const State& at, const std::vector<Vec2>& all, const std::vector<Box>& box, double step,
+  void find(const State& at, const std::vector<Vec2>& all, const std::vector<Box2>& box, double step,
             std::vector<Touch>& out, std::vector<CornerChoice>& undecided, double& limit);
   /// Corners that carried a force on one of their lines go on with it.
   void settle_choices();
@@ -192,6 +194,15 @@ struct World::Impl {
   // assembly.cpp
   [[nodiscard]] std::vector<Island> islands_of(const std::vector<Touch>& list) const;
   [[nodiscard]] Rows rows_of(const std::vector<Touch>& list, const Island& island, const State& at) const;
+  /// Sides of each body that moves, bodies numbered as met.
+  struct SidesOfBodies {
+    std::vector<std::optional<std::uint32_t>> number;  // by body
+    std::vector<std::vector<std::uint32_t>> of;        // sides, by number
+    // The modes' part of every pair of sides of a body as one product, rows (n, t) of its sides one after the other.
+    std::vector<Eigen::MatrixXd> bending;  // by number; empty without modes
+    std::vector<Eigen::Index> place;       // in that matrix, by side
+  };
+  [[nodiscard]] SidesOfBodies sides_of(const Rows& rows, double theta, double step, bool rigid_only) const;
   [[nodiscard]] BlockMatrix delassus(const Rows& rows, double theta, double step, bool rigid_only) const;
   /// Nothing when a body of the group bends and its modes are not left out (`stiffened`).
   [[nodiscard]] std::optional<RigidForm> rigid_form(const Rows& rows, const Island& island, bool stiffened) const;
@@ -203,6 +214,9 @@ struct World::Impl {
   [[nodiscard]] std::vector<Vec2> recall(const std::vector<Touch>& list, const Island& island) const;
   [[nodiscard]] const Bond* bond_of(const Touch& t) const;
   [[nodiscard]] const JointLaw& law_of(const Touch& t) const;
+  /// The velocity `free` of a contact, changed by what its spring, its bounce or its gap allows in the step.
+  [[nodiscard]] Vec2 with_gap(Vec2 free, Vec2 old, const Touch& touch, Vec2 force, const Island& island, double thick,
+                              double step) const;
   [[nodiscard]] ContactProblem problem_of(const std::vector<Touch>& list, const Island& island, const Rows& rows,
                                           const State& before, const State& free, double step,
                                           std::vector<Vec2>& viscous) const;
@@ -226,8 +240,8 @@ struct World::Impl {
   struct Failure {
     double residual = 0;
     std::string reason;
-    double factor = 0;   // > 0: not a failure; redo with this share of the step; 1: with what woke
-    bool clash = false;  // by bodies that would share space
+    std::optional<double> redo = {};  // not a failure: with this share of the step; 1: with what woke
+    bool clash = false;               // by bodies that would share space
   };
   /// Work of the impulses on the velocities they leave behind, over the energy of the group: never positive for an
   /// exact answer of the implicit rule. 0 for other rules, and where contacts give back or are springs.

@@ -91,7 +91,10 @@ std::string blocks_vtu(const Cells& cells, const stability::Analysis* analysis, 
   if (!text.stage_of_block.empty()) {
     std::vector<std::int32_t> stages;
     stages.reserve(cells.size());
-    for (const topology::BlockId b : cells.block) stages.push_back(text.stage_of_block[b.index()]);
+    for (const topology::BlockId b : cells.block) {
+      const auto stage = text.stage_of_block[b.index()];
+      stages.push_back(stage ? static_cast<std::int32_t>(*stage) : -1);
+    }
     vtu.array("stage", stages);
   }
   if (analysis != nullptr) write_analysis(vtu, cells, *analysis);

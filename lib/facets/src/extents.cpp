@@ -1,5 +1,6 @@
 #include "detail/extents.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cleave::topology::detail {

@@ -55,8 +55,8 @@ exact::Lattice Preparation::covering() const {
                             for (const auto& polygon : joint.polygons) {
                               const Bounds box = bounds_of(polygon.corners());
                               if (left_out(j, box)) continue;
-                              scene.add({box.lo[0], box.lo[1], box.lo[2]});
-                              scene.add({box.hi[0], box.hi[1], box.hi[2]});
+                              scene.add(box.lo);
+                              scene.add(box.hi);
                             }
                           },
                           [&](const PersistentJoint& joint) {

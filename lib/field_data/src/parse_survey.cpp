@@ -320,9 +320,9 @@ class SurveyParser final {
   }
 
  private:
-  /// Length of the trace that a row states, and how many of its ends were seen (column `ends`; none: both). No length:
-  /// 0.
-  survey::SeenLength length_of(const LoadedFile& file, const SurveyTable& table, const SurveyTable::Row& row) {
+  /// Length of the trace that a row states, and how many of its ends were seen (column `ends`; none: both).
+  std::optional<survey::SeenLength> length_of(const LoadedFile& file, const SurveyTable& table,
+                                              const SurveyTable::Row& row) {
     const auto length = cell_number(context_, file, table, row, "length");
     const auto ends = cell_number(context_, file, table, row, "ends");
     if (length && *length < 0) {
@@ -334,7 +334,8 @@ class SurveyParser final {
                                  "give how many ends of the trace are seen: 0, 1 or 2");
       return {};
     }
-    return {length.value_or(0), static_cast<std::uint32_t>(ends.value_or(2))};
+    if (!length || !(*length > 0)) return {};
+    return survey::SeenLength{*length, static_cast<std::uint32_t>(ends.value_or(2))};
   }
 
   std::optional<io::TraceMap> map_of(const TableReader& table, string_view key) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 namespace cleave::geometry {
 namespace {
@@ -12,8 +11,6 @@ constexpr double to_radians = std::numbers::pi / 180;
 constexpr double to_degrees = 180 / std::numbers::pi;
 
 double azimuth_of(double east, double north) { return wrap_degrees(std::atan2(east, north) * to_degrees); }
-
-NetPoint at(double trend, double radius) { return {radius * sin_degrees(trend), radius * cos_degrees(trend)}; }
 
 }  // namespace
 
@@ -94,18 +91,17 @@ DipDirection to_true_north(DipDirection direction, North north) noexcept {
   return DipDirection::degrees(wrap_degrees(direction.degrees() - north.degrees()));
 }
 
-NetPoint project(LineAttitude line, Net net) noexcept {
-  const bool up = line.plunge.degrees() < 0;
-  const double trend = up ? line.trend.degrees() + 180 : line.trend.degrees();
-  const double half = (90 - std::abs(line.plunge.degrees())) / 2;
-  switch (net) {
-    case Net::equal_area: return at(trend, std::numbers::sqrt2 * sin_degrees(half));
-    case Net::equal_angle: return at(trend, sin_degrees(half) / cos_degrees(half));
-  }
-  std::unreachable();
+NetPoint project(Vec3 direction, Net net) noexcept {
+  Vec3 d = direction / norm(direction);
+  if (d.z > 0) d = -d;
+  const double horizontal = std::hypot(d.x, d.y);
+  if (horizontal == 0) return {0, 0};
+  // theta from the downward vertical; tan(theta/2) = sin/(1 + cos), sqrt 2 sin(theta/2) = sqrt(1 - cos).
+  const double r = net == Net::equal_angle ? horizontal / (1 - d.z) : horizontal / std::sqrt(1 - d.z);
+  return {r * d.x / horizontal, r * d.y / horizontal};
 }
 
-NetPoint project(Vec3 direction, Net net) noexcept { return project(line_attitude_of(direction), net); }
+NetPoint project(LineAttitude line, Net net) noexcept { return project(line_vector(line), net); }
 
 std::vector<NetPoint> great_circle(Attitude plane, Net net, int segments) {
   const Vec3 strike = strike_vector(plane.direction);

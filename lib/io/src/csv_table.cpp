@@ -56,7 +56,7 @@ class CsvReader final {
     }
     if (!has_header) {
       return std::unexpected(
-          ReadError{ReadFault::empty, std::string{lines_.file()}, 0, 0, "is empty", "give a table with a header line"});
+          whole_file(ReadFault::empty, lines_.file(), "is empty", "give a table with a header line"));
     }
     return std::move(table_);
   }
@@ -143,8 +143,7 @@ class CsvReader final {
 
 std::expected<CsvTable, ReadError> parse_csv(std::string_view bytes, std::string_view name) {
   if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {
-    return std::unexpected(
-        ReadError{ReadFault::unknown_format, std::string{name}, 0, 0, "is UTF-16 text", "save it as UTF-8"});
+    return std::unexpected(whole_file(ReadFault::unknown_format, name, "is UTF-16 text", "save it as UTF-8"));
   }
   return CsvReader{without_bom(bytes), name}.run();
 }

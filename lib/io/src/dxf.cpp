@@ -98,7 +98,7 @@ class DxfReader final {
 
  private:
   [[nodiscard]] ReadError whole(ReadFault fault, std::string what, std::string remedy) const {
-    return {fault, std::string{file_}, 0, 0, std::move(what), std::move(remedy)};
+    return whole_file(fault, file_, std::move(what), std::move(remedy));
   }
 
   std::expected<void, ReadError> need_no_polyline() const {
@@ -405,13 +405,11 @@ class DxfReader final {
 
 std::expected<Surfaces, ReadError> parse_dxf(std::string_view bytes, std::string_view name) {
   const auto fail = [&](std::string what, std::string remedy) {
-    return std::unexpected(
-        ReadError{ReadFault::unknown_format, std::string{name}, 0, 0, std::move(what), std::move(remedy)});
+    return std::unexpected(whole_file(ReadFault::unknown_format, name, std::move(what), std::move(remedy)));
   };
   const std::string_view text = without_bom(bytes);
   if (trimmed(text).empty()) {
-    return std::unexpected(
-        ReadError{ReadFault::empty, std::string{name}, 0, 0, "is empty", "give a drawing with faces"});
+    return std::unexpected(whole_file(ReadFault::empty, name, "is empty", "give a drawing with faces"));
   }
   if (text.starts_with("AutoCAD Binary DXF")) return fail("is a binary DXF", "save it as DXF text (ASCII)");
   if (text.starts_with("AC10")) return fail("is a DWG drawing", "save it as DXF text (ASCII)");

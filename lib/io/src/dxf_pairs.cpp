@@ -16,8 +16,9 @@ const DxfPair* DxfRecord::find(int code) const {
   return found == pairs.end() ? nullptr : &*found;
 }
 
-ReadError DxfRecords::error(std::uint32_t line, ReadFault fault, std::string what, std::string remedy) const {
-  return {fault, std::string{lines_.file()}, line, 0, std::move(what), std::move(remedy)};
+ReadError DxfRecords::error(std::optional<std::uint32_t> line, ReadFault fault, std::string what,
+                            std::string remedy) const {
+  return {fault, std::string{lines_.file()}, line, {}, std::move(what), std::move(remedy)};
 }
 
 std::expected<bool, ReadError> DxfRecords::read_pair() {
@@ -46,8 +47,8 @@ std::expected<bool, ReadError> DxfRecords::next(DxfRecord& record) {
   if (!begun_) {
     CLEAVE_TRY(const bool any, read_pair());
     if (!any || pair_.code != 0 || pair_.value != "SECTION") {
-      return std::unexpected(error(any ? pair_.line : 0, ReadFault::unknown_format, "does not begin with 0 SECTION",
-                                   "check that this is a DXF file saved as text"));
+      return std::unexpected(error(any ? std::optional{pair_.line} : std::nullopt, ReadFault::unknown_format,
+                                   "does not begin with 0 SECTION", "check that this is a DXF file saved as text"));
     }
     begun_ = true;
   }

@@ -35,7 +35,8 @@ class DxfRecords final {
   /// Reads the next record; false behind EOF. A file that ends without 0 EOF is truncated.
   [[nodiscard]] std::expected<bool, ReadError> next(DxfRecord& record);
 
-  [[nodiscard]] ReadError error(std::uint32_t line, ReadFault fault, std::string what, std::string remedy) const;
+  [[nodiscard]] ReadError error(std::optional<std::uint32_t> line, ReadFault fault, std::string what,
+                                std::string remedy) const;
   [[nodiscard]] std::expected<double, ReadError> number(const DxfPair& pair) const;
   /// The number of the first pair with that code, or `otherwise` when there is none.
   [[nodiscard]] std::expected<double, ReadError> number(const DxfRecord& record, int code, double otherwise) const;

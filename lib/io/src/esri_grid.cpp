@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
@@ -56,8 +57,9 @@ class EsriReader final {
   [[nodiscard]] std::optional<double> value(Key key) const { return values_[static_cast<std::size_t>(key)]; }
   [[nodiscard]] std::uint32_t line_of(Key key) const { return key_lines_[static_cast<std::size_t>(key)]; }
 
-  [[nodiscard]] ReadError at_line(std::uint32_t line, ReadFault fault, std::string what, std::string remedy) const {
-    return {fault, std::string{lines_.file()}, line, 0, std::move(what), std::move(remedy)};
+  [[nodiscard]] ReadError at_line(std::optional<std::uint32_t> line, ReadFault fault, std::string what,
+                                  std::string remedy) const {
+    return {fault, std::string{lines_.file()}, line, {}, std::move(what), std::move(remedy)};
   }
 
   /// The next word of the file, over line ends; false at the end.
@@ -195,7 +197,7 @@ class EsriReader final {
                        "get the whole file again, or correct ncols and nrows"));
     }
     if (grid_.known() == 0) {
-      return std::unexpected(at_line(0, ReadFault::empty, "holds no height, all are NODATA", "check NODATA_value"));
+      return std::unexpected(at_line({}, ReadFault::empty, "holds no height, all are NODATA", "check NODATA_value"));
     }
     return {};
   }

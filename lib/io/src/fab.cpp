@@ -60,8 +60,8 @@ class FabReader final {
     result_.polygons = std::move(polygons_).finish();
     result_.surfaces = std::move(surfaces_).finish();
     if (result_.faces() == 0) {
-      return std::unexpected(ReadError{ReadFault::empty, std::string{lines_.file()}, 0, 0, "holds no fracture",
-                                       "give a file with a section BEGIN FRACTURE"});
+      return std::unexpected(whole_file(ReadFault::empty, lines_.file(), "holds no fracture",
+                                        "give a file with a section BEGIN FRACTURE"));
     }
     if (metres_ != 1) result_.notes.emplace_back("converted from feet to metres");
     if (flattened_ > 0) {
@@ -305,8 +305,7 @@ class FabReader final {
 
 std::expected<Surfaces, ReadError> parse_fab(std::string_view bytes, std::string_view name) {
   if (bytes.empty()) {
-    return std::unexpected(
-        ReadError{ReadFault::empty, std::string{name}, 0, 0, "is empty", "give a file with fractures"});
+    return std::unexpected(whole_file(ReadFault::empty, name, "is empty", "give a file with fractures"));
   }
   return FabReader{without_bom(bytes), name}.run();
 }

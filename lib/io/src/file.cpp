@@ -7,6 +7,8 @@
 #include <ios>
 #include <system_error>
 
+#include "text.hpp"
+
 namespace cleave::io {
 namespace {
 
@@ -16,7 +18,7 @@ constexpr std::uintmax_t largest_file = std::uintmax_t{4} << 30U;
 
 std::expected<std::string, ReadError> read_file(const std::filesystem::path& path) {
   const auto fail = [&](ReadFault fault, std::string what, std::string remedy) {
-    return std::unexpected(ReadError{fault, path.string(), 0, 0, std::move(what), std::move(remedy)});
+    return std::unexpected(whole_file(fault, path.string(), std::move(what), std::move(remedy)));
   };
   std::error_code failure;
   const auto status = std::filesystem::status(path, failure);

@@ -86,17 +86,18 @@ class TableReader final {
       if (problems_.size() >= most_problems) break;
     }
     if (problems_.empty() && table_.rows.empty()) {
-      report(ReadFault::empty, 0, 0, "has a header but no joints", "add a line for each joint");
+      report(ReadFault::empty, {}, {}, "has a header but no joints", "add a line for each joint");
     }
     if (!problems_.empty()) return std::unexpected(std::move(problems_));
     return std::move(table_);
   }
 
  private:
-  void report(ReadFault fault, std::uint32_t line, std::size_t column, std::string what, std::string remedy) {
+  using Number = std::optional<std::uint32_t>;  // from 1
+  static std::uint32_t nth(std::size_t column) { return static_cast<std::uint32_t>(column) + 1; }
+  void report(ReadFault fault, Number line, Number column, std::string what, std::string remedy) {
     if (problems_.size() >= most_problems) return;
-    problems_.push_back(
-        {fault, std::string{file_}, line, static_cast<std::uint32_t>(column), std::move(what), std::move(remedy)});
+    problems_.push_back({fault, std::string{file_}, line, column, std::move(what), std::move(remedy)});
   }
 
   // ---- header
@@ -108,14 +109,14 @@ class TableReader final {
     if (column.unit.empty() || stated.empty()) return;
     unit_[index(column.column)] = find_unit(column.unit, stated);
     if (unit_[index(column.column)] != nullptr) return;
-    report(ReadFault::bad_columns, csv_.header_line, 0,
+    report(ReadFault::bad_columns, csv_.header_line, {},
            fmt::format("the unit {} of column {} is not understood", shown(stated), name_of(column.column)),
            fmt::format("state it in {}, or in another unit of that kind", column.unit));
   }
 
   void read_header() {
     const auto wrong = [&](std::string what, std::string remedy) {
-      report(ReadFault::bad_columns, csv_.header_line, 0, std::move(what), std::move(remedy));
+      report(ReadFault::bad_columns, csv_.header_line, {}, std::move(what), std::move(remedy));
     };
     if (std::ranges::any_of(csv_.header, [](const std::string& cell) { return number_of(cell).has_value(); })) {
       wrong("the first line holds numbers where the names of the columns should stand",
@@ -211,7 +212,7 @@ class TableReader final {
       if (csv_.separator == ';') std::ranges::replace(plain, ',', '.');
       const auto value = number_of(plain);
       if (!value || !(*value > 0) || std::ranges::find(never, csv_.header[c]) != never.end()) continue;
-      report(ReadFault::bad_columns, csv_.header_line, c + 1,
+      report(ReadFault::bad_columns, csv_.header_line, nth(c),
              fmt::format("column {} is not understood, and the joint of line {} has no size without it",
                          shown(csv_.header[c]), row.line),
              "name it radius, diameter, or side_a and side_b; where it is no size and joints are meant to go through "
@@ -222,7 +223,7 @@ class TableReader final {
   }
 
   void problem(const CsvTable::Row& row, Column column, ReadFault fault, std::string what, std::string remedy) {
-    report(fault, row.line, place_[index(column)].value_or(0) + 1, std::move(what), std::move(remedy));
+    report(fault, row.line, nth(place_[index(column)].value_or(0)), std::move(what), std::move(remedy));
   }
 
   double required(const CsvTable::Row& row, Column column) {
@@ -331,7 +332,7 @@ class TableReader final {
                           std::any_of(row.cells.begin() + static_cast<std::ptrdiff_t>(csv_.header.size()),
                                       row.cells.end(), [](const std::string& c) { return !c.empty(); });
     if (too_long || row.cells.size() < csv_.header.size()) {
-      report(ReadFault::syntax, row.line, 0,
+      report(ReadFault::syntax, row.line, {},
              fmt::format("{} cells, the header has {}", row.cells.size(), csv_.header.size()),
              csv_.separator == ',' ? "give every column; with decimal commas separate columns by semicolons"
                                    : "give every column");

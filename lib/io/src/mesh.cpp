@@ -144,11 +144,11 @@ std::expected<MeshData, ReadError> read_mesh(const std::filesystem::path& path) 
   const bool known = extension == ".obj" || extension == ".stl" || extension == ".ply";
   CLEAVE_TRY(const std::string bytes, read_file(path));
   if (!known) {
-    return std::unexpected(ReadError{ReadFault::unknown_format, name, 0, 0,
-                                     "the kind of this file cannot be told by its name", "name it .obj, .stl or .ply"});
+    return std::unexpected(whole_file(ReadFault::unknown_format, name,
+                                      "the kind of this file cannot be told by its name",
+                                      "name it .obj, .stl or .ply"));
   }
-  if (bytes.empty())
-    return std::unexpected(ReadError{ReadFault::empty, name, 0, 0, "is empty", "give a file with faces"});
+  if (bytes.empty()) return std::unexpected(whole_file(ReadFault::empty, name, "is empty", "give a file with faces"));
   if (extension == ".obj") return parse_obj(bytes, name);
   return extension == ".stl" ? parse_stl(bytes, name) : parse_ply(bytes, name);
 }

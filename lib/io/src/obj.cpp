@@ -51,7 +51,7 @@ class ObjReader final {
     if (mesh_.faces() == 0) {
       ReadError error =
           lines_.error(ReadFault::empty, "holds no f record, so no polygon", "give a file with v and f records");
-      error.line = 0;
+      error.line.reset();
       return std::unexpected(std::move(error));
     }
     keep_used_groups();

@@ -117,7 +117,7 @@ class PlyReader final {
         ReadError error = whole(ReadFault::out_of_range,
                                 fmt::format("face {} names vertex {}, there are {}", f, corner, mesh_.vertices.size()),
                                 "vertices count from 0");
-        error.line = mesh_.lines[f];
+        if (encoding_ == Encoding::text) error.line = mesh_.lines[f];
         return std::unexpected(std::move(error));
       }
     }
@@ -128,7 +128,7 @@ class PlyReader final {
 
  private:
   [[nodiscard]] ReadError whole(ReadFault fault, std::string what, std::string remedy) const {
-    return {fault, std::string{lines_.file()}, 0, 0, std::move(what), std::move(remedy)};
+    return whole_file(fault, lines_.file(), std::move(what), std::move(remedy));
   }
   [[nodiscard]] ReadError truncated() const {
     return whole(ReadFault::truncated, "ends before all elements that its header promises", "get the whole file again");

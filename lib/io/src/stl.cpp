@@ -30,7 +30,7 @@ void add_triangle(MeshData& mesh, const std::array<geometry::Vec3, 3>& corners, 
 
 std::expected<MeshData, ReadError> parse_binary(std::string_view bytes, std::string_view file) {
   const auto fail = [&](ReadFault fault, std::string what, std::string remedy) {
-    return std::unexpected(ReadError{fault, std::string{file}, 0, 0, std::move(what), std::move(remedy)});
+    return std::unexpected(whole_file(fault, file, std::move(what), std::move(remedy)));
   };
   const std::uint64_t count = unsigned_at<4>(bytes.substr(80), std::endian::little);
   const std::uint64_t expected = header_size + triangle_size * count;
@@ -85,8 +85,8 @@ class TextReader final {
       CLEAVE_CHECK(read_solid());
     }
     if (!any || mesh_.faces() == 0) {
-      return std::unexpected(ReadError{ReadFault::empty, std::string{lines_.file()}, 0, 0, "holds no triangle",
-                                       "give a file with triangles"});
+      return std::unexpected(
+          whole_file(ReadFault::empty, lines_.file(), "holds no triangle", "give a file with triangles"));
     }
     return std::move(mesh_);
   }
@@ -189,7 +189,7 @@ bool reads_as_text(std::string_view bytes) {
 
 std::expected<MeshData, ReadError> parse_stl(std::string_view bytes, std::string_view name) {
   const auto fail = [&](ReadFault fault, std::string what, std::string remedy) {
-    return std::unexpected(ReadError{fault, std::string{name}, 0, 0, std::move(what), std::move(remedy)});
+    return std::unexpected(whole_file(fault, name, std::move(what), std::move(remedy)));
   };
   if (bytes.empty()) return fail(ReadFault::empty, "is empty", "give a file with triangles");
   const bool has_header = bytes.size() >= header_size;

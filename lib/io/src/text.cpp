@@ -36,8 +36,13 @@ bool LineReader::next(std::string_view& line) noexcept {
   return true;
 }
 
+ReadError whole_file(ReadFault fault, std::string_view file, std::string what, std::string remedy) {
+  return {fault, std::string{file}, {}, {}, std::move(what), std::move(remedy)};
+}
+
 ReadError LineReader::error(ReadFault fault, std::string what, std::string remedy) const {
-  return {fault, std::string{file_}, number_, 0, std::move(what), std::move(remedy)};
+  const auto line = number_ > 0 ? std::optional{number_} : std::nullopt;
+  return {fault, std::string{file_}, line, {}, std::move(what), std::move(remedy)};
 }
 
 std::string_view take_word(std::string_view& line) noexcept {
@@ -65,8 +70,8 @@ std::expected<double, std::string> number_of(std::string_view word) {
 }
 
 std::string describe(const ReadError& error) {
-  return error.line == 0 ? fmt::format("{}: {}; {}", error.file, error.what, error.remedy)
-                         : fmt::format("{}:{}: {}; {}", error.file, error.line, error.what, error.remedy);
+  const std::string line = error.line ? fmt::format(":{}", *error.line) : "";
+  return fmt::format("{}{}: {}; {}", error.file, line, error.what, error.remedy);
 }
 
 }  // namespace cleave::io

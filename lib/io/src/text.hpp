@@ -16,6 +16,9 @@ namespace cleave::io {
 /// Without the byte order mark of UTF-8.
 [[nodiscard]] std::string_view without_bom(std::string_view bytes) noexcept;
 
+/// A fault of the file as a whole.
+[[nodiscard]] ReadError whole_file(ReadFault fault, std::string_view file, std::string what, std::string remedy);
+
 /// Takes the bytes apart into lines and words; CR is a blank, so CRLF needs no care.
 class LineReader final {
  public:

@@ -18,8 +18,9 @@ namespace {
 using Json = nlohmann::json;
 using Line = std::vector<std::array<double, 2>>;
 
-ReadError error(std::string_view name, ReadFault fault, std::uint32_t line, std::string what, std::string remedy) {
-  return {fault, std::string{name}, line, 0, std::move(what), std::move(remedy)};
+ReadError error(std::string_view name, ReadFault fault, std::optional<std::uint32_t> line, std::string what,
+                std::string remedy) {
+  return {fault, std::string{name}, line, {}, std::move(what), std::move(remedy)};
 }
 
 std::optional<double> number_of(std::string_view text) {
@@ -217,7 +218,7 @@ std::expected<TraceMap, ReadError> parse_trace_map(std::string_view bytes, std::
              : ends(".csv")                    ? parse_table(bytes, name)
              : ends(".txt")                    ? parse_fracpaq(bytes, name)
                                                : std::expected<TraceMap, ReadError>{std::unexpected(error(
-                                  name, ReadFault::unknown_format, 0, "has an ending that is not known for trace maps",
+                                  name, ReadFault::unknown_format, {}, "has an ending that is not known for trace maps",
                                   "give .geojson, .csv or .txt (FracPaQ)"))};
   if (map && map->lines.empty() && map->polygons.empty()) {
     return std::unexpected(error(name, ReadFault::empty, 1, "holds no traces", "give at least one line"));

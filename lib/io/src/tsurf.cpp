@@ -49,8 +49,8 @@ class TsurfReader final {
       }
     }
     if (builder_.faces() == 0) {
-      return std::unexpected(ReadError{ReadFault::empty, std::string{lines_.file()}, 0, 0,
-                                       "holds no triangle of a TSurf", "give a file with a triangulated surface"});
+      return std::unexpected(whole_file(ReadFault::empty, lines_.file(), "holds no triangle of a TSurf",
+                                        "give a file with a triangulated surface"));
     }
     for (const auto& [kind, count] : skipped_) {
       result_.notes.push_back(fmt::format("not read: {} objects of kind {}", count, shown(kind)));
@@ -240,8 +240,7 @@ class TsurfReader final {
 
 std::expected<Surfaces, ReadError> parse_tsurf(std::string_view bytes, std::string_view name) {
   if (bytes.empty()) {
-    return std::unexpected(
-        ReadError{ReadFault::empty, std::string{name}, 0, 0, "is empty", "give a file with a triangulated surface"});
+    return std::unexpected(whole_file(ReadFault::empty, name, "is empty", "give a file with a triangulated surface"));
   }
   return TsurfReader{without_bom(bytes), name}.run();
 }

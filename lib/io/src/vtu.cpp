@@ -101,10 +101,10 @@ class VtuReader final {
   [[nodiscard]] ReadError wrong(ReadFault fault, std::string what, std::string remedy) const {
     const string_view read = all_.substr(0, all_.size() - rest_.size());
     const auto line = static_cast<std::uint32_t>(1 + std::ranges::count(read, '\n'));
-    return {fault, std::string{file_}, line, 0, std::move(what), std::move(remedy)};
+    return {fault, std::string{file_}, line, {}, std::move(what), std::move(remedy)};
   }
   [[nodiscard]] ReadError whole(ReadFault fault, std::string what, std::string remedy) const {
-    return {fault, std::string{file_}, 0, 0, std::move(what), std::move(remedy)};
+    return whole_file(fault, file_, std::move(what), std::move(remedy));
   }
   static constexpr const char* resave = "save it with inline arrays, as ascii or uncompressed binary";
 

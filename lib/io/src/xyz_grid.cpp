@@ -87,7 +87,7 @@ class XyzReader final {
 
  private:
   [[nodiscard]] ReadError whole(ReadFault fault, std::string what, std::string remedy) const {
-    return {fault, std::string{lines_.file()}, 0, 0, std::move(what), std::move(remedy)};
+    return whole_file(fault, lines_.file(), std::move(what), std::move(remedy));
   }
 
   std::expected<void, ReadError> read_samples() {
@@ -185,7 +185,10 @@ class XyzReader final {
       double& height = grid_.heights[std::size_t{grid_.rows - 1 - *from_south} * grid_.columns + *column];
       if (!std::isnan(height) && height != sample.at.z) {
         return std::unexpected(
-            ReadError{ReadFault::out_of_range, std::string{lines_.file()}, sample.line, 0,
+            ReadError{ReadFault::out_of_range,
+                      std::string{lines_.file()},
+                      sample.line,
+                      {},
                       fmt::format("({}, {}) has two heights, {} and {}", sample.at.x, sample.at.y, height, sample.at.z),
                       "remove one of them"});
       }

@@ -4,7 +4,7 @@
 #include <expected>
 #include <vector>
 
-#include "cleave/motion/body.hpp"
+#include "cleave/motion/world.hpp"
 
 /// A body as a union of convex cells that share no volume.
 namespace cleave::motion {

@@ -2,10 +2,8 @@
 
 #include <Eigen/Dense>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
-#include "cleave/linear/fronts.hpp"
 #include "newton.hpp"
 
 namespace cleave::motion {
@@ -28,27 +26,37 @@ class Interior final {
   };
   /// Forces near the end of the path; the products left. `x`: the centre, then the answer.
   double solve(std::vector<Eigen::Vector3d>& x, const Options& options);
-  [[nodiscard]] std::size_t factors() const noexcept { return factors_; }
+  [[nodiscard]] std::size_t factors() const noexcept { return system_.factors(); }
 
  private:
   /// Of one contact: scaled force and velocity, and what the linearised system needs.
   struct Cone {
     Eigen::Vector3d force = Eigen::Vector3d::Zero(), speed = Eigen::Vector3d::Zero();
+    Eigen::Vector3d unit = Eigen::Vector3d::Zero();  ///< of a force of the cone: impulse by component
     Eigen::Matrix3d scaling = Eigen::Matrix3d::Zero(), back = Eigen::Matrix3d::Zero();
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d soft = Eigen::Matrix3d::Zero(), turn = Eigen::Matrix3d::Identity();
+    Eigen::Matrix3d compliance = Eigen::Matrix3d::Zero(), turn = Eigen::Matrix3d::Identity();
     Eigen::Vector3d off = Eigen::Vector3d::Zero();
     Eigen::Vector3d d_force = Eigen::Vector3d::Zero(), d_speed = Eigen::Vector3d::Zero();
+    /// `scaling` P and `back` P^-1 such that P speed = P^-1 force, which is `middle`.
+    void scale();
   };
+  /// Forces inside their cones, and not nearer to the skin than `start`.
+  void begin(std::vector<Eigen::Vector3d>& x, const Options& options);
+  /// Of the cones, after a share of the step.
+  [[nodiscard]] double mean_product(double share) const;
+  /// The largest lack of balance; slips below `blunt` are smoothed.
+  double linearise(const std::vector<Eigen::Vector3d>& x, const std::vector<Eigen::Vector3d>& centre, double blunt,
+                   const Options& options);
   [[nodiscard]] bool factor(bool symmetric);
-  void back_substitute(Eigen::VectorXd& x) const;
+  /// The step to products of `target`, `corrected` by that of the step before. Returns the share that stays inside.
+  double direct(double target, bool corrected, double weight);
+  void step(double share, std::vector<Eigen::Vector3d>& x);
 
   const Scaled* scaled_;
-  bool dense_;
-  std::optional<linear::FrontalFactor> sparse_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+  linear::BlockSystem system_;
   std::vector<Cone> cones_;
-  std::size_t factors_ = 0;
+  Eigen::VectorXd v_, off_v_, dv_;  ///< velocities of the bodies, their lack of balance, the step
 };
 
 }  // namespace cleave::motion

@@ -8,20 +8,9 @@
 namespace cleave::motion {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Scaled& scaled) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
-  for (const auto& e : scaled.elements) {
-    if (e.other == ground) continue;
-    const std::pair link{std::min(e.body, e.other), std::max(e.body, e.other)};
-    if (out.empty() || out.back() != link) out.push_back(link);
-  }
-  return out;
-}
 
 Scaled::Scaled(const Group& group) : bodies{group.mass.size()} {
   std::vector<Eigen::LLT<Matrix6>> mass;
@@ -32,9 +21,9 @@ Scaled::Scaled(const Group& group) : bodies{group.mass.size()} {
     e.y += p.on_body.transpose() * group.free[p.body];
     mass[p.body].matrixL().solveInPlace(e.on_body);
     double square = e.on_body.squaredNorm();
-    if (p.other != ground) {
-      e.y += p.on_other.transpose() * group.free[p.other];
-      mass[p.other].matrixL().solveInPlace(e.on_other);
+    if (p.other) {
+      e.y += p.on_other.transpose() * group.free[*p.other];
+      mass[*p.other].matrixL().solveInPlace(e.on_other);
       square += e.on_other.squaredNorm();
     }
     e.scale = 1 / std::sqrt(square / 3);
@@ -57,13 +46,13 @@ Scaled::Scaled(const Group& group) : bodies{group.mass.size()} {
 Vector3d Scaled::relative(const Element& e, const VectorXd& v) const {
   Vector3d u = e.y;
   u.noalias() += e.on_body.transpose() * v.segment<6>(row(e.body));
-  if (e.other != ground) u.noalias() += e.on_other.transpose() * v.segment<6>(row(e.other));
+  if (e.other) u.noalias() += e.on_other.transpose() * v.segment<6>(row(*e.other));
   return u;
 }
 
 void Scaled::add(const Element& e, const Vector3d& x, VectorXd& v) const {
   v.segment<6>(row(e.body)).noalias() += e.on_body * x;
-  if (e.other != ground) v.segment<6>(row(e.other)).noalias() += e.on_other * x;
+  if (e.other) v.segment<6>(row(*e.other)).noalias() += e.on_other * x;
 }
 
 namespace {
@@ -75,9 +64,7 @@ void held_in_disc(const Vector2d& t, double radius, linear::Projection& out) {
 
 }  // namespace
 
-Newton::Newton(const Scaled& scaled) : scaled_{&scaled}, dense_{scaled.bodies <= few_bodies} {
-  if (!dense_) factor_.emplace(scaled.bodies, 6, links(scaled));
-}
+Newton::Newton(const Scaled& scaled) : scaled_{&scaled}, system_{scaled.bodies, 6, linear::links_of(scaled.elements)} {}
 
 Newton::Local Newton::project(const Programme& programme, std::size_t k, const Vector3d& w) const {
   const Scaled::Element& e = scaled_->elements[k];
@@ -135,43 +122,13 @@ double Newton::evaluate(const Programme& programme, const std::vector<Vector3d>&
 
 bool Newton::direction(const std::vector<Local>& locals, double rho, bool symmetric, const VectorXd& gradient,
                        VectorXd& step) {
-  ++factors_;
-  MatrixXd whole;
-  if (dense_) {
-    whole = MatrixXd::Identity(gradient.size(), gradient.size());
-  } else {
-    factor_->clear(symmetric);
-    for (std::size_t b = 0; b < scaled_->bodies; ++b) factor_->block(b, b).diagonal().setOnes();
-  }
-  const auto add = [&](std::uint32_t r, std::uint32_t c, const Matrix6& value) {
-    if (dense_) {
-      whole.block<6, 6>(row(r), row(c)) += value;
-    } else {
-      factor_->block(r, c) += value;
-    }
-  };
+  system_.clear(symmetric);
   for (std::size_t k = 0; k < locals.size(); ++k) {
-    if (!locals[k].any) continue;
-    const Scaled::Element& e = scaled_->elements[k];
-    const Rows left = e.on_body * (locals[k].slope / rho);
-    add(e.body, e.body, left * e.on_body.transpose());
-    if (e.other == ground) continue;
-    const Rows right = e.on_other * (locals[k].slope / rho);
-    add(e.other, e.other, right * e.on_other.transpose());
-    add(e.body, e.other, left * e.on_other.transpose());
-    add(e.other, e.body, right * e.on_body.transpose());
+    if (locals[k].any) system_.add_element(scaled_->elements[k], locals[k].slope / rho);
   }
   step = -gradient;
-  if (!dense_) {
-    if (!factor_->factorise()) return false;
-    factor_->solve(step);
-  } else if (symmetric) {
-    const Eigen::LLT<MatrixXd> factor{whole};
-    if (factor.info() != Eigen::Success) return false;
-    factor.solveInPlace(step);
-  } else {
-    step = whole.partialPivLu().solve(step).eval();
-  }
+  if (!system_.factorise()) return false;
+  system_.solve(step);
   return step.allFinite();
 }
 
@@ -189,23 +146,13 @@ double Newton::inner(const Programme& programme, std::vector<Vector3d>& x, doubl
     if (size <= 2e-15 * carried) break;
     if (!direction(locals, rho, convex, gradient, step)) return std::numeric_limits<double>::infinity();
     const double slope = gradient.dot(step);
-    double share = 1, best = 0, best_size = size;
-    for (int halving = 0; halving < 20; ++halving, share *= 0.5) {
-      tried = v + share * step;
+    const double share = linear::share_of_step({value, size}, slope, convex, 20, [&](double part) {
+      tried = v + part * step;
       const double found = evaluate(programme, x, rho, tried, tried_gradient, tried_locals);
-      const double found_size = tried_gradient.norm();
-      if ((convex && found <= value + 1e-4 * share * slope) || found_size <= (1 - 0.1 * share) * size) {
-        best = share;
-        break;
-      }
-      if (found_size < best_size) {
-        best = share;
-        best_size = found_size;
-        if (!convex && halving > 6) break;
-      }
-    }
-    if (!(best > 0)) break;
-    v += best * step;
+      return linear::Merit{found, tried_gradient.norm()};
+    });
+    if (!(share > 0)) break;
+    v += share * step;
     value = evaluate(programme, x, rho, v, gradient, locals);
     const double before = std::exchange(size, gradient.norm());
     stuck = size > 0.5 * before && size < 1e-9 ? stuck + 1 : 0;

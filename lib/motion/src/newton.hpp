@@ -3,11 +3,10 @@
 #include <Eigen/Dense>
 #include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
+#include "cleave/linear/block_system.hpp"
 #include "cleave/linear/cone.hpp"
-#include "cleave/linear/fronts.hpp"
 #include "solver.hpp"
 
 namespace cleave::motion {
@@ -26,7 +25,8 @@ struct Scaled {
   explicit Scaled(const Group& group);
 
   struct Element {
-    std::uint32_t body, other;
+    std::uint32_t body;
+    std::optional<std::uint32_t> other;
     Rows on_body, on_other;
     Eigen::Vector3d y;  ///< of free motion
     double mu, cohesion, tension;
@@ -61,7 +61,7 @@ class Newton final {
   /// Goes on from `x`. Returns the largest change of velocity that the last proximal weight still hid; infinity when a
   /// Newton iteration got lost.
   double solve(const Programme& programme, std::vector<Eigen::Vector3d>& x, const Schedule& schedule);
-  [[nodiscard]] std::size_t factors() const noexcept { return factors_; }
+  [[nodiscard]] std::size_t factors() const noexcept { return system_.factors(); }
 
  private:
   using Local = linear::Projection;
@@ -74,21 +74,13 @@ class Newton final {
   double inner(const Programme& programme, std::vector<Eigen::Vector3d>& x, double rho, Eigen::VectorXd& v);
 
   const Scaled* scaled_;
-  bool dense_;
-  std::optional<linear::FrontalFactor> factor_;
-  std::size_t factors_ = 0;
+  linear::BlockSystem system_;
 };
 
 /// Sweeps over the points, each solved alone by projected steps (Jean 1999): coarse, but never lost.
 void sweep(const Scaled& scaled, std::vector<Eigen::Vector3d>& x, int sweeps);
 
-/// Up to so many bodies a dense factor is as good.
-constexpr std::size_t few_bodies = 12;
-
 /// First of the six rows of a body.
 [[nodiscard]] inline Eigen::Index row(std::uint32_t body) { return 6 * static_cast<Eigen::Index>(body); }
-
-/// Pairs of bodies that touch, the smaller number first: where factors have entries.
-[[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint32_t>> links(const Scaled& scaled);
 
 }  // namespace cleave::motion

@@ -23,7 +23,7 @@ Response respond(const Group& group, const std::vector<Vector3d>& impulse) {
   for (std::size_t k = 0; k < impulse.size(); ++k) {
     const Point& p = group.points[k];
     given[p.body] += p.on_body * impulse[k];
-    if (p.other != ground) given[p.other] += p.on_other * impulse[k];
+    if (p.other) given[*p.other] += p.on_other * impulse[k];
   }
   std::vector<Eigen::LLT<Matrix6>> mass;
   mass.reserve(group.mass.size());
@@ -36,10 +36,10 @@ Response respond(const Group& group, const std::vector<Vector3d>& impulse) {
     Vector3d diagonal = p.on_body.cwiseProduct(mass[p.body].solve(p.on_body)).colwise().sum().transpose();
     Vector3d own = p.b + p.on_body.transpose() * group.free[p.body];
     Vector3d made = p.on_body.transpose() * given[p.body];
-    if (p.other != ground) {
-      diagonal += p.on_other.cwiseProduct(mass[p.other].solve(p.on_other)).colwise().sum().transpose();
-      own += p.on_other.transpose() * group.free[p.other];
-      made += p.on_other.transpose() * given[p.other];
+    if (p.other) {
+      diagonal += p.on_other.cwiseProduct(mass[*p.other].solve(p.on_other)).colwise().sum().transpose();
+      own += p.on_other.transpose() * group.free[*p.other];
+      made += p.on_other.transpose() * given[*p.other];
     }
     out.diagonal.push_back(diagonal);
     out.from_impulse.push_back(made);
@@ -295,9 +295,9 @@ class Cascade {
     for (const Vector6& v : group_.free) fastest = std::max(fastest, v.norm());
     for (const Point& p : group_.points) {
       if (!(p.mu > 0)) continue;
-      for (const std::uint32_t b : {p.body, p.other}) {
-        if (b == ground || group_.free[b].norm() <= 1e-6 * fastest) continue;
-        if (best_.velocity[b].norm() <= 1e-6 * fastest) return true;
+      for (const std::optional<std::uint32_t> b : {std::optional{p.body}, p.other}) {
+        if (!b || group_.free[*b].norm() <= 1e-6 * fastest) continue;
+        if (best_.velocity[*b].norm() <= 1e-6 * fastest) return true;
       }
     }
     return false;

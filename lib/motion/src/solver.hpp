@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <optional>
 #include <vector>
 
 #include "cleave/motion/world.hpp"
@@ -14,13 +14,13 @@ namespace cleave::motion {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Rows = Eigen::Matrix<double, 6, 3>;
-inline constexpr std::uint32_t ground = std::numeric_limits<std::uint32_t>::max();
 
 /// One contact point. Impulses p = (n, t) give y = b + H v = (opening, slip):
 ///   0 <= n + tension  _|_  y_n >= 0,   |t| <= mu n + cohesion,   slip 0 inside the bound, else opposite to t.
 /// Cohesion counts while the point is closed; tension is at most cohesion / mu, the apex of the cone.
 struct Point {
-  std::uint32_t body = 0, other = ground;
+  std::uint32_t body = 0;
+  std::optional<std::uint32_t> other = {};               ///< empty: what does not move
   Rows on_body = Rows::Zero(), on_other = Rows::Zero();  ///< columns: what an impulse along n, t1, t2 gives the body
   Eigen::Vector3d b = Eigen::Vector3d::Zero();           ///< m/s
   double mu = 0;

@@ -70,20 +70,20 @@ std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) cons
   for (const BondState& bond : bonds) {
     if (!bond.broken) link(bond.bond.body, bond.bond.other);
   }
-  std::vector<std::uint32_t> place(shapes.size(), ground);
+  std::vector<std::optional<std::uint32_t>> place(shapes.size());
   std::vector<Island> out;
   for (std::uint32_t b = 0; b < shapes.size(); ++b) {
     if (in[b] == 0) continue;
     const std::uint32_t root = sets.find(b);
-    if (place[root] == ground) {
+    if (!place[root]) {
       place[root] = static_cast<std::uint32_t>(out.size());
       out.emplace_back();
     }
-    out[place[root]].bodies.push_back(b);
+    out[*place[root]].bodies.push_back(b);
   }
   const auto island = [&](std::uint32_t a, std::uint32_t b) -> Island* {
     if (!moves(a) && !moves(b)) return nullptr;
-    return &out[place[sets.find(moves(a) ? a : b)]];
+    return &out[*place[sets.find(moves(a) ? a : b)]];
   };
   for (std::uint32_t k = 0; k < list.size(); ++k) {
     if (Island* own = island(list[k].body, list[k].other)) own->touches.push_back(k);
@@ -99,8 +99,8 @@ std::vector<Island> World::Impl::islands_of(const std::vector<Touch>& list) cons
 Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list, const std::vector<State>& mid,
                             double step, double rebound) const {
   Group group;
-  const auto local = [&](std::uint32_t b) {
-    if (!moves(b)) return ground;
+  const auto local = [&](std::uint32_t b) -> std::optional<std::uint32_t> {
+    if (!moves(b)) return std::nullopt;
     return static_cast<std::uint32_t>(std::ranges::lower_bound(island.bodies, b) - island.bodies.begin());
   };
   for (const std::uint32_t b : island.bodies) {
@@ -108,14 +108,17 @@ Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list
     group.free.push_back(stacked(mid[b].v + step * options.gravity, spin(mid[b], b)));
   }
   const auto add = [&](std::uint32_t body, std::uint32_t other, Vec3 at, Vec3 normal) -> Point& {
-    Point p{.body = local(body), .other = local(other)};
+    auto first = local(body), second = local(other);
+    Point p;
     const Frame frame = frame_of(normal);
-    if (p.body != ground) p.on_body = rows_of(frame, at - centroid(mid[body], body));
-    if (p.other != ground) p.on_other = -rows_of(frame, at - centroid(mid[other], other));
-    if (p.body == ground) {
-      std::swap(p.body, p.other);
+    if (first) p.on_body = rows_of(frame, at - centroid(mid[body], body));
+    if (second) p.on_other = -rows_of(frame, at - centroid(mid[other], other));
+    if (!first) {
+      std::swap(first, second);
       p.on_body.swap(p.on_other);
     }
+    p.body = *first;
+    p.other = second;
     return group.points.emplace_back(p);
   };
   const double slow = 2 * step * norm(options.gravity);
@@ -131,8 +134,8 @@ Group World::Impl::group_of(const Island& island, const std::vector<Touch>& list
     Vector6 before = group.free[p.body];
     before.head<3>() -= step * Vector3d{options.gravity.x, options.gravity.y, options.gravity.z};
     double closing = p.on_body.col(0).dot(before);
-    if (p.other != ground) {
-      before = group.free[p.other];
+    if (p.other) {
+      before = group.free[*p.other];
       before.head<3>() -= step * Vector3d{options.gravity.x, options.gravity.y, options.gravity.z};
       closing += p.on_other.col(0).dot(before);
     }
@@ -175,9 +178,9 @@ World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& gro
     const Point& p = group.points[k];
     Vector3d first = p.on_body.transpose() * before[p.body];
     Vector3d then = p.on_body.transpose() * found.velocity[p.body];
-    if (p.other != ground) {
-      first += p.on_other.transpose() * before[p.other];
-      then += p.on_other.transpose() * found.velocity[p.other];
+    if (p.other) {
+      first += p.on_other.transpose() * before[*p.other];
+      then += p.on_other.transpose() * found.velocity[*p.other];
     } else {
       const Vector3d force = p.on_body.topRows<3>() * found.impulse[k];
       out.from_walls += Vec3{force[0], force[1], force[2]};
@@ -192,18 +195,18 @@ World::Impl::Balance World::Impl::gain_of(const Island& island, const Group& gro
   return out;
 }
 
-bool World::Impl::close_island(const Island& island, const Group& group, const Solution& found,
-                               const std::vector<State>& mid, double step, bool rebounding, Attempt& out) {
-  const Balance balance = gain_of(island, group, found, mid, step);
+bool World::Impl::close_island(const Island& island, const Solved& solved, const std::vector<State>& mid, double step,
+                               Attempt& out) const {
+  const Balance balance = gain_of(island, solved.group, solved.found, mid, step);
   const bool mean = implicit[island.bodies[0]] == 0 && !options.quasi_static && options.theta < 1;
-  if (mean && !rebounding && balance.gain > 0) return false;
+  if (mean && !solved.rebounds && balance.gain > 0) return false;
   out.work += balance.work;
   out.scheme += balance.scheme;
   out.friction += balance.friction;
   out.given += balance.from_walls;
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     const std::uint32_t b = island.bodies[k];
-    const Vector6& v = found.velocity[k];
+    const Vector6& v = solved.found.velocity[k];
     out.state[b].v = {v[0], v[1], v[2]};
     out.state[b].momentum = shapes[b].inertia * mid[b].turn.back({v[3], v[4], v[5]});
     const Vec3 gained = out.state[b].v - mid[b].v;
@@ -213,124 +216,143 @@ bool World::Impl::close_island(const Island& island, const Group& group, const S
   return true;
 }
 
+double World::Impl::theta_of(std::uint32_t b) const {
+  return options.quasi_static || implicit[b] != 0 ? 1.0 : options.theta;
+}
+
+std::vector<State> World::Impl::predict(double step, std::vector<double>& travel) const {
+  std::vector<State> mid = state;
+  for (std::uint32_t b = 0; b < shapes.size(); ++b) {
+    if (!moves(b)) continue;
+    if (options.quasi_static) mid[b].v = mid[b].momentum = {};
+    travel[b] = step * (norm(mid[b].v) + step * norm(options.gravity) + norm(spin(mid[b], b)) * shapes[b].radius) +
+                1e-6 * shapes[b].size;
+    drift_body(mid[b], b, (1 - theta_of(b)) * step);
+  }
+  return mid;
+}
+
+void World::Impl::let_fall(const std::vector<State>& mid, double step, Attempt& out) const {
+  out.state = mid;
+  out.work = out.friction = out.scheme = 0;
+  out.given = {};
+  out.broken.clear();
+  out.contacts.clear();
+  out.report = {};
+  for (std::uint32_t b = 0; b < shapes.size(); ++b) {
+    if (!moves(b)) continue;
+    out.state[b].v += step * options.gravity;
+    // What nothing touches: an implicit step of it loses what it falls too far.
+    out.scheme -= (theta_of(b) - 0.5) * shapes[b].mass * step * step * dot(options.gravity, options.gravity);
+    out.given += shapes[b].mass * step * options.gravity;
+  }
+}
+
+World::Impl::Solved World::Impl::solve_island(const Island& island, const std::vector<Touch>& list,
+                                              const std::vector<State>& mid, double step, double tolerate) const {
+  Solved out;
+  // Restitution in several contacts at once may ask for more energy than there is (Kane 1984): then for less.
+  for (const double rebound : {1.0, 0.99, 0.97, 0.93, 0.85, 0.7, 0.5, 0.25, 0.0}) {
+    out.group = group_of(island, list, mid, step, rebound);
+    SolverOptions how = options.solver;
+    how.tolerate = tolerate;
+    const double slow = 2 * step * norm(options.gravity);
+    how.locking = std::ranges::all_of(island.bodies, [&](std::uint32_t b) {
+      return norm(mid[b].v) + norm(spin(mid[b], b)) * shapes[b].radius <= slow;
+    });
+    out.found = motion::solve(out.group, how);
+    out.rebounds = std::ranges::any_of(out.group.points, [](const Point& p) { return p.b[0] < 0; });
+    if (!out.rebounds || gain_of(island, out.group, out.found, mid, step).gain <= 0) break;
+  }
+  return out;
+}
+
+void World::Impl::note_contacts(const Island& island, const Solved& solved, double step, Attempt& out) const {
+  for (std::size_t k = 0; k < solved.group.points.size(); ++k) {
+    const Point& p = solved.group.points[k];
+    Vector3d slip = p.on_body.transpose() * solved.found.velocity[p.body];
+    if (p.other) slip += p.on_other.transpose() * solved.found.velocity[*p.other];
+    const bool bonded = k >= island.touches.size();
+    if (bonded) {
+      const auto& [bond, share] = island.bonds[k - island.touches.size()];
+      const double loose = 1e-3 * step * norm(options.gravity) + 1e-9;
+      if (slip.cwiseAbs().maxCoeff() > loose && slip[0] > -loose) {
+        if (out.broken.empty() || out.broken.back() != bond) out.broken.push_back(bond);
+      }
+      continue;
+    }
+    Touch& t = out.touches[island.touches[k]];
+    const Frame frame = frame_of(t.normal);
+    const Vector3d& i = solved.found.impulse[k];
+    t.impulse = i[0] * frame.n + i[1] * frame.t1 + i[2] * frame.t2;
+    out.contacts.push_back({t.body, t.other, t.point, t.normal, t.gap, t.impulse / step, slip.tail<2>().norm(), false});
+  }
+}
+
+std::expected<bool, World::Impl::Failure> World::Impl::solve_all(const std::vector<State>& mid, double step,
+                                                                 double tolerate, Attempt& out) {
+  const std::vector<Island> islands = islands_of(out.touches);
+  out.report.islands = islands.size();
+  bool kept = true;
+  const auto take_implicit_rule = [&](const Island& island) {
+    for (const std::uint32_t b : island.bodies) implicit[b] = implicit_for;
+    kept = false;
+  };
+  for (const Island& island : islands) {
+    // A group takes one rule: the implicit one where one of its bodies does.
+    const bool mixed = std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return implicit[b] != 0; }) &&
+                       std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return implicit[b] == 0; });
+    if (mixed) take_implicit_rule(island);
+    if (!kept) continue;
+    const Solved solved = solve_island(island, out.touches, mid, step, tolerate);
+    const SolveReport& report = solved.found.report;
+    out.report.iterations += report.iterations;
+    out.report.residual = std::max(out.report.residual, report.residual);
+    if (report.may_be_locked) out.report.may_be_locked += island.bodies.size();
+    out.report.stick += report.stick;
+    out.report.slip += report.slip;
+    if (report.status == SolveReport::Status::rough) out.report.rough += island.bodies.size();
+    out.report.missed_speed = std::max(out.report.missed_speed, report.missed_speed);
+    if (report.status == SolveReport::Status::not_converged) {
+      return std::unexpected(Failure{report.residual, "the contact law was not met"});
+    }
+    if (close_island(island, solved, mid, step, out)) {
+      note_contacts(island, solved, step, out);
+    } else {
+      take_implicit_rule(island);
+    }
+  }
+  return kept;
+}
+
 std::optional<World::Impl::Failure> World::Impl::attempt(double step, double tolerate, Attempt& out) {
   std::vector<double> travel(shapes.size(), 0);
-  std::vector<Touch> extra;
   for (int round = 0;;) {
     out = {};
-    std::vector<State> mid = state;
-    const auto theta_of = [&](std::uint32_t b) {
-      return options.quasi_static || implicit[b] != 0 ? 1.0 : options.theta;
-    };
-    for (std::uint32_t b = 0; b < shapes.size(); ++b) {
-      if (!moves(b)) continue;
-      if (options.quasi_static) mid[b].v = mid[b].momentum = {};
-      travel[b] = step * (norm(mid[b].v) + step * norm(options.gravity) + norm(spin(mid[b], b)) * shapes[b].radius) +
-                  1e-6 * shapes[b].size;
-      drift_body(mid[b], b, (1 - theta_of(b)) * step);
-    }
+    const std::vector<State> mid = predict(step, travel);
     place_all(mid, false);
     out.touches = touches_of(near_pairs(travel), travel, true);
     recall(out.touches, step);
-    bool again = false;
+    bool kept = true;
     for (;; ++round) {
-      out.touches.insert(out.touches.end(), extra.begin(), extra.end());
-      extra.clear();
-      out.state = mid;
-      out.work = out.friction = out.scheme = 0;
-      out.given = {};
-      out.broken.clear();
-      out.report = {};
-      for (std::uint32_t b = 0; b < shapes.size(); ++b) {
-        if (!moves(b)) continue;
-        out.state[b].v += step * options.gravity;
-        // What nothing touches: an implicit step of it loses what it falls too far.
-        out.scheme -= (theta_of(b) - 0.5) * shapes[b].mass * step * step * dot(options.gravity, options.gravity);
-        out.given += shapes[b].mass * step * options.gravity;
-      }
-      const std::vector<Island> islands = islands_of(out.touches);
-      out.report.islands = islands.size();
-      out.contacts.clear();
-      for (const Island& island : islands) {
-        // A group takes one rule: the implicit one where one of its bodies does.
-        const bool mixed = std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return implicit[b] != 0; }) &&
-                           std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return implicit[b] == 0; });
-        if (mixed) {
-          for (const std::uint32_t b : island.bodies) implicit[b] = implicit_for;
-          again = true;
-          continue;
-        }
-        if (again) continue;
-        Group group;
-        Solution found;
-        // Restitution in several contacts at once may ask for more energy than there is (Kane 1984): then for less.
-        double rebounding = 0;
-        for (const double rebound : {1.0, 0.99, 0.97, 0.93, 0.85, 0.7, 0.5, 0.25, 0.0}) {
-          group = group_of(island, out.touches, mid, step, rebound);
-          SolverOptions how = options.solver;
-          how.tolerate = tolerate;
-          const double slow = 2 * step * norm(options.gravity);
-          how.locking = std::ranges::all_of(island.bodies, [&](std::uint32_t b) {
-            return norm(mid[b].v) + norm(spin(mid[b], b)) * shapes[b].radius <= slow;
-          });
-          found = motion::solve(group, how);
-          rebounding = 0;
-          for (const Point& p : group.points) rebounding = std::min(rebounding, p.b[0]);
-          if (rebounding >= 0 || gain_of(island, group, found, mid, step).gain <= 0) break;
-        }
-        out.report.iterations += found.report.iterations;
-        out.report.residual = std::max(out.report.residual, found.report.residual);
-        if (found.report.may_be_locked) out.report.may_be_locked += island.bodies.size();
-        out.report.stick += found.report.stick;
-        out.report.slip += found.report.slip;
-        if (found.report.status == SolveReport::Status::rough) out.report.rough += island.bodies.size();
-        out.report.missed_speed = std::max(out.report.missed_speed, found.report.missed_speed);
-        if (found.report.status == SolveReport::Status::not_converged) {
-          return Failure{found.report.residual, "the contact law was not met"};
-        }
-        if (!close_island(island, group, found, mid, step, rebounding < 0, out)) {
-          for (const std::uint32_t b : island.bodies) implicit[b] = implicit_for;
-          again = true;
-          continue;
-        }
-        for (std::size_t k = 0; k < group.points.size(); ++k) {
-          const Point& p = group.points[k];
-          Vector3d slip = p.on_body.transpose() * found.velocity[p.body];
-          if (p.other != ground) slip += p.on_other.transpose() * found.velocity[p.other];
-          const bool bonded = k >= island.touches.size();
-          if (bonded) {
-            const auto& [bond, share] = island.bonds[k - island.touches.size()];
-            const double loose = 1e-3 * step * norm(options.gravity) + 1e-9;
-            if (slip.cwiseAbs().maxCoeff() > loose && slip[0] > -loose) {
-              if (out.broken.empty() || out.broken.back() != bond) out.broken.push_back(bond);
-            }
-            continue;
-          }
-          Touch& t = out.touches[island.touches[k]];
-          const Frame frame = frame_of(t.normal);
-          const Vector3d& i = found.impulse[k];
-          t.impulse = i[0] * frame.n + i[1] * frame.t1 + i[2] * frame.t2;
-          out.contacts.push_back(
-              {t.body, t.other, t.point, t.normal, t.gap, t.impulse / step, slip.tail<2>().norm(), false});
-        }
-      }
-      if (again) break;
+      let_fall(mid, step, out);
+      const auto solved = solve_all(mid, step, tolerate, out);
+      if (!solved) return solved.error();
+      kept = *solved;
+      if (!kept) break;
       for (std::uint32_t b = 0; b < shapes.size(); ++b) {
         if (moves(b)) drift_body(out.state[b], b, theta_of(b) * step);
       }
       place_all(out.state, false);
       if (round >= rounds) break;
       const std::vector<double> none(shapes.size(), 0);
-      extra = missed(out.touches, touches_of(near_pairs(none), none, false), mid, out.state);
-      if (extra.empty()) break;
+      const std::vector<Touch> more = missed(out.touches, touches_of(near_pairs(none), none, false), mid, out.state);
+      if (more.empty()) break;
+      out.touches.insert(out.touches.end(), more.begin(), more.end());
     }
     out.report.retries = static_cast<std::size_t>(round);
-    if (again) {
-      extra.clear();
-      if (++round > 4 * rounds) return Failure{0, "no rule of the step keeps the energy"};
-      continue;
-    }
-    break;
+    if (kept) break;
+    if (++round > 4 * rounds) return Failure{0, "no rule of the step keeps the energy"};
   }
   double deepest = 0;
   out.projected = part(out.state, deepest);

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cleave/motion/body.hpp"
+#include "cleave/motion/world.hpp"
 
 namespace cleave::motion {
 namespace {

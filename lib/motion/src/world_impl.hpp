@@ -1,5 +1,6 @@
 #pragma once
 
+#include <expected>
 #include <memory>
 #include <optional>
 #include <string>
@@ -89,9 +90,26 @@ struct World::Impl {
   [[nodiscard]] std::vector<Island> islands_of(const std::vector<Touch>& list) const;
   [[nodiscard]] Group group_of(const Island& island, const std::vector<Touch>& list, const std::vector<State>& mid,
                                double step, double rebound) const;
+  [[nodiscard]] double theta_of(std::uint32_t b) const;
+  /// Drift to where the kick is given; `travel`: how far bodies may come in the step.
+  [[nodiscard]] std::vector<State> predict(double step, std::vector<double>& travel) const;
+  /// As if there were no contacts, with a clean report.
+  void let_fall(const std::vector<State>& mid, double step, Attempt& out) const;
+  struct Solved {
+    Group group;
+    Solution found;
+    bool rebounds = false;
+  };
+  [[nodiscard]] Solved solve_island(const Island& island, const std::vector<Touch>& list, const std::vector<State>& mid,
+                                    double step, double tolerate) const;
+  /// Impulses of contacts, and bonds that broke.
+  void note_contacts(const Island& island, const Solved& solved, double step, Attempt& out) const;
+  /// All groups. False when some take another rule of the step from now on.
+  [[nodiscard]] std::expected<bool, Failure> solve_all(const std::vector<State>& mid, double step, double tolerate,
+                                                       Attempt& out);
   /// False when the group gained energy by the mean rule and is to be done again.
-  [[nodiscard]] bool close_island(const Island& island, const Group& group, const Solution& found,
-                                  const std::vector<State>& mid, double step, bool rebounding, Attempt& out);
+  [[nodiscard]] bool close_island(const Island& island, const Solved& solved, const std::vector<State>& mid,
+                                  double step, Attempt& out) const;
   struct Balance {
     double work = 0, scheme = 0, friction = 0, gain = 0;  ///< gain: 0 where it is rounding
     Vec3 from_walls;

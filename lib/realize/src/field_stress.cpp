@@ -232,15 +232,15 @@ ClampedBlock clamp(const Clamping& with, const stability::Judgement& judged, con
     const topology::Face& face = complex.faces()[id];
     ClampedPlane& plane =
         planes.try_emplace({face.plane, face.block_on_positive_side}, ClampedPlane{.face = id}).first->second;
-    plane.area += contact.area;
-    plane.normal_force += contact.normal;
+    plane.area += square_metres(contact.area);
+    plane.normal_force += newtons(contact.normal);
     plane.shear_force += contact.shear;
     contacts.push_back(std::move(contact));
   }
   for (const auto& [key, plane] : planes) {
     out.planes.push_back(plane);
-    out.compression += std::max(0.0, plane.normal_force);
-    out.tension += std::max(0.0, -plane.normal_force);
+    out.compression += std::max(Force{}, plane.normal_force);
+    out.tension += std::max(Force{}, -plane.normal_force);
   }
   out.factor_of_safety = stability::clamped_factor(contacts, applied_to(judged, complex),
                                                    with.scene->field_stress->stiffness_ratio, with.settings->partial);

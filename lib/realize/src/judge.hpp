@@ -32,7 +32,7 @@ namespace cleave::scene {
 [[nodiscard]] Length longest_bolt(const Scene& scene);
 
 /// m, of all tunnels.
-[[nodiscard]] double tunnel_length(const Scene& scene);
+[[nodiscard]] std::optional<Length> tunnel_length(const Scene& scene);
 
 /// [support] in the rock after each stage of the sequence: without and with the bolts of the stage.
 void judge_support_in_stages(const Scene& scene, Realization& made);

@@ -181,12 +181,13 @@ Length longest_bolt(const Scene& scene) {
   return longest;
 }
 
-double tunnel_length(const Scene& scene) {
-  double length = 0;
+std::optional<Length> tunnel_length(const Scene& scene) {
+  std::optional<Length> length;
   for (const Excavation& excavation : scene.excavations) {
     if (!excavation.tunnel) continue;
     const auto& axis = excavation.tunnel->axis;
-    for (std::size_t i = 0; i + 1 < axis.size(); ++i) length += geometry::norm(axis[i + 1] - axis[i]);
+    length = length.value_or(Length{});
+    for (std::size_t i = 0; i + 1 < axis.size(); ++i) *length += metres(geometry::norm(axis[i + 1] - axis[i]));
   }
   return length;
 }

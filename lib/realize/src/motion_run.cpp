@@ -66,9 +66,9 @@ Waves waves_of(const Scene& scene, const Realization& made, const BlockComplex& 
   if (release == Release::stage && made.sequence) {
     const auto& stages = scene.sequence->stages;
     for (std::uint32_t b = 0; b < waves.size() && b < made.sequence->stage_of_block.size(); ++b) {
-      const std::int32_t stage = made.sequence->stage_of_block[b];
-      const auto at = std::ranges::find(stages, static_cast<std::uint32_t>(std::max(stage, 0)));
-      if (stage > 0 && at != stages.end()) add(BlockId{b}, static_cast<std::uint32_t>(at - stages.begin()));
+      const auto stage = made.sequence->stage_of_block[b];
+      const auto at = std::ranges::find(stages, stage.value_or(0));
+      if (stage && at != stages.end()) add(BlockId{b}, static_cast<std::uint32_t>(at - stages.begin()));
     }
   }
   for (const stability::Batch& batch : made.analysis->batches) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "cleave/realize/motion.hpp"
 #include "cleave/realize/run_result.hpp"
 
 namespace cleave::scene {

@@ -6,7 +6,7 @@
 #include <map>
 #include <numbers>
 
-#include "cleave/stochastic/measure.hpp"
+#include "cleave/stochastic/record.hpp"
 
 namespace cleave::scene {
 namespace {

@@ -89,11 +89,12 @@ class Sequencer {
 SequenceResult run_sequence(const topology::SequentialCut& cut, const topology::StageBlocks& final_state,
                             const SequenceSettings& settings, const std::vector<std::uint32_t>& stage_of_excavation,
                             const std::vector<std::string>& names, const Judge& judge) {
-  SequenceResult result{.fallen = settings.fallen,
-                        .stages = {},
-                        .orders = {},
-                        .best = 0,
-                        .stage_of_block = std::vector<std::int32_t>(final_state.complex.blocks().size(), -1)};
+  SequenceResult result{
+      .fallen = settings.fallen,
+      .stages = {},
+      .orders = {},
+      .best = 0,
+      .stage_of_block = std::vector<std::optional<std::uint32_t>>(final_state.complex.blocks().size())};
   Sequencer sequencer{cut, settings, stage_of_excavation, judge};
 
   result.orders.push_back(
@@ -118,8 +119,8 @@ SequenceResult run_sequence(const topology::SequentialCut& cut, const topology::
           for (const CellId cell : cells) {
             const auto block = final_state.block_of_cell[cell.index()];
             if (!block) continue;
-            std::int32_t& first = result.stage_of_block[block->index()];
-            if (first < 0) first = static_cast<std::int32_t>(stage);
+            auto& first = result.stage_of_block[block->index()];
+            if (!first) first = stage;
           }
         }
         result.stages.push_back(std::move(row));

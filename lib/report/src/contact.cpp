@@ -45,7 +45,7 @@ std::string contact_vtu(const scene::ContactResult& result, std::size_t frame) {
     const double zz = at != nullptr ? at->out_of_plane : none;
     for (const double v : {s.xx, s.xy, 0.0, s.xy, s.yy, 0.0, 0.0, 0.0, zz}) stress.push_back(v);
     mises.push_back(at != nullptr ? at->von_mises : none);
-    safety.push_back(at != nullptr ? at->safety : none);
+    safety.push_back(at != nullptr ? at->safety.value_or(none) : none);
   };
   const auto point = [&](Vec2 x, Vec2 u, Vec2 f) {
     connectivity.push_back(static_cast<std::int64_t>(points.size()));

@@ -265,7 +265,7 @@ std::string inputs_section(const Page& page) {
                            escape_xml(file.sha256) + "</code>");
   }
   out += row("Seed", std::to_string(r.seed));
-  out += row("Joints", display_count(input.joints));
+  out += facts({{"joints"}}, input, "wide");
   std::string excavations;
   for (const scene::ExcavationFigures& e : input.excavations) {
     excavations +=
@@ -275,9 +275,10 @@ std::string inputs_section(const Page& page) {
   }
   if (!excavations.empty()) out += row("Excavations", excavations);
   if (r.stability) out += row("Loads", escape_xml(loads_of(r)));
-  out += row("Lattice pitch", display(input.lattice_pitch_m, 3) + " m");
-  out += row("Largest shift onto the lattice", display(input.largest_snap_m, 3) + " m");
-  out += row("Planes merged by snap", display_count(input.merged_planes));
+  out += facts({{"lattice_pitch_m", {}, 3},
+                {"largest_snap_m", "Largest shift onto the lattice", 3},
+                {"merged_planes", "Planes merged by snap"}},
+               input, "wide");
   if (input.near_misses.sides > 0) {
     out +=
         row("Sides that nearly reach another polygon",

@@ -125,8 +125,8 @@ std::string support_section(const Page& page) {
       " spot bolts): " + display_count(f.bolts_used) + " needed, " + display_count(f.bolts_redundant) + " redundant, " +
       display_count(f.bolts_too_short) + " too short. " + display_count(f.combined) +
       " bodies stitched together by bolts, " + display_count(f.combined_failing) + " of them below their target.";
-  if (page.result.tunnel_length > 0) {
-    out += " Required force: " + display(f.required_force_n / page.result.tunnel_length / 1000, 3) +
+  if (page.result.tunnel_length) {
+    out += " Required force: " + display(f.required_force_n / page.result.tunnel_length->si() / 1000, 3) +
            " kN per metre of tunnel.";
   }
   out += "</p>\n" + pressure_table(f.pressures) + blocks_table(*page.result.support) +

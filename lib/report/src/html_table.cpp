@@ -76,13 +76,15 @@ void HtmlTable::add_cells(const std::vector<ChosenFigures::Cell>& cells, std::st
 
 std::string HtmlTable::html() && { return std::move(text_) + "</tbody></table></div>\n"; }
 
-std::string fact_rows(const std::vector<Shown>& chosen, const std::vector<ChosenFigures::Cell>& cells) {
+std::string fact_rows(const std::vector<Shown>& chosen, const std::vector<ChosenFigures::Cell>& cells,
+                      std::string_view kind) {
   std::string out;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (!cells[i].found || cells[i].value.text == "–") continue;
     const ShownUnit* const unit = cells[i].value.sort ? unit_of(chosen[i].name) : nullptr;
-    out += detail::fact(chosen[i].heading.empty() ? words_of(chosen[i].name) : std::string{chosen[i].heading},
-                        unit != nullptr ? cells[i].value.text + " " + std::string{unit->unit} : cells[i].value.text);
+    out +=
+        detail::fact(chosen[i].heading.empty() ? words_of(chosen[i].name) : std::string{chosen[i].heading},
+                     unit != nullptr ? cells[i].value.text + " " + std::string{unit->unit} : cells[i].value.text, kind);
   }
   return out;
 }

@@ -175,16 +175,17 @@ template <std::ranges::range Rows, class Row>
 }
 
 /// Rows of a table of facts, one a figure; those that are not there are left out. `row` has `fields`.
-[[nodiscard]] std::string fact_rows(const std::vector<Shown>& chosen, const std::vector<ChosenFigures::Cell>& cells);
+[[nodiscard]] std::string fact_rows(const std::vector<Shown>& chosen, const std::vector<ChosenFigures::Cell>& cells,
+                                    std::string_view kind);
 template <class Row>
-[[nodiscard]] std::string facts(const std::vector<Shown>& chosen, const Row& row) {
+[[nodiscard]] std::string facts(const std::vector<Shown>& chosen, const Row& row, std::string_view kind = {}) {
   ChosenFigures figures{chosen};
   if constexpr (requires { row.body(figures); }) {
     row.body(figures);
   } else {
     fields(figures, row);
   }
-  return fact_rows(chosen, figures.cells());
+  return fact_rows(chosen, figures.cells(), kind);
 }
 
 }  // namespace cleave::report

@@ -309,9 +309,8 @@ std::string facts_of(const Page& page, const stability::Judgement& j) {
   if (row.supported != nullptr) {
     out += facts({{"factor_with_support", "With support", 3}, {"target", {}, 3}, {"held_by"}},
                  SupportBlockRow{"", *row.supported});
-    if (row.supported->missing_force > 0) {
-      out += fact("Missing", display(row.supported->missing_force / 1000, 4) + " kN");
-    }
+    if (row.supported->missing_force > 0)
+      out += facts({{"missing_force_n", "Missing"}}, SupportBlockRow{"", *row.supported});
   }
   return out + "</tbody></table>\n";
 }

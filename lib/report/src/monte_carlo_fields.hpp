@@ -138,7 +138,7 @@ void fields(V& v, const MonteCarloPage& x) {
                          : stopped == scene::StoppedBy::max ? "not converged"
                                                             : "done",
                          {"done", "not converged", "incomplete"}));
-      w("interval_kind", when(!x.stop_quantity.empty(), "sequential, fixed looks"));
+      w("interval_kind", when(x.stop_quantity.has_value(), "sequential, fixed looks"));
       w("shard", group([&](auto& s) {
           s("number", x.result.shard.number);
           s("of", x.result.shard.of);

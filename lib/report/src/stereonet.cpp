@@ -61,16 +61,6 @@ std::string frame(Net net, double north) {
 
 }  // namespace
 
-NetPoint project(Vec3 direction, Net net) {
-  Vec3 d = direction / norm(direction);
-  if (d.z > 0) d = -d;
-  const double horizontal = std::hypot(d.x, d.y);
-  if (horizontal == 0) return {0, 0};
-  // theta from the downward vertical; tan(theta/2) = sin/(1 + cos), sqrt 2 sin(theta/2) = sqrt(1 - cos).
-  const double r = net == Net::equal_angle ? horizontal / (1 - d.z) : horizontal / std::sqrt(1 - d.z);
-  return {r * d.x / horizontal, r * d.y / horizontal};
-}
-
 std::vector<NetPoint> great_circle(Vec3 normal, Net net, std::size_t count) {
   CLEAVE_ASSERT(count >= 2);
   Vec3 n = normal / norm(normal);

@@ -7,19 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "cleave/geometry/orientation.hpp"
 #include "cleave/geometry/vec3.hpp"
 
 namespace cleave::report {
 
-enum class Net : std::uint8_t { equal_area, equal_angle };  ///< Schmidt and Wulff; lower hemisphere
-
-/// A point of the net of radius 1: x to the right (east), y up (north).
-struct NetPoint {
-  double x, y;
-};
-
-/// Where a line plots; upward directions are turned round. `direction` need not have unit length.
-[[nodiscard]] NetPoint project(geometry::Vec3 direction, Net net);
+using geometry::Net;
+using geometry::NetPoint;
 
 /// The great circle of the plane with this normal: `count` points on it, from rim to rim.
 [[nodiscard]] std::vector<NetPoint> great_circle(geometry::Vec3 normal, Net net, std::size_t count);

@@ -85,9 +85,7 @@ void supported_fields(V& v, const stability::Judgement& j, const stability::Supp
 template <class V>
 void clamped_fields(V& v, const scene::ClampedBlock* clamped) {
   using C = scene::ClampedBlock;
-  const auto of = [&](double C::* figure) {
-    return clamped != nullptr ? std::optional{clamped->*figure} : std::nullopt;
-  };
+  const auto of = [&](auto figure) { return clamped != nullptr ? std::optional{clamped->*figure} : std::nullopt; };
   const auto factor = of(&C::factor_of_safety);
   v("key_clamped", factor ? std::optional{*factor < 1} : std::nullopt,
     "`[field_stress]`: the same motion with the stress of the rock across the block's joints; empty for blocks that "

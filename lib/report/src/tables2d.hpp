@@ -63,7 +63,7 @@ void fields(V& v, const NodeStressRow& x) {
   v("principal_2_pa", mean - radius);
   v("direction_1_degrees", 0.5 * std::atan2(2 * s.xy, s.xx - s.yy) * 180 / std::numbers::pi, "from the x axis");
   v("von_mises_pa", x.stress.von_mises);
-  v("safety", when(!std::isnan(x.stress.safety), x.stress.safety), "where a strength is stated");
+  v("safety", x.stress.safety, "where a strength is stated");
 }
 
 }  // namespace cleave::report

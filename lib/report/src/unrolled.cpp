@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cleave/exchange/text.hpp"
-#include "cleave/stochastic/measure.hpp"
+#include "cleave/stochastic/record.hpp"
 #include "drawings.hpp"
 #include "svg.hpp"
 

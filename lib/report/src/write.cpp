@@ -40,7 +40,7 @@ std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result,
   for (const scene::StageResult& stage : result.sequence->stages) {
     if (!stage.complex || !*stage.complex) continue;
     const topology::BlockComplex& state = (*stage.complex)->complex();
-    const std::vector<std::int32_t> number(state.blocks().size(), static_cast<std::int32_t>(stage.stage));
+    const std::vector<std::optional<std::uint32_t>> number(state.blocks().size(), stage.stage);
     text.stage_of_block = number;
     CLEAVE_CHECK(write_file(folder / ("blocks_stage_" + std::to_string(stage.stage) + ".vtu"),
                             blocks_vtu(make_cells(state), stage.analysis ? &*stage.analysis : nullptr, text)));

@@ -6,21 +6,19 @@
 #include <cmath>
 #include <utility>
 
+#include "cleave/core/text.hpp"
+
 namespace cleave::scene {
 
 std::string extension_of(std::string_view name) {
   const std::size_t dot = name.find_last_of('.');
   if (dot == std::string_view::npos || name.find('/', dot) != std::string_view::npos) return {};
-  std::string ending{name.substr(dot + 1)};
-  for (char& c : ending) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return ending;
+  return lower(name.substr(dot + 1));
 }
 
 void report_read_error(Problems& problems, const io::ReadError& error) {
-  const std::string key = error.column == 0 ? "file" : fmt::format("column {}", error.column);
-  problems.error_in(error.file, std::max(1U, error.line), key, error.what, error.remedy);
+  const std::string key = error.column ? fmt::format("column {}", *error.column) : "file";
+  problems.error_in(error.file, error.line.value_or(1), key, error.what, error.remedy);
 }
 
 namespace {

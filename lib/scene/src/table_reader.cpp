@@ -170,11 +170,11 @@ std::optional<double> TableReader::number_of(const TomlNode& node, const std::st
     return std::nullopt;
   }
   const double size = std::abs(value);
-  if (bare && size > 0 && (size < rule.usual_low || (rule.usual_high > 0 && size > rule.usual_high))) {
+  if (bare && size > 0 && rule.usual && (size < rule.usual->low || size > rule.usual->high)) {
     if (const auto unit = likely_unit(value, rule)) {
       problems_->note(node.line, path,
-                      fmt::format("is {}{}, which is far from usual ({:g} to {:g})", value, rule.unit, rule.usual_low,
-                                  rule.usual_high),
+                      fmt::format("is {}{}, which is far from usual ({:g} to {:g})", value, rule.unit, rule.usual->low,
+                                  rule.usual->high),
                       fmt::format("if it is meant in {0}, write \"{1} {0}\"", *unit, value));
     }
   }

@@ -49,10 +49,10 @@ std::vector<string_view> unit_symbols(const NumberRule& rule) {
 
 std::optional<string_view> likely_unit(double bare, const NumberRule& rule) {
   const UnitKind* kind = kind_of(rule);
-  if (kind == nullptr) return std::nullopt;
+  if (kind == nullptr || !rule.usual) return std::nullopt;
   for (const Unit& unit : kind->units) {
     const double value = std::abs(bare) * unit.factor;
-    if (unit.factor != 1 && value >= rule.usual_low && value <= rule.usual_high) return unit.symbol;
+    if (unit.factor != 1 && value >= rule.usual->low && value <= rule.usual->high) return unit.symbol;
   }
   return std::nullopt;
 }

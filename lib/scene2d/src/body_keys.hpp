@@ -19,7 +19,7 @@ namespace cleave::scene {
 
 inline constexpr NumberRule time_rule{0, true, 1e12, false, " s"};
 inline constexpr NumberRule poisson_rule{-1, true, 0.5, true, ""};
-inline constexpr NumberRule young_rule{0, true, 1e15, false, " Pa", 1e5, 1e13};
+inline constexpr NumberRule young_rule = NumberRule{0, true, 1e15, false, " Pa"}.usually(1e5, 1e13);
 inline constexpr NumberRule pressure_rule{-1e18, false, 1e18, false, " Pa"};
 inline constexpr NumberRule force_per_metre_rule{-1e18, false, 1e18, false, " N/m"};
 inline constexpr NumberRule speed_rule{-1e18, false, 1e18, false, " m/s"};

@@ -92,13 +92,10 @@ std::expected<Shape, Problem> make_shape(const ContactScene& scene, std::size_t 
   options.threads = threads;
   options.bubbles = 3;  // what weight and turning need; the contacts act on the boundary
   options.mesh.element = settings.element;
-  if (options.mesh.element <= 0) {
-    Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
-    for (const Vec2 p : body.corners) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-    }
-    options.mesh.element = std::max(high.x - low.x, high.y - low.y) / 4;
+  if (!options.mesh.element) {
+    Box2 box;
+    for (const Vec2 p : body.corners) box.add(p);
+    options.mesh.element = std::max(box.high.x - box.low.x, box.high.y - box.low.y) / 4;
   }
   auto made = bem::BlockOperator::make({bem::polygon(body.corners)}, *material, options);
   if (!made) return std::unexpected(refused(scene, index, describe(made.error())));
@@ -132,8 +129,7 @@ std::expected<Shape, Problem> make_shape(const ContactScene& scene, std::size_t 
   }
   const bem::Modes modes =
       body.clamped() ? bem::supported_modes(shape.block, held) : bem::free_modes(shape.block, settings.modes);
-  const std::size_t count =
-      settings.modes > 0 ? std::min(settings.modes, modes.eigenvalues.size()) : modes.eigenvalues.size();
+  const std::size_t count = std::min(settings.modes.value_or(modes.eigenvalues.size()), modes.eigenvalues.size());
   shape.modes.damping = settings.damping;
   for (std::size_t m = 0; m < count; ++m) shape.modes.omega.push_back(std::sqrt(modes.eigenvalues[m]));
   shape.modes.shapes.resize(2 * shape.node.size() * count);

@@ -10,16 +10,9 @@ namespace {
 using bem::Vec2;
 using Polygon = std::vector<Vec2>;
 
-struct Box {
-  Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
-};
-
-Box box_of(const Polygon& polygon) {
-  Box box;
-  for (const Vec2 p : polygon) {
-    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y)};
-    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y)};
-  }
+Box2 box_of(const Polygon& polygon) {
+  Box2 box;
+  for (const Vec2 p : polygon) box.add(p);
   return box;
 }
 
@@ -108,13 +101,13 @@ void probe(const Polygon& a, const Polygon& b, Overlap& deepest) {
 }  // namespace
 
 std::vector<Overlap> overlaps_of(const std::vector<Polygon>& polygons, double tolerance) {
-  std::vector<Box> boxes;
+  std::vector<Box2> boxes;
   boxes.reserve(polygons.size());
   for (const Polygon& polygon : polygons) boxes.push_back(box_of(polygon));
   // Sweeps along the axis on which the boxes lie further apart: a pile of thousands has one place on the other.
   const auto spread = [&](double Vec2::* axis) {
     double low = 1e300, high = -1e300, widths = 0;
-    for (const Box& box : boxes) {
+    for (const Box2& box : boxes) {
       low = std::min(low, box.low.*axis);
       high = std::max(high, box.high.*axis);
       widths += box.high.*axis - box.low.*axis;
@@ -129,9 +122,9 @@ std::vector<Overlap> overlaps_of(const std::vector<Polygon>& polygons, double to
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return boxes[k].low.*along; });
   std::vector<Overlap> found;
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const Box& a = boxes[order[i]];
+    const Box2& a = boxes[order[i]];
     for (std::size_t j = i + 1; j < order.size() && boxes[order[j]].low.*along < a.high.*along; ++j) {
-      const Box& b = boxes[order[j]];
+      const Box2& b = boxes[order[j]];
       if (b.low.*other >= a.high.*other || a.low.*other >= b.high.*other) continue;
       Overlap deepest{std::min(order[i], order[j]), std::max(order[i], order[j]), tolerance, {}};
       probe(polygons[order[i]], polygons[order[j]], deepest);

@@ -190,14 +190,12 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   double smallest = 1e300, fastest = 0, load_time = s.ground ? s.ground->fastest().si() : 1e300;
   for (const ContactBody& body : scene.bodies) {
     if (body.fixed || body.corners.size() < 3) continue;
-    bem::Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
-    for (const Vec2 p : body.corners) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-    }
+    Box2 box;
+    for (const Vec2 p : body.corners) box.add(p);
+    const double size = norm(box.high - box.low);
     for (const ContactLoad& load : body.loads) load_time = std::min(load_time, load.time.fastest());
-    smallest = std::min(smallest, norm(high - low));
-    fastest = std::max(fastest, norm(body.velocity) + std::abs(body.spin) * norm(high - low) / 2);
+    smallest = std::min(smallest, size);
+    fastest = std::max(fastest, norm(body.velocity) + std::abs(body.spin) * size / 2);
   }
   if (smallest == 1e300) smallest = 1;
   const double g = norm(s.gravity);
@@ -242,8 +240,8 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
     }
   }
   s.plane = table.word<bem::PlaneState>("plane");
-  s.element = table.number("element").value_or(0);
-  s.modes = static_cast<std::size_t>(table.count("modes"));
+  s.element = table.number("element");
+  if (const auto modes = table.count("modes"); modes > 0) s.modes = static_cast<std::size_t>(modes);
   s.damping = table.value("damping");
   s.largest_move = table.value("max_displacement");
   s.frames = static_cast<std::size_t>(table.count("frames"));

@@ -446,7 +446,7 @@ std::expected<BodiesScene, std::vector<Problem>> parse_bodies(string_view text, 
   {
     plane = elastic.word<bem::PlaneState>("plane");
     scene.options.mesh.order = elastic.word<bem::Order>("order");
-    scene.options.mesh.element = elastic.number("element").value_or(0);
+    scene.options.mesh.element = elastic.number("element");
     scene.options.integration = elastic.value("integration");
     scene.tolerance = elastic.number("tolerance");
     scene.stress = elastic.flag("stress");

@@ -107,6 +107,7 @@ void parse_elastic_time(const TableReader& elastic, BodiesScene& scene) {
   time.frames = static_cast<std::size_t>(table.count("frames"));
   if (const auto modes = table.integer("modes")) time.modes = static_cast<std::size_t>(*modes);
   time.rebuild = table.value("rebuild");
+  if (time.rebuild == 0) time.rebuild.reset();
   time.estimate = table.flag("estimate");
   scene.time = time;
 }

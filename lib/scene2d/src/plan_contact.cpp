@@ -15,15 +15,12 @@ using bem::Vec2;
 constexpr double strain_that_matters = 1e-4;
 
 double extent(const ContactScene& scene) {
-  Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
+  Box2 box;
   for (const ContactBody& body : scene.bodies) {
     if (body.fixed) continue;
-    for (const Vec2 p : body.corners) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-    }
+    for (const Vec2 p : body.corners) box.add(p);
   }
-  return high.x >= low.x ? std::max(high.x - low.x, high.y - low.y) : 0;
+  return std::max({box.high.x - box.low.x, box.high.y - box.low.y, 0.0});
 }
 
 /// Largest strain that weight, loads and impacts can be expected to make: stress of the overburden, of the loads and
@@ -101,7 +98,7 @@ Plan make_plan(const ContactScene& scene) {
   // A contact a block and side; one warm solve a step.
   const auto blocks = static_cast<double>(moving);
   const double steps = s.duration / s.step;
-  const double freedoms = rigidity.elastic ? (s.modes > 0 ? static_cast<double>(s.modes) : 60.0) : 3.0;
+  const double freedoms = rigidity.elastic ? static_cast<double>(s.modes.value_or(60)) : 3.0;
   plan.estimate.memory_mb =
       20 + blocks * (rigidity.elastic ? 0.3 : 0.005) + 3e-5 * blocks * static_cast<double>(s.frames);
   plan.estimate.seconds = blocks * (rigidity.elastic ? 0.05 : 0) +

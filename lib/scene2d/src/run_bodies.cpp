@@ -21,17 +21,9 @@ namespace {
 
 using bem::Vec2;
 
-struct Box {
-  Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
-  void add(Vec2 x) {
-    low = {std::min(low.x, x.x), std::min(low.y, x.y)};
-    high = {std::max(high.x, x.x), std::max(high.y, x.y)};
-  }
-};
-
 /// Stress on a grid of about 1,500 cells in the body (around its openings when it is infinite).
 void add_cells(const bem::Solution& solution, std::size_t region, BodyResult& body, bool infinite, unsigned threads) {
-  Box box;
+  Box2 box;
   for (const auto& loop : body.outline) {
     for (const Vec2 x : loop) box.add(x);
   }
@@ -72,8 +64,8 @@ std::optional<Problem> add_frequencies(const BodiesScene& scene, unsigned thread
     options.mesh = scene.options.mesh;
     options.threads = threads;
     if (options.mesh.order == bem::Order::constant) options.mesh.order = bem::Order::quadratic;
-    if (options.mesh.element <= 0) {
-      Box box;
+    if (!options.mesh.element) {
+      Box2 box;
       for (const Vec2 x : result.bodies[b].outline.front()) box.add(x);
       options.mesh.element = std::max(box.high.x - box.low.x, box.high.y - box.low.y) / 16;
     }
@@ -127,9 +119,10 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
     const bool refine = scene.tolerance.has_value();
     // Each result has an estimate: the same on half and a quarter of the elements, or as many doublings as asked.
     bem::Options coarse = options;
-    if (!refine && coarse.mesh.element > 0) coarse.mesh.element *= 2;
-    if (!refine && coarse.mesh.element <= 0) {
-      Box box;
+    if (!refine && coarse.mesh.element) {
+      *coarse.mesh.element *= 2;
+    } else if (!refine) {
+      Box2 box;
       for (const bem::Region& region : problem.regions) {
         for (const bem::Loop& loop : region.loops) {
           for (std::size_t s = 0; s < loop.size(); ++s) box.add(loop[s].start), box.add(bem::point_on(loop, s, 0.5).x);
@@ -222,7 +215,7 @@ Plan make_plan(const BodiesScene& scene) {
                        bem::name_of(scene.time->scheme));
     if (std::ranges::none_of(scene.points, &PointSpec::stress)) why += "; no stress inside: no point asks for it";
     if (!scene.time->estimate) why += "; no estimate of the error: switched off";
-    if (scene.time->rebuild == 0) why += "; no rebuilding: switched off";
+    if (!scene.time->rebuild) why += "; no rebuilding: switched off";
     if (!scene.stress || (!scene.output.report && !scene.output.vtu))
       why += "; no stress on the boundary: nothing asks for it";
   } else {

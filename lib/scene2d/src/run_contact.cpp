@@ -199,9 +199,9 @@ class Recorder final {
       node.stress = in_world(sum, own.angle + world_.rotation(body));
       node.out_of_plane = shape.poisson * (sum.xx + sum.yy);
       node.von_mises = von_mises(node.stress, node.out_of_plane);
-      node.safety = scene_.settings.strength
-                        ? safety_of(principal(node.stress, node.out_of_plane), *scene_.settings.strength)
-                        : std::numeric_limits<double>::quiet_NaN();
+      if (scene_.settings.strength) {
+        node.safety = safety_of(principal(node.stress, node.out_of_plane), *scene_.settings.strength);
+      }
     }
     return out;
   }

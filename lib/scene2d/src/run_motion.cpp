@@ -67,8 +67,9 @@ std::vector<double> forces_of(const bem::BlockOperator& block, const BodySpec& s
 struct Fineness {
   std::size_t coarse = 1;
   [[nodiscard]] double step(const TimeSettings& time) const { return static_cast<double>(coarse) * time.step; }
-  [[nodiscard]] std::size_t modes(std::size_t given) const {
-    return given == TimeSettings::all_modes ? given : std::max(std::min<std::size_t>(given, 6), given / coarse);
+  [[nodiscard]] std::optional<std::size_t> modes(std::optional<std::size_t> given) const {
+    if (!given) return given;
+    return std::max(std::min<std::size_t>(*given, 6), *given / coarse);
   }
 };
 
@@ -82,17 +83,14 @@ std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned 
   options.threads = threads;
   options.mesh.order =
       scene.options.mesh.order == bem::Order::constant ? bem::Order::quadratic : scene.options.mesh.order;
-  if (options.mesh.element <= 0) {
-    Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
-    for (const bem::Side& side : spec.region.loops.front()) {
-      low = {std::min(low.x, side.start.x), std::min(low.y, side.start.y)};
-      high = {std::max(high.x, side.start.x), std::max(high.y, side.start.y)};
-    }
+  if (!options.mesh.element) {
+    Box2 box;
+    for (const bem::Side& side : spec.region.loops.front()) box.add(side.start);
     // Two elements on the shorter side are enough for the lowest vibrations.
-    options.mesh.element = std::max(high.x - low.x, high.y - low.y) / 4;
+    options.mesh.element = std::max(box.high.x - box.low.x, box.high.y - box.low.y) / 4;
   }
   if (fineness.coarse > 1) {
-    options.mesh.element *= static_cast<double>(fineness.coarse);
+    *options.mesh.element *= static_cast<double>(fineness.coarse);
     options.mesh.arc_degrees = std::min(45.0, options.mesh.arc_degrees * static_cast<double>(fineness.coarse));
     for (bem::Loop& loop : loops) {
       for (bem::Side& side : loop) side.elements = (side.elements + fineness.coarse - 1) / fineness.coarse;
@@ -111,7 +109,8 @@ std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned 
     }
     loads.push_back(std::move(timed));
   }
-  const bem::Rebuilding rebuilding{time.rebuild, options};
+  std::optional<bem::Rebuilding> rebuilding;
+  if (time.rebuild) rebuilding = {*time.rebuild, options};
   if (!spec.held) {
     bem::FreeMotion::Setup setup{.scheme = time.scheme,
                                  .step = fineness.step(time),
@@ -140,7 +139,7 @@ std::optional<Problem> set_up(const BodiesScene& scene, std::size_t b, unsigned 
   }
   mover.vibration = std::make_unique<bem::Vibration>(block, bem::supported_modes(block, held, springs), time.scheme,
                                                      fineness.step(time), time.damping, std::move(loads));
-  mover.vibration->rebuild_by(rebuilding, held, springs);
+  if (rebuilding) mover.vibration->rebuild_by(*rebuilding, held, springs);
   if (!(spec.velocity == Vec2{}) || spec.spin != 0) {
     std::vector<double> v(block.freedoms(), 0.0);
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
@@ -360,7 +359,7 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
       body.error = estimate.error;
       body.no_estimate = estimate.why_not;
     }
-    if (time.rebuild == 0 && movers[b].free && movers[b].free->relative_deformation() > 1e-2) {
+    if (!time.rebuild && movers[b].free && movers[b].free->relative_deformation() > 1e-2) {
       result.notes.push_back(
           fmt::format("{} is deformed by more than a hundredth of its size: the linear operator is at its limit",
                       scene.bodies[b].name));

@@ -7,7 +7,6 @@
 
 #include "cleave/core/quantity.hpp"
 #include "cleave/scene/common_keys.hpp"
-#include "cleave/scene3d/parse.hpp"
 #include "cleave/scene3d/scene.hpp"
 
 namespace cleave::scene {

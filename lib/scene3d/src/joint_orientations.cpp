@@ -73,7 +73,7 @@ std::optional<dfn::OrientationLaw> parse_bootstrap(Context& context, const Table
   const auto joints = io::parse_joint_csv(file->bytes, file->shown, {.wrap = false, .need_position = false});
   if (!joints) {
     for (const io::ReadError& e : joints.error()) {
-      context.problems.error_in(e.file, std::max(1U, e.line), "file", e.what, e.remedy);
+      context.problems.error_in(e.file, e.line.value_or(1), "file", e.what, e.remedy);
     }
     return std::nullopt;
   }

@@ -1,4 +1,4 @@
-#include "cleave/scene3d/parse.hpp"
+#include "cleave/scene3d/scene.hpp"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,6 @@
 #include <string_view>
 #include <utility>
 
-#include "cleave/geometry/slope.hpp"
 #include "cleave/geometry/terrain.hpp"
 #include "cleave/io/height_grid.hpp"
 #include "cleave/scene/file_input.hpp"

@@ -19,7 +19,7 @@ using std::string_view;
 constexpr NumberRule pressure_rule{-1e15, false, 1e15, false, " Pa"};
 constexpr NumberRule force_rule{-1e15, false, 1e15, false, " N"};
 constexpr NumberRule line_force_rule{-1e15, false, 1e15, false, " N/m"};
-constexpr NumberRule weight_rule{0, false, 1e5, false, " N/m3", 5000, 50000};
+constexpr NumberRule weight_rule = NumberRule{0, false, 1e5, false, " N/m3"}.usually(5000, 50000);
 constexpr NumberRule combine_rule{0, false, 1e3, false, ""};
 
 const KeyTable& water_keys() {

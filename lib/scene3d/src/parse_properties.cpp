@@ -31,9 +31,9 @@ struct Law {
 
 constexpr NumberRule correlation_rule{-1, false, 1, false, ""};
 constexpr NumberRule roughness_rule{0, true, 20, false, ""};
-constexpr NumberRule wall_rule{0, true, 1e15, false, " Pa", 1e5, 1e9};
-constexpr NumberRule stiffness_rule{0, true, 1e18, false, " Pa/m", 1e7, 1e13};
-constexpr NumberRule young_rule{0, true, 1e15, false, " Pa", 1e8, 1e13};
+constexpr NumberRule wall_rule = NumberRule{0, true, 1e15, false, " Pa"}.usually(1e5, 1e9);
+constexpr NumberRule stiffness_rule = NumberRule{0, true, 1e18, false, " Pa/m"}.usually(1e7, 1e13);
+constexpr NumberRule young_rule = NumberRule{0, true, 1e15, false, " Pa"}.usually(1e8, 1e13);
 constexpr NumberRule poisson_rule{-1, true, 0.5, true, ""};
 constexpr std::array<string_view, 5> law_words{"uniform", "normal", "lognormal", "exponential", "constant"};
 constexpr std::array<Kind, 5> law_kinds{Kind::uniform, Kind::normal, Kind::lognormal, Kind::exponential,
@@ -157,7 +157,7 @@ JointProperties with(JointProperties base, const Stated& stated) {
 
 KeyTable make_law_keys(const NumberRule& rule) {
   NumberRule limit = rule;
-  limit.usual_low = limit.usual_high = 0;
+  limit.usual.reset();
   return {.name = rule.unit.empty() ? std::string{"law"} : fmt::format("law in{}", rule.unit),
           .keys = {{"distribution", key::word(law_words), required,
                     "`uniform` has `min` and `max`, `normal` and "

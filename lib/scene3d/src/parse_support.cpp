@@ -18,12 +18,12 @@ namespace {
 using geometry::Vec3;
 using std::string_view;
 
-constexpr NumberRule capacity_rule{0, false, 1e12, false, " N", 1e3, 1e8};
-constexpr NumberRule bond_rule{0, false, 1e12, false, " N/m", 1e3, 1e9};
+constexpr NumberRule capacity_rule = NumberRule{0, false, 1e12, false, " N"}.usually(1e3, 1e8);
+constexpr NumberRule bond_rule = NumberRule{0, false, 1e12, false, " N/m"}.usually(1e3, 1e9);
 constexpr NumberRule bolt_length_rule = rule::length.usually(0.2, 200);
 constexpr NumberRule thickness_rule = rule::length.usually(0.005, 2);
-constexpr NumberRule shotcrete_rule{0, true, 1e12, false, " Pa", 1e4, 1e9};
-constexpr NumberRule adhesion_rule{0, false, 1e15, false, " Pa", 1e3, 1e9};
+constexpr NumberRule shotcrete_rule = NumberRule{0, true, 1e12, false, " Pa"}.usually(1e4, 1e9);
+constexpr NumberRule adhesion_rule = NumberRule{0, false, 1e15, false, " Pa"}.usually(1e3, 1e9);
 constexpr NumberRule area_rule{0, false, 1e9, false, " m2"};
 constexpr NumberRule arc_rule{-180, false, 180, false, " degrees"};
 constexpr NumberRule inclination_rule{-80, false, 80, false, " degrees"};

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cleave/core/overloaded.hpp"
+#include "cleave/geometry/box_tree.hpp"
 
 namespace cleave::stability {
 namespace {
@@ -13,29 +14,17 @@ namespace {
 using geometry::Vec3;
 using Corner = std::array<double, 3>;
 
-struct Bounds {
-  Corner min, max;
-  Bounds() {
-    min.fill(std::numeric_limits<double>::infinity());
-    max.fill(-std::numeric_limits<double>::infinity());
-  }
-  void add(Vec3 p) {
-    const Corner c{p.x, p.y, p.z};
-    for (std::size_t k = 0; k < 3; ++k) {
-      min[k] = std::min(min[k], c[k]);
-      max[k] = std::max(max[k], c[k]);
-    }
-  }
-  [[nodiscard]] bool empty() const { return !(min[0] <= max[0]); }
-  [[nodiscard]] double volume() const { return (max[0] - min[0]) * (max[1] - min[1]) * (max[2] - min[2]); }
+struct Bounds : geometry::Extents {
+  [[nodiscard]] bool empty() const { return !(lo[0] <= hi[0]); }
+  [[nodiscard]] double volume() const { return (hi[0] - lo[0]) * (hi[1] - lo[1]) * (hi[2] - lo[2]); }
 };
 
 Bounds common(const Bounds& a, const Bounds& b) {
   Bounds c;
   for (std::size_t k = 0; k < 3; ++k) {
-    c.min[k] = std::max(a.min[k], b.min[k]);
-    c.max[k] = std::min(a.max[k], b.max[k]);
-    if (c.min[k] > c.max[k]) return Bounds{};
+    c.lo[k] = std::max(a.lo[k], b.lo[k]);
+    c.hi[k] = std::min(a.hi[k], b.hi[k]);
+    if (c.lo[k] > c.hi[k]) return Bounds{};
   }
   return c;
 }
@@ -51,9 +40,9 @@ double area_in(const geometry::Polygon& polygon, const Bounds& box) {
   }
   double share = 1;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double from = std::max(own.min[k], box.min[k]), to = std::min(own.max[k], box.max[k]);
+    const double from = std::max(own.lo[k], box.lo[k]), to = std::min(own.hi[k], box.hi[k]);
     if (from > to) return 0;
-    if (own.max[k] > own.min[k]) share = std::min(share, (to - from) / (own.max[k] - own.min[k]));
+    if (own.hi[k] > own.lo[k]) share = std::min(share, (to - from) / (own.hi[k] - own.lo[k]));
   }
   return 0.5 * geometry::norm(twice) * share;
 }
@@ -81,8 +70,8 @@ std::optional<NearField> NearField::around_free_faces(const topology::CutInput& 
     for (const Vec3& v : excavation.vertices()) own.add(v);
     const Bounds part = common(own, domain);
     if (part.empty()) continue;
-    free.add({part.min[0], part.min[1], part.min[2]});
-    free.add({part.max[0], part.max[1], part.max[2]});
+    free.add(part.lo);
+    free.add(part.hi);
   }
   for (const geometry::SolidFace& face : input.domain.faces()) {
     if (std::ranges::find(input.free_domain_tags, face.tag) == input.free_domain_tags.end()) continue;
@@ -90,10 +79,10 @@ std::optional<NearField> NearField::around_free_faces(const topology::CutInput& 
   }
   if (free.empty()) return std::nullopt;
   NearField near;
-  near.free_min_ = free.min;
-  near.free_max_ = free.max;
-  near.domain_min_ = domain.min;
-  near.domain_max_ = domain.max;
+  near.free_min_ = free.lo;
+  near.free_max_ = free.hi;
+  near.domain_min_ = domain.lo;
+  near.domain_max_ = domain.hi;
   near.margin_.fill(std::max(depth, 1.5 * spacing(input, domain)));
   if (!near.worth_while()) return std::nullopt;
   return near;

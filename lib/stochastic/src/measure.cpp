@@ -1,4 +1,4 @@
-#include "cleave/stochastic/measure.hpp"
+#include "cleave/stochastic/record.hpp"
 
 #include <algorithm>
 #include <cmath>

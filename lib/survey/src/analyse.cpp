@@ -367,9 +367,9 @@ class Analysis final {
     double truncation = 0;
     for (const LineSurvey& line : in_.lines) {
       for (std::size_t i = 0; i < line.lengths.size(); ++i) {
-        if (!(line.lengths[i].length > 0)) continue;
+        if (!line.lengths[i]) continue;
         const bool own = i < line.joints.size() ? out_.set_of[line.joints[i]] == k : out_.sets.size() == 1;
-        if (own) lengths.push_back(line.lengths[i]);
+        if (own) lengths.push_back(*line.lengths[i]);
       }
       if (!line.lengths.empty()) truncation = std::max(truncation, line.truncation.si());
     }

@@ -1,4 +1,4 @@
-#include "cleave/survey/fit.hpp"
+#include "cleave/survey/traces.hpp"
 
 #include <algorithm>
 #include <array>

@@ -7,7 +7,7 @@
 
 #include "cleave/core/rng.hpp"
 #include "cleave/survey/comparison.hpp"
-#include "cleave/survey/fit.hpp"
+#include "cleave/survey/traces.hpp"
 #include "maximum_likelihood.hpp"
 
 namespace cleave::survey {

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "cleave/survey/fit.hpp"
+#include "cleave/survey/traces.hpp"
 
 /// Frequencies and spacings along scanlines and boreholes.
 namespace cleave::survey {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/survey/fit.hpp"
+#include "cleave/survey/traces.hpp"
 
 /// What maximum likelihood of a law of one or two parameters needs.
 namespace cleave::survey::detail {

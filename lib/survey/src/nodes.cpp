@@ -18,14 +18,12 @@ struct Segment {
 double low(const Segment& s) { return std::min(s.a.x, s.b.x); }
 double high(const Segment& s) { return std::max(s.a.x, s.b.x); }
 
-MapPoint minus(MapPoint a, MapPoint b) { return {a.x - b.x, a.y - b.y}; }
-double cross_of(MapPoint a, MapPoint b) { return a.x * b.y - a.y * b.x; }
 MapPoint between(MapPoint a, MapPoint b, double t) { return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)}; }
 double distance(MapPoint a, MapPoint b) { return std::hypot(a.x - b.x, a.y - b.y); }
 double away(MapPoint p, const Segment& s) {
-  const MapPoint d = minus(s.b, s.a);
+  const MapPoint d = s.b - s.a;
   const double l2 = d.x * d.x + d.y * d.y;
-  const MapPoint f = minus(p, s.a);
+  const MapPoint f = p - s.a;
   const double t = l2 > 0 ? std::clamp((f.x * d.x + f.y * d.y) / l2, 0.0, 1.0) : 0.0;
   return distance(p, between(s.a, s.b, t));
 }
@@ -96,10 +94,10 @@ Nodes nodes(const Window& window, std::span<const Polyline> traces, double toler
         }
       }
       if (touches) continue;
-      const MapPoint d = minus(s.b, s.a), e = minus(t.b, t.a);
-      const double det = cross_of(d, e);
+      const MapPoint d = s.b - s.a, e = t.b - t.a;
+      const double det = cross(d, e);
       if (det == 0) continue;
-      const double u = cross_of(minus(t.a, s.a), e) / det, v = cross_of(minus(t.a, s.a), d) / det;
+      const double u = cross(t.a - s.a, e) / det, v = cross(t.a - s.a, d) / det;
       if (u < 0 || u >= 1 || v < 0 || v >= 1) continue;
       if (!holds(window, between(s.a, s.b, u))) continue;
       ++result.crossing;

@@ -12,8 +12,6 @@
 namespace cleave::survey {
 namespace {
 
-double cross_of(MapPoint a, MapPoint b) { return a.x * b.y - a.y * b.x; }
-MapPoint minus(MapPoint a, MapPoint b) { return {a.x - b.x, a.y - b.y}; }
 /// a b - c d with one rounding error at most, and the sign always right (Kahan).
 double exact_sign_difference(double a, double b, double c, double d) {
   const double w = c * d, error = std::fma(-c, d, w);
@@ -29,7 +27,7 @@ std::vector<double> cuts(const Window& window, MapPoint a, MapPoint b) {
   std::vector<double> t;
   std::visit(overloaded{
                  [&](const CircleWindow& w) {
-                   const MapPoint d = minus(b, a), f = minus(a, w.centre);
+                   const MapPoint d = b - a, f = a - w.centre;
                    const double p = d.x * d.x + d.y * d.y, q = f.x * d.x + f.y * d.y;
                    const double r = f.x * f.x + f.y * f.y - w.radius * w.radius;
                    const double root = q * q - p * r;
@@ -39,13 +37,13 @@ std::vector<double> cuts(const Window& window, MapPoint a, MapPoint b) {
                    }
                  },
                  [&](const PolygonWindow& w) {
-                   const MapPoint d = minus(b, a);
+                   const MapPoint d = b - a;
                    for (std::size_t i = 0, j = w.corners.size() - 1; i < w.corners.size(); j = i++) {
-                     const MapPoint p = w.corners[j], e = minus(w.corners[i], p);
+                     const MapPoint p = w.corners[j], e = w.corners[i] - p;
                      // Half-open at the edge's ends, so that a crossing at a corner counts once.
-                     const double from = cross_of(d, minus(p, a)), to = cross_of(d, minus(w.corners[i], a));
+                     const double from = cross(d, p - a), to = cross(d, w.corners[i] - a);
                      if ((from >= 0) == (to >= 0)) continue;
-                     const double s = cross_of(minus(p, a), e) / cross_of(d, e);
+                     const double s = cross(p - a, e) / cross(d, e);
                      if (s > 0 && s < 1) t.push_back(s);
                    }
                  },
@@ -77,7 +75,7 @@ double area_of(const Window& window) noexcept {
                         [](const PolygonWindow& w) {
                           double sum = 0;
                           for (std::size_t i = 1; i + 1 < w.corners.size(); ++i) {
-                            sum += cross_of(minus(w.corners[i], w.corners[0]), minus(w.corners[i + 1], w.corners[0]));
+                            sum += cross(w.corners[i] - w.corners[0], (w.corners[i + 1] - w.corners[0]));
                           }
                           return std::abs(sum) / 2;
                         },
@@ -91,7 +89,7 @@ bool holds(const Window& window, MapPoint p) noexcept {
                         [&](const PolygonWindow& w) {
                           bool inside = false;
                           for (std::size_t i = 0, j = w.corners.size() - 1; i < w.corners.size(); j = i++) {
-                            const MapPoint a = minus(w.corners[i], p), b = minus(w.corners[j], p);
+                            const MapPoint a = w.corners[i] - p, b = w.corners[j] - p;
                             const double side = exact_sign_cross(a, b);
                             if (side == 0 && a.x * b.x <= 0 && a.y * b.y <= 0) return false;  // on the border
                             if ((a.y > 0) != (b.y > 0) && (side > 0) == (a.y < b.y)) inside = !inside;
@@ -108,7 +106,7 @@ double distance_to_border(const Window& window, MapPoint p) noexcept {
                         [&](const PolygonWindow& w) {
                           double nearest = INFINITY;
                           for (std::size_t i = 0, j = w.corners.size() - 1; i < w.corners.size(); j = i++) {
-                            const MapPoint along = minus(w.corners[i], w.corners[j]), to = minus(p, w.corners[j]);
+                            const MapPoint along = w.corners[i] - w.corners[j], to = p - w.corners[j];
                             const double square = along.x * along.x + along.y * along.y;
                             const double share = square > 0 ? (to.x * along.x + to.y * along.y) / square : 0;
                             nearest = std::min(
@@ -126,7 +124,7 @@ double width_across(const Window& window, MapPoint direction) noexcept {
                         [&](const PolygonWindow& w) {
                           double low = INFINITY, high = -INFINITY;
                           for (const MapPoint p : w.corners) {
-                            const double s = cross_of(direction, p);
+                            const double s = cross(direction, p);
                             low = std::min(low, s);
                             high = std::max(high, s);
                           }
@@ -186,7 +184,7 @@ std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyli
       whole += length;
       if (length > longest) {
         longest = length;
-        along = minus(line[i], line[i - 1]);
+        along = line[i] - line[i - 1];
       }
       if (length == 0) continue;
       std::vector<double> t = cuts(window, line[i - 1], line[i]);
@@ -202,7 +200,7 @@ std::vector<SeenTrace> seen_through(const Window& window, std::span<const Polyli
     if (!(whole > 0) || !(trace.length > 0)) continue;
     trace.ends = seen_end(line.front()) + seen_end(line.back());
     if (border > 0) trace.crossings += cut_off_ends(window, line, border, crossed);
-    MapPoint d = minus(line.back(), line.front());
+    MapPoint d = line.back() - line.front();
     if (std::hypot(d.x, d.y) < 1e-6 * whole) d = along;
     const double norm = std::hypot(d.x, d.y);
     trace.direction = {d.x / norm, d.y / norm};

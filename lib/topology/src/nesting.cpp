@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <optional>
 
 #include "cleave/core/disjoint_sets.hpp"
 #include "cleave/facets/prepared.hpp"
+#include "cleave/geometry/box_tree.hpp"
 
 namespace cleave::topology::detail {
 namespace {
@@ -14,18 +14,7 @@ namespace {
 using exact::PointApprox;
 using exact::Sign;
 
-struct Box {
-  Vec lo, hi;
-  Box() {
-    lo.fill(std::numeric_limits<double>::infinity());
-    hi.fill(-std::numeric_limits<double>::infinity());
-  }
-  void add(const Vec& p) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      lo[k] = std::min(lo[k], p[k]);
-      hi[k] = std::max(hi[k], p[k]);
-    }
-  }
+struct Box : geometry::Extents {
   /// False only when `inner` is safely not inside.
   [[nodiscard]] bool may_hold(const Box& inner) const {
     constexpr double margin = 0x1p-36;

@@ -1,28 +1,13 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <limits>
 #include <span>
 
+#include "cleave/geometry/box_tree.hpp"
 #include "cleave/geometry/vec3.hpp"
 
 namespace cleave::topology::detail {
 
-struct Bounds {
-  std::array<double, 3> lo, hi;
-  Bounds() {
-    lo.fill(std::numeric_limits<double>::infinity());
-    hi.fill(-std::numeric_limits<double>::infinity());
-  }
-  void add(geometry::Vec3 p) {
-    const std::array c{p.x, p.y, p.z};
-    for (std::size_t k = 0; k < 3; ++k) {
-      lo[k] = std::min(lo[k], c[k]);
-      hi[k] = std::max(hi[k], c[k]);
-    }
-  }
-};
+using Bounds = geometry::Extents;
 
 /// Apart by more than a polygon's corners leave its plane.
 [[nodiscard]] bool far_apart(const Bounds& polygon, const Bounds& region, double slack);

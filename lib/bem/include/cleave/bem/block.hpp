@@ -134,8 +134,8 @@ struct Modes {
   DenseMatrix shapes;  ///< freedoms x modes
 };
 
-/// Elastic modes of the free body, the three rigid motions left out; at most `most` (0: all).
-[[nodiscard]] Modes free_modes(const BlockOperator& block, std::size_t most = 0);
+/// Elastic modes of the free body, the three rigid motions left out; the lowest `most` or all.
+[[nodiscard]] Modes free_modes(const BlockOperator& block, std::optional<std::size_t> most = {});
 
 /// One linear constraint: freedoms of a boundary node along a direction held.
 struct HeldFreedom {

@@ -107,9 +107,9 @@ struct TimedLoad {
 };
 
 /// Operators turn with their body and are kept until `steepest` of what happened since they were built exceeds
-/// `gradient`; then the body goes on in its deformed shape with the stress it carries. 0: never.
+/// `gradient`; then the body goes on in its deformed shape with the stress it carries.
 struct Rebuilding {
-  double gradient = 0;
+  double gradient;
   BlockOptions build = {};
 };
 
@@ -172,7 +172,7 @@ class Vibration final {
   [[nodiscard]] std::expected<void, MotionError> rebuild();
   const BlockOperator* block_;
   std::unique_ptr<BlockOperator> own_;  // of a rebuilt shape
-  Rebuilding rule_;
+  std::optional<Rebuilding> rule_;
   std::vector<HeldFreedom> held_;
   std::vector<NodeSpring> springs_;
   std::optional<CarriedStress> carried_;
@@ -212,15 +212,15 @@ class FreeMotion final {
  public:
   struct Setup {
     Scheme scheme = GeneralizedAlpha{};
-    double step = 1e-3;      ///< s
-    std::size_t modes = 12;  ///< elastic modes kept; 0: rigid
-    Vec2 gravity = {};       ///< m/s2
+    double step = 1e-3;                     ///< s
+    std::optional<std::size_t> modes = 12;  ///< elastic modes kept, none of them: rigid; empty: all
+    Vec2 gravity = {};                      ///< m/s2
     Damping damping = {};
     std::vector<TimedLoad> loads = {};
     std::vector<Pin> pins = {};
     Vec2 velocity = {};
     double spin = 0;  ///< rad/s
-    Rebuilding rebuilding = {};
+    std::optional<Rebuilding> rebuilding = {};
   };
   FreeMotion(const BlockOperator& block, Setup setup);
 

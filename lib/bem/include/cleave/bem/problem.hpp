@@ -138,9 +138,9 @@ struct Mesh {
 
 struct MeshSize {
   Order order = Order::quadratic;
-  double element = 0;         ///< longest element, m; 0: a sixteenth of the outline's larger extent
-  double arc_degrees = 15;    ///< at most this much of an arc on one element
-  std::size_t subdivide = 1;  ///< every element count is multiplied by this
+  std::optional<double> element = {};  ///< longest element, m; empty: a sixteenth of the outline's larger extent
+  double arc_degrees = 15;             ///< at most this much of an arc on one element
+  std::size_t subdivide = 1;           ///< every element count is multiplied by this
 };
 
 /// Coordinates become (x - origin) / scale. Precondition: the loops have passed check_loops.

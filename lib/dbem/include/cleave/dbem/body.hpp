@@ -64,12 +64,12 @@ struct Body {
 
 /// What acts on a face between two bodies.
 struct JointLaw {
-  double friction = 0;            ///< tangent of the friction angle
-  double cohesion = 0;            ///< Pa, on the length that is in contact at the start, until the bond breaks
-  double tension = 0;             ///< Pa, likewise
-  double residual_friction = -1;  ///< after the bond broke; negative: as `friction`
-  double compliance = 0;          ///< m2/N of one contact point, normal and tangential; 0: rigid
-  double restitution = 0;         ///< 0 .. 1, of the normal velocity
+  double friction = 0;  ///< tangent of the friction angle
+  double cohesion = 0;  ///< Pa, on the length that is in contact at the start, until the bond breaks
+  double tension = 0;   ///< Pa, likewise
+  std::optional<double> residual_friction = {};  ///< after the bond broke; empty: as `friction`
+  double compliance = 0;                         ///< m2/N of one contact point, normal and tangential; 0: rigid
+  double restitution = 0;                        ///< 0 .. 1, of the normal velocity
 };
 
 /// Law of the faces between bodies of properties a and b (either order).

@@ -12,7 +12,6 @@
 
 #include "cleave/dbem/body.hpp"
 #include "cleave/dbem/solver.hpp"
-#include "cleave/dbem/touch.hpp"
 
 namespace cleave::dbem {
 
@@ -67,13 +66,13 @@ struct WorldOptions {
   std::function<Vec2(double)> ground = {};
   /// Mean of `ground` from one time to another; empty: its value in the middle, which misses what is shorter.
   std::function<Vec2(double, double)> ground_mean = {};
-  double step = 1e-3;          ///< s, the first one
-  double longest_step = 0;     ///< s; 0: `step`
-  bool adaptive = false;       ///< lengthens steps while little moves, see `displacement`
-  double displacement = 0.05;  ///< largest displacement of a corner in a step over the height of the scene
-  double rotation = 0.05;      ///< largest rotation in a step, rad
-  /// Error of position per step allowed, m, estimated from the change of velocity over the step; 0: not controlled.
-  double position_error = 0;
+  double step = 1e-3;                       ///< s, the first one
+  std::optional<double> longest_step = {};  ///< s; empty: `step`
+  bool adaptive = false;                    ///< lengthens steps while little moves, see `displacement`
+  double displacement = 0.05;               ///< largest displacement of a corner in a step over the height of the scene
+  double rotation = 0.05;                   ///< largest rotation in a step, rad
+  /// Error of position per step allowed, m, estimated from the change of velocity over the step; empty: not controlled.
+  std::optional<double> position_error = {};
   std::size_t cuts = 6;           ///< thirds a failed step is cut into before the run stops
   double overlap = 1e-6;          ///< overlap allowed at the start over the smaller body's size
   double regularisation = 1e-10;  ///< compliance on the diagonal of W, relative

@@ -60,8 +60,8 @@ inline constexpr double factor_when_unknown = -1;
 struct VtuText {
   std::string title;  ///< of the scene
   std::string scene_file;
-  /// Sequential excavation: a number a block for the cell array `stage`; empty: no such array.
-  std::span<const std::int32_t> stage_of_block = {};
+  /// Sequential excavation: of each block, for the cell array `stage`; none at all: no such array.
+  std::span<const std::optional<std::uint32_t>> stage_of_block = {};
 };
 
 /// blocks.vtu: polyhedra in the layout that every VTK reads (faces + faceoffsets), all arrays base64 inline, so the

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -24,6 +25,20 @@ struct Bounds {
   [[nodiscard]] constexpr bool overlaps(const Bounds& b) const noexcept {
     return lo.x <= b.hi.x && b.lo.x <= hi.x && lo.y <= b.hi.y && b.lo.y <= hi.y && lo.z <= b.hi.z && b.lo.z <= hi.z;
   }
+};
+
+/// The box of points as arrays by axis; empty until a point is added.
+struct Extents {
+  static constexpr double far = std::numeric_limits<double>::infinity();
+  std::array<double, 3> lo{far, far, far}, hi{-far, -far, -far};
+
+  constexpr void add(const std::array<double, 3>& p) noexcept {
+    for (std::size_t k = 0; k < 3; ++k) {
+      lo[k] = std::min(lo[k], p[k]);
+      hi[k] = std::max(hi[k], p[k]);
+    }
+  }
+  constexpr void add(Vec3 p) noexcept { add(std::array{p.x, p.y, p.z}); }
 };
 
 /// Binary tree over boxes, split at the median of the longest axis: O(n log n) to build, for finding overlapping boxes.

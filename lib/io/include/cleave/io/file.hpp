@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <expected>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace cleave::io {
@@ -24,9 +25,9 @@ enum class ReadFault : std::uint8_t {
 /// What is wrong with a file, where, and what to do about it.
 struct ReadError {
   ReadFault fault;
-  std::string file;          ///< as the caller named it
-  std::uint32_t line = 0;    ///< from 1; 0 where lines mean nothing (binary data, the file as a whole)
-  std::uint32_t column = 0;  ///< of the field in a table or of the byte in a line, from 1; 0 when not known
+  std::string file;                          ///< as the caller named it
+  std::optional<std::uint32_t> line = {};    ///< from 1; empty where lines mean nothing (binary data, the whole file)
+  std::optional<std::uint32_t> column = {};  ///< of the field in a table or of the byte in a line, from 1
   std::string what;
   std::string remedy;
 };

@@ -9,7 +9,7 @@
 #include "cleave/field_data/survey_file.hpp"
 #include "cleave/scene2d/bodies.hpp"
 #include "cleave/scene2d/contact.hpp"
-#include "cleave/scene3d/parse.hpp"
+#include "cleave/scene3d/scene.hpp"
 
 /// Scenes from disk. Files that they name are looked for beside them. Not regular files and files beyond 64 MB (the
 /// scene) or 1 GB (what it names) are refused without reading them.

@@ -341,10 +341,10 @@ void fields(V& v, const SupportCaseFigures& x) {
   v("combined_blocks", x.figures.combined);
   v("combined_failing", x.figures.combined_failing);
 }
-/// `tunnel_length`: m, 0 where there is no tunnel.
+/// `tunnel_length`: empty where there is no tunnel.
 template <class V>
-void support_fields(V& v, const SupportFigures& x, double tunnel_length, const std::vector<DesignResult>& designs,
-                    const std::vector<SupportCaseFigures>& cases) {
+void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_length,
+                    const std::vector<DesignResult>& designs, const std::vector<SupportCaseFigures>& cases) {
   v("passes", x.passes, "every block reaches its target, alone and stitched to its neighbours");
   v("blocks", x.blocks, "blocks below their target without support");
   v("held_by_bolts", x.held_by_bolts);
@@ -361,7 +361,7 @@ void support_fields(V& v, const SupportFigures& x, double tunnel_length, const s
   v("required_force_n", or_null(x.required_force_n), "sum over blocks of the least single force; null: none is enough");
   v("required_force_reason", when(!std::isfinite(x.required_force_n), "no single force is enough for a block"));
   v("required_force_n_per_metre",
-    when(tunnel_length > 0, or_null(x.required_force_n / (tunnel_length > 0 ? tunnel_length : 1))), "of tunnel");
+    when(tunnel_length.has_value(), or_null(x.required_force_n / tunnel_length.value_or(metres(1)).si())), "of tunnel");
   v("largest_required_pressure_pa", or_null(x.largest_required_pressure_pa),
     "that 95 % of the free faces below their target need at the neediest place of `pressures`; null: none is enough");
   v("largest_required_pressure_reason",

@@ -13,7 +13,6 @@
 #include "cleave/scene3d/scene.hpp"
 #include "cleave/stability/support.hpp"
 #include "cleave/stochastic/ensemble.hpp"
-#include "cleave/stochastic/measure.hpp"
 #include "cleave/stochastic/record.hpp"
 
 namespace cleave::scene {

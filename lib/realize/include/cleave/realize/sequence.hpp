@@ -88,8 +88,8 @@ struct SequenceResult {
   std::vector<StageResult> stages;
   std::vector<OrderResult> orders;  ///< the scene's own first; only that one when no orders are to be compared
   std::size_t best = 0;             ///< the order with the smallest volume of key blocks; the first of equal ones
-  /// By block of the final state: the first stage in which a part of it left; -1 for a block that stays.
-  std::vector<std::int32_t> stage_of_block;
+  /// By block of the final state: the first stage in which a part of it left; empty for a block that stays.
+  std::vector<std::optional<std::uint32_t>> stage_of_block;
 };
 template <class V>
 void fields(V& v, const SequenceResult& x) {

@@ -16,7 +16,7 @@ struct MonteCarloPage : scene::ResultHead {
   std::vector<scene::InputFile> files;
   std::vector<scene::ExcavationFigures> excavations = {};  ///< the same in all realizations
   std::optional<double> tunnel_length_m;
-  std::string stop_quantity;                       ///< empty: fixed number
+  std::optional<std::string> stop_quantity;        ///< empty: fixed number
   std::vector<std::vector<std::uint32_t>> orders;  ///< of the excavation stages, as in the figures
 };
 

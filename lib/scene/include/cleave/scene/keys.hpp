@@ -25,8 +25,10 @@ struct NumberRule {
   bool high_open;
   std::string_view unit;
   /// Sizes that rock, bolts or shotcrete have; a bare number outside them is a note that names the likely unit.
-  /// Both 0: nothing is unusual.
-  double usual_low = 0, usual_high = 0;
+  struct Usual {
+    double low, high;
+  };
+  std::optional<Usual> usual = {};
 
   /// "from 0 to 90 degrees", "above 0 and below ..."
   [[nodiscard]] std::string words() const;
@@ -34,8 +36,7 @@ struct NumberRule {
   /// The same rule with a usual range.
   [[nodiscard]] constexpr NumberRule usually(double from, double to) const noexcept {
     NumberRule rule = *this;
-    rule.usual_low = from;
-    rule.usual_high = to;
+    rule.usual = {from, to};
     return rule;
   }
 };
@@ -49,10 +50,10 @@ inline constexpr NumberRule dip{0, false, 90, false, " degrees"};
 inline constexpr NumberRule dip_direction{0, false, 360, false, " degrees"};
 inline constexpr NumberRule half_turn{0, false, 180, false, " degrees"};
 inline constexpr NumberRule turn{-360, false, 360, false, " degrees"};
-inline constexpr NumberRule friction{0, false, 90, true, " degrees", 3, 80};
+inline constexpr NumberRule friction = NumberRule{0, false, 90, true, " degrees"}.usually(3, 80);
 inline constexpr NumberRule stress{0, false, 1e15, false, " Pa"};
-inline constexpr NumberRule strength{0, false, 1e15, false, " Pa", 500, 1e9};
-inline constexpr NumberRule density{0, true, 1e5, false, " kg/m3", 500, 10000};
+inline constexpr NumberRule strength = NumberRule{0, false, 1e15, false, " Pa"}.usually(500, 1e9);
+inline constexpr NumberRule density = NumberRule{0, true, 1e5, false, " kg/m3"}.usually(500, 10000);
 inline constexpr NumberRule acceleration{-1e3, false, 1e3, false, " m/s2"};
 inline constexpr NumberRule probability{0, false, 1, false, ""};
 inline constexpr NumberRule share{0, true, 1, false, ""};

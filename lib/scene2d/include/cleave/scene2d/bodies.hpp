@@ -73,11 +73,10 @@ struct TimeSettings {
   double step = 0;  ///< s
   bem::Scheme scheme;
   bem::Damping damping;
-  std::size_t frames = 60;                                                ///< pictures kept
-  std::size_t modes = all_modes;                                          ///< of free bodies
-  static constexpr std::size_t all_modes = static_cast<std::size_t>(-1);  ///< as many as the mesh has
-  double rebuild = 0.02;  ///< change of the boundary's tangent at which operators are rebuilt; 0: never
-  bool estimate = true;   ///< of the error, by a run half as fine
+  std::size_t frames = 60;                ///< pictures kept
+  std::optional<std::size_t> modes = {};  ///< of free bodies; empty: as many as the mesh has
+  std::optional<double> rebuild = 0.02;   ///< change of the boundary's tangent at which operators are rebuilt
+  bool estimate = true;                   ///< of the error, by a run half as fine
 };
 
 struct BodiesScene : SceneHead {

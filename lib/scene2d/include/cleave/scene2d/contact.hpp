@@ -100,10 +100,10 @@ struct ContactSettings {
   double restitution = 0;
   Rigidity rigidity = Rigidity::automatic;
   bem::PlaneState plane = bem::PlaneState::strain;
-  double element = 0;          ///< m, longest element; 0: a quarter of the body
-  std::size_t modes = 0;       ///< of an elastic body; 0: all
-  double damping = 0;          ///< share of critical damping of elastic vibrations
-  double largest_move = 0.05;  ///< of the scene's extent, in one step
+  std::optional<double> element;     ///< m, longest element; empty: a quarter of the body
+  std::optional<std::size_t> modes;  ///< of an elastic body; empty: all
+  double damping = 0;                ///< share of critical damping of elastic vibrations
+  double largest_move = 0.05;        ///< of the scene's extent, in one step
   std::size_t frames = 120;
   std::optional<RockStrength> strength;
   bool estimate = false;  ///< of the error of the steps, by two more runs with longer ones
@@ -162,7 +162,7 @@ struct NodeStress {
   bem::Sym2 stress;
   double out_of_plane = 0;
   double von_mises = 0;
-  double safety = 0;  ///< strength over stress, at most `most_safety`; not a number where no strength is stated
+  std::optional<double> safety;  ///< strength over stress, at most `most_safety`; empty where no strength is stated
 };
 constexpr double most_safety = 1000;
 struct ContactFrame {

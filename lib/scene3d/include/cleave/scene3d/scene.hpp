@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <expected>
 #include <limits>
 #include <optional>
 #include <string>
@@ -300,5 +301,10 @@ struct SceneContent {
 };
 
 struct Scene : SceneHead, SceneContent {};
+
+/// Text of a scene file to a validated scene, or all that is wrong with it (never empty). `shown` is how messages name
+/// the scene file. Touches no file but through `read_file`.
+[[nodiscard]] std::expected<Scene, std::vector<Problem>> parse(std::string_view text, const std::string& shown,
+                                                               const ReadFile& read_file);
 
 }  // namespace cleave::scene

@@ -9,7 +9,6 @@
 
 #include "cleave/core/quantity.hpp"
 #include "cleave/geometry/vec3.hpp"
-#include "cleave/survey/fit.hpp"
 #include "cleave/survey/orientation.hpp"
 #include "cleave/survey/traces.hpp"
 
@@ -43,10 +42,9 @@ struct LineSurvey {
   std::string name;
   std::vector<std::pair<geometry::Vec3, double>> pieces;  ///< unit direction, length (m)
   std::vector<double> positions;                          ///< along the line, m
-  std::vector<std::size_t> joints;  ///< numbers in SurveyInput::orientations, or empty: positions only
-  std::vector<SeenLength>
-      lengths;             ///< of the traces met, one a position where any was measured (length 0: not this one)
-  Length truncation = {};  ///< shorter traces were not recorded
+  std::vector<std::size_t> joints;                 ///< numbers in SurveyInput::orientations, or empty: positions only
+  std::vector<std::optional<SeenLength>> lengths;  ///< of the traces met, one a position where any was measured
+  Length truncation = {};                          ///< shorter traces were not recorded
   [[nodiscard]] double length() const noexcept;
   /// Unit direction of the line at this many metres from its start; of its last piece beyond the end. Precondition: a
   /// piece.

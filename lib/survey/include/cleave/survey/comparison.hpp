@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "cleave/survey/fit.hpp"
 #include "cleave/survey/traces.hpp"
 
 /// Formulas of Fu (2014), appendix A, that are biased or ask for more than they need. For comparison only:

@@ -45,11 +45,11 @@ struct CornerChoice {
   Touch first, last;
 };
 
-/// Axis-parallel box.
-struct Box {
-  Vec2 low, high;
-};
-[[nodiscard]] Box box_of(std::span<const Vec2> corners);
+[[nodiscard]] Box2 box_of(std::span<const Vec2> corners);
+[[nodiscard]] inline bool overlap_boxes(const Box2& a, const Box2& b, double margin = 0) {
+  return a.low.x - margin <= b.high.x && b.low.x - margin <= a.high.x && a.low.y - margin <= b.high.y &&
+         b.low.y - margin <= a.high.y;
+}
 
 /// Motion in a step: displacement of the point x (scene) is shift + turn * turned_left(x).
 struct Drift {
@@ -63,7 +63,7 @@ struct Placed {
   std::uint32_t body;
   std::span<const Vec2> corners;
   std::span<const std::uint8_t> sharp;
-  Box box;
+  Box2 box;
   bool convex;
 };
 
@@ -91,9 +91,9 @@ void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const 
 [[nodiscard]] std::optional<Touch> line_crossed(const CornerChoice& choice, const CornerChoice& after, double rounding);
 
 /// The edge of a polygon that moves from `before` to `after` which a point moving from `from` to `to` crosses first
-/// from outside (or from a penetration of `rounding`); npos when none.
-[[nodiscard]] std::size_t first_crossing(std::span<const Vec2> before, std::span<const Vec2> after, Vec2 from, Vec2 to,
-                                         double rounding = 0);
+/// from outside (or from a penetration of `rounding`).
+[[nodiscard]] std::optional<std::size_t> first_crossing(std::span<const Vec2> before, std::span<const Vec2> after,
+                                                        Vec2 from, Vec2 to, double rounding = 0);
 
 /// Depth of the deepest corner of one inside the other, 0 when they do not overlap by more than `tolerance`.
 struct Overlap {
@@ -110,7 +110,7 @@ struct BodyPair {
   std::uint32_t a, b;
   friend auto operator<=>(const BodyPair&, const BodyPair&) = default;
 };
-[[nodiscard]] std::vector<BodyPair> overlapping_pairs(const std::vector<Box>& boxes,
+[[nodiscard]] std::vector<BodyPair> overlapping_pairs(const std::vector<Box2>& boxes,
                                                       const std::vector<std::uint8_t>& idle);
 
 }  // namespace cleave::dbem
