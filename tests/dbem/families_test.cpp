@@ -196,7 +196,22 @@ TEST(GasTest, APolygonGasKeepsItsEnergy) {
     const ContactScene scene = make_contact_scene(ContactFamily::gas, static_cast<std::uint64_t>(seed));
     const ContactOutcome outcome = run_contact_scene(scene);
     ASSERT_FALSE(outcome.stopped) << outcome.why;
-    EXPECT_NEAR(outcome.energy_left, 1, 0.05) << seed;
+    EXPECT_NEAR(outcome.energy_left, 1, 0.02) << seed;
+  }
+}
+
+// A tip that comes round faster than the body moves: at the start of the step it does not yet come near the wall. Such
+// a hit gave nothing back and cost up to all the energy of the body.
+TEST(GasTest, WhatTurnsIntoAWallIsThrownBack) {
+  for (int k = 0; k < 40; ++k) {
+    Body rod = block("rod", turned(rectangle(-1, -0.05, 2, 0.1), 0.02 * k));
+    rod.spin = 10;
+    rod.velocity = {0, -0.1};
+    World world = make({fixed("wall", rectangle(-5, -1.95, 10, 1)), rod}, law(0, 1), {.gravity = {0, 0}, .step = 5e-3});
+    const double start = world.energy().kinetic;
+    run(world, 0.4);
+    EXPECT_NEAR(world.energy().kinetic, start, 1e-9 * start) << k;
+    EXPECT_GT(world.velocity(1).y, -0.1 + 1e-3) << k;
   }
 }
 
