@@ -26,6 +26,7 @@ double World::Impl::until_first_bounce(const std::vector<Touch>& list, const Isl
     } else {
       const double feature = std::min(shapes[touch.i].feature, shapes[touch.j].feature);
       if (found.impulse[k].x <= 0 || touch.gap <= 2 * contact_depth * feature) continue;
+      if (!island.impact && closing > -norm(options.gravity) * step - 1e-6) continue;  // it is laid down, not thrown
       second = true;
       if (closing < 0) soonest = std::min(soonest, touch.gap / -closing);
     }
