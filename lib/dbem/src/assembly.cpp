@@ -300,12 +300,15 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     Vec2& b = problem.b[k];
     b = velocity_of(rows, k, free);
     const Vec2 old = velocity_of(rows, k, before);
-    if (law.compliance > 0) {
-      // A spring in the joint: its shortening at the end of the step carries the force then.
-      const double soft = law.compliance / (step * step * theta);
-      diagonal.xx += soft;
-      diagonal.yy += soft;
-      b += (1 / theta) * (Vec2{touch.gap, -law.compliance * force.y} / step + (1 - theta) * old);
+    // A spring in the joint: its shortening at the end of the step carries the force then.
+    const Vec2 soft = compliance_of(touch);
+    if (soft.y > 0) {
+      diagonal.yy += soft.y / (step * step * theta);
+      b.y += (-soft.y * force.y / step + (1 - theta) * old.y) / theta;
+    }
+    if (soft.x > 0) {
+      diagonal.xx += soft.x / (step * step * theta);
+      b.x += (touch.gap / step + (1 - theta) * old.x) / theta;
     } else if (bounces(touch, old.x, step)) {
       // Away at e times the speed of approach, less what the loads take in the rest of the step: bouncing gains
       // nothing.

@@ -26,14 +26,18 @@
 /// masses and forces per metre of thickness.
 namespace cleave::scene {
 
+/// Pa/m, which is N/m3.
+using JointStiffness = UnitWeight;
+
 /// Strength of a contact between two sides; [joints.NAME] of the scene.
 struct ContactJoint {
   std::string name;
   double friction = 30;  ///< degrees
   /// Degrees, where a contact has slipped or opened, and of contacts made later; empty: as `friction`.
   std::optional<double> residual_friction = {};
-  double cohesion = 0;  ///< Pa, until the contact breaks
-  double tension = 0;   ///< Pa, likewise
+  double cohesion = 0;                                   ///< Pa, until the contact breaks
+  double tension = 0;                                    ///< Pa, likewise
+  JointStiffness normal_stiffness{}, shear_stiffness{};  ///< 0: rigid
 };
 
 /// A load on one body of a scene of contact; times are those of the run.
