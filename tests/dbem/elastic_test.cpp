@@ -134,6 +134,62 @@ TEST(ComplianceTest, AnOscillationHasThePeriodOfItsSpringsAndGainsNothing) {
   EXPECT_NEAR(-lowest / (2 * sag), 1, 0.05);
 }
 
+/// A block of 2600 kg/m3 on a floor whose sides have more corners the more there are `pieces`.
+World block_on_springs(double width, int pieces, double kn, double ks, Vec2 push, double overhang) {
+  Laws laws = law(1);
+  laws.otherwise.normal_stiffness = kn;
+  laws.otherwise.shear_stiffness = ks;
+  std::vector<Vec2> ring{{0, 0}};
+  for (int k = 1; k < pieces; ++k) ring.push_back({width * k / pieces, 0});
+  ring.insert(ring.end(), {{width, 0}, {width, 1}, {0, 1}});
+  std::vector<Body> bodies{fixed("floor", {{-5, -1}, {width - overhang, -1}, {width - overhang, 0}, {-5, 0}}),
+                           block("block", ring)};
+  bodies[1].forces.push_back({{0.5 * width, 0.0}, push});
+  World world = make(bodies, laws, {.step = 0.05, .quasi_static = true});
+  const auto done = relax(world, {.step = 0.05, .criterion = 1e-10});
+  EXPECT_TRUE(done.has_value() && done->at_rest);
+  return world;
+}
+
+// Force over stiffness and length, whatever the width and however many corners share it.
+TEST(StiffnessTest, AJointClosesAndShearsByItsLength) {
+  const double kn = 1e9, ks = 3e8;
+  for (const double width : {0.3, 1.0, 2.5}) {
+    for (const int pieces : {1, 2, 5}) {
+      const double weight = 2600 * width * g, push = 0.4 * weight;
+      const World world = block_on_springs(width, pieces, kn, ks, {push, 0}, 0);
+      EXPECT_NEAR(-world.displacement(1).y / (weight / (kn * width)), 1, 2e-4) << width << ' ' << pieces;
+      // Pushed at its foot: it does not tip.
+      EXPECT_NEAR((world.outline(1)[0].x) / (push / (ks * width)), 1, 1e-4) << width << ' ' << pieces;
+      EXPECT_NEAR(world.energy().elastic, 0.5 * (weight * weight / kn + push * push / ks) / width,
+                  1e-4 * weight * weight / (kn * width));
+    }
+  }
+}
+
+// On three quarters of its width, which carry N (1 +- 2 e / l) / 2 at their ends.
+TEST(StiffnessTest, AnEccentricLoadTurnsABlockOnItsSprings) {
+  const double kn = 1e9, width = 2, overhang = 0.5, length = width - overhang;
+  const World world = block_on_springs(width, 1, kn, kn, {0, 0}, overhang);
+  const double weight = 2600 * width * g, off = 0.5 * width - 0.5 * length;
+  const double left = 0.5 * weight * (1 - 2 * off / length), right = 0.5 * weight * (1 + 2 * off / length);
+  EXPECT_NEAR(-world.outline(1)[0].y / (left / (kn * 0.5 * length)), 1, 1e-4);
+  EXPECT_NEAR(-(world.position(1, {length, 0}).y) / (right / (kn * 0.5 * length)), 1, 1e-4);
+}
+
+// A joint that is stiff in one direction only is rigid in the other, and friction bounds its shear.
+TEST(StiffnessTest, ShearsNoFartherThanFrictionLets) {
+  const double weight = 2600 * g, ks = 1e8;
+  EXPECT_NEAR(block_on_springs(1, 1, 0, ks, {0.5 * weight, 0}, 0).displacement(1).x, 0.5 * weight / ks, 1e-9);
+  EXPECT_NEAR(block_on_springs(1, 1, 0, ks, {0.5 * weight, 0}, 0).displacement(1).y, 0, 1e-9);
+  Laws laws = law(0.3);
+  laws.otherwise.normal_stiffness = laws.otherwise.shear_stiffness = 1e9;
+  World world = make(slider(radians(30)), laws, {.step = 1e-3});
+  run(world, 0.5);
+  const double way = 0.5 * g * (std::sin(radians(30)) - 0.3 * std::cos(radians(30))) * 0.25;
+  EXPECT_NEAR(norm(world.displacement(1)) / way, 1, 2e-3);
+}
+
 TEST(BondTest, HoldsByTensionUntilItIsTooMuch) {
   // A block glued under a ceiling.
   for (const double factor : {0.99, 1.01}) {

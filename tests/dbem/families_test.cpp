@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "clash.hpp"
-#include "cleave/core/rng.hpp"
 #include "contact_families.hpp"
 #include "scenes.hpp"
 #include "trials.hpp"
@@ -67,16 +66,6 @@ TEST(OverlapSceneTest, ACornerOnTheCornerOfASleeperWakesIt) {
       }
     }
   }
-}
-
-// A tip in a side, and at the same height a long side that touches elsewhere: the tip's depth was spread over both.
-TEST(ClashTest, ATipInsideIsNotLostBesideASideThatTouches) {
-  const std::vector<Vec2> block = rectangle(0, 0, 1, 1);
-  const std::vector<Vec2> clamp{{-1, 0},    {1e-10, 0}, {1e-10, 1.5}, {1.5, 1.5}, {1.5, 0.6}, {1 - 1e-5, 0.5},
-                                {1.5, 0.4}, {1.5, 0},   {2, 0},       {2, 2},     {-1, 2}};
-  const double depth = clash_depth({block, box_of(block), true}, {clamp, box_of(clamp), false}, 1e-12);
-  EXPECT_GT(depth, 1e-6);
-  EXPECT_LT(depth, 1e-5);
 }
 
 // A corner that rests on the corner of a sleeping block and is pushed in later comes in by less than what counts as
@@ -207,7 +196,22 @@ TEST(GasTest, APolygonGasKeepsItsEnergy) {
     const ContactScene scene = make_contact_scene(ContactFamily::gas, static_cast<std::uint64_t>(seed));
     const ContactOutcome outcome = run_contact_scene(scene);
     ASSERT_FALSE(outcome.stopped) << outcome.why;
-    EXPECT_NEAR(outcome.energy_left, 1, 0.05) << seed;
+    EXPECT_NEAR(outcome.energy_left, 1, 0.02) << seed;
+  }
+}
+
+// A tip that comes round faster than the body moves: at the start of the step it does not yet come near the wall. Such
+// a hit gave nothing back and cost up to all the energy of the body.
+TEST(GasTest, WhatTurnsIntoAWallIsThrownBack) {
+  for (int k = 0; k < 40; ++k) {
+    Body rod = block("rod", turned(rectangle(-1, -0.05, 2, 0.1), 0.02 * k));
+    rod.spin = 10;
+    rod.velocity = {0, -0.1};
+    World world = make({fixed("wall", rectangle(-5, -1.95, 10, 1)), rod}, law(0, 1), {.gravity = {0, 0}, .step = 5e-3});
+    const double start = world.energy().kinetic;
+    run(world, 0.4);
+    EXPECT_NEAR(world.energy().kinetic, start, 1e-9 * start) << k;
+    EXPECT_GT(world.velocity(1).y, -0.1 + 1e-3) << k;
   }
 }
 
@@ -273,58 +277,6 @@ TEST(MetamorphicTest, AQuarterTurnAMirrorAndAnotherOrderChangeNothingInOrderlySc
           EXPECT_NEAR(static_cast<double>(a[k].second), static_cast<double>(b[k].second), 2) << seed;
         }
       }
-    }
-  }
-}
-
-TEST(ClashTest, MeasuresKnownOverlaps) {
-  const auto depth = [](const std::vector<Vec2>& a, const std::vector<Vec2>& b, bool convex) {
-    return clash_depth({a, box_of(a), convex}, {b, box_of(b), convex}, 1e-12);
-  };
-  const auto square = rectangle(0, 0, 1, 1);
-  for (const double deep : {1e-8, 1e-4, 0.1}) {
-    // Beside one another: the whole side; by levels the same width.
-    EXPECT_NEAR(depth(square, rectangle(1 - deep, 0, 1, 1), true), deep, 1e-12);
-    EXPECT_NEAR(depth(square, rectangle(1 - deep, 0, 1, 1), false), deep, 0.01 * deep);
-    EXPECT_NEAR(depth(square, rectangle(0, 1 - deep, 1, 1), false), deep, 0.01 * deep);
-  }
-  // A toe that lies on the same line as the side it enters.
-  const std::vector<Vec2> toe{{-1, 0}, {0.01, 0}, {-1, 1}};
-  EXPECT_GT(depth(toe, square, true), 5e-3);
-  EXPECT_GT(depth(toe, square, false), 2e-3);
-  // An L around a square touches it on two sides and shares nothing.
-  const std::vector<Vec2> ell{{-1, -1}, {2, -1}, {2, 0}, {0, 0}, {0, 2}, {-1, 2}};
-  EXPECT_EQ(depth(ell, square, false), 0);
-  EXPECT_NEAR(depth(ell, rectangle(-1e-3, 0, 1, 1), false), 1e-3, 1e-5);
-  // Bars that cross without a corner inside.
-  EXPECT_GT(depth(rectangle(-1, 0.4, 3, 0.2), rectangle(0.4, -1, 0.2, 3), false), 0.1);
-  EXPECT_GT(depth(rectangle(-1, 0.4, 3, 0.2), rectangle(0.4, -1, 0.2, 3), true), 0.1);
-}
-
-TEST(ClashTest, TheSweepFindsThePairsOfBruteForceAsBodiesMove) {
-  Rng rng{5};
-  std::vector<Box2> boxes(80);
-  std::vector<std::uint8_t> idle(boxes.size());
-  for (std::uint8_t& i : idle) i = rng.uniform() < 0.3 ? 1 : 0;
-  for (Box2& box : boxes) {
-    box.low = {10 * rng.uniform(), 15 * rng.uniform()};
-    box.high = box.low + Vec2{2 * rng.uniform(), 2 * rng.uniform()};
-  }
-  Sweep sweep;
-  for (int round = 0; round < 30; ++round) {
-    std::vector<BodyPair> expected;
-    for (std::uint32_t a = 0; a < boxes.size(); ++a) {
-      for (std::uint32_t b = a + 1; b < boxes.size(); ++b) {
-        const bool meet = boxes[a].low.x < boxes[b].high.x && boxes[b].low.x < boxes[a].high.x &&
-                          boxes[a].low.y < boxes[b].high.y && boxes[b].low.y < boxes[a].high.y;
-        if (meet && !(idle[a] != 0 && idle[b] != 0)) expected.push_back({a, b});
-      }
-    }
-    EXPECT_EQ(sweep.pairs(boxes, idle), expected);
-    for (Box2& box : boxes) {
-      const Vec2 by{rng.uniform() - 0.5, rng.uniform() - 0.5};
-      box.low += by;
-      box.high += by;
     }
   }
 }

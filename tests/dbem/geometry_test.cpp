@@ -125,6 +125,23 @@ TEST(TouchTest, CornersApartChooseTheLineTheyMissLess) {
   EXPECT_NEAR(t[0].gap, 1e-6, 1e-12);
 }
 
+// A tip that has slid off another one lies behind the line of its far side, and was pushed back from there where the
+// side it slid along was out of reach: it lost its speed again and again.
+TEST(TouchTest, ATipThatHasPassedAnotherIsBehindNoneOfItsLines) {
+  const std::vector<Vec2> house{{-0.5, 0}, {0.5, 0}, {0.5, 1}, {0, 2}, {-0.5, 1}};
+  const std::vector<std::uint8_t> three(3, 1), five(5, 1);
+  int near_one = 0;
+  for (double off = 1e-8; off < 0.1; off *= 1.05) {
+    const std::vector<Vec2> tip{{off, 2 - off}, {off + 0.5, 2.5 - off}, {off - 0.5, 2.5 - off}};
+    std::vector<Touch> found;
+    std::vector<CornerChoice> choices;
+    find_touches(placed(0, tip, three), placed(1, house, five), {1e-6, 0.1, 5e-6, 5e-6, 1e-9}, {}, found, choices);
+    for (const Touch& touch : found) EXPECT_GT(touch.gap, -1e-9) << off;
+    near_one += found.empty() ? 0 : 1;
+  }
+  EXPECT_GT(near_one, 100);
+}
+
 TEST(CrossingTest, FindsTheEdgeAPointComesThrough) {
   const auto square = rectangle(0, 0, 1, 1);
   EXPECT_EQ(first_crossing(square, square, {0.5, -1}, {0.5, 0.5}), 0U);

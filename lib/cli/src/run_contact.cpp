@@ -21,6 +21,8 @@ std::string figures_of(const scene::ContactResult& result) {
                         verdict.since->si(), counts_of(verdict));
   }
   text += '\n';
+  text += result.error ? fmt::format("estimated error of the steps {:.1e}\n", *result.error)
+                       : fmt::format("no estimate of the error of the steps: {}\n", result.no_estimate);
   for (std::size_t p = 0; p < result.points.size() && !result.history.empty(); ++p) {
     const bem::Vec2 u = result.history.back().points[p];
     text += fmt::format("{}: displacement ({:.6g}, {:.6g}) m\n", result.points[p].name, u.x, u.y);

@@ -266,14 +266,14 @@ const JointLaw& World::Impl::law_of(const Touch& t) const {
 
 Vec2 World::Impl::with_gap(Vec2 free, Vec2 old, const Touch& touch, Vec2 force, const Island& island, double thick,
                            double step) const {
-  const JointLaw& law = law_of(touch);
-  if (law.compliance > 0) {
-    // A spring in the joint: its shortening at the end of the step carries the force then.
-    return free + (1 / island.theta) * (Vec2{touch.gap, -law.compliance * force.y} / step + (1 - island.theta) * old);
-  }
+  // A spring in the joint: its shortening at the end of the step carries the force then.
+  const Vec2 soft = compliance_of(touch);
+  const double theta = island.theta;
+  if (soft.y > 0) free.y += (-soft.y * force.y / step + (1 - theta) * old.y) / theta;
+  if (soft.x > 0) return {free.x + (touch.gap / step + (1 - theta) * old.x) / theta, free.y};
   if (bounces(touch, old.x, step)) {
     // Away at e times the speed of approach, less what the loads take in the rest of the step: bouncing gains nothing.
-    const double away = -island.rebound * law.restitution * old.x + std::min(0.0, free.x - old.x);
+    const double away = -island.rebound * law_of(touch).restitution * old.x + std::min(0.0, free.x - old.x);
     return {free.x - std::max(away, 0.0), free.y};
   }
   // Gaps of rounding size count as closed: a pile at rest sees the same problem every step. Between small bodies they
@@ -318,11 +318,9 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     const bem::Mat2 plain = diagonal;
     Vec2& b = problem.b[k];
     b = with_gap(velocity_of(rows, k, free), velocity_of(rows, k, before), touch, force, island, thick, step);
-    if (law.compliance > 0) {
-      const double soft = law.compliance / (step * step * theta);
-      diagonal.xx += soft;
-      diagonal.yy += soft;
-    }
+    const Vec2 soft = compliance_of(touch);
+    diagonal.xx += soft.x / (step * step * theta);
+    diagonal.yy += soft.y / (step * step * theta);
     problem.mu[k] = bond == nullptr ? law.residual_friction.value_or(law.friction) : law.friction;
     problem.cohesion[k] = bond != nullptr ? bond->cohesion * step : 0.0;
     problem.tension[k] = bond != nullptr ? bond->tension * step : 0.0;

@@ -28,118 +28,59 @@ double parted_along_edges(std::span<const Vec2> own, std::span<const Vec2> other
   return best;
 }
 
-struct Segment {
-  Vec2 low, high;  // by y
-  [[nodiscard]] double x_at(double y) const { return low.x + (y - low.y) / (high.y - low.y) * (high.x - low.x); }
-};
-
-std::vector<Segment> segments_between(std::span<const Vec2> corners, double low, double high) {
-  std::vector<Segment> out;
+/// How far inside an outline a point lies; 0 outside.
+double depth_inside(std::span<const Vec2> corners, Vec2 p) {
+  double nearest = std::numeric_limits<double>::infinity();
+  bool in = false;
   for (std::size_t k = 0; k < corners.size(); ++k) {
-    Vec2 a = corners[k], b = corners[after(k, corners.size())];
-    if (a.y > b.y) std::swap(a, b);
-    if (a.y < b.y && a.y < high && b.y > low) out.push_back({a, b});
+    const Vec2 a = corners[k], b = corners[after(k, corners.size())], along = b - a, to = p - a;
+    const double share = std::clamp(dot(to, along) / dot(along, along), 0.0, 1.0);
+    nearest = std::min(nearest, norm(to - share * along));
+    if ((a.y <= p.y) != (b.y <= p.y) && (cross(along, to) > 0) == (b.y > a.y)) in = !in;
   }
-  return out;
+  return in ? nearest : 0;
 }
 
-/// Sides that the level y crosses, from left to right: in and out in turn.
-void cross_level(const std::vector<Segment>& of, double y, std::vector<Segment>& out) {
-  out.clear();
-  for (const Segment& s : of) {
-    if (s.low.y <= y && y < s.high.y) out.push_back(s);
-  }
-  std::ranges::sort(out, {}, [y](const Segment& s) { return s.x_at(y); });
-}
-
-/// Levels between which no side begins, ends or crosses another.
-std::vector<double> levels_of(const std::vector<Segment>& a, const std::vector<Segment>& b, double low, double high) {
-  std::vector<double> levels{low, high};
-  const auto add = [&](double y) {
-    if (y > low && y < high) levels.push_back(y);
-  };
-  for (const auto* list : {&a, &b}) {
-    for (const Segment& s : *list) {
-      add(s.low.y);
-      add(s.high.y);
+/// Deepest place of the outline of `own` in `other`: of its corners and of the middles of what two sides of `other` cut
+/// out of a side.
+double depth_along_outline(const Solid& own, const Solid& other) {
+  const Vec2 low{std::max(own.box.low.x, other.box.low.x), std::max(own.box.low.y, other.box.low.y)};
+  const Vec2 high{std::min(own.box.high.x, other.box.high.x), std::min(own.box.high.y, other.box.high.y)};
+  double deepest = 0;
+  std::vector<double> cuts;
+  for (std::size_t k = 0; k < own.corners.size(); ++k) {
+    const Vec2 p = own.corners[k], along = own.corners[after(k, own.corners.size())] - p, q = p + along;
+    if (std::max(p.x, q.x) < low.x || std::min(p.x, q.x) > high.x) continue;
+    if (std::max(p.y, q.y) < low.y || std::min(p.y, q.y) > high.y) continue;
+    cuts.assign(1, 0.0);
+    for (std::size_t e = 0; e < other.corners.size(); ++e) {
+      const Vec2 from = other.corners[e] - p, side = other.corners[after(e, other.corners.size())] - other.corners[e];
+      const double turned = cross(along, side);
+      const double here = cross(from, side) / turned, there = cross(from, along) / turned;
+      if (turned != 0 && here > 0 && here < 1 && there >= 0 && there <= 1) cuts.push_back(here);
+    }
+    std::ranges::sort(cuts);
+    deepest = std::max(deepest, depth_inside(other.corners, p));
+    for (std::size_t c = 0; c < cuts.size(); ++c) {
+      const double middle = 0.5 * (cuts[c] + (c + 1 < cuts.size() ? cuts[c + 1] : 1.0));
+      deepest = std::max(deepest, depth_inside(other.corners, p + middle * along));
     }
   }
-  for (const Segment& s : a) {
-    const Vec2 d = s.high - s.low;
-    for (const Segment& t : b) {
-      const Vec2 e = t.high - t.low;
-      const double turned = cross(d, e);
-      if (turned == 0) continue;
-      const double share = cross(t.low - s.low, e) / turned;
-      if (share > 0 && share < 1) add(s.low.y + share * d.y);
-    }
+  return deepest;
+}
+
+/// Deepest place in both among the middles of every three corners in turn: outlines that coincide are not in one
+/// another.
+double depth_between_corners(const Solid& own, const Solid& other) {
+  double deepest = 0;
+  const std::size_t n = own.corners.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t next = after(k, n);
+    const Vec2 middle = (own.corners[k] + own.corners[next] + own.corners[after(next, n)]) / 3;
+    const double there = depth_inside(other.corners, middle);
+    if (there > deepest) deepest = std::max(deepest, std::min(there, depth_inside(own.corners, middle)));
   }
-  std::ranges::sort(levels);
-  return levels;
-}
-
-/// A connected part of what two bodies share, up to some level.
-struct SharedPart {
-  double area = 0;
-  Box2 extent;
-  double left = 0, right = 0;  // at that level
-  [[nodiscard]] double depth() const { return area / norm(extent.high - extent.low); }
-};
-
-/// What lies between two sides and two levels.
-SharedPart between(const Segment& left, const Segment& right, double y0, double y1) {
-  const double middle = 0.5 * (y0 + y1), l0 = left.x_at(y0), l1 = left.x_at(y1), r0 = right.x_at(y0),
-               r1 = right.x_at(y1);
-  return {.area = std::max(right.x_at(middle) - left.x_at(middle), 0.0) * (y1 - y0),
-          .extent = {{std::min(l0, l1), y0}, {std::max(r0, r1), y1}},
-          .left = l1,
-          .right = r1};
-}
-
-/// Takes in the parts below that `part` goes on with: they meet it between `left` and `right` at its lower level.
-void join(SharedPart& part, std::vector<SharedPart>& below, double left, double right) {
-  std::erase_if(below, [&](const SharedPart& other) {
-    if (other.right < left || right < other.left) return false;
-    part.area += other.area;
-    part.extent = {{std::min(part.extent.low.x, other.extent.low.x), std::min(part.extent.low.y, other.extent.low.y)},
-                   {std::max(part.extent.high.x, other.extent.high.x), part.extent.high.y}};
-    return true;
-  });
-}
-
-/// Mean width of the part that is widest so. Parts beside one another are no one part: a corner deep inside would be
-/// lost in the length of a side that touches elsewhere.
-double depth_by_levels(const Solid& a, const Solid& b) {
-  const double low = std::max(a.box.low.y, b.box.low.y);
-  const double high = std::min(a.box.high.y, b.box.high.y);
-  const std::vector<Segment> sides_a = segments_between(a.corners, low, high);
-  const std::vector<Segment> sides_b = segments_between(b.corners, low, high);
-  const std::vector<double> levels = levels_of(sides_a, sides_b, low, high);
-  const double rounding = 1e-14 * (std::abs(low) + std::abs(high) + norm(a.box.high) + norm(a.box.low));
-  std::vector<Segment> in_a, in_b;
-  std::vector<SharedPart> below, here;
-  double worst = 0;
-  for (std::size_t k = 0; k + 1 < levels.size(); ++k) {
-    const double y0 = levels[k], y1 = levels[k + 1];
-    if (!(y1 > y0)) continue;
-    const double y = 0.5 * (y0 + y1);
-    cross_level(sides_a, y, in_a);
-    cross_level(sides_b, y, in_b);
-    here.clear();
-    for (std::size_t p = 0; p + 1 < in_a.size(); p += 2) {
-      for (std::size_t q = 0; q + 1 < in_b.size(); q += 2) {
-        const Segment& left = in_a[p].x_at(y) > in_b[q].x_at(y) ? in_a[p] : in_b[q];
-        const Segment& right = in_a[p + 1].x_at(y) < in_b[q + 1].x_at(y) ? in_a[p + 1] : in_b[q + 1];
-        if (!(right.x_at(y) > left.x_at(y))) continue;
-        here.push_back(between(left, right, y0, y1));
-        join(here.back(), below, left.x_at(y0) - rounding, right.x_at(y0) + rounding);
-      }
-    }
-    for (const SharedPart& ended : below) worst = std::max(worst, ended.depth());
-    std::swap(below, here);
-  }
-  for (const SharedPart& ended : below) worst = std::max(worst, ended.depth());
-  return worst;
+  return deepest;
 }
 
 }  // namespace
@@ -154,7 +95,10 @@ double clash_depth(const Solid& a, const Solid& b, double enough) {
     return std::max(-best, 0.0);
   }
   // No deeper than the boxes overlap.
-  return across <= enough ? across : std::min(across, depth_by_levels(a, b));
+  if (across <= enough) return across;
+  const double along = std::max(depth_along_outline(a, b), depth_along_outline(b, a));
+  const double between = std::max(depth_between_corners(a, b), depth_between_corners(b, a));
+  return std::min(across, std::max(along, between));
 }
 
 void Sweep::choose_axis(std::span<const Box2> boxes) {

@@ -17,7 +17,9 @@ struct Solid {
 };
 
 /// How deep two outlines overlap, m; at most `enough` may be missing. Convex ones: the least move that parts them (the
-/// best of the lines along their edges). Others: the area they share over its longest extent, by levels.
+/// best of the lines along their edges). Others: how deep the outline of one lies in the other, at corners and midway
+/// between crossings; no more than the least move that parts them, and no less than a quarter of the radius of a disc
+/// that fits into both.
 [[nodiscard]] double clash_depth(const Solid& a, const Solid& b, double enough);
 
 /// Bodies in the order of their boxes along one axis, kept from call to call: a step changes little of it.

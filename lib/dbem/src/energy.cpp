@@ -21,7 +21,8 @@ double World::Impl::elastic_of(const State& at, const std::vector<Memory>& force
     }
   }
   for (const Memory& memory_of : forces) {
-    sum += 0.5 * memory_of.compliance * dot(memory_of.force, memory_of.force);
+    const Vec2 soft = memory_of.compliance, force = memory_of.force;
+    sum += 0.5 * (soft.x * force.x * force.x + soft.y * force.y * force.y);
   }
   return sum;
 }
@@ -39,8 +40,8 @@ double World::Impl::energy_brought_in(const std::vector<Touch>& list, const Isla
   if (island.theta < 1) return 0;
   double gain = 0, size = 0;
   for (std::size_t k = 0; k < island.touches.size(); ++k) {
-    const JointLaw& law = law_of(list[island.touches[k]]);
-    if (law.restitution > 0 || law.compliance > 0) return 0;
+    const Touch& touch = list[island.touches[k]];
+    if (law_of(touch).restitution > 0 || compliance_of(touch) != Vec2{}) return 0;
     gain += dot(found.impulse[k], velocity_of(rows, k, after));
   }
   for (const std::uint32_t b : island.bodies) {

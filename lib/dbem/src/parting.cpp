@@ -92,7 +92,7 @@ double World::Impl::shortened_by_springs(const Attempt& out, BodyPair pair) cons
   double most = 0;
   for (const Memory& m : out.memory) {
     const bool between = (m.key.i == pair.a && m.key.j == pair.b) || (m.key.i == pair.b && m.key.j == pair.a);
-    if (between) most = std::max(most, 2 * m.compliance * std::abs(m.force.x));
+    if (between) most = std::max(most, 2 * m.compliance.x * std::abs(m.force.x));
   }
   return most;
 }
@@ -238,7 +238,7 @@ bool World::Impl::part_group(Island& island, Attempt& out, Work& work) const {
   std::vector<double> gaps;
   for (const std::uint32_t k : island.touches) {
     const Touch& t = out.touches[k];
-    gaps.push_back(law_of(t).compliance > 0 ? std::max(t.gap, 0.0) : t.gap);
+    gaps.push_back(compliance_of(t).x > 0 ? std::max(t.gap, 0.0) : t.gap);
     deepest = std::max(deepest, -gaps.back() / std::min(shapes[t.i].feature, shapes[t.j].feature));
   }
   if (deepest <= contact_depth) return false;

@@ -187,9 +187,9 @@ void one_direction(const Placed& i, const Placed& j, const Reach& reach, const D
     }
     if (found.empty()) continue;
     // Behind an edge is in the body only if it is in the body; near one of its corners that corner decides.
-    const bool behind = std::ranges::any_of(found, [&](const Candidate& c) { return c.at.gap < -near; });
+    const bool behind = std::ranges::any_of(found, [&](const Candidate& c) { return c.at.gap < -touching; });
     if (close < n || (behind && !inside(j.corners, p))) {
-      std::erase_if(found, [&](const Candidate& c) { return c.at.gap < (close < n ? 0 : -near); });
+      std::erase_if(found, [&](const Candidate& c) { return c.at.gap < (close < n ? 0 : -touching); });
     }
     if (found.empty()) continue;
     const auto best = std::ranges::max_element(found, {}, [](const Candidate& c) { return std::min(c.at.gap, 0.0); });

@@ -176,7 +176,7 @@ bool Trial::mean_rule_gained() {
       const Shape& shape = w_.shapes[b];
       size += shape.mass * (dot(w_.state.v[b], w_.state.v[b]) + shape.feature * norm(w_.options.gravity));
     }
-    if (gain <= 1e-13 * size || w_.law_of(list_[island.touches[0]]).compliance > 0) continue;
+    if (gain <= 1e-13 * size || w_.compliance_of(list_[island.touches[0]]) != Vec2{}) continue;
     for (const std::uint32_t b : island.bodies) {
       implicit_[b] = 1;
       w_.hint[b] = rattles_for;

@@ -25,7 +25,8 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
   const Vec2 old = w_.velocity_of(rows, contact, w_.state);
   const JointLaw& law = w_.law_of(t);
   const Bond* bond = w_.bond_of(t);
-  out_.friction -= law.compliance > 0 ? 0.0 : p.y * 0.5 * (now.y + old.y);
+  const Vec2 soft = w_.compliance_of(t);
+  out_.friction -= soft.y > 0 ? 0.0 : p.y * 0.5 * (now.y + old.y);
   const double mu = bond == nullptr ? law.residual_friction.value_or(law.friction) : law.friction;
   const double bound = mu * p.x / step_ + (bond != nullptr ? bond->cohesion : 0.0);
   ContactState how = ContactState::stick;
@@ -35,7 +36,7 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
     how = ContactState::slip;
   }
   if (bond != nullptr) note_torn(t, p, now, how, *bond);
-  if (p != Vec2{}) out_.memory.push_back({key_of(t), p / step_, law.compliance, t.point, t.normal});
+  if (p != Vec2{}) out_.memory.push_back({key_of(t), p / step_, soft, t.point, t.normal});
   const Touch& at = moved_[out_.islands[group].touches[contact]];
   out_.contacts.push_back({t.i, t.vertex, t.j, t.edge, w_.anchor + at.point, at.normal, t.gap, p.x / step_, p.y / step_,
                            now.y, how, bond != nullptr});

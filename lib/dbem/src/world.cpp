@@ -55,6 +55,10 @@ std::optional<WorldError> check_law(const JointLaw& law) {
   if (!good(law.compliance) || law.compliance < 0) {
     return BadLaw{fmt::format("compliance {} is not at least 0", law.compliance)};
   }
+  for (const double stiffness : {law.normal_stiffness, law.shear_stiffness}) {
+    if (!good(stiffness) || stiffness < 0) return BadLaw{fmt::format("stiffness {} is not at least 0", stiffness)};
+    if (stiffness > 0 && law.compliance > 0) return BadLaw{"both a stiffness and a compliance"};
+  }
   if (!(law.restitution >= 0 && law.restitution <= 1)) {
     return BadLaw{fmt::format("restitution {} is not between 0 and 1", law.restitution)};
   }

@@ -60,8 +60,8 @@ inline TouchKey key_of(const Touch& t) { return {t.i, t.vertex, t.j, t.edge}; }
 /// What a contact carries from step to step.
 struct Memory {
   TouchKey key;
-  Vec2 force;         // N/m
-  double compliance;  // m2/N
+  Vec2 force;       // N/m
+  Vec2 compliance;  // m2/N, normal and tangential
   Vec2 point, normal;
 };
 
@@ -214,6 +214,8 @@ struct World::Impl {
   [[nodiscard]] std::vector<Vec2> recall(const std::vector<Touch>& list, const Island& island) const;
   [[nodiscard]] const Bond* bond_of(const Touch& t) const;
   [[nodiscard]] const JointLaw& law_of(const Touch& t) const;
+  /// Of the springs in the joint at a contact, normal and tangential, m2/N; 0: rigid.
+  [[nodiscard]] Vec2 compliance_of(const Touch& t) const;
   /// The velocity `free` of a contact, changed by what its spring, its bounce or its gap allows in the step.
   [[nodiscard]] Vec2 with_gap(Vec2 free, Vec2 old, const Touch& touch, Vec2 force, const Island& island, double thick,
                               double step) const;

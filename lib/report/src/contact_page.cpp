@@ -220,10 +220,16 @@ std::string contact_report_html(const scene::ContactResult& result) {
   out += key_figure("penetration", display(result.largest_penetration, 2) + " m", "largest, after a step");
   out += key_figure("energy gained", display(result.energy_gain, 2) + " J/m",
                     "from nothing; momentum drift " + display(result.drift_momentum, 2));
+  if (result.error) {
+    out += key_figure("error of the steps", display(*result.error, 2), "estimated, of the largest displacement");
+  }
   out += "</section>\n";
   if (!result.converged) {
     out += "<p class=\"note bad\">Stopped: " + escape_xml(result.stopped_why) +
            ". What follows is the state that was reached.</p>\n";
+  }
+  if (!result.error && !result.no_estimate.empty()) {
+    out += "<p class=\"note\">No estimate of the error of the steps: " + escape_xml(result.no_estimate) + ".</p>\n";
   }
   for (const std::string& note : result.notes) out += "<p class=\"note\">Note: " + escape_xml(note) + "</p>\n";
   out += motion;

@@ -280,7 +280,13 @@ dbem::Laws laws_of(const ContactScene& scene) {
       out.residual_friction = std::tan(*joint.residual_friction * std::numbers::pi / 180);
     }
     out.restitution = scene.settings.restitution;
+    out.normal_stiffness = joint.normal_stiffness.si();
+    out.shear_stiffness = joint.shear_stiffness.si();
     return out;
+  };
+  const auto softer = [](JointStiffness a, JointStiffness b) {
+    const JointStiffness rigid;
+    return a > rigid && b > rigid ? std::min(a, b) : std::max(a, b);
   };
   dbem::Laws laws;
   laws.otherwise = law(scene.joints[0]);
@@ -297,6 +303,8 @@ dbem::Laws laws_of(const ContactScene& scene) {
         }
         joint.cohesion = std::min(first.cohesion, second.cohesion);
         joint.tension = std::min(first.tension, second.tension);
+        joint.normal_stiffness = softer(first.normal_stiffness, second.normal_stiffness);
+        joint.shear_stiffness = softer(first.shear_stiffness, second.shear_stiffness);
       }
       laws.pairs.push_back({a, b, law(joint)});
     }

@@ -165,7 +165,7 @@ const KeyTable& contact_keys() {
           {"element", key::number(rule::length), "a quarter of the body", "m, longest element of elastic bodies"},
           {"modes", key::whole(0, 10'000), "0", "of an elastic body; 0: all, which keeps static compliance exact"},
           {"estimate", key::flag(), "false",
-           "true: an estimate of the error of the steps, by two more runs with twice and four times the step"},
+           "true: an estimate of the error of the steps, by three more runs with steps up to 6.5 times as long"},
           {"strength", key::table(&rock_strength_keys), "",
            "`{ cohesion, friction, tension }` of the rock of elastic bodies (Pa, degrees, Pa): `safety` of their "
            "stress"},

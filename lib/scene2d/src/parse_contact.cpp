@@ -21,12 +21,16 @@ using std::string_view;
 constexpr std::array<string_view, 1> fixed_word{"fixed"};
 
 const KeyTable& contact_strength_keys() {
-  static const KeyTable keys{.name = "joints of bodies",
-                             .keys = {{"friction", key::number(rule::friction), "30", "degrees"},
-                                      {"residual_friction", key::number(rule::friction), "`friction`",
-                                       "degrees, where a contact has slipped or opened, and of new contacts"},
-                                      {"cohesion", key::number(rule::stress), "0", "Pa, until a contact breaks"},
-                                      {"tension", key::number(rule::stress), "0", "Pa, until a contact breaks"}}};
+  static const KeyTable keys{
+      .name = "joints of bodies",
+      .keys = {{"friction", key::number(rule::friction), "30", "degrees"},
+               {"residual_friction", key::number(rule::friction), "`friction`",
+                "degrees, where a contact has slipped or opened, and of new contacts"},
+               {"cohesion", key::number(rule::stress), "0", "Pa, until a contact breaks"},
+               {"tension", key::number(rule::stress), "0", "Pa, until a contact breaks"},
+               {"normal_stiffness", key::number({0, true, 1e18, false, " Pa/m"}), "rigid", "Pa/m, of the joint"},
+               {"shear_stiffness", key::number({0, true, 1e18, false, " Pa/m"}), "`normal_stiffness`",
+                "Pa/m, until friction is reached"}}};
   return keys;
 }
 
@@ -314,6 +318,12 @@ std::vector<ContactJoint> parse_strengths(const TableReader& root) {
     joint.friction = named.table.number("friction").value_or(out[0].friction);
     joint.cohesion = named.table.number("cohesion").value_or(out[0].cohesion);
     joint.tension = named.table.number("tension").value_or(out[0].tension);
+    const auto stiffness = [&](string_view key, JointStiffness otherwise) {
+      return JointStiffness::from_si(named.table.number(key).value_or(otherwise.si()));
+    };
+    joint.normal_stiffness = stiffness("normal_stiffness", out[0].normal_stiffness);
+    const bool own = named.table.has("normal_stiffness");
+    joint.shear_stiffness = stiffness("shear_stiffness", own ? joint.normal_stiffness : out[0].shear_stiffness);
     joint.residual_friction = named.table.number("residual_friction");
     if (!joint.residual_friction && !named.table.has("friction")) joint.residual_friction = out[0].residual_friction;
     if (joint.residual_friction && *joint.residual_friction > joint.friction) {

@@ -11,6 +11,7 @@
 #include "cleave/dbem/world.hpp"
 #include "cleave/scene2d/contact.hpp"
 #include "contact_bodies.hpp"
+#include "contact_estimate.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -70,8 +71,11 @@ class Recorder final {
     for (std::size_t m = 0; m < shares_.size(); ++m) shares_[m] = 0;
   }
 
+  [[nodiscard]] bool something_hit() const { return hit_; }
+
   void step(const dbem::StepReport& report) {
     ++result_.steps;
+    hit_ = hit_ || report.impact;
     result_.cut_steps += report.cuts;
     result_.end_time = report.time;
     result_.residual = std::max(result_.residual, report.residual);
@@ -215,7 +219,7 @@ class Recorder final {
   dbem::PerMethod<std::uint64_t> solves_{};
   double gravity_ = 0, lowest_ = 0, angular_ = 0, scale_ = 0;
   Vec2 momentum_, expected_, weight_;
-  bool grounded_ = false, loaded_ = false;
+  bool grounded_ = false, loaded_ = false, hit_ = false;
 };
 
 /// Whether a run has taken all the work it may; it stops there.
@@ -268,55 +272,6 @@ void follow(const ContactScene& scene, dbem::World& world, Recorder& recorder, C
     recorder.row(last);
     recorder.frame(world.time());
   }
-}
-
-/// Where all corners are after the whole time with steps `longer` times as long; empty when that run stops.
-std::vector<std::vector<Vec2>> outlines_with(const ContactScene& scene, dbem::World world, double longer) {
-  const ContactSettings& s = scene.settings;
-  const double step = longer * s.step;
-  if (!world.set_step(step)) return {};
-  double next = step;
-  while (world.time() < s.duration * (1 - 1e-12)) {
-    const double left = s.duration - world.time();
-    auto report = world.step(left < next * (1 + 1e-9) ? left : left < 2 * next ? left / 2 : left);
-    if (!report) return {};
-    if (report->cuts == 0 && report->shortened == 0) next = std::max(next, report->step);
-  }
-  std::vector<std::vector<Vec2>> out;
-  for (std::size_t b = 0; b < world.size(); ++b) out.push_back(world.outline(b));
-  return out;
-}
-
-double largest_change(const std::vector<std::vector<Vec2>>& a, const std::vector<std::vector<Vec2>>& b) {
-  double out = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    for (std::size_t c = 0; c < a[k].size(); ++c) out = std::max(out, norm(a[k][c] - b[k][c]));
-  }
-  return out;
-}
-
-/// Of the steps of a run that has ended at `world`, from the same start with steps twice and four times as long.
-void estimate_steps(const ContactScene& scene, const std::optional<dbem::World>& start, const dbem::World& world,
-                    ContactResult& result) {
-  if (!start) {
-    result.no_estimate = "not asked for: contact.estimate";
-    return;
-  }
-  if (!result.converged || scene.settings.to_rest || !(result.largest_displacement > 0)) {
-    result.no_estimate = "the run has no steps in time to its end";
-    return;
-  }
-  std::vector<std::vector<Vec2>> own;
-  for (std::size_t b = 0; b < world.size(); ++b) own.push_back(world.outline(b));
-  const auto twice = outlines_with(scene, *start, 2), four = outlines_with(scene, *start, 4);
-  if (twice.empty() || four.empty()) {
-    result.no_estimate = "a run with longer steps stops";
-    return;
-  }
-  const ErrorEstimate estimate = estimate_from(largest_change(twice, four) / result.largest_displacement,
-                                               largest_change(own, twice) / result.largest_displacement);
-  result.error = estimate.error;
-  result.no_estimate = estimate.why_not;
 }
 
 /// Implicit steps, each from rest, until nothing gains speed.
@@ -411,7 +366,6 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
       result.notes.push_back(fmt::format("{} elastic {} of {} bodies: those alike share one", prepared->operators,
                                          prepared->operators == 1 ? "operator" : "operators", scene.bodies.size()));
     }
-    const std::optional<dbem::World> begin = s.estimate ? std::optional{*world} : std::nullopt;
     Recorder recorder{scene, *prepared, *world, result};
     dbem::StepReport start;
     recorder.row(start);
@@ -422,7 +376,14 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
       follow(scene, *world, recorder, result, progress);
     }
     recorder.finish();
-    estimate_steps(scene, begin, *world, result);
+    const auto with = [&](double longer) -> std::optional<dbem::World> {
+      dbem::WorldOptions long_steps = options;
+      for (double* bound : {&long_steps.step, &long_steps.displacement, &long_steps.rotation}) *bound *= longer;
+      if (long_steps.longest_step) *long_steps.longest_step *= longer;
+      auto other = dbem::World::make(prepared->bodies, laws_of(scene), long_steps);
+      return other ? std::optional{*std::move(other)} : std::nullopt;
+    };
+    estimate_steps(scene, with, *world, recorder.something_hit(), result);
     return std::nullopt;
   });
   progress.end();

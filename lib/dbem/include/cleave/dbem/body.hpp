@@ -69,7 +69,10 @@ struct JointLaw {
   double tension = 0;   ///< Pa, likewise
   std::optional<double> residual_friction = {};  ///< after the bond broke; empty: as `friction`
   double compliance = 0;                         ///< m2/N of one contact point, normal and tangential; 0: rigid
-  double restitution = 0;                        ///< 0 .. 1, of the normal velocity
+  /// Pa/m of the joint, in place of `compliance`: a contact has that of the length it stands for. 0: rigid.
+  double normal_stiffness = 0;
+  double shear_stiffness = 0;  ///< likewise
+  double restitution = 0;      ///< 0 .. 1, of the normal velocity
 };
 
 /// Law of the faces between bodies of properties a and b (either order).

@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <cmath>
+
+#include "world_impl.hpp"
+
+/// Springs in joints: how long a piece of a joint each contact stands for.
+namespace cleave::dbem {
+
+namespace {
+
+struct Outline {
+  std::span<const Vec2> corners;
+  std::span<const std::uint8_t> sharp;
+};
+
+/// How far a side goes on from the corner `at` on, forwards or backwards: past corners that carry nothing and lie in
+/// line with it. 0 where it does not lie nearly along `along` (a unit vector).
+double goes_on(const Outline& of, std::size_t at, bool forwards, Vec2 along, double slope) {
+  const std::size_t n = of.corners.size();
+  double far = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t next = forwards ? (at + 1) % n : (at + n - 1) % n;
+    const Vec2 side = of.corners[next] - of.corners[at];
+    if (std::abs(cross(side, along)) > slope * norm(side)) break;
+    far += std::abs(dot(side, along));
+    if (of.sharp[next] != 0) break;
+    at = next;
+    slope = std::min(slope, 1e-3);
+  }
+  return far;
+}
+
+/// Length of the joint that a contact stands for: half the way to the next corner of either body along it, on either
+/// side, where the side of the corner lies nearly along the edge; of a corner that touches alone `alone`.
+double length_of(const Outline& own, std::size_t vertex, const Outline& other, std::size_t edge, double alone) {
+  constexpr double nearly = 0.5, in_line = 1e-3;
+  const std::size_t n = own.corners.size(), next = (edge + 1) % other.corners.size();
+  const Vec2 p = own.corners[vertex], from = other.corners[edge], to = other.corners[next];
+  const double size = norm(to - from);
+  const Vec2 along = (to - from) / size;
+  const auto left_of_edge = [&](std::size_t end, bool forwards) {
+    const double left = std::abs(dot(other.corners[end] - p, along));
+    // The corner may lie over the end of its edge.
+    const bool on = other.sharp[end] == 0 || left < 1e-6 * size;
+    return left + (on ? goes_on(other, end, forwards, along, in_line) : 0.0);
+  };
+  double length = 0;
+  for (const bool forwards : {true, false}) {
+    const double reach = goes_on(own, vertex, forwards, along, nearly);
+    if (reach <= 0) continue;
+    const Vec2 side = own.corners[forwards ? (vertex + 1) % n : (vertex + n - 1) % n] - p;
+    const double left = dot(side, along) > 0 ? left_of_edge(next, true) : left_of_edge(edge, false);
+    length += 0.5 * std::min(reach, left);
+  }
+  return std::max(length, alone);
+}
+
+/// Of a corner that touches alone, over the smaller feature.
+constexpr double length_alone = 0.05;
+
+}  // namespace
+
+Vec2 World::Impl::compliance_of(const Touch& t) const {
+  const JointLaw& law = law_of(t);
+  if (law.normal_stiffness <= 0 && law.shear_stiffness <= 0) return {law.compliance, law.compliance};
+  const double alone = length_alone * std::min(shapes[t.i].feature, shapes[t.j].feature);
+  const double length = length_of({corners_of(corners, t.i), shapes[t.i].sharp}, t.vertex,
+                                  {corners_of(corners, t.j), shapes[t.j].sharp}, t.edge, alone);
+  return {law.normal_stiffness > 0 ? 1 / (law.normal_stiffness * length) : 0.0,
+          law.shear_stiffness > 0 ? 1 / (law.shear_stiffness * length) : 0.0};
+}
+
+}  // namespace cleave::dbem
