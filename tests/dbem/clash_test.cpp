@@ -189,7 +189,7 @@ TEST(ClashTest, SaysNoLessThanADiscThatFitsIntoBoth) {
     EXPECT_LT(clash_depth(in_a, {apart, box_of(apart), false}, 1e-12), 1e-12);
   }
   EXPECT_GT(deep, testing::trials(4000, 200));
-  EXPECT_GT(shallow, testing::trials(500, 20));
+  EXPECT_GT(shallow, testing::trials(500, 10));
 }
 
 TEST(ClashTest, TheSweepFindsThePairsOfBruteForceAsBodiesMove) {

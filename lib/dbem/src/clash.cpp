@@ -56,8 +56,9 @@ double depth_along_outline(const Solid& own, const Solid& other) {
     for (std::size_t e = 0; e < other.corners.size(); ++e) {
       const Vec2 from = other.corners[e] - p, side = other.corners[after(e, other.corners.size())] - other.corners[e];
       const double turned = cross(along, side);
+      if (turned == 0) continue;
       const double here = cross(from, side) / turned, there = cross(from, along) / turned;
-      if (turned != 0 && here > 0 && here < 1 && there >= 0 && there <= 1) cuts.push_back(here);
+      if (here > 0 && here < 1 && there >= 0 && there <= 1) cuts.push_back(here);
     }
     std::ranges::sort(cuts);
     deepest = std::max(deepest, depth_inside(other.corners, p));
