@@ -68,7 +68,6 @@ window.addEventListener('load', function () {
         check('group alone', blocks3d.blockId.every(function (n, b) { return blocks3d.shown(b) === view3d.groups[g].has(b); }));
         key('Escape');
         check('group let go', view3d.state.group === -1);
-        picked();
       }
       key('ArrowLeft'); key('+'); key('-'); key('Home'); key('f');
       view3d.parallel(true);

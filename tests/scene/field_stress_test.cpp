@@ -366,6 +366,7 @@ TEST(FieldStressScene, MistakesAreNamed) {
             std::string::npos);
   EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "sress = 1\n").find("stress"), std::string::npos);
   EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "tunnel = [\"tunnel\", \"tunnel\"]\n").find("twice"), std::string::npos);
+  EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "tunnel = []\n").find("names no tunnel"), std::string::npos);
   EXPECT_NE(wrong("[0, 0, 0, 0, 0, 0]", "[joints.x]\nnormal_stiffness = 1e9\n").find("shear_stiffness"),
             std::string::npos);
   std::string no_poisson = roof("[0, 0, 0, 0, 0, 0]");

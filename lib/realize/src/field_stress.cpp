@@ -9,6 +9,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/parallel.hpp"
 #include "cleave/core/special.hpp"
+#include "cleave/geometry/box_tree.hpp"
 #include "cleave/stability/strength.hpp"
 
 namespace cleave::scene {
@@ -249,23 +250,21 @@ ClampedBlock clamp(const Clamping& with, const stability::Judgement& judged, con
 
 // ---- How far a section says what the stress is ----------------------------------------------------------------------
 
-struct Box {
-  Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-  void add(const topology::BlockComplex& complex, const topology::Face& face) {
-    for (const auto& loop : complex.loops(face)) {
-      for (const topology::VertexId id : loop) {
-        const Vec3 p = complex.position(id);
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-      }
-    }
+void add(geometry::Extents& box, const topology::BlockComplex& complex, const topology::Face& face) {
+  for (const auto& loop : complex.loops(face)) {
+    for (const topology::VertexId id : loop) box.add(complex.position(id));
   }
-  [[nodiscard]] double distance(const Box& other) const {
-    const auto gap = [](double l1, double h1, double l2, double h2) { return std::max({0.0, l2 - h1, l1 - h2}); };
-    return norm(Vec3{gap(low.x, high.x, other.low.x, other.high.x), gap(low.y, high.y, other.low.y, other.high.y),
-                     gap(low.z, high.z, other.low.z, other.high.z)});
+}
+
+/// Between two boxes; 0 where they meet.
+double distance(const geometry::Extents& a, const geometry::Extents& b) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double gap = std::max({0.0, b.lo[k] - a.hi[k], a.lo[k] - b.hi[k]});
+    sum += gap * gap;
   }
-};
+  return std::sqrt(sum);
+}
 
 /// The largest distance between two corners of a tunnel's section.
 double width_of(const TunnelLine& line) {
@@ -281,18 +280,19 @@ double width_of(const TunnelLine& line) {
 class Surroundings final {
  public:
   Surroundings(const Scene& scene, const topology::BlockComplex& complex) : scene_{&scene}, complex_{&complex} {
-    std::map<std::uint32_t, Box> boxes;
+    std::map<std::uint32_t, geometry::Extents> boxes;
     for (const topology::FaceId id : complex.faces().ids()) {
       const topology::Face& face = complex.faces()[id];
       if (face.role != topology::Role::free) continue;
       Free one{.face = id};
-      one.box.add(complex, face);
+      add(one.box, complex, face);
       free_.push_back(one);
-      if (face.excavation) boxes[*face.excavation].add(complex, face);
+      if (face.excavation) add(boxes[*face.excavation], complex, face);
     }
     for (const auto& [excavation, box] : boxes) {
       const auto& line = scene.excavations[excavation].tunnel;
-      std::array<double, 3> sides{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
+      std::array<double, 3> sides{};
+      for (std::size_t k = 0; k < 3; ++k) sides[k] = box.hi[k] - box.lo[k];
       std::ranges::sort(sides);
       reach_[excavation] = 2 * (line ? width_of(*line) : sides[1]);
     }
@@ -300,8 +300,8 @@ class Surroundings final {
 
   /// Whether the section of this tunnel is all that a block feels.
   [[nodiscard]] bool alone(topology::BlockId block, std::uint32_t tunnel) const {
-    Box box;
-    for (const topology::FaceId id : complex_->blocks()[block].faces) box.add(*complex_, complex_->faces()[id]);
+    geometry::Extents box;
+    for (const topology::FaceId id : complex_->blocks()[block].faces) add(box, *complex_, complex_->faces()[id]);
     const TunnelLine& line = *scene_->excavations[tunnel].tunnel;
     const Vec3 axis = normalized(line.axis[1] - line.axis[0]);
     const double own = 2 * width_of(line);
@@ -315,14 +315,14 @@ class Surroundings final {
       } else if (scene_->field_stress->surface && face.outward.z > 0.99) {
         return false;  // the ground of the half plane
       }
-      return box.distance(one.box) < reach;
+      return distance(box, one.box) < reach;
     });
   }
 
  private:
   struct Free {
     topology::FaceId face;
-    Box box = {};
+    geometry::Extents box = {};
   };
   const Scene* scene_;
   const topology::BlockComplex* complex_;
@@ -343,11 +343,11 @@ std::optional<std::size_t> tunnel_of(const Scene& scene, const topology::BlockCo
     if (found != tunnels.end()) return found - tunnels.begin();
   }
   if (!judged.batch || *judged.batch < 2 || tunnels.empty()) return std::nullopt;
-  const auto distance = [&](std::uint32_t tunnel) {
+  const auto from_axis = [&](std::uint32_t tunnel) {
     const std::vector<Vec3>& axis = scene.excavations[tunnel].tunnel->axis;
     return norm(cross(block.centroid - axis[0], normalized(axis[1] - axis[0])));
   };
-  return std::ranges::min_element(tunnels, {}, distance) - tunnels.begin();
+  return std::ranges::min_element(tunnels, {}, from_axis) - tunnels.begin();
 }
 
 }  // namespace

@@ -55,6 +55,9 @@ std::vector<std::uint32_t> parse_tunnels(const TableReader& table, const std::ve
   } else if (const auto name = table.text("tunnel")) {
     names.emplace_back(*name);
   }
+  if (names.empty() && table.problems().errors() == 0) {
+    table.error("tunnel", "names no tunnel", "name one, or leave the key out: then all straight ones are taken");
+  }
   std::vector<std::uint32_t> chosen;
   for (const std::string& name : names) {
     const auto found =
