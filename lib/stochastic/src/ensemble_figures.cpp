@@ -354,7 +354,9 @@ Figures Ensemble::figures() const {
   add_border(figures);
   add_factors(figures);
   add_pressures(figures);
+  add_rock(figures);
   add_notes(figures);
+  add_size_notes(figures);
   return figures;
 }
 
