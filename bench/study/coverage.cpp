@@ -72,7 +72,7 @@ void block_sizes(study::Study& study, int samples) {
       for (std::size_t i = 0; i < levels; ++i) {
         const std::string level{stochastic::size_levels.at(i).first};
         row(study, problem, "volume by number " + level, setting, by_number.at(i), samples);
-        row(study, problem, "volume by volume " + level, setting, by_volume.at(i), samples);
+        row(study, problem, "volume by volume " + level, setting, by_volume.at(i), samples, i >= 8);
       }
       row(study, problem, "P10 of a set", setting, p10, samples);
       row(study, problem, "Jv", setting, jv, samples);

@@ -199,8 +199,8 @@ TEST(BlockSizes, EnsemblesHoldTheProductLaw) {
 TEST(BlockSizes, WeightsAreThoseOfTheRoomInTheBox) {
   std::string text = box_of_sides(8, 6, 5);
   for (const auto& [x, y, z, dip, direction] :
-       {std::tuple{2, 0, 0, 90, 90}, std::tuple{4, 0, 0, 90, 90}, std::tuple{0, 1, 0, 90, 0}, std::tuple{0, 4, 0, 90, 0},
-        std::tuple{0, 0, 2, 0, 0}, std::tuple{0, 0, 3, 0, 0}}) {
+       {std::tuple{2, 0, 0, 90, 90}, std::tuple{4, 0, 0, 90, 90}, std::tuple{0, 1, 0, 90, 0},
+        std::tuple{0, 4, 0, 90, 0}, std::tuple{0, 0, 2, 0, 0}, std::tuple{0, 0, 3, 0, 0}}) {
     text += fmt::format("[[joint]]\nplane = {{ through = [{}, {}, {}], dip = {}, dip_direction = {} }}\n", x, y, z, dip,
                         direction);
   }

@@ -91,6 +91,7 @@ void fields(V& v, const SizeLevel& x) {
   v("volume_m3", x.volume_m3, "of the blocks of all realizations");
   v("low", OrNull<double>{x.low}, "null: too few blocks");
   v("high", OrNull<double>{x.high}, "null: too few blocks");
+  v("optimistic", when(x.optimistic, x.optimistic), "a few large blocks decide: the interval covers less than it says");
   v("alone_mean", x.alone.mean, "mean over realizations of the volume in each alone");
   v("alone_low", x.alone.low);
   v("alone_high", x.alone.high);
@@ -111,6 +112,7 @@ template <class V>
 void diameter_fields(V& v, const BlockSizeFigures& x, std::string_view level) {
   const SizeLevel& at = *std::ranges::find(x.by_volume, level, &SizeLevel::name);
   v("mean", std::cbrt(at.volume_m3));
+  v("optimistic", when(at.optimistic, at.optimistic), "the interval covers less than it says");
   v("low", OrNull<double>{at.low ? std::optional{std::cbrt(*at.low)} : std::nullopt});
   v("high", OrNull<double>{at.high ? std::optional{std::cbrt(*at.high)} : std::nullopt});
 }

@@ -182,8 +182,9 @@ std::string block_sizes_section(const Figures& f) {
     out += "<p>Shapes (Zingg): " + shapes + ".</p>\n";
   }
   if (!f.sets.empty()) {
-    HtmlTable table{{{"name", "Joint set"}, {"joints"}, {"p10", "P10 (1/m)"}, {"p21", "P21 (1/m)"}, {"p32", "P32 (1/m)"}},
-                    SetRow{stochastic::SetEstimates{}}};
+    HtmlTable table{
+        {{"name", "Joint set"}, {"joints"}, {"p10", "P10 (1/m)"}, {"p21", "P21 (1/m)"}, {"p32", "P32 (1/m)"}},
+        SetRow{stochastic::SetEstimates{}}};
     for (const stochastic::SetEstimates& set : f.sets) table.add(SetRow{set});
     out += std::move(table).html();
     if (f.jv) {

@@ -83,7 +83,12 @@ struct Curves {
   }
 };
 
-std::vector<SizeLevel> levels_of(const Curves& curves) {
+/// Of the levels by volume those above it cover 80 to 90 % at 60 realizations of rock cut by three Poisson sets
+/// in a box
+/// eight spacings wide (`./x study coverage`).
+constexpr double few_decide = 0.7;
+
+std::vector<SizeLevel> levels_of(const Curves& curves, bool of_volume) {
   std::vector<SizeLevel> levels;
   for (const auto& [name, level] : size_levels) {
     // The upper end of the share's interval reaches the level first.
@@ -91,6 +96,7 @@ std::vector<SizeLevel> levels_of(const Curves& curves) {
                       .volume_m3 = volume_at(curves.share, level).value_or(0),
                       .low = volume_at(curves.high, level),
                       .high = volume_at(curves.low, level),
+                      .optimistic = of_volume && level > few_decide,
                       .alone = {}});
   }
   return levels;
@@ -157,8 +163,8 @@ void Ensemble::add_rock(Figures& figures) const {
     sizes.curve.push_back(point);
     if (point.by_number >= 1 - 1e-12) break;
   }
-  sizes.by_number = levels_of(by_number);
-  sizes.by_volume = levels_of(by_volume);
+  sizes.by_number = levels_of(by_number, false);
+  sizes.by_volume = levels_of(by_volume, true);
   for (std::size_t i = 0; i < size_levels.size(); ++i) {
     sizes.by_number[i].alone = estimate(sizes.by_number[i].name, rock_.levels_.at(i).number, Method::mean_of_ratios);
     sizes.by_volume[i].alone = estimate(sizes.by_volume[i].name, rock_.levels_.at(i).volume, Method::mean_of_ratios);
@@ -180,16 +186,16 @@ void Ensemble::add_size_notes(Figures& figures) const {
   }
   if (sizes.at_openings_share > 0.02) {
     figures.notes.push_back(fmt::format(
-        "block sizes: {:.0f} % of the rock that no side of the domain holds lies in blocks which openings cut; they are "
+        "block sizes: {:.0f} % of the rock that no side of the domain holds lies in blocks which openings cut; they "
+        "are "
         "left out, large ones more often: run the rock without openings for the sizes of undisturbed blocks",
         100 * sizes.at_openings_share));
   }
   if (sizes.measured_share < 0.5) {
-    figures.notes.push_back(
-        fmt::format("block sizes are those of {:.0f} % of the rock: the rest lies in blocks that touch the sides of the "
-                    "domain{}",
-                    100 * sizes.measured_share,
-                    sizes.corrected ? "; blocks longer than the domain are never seen" : ""));
+    figures.notes.push_back(fmt::format(
+        "block sizes are those of {:.0f} % of the rock: the rest lies in blocks that touch the sides of the "
+        "domain{}",
+        100 * sizes.measured_share, sizes.corrected ? "; blocks longer than the domain are never seen" : ""));
   }
   if (sizes.mean_weight > 2) {
     figures.notes.push_back(

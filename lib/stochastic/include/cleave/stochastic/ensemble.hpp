@@ -121,6 +121,8 @@ struct SizeLevel {
   double volume_m3 = 0;  ///< of the blocks of all realizations
   /// The volumes at which the interval of the share begins and ends to hold the level (Woodruff 1952); no end: too few.
   std::optional<double> low, high;
+  /// A few large blocks decide: the interval covers less than it says.
+  bool optimistic = false;
   Estimate alone;  ///< of one realization, over those that have blocks
 };
 /// One point of the block size distribution.
@@ -136,11 +138,11 @@ struct ShapeShare {
 };
 /// Sizes of the rock's blocks, over all realizations.
 struct BlockSizeFigures {
-  std::uint64_t blocks = 0;     ///< that lie whole in the domain
-  bool corrected = true;        ///< for large blocks touching the sides of the domain more often
-  double mean_weight = 1;       ///< of a block: 1 where hardly any touches a side
-  double measured_share = 0;    ///< of the rock, that in such blocks
-  double at_openings_share = 0; ///< of what lies inside, that in blocks which were left out as they touch an opening
+  std::uint64_t blocks = 0;      ///< that lie whole in the domain
+  bool corrected = true;         ///< for large blocks touching the sides of the domain more often
+  double mean_weight = 1;        ///< of a block: 1 where hardly any touches a side
+  double measured_share = 0;     ///< of the rock, that in such blocks
+  double at_openings_share = 0;  ///< of what lies inside, that in blocks which were left out as they touch an opening
   std::vector<SizeLevel> by_number, by_volume;
   std::vector<ShapeShare> shapes;
   std::vector<SizeCurvePoint> curve;  ///< at the ends of the bins
@@ -190,11 +192,11 @@ struct EnsembleOptions {
   std::vector<double> volumes_m3;
   std::optional<double> tunnel_length_m;
   std::uint32_t chainage_parts = 0;
-  std::uint64_t seed = 1;  ///< of the bootstrap
-  bool support = false;    ///< a support design was checked
-  bool groups = false;     ///< blocks were judged together
-  bool clamped = false;    ///< stress across joints was looked at
-  std::size_t orders = 0;  ///< of excavation stages
+  std::uint64_t seed = 1;              ///< of the bootstrap
+  bool support = false;                ///< a support design was checked
+  bool groups = false;                 ///< blocks were judged together
+  bool clamped = false;                ///< stress across joints was looked at
+  std::size_t orders = 0;              ///< of excavation stages
   std::vector<std::string> sets = {};  ///< names of the joint sets
   bool box_domain = true;              ///< sizes of blocks are corrected for the sides of the domain
   /// Nested design: so many realizations in a row have the same joints, each its own strengths and loads. Then the
@@ -203,7 +205,8 @@ struct EnsembleOptions {
   std::string running_quantity = "key_block_volume_m3";
 };
 
-/// Reduces the sizes of blocks and the amounts of joint sets: of the realizations, or of the first one of each geometry.
+/// Reduces the sizes of blocks and the amounts of joint sets: of the realizations, or of the first one of each
+/// geometry.
 class RockReduction final {
  public:
   explicit RockReduction(std::size_t sets);
