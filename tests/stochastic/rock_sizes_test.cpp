@@ -50,7 +50,9 @@ TEST(RockSizesTest, LevelsHoldTheProductLaw) {
     EXPECT_TRUE(holds(sizes.by_volume[i], poisson_rock_truth().by_volume.at(i))) << size_levels.at(i).first;
     // Not so wide that it would hold anything: the standard error of the mean logarithm of three gaps, 8 of each a
     // realization, is sqrt(3 * 1.64/3200) = 0.039, so that the ends of the median are 8 * 0.039 apart, a factor 1.36.
-    if (i == 5) EXPECT_LT(*sizes.by_number[i].high, 1.5 * *sizes.by_number[i].low);
+    if (i == 5) {
+      EXPECT_LT(*sizes.by_number[i].high, 1.5 * *sizes.by_number[i].low);
+    }
   }
   ASSERT_EQ(f.sets.size(), 3U);
   EXPECT_EQ(f.sets[2].name, "level");
@@ -91,7 +93,9 @@ TEST(RockSizesTest, IntervalsCover) {
   const double least = samples * 0.95 - 3 * std::sqrt(samples * 0.95 * 0.05);
   for (std::size_t i = 0; i < size_levels.size(); ++i) {
     EXPECT_GE(by_number.at(i), least) << size_levels.at(i).first;
-    if (i < 8) EXPECT_GE(by_volume.at(i), least) << size_levels.at(i).first;  // above, it is said
+    if (i < 8) {  // above, it is said
+      EXPECT_GE(by_volume.at(i), least) << size_levels.at(i).first;
+    }
     EXPECT_EQ(said.at(i), i < 8 ? 0 : samples) << size_levels.at(i).first;
   }
   EXPECT_GE(p32, least);
