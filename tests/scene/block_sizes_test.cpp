@@ -164,8 +164,8 @@ std::string poisson_rock_of(double side, std::string_view more) {
   return text + std::string{more};
 }
 
-// The same through drawing and cutting, where a block stands for those that the sides of the box cut: exact whatever
-// the box, so one a few spacings wide will do.
+// The same through drawing and cutting, where a block stands for those that the sides of the box cut: right but for
+// blocks longer than the box (0.7 % of their volume along each axis), so one a few spacings wide will do.
 TEST(BlockSizes, EnsemblesHoldTheProductLaw) {
   const Scene scene = scene_of(poisson_rock_of(7, "[monte_carlo]\nrealizations = 60\nconfidence = 0.9999\n"));
   stochastic::Ensemble ensemble{ensemble_options_of(scene)};
@@ -199,8 +199,8 @@ TEST(BlockSizes, EnsemblesHoldTheProductLaw) {
 TEST(BlockSizes, WeightsAreThoseOfTheRoomInTheBox) {
   std::string text = box_of_sides(8, 6, 5);
   for (const auto& [x, y, z, dip, direction] :
-       {std::tuple{2, 0, 0, 90, 90}, std::tuple{4, 0, 0, 90, 90}, std::tuple{0, 1, 0, 90, 0},
-        std::tuple{0, 4, 0, 90, 0}, std::tuple{0, 0, 2, 0, 0}, std::tuple{0, 0, 3, 0, 0}}) {
+       {std::tuple{2.0, 0.0, 0.0, 90, 90}, std::tuple{4.0, 0.0, 0.0, 90, 90}, std::tuple{0.0, 1.0, 0.0, 90, 0},
+        std::tuple{0.0, 4.5, 0.0, 90, 0}, std::tuple{0.0, 0.0, 2.0, 0, 0}, std::tuple{0.0, 0.0, 3.0, 0, 0}}) {
     text += fmt::format("[[joint]]\nplane = {{ through = [{}, {}, {}], dip = {}, dip_direction = {} }}\n", x, y, z, dip,
                         direction);
   }
@@ -209,14 +209,14 @@ TEST(BlockSizes, WeightsAreThoseOfTheRoomInTheBox) {
   const stochastic::RockSizes sizes = rock_sizes(complex, result.input.domain);
   ASSERT_EQ(sizes.blocks, 1U);
   ASSERT_EQ(sizes.bins.size(), 1U);
-  const double weight = 8.0 / 6 * 6.0 / 3 * 5.0 / 4;
+  const double weight = 8.0 / 6 * 6.0 / 2.5 * 5.0 / 4;
   EXPECT_NEAR(sizes.bins[0].number, weight, 1e-6);
-  EXPECT_NEAR(sizes.bins[0].volume_m3, 6 * weight, 1e-5);
-  EXPECT_FLOAT_EQ(sizes.by_number[0], 6);
-  EXPECT_FLOAT_EQ(sizes.by_volume[10], 6);
-  EXPECT_FLOAT_EQ(sizes.volume_m3, 6);
+  EXPECT_NEAR(sizes.bins[0].volume_m3, 7 * weight, 1e-5);
+  EXPECT_FLOAT_EQ(sizes.by_number[0], 7);
+  EXPECT_FLOAT_EQ(sizes.by_volume[10], 7);
+  EXPECT_FLOAT_EQ(sizes.volume_m3, 7);
   EXPECT_EQ(sizes.at_openings_m3, 0);
-  // 3, 2, 1 m: c/b = 1/2, b/a = 2/3: bladed by its limits.
+  // 3.5, 2, 1 m: c/b = 0.5, b/a = 0.57: bladed.
   EXPECT_NEAR(sizes.shapes[3], weight, 1e-6);
 }
 

@@ -91,7 +91,8 @@ void fields(V& v, const SizeLevel& x) {
   v("volume_m3", x.volume_m3, "of the blocks of all realizations");
   v("low", OrNull<double>{x.low}, "null: too few blocks");
   v("high", OrNull<double>{x.high}, "null: too few blocks");
-  v("optimistic", when(x.optimistic, x.optimistic), "a few large blocks decide: the interval covers less than it says");
+  v("optimistic", when(x.optimistic, x.optimistic),
+    "less than half of the rock is measured: the interval may cover less than it says");
   v("alone_mean", x.alone.mean, "mean over realizations of the volume in each alone");
   v("alone_low", x.alone.low);
   v("alone_high", x.alone.high);
@@ -112,7 +113,7 @@ template <class V>
 void diameter_fields(V& v, const BlockSizeFigures& x, std::string_view level) {
   const SizeLevel& at = *std::ranges::find(x.by_volume, level, &SizeLevel::name);
   v("mean", std::cbrt(at.volume_m3));
-  v("optimistic", when(at.optimistic, at.optimistic), "the interval covers less than it says");
+  v("optimistic", when(at.optimistic, at.optimistic), "the interval may cover less than it says");
   v("low", OrNull<double>{at.low ? std::optional{std::cbrt(*at.low)} : std::nullopt});
   v("high", OrNull<double>{at.high ? std::optional{std::cbrt(*at.high)} : std::nullopt});
 }
@@ -125,6 +126,8 @@ void fields(V& v, const BlockSizeFigures& x) {
     "of the places where the block lies whole in it); left out: the domain is no box, sizes are on the small side");
   v("mean_weight", x.mean_weight, "blocks that one stands for, mean");
   v("measured_share", x.measured_share, "of the rock, what lies in these blocks");
+  v("beyond_share", x.beyond_share,
+    "of the number of blocks, those below 1.1e-15 or above 8.9e11 m3: their volumes are not told apart");
   v("at_openings_share", x.at_openings_share,
     "of the rock that no side of the domain holds, what lies in blocks that openings cut: left out");
   v("by_number", by_name(x.by_number, &SizeLevel::name, level),

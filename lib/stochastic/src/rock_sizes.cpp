@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/core/rng.hpp"
-#include "cleave/core/special.hpp"
 #include "cleave/stochastic/ensemble.hpp"
 #include "number.hpp"
 
@@ -61,21 +59,30 @@ void RockReduction::add(const Record& record) {
 
 namespace {
 
-/// Where a share that grows with the volume reaches `level`, between the ends of two bins; empty: nowhere, or before
-/// the first end.
-std::optional<double> volume_at(const std::vector<std::pair<double, double>>& shares, double level) {
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    if (shares[i].second < level) continue;
-    if (i == 0) return std::nullopt;
-    const auto [from, below] = shares[i - 1];
-    const auto [to, above] = shares[i];
-    return std::exp(std::lerp(std::log(from), std::log(to), (level - below) / (above - below)));
-  }
-  return std::nullopt;
+/// Share of the rock in measured blocks; below it sizes by volume rest on what was not seen.
+constexpr double mostly_measured = 0.5;
+
+using Curve = std::vector<std::pair<double, double>>;  ///< shares by volume
+
+/// Between the ends of two bins; empty: before the first end.
+std::optional<double> crossing(const Curve& shares, Curve::const_iterator reached, double level) {
+  if (reached == shares.begin() || reached == shares.end()) return std::nullopt;
+  const auto [from, below] = *(reached - 1);
+  const auto [to, above] = *reached;
+  return std::exp(std::lerp(std::log(from), std::log(to), (level - below) / (above - below)));
+}
+/// Where a share first reaches `level`.
+std::optional<double> first_at(const Curve& shares, double level) {
+  return crossing(shares, std::ranges::find_if(shares, [&](const auto& p) { return p.second >= level; }), level);
+}
+/// Beyond which it stays there: ends of intervals need not grow with the volume.
+std::optional<double> last_at(const Curve& shares, double level) {
+  const auto below = std::find_if(shares.rbegin(), shares.rend(), [&](const auto& p) { return p.second < level; });
+  return crossing(shares, below.base(), level);
 }
 
 struct Curves {
-  std::vector<std::pair<double, double>> share, low, high;  ///< by volume
+  Curve share, low, high;
   void add(double volume, double below, const Interval& interval) {
     share.emplace_back(volume, below);
     low.emplace_back(volume, interval.low);
@@ -83,38 +90,21 @@ struct Curves {
   }
 };
 
-/// Of the levels by volume those above it cover 80 to 90 % at 60 realizations of rock cut by three Poisson sets
-/// in a box
-/// eight spacings wide (`./x study coverage`).
-constexpr double few_decide = 0.7;
-
-std::vector<SizeLevel> levels_of(const Curves& curves, bool of_volume) {
+std::vector<SizeLevel> levels_of(const Curves& curves, bool optimistic) {
   std::vector<SizeLevel> levels;
   for (const auto& [name, level] : size_levels) {
     // The upper end of the share's interval reaches the level first.
     levels.push_back({.name = std::string{name},
-                      .volume_m3 = volume_at(curves.share, level).value_or(0),
-                      .low = volume_at(curves.high, level),
-                      .high = volume_at(curves.low, level),
-                      .optimistic = of_volume && level > few_decide,
+                      .volume_m3 = first_at(curves.share, level).value_or(0),
+                      .low = first_at(curves.high, level),
+                      .high = last_at(curves.low, level),
+                      .optimistic = optimistic,
                       .alone = {}});
   }
   return levels;
 }
 
 }  // namespace
-
-/// Of a share of the blocks or of their volume: with the effective number of blocks, at most `most`.
-Interval Ensemble::size_interval(const PairMoments& pair, double most) const {
-  const double p = std::clamp(pair.ratio(), 0.0, 1.0), se = pair.ratio_standard_error();
-  double effective = pair.equal_parts();
-  if (p > 0 && p < 1 && se > 0) {
-    const double level = 0.5 + options_.confidence / 2;
-    const double wider = special::student_t_quantile(level, number(pair.count() - 1)) / normal_quantile(level);
-    effective = std::min(p * (1 - p) / (se * se * wider * wider), most);
-  }
-  return clopper_pearson_effective(p, std::max(effective, 1e-6), options_.confidence);
-}
 
 void Ensemble::add_rock(Figures& figures) const {
   const std::uint64_t samples = rock_.jv_.count();
@@ -130,17 +120,19 @@ void Ensemble::add_rock(Figures& figures) const {
   }
   if (!figures.sets.empty()) figures.jv = estimate("jv", rock_.jv_, Method::mean);
   // With one realization nothing is known of the spread.
-  if (rock_.blocks_ == 0 || samples < 2) return;
+  if (rock_.blocks_ == 0 || rock_.number_below_.front().count() < 2) return;
   const double blocks = number(rock_.blocks_);
-  BlockSizeFigures sizes{.blocks = rock_.blocks_,
-                         .corrected = options_.box_domain,
-                         .mean_weight = rock_.weights_ / blocks,
-                         .measured_share = rock_.rock_ > 0 ? rock_.volume_ / rock_.rock_ : 0,
-                         .at_openings_share = rock_.at_openings_ / (rock_.volume_ + rock_.at_openings_),
-                         .by_number = {},
-                         .by_volume = {},
-                         .shapes = {},
-                         .curve = {}};
+  BlockSizeFigures sizes{
+      .blocks = rock_.blocks_,
+      .corrected = options_.box_domain,
+      .mean_weight = rock_.weights_ / blocks,
+      .measured_share = rock_.rock_ > 0 ? rock_.volume_ / rock_.rock_ : 0,
+      .beyond_share = 1 - rock_.number_below_[SizeBin::bins - 2].ratio() + rock_.number_below_.front().ratio(),
+      .at_openings_share = rock_.volume_ > 0 ? rock_.at_openings_ / (rock_.volume_ + rock_.at_openings_) : 0,
+      .by_number = {},
+      .by_volume = {},
+      .shapes = {},
+      .curve = {}};
   const auto first = static_cast<std::uint32_t>(
       std::ranges::find_if(rock_.number_below_, [](const PairMoments& pair) { return pair.ratio() > 0; }) -
       rock_.number_below_.begin());
@@ -164,7 +156,7 @@ void Ensemble::add_rock(Figures& figures) const {
     if (point.by_number >= 1 - 1e-12) break;
   }
   sizes.by_number = levels_of(by_number, false);
-  sizes.by_volume = levels_of(by_volume, true);
+  sizes.by_volume = levels_of(by_volume, sizes.measured_share < mostly_measured);
   for (std::size_t i = 0; i < size_levels.size(); ++i) {
     sizes.by_number[i].alone = estimate(sizes.by_number[i].name, rock_.levels_.at(i).number, Method::mean_of_ratios);
     sizes.by_volume[i].alone = estimate(sizes.by_volume[i].name, rock_.levels_.at(i).volume, Method::mean_of_ratios);
@@ -191,11 +183,17 @@ void Ensemble::add_size_notes(Figures& figures) const {
         "left out, large ones more often: run the rock without openings for the sizes of undisturbed blocks",
         100 * sizes.at_openings_share));
   }
-  if (sizes.measured_share < 0.5) {
+  if (sizes.measured_share < mostly_measured) {
     figures.notes.push_back(fmt::format(
         "block sizes are those of {:.0f} % of the rock: the rest lies in blocks that touch the sides of the "
         "domain{}",
         100 * sizes.measured_share, sizes.corrected ? "; blocks longer than the domain are never seen" : ""));
+  }
+  if (sizes.beyond_share > 0) {
+    figures.notes.push_back(
+        fmt::format("block sizes: {:.2g} % of the blocks are smaller than {:.2g} m3 or larger than {:.2g} m3: volumes "
+                    "beyond these are not told",
+                    100 * sizes.beyond_share, SizeBin::edge(1), SizeBin::edge(SizeBin::bins - 1)));
   }
   if (sizes.mean_weight > 2) {
     figures.notes.push_back(

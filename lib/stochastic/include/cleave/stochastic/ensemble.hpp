@@ -121,7 +121,7 @@ struct SizeLevel {
   double volume_m3 = 0;  ///< of the blocks of all realizations
   /// The volumes at which the interval of the share begins and ends to hold the level (Woodruff 1952); no end: too few.
   std::optional<double> low, high;
-  /// A few large blocks decide: the interval covers less than it says.
+  /// Less than half of the rock lies in blocks that were measured: the interval may cover less than it says.
   bool optimistic = false;
   Estimate alone;  ///< of one realization, over those that have blocks
 };
@@ -142,6 +142,7 @@ struct BlockSizeFigures {
   bool corrected = true;         ///< for large blocks touching the sides of the domain more often
   double mean_weight = 1;        ///< of a block: 1 where hardly any touches a side
   double measured_share = 0;     ///< of the rock, that in such blocks
+  double beyond_share = 0;       ///< by number, of the blocks in the first and the last bin: only told to be beyond
   double at_openings_share = 0;  ///< of what lies inside, that in blocks which were left out as they touch an opening
   std::vector<SizeLevel> by_number, by_volume;
   std::vector<ShapeShare> shapes;
@@ -260,7 +261,8 @@ class Ensemble final {
   void add_unit(const std::vector<double>& sums);
   void add_extremes(const Record& record);
   [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, Method method) const;
-  [[nodiscard]] Interval share_interval(const PairMoments& pair) const;
+  [[nodiscard]] Interval share_interval(const PairMoments& pair, double most) const;
+  [[nodiscard]] Interval size_interval(const PairMoments& pair, double most) const;
   [[nodiscard]] Estimate ratio_estimate(std::string name, const PairMoments& pair, bool share) const;
   [[nodiscard]] double probability_of(const Moments& hits) const;
   [[nodiscard]] Interval probability_interval(const Moments& hits) const;
@@ -274,7 +276,6 @@ class Ensemble final {
   void add_pressures(Figures& figures) const;
   void add_rock(Figures& figures) const;
   void add_size_notes(Figures& figures) const;
-  [[nodiscard]] Interval size_interval(const PairMoments& pair, double most) const;
   void add_notes(Figures& figures) const;
 
   EnsembleOptions options_;

@@ -120,11 +120,11 @@ inline constexpr std::array<std::pair<std::string_view, double>, 11> size_levels
 /// Zingg's (1935) classes, in this order everywhere.
 inline constexpr std::array<std::string_view, 4> zingg_names{"cubic", "platy", "elongated", "bladed"};
 
-/// Blocks of the rock with volumes in one bin of equal ratio: 10^(-6 + i/20) <= V < 10^(-6 + (i+1)/20) m3; the first
+/// Blocks of the rock with volumes in one bin of equal ratio: 10^(-15 + i/20) <= V < 10^(-15 + (i+1)/20) m3; the first
 /// and the last also what lies beyond. Each block has a weight.
 struct SizeBin {
-  static constexpr std::uint32_t bins = 280;
-  static constexpr double lowest_exponent = -6, per_decade = 20;
+  static constexpr std::uint32_t bins = 540;
+  static constexpr double lowest_exponent = -15, per_decade = 20;
   std::uint32_t bin = 0;
   float number = 0;     ///< sum of the weights
   float volume_m3 = 0;  ///< sum of weight times volume
