@@ -88,7 +88,7 @@ void fields(V& v, const Exceedance& x) {
 
 template <class V>
 void fields(V& v, const SizeLevel& x) {
-  v("volume_m3", x.volume_m3, "of the blocks of all realizations");
+  v("volume_m3", x.volume.si(), "of the blocks of all realizations");
   v("low", OrNull<double>{x.low}, "null: too few blocks");
   v("high", OrNull<double>{x.high}, "null: too few blocks");
   v("optimistic", when(x.optimistic, x.optimistic),
@@ -100,7 +100,7 @@ void fields(V& v, const SizeLevel& x) {
 }
 template <class V>
 void fields(V& v, const SizeCurvePoint& x) {
-  v("volume_m3", x.volume_m3);
+  v("volume_m3", x.volume.si());
   v("by_number", x.by_number, "share of the blocks that are smaller");
   v("by_number_low", x.number_interval.low);
   v("by_number_high", x.number_interval.high);
@@ -112,7 +112,7 @@ void fields(V& v, const SizeCurvePoint& x) {
 template <class V>
 void diameter_fields(V& v, const BlockSizeFigures& x, std::string_view level) {
   const SizeLevel& at = *std::ranges::find(x.by_volume, level, &SizeLevel::name);
-  v("mean", std::cbrt(at.volume_m3));
+  v("mean", std::cbrt(at.volume.si()));
   v("optimistic", when(at.optimistic, at.optimistic), "the interval may cover less than it says");
   v("low", OrNull<double>{at.low ? std::optional{std::cbrt(*at.low)} : std::nullopt});
   v("high", OrNull<double>{at.high ? std::optional{std::cbrt(*at.high)} : std::nullopt});

@@ -132,16 +132,16 @@ std::string size_figure(const Figures& f) {
 
 std::string rock_figure(const stochastic::BlockSizeFigures& sizes) {
   if (sizes.curve.size() < 2) return {};
-  Plot plot{detail::decades(sizes.curve.front().volume_m3, sizes.curve.back().volume_m3, "block volume V (m³)"),
+  Plot plot{detail::decades(sizes.curve.front().volume.si(), sizes.curve.back().volume.si(), "block volume V (m³)"),
             Axis{0, 1, false, "share below V"}, "Block size distribution"};
   std::vector<PlotPoint> number, number_low, number_high, volume, volume_low, volume_high;
   for (const stochastic::SizeCurvePoint& p : sizes.curve) {
-    number.push_back({p.volume_m3, p.by_number});
-    number_low.push_back({p.volume_m3, p.number_interval.low});
-    number_high.push_back({p.volume_m3, p.number_interval.high});
-    volume.push_back({p.volume_m3, p.by_volume});
-    volume_low.push_back({p.volume_m3, p.volume_interval.low});
-    volume_high.push_back({p.volume_m3, p.volume_interval.high});
+    number.push_back({p.volume.si(), p.by_number});
+    number_low.push_back({p.volume.si(), p.number_interval.low});
+    number_high.push_back({p.volume.si(), p.number_interval.high});
+    volume.push_back({p.volume.si(), p.by_volume});
+    volume_low.push_back({p.volume.si(), p.volume_interval.low});
+    volume_high.push_back({p.volume.si(), p.volume_interval.high});
   }
   plot.band(number_low, number_high);
   plot.band(volume_low, volume_high);

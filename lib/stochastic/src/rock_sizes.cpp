@@ -95,7 +95,7 @@ std::vector<SizeLevel> levels_of(const Curves& curves, bool optimistic) {
   for (const auto& [name, level] : size_levels) {
     // The upper end of the share's interval reaches the level first.
     levels.push_back({.name = std::string{name},
-                      .volume_m3 = first_at(curves.share, level).value_or(0),
+                      .volume = cubic_metres(first_at(curves.share, level).value_or(0)),
                       .low = first_at(curves.high, level),
                       .high = last_at(curves.low, level),
                       .optimistic = optimistic,
@@ -145,13 +145,13 @@ void Ensemble::add_rock(Figures& figures) const {
   }
   for (std::uint32_t i = first; i < SizeBin::bins; ++i) {
     const PairMoments &number_below = rock_.number_below_[i], &volume_below = rock_.volume_below_[i];
-    const SizeCurvePoint point{.volume_m3 = SizeBin::edge(i + 1),
+    const SizeCurvePoint point{.volume = cubic_metres(SizeBin::edge(i + 1)),
                                .by_number = std::min(1.0, number_below.ratio()),
                                .by_volume = std::min(1.0, volume_below.ratio()),
                                .number_interval = size_interval(number_below, blocks),
                                .volume_interval = size_interval(volume_below, blocks)};
-    by_number.add(point.volume_m3, point.by_number, point.number_interval);
-    by_volume.add(point.volume_m3, point.by_volume, point.volume_interval);
+    by_number.add(point.volume.si(), point.by_number, point.number_interval);
+    by_volume.add(point.volume.si(), point.by_volume, point.volume_interval);
     sizes.curve.push_back(point);
     if (point.by_number >= 1 - 1e-12) break;
   }

@@ -117,8 +117,8 @@ struct Extreme {
 
 /// The volume below which a share of the blocks, or of their volume, lies.
 struct SizeLevel {
-  std::string name;      ///< of `size_levels`
-  double volume_m3 = 0;  ///< of the blocks of all realizations
+  std::string name;  ///< of `size_levels`
+  Volume volume{};   ///< of the blocks of all realizations
   /// The volumes at which the interval of the share begins and ends to hold the level (Woodruff 1952); no end: too few.
   std::optional<double> low, high;
   /// Less than half of the rock lies in blocks that were measured: the interval may cover less than it says.
@@ -127,7 +127,7 @@ struct SizeLevel {
 };
 /// One point of the block size distribution.
 struct SizeCurvePoint {
-  double volume_m3 = 0;
+  Volume volume{};
   double by_number = 0, by_volume = 0;  ///< shares below
   Interval number_interval, volume_interval;
 };
