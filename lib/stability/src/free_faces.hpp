@@ -9,6 +9,17 @@
 
 namespace cleave::stability {
 
+/// An edge of a block between a free face and a joint face.
+struct KeyedEdge {
+  topology::VertexId from, to;
+  const topology::Face* free;
+  const topology::Face* beyond;  ///< the joint face
+};
+[[nodiscard]] std::vector<KeyedEdge> keyed_edges(const topology::BlockComplex& complex, topology::BlockId block);
+
+/// N/m: what a layer of sprayed concrete holds along an edge, ring shear limited by adhesion.
+[[nodiscard]] double held_per_metre(const Shotcrete& layer);
+
 /// m: perimeter of a block's free faces along which sprayed concrete is keyed to rock that stays: the block's own joint
 /// face beyond the edge must not lead to another block that is `loose`.
 [[nodiscard]] double keyed_perimeter(const topology::BlockComplex& complex, topology::BlockId block,

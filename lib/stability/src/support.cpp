@@ -272,8 +272,7 @@ class Check final {
     const Shotcrete& layer = *plan_->shotcrete;
     const double perimeter =
         keyed_perimeter(*complex_, entry.block, [&](BlockId other) { return needy_[other] != none; });
-    double hold = perimeter * layer.thickness.si() * layer.shear_strength.si();
-    if (layer.adhesion) hold = std::min(hold, perimeter * layer.bond_width.si() * layer.adhesion->si());
+    const double hold = perimeter * held_per_metre(layer);
     const Body& body = bodies_[needy_[entry.block]];
     const double rock = body.bare.resistance.least;
     entry.factor_with_shotcrete = (rock + hold) / body.bare.driving;
