@@ -68,7 +68,8 @@ double left(const topology::AuditedComplex& complex, const Settings& settings, c
 double level_force(double factor) {
   const double dip = 35 * std::numbers::pi / 180, m = std::tan(std::numbers::pi / 6) / factor;
   const double slab = 312, toe = 18.8620205076;
-  const double push = slab * (std::sin(dip) - m * std::cos(dip)) / ((1 - m * m) * std::cos(dip) + 2 * m * std::sin(dip));
+  const double push =
+      slab * (std::sin(dip) - m * std::cos(dip)) / ((1 - m * m) * std::cos(dip) + 2 * m * std::sin(dip));
   return push - m * (toe + m * push);
 }
 
@@ -126,17 +127,15 @@ topology::CutInput block_in_a_roof(double deep) {
     return topology::Joint{{geometry::Polygon::make(std::move(corners)).value()}};
   };
   const double e = 0.1;
-  return {.domain = geometry::make_box({-5, -5, 0}, {5, 5, 10}).value(),
-          .joints = {polygon({{-1, -1 - e, -1}, {-1, 1 + e, -1}, {-1, 1 + e, deep + e}, {-1, -1 - e, deep + e}}),
-                     polygon({{1, -1 - e, -1}, {1, 1 + e, -1}, {1, 1 + e, deep + e}, {1, -1 - e, deep + e}}),
-                     polygon({{-1 - e, -1, -1}, {1 + e, -1, -1}, {1 + e, -1, deep + e}, {-1 - e, -1, deep + e}}),
-                     polygon({{-1 - e, 1, -1}, {1 + e, 1, -1}, {1 + e, 1, deep + e}, {-1 - e, 1, deep + e}}),
-                     polygon({{-1 - e, -1 - e, deep},
-                              {1 + e, -1 - e, deep},
-                              {1 + e, 1 + e, deep},
-                              {-1 - e, 1 + e, deep}})},
-          .excavations = {},
-          .free_domain_tags = {4}};
+  return {
+      .domain = geometry::make_box({-5, -5, 0}, {5, 5, 10}).value(),
+      .joints = {polygon({{-1, -1 - e, -1}, {-1, 1 + e, -1}, {-1, 1 + e, deep + e}, {-1, -1 - e, deep + e}}),
+                 polygon({{1, -1 - e, -1}, {1, 1 + e, -1}, {1, 1 + e, deep + e}, {1, -1 - e, deep + e}}),
+                 polygon({{-1 - e, -1, -1}, {1 + e, -1, -1}, {1 + e, -1, deep + e}, {-1 - e, -1, deep + e}}),
+                 polygon({{-1 - e, 1, -1}, {1 + e, 1, -1}, {1 + e, 1, deep + e}, {-1 - e, 1, deep + e}}),
+                 polygon({{-1 - e, -1 - e, deep}, {1 + e, -1 - e, deep}, {1 + e, 1 + e, deep}, {-1 - e, 1 + e, deep}})},
+      .excavations = {},
+      .free_domain_tags = {4}};
 }
 
 TEST(GroupSupportTest, OneBlockIsHeldAsTheCheckOfBlocksSays) {
@@ -152,12 +151,11 @@ TEST(GroupSupportTest, OneBlockIsHeldAsTheCheckOfBlocksSays) {
   };
   SupportPlan plan{.target_falling = 1.5, .target_sliding = 1.3};
   EXPECT_FALSE(both(plan));
-  Bolt bolt{.collar = {0, 0, 0},
-            .direction = {0, 0, 1},
-            .length = metres(3),
-            .type = {.plate = newtons(1e9),
-                     .anchorage = metres(0.3),
-                     .kind = GroutedBar{.bond = newtons_per_metre(1e9)}}};
+  Bolt bolt{
+      .collar = {0, 0, 0},
+      .direction = {0, 0, 1},
+      .length = metres(3),
+      .type = {.plate = newtons(1e9), .anchorage = metres(0.3), .kind = GroutedBar{.bond = newtons_per_metre(1e9)}}};
   for (const double share : {0.998, 1.002}) {
     bolt.type.tendon = newtons(share * 1.5 * weight);
     plan.bolts = {bolt};

@@ -21,9 +21,9 @@ using assembly::Verdict;
 using geometry::norm;
 using geometry::Vec3;
 using statics::audited;
-using statics::strength;
 using statics::slab_behind_toe;
 using statics::slope;
+using statics::strength;
 using topology::BlockId;
 
 TEST(KeyGroupsTest, SlabBehindToe) {

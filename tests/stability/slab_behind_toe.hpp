@@ -13,7 +13,9 @@ namespace cleave::statics {
 
 inline const double slope = std::tan(35 * std::numbers::pi / 180);
 
-inline topology::Joint polygon(std::vector<geometry::Vec3> corners) { return {{geometry::Polygon::make(std::move(corners)).value()}}; }
+inline topology::Joint polygon(std::vector<geometry::Vec3> corners) {
+  return {{geometry::Polygon::make(std::move(corners)).value()}};
+}
 
 /// A slope of 35 degrees; a slab 2 m thick on a joint along it behind a toe on a level joint, both between two walls.
 inline topology::CutInput slab_behind_toe(double width = 6) {

@@ -403,14 +403,24 @@ GroupSupport check_groups(const topology::AuditedComplex& complex, const Setting
   if (out.below.groups.empty()) return out;
   const Ties ties{complex.complex(), reduced, plan, support.bolts, out.below};
   out.left = Search{complex.complex(), reduced, most, &ties}.run();
+  // What only the search with support could not decide.
+  for (const KeyGroup& group : out.left.groups) {
+    const auto shares = [&](const KeyGroup& other) {
+      return std::ranges::any_of(group.blocks,
+                                 [&](BlockId id) { return std::ranges::binary_search(other.blocks, id); });
+    };
+    if (std::ranges::any_of(out.below.groups, shares)) continue;
+    out.below.groups.push_back(group);
+    out.below.groups.back().verdict = assembly::Verdict::no_motion_found;
+  }
   return out;
 }
 
 std::optional<assembly::Verdict> GroupSupport::left_of(const KeyGroup& group) const {
   std::optional<assembly::Verdict> worst;
   for (const KeyGroup& other : left.groups) {
-    const bool shared = std::ranges::any_of(
-        group.blocks, [&](BlockId id) { return std::ranges::binary_search(other.blocks, id); });
+    const bool shared =
+        std::ranges::any_of(group.blocks, [&](BlockId id) { return std::ranges::binary_search(other.blocks, id); });
     if (shared && (!worst || other.verdict < *worst)) worst = other.verdict;
   }
   return worst;

@@ -28,7 +28,8 @@ bool falls(const Model& model, BlockId id, Vec3 velocity) {
   return norm(own) > 0 && norm(velocity - own) <= free_fall * norm(own);
 }
 
-assembly::Contact pull_between(std::uint32_t body, std::optional<std::uint32_t> other, Vec3 normal, Vec3 at, double force) {
+assembly::Contact pull_between(std::uint32_t body, std::optional<std::uint32_t> other, Vec3 normal, Vec3 at,
+                               double force) {
   assembly::Contact out;
   out.body = body;
   out.other = other;
@@ -54,8 +55,9 @@ Ties::Ties(const topology::BlockComplex& complex, const Settings& settings, cons
   for (const BoltResult& bolt : bolts) add_bar(bolt);
   if (!plan.shotcrete) return;
   const double per_metre = held_per_metre(*plan.shotcrete);
+  const std::function<bool(BlockId)> gone = [&](BlockId id) { return !model.present(id, 1); };
   for (const BlockId id : complex.blocks().ids()) {
-    if (!complex.blocks()[id].fixed) add_seams(id, per_metre);
+    if (!complex.blocks()[id].fixed && !gone(id)) add_seams(id, per_metre, gone);
   }
 }
 
@@ -74,8 +76,8 @@ void Ties::add_bar(const BoltResult& result) {
   if (bar.pieces.size() > 1) bars_.push_back(std::move(bar));
 }
 
-void Ties::add_seams(BlockId block, double per_metre) {
-  for (const KeyedEdge& edge : keyed_edges(*complex_, block)) {
+void Ties::add_seams(BlockId block, double per_metre, const std::function<bool(BlockId)>& gone) {
+  for (const KeyedEdge& edge : keyed_edges(*complex_, block, gone)) {
     // Where several blocks lie beyond, the edge may run along any of them.
     std::optional<BlockId> beyond;
     bool one = true;
@@ -86,7 +88,7 @@ void Ties::add_seams(BlockId block, double per_metre) {
     }
     if (!beyond || !one) continue;
     const Vec3 a = complex_->position(edge.from), b = complex_->position(edge.to);
-    seams_.push_back({block, *beyond, 0.5 * (a + b), edge.free->outward, per_metre * norm(b - a)});
+    seams_.push_back({block, *beyond, 0.5 * (a + b), edge.open->outward, per_metre * norm(b - a)});
   }
 }
 
@@ -102,8 +104,8 @@ double Ties::efficiency(const Bar& bar, BlockId block, BlockId behind) const {
   return 1 - std::atan2(across, along) * (2 * std::numbers::inv_pi);
 }
 
-/// Each piece pulls what it can, the outermost first and first at what lies deepest: forces that bond, plate, anchor and
-/// tendon carry all at once, whichever of the pieces move.
+/// Each piece pulls what it can, the outermost first and first at what lies deepest: forces that bond, plate, anchor
+/// and tendon carry all at once, whichever of the pieces move.
 void Ties::add_pulls(const Bar& bar, std::vector<Held> held, std::vector<assembly::Contact>& out) const {
   if (held.size() < 2) return;
   std::vector<double> tendon(held.size() - 1, bar.type.tendon.si());  // behind each piece

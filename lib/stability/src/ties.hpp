@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -53,7 +54,7 @@ class Ties final {
   };
 
   void add_bar(const BoltResult& bolt);
-  void add_seams(topology::BlockId block, double per_metre);
+  void add_seams(topology::BlockId block, double per_metre, const std::function<bool(topology::BlockId)>& gone);
   void add_pulls(const Bar& bar, std::vector<Held> held, std::vector<assembly::Contact>& out) const;
   [[nodiscard]] double target(topology::BlockId block, topology::BlockId other) const;
   [[nodiscard]] double efficiency(const Bar& bar, topology::BlockId block, topology::BlockId behind) const;
