@@ -276,7 +276,7 @@ dbem::Laws laws_of(const ContactScene& scene) {
     out.friction = std::tan(joint.friction * std::numbers::pi / 180);
     out.cohesion = joint.cohesion;
     out.tension = joint.tension;
-    out.residual_cohesion = joint.residual_cohesion;
+    out.residual_cohesion = joint.residual_cohesion.si();
     if (joint.residual_friction) {
       out.residual_friction = std::tan(*joint.residual_friction * std::numbers::pi / 180);
     }

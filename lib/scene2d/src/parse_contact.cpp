@@ -327,9 +327,9 @@ std::vector<ContactJoint> parse_strengths(const TableReader& root) {
     const bool own = named.table.has("normal_stiffness");
     joint.shear_stiffness = stiffness("shear_stiffness", own ? joint.normal_stiffness : out[0].shear_stiffness);
     const bool own_cohesion = named.table.has("cohesion");
-    joint.residual_cohesion =
-        named.table.number("residual_cohesion").value_or(own_cohesion ? 0.0 : out[0].residual_cohesion);
-    if (joint.residual_cohesion > joint.cohesion) {
+    joint.residual_cohesion = Stress::from_si(
+        named.table.number("residual_cohesion").value_or(own_cohesion ? 0.0 : out[0].residual_cohesion.si()));
+    if (joint.residual_cohesion.si() > joint.cohesion) {
       named.table.error("residual_cohesion", "is more than cohesion", "what has slipped holds no better: make it less");
     }
     joint.residual_friction = named.table.number("residual_friction");
