@@ -25,6 +25,7 @@ using geometry::Vec3;
 using statics::audited;
 using statics::slab_behind_toe;
 using statics::strength;
+using topology::BlockId;
 
 constexpr Together translation{20'000, 0};
 
@@ -186,6 +187,50 @@ TEST(GroupSupportTest, OneBlockIsHeldAsTheCheckOfBlocksSays) {
                                .shear_strength = pascals(1e9),
                                .adhesion = pascals(share * 1.5 * weight / (8 * 0.03))};
     EXPECT_EQ(both(plan), share > 1);
+  }
+}
+
+TEST(GroupSupportTest, WhatScalingLaidBareNeedsSupport) {
+  // A plate of 0.1 m in front of the block is scaled off: the block has no free face of its own.
+  topology::CutInput input = block_in_a_roof(1.5);
+  input.joints.emplace_back(topology::Joint{
+      {geometry::Polygon::make({{-1.1, -1.1, 0.1}, {1.1, -1.1, 0.1}, {1.1, 1.1, 0.1}, {-1.1, 1.1, 0.1}}).value()}});
+  const auto complex = audited(input);
+  Settings settings = statics::settings({strength(10)});
+  SupportPlan plan{.target_falling = 1.5, .target_sliding = 1.3};
+  EXPECT_EQ(check_support(complex, settings, analyse(complex, settings), plan).blocks.size(), 1U);
+  for (const BlockId id : complex.complex().blocks().ids()) {
+    if (complex.complex().blocks()[id].volume.si() < 1) settings.left_out.push_back(id);
+  }
+  ASSERT_EQ(settings.left_out.size(), 1U);
+  const double weight = 4 * 1.4;
+  const auto alone = [&] {
+    const SupportResult found = check_support(complex, settings, analyse(complex, settings), plan);
+    EXPECT_EQ(found.blocks.size(), 1U);
+    if (found.blocks.size() == 1) {
+      EXPECT_NEAR(found.blocks[0].net_force, weight, 1e-9);
+      EXPECT_NEAR(found.blocks[0].free_area.si(), 4, 1e-9);
+      EXPECT_NEAR(found.blocks[0].required_pressure, 1.5 * weight / 4, 1e-6);
+    }
+    EXPECT_EQ(found.passes(), left(complex, settings, plan) == 0);
+    return found.passes();
+  };
+  EXPECT_FALSE(alone());
+  for (const double share : {0.998, 1.002}) {
+    plan.shotcrete = Shotcrete{.thickness = metres(0.1), .shear_strength = pascals(share * 1.5 * weight / 0.8)};
+    EXPECT_EQ(alone(), share > 1);
+  }
+  // The plate of a bolt is on what is left; what it held in the scaled plate counts no more.
+  plan.shotcrete.reset();
+  for (const double share : {0.998, 1.002}) {
+    plan.bolts = {{.collar = {0, 0, 0},
+                   .direction = {0, 0, 1},
+                   .length = metres(9.99),
+                   .type = {.tendon = newtons(1e9),
+                            .plate = newtons(share * 1.5 * weight - 1.4),
+                            .anchorage = metres(0.3),
+                            .kind = GroutedBar{.bond = newtons_per_metre(1)}}}};
+    EXPECT_EQ(alone(), share > 1);
   }
 }
 
