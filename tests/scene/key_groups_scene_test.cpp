@@ -267,7 +267,7 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThem) {
     const SupportedGroupFigures weak = groups(friction, shotcrete);
     EXPECT_EQ(weak.count, 1U);
     EXPECT_EQ(weak.not_held, 1U);
-    EXPECT_NEAR(weak.not_held_volume_m3, 233 + 322, 1e-6);
+    EXPECT_NEAR(weak.not_held_volume.si(), 233 + 322, 1e-6);
   }
   EXPECT_EQ(groups(45, shotcrete).count, 0U);
   // Cables through the passive block into the rock below it.

@@ -153,7 +153,7 @@ SupportedGroupFigures count_supported_groups(const stability::GroupSupport& grou
       ++f.in_doubt;
     } else {
       ++f.not_held;
-      f.not_held_volume_m3 += group.volume.si();
+      f.not_held_volume += group.volume;
     }
   }
   return f;

@@ -205,7 +205,7 @@ void add_group_support_notes(const stability::GroupSupport& groups, std::vector<
     notes.push_back(
         fmt::format("the support does not hold {} {} of blocks ({:.4g} m3) that move together below their target: see "
                     "supported_groups.csv",
-                    f.not_held, f.not_held == 1 ? "group" : "groups", f.not_held_volume_m3));
+                    f.not_held, f.not_held == 1 ? "group" : "groups", f.not_held_volume.si()));
   }
   if (f.in_doubt > 0) {
     notes.push_back(fmt::format(

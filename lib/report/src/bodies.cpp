@@ -67,7 +67,7 @@ std::string page_data(const scene::BodiesResult& result) {
           std::vector<double> flat_loop;
           for (std::size_t k = 0; k < body.boundary_stress[l].size(); ++k) {
             const bem::Sym2 s = body.boundary_stress[l][k];
-            flat_loop.insert(flat_loop.end(), {s.xx, s.yy, s.xy, body.boundary_out_of_plane[l][k]});
+            flat_loop.insert(flat_loop.end(), {s.xx, s.yy, s.xy, body.boundary_out_of_plane[l][k].si()});
           }
           rim.push_back(short_of(flat_loop));
         }

@@ -173,7 +173,7 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
           along<bem::Sym2>(part.mesh, [&](std::size_t e, double s) { return solution->boundary(k, e, s).stress; });
       for (const auto& loop : body.boundary_stress) {
         auto& across = body.boundary_out_of_plane.emplace_back();
-        for (const bem::Sym2 s : loop) across.push_back(part.material.out_of_plane(s));
+        for (const bem::Sym2 s : loop) across.push_back(pascals(part.material.out_of_plane(s)));
       }
       for (const Vec2 u : part.displacement) body.largest = std::max(body.largest, norm(u));
       // Mean motion of the outline: translation and rotation of the body.

@@ -316,14 +316,14 @@ void fields(V& v, const PressureFigures& x) {
 /// Blocks judged together with the support.
 struct SupportedGroupFigures {
   std::uint64_t count = 0, not_held = 0, in_doubt = 0;
-  double not_held_volume_m3 = 0;
+  Volume not_held_volume = {};
 };
 template <class V>
 void fields(V& v, const SupportedGroupFigures& x) {
   v("count", x.count, "groups below their target without support, those in doubt counted");
   v("not_held", x.not_held, "that still move at their target with it");
   v("in_doubt", x.in_doubt, "of which that could not be decided, or within 5 %");
-  v("not_held_volume_m3", x.not_held_volume_m3);
+  v("not_held_volume_m3", x.not_held_volume);
 }
 [[nodiscard]] SupportedGroupFigures count_supported_groups(const stability::GroupSupport& groups);
 
