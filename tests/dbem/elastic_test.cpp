@@ -291,6 +291,52 @@ TEST(BondTest, DoesNotHealAndKeepsResidualFriction) {
   EXPECT_NEAR((before - world.velocity(1).x) / (0.1 * g * (world.time() - from)), 1, 1e-6);
 }
 
+// On a slope without friction: cohesion holds for the step in which the bond breaks, then what is left of it.
+TEST(BondTest, KeepsResidualCohesionWhileItStaysClosed) {
+  const double angle = radians(30), weight = 2600 * 0.5 * g, pull = weight * std::sin(angle), step = 1e-3;
+  for (const double left : {0.0, 0.3, 0.8}) {
+    Laws laws = law(0);
+    laws.otherwise.cohesion = 0.9 * pull;
+    laws.otherwise.residual_cohesion = left * pull;
+    World world = make(slider(angle), laws, {.step = step});
+    run(world, 0.3);
+    const double first = 0.1 * pull / (2600 * 0.5), later = (1 - left) * pull / (2600 * 0.5),
+                 rest = world.time() - step;
+    const double way = 0.5 * first * step * step + first * step * rest + 0.5 * later * rest * rest;
+    EXPECT_NEAR(norm(world.displacement(1)), way, 1e-9) << left;
+  }
+}
+
+// Lifted off and laid down again it holds no more.
+TEST(BondTest, LosesResidualCohesionWhereItOpened) {
+  for (const bool lifted : {false, true}) {
+    Laws laws = law(0);
+    laws.otherwise.cohesion = 2000;
+    laws.otherwise.residual_cohesion = 2000;
+    std::vector<Body> bodies = stack(1);
+    bodies[1].outline = rectangle(-0.5, 0, 1, 0.4);
+    const double mass = 2600 * 0.4;
+    bodies[1].forces.push_back({.at = {0, 0.2}, .force = {2500, 0}, .factor = [](double) { return 1.0; }});
+    if (lifted) {
+      bodies[1].forces.push_back({.at = {0, 0.2}, .force = {0, 1.2 * mass * g}, .factor = [](double t) {
+                                    return t > 0.05 && t < 0.07 ? 1.0 : 0.0;
+                                  }});
+    }
+    World world = make(bodies, laws, {.step = 1e-3});
+    run(world, 0.2);
+    const double before = world.velocity(1).x, from = world.time();
+    run(world, 0.3);
+    const double pull = (lifted ? 2500 : 500) / mass;
+    EXPECT_NEAR((world.velocity(1).x - before) / (pull * (world.time() - from)), 1, 1e-6) << lifted;
+  }
+}
+
+TEST(BondTest, RefusesMoreResidualCohesionThanCohesion) {
+  Laws laws = law(0.5);
+  laws.otherwise.residual_cohesion = 1;
+  EXPECT_FALSE(World::make(stack(1), laws, {}).has_value());
+}
+
 TEST(PropertyTest, EdgesCarryTheirOwnLaw) {
   // A block whose base is rough and whose sides are smooth, on a slope by its base or by its side.
   Laws laws = law(0);

@@ -57,6 +57,7 @@ TEST(ContactScene, BadInputIsNamed) {
            "[[body]]\nname = \"a\"\nrectangle = { corner = [5, 0], width = 1, height = 1 }\n",
        "\"a\" is the name of the body of line 4, too"},
       {motion + "[[body]]\njoint = \"A\"\n" + square, "there is no [joints.A]"},
+      {motion + "[joints.a]\ncohesion = 20\nresidual_cohesion = 25\n[[body]]\n" + square, "is more than cohesion"},
       {motion + "[joints.a]\nfriction = 20\nresidual_friction = 25\n[[body]]\n" + square, "is more than friction"},
       {motion + "ground = { time = { kind = \"step\" } }\n[[body]]\n" + square, "contact.ground"},
       {motion + "ground = { record = { step = 0.1 } }\n[[body]]\n" + square, "contact.ground.record.x: is missing"},
@@ -424,6 +425,18 @@ TEST(ContactScene, MeansOfARecordAreThoseOfItsLines) {
     for (int k = 0; k < parts; ++k) sum += 1.0 / parts * g.at(from + (to - from) * (k + 0.5) / parts);
     EXPECT_NEAR(norm(g.mean(from, to) - sum), 0, 1e-4) << from << ' ' << to;
   }
+}
+
+TEST(ContactScene, WhatHasSlippedKeepsTheWeakerResidualCohesion) {
+  const ContactResult result =
+      ran("[contact]\nduration = 0.8\nstep = 0.001\ngravity = [4.905, -8.495709]\n"
+          "[joints.a]\nfriction = 0\ncohesion = 5000\nresidual_cohesion = 3000\n"
+          "[joints.b]\nfriction = 0\ncohesion = 5000\nresidual_cohesion = 1000\n"
+          "[[body]]\nname = \"ground\"\nfixed = true\nrectangle = { corner = [-5, -1], width = 10, height = 1 }\n"
+          "joint = \"a\"\n[[body]]\nrectangle = { corner = [-3, 0], width = 1, height = 0.4 }\njoint = \"b\"\n");
+  ASSERT_TRUE(result.converged);
+  // All but the first step against 1 kN/m on 1,080 kg/m.
+  EXPECT_NEAR(result.bodies[1].centroid.x + 2.5, 0.32 * (4.905 - 1000.0 / 1080), 5e-3);
 }
 
 // A joint that has slipped holds by its residual friction only; one that has not keeps all it had.

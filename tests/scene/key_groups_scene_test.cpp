@@ -248,12 +248,35 @@ TEST(KeyGroupsScene, OfEachStage) {
   EXPECT_EQ(notes_with(run_of(pit + active_and_passive(30)), "key group"), 0U);
 }
 
-// What is checked of support is said: one block after the other.
-TEST(KeyGroupsScene, SupportIsNotSaidToHoldThem) {
-  const std::string shotcrete = "[support]\nshotcrete = { thickness = 0.1, strength = 2e6 }\n";
-  EXPECT_EQ(notes_with(run_of(active_and_passive(20) + shotcrete), "whether it holds the key groups was not asked"),
-            1U);
-  EXPECT_EQ(notes_with(run_of(active_and_passive(30) + shotcrete), "whether it holds the key groups"), 0U);
+// Neither block needs support alone. At 30 degrees the two stand together, but below the target for sliding.
+TEST(KeyGroupsScene, SupportIsAskedToHoldThem) {
+  const std::string shotcrete = "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
+  const auto groups = [&](double friction, const std::string& support) {
+    const RunResult result = run_of(active_and_passive(friction) + support);
+    const auto& figures = result.figures.support;
+    if (!figures || !figures->groups) {
+      ADD_FAILURE() << "groups with the support were not judged";
+      return SupportedGroupFigures{};
+    }
+    EXPECT_EQ(figures->blocks, 0U);
+    EXPECT_EQ(figures->passes, figures->groups->not_held == 0);
+    EXPECT_EQ(notes_with(result, "the support does not hold"), figures->groups->not_held > 0 ? 1U : 0U);
+    return *figures->groups;
+  };
+  for (const double friction : {20.0, 30.0}) {
+    const SupportedGroupFigures weak = groups(friction, shotcrete);
+    EXPECT_EQ(weak.count, 1U);
+    EXPECT_EQ(weak.not_held, 1U);
+    EXPECT_NEAR(weak.not_held_volume.si(), 233 + 322, 1e-6);
+  }
+  EXPECT_EQ(groups(45, shotcrete).count, 0U);
+  // Cables through the passive block into the rock below it.
+  const SupportedGroupFigures strong =
+      groups(20,
+             "[support]\n[[support.bolts]]\nat = [[-15, 0.5, 12], [-8, 0.5, 16]]\ndirection = [0, 0, -1]\n"
+             "length = 40\ntendon_capacity = 1e9\nplate_capacity = 1e9\nbond_strength = 1e9\nanchorage = 1\n");
+  EXPECT_EQ(strong.count, 1U);
+  EXPECT_EQ(strong.not_held, 1U);  // at right angles to the motion they hold little
 }
 
 }  // namespace

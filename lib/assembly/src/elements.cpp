@@ -91,7 +91,8 @@ Elements::Elements(const Assembly& assembly)
       e.on_other *= e.scale;
       return elements_.emplace_back(std::move(e));
     };
-    const std::size_t points = turns(freedom_) ? contact.points.size() : 1;
+    const std::size_t points =
+        turns(freedom_) ? contact.points.size() : std::min<std::size_t>(contact.points.size(), 1);
     for (std::size_t p = 0; p < points; ++p) add(contact.points[p]).friction = contact.friction;
     for (const Bond& bond : contact.bonds) {
       if (!(bond.cohesion > 0) && !(bond.tension > 0)) continue;

@@ -189,6 +189,8 @@ class Search final {
   void look_weaker(ContactForces forces) {
     if (std::ranges::all_of(taken_, [](std::uint8_t t) { return t != 0; })) return;
     std::vector<double> share(island_.contacts().size(), even_share);
+    // A tie is no joint that breaks bit by bit.
+    for (std::size_t c = 0; c < share.size(); ++c) share[c] = island_.contacts()[c].is_tie() ? 1 : even_share;
     std::vector<std::uint8_t> hardly(share.size(), 0);
     std::vector<std::uint8_t> moves;
     for (int round = 0; round < most_rounds; ++round) {
@@ -239,7 +241,7 @@ class Search final {
     bool more = false;
     for (std::size_t c = 0; c < share.size(); ++c) {
       const Contact& contact = island_.contacts()[c];
-      if (!(share[c] > 0) || contact.bonds.empty()) continue;
+      if (!(share[c] > 0) || contact.bonds.empty() || contact.is_tie()) continue;
       double pressed = 0, load = norm(island_.bodies()[contact.body].force);
       for (const geometry::Vec3 force : forces.at_points[c]) pressed += std::max(0.0, dot(force, contact.normal));
       if (contact.other) load = std::min(load, norm(island_.bodies()[*contact.other].force));

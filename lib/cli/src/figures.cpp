@@ -78,6 +78,10 @@ std::string support_lines(const scene::SupportFigures& support, const std::vecto
       support.passes ? "passes" : "DOES NOT PASS", support.blocks, support.held_by_bolts, support.held_by_shotcrete,
       support.held_by_both, support.not_held, support.bolts, support.combined, support.combined_failing,
       force_text(support.required_force_n), force_text(support.missing_force_n));
+  if (support.groups && support.groups->count > 0) {
+    text += fmt::format("  {} groups of blocks below their target, {} not held, {} in doubt\n", support.groups->count,
+                        support.groups->not_held, support.groups->in_doubt);
+  }
   for (const scene::DesignResult& design : designs) text += design_line(design);
   return text;
 }

@@ -238,11 +238,23 @@ void World::Impl::add_impulse(const Rows& rows, std::size_t contact, Vec2 p, dou
   }
 }
 
-const Bond* World::Impl::bond_of(const Touch& t) const {
+std::optional<std::uint32_t> World::Impl::bond_at(const Touch& t) const {
   const BondKey wanted{t.i, t.vertex, t.j, 0};
   const auto at = std::ranges::lower_bound(bond_keys, wanted);
-  if (at == bond_keys.end() || at->body != t.i || at->vertex != t.vertex || at->other != t.j) return nullptr;
-  const Bond& bond = bonds[at->bond];
+  if (at == bond_keys.end() || at->body != t.i || at->vertex != t.vertex || at->other != t.j) return std::nullopt;
+  return at->bond;
+}
+
+double World::Impl::cohesion_of(const Touch& t) const {
+  if (const Bond* bond = bond_of(t)) return bond->cohesion;
+  const auto at = bond_at(t);
+  return at && bonds[*at].broken && !bonds[*at].opened ? bonds[*at].residual : 0.0;
+}
+
+const Bond* World::Impl::bond_of(const Touch& t) const {
+  const auto at = bond_at(t);
+  if (!at) return nullptr;
+  const Bond& bond = bonds[*at];
   return bond.broken || (!torn_now.empty() && torn_now[bond.section] != 0) ? nullptr : &bond;
 }
 
@@ -322,7 +334,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     diagonal.xx += soft.x / (step * step * theta);
     diagonal.yy += soft.y / (step * step * theta);
     problem.mu[k] = bond == nullptr ? law.residual_friction.value_or(law.friction) : law.friction;
-    problem.cohesion[k] = bond != nullptr ? bond->cohesion * step : 0.0;
+    problem.cohesion[k] = cohesion_of(touch) * step;
     problem.tension[k] = bond != nullptr ? bond->tension * step : 0.0;
     problem.start[k] = step * force;
     // Regularised about the forces of the step before: a load that stays makes nothing creep.

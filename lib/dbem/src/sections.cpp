@@ -71,7 +71,8 @@ void World::Impl::make_bonds() {
       const JointLaw& own = law_of(touches[all[k].touch]);
       weakest = std::min(weakest, own.tension);
       done[all[k].touch] = 1;
-      add_bond(touches[all[k].touch], {own.cohesion * length, own.tension * length, section, all[k].at - middle});
+      add_bond(touches[all[k].touch], {own.cohesion * length, own.tension * length, own.residual_cohesion * length,
+                                       section, all[k].at - middle});
     }
   }
   std::ranges::sort(bond_keys);
@@ -87,6 +88,19 @@ void World::Impl::add_bond(const Touch& t, const Bond& bond) {
     if (norm(others[q] - t.point) < 1e-5 * std::min(shapes[t.i].feature, shapes[t.j].feature)) {
       bond_keys.push_back({t.j, q, t.i, index});
     }
+  }
+}
+
+void World::Impl::weaken(const Attempt& done) {
+  std::vector<std::uint8_t> closed(bonds.size(), 0);
+  for (const std::uint32_t bond : done.closed) closed[bond] = 1;
+  for (const BondKey& key : bond_keys) {
+    if (asleep[key.body] != 0 || asleep[key.other] != 0) closed[key.bond] = 1;
+  }
+  for (const std::uint32_t bond : done.broken) bonds[bond].broken = true;
+  for (std::size_t b = 0; b < bonds.size(); ++b) {
+    const bool torn = !torn_now.empty() && torn_now[bonds[b].section] != 0;
+    if (bonds[b].broken && (closed[b] == 0 || torn)) bonds[b].opened = true;
   }
 }
 

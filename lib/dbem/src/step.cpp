@@ -131,7 +131,7 @@ void World::Impl::accept(Attempt&& done) {
   choices = std::move(done.choices);
   limit = done.limit;
   seen_step = std::max(next_step, step);
-  for (const std::uint32_t bond : done.broken) bonds[bond].broken = true;
+  weaken(done);
   // Bonds whose corner has left are broken too.
   if (options.quasi_static) {
     for (std::size_t b = 0; b < size(); ++b) {

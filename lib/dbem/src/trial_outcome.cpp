@@ -28,7 +28,7 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
   const Vec2 soft = w_.compliance_of(t);
   out_.friction -= soft.y > 0 ? 0.0 : p.y * 0.5 * (now.y + old.y);
   const double mu = bond == nullptr ? law.residual_friction.value_or(law.friction) : law.friction;
-  const double bound = mu * p.x / step_ + (bond != nullptr ? bond->cohesion : 0.0);
+  const double bound = mu * p.x / step_ + w_.cohesion_of(t);
   ContactState how = ContactState::stick;
   if (p == Vec2{}) {
     how = ContactState::open;
@@ -36,6 +36,9 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
     how = ContactState::slip;
   }
   if (bond != nullptr) note_torn(t, p, now, how, *bond);
+  const double feature = std::min(w_.shapes[t.i].feature, w_.shapes[t.j].feature);
+  const auto place = w_.bond_at(t);
+  if (place && t.gap + step_ * now.x < 1e-7 * feature) out_.closed.push_back(*place);
   if (p != Vec2{}) out_.memory.push_back({key_of(t), p / step_, soft, t.point, t.normal});
   const Touch& at = moved_[out_.islands[group].touches[contact]];
   out_.contacts.push_back({t.i, t.vertex, t.j, t.edge, w_.anchor + at.point, at.normal, t.gap, p.x / step_, p.y / step_,

@@ -62,6 +62,9 @@ std::optional<WorldError> check_law(const JointLaw& law) {
   if (!(law.restitution >= 0 && law.restitution <= 1)) {
     return BadLaw{fmt::format("restitution {} is not between 0 and 1", law.restitution)};
   }
+  if (!(law.residual_cohesion >= 0 && law.residual_cohesion <= law.cohesion)) {
+    return BadLaw{fmt::format("residual cohesion {} is not between 0 and the cohesion", law.residual_cohesion)};
+  }
   if (law.residual_friction && !(good(*law.residual_friction) && *law.residual_friction >= 0))
     return BadLaw{"residual friction is not a number"};
   return std::nullopt;

@@ -68,9 +68,11 @@ struct Memory {
 struct Bond {
   double cohesion;        // N/m
   double tension;         // N/m
+  double residual;        // N/m, cohesion that is left when it broke by slip
   std::uint32_t section;  // of the joint it lies on
   double at;              // along it, from its middle, m
   bool broken = false;
+  bool opened = false;  // nothing is left
 };
 /// A closed stretch of a joint between two bodies: bends as one.
 struct JointSection {
@@ -122,7 +124,7 @@ struct Attempt {
   std::vector<CornerChoice> choices;
   std::vector<Memory> memory;
   std::vector<Contact> contacts;
-  std::vector<std::uint32_t> broken;
+  std::vector<std::uint32_t> broken, closed;  // bonds that break; broken ones whose contact stays closed
   double friction = 0, work = 0, projected = 0;
   std::vector<Island> islands;
   StepReport report;
@@ -212,7 +214,10 @@ struct World::Impl {
   [[nodiscard]] double mode_inverse(std::size_t body, std::size_t mode, double theta, double step) const;
   /// Force of each contact of a group in the step before, 0 where there was none.
   [[nodiscard]] std::vector<Vec2> recall(const std::vector<Touch>& list, const Island& island) const;
+  [[nodiscard]] std::optional<std::uint32_t> bond_at(const Touch& t) const;
   [[nodiscard]] const Bond* bond_of(const Touch& t) const;
+  /// Of the bond that holds, or what is left of one, N/m.
+  [[nodiscard]] double cohesion_of(const Touch& t) const;
   [[nodiscard]] const JointLaw& law_of(const Touch& t) const;
   /// Of the springs in the joint at a contact, normal and tangential, m2/N; 0: rigid.
   [[nodiscard]] Vec2 compliance_of(const Touch& t) const;
@@ -234,6 +239,8 @@ struct World::Impl {
   // sections.cpp
   void make_bonds();
   void add_bond(const Touch& t, const Bond& bond);
+  /// After a step: bonds that broke, and those of which nothing is left.
+  void weaken(const Attempt& done);
   /// Marks the sections that do not carry what the contacts ask of them; false: none.
   bool tear_sections(const std::vector<Touch>& list, const Attempt& out, const std::vector<ContactSolution>& solutions,
                      double step);

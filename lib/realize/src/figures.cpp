@@ -143,6 +143,22 @@ SupportFigures count_support(const stability::SupportResult& support) {
   return f;
 }
 
+SupportedGroupFigures count_supported_groups(const stability::GroupSupport& groups) {
+  SupportedGroupFigures f;
+  f.count = groups.below.groups.size();
+  for (const stability::KeyGroup& group : groups.below.groups) {
+    const std::optional<assembly::Verdict> left = groups.left_of(group);
+    if (!left) continue;
+    if (*left == assembly::Verdict::in_doubt) {
+      ++f.in_doubt;
+    } else {
+      ++f.not_held;
+      f.not_held_volume += group.volume;
+    }
+  }
+  return f;
+}
+
 RunResult empty_result() {
   return {{{.input = {.domain = geometry::make_box({0, 0, 0}, {1, 1, 1}).value()}}}, ResultHead{}};
 }
@@ -208,6 +224,10 @@ Figures count(const RunResult& result) {
     figures.load_cases.push_back({load.name, count_key_blocks(load.analysis, target)});
   }
   if (result.support) figures.support = count_support(result, *result.support);
+  if (figures.support && result.group_support) {
+    figures.support->groups = count_supported_groups(*result.group_support);
+    figures.support->passes = figures.support->passes && figures.support->groups->not_held == 0;
+  }
   for (const CaseSupport& load : result.support_cases) {
     figures.support_cases.push_back({load.name, count_support(result, load.support)});
   }

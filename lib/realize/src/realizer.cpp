@@ -73,6 +73,7 @@ Realizer::Done Realizer::step(Stage stage) {
     case Stage::stability: return made_.complex ? booked(stage, [&] { return judge(); }) : Done{};
     case Stage::support:
       if (made_.analysis && !near_) booked(stage, [&] { support(); });
+      if (made_.support) booked(stage, [&] { support_of_groups(); });
       return {};
     case Stage::elastic: return made_.analysis ? booked(stage, [&] { return clamp(); }) : Done{};
     case Stage::contact:
@@ -275,6 +276,17 @@ void Realizer::support() {
   } else if (made_.undecided.empty()) {
     judge_support(*scene_, *made_.complex, *made_.analysis, made_, true);
   }
+}
+
+/// Whether it holds groups that miss their target; ensembles count it block by block.
+void Realizer::support_of_groups() {
+  made_.group_support.reset();
+  if (detail_ == Detail::counted || !made_.key_groups || made_.key_groups->too_many) return;
+  const topology::AuditedComplex& complex = *made_.complex;
+  const bool decides = scene_->stability->decides_by_groups();
+  made_.group_support =
+      stability::check_groups(complex, settings(complex.complex()), scene_->support->plan, *made_.support,
+                              decides ? stability::most_together : stability::most_noted);
 }
 
 void Realizer::move() { made_.motion = run_motion(*scene_, made_, made_.complex->complex()); }

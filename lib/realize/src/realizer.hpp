@@ -49,6 +49,7 @@ class Realizer final {
   void judge_groups_of_cases();
   void judge_groups_of_stages();
   void support();
+  void support_of_groups();
   [[nodiscard]] Done clamp();
   void move();
   [[nodiscard]] stability::Settings settings(const topology::BlockComplex& complex) const;

@@ -198,8 +198,25 @@ void add_moving_group_notes(const stability::KeyGroups& groups, const stability:
 
 namespace {
 
+/// What support leaves of groups below their target.
+void add_group_support_notes(const stability::GroupSupport& groups, std::vector<std::string>& notes) {
+  const SupportedGroupFigures f = count_supported_groups(groups);
+  if (f.not_held > 0) {
+    notes.push_back(
+        fmt::format("the support does not hold {} {} of blocks ({:.4g} m3) that move together below their target: see "
+                    "supported_groups.csv",
+                    f.not_held, f.not_held == 1 ? "group" : "groups", f.not_held_volume.si()));
+  }
+  if (f.in_doubt > 0) {
+    notes.push_back(fmt::format(
+        "whether the support holds {} {} of blocks could not be decided, or lies within 5 % of the target: in doubt, "
+        "not held: see supported_groups.csv",
+        f.in_doubt, f.in_doubt == 1 ? "group" : "groups"));
+  }
+}
+
 /// Of the final state under the loads of the base case, with what was not looked at.
-void add_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis, bool supported,
+void add_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis, bool unasked,
                      std::vector<std::string>& notes) {
   if (groups.too_many) {
     notes.push_back(
@@ -219,7 +236,7 @@ void add_group_notes(const stability::KeyGroups& groups, const stability::Analys
   }
   const std::size_t before = notes.size();
   add_moving_group_notes(groups, analysis, "", notes);
-  if (supported && notes.size() > before) {
+  if (unasked && notes.size() > before) {
     notes.push_back(
         "the support was checked block by block and for stitched bodies: whether it holds the key groups was not "
         "asked");
@@ -337,7 +354,10 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
       notes.push_back(fmt::format("load case {}: {} key blocks, {} in the base case", load.name, leaving, base));
     }
   }
-  if (made.key_groups) add_group_notes(*made.key_groups, *analysis, made.support.has_value(), notes);
+  if (made.key_groups) {
+    add_group_notes(*made.key_groups, *analysis, made.support.has_value() && !made.group_support, notes);
+  }
+  if (made.group_support) add_group_support_notes(*made.group_support, notes);
   return notes;
 }
 

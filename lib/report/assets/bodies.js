@@ -26,18 +26,22 @@ const X=x=>w/2+(x-cx)*k,Y=y=>h/2-(y-cy)*k,s=auto*Math.pow(10,+sl.value),f=Math.m
 document.getElementById("scaled").textContent="displacements x "+fmt(s);
 document.getElementById("time").textContent=D.times.length>1?fmt(D.times[f])+" s":"";
 const fn=F[fld.value];let a=1e300,z=-1e300;
-if(fn){for(const b of D.bodies)for(const c of b.cells){const v=fn(c);a=Math.min(a,v);z=Math.max(z,v);}
+// The largest stress is often on the boundary, where no cell has its centre.
+const onRim=(b,n,i)=>{const u=b.frames[f][n],q=b.rim[n];return fn([0,0,0,u[2*i],u[2*i+1],q[4*i],q[4*i+1],q[4*i+2],q[4*i+3]]);};
+if(fn){for(const b of D.bodies){for(const c of b.cells){const v=fn(c);a=Math.min(a,v);z=Math.max(z,v);}
+if(b.cells.length)for(let n=0;n<b.rim.length;n++)for(let i=0;4*i<b.rim[n].length;i++){const v=onRim(b,n,i);a=Math.min(a,v);z=Math.max(z,v);}}
 for(const b of D.bodies){if(!b.cells.length)continue;
 // Cut to the deformed outline; larger cells below fill what lies between the outermost cells and it.
 ctx.save();ctx.beginPath();let bx=[1e300,1e300,-1e300,-1e300];
 for(let n=0;n<b.outline.length;n++){const l=b.outline[n],u=b.frames[f][n];for(let i=0;i<l.length;i+=2){const x=X(l[i]+s*u[i]),y=Y(l[i+1]+s*u[i+1]);i?ctx.lineTo(x,y):ctx.moveTo(x,y);bx=[Math.min(bx[0],l[i]),Math.min(bx[1],l[i+1]),Math.max(bx[2],l[i]),Math.max(bx[3],l[i+1])];}ctx.closePath();}
 const infinite=b.cells.some(c=>c[0]<bx[0]||c[0]>bx[2]||c[1]<bx[1]||c[1]>bx[3]);if(infinite)ctx.rect(0,0,w,h);ctx.clip("evenodd");
-for(const grow of infinite?[1.04]:[2.2,1.04])for(const c of b.cells){ctx.fillStyle=col(z>a?(fn(c)-a)/(z-a):.5);const q=c[2]*k*grow+.6;ctx.fillRect(X(c[0]+s*c[3])-q/2,Y(c[1]+s*c[4])-q/2,q,q);}
+for(const grow of [2.2,1.04])for(const c of b.cells){ctx.fillStyle=col(z>a?(fn(c)-a)/(z-a):.5);const q=c[2]*k*grow+.6;ctx.fillRect(X(c[0]+s*c[3])-q/2,Y(c[1]+s*c[4])-q/2,q,q);}
 ctx.restore();}
 document.getElementById("low").textContent=fmt(a);document.getElementById("high").textContent=fmt(z);}
 else if(rim){document.getElementById("low").textContent="0";document.getElementById("high").textContent=fmt(vm);}
 const path=(l,u,m)=>{ctx.beginPath();for(let i=0;i<l.length;i+=2){const x=X(l[i]+m*u[i]),y=Y(l[i+1]+m*u[i+1]);i?ctx.lineTo(x,y):ctx.moveTo(x,y);}};
-for(const b of D.bodies)for(let n=0;n<b.outline.length;n++){const l=b.outline[n],u=b.frames[f][n];ctx.setLineDash([4,4]);ctx.strokeStyle="#888";ctx.lineWidth=1;path(l,u,0);ctx.stroke();ctx.setLineDash([]);if(b.mises.length){const q=b.mises[f][n];ctx.lineWidth=7;ctx.lineCap="round";for(let i=0;i+3<l.length;i+=2){ctx.strokeStyle=col(vm>0?q[i/2]/vm:0);ctx.beginPath();ctx.moveTo(X(l[i]+s*u[i]),Y(l[i+1]+s*u[i+1]));ctx.lineTo(X(l[i+2]+s*u[i+2]),Y(l[i+3]+s*u[i+3]));ctx.stroke();}}ctx.strokeStyle="#123";ctx.lineWidth=1.6;path(l,u,s);ctx.stroke();}
+for(const b of D.bodies)for(let n=0;n<b.outline.length;n++){const l=b.outline[n],u=b.frames[f][n];ctx.setLineDash([4,4]);ctx.strokeStyle="#888";ctx.lineWidth=1;path(l,u,0);ctx.stroke();ctx.setLineDash([]);if(fn&&b.cells.length&&b.rim.length){ctx.lineWidth=5;ctx.lineCap="round";for(let i=0;2*i+3<l.length;i++){ctx.strokeStyle=col(z>a?((onRim(b,n,i)+onRim(b,n,i+1))/2-a)/(z-a):.5);ctx.beginPath();ctx.moveTo(X(l[2*i]+s*u[2*i]),Y(l[2*i+1]+s*u[2*i+1]));ctx.lineTo(X(l[2*i+2]+s*u[2*i+2]),Y(l[2*i+3]+s*u[2*i+3]));ctx.stroke();}}
+if(b.mises.length){const q=b.mises[f][n];ctx.lineWidth=7;ctx.lineCap="round";for(let i=0;i+3<l.length;i+=2){ctx.strokeStyle=col(vm>0?q[i/2]/vm:0);ctx.beginPath();ctx.moveTo(X(l[i]+s*u[i]),Y(l[i+1]+s*u[i+1]));ctx.lineTo(X(l[i+2]+s*u[i+2]),Y(l[i+3]+s*u[i+3]));ctx.stroke();}}ctx.strokeStyle="#123";ctx.lineWidth=1.6;path(l,u,s);ctx.stroke();}
 }
 [sl,fr,fld].forEach(e=>e.addEventListener("input",draw));window.addEventListener("resize",draw);
 let timer=null;play.addEventListener("click",()=>{if(timer){clearInterval(timer);timer=null;play.textContent="Play";}else{play.textContent="Stop";timer=setInterval(()=>{fr.value=(+fr.value+1)%D.times.length;draw();},60);}});

@@ -62,6 +62,16 @@ std::string page_data(const scene::BodiesResult& result) {
             for (const auto& loop : frame) loops.push_back(short_of(loop));
             return loops;
           }));
+        std::vector<std::vector<Short>> rim;
+        for (std::size_t l = 0; l < body.boundary_stress.size(); ++l) {
+          std::vector<double> flat_loop;
+          for (std::size_t k = 0; k < body.boundary_stress[l].size(); ++k) {
+            const bem::Sym2 s = body.boundary_stress[l][k];
+            flat_loop.insert(flat_loop.end(), {s.xx, s.yy, s.xy, body.boundary_out_of_plane[l][k].si()});
+          }
+          rim.push_back(short_of(flat_loop));
+        }
+        b("rim", rim);
         b("cells", each_as(body.cells, [&](const scene::StressCell& c) {
             return std::array<Short, 9>{{{c.centre.x - origin.x},
                                          {c.centre.y - origin.y},

@@ -54,7 +54,7 @@ std::string columns_of_tables() {
          table("load_cases.csv", LoadCaseRow{"", judgement}) + table("bolts.csv", BoltRow{.pattern = {}, .b = bolt}) +
          table("support_blocks.csv", SupportBlockRow{"", supported}) +
          table("combined_blocks.csv", CombinedBlockRow{.load = "", .b = combined}) +
-         table("key_groups.csv", KeyGroupRow{group}) +
+         table("key_groups.csv", KeyGroupRow{group}) + table("supported_groups.csv", SupportedGroupRow{group}) +
          table("motion.csv", scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}}) +
          table("maximum_blocks.csv", scene::MaximumRow{}) + table("points.csv", StressPointRow{}) +
          table("history.csv", scene::ContactHistory{}) + table("bodies.csv", scene::ContactBodyResult{}) +

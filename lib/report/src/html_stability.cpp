@@ -11,6 +11,7 @@
 #include "cleave/exchange/text.hpp"
 #include "html_parts.hpp"
 #include "html_table.hpp"
+#include "key_groups.hpp"
 #include "pyramid_net.hpp"
 #include "tables.hpp"
 
@@ -118,8 +119,9 @@ std::string support_section(const Page& page) {
   const scene::SupportFigures& f = *page.figures().support;
   std::string out =
       "<section id=\"support\"><h2>Support</h2>\n<p>" +
-      std::string{f.passes ? "Every block reaches its target." : "Some blocks miss their target."} + " " +
-      display_count(f.blocks) + " blocks need support: " + display_count(f.held_by_bolts) + " held by bolts, " +
+      std::string{f.passes ? "Every block reaches its target."
+                           : "Some blocks miss their target, alone or together with others."} +
+      " " + display_count(f.blocks) + " blocks need support: " + display_count(f.held_by_bolts) + " held by bolts, " +
       display_count(f.held_by_shotcrete) + " by shotcrete, " + display_count(f.held_by_both) + " by both together, " +
       display_count(f.not_held) + " not held. " + display_count(f.bolts) + " bolts (" + display_count(f.spot_bolts) +
       " spot bolts): " + display_count(f.bolts_used) + " needed, " + display_count(f.bolts_redundant) + " redundant, " +
@@ -130,7 +132,7 @@ std::string support_section(const Page& page) {
            " kN per metre of tunnel.";
   }
   out += "</p>\n" + pressure_table(f.pressures) + blocks_table(*page.result.support) +
-         combined_table(*page.result.support);
+         combined_table(*page.result.support) + supported_groups_table(page.result);
   if (!page.figures().support_cases.empty()) {
     out += "<h3>Under the load cases</h3>" +
            html_table({{"name", "Case"},

@@ -65,6 +65,38 @@ std::string key_groups_csv(const scene::RunResult& result) {
   return std::move(table).text();
 }
 
+std::string supported_groups_csv(const scene::RunResult& result) {
+  const stability::KeyGroup none{};
+  CsvTable table{SupportedGroupRow{none}};
+  for (std::size_t number = 0; const stability::KeyGroup& group : result.group_support->below.groups) {
+    table.add(SupportedGroupRow{group, ++number, result.group_support->left_of(group)});
+  }
+  return std::move(table).text();
+}
+
+std::string supported_groups_table(const scene::RunResult& result) {
+  if (!result.group_support || result.group_support->below.groups.empty()) return {};
+  const stability::KeyGroup none{};
+  HtmlTable table{{{"group"},
+                   {"without", "Without support"},
+                   {"with", "With support"},
+                   {"blocks"},
+                   {"volume_m3"},
+                   {"moments", "Turns"}},
+                  SupportedGroupRow{none},
+                  "id=\"supported-groups\" class=\"sortable\""};
+  std::size_t number = 0;
+  for (const stability::KeyGroup& group : result.group_support->below.groups) {
+    if (++number > most_rows) break;
+    table.add(SupportedGroupRow{group, number, result.group_support->left_of(group)});
+  }
+  const bool more = result.group_support->below.groups.size() > most_rows;
+  return "<h3>Blocks that move together</h3>" + std::move(table).html() +
+         "<p class=\"small\">Groups below their target of safety without support. In doubt: not decided, or within 5 % "
+         "of the target." +
+         (more ? " All are in supported_groups.csv." : "") + "</p>\n";
+}
+
 std::string key_groups_section(const scene::RunResult& result) {
   const std::vector<KeyGroupRow> rows = rows_of(result);
   if (rows.empty()) return {};

@@ -11,7 +11,14 @@ namespace cleave::report {
 /// base case after the last stage.
 [[nodiscard]] std::string key_groups_csv(const scene::RunResult& result);
 
-/// The same as a table of the report; empty without groups.
+/// supported_groups.csv: groups below their target and what the support leaves of them. `result.group_support` is
+/// there.
+[[nodiscard]] std::string supported_groups_csv(const scene::RunResult& result);
+
+/// The same as a table of the report; empty without any.
+[[nodiscard]] std::string supported_groups_table(const scene::RunResult& result);
+
+/// key_groups.csv as a table of the report; empty without groups.
 [[nodiscard]] std::string key_groups_section(const scene::RunResult& result);
 
 }  // namespace cleave::report

@@ -269,6 +269,31 @@ void fields(V& v, const KeyGroupRow& x) {
     "after which stage it moves, with the block numbers of `blocks_stage_N.vtu`; empty: after the last");
 }
 
+/// A group of blocks below its target, and what the support leaves of it.
+struct SupportedGroupRow {
+  const stability::KeyGroup& g;
+  std::size_t number = 0;
+  std::optional<assembly::Verdict> left = {};
+};
+template <class V>
+void fields(V& v, const SupportedGroupRow& x) {
+  std::string blocks;
+  for (const topology::BlockId id : x.g.blocks) blocks += (blocks.empty() ? "" : " ") + std::to_string(id.value());
+  v("group", x.number, "from 1; not the numbers of key_groups.csv");
+  v("batch", x.g.batch, "in whose state without support it was found, from 1");
+  v("without", assembly::name(x.g.verdict),
+    "verdict at strengths over the target without support: `certain`, `unsafe`, `in_doubt` or `no_motion_found`");
+  v("with",
+    !x.left                                  ? std::string_view{"held"}
+    : *x.left == assembly::Verdict::in_doubt ? std::string_view{"in_doubt"}
+                                             : std::string_view{"not_held"},
+    "`held`, `not_held` or `in_doubt`, with the support at the target");
+  v("blocks", blocks, "numbers, joined by blanks");
+  v("volume_m3", x.g.volume);
+  direction_fields(v, x.g.direction, "direction_x", "direction_y", "direction_z");
+  v("moments", x.g.moments, "1 when blocks turn: translation alone does not move them");
+}
+
 }  // namespace cleave::report
 
 namespace cleave::scene {

@@ -276,6 +276,7 @@ dbem::Laws laws_of(const ContactScene& scene) {
     out.friction = std::tan(joint.friction * std::numbers::pi / 180);
     out.cohesion = joint.cohesion;
     out.tension = joint.tension;
+    out.residual_cohesion = joint.residual_cohesion.si();
     if (joint.residual_friction) {
       out.residual_friction = std::tan(*joint.residual_friction * std::numbers::pi / 180);
     }
@@ -302,6 +303,7 @@ dbem::Laws laws_of(const ContactScene& scene) {
                                              second.residual_friction.value_or(second.friction));
         }
         joint.cohesion = std::min(first.cohesion, second.cohesion);
+        joint.residual_cohesion = std::min(first.residual_cohesion, second.residual_cohesion);
         joint.tension = std::min(first.tension, second.tension);
         joint.normal_stiffness = softer(first.normal_stiffness, second.normal_stiffness);
         joint.shear_stiffness = softer(first.shear_stiffness, second.shear_stiffness);

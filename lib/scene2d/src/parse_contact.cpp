@@ -27,6 +27,8 @@ const KeyTable& contact_strength_keys() {
                {"residual_friction", key::number(rule::friction), "`friction`",
                 "degrees, where a contact has slipped or opened, and of new contacts"},
                {"cohesion", key::number(rule::stress), "0", "Pa, until a contact breaks"},
+               {"residual_cohesion", key::number(rule::stress), "0",
+                "Pa, where a contact of the start has slipped, until it opens"},
                {"tension", key::number(rule::stress), "0", "Pa, until a contact breaks"},
                {"normal_stiffness", key::number({0, true, 1e18, false, " Pa/m"}), "rigid", "Pa/m, of the joint"},
                {"shear_stiffness", key::number({0, true, 1e18, false, " Pa/m"}), "`normal_stiffness`",
@@ -324,6 +326,12 @@ std::vector<ContactJoint> parse_strengths(const TableReader& root) {
     joint.normal_stiffness = stiffness("normal_stiffness", out[0].normal_stiffness);
     const bool own = named.table.has("normal_stiffness");
     joint.shear_stiffness = stiffness("shear_stiffness", own ? joint.normal_stiffness : out[0].shear_stiffness);
+    const bool own_cohesion = named.table.has("cohesion");
+    joint.residual_cohesion = Stress::from_si(
+        named.table.number("residual_cohesion").value_or(own_cohesion ? 0.0 : out[0].residual_cohesion.si()));
+    if (joint.residual_cohesion.si() > joint.cohesion) {
+      named.table.error("residual_cohesion", "is more than cohesion", "what has slipped holds no better: make it less");
+    }
     joint.residual_friction = named.table.number("residual_friction");
     if (!joint.residual_friction && !named.table.has("friction")) joint.residual_friction = out[0].residual_friction;
     if (joint.residual_friction && *joint.residual_friction > joint.friction) {

@@ -171,6 +171,10 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
       })};
       body.boundary_stress =
           along<bem::Sym2>(part.mesh, [&](std::size_t e, double s) { return solution->boundary(k, e, s).stress; });
+      for (const auto& loop : body.boundary_stress) {
+        auto& across = body.boundary_out_of_plane.emplace_back();
+        for (const bem::Sym2 s : loop) across.push_back(pascals(part.material.out_of_plane(s)));
+      }
       for (const Vec2 u : part.displacement) body.largest = std::max(body.largest, norm(u));
       // Mean motion of the outline: translation and rotation of the body.
       const bem::AreaMoments area = bem::area_moments(part.loops);

@@ -9,6 +9,9 @@
 
 namespace cleave::stability {
 
+/// N per gripped metre.
+[[nodiscard]] double bond_of(const BoltType& type);
+
 /// How a bolt grips one block.
 struct Grip {
   double gripped = 0;          ///< m in the block, as its kind grips

@@ -3,6 +3,7 @@
 #include <numbers>
 #include <utility>
 
+#include "bolt_grips.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/stability/support.hpp"
 
@@ -12,17 +13,6 @@ namespace {
 using geometry::dot;
 using geometry::norm;
 using geometry::Vec3;
-
-/// N per gripped metre.
-double bond_of(const BoltType& type) {
-  return std::visit(
-      overloaded{[](const GroutedBar& k) { return k.bond.si(); }, [](const FrictionTube& k) { return k.bond.si(); },
-                 [](const Cable& k) { return k.bond.si(); },
-                 [&](const MechanicalAnchor& k) {
-                   return type.anchorage > metres(0) ? (k.capacity / type.anchorage).si() : 0.0;
-                 }},
-      type.kind);
-}
 
 double shear_of(const BoltType& type) {
   return std::visit(
@@ -60,6 +50,16 @@ Shares shares(AngleLaw law, double tension, double shear, double along, double a
 }
 
 }  // namespace
+
+double bond_of(const BoltType& type) {
+  return std::visit(
+      overloaded{[](const GroutedBar& k) { return k.bond.si(); }, [](const FrictionTube& k) { return k.bond.si(); },
+                 [](const Cable& k) { return k.bond.si(); },
+                 [&](const MechanicalAnchor& k) {
+                   return type.anchorage > metres(0) ? (k.capacity / type.anchorage).si() : 0.0;
+                 }},
+      type.kind);
+}
 
 std::string_view name(BoltLimit limit) noexcept {
   switch (limit) {

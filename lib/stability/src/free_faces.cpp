@@ -19,34 +19,55 @@ using topology::FaceId;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-double keyed_perimeter(const topology::BlockComplex& complex, topology::BlockId block,
-                       const std::function<bool(topology::BlockId)>& loose) {
+bool is_open(const topology::BlockComplex& complex, const Face& face,
+             const std::function<bool(topology::BlockId)>& gone) {
+  if (face.role != topology::Role::joint) return face.role == topology::Role::free;
+  bool any = false;
+  for (const topology::Patch& patch : complex.patches(face)) {
+    if (patch.neighbour && !gone(*patch.neighbour)) return false;
+    any = any || patch.neighbour.has_value();
+  }
+  return any;
+}
+
+std::vector<KeyedEdge> keyed_edges(const topology::BlockComplex& complex, topology::BlockId block,
+                                   const std::function<bool(topology::BlockId)>& gone) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, const Face*> beyond;
   const auto key = [](topology::VertexId a, topology::VertexId b) {
     return std::pair{std::min(a.value(), b.value()), std::max(a.value(), b.value())};
   };
-  const auto edges = [&](const Face& face, auto&& use) {
-    for (const auto& loop : complex.loops(face)) {
-      for (std::size_t i = 0; i < loop.size(); ++i) use(loop[i], loop[(i + 1) % loop.size()]);
+  const auto edges = [&](bool open, auto&& use) {
+    for (const FaceId face_id : complex.blocks()[block].faces) {
+      const Face& face = complex.faces()[face_id];
+      if (is_open(complex, face, gone) != open || (!open && face.role != topology::Role::joint)) continue;
+      for (const auto& loop : complex.loops(face)) {
+        for (std::size_t i = 0; i < loop.size(); ++i) use(face, loop[i], loop[(i + 1) % loop.size()]);
+      }
     }
   };
-  for (const FaceId face_id : complex.blocks()[block].faces) {
-    const Face& face = complex.faces()[face_id];
-    if (face.role != topology::Role::joint) continue;
-    edges(face, [&](auto a, auto b) { beyond[key(a, b)] = &face; });
-  }
+  edges(false, [&](const Face& face, auto a, auto b) { beyond[key(a, b)] = &face; });
+  std::vector<KeyedEdge> out;
+  edges(true, [&](const Face& face, auto a, auto b) {
+    const auto it = beyond.find(key(a, b));
+    if (it != beyond.end()) out.push_back({a, b, &face, it->second});
+  });
+  return out;
+}
+
+double held_per_metre(const Shotcrete& layer) {
+  const double shear = layer.thickness.si() * layer.shear_strength.si();
+  return layer.adhesion ? std::min(shear, layer.bond_width.si() * layer.adhesion->si()) : shear;
+}
+
+double keyed_perimeter(const topology::BlockComplex& complex, topology::BlockId block,
+                       const std::function<bool(topology::BlockId)>& loose,
+                       const std::function<bool(topology::BlockId)>& gone) {
   double perimeter = 0;
-  for (const FaceId face_id : complex.blocks()[block].faces) {
-    const Face& face = complex.faces()[face_id];
-    if (face.role != topology::Role::free) continue;
-    edges(face, [&](auto a, auto b) {
-      const auto it = beyond.find(key(a, b));
-      if (it == beyond.end()) return;
-      for (const topology::Patch& patch : complex.patches(*it->second)) {
-        if (patch.neighbour && loose(*patch.neighbour)) return;
-      }
-      perimeter += norm(complex.position(b) - complex.position(a));
+  for (const KeyedEdge& edge : keyed_edges(complex, block, gone)) {
+    const bool keyed = std::ranges::none_of(complex.patches(*edge.beyond), [&](const topology::Patch& patch) {
+      return patch.neighbour && loose(*patch.neighbour);
     });
+    if (keyed) perimeter += norm(complex.position(edge.to) - complex.position(edge.from));
   }
   return perimeter;
 }

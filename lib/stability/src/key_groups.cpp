@@ -10,6 +10,7 @@
 #include "assembly_of.hpp"
 #include "cleave/core/assert.hpp"
 #include "contacts.hpp"
+#include "ties.hpp"
 #include "touching.hpp"
 #include "verdict.hpp"
 
@@ -54,8 +55,9 @@ assembly::Assembly with_contacts(const assembly::Assembly& assembly, std::vector
 
 class Search final {
  public:
-  Search(const topology::BlockComplex& complex, const Settings& settings, const Together& most)
-      : model_{complex, settings}, doubted_(complex.blocks().size(), 0), most_{most} {}
+  /// `ties`: null where there are none.
+  Search(const topology::BlockComplex& complex, const Settings& settings, const Together& most, const Ties* ties)
+      : model_{complex, settings}, ties_{ties}, doubted_(complex.blocks().size(), 0), most_{most} {}
 
   KeyGroups run() {
     const std::uint32_t most = model_.settings().max_batches;
@@ -248,7 +250,7 @@ class Search final {
     std::vector<assembly::Contact> tips = touching_contacts(model_, group.blocks, group.rates, these);
     std::erase_if(
         tips, [&](const assembly::Contact& tip) { return !std::ranges::binary_search(touched, these[*tip.other]); });
-    doubt_what_moves(found, assembly_of(model_, these, batch), tips, these, batch);
+    doubt_what_moves(found, assembly_with_ties(these, batch), tips, these, batch);
   }
 
   void doubt_what_moves(std::vector<KeyGroup>& found, const assembly::Assembly& without_tips,
@@ -322,8 +324,13 @@ class Search final {
     }
   }
 
+  assembly::Assembly assembly_with_ties(const std::vector<BlockId>& blocks, std::uint32_t batch) {
+    assembly::Assembly bare = assembly_of(model_, blocks, batch);
+    return ties_ == nullptr ? bare : with_contacts(bare, ties_->among(model_, blocks, batch));
+  }
+
   std::vector<KeyGroup> groups_of(const std::vector<BlockId>& blocks, std::uint32_t batch) {
-    const assembly::Assembly whole = assembly_of(model_, blocks, batch);
+    const assembly::Assembly whole = assembly_with_ties(blocks, batch);
     std::array<std::vector<assembly::Group>, 2> found{assembly::find_groups(whole.with(Freedom::translation)).groups,
                                                       {}};
     if (blocks.size() <= most_.turning) {
@@ -371,6 +378,7 @@ class Search final {
   }
 
   Model model_;
+  const Ties* ties_;
   std::vector<BlockId> left_;                ///< in the batch before
   IdVector<BlockId, std::uint8_t> doubted_;  ///< said to be in doubt
   Together most_;
@@ -380,7 +388,42 @@ class Search final {
 }  // namespace
 
 KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings, const Together& most) {
-  return Search{complex.complex(), settings, most}.run();
+  return Search{complex.complex(), settings, most, nullptr}.run();
+}
+
+GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings, const SupportPlan& plan,
+                          const SupportResult& support, const Together& most) {
+  Settings reduced = settings;
+  auto partial = PartialFactors::make(settings.partial.friction() * plan.target_sliding,
+                                      settings.partial.cohesion() * plan.target_sliding, settings.partial.weight());
+  CLEAVE_ASSERT(partial.has_value());
+  reduced.partial = *partial;
+  GroupSupport out;
+  out.below = Search{complex.complex(), reduced, most, nullptr}.run();
+  if (out.below.groups.empty()) return out;
+  const Ties ties{complex.complex(), reduced, plan, support.bolts, out.below};
+  out.left = Search{complex.complex(), reduced, most, &ties}.run();
+  // What only the search with support could not decide.
+  for (const KeyGroup& group : out.left.groups) {
+    const auto shares = [&](const KeyGroup& other) {
+      return std::ranges::any_of(group.blocks,
+                                 [&](BlockId id) { return std::ranges::binary_search(other.blocks, id); });
+    };
+    if (std::ranges::any_of(out.below.groups, shares)) continue;
+    out.below.groups.push_back(group);
+    out.below.groups.back().verdict = assembly::Verdict::no_motion_found;
+  }
+  return out;
+}
+
+std::optional<assembly::Verdict> GroupSupport::left_of(const KeyGroup& group) const {
+  std::optional<assembly::Verdict> worst;
+  for (const KeyGroup& other : left.groups) {
+    const bool shared =
+        std::ranges::any_of(group.blocks, [&](BlockId id) { return std::ranges::binary_search(other.blocks, id); });
+    if (shared && (!worst || other.verdict < *worst)) worst = other.verdict;
+  }
+  return worst;
 }
 
 void decide_by_groups(const topology::AuditedComplex& complex, const Settings& settings, const KeyGroups& groups,

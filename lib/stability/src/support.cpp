@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -45,6 +46,8 @@ class Check final {
         model_{complex, settings},
         known_parts_{model_},
         paths_{complex},
+        gone_{[this](BlockId id) { return !model_.present(id, 1); }},
+        scaled_{std::ranges::any_of(complex.blocks().ids(), gone_)},
         needy_(complex.blocks().size(), none) {}
 
   SupportResult run() {
@@ -117,7 +120,9 @@ class Check final {
     }
     for (const BlockId id : complex_->blocks().ids()) {
       const topology::Block& block = complex_->blocks()[id];
-      if (!block.free || block.fixed || !model_.present(id, 1)) continue;
+      if (block.fixed || !model_.present(id, 1)) continue;
+      // What scaling laid bare needs support too.
+      if (!block.free && (!scaled_ || block.truncated || !model_.held(id, 1).exposed)) continue;
       if (block.truncated) {
         if (!known_parts_.stays(id, 1, std::max(1.0, plan_->target_sliding))) result_.undecided.push_back(id);
         continue;
@@ -131,7 +136,7 @@ class Check final {
       Vec3 push;  // of 1 Pa on the free faces
       for (const FaceId face_id : block.faces) {
         const Face& face = complex_->faces()[face_id];
-        if (face.role != topology::Role::free) continue;
+        if (!is_open(*complex_, face, gone_)) continue;
         entry.free_area += face.area;
         push -= face.area.si() * face.outward;
       }
@@ -161,6 +166,9 @@ class Check final {
   void add_bolt(const Bolt& bolt, bool spot) {
     const BoltPath path = paths_.path(bolt);
     BoltResult entry{.bolt = bolt, .spot = spot, .pierced = path.pierced};
+    // Its head is on what is left after scaling.
+    const auto left = std::ranges::find_if_not(entry.pierced, [&](const Pierced& p) { return gone_(p.block); });
+    entry.pierced.erase(entry.pierced.begin(), left);
     if (entry.pierced.empty()) entry.status = BoltStatus::off;
     note_truncated(path);
     const auto number = static_cast<std::uint32_t>(result_.bolts.size());
@@ -271,9 +279,8 @@ class Check final {
   double shotcrete(SupportedBlock& entry) {
     const Shotcrete& layer = *plan_->shotcrete;
     const double perimeter =
-        keyed_perimeter(*complex_, entry.block, [&](BlockId other) { return needy_[other] != none; });
-    double hold = perimeter * layer.thickness.si() * layer.shear_strength.si();
-    if (layer.adhesion) hold = std::min(hold, perimeter * layer.bond_width.si() * layer.adhesion->si());
+        keyed_perimeter(*complex_, entry.block, [&](BlockId other) { return needy_[other] != none; }, gone_);
+    const double hold = perimeter * held_per_metre(layer);
     const Body& body = bodies_[needy_[entry.block]];
     const double rock = body.bare.resistance.least;
     entry.factor_with_shotcrete = (rock + hold) / body.bare.driving;
@@ -399,6 +406,8 @@ class Check final {
   Model model_;
   KnownParts known_parts_;
   BoltPaths paths_;
+  std::function<bool(BlockId)> gone_;       ///< scaled off before the support
+  bool scaled_;                             ///< some block is
   IdVector<BlockId, std::uint32_t> needy_;  ///< index into bodies_ and result_.blocks
   IdVector<BlockId, ForceSum> received_by_;
   std::vector<Body> bodies_;

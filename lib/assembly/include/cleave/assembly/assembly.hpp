@@ -46,7 +46,9 @@ struct Bond {
 
 /// A plane patch between two blocks, or between a block and rock that never moves. Friction acts at the points: the
 /// corners of the patch's convex hull, which no pressure on the patch can leave. One point does where nothing turns.
+/// Without points it is a tie, as a bolt is: nothing presses, and its bonds pull `body` against `normal` when it opens.
 struct Contact {
+  [[nodiscard]] bool is_tie() const noexcept { return points.empty(); }
   std::uint32_t body = 0;
   std::optional<std::uint32_t> other = {};  ///< none: fixed rock
   geometry::Vec3 normal;                    ///< unit, into `body`
@@ -70,7 +72,8 @@ struct BadAssembly {
 [[nodiscard]] std::string describe(const BadAssembly& error);
 
 /// Blocks, what touches what, and what acts. Invariant: all numbers finite; masses and inertias positive definite;
-/// normals unit; contacts of different blocks that are there, with a point at least; strengths >= 0.
+/// normals unit; contacts of different blocks that are there, with a point or a bond at least, ties without cohesion;
+/// strengths >= 0.
 class Assembly final {
  public:
   [[nodiscard]] static std::expected<Assembly, BadAssembly> make(AssemblySpec spec);

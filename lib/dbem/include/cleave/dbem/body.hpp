@@ -67,6 +67,8 @@ struct JointLaw {
   double friction = 0;  ///< tangent of the friction angle
   double cohesion = 0;  ///< Pa, on the length that is in contact at the start, until the bond breaks
   double tension = 0;   ///< Pa, likewise
+  /// Pa, on the length of a bond that broke by slip, while its contact stays closed.
+  double residual_cohesion = 0;
   std::optional<double> residual_friction = {};  ///< after the bond broke; empty: as `friction`
   double compliance = 0;                         ///< m2/N of one contact point, normal and tangential; 0: rigid
   /// Pa/m of the joint, in place of `compliance`: a contact has that of the length it stands for. 0: rigid.

@@ -313,6 +313,20 @@ void fields(V& v, const PressureFigures& x) {
   v("reason", when(!std::isfinite(x.largest.si()), "no pressure is enough for a block there"));
 }
 
+/// Blocks judged together with the support.
+struct SupportedGroupFigures {
+  std::uint64_t count = 0, not_held = 0, in_doubt = 0;
+  Volume not_held_volume = {};
+};
+template <class V>
+void fields(V& v, const SupportedGroupFigures& x) {
+  v("count", x.count, "groups below their target without support, those in doubt counted");
+  v("not_held", x.not_held, "that still move at their target with it");
+  v("in_doubt", x.in_doubt, "of which that could not be decided, or within 5 %");
+  v("not_held_volume_m3", x.not_held_volume);
+}
+[[nodiscard]] SupportedGroupFigures count_supported_groups(const stability::GroupSupport& groups);
+
 struct SupportFigures {
   bool passes = false;
   std::uint64_t blocks = 0, held_by_bolts = 0, held_by_shotcrete = 0, held_by_both = 0, not_held = 0;
@@ -326,6 +340,8 @@ struct SupportFigures {
   std::uint64_t passed_on_blocks = 0, passed_on_not_held = 0;
   double passed_on_required_force_n = 0;
   std::vector<PressureFigures> pressures = {};
+  /// Groups of blocks below their target; empty where blocks were not judged together.
+  std::optional<SupportedGroupFigures> groups = {};
 };
 /// The support under one named load case.
 struct SupportCaseFigures {
@@ -345,7 +361,8 @@ void fields(V& v, const SupportCaseFigures& x) {
 template <class V>
 void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_length,
                     const std::vector<DesignResult>& designs, const std::vector<SupportCaseFigures>& cases) {
-  v("passes", x.passes, "every block reaches its target, alone and stitched to its neighbours");
+  v("passes", x.passes,
+    "every block reaches its target, alone and stitched to its neighbours, and no group of blocks still moves");
   v("blocks", x.blocks, "blocks below their target without support");
   v("held_by_bolts", x.held_by_bolts);
   v("held_by_shotcrete", x.held_by_shotcrete);
@@ -379,6 +396,9 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
   v("passed_on_required_force_n", or_null(x.passed_on_required_force_n), "null: none is enough");
   v("passed_on_required_force_reason",
     when(!std::isfinite(x.passed_on_required_force_n), "no single force is enough for a block"));
+  const SupportedGroupFigures groups = x.groups.value_or(SupportedGroupFigures{});
+  v("groups", when(x.groups.has_value(), group([&](auto& w) { fields(w, groups); })),
+    "Blocks judged together with the support; absent where they were not.");
   v("missing_force_n", or_null(x.missing_force_n), "null: no force is enough");
   v("missing_force_reason", when(!std::isfinite(x.missing_force_n), "no force is enough for a block that is not held"));
   v("designs", when_any(designs), "[support.design]: what was found for each length");

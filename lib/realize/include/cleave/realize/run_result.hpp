@@ -254,6 +254,8 @@ struct Realization : SampledScene {
   std::vector<MaximumRow> maximum_blocks = {};
   std::optional<stability::SupportResult> support = {};
   std::vector<CaseSupport> support_cases = {};  ///< of [[load]], in scene order
+  /// Of the base case, where blocks are judged together.
+  std::optional<stability::GroupSupport> group_support = {};
   std::vector<DesignResult> designs = {};
   /// Where the scene has [field_stress] and something is judged.
   std::optional<FieldStressResult> field_stress = {};

@@ -14,6 +14,7 @@
 #include "cleave/bem/problem.hpp"
 #include "cleave/core/cost.hpp"
 #include "cleave/core/progress.hpp"
+#include "cleave/core/quantity.hpp"
 #include "cleave/scene/output.hpp"
 #include "cleave/scene/plan.hpp"
 #include "cleave/scene/problem.hpp"
@@ -112,7 +113,8 @@ struct BodyResult {
   /// Points along each loop (the last is the first again), and where they are in each frame.
   std::vector<std::vector<bem::Vec2>> outline;
   std::vector<std::vector<std::vector<bem::Vec2>>> frames;
-  std::vector<std::vector<bem::Sym2>> boundary_stress;  ///< static: along `outline`
+  std::vector<std::vector<bem::Sym2>> boundary_stress;     ///< static: along `outline`
+  std::vector<std::vector<Stress>> boundary_out_of_plane;  ///< of those
   /// Moving, where stress is asked for: on the boundary in each frame, in the world's axes; and von Mises (Pa).
   std::vector<std::vector<std::vector<bem::Sym2>>> stress_frames;
   std::vector<std::vector<std::vector<double>>> mises_frames;

@@ -36,6 +36,7 @@ struct ContactJoint {
   /// Degrees, where a contact has slipped or opened, and of contacts made later; empty: as `friction`.
   std::optional<double> residual_friction = {};
   double cohesion = 0;                                   ///< Pa, until the contact breaks
+  Stress residual_cohesion{};                            ///< where it slipped and stays closed
   double tension = 0;                                    ///< Pa, likewise
   JointStiffness normal_stiffness{}, shear_stiffness{};  ///< 0: rigid
 };

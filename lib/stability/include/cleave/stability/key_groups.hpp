@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "cleave/assembly/groups.hpp"
 #include "cleave/stability/analyse.hpp"
+#include "cleave/stability/support.hpp"
 
 namespace cleave::stability {
 
@@ -64,5 +66,23 @@ struct KeyGroups {
 /// are in no batch. `analysis` and `groups` are of this complex.
 void decide_by_groups(const topology::AuditedComplex& complex, const Settings& settings, const KeyGroups& groups,
                       Analysis& analysis);
+
+// ---- Support of groups ----------------------------------------------------------------------------------------------
+
+/// Groups that miss their target of safety, and what the support leaves of them: strengths over the target for sliding,
+/// bolts and sprayed concrete over that of the block that they hold (falling: nothing carries it without them).
+struct GroupSupport {
+  KeyGroups below;  ///< without support
+  KeyGroups left;   ///< with it: what still moves, or is in doubt
+  /// The worst verdict on blocks of `group` with the support; empty: all of them are held.
+  [[nodiscard]] std::optional<assembly::Verdict> left_of(const KeyGroup& group) const;
+};
+
+/// Bolts pull along their axes alone, as plate, bond, anchor and tendon let them between any two pieces of rock that
+/// they go through: shear across them is left out, which is on the safe side. Sprayed concrete holds each edge of a
+/// free face against what would come out of it. `support`: where its bolts go.
+[[nodiscard]] GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings,
+                                        const SupportPlan& plan, const SupportResult& support,
+                                        const Together& most = most_together);
 
 }  // namespace cleave::stability

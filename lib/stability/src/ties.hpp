@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "cleave/assembly/assembly.hpp"
+#include "cleave/stability/key_groups.hpp"
+#include "cleave/stability/support.hpp"
+#include "contacts.hpp"
+
+namespace cleave::stability {
+
+/// Support between blocks judged together: bolts pull along their axes only, between the pieces of rock that they go
+/// through; sprayed concrete holds a block along each edge of its free faces against the block beyond it, straight
+/// against what would come out of the face.
+class Ties final {
+ public:
+  /// `unsupported`: how blocks move without; by it falling and sliding blocks have their own target, and bolts with an
+  /// angle law their efficiency. Capacities are over the targets.
+  Ties(const topology::BlockComplex& complex, const Settings& settings, const SupportPlan& plan,
+       std::span<const BoltResult> bolts, const KeyGroups& unsupported);
+
+  /// Those between the blocks named (ascending), and with rock that stays, in this batch's state of `model`.
+  [[nodiscard]] std::vector<assembly::Contact> among(const Model& model, std::span<const topology::BlockId> blocks,
+                                                     std::uint32_t batch) const;
+
+ private:
+  /// A length of a bolt in one block.
+  struct Piece {
+    topology::BlockId block;
+    double to = 0;        ///< m from the collar
+    double grip = 0;      ///< m
+    double capacity = 0;  ///< N: bond, and plate
+    bool plate = false;
+  };
+  struct Bar {
+    geometry::Vec3 collar, axis;
+    BoltType type;
+    std::vector<Piece> pieces;
+  };
+  /// What one owner has of a bar: a body, or rock that stays.
+  struct Held {
+    std::optional<std::uint32_t> body;
+    Piece piece;
+  };
+  /// An edge of a free face with sprayed concrete across it.
+  struct Seam {
+    topology::BlockId block, beyond;
+    geometry::Vec3 at, outward;
+    double force = 0;  ///< N
+  };
+
+  void add_bar(const BoltResult& bolt);
+  void add_seams(topology::BlockId block, double per_metre, const std::function<bool(topology::BlockId)>& gone);
+  void add_pulls(const Bar& bar, std::vector<Held> held, std::vector<assembly::Contact>& out) const;
+  [[nodiscard]] double target(topology::BlockId block, topology::BlockId other) const;
+  [[nodiscard]] double efficiency(const Bar& bar, topology::BlockId block, topology::BlockId behind) const;
+
+  const topology::BlockComplex* complex_;
+  std::vector<Bar> bars_;
+  std::vector<Seam> seams_;
+  IdVector<topology::BlockId, geometry::Vec3> movement_;  ///< without support; zero: rests
+  IdVector<topology::BlockId, double> target_;
+};
+
+}  // namespace cleave::stability
