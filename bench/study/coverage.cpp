@@ -5,10 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -17,7 +14,6 @@
 #include "cleave/survey/analyse.hpp"
 #include "heavy_rock.hpp"
 #include "line.hpp"
-#include "poisson_rock.hpp"
 #include "study.hpp"
 
 namespace cleave {
@@ -43,40 +39,6 @@ void monte_carlo(study::Study& study, int samples) {
         row(study, "monte_carlo_" + std::string{rock.name}, name, fmt::format("n={}", n), held, samples,
             2 * covered.flagged[name] > samples);
       }
-    }
-  }
-}
-
-/// Volumes of blocks at levels of their distribution: rock cut by three orthogonal Poisson sets of spacing 1 m.
-void block_sizes(study::Study& study, int samples) {
-  const support::PoissonRockTruth& truth = support::poisson_rock_truth();
-  for (const double side : {6.0, 12.0}) {
-    for (const std::uint64_t n : {20U, 60U, 300U}) {
-      if (side > 6 && n > 60) continue;
-      constexpr std::size_t levels = stochastic::size_levels.size();
-      std::array<int, levels> by_number{}, by_volume{};
-      int p10 = 0, jv = 0, said = 0;
-      for (int k = 0; k < samples; ++k) {
-        const stochastic::Figures f = support::poisson_rock_figures(side, 1000 + static_cast<std::uint64_t>(k), n);
-        const auto holds = [](const stochastic::SizeLevel& level, double volume) {
-          return level.low.value_or(0) <= volume && volume <= level.high.value_or(INFINITY) ? 1 : 0;
-        };
-        for (std::size_t i = 0; i < levels; ++i) {
-          by_number.at(i) += holds(f.block_sizes->by_number[i], truth.by_number.at(i));
-          by_volume.at(i) += holds(f.block_sizes->by_volume[i], truth.by_volume.at(i));
-        }
-        said += f.block_sizes->by_volume.front().optimistic ? 1 : 0;
-        p10 += f.sets[0].p10.low <= 1 && 1 <= f.sets[0].p10.high ? 1 : 0;
-        jv += f.jv->low <= 3 && 3 <= f.jv->high ? 1 : 0;
-      }
-      const std::string problem = fmt::format("poisson_rock_{}m", side), setting = fmt::format("n={}", n);
-      for (std::size_t i = 0; i < levels; ++i) {
-        const std::string level{stochastic::size_levels.at(i).first};
-        row(study, problem, "volume by number " + level, setting, by_number.at(i), samples);
-        row(study, problem, "volume by volume " + level, setting, by_volume.at(i), samples, 2 * said > samples);
-      }
-      row(study, problem, "P10 of a set", setting, p10, samples);
-      row(study, problem, "Jv", setting, jv, samples);
     }
   }
 }
@@ -204,7 +166,6 @@ int main(int argc, char** argv) {
   return cleave::study::run("coverage", argc, argv, [](cleave::study::Study& study) {
     const int samples = study.quick() ? 100 : 1000;
     cleave::monte_carlo(study, samples);
-    cleave::block_sizes(study, samples);
     cleave::rqd_of_lines(study, samples);
     cleave::cones(study, samples);
     cleave::sizes(study, samples / 2);

@@ -6,17 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <string>
-#include <string_view>
-#include <tuple>
-#include <utility>
 #include <vector>
 
 #include "cleave/core/rng.hpp"
-#include "cleave/realize/monte_carlo.hpp"
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
-#include "poisson_rock.hpp"
 
 // Sizes of blocks and how much of each set is in the rock, against boxes by hand and products of exponential gaps.
 
@@ -151,85 +145,6 @@ TEST(BlockSizes, ThreePoissonSetsGiveProductsOfExponentials) {
     }
     EXPECT_NEAR(share, p, 4 * std::sqrt(square) / static_cast<double>(pooled.size())) << name;
   }
-}
-
-std::string poisson_rock_of(double side, std::string_view more) {
-  std::string text = fmt::format("seed = 5\n{}", box_of_sides(side, side, side));
-  for (const auto& [dip, direction] : {std::pair{0, 0}, std::pair{90, 0}, std::pair{90, 90}}) {
-    text += fmt::format(
-        "[[joint_set]]\nname = \"{}_{}\"\norientation = {{ dip = {}, dip_direction = {} }}\nsize = \"persistent\"\n"
-        "intensity = {{ spacing = 1 }}\n",
-        dip, direction, dip, direction);
-  }
-  return text + std::string{more};
-}
-
-// The same through drawing and cutting, where a block stands for those that the sides of the box cut: right but for
-// blocks longer than the box (0.7 % of their volume along each axis), so one a few spacings wide will do.
-TEST(BlockSizes, EnsemblesHoldTheProductLaw) {
-  const Scene scene = scene_of(poisson_rock_of(7, "[monte_carlo]\nrealizations = 60\nconfidence = 0.9999\n"));
-  stochastic::Ensemble ensemble{ensemble_options_of(scene)};
-  const Shared shared = shared_by_realizations(scene);
-  for (std::uint64_t k = 0; k < 60; ++k) {
-    const stochastic::Record record = make_record(scene, shared, k);
-    ensemble.add(record, stochastic::line_of(record));
-  }
-  const stochastic::Figures f = ensemble.figures();
-  ASSERT_TRUE(f.block_sizes.has_value());
-  EXPECT_GT(f.block_sizes->blocks, 5000U);
-  const support::PoissonRockTruth& truth = support::poisson_rock_truth();
-  for (std::size_t i = 0; i < stochastic::size_levels.size(); ++i) {
-    const stochastic::SizeLevel &number = f.block_sizes->by_number[i], &volume = f.block_sizes->by_volume[i];
-    ASSERT_TRUE(number.low && number.high && volume.low && volume.high);
-    EXPECT_LT(*number.low, truth.by_number.at(i)) << number.name;
-    EXPECT_GT(*number.high, truth.by_number.at(i)) << number.name;
-    EXPECT_LT(*volume.low, truth.by_volume.at(i)) << volume.name;
-    EXPECT_GT(*volume.high, truth.by_volume.at(i)) << volume.name;
-    EXPECT_LT(*number.high, 2 * *number.low);
-  }
-  ASSERT_EQ(f.sets.size(), 3U);
-  for (const stochastic::SetEstimates& set : f.sets) {
-    EXPECT_LT(set.p10.low, 1) << set.name;
-    EXPECT_GT(set.p10.high, 1) << set.name;
-    EXPECT_NEAR(set.p32.mean, set.p10.mean, 1e-12);
-  }
-}
-
-// A block in the middle of a box: of the places of its size in the box, which it stands for.
-TEST(BlockSizes, WeightsAreThoseOfTheRoomInTheBox) {
-  std::string text = box_of_sides(8, 6, 5);
-  for (const auto& [x, y, z, dip, direction] :
-       {std::tuple{2.0, 0.0, 0.0, 90, 90}, std::tuple{4.0, 0.0, 0.0, 90, 90}, std::tuple{0.0, 1.0, 0.0, 90, 0},
-        std::tuple{0.0, 4.5, 0.0, 90, 0}, std::tuple{0.0, 0.0, 2.0, 0, 0}, std::tuple{0.0, 0.0, 3.0, 0, 0}}) {
-    text += fmt::format("[[joint]]\nplane = {{ through = [{}, {}, {}], dip = {}, dip_direction = {} }}\n", x, y, z, dip,
-                        direction);
-  }
-  const RunResult result = run_of(text);
-  const topology::BlockComplex& complex = result.complex->complex();
-  const stochastic::RockSizes sizes = rock_sizes(complex, result.input.domain);
-  ASSERT_EQ(sizes.blocks, 1U);
-  ASSERT_EQ(sizes.bins.size(), 1U);
-  const double weight = 8.0 / 6 * 6.0 / 2.5 * 5.0 / 4;
-  EXPECT_NEAR(sizes.bins[0].number, weight, 1e-6);
-  EXPECT_NEAR(sizes.bins[0].volume_m3, 7 * weight, 1e-5);
-  EXPECT_FLOAT_EQ(sizes.by_number[0], 7);
-  EXPECT_FLOAT_EQ(sizes.by_volume[10], 7);
-  EXPECT_FLOAT_EQ(sizes.volume_m3, 7);
-  EXPECT_EQ(sizes.at_openings_m3, 0);
-  // 3.5, 2, 1 m: c/b = 0.5, b/a = 0.57: bladed.
-  EXPECT_NEAR(sizes.shapes[3], weight, 1e-6);
-}
-
-// Blocks cut by a free side are no blocks of undisturbed rock.
-TEST(BlockSizes, BlocksAtFreeSidesAreLeftOut) {
-  const Scene scene = scene_of(poisson_rock_of(6, "[stability]\nfree = [\"top\"]\n[monte_carlo]\nrealizations = 2\n"));
-  const stochastic::Record record = make_record(scene, shared_by_realizations(scene), 0);
-  ASSERT_TRUE(record.sizes.has_value());
-  EXPECT_GT(record.sizes->at_openings_m3, 0);
-  const Scene closed = scene_of(poisson_rock_of(6, "[monte_carlo]\nrealizations = 2\n"));
-  const stochastic::Record same = make_record(closed, shared_by_realizations(closed), 0);
-  EXPECT_EQ(same.sizes->bins, record.sizes->bins);
-  EXPECT_EQ(same.sizes->at_openings_m3, 0);
 }
 
 }  // namespace

@@ -51,19 +51,6 @@ Record example(std::uint64_t k) {
   if (k % 2 == 0) r.support = Supported{9, k, rng.uniform(), 1e6 * rng.uniform(), 3, 1};
   if (k % 3 == 0) r.orders = {{k, rng.uniform()}, {0, 0}, {7, 1e-9}};
   if (k % 4 == 0) r.clamped = Clamped{k, 2, cubic_metres(rng.uniform())};
-  if (k % 3 != 1) {
-    RockSizes& sizes = r.sizes.emplace();
-    sizes.blocks = 100 + k;
-    sizes.volume_m3 = static_cast<float>(rng.uniform());
-    sizes.at_openings_m3 = static_cast<float>(rng.uniform());
-    for (std::uint32_t bin = 7; bin < SizeBin::bins; bin += 90) {
-      sizes.bins.push_back({bin, static_cast<float>(1 + rng.uniform()), static_cast<float>(rng.uniform())});
-    }
-    for (float& x : sizes.shapes) x = static_cast<float>(rng.uniform());
-    for (float& x : sizes.by_number) x = static_cast<float>(rng.uniform());
-    for (float& x : sizes.by_volume) x = static_cast<float>(rng.uniform());
-    r.sets = {{3, rng.uniform(), rng.uniform(), rng.uniform()}, {}};
-  }
   if (k % 5 == 0) r.groups = Grouped{k, 3, cubic_metres(rng.uniform()), cubic_metres(1e3 * rng.uniform()), k % 2 == 0};
   return r;
 }

@@ -102,11 +102,6 @@ ExitCode publish_monte_carlo(const scene::Scene& scene, scene::MonteCarloResult 
     page.cost = scene::cost_of(timer, threads);
   };
   step(scene::Stage::write, [&]() -> MonteCarloFolder::File { return {"log.txt", log_text(page)}; });
-  if (scene.output.csv) {
-    if (std::string csv = report::block_sizes_csv(page.result.figures); !csv.empty()) {
-      files.push_back({"block_sizes.csv", std::move(csv)});
-    }
-  }
   step(scene::Stage::report,
        [&]() -> MonteCarloFolder::File { return {"report.html", report::monte_carlo_html(page)}; });
   std::ranges::move(copies, std::back_inserter(files));

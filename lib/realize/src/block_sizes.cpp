@@ -59,52 +59,11 @@ std::array<double, 3> eigenvalues(const std::array<double, 6>& m) {
   return {first, 3 * mean - first - last, last};
 }
 
-/// Index into stochastic::zingg_names.
-std::size_t shape_of(const BlockComplex& complex, const topology::Block& block) {
+void add_shape(ShapeClasses& classes, const BlockComplex& complex, const topology::Block& block) {
   const auto values = eigenvalues(covariance(complex, block));
   constexpr double limit = 4.0 / 9;  // squares of the axes
   const bool rod = values[1] <= limit * values[0], plate = values[2] <= limit * values[1];
-  return rod ? (plate ? 3U : 2U) : (plate ? 1U : 0U);
-}
-
-void add_shape(ShapeClasses& classes, const BlockComplex& complex, const topology::Block& block) {
-  const std::array<std::uint64_t*, 4> counts{&classes.cubic, &classes.platy, &classes.elongated, &classes.bladed};
-  ++*counts.at(shape_of(complex, block));
-}
-
-/// How many blocks of a mass without sides one stands for that lies whole in a box of these sides.
-double weight_in(Vec3 sides, const BlockComplex& complex, const topology::Block& block) {
-  std::vector<Vec3> corners;
-  for (const topology::FaceId face : block.faces) {
-    for (const auto& loop : complex.loops(complex.faces()[face])) {
-      for (const topology::VertexId vertex : loop) corners.push_back(complex.vertices()[vertex]);
-    }
-  }
-  const Box own = box_of(corners);
-  const Vec3 extent = own.max - own.min;
-  double weight = 1;
-  for (double Vec3::* axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
-    const double room = sides.*axis - extent.*axis;
-    // A block as long as the box, but for rounding, has no other place in it.
-    if (room > 1e-9 * sides.*axis) weight *= sides.*axis / room;
-  }
-  return weight;
-}
-
-struct WeighedVolume {
-  double volume = 0, weight = 0;
-};
-/// The volume at which a level of the sum of all weights is reached; sorted by volume.
-float percentile(const std::vector<WeighedVolume>& blocks, double level, bool by_volume) {
-  const auto of = [&](const WeighedVolume& b) { return by_volume ? b.weight * b.volume : b.weight; };
-  double all = 0;
-  for (const WeighedVolume& b : blocks) all += of(b);
-  double passed = 0;
-  for (const WeighedVolume& b : blocks) {
-    passed += of(b);
-    if (passed >= level * all * (1 - 1e-12)) return static_cast<float>(b.volume);
-  }
-  return 0;
+  ++(rod ? (plate ? classes.bladed : classes.elongated) : (plate ? classes.platy : classes.cubic));
 }
 
 /// Area vectors of a joint's flat parts within the box.
@@ -218,55 +177,6 @@ std::optional<BlockSizes> block_sizes(const BlockComplex& complex) {
   sizes.by_volume = percentiles_by_volume(std::move(volumes));
   sizes.d50 = metres(std::cbrt(sizes.by_volume.at("p50")));
   sizes.d80 = metres(std::cbrt(sizes.by_volume.at("p80")));
-  return sizes;
-}
-
-bool is_box(const geometry::Solid& domain) {
-  const Box box = box_of(domain);
-  const Vec3 sides = box.max - box.min;
-  const bool corners = std::ranges::all_of(domain.vertices(), [&](Vec3 v) {
-    const auto at_side = [&](double Vec3::* axis) { return v.*axis == box.min.*axis || v.*axis == box.max.*axis; };
-    return at_side(&Vec3::x) && at_side(&Vec3::y) && at_side(&Vec3::z);
-  });
-  const double volume = sides.x * sides.y * sides.z;
-  return corners && std::abs(domain.volume().si() - volume) <= 1e-12 * volume;
-}
-
-stochastic::RockSizes rock_sizes(const BlockComplex& complex, const geometry::Solid& domain) {
-  stochastic::RockSizes sizes{.bins = {}, .shapes = {}, .by_number = {}, .by_volume = {}};
-  const Box box = box_of(domain);
-  const Vec3 sides = box.max - box.min;
-  const bool corrected = is_box(domain);
-  std::vector<WeighedVolume> blocks;
-  double volume = 0, at_openings = 0;
-  std::array<double, 4> shapes{};
-  for (const topology::Block& block : complex.blocks()) {
-    if (block.fixed || block.truncated) continue;
-    (block.free ? at_openings : volume) += block.volume.si();
-    if (block.free) continue;
-    const double weight = corrected ? weight_in(sides, complex, block) : 1;
-    blocks.push_back({block.volume.si(), weight});
-    shapes.at(shape_of(complex, block)) += weight;
-  }
-  std::ranges::sort(blocks, {}, [](const WeighedVolume& b) { return std::pair{b.volume, b.weight}; });
-  sizes.blocks = blocks.size();
-  sizes.volume_m3 = static_cast<float>(volume);
-  sizes.at_openings_m3 = static_cast<float>(at_openings);
-  std::ranges::transform(shapes, sizes.shapes.begin(), [](double sum) { return static_cast<float>(sum); });
-  for (auto from = blocks.begin(); from != blocks.end();) {
-    const std::uint32_t bin = stochastic::SizeBin::of(from->volume);
-    double number = 0, weighed = 0;
-    for (; from != blocks.end() && stochastic::SizeBin::of(from->volume) == bin; ++from) {
-      number += from->weight;
-      weighed += from->weight * from->volume;
-    }
-    sizes.bins.push_back({bin, static_cast<float>(number), static_cast<float>(weighed)});
-  }
-  for (std::size_t i = 0; i < stochastic::size_levels.size(); ++i) {
-    const double level = stochastic::size_levels.at(i).second;
-    sizes.by_number.at(i) = percentile(blocks, level, false);
-    sizes.by_volume.at(i) = percentile(blocks, level, true);
-  }
   return sizes;
 }
 

@@ -10,7 +10,6 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/parallel.hpp"
 #include "cleave/core/sha256.hpp"
-#include "cleave/realize/block_sizes.hpp"
 #include "cleave/realize/run.hpp"
 #include "cleave/stochastic/ordered.hpp"
 
@@ -39,33 +38,11 @@ std::string scene_and_files_sha256(const Scene& scene) {
   return hash.hex();
 }
 
-namespace {
-
-bool cuts_all(const Scene& scene) { return !(scene.output.only_key_blocks && scene.stability); }
-
-/// In the order of the scene's sets; those without joints are 0.
-std::vector<stochastic::SetAmount> amounts_of(const SampledScene& made) {
-  std::vector<SetId> set_of;
-  std::vector<std::string> names;
-  for (const JointInfo& joint : made.joints) set_of.push_back(joint.set);
-  for (const SetInfo& set : made.sets) names.push_back(set.name);
-  std::vector<stochastic::SetAmount> amounts(names.size());
-  if (set_of.size() != made.input.joints.size()) return amounts;
-  for (const SetFigures& set : count_sets(made.input, set_of, names)) {
-    const auto at = std::ranges::find(names, set.name) - names.begin();
-    amounts[static_cast<std::size_t>(at)] = {static_cast<double>(set.joints), set.p10, set.p21, set.p32};
-  }
-  return amounts;
-}
-
-}  // namespace
-
 stochastic::Questions questions_of(const Scene& scene) {
   stochastic::Questions questions;
   if (!scene.monte_carlo) return questions;
   questions.groups = scene.stability && scene.stability->decides_by_groups();
   questions.clamped = scene.stability && scene.field_stress;
-  questions.sizes = cuts_all(scene);
   questions.volumes_m3 = scene.monte_carlo->volumes;
   for (const Excavation& excavation : scene.excavations) {
     if (excavation.axis.empty()) continue;
@@ -92,7 +69,7 @@ std::vector<std::vector<std::uint32_t>> orders_of(const Scene& scene) {
 stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
   const stochastic::Questions questions = questions_of(scene);
   stochastic::EnsembleOptions options{.stability = scene.stability.has_value(),
-                                      .whole_system = cuts_all(scene),
+                                      .whole_system = !(scene.output.only_key_blocks && scene.stability),
                                       .confidence = scene.monte_carlo ? scene.monte_carlo->confidence : 0.95,
                                       .volumes_m3 = questions.volumes_m3,
                                       .tunnel_length_m = {},
@@ -102,9 +79,7 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
                                       .groups = questions.groups,
                                       .clamped = questions.clamped,
                                       .orders = orders_of(scene).size(),
-                                      .box_domain = is_box(scene.domain),
                                       .strengths_per_geometry = strengths_per_geometry(scene)};
-  for (const NamedSet& set : scene.sets) options.sets.push_back(set.name);
   if (!questions.axis.empty()) options.tunnel_length_m = stochastic::length_of(questions.axis);
   if (scene.monte_carlo && scene.monte_carlo->stop) options.running_quantity = scene.monte_carlo->stop->quantity;
   return options;
@@ -121,8 +96,6 @@ Record record_of(std::uint64_t k, const Realization& made, const stochastic::Que
   record = stochastic::measure(complex, made.analysis ? &*made.analysis : nullptr, questions);
   record.realization = k;
   record.joints = made.joints.size();
-  if (questions.sizes) record.sizes = rock_sizes(complex, made.input.domain);
-  record.sets = amounts_of(made);
   if (made.support) {
     stochastic::Supported& sum = record.support.emplace();
     sum.spot_bolts = made.support->spot_bolts;

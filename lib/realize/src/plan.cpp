@@ -154,10 +154,8 @@ Decision decide(const Scene& scene, Stage stage) {
     case Stage::elastic: return decide_elastic(scene);
     case Stage::contact: return decide_motion(scene);
     case Stage::write:
-      if (!scene.monte_carlo) return {true, why_write(scene.output, stability, scene.motion.has_value())};
-      return {true, std::string{"summary.json, log.txt, realizations.csv, "} +
-                        (scene.output.csv && !(scene.output.only_key_blocks && stability) ? "block_sizes.csv, " : "") +
-                        "copies of the scene"};
+      return {true, scene.monte_carlo ? "summary.json, log.txt, realizations.csv, copies of the scene"
+                                      : why_write(scene.output, stability, scene.motion.has_value())};
     case Stage::report: return {scene.output.report, scene.output.report ? "report.html" : "output.report = false"};
   }
   std::unreachable();

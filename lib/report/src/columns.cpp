@@ -2,7 +2,6 @@
 #include <string_view>
 
 #include "cleave/report/key_blocks.hpp"
-#include "monte_carlo_fields.hpp"
 #include "tables.hpp"
 #include "tables2d.hpp"
 
@@ -57,8 +56,7 @@ std::string columns_of_tables() {
          table("key_groups.csv", KeyGroupRow{group}) + table("supported_groups.csv", SupportedGroupRow{group}) +
          table("motion.csv", scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}}) +
          table("maximum_blocks.csv", scene::MaximumRow{}) + table("points.csv", StressPointRow{}) +
-         table("history.csv", scene::ContactHistory{}) + table("bodies.csv", scene::ContactBodyResult{}) +
-         table("block_sizes.csv", stochastic::SizeCurvePoint{});
+         table("history.csv", scene::ContactHistory{}) + table("bodies.csv", scene::ContactBodyResult{});
 }
 
 }  // namespace cleave::report

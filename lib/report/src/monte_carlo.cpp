@@ -4,9 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "cleave/exchange/csv.hpp"
 #include "cleave/realize/run.hpp"
-#include "monte_carlo_fields.hpp"
 
 namespace cleave::report {
 
@@ -36,13 +34,6 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
   for (const scene::Problem& note : scene.notes) page.notes.push_back(describe(note));
   if (scene.monte_carlo && scene.monte_carlo->stop) page.stop_quantity = scene.monte_carlo->stop->quantity;
   return page;
-}
-
-std::string block_sizes_csv(const stochastic::Figures& figures) {
-  if (!figures.block_sizes) return {};
-  CsvTable table{stochastic::SizeCurvePoint{}};
-  for (const stochastic::SizeCurvePoint& point : figures.block_sizes->curve) table.add(point);
-  return std::move(table).text();
 }
 
 }  // namespace cleave::report

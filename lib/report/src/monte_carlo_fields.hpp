@@ -1,9 +1,6 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <string>
-#include <string_view>
 
 #include "cleave/core/fields.hpp"
 #include "cleave/report/monte_carlo.hpp"
@@ -86,78 +83,9 @@ void fields(V& v, const Exceedance& x) {
     })));
 }
 
-template <class V>
-void fields(V& v, const SizeLevel& x) {
-  v("volume_m3", x.volume.si(), "of the blocks of all realizations");
-  v("low", OrNull<double>{x.low}, "null: too few blocks");
-  v("high", OrNull<double>{x.high}, "null: too few blocks");
-  v("optimistic", when(x.optimistic, x.optimistic),
-    "less than half of the rock is measured: the interval may cover less than it says");
-  v("alone_mean", x.alone.mean, "mean over realizations of the volume in each alone");
-  v("alone_low", x.alone.low);
-  v("alone_high", x.alone.high);
-  v("alone_std", x.alone.std, "between realizations");
-}
-template <class V>
-void fields(V& v, const SizeCurvePoint& x) {
-  v("volume_m3", x.volume.si());
-  v("by_number", x.by_number, "share of the blocks that are smaller");
-  v("by_number_low", x.number_interval.low);
-  v("by_number_high", x.number_interval.high);
-  v("by_volume", x.by_volume, "share of their volume in smaller blocks (passing)");
-  v("by_volume_low", x.volume_interval.low);
-  v("by_volume_high", x.volume_interval.high);
-}
-/// The edge of a cube as large as a block at a level of `by_volume`.
-template <class V>
-void diameter_fields(V& v, const BlockSizeFigures& x, std::string_view level) {
-  const SizeLevel& at = *std::ranges::find(x.by_volume, level, &SizeLevel::name);
-  v("mean", std::cbrt(at.volume.si()));
-  v("optimistic", when(at.optimistic, at.optimistic), "the interval may cover less than it says");
-  v("low", OrNull<double>{at.low ? std::optional{std::cbrt(*at.low)} : std::nullopt});
-  v("high", OrNull<double>{at.high ? std::optional{std::cbrt(*at.high)} : std::nullopt});
-}
-template <class V>
-void fields(V& v, const BlockSizeFigures& x) {
-  const auto level = [](auto& w, const SizeLevel& at) { fields(w, at); };
-  v("blocks", x.blocks, "that lie whole in the domain and touch no opening, of all realizations");
-  v("border", one_of(x.corrected ? "corrected" : "left out", {"corrected", "left out"}),
-    "corrected: each such block stands for as many as there are in a mass without sides (volume of the box over that "
-    "of the places where the block lies whole in it); left out: the domain is no box, sizes are on the small side");
-  v("mean_weight", x.mean_weight, "blocks that one stands for, mean");
-  v("measured_share", x.measured_share, "of the rock, what lies in these blocks");
-  v("beyond_share", x.beyond_share,
-    "of the number of blocks, those below 1.1e-15 or above 8.9e11 m3: their volumes are not told apart");
-  v("at_openings_share", x.at_openings_share,
-    "of the rock that no side of the domain holds, what lies in blocks that openings cut: left out");
-  v("by_number", by_name(x.by_number, &SizeLevel::name, level),
-    "volumes below which so much of the number of blocks lies");
-  v("by_volume", by_name(x.by_volume, &SizeLevel::name, level), "below which so much of their volume lies (passing)");
-  v("d50_m", group([&](auto& w) { diameter_fields(w, x, "p50"); }), "cube root of by_volume.p50");
-  v("d80_m", group([&](auto& w) { diameter_fields(w, x, "p80"); }), "cube root of by_volume.p80");
-  v("shapes",
-    by_name(x.shapes, &ShapeShare::name,
-            [](auto& w, const ShapeShare& shape) {
-              w("share", shape.share);
-              fields(w, shape.interval);
-            }),
-    "Zingg's classes by number, a >= b >= c the axes of the ellipsoid of inertia, limits 2/3");
-  v("curve", x.curve, "block size distribution; block_sizes.csv holds the same");
-}
-
 }  // namespace cleave::stochastic
 
 namespace cleave::report {
-
-template <class V>
-void fields(V& v, const stochastic::SetEstimates& x) {
-  const auto mean = [](const stochastic::Estimate& e) { return group([&e](auto& w) { mean_fields(w, e); }); };
-  v("name", x.name);
-  v("joints", mean(x.joints), "that meet the box around the domain");
-  v("p10", mean(x.p10), "1/m, joints along their mean normal, mean over all lines that way");
-  v("p21", mean(x.p21), "1/m, length of traces on level planes, mean over all of them");
-  v("p32", mean(x.p32), "1/m, area of joints in that box over its volume");
-}
 
 template <class V>
 void quantity_fields(V& v, const stochastic::Estimate& x, double confidence) {
@@ -243,12 +171,6 @@ void fields(V& v, const MonteCarloPage& x) {
           r("quantity", f.running_quantity);
           r("points", f.running);
         }));
-      w("block_sizes", f.block_sizes,
-        "sizes of the rock's blocks, where all of it was cut; intervals are over realizations");
-      w("sets", when_any(f.sets), "realized amounts of the joint sets that were in the box in any realization");
-      const stochastic::Estimate jv = f.jv.value_or(stochastic::Estimate{});
-      w("jv", when(f.jv.has_value(), group([&](auto& j) { mean_fields(j, jv); })),
-        "1/m, volumetric joint count: p10 of all sets (Palmstrom 1982)");
       w("worst", f.worst);
       w("best", f.best);
       w("failures", f.failures);

@@ -65,30 +65,6 @@ std::string cards(const MonteCarloPage& page) {
   return out + "</section>\n";
 }
 
-struct LevelRow {
-  const stochastic::SizeLevel& level;
-};
-template <class V>
-void fields(V& v, const LevelRow& x) {
-  v("level", x.level.name);
-  fields(v, x.level);
-}
-/// Means with their intervals.
-struct SetRow {
-  const stochastic::SetEstimates& set;
-};
-template <class V>
-void fields(V& v, const SetRow& x) {
-  const auto cell = [](const Estimate& e) {
-    return Html{display(e.mean) + " [" + interval(e.low, e.high) + "]", e.mean};
-  };
-  v("name", x.set.name);
-  v("joints", cell(x.set.joints));
-  v("p10", cell(x.set.p10));
-  v("p21", cell(x.set.p21));
-  v("p32", cell(x.set.p32));
-}
-
 std::string running_figure(const Figures& f) {
   if (f.running.size() < 2) return {};
   double high = 0;
@@ -128,71 +104,6 @@ std::string size_figure(const Figures& f) {
          "<figcaption>Share of key blocks smaller than V, by number: <span class=\"key-a\">all batches</span> (band: "
          "two "
          "standard errors over realizations) and <span class=\"key-b\">first batch</span>.</figcaption></figure>\n";
-}
-
-std::string rock_figure(const stochastic::BlockSizeFigures& sizes) {
-  if (sizes.curve.size() < 2) return {};
-  Plot plot{detail::decades(sizes.curve.front().volume.si(), sizes.curve.back().volume.si(), "block volume V (m³)"),
-            Axis{0, 1, false, "share below V"}, "Block size distribution"};
-  std::vector<PlotPoint> number, number_low, number_high, volume, volume_low, volume_high;
-  for (const stochastic::SizeCurvePoint& p : sizes.curve) {
-    number.push_back({p.volume.si(), p.by_number});
-    number_low.push_back({p.volume.si(), p.number_interval.low});
-    number_high.push_back({p.volume.si(), p.number_interval.high});
-    volume.push_back({p.volume.si(), p.by_volume});
-    volume_low.push_back({p.volume.si(), p.volume_interval.low});
-    volume_high.push_back({p.volume.si(), p.volume_interval.high});
-  }
-  plot.band(number_low, number_high);
-  plot.band(volume_low, volume_high);
-  plot.line(number);
-  plot.line(volume, LineStyle::dashed);
-  return "<figure>" + std::move(plot).svg() +
-         "<figcaption>Share of the rock's blocks smaller than V, <span class=\"key-a\">by number</span> and <span "
-         "class=\"key-b\">by volume</span> (passing), with intervals over realizations.</figcaption></figure>\n";
-}
-
-std::string block_sizes_section(const Figures& f) {
-  if (!f.block_sizes && f.sets.empty()) return {};
-  std::string out = "<section id=\"block-sizes\"><h2>Block sizes of the rock</h2>\n";
-  if (f.block_sizes) {
-    const stochastic::BlockSizeFigures& sizes = *f.block_sizes;
-    out += "<p class=\"small\">" + display_count(sizes.blocks) + " blocks that lie whole in the domain, in " +
-           percent(sizes.measured_share) + " of the rock; " +
-           (sizes.corrected ? "each stands for those that the sides of the domain cut"
-                            : "large ones touch the sides of the domain more often, which is not corrected") +
-           ".</p>\n<div class=\"columns\">" + rock_figure(sizes) + "</div>\n";
-    for (const auto& [heading, levels] :
-         {std::pair{"By number", &sizes.by_number}, std::pair{"By volume (passing)", &sizes.by_volume}}) {
-      HtmlTable table{{{"level", heading},
-                       {"volume_m3", "All realizations (m³)"},
-                       {"low", "Interval from"},
-                       {"high", "to"},
-                       {"alone_mean", "One realization, mean (m³)"},
-                       {"alone_std", "Standard deviation", 3}},
-                      LevelRow{stochastic::SizeLevel{}}};
-      for (const stochastic::SizeLevel& level : *levels) table.add(LevelRow{level});
-      out += std::move(table).html();
-    }
-    std::string shapes;
-    for (const stochastic::ShapeShare& shape : sizes.shapes) {
-      shapes += (shapes.empty() ? "" : "; ") + shape.name + " " + percent(shape.share) + " [" +
-                percent(shape.interval.low) + ", " + percent(shape.interval.high) + "]";
-    }
-    out += "<p>Shapes (Zingg): " + shapes + ".</p>\n";
-  }
-  if (!f.sets.empty()) {
-    HtmlTable table{
-        {{"name", "Joint set"}, {"joints"}, {"p10", "P10 (1/m)"}, {"p21", "P21 (1/m)"}, {"p32", "P32 (1/m)"}},
-        SetRow{stochastic::SetEstimates{}}};
-    for (const stochastic::SetEstimates& set : f.sets) table.add(SetRow{set});
-    out += std::move(table).html();
-    if (f.jv) {
-      out += "<p>Volumetric joint count J<sub>v</sub> " + display(f.jv->mean) + " 1/m [" +
-             interval(f.jv->low, f.jv->high) + "].</p>\n";
-    }
-  }
-  return out + "</section>\n";
 }
 
 std::string exceedance_figure(const Figures& f) {
@@ -476,7 +387,6 @@ std::string monte_carlo_html(const MonteCarloPage& page) {
     out += "<section id=\"figures\"><h2>Convergence, sizes, probabilities</h2>\n<div class=\"columns\">" + figures +
            "</div></section>\n";
   }
-  out += block_sizes_section(f);
   out += probability_table(f);
   out += pressure_table(f);
   out += orders_table(page);

@@ -42,8 +42,7 @@ Ensemble::Ensemble(EnsembleOptions options)
       factors_below_(factor_bins - 1),
       with_factor_below_(factor_bins - 1),
       pressing_(pressures_pa().size()),
-      pressing_blocks_(pressures_pa().size()),
-      rock_{options_.sets.size()} {
+      pressing_blocks_(pressures_pa().size()) {
   CLEAVE_ASSERT(options_.strengths_per_geometry >= 1);
   if (!options_.stability) options_.running_quantity = "block_count";
   const Quantity* running = quantity_named(options_.running_quantity);
@@ -112,7 +111,6 @@ void Ensemble::add(const Record& record, std::string_view line) {
   }
   ++counted_;
   add_extremes(record);
-  if (m == 1 || in_unit_ == 0) rock_.add(record);
   const std::vector<double> numbers = numbers_of(record);
   if (m == 1) {
     for (std::size_t i = 0; i < quantities().size(); ++i) {

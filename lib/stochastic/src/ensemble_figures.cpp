@@ -60,33 +60,23 @@ Estimate Ensemble::estimate(std::string name, const Moments& m, Method method) c
 }
 
 /// Of a share of blocks, which hang together within a realization: with the effective number of blocks, Student's t in
-/// place of the normal law, `most` blocks at the most. Where all or none are of the kind, as many as equal realizations
-/// there are.
-Interval Ensemble::share_interval(const PairMoments& pair, double most) const {
+/// place of the normal law. Where all or none are of the kind, as many as equal realizations there are.
+Interval Ensemble::share_interval(const PairMoments& pair) const {
   const double p = std::clamp(pair.ratio(), 0.0, 1.0), se = pair.ratio_standard_error();
   double effective = pair.equal_parts();
   if (p > 0 && p < 1 && se > 0 && pair.count() >= 2) {
     const double level = 0.5 + options_.confidence / 2;
     const double wider = special::student_t_quantile(level, number(pair.count() - 1)) / normal_quantile(level);
-    effective = std::min(p * (1 - p) / (se * se * wider * wider), most);
+    effective = std::min(p * (1 - p) / (se * se * wider * wider), pair.sum_x());
   }
   return clopper_pearson_effective(p, std::max(effective, 1e-6), options_.confidence);
-}
-
-/// The same of sizes, where a few large blocks decide: as far as the skewness moves it, too.
-Interval Ensemble::size_interval(const PairMoments& pair, double most) const {
-  const Interval plain = share_interval(pair, most);
-  if (pair.count() < 2) return plain;
-  const Interval moved = skew_interval(pair.ratio(), pair.ratio_standard_error(), pair.ratio_skewness(), pair.count(),
-                                       options_.confidence, widening_of_ratios);
-  return {std::max(0.0, std::min(plain.low, moved.low)), std::min(1.0, std::max(plain.high, moved.high))};
 }
 
 Estimate Ensemble::ratio_estimate(std::string name, const PairMoments& pair, bool share) const {
   const double r = pair.ratio(), se = pair.ratio_standard_error(), skewness = pair.ratio_skewness();
   Interval interval{r, r};
   if (share) {
-    interval = share_interval(pair, pair.sum_x());
+    interval = share_interval(pair);
   } else if (pair.count() >= 2) {
     interval = skew_interval(r, se, skewness, pair.count(), options_.confidence, widening_of_ratios);
     interval.low = std::max(0.0, interval.low);
@@ -307,7 +297,7 @@ void Ensemble::add_factors(Figures& figures) const {
     const PairMoments& below = factors_below_[i];
     figures.factors.push_back({.factor = factor_step * number(i + 1),
                                .share_below = below.ratio(),
-                               .share_interval = share_interval(below, below.sum_x()),
+                               .share_interval = share_interval(below),
                                .number_below = below.ratio() * blocks,
                                .probability = probability_of(with_factor_below_[i]),
                                .interval = probability_interval(with_factor_below_[i])});
@@ -364,9 +354,7 @@ Figures Ensemble::figures() const {
   add_border(figures);
   add_factors(figures);
   add_pressures(figures);
-  add_rock(figures);
   add_notes(figures);
-  add_size_notes(figures);
   return figures;
 }
 

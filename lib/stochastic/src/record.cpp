@@ -174,27 +174,6 @@ std::vector<double> numbers_of(const std::vector<OrderTally>& orders) {
   return numbers;
 }
 
-std::vector<float> numbers_of(const std::optional<RockSizes>& s) {
-  if (!s) return {};
-  std::vector<float> numbers{s->volume_m3, s->at_openings_m3};
-  numbers.insert(numbers.end(), s->shapes.begin(), s->shapes.end());
-  numbers.insert(numbers.end(), s->by_number.begin(), s->by_number.end());
-  numbers.insert(numbers.end(), s->by_volume.begin(), s->by_volume.end());
-  return numbers;
-}
-/// Bin, number and volume of each.
-std::vector<float> bins_of(const std::optional<RockSizes>& s) {
-  std::vector<float> numbers;
-  if (!s) return numbers;
-  for (const SizeBin& b : s->bins) numbers.insert(numbers.end(), {static_cast<float>(b.bin), b.number, b.volume_m3});
-  return numbers;
-}
-std::vector<double> numbers_of(const std::vector<SetAmount>& sets) {
-  std::vector<double> numbers;
-  for (const SetAmount& s : sets) numbers.insert(numbers.end(), {s.joints, s.p10, s.p21, s.p32});
-  return numbers;
-}
-
 bool is_count(double x) { return x >= 0 && x < 0x1p53 && x == std::floor(x); }
 
 bool take(const std::vector<double>& n, std::optional<Supported>& support) {
@@ -217,29 +196,6 @@ bool take(const std::vector<double>& n, std::optional<Clamped>& clamped) {
   clamped = Clamped{static_cast<std::uint64_t>(n[0]), static_cast<std::uint64_t>(n[1]), cubic_metres(n[2])};
   return true;
 }
-bool take(std::uint64_t blocks, const std::vector<float>& n, const std::vector<float>& bins,
-          std::optional<RockSizes>& sizes) {
-  constexpr std::size_t levels = size_levels.size();
-  if (n.empty()) return blocks == 0 && bins.empty();
-  if (n.size() != 6 + 2 * levels || bins.size() % 3 != 0) return false;
-  RockSizes& s = sizes.emplace();
-  s.blocks = blocks;
-  s.volume_m3 = n[0];
-  s.at_openings_m3 = n[1];
-  std::copy_n(n.begin() + 2, 4, s.shapes.begin());
-  std::copy_n(n.begin() + 6, levels, s.by_number.begin());
-  std::copy_n(n.begin() + 6 + levels, levels, s.by_volume.begin());
-  for (std::size_t i = 0; i < bins.size(); i += 3) {
-    if (!is_count(bins[i]) || !(bins[i] < static_cast<float>(SizeBin::bins))) return false;
-    s.bins.push_back({static_cast<std::uint32_t>(bins[i]), bins[i + 1], bins[i + 2]});
-  }
-  return true;
-}
-bool take(const std::vector<double>& n, std::vector<SetAmount>& sets) {
-  if (n.size() % 4 != 0) return false;
-  for (std::size_t i = 0; i < n.size(); i += 4) sets.push_back({n[i], n[i + 1], n[i + 2], n[i + 3]});
-  return true;
-}
 bool take(const std::vector<double>& n, std::vector<OrderTally>& orders) {
   if (n.size() % 2 != 0) return false;
   for (std::size_t i = 0; i < n.size(); i += 2) {
@@ -260,13 +216,6 @@ double SizeHistogram::edge(std::size_t bin) noexcept {
   return std::pow(10.0, lowest_exponent + static_cast<double>(bin) / per_decade);
 }
 
-std::uint32_t SizeBin::of(double volume) noexcept {
-  const double at = volume > 0 ? std::floor((std::log10(volume) - lowest_exponent) * per_decade) : 0.0;
-  return static_cast<std::uint32_t>(std::clamp(at, 0.0, static_cast<double>(bins - 1)));
-}
-
-double SizeBin::edge(std::uint32_t bin) noexcept { return std::pow(10.0, lowest_exponent + bin / per_decade); }
-
 std::string_view record_columns() noexcept {
   return "realization,outcome,joints,blocks,rock_m3,concave_blocks,batches,stopped_at_max_batches,surface_blocks,"
          "surface_blocks_fixed,key_beside_fixed_m3,free_m2,free_fixed_m2,middle_m2,middle_fixed_m2,largest_pressure_pa,"
@@ -276,7 +225,7 @@ std::string_view record_columns() noexcept {
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
          "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,clamped,"
-         "whole_blocks,rock_sizes,size_bins,sets,crc32";
+         "crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -303,10 +252,6 @@ std::string line_of(const Record& r) {
        {numbers_of(r.support), numbers_of(r.orders), numbers_of(r.groups), numbers_of(r.clamped)}) {
     w.list(std::span{numbers});
   }
-  w.number(r.sizes ? r.sizes->blocks : 0);
-  for (const std::vector<float>& numbers : {numbers_of(r.sizes), bins_of(r.sizes)}) w.list(std::span{numbers});
-  const std::vector<double> sets = numbers_of(r.sets);
-  w.list(std::span{sets});
   return std::move(w).finish();
 }
 
@@ -340,18 +285,11 @@ std::optional<Record> record_of(std::string_view line) {
   r.tally(record.first);
   r.list(record.above);
   r.list(record.chainage_m3);
-  std::vector<double> support, orders, groups, clamped, sets;
-  std::vector<float> sizes, bins;
-  std::uint64_t whole_blocks = 0;
+  std::vector<double> support, orders, groups, clamped;
   r.list(support);
   r.list(orders);
   r.list(groups);
   r.list(clamped);
-  r.number(whole_blocks);
-  r.list(sizes);
-  r.list(bins);
-  r.list(sets);
-  if (!take(whole_blocks, sizes, bins, record.sizes) || !take(sets, record.sets)) return std::nullopt;
   if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups) ||
       !take(clamped, record.clamped)) {
     return std::nullopt;

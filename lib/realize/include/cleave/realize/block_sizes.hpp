@@ -14,7 +14,6 @@
 #include "cleave/facets/cut_input.hpp"
 #include "cleave/geometry/vec3.hpp"
 #include "cleave/scene3d/scene.hpp"
-#include "cleave/stochastic/record.hpp"
 #include "cleave/topology/block_complex.hpp"
 
 /// Block sizes of a mass, and how much of each joint set is in it.
@@ -22,7 +21,17 @@ namespace cleave::scene {
 
 /// Volumes below which so much of the blocks lies, m3.
 struct Percentiles {
-  static constexpr auto levels = stochastic::size_levels;
+  static constexpr std::array<std::pair<std::string_view, double>, 11> levels{{{"p10", 0.1},
+                                                                               {"p20", 0.2},
+                                                                               {"p25", 0.25},
+                                                                               {"p30", 0.3},
+                                                                               {"p40", 0.4},
+                                                                               {"p50", 0.5},
+                                                                               {"p60", 0.6},
+                                                                               {"p70", 0.7},
+                                                                               {"p75", 0.75},
+                                                                               {"p80", 0.8},
+                                                                               {"p90", 0.9}}};
   std::array<double, levels.size()> values{};
   /// By its name; precondition: one of `levels`.
   [[nodiscard]] double at(std::string_view level) const;
@@ -66,11 +75,6 @@ void fields(V& v, const BlockSizes& x) {
 }
 /// Of blocks that touch no fixed side where there are at least 30 of them, else of all; empty without blocks.
 [[nodiscard]] std::optional<BlockSizes> block_sizes(const topology::BlockComplex& complex);
-/// Sizes of one realization for an ensemble. In a box each block that lies whole in it weighs as many as there are such
-/// in a mass without sides: volume of the box over that of the places where the block lies whole in it.
-[[nodiscard]] stochastic::RockSizes rock_sizes(const topology::BlockComplex& complex, const geometry::Solid& domain);
-/// An axis-parallel box.
-[[nodiscard]] bool is_box(const geometry::Solid& domain);
 /// Percentiles of volumes, in any order, by number (between the values) and by volume; not empty.
 [[nodiscard]] Percentiles percentiles_by_number(std::vector<double> volumes);
 [[nodiscard]] Percentiles percentiles_by_volume(std::vector<double> volumes);

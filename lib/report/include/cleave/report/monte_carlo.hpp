@@ -26,8 +26,6 @@ struct MonteCarloPage : scene::ResultHead {
 /// summary.json with its section `monte_carlo`. That section is the same for any number of threads, shards and
 /// interruptions.
 [[nodiscard]] std::string monte_carlo_json(const MonteCarloPage& page);
-/// Rows of the block size distribution; empty where there is none.
-[[nodiscard]] std::string block_sizes_csv(const stochastic::Figures& figures);
 [[nodiscard]] std::string monte_carlo_html(const MonteCarloPage& page);
 
 }  // namespace cleave::report

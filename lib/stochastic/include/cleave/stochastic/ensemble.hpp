@@ -115,45 +115,6 @@ struct Extreme {
   std::uint64_t count = 0;
 };
 
-/// The volume below which a share of the blocks, or of their volume, lies.
-struct SizeLevel {
-  std::string name;  ///< of `size_levels`
-  Volume volume{};   ///< of the blocks of all realizations
-  /// The volumes at which the interval of the share begins and ends to hold the level (Woodruff 1952); no end: too few.
-  std::optional<double> low, high;
-  /// Less than half of the rock lies in blocks that were measured: the interval may cover less than it says.
-  bool optimistic = false;
-  Estimate alone;  ///< of one realization, over those that have blocks
-};
-/// One point of the block size distribution.
-struct SizeCurvePoint {
-  Volume volume{};
-  double by_number = 0, by_volume = 0;  ///< shares below
-  Interval number_interval, volume_interval;
-};
-struct ShapeShare {
-  std::string name;  ///< of `zingg_names`
-  double share = 0;
-  Interval interval;
-};
-/// Sizes of the rock's blocks, over all realizations.
-struct BlockSizeFigures {
-  std::uint64_t blocks = 0;      ///< that lie whole in the domain
-  bool corrected = true;         ///< for large blocks touching the sides of the domain more often
-  double mean_weight = 1;        ///< of a block: 1 where hardly any touches a side
-  double measured_share = 0;     ///< of the rock, that in such blocks
-  double beyond_share = 0;       ///< by number, of the blocks in the first and the last bin: only told to be beyond
-  double at_openings_share = 0;  ///< of what lies inside, that in blocks which were left out as they touch an opening
-  std::vector<SizeLevel> by_number, by_volume;
-  std::vector<ShapeShare> shapes;
-  std::vector<SizeCurvePoint> curve;  ///< at the ends of the bins
-};
-/// How much of a joint set lies in the box around the domain.
-struct SetEstimates {
-  std::string name;
-  Estimate joints, p10, p21, p32;
-};
-
 struct Figures {
   std::uint64_t realizations = 0;  ///< counted
   double confidence = 0.95;
@@ -179,9 +140,6 @@ struct Figures {
   std::optional<double> middle_fixed_share = {}, guard_length_m = {};
   double surface_fixed_share = 0;  ///< of blocks at free faces, those with a fixed face
   double beside_fixed_share = 0;   ///< of key-block volume, what lies beside a block with a fixed face
-  std::optional<BlockSizeFigures> block_sizes = {};  ///< where all the rock was cut and blocks lie whole in the domain
-  std::vector<SetEstimates> sets = {};
-  std::optional<Estimate> jv = {};  ///< sum over the sets of their P10
   std::vector<std::string> notes;
   std::string hash;  ///< SHA-256 of the records' lines
 };
@@ -193,41 +151,15 @@ struct EnsembleOptions {
   std::vector<double> volumes_m3;
   std::optional<double> tunnel_length_m;
   std::uint32_t chainage_parts = 0;
-  std::uint64_t seed = 1;              ///< of the bootstrap
-  bool support = false;                ///< a support design was checked
-  bool groups = false;                 ///< blocks were judged together
-  bool clamped = false;                ///< stress across joints was looked at
-  std::size_t orders = 0;              ///< of excavation stages
-  std::vector<std::string> sets = {};  ///< names of the joint sets
-  bool box_domain = true;              ///< sizes of blocks are corrected for the sides of the domain
+  std::uint64_t seed = 1;  ///< of the bootstrap
+  bool support = false;    ///< a support design was checked
+  bool groups = false;     ///< blocks were judged together
+  bool clamped = false;    ///< stress across joints was looked at
+  std::size_t orders = 0;  ///< of excavation stages
   /// Nested design: so many realizations in a row have the same joints, each its own strengths and loads. Then the
   /// sample unit is the geometry: means over its realizations enter every estimate.
   std::uint64_t strengths_per_geometry = 1;
   std::string running_quantity = "key_block_volume_m3";
-};
-
-/// Reduces the sizes of blocks and the amounts of joint sets: of the realizations, or of the first one of each
-/// geometry.
-class RockReduction final {
- public:
-  explicit RockReduction(std::size_t sets);
-  void add(const Record& record);
-
- private:
-  friend class Ensemble;
-  struct Level {
-    Moments number, volume;
-  };
-  std::vector<PairMoments> number_below_, volume_below_;  // share below the upper end of bin i
-  std::array<Level, size_levels.size()> levels_;
-  std::array<PairMoments, zingg_names.size()> shapes_;
-  struct Set {
-    Moments joints, p10, p21, p32;
-  };
-  std::vector<Set> sets_;
-  Moments jv_;
-  std::uint64_t blocks_ = 0;
-  double weights_ = 0, volume_ = 0, at_openings_ = 0, rock_ = 0;
 };
 
 /// Reduces records, one after the other in the order of their realizations, to figures with their errors. Realizations
@@ -261,8 +193,7 @@ class Ensemble final {
   void add_unit(const std::vector<double>& sums);
   void add_extremes(const Record& record);
   [[nodiscard]] Estimate estimate(std::string name, const Moments& moments, Method method) const;
-  [[nodiscard]] Interval share_interval(const PairMoments& pair, double most) const;
-  [[nodiscard]] Interval size_interval(const PairMoments& pair, double most) const;
+  [[nodiscard]] Interval share_interval(const PairMoments& pair) const;
   [[nodiscard]] Estimate ratio_estimate(std::string name, const PairMoments& pair, bool share) const;
   [[nodiscard]] double probability_of(const Moments& hits) const;
   [[nodiscard]] Interval probability_interval(const Moments& hits) const;
@@ -274,8 +205,6 @@ class Ensemble final {
   void add_border(Figures& figures) const;
   void add_factors(Figures& figures) const;
   void add_pressures(Figures& figures) const;
-  void add_rock(Figures& figures) const;
-  void add_size_notes(Figures& figures) const;
   void add_notes(Figures& figures) const;
 
   EnsembleOptions options_;
@@ -311,7 +240,6 @@ class Ensemble final {
   std::vector<Moments> with_factor_below_;                            // 1 for a realization with such a block
   std::vector<Moments> pressing_, pressing_blocks_;                   // 1 for a realization above the pressure
   double key_volume_ = 0, beside_fixed_ = 0;
-  RockReduction rock_;
   Sha256 hash_;
 };
 

@@ -10,7 +10,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -105,53 +104,6 @@ struct OrderTally {
   friend bool operator==(const OrderTally&, const OrderTally&) = default;
 };
 
-/// Shares of the blocks below which sizes are told, with their names.
-inline constexpr std::array<std::pair<std::string_view, double>, 11> size_levels{{{"p10", 0.1},
-                                                                                  {"p20", 0.2},
-                                                                                  {"p25", 0.25},
-                                                                                  {"p30", 0.3},
-                                                                                  {"p40", 0.4},
-                                                                                  {"p50", 0.5},
-                                                                                  {"p60", 0.6},
-                                                                                  {"p70", 0.7},
-                                                                                  {"p75", 0.75},
-                                                                                  {"p80", 0.8},
-                                                                                  {"p90", 0.9}}};
-/// Zingg's (1935) classes, in this order everywhere.
-inline constexpr std::array<std::string_view, 4> zingg_names{"cubic", "platy", "elongated", "bladed"};
-
-/// Blocks of the rock with volumes in one bin of equal ratio: 10^(-15 + i/20) <= V < 10^(-15 + (i+1)/20) m3; the first
-/// and the last also what lies beyond. Each block has a weight.
-struct SizeBin {
-  static constexpr std::uint32_t bins = 540;
-  static constexpr double lowest_exponent = -15, per_decade = 20;
-  std::uint32_t bin = 0;
-  float number = 0;     ///< sum of the weights
-  float volume_m3 = 0;  ///< sum of weight times volume
-  [[nodiscard]] static std::uint32_t of(double volume) noexcept;
-  /// Lower end, m3.
-  [[nodiscard]] static double edge(std::uint32_t bin) noexcept;
-  friend bool operator==(const SizeBin&, const SizeBin&) = default;
-};
-
-/// Sizes of the rock's blocks that lie whole in the domain: that touch neither its sides nor an opening.
-struct RockSizes {
-  std::uint64_t blocks = 0;
-  float volume_m3 = 0;          ///< theirs
-  float at_openings_m3 = 0;     ///< of blocks that touch an opening or a free side, and no fixed side
-  std::vector<SizeBin> bins;    ///< those that hold blocks, in order
-  std::array<float, 4> shapes;  ///< sum of the weights by `zingg_names`
-  /// Of this realization alone, m3, at `size_levels`; 0 without blocks.
-  std::array<float, size_levels.size()> by_number, by_volume;
-  friend bool operator==(const RockSizes&, const RockSizes&) = default;
-};
-
-/// How much of a joint set lies in the box around the domain.
-struct SetAmount {
-  double joints = 0, p10 = 0, p21 = 0, p32 = 0;
-  friend bool operator==(const SetAmount&, const SetAmount&) = default;
-};
-
 /// Bins of Record::factors.
 inline constexpr std::size_t factor_bins = 31;
 inline constexpr double factor_step = 0.1;
@@ -182,8 +134,6 @@ struct Record {
   std::optional<Grouped> groups;     ///< of a scene with groups = "decide"
   std::optional<Clamped> clamped;    ///< of a scene with [field_stress]
   std::vector<OrderTally> orders;    ///< of a scene with [sequence]: its own order first, then those to compare
-  std::optional<RockSizes> sizes;    ///< where all the rock was cut
-  std::vector<SetAmount> sets;       ///< in the order of the scene's sets
   friend bool operator==(const Record&, const Record&) = default;
 };
 
@@ -265,7 +215,6 @@ struct Questions {
   std::uint32_t chainage_parts = 0;  ///< equal parts of the axis
   bool groups = false;               ///< blocks judged together decide
   bool clamped = false;              ///< stress across joints is looked at
-  bool sizes = false;                ///< sizes of all the rock's blocks
 };
 
 /// Length of a polyline, m.
