@@ -24,6 +24,7 @@ using assembly::Verdict;
 using geometry::Vec3;
 using statics::audited;
 using statics::slab_behind_toe;
+using statics::slope;
 using statics::strength;
 using topology::BlockId;
 
@@ -113,11 +114,11 @@ TEST(GroupSupportTest, BoltsBetweenTwoBlocksThatMoveHoldNothing) {
   EXPECT_GT(left(complex, settings, plan), 300);
   plan.bolts = level_bolts(1e8, 18, 6);
   EXPECT_EQ(left(complex, settings, plan), 0);
-  // Pushed together by the motion: a bar carries no compression.
+  // Down through the slab ahead of its motion, which would shorten them: a bar carries no compression.
+  const double z = 40 - 10 * slope;
   for (Bolt& bolt : plan.bolts) {
-    bolt.collar = {31, bolt.collar.y, 18};
-    bolt.length = metres(6);
-    bolt.type.tendon = newtons(1e-3);
+    bolt.collar = {10, bolt.collar.y, z};
+    bolt.direction = {0.5, 0, -std::sqrt(0.75)};
   }
   EXPECT_GT(left(complex, settings, plan), 300);
 }
@@ -187,6 +188,26 @@ TEST(GroupSupportTest, OneBlockIsHeldAsTheCheckOfBlocksSays) {
                                .shear_strength = pascals(1e9),
                                .adhesion = pascals(share * 1.5 * weight / (8 * 0.03))};
     EXPECT_EQ(both(plan), share > 1);
+  }
+}
+
+TEST(GroupSupportTest, TwoBlocksOnOneBoltShareItsAnchor) {
+  topology::CutInput input = block_in_a_roof(1.5);
+  input.joints.emplace_back(topology::Joint{
+      {geometry::Polygon::make({{-1.1, -1.1, 0.75}, {1.1, -1.1, 0.75}, {1.1, 1.1, 0.75}, {-1.1, 1.1, 0.75}}).value()}});
+  const auto complex = audited(input);
+  const Settings settings = statics::settings({strength(10)});
+  SupportPlan plan{.target_falling = 1.5, .target_sliding = 1.3};
+  for (const double share : {0.75, 0.998, 1.06}) {
+    // 1.5 m behind the upper block; the lower one hangs on the plate, the upper one has a bond of its own.
+    plan.bolts = {{.collar = {0, 0, 0},
+                   .direction = {0, 0, 1},
+                   .length = metres(3),
+                   .type = {.tendon = newtons(1e9),
+                            .plate = newtons(1e9),
+                            .anchorage = metres(0.3),
+                            .kind = GroutedBar{.bond = newtons_per_metre(share * 6)}}}};
+    EXPECT_EQ(left(complex, settings, plan) == 0, share > 1) << share;
   }
 }
 
