@@ -226,7 +226,7 @@ Figures count(const RunResult& result) {
   if (result.support) figures.support = count_support(result, *result.support);
   if (figures.support && result.group_support) {
     figures.support->groups = count_supported_groups(*result.group_support);
-    figures.support->passes = figures.support->passes && figures.support->groups->not_held == 0;
+    figures.support->passes = figures.support->passes && figures.support->groups->all_held();
   }
   for (const CaseSupport& load : result.support_cases) {
     figures.support_cases.push_back({load.name, count_support(result, load.support)});

@@ -287,6 +287,12 @@ void Realizer::support_of_groups() {
   made_.group_support =
       stability::check_groups(complex, settings(complex.complex()), scene_->support->plan, *made_.support,
                               decides ? stability::most_together : stability::most_noted);
+  const stability::GroupSupport& found = *made_.group_support;
+  if (!found.below.too_many && !found.left.too_many) return;
+  made_.group_support.reset();
+  group_notes_.push_back(
+      "support: at strengths over the target more blocks are near free faces than are judged together: whether it "
+      "holds groups of blocks was not asked");
 }
 
 void Realizer::move() { made_.motion = run_motion(*scene_, made_, made_.complex->complex()); }

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
 
 #include "bolt_grips.hpp"
-#include "cleave/core/assert.hpp"
 #include "free_faces.hpp"
 
 namespace cleave::stability {

@@ -317,6 +317,8 @@ void fields(V& v, const PressureFigures& x) {
 struct SupportedGroupFigures {
   std::uint64_t count = 0, not_held = 0, in_doubt = 0;
   Volume not_held_volume = {};
+  /// What is in doubt is not held.
+  [[nodiscard]] bool all_held() const noexcept { return not_held == 0 && in_doubt == 0; }
 };
 template <class V>
 void fields(V& v, const SupportedGroupFigures& x) {
@@ -362,7 +364,8 @@ template <class V>
 void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_length,
                     const std::vector<DesignResult>& designs, const std::vector<SupportCaseFigures>& cases) {
   v("passes", x.passes,
-    "every block reaches its target, alone and stitched to its neighbours, and no group of blocks still moves");
+    "every block reaches its target, alone and stitched to its neighbours, and no group of blocks still moves or is in "
+    "doubt");
   v("blocks", x.blocks, "blocks below their target without support");
   v("held_by_bolts", x.held_by_bolts);
   v("held_by_shotcrete", x.held_by_shotcrete);
