@@ -38,12 +38,14 @@ class Arm final {
   }
 
  private:
+  /// In sums of every second row: a sweep waits for each.
   [[nodiscard]] double along(std::size_t axis, Rates of_body, Rates of_other) const {
-    double out = 0;
+    std::array<double, 2> body{}, other{};
     for (std::size_t row = 0; row < width; ++row) {
-      out += body_[axis][row] * of_body[row] + other_[axis][row] * of_other[row];
+      body[row % 2] += body_[axis][row] * of_body[row];
+      other[row % 2] += other_[axis][row] * of_other[row];
     }
-    return out;
+    return (body[0] + body[1]) + (other[0] + other[1]);
   }
   std::array<std::array<double, width>, 3> body_, other_;
 };

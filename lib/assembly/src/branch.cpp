@@ -144,8 +144,7 @@ Branch::Found Branch::by_thresholds(double divisor) {
   return judged(divisor, std::move(state));
 }
 
-Branch::Found Branch::by_sweeps(double divisor) {
-  Solution solution = settle(*elements_, divisor);
+Branch::Found Branch::of(Solution solution) {
   Found found{.what = FromRest::unsettled,
               .state = std::move(solution.state),
               .residual = solution.residual,
@@ -154,6 +153,8 @@ Branch::Found Branch::by_sweeps(double divisor) {
   found.what = found.state.v.lpNorm<Eigen::Infinity>() > slow ? FromRest::moves : FromRest::rests;
   return found;
 }
+
+Branch::Found Branch::by_sweeps(double divisor) { return of(settle(*elements_, divisor)); }
 
 /// Nothing moved: at rest where forces are there that hold.
 Branch::Found Branch::standing(double divisor) {

@@ -5,6 +5,8 @@
 
 namespace cleave::assembly {
 
+struct Solution;
+
 /// Largest violation of the Coulomb problem from rest with strengths over `divisor`: balance, no pull, no overlap, no
 /// pressure where it opens, friction within its bound and against the slip. Forces relative to the load, rates to the
 /// largest.
@@ -23,6 +25,12 @@ struct Ended {
   ContactForces forces;                 ///< of the state it ended in
 };
 [[nodiscard]] Start start_from_rest(const Assembly& assembly, double factor, Ended& ended);
+/// From rest with weaker bonds and strengths first, then on from there at those of `assembly`.
+struct Twice {
+  Start weaker, start;
+  Ended weaker_ended, ended;
+};
+[[nodiscard]] Twice start_from_weaker(const Assembly& weaker, double factor, const Assembly& assembly);
 
 /// Of factors. Quick ones are as fine, but give a search that does not settle less work; coarse ones are good to 1e-4,
 /// of an assembly that moves at strengths as they are.
@@ -45,6 +53,8 @@ class Branch final {
     double residual = 1;
     std::vector<std::uint8_t> unsettled = {};  ///< by body, of a search by sweeps: what else there is has settled
   };
+  /// What sweeps found.
+  [[nodiscard]] static Found of(Solution solution);
   enum class Effort : std::uint8_t { newton, thresholds, whole, sweeps };
   /// Looks for motion at this strength; goes on from the last motion found.
   [[nodiscard]] Found at(double divisor, Effort effort = Effort::whole);

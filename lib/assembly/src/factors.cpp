@@ -160,6 +160,14 @@ std::optional<Branch::Found> followed(const Elements& elements, double factor) {
   }
 }
 
+Start started(const Assembly& assembly, const Elements& elements, Branch::Found found, Ended& ended) {
+  Start out{.found = found.what, .motion = elements.motion_of(found.state.v), .speed = speeds(elements, found.state.v)};
+  out.residual = found.residual;
+  ended.unsettled = found.what == FromRest::unsettled ? std::move(found.unsettled) : std::vector<std::uint8_t>{};
+  ended.forces = in_newtons(assembly, elements, found.state.x);
+  return out;
+}
+
 }  // namespace
 
 Start start_from_rest(const Assembly& assembly, double factor, Ended& ended) {
@@ -170,10 +178,15 @@ Start start_from_rest(const Assembly& assembly, double factor, Ended& ended) {
   if (found.what != FromRest::moves && elements.bodies() <= few_bodies) {
     if (auto other = followed(elements, factor); other && other->what == FromRest::moves) found = std::move(*other);
   }
-  Start out{.found = found.what, .motion = elements.motion_of(found.state.v), .speed = speeds(elements, found.state.v)};
-  out.residual = found.residual;
-  ended.unsettled = found.what == FromRest::unsettled ? std::move(found.unsettled) : std::vector<std::uint8_t>{};
-  ended.forces = in_newtons(assembly, elements, found.state.x);
+  return started(assembly, elements, std::move(found), ended);
+}
+
+Twice start_from_weaker(const Assembly& weaker, double factor, const Assembly& assembly) {
+  const Elements weak{weaker}, whole{assembly};
+  auto [first, then] = settle(weak, factor, whole, 1);
+  Twice out;
+  out.weaker = started(weaker, weak, Branch::of(std::move(first)), out.weaker_ended);
+  out.start = started(assembly, whole, Branch::of(std::move(then)), out.ended);
   return out;
 }
 

@@ -136,7 +136,7 @@ class Search final {
       if (free.settled && !(free.largest > slow)) return false;
     }
     Ended ended;
-    const Start start = start_from_rest(island_, 1, ended);
+    const Start start = begin(ended);
     std::vector<std::uint8_t> hardly(island_.contacts().size(), 0);
     (void)hardly_pressed(ended.forces, counts_, hardly);
     const std::vector<std::uint8_t> moving = moving_ones(start.speed);
@@ -153,6 +153,23 @@ class Search final {
   [[nodiscard]] std::vector<Group>& groups() noexcept { return groups_; }
 
  private:
+  /// Among more than few bodies the search with less strength comes first, and goes on to full strength.
+  Start begin(Ended& ended) {
+    if (island_.bodies().size() <= few_bodies) return start_from_rest(island_, 1, ended);
+    Twice twice = start_from_weaker(with_bonds(island_, shares()), within_reach, island_);
+    weaker_ = std::move(twice.weaker.speed);
+    weaker_forces_ = std::move(twice.weaker_ended.forces);
+    ended = std::move(twice.ended);
+    return std::move(twice.start);
+  }
+
+  /// Of the cohesion of joints that breaks bit by bit; a tie is no joint.
+  [[nodiscard]] std::vector<double> shares() const {
+    std::vector<double> out;
+    for (const Contact& contact : island_.contacts()) out.push_back(contact.is_tie() ? 1 : even_share);
+    return out;
+  }
+
   void find_certain(const std::vector<std::uint8_t>& among) {
     for (const std::vector<std::uint32_t>& part : connected_parts(island_, among)) {
       if (part.size() > most_projected) continue;
@@ -188,15 +205,18 @@ class Search final {
   /// solutions exist the search may have missed the one that comes about.
   void look_weaker(ContactForces forces) {
     if (std::ranges::all_of(taken_, [](std::uint8_t t) { return t != 0; })) return;
-    std::vector<double> share(island_.contacts().size(), even_share);
-    // A tie is no joint that breaks bit by bit.
-    for (std::size_t c = 0; c < share.size(); ++c) share[c] = island_.contacts()[c].is_tie() ? 1 : even_share;
+    std::vector<double> share = shares();
     std::vector<std::uint8_t> hardly(share.size(), 0);
     std::vector<std::uint8_t> moves;
     for (int round = 0; round < most_rounds; ++round) {
       const bool opened = turns(island_.freedom()) && open_in_part(forces, share);
       const bool lighter = hardly_pressed(forces, share, hardly);
       if (round > 0 && !opened && !lighter) break;
+      if (!opened && !lighter && !weaker_.empty()) {
+        moves = moving_ones(weaker_);
+        forces = std::move(weaker_forces_);
+        continue;
+      }
       Ended ended;
       moves = moving_ones(start_from_rest(with_bonds(island_, share), within_reach, ended).speed);
       forces = std::move(ended.forces);
@@ -318,6 +338,8 @@ class Search final {
   const Assembly& island_;
   std::vector<std::uint8_t> taken_;
   std::vector<double> counts_;  ///< by contact: share of its cohesion in factors
+  std::vector<double> weaker_;  ///< speeds that the search with less strength found first; empty: there was none
+  ContactForces weaker_forces_;
   std::vector<Group> groups_;
 };
 

@@ -1,6 +1,7 @@
 #include "settle.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "alternating.hpp"
 #include "branch.hpp"
@@ -85,33 +86,42 @@ bool polish(const Elements& part, double divisor, State& state) {
   return part.bodies() > few_bodies && by_alternation(part, divisor, state);
 }
 
-/// The search of `settle`.
+/// The search of `settle`, at one strength after another.
 class Settling final {
  public:
-  Settling(const Elements& elements, double divisor, double still)
+  Settling(const Elements& elements, double divisor)
       : elements_{&elements},
         divisor_{divisor},
-        still_{still},
-        sweeps_{elements, divisor, 0.1 * still},
-        width_{elements.width()} {}
-
-  Solution run(int rounds) {
+        few_{elements.bodies() <= few_bodies},
+        still_{few_ ? at_rest_of_few : at_rest},
+        sweeps_{elements, divisor, 0.1 * still_},
+        width_{elements.width()} {
     // Friction grows on what moves, so that it acts against the motion: from free fall it would lock across it.
-    for (double more = 1e3; more > 1.01; more = std::max(1.0, more > 4 ? 0.25 * more : 0.85 * more)) {
-      sweeps_.strength_over(divisor_ * more);
-      sweeps_.run(sweeps_a_step);
-    }
-    sweeps_.strength_over(divisor_);
+    grow_from(1e3 * divisor);
+  }
+
+  /// Goes on at a larger strength, and with other bonds.
+  void go_on(const Elements& elements, double divisor) {
+    elements_ = &elements;
+    sweeps_.bonds_of(elements);
+    const double before = std::exchange(divisor_, divisor);
+    grow_from(0.85 * before);
+  }
+
+  Solution run() {
+    const int rounds = few_ ? 16 : 48;
+    solved_all_ = false;
+    next_ = 0;
     std::vector<std::uint8_t> before;
     for (int round = 0; round < rounds; ++round) {
       sweeps_.run(sweeps_a_round);
       // Rates anew from the forces: no rounding piles up.
       sweeps_.take(std::vector<Vector3d>{sweeps_.state().x});
       std::vector<std::uint8_t> moving = sweeps_.moving(still_);
-      const bool same = moving == before;
       const bool last = round + 1 == rounds;
       if (std::ranges::none_of(moving, [](std::uint8_t m) { return m != 0; })) return rests();
-      if (same && solved_all_) return moves();
+      // What moves is what was solved: else some of it has come to rest since.
+      if (solved_all_ && moving == asked_) return moves();
       if (last || (round >= next_ && alike(moving, before))) {
         solve_parts(moving);
         // What Newton's method cannot solve is left to sweeps for longer and longer.
@@ -123,6 +133,15 @@ class Settling final {
   }
 
  private:
+  /// Strengths over so much, then over less and less.
+  void grow_from(double most) {
+    for (double over = most; over > 1.01 * divisor_;
+         over = std::max(divisor_, (over > 4 * divisor_ ? 0.25 : 0.85) * over)) {
+      sweeps_.strength_over(over);
+      sweeps_.run(sweeps_a_step);
+    }
+    sweeps_.strength_over(divisor_);
+  }
   /// Whether few bodies have come or gone.
   [[nodiscard]] static bool alike(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
     if (a.size() != b.size()) return false;
@@ -137,6 +156,7 @@ class Settling final {
   void solve_parts(const std::vector<std::uint8_t>& moving) {
     std::vector<Vector3d> forces = sweeps_.state().x;
     parts_.clear();
+    asked_ = moving;
     solved_all_ = true;
     for (std::vector<std::uint32_t>& members : linked_parts(elements_->all(), moving)) {
       Part& found = parts_.emplace_back();
@@ -192,19 +212,27 @@ class Settling final {
   }
 
   const Elements* elements_;
-  double divisor_, still_;
+  double divisor_;
+  bool few_;
+  double still_;
   Sweeps sweeps_;
   Index width_;
   std::vector<Part> parts_;
+  std::vector<std::uint8_t> asked_;  ///< what moved when parts were solved
   bool solved_all_ = false;
   int next_ = 0;  ///< round in which parts are solved again
 };
 
 }  // namespace
 
-Solution settle(const Elements& elements, double divisor) {
-  const bool few = elements.bodies() <= few_bodies;
-  return Settling{elements, divisor, few ? at_rest_of_few : at_rest}.run(few ? 16 : 48);
+Solution settle(const Elements& elements, double divisor) { return Settling{elements, divisor}.run(); }
+
+std::pair<Solution, Solution> settle(const Elements& weaker, double weaker_divisor, const Elements& elements,
+                                     double divisor) {
+  Settling settling{weaker, weaker_divisor};
+  Solution first = settling.run();
+  settling.go_on(elements, divisor);
+  return {std::move(first), settling.run()};
 }
 
 }  // namespace cleave::assembly

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "newton.hpp"
@@ -17,6 +18,9 @@ struct Solution {
 /// Sweeps from free fall over all contacts; what still moves is then solved part by part, the rest fixed, and handed
 /// back to the sweeps, until what moves stays the same.
 [[nodiscard]] Solution settle(const Elements& elements, double divisor);
+/// First of what is weaker, then on to its full strength from there. Both are of the same contacts.
+[[nodiscard]] std::pair<Solution, Solution> settle(const Elements& weaker, double weaker_divisor,
+                                                   const Elements& elements, double divisor);
 
 /// Share of its own free fall below which a body is at rest: among few bodies, and among more.
 inline constexpr double at_rest_of_few = 1e-8, at_rest = 1e-5;

@@ -28,6 +28,9 @@ class Sweeps final {
     divisor_ = divisor;
     strength_ = 1 / divisor;
   }
+  /// Goes on with the bonds of other elements of the same contacts.
+  void bonds_of(const Elements& elements) { elements_ = &elements; }
+  void bonds_of(const Elements&&) = delete;
   [[nodiscard]] const State& state() const noexcept { return state_; }
   /// Goes on from another state of the forces; rates follow from them.
   void take(const std::vector<Eigen::Vector3d>& forces);
