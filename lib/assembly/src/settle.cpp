@@ -25,6 +25,8 @@ struct Part {
 /// Violation that a solution of more than a few bodies may have.
 constexpr double enough_of_many = 1e-4;
 constexpr int sweeps_a_round = 100, sweeps_a_step = 40;
+/// Times that parts may come no nearer to a solution.
+constexpr int most_idle = 2;
 /// Bodies of a part that Newton's method is tried on.
 constexpr std::size_t most_of_newton = 200;
 
@@ -111,7 +113,7 @@ class Settling final {
   Solution run() {
     const int rounds = few_ ? 16 : 48;
     solved_all_ = false;
-    next_ = 0;
+    next_ = idle_ = 0;
     std::vector<std::uint8_t> before;
     for (int round = 0; round < rounds; ++round) {
       sweeps_.run(sweeps_a_round);
@@ -123,9 +125,9 @@ class Settling final {
       // What moves is what was solved: else some of it has come to rest since.
       if (solved_all_ && moving == asked_) return moves();
       if (last || (round >= next_ && alike(moving, before))) {
-        solve_parts(moving);
+        if (!solve_parts(moving)) return moves();
         // What Newton's method cannot solve is left to sweeps for longer and longer.
-        next_ = solved_all_ ? round + 1 : round + 2 + round / 2;
+        next_ = solved_all_ ? round + 1 : round + 2 + round / 4;
       }
       before = std::move(moving);
     }
@@ -153,18 +155,24 @@ class Settling final {
     return 5 * different <= count;
   }
 
-  void solve_parts(const std::vector<std::uint8_t>& moving) {
+  /// False when sweeps have brought the same parts no nearer to a solution time and again.
+  bool solve_parts(const std::vector<std::uint8_t>& moving) {
     std::vector<Vector3d> forces = sweeps_.state().x;
     parts_.clear();
-    asked_ = moving;
+    const bool same = alike(std::exchange(asked_, moving), moving);
+    double worst = 0;
     solved_all_ = true;
     for (std::vector<std::uint32_t>& members : linked_parts(elements_->all(), moving)) {
       Part& found = parts_.emplace_back();
       found.members = std::move(members);
       found.solved = solve(found, forces);
       solved_all_ = solved_all_ && found.solved;
+      if (!found.solved) worst = std::max(worst, found.residual);
     }
     sweeps_.take(forces);
+    const double before = std::exchange(worst_, worst);
+    idle_ = same && worst > 0.5 * before ? idle_ + 1 : 0;
+    return solved_all_ || idle_ < most_idle;
   }
 
   bool solve(Part& found, std::vector<Vector3d>& forces) {
@@ -220,7 +228,9 @@ class Settling final {
   std::vector<Part> parts_;
   std::vector<std::uint8_t> asked_;  ///< what moved when parts were solved
   bool solved_all_ = false;
-  int next_ = 0;  ///< round in which parts are solved again
+  double worst_ = 0;  ///< residual of parts that were not solved
+  int idle_ = 0;      ///< so often it did not fall
+  int next_ = 0;      ///< round in which parts are solved again
 };
 
 }  // namespace
