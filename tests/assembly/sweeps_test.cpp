@@ -85,8 +85,8 @@ TEST(SweepsTest, HeavyBlocksOnLightOnesSettle) {
   EXPECT_NE(ends(wall.made(), 0.98 * factor), Ends::moves);
 }
 
-// What is solved with a block that slides and comes to rest in sweeps after does not count as moving. Stacks of blocks of
-// very different weight rest, slowly; one block on top of them slides.
+// What is solved with a block that slides and comes to rest in sweeps after does not count as moving. Stacks of blocks
+// of very different weight rest, slowly; one block on top of them slides.
 TEST(SweepsTest, WhatComesToRestBesideWhatMovesRests) {
   for (const double light : {1e-2, 1e-3, 1e-4}) {
     SCOPED_TRACE(light);

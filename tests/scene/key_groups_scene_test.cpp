@@ -10,6 +10,7 @@
 
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
+#include "run_notes.hpp"
 #include "sanitized.hpp"
 
 // Groups of blocks through a whole scene.
@@ -277,6 +278,27 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThem) {
              "length = 40\ntendon_capacity = 1e9\nplate_capacity = 1e9\nbond_strength = 1e9\nanchorage = 1\n");
   EXPECT_EQ(strong.count, 1U);
   EXPECT_EQ(strong.not_held, 1U);  // at right angles to the motion they hold little
+}
+
+TEST(KeyGroupsScene, WhatTheSearchWithSupportDidNotLookAtIsSaid) {
+  const std::string text = active_and_passive(20) + "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
+  RunResult result = run_of(text);
+  ASSERT_TRUE(result.group_support.has_value());
+  const Scene scene = scene_of(text);
+  const auto said = [&](std::string_view note) {
+    return std::ranges::count_if(notes_of(scene, result), [&](const std::string& n) { return n.contains(note); });
+  };
+  EXPECT_EQ(said("support: "), 0);
+  using stability::GroupSupport;
+  for (stability::KeyGroups GroupSupport::* search : {&GroupSupport::below, &GroupSupport::left}) {
+    stability::KeyGroups& groups = (*result.group_support).*search;
+    groups.cut_off = true;
+    EXPECT_EQ(said("touches more blocks"), 1);
+    groups.cut_off = false;
+    groups.at_the_edge = true;
+    EXPECT_EQ(said("reach the edge"), 1);
+    groups.at_the_edge = false;
+  }
 }
 
 }  // namespace

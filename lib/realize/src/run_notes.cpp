@@ -213,6 +213,16 @@ void add_group_support_notes(const stability::GroupSupport& groups, std::vector<
         "not held: see supported_groups.csv",
         f.in_doubt, f.in_doubt == 1 ? "group" : "groups"));
   }
+  if (groups.below.cut_off || groups.left.cut_off) {
+    notes.push_back(
+        "support: a group that moves at strengths over the target touches more blocks than are judged together; more "
+        "may have to be held than supported_groups.csv says");
+  }
+  if (groups.below.at_the_edge || groups.left.at_the_edge) {
+    notes.push_back(
+        "support: groups that move at strengths over the target reach the edge of the box that was cut: what lies "
+        "beyond was taken to stay, so that more may have to be held; [output] blocks = \"all\" takes it in");
+  }
 }
 
 /// Of the final state under the loads of the base case, with what was not looked at.

@@ -122,7 +122,7 @@ class Check final {
       const topology::Block& block = complex_->blocks()[id];
       if (block.fixed || !model_.present(id, 1)) continue;
       // What scaling laid bare needs support too.
-      if (!block.free && (!scaled_ || block.truncated || !model_.held(id, 1).exposed)) continue;
+      if (!block.free && (!scaled_ || !model_.held(id, 1).exposed)) continue;
       if (block.truncated) {
         if (!known_parts_.stays(id, 1, std::max(1.0, plan_->target_sliding))) result_.undecided.push_back(id);
         continue;

@@ -20,9 +20,9 @@ using topology::BlockId;
 /// A block falls where nothing carries it: its rate is that of its load, to this share.
 constexpr double free_fall = 1e-6;
 
-bool falls(const Model& model, BlockId id, Vec3 velocity) {
+bool falls(const Model& model, BlockId id, std::uint32_t batch, Vec3 velocity) {
   const double mass = model.settings().rock.density().si() * model.complex().blocks()[id].volume.si();
-  const Vec3 own = model.applied_forces(id, 1).newtons() / mass;
+  const Vec3 own = model.applied_forces(id, batch).newtons() / mass;
   return norm(own) > 0 && norm(velocity - own) <= free_fall * norm(own);
 }
 
@@ -47,7 +47,8 @@ Ties::Ties(const topology::BlockComplex& complex, const Settings& settings, cons
   for (const KeyGroup& group : unsupported.groups) {
     for (std::size_t k = 0; k < group.blocks.size(); ++k) {
       movement_[group.blocks[k]] = group.rates[k].velocity;
-      if (falls(model, group.blocks[k], group.rates[k].velocity)) target_[group.blocks[k]] = plan.target_falling;
+      if (falls(model, group.blocks[k], group.batch, group.rates[k].velocity))
+        target_[group.blocks[k]] = plan.target_falling;
     }
   }
   for (const BoltResult& bolt : bolts) add_bar(bolt);
