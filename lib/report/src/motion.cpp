@@ -95,21 +95,20 @@ std::string motion_section(const scene::MotionResult& motion) {
   if (!motion.converged) {
     out += "<p class=\"note\">The run stopped: " + escape_xml(motion.stopped_why) + ".</p>\n";
   }
-  out += "<div class=\"scroll\"><table class=\"facts\"><tbody>";
-  out += fact("Ended", display(motion.end.si(), 4) + (motion.at_rest ? " s, at rest" : " s, not at rest"));
-  out += facts({{"released", "Let go"}, {"moved"}, {"steps"}, {"residual", "Residual of the contact law", 2}}, motion);
+  std::string told = fact("Ended", display(motion.end.si(), 4) + (motion.at_rest ? " s, at rest" : " s, not at rest"));
+  told += facts({{"released", "Let go"}, {"moved"}, {"steps"}, {"residual", "Residual of the contact law", 2}}, motion);
   if (motion.rough_steps > 0) {
-    out += fact("Steps that missed the law",
-                display_count(motion.rough_steps) + ", by at most " + display(motion.missed_speed, 2) + " m/s");
+    told += fact("Steps that missed the law",
+                 display_count(motion.rough_steps) + ", by at most " + display(motion.missed_speed, 2) + " m/s");
   }
-  out += facts({{"max_penetration_m", "Deepest penetration", 2}}, motion);
-  out += fact("Potential energy lost", display(motion.potential_lost / 1000, 4) + " kJ");
-  out += fact("Error of the energy balance", display(motion.energy_error, 2) + " (relative)");
+  told += facts({{"max_penetration_m", "Deepest penetration", 2}}, motion);
+  told += fact("Potential energy lost", display(motion.potential_lost / 1000, 4) + " kJ");
+  told += fact("Error of the energy balance", display(motion.energy_error, 2) + " (relative)");
   if (motion.error) {
-    out += fact("Distance from a run with half the step",
-                display(motion.error->si(), 2) + " m until " + display(motion.determined->si(), 3) + " s");
+    told += fact("Distance from a run with half the step",
+                 display(motion.error->si(), 2) + " m until " + display(motion.determined->si(), 3) + " s");
   }
-  out += "</tbody></table></div>\n";
+  out += "<div class=\"scroll\">" + detail::facts_table(told) + "</div>\n";
   std::vector<const scene::MotionBlock*> rows;
   for (const scene::MotionBlock& b : motion.blocks) {
     if (b.moved) rows.push_back(&b);
