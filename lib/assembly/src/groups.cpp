@@ -188,9 +188,9 @@ class Search final {
   /// solutions exist the search may have missed the one that comes about.
   void look_weaker(ContactForces forces) {
     if (std::ranges::all_of(taken_, [](std::uint8_t t) { return t != 0; })) return;
-    std::vector<double> share(island_.contacts().size(), even_share);
+    std::vector<double> share;
     // A tie is no joint that breaks bit by bit.
-    for (std::size_t c = 0; c < share.size(); ++c) share[c] = island_.contacts()[c].is_tie() ? 1 : even_share;
+    for (const Contact& contact : island_.contacts()) share.push_back(contact.is_tie() ? 1 : even_share);
     std::vector<std::uint8_t> hardly(share.size(), 0);
     std::vector<std::uint8_t> moves;
     for (int round = 0; round < most_rounds; ++round) {

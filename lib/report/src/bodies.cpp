@@ -251,11 +251,7 @@ std::string bodies_vtu(const scene::BodiesResult& result, std::size_t frame) {
   vtu.array("body", cell_body);
   vtu.end("CellData");
   vtu.points(points);
-  vtu.begin("Cells");
-  vtu.array("connectivity", connectivity);
-  vtu.array("offsets", offsets);
-  vtu.array("types", types);
-  vtu.end("Cells");
+  vtu.cells(connectivity, offsets, types);
   return std::move(vtu).finish();
 }
 
@@ -278,12 +274,9 @@ std::expected<void, WriteError> write_bodies_files(const scene::BodiesResult& re
   }
   if (!result.output.vtu) return {};
   if (result.times.size() == 1) return write_file(folder / "bodies.vtu", bodies_vtu(result, 0));
-  std::vector<std::pair<double, std::string>> series;
-  for (std::size_t f = 0; f < result.times.size(); ++f) {
-    series.emplace_back(result.times[f], frame_file("bodies", f));
-    CLEAVE_CHECK(write_file(folder / series.back().second, bodies_vtu(result, f)));
-  }
-  return write_file(folder / "bodies.pvd", pvd(series));
+  return write_frames(
+      folder, "bodies", result.times.size(), [&](std::size_t f) { return result.times[f]; },
+      [&](std::size_t f) { return bodies_vtu(result, f); });
 }
 
 std::expected<void, WriteError> write_bodies_report(const scene::BodiesResult& result,

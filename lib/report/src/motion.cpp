@@ -24,9 +24,7 @@ constexpr std::size_t most_rows = 200;
 }  // namespace
 
 std::string motion_csv(const scene::MotionResult& motion) {
-  CsvTable table{scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}}};
-  for (const scene::MotionBlock& b : motion.blocks) table.add(b);
-  return std::move(table).text();
+  return csv_table(scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}}, motion.blocks);
 }
 
 std::string motion_vtu(const scene::RunResult& result, std::size_t frame) {
@@ -74,13 +72,7 @@ std::string motion_vtu(const scene::RunResult& result, std::size_t frame) {
   VtuWriter vtu{VtuFormat::binary, "cleave; blocks let go, metres; velocity of the centroid"};
   vtu.begin_piece(points.size(), ends.size());
   vtu.points(points);
-  vtu.begin("Cells");
-  vtu.array("connectivity", connectivity);
-  vtu.array("offsets", ends);
-  vtu.array("types", std::vector<std::uint8_t>(ends.size(), 42));  // VTK_POLYHEDRON
-  vtu.array("faces", faces);
-  vtu.array("faceoffsets", face_ends);
-  vtu.end("Cells");
+  vtu.polyhedra(connectivity, ends, faces, face_ends);
   vtu.begin("CellData");
   vtu.array("block", block);
   vtu.array("speed", speed);
