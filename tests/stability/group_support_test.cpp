@@ -45,17 +45,16 @@ std::vector<Bolt> level_bolts(double tendon, double z, double length, int count 
   return out;
 }
 
-GroupSupport checked(const topology::AuditedComplex& complex, const Settings& settings, const SupportPlan& plan) {
+GroupSupport checked(const topology::AuditedComplex& complex, const Settings& settings, const SupportPlan& plan,
+                     const Together& most = translation) {
   const Analysis analysis = analyse(complex, settings);
-  return check_groups(complex, settings, plan, check_support(complex, settings, analysis, plan), translation);
+  return check_groups(complex, settings, plan, check_support(complex, settings, analysis, plan), most);
 }
 
 /// Volume that still moves or is in doubt with the support.
 double left(const topology::AuditedComplex& complex, const Settings& settings, const SupportPlan& plan,
             const Together& most = translation) {
-  const Analysis analysis = analyse(complex, settings);
-  const SupportResult support = check_support(complex, settings, analysis, plan);
-  const GroupSupport found = check_groups(complex, settings, plan, support, most);
+  const GroupSupport found = checked(complex, settings, plan, most);
   double sum = 0;
   for (const KeyGroup& group : found.left.groups) sum += group.volume.si();
   for (const KeyGroup& group : found.below.groups) {

@@ -28,7 +28,7 @@ std::optional<std::string> problem_of(const Contact& contact, std::size_t bodies
   if (contact.body >= bodies || (contact.other && *contact.other >= bodies)) return "it names a body that is not there";
   if (contact.other == contact.body) return "it holds a body against itself";
   if (!(std::abs(norm(contact.normal) - 1) <= 1e-9)) return "its normal is no unit vector";
-  if (contact.points.empty() && contact.bonds.empty()) return "it has no point";
+  if (contact.is_tie() && contact.bonds.empty()) return "it has no point";
   if (!std::ranges::all_of(contact.points, geometry::is_finite)) return "a point is not finite";
   if (!at_least_zero(contact.friction)) return "its friction is not zero or more";
   if (!(contact.most > 0)) return "what the rock beside it carries is not positive";
@@ -36,7 +36,7 @@ std::optional<std::string> problem_of(const Contact& contact, std::size_t bodies
     if (!std::ranges::all_of(bond.corners, geometry::is_finite)) return "a corner of a bond is not finite";
     if (!at_least_zero(bond.cohesion) || !at_least_zero(bond.tension))
       return "the strength of a bond is not zero or more";
-    if (contact.points.empty() && bond.cohesion > 0) return "a tie has cohesion, and nothing presses on it";
+    if (contact.is_tie() && bond.cohesion > 0) return "a tie has cohesion, and nothing presses on it";
   }
   return {};
 }

@@ -187,23 +187,7 @@ std::vector<double> BlockOperator::forces_of_acceleration(Vec2 a) const {
   return {f.begin(), f.end()};
 }
 
-BoundaryPlace BlockOperator::place(Vec2 x) const {
-  BoundaryPlace best;
-  double closest = 1e300;
-  for (std::size_t e = 0; e < mesh_.elements.size(); ++e) {
-    const Element& element = mesh_.elements[e];
-    double s = std::clamp(dot(x - element.c0, element.c1) / dot(element.c1, element.c1), -1.0, 1.0);
-    for (int pass = 0; pass < 20 && element.curved; ++pass) {
-      const Vec2 t = element.derivative(s);
-      s = std::clamp(s + dot(x - element.at(s), t) / dot(t, t), -1.0, 1.0);
-    }
-    if (const double d = norm(element.at(s) - x); d < closest) {
-      closest = d;
-      best = {e, s};
-    }
-  }
-  return best;
-}
+BoundaryPlace BlockOperator::place(Vec2 x) const { return nearest_place(mesh_, x); }
 
 void BlockOperator::add_point_force(BoundaryPlace at, Vec2 force, std::vector<double>& forces) const {
   const auto n = shape(mesh_.order, at.s);

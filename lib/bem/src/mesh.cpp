@@ -110,4 +110,22 @@ Mesh make_mesh(const std::vector<Loop>& loops, const MeshSize& size, Vec2 origin
   return mesh;
 }
 
+BoundaryPlace nearest_place(const Mesh& mesh, Vec2 x) {
+  BoundaryPlace best;
+  double closest = 1e300;
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+    const Element& element = mesh.elements[e];
+    double s = std::clamp(dot(x - element.c0, element.c1) / dot(element.c1, element.c1), -1.0, 1.0);
+    for (int pass = 0; pass < 20 && element.curved; ++pass) {
+      const Vec2 t = element.derivative(s);
+      s = std::clamp(s + dot(x - element.at(s), t) / dot(t, t), -1.0, 1.0);
+    }
+    if (const double d = norm(element.at(s) - x); d < closest) {
+      closest = d;
+      best = {e, s};
+    }
+  }
+  return best;
+}
+
 }  // namespace cleave::bem

@@ -77,24 +77,10 @@ std::optional<SolveError> SystemBuilder::add_forces() {
     const PointForce& force = problem_.forces[f];
     ScaledRegion& region = system_.regions[std::min(force.region, system_.regions.size() - 1)];
     const Vec2 at = (force.at - system_.origin) / system_.scale;
-    double best = 1e300;
-    std::size_t on = 0;
-    double where = 0;
-    for (std::size_t e = 0; e < region.mesh.elements.size(); ++e) {
-      const Element& element = region.mesh.elements[e];
-      double s = std::clamp(dot(at - element.c0, element.c1) / dot(element.c1, element.c1), -1.0, 1.0);
-      for (int pass = 0; pass < 20 && element.curved; ++pass) {
-        const Vec2 t = element.derivative(s);
-        s = std::clamp(s + dot(at - element.at(s), t) / dot(t, t), -1.0, 1.0);
-      }
-      if (const double d = norm(element.at(s) - at); d < best) {
-        best = d;
-        on = e;
-        where = s;
-      }
-    }
-    if (best > 1e-4) return ForceOffBoundary{f, best * system_.scale};
+    const auto [on, where] = nearest_place(region.mesh, at);
     const Element& element = region.mesh.elements[on];
+    const double off = norm(element.at(where) - at);
+    if (off > 1e-4) return ForceOffBoundary{f, off * system_.scale};
     const Condition& condition = condition_of(std::min(force.region, system_.regions.size() - 1), element);
     if (condition.bonded || condition.component[0].given == Given::displacement ||
         condition.component[1].given == Given::displacement) {

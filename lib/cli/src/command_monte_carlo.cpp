@@ -41,8 +41,7 @@ std::string figures_text(const report::MonteCarloPage& page) {
     text += fmt::format("  P(key block above {:g} m3){:>24.5g} [{:.5g}, {:.5g}]\n", e.volume_m3, e.probability,
                         e.interval.low, e.interval.high);
   }
-  text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", page.cost.wall_s,
-                      page.cost.cpu_s, page.cost.peak_rss_mb, page.cost.threads);
+  text += cost_line(page.cost);
   for (const scene::StageSeconds& row : page.result.stages) {
     text += fmt::format("  {:<10} {:.2f} s of threads\n", row.stage, row.seconds);
   }

@@ -1,5 +1,7 @@
 #include "figures.hpp"
+
 #include "cleave/core/version.hpp"
+#include "say.hpp"
 
 #include <fmt/format.h>
 
@@ -9,53 +11,42 @@
 namespace cleave::cli {
 namespace {
 
-/// m3, whole where digits after the point say nothing: 64000000, not 6.4e+07.
-std::string volume_text(double m3) { return m3 >= 1e5 ? fmt::format("{:.0f}", m3) : fmt::format("{:.6g}", m3); }
-
-std::string block_lines(const scene::BlockFigures& blocks, const topology::Certificate& certificate) {
-  return fmt::format(
-      "blocks       {} ({} concave, {} slivers), volume {} m3\n"
-      "certificate  passed: volume error {:.1e}, face vectors {:.1e}\n",
-      blocks.count, blocks.concave, blocks.slivers, volume_text(certificate.volume.si()),
-      certificate.volume_relative_error, certificate.face_vector_max_relative);
-}
-
-std::string certificate_line(const topology::Certificate& c) {
-  return fmt::format(
-      "certificate  DID NOT PASS: {} Euler violations, {} open shells, {} unpaired patches, volume error {:.1e}\n",
-      c.euler_violations, c.open_shells, c.unpaired_patches, c.volume_relative_error);
-}
-
-std::string excavation_lines(const std::vector<scene::ExcavationFigures>& excavations) {
-  std::string text;
-  constexpr std::size_t shown = 8;
-  for (std::size_t i = 0; i < std::min(shown, excavations.size()); ++i) {
-    text += fmt::format("{:<12} {}, {} m3\n", i == 0 ? "excavated" : "", excavations[i].name,
-                        volume_text(excavations[i].volume.si()));
+std::string block_lines(const scene::RunResult& result) {
+  const topology::Certificate& certificate = result.certificate();
+  const scene::Figures& figures = result.figures;
+  if (!figures.blocks) {
+    return say("certificate  DID NOT PASS: {euler_violations} Euler violations, {open_shells} open shells, "
+               "{unpaired_patches} unpaired patches",
+               certificate) +
+           fmt::format(", volume error {:.1e}\n", certificate.volume_relative_error);
   }
-  if (excavations.size() > shown) text += fmt::format("             and {} more\n", excavations.size() - shown);
+  return say("blocks       {count} ({concave} concave, {slivers} slivers), volume {volume_m3} m3\n"
+             "certificate  passed: volume error {volume_relative_error:.1e}",
+             group([&](auto& v) { scene::block_fields(v, figures.blocks, certificate, {}); })) +
+         say(", face vectors {face_vector_max_relative:.1e}\n", certificate);
+}
+
+constexpr std::size_t shown = 8;
+
+/// A line for each of the first rows.
+template <class Row>
+std::string lines_of(const std::vector<Row>& rows, std::string_view first, std::string_view other) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(shown, rows.size()); ++i) text += say(i == 0 ? first : other, rows[i]);
   return text;
+}
+std::string more_than_shown(std::size_t rows, std::string_view before, std::string_view after) {
+  return rows > shown ? fmt::format("{}and {} more{}\n", before, rows - shown, after) : std::string{};
 }
 
 std::string key_block_lines(const scene::KeyBlockFigures& key) {
-  std::string text = fmt::format("key blocks   {} in {} batches, volume {} m3\n", key.count, key.batches.size(),
-                                 volume_text(key.volume_m3));
-  constexpr std::size_t shown = 8;
-  for (std::size_t i = 0; i < std::min(shown, key.batches.size()); ++i) {
-    const scene::BatchFigures& batch = key.batches[i];
-    text += fmt::format("  batch {:<4}  {} blocks, {:.6g} m3\n", batch.batch, batch.count, batch.volume_m3);
-  }
+  constexpr std::string_view batch = "  batch {batch:<4}  {count} blocks, {volume_m3:.6g} m3\n";
+  std::string text = say("key blocks   {count} in {batches} batches, volume {volume_m3} m3\n", key) +
+                     lines_of(key.batches, batch, batch);
   if (key.domain_held && key.domain_held->count > 0) {
-    text += fmt::format("  not counted: {} that only a side of the domain holds, {} m3\n", key.domain_held->count,
-                        volume_text(key.domain_held->volume.si()));
+    text += say("  not counted: {domain_held} that only a side of the domain holds, {domain_held_volume_m3} m3\n", key);
   }
-  if (key.batches.size() > shown) text += fmt::format("  and {} more batches\n", key.batches.size() - shown);
-  return text;
-}
-
-/// kN, or that no force is enough.
-std::string force_text(double newtons) {
-  return std::isfinite(newtons) ? fmt::format("{:.4g} kN", newtons / 1000) : "no force is enough";
+  return text + more_than_shown(key.batches.size(), "  ", " batches");
 }
 
 std::string design_line(const scene::DesignResult& design) {
@@ -72,58 +63,72 @@ std::string design_line(const scene::DesignResult& design) {
 }
 
 std::string support_lines(const scene::SupportFigures& support, const std::vector<scene::DesignResult>& designs) {
-  std::string text = fmt::format(
-      "support      {}: {} blocks below their target, {} held by bolts, {} by shotcrete, {} by both, {} not held\n"
-      "  {} bolts, {} stitched bodies ({} failing); required {}, missing {}\n",
-      support.passes ? "passes" : "DOES NOT PASS", support.blocks, support.held_by_bolts, support.held_by_shotcrete,
-      support.held_by_both, support.not_held, support.bolts, support.combined, support.combined_failing,
-      force_text(support.required_force_n), force_text(support.missing_force_n));
+  std::string text =
+      fmt::format("support      {}: ", support.passes ? "passes" : "DOES NOT PASS") +
+      say("{blocks} blocks below their target, {held_by_bolts} held by bolts, {held_by_shotcrete} by shotcrete, "
+          "{held_by_both} by both, {not_held} not held\n"
+          "  {bolts} bolts, {combined_blocks} stitched bodies ({combined_failing} failing); required "
+          "{required_force_n}, missing {missing_force_n}\n",
+          group([&](auto& v) { scene::support_fields(v, support, {}, designs, {}); }));
   if (support.groups && support.groups->count > 0) {
-    text += fmt::format("  {} groups of blocks below their target, {} not held, {} in doubt\n", support.groups->count,
-                        support.groups->not_held, support.groups->in_doubt);
+    text += say("  {count} groups of blocks below their target, {not_held} not held, {in_doubt} in doubt\n",
+                *support.groups);
   }
   for (const scene::DesignResult& design : designs) text += design_line(design);
   return text;
 }
 
 std::string motion_line(const scene::MotionResult& motion) {
-  return fmt::format("motion       {} of {} blocks moved, {:.4g} s{}, {} steps, residual {:.1e}, energy error {:.1e}\n",
-                     motion.moved(), motion.blocks.size(), motion.end.si(), motion.at_rest ? " (at rest)" : "",
-                     motion.steps, motion.residual, motion.energy_error);
+  return say("motion       {moved} of {released} blocks moved, {end_s:.4g} s", motion) +
+         (motion.at_rest ? " (at rest)" : "") +
+         say(", {steps} steps, residual {residual:.1e}, energy error {relative_error:.1e}\n", motion);
 }
 
 }  // namespace
 
+/// Volumes whole where digits after the point say nothing: 64000000, not 6.4e+07.
+std::string text_of(SaidFigure figure) {
+  if (figure.name.ends_with("_n")) {
+    return std::isfinite(figure.value) ? fmt::format("{:.4g} kN", figure.value / 1000) : "no force is enough";
+  }
+  return figure.value >= 1e5 ? fmt::format("{:.0f}", figure.value) : fmt::format("{:.6g}", figure.value);
+}
+
+std::string cost_line(const scene::RunCost& cost) {
+  return say("time         {wall_s:.2f} s, {cpu_s:.2f} s of CPU, {peak_rss_mb:.0f} MB, {threads} threads\n", cost);
+}
+
 std::string figures_of(const scene::RunResult& result) {
-  std::string text =
-      fmt::format("{}\njoints       {}, seed {}\n", result.title, result.figures.input.joints, result.seed);
   const scene::Figures& figures = result.figures;
-  text += excavation_lines(figures.input.excavations);
-  text += figures.blocks ? block_lines(*figures.blocks, result.certificate()) : certificate_line(result.certificate());
+  std::string text =
+      result.title + "\n" + say("joints       {joints}", figures.input) + fmt::format(", seed {}\n", result.seed);
+  text += lines_of(figures.input.excavations, "excavated    {name}, {volume_m3} m3\n",
+                   "             {name}, {volume_m3} m3\n") +
+          more_than_shown(figures.input.excavations.size(), "             ", "");
+  text += block_lines(result);
   if (figures.key_blocks) text += key_block_lines(*figures.key_blocks);
   for (const scene::CaseFigures& load : figures.load_cases) {
-    text += fmt::format("  under {}: {} blocks, {:.6g} m3, lowest factor of safety {:.4g}\n", load.name,
-                        load.figures.count, load.figures.volume_m3, load.figures.lowest_factor_of_safety);
+    text +=
+        say("  under {name}: {count} blocks, {volume_m3:.6g} m3, lowest factor of safety "
+            "{lowest_factor_of_safety:.4g}\n",
+            load);
   }
   if (figures.support) text += support_lines(*figures.support, result.designs);
   if (result.motion) text += motion_line(*result.motion);
-  text += fmt::format("time         {:.2f} s, {:.2f} s of CPU, {:.0f} MB, {} threads\n", result.cost.wall_s,
-                      result.cost.cpu_s, result.cost.peak_rss_mb, result.cost.threads);
-  return text;
+  return text + cost_line(result.cost);
 }
 
 std::string log_of(const scene::RunResult& result) {
   std::string text =
       fmt::format("cleave " CLEAVE_VERSION "\nscene {} (sha256 {})\n", result.scene_file, result.scene_sha256);
   for (const scene::InputFile& file : result.files) {
-    text += fmt::format("file {} ({} bytes, sha256 {})\n", file.name, file.bytes, file.sha256);
+    text += say("file {path} ({bytes} bytes, sha256 {sha256})\n", file);
   }
   text += "\nplan\n";
   text += describe(result.plan);
   text += "\ncost\n";
   for (const scene::StageCost& cost : result.cost.stages) {
-    text += fmt::format("  {:<12} {:>10.3f} s {:>10.3f} s of CPU {:>8.0f} MB\n", name_of(cost.stage), cost.wall_s,
-                        cost.cpu_s, cost.peak_rss_mb);
+    text += say("  {stage:<12} {wall_s:>10.3f} s {cpu_s:>10.3f} s of CPU {peak_rss_mb:>8.0f} MB\n", cost);
   }
   text += "\nresult\n" + figures_of(result);
   if (!result.notes.empty()) text += "\nnotes\n";

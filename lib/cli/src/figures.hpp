@@ -9,6 +9,9 @@ namespace cleave::cli {
 /// The key figures of a run, a few lines for people.
 [[nodiscard]] std::string figures_of(const scene::RunResult& result);
 
+/// "time ...": what it took.
+[[nodiscard]] std::string cost_line(const scene::RunCost& cost);
+
 /// log.txt: what ran, why, at what cost, with the notes and the key figures.
 [[nodiscard]] std::string log_of(const scene::RunResult& result);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "cleave/report/bodies.hpp"
+#include "say.hpp"
 #include "scene2d_run.hpp"
 
 namespace cleave::cli {
@@ -11,9 +12,10 @@ namespace {
 std::string figures_of(const scene::BodiesResult& result) {
   std::string text;
   for (const scene::BodyResult& body : result.bodies) {
-    text += fmt::format("{}: {} elements, largest displacement {:.6g} m", body.name, body.elements, body.largest);
-    if (body.error) text += fmt::format(", estimated error {:.1e}", *body.error);
-    text += "\n";
+    text += say(body.error ? "{name}: {elements} elements, largest displacement {max_displacement_m:.6g} m, estimated "
+                             "error {estimated_error:.1e}\n"
+                           : "{name}: {elements} elements, largest displacement {max_displacement_m:.6g} m\n",
+                group([&](auto& v) { scene::body_fields(result.steps)(v, body); }));
   }
   for (const scene::PointResult& point : result.points) {
     const bem::Vec2 u = point.displacement.empty() ? bem::Vec2{} : point.displacement.back();

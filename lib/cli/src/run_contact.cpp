@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "cleave/report/contact.hpp"
+#include "say.hpp"
 #include "scene2d_run.hpp"
 
 namespace cleave::cli {
@@ -12,13 +13,14 @@ std::string figures_of(const scene::ContactResult& result) {
   const std::string end = !result.to_rest    ? fmt::format("to {:.6g} s", result.end_time)
                           : result.converged ? "to rest"
                                              : "without rest";
-  std::string text = fmt::format("{} steps {}, largest displacement {:.6g} m, residual {:.1e}\n", result.steps, end,
-                                 result.largest_displacement, result.residual);
+  const auto figures = group([&](auto& v) { scene::scene2d_fields(v, result); });
   const scene::ContactVerdict verdict = scene::verdict_of(result);
-  text += fmt::format("verdict: {}", name_of(verdict));
+  std::string text = say("{steps} steps ", figures) + end +
+                     say(", largest displacement {max_displacement_m:.6g} m, residual {residual:.1e}\n"
+                         "verdict: {verdict}",
+                         figures);
   if (verdict.since) {
-    text += fmt::format(", first \"{}\", seen at {:.3g} s; in all {}", result.bodies[verdict.first].name,
-                        verdict.since->si(), counts_of(verdict));
+    text += say(", first \"{moved_first}\", seen at {moved_since_s:.3g} s; in all ", figures) + counts_of(verdict);
   }
   text += '\n';
   text += result.error ? fmt::format("estimated error of the steps {:.1e}\n", *result.error)

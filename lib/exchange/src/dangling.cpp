@@ -97,11 +97,7 @@ std::string dangling_vtu(const topology::BlockComplex& complex, std::string_view
   vtu.end("FieldData");
   vtu.begin_piece(mesh.points.size(), mesh.triangles.size());
   vtu.points(mesh.points);
-  vtu.begin("Cells");
-  vtu.array("connectivity", connectivity);
-  vtu.array("offsets", ends);
-  vtu.array("types", std::vector<std::uint8_t>(mesh.triangles.size(), 5));  // VTK_TRIANGLE
-  vtu.end("Cells");
+  vtu.cells(connectivity, ends, std::vector<std::uint8_t>(mesh.triangles.size(), 5));  // VTK_TRIANGLE
   vtu.begin("CellData");
   vtu.array("piece", piece);
   vtu.array("joint", joint);

@@ -75,13 +75,7 @@ std::string blocks_vtu(const Cells& cells, const stability::Analysis* analysis, 
   vtu.end("FieldData");
   vtu.begin_piece(cells.points.size(), cells.size());
   vtu.points(cells.points);
-  vtu.begin("Cells");
-  vtu.array("connectivity", cells.connectivity);
-  vtu.array("offsets", cells.ends);
-  vtu.array("types", std::vector<std::uint8_t>(cells.size(), 42));  // VTK_POLYHEDRON
-  vtu.array("faces", cells.face_stream);
-  vtu.array("faceoffsets", cells.face_ends);
-  vtu.end("Cells");
+  vtu.polyhedra(cells.connectivity, cells.ends, cells.face_stream, cells.face_ends);
   vtu.begin("CellData");
   std::vector<std::int64_t> blocks;
   blocks.reserve(cells.size());

@@ -62,6 +62,28 @@ void VtuWriter::points(std::span<const geometry::Vec3> points) {
   end("Points");
 }
 
+void VtuWriter::begin_cells(const std::vector<std::int64_t>& connectivity, const std::vector<std::int64_t>& ends,
+                            const std::vector<std::uint8_t>& types) {
+  begin("Cells");
+  array("connectivity", connectivity);
+  array("offsets", ends);
+  array("types", types);
+}
+
+void VtuWriter::cells(const std::vector<std::int64_t>& connectivity, const std::vector<std::int64_t>& ends,
+                      const std::vector<std::uint8_t>& types) {
+  begin_cells(connectivity, ends, types);
+  end("Cells");
+}
+
+void VtuWriter::polyhedra(const std::vector<std::int64_t>& connectivity, const std::vector<std::int64_t>& ends,
+                          const std::vector<std::int64_t>& faces, const std::vector<std::int64_t>& face_ends) {
+  begin_cells(connectivity, ends, std::vector<std::uint8_t>(ends.size(), 42));  // VTK_POLYHEDRON
+  array("faces", faces);
+  array("faceoffsets", face_ends);
+  end("Cells");
+}
+
 std::string VtuWriter::finish() && {
   out_ += "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
   return std::move(out_);

@@ -19,7 +19,7 @@ namespace cleave::report {
 namespace {
 
 using bem::Vec2;
-using detail::data_script, detail::page_begin, detail::page_foot, detail::page_end, detail::script, detail::table_row,
+using detail::data_script, detail::page_begin, detail::page_foot, detail::page_end, detail::script,
     detail::plan_section, detail::cost_section, detail::notes_list;
 
 std::vector<Short> flat(const std::vector<Vec2>& points, Vec2 origin = {}) {
@@ -112,20 +112,17 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
   out += " Largest displacement " + display(result.largest_displacement) + " m";
   if (result.steps > 0) out += ", " + display_count(result.steps) + " steps";
   const bool moving = result.steps > 0;
-  out += ".</p>\n<div class=\"wide-table\"><table>\n" +
-         table_row({"body", "elements", "unknowns", "largest displacement (m)", "rotation (°)", "estimated error",
-                    moving ? "rebuilds" : "condition", "method"},
-                   true);
-  for (const scene::BodyResult& body : result.bodies) {
-    out += table_row({escape_xml(body.name), display_count(body.elements), display_count(body.unknowns),
-                      display(body.largest), display(body.rotation * 180 / std::numbers::pi),
-                      body.error ? display(*body.error, 2) : "–",
-                      moving               ? display_count(body.rebuilds)
-                      : body.condition > 0 ? display(body.condition, 2)
-                                           : "–",
-                      escape_xml(body.method)});
-  }
-  out += "</table></div>\n";
+  out += ".</p>\n<div class=\"wide-table\">" +
+         html_table({{"name", "body"},
+                     {"elements", "elements"},
+                     {"unknowns", "unknowns"},
+                     {"max_displacement_m", "largest displacement (m)"},
+                     {"rotation", "rotation (°)"},
+                     {"estimated_error", "estimated error", 2},
+                     moving ? Shown{"rebuilds", "rebuilds"} : Shown{"condition", "condition", 2},
+                     {"method", "method"}},
+                    each(result.bodies, scene::body_fields(result.steps)), {}, Frame::none) +
+         "</div>\n";
   for (const scene::BodyResult& body : result.bodies) {
     if (!body.error && !body.no_estimate.empty()) {
       out += "<p>" + escape_xml(body.name) + ": no estimate of the error: " + escape_xml(body.no_estimate) + ".</p>\n";
@@ -182,12 +179,17 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
   if (!result.trials.empty()) {
     out +=
         "<section><h2>Error against time</h2>\n<p>The estimate is the change of displacement to the mesh with half as "
-        "many elements, over the largest displacement: an upper figure for smooth problems.</p>\n<table>\n" +
-        table_row({"body", "elements", "time (s)", "estimated error"}, true);
-    for (const scene::MeshTrial& t : result.trials) {
-      out += table_row({escape_xml(t.body), display_count(t.elements), display(t.seconds, 2), display(t.error, 2)});
-    }
-    out += "</table>\n<div id=\"trials\"></div>\n</section>\n";
+        "many elements, over the largest displacement: an upper figure for smooth problems.</p>\n" +
+        html_table({{"body", "body"}, {"elements", "elements"}, {"s", "time (s)", 2}, {"error", "estimated error", 2}},
+                   each(result.trials,
+                        [](auto& v, const scene::MeshTrial& t) {
+                          v("body", t.body);
+                          v("elements", t.elements);
+                          v("s", t.seconds);
+                          v("error", t.error);
+                        }),
+                   {}, Frame::none) +
+        "<div id=\"trials\"></div>\n</section>\n";
   }
   out += plan_section(result.plan) + cost_section(result.cost);
   if (!result.notes.empty()) out += "<section>" + notes_list(result.notes) + "</section>\n";
@@ -249,11 +251,7 @@ std::string bodies_vtu(const scene::BodiesResult& result, std::size_t frame) {
   vtu.array("body", cell_body);
   vtu.end("CellData");
   vtu.points(points);
-  vtu.begin("Cells");
-  vtu.array("connectivity", connectivity);
-  vtu.array("offsets", offsets);
-  vtu.array("types", types);
-  vtu.end("Cells");
+  vtu.cells(connectivity, offsets, types);
   return std::move(vtu).finish();
 }
 
@@ -276,12 +274,9 @@ std::expected<void, WriteError> write_bodies_files(const scene::BodiesResult& re
   }
   if (!result.output.vtu) return {};
   if (result.times.size() == 1) return write_file(folder / "bodies.vtu", bodies_vtu(result, 0));
-  std::vector<std::pair<double, std::string>> series;
-  for (std::size_t f = 0; f < result.times.size(); ++f) {
-    series.emplace_back(result.times[f], frame_file("bodies", f));
-    CLEAVE_CHECK(write_file(folder / series.back().second, bodies_vtu(result, f)));
-  }
-  return write_file(folder / "bodies.pvd", pvd(series));
+  return write_frames(
+      folder, "bodies", result.times.size(), [&](std::size_t f) { return result.times[f]; },
+      [&](std::size_t f) { return bodies_vtu(result, f); });
 }
 
 std::expected<void, WriteError> write_bodies_report(const scene::BodiesResult& result,

@@ -48,8 +48,7 @@ std::string columns_of_tables() {
   const stability::BoltResult bolt{};
   const stability::CombinedBlock combined{};
   const stability::KeyGroup group{};
-  const TableParts all{.force_transfer = true, .rotation = true, .support = true, .field_stress = true};
-  return table("key_blocks.csv", KeyBlockRow{.j = judgement, .parts = all}) +
+  return table("key_blocks.csv", KeyBlockRow{.j = judgement, .parts = all_parts}) +
          table("load_cases.csv", LoadCaseRow{"", judgement}) + table("bolts.csv", BoltRow{.pattern = {}, .b = bolt}) +
          table("support_blocks.csv", SupportBlockRow{"", supported}) +
          table("combined_blocks.csv", CombinedBlockRow{.load = "", .b = combined}) +

@@ -93,18 +93,12 @@ std::string contact_vtu(const scene::ContactResult& result, std::size_t frame) {
   vtu.array("rotation", rotation);
   vtu.end("CellData");
   vtu.points(points);
-  vtu.begin("Cells");
-  vtu.array("connectivity", connectivity);
-  vtu.array("offsets", offsets);
-  vtu.array("types", types);
-  vtu.end("Cells");
+  vtu.cells(connectivity, offsets, types);
   return std::move(vtu).finish();
 }
 
 std::string contact_history_csv(const scene::ContactResult& result) {
-  CsvTable table{scene::ContactHistory{}};
-  for (const scene::ContactHistory& row : result.history) table.add(row);
-  return std::move(table).text();
+  return csv_table(scene::ContactHistory{}, result.history);
 }
 
 std::string contact_points_csv(const scene::ContactResult& result) {
@@ -118,9 +112,7 @@ std::string contact_points_csv(const scene::ContactResult& result) {
 }
 
 std::string contact_bodies_csv(const scene::ContactResult& result) {
-  CsvTable table{scene::ContactBodyResult{}};
-  for (const scene::ContactBodyResult& body : result.bodies) table.add(body);
-  return std::move(table).text();
+  return csv_table(scene::ContactBodyResult{}, result.bodies);
 }
 
 std::expected<void, WriteError> write_contact_files(const scene::ContactResult& result,
@@ -132,12 +124,9 @@ std::expected<void, WriteError> write_contact_files(const scene::ContactResult& 
     if (!result.points.empty()) CLEAVE_CHECK(write_file(folder / "points.csv", contact_points_csv(result)));
   }
   if (!result.output.vtu) return {};
-  std::vector<std::pair<double, std::string>> series;
-  for (std::size_t f = 0; f < result.frames.size(); ++f) {
-    series.emplace_back(result.frames[f].time, frame_file("contact", f));
-    CLEAVE_CHECK(write_file(folder / series.back().second, contact_vtu(result, f)));
-  }
-  return write_file(folder / "contact.pvd", pvd(series));
+  return write_frames(
+      folder, "contact", result.frames.size(), [&](std::size_t f) { return result.frames[f].time; },
+      [&](std::size_t f) { return contact_vtu(result, f); });
 }
 
 std::expected<void, WriteError> write_contact_report(const scene::ContactResult& result,

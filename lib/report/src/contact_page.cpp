@@ -16,7 +16,7 @@ namespace {
 
 using bem::Vec2;
 using detail::data_script, detail::key_figure, detail::page_begin, detail::page_foot, detail::page_end, detail::script,
-    detail::table_row, detail::plan_section, detail::cost_section;
+    detail::plan_section, detail::cost_section;
 
 /// Frames and rows are thinned so that a page stays below some tens of megabytes.
 std::size_t stride(std::size_t count, double each, double most) {
@@ -150,15 +150,19 @@ std::string solver_bars(const scene::ContactResult& result) {
   for (const scene::SolverShare& share : result.solvers) all += share.groups;
   if (all == 0 && result.steps == 0) return "<p>No step was solved.</p>\n";
   if (all == 0) return "<p>Nothing touched.</p>\n";
-  std::string out = "<div class=\"scroll\"><table>\n" +
-                    table_row({"solver", "groups of contacts solved", "iterations", "", "share"}, true);
-  for (const scene::SolverShare& share : result.solvers) {
+  const auto row = [&](auto& v, const scene::SolverShare& share) {
     const double part = static_cast<double>(share.groups) / static_cast<double>(all);
-    out += table_row({escape_xml(share.name), display_count(share.groups), display_count(share.iterations),
-                      "<i class=\"bar\" style=\"width:" + number(std::round(1000 * part) / 10) + "%\"></i>",
-                      display(100 * part, 3) + " %"});
-  }
-  return out + "</table></div>\n<p class=\"small\">" + display_count(result.iterations) +
+    fields(v, share);
+    v("bar", Html{"<i class=\"bar\" style=\"width:" + number(std::round(1000 * part) / 10) + "%\"></i>"});
+    v("share", Html{display(100 * part, 3) + " %"});
+  };
+  return html_table({{"name", "solver"},
+                     {"groups", "groups of contacts solved"},
+                     {"iterations", "iterations"},
+                     {"bar", " "},
+                     {"share", "share"}},
+                    each(result.solvers, row)) +
+         "<p class=\"small\">" + display_count(result.iterations) +
          " linear solves and pivots in all; every answer is accepted by its residual only, the worst was " +
          display(result.residual, 2) + ".</p>\n";
 }

@@ -28,8 +28,8 @@
 namespace cleave::report {
 namespace {
 
-using detail::fact, detail::key_figure, detail::page_begin, detail::page_foot, detail::page_end, detail::script,
-    detail::plan_section, detail::cost_section, detail::notes_list;
+using detail::fact, detail::facts_table, detail::key_figure, detail::page_begin, detail::page_foot, detail::page_end,
+    detail::script, detail::plan_section, detail::cost_section, detail::notes_list;
 
 template <class T>
 const T* pointer_to(const std::optional<T>& value) {
@@ -172,40 +172,38 @@ std::string blocks_section(const Page& page) {
   const topology::Certificate& c = page.result.certificate();
   std::vector<double> volumes;
   for (const topology::Block& block : page.complex->blocks()) volumes.push_back(block.volume.si());
-  std::string out =
-      "<section id=\"blocks\"><h2>Block system and certificate</h2>\n<div class=\"columns\"><div><table "
-      "class=\"facts\"><tbody>\n";
+  std::string out = "<section id=\"blocks\"><h2>Block system and certificate</h2>\n<div class=\"columns\"><div>";
+  std::string rows;
   const auto system = group([&](auto& w) { scene::block_fields(w, page.figures().blocks, c, page.result.window); });
-  out += facts({{"count", "Blocks"},
-                {"concave", "Not convex"},
-                {"with_holes"},
-                {"with_cavities"},
-                {"slivers", "Slivers (kept)"},
-                {"volume_m3", "Sum of block volumes", 8},
-                {"domain_volume_m3", "Domain less excavations", 8},
-                {"volume_relative_error", "Volume error (relative)", 2}},
-               system);
-  out += facts({{"euler_violations", "Euler–Poincaré violations"},
-                {"open_shells"},
-                {"unpaired_patches", "Unpaired joint patches"},
-                {"face_vector_max_relative", "Largest face-vector sum (relative)", 2}},
-               c);
-  out += facts({{"exact_share", "Decisions that needed exact numbers", 3}}, system);
-  out += fact("Hash of the block system", "<code>" + escape_xml(b.hash) + "</code>");
+  rows += facts({{"count", "Blocks"},
+                 {"concave", "Not convex"},
+                 {"with_holes"},
+                 {"with_cavities"},
+                 {"slivers", "Slivers (kept)"},
+                 {"volume_m3", "Sum of block volumes", 8},
+                 {"domain_volume_m3", "Domain less excavations", 8},
+                 {"volume_relative_error", "Volume error (relative)", 2}},
+                system);
+  rows += facts({{"euler_violations", "Euler–Poincaré violations"},
+                 {"open_shells"},
+                 {"unpaired_patches", "Unpaired joint patches"},
+                 {"face_vector_max_relative", "Largest face-vector sum (relative)", 2}},
+                c);
+  rows += facts({{"exact_share", "Decisions that needed exact numbers", 3}}, system);
+  rows += fact("Hash of the block system", "<code>" + escape_xml(b.hash) + "</code>");
   if (b.sizes) {
     const scene::BlockSizes& sizes = *b.sizes;
     const std::string which = sizes.inner ? " (touching no fixed side)" : " (all)";
-    out += fact("Whole blocks measured", display_count(sizes.count) + which);
+    rows += fact("Whole blocks measured", display_count(sizes.count) + which);
     for (const char* const level : {"p10", "p50", "p90"}) {
-      out += fact(std::string{"Volume "} + level + ", by number; by volume",
-                  display(sizes.by_number.at(level)) + "; " + display(sizes.by_volume.at(level)) + " m³");
+      rows += fact(std::string{"Volume "} + level + ", by number; by volume",
+                   display(sizes.by_number.at(level)) + "; " + display(sizes.by_volume.at(level)) + " m³");
     }
-    out += facts({{"d50_m", "D50"}, {"d80_m", "D80"}}, sizes);
-    out += facts({{"cubic"}, {"platy"}, {"elongated"}, {"bladed"}}, sizes.shapes);
-    out += fact("Volumetric joint count Jv", display(sizes.jv) + " 1/m");
+    rows += facts({{"d50_m", "D50"}, {"d80_m", "D80"}}, sizes);
+    rows += facts({{"cubic"}, {"platy"}, {"elongated"}, {"bladed"}}, sizes.shapes);
+    rows += fact("Volumetric joint count Jv", display(sizes.jv) + " 1/m");
   }
-  out += "</tbody></table></div>\n<figure>" + size_curve(std::move(volumes));
-  return out +
+  return out + facts_table(rows) + "</div>\n<figure>" + size_curve(std::move(volumes)) +
          "<figcaption>Share of the <span class=\"key-a\">number of blocks</span> and of the <span class=\"key-b\">rock "
          "volume</span> "
          "in blocks smaller than V.</figcaption></figure></div></section>\n";
@@ -258,8 +256,7 @@ std::string inputs_section(const Page& page) {
   const scene::RunResult& r = page.result;
   const scene::CutFigures& input = r.figures.input;
   const auto row = [](std::string_view name, const std::string& value) { return fact(name, value, "wide"); };
-  std::string out = "<section id=\"inputs\"><h2>Inputs</h2>\n<table class=\"facts\"><tbody>\n";
-  out += row("Scene", escape_xml(r.scene_file) + " <code>" + escape_xml(r.scene_sha256) + "</code>");
+  std::string out = row("Scene", escape_xml(r.scene_file) + " <code>" + escape_xml(r.scene_sha256) + "</code>");
   for (const scene::InputFile& file : r.files) {
     out += row("File", escape_xml(file.name) + ", " + display_count(file.bytes) + " bytes <code>" +
                            escape_xml(file.sha256) + "</code>");
@@ -285,9 +282,8 @@ std::string inputs_section(const Page& page) {
             display_count(input.near_misses.sides) + ", " + display(input.near_misses.largest.si(), 2) + " m at most");
   }
   if (!input.snapped.empty()) out += row("Joints changed by snap", display_count(input.snapped.size()));
-  out += "</tbody></table>\n";
-  out += limits_of(r) + notes_list(r.notes);
-  return out + "</section>\n";
+  return "<section id=\"inputs\"><h2>Inputs</h2>\n" + facts_table(out) + limits_of(r) + notes_list(r.notes) +
+         "</section>\n";
 }
 
 }  // namespace

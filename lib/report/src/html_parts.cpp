@@ -6,6 +6,7 @@
 #include "assets.hpp"
 #include "cleave/core/version.hpp"
 #include "cleave/exchange/text.hpp"
+#include "html_table.hpp"
 
 namespace cleave::report::detail {
 namespace {
@@ -62,10 +63,8 @@ std::string key_figure(std::string_view label, const std::string& figure, const 
   return out + "</span><strong>" + figure + "</strong><span class=\"below\">" + below + "</span></div>\n";
 }
 
-std::string table_row(std::initializer_list<std::string> cells, bool head) {
-  std::string out = "<tr>";
-  for (const std::string& cell : cells) out += (head ? "<th>" : "<td>") + cell + (head ? "</th>" : "</td>");
-  return out + "</tr>\n";
+std::string facts_table(std::string_view rows) {
+  return "<table class=\"facts\"><tbody>\n" + std::string{rows} + "</tbody></table>\n";
 }
 
 std::string fact(std::string_view name, const std::string& value, std::string_view kind) {
@@ -77,33 +76,35 @@ std::string fact(std::string_view name, const std::string& value, std::string_vi
 }
 
 std::string plan_section(const scene::Plan& plan) {
-  std::string out =
-      "<section id=\"plan\"><h2>What ran, what was left out, and "
-      "why</h2>\n<table><thead><tr><th>Stage</th><th></th><th class=\"wide\">Why</th></tr></thead><tbody>\n";
-  for (const scene::PlannedStage& row : plan.stages) {
-    out += "<tr" + std::string{row.run ? "" : " class=\"off\""} + "><td>" + std::string{name_of(row.stage)} +
-           "</td><td>" + (row.run ? "ran" : "left out") + "</td><td class=\"wide\">" + escape_xml(row.why) +
-           "</td></tr>\n";
-  }
-  return out + "</tbody></table></section>\n";
+  const auto shown = [](const scene::PlannedStage& x) {
+    return group([&x](auto& v) {
+      fields(v, x);
+      v("done", x.run ? "ran" : "left out");
+    });
+  };
+  HtmlTable table{
+      {{"stage"}, {"done", " "}, {.name = "why", .kind = "wide"}}, shown(scene::PlannedStage{}), {}, Frame::none};
+  for (const scene::PlannedStage& row : plan.stages) table.add(shown(row), row.run ? "" : "class=\"off\"");
+  return "<section id=\"plan\"><h2>What ran, what was left out, and why</h2>\n" + std::move(table).html() +
+         "</section>\n";
 }
 
 std::string cost_section(const scene::RunCost& cost) {
   double longest = 0;
   for (const scene::StageCost& row : cost.stages) longest = std::max(longest, row.wall_s);
-  std::string out =
-      "<section id=\"cost\"><h2>Cost by stage</h2>\n<table><thead><tr><th>Stage</th><th>Wall (s)</th><th "
-      "class=\"bar\"></th><th>CPU (s)</th>"
-      "<th>Peak memory (MB)</th></tr></thead><tbody>\n";
-  for (const scene::StageCost& row : cost.stages) {
+  const auto shown = [&](auto& v, const scene::StageCost& row) {
     const double share = longest > 0 ? 100 * row.wall_s / longest : 0;
-    out += "<tr><td>" + std::string{name_of(row.stage)} + "</td><td>" + display(row.wall_s, 3) +
-           "</td><td class=\"bar\"><i style=\"width:" + number(std::round(share * 10) / 10) + "%\"></i></td><td>" +
-           display(row.cpu_s, 3) + "</td><td>" + display(row.peak_rss_mb, 4) + "</td></tr>\n";
-  }
-  return out +
-         "</tbody></table>\n<p class=\"small\">Up to the writing of this page; summary.json has the "
-         "rest.</p></section>\n";
+    fields(v, row);
+    v("bar", Html{"<i style=\"width:" + number(std::round(share * 10) / 10) + "%\"></i>"});
+  };
+  return "<section id=\"cost\"><h2>Cost by stage</h2>\n" +
+         html_table({{"stage"},
+                     {"wall_s", {}, 3},
+                     {.name = "bar", .heading = " ", .kind = "bar"},
+                     {"cpu_s", "CPU (s)", 3},
+                     {"peak_rss_mb", "Peak memory (MB)"}},
+                    each(cost.stages, shown), {}, Frame::none) +
+         "<p class=\"small\">Up to the writing of this page; summary.json has the rest.</p></section>\n";
 }
 
 std::string notes_list(std::span<const std::string> notes) {

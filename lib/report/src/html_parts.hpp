@@ -1,6 +1,5 @@
 #pragma once
 
-#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,8 +23,8 @@ inline constexpr std::string_view page_end = "</body>\n</html>\n";
 
 [[nodiscard]] std::string key_figure(std::string_view label, const std::string& figure, const std::string& below,
                                      std::string_view kind = "");
-[[nodiscard]] std::string table_row(std::initializer_list<std::string> cells, bool head = false);
-/// A row of a table of facts.
+/// A table of facts from its rows, and one of them.
+[[nodiscard]] std::string facts_table(std::string_view rows);
 [[nodiscard]] std::string fact(std::string_view name, const std::string& value, std::string_view kind = "");
 [[nodiscard]] std::string plan_section(const scene::Plan& plan);
 [[nodiscard]] std::string cost_section(const scene::RunCost& cost);

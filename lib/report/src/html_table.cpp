@@ -35,6 +35,10 @@ std::string words_of(std::string_view name) {
   return words;
 }
 
+std::string class_of(const Shown& column) {
+  return column.kind.empty() ? std::string{} : " class=\"" + std::string{column.kind} + "\"";
+}
+
 }  // namespace
 
 const ShownUnit* unit_of(std::string_view name) {
@@ -48,12 +52,12 @@ std::string heading_of(std::string_view name) {
 }
 
 void HtmlTable::head(const std::vector<ChosenFigures::Cell>& cells, std::string_view attributes) {
-  text_ = "<div class=\"scroll\"><table";
+  text_ = frame_ == Frame::scroll ? "<div class=\"scroll\"><table" : "<table";
   if (!attributes.empty()) text_.append(" ").append(attributes);
   text_ += "><thead><tr>";
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (!cells[i].found) continue;
-    text_ += "<th";
+    text_ += "<th" + class_of(columns_[i]);
     if (!cells[i].help.empty()) text_ += " title=\"" + escape_xml(cells[i].help) + "\"";
     const std::string_view heading = columns_[i].heading;
     text_ += ">" + (heading.empty() ? heading_of(columns_[i].name) : std::string{heading}) + "</th>";
@@ -65,16 +69,19 @@ void HtmlTable::add_cells(const std::vector<ChosenFigures::Cell>& cells, std::st
   text_ += "<tr";
   if (!attributes.empty()) text_.append(" ").append(attributes);
   text_ += ">";
-  for (const ChosenFigures::Cell& cell : cells) {
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const ChosenFigures::Cell& cell = cells[i];
     if (!cell.found) continue;
-    text_ += "<td";
+    text_ += "<td" + class_of(columns_[i]);
     if (sortable_ && cell.value.sort) text_ += " data-v=\"" + number(*cell.value.sort) + "\"";
     text_ += ">" + cell.value.text + "</td>";
   }
   text_ += "</tr>\n";
 }
 
-std::string HtmlTable::html() && { return std::move(text_) + "</tbody></table></div>\n"; }
+std::string HtmlTable::html() && {
+  return std::move(text_) + (frame_ == Frame::scroll ? "</tbody></table></div>\n" : "</tbody></table>\n");
+}
 
 std::string fact_rows(const std::vector<Shown>& chosen, const std::vector<ChosenFigures::Cell>& cells,
                       std::string_view kind) {

@@ -2,6 +2,7 @@
 
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <ranges>
 #include <string>
@@ -28,8 +29,12 @@ struct Shown {
   std::string_view name;          ///< as declared: "net_force_n"
   std::string_view heading = {};  ///< empty: made from the name, "Net force (kN)"
   int digits = 4;
-  bool optional = false;  ///< left out where the row does not have it
+  bool optional = false;       ///< left out where the row does not have it
+  std::string_view kind = {};  ///< class of its cells: "wide"
 };
+
+/// What surrounds a table: `scroll` moves long ones within the page.
+enum class Frame : std::uint8_t { scroll, none };
 
 /// A figure in the unit an engineer reads it in.
 struct ShownUnit {
@@ -111,6 +116,15 @@ class ChosenFigures final {
   };
   explicit ChosenFigures(const std::vector<Shown>& chosen) : chosen_{&chosen}, cells_(chosen.size()) {}
 
+  /// `row` has `fields`, or is a `Group`.
+  template <class Row>
+  void read(const Row& row) {
+    if constexpr (requires { row.body(*this); }) {
+      row.body(*this);
+    } else {
+      fields(*this, row);
+    }
+  }
   template <class T>
   void operator()(std::string_view name, const T& x, std::string_view help = {}) {
     for (std::size_t i = 0; i < chosen_->size(); ++i) {
@@ -132,17 +146,18 @@ class HtmlTable final {
  public:
   /// `sample`: a row that need hold nothing, which has the columns. `attributes` of the table: `class="sortable"`.
   template <class Row>
-  HtmlTable(std::vector<Shown> columns, const Row& sample, std::string_view attributes = {})
-      : columns_{std::move(columns)}, sortable_{attributes.contains("sortable")} {
+  HtmlTable(std::vector<Shown> columns, const Row& sample, std::string_view attributes = {},
+            Frame frame = Frame::scroll)
+      : columns_{std::move(columns)}, sortable_{attributes.contains("sortable")}, frame_{frame} {
     ChosenFigures figures{columns_};
-    fields(figures, sample);
+    figures.read(sample);
     head(figures.cells(), attributes);
   }
   /// `attributes` of the row: `data-block="3"`.
   template <class Row>
   void add(const Row& row, std::string_view attributes = {}) {
     ChosenFigures figures{columns_};
-    fields(figures, row);
+    figures.read(row);
     add_cells(figures.cells(), attributes);
   }
   [[nodiscard]] std::string html() &&;
@@ -153,6 +168,7 @@ class HtmlTable final {
 
   std::vector<Shown> columns_;
   bool sortable_;
+  Frame frame_;
   std::string text_;
 };
 
@@ -165,6 +181,19 @@ class HtmlTable final {
           {"displacement_y_m", "u<sub>y</sub> (m)", 6}};
 }
 
+/// A table with a row for each element of a range, whose figures `body(visitor, element)` names, with or without the
+/// index; it is called with an element that holds nothing as well.
+template <class Range, class Body>
+[[nodiscard]] std::string html_table(std::vector<Shown> columns, const Each<Range, Body>& rows,
+                                     std::string_view attributes = {}, Frame frame = Frame::scroll) {
+  const auto row = [&](const auto& item, std::size_t index) {
+    return group([&, index](auto& v) { call_body(rows.body, v, item, index); });
+  };
+  const auto none = Sample<std::ranges::range_value_t<Range>>::make();
+  HtmlTable table{std::move(columns), row(none, 0), attributes, frame};
+  for (std::size_t i = 0; const auto& item : rows.range) table.add(row(item, i++));
+  return std::move(table).html();
+}
 /// A table of all rows of a range.
 template <std::ranges::range Rows, class Row>
 [[nodiscard]] std::string html_table(std::vector<Shown> columns, const Row& sample, const Rows& rows,
@@ -180,11 +209,7 @@ template <std::ranges::range Rows, class Row>
 template <class Row>
 [[nodiscard]] std::string facts(const std::vector<Shown>& chosen, const Row& row, std::string_view kind = {}) {
   ChosenFigures figures{chosen};
-  if constexpr (requires { row.body(figures); }) {
-    row.body(figures);
-  } else {
-    fields(figures, row);
-  }
+  figures.read(row);
   return fact_rows(chosen, figures.cells(), kind);
 }
 

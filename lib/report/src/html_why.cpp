@@ -146,56 +146,72 @@ std::string sentence(const Page& page, const stability::Judgement& j) {
   return out;
 }
 
-/// One row a face: what lies behind it and what it does.
-std::string face_table(const Page& page, const stability::Judgement& j) {
-  constexpr double to_degrees = 180 / std::numbers::pi;
-  std::string out =
-      "<table class=\"faces\"><thead><tr><th>Face</th><th>Behind it</th><th>Dip / dip direction</th><th>Area (m²)</th>"
-      "<th>Friction (°)</th><th>Pressed with (kN)</th><th>In motion</th></tr></thead><tbody>\n";
-  std::size_t number = 0;
-  for (const topology::FaceId id : page.complex->blocks()[j.block].faces) {
-    const topology::Face& face = page.complex->faces()[id];
-    Vec3 up = face.outward.z < 0 ? -face.outward : face.outward;
-    double trend = std::atan2(up.x, up.y) * to_degrees;
-    if (trend < 0) trend += 360;
-    const double dip = std::acos(std::clamp(up.z, 0.0, 1.0)) * to_degrees;
-    std::string behind;
-    std::vector<std::uint32_t> neighbours;
-    for (const topology::Patch& patch : page.complex->patches(face)) {
-      if (patch.neighbour) neighbours.push_back(patch.neighbour->value());
-    }
-    std::ranges::sort(neighbours);
-    const auto repeated = std::ranges::unique(neighbours);
-    neighbours.erase(repeated.begin(), repeated.end());
-    switch (face.role) {
-      case topology::Role::joint:
-        behind = "joint " + (face.joint ? std::to_string(face.joint->value()) : std::string{"?"}) + ", block";
-        for (std::size_t k = 0; k < std::min<std::size_t>(neighbours.size(), 6); ++k) {
-          behind += (k == 0 ? " " : ", ") + std::to_string(neighbours[k]);
-        }
-        if (neighbours.size() > 6) behind += ", …";
-        break;
-      case topology::Role::fixed: behind = "rock that stays"; break;
-      case topology::Role::free: behind = "air"; break;
-      case topology::Role::window: behind = "not cut"; break;
-    }
-    const auto pressed = std::ranges::find(j.pressing, id, &stability::Pressing::face);
-    const double along = -dot(face.outward, j.direction);
-    const bool joint = face.role == topology::Role::joint;
-    const double friction = joint && face.joint ? std::atan(page.tan_friction(*face.joint)) * to_degrees : 0;
-    out += "<tr><td>" + std::to_string(++number) + "</td><td>" + behind + "</td><td>" + display(std::round(dip)) +
-           "° / " + display(std::round(trend)) + "°</td><td>" + display(face.area.si(), 3) + "</td><td>" +
-           (joint ? display(friction, 3) : "–") + "</td><td>" +
-           (pressed != j.pressing.end() ? display(pressed->reaction.si() / 1000) : "–") + "</td><td>" +
-           (!joint                        ? "–"
-            : pressed != j.pressing.end() ? "slides on it"
-            : !(norm(j.direction) > 0)    ? "–"
-            : std::abs(along) < 1e-9      ? "brushes it"
-            : along > 0                   ? "opens"
-                                          : "leans on what has left") +
-           "</td></tr>\n";
+/// "joint 3, block 5, 7": what lies behind a face.
+std::string behind(const topology::BlockComplex& complex, const topology::Face& face) {
+  switch (face.role) {
+    case topology::Role::joint: break;
+    case topology::Role::fixed: return "rock that stays";
+    case topology::Role::free: return "air";
+    case topology::Role::window: return "not cut";
   }
-  return out + "</tbody></table>\n";
+  std::vector<std::uint32_t> neighbours;
+  for (const topology::Patch& patch : complex.patches(face)) {
+    if (patch.neighbour) neighbours.push_back(patch.neighbour->value());
+  }
+  std::ranges::sort(neighbours);
+  const auto repeated = std::ranges::unique(neighbours);
+  neighbours.erase(repeated.begin(), repeated.end());
+  std::string out = "joint " + (face.joint ? std::to_string(face.joint->value()) : std::string{"?"}) + ", block";
+  for (std::size_t k = 0; k < std::min<std::size_t>(neighbours.size(), 6); ++k) {
+    out += (k == 0 ? " " : ", ") + std::to_string(neighbours[k]);
+  }
+  return neighbours.size() > 6 ? out + ", …" : out;
+}
+
+/// A face of a block that moves.
+struct FaceRow {
+  const Page& page;
+  const stability::Judgement& j;
+  topology::FaceId id;
+  std::size_t number = 0;
+};
+template <class V>
+void fields(V& v, const FaceRow& x) {
+  constexpr double to_degrees = 180 / std::numbers::pi;
+  const topology::Face& face = x.page.complex->faces()[x.id];
+  const Vec3 up = face.outward.z < 0 ? -face.outward : face.outward;
+  const double trend = std::atan2(up.x, up.y) * to_degrees, dip = std::acos(std::clamp(up.z, 0.0, 1.0)) * to_degrees;
+  const auto pressed = std::ranges::find(x.j.pressing, x.id, &stability::Pressing::face);
+  const bool presses = pressed != x.j.pressing.end(), joint = face.role == topology::Role::joint;
+  const double along = -dot(face.outward, x.j.direction);
+  const double friction = joint && face.joint ? std::atan(x.page.tan_friction(*face.joint)) * to_degrees : 0;
+  v("face", x.number);
+  v("behind_it", behind(*x.page.complex, face));
+  v("attitude", Html{display(std::round(dip)) + "° / " + display(std::round(trend < 0 ? trend + 360 : trend)) + "°"});
+  v("area_m2", face.area);
+  v("friction_deg", joint ? std::optional{friction} : std::nullopt);
+  v("pressed_with_n", presses ? std::optional{pressed->reaction} : std::nullopt);
+  v("in_motion", Html{!joint                       ? "–"
+                      : presses                    ? "slides on it"
+                      : !(norm(x.j.direction) > 0) ? "–"
+                      : std::abs(along) < 1e-9     ? "brushes it"
+                      : along > 0                  ? "opens"
+                                                   : "leans on what has left"});
+}
+
+std::string face_table(const Page& page, const stability::Judgement& j) {
+  const auto& faces = page.complex->blocks()[j.block].faces;
+  HtmlTable table{{{"face"},
+                   {"behind_it"},
+                   {"attitude", "Dip / dip direction"},
+                   {"area_m2", {}, 3},
+                   {"friction_deg", {}, 3},
+                   {"pressed_with_n"},
+                   {"in_motion"}},
+                  FaceRow{page, j, faces.front()},
+                  "class=\"faces\""};
+  for (std::size_t number = 0; const topology::FaceId id : faces) table.add(FaceRow{page, j, id, ++number});
+  return std::move(table).html();
 }
 
 /// Forces in the plane of gravity and of the motion, to one scale, gravity downwards on the page: weight, reactions,
@@ -293,8 +309,7 @@ std::string tornado(const stability::Sensitivity& s) {
 /// Where it is and what its figures are.
 std::string facts_of(const Page& page, const stability::Judgement& j) {
   const KeyBlockRow row = key_block_row(*page.complex, page.result, j);
-  std::string out = "<table class=\"facts\"><tbody>\n";
-  out += facts({{"location", "Where"}, {"clock", "Clock position"}, {"chainage_m"}}, row);
+  std::string out = facts({{"location", "Where"}, {"clock", "Clock position"}, {"chainage_m"}}, row);
   out += fact("Centroid", vector_text(row.place.centroid) + " m");
   out += facts({{"volume_m3"},
                 {"weight_n"},
@@ -312,7 +327,7 @@ std::string facts_of(const Page& page, const stability::Judgement& j) {
     if (row.supported->missing_force > 0)
       out += facts({{"missing_force_n", "Missing"}}, SupportBlockRow{"", *row.supported});
   }
-  return out + "</tbody></table>\n";
+  return detail::facts_table(out);
 }
 
 constexpr std::string_view basis =
@@ -348,8 +363,7 @@ std::string why_section(const Page& page) {
            "<div class=\"columns three\"><figure>" + force_arrows(page, j) +
            "<figcaption>forces</figcaption></figure><figure>" + block_net(page, j, Net::equal_area) +
            "<figcaption>equal area</figcaption></figure><figure>" + block_net(page, j, Net::equal_angle) +
-           "<figcaption>equal angle</figcaption></figure></div>\n<div class=\"scroll\">" + face_table(page, j) +
-           "</div>\n";
+           "<figcaption>equal angle</figcaption></figure></div>\n" + face_table(page, j);
     const auto row = std::ranges::find(page.result.sensitivity, j.block, &stability::Sensitivity::block);
     if (row != page.result.sensitivity.end()) {
       const std::string drawing = tornado(*row);

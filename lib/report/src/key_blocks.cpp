@@ -31,13 +31,6 @@ const Row* row_of(const std::vector<Row>& rows, topology::BlockId block) {
 
 }  // namespace
 
-TableParts parts_of(const scene::RunResult& result) {
-  return {.force_transfer = result.analysis->force_transfer,
-          .rotation = result.analysis->rotation != stability::RotationCheck::off,
-          .support = result.support.has_value(),
-          .field_stress = result.field_stress.has_value()};
-}
-
 KeyBlockRow key_block_row(const topology::BlockComplex& complex, const scene::RunResult& result,
                           const stability::Judgement& j) {
   const topology::Block& block = complex.blocks()[j.block];
@@ -115,9 +108,7 @@ std::string combined_blocks_csv(const scene::RunResult& result) {
 }
 
 std::string maximum_blocks_csv(const scene::RunResult& result) {
-  CsvTable table{scene::MaximumRow{}};
-  for (const scene::MaximumRow& row : result.maximum_blocks) table.add(row);
-  return std::move(table).text();
+  return csv_table(scene::MaximumRow{}, result.maximum_blocks);
 }
 
 }  // namespace cleave::report

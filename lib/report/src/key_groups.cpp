@@ -60,9 +60,7 @@ std::vector<KeyGroupRow> rows_of(const scene::RunResult& result) {
 
 std::string key_groups_csv(const scene::RunResult& result) {
   const stability::KeyGroup none{};
-  CsvTable table{KeyGroupRow{none}};
-  for (const KeyGroupRow& row : rows_of(result)) table.add(row);
-  return std::move(table).text();
+  return csv_table(KeyGroupRow{none}, rows_of(result));
 }
 
 std::string supported_groups_csv(const scene::RunResult& result) {

@@ -256,21 +256,26 @@ std::string orders_table(const MonteCarloPage& page) {
   if (f.orders.empty()) return {};
   std::string out =
       "<section id=\"orders\"><h2>Orders of excavation</h2>\n<p class=\"small\">Each realization is excavated in every "
-      "order: differences are paired, on the same rock.</p>\n<div class=\"scroll\"><table><thead><tr><th "
-      "class=\"wide\">Stages</th><th>Key blocks</th><th>Their volume (m³)</th><th>Volume minus the first "
-      "order’s</th><th>Interval</th><th>Best in</th></tr></thead><tbody>\n";
-  for (std::size_t i = 0; i < f.orders.size(); ++i) {
-    std::string stages;
-    for (const std::uint32_t stage : page.orders.at(i)) stages += (stages.empty() ? "" : ", ") + std::to_string(stage);
-    const auto& order = f.orders[i];
+      "order: differences are paired, on the same rock.</p>\n";
+  const auto mean = [](const Estimate& e) { return Html{display(e.mean) + " ± " + display(e.standard_error, 2)}; };
+  const auto row = [&](auto& v, const stochastic::OrderFigures& order, std::size_t i) {
     const Estimate& difference = order.key_m3_minus_first;
-    out += "<tr><td class=\"wide\">" + stages + "</td><td>" + display(order.key_blocks.mean) + " ± " +
-           display(order.key_blocks.standard_error, 2) + "</td><td>" + display(order.key_m3.mean) + " ± " +
-           display(order.key_m3.standard_error, 2) + "</td><td>" + (i == 0 ? "–" : display(difference.mean)) +
-           "</td><td>" + (i == 0 ? "–" : interval(difference.low, difference.high)) + "</td><td>" +
-           percent(order.share_best) + "</td></tr>\n";
-  }
-  return out + "</tbody></table></div></section>\n";
+    v("stages", page.orders.at(i));
+    v("key_blocks", mean(order.key_blocks));
+    v("key_volume_m3", mean(order.key_m3));
+    v("key_volume_minus_first_m3", i == 0 ? std::nullopt : std::optional{difference.mean});
+    v("interval", i == 0 ? std::nullopt : std::optional{interval(difference.low, difference.high)});
+    v("share_best", Html{percent(order.share_best)});
+  };
+  return out +
+         html_table({{.name = "stages", .kind = "wide"},
+                     {"key_blocks"},
+                     {"key_volume_m3", "Their volume (m³)"},
+                     {"key_volume_minus_first_m3", "Volume minus the first order’s"},
+                     {"interval"},
+                     {"share_best", "Best in"}},
+                    each(f.orders, row)) +
+         "</section>\n";
 }
 
 std::string variances_table(const Figures& f) {
@@ -281,15 +286,18 @@ std::string variances_table(const Figures& f) {
       " draws of strengths and loads for each geometry. The standard error of a mean over n geometries is √((geometry "
       "+ "
       "strength/" +
-      display_count(f.strengths_per_geometry) +
-      ")/n).</p>\n<div class=\"scroll\"><table><thead><tr><th class=\"wide\">Quantity</th><th>Standard deviation "
-      "between "
-      "geometries</th><th>between strengths of one geometry</th></tr></thead><tbody>\n";
-  for (const auto& v : f.variances) {
-    out += "<tr><td class=\"wide\">" + escape_xml(words(v.name)) + "</td><td>" + display(std::sqrt(v.geometry), 3) +
-           "</td><td>" + display(std::sqrt(v.strength), 3) + "</td></tr>\n";
-  }
-  return out + "</tbody></table></div></section>\n";
+      display_count(f.strengths_per_geometry) + ")/n).</p>\n";
+  const auto row = [](auto& v, const stochastic::VarianceShare& x) {
+    v("quantity", words(x.name));
+    v("geometry", std::sqrt(x.geometry));
+    v("strength", std::sqrt(x.strength));
+  };
+  return out +
+         html_table({{.name = "quantity", .kind = "wide"},
+                     {"geometry", "Standard deviation between geometries", 3},
+                     {"strength", "between strengths of one geometry", 3}},
+                    each(f.variances, row)) +
+         "</section>\n";
 }
 
 std::string quantile_table(const Figures& f) {
@@ -329,8 +337,7 @@ std::string notes_section(const MonteCarloPage& page) {
 
 std::string inputs_section(const MonteCarloPage& page) {
   const auto row = [](std::string_view name, const std::string& value) { return detail::fact(name, value, "wide"); };
-  std::string out = "<section id=\"inputs\"><h2>Inputs</h2>\n<table class=\"facts\"><tbody>\n";
-  out += row("Scene", escape_xml(page.scene_file) + " <code>" + escape_xml(page.scene_sha256) + "</code>");
+  std::string out = row("Scene", escape_xml(page.scene_file) + " <code>" + escape_xml(page.scene_sha256) + "</code>");
   for (const scene::InputFile& file : page.files) {
     out += row("File", escape_xml(file.name) + " <code>" + escape_xml(file.sha256) + "</code>");
   }
@@ -342,17 +349,7 @@ std::string inputs_section(const MonteCarloPage& page) {
             (e.outside_share.value_or(0) > 0 ? ", " + percent(*e.outside_share) + " of it outside the domain" : ""));
   }
   out += row("Hash of the records", "<code>" + escape_xml(page.result.figures.hash) + "</code>");
-  return out + "</tbody></table></section>\n";
-}
-
-struct StageRow {
-  const scene::StageSeconds& stage;
-  double share = 0;
-};
-template <class V>
-void fields(V& v, const StageRow& x) {
-  fields(v, x.stage);
-  v("share", x.share);
+  return "<section id=\"inputs\"><h2>Inputs</h2>\n" + detail::facts_table(out) + "</section>\n";
 }
 
 std::string stages_table(const MonteCarloPage& page) {
@@ -362,10 +359,13 @@ std::string stages_table(const MonteCarloPage& page) {
   std::string out =
       "<section id=\"stages\"><h2>Cost of the realizations by stage</h2>\n<p class=\"small\">Of those made by this "
       "run, over all threads.</p>\n";
-  const scene::StageSeconds none{};
-  HtmlTable table{{{"stage"}, {"thread_s", "Seconds of a thread", 3}, {"share"}}, StageRow{none}};
-  for (const scene::StageSeconds& row : page.result.stages) table.add(StageRow{row, all > 0 ? row.seconds / all : 0});
-  return out + std::move(table).html() + "</section>\n";
+  const auto shown = [&](auto& v, const scene::StageSeconds& row) {
+    fields(v, row);
+    v("share", all > 0 ? row.seconds / all : 0);
+  };
+  return out +
+         html_table({{"stage"}, {"thread_s", "Seconds of a thread", 3}, {"share"}}, each(page.result.stages, shown)) +
+         "</section>\n";
 }
 
 }  // namespace

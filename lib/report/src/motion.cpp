@@ -24,9 +24,7 @@ constexpr std::size_t most_rows = 200;
 }  // namespace
 
 std::string motion_csv(const scene::MotionResult& motion) {
-  CsvTable table{scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}}};
-  for (const scene::MotionBlock& b : motion.blocks) table.add(b);
-  return std::move(table).text();
+  return csv_table(scene::MotionBlock{.block = topology::BlockId{0U}, .centroid = {}}, motion.blocks);
 }
 
 std::string motion_vtu(const scene::RunResult& result, std::size_t frame) {
@@ -74,13 +72,7 @@ std::string motion_vtu(const scene::RunResult& result, std::size_t frame) {
   VtuWriter vtu{VtuFormat::binary, "cleave; blocks let go, metres; velocity of the centroid"};
   vtu.begin_piece(points.size(), ends.size());
   vtu.points(points);
-  vtu.begin("Cells");
-  vtu.array("connectivity", connectivity);
-  vtu.array("offsets", ends);
-  vtu.array("types", std::vector<std::uint8_t>(ends.size(), 42));  // VTK_POLYHEDRON
-  vtu.array("faces", faces);
-  vtu.array("faceoffsets", face_ends);
-  vtu.end("Cells");
+  vtu.polyhedra(connectivity, ends, faces, face_ends);
   vtu.begin("CellData");
   vtu.array("block", block);
   vtu.array("speed", speed);
@@ -95,21 +87,20 @@ std::string motion_section(const scene::MotionResult& motion) {
   if (!motion.converged) {
     out += "<p class=\"note\">The run stopped: " + escape_xml(motion.stopped_why) + ".</p>\n";
   }
-  out += "<div class=\"scroll\"><table class=\"facts\"><tbody>";
-  out += fact("Ended", display(motion.end.si(), 4) + (motion.at_rest ? " s, at rest" : " s, not at rest"));
-  out += facts({{"released", "Let go"}, {"moved"}, {"steps"}, {"residual", "Residual of the contact law", 2}}, motion);
+  std::string told = fact("Ended", display(motion.end.si(), 4) + (motion.at_rest ? " s, at rest" : " s, not at rest"));
+  told += facts({{"released", "Let go"}, {"moved"}, {"steps"}, {"residual", "Residual of the contact law", 2}}, motion);
   if (motion.rough_steps > 0) {
-    out += fact("Steps that missed the law",
-                display_count(motion.rough_steps) + ", by at most " + display(motion.missed_speed, 2) + " m/s");
+    told += fact("Steps that missed the law",
+                 display_count(motion.rough_steps) + ", by at most " + display(motion.missed_speed, 2) + " m/s");
   }
-  out += facts({{"max_penetration_m", "Deepest penetration", 2}}, motion);
-  out += fact("Potential energy lost", display(motion.potential_lost / 1000, 4) + " kJ");
-  out += fact("Error of the energy balance", display(motion.energy_error, 2) + " (relative)");
+  told += facts({{"max_penetration_m", "Deepest penetration", 2}}, motion);
+  told += fact("Potential energy lost", display(motion.potential_lost / 1000, 4) + " kJ");
+  told += fact("Error of the energy balance", display(motion.energy_error, 2) + " (relative)");
   if (motion.error) {
-    out += fact("Distance from a run with half the step",
-                display(motion.error->si(), 2) + " m until " + display(motion.determined->si(), 3) + " s");
+    told += fact("Distance from a run with half the step",
+                 display(motion.error->si(), 2) + " m until " + display(motion.determined->si(), 3) + " s");
   }
-  out += "</tbody></table></div>\n";
+  out += "<div class=\"scroll\">" + detail::facts_table(told) + "</div>\n";
   std::vector<const scene::MotionBlock*> rows;
   for (const scene::MotionBlock& b : motion.blocks) {
     if (b.moved) rows.push_back(&b);

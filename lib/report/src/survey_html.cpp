@@ -9,6 +9,7 @@
 #include "cleave/geometry/orientation.hpp"
 #include "cleave/report/survey.hpp"
 #include "html_parts.hpp"
+#include "html_table.hpp"
 #include "plot.hpp"
 #include "stereonet.hpp"
 #include "survey_windows.hpp"
@@ -203,24 +204,32 @@ std::string size_text(const survey::SetResult& set) {
 }
 
 std::string sets_section(const survey::SurveyResult& result) {
-  std::string out =
-      "<section id=\"sets\"><h2>Joint sets</h2>\n<div class=\"scroll\"><table><thead><tr><th>Set</th><th>Joints</th>"
-      "<th>Traces</th><th>Mean dip / dip direction</th><th>Concentration κ</th></tr></thead><tbody>\n";
-  for (const survey::SetResult& set : result.sets) {
+  const auto row = [](auto& v, const survey::SetResult& set) {
     const bool known = set.joints > 0 || set.orientation_stated;
-    out += "<tr><td>" + escape_xml(set.name) + "</td><td>" + display_count(set.joints) + "</td><td>" +
-           display_count(set.traces) + "</td><td>" + (known ? attitude_text(set) : "–") + "</td><td>" +
-           (known ? concentration_text(set) : "–") + "</td></tr>\n";
-  }
-  out +=
-      "</tbody></table></div>\n<div class=\"scroll\"><table><thead><tr><th>Set</th><th>P32 (1/m)</th><th>P30 "
-      "(1/m³)</th><th>Mean trace (m)</th><th class=\"wide\">Size (m)</th></tr></thead><tbody>\n";
-  const auto cell = [](const std::optional<Estimate>& e) { return e ? estimate_text(*e) : std::string{"–"}; };
-  for (const survey::SetResult& set : result.sets) {
-    out += "<tr><td>" + escape_xml(set.name) + "</td><td>" + cell(set.p32) + "</td><td>" + cell(set.p30) + "</td><td>" +
-           cell(set.mean_length) + "</td><td class=\"wide\">" + size_text(set) + "</td></tr>\n";
-  }
-  out += "</tbody></table></div>\n<ul>\n";
+    const auto if_known = [&](auto text) { return known ? Html{text(set)} : Html{"–"}; };
+    const auto estimate = [](const std::optional<Estimate>& e) { return Html{e ? estimate_text(*e) : "–"}; };
+    v("set", set.name);
+    v("joints", set.joints);
+    v("traces", set.traces);
+    v("attitude", if_known(attitude_text));
+    v("kappa", if_known(concentration_text));
+    v("p32", estimate(set.p32));
+    v("p30", estimate(set.p30));
+    v("mean_length", estimate(set.mean_length));
+    v("size", Html{size_text(set)});
+  };
+  std::string out =
+      "<section id=\"sets\"><h2>Joint sets</h2>\n" +
+      html_table(
+          {{"set"}, {"joints"}, {"traces"}, {"attitude", "Mean dip / dip direction"}, {"kappa", "Concentration κ"}},
+          each(result.sets, row)) +
+      html_table({{"set"},
+                  {"p32", "P32 (1/m)"},
+                  {"p30", "P30 (1/m³)"},
+                  {"mean_length", "Mean trace (m)"},
+                  {.name = "size", .heading = "Size (m)", .kind = "wide"}},
+                 each(result.sets, row)) +
+      "<ul>\n";
   for (const survey::SetResult& set : result.sets) {
     for (const std::string& note : set.notes) out += "<li>" + escape_xml(set.name + ": " + note) + "</li>\n";
   }
@@ -289,15 +298,21 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
     out += "<section id=\"spacings\"><h2>Spacings</h2><div class=\"columns\">" + spacings + "</div></section>\n";
   }
   if (!result.lines.empty()) {
-    out +=
-        "<section id=\"lines\"><h2>Lines</h2><table><thead><tr><th>Line</th><th>Length (m)</th><th>Frequency "
-        "(1/m)</th><th>RQD, measured</th><th>RQD, from the frequency</th></tr></thead><tbody>\n";
-    for (const survey::LineResult& line : result.lines) {
-      out += "<tr><td>" + escape_xml(line.name) + "</td><td>" + display(line.length) + "</td><td>" +
-             estimate_text(line.frequency) + "</td><td>" + estimate_text(line.rqd) + "</td><td>" +
-             estimate_text(line.rqd_by_frequency) + "</td></tr>\n";
-    }
-    out += "</tbody></table></section>\n";
+    const auto row = [](auto& v, const survey::LineResult& line) {
+      v("line", line.name);
+      v("length_m", line.length);
+      v("frequency", Html{estimate_text(line.frequency)});
+      v("rqd", Html{estimate_text(line.rqd)});
+      v("rqd_by_frequency", Html{estimate_text(line.rqd_by_frequency)});
+    };
+    out += "<section id=\"lines\"><h2>Lines</h2>" +
+           html_table({{"line"},
+                       {"length_m"},
+                       {"frequency", "Frequency (1/m)"},
+                       {"rqd", "RQD, measured"},
+                       {"rqd_by_frequency", "RQD, from the frequency"}},
+                      each(result.lines, row), {}, Frame::none) +
+           "</section>\n";
   }
   std::string notes;
   for (const std::string& note : result.notes) notes += "<li>" + escape_xml(note) + "</li>\n";

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cleave/exchange/text.hpp"
+#include "html_table.hpp"
 #include "svg.hpp"
 
 namespace cleave::report::detail {
@@ -97,18 +98,20 @@ std::string beside(const scene::SimulatedTraceMaps& both) {
   const std::vector<scene::MapFigures>& maps = both.simulated;
   if (maps.empty()) return {};
   const scene::MapFigures& measured = both.measured;
-  std::string out = "<table><thead><tr><th class=\"wide\">Map as a whole</th><th>Measured</th><th>Simulated, mean of " +
-                    std::to_string(maps.size()) + " maps (least … most)</th></tr></thead><tbody>\n";
   using scene::MapFigures;
-  const std::array<std::pair<const char*, double MapFigures::*>, 7> rows{
-      {{"Traces that meet the window", &MapFigures::traces},
-       {"P20 (1/m²)", &MapFigures::p20},
-       {"P21 (1/m)", &MapFigures::p21},
-       {"Mean trace length (m)", &MapFigures::mean_length},
-       {"Connections per trace", &MapFigures::connections},
-       {"Mean direction of the traces (°)", &MapFigures::direction},
-       {"Alignment of the traces (0 … 1)", &MapFigures::alignment}}};
-  for (const auto& [name, figure] : rows) {
+  struct MapRow {
+    std::string_view name = {};
+    double MapFigures::* figure = &MapFigures::traces;
+  };
+  const std::array<MapRow, 7> rows{{{"Traces that meet the window", &MapFigures::traces},
+                                    {"P20 (1/m²)", &MapFigures::p20},
+                                    {"P21 (1/m)", &MapFigures::p21},
+                                    {"Mean trace length (m)", &MapFigures::mean_length},
+                                    {"Connections per trace", &MapFigures::connections},
+                                    {"Mean direction of the traces (°)", &MapFigures::direction},
+                                    {"Alignment of the traces (0 … 1)", &MapFigures::alignment}}};
+  const auto row = [&](auto& v, const MapRow& shown) {
+    const auto [name, figure] = shown;
     double sum = 0, least = INFINITY, most = -INFINITY;
     for (const MapFigures& map : maps) {
       double value = map.*figure;
@@ -120,14 +123,16 @@ std::string beside(const scene::SimulatedTraceMaps& both) {
       most = std::max(most, value);
     }
     const double value = measured.*figure;
-    out += std::string{"<tr><td class=\"wide\">"} + name + "</td><td>" + display(value, 3) +
-           (maps.size() > 1 && (value < least || value > most) ? " (outside)" : "") + "</td><td>" +
-           display(sum / static_cast<double>(maps.size()), 3) + " (" + display(least, 3) + " … " + display(most, 3) +
-           ")</td></tr>\n";
-  }
-  return out +
-         "</tbody></table>\n<p class=\"small\">Outside all of 19 maps lies a figure of the right network once in "
-         "ten.</p>\n";
+    v("figure", name);
+    v("measured", Html{display(value, 3) + (maps.size() > 1 && (value < least || value > most) ? " (outside)" : "")});
+    v("simulated", Html{display(sum / static_cast<double>(maps.size()), 3) + " (" + display(least, 3) + " … " +
+                        display(most, 3) + ")"});
+  };
+  const std::string heading = "Simulated, mean of " + std::to_string(maps.size()) + " maps (least … most)";
+  return html_table(
+             {{.name = "figure", .heading = "Map as a whole", .kind = "wide"}, {"measured"}, {"simulated", heading}},
+             each(rows, row), {}, Frame::none) +
+         "<p class=\"small\">Outside all of 19 maps lies a figure of the right network once in ten.</p>\n";
 }
 
 }  // namespace
@@ -153,19 +158,22 @@ std::string survey_windows(const scene::SurveyScene& scene, const survey::Survey
     if (laid_beside) {
       out += "<figure class=\"net\">" + rosette(window, *simulated, 0) + "<figcaption>Simulated.</figcaption></figure>";
     }
-    out +=
-        "</div>\n<table><thead><tr><th class=\"wide\">Figure</th><th class=\"wide\">Method</th><th>Measured "
-        "(interval)</th></tr></thead><tbody>\n";
     std::vector<Estimate> estimates = figures.estimates;
     if (figures.nodes) estimates.push_back(figures.nodes->connections);
     for (const Estimate& e : maps[w].measured.estimates) {
       if (e.name == "direction" || e.name == "alignment") estimates.push_back(e);
     }
-    for (const Estimate& e : estimates) {
-      out += "<tr><td class=\"wide\">" + escape_xml(e.name) + (e.note.empty() ? "" : " (" + escape_xml(e.note) + ")") +
-             "</td><td class=\"wide\">" + escape_xml(e.method) + "</td><td>" + estimate_text(e) + "</td></tr>\n";
-    }
-    out += "</tbody></table>\n" + beside(maps[w]) + "</section>\n";
+    const auto row = [](auto& v, const Estimate& e) {
+      v("figure", e.name + (e.note.empty() ? "" : " (" + e.note + ")"));
+      v("method", Html{escape_xml(e.method)});
+      v("measured", Html{estimate_text(e)});
+    };
+    out += "</div>\n" +
+           html_table({{.name = "figure", .kind = "wide"},
+                       {.name = "method", .kind = "wide"},
+                       {"measured", "Measured (interval)"}},
+                      each(estimates, row), {}, Frame::none) +
+           beside(maps[w]) + "</section>\n";
   }
   return out;
 }

@@ -17,6 +17,14 @@ namespace cleave::report {
 struct TableParts {
   bool force_transfer = false, rotation = false, support = false, field_stress = false;
 };
+inline constexpr TableParts all_parts{.force_transfer = true, .rotation = true, .support = true, .field_stress = true};
+/// `result` has an analysis.
+[[nodiscard]] inline TableParts parts_of(const scene::RunResult& result) {
+  return {.force_transfer = result.analysis->force_transfer,
+          .rotation = result.analysis->rotation != stability::RotationCheck::off,
+          .support = result.support.has_value(),
+          .field_stress = result.field_stress.has_value()};
+}
 
 struct KeyBlockRow {
   const stability::Judgement& j;
@@ -31,7 +39,6 @@ struct KeyBlockRow {
 };
 
 /// `result` has an analysis.
-[[nodiscard]] TableParts parts_of(const scene::RunResult& result);
 [[nodiscard]] KeyBlockRow key_block_row(const topology::BlockComplex& complex, const scene::RunResult& result,
                                         const stability::Judgement& j);
 
@@ -243,6 +250,20 @@ void fields(V& v, const CombinedBlockRow& x) {
   v("missing_force_n", x.b.missing_force);
 }
 
+/// What both tables of groups say of one.
+template <class V>
+void blocks_fields(V& v, const stability::KeyGroup& g) {
+  std::string blocks;
+  for (const topology::BlockId id : g.blocks) blocks += (blocks.empty() ? "" : " ") + std::to_string(id.value());
+  v("blocks", blocks, "numbers, joined by blanks");
+  v("volume_m3", g.volume);
+}
+template <class V>
+void motion_fields(V& v, const stability::KeyGroup& g) {
+  direction_fields(v, g.direction, "direction_x", "direction_y", "direction_z");
+  v("moments", g.moments, "1 when blocks turn: translation alone does not move them");
+}
+
 struct KeyGroupRow {
   const stability::KeyGroup& g;
   std::size_t number = 0;
@@ -251,19 +272,14 @@ struct KeyGroupRow {
 };
 template <class V>
 void fields(V& v, const KeyGroupRow& x) {
-  // Numbers of blocks are joined by blanks here.
-  std::string blocks;
-  for (const topology::BlockId id : x.g.blocks) blocks += (blocks.empty() ? "" : " ") + std::to_string(id.value());
   v("group", x.number, "from 1");
   v("batch", x.g.batch, "in whose state it was found, from 1");
   v("verdict", assembly::name(x.g.verdict), "`certain`, `unsafe` or `in_doubt`");
-  v("blocks", blocks, "numbers, joined by blanks");
-  v("volume_m3", x.g.volume);
+  blocks_fields(v, x.g);
   v("factor_up", when(x.g.factors, x.g.factor_up), "above it motion is certain; `inf`: there is no such factor");
   v("factor_move", when(x.g.factors, x.g.factor_move),
     "of motion from rest: the factor of safety of the group; empty for a group too large for factors");
-  direction_fields(v, x.g.direction, "direction_x", "direction_y", "direction_z");
-  v("moments", x.g.moments, "1 when blocks turn: translation alone does not move them");
+  motion_fields(v, x.g);
   v("load_case", x.load_case, "name of the `[[load]]` it moves in; empty: the base case");
   v("stage", x.stage,
     "after which stage it moves, with the block numbers of `blocks_stage_N.vtu`; empty: after the last");
@@ -277,8 +293,6 @@ struct SupportedGroupRow {
 };
 template <class V>
 void fields(V& v, const SupportedGroupRow& x) {
-  std::string blocks;
-  for (const topology::BlockId id : x.g.blocks) blocks += (blocks.empty() ? "" : " ") + std::to_string(id.value());
   v("group", x.number, "from 1; not the numbers of key_groups.csv");
   v("batch", x.g.batch, "in whose state without support it was found, from 1");
   v("without", assembly::name(x.g.verdict),
@@ -288,10 +302,8 @@ void fields(V& v, const SupportedGroupRow& x) {
     : *x.left == assembly::Verdict::in_doubt ? std::string_view{"in_doubt"}
                                              : std::string_view{"not_held"},
     "`held`, `not_held` or `in_doubt`, with the support at the target");
-  v("blocks", blocks, "numbers, joined by blanks");
-  v("volume_m3", x.g.volume);
-  direction_fields(v, x.g.direction, "direction_x", "direction_y", "direction_z");
-  v("moments", x.g.moments, "1 when blocks turn: translation alone does not move them");
+  blocks_fields(v, x.g);
+  motion_fields(v, x.g);
 }
 
 }  // namespace cleave::report

@@ -52,12 +52,10 @@ std::expected<void, WriteError> write_motion(const scene::RunResult& result, con
   if (!result.motion || complex_of(result) == nullptr) return {};
   if (result.output.csv) CLEAVE_CHECK(write_file(folder / "motion.csv", motion_csv(*result.motion)));
   if (!result.output.vtu) return {};
-  std::vector<std::pair<double, std::string>> series;
-  for (std::size_t f = 0; f < result.motion->frames.size(); ++f) {
-    series.emplace_back(result.motion->frames[f].time.si(), frame_file("motion", f));
-    CLEAVE_CHECK(write_file(folder / series.back().second, motion_vtu(result, f)));
-  }
-  return write_file(folder / "motion.pvd", pvd(series));
+  const std::vector<scene::MotionFrame>& frames = result.motion->frames;
+  return write_frames(
+      folder, "motion", frames.size(), [&](std::size_t f) { return frames[f].time.si(); },
+      [&](std::size_t f) { return motion_vtu(result, f); });
 }
 
 std::expected<void, WriteError> write_dangling(const scene::RunResult& result, const fs::path& folder) {

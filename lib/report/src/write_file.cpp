@@ -6,7 +6,9 @@
 #include <system_error>
 #include <utility>
 
+#include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
+#include "cleave/exchange/vtu_writer.hpp"
 #include "cleave/report/write.hpp"
 
 namespace cleave::report {
@@ -89,6 +91,17 @@ std::string describe(const WriteError& error) {
                         },
                     },
                     error);
+}
+
+std::expected<void, WriteError> write_frames(const fs::path& folder, const std::string& name, std::size_t frames,
+                                             const std::function<double(std::size_t)>& time_of,
+                                             const std::function<std::string(std::size_t)>& frame_vtu) {
+  std::vector<std::pair<double, std::string>> series;
+  for (std::size_t f = 0; f < frames; ++f) {
+    series.emplace_back(time_of(f), frame_file(name, f));
+    CLEAVE_CHECK(write_file(folder / series.back().second, frame_vtu(f)));
+  }
+  return write_file(folder / (name + ".pvd"), pvd(series));
 }
 
 }  // namespace cleave::report

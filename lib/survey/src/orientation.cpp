@@ -270,6 +270,15 @@ Clustering cluster(std::span<const Vec3> normals, std::span<const double> weight
   }
   std::vector<Vec3> members;
   std::vector<double> own;
+  const auto gather = [&](std::size_t set) {
+    members.clear();
+    own.clear();
+    for (std::size_t i = 0; i < n; ++i) {
+      if (result.set[i] != set) continue;
+      members.push_back(normals[i]);
+      own.push_back(weights[i]);
+    }
+  };
   for (int round = 0; round < 200; ++round) {
     bool changed = round == 0;
     for (std::size_t i = 0; i < n; ++i) {
@@ -282,13 +291,7 @@ Clustering cluster(std::span<const Vec3> normals, std::span<const double> weight
     }
     if (!changed) break;
     for (std::size_t k = 0; k < sets; ++k) {
-      members.clear();
-      own.clear();
-      for (std::size_t i = 0; i < n; ++i) {
-        if (result.set[i] != k) continue;
-        members.push_back(normals[i]);
-        own.push_back(weights[i]);
-      }
+      gather(k);
       if (!members.empty()) result.centres[k] = orientation_tensor(members, own).vectors[0];
     }
   }
@@ -320,13 +323,7 @@ Clustering cluster(std::span<const Vec3> normals, std::span<const double> weight
   if (!mark_outliers) return result;
   // Beyond the 1e-3 tail of a set's Fisher law: of no set.
   for (std::size_t k = 0; k < sets; ++k) {
-    members.clear();
-    own.clear();
-    for (std::size_t i = 0; i < n; ++i) {
-      if (result.set[i] != k) continue;
-      members.push_back(normals[i]);
-      own.push_back(weights[i]);
-    }
+    gather(k);
     if (members.size() < 5) continue;
     const FisherFit fit = fit_fisher(members, own);
     if (std::isinf(fit.kappa)) continue;

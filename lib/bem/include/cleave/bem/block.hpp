@@ -41,12 +41,6 @@ struct BlockNeedsDensity {};
 using BlockError = std::variant<OutlineError, BlockFailed, BlockNeedsDensity>;
 [[nodiscard]] std::string describe(const BlockError& error);
 
-/// A point load on the boundary as nodal weights.
-struct BoundaryPlace {
-  std::size_t element = 0;
-  double s = 0;
-};
-
 /// Inner motions of a body of any shape: the answer of the plane to a polynomial body force, less the static extension
 /// of its boundary values. They vanish on the boundary, their stress is in equilibrium with the force, and they take no
 /// energy together with static extensions. Weight, spin and angular acceleration are among the forces, so their stress

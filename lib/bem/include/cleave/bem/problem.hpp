@@ -136,6 +136,14 @@ struct Mesh {
   [[nodiscard]] std::size_t per_element() const noexcept { return nodes_of(order); }
 };
 
+/// A point of an outline.
+struct BoundaryPlace {
+  std::size_t element = 0;
+  double s = 0;  ///< -1..1 along it
+};
+/// The point of the outline that lies nearest.
+[[nodiscard]] BoundaryPlace nearest_place(const Mesh& mesh, Vec2 x);
+
 struct MeshSize {
   Order order = Order::quadratic;
   std::optional<double> element = {};  ///< longest element, m; empty: a sixteenth of the outline's larger extent

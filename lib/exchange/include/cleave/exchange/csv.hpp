@@ -92,4 +92,12 @@ class CsvTable final {
   std::string text_;
 };
 
+/// A table of all rows of a range.
+template <class Row, std::ranges::range Rows>
+[[nodiscard]] std::string csv_table(const Row& sample, const Rows& rows) {
+  CsvTable table{sample};
+  for (const auto& row : rows) table.add(row);
+  return std::move(table).text();
+}
+
 }  // namespace cleave::report

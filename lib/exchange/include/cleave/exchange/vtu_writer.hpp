@@ -37,6 +37,11 @@ class VtuWriter final {
   void strings(std::string_view name, const std::vector<std::string>& texts);
   void begin_piece(std::size_t points, std::size_t cells);
   void points(std::span<const geometry::Vec3> points);
+  /// Section `Cells`: `ends` of the cells in `connectivity`; of polyhedra also VTK's stream of faces and their ends.
+  void cells(const std::vector<std::int64_t>& connectivity, const std::vector<std::int64_t>& ends,
+             const std::vector<std::uint8_t>& types);
+  void polyhedra(const std::vector<std::int64_t>& connectivity, const std::vector<std::int64_t>& ends,
+                 const std::vector<std::int64_t>& faces, const std::vector<std::int64_t>& face_ends);
 
   template <class T>
   void array(std::string_view name, const std::vector<T>& values, int components = 1) {
@@ -61,6 +66,8 @@ class VtuWriter final {
   [[nodiscard]] std::string finish() &&;
 
  private:
+  void begin_cells(const std::vector<std::int64_t>& connectivity, const std::vector<std::int64_t>& ends,
+                   const std::vector<std::uint8_t>& types);
   void begin_array(std::string_view type, std::string_view name, int components);
   void bytes(std::span<const std::byte> values);
 

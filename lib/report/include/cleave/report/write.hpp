@@ -2,6 +2,7 @@
 
 #include <expected>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -31,6 +32,12 @@ using WriteError = std::variant<CannotCreate, NoSpace, CannotWrite>;
 /// Writes `content` beside `path` under a temporary name (PATH.part), flushes it to the disk and renames it. After an
 /// error nothing new stands under either name; what stood under `path` before is untouched.
 [[nodiscard]] std::expected<void, WriteError> write_file(const std::filesystem::path& path, std::string_view content);
+
+/// NAME_0000.vtu and on, each `frame_vtu(frame)` at `time_of(frame)`, and NAME.pvd of them.
+[[nodiscard]] std::expected<void, WriteError> write_frames(const std::filesystem::path& folder, const std::string& name,
+                                                           std::size_t frames,
+                                                           const std::function<double(std::size_t)>& time_of,
+                                                           const std::function<std::string(std::size_t)>& frame_vtu);
 
 /// The single writers, so that a program can time them; each writes one file into `folder`, which must exist. Files
 /// that the scene does not ask for, or whose stage did not run, are skipped without an error.

@@ -167,6 +167,35 @@ struct BodiesResult : Scene2dResult {
   std::vector<MeshTrial> trials;
 };
 
+/// What is said of each body; `steps` of the run.
+[[nodiscard]] inline auto body_fields(std::uint64_t steps) {
+  return [steps](auto& b, const BodyResult& body) {
+    b("name", body.name);
+    b("centroid", body.centroid, "at the end, m");
+    b("rotation", body.rotation * 180 / std::numbers::pi, "at the end, degrees counter-clockwise, whole turns counted");
+    b("method", body.method);
+    b("elements", body.elements);
+    b("unknowns", body.unknowns);
+    b("max_displacement_m", body.largest);
+    b("condition", when(body.condition > 0, body.condition),
+      "estimate of the system's condition number; static scenes");
+    b("imbalance", when(body.condition > 0, body.imbalance),
+      "sum of all forces over the sum of their magnitudes; static scenes");
+    b("estimated_error", OrNull<double>{body.error},
+      "relative, of displacement: from runs with half and a quarter of the elements (moving bodies: and modes, "
+      "and two and four times the step); null: there is none, see no_estimate");
+    b("no_estimate", when(!body.error, body.no_estimate.empty() ? std::string{"nothing moves"} : body.no_estimate),
+      "why there is no estimate");
+    b("modes_hz", when_any(body.modes_hz),
+      "lowest natural frequencies, as supported; free bodies without rigid motions; none of pinned, bonded and "
+      "infinite bodies");
+    b("rebuilds", when(steps > 0, body.rebuilds),
+      "moving bodies: how often the operator was rebuilt in the deformed shape");
+    b("strain_since_build", when(steps > 0, body.strain_since_build),
+      "moving bodies: largest change of the boundary's tangent since an operator was built");
+  };
+}
+
 /// Section `elastic`.
 template <class V>
 void scene2d_fields(V& v, const BodiesResult& x) {
@@ -175,33 +204,7 @@ void scene2d_fields(V& v, const BodiesResult& x) {
       w("steps", x.steps, "time steps; 0 for a static scene");
       w("residual", x.residual, "of the linear systems, relative");
       w("max_displacement_m", x.largest_displacement);
-      w("bodies", each(x.bodies, [&](auto& b, const BodyResult& body) {
-          b("name", body.name);
-          b("centroid", body.centroid, "at the end, m");
-          b("rotation", body.rotation * 180 / std::numbers::pi,
-            "at the end, degrees counter-clockwise, whole turns counted");
-          b("method", body.method);
-          b("elements", body.elements);
-          b("unknowns", body.unknowns);
-          b("max_displacement_m", body.largest);
-          b("condition", when(body.condition > 0, body.condition),
-            "estimate of the system's condition number; static scenes");
-          b("imbalance", when(body.condition > 0, body.imbalance),
-            "sum of all forces over the sum of their magnitudes; static scenes");
-          b("estimated_error", OrNull<double>{body.error},
-            "relative, of displacement: from runs with half and a quarter of the elements (moving bodies: and modes, "
-            "and two and four times the step); null: there is none, see no_estimate");
-          b("no_estimate",
-            when(!body.error, body.no_estimate.empty() ? std::string{"nothing moves"} : body.no_estimate),
-            "why there is no estimate");
-          b("modes_hz", when_any(body.modes_hz),
-            "lowest natural frequencies, as supported; free bodies without rigid motions; none of pinned, bonded and "
-            "infinite bodies");
-          b("rebuilds", when(x.steps > 0, body.rebuilds),
-            "moving bodies: how often the operator was rebuilt in the deformed shape");
-          b("strain_since_build", when(x.steps > 0, body.strain_since_build),
-            "moving bodies: largest change of the boundary's tangent since an operator was built");
-        }));
+      w("bodies", each(x.bodies, body_fields(x.steps)));
       w("points", each(x.points, [&](auto& p, const PointResult& point) {
           p("name", point.name);
           p("displacement", point.displacement.empty() ? bem::Vec2{} : point.displacement.back(), "at the end, m");

@@ -193,8 +193,14 @@ struct ContactHistory {
 struct SolverShare {
   std::string name;
   std::uint64_t groups = 0;
-  std::uint64_t iterations = 0;  ///< linear solves and pivots of those groups, other tries included
+  std::uint64_t iterations = 0;
 };
+template <class V>
+void fields(V& v, const SolverShare& x) {
+  v("name", x.name);
+  v("groups", x.groups, "groups of contacts whose answer it found");
+  v("iterations", x.iterations, "linear solves and pivots for those groups, other tries included");
+}
 struct ContactBodyResult {
   std::string name;
   bool fixed = false, elastic = false;
@@ -309,11 +315,7 @@ void scene2d_fields(V& v, const ContactResult& x) {
         }),
         "largest departure of momentum from what weight and supports give, relative (0 in scenes with loads or at "
         "rest); of angular momentum where nothing acts from outside");
-      w("solvers", each(x.solvers, [](auto& s, const SolverShare& share) {
-          s("name", share.name);
-          s("groups", share.groups, "groups of contacts whose answer it found");
-          s("iterations", share.iterations, "linear solves and pivots for those groups, other tries included");
-        }));
+      w("solvers", x.solvers);
       w("iterations", x.iterations, "linear solves and pivots in all");
       w("work", x.work * 1e-9, "10^9 operations of the contact law, counted; some 0.4 s each");
     }),
