@@ -280,6 +280,27 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThem) {
   EXPECT_EQ(strong.not_held, 1U);  // at right angles to the motion they hold little
 }
 
+// Cables through the passive block hold the two under their weight; an earthquake out of the slope wants more.
+TEST(KeyGroupsScene, SupportIsAskedToHoldThemInEachLoadCase) {
+  const std::string cases =
+      "[[load]]\nname = \"calm\"\n[[load]]\nname = \"quake\"\nseismic = [-0.4, 0, 0]\n"
+      "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
+  const RunResult result = run_of(active_and_passive(45) + cases);
+  ASSERT_EQ(result.figures.support_cases.size(), 2U);
+  ASSERT_TRUE(result.figures.support && result.figures.support->groups);
+  const SupportFigures &calm = result.figures.support_cases[0].figures,
+                       &quake = result.figures.support_cases[1].figures;
+  ASSERT_TRUE(calm.groups && quake.groups);
+  EXPECT_EQ(result.figures.support->groups->count, 0U);
+  EXPECT_EQ(calm.groups->count, 0U);
+  EXPECT_TRUE(calm.passes);
+  EXPECT_EQ(quake.groups->not_held, 1U);
+  EXPECT_NEAR(quake.groups->not_held_volume.si(), 233 + 322, 1e-6);
+  EXPECT_FALSE(quake.passes);
+  EXPECT_EQ(notes_with(result, "load case quake: the support does not hold 1 group"), 1U);
+  EXPECT_EQ(notes_with(result, "load case calm"), 0U);
+}
+
 TEST(KeyGroupsScene, WhatTheSearchWithSupportDidNotLookAtIsSaid) {
   const std::string text = active_and_passive(20) + "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
   RunResult result = run_of(text);

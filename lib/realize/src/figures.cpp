@@ -224,12 +224,15 @@ Figures count(const RunResult& result) {
     figures.load_cases.push_back({load.name, count_key_blocks(load.analysis, target)});
   }
   if (result.support) figures.support = count_support(result, *result.support);
-  if (figures.support && result.group_support) {
-    figures.support->groups = count_supported_groups(*result.group_support);
-    figures.support->passes = figures.support->passes && figures.support->groups->all_held();
-  }
+  const auto add_groups = [](SupportFigures& support, const std::optional<stability::GroupSupport>& groups) {
+    if (!groups) return;
+    support.groups = count_supported_groups(*groups);
+    support.passes = support.passes && support.groups->all_held();
+  };
+  if (figures.support) add_groups(*figures.support, result.group_support);
   for (const CaseSupport& load : result.support_cases) {
     figures.support_cases.push_back({load.name, count_support(result, load.support)});
+    add_groups(figures.support_cases.back().figures, load.groups);
   }
   if (!result.maximum_blocks.empty()) figures.maximum_blocks = count_maximum_blocks(result.maximum_blocks);
   return figures;

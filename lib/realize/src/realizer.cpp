@@ -278,21 +278,34 @@ void Realizer::support() {
   }
 }
 
-/// Whether it holds groups that miss their target; ensembles count it block by block.
+/// Whether it holds groups that miss their target, in the base case and in each load case; ensembles count it block by
+/// block.
 void Realizer::support_of_groups() {
   made_.group_support.reset();
+  for (CaseSupport& load : made_.support_cases) load.groups.reset();
   if (detail_ == Detail::counted || !made_.key_groups || made_.key_groups->too_many) return;
-  const topology::AuditedComplex& complex = *made_.complex;
+  const topology::BlockComplex& complex = made_.complex->complex();
+  made_.group_support = groups_with_support(settings(complex), *made_.support, "");
+  for (std::size_t k = 0; k < made_.support_cases.size(); ++k) {
+    CaseSupport& load = made_.support_cases[k];
+    const auto& loads = scene_->stability->cases[k].loads;
+    load.groups = groups_with_support(of_detail(settings_on(complex, *scene_, made_, loads)), load.support,
+                                      "load case " + load.name + ": ");
+  }
+}
+
+std::optional<stability::GroupSupport> Realizer::groups_with_support(const stability::Settings& settings,
+                                                                     const stability::SupportResult& support,
+                                                                     std::string_view where) {
   const bool decides = scene_->stability->decides_by_groups();
-  made_.group_support =
-      stability::check_groups(complex, settings(complex.complex()), scene_->support->plan, *made_.support,
-                              decides ? stability::most_together : stability::most_noted);
-  const stability::GroupSupport& found = *made_.group_support;
-  if (!found.below.too_many && !found.left.too_many) return;
-  made_.group_support.reset();
+  auto found = stability::check_groups(*made_.complex, settings, scene_->support->plan, support,
+                                       decides ? stability::most_together : stability::most_noted);
+  if (!found.below.too_many && !found.left.too_many) return found;
   group_notes_.push_back(
+      std::string{where} +
       "support: at strengths over the target more blocks are near free faces than are judged together: whether it "
       "holds groups of blocks was not asked");
+  return std::nullopt;
 }
 
 void Realizer::move() { made_.motion = run_motion(*scene_, made_, made_.complex->complex()); }

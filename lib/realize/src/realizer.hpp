@@ -50,6 +50,10 @@ class Realizer final {
   void judge_groups_of_stages();
   void support();
   void support_of_groups();
+  /// Of the base case or a load case; empty, and noted, where more blocks than are judged together are near free faces.
+  [[nodiscard]] std::optional<stability::GroupSupport> groups_with_support(const stability::Settings& settings,
+                                                                           const stability::SupportResult& support,
+                                                                           std::string_view where);
   [[nodiscard]] Done clamp();
   void move();
   [[nodiscard]] stability::Settings settings(const topology::BlockComplex& complex) const;

@@ -198,30 +198,34 @@ void add_moving_group_notes(const stability::KeyGroups& groups, const stability:
 
 namespace {
 
-/// What support leaves of groups below their target.
-void add_group_support_notes(const stability::GroupSupport& groups, std::vector<std::string>& notes) {
+/// What support leaves of groups below their target. `where`: the load case, before each note.
+void add_group_support_notes(const stability::GroupSupport& groups, std::string_view where,
+                             std::vector<std::string>& notes) {
   const SupportedGroupFigures f = count_supported_groups(groups);
   if (f.not_held > 0) {
     notes.push_back(
-        fmt::format("the support does not hold {} {} of blocks ({:.4g} m3) that move together below their target: see "
-                    "supported_groups.csv",
-                    f.not_held, f.not_held == 1 ? "group" : "groups", f.not_held_volume.si()));
+        fmt::format("{}the support does not hold {} {} of blocks ({:.4g} m3) that move together below their target: "
+                    "see supported_groups.csv",
+                    where, f.not_held, f.not_held == 1 ? "group" : "groups", f.not_held_volume.si()));
   }
   if (f.in_doubt > 0) {
     notes.push_back(fmt::format(
-        "whether the support holds {} {} of blocks could not be decided, or lies within 5 % of the target: in doubt, "
-        "not held: see supported_groups.csv",
-        f.in_doubt, f.in_doubt == 1 ? "group" : "groups"));
+        "{}whether the support holds {} {} of blocks could not be decided, or lies within 5 % of the target: in "
+        "doubt, not held: see supported_groups.csv",
+        where, f.in_doubt, f.in_doubt == 1 ? "group" : "groups"));
   }
   if (groups.below.cut_off || groups.left.cut_off) {
     notes.push_back(
-        "support: a group that moves at strengths over the target touches more blocks than are judged together; more "
-        "may have to be held than supported_groups.csv says");
+        fmt::format("{}support: a group that moves at strengths over the target touches more blocks than are judged "
+                    "together; more may have to be held than supported_groups.csv says",
+                    where));
   }
   if (groups.below.at_the_edge || groups.left.at_the_edge) {
     notes.push_back(
-        "support: groups that move at strengths over the target reach the edge of the box that was cut: what lies "
-        "beyond was taken to stay, so that more may have to be held; [output] blocks = \"all\" takes it in");
+        fmt::format("{}support: groups that move at strengths over the target reach the edge of the box that was cut: "
+                    "what lies beyond was taken to stay, so that more may have to be held; [output] blocks = \"all\" "
+                    "takes it in",
+                    where));
   }
 }
 
@@ -367,7 +371,10 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (made.key_groups) {
     add_group_notes(*made.key_groups, *analysis, made.support.has_value() && !made.group_support, notes);
   }
-  if (made.group_support) add_group_support_notes(*made.group_support, notes);
+  if (made.group_support) add_group_support_notes(*made.group_support, "", notes);
+  for (const CaseSupport& load : made.support_cases) {
+    if (load.groups) add_group_support_notes(*load.groups, fmt::format("load case {}: ", load.name), notes);
+  }
   return notes;
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <utility>
+#include <vector>
 
 #include "cleave/exchange/csv.hpp"
 #include "cleave/exchange/text.hpp"
@@ -56,6 +58,20 @@ std::vector<KeyGroupRow> rows_of(const scene::RunResult& result) {
   return rows;
 }
 
+/// Of the base case, then of the load cases.
+std::vector<SupportedGroupRow> supported_rows_of(const scene::RunResult& result) {
+  std::vector<SupportedGroupRow> rows;
+  const auto add = [&](const std::optional<stability::GroupSupport>& groups, std::string_view load_case) {
+    if (!groups) return;
+    for (std::size_t number = 0; const stability::KeyGroup& group : groups->below.groups) {
+      rows.push_back({group, ++number, groups->left_of(group), load_case});
+    }
+  };
+  add(result.group_support, {});
+  for (const scene::CaseSupport& load : result.support_cases) add(load.groups, load.name);
+  return rows;
+}
+
 }  // namespace
 
 std::string key_groups_csv(const scene::RunResult& result) {
@@ -63,36 +79,33 @@ std::string key_groups_csv(const scene::RunResult& result) {
   return csv_table(KeyGroupRow{none}, rows_of(result));
 }
 
+bool judged_with_support(const scene::RunResult& result) {
+  return result.group_support || std::ranges::any_of(result.support_cases, [](const scene::CaseSupport& load) {
+           return load.groups.has_value();
+         });
+}
+
 std::string supported_groups_csv(const scene::RunResult& result) {
   const stability::KeyGroup none{};
-  CsvTable table{SupportedGroupRow{none}};
-  for (std::size_t number = 0; const stability::KeyGroup& group : result.group_support->below.groups) {
-    table.add(SupportedGroupRow{group, ++number, result.group_support->left_of(group)});
-  }
-  return std::move(table).text();
+  return csv_table(SupportedGroupRow{none}, supported_rows_of(result));
 }
 
 std::string supported_groups_table(const scene::RunResult& result) {
-  if (!result.group_support || result.group_support->below.groups.empty()) return {};
-  const stability::KeyGroup none{};
-  HtmlTable table{{{"group"},
-                   {"without", "Without support"},
-                   {"with", "With support"},
-                   {"blocks"},
-                   {"volume_m3"},
-                   {"moments", "Turns"}},
-                  SupportedGroupRow{none},
-                  "id=\"supported-groups\" class=\"sortable\""};
-  std::size_t number = 0;
-  for (const stability::KeyGroup& group : result.group_support->below.groups) {
-    if (++number > most_rows) break;
-    table.add(SupportedGroupRow{group, number, result.group_support->left_of(group)});
+  const std::vector<SupportedGroupRow> rows = supported_rows_of(result);
+  if (rows.empty()) return {};
+  std::vector<Shown> columns{
+      {"group"},           {"without", "Without support"}, {"with", "With support"}, {"blocks"}, {"volume_m3"},
+      {"moments", "Turns"}};
+  if (std::ranges::any_of(rows, [](const SupportedGroupRow& row) { return !row.load_case.empty(); })) {
+    columns.push_back({"load_case", "Load case"});
   }
-  const bool more = result.group_support->below.groups.size() > most_rows;
+  const stability::KeyGroup none{};
+  HtmlTable table{std::move(columns), SupportedGroupRow{none}, "id=\"supported-groups\" class=\"sortable\""};
+  for (const SupportedGroupRow& row : rows | std::views::take(most_rows)) table.add(row);
   return "<h3>Blocks that move together</h3>" + std::move(table).html() +
          "<p class=\"small\">Groups below their target of safety without support. In doubt: not decided, or within 5 % "
          "of the target." +
-         (more ? " All are in supported_groups.csv." : "") + "</p>\n";
+         (rows.size() > most_rows ? " All are in supported_groups.csv." : "") + "</p>\n";
 }
 
 std::string key_groups_section(const scene::RunResult& result) {

@@ -11,8 +11,11 @@ namespace cleave::report {
 /// base case after the last stage.
 [[nodiscard]] std::string key_groups_csv(const scene::RunResult& result);
 
-/// supported_groups.csv: groups below their target and what the support leaves of them. `result.group_support` is
-/// there.
+/// Whether groups were judged with the support, in the base case or a load case.
+[[nodiscard]] bool judged_with_support(const scene::RunResult& result);
+
+/// supported_groups.csv: groups below their target and what the support leaves of them, of the base case, then of the
+/// load cases.
 [[nodiscard]] std::string supported_groups_csv(const scene::RunResult& result);
 
 /// The same as a table of the report; empty without any.

@@ -290,6 +290,7 @@ struct SupportedGroupRow {
   const stability::KeyGroup& g;
   std::size_t number = 0;
   std::optional<assembly::Verdict> left = {};
+  std::string_view load_case = {};  ///< empty: the base case
 };
 template <class V>
 void fields(V& v, const SupportedGroupRow& x) {
@@ -304,6 +305,7 @@ void fields(V& v, const SupportedGroupRow& x) {
     "`held`, `not_held` or `in_doubt`, with the support at the target");
   blocks_fields(v, x.g);
   motion_fields(v, x.g);
+  v("load_case", x.load_case, "name of the `[[load]]` it misses its target in; empty: the base case");
 }
 
 }  // namespace cleave::report

@@ -91,7 +91,7 @@ std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& res
     CLEAVE_CHECK(write_file(folder / "bolts.csv", bolts_csv(result)));
     CLEAVE_CHECK(write_file(folder / "support_blocks.csv", support_blocks_csv(result)));
     CLEAVE_CHECK(write_file(folder / "combined_blocks.csv", combined_blocks_csv(result)));
-    if (result.group_support) {
+    if (judged_with_support(result)) {
       CLEAVE_CHECK(write_file(folder / "supported_groups.csv", supported_groups_csv(result)));
     }
   }

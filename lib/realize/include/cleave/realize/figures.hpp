@@ -327,6 +327,12 @@ void fields(V& v, const SupportedGroupFigures& x) {
   v("in_doubt", x.in_doubt, "of which that could not be decided, or within 5 %");
   v("not_held_volume_m3", x.not_held_volume);
 }
+template <class V>
+void supported_groups_field(V& v, const std::optional<SupportedGroupFigures>& x) {
+  const SupportedGroupFigures groups = x.value_or(SupportedGroupFigures{});
+  v("groups", when(x.has_value(), group([&](auto& w) { fields(w, groups); })),
+    "Blocks judged together with the support; absent where they were not.");
+}
 [[nodiscard]] SupportedGroupFigures count_supported_groups(const stability::GroupSupport& groups);
 
 struct SupportFigures {
@@ -358,6 +364,7 @@ void fields(V& v, const SupportCaseFigures& x) {
   v("not_held", x.figures.not_held);
   v("combined_blocks", x.figures.combined);
   v("combined_failing", x.figures.combined_failing);
+  supported_groups_field(v, x.figures.groups);
 }
 /// `tunnel_length`: empty where there is no tunnel.
 template <class V>
@@ -399,9 +406,7 @@ void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_
   v("passed_on_required_force_n", or_null(x.passed_on_required_force_n), "null: none is enough");
   v("passed_on_required_force_reason",
     when(!std::isfinite(x.passed_on_required_force_n), "no single force is enough for a block"));
-  const SupportedGroupFigures groups = x.groups.value_or(SupportedGroupFigures{});
-  v("groups", when(x.groups.has_value(), group([&](auto& w) { fields(w, groups); })),
-    "Blocks judged together with the support; absent where they were not.");
+  supported_groups_field(v, x.groups);
   v("missing_force_n", or_null(x.missing_force_n), "null: no force is enough");
   v("missing_force_reason", when(!std::isfinite(x.missing_force_n), "no force is enough for a block that is not held"));
   v("designs", when_any(designs), "[support.design]: what was found for each length");

@@ -128,6 +128,7 @@ struct CaseResult {
 struct CaseSupport {
   std::string name;
   stability::SupportResult support;
+  std::optional<stability::GroupSupport> groups = {};  ///< where blocks are judged together
 };
 
 /// A largest key block of block theory.
@@ -254,7 +255,7 @@ struct Realization : SampledScene {
   std::vector<MaximumRow> maximum_blocks = {};
   std::optional<stability::SupportResult> support = {};
   std::vector<CaseSupport> support_cases = {};  ///< of [[load]], in scene order
-  /// Of the base case, where blocks are judged together.
+  /// Of the base case, where blocks are judged together; those of load cases are in `support_cases`.
   std::optional<stability::GroupSupport> group_support = {};
   std::vector<DesignResult> designs = {};
   /// Where the scene has [field_stress] and something is judged.
