@@ -301,6 +301,25 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThemInEachLoadCase) {
   EXPECT_EQ(notes_with(result, "load case calm"), 0U);
 }
 
+// The two stand below their target after the first stage; what moves after the last is not asked of the first again.
+TEST(KeyGroupsScene, SupportIsAskedToHoldThemAfterEachStage) {
+  const std::string pit =
+      "[[excavation]]\nname = \"pit\"\nstage = 2\nkind = \"polyhedron\"\n"
+      "box = { min = [30, 0, -15], max = [35, 1, -10] }\n";
+  const std::string shotcrete = "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
+  for (const double friction : {30.0, 45.0}) {
+    SCOPED_TRACE(friction);
+    const RunResult result = run_of(pit + active_and_passive(friction) + shotcrete);
+    ASSERT_TRUE(result.sequence && result.sequence->stages.size() == 2U);
+    const auto& support = result.sequence->stages.front().support;
+    ASSERT_TRUE(support && support->groups);
+    const std::size_t below = friction < 40 ? 1 : 0;
+    EXPECT_EQ(support->groups->count, below);
+    EXPECT_EQ(support->groups->not_held, below);
+    EXPECT_EQ(notes_with(result, "after stage 1: the support installed by then does not hold 1 of 1 group"), below);
+  }
+}
+
 TEST(KeyGroupsScene, WhatTheSearchWithSupportDidNotLookAtIsSaid) {
   const std::string text = active_and_passive(20) + "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
   RunResult result = run_of(text);

@@ -227,7 +227,14 @@ void judge_support_in_stages(const Scene& scene, Realization& made) {
       return [first](const Bolt& bolt) { return bolt.after_stage >= first; };
     };
     std::erase_if(plan.bolts, later(row.stage + 1));
-    const SupportFigures with = count_support(check_support(complex, settings, *row.analysis, plan));
+    const stability::SupportResult installed = check_support(complex, settings, *row.analysis, plan);
+    const SupportFigures with = count_support(installed);
+    std::optional<stability::GroupSupport> groups;
+    if (scene.stability->groups != stability::GroupsCheck::off) {
+      groups = check_groups(complex, settings, plan, installed,
+                            scene.stability->decides_by_groups() ? stability::most_together : stability::most_noted);
+    }
+    const bool too_many = groups && groups->too_many();
     std::erase_if(plan.bolts, later(row.stage));
     plan.spot.reset();
     plan.shotcrete.reset();
@@ -237,7 +244,9 @@ void judge_support_in_stages(const Scene& scene, Realization& made) {
                                .not_held_before = before.not_held,
                                .bolts = with.bolts,
                                .not_held = with.not_held,
-                               .combined_failing = with.combined_failing};
+                               .combined_failing = with.combined_failing,
+                               .too_many = too_many};
+    if (groups && !too_many) row.support->groups = count_supported_groups(*groups);
   }
 }
 

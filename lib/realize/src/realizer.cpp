@@ -300,11 +300,8 @@ std::optional<stability::GroupSupport> Realizer::groups_with_support(const stabi
   const bool decides = scene_->stability->decides_by_groups();
   auto found = stability::check_groups(*made_.complex, settings, scene_->support->plan, support,
                                        decides ? stability::most_together : stability::most_noted);
-  if (!found.below.too_many && !found.left.too_many) return found;
-  group_notes_.push_back(
-      std::string{where} +
-      "support: at strengths over the target more blocks are near free faces than are judged together: whether it "
-      "holds groups of blocks was not asked");
+  if (!found.too_many()) return found;
+  group_notes_.push_back(too_many_with_support(where));
   return std::nullopt;
 }
 

@@ -106,7 +106,18 @@ void add_enclosed_notes(const std::vector<stability::HeldFromWithin>& rows, std:
 
 void add_stage_support_notes(const SequenceResult& sequence, std::vector<std::string>& notes) {
   for (const StageResult& row : sequence.stages) {
-    if (!row.support || (row.support->not_held == 0 && row.support->combined_failing == 0)) continue;
+    if (!row.support) continue;
+    const std::string where = fmt::format("after stage {}: ", row.stage);
+    if (row.support->too_many) notes.push_back(too_many_with_support(where));
+    if (row.support->groups && !row.support->groups->all_held()) {
+      const SupportedGroupFigures& groups = *row.support->groups;
+      notes.push_back(
+          fmt::format("{}the support installed by then does not hold {} of {} {} of blocks below the target ({:.4g} "
+                      "m3), {} in doubt: see sequence in summary.json",
+                      where, groups.not_held, groups.count, groups.count == 1 ? "group" : "groups",
+                      groups.not_held_volume.si(), groups.in_doubt));
+    }
+    if (row.support->not_held == 0 && row.support->combined_failing == 0) continue;
     notes.push_back(
         fmt::format("after stage {} the support installed by then leaves {} of {} blocks and {} stitched bodies below "
                     "the required factors of safety: see sequence in summary.json",
@@ -139,6 +150,12 @@ std::string note_on(const WindowInfo& window) {
 }
 
 }  // namespace
+
+std::string too_many_with_support(std::string_view where) {
+  return std::string{where} +
+         "support: at strengths over the target more blocks are near free faces than are judged together: whether it "
+         "holds groups of blocks was not asked";
+}
 
 KeyGroupFigures count_key_groups(const stability::KeyGroups& groups) {
   KeyGroupFigures figures{.judged = !groups.too_many};

@@ -16,6 +16,9 @@ namespace cleave::scene {
 void add_moving_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis,
                             std::string_view where, std::vector<std::string>& notes);
 
+/// That groups could not be looked for with the support. `where`: the load case or stage, before it.
+[[nodiscard]] std::string too_many_with_support(std::string_view where);
+
 /// Openings that lie partly outside the rock, or take nothing that an earlier one has not.
 void add_excavation_notes(const std::vector<ExcavationInfo>& excavations, std::vector<std::string>& notes);
 

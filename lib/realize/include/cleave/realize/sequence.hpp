@@ -22,6 +22,8 @@ struct StageSupport {
   std::uint64_t blocks = 0;  ///< below their target without support
   std::uint64_t bolts_before = 0, not_held_before = 0;
   std::uint64_t bolts = 0, not_held = 0, combined_failing = 0;
+  std::optional<SupportedGroupFigures> groups = {};  ///< where blocks are judged together, and not too many
+  bool too_many = false;                             ///< to be judged together
 };
 template <class V>
 void fields(V& v, const StageSupport& x) {
@@ -31,6 +33,7 @@ void fields(V& v, const StageSupport& x) {
   v("bolts", x.bolts, "with those installed after this stage");
   v("not_held", x.not_held, "with these, spot bolts and shotcrete");
   v("combined_failing", x.combined_failing, "bodies that these bolts stitch together");
+  supported_groups_field(v, x.groups);
 }
 
 /// The rock after one stage.

@@ -74,6 +74,8 @@ void decide_by_groups(const topology::AuditedComplex& complex, const Settings& s
 struct GroupSupport {
   KeyGroups below;  ///< without support
   KeyGroups left;   ///< with it: what still moves, or is in doubt
+  /// More blocks than are judged together: nothing is known.
+  [[nodiscard]] bool too_many() const noexcept { return below.too_many || left.too_many; }
   /// The worst verdict on blocks of `group` with the support; empty: all of them are held.
   [[nodiscard]] std::optional<assembly::Verdict> left_of(const KeyGroup& group) const;
 };
