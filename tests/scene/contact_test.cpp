@@ -43,6 +43,7 @@ TEST(ContactScene, BadInputIsNamed) {
       {motion, "s.toml:1: body: there is no body"},
       {"[contact]\nstep = 0.1\n[[body]]\n" + square, "contact.duration: is missing"},
       {"[contact]\nduration = 1\nstep = 0\n[[body]]\n" + square, "contact.step: is 0"},
+      {"[contact]\nstatic = true\nmass_damping = 3\n[[body]]\n" + square, "mass_damping: slows what moves"},
       {"[contact]\nduration = 1\nstep = 2\n[[body]]\n" + square, "longer than the whole time"},
       {"[contact]\nduration = 1\nstep = 0.1\nmax_step = 0.01\n[[body]]\n" + square, "max_step: is shorter"},
       {"[contact]\nduration = 1\nsolvr = \"lemke\"\n[[body]]\n" + square, "did you mean \"solver\""},
@@ -369,6 +370,16 @@ double newmark(const GroundMotion& motion_of_ground, Vec2 gravity, double fricti
     x += dt * v;
   }
   return x;
+}
+
+TEST(ContactScene, MassDampingSlowsASlider) {
+  const double rate = 4, t = 1.5, pull = 3 - std::tan(10 * std::numbers::pi / 180) * 9.81;
+  const ContactResult result = ran(
+      "[contact]\nduration = 1.5\nstep = 2e-3\nmass_damping = 4\ngravity = [3, -9.81]\n[joints.default]\nfriction = "
+      "10\n" +
+      ground + "[[body]]\nname = \"block\"\nrectangle = { corner = [0, 0], width = 1, height = 0.4 }\n");
+  const double way = pull / rate * (t - (1 - std::exp(-rate * t)) / rate);
+  EXPECT_NEAR(result.bodies[1].centroid.x - 0.5, way, 1e-5 * way);
 }
 
 TEST(ContactScene, ABlockOnAMovingGroundSlidesAsNewmarksBlock) {

@@ -194,7 +194,7 @@ ContactProblem World::Impl::parting_problem(const Island& island, const Rows& ro
       apart ? std::max(parting_softness * uneven * lightest / heaviest, least_softness) : parting_softness;
   const double farthest =
       m > dear || apart ? -far_away * std::ranges::min(gaps) : std::numeric_limits<double>::infinity();
-  problem.w = delassus(rows, 1, 1, true);
+  problem.w = delassus(rows, 1, 1, 1, true);
   problem.mu.assign(m, 0.0);
   problem.cohesion.assign(m, 0.0);
   problem.tension.assign(m, 0.0);
@@ -204,7 +204,7 @@ ContactProblem World::Impl::parting_problem(const Island& island, const Rows& ro
     d.yy *= 1 + softness;
     problem.b.push_back({std::min(gaps[k], farthest), 0});
   }
-  problem.rigid = rigid_form(rows, island, true);
+  problem.rigid = rigid_form(rows, island, 1, true);
   return problem;
 }
 

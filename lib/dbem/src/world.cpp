@@ -82,6 +82,9 @@ std::optional<WorldError> check_options(const WorldOptions& o) {
   if ((o.position_error && !(*o.position_error > 0)) || !(o.overlap >= 0))
     return BadOption{"tolerances must not be negative"};
   if (!(o.step_work > 0)) return BadOption{"the work of a step must be positive"};
+  if (!good(o.mass_damping) || o.mass_damping < 0) {
+    return BadOption{fmt::format("damping of {} /s is no rate at which motion is lost", o.mass_damping)};
+  }
   if (!(o.regularisation >= 0)) return BadOption{"regularisation must not be negative"};
   return std::nullopt;
 }

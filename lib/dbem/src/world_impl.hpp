@@ -194,6 +194,12 @@ struct World::Impl {
   void look(double step);
 
   // assembly.cpp
+  /// What is left of a velocity after a step, and how much of an impulse given over it, by the damping in proportion to
+  /// mass.
+  struct Damped {
+    double kept, felt;
+  };
+  [[nodiscard]] Damped damped_over(double step) const;
   [[nodiscard]] std::vector<Island> islands_of(const std::vector<Touch>& list) const;
   [[nodiscard]] Rows rows_of(const std::vector<Touch>& list, const Island& island, const State& at) const;
   /// Sides of each body that moves, bodies numbered as met.
@@ -205,9 +211,10 @@ struct World::Impl {
     std::vector<Eigen::Index> place;       // in that matrix, by side
   };
   [[nodiscard]] SidesOfBodies sides_of(const Rows& rows, double theta, double step, bool rigid_only) const;
-  [[nodiscard]] BlockMatrix delassus(const Rows& rows, double theta, double step, bool rigid_only) const;
+  [[nodiscard]] BlockMatrix delassus(const Rows& rows, double theta, double step, double felt, bool rigid_only) const;
   /// Nothing when a body of the group bends and its modes are not left out (`stiffened`).
-  [[nodiscard]] std::optional<RigidForm> rigid_form(const Rows& rows, const Island& island, bool stiffened) const;
+  [[nodiscard]] std::optional<RigidForm> rigid_form(const Rows& rows, const Island& island, double felt,
+                                                    bool stiffened) const;
   /// Velocity of each contact (n, t) under the velocities of a state.
   [[nodiscard]] Vec2 velocity_of(const Rows& rows, std::size_t contact, const State& at) const;
   void add_impulse(const Rows& rows, std::size_t contact, Vec2 p, double theta, double step, State& at) const;

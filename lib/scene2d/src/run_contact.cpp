@@ -351,6 +351,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
       options.ground = [&ground = *s.ground](double t) { return ground.at(t); };
       options.ground_mean = [&ground = *s.ground](double from, double to) { return ground.mean(from, to); };
     }
+    options.mass_damping = s.mass_damping.si();
     options.step = s.step;
     options.longest_step = s.max_step;
     options.displacement = s.largest_move;

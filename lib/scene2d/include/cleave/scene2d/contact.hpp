@@ -28,6 +28,8 @@ namespace cleave::scene {
 
 /// Pa/m, which is N/m3.
 using JointStiffness = UnitWeight;
+/// 1/s.
+using Rate = Quantity<0, 0, -1>;
 
 /// Strength of a contact between two sides; [joints.NAME] of the scene.
 struct ContactJoint {
@@ -108,6 +110,7 @@ struct ContactSettings {
   std::optional<double> element;     ///< m, longest element; empty: a quarter of the body
   std::optional<std::size_t> modes;  ///< of an elastic body; empty: all
   double damping = 0;                ///< share of critical damping of elastic vibrations
+  Rate mass_damping{};               ///< of all motion
   double largest_move = 0.05;        ///< of the scene's extent, in one step
   std::size_t frames = 120;
   std::optional<RockStrength> strength;
