@@ -43,6 +43,9 @@ TEST(ContactScene, BadInputIsNamed) {
       {motion, "s.toml:1: body: there is no body"},
       {"[contact]\nstep = 0.1\n[[body]]\n" + square, "contact.duration: is missing"},
       {"[contact]\nduration = 1\nstep = 0\n[[body]]\n" + square, "contact.step: is 0"},
+      {motion + "[joints.default]\nfriction = 20\ndilation = 25\ndilation_slip = 1\n[[body]]\n" + square,
+       "joints.default.dilation: dilation of 25 degrees is more than the friction of 20"},
+      {motion + "[joints.default]\ndilation = 5\n[[body]]\n" + square, "joints.default.dilation_slip: is missing"},
       {"[contact]\nstatic = true\nmass_damping = 3\n[[body]]\n" + square, "mass_damping: slows what moves"},
       {"[contact]\nduration = 1\nstep = 2\n[[body]]\n" + square, "longer than the whole time"},
       {"[contact]\nduration = 1\nstep = 0.1\nmax_step = 0.01\n[[body]]\n" + square, "max_step: is shorter"},
@@ -370,6 +373,40 @@ double newmark(const GroundMotion& motion_of_ground, Vec2 gravity, double fricti
     x += dt * v;
   }
   return x;
+}
+
+TEST(ContactScene, APushedJointRisesByItsDilationUpToItsSlip) {
+  const auto moved = [&](const std::string& body_joint, const std::string& joints) {
+    return ran("[contact]\nduration = 0.6\nstep = 2e-3\ngravity = [8, -9.81]\n" + joints + ground +
+               "[[body]]\nname = \"block\"\nrectangle = { corner = [0, 0], width = 1, height = 0.4 }\n" + body_joint)
+        .bodies[1]
+        .centroid;
+  };
+  const double rise = std::tan(10 * std::numbers::pi / 180);
+  const auto far = moved("", "[joints.default]\nfriction = 30\ndilation = 10\ndilation_slip = 5\n");
+  EXPECT_GT(far.x - 0.5, 0.2);
+  EXPECT_NEAR(far.y - 0.2, rise * (far.x - 0.5), 1e-6);
+  const auto ends = moved("joint = \"rough\"\n",
+                          "[joints.default]\nfriction = 30\n[joints.rough]\ndilation = 10\ndilation_slip = 0.03\n");
+  EXPECT_NEAR(ends.y - 0.2, rise * 0.03, 1e-6);
+}
+
+TEST(ContactScene, WaterInAJointTakesAwayNormalForce) {
+  const auto x = [&](const std::string& joints, const std::string& body_joint, const std::string& rigid) {
+    return ran("[contact]\nduration = 0.4\nstep = 2e-3\n" + rigid + "gravity = [4, -9.81]\n" + joints +
+               "[rock]\ndensity = 2600\nyoung = 1e10\npoisson = 0.2\n" + ground +
+               "[[body]]\nname = \"block\"\nrectangle = { corner = [0, 0], width = 1, height = 0.5 }\n" + body_joint)
+               .bodies[1]
+               .centroid.x -
+           0.5;
+  };
+  const double way = 0.08 * (4 - std::tan(30 * std::numbers::pi / 180) * (9.81 - 6000.0 / 1300));
+  EXPECT_NEAR(x("[joints.default]\nwater_pressure = 6000\n", "", "rigid = true\n"), way, 1e-8);
+  EXPECT_NEAR(x("[joints.default]\n[joints.wet]\nwater_pressure = 6000\n", "joint = \"wet\"\n", "rigid = false\n"), way,
+              1e-3 * way);
+  // The table lies 6000 / 9810 m above the joint.
+  EXPECT_NEAR(x("[joints.default]\nwater_table = 0.6116207951070336\n", "", "rigid = true\n"), way, 1e-8);
+  EXPECT_NEAR(x("[joints.default]\nfriction = 30\n", "", "rigid = true\n"), 0, 1e-9);
 }
 
 TEST(ContactScene, MassDampingSlowsASlider) {

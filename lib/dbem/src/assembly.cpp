@@ -274,7 +274,7 @@ const JointLaw& World::Impl::law_of(const Touch& t) const {
     const std::vector<Vec2>& c = shapes[t.i].corners;
     const std::size_t n = c.size();
     const std::size_t before = t.vertex == 0 ? n - 1 : t.vertex - 1;
-    const Vec2 facing = rotated(-t.normal, -state.angle[t.i]);
+    const Vec2 facing = rotated(-t.normal, -t.tilt - state.angle[t.i]);
     const auto along = [&](std::size_t edge) {
       const Vec2 d = c[edge + 1 == n ? 0 : edge + 1] - c[edge];
       return dot(turned_right(d), facing) / norm(d);
@@ -324,7 +324,6 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   for (const std::size_t at : problem.w.diagonal) softest = std::max(softest, problem.w.values[at].xx);
   for (std::size_t k = 0; k < m; ++k) {
     const Touch& touch = list[island.touches[k]];
-    const JointLaw& law = law_of(touch);
     const Bond* bond = bond_of(touch);
     const Vec2 force = forces[k];
     bem::Mat2& diagonal = problem.w.values[problem.w.diagonal[k]];
@@ -342,7 +341,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     const Vec2 soft = compliance_of(touch);
     diagonal.xx += soft.x / (step * step * theta);
     diagonal.yy += soft.y / (step * step * theta);
-    problem.mu[k] = bond == nullptr ? law.residual_friction.value_or(law.friction) : law.friction;
+    problem.mu[k] = friction_of(touch, bond);
     problem.cohesion[k] = cohesion_of(touch) * step;
     problem.tension[k] = bond != nullptr ? bond->tension * step : 0.0;
     problem.start[k] = step * force;

@@ -281,6 +281,10 @@ dbem::Laws laws_of(const ContactScene& scene) {
       out.residual_friction = std::tan(*joint.residual_friction * std::numbers::pi / 180);
     }
     out.restitution = scene.settings.restitution;
+    out.water_pressure = joint.water_pressure;
+    out.water_table = joint.water_table;
+    out.dilation = std::tan(joint.dilation * std::numbers::pi / 180);
+    out.dilation_slip = joint.dilation_slip;
     out.normal_stiffness = joint.normal_stiffness.si();
     out.shear_stiffness = joint.shear_stiffness.si();
     return out;
@@ -305,6 +309,15 @@ dbem::Laws laws_of(const ContactScene& scene) {
         joint.cohesion = std::min(first.cohesion, second.cohesion);
         joint.residual_cohesion = std::min(first.residual_cohesion, second.residual_cohesion);
         joint.tension = std::min(first.tension, second.tension);
+        // Of two waters the higher one is there.
+        joint.water_pressure = std::max(first.water_pressure, second.water_pressure);
+        if (first.water_table && second.water_table) {
+          joint.water_table = std::max(*first.water_table, *second.water_table);
+        } else if (first.water_table) {
+          joint.water_table = first.water_table;
+        }
+        joint.dilation = std::min(first.dilation, second.dilation);
+        joint.dilation_slip = std::min(first.dilation_slip, second.dilation_slip);
         joint.normal_stiffness = softer(first.normal_stiffness, second.normal_stiffness);
         joint.shear_stiffness = softer(first.shear_stiffness, second.shear_stiffness);
       }

@@ -41,6 +41,11 @@ struct ContactJoint {
   Stress residual_cohesion{};                            ///< where it slipped and stays closed
   double tension = 0;                                    ///< Pa, likewise
   JointStiffness normal_stiffness{}, shear_stiffness{};  ///< 0: rigid
+  /// Degrees, part of `friction`: by which faces that were closed at the start ride up when they slip.
+  double dilation = 0;
+  Length dilation_slip{};                  ///< beyond which they rise no further
+  Stress water_pressure{};                 ///< on both faces that were closed at the start
+  std::optional<Length> water_table = {};  ///< height of still water, scene; empty: none
 };
 
 /// A load on one body of a scene of contact; times are those of the run.
