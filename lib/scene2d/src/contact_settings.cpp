@@ -169,6 +169,9 @@ const KeyTable& contact_keys() {
           {"strength", key::table(&rock_strength_keys), "",
            "`{ cohesion, friction, tension }` of the rock of elastic bodies (Pa, degrees, Pa): `safety` of their "
            "stress"},
+          {"in_situ", key::table(&in_situ_keys), "",
+           "`{ stress, level, gradient }`: stress of the rock at the start, locked in elastic bodies (in each that at "
+           "its centroid)"},
           {"work", key::number({0, true, 1e9, false, ""}), "none",
            "10^9 operations the run may take, counted, not timed (some 0.4 s each): beyond it the run stops with exit "
            "code 4 and keeps what is done"},
@@ -254,6 +257,7 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   s.frames = static_cast<std::size_t>(table.count("frames"));
   s.estimate = table.flag("estimate");
   if (const auto most = table.number("work")) s.work = 1e9 * *most;
+  if (const auto in_situ = table.sub("in_situ")) s.in_situ = parse_in_situ(*in_situ);
   if (const auto strength = table.sub("strength")) {
     s.strength = RockStrength{.cohesion = strength->need_number("cohesion").value_or(0),
                               .friction = strength->need_number("friction").value_or(0),

@@ -119,7 +119,8 @@ struct ContactSettings {
   double largest_move = 0.05;        ///< of the scene's extent, in one step
   std::size_t frames = 120;
   std::optional<RockStrength> strength;
-  bool estimate = false;  ///< of the error of the steps, by three more runs with longer ones
+  std::optional<bem::InSitu> in_situ;  ///< locked in elastic bodies at the start, in each that at its centroid
+  bool estimate = false;               ///< of the error of the steps, by three more runs with longer ones
   double work = std::numeric_limits<double>::infinity();  ///< operations the run may take
 };
 
