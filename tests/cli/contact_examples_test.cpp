@@ -100,6 +100,28 @@ TEST_F(ContactExamplesTest, ElasticColumnsTopple) {
   for (const std::string top : {"top of 3", "top of 7", "top of 10"}) EXPECT_LT(at(result, top)[1], -1) << top;
 }
 
+TEST_F(ContactExamplesTest, DampedExamplesTakeTheTimesThatArePublished) {
+  const auto arch = example("arch/arch_12_100_damped");
+  EXPECT_NEAR(at(arch, "crown")[1], -1.7, 0.1);
+  const auto columns = example("toppling_columns/toppling_columns_damped");
+  for (const std::string top : {"top of 3", "top of 7"}) EXPECT_LT(at(columns, top)[1], -0.5) << top;
+  EXPECT_LT(at(columns, "top of 10")[1], -2);
+  EXPECT_LT(body(columns, "column 1")["max_displacement_m"].get<double>(), 0.05);
+}
+
+TEST_F(ContactExamplesTest, ElasticRoofWithClosedJointsIsAnArch) {
+  const auto roof = example("tunnel_roof/tunnel_roof_elastic");
+  EXPECT_EQ(roof["mode"], "elastic");
+  for (const std::string layer : {"1", "2", "3", "4", "5"}) {
+    EXPECT_LT(at(roof, "layer " + layer)[1], -0.005) << layer;
+    EXPECT_GT(at(roof, "layer " + layer)[1], -0.02) << layer;
+  }
+  const auto left = body(roof, "left abutment")["contact_force"], right = body(roof, "right abutment")["contact_force"];
+  const double weight = 5 * 18 * 2600 * 9.81;
+  EXPECT_NEAR(-(left[1].get<double>() + right[1].get<double>()) / weight, 1, 1e-2);
+  EXPECT_LT(left[0].get<double>(), -5e5);  // an arch thrusts
+}
+
 TEST_F(ContactExamplesTest, ForcesMoveAColumnLikeTheTractionTheyReplace) {
   (void)example("concentrated_forces/traction");
   const auto whole = history();

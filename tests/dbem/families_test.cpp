@@ -50,6 +50,18 @@ TEST(ContactEnergyTest, HeavyBlocksOnLightOnesBringInNoEnergy) {
   }
 }
 
+// Forces between blocks 10^9 times heavier than those they rest on yield less than what regularises the problem, and
+// light ones are parted from heavy ones only by contacts that are harder still: such scenes ran until a step failed.
+TEST(MassRatioTest, HeavyBlocksOnLightPillarsAreSolvedToTheEnd) {
+  for (const std::uint64_t seed : {7700005U, 7700028U, 7700064U, 7700098U, 7700124U, 7700185U}) {
+    const ContactScene scene = make_contact_scene(ContactFamily::ratio, seed);
+    const ContactOutcome outcome = run_contact_scene(scene);
+    EXPECT_FALSE(outcome.stopped) << seed << ' ' << outcome.why;
+    EXPECT_LT(outcome.energy_gain, scene.gain) << seed;
+    EXPECT_LT(outcome.overlap, 1e-6) << seed;
+  }
+}
+
 // A corner that fell on the corner of a sleeping block gave it a push while it slept; it was then parted from what it
 // ran into and pushed into another sleeper, which nobody looked at: 4e-5 of its size, called converged.
 TEST(OverlapSceneTest, ACornerOnTheCornerOfASleeperWakesIt) {

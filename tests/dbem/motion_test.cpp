@@ -32,6 +32,53 @@ TEST(SliderTest, AnyStepGivesTheSame) {
   EXPECT_NEAR(norm(tiny.displacement(1)), slid(10) * 0.5 * 9e-8, 1e-12);
 }
 
+TEST(DampingTest, SpeedsFollowTheClosedFormAtAnyStep) {
+  const double rate = 3;
+  for (const double step : {1e-1, 1e-2, 1e-3}) {
+    std::vector<Body> falling{fixed("floor", rectangle(-5, -100, 10, 1)), block("block", rectangle(0, 0, 1, 2))};
+    falling[1].velocity = {2, 0};
+    falling[1].spin = 0.4;
+    World world = make(falling, law(0), {.step = step, .mass_damping = rate});
+    run(world, 0.7);
+    EXPECT_NEAR(world.velocity(1).y, -g / rate * (1 - std::exp(-rate * 0.7)), 1e-11) << step;
+    EXPECT_NEAR(world.velocity(1).x, 2 * std::exp(-rate * 0.7), 1e-12) << step;
+    EXPECT_NEAR(world.spin(1), 0.4 * std::exp(-rate * 0.7), 1e-12) << step;
+    World slope = make(slider(radians(30)), law(std::tan(radians(10))), {.step = step, .mass_damping = rate});
+    run(slope, 0.7);
+    EXPECT_NEAR(norm(slope.velocity(1)), slid(10) / rate * (1 - std::exp(-rate * 0.7)), 1e-8) << step;
+  }
+}
+
+TEST(DampingTest, TheWayFollowsWithTheSquareOfTheStepAndTheLossIsAccountedFor) {
+  const double rate = 3, t = 0.8, a = slid(10);
+  const double way = a / rate * (t - (1 - std::exp(-rate * t)) / rate);
+  double before = 0;
+  for (const double step : {2e-2, 1e-2, 5e-3}) {
+    World world = make(slider(radians(30)), law(std::tan(radians(10))), {.step = step, .mass_damping = rate});
+    run(world, t);
+    const double error = std::abs(norm(world.displacement(1)) - way);
+    if (before > 0) {
+      EXPECT_NEAR(before / error, 4, 0.2) << step;
+    }
+    before = error;
+    // Lost: the integral of rate * mass * velocity squared.
+    const double e1 = std::exp(-rate * t), v = a / rate;
+    const double lost = rate * world.mass(1) * v * v * (t - 2 * (1 - e1) / rate + (1 - e1 * e1) / (2 * rate));
+    EXPECT_NEAR(world.energy().lost, lost, 2e-2 * lost) << step;
+  }
+}
+
+TEST(DampingTest, WhatRestsPressesWithItsWeight) {
+  World world = make(stack(5), law(0.5), {.step = 1e-2, .sleep = false, .mass_damping = 20});
+  run(world, 0.3);
+  double sum = 0, weight = 0;
+  for (const Contact& c : world.contacts()) {
+    if (c.edge_body == 0 || c.vertex_body == 0) sum += c.normal_force;
+  }
+  for (std::size_t b = 1; b < world.size(); ++b) weight += world.mass(b) * g;
+  EXPECT_NEAR(sum / weight, 1, 1e-9);
+}
+
 TEST(SliderTest, RestsBelowTheFrictionAngle) {
   for (const double phi : {30.01, 35.0, 89.0}) {
     World world = make(slider(radians(30)), law(std::tan(radians(phi))), {.step = 5e-3});

@@ -43,6 +43,14 @@ TEST(ContactScene, BadInputIsNamed) {
       {motion, "s.toml:1: body: there is no body"},
       {"[contact]\nstep = 0.1\n[[body]]\n" + square, "contact.duration: is missing"},
       {"[contact]\nduration = 1\nstep = 0\n[[body]]\n" + square, "contact.step: is 0"},
+      {motion + "[joints.default]\nfriction = 20\ndilation = 25\ndilation_slip = 1\n[[body]]\n" + square,
+       "joints.default.dilation: dilation of 25 degrees is more than the friction of 20"},
+      {motion + "[joints.default]\ndilation = 5\n[[body]]\n" + square, "joints.default.dilation_slip: is missing"},
+      {"[contact]\nstatic = true\ngravity = 0\nin_situ = { stress = [-1, 0, 0] }\n[rock]\nyoung = 1e9\npoisson = "
+       "0\n[[body]]\n" +
+           square,
+       "in_situ: comes to rest by no weight"},
+      {"[contact]\nstatic = true\nmass_damping = 3\n[[body]]\n" + square, "mass_damping: slows what moves"},
       {"[contact]\nduration = 1\nstep = 2\n[[body]]\n" + square, "longer than the whole time"},
       {"[contact]\nduration = 1\nstep = 0.1\nmax_step = 0.01\n[[body]]\n" + square, "max_step: is shorter"},
       {"[contact]\nduration = 1\nsolvr = \"lemke\"\n[[body]]\n" + square, "did you mean \"solver\""},
@@ -369,6 +377,122 @@ double newmark(const GroundMotion& motion_of_ground, Vec2 gravity, double fricti
     x += dt * v;
   }
   return x;
+}
+
+TEST(ContactScene, APushedJointRisesByItsDilationUpToItsSlip) {
+  const auto moved = [&](const std::string& body_joint, const std::string& joints) {
+    return ran("[contact]\nduration = 0.6\nstep = 2e-3\ngravity = [8, -9.81]\n" + joints + ground +
+               "[[body]]\nname = \"block\"\nrectangle = { corner = [0, 0], width = 1, height = 0.4 }\n" + body_joint)
+        .bodies[1]
+        .centroid;
+  };
+  const double rise = std::tan(10 * std::numbers::pi / 180);
+  const auto far = moved("", "[joints.default]\nfriction = 30\ndilation = 10\ndilation_slip = 5\n");
+  EXPECT_GT(far.x - 0.5, 0.2);
+  EXPECT_NEAR(far.y - 0.2, rise * (far.x - 0.5), 1e-6);
+  const auto ends = moved("joint = \"rough\"\n",
+                          "[joints.default]\nfriction = 30\n[joints.rough]\ndilation = 10\ndilation_slip = 0.03\n");
+  EXPECT_NEAR(ends.y - 0.2, rise * 0.03, 1e-6);
+}
+
+TEST(ContactScene, WaterInAJointTakesAwayNormalForce) {
+  const auto x = [&](const std::string& joints, const std::string& body_joint, const std::string& rigid) {
+    return ran("[contact]\nduration = 0.4\nstep = 2e-3\n" + rigid + "gravity = [4, -9.81]\n" + joints +
+               "[rock]\ndensity = 2600\nyoung = 1e10\npoisson = 0.2\n" + ground +
+               "[[body]]\nname = \"block\"\nrectangle = { corner = [0, 0], width = 1, height = 0.5 }\n" + body_joint)
+               .bodies[1]
+               .centroid.x -
+           0.5;
+  };
+  const double way = 0.08 * (4 - std::tan(30 * std::numbers::pi / 180) * (9.81 - 6000.0 / 1300));
+  EXPECT_NEAR(x("[joints.default]\nwater_pressure = 6000\n", "", "rigid = true\n"), way, 1e-8);
+  EXPECT_NEAR(x("[joints.default]\n[joints.wet]\nwater_pressure = 6000\n", "joint = \"wet\"\n", "rigid = false\n"), way,
+              1e-3 * way);
+  // The table lies 6000 / 9810 m above the joint.
+  EXPECT_NEAR(x("[joints.default]\nwater_table = 0.6116207951070336\n", "", "rigid = true\n"), way, 1e-8);
+  EXPECT_NEAR(x("[joints.default]\nfriction = 30\n", "", "rigid = true\n"), 0, 1e-9);
+}
+
+/// A block of 2 x 1 m that holds a stress, among fixed bodies, smooth joints.
+ContactResult locked(const std::string& how, const std::string& more, const std::string& stress) {
+  return ran("[contact]\nrigid = false\nelement = 0.5\n" + how + "in_situ = { stress = " + stress +
+             " }\n[joints.default]\nfriction = 0\n[rock]\ndensity = 2600\nyoung = 1e9\npoisson = 0.25\n" + ground +
+             more + "[[body]]\nname = \"rock\"\nrectangle = { corner = [0, 0], width = 2, height = 1 }\n");
+}
+
+/// Farthest and highest place of a body at the end.
+bem::Vec2 reach_of(const ContactResult& result, std::size_t body) {
+  bem::Vec2 most{-1e300, -1e300};
+  for (const bem::Vec2 p : corners_at(result, result.frames.size() - 1, body)) {
+    most = {std::max(most.x, p.x), std::max(most.y, p.y)};
+  }
+  return most;
+}
+
+TEST(ContactScene, StressLockedInIsHeldByWallsAndLetGoWhereThereAreNone) {
+  const std::string left =
+      "[[body]]\nname = \"left\"\nfixed = true\nrectangle = { corner = [-1, 0], width = 1, height = 1 }\n";
+  const std::string right =
+      "[[body]]\nname = \"right\"\nfixed = true\nrectangle = { corner = [2, 0], width = 1, height = 1 }\n";
+  const std::string roof =
+      "[[body]]\nname = \"roof\"\nfixed = true\nrectangle = { corner = [-1, 1], width = 4, height = 1 }\n";
+  const std::string stress = "[-2e6, -1e6, 0]";
+  const ContactResult held = locked("duration = 0.01\nstep = 1e-3\ngravity = 0\n", left + right + roof, stress);
+  EXPECT_TRUE(held.converged);
+  EXPECT_LT(held.largest_displacement, 1e-9);
+  EXPECT_NEAR(held.bodies[2].force.x, 2e6, 1);  // right
+  EXPECT_NEAR(held.bodies[3].force.y, 2e6, 1);  // roof: 1 MPa on 2 m
+  for (const NodeStress& node : held.frames.back().stress[4]) {
+    EXPECT_NEAR(node.stress.xx, -2e6, 10);
+    EXPECT_NEAR(node.stress.yy, -1e6, 10);
+    EXPECT_NEAR(node.stress.xy, 0, 10);
+  }
+  // Let go, to the right and upwards, all of it goes, with the strains of plane strain; beside those of the weight.
+  const std::string rest = "static = true\n", none = "[0, 0, 0]";
+  const double e = 1e9, nu = 0.25;
+  const double across = (1 - nu * nu) / e * 2e6 - nu * (1 + nu) / e * 1e6;
+  const double up = (1 - nu * nu) / e * 1e6 - nu * (1 + nu) / e * 2e6;
+  const ContactResult free = locked(rest, left, stress), bare = locked(rest, left, none);
+  EXPECT_TRUE(free.converged);
+  EXPECT_NEAR(reach_of(free, 2).x - reach_of(bare, 2).x, 2 * across, 1e-5 * across);
+  EXPECT_NEAR(reach_of(free, 2).y - reach_of(bare, 2).y, up, 1e-5 * up);
+  for (std::size_t k = 0; k < free.frames.back().stress[2].size(); ++k) {
+    const bem::Sym2 with = free.frames.back().stress[2][k].stress, without = bare.frames.back().stress[2][k].stress;
+    EXPECT_NEAR(with.xx, without.xx, 20);
+    EXPECT_NEAR(with.yy, without.yy, 20);
+  }
+  // Upwards only: the walls keep what then is across, uniaxial in the height.
+  const double kept =
+      locked(rest, left + right, stress).bodies[2].force.x - locked(rest, left + right, none).bodies[2].force.x;
+  EXPECT_NEAR(kept, 2e6 - nu / (1 - nu) * 1e6, 20);
+}
+
+TEST(ContactScene, StressLockedInGrowsWithDepthAndNeedsElasticBodies) {
+  const std::string pile =
+      ground +
+      "[[body]]\nname = \"low\"\nrectangle = { corner = [0, 0], width = 2, height = 1 }\n"
+      "[[body]]\nname = \"high\"\nrectangle = { corner = [0, 1], width = 2, height = 1 }\n"
+      "[[body]]\nname = \"left\"\nfixed = true\nrectangle = { corner = [-1, 0], width = 1, height = 2 }\n"
+      "[[body]]\nname = \"right\"\nfixed = true\nrectangle = { corner = [2, 0], width = 1, height = 2 }\n";
+  const std::string rock = "[joints.default]\nfriction = 0\n[rock]\ndensity = 2600\nyoung = 1e9\npoisson = 0\n";
+  const std::string in_situ = "in_situ = { stress = [-1e6, 0, 0], level = 2, gradient = [1e5, 0, 0] }\n";
+  const ContactResult r =
+      ran("[contact]\nduration = 0.01\nstep = 1e-3\nrigid = false\ngravity = 0\n" + in_situ + rock + pile);
+  // Each as at its centroid: 1.05 and 1.15 MPa on 1 m.
+  EXPECT_NEAR(r.bodies[4].force.x, 2.2e6, 1);
+  EXPECT_NE(
+      first_problem("[contact]\nduration = 1\nrigid = true\n" + in_situ + rock + pile).find("in_situ: is locked in"),
+      std::string::npos);
+}
+
+TEST(ContactScene, MassDampingSlowsASlider) {
+  const double rate = 4, t = 1.5, pull = 3 - std::tan(10 * std::numbers::pi / 180) * 9.81;
+  const ContactResult result = ran(
+      "[contact]\nduration = 1.5\nstep = 2e-3\nmass_damping = 4\ngravity = [3, -9.81]\n[joints.default]\nfriction = "
+      "10\n" +
+      ground + "[[body]]\nname = \"block\"\nrectangle = { corner = [0, 0], width = 1, height = 0.4 }\n");
+  const double way = pull / rate * (t - (1 - std::exp(-rate * t)) / rate);
+  EXPECT_NEAR(result.bodies[1].centroid.x - 0.5, way, 1e-5 * way);
 }
 
 TEST(ContactScene, ABlockOnAMovingGroundSlidesAsNewmarksBlock) {

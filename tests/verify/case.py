@@ -19,6 +19,7 @@ class Case:
     source: str
     scene: dict | Path | None
     values: Callable  # of the result: (quantity, published, ours, tolerance)
+    section: str = ""  # of Fu (2014), chapters 6 and 7
 
     def rows(self):
         if self.scene is None:

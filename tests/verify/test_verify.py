@@ -23,5 +23,23 @@ class Judged(unittest.TestCase):
         self.assertFalse(verify.judged(("q", 0.0, float("inf"), 1))[1])
 
 
+class Chapters(unittest.TestCase):
+    def test_every_section_has_a_case_and_every_example_is_there(self):
+        cases = [c for m in (verify.cases_elastic, verify.cases_contact) for c in m.cases() if c.section]
+        self.assertEqual({c.section for c in cases}, set(verify.SECTIONS))
+        named = {c.scene for c in cases if isinstance(c.scene, verify.Path)}
+        for scene in named:
+            self.assertTrue(scene.exists(), scene)
+        for folder in ("arch", "sliding_block", "toppling_columns", "tunnel_roof", "goodman_bray"):
+            for scene in (verify.ROOT / "examples" / folder).glob("*.toml"):
+                self.assertIn(scene, named)
+
+    def test_the_table_tells_what_is_not_ok(self):
+        case = verify.cases_contact.Case("c", "t", "", "", None, None, "7.5.2")
+        text = verify.table_of_chapters([(case, "c", ("way (m)", 1.0, 2.0, 0.1), 1.0, False), (case, "c", ("stands", True, True, 0), "", True)])
+        self.assertIn("| 7.5.2 Block on an incline | c | way (m) | 1 | 2 | 1.0e+00 (not ok) |", text)
+        self.assertIn("| stands | yes | yes |  |", text)
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """The verification manual: published and closed-form answers beside ours. `verify.py -o FOLDER [FILTER]`.
 
-Writes verify.csv (case,quantity,published,ours,difference,tolerance,ok,source), index.html and a page a case with its
-input. Exit code 4 when a row is not ok. Needs the Python module of cleave (PYTHONPATH).
+Writes verify.csv (case,quantity,published,ours,difference,tolerance,ok,source), index.html, a page a case with its
+input, and chapters_6_7.md: the examples of those chapters of Fu (2014) in one table. Exit code 4 when a row is not ok. Needs the Python module of cleave (PYTHONPATH).
 """
 import argparse
 import csv
@@ -17,6 +17,7 @@ import cases_blocks
 import cases_contact
 import cases_elastic
 import cases_key_blocks
+from case import ROOT
 
 STYLE = """body{font:16px/1.5 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;color:#1c1e21;background:#fff}
 table{border-collapse:collapse;width:100%;font-size:.9rem}th,td{text-align:left;padding:.25rem .6rem;border-bottom:1px solid #d7dadd}
@@ -57,6 +58,28 @@ def table(rows, link=False):
     return f'<div class="scroll"><table>{text}</table></div>'
 
 
+SECTIONS = {"6.6.1": "Free fall", "6.6.2": "Cantilever under an impulse", "6.6.3": "Bar under a sudden load",
+            "7.5.1": "Concentrated forces", "7.5.2": "Block on an incline", "7.5.3": "Two-layer roof beam", "7.5.4": "Masonry arch",
+            "7.5.5": "Toppling", "7.5.6": "Tunnel roof in layered rock"}
+
+
+def table_of_chapters(rows):
+    """Chapters 6 and 7 of Fu (2014) in one table of Markdown, example by example."""
+    text = "| section | example | quantity | published | ours | difference |\n|---|---|---|---|---|---|\n"
+
+    def short(value):
+        return f"{value:.5g}" if isinstance(value, float) else {True: "yes", False: "no"}.get(value, str(value)) if isinstance(value, bool) else str(value)
+    for section, title in SECTIONS.items():
+        for case, _, (quantity, published, ours, _), difference, ok in rows:
+            if case.section != section or (ok and quantity == "status"):
+                continue
+            example = case.scene.relative_to(ROOT) if isinstance(case.scene, Path) else case.name
+            shown_difference = difference if isinstance(difference, str) else f"{difference:.1e}"
+            text += (f"| {section} {title} | {example} | {quantity} | {short(published)} | {short(ours)} | "
+                     f"{shown_difference}{'' if ok else ' (not ok)'} |\n")
+    return text
+
+
 def scene_text(scene):
     return cleave.dumps(scene) if isinstance(scene, dict) else Path(scene).read_text()
 
@@ -64,14 +87,14 @@ def scene_text(scene):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("-o", "--out", required=True, type=Path)
-    parser.add_argument("filter", nargs="?", default="")
+    parser.add_argument("filter", nargs="?", default="", help="only cases with this in their name; or \"chapters\": those of 6 and 7")
     arguments = parser.parse_args()
     (arguments.out / "cases").mkdir(parents=True, exist_ok=True)
     all_rows, chapters, names = [], [], set()
     for module in (cases_blocks, cases_key_blocks, cases_elastic, cases_contact):
         start, chapter = time.monotonic(), []
         for case in module.cases():
-            if arguments.filter not in case.name:
+            if not (case.section if arguments.filter == "chapters" else arguments.filter in case.name):
                 continue
             if case.name in names:
                 sys.exit(f"two cases are named {case.name}")
@@ -96,6 +119,7 @@ def main():
         for case, _, (quantity, published, ours, tolerance), difference, ok in all_rows:
             out.writerow([case.name, quantity, shown(published), shown(ours),
                           difference if isinstance(difference, str) else f"{difference:.3e}", f"{tolerance:g}", int(ok), case.source])
+    (arguments.out / "chapters_6_7.md").write_text(table_of_chapters(all_rows), encoding="utf-8")
     wrong = sum(not row[-1] for row in all_rows)
     said = (f"<p>cleave {cleave.__version__}: {len(names)} cases, {len(all_rows)} values, {wrong} outside their tolerance. Differences are "
             "relative to the published value, or absolute where that is 0. Made by <code>./x verify</code>.</p>")

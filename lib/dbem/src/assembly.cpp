@@ -101,10 +101,15 @@ Rows World::Impl::rows_of(const std::vector<Touch>& list, const Island& island, 
   return rows;
 }
 
+World::Impl::Damped World::Impl::damped_over(double step) const {
+  const double a = options.mass_damping * step;
+  return a > 0 ? Damped{std::exp(-a), -std::expm1(-a) / a} : Damped{1, 1};
+}
+
 double World::Impl::mode_inverse(std::size_t body, std::size_t mode, double theta, double step) const {
   const ModalBasis& basis = *bodies[body].modes;
   const double w = basis.omega[mode] * step * theta;
-  return 1 / (1 + 2 * basis.damping * w + w * w);
+  return 1 / (1 + 2 * basis.damping * w + options.mass_damping * step * theta + w * w);
 }
 
 World::Impl::SidesOfBodies World::Impl::sides_of(const Rows& rows, double theta, double step, bool rigid_only) const {
@@ -143,7 +148,7 @@ World::Impl::SidesOfBodies World::Impl::sides_of(const Rows& rows, double theta,
   return out;
 }
 
-BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, bool rigid_only) const {
+BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, double felt, bool rigid_only) const {
   const std::size_t m = rows.sides.size() / 2;
   const SidesOfBodies sides = sides_of(rows, theta, step, rigid_only);
   BlockMatrix w;
@@ -166,10 +171,10 @@ BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, b
       const Side& a = rows.sides[which];
       const Shape& shape = shapes[a.body];
       if (shape.fixed) continue;
-      const Vec2 an{a.n.x * shape.inverse_x, a.n.y * shape.inverse_y};
-      const Vec2 at{a.t.x * shape.inverse_x, a.t.y * shape.inverse_y};
-      const double wn = a.turn_n * shape.inverse_spin;
-      const double wt = a.turn_t * shape.inverse_spin;
+      const Vec2 an = felt * Vec2{a.n.x * shape.inverse_x, a.n.y * shape.inverse_y};
+      const Vec2 at = felt * Vec2{a.t.x * shape.inverse_x, a.t.y * shape.inverse_y};
+      const double wn = felt * a.turn_n * shape.inverse_spin;
+      const double wt = felt * a.turn_t * shape.inverse_spin;
       const std::uint32_t number = *sides.number[a.body];
       const Eigen::MatrixXd& bent = sides.bending[number];
       for (const std::uint32_t k : sides.of[number]) {
@@ -190,14 +195,16 @@ BlockMatrix World::Impl::delassus(const Rows& rows, double theta, double step, b
   return w;
 }
 
-std::optional<RigidForm> World::Impl::rigid_form(const Rows& rows, const Island& island, bool stiffened) const {
+std::optional<RigidForm> World::Impl::rigid_form(const Rows& rows, const Island& island, double felt,
+                                                 bool stiffened) const {
   RigidForm form;
   if (!stiffened && std::ranges::any_of(island.bodies, [&](std::uint32_t b) { return shapes[b].modes > 0; }))
     return std::nullopt;
   std::vector<std::uint32_t> number(size(), RigidForm::ground);
   for (const std::uint32_t b : island.bodies) {
     number[b] = static_cast<std::uint32_t>(form.inverse_mass.size());
-    form.inverse_mass.push_back({shapes[b].inverse_x, shapes[b].inverse_y, shapes[b].inverse_spin});
+    form.inverse_mass.push_back(
+        {felt * shapes[b].inverse_x, felt * shapes[b].inverse_y, felt * shapes[b].inverse_spin});
   }
   form.sides.resize(rows.sides.size() / 2);
   for (std::size_t k = 0; k < rows.sides.size(); ++k) {
@@ -225,12 +232,13 @@ Vec2 World::Impl::velocity_of(const Rows& rows, std::size_t contact, const State
 
 void World::Impl::add_impulse(const Rows& rows, std::size_t contact, Vec2 p, double theta, double step,
                               State& at) const {
+  const double felt = damped_over(step).felt;
   for (const std::size_t which : {2 * contact, 2 * contact + 1}) {
     const Side& s = rows.sides[which];
     const Shape& shape = shapes[s.body];
-    const Vec2 impulse = p.x * s.n + p.y * s.t;
+    const Vec2 impulse = felt * (p.x * s.n + p.y * s.t);
     at.v[s.body] += Vec2{shape.inverse_x * impulse.x, shape.inverse_y * impulse.y};
-    at.spin[s.body] += shape.inverse_spin * (p.x * s.turn_n + p.y * s.turn_t);
+    at.spin[s.body] += shape.inverse_spin * (felt * (p.x * s.turn_n + p.y * s.turn_t));
     for (std::size_t k = 0; k < shape.modes; ++k) {
       at.de[first_mode[s.body] + k] += mode_inverse(s.body, k, theta, step) *
                                        (p.x * rows.modal[s.modal + k] + p.y * rows.modal[s.modal + shape.modes + k]);
@@ -266,7 +274,7 @@ const JointLaw& World::Impl::law_of(const Touch& t) const {
     const std::vector<Vec2>& c = shapes[t.i].corners;
     const std::size_t n = c.size();
     const std::size_t before = t.vertex == 0 ? n - 1 : t.vertex - 1;
-    const Vec2 facing = rotated(-t.normal, -state.angle[t.i]);
+    const Vec2 facing = rotated(-t.normal, -t.tilt - state.angle[t.i]);
     const auto along = [&](std::size_t edge) {
       const Vec2 d = c[edge + 1 == n ? 0 : edge + 1] - c[edge];
       return dot(turned_right(d), facing) / norm(d);
@@ -300,8 +308,9 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   const double theta = island.theta;
   const std::size_t m = island.touches.size();
   ContactProblem problem;
-  problem.w = delassus(rows, theta, step, false);
-  problem.rigid = rigid_form(rows, island, false);
+  const double felt = damped_over(step).felt;
+  problem.w = delassus(rows, theta, step, felt, false);
+  problem.rigid = rigid_form(rows, island, felt, false);
   problem.b.resize(m);
   problem.mu.resize(m);
   problem.cohesion.resize(m);
@@ -315,7 +324,6 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   for (const std::size_t at : problem.w.diagonal) softest = std::max(softest, problem.w.values[at].xx);
   for (std::size_t k = 0; k < m; ++k) {
     const Touch& touch = list[island.touches[k]];
-    const JointLaw& law = law_of(touch);
     const Bond* bond = bond_of(touch);
     const Vec2 force = forces[k];
     bem::Mat2& diagonal = problem.w.values[problem.w.diagonal[k]];
@@ -333,7 +341,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
     const Vec2 soft = compliance_of(touch);
     diagonal.xx += soft.x / (step * step * theta);
     diagonal.yy += soft.y / (step * step * theta);
-    problem.mu[k] = bond == nullptr ? law.residual_friction.value_or(law.friction) : law.friction;
+    problem.mu[k] = friction_of(touch, bond);
     problem.cohesion[k] = cohesion_of(touch) * step;
     problem.tension[k] = bond != nullptr ? bond->tension * step : 0.0;
     problem.start[k] = step * force;
@@ -386,19 +394,25 @@ Vec2 World::Impl::force_on(const State& at, std::size_t body, double step, doubl
 
 void World::Impl::free_motion(const State& before, const std::vector<double>& theta, double step, State& free) const {
   std::vector<double> modal;
+  const auto [kept, felt] = damped_over(step);
   for (std::size_t b = 0; b < size(); ++b) {
     if (idle(b)) continue;
     const Shape& shape = shapes[b];
     double torque = 0;
     const Vec2 force = force_on(before, b, step, torque, &modal);
-    free.v[b] += step * Vec2{shape.inverse_x * force.x, shape.inverse_y * force.y};
-    free.spin[b] += step * shape.inverse_spin * torque;
+    // A velocity that is given stays.
+    const auto left = [&](double inverse) { return inverse > 0 ? kept : 1.0; };
+    free.v[b] = {left(shape.inverse_x) * free.v[b].x, left(shape.inverse_y) * free.v[b].y};
+    free.spin[b] *= left(shape.inverse_spin);
+    free.v[b] += felt * step * Vec2{shape.inverse_x * force.x, shape.inverse_y * force.y};
+    free.spin[b] += felt * step * shape.inverse_spin * torque;
     for (std::size_t m = 0; m < shape.modes; ++m) {
       const ModalBasis& basis = *bodies[b].modes;
       const std::size_t at = first_mode[b] + m;
       const double w = basis.omega[m];
       const double th = theta[b];
-      free.de[at] = ((1 - 2 * basis.damping * w * (1 - th) * step) * before.de[at] -
+      const double damping = 2 * basis.damping * w + options.mass_damping;
+      free.de[at] = ((1 - damping * (1 - th) * step) * before.de[at] -
                      step * w * w * (before.e[at] + th * (1 - th) * step * before.de[at]) + step * modal[m]) *
                     mode_inverse(b, m, th, step);
     }

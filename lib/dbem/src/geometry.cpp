@@ -72,7 +72,8 @@ void World::Impl::rebuild_pairs(const State& at, const std::vector<Box2>& box, d
   for (std::size_t b = 0; b < size(); ++b) {
     const Vec2 extent = box[b].high - box[b].low;
     const double more = 0.05 * std::min(std::max(extent.x, extent.y), 20 * shapes[b].feature) +
-                        (idle(b) ? 0.0 : 3 * step * (speed_bound(at, b) + 2 * step * norm(options.gravity)));
+                        (idle(b) ? 0.0 : 3 * step * (speed_bound(at, b) + 2 * step * norm(options.gravity))) +
+                        ride_between(b, b);
     fat[b] = {box[b].low - Vec2{more, more}, box[b].high + Vec2{more, more}};
     lazy[b] = idle(b) ? 1 : 0;
   }
@@ -107,15 +108,18 @@ void World::Impl::find(const State& at, const std::vector<Vec2>& all, const std:
     const double distance = std::max(apart.x, apart.y);
     if (rate > 0) longest = std::min(longest, std::max(distance, 0.25 * feature) / rate);
     const double margin = rate * step + 1e-6 * feature;
-    if (distance > margin) continue;
+    const double ridden = ride_between(a, b);
+    if (distance > margin + ridden) continue;
     const double near = 1e-5 * feature;
+    const std::size_t before = out.size();
     find_touches(placed(all, box, a), placed(all, box, b),
-                 {.margin = margin,
+                 {.margin = margin + ridden,
                   .depth = std::max(margin, 0.3 * feature),
                   .near = near,
                   .corner = std::clamp(margin, near, 0.3 * feature),
                   .touching = 2 * contact_depth * feature},
                  drift(at, {a, 0, b, 0}, step), out, undecided);
+    for (std::size_t k = before; k < out.size(); ++k) ride(out[k], at);
   }
 }
 
@@ -130,6 +134,7 @@ void World::Impl::settle_choices() {
       const auto at = std::ranges::lower_bound(memory, key_of(*line), {}, &Memory::key);
       if (at == memory.end() || at->key != key_of(*line) || at->force.x <= 0) continue;
       touches.push_back(*line);
+      ride(touches.back(), state);
       return true;
     }
     return false;

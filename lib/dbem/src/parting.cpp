@@ -13,6 +13,11 @@ namespace {
 /// Compliance of contacts that part bodies, over their own. Where there is no room to part (a body wedged between
 /// others) a penetration stays, and the harder the contacts the longer it takes to find that out.
 constexpr double parting_softness = 1e-4;
+/// Bodies so many times heavier than others of their group do not move for what light ones yield: contacts are harder
+/// there by as much as the masses are further apart.
+constexpr double uneven = 1e3;
+/// Rounding of forces hides what is softer.
+constexpr double least_softness = 1e-11;
 
 /// Sweeps that leave at most half of the deepest penetration; empty when they do not.
 std::vector<Vec2> swept_apart(const ContactProblem& problem, Work& work, int sweeps) {
@@ -178,18 +183,28 @@ ContactProblem World::Impl::parting_problem(const Island& island, const Rows& ro
                                             const std::vector<double>& gaps) const {
   const std::size_t m = gaps.size();
   ContactProblem problem;
-  const double farthest = m > dear ? -far_away * std::ranges::min(gaps) : std::numeric_limits<double>::infinity();
-  problem.w = delassus(rows, 1, 1, true);
+  double lightest = std::numeric_limits<double>::infinity(), heaviest = 0;
+  for (const std::uint32_t b : island.bodies) {
+    if (shapes[b].inverse_x + shapes[b].inverse_y <= 0) continue;
+    lightest = std::min(lightest, shapes[b].mass);
+    heaviest = std::max(heaviest, shapes[b].mass);
+  }
+  const bool apart = heaviest > uneven * lightest;
+  const double softness =
+      apart ? std::max(parting_softness * uneven * lightest / heaviest, least_softness) : parting_softness;
+  const double farthest =
+      m > dear || apart ? -far_away * std::ranges::min(gaps) : std::numeric_limits<double>::infinity();
+  problem.w = delassus(rows, 1, 1, 1, true);
   problem.mu.assign(m, 0.0);
   problem.cohesion.assign(m, 0.0);
   problem.tension.assign(m, 0.0);
   for (std::size_t k = 0; k < m; ++k) {
     bem::Mat2& d = problem.w.values[problem.w.diagonal[k]];
-    d.xx *= 1 + parting_softness;
-    d.yy *= 1 + parting_softness;
+    d.xx *= 1 + softness;
+    d.yy *= 1 + softness;
     problem.b.push_back({std::min(gaps[k], farthest), 0});
   }
-  problem.rigid = rigid_form(rows, island, true);
+  problem.rigid = rigid_form(rows, island, 1, true);
   return problem;
 }
 

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "world_impl.hpp"
 
@@ -41,7 +43,68 @@ bool closed_between(const World::Impl& w, const Touch& a, const Touch& b) {
          nearest_on(w.corners_of(w.corners, a.j), middle).distance <= allowed;
 }
 
+/// The closed stretch of the joint around a contact: those on it, in order along it.
+std::vector<Along> closed_stretch(const World::Impl& w, std::size_t first) {
+  std::vector<Along> all = joint_of(w, first);
+  std::size_t low = 0;
+  while (all[low].touch != first) ++low;
+  std::size_t high = low;
+  while (low > 0 && closed_between(w, w.touches[all[low - 1].touch], w.touches[all[low].touch])) --low;
+  while (high + 1 < all.size() && closed_between(w, w.touches[all[high].touch], w.touches[all[high + 1].touch])) ++high;
+  return {all.begin() + static_cast<std::ptrdiff_t>(low), all.begin() + static_cast<std::ptrdiff_t>(high) + 1};
+}
+
+/// Forces at the ends of a stretch under a pressure that is linear along it; where it would be negative there is none.
+/// Resultant and moment are exact.
+std::array<double, 2> forces_of(double length, double at_low, double at_high) {
+  if (at_low <= 0 && at_high <= 0) return {0, 0};
+  if (at_low >= 0 && at_high >= 0) return {length / 6 * (2 * at_low + at_high), length / 6 * (at_low + 2 * at_high)};
+  const bool from_low = at_low > 0;
+  const double most = std::max(at_low, at_high), wet = length * most / std::abs(at_high - at_low);
+  const double whole = 0.5 * most * wet, far = whole * wet / (3 * length);
+  return from_low ? std::array{whole - far, far} : std::array{far, whole - far};
+}
+
 }  // namespace
+
+void World::Impl::push_at(std::uint32_t body, Vec2 point, Vec2 force) {
+  Shape& shape = shapes[body];
+  if (shape.fixed) return;
+  const Vec2 local = point - start_x[body];
+  bodies[body].forces.push_back({.at = local + shape.local_centroid, .force = force, .follows = true});
+  const BoundaryPoint place = nearest_on(shape.corners, local);
+  shape.load_places.push_back({place.edge, place.share});
+  shape.timed = true;
+}
+
+void World::Impl::make_water() {
+  constexpr double unit_weight = 9810;  // N/m3
+  std::vector<std::uint8_t> done(touches.size(), 0);
+  for (std::size_t first = 0; first < touches.size(); ++first) {
+    const Touch& t = touches[first];
+    const JointLaw& law = law_of(t);
+    const double feature = std::min(shapes[t.i].feature, shapes[t.j].feature);
+    if (done[first] != 0 || !(law.water_pressure > Stress{} || law.water_table) || t.gap > 1e-6 * feature) continue;
+    const std::vector<Along> stretch = closed_stretch(*this, first);
+    for (const Along& place : stretch) done[place.touch] = 1;
+    // Uniform water and still water may each be there or not: a kink where the table crosses is the second one's own.
+    for (std::size_t k = 0; k + 1 < stretch.size(); ++k) {
+      const double length = stretch[k + 1].at - stretch[k].at;
+      const Vec2 low = touches[stretch[k].touch].point, high = touches[stretch[k + 1].touch].point;
+      std::array<double, 2> force = forces_of(length, law.water_pressure.si(), law.water_pressure.si());
+      if (law.water_table) {
+        const auto under = [&](Vec2 p) { return unit_weight * (law.water_table->si() - (anchor.y + p.y)); };
+        const std::array<double, 2> still = forces_of(length, under(low), under(high));
+        force = {force[0] + still[0], force[1] + still[1]};
+      }
+      for (const auto& [point, size] : {std::pair{low, force[0]}, std::pair{high, force[1]}}) {
+        if (size <= 0) continue;
+        push_at(t.i, point, size * t.normal);
+        push_at(t.j, point, -size * t.normal);
+      }
+    }
+  }
+}
 
 void World::Impl::make_bonds() {
   std::vector<std::uint8_t> done(touches.size(), 0);
@@ -52,21 +115,14 @@ void World::Impl::make_bonds() {
     const bool weakens = law.residual_friction.value_or(law.friction) < law.friction;
     const bool bonded = law.cohesion > 0 || law.tension > 0 || weakens;
     if (done[first] != 0 || !bonded || t.gap > 1e-6 * feature) continue;
-    // The closed stretch of the joint around this contact.
-    const std::vector<Along> all = joint_of(*this, first);
-    std::size_t low = 0;
-    while (all[low].touch != first) ++low;
-    std::size_t high = low;
-    while (low > 0 && closed_between(*this, touches[all[low - 1].touch], touches[all[low].touch])) --low;
-    while (high + 1 < all.size() && closed_between(*this, touches[all[high].touch], touches[all[high + 1].touch]))
-      ++high;
+    const std::vector<Along> all = closed_stretch(*this, first);
     const auto section = static_cast<std::uint32_t>(sections.size());
-    const double middle = 0.5 * (all[low].at + all[high].at);
-    sections.push_back({all[high].at - all[low].at, law.tension});
+    const double middle = 0.5 * (all.front().at + all.back().at);
+    sections.push_back({all.back().at - all.front().at, law.tension});
     double& weakest = sections.back().tension;
-    for (std::size_t k = low; k <= high; ++k) {
-      const double left = k > low ? all[k].at - all[k - 1].at : 0.0;
-      const double right = k < high ? all[k + 1].at - all[k].at : 0.0;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const double left = k > 0 ? all[k].at - all[k - 1].at : 0.0;
+      const double right = k + 1 < all.size() ? all[k + 1].at - all[k].at : 0.0;
       const double length = 0.5 * (left + right);
       const JointLaw& own = law_of(touches[all[k].touch]);
       weakest = std::min(weakest, own.tension);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "centring.hpp"
 #include "natural_map.hpp"
 #include "trial.hpp"
 
@@ -22,27 +23,30 @@ constexpr double share_of_first_try = 0.4, share_of_a_try = 0.15;
 /// Velocities below this are none, m/s.
 constexpr double at_rest = 1e-9;
 
-struct Creep {
-  double most = 0;   // velocity the regularisation lets contacts give way with, m/s
-  double speed = 0;  // largest velocity of the problem, m/s
-};
-Creep creep_of(const ContactProblem& problem, const std::vector<Vec2>& found, const std::vector<Vec2>& viscous) {
-  Creep creep;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    const Vec2 change = found[k] - problem.start[k];
-    creep.most = std::max({creep.most, viscous[k].x * std::abs(change.x), viscous[k].y * std::abs(change.y)});
-    creep.speed = std::max({creep.speed, std::abs(problem.b[k].x), std::abs(problem.b[k].y)});
+/// Solves again about the forces found until the regularisation moves nothing.
+Creep settle(Centring& centring, const ContactProblem& problem, ContactSolution& found, const SolverOptions& how,
+             PatternSolver& linear) {
+  Creep creep = centring.creep_at(found.impulse);
+  for (int rounds = 0;; ++rounds) {
+    const bool fair = creep.most <= hidden * creep.speed;
+    if (creep.most <= 1e-8 * creep.speed || linear.work().over() || rounds >= (fair ? 4 : 40)) return creep;
+    const auto solve_now = [&] {
+      // What is an answer already is not worth all that can be tried.
+      ContactSolution again = fair ? solve_near(problem, how, linear) : solve_again(problem, how, linear);
+      again.report.iterations += found.report.iterations;
+      return again;
+    };
+    const bool extrapolated = centring.onwards(found.impulse);
+    ContactSolution again = solve_now();
+    const auto failed = [&] { return again.report.status == ContactReport::Status::not_converged; };
+    if (extrapolated && (failed() || centring.creep_at(again.impulse).most > creep.most)) {
+      centring.plain(found.impulse);
+      again = solve_now();
+    }
+    if (failed()) return creep;
+    found = std::move(again);
+    creep = centring.creep_at(found.impulse);
   }
-  return creep;
-}
-
-/// Moves the centre of the regularisation to `found`.
-void centre(ContactProblem& problem, const std::vector<Vec2>& found, const std::vector<Vec2>& viscous) {
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    const Vec2 change = found[k] - problem.start[k];
-    problem.b[k] += -Vec2{viscous[k].x * change.x, viscous[k].y * change.y};
-  }
-  problem.start = found;
 }
 
 }  // namespace
@@ -88,21 +92,12 @@ ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island
   for (std::size_t iterations = 0;;) {
     std::vector<Vec2> viscous;
     ContactProblem problem = problem_of(list, island, rows, state, free, step, viscous);
-    if (!known.empty()) centre(problem, known, viscous);
+    Centring centring{problem, viscous};
+    if (!known.empty()) centring.plain(known);
     ContactSolution found = solve_again(problem, how, linear);
     // The regularisation is centred on the forces found, and again, until it moves nothing.
     Creep creep;
-    for (int centring = 0; found.report.status == ContactReport::Status::converged; ++centring) {
-      creep = creep_of(problem, found.impulse, viscous);
-      const bool fair = creep.most <= hidden * creep.speed;
-      if (creep.most <= 1e-8 * creep.speed || work.over() || centring >= (fair ? 4 : 40)) break;
-      centre(problem, found.impulse, viscous);
-      // What is an answer already is not worth all that can be tried.
-      ContactSolution again = fair ? solve_near(problem, how, linear) : solve_again(problem, how, linear);
-      again.report.iterations += found.report.iterations;
-      if (again.report.status == ContactReport::Status::not_converged) break;
-      found = std::move(again);
-    }
+    if (found.report.status == ContactReport::Status::converged) creep = settle(centring, problem, found, how, linear);
     // A light body between heavy ones turns the last digits of their forces into velocities: what then is left of the
     // motion is nobody's answer, however small the residual over those forces is.
     const double moved = std::max(creep.speed, step * norm(options.gravity));

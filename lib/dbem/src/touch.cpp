@@ -243,6 +243,7 @@ void renew_touch(Touch& touch, std::span<const Vec2> corners_i, std::span<const 
   touch.gap = a.gap;
   touch.ratio = std::clamp(a.ratio, 0.0, 1.0);
   touch.normal = a.normal;
+  touch.tilt = 0;
 }
 
 std::optional<Touch> line_crossed(const CornerChoice& choice, const CornerChoice& after, double rounding) {

@@ -32,10 +32,11 @@ struct EntranceLines {
 /// Corner `vertex` of body i against edge `edge` (from corner `edge` to the next) of body j.
 struct Touch {
   std::uint32_t i, vertex, j, edge;
-  double gap;    ///< m, negative: penetration
-  double ratio;  ///< of the foot along the edge, 0 .. 1
-  Vec2 normal;   ///< unit, out of j
-  Vec2 point;    ///< the corner
+  double gap;       ///< m, negative: penetration
+  double ratio;     ///< of the foot along the edge, 0 .. 1
+  Vec2 normal;      ///< unit, out of j
+  Vec2 point;       ///< the corner
+  double tilt = 0;  ///< rad, of `normal` against that of the edge: rough faces that ride up on one another
   friend bool operator==(const Touch&, const Touch&) = default;
 };
 

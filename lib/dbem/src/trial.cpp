@@ -84,6 +84,7 @@ void Trial::divide() {
       Touch& touch = moved_[k];
       const double gap = touch.gap;
       renew_touch(touch, w_.corners_of(mid_corners, touch.i), w_.corners_of(mid_corners, touch.j));
+      w_.ride(touch, mid);
       touch.gap = gap;
     }
     rows_[s] = w_.rows_of(moved_, island, mid);

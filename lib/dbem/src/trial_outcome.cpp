@@ -23,12 +23,11 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
   const Vec2 p = solutions_[group].impulse[contact];
   const Vec2 now = w_.velocity_of(rows, contact, out_.state);
   const Vec2 old = w_.velocity_of(rows, contact, w_.state);
-  const JointLaw& law = w_.law_of(t);
   const Bond* bond = w_.bond_of(t);
   const Vec2 soft = w_.compliance_of(t);
   out_.friction -= soft.y > 0 ? 0.0 : p.y * 0.5 * (now.y + old.y);
-  const double mu = bond == nullptr ? law.residual_friction.value_or(law.friction) : law.friction;
-  const double bound = mu * p.x / step_ + w_.cohesion_of(t);
+  const Touch& at = moved_[out_.islands[group].touches[contact]];
+  const double bound = w_.friction_of(at, bond) * p.x / step_ + w_.cohesion_of(t);
   ContactState how = ContactState::stick;
   if (p == Vec2{}) {
     how = ContactState::open;
@@ -40,9 +39,10 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
   const auto place = w_.bond_at(t);
   if (place && t.gap + step_ * now.x < 1e-7 * feature) out_.closed.push_back(*place);
   if (p != Vec2{}) out_.memory.push_back({key_of(t), p / step_, soft, t.point, t.normal});
-  const Touch& at = moved_[out_.islands[group].touches[contact]];
-  out_.contacts.push_back({t.i, t.vertex, t.j, t.edge, w_.anchor + at.point, at.normal, t.gap, p.x / step_, p.y / step_,
-                           now.y, how, bond != nullptr});
+  // In the axes of the edge, whatever slope of it the contact lies on.
+  const Vec2 force = rotated(p / step_, at.tilt), passing = rotated(now, at.tilt);
+  out_.contacts.push_back({t.i, t.vertex, t.j, t.edge, w_.anchor + at.point, rotated(at.normal, -at.tilt), t.gap,
+                           force.x, force.y, passing.y, how, bond != nullptr});
   // Bodies whose velocity is given do work through their contacts.
   for (const std::size_t which : {2 * contact, 2 * contact + 1}) {
     const Side& side = rows.sides[which];

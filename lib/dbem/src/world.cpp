@@ -62,6 +62,17 @@ std::optional<WorldError> check_law(const JointLaw& law) {
   if (!(law.restitution >= 0 && law.restitution <= 1)) {
     return BadLaw{fmt::format("restitution {} is not between 0 and 1", law.restitution)};
   }
+  if (!good(law.water_pressure.si()) || law.water_pressure < Stress{}) {
+    return BadLaw{fmt::format("water pressure of {} Pa is not at least 0", law.water_pressure.si())};
+  }
+  if (law.water_table && !good(law.water_table->si())) return BadLaw{"the height of the water is not a number"};
+  const double least = std::min(law.friction, law.residual_friction.value_or(law.friction));
+  if (!(law.dilation >= 0 && law.dilation <= least)) {
+    return BadLaw{fmt::format("dilation {} is not between 0 and the friction, residual or not", law.dilation)};
+  }
+  if (law.dilation > 0 && !(good(law.dilation_slip.si()) && law.dilation_slip > Length{})) {
+    return BadLaw{fmt::format("dilation over a slip of {} m", law.dilation_slip.si())};
+  }
   if (!(law.residual_cohesion >= 0 && law.residual_cohesion <= law.cohesion)) {
     return BadLaw{fmt::format("residual cohesion {} is not between 0 and the cohesion", law.residual_cohesion)};
   }
@@ -82,6 +93,9 @@ std::optional<WorldError> check_options(const WorldOptions& o) {
   if ((o.position_error && !(*o.position_error > 0)) || !(o.overlap >= 0))
     return BadOption{"tolerances must not be negative"};
   if (!(o.step_work > 0)) return BadOption{"the work of a step must be positive"};
+  if (!good(o.mass_damping) || o.mass_damping < 0) {
+    return BadOption{fmt::format("damping of {} /s is no rate at which motion is lost", o.mass_damping)};
+  }
   if (!(o.regularisation >= 0)) return BadOption{"regularisation must not be negative"};
   return std::nullopt;
 }
@@ -219,6 +233,8 @@ std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws
   w.look(w.next_step);
   w.seen_step = w.next_step;
   w.make_bonds();
+  w.make_mated();
+  w.make_water();
   w.energy.kinetic = w.kinetic_of(w.state);
   w.energy.potential = w.potential_of(w.state);
   w.start_energy = w.energy.total();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -86,6 +87,12 @@ struct BondKey {
   friend auto operator<=>(const BondKey&, const BondKey&) = default;
 };
 
+/// A side that fitted another body's rough side at the start.
+struct Mated {
+  std::uint32_t body, edge, other;
+  friend auto operator<=>(const Mated&, const Mated&) = default;
+};
+
 /// A group of bodies joined by contacts.
 struct Island {
   std::vector<std::uint32_t> touches;
@@ -157,6 +164,8 @@ struct World::Impl {
   std::vector<Bond> bonds;
   std::vector<BondKey> bond_keys;
   std::vector<JointSection> sections;
+  std::vector<Mated> mated;            // sorted
+  std::vector<double> rides;           // of each body, how far joints can lift it; empty: nothing dilates
   std::vector<std::uint8_t> torn_now;  // sections, in the step that is being tried
   std::vector<std::uint8_t> asleep;
   std::vector<std::uint16_t> calm;
@@ -194,6 +203,12 @@ struct World::Impl {
   void look(double step);
 
   // assembly.cpp
+  /// What is left of a velocity after a step, and how much of an impulse given over it, by the damping in proportion to
+  /// mass.
+  struct Damped {
+    double kept, felt;
+  };
+  [[nodiscard]] Damped damped_over(double step) const;
   [[nodiscard]] std::vector<Island> islands_of(const std::vector<Touch>& list) const;
   [[nodiscard]] Rows rows_of(const std::vector<Touch>& list, const Island& island, const State& at) const;
   /// Sides of each body that moves, bodies numbered as met.
@@ -205,9 +220,10 @@ struct World::Impl {
     std::vector<Eigen::Index> place;       // in that matrix, by side
   };
   [[nodiscard]] SidesOfBodies sides_of(const Rows& rows, double theta, double step, bool rigid_only) const;
-  [[nodiscard]] BlockMatrix delassus(const Rows& rows, double theta, double step, bool rigid_only) const;
+  [[nodiscard]] BlockMatrix delassus(const Rows& rows, double theta, double step, double felt, bool rigid_only) const;
   /// Nothing when a body of the group bends and its modes are not left out (`stiffened`).
-  [[nodiscard]] std::optional<RigidForm> rigid_form(const Rows& rows, const Island& island, bool stiffened) const;
+  [[nodiscard]] std::optional<RigidForm> rigid_form(const Rows& rows, const Island& island, double felt,
+                                                    bool stiffened) const;
   /// Velocity of each contact (n, t) under the velocities of a state.
   [[nodiscard]] Vec2 velocity_of(const Rows& rows, std::size_t contact, const State& at) const;
   void add_impulse(const Rows& rows, std::size_t contact, Vec2 p, double theta, double step, State& at) const;
@@ -236,8 +252,22 @@ struct World::Impl {
                               std::vector<double>* modal) const;
   void predict(const State& before, double step, std::size_t body, State& mid) const;
 
+  // dilation.cpp
+  void make_mated();
+  void add_mated(Mated side);
+  /// Gap and normal of a contact of rough faces that have slipped; others stay as they are.
+  void ride(Touch& touch, const State& at) const;
+  [[nodiscard]] double ride_between(std::size_t a, std::size_t b) const {
+    return rides.empty() ? 0.0 : std::min(rides[a], rides[b]);
+  }
+  /// Coefficient on the face that the contact lies on.
+  [[nodiscard]] double friction_of(const Touch& t, const Bond* bond) const;
+
   // sections.cpp
   void make_bonds();
+  void make_water();
+  /// A force on a body as it lies at the start, that moves and turns with it.
+  void push_at(std::uint32_t body, Vec2 point, Vec2 force);
   void add_bond(const Touch& t, const Bond& bond);
   /// After a step: bonds that broke, and those of which nothing is left.
   void weaken(const Attempt& done);

@@ -137,6 +137,25 @@ TimeFunction parse_time_function(const TableReader& load, bool& follows) {
   return out;
 }
 
+const KeyTable& in_situ_keys() {
+  static constexpr NumberRule gradient_rule{-1e18, false, 1e18, false, " Pa/m"};
+  static const KeyTable keys{.name = "body.in_situ",
+                             .keys = {{"stress", key::vector(pressure_rule), required,
+                                       "`[sxx, syy, sxy]` at `level`, Pa, compression negative"},
+                                      {"level", key::number(rule::coordinate), "0", "m, y"},
+                                      {"gradient", key::vector(gradient_rule), "0", "change per metre upwards"}}};
+  return keys;
+}
+
+bem::InSitu parse_in_situ(const TableReader& table) {
+  const auto stress_of = [&](string_view key) {
+    const auto v = table.vec3(key);
+    return v ? bem::Sym2{v->x, v->z, v->y} : bem::Sym2{};  // written xx, yy, xy
+  };
+  if (!table.has("stress")) table.missing("stress", "write stress = [sxx, syy, sxy] in Pa, compression negative");
+  return {.stress = stress_of("stress"), .level = table.value("level"), .gradient = stress_of("gradient")};
+}
+
 RockDefaults parse_rock_defaults(const TableReader& root) {
   RockDefaults out;
   const auto found = root.sub("rock");

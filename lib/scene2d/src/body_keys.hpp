@@ -53,6 +53,10 @@ inline constexpr std::array<std::string_view, 1> all_sides{"all"};
 /// `time = { kind, duration, frequency, follows }` of a load; a constant when absent.
 [[nodiscard]] TimeFunction parse_time_function(const TableReader& load, bool& follows);
 
+/// Stress before loading: `{ stress, level, gradient }`.
+[[nodiscard]] const KeyTable& in_situ_keys();
+[[nodiscard]] bem::InSitu parse_in_situ(const TableReader& table);
+
 /// [rock] of a plane scene.
 struct RockDefaults {
   std::optional<double> young, poisson;

@@ -175,6 +175,29 @@ void add_nodal(const Shape& shape, double angle, const std::vector<double>& forc
   }
 }
 
+/// Stress that the rock had before at the height of the body's centroid.
+bem::Sym2 locked_in(const ContactScene& scene, const ContactBody& spec) {
+  if (!scene.settings.in_situ) return {};
+  const bem::InSitu& rock = *scene.settings.in_situ;
+  const double height = dbem::polygon_moments(spec.corners).centroid.y - rock.level;
+  return rock.stress + height * rock.gradient;
+}
+
+/// What strains an elastic body that holds a stress: tractions against those it had on all its sides. They turn with
+/// it.
+void load_locked(const Shape& shape, double angle, bem::Sym2 stress, dbem::Body& body) {
+  if (stress == bem::Sym2{}) return;
+  const bem::Mesh& mesh = shape.block.mesh();
+  const auto places = bem::local_nodes(mesh.order);
+  std::vector<std::array<Vec2, 3>> tractions(mesh.elements.size());
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+    for (std::size_t a = 0; a < places.size(); ++a) {
+      tractions[e][a] = -rotated(stress * rotated(mesh.elements[e].normal(places[a]), angle), -angle);
+    }
+  }
+  add_nodal(shape, angle, shape.block.forces_of(tractions), {}, true, body);
+}
+
 void load_elastic(const ContactBody& spec, const Shape& shape, double angle, Vec2 gravity, dbem::Body& body) {
   const bem::Mesh& mesh = shape.block.mesh();
   for (const ContactLoad& load : spec.loads) {
@@ -223,6 +246,7 @@ std::expected<PreparedBodies, std::vector<Problem>> prepare_bodies(const Contact
   std::vector<Shape> shapes;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const ContactBody& spec = scene.bodies[b];
+    out.locked.emplace_back();
     dbem::Body body;
     body.name = spec.name;
     body.density = spec.density;
@@ -261,6 +285,8 @@ std::expected<PreparedBodies, std::vector<Problem>> prepare_bodies(const Contact
     }
     body.modes = turned(shape.modes, *angle);
     load_elastic(spec, shape, *angle, scene.settings.gravity, body);
+    out.locked.back() = locked_in(scene, spec);
+    load_locked(shape, *angle, out.locked.back(), body);
     out.bodies.push_back(std::move(body));
     out.elements.push_back(shape.block.mesh().elements.size());
     out.stress.push_back(PreparedBodies::OwnStress{found, *angle});
@@ -281,6 +307,10 @@ dbem::Laws laws_of(const ContactScene& scene) {
       out.residual_friction = std::tan(*joint.residual_friction * std::numbers::pi / 180);
     }
     out.restitution = scene.settings.restitution;
+    out.water_pressure = joint.water_pressure;
+    out.water_table = joint.water_table;
+    out.dilation = std::tan(joint.dilation * std::numbers::pi / 180);
+    out.dilation_slip = joint.dilation_slip;
     out.normal_stiffness = joint.normal_stiffness.si();
     out.shear_stiffness = joint.shear_stiffness.si();
     return out;
@@ -305,6 +335,15 @@ dbem::Laws laws_of(const ContactScene& scene) {
         joint.cohesion = std::min(first.cohesion, second.cohesion);
         joint.residual_cohesion = std::min(first.residual_cohesion, second.residual_cohesion);
         joint.tension = std::min(first.tension, second.tension);
+        // Of two waters the higher one is there.
+        joint.water_pressure = std::max(first.water_pressure, second.water_pressure);
+        if (first.water_table && second.water_table) {
+          joint.water_table = std::max(*first.water_table, *second.water_table);
+        } else if (first.water_table) {
+          joint.water_table = first.water_table;
+        }
+        joint.dilation = std::min(first.dilation, second.dilation);
+        joint.dilation_slip = std::min(first.dilation_slip, second.dilation_slip);
         joint.normal_stiffness = softer(first.normal_stiffness, second.normal_stiffness);
         joint.shear_stiffness = softer(first.shear_stiffness, second.shear_stiffness);
       }

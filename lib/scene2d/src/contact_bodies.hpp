@@ -24,6 +24,7 @@ struct PreparedBodies {
     double angle;  ///< of the body against its shape, at the start
   };
   std::vector<std::optional<OwnStress>> stress;  ///< of each body; rigid ones have none
+  std::vector<bem::Sym2> locked;                 ///< stress of the start in each, scene's axes; 0 where there is none
   std::size_t operators = 0;                     ///< elastic operators built: one for each shape and material
 };
 

@@ -78,6 +78,14 @@ void check_overlaps(const ContactScene& scene, Problems& problems) {
 }
 
 void check_elastic(const ContactScene& scene, const TableReader& contact, Problems& problems) {
+  if (scene.settings.in_situ && !rigidity_of(scene).elastic) {
+    contact.error("in_situ", "is locked in bodies that deform, but these are rigid",
+                  "give young and poisson in [rock] and rigid = false, or remove in_situ");
+  }
+  if (scene.settings.in_situ && scene.settings.to_rest && scene.settings.gravity == Vec2{}) {
+    contact.error("in_situ", "comes to rest by no weight, which static = true measures forces by",
+                  "give gravity, or a duration with mass_damping in place of static = true");
+  }
   if (scene.settings.rigidity == Rigidity::rigid) return;
   const bool must = scene.settings.rigidity == Rigidity::elastic;
   const bool clamped = std::ranges::any_of(scene.bodies, &ContactBody::clamped);

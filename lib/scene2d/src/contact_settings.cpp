@@ -169,10 +169,15 @@ const KeyTable& contact_keys() {
           {"strength", key::table(&rock_strength_keys), "",
            "`{ cohesion, friction, tension }` of the rock of elastic bodies (Pa, degrees, Pa): `safety` of their "
            "stress"},
+          {"in_situ", key::table(&in_situ_keys), "",
+           "`{ stress, level, gradient }`: stress of the rock at the start, locked in elastic bodies (in each that at "
+           "its centroid)"},
           {"work", key::number({0, true, 1e9, false, ""}), "none",
            "10^9 operations the run may take, counted, not timed (some 0.4 s each): beyond it the run stops with exit "
            "code 4 and keeps what is done"},
-          {"damping", key::number({0, false, 10, false, ""}), "0", "share of critical damping of elastic vibrations"}}};
+          {"damping", key::number({0, false, 10, false, ""}), "0", "share of critical damping of elastic vibrations"},
+          {"mass_damping", key::number({0, false, 1e6, false, " 1/s"}), "0",
+           "1/s, of all motion: each body is slowed by this times its mass and velocity; not with `static`"}}};
   return keys;
 }
 
@@ -243,10 +248,16 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   s.element = table.number("element");
   if (const auto modes = table.count("modes"); modes > 0) s.modes = static_cast<std::size_t>(modes);
   s.damping = table.value("damping");
+  s.mass_damping = Rate::from_si(table.value("mass_damping"));
+  if (s.to_rest && table.has("mass_damping")) {
+    table.error("mass_damping", "slows what moves, but static = true knows no time",
+                "remove mass_damping, or static = true");
+  }
   s.largest_move = table.value("max_displacement");
   s.frames = static_cast<std::size_t>(table.count("frames"));
   s.estimate = table.flag("estimate");
   if (const auto most = table.number("work")) s.work = 1e9 * *most;
+  if (const auto in_situ = table.sub("in_situ")) s.in_situ = parse_in_situ(*in_situ);
   if (const auto strength = table.sub("strength")) {
     s.strength = RockStrength{.cohesion = strength->need_number("cohesion").value_or(0),
                               .friction = strength->need_number("friction").value_or(0),

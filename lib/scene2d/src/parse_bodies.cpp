@@ -18,7 +18,6 @@ using std::string_view;
 
 constexpr double radians = std::numbers::pi / 180;
 constexpr NumberRule stiffness_rule{0, false, 1e18, false, " Pa/m"};
-constexpr NumberRule gradient_rule{-1e18, false, 1e18, false, " Pa/m"};
 constexpr std::array<string_view, 7> support_words{"fixed",        "roller", "symmetry", "spring",
                                                    "displacement", "bonded", "pin"};
 
@@ -69,15 +68,6 @@ const KeyTable& load_keys_of_body() {
   return keys;
 }
 
-const KeyTable& in_situ_keys() {
-  static const KeyTable keys{.name = "body.in_situ",
-                             .keys = {{"stress", key::vector(pressure_rule), required,
-                                       "`[sxx, syy, sxy]` at `level`, Pa, compression negative"},
-                                      {"level", key::number(rule::coordinate), "0", "m, y"},
-                                      {"gradient", key::vector(gradient_rule), "0", "change per metre upwards"}}};
-  return keys;
-}
-
 const KeyTable& elastic_body_keys() {
   static const KeyTable keys = [] {
     KeyTable table{
@@ -107,12 +97,6 @@ const KeyTable& elastic_body_keys() {
     return table;
   }();
   return keys;
-}
-
-std::optional<bem::Sym2> stress_of(const TableReader& table, string_view key) {
-  const auto v = table.vec3(key);
-  if (!v) return std::nullopt;
-  return bem::Sym2{v->x, v->z, v->y};  // written xx, yy, xy
 }
 
 std::optional<bem::Loop> circle_of(const TableReader& table, bool clockwise) {
@@ -378,13 +362,10 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, bem::Plan
   parse_supports(body, outline, spec, moving);
   parse_loads(body, outline, spec, moving);
   if (const auto in_situ = body.sub("in_situ")) {
-    const TableReader& table = *in_situ;
-    if (!table.has("stress")) table.missing("stress", "write stress = [sxx, syy, sxy] in Pa, compression negative");
-    spec.in_situ.stress = stress_of(table, "stress").value_or(bem::Sym2{});
-    spec.in_situ.level = table.value("level");
-    spec.in_situ.gradient = stress_of(table, "gradient").value_or(bem::Sym2{});
+    spec.in_situ = parse_in_situ(*in_situ);
     spec.stressed = true;
-    if (moving) table.error("stress", "stress before loading is part of static scenes only", "remove [elastic.time]");
+    if (moving)
+      in_situ->error("stress", "stress before loading is part of static scenes only", "remove [elastic.time]");
   }
   spec.velocity = pair(body, "velocity").value_or(Vec2{});
   spec.spin = body.value("angular_velocity");

@@ -18,6 +18,7 @@ namespace {
 using bem::Vec2;
 using std::string_view;
 
+constexpr NumberRule dilation_rule{0, false, 60, false, " degrees"};
 constexpr std::array<string_view, 1> fixed_word{"fixed"};
 
 const KeyTable& contact_strength_keys() {
@@ -30,6 +31,13 @@ const KeyTable& contact_strength_keys() {
                {"residual_cohesion", key::number(rule::stress), "0",
                 "Pa, where a contact of the start has slipped, until it opens"},
                {"tension", key::number(rule::stress), "0", "Pa, until a contact breaks"},
+               {"dilation", key::number(dilation_rule), "0",
+                "degrees, part of `friction`: faces closed at the start ride up by this when they slip"},
+               {"dilation_slip", key::number(rule::length), "", "m, slip at which they rise no further"},
+               {"water_pressure", key::number(rule::stress), "0",
+                "Pa, of water between faces closed at the start: pushes both apart on that length all the time"},
+               {"water_table", key::number(rule::coordinate), "",
+                "m, height of still water: adds 9810 Pa to that for each metre below it"},
                {"normal_stiffness", key::number({0, true, 1e18, false, " Pa/m"}), "rigid", "Pa/m, of the joint"},
                {"shear_stiffness", key::number({0, true, 1e18, false, " Pa/m"}), "`normal_stiffness`",
                 "Pa/m, until friction is reached"}}};
@@ -294,6 +302,21 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, const Joi
   }
 }
 
+void parse_dilation(const TableReader& table, const ContactJoint& otherwise, ContactJoint& joint) {
+  joint.dilation = table.number("dilation").value_or(otherwise.dilation);
+  const auto slip = table.number("dilation_slip");
+  joint.dilation_slip = slip ? Length::from_si(*slip) : otherwise.dilation_slip;
+  const string_view key = table.has("dilation") ? "dilation" : table.has("friction") ? "friction" : "residual_friction";
+  const double least = joint.residual_friction.value_or(joint.friction);
+  if (joint.dilation > least) {
+    table.error(key, fmt::format("dilation of {:g} degrees is more than the friction of {:g}", joint.dilation, least),
+                "rising costs a part of friction, residual or not: make dilation less");
+  }
+  if (joint.dilation > 0 && !(joint.dilation_slip > Length{})) {
+    table.missing("dilation_slip", "write the slip in m at which the joint rises no further");
+  }
+}
+
 std::vector<ContactJoint> parse_strengths(const TableReader& root) {
   std::vector<ContactJoint> out{{.name = "default"}};
   const TomlTable* found = root.table("joints");
@@ -337,6 +360,10 @@ std::vector<ContactJoint> parse_strengths(const TableReader& root) {
     if (joint.residual_friction && *joint.residual_friction > joint.friction) {
       named.table.error("residual_friction", "is more than friction", "what has slipped holds no better: make it less");
     }
+    parse_dilation(named.table, out[0], joint);
+    joint.water_pressure = Stress::from_si(named.table.number("water_pressure").value_or(out[0].water_pressure.si()));
+    joint.water_table = out[0].water_table;
+    if (const auto table = named.table.number("water_table")) joint.water_table = Length::from_si(*table);
   }
   if (std::ranges::none_of(tables, [](const Named& n) { return n.at == 0 && n.table.has("friction"); }) &&
       std::ranges::any_of(out, [&](const ContactJoint& j) { return j.name == "default"; }) && tables.empty()) {

@@ -59,6 +59,7 @@ RigidityChoice rigidity_of(const ContactScene& scene) {
   if (bare != scene.bodies.end()) {
     return {false, "rigid blocks: no Young's modulus and Poisson's ratio for \"" + bare->name + "\"", strain};
   }
+  if (scene.settings.in_situ) return {true, "elastic blocks: stress is locked in them", strain};
   if (strain < strain_that_matters) {
     return {false, fmt::format("rigid blocks: strains of about {:.1e} stay below {:.0e}", strain, strain_that_matters),
             strain};

@@ -200,8 +200,9 @@ class Recorder final {
       for (std::size_t m = 0; m < amplitudes.size(); ++m)
         sum += amplitudes[m] * shape.values[v * amplitudes.size() + m];
       NodeStress& node = out[v];
-      node.stress = in_world(sum, own.angle + world_.rotation(body));
-      node.out_of_plane = shape.poisson * (sum.xx + sum.yy);
+      const bem::Sym2 locked = prepared_.locked[body];
+      node.stress = in_world(sum, own.angle + world_.rotation(body)) + in_world(locked, world_.rotation(body));
+      node.out_of_plane = shape.poisson * (sum.xx + sum.yy + locked.xx + locked.yy);
       node.von_mises = von_mises(node.stress, node.out_of_plane);
       if (scene_.settings.strength) {
         node.safety = safety_of(principal(node.stress, node.out_of_plane), *scene_.settings.strength);
@@ -351,6 +352,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
       options.ground = [&ground = *s.ground](double t) { return ground.at(t); };
       options.ground_mean = [&ground = *s.ground](double from, double to) { return ground.mean(from, to); };
     }
+    options.mass_damping = s.mass_damping.si();
     options.step = s.step;
     options.longest_step = s.max_step;
     options.displacement = s.largest_move;

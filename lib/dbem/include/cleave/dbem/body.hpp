@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cleave/bem/outline.hpp"
+#include "cleave/core/quantity.hpp"
 
 /// Blocks in contact in the plane: the discrete boundary element method. SI units; everything is per metre of
 /// thickness, so a mass is in kg/m and a force in N/m. x to the right, y up, angles counter-clockwise in radians.
@@ -70,7 +71,17 @@ struct JointLaw {
   /// Pa, on the length of a bond that broke by slip, while its contact stays closed.
   double residual_cohesion = 0;
   std::optional<double> residual_friction = {};  ///< after the bond broke; empty: as `friction`
-  double compliance = 0;                         ///< m2/N of one contact point, normal and tangential; 0: rigid
+  /// Tangent of the dilation angle of faces that were closed at the start: away from where they fit they ride up by
+  /// this for each unit of slip, to either side. At most friction, of which it is a part: what slides on is held by
+  /// `friction`, what slides back by that much less.
+  double dilation = 0;
+  Length dilation_slip{};  ///< beyond which they rise no further; above 0 where there is dilation
+  /// Of water between faces that are closed at the start: it pushes both apart on that length, along the joint as it
+  /// lies then in either body, for the whole run, drained or not.
+  Stress water_pressure{};
+  /// Height of still water, scene: adds 9810 Pa for each metre below it; empty: none.
+  std::optional<Length> water_table = {};
+  double compliance = 0;  ///< m2/N of one contact point, normal and tangential; 0: rigid
   /// Pa/m of the joint, in place of `compliance`: a contact has that of the length it stands for. 0: rigid.
   double normal_stiffness = 0;
   double shear_stiffness = 0;  ///< likewise

@@ -78,7 +78,10 @@ struct WorldOptions {
   double regularisation = 1e-10;  ///< compliance on the diagonal of W, relative
   bool sleep = true;              ///< bodies at rest are left alone until something touches them
   double sleep_speed = 1e-7;      ///< m/s
-  bool quasi_static = false;      ///< every step starts from rest and is fully implicit: for static answers
+  /// 1/s: every body is slowed by this times its mass and velocity (and likewise its spin and its vibrations). Speeds
+  /// are exact between contacts, whatever the step.
+  double mass_damping = 0;
+  bool quasi_static = false;  ///< every step starts from rest and is fully implicit: for static answers
   /// Operations that a step with all its tries may take for each 100 bodies (at least as for 100); counted, not timed:
   /// some 2.5 x 10^9 take a second. What would need more is cut, and then refused.
   double step_work = 5e9;

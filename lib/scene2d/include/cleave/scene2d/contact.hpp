@@ -28,6 +28,8 @@ namespace cleave::scene {
 
 /// Pa/m, which is N/m3.
 using JointStiffness = UnitWeight;
+/// 1/s.
+using Rate = Quantity<0, 0, -1>;
 
 /// Strength of a contact between two sides; [joints.NAME] of the scene.
 struct ContactJoint {
@@ -39,6 +41,11 @@ struct ContactJoint {
   Stress residual_cohesion{};                            ///< where it slipped and stays closed
   double tension = 0;                                    ///< Pa, likewise
   JointStiffness normal_stiffness{}, shear_stiffness{};  ///< 0: rigid
+  /// Degrees, part of `friction`: by which faces that were closed at the start ride up when they slip.
+  double dilation = 0;
+  Length dilation_slip{};                  ///< beyond which they rise no further
+  Stress water_pressure{};                 ///< on both faces that were closed at the start
+  std::optional<Length> water_table = {};  ///< height of still water, scene; empty: none
 };
 
 /// A load on one body of a scene of contact; times are those of the run.
@@ -108,10 +115,12 @@ struct ContactSettings {
   std::optional<double> element;     ///< m, longest element; empty: a quarter of the body
   std::optional<std::size_t> modes;  ///< of an elastic body; empty: all
   double damping = 0;                ///< share of critical damping of elastic vibrations
+  Rate mass_damping{};               ///< of all motion
   double largest_move = 0.05;        ///< of the scene's extent, in one step
   std::size_t frames = 120;
   std::optional<RockStrength> strength;
-  bool estimate = false;  ///< of the error of the steps, by three more runs with longer ones
+  std::optional<bem::InSitu> in_situ;  ///< locked in elastic bodies at the start, in each that at its centroid
+  bool estimate = false;               ///< of the error of the steps, by three more runs with longer ones
   double work = std::numeric_limits<double>::infinity();  ///< operations the run may take
 };
 
