@@ -13,11 +13,13 @@
 #include "cleave/realize/monte_carlo.hpp"
 #include "cleave/realize/run.hpp"
 #include "cleave/report/monte_carlo.hpp"
+#include "cleave/report/monte_carlo_fields.hpp"
 #include "cleave/report/write.hpp"
 #include "command_monte_carlo.hpp"
 #include "figures.hpp"
 #include "monte_carlo_folder.hpp"
 #include "problems.hpp"
+#include "say.hpp"
 
 namespace cleave::cli {
 namespace {
@@ -30,20 +32,19 @@ std::string figures_text(const report::MonteCarloPage& page) {
   std::string text = fmt::format("{}\nrealizations {} ({}), seed {}\n", page.title, f.realizations,
                                  name_of(page.result.stopped_by), page.seed);
   for (const scene::ExcavationFigures& e : page.excavations) {
-    text += fmt::format("excavated    {}, {:.6g} m3\n", e.name, e.volume.si());
+    text += say("excavated    {name}, {volume_m3:.6g} m3\n", e);
   }
   for (const Estimate& e : f.estimates) {
     if (e.name.starts_with("share") || e.name.starts_with("first_batch_share")) continue;
-    text += fmt::format("  {:<44} {:>12.5g} +- {:<10.3g} [{:.5g}, {:.5g}]\n", e.name, e.mean, e.standard_error, e.low,
-                        e.high);
+    text += fmt::format("  {:<44} ", e.name) + say("{mean:>12.5g} +- {standard_error:<10.3g} [{low:.5g}, {high:.5g}]\n",
+                                                   group([&](auto& v) { mean_fields(v, e); }));
   }
   for (const auto& e : f.exceedances) {
-    text += fmt::format("  P(key block above {:g} m3){:>24.5g} [{:.5g}, {:.5g}]\n", e.volume_m3, e.probability,
-                        e.interval.low, e.interval.high);
+    text += say("  P(key block above {volume_m3:g} m3){probability:>24.5g} [{low:.5g}, {high:.5g}]\n", e);
   }
   text += cost_line(page.cost);
   for (const scene::StageSeconds& row : page.result.stages) {
-    text += fmt::format("  {:<10} {:.2f} s of threads\n", row.stage, row.seconds);
+    text += say("  {stage:<10} {thread_s:.2f} s of threads\n", group([&](auto& v) { report::fields(v, row); }));
   }
   return text;
 }

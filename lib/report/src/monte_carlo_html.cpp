@@ -5,9 +5,9 @@
 
 #include "cleave/exchange/text.hpp"
 #include "cleave/report/monte_carlo.hpp"
+#include "cleave/report/monte_carlo_fields.hpp"
 #include "html_parts.hpp"
 #include "html_table.hpp"
-#include "monte_carlo_fields.hpp"
 #include "plot.hpp"
 
 namespace cleave::report {

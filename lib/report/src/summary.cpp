@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "cleave/exchange/json_fields.hpp"
-#include "monte_carlo_fields.hpp"
+#include "cleave/report/monte_carlo_fields.hpp"
 
 template <class Tag>
 struct cleave::Sample<cleave::Id<Tag>> {

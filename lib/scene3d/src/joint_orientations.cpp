@@ -130,6 +130,7 @@ std::optional<dfn::OrientationLaw> parse_orientation(Context& context, const Tab
     table.error(key, fmt::format("has no meaning for the distribution \"{}\"", orientation_laws[*law]),
                 fmt::format("remove it, or set distribution = \"{}\"", orientation_laws[owner]));
   }
+  static_assert(orientation_laws.size() == 6, "each law but the constant one has its case here");
   switch (*law) {
     case 0: {
       const auto kappa = table.need_number("kappa");

@@ -105,6 +105,7 @@ std::optional<geometry::Section> parse_section(const TableReader& tunnel, geomet
   const auto build = [&]() -> geometry::Section {
     if (*shape == 0) return geometry::CircleSection{circle_diameter(section)};
     const Length width = dimension(section, "width");
+    static_assert(shapes.size() == 8, "each shape has its case; circle, arch and polygon stand before and below");
     switch (*shape) {
       case 1: return geometry::EllipseSection{width, dimension(section, "height")};
       case 2: return geometry::RectangleSection{width, dimension(section, "height")};

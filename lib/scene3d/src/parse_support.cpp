@@ -157,6 +157,7 @@ std::optional<stability::BoltKind> parse_kind(const TableReader& table, double a
     return stability::Cable{.bond = strength, .free_length = metres(table.value("free_length"))};
   }
   misused({"free_length"});
+  static_assert(stability::bolt_kind_names.size() == 4, "each kind has its case; grouted is the last");
   if (name == "friction") return stability::FrictionTube{.bond = strength, .shear = shear};
   return stability::GroutedBar{.bond = strength, .shear = shear};
 }

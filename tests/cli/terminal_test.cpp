@@ -1,0 +1,122 @@
+// Lines of the terminal name declared figures: each line with all its figures, and without.
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "figures.hpp"
+#include "say.hpp"
+
+namespace cleave::cli {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+scene::RunResult result() {
+  scene::RunResult r = scene::empty_result();
+  r.title = "Tunnel";
+  r.seed = 7;
+  r.figures.input.joints = 12;
+  for (int k = 1; k <= 10; ++k) {
+    r.figures.input.excavations.push_back({.name = "cut " + std::to_string(k), .volume = cubic_metres(64e6)});
+  }
+  return r;
+}
+
+scene::KeyBlockFigures key_blocks() {
+  scene::KeyBlockFigures key{.count = 3, .volume_m3 = 1.25, .batches = {}};
+  for (std::uint32_t k = 1; k <= 9; ++k) key.batches.push_back({.batch = k, .count = 2, .volume_m3 = 1.0 / 3});
+  key.domain_held = scene::DomainHeldFigures{.count = 4, .volume = cubic_metres(2.5), .share = 0.1};
+  return key;
+}
+
+bool holds(const std::string& text, const std::string& line) { return text.find(line) != std::string::npos; }
+
+TEST(TerminalTest, BlocksAndKeyBlocks) {
+  scene::RunResult r = result();
+  r.figures.blocks = scene::BlockFigures{.count = 1200, .volume_m3 = 123456.7, .concave = 5, .slivers = 2, .hash = {}};
+  r.figures.key_blocks = key_blocks();
+  r.figures.load_cases = {{"quake", {.count = 2, .volume_m3 = 0.5, .batches = {}, .lowest_factor_of_safety = 0.75}}};
+  const std::string text = figures_of(r);
+  EXPECT_TRUE(
+      text.starts_with("Tunnel\njoints       12, seed 7\nexcavated    cut 1, 64000000 m3\n"
+                       "             cut 2, 64000000 m3\n"))
+      << text;
+  EXPECT_TRUE(holds(text, "             cut 8, 64000000 m3\n             and 2 more\n")) << text;
+  EXPECT_TRUE(holds(text,
+                    "\nblocks       1200 (5 concave, 2 slivers), volume 123457 m3\n"
+                    "certificate  passed: volume error 0.0e+00, face vectors 0.0e+00\n"))
+      << text;
+  EXPECT_TRUE(holds(text,
+                    "\nkey blocks   3 in 9 batches, volume 1.25 m3\n"
+                    "  batch 1     2 blocks, 0.333333 m3\n"))
+      << text;
+  EXPECT_TRUE(holds(text,
+                    "  not counted: 4 that only a side of the domain holds, 2.5 m3\n  and 1 more batches\n"
+                    "  under quake: 2 blocks, 0.5 m3, lowest factor of safety 0.75\n"))
+      << text;
+  EXPECT_TRUE(holds(text, "\ntime         0.00 s, 0.00 s of CPU, 0 MB, 1 threads\n")) << text;
+}
+
+TEST(TerminalTest, ACertificateThatDidNotPass) {
+  scene::RunResult r = result();
+  topology::Certificate certificate;
+  certificate.euler_violations = 2;
+  certificate.open_shells = 1;
+  certificate.unpaired_patches = 6;
+  certificate.volume_relative_error = 0.25;
+  r.complex = std::unexpected(certificate);
+  r.figures.blocks.reset();
+  EXPECT_TRUE(holds(figures_of(r),
+                    "\ncertificate  DID NOT PASS: 2 Euler violations, 1 open shells, 6 unpaired patches, "
+                    "volume error 2.5e-01\n"))
+      << figures_of(r);
+}
+
+TEST(TerminalTest, SupportAndMotion) {
+  scene::RunResult r = result();
+  r.figures.support =
+      scene::SupportFigures{.blocks = 9,
+                            .held_by_bolts = 1,
+                            .held_by_shotcrete = 2,
+                            .held_by_both = 3,
+                            .not_held = 4,
+                            .bolts = 50,
+                            .combined = 6,
+                            .combined_failing = 5,
+                            .required_force_n = 1234.5,
+                            .missing_force_n = infinity,
+                            .groups = scene::SupportedGroupFigures{.count = 8, .not_held = 7, .in_doubt = 1}};
+  r.motion =
+      scene::MotionResult{.at_rest = true, .end = seconds(1.5), .steps = 40, .residual = 1e-6, .energy_error = 1e-3};
+  const std::string text = figures_of(r);
+  EXPECT_TRUE(holds(text,
+                    "\nsupport      DOES NOT PASS: 9 blocks below their target, 1 held by bolts, 2 by shotcrete, 3 by "
+                    "both, 4 not held\n  50 bolts, 6 stitched bodies (5 failing); required 1.234 kN, missing no "
+                    "force is enough\n  8 groups of blocks below their target, 7 not held, 1 in doubt\n"))
+      << text;
+  EXPECT_TRUE(holds(text,
+                    "\nmotion       0 of 0 blocks moved, 1.5 s (at rest), 40 steps, residual 1.0e-06, energy error "
+                    "1.0e-03\n"))
+      << text;
+  EXPECT_NE(log_of(r).find("\nresult\n" + text), std::string::npos);
+}
+
+struct Row {
+  std::optional<double> volume;
+};
+template <class V>
+void fields(V& v, const Row& x) {
+  v("volume_m3", x.volume);
+}
+
+TEST(TerminalTest, ANameThatIsNotDeclaredIsAnError) {
+  EXPECT_EQ(say("{volume_m3} {volume_m3:.1f}", Row{2.25}), "2.25 2.2");
+  EXPECT_THROW(static_cast<void>(say("{volume}", Row{2.25})), fmt::format_error);
+  EXPECT_THROW(static_cast<void>(say("{volume_m3}", Row{})), fmt::format_error);
+}
+
+}  // namespace
+}  // namespace cleave::cli
