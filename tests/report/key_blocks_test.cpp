@@ -2,15 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <limits>
-#include <ranges>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "cleave/exchange/text.hpp"
@@ -33,46 +30,22 @@ scene::RunResult result_of(stability::Analysis analysis) {
   return result;
 }
 
-std::string columns_line(const std::string& csv) { return csv.substr(0, csv.find('\n') + 1); }
-std::string below_header(const std::string& csv) { return csv.substr(csv.find('\n') + 1); }
-
-/// Columns are only ever added: these stay, in this order, whatever comes between them.
-void expect_columns(const std::string& csv, const std::string& wanted) {
-  const auto names = [](const std::string& line) {
-    std::vector<std::string> out;
-    for (const auto& name : std::views::split(std::string_view{line}.substr(0, line.size() - 1), ',')) {
-      out.emplace_back(name.begin(), name.end());
-    }
-    return out;
-  };
-  const std::vector<std::string> all = names(wanted);
-  std::vector<std::string> kept = names(columns_line(csv));
-  std::erase_if(kept, [&](const std::string& name) { return std::ranges::find(all, name) == all.end(); });
-  EXPECT_EQ(kept, all);
-}
-
-TEST(KeyBlocksCsv, HeaderIsTheContracts) {
-  const std::string csv = key_blocks_csv(grid(1), result_of({}));
-  EXPECT_TRUE(csv.starts_with(header)) << csv;
-  expect_columns(csv, header + places);
-  EXPECT_EQ(below_header(csv), "");
-}
+TEST(KeyBlocksCsv, HeaderIsTheContracts) { EXPECT_EQ(key_blocks_csv(grid(1), result_of({})), header + places); }
 
 TEST(KeyBlocksCsv, EveryPartBringsItsColumns) {
   scene::RunResult result = result_of({.force_transfer = true, .rotation = stability::RotationCheck::flag});
   result.support.emplace();
   result.field_stress.emplace();
-  expect_columns(
-      key_blocks_csv(grid(1), result),
-      header +
-          ",key_transferred,mode_transferred,direction_x_transferred,direction_y_transferred,"
-          "direction_z_transferred,net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred,"
-          "untransferred_n,lost_n_transferred,topples,turns,held_by_supported,bolts_supported,mobilised_share_"
-          "supported,"
-          "factor_of_safety_supported,missing_force_n_supported,required_force_n_supported,"
-          "required_pressure_pa_supported,key_clamped,factor_of_safety_clamped,compression_n_clamped,"
-          "tension_n_clamped" +
-          places);
+  EXPECT_EQ(key_blocks_csv(grid(1), result),
+            header +
+                ",key_transferred,mode_transferred,direction_x_transferred,direction_y_transferred,"
+                "direction_z_transferred,net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred,"
+                "untransferred_n,lost_n_transferred,topples,turns,held_by_supported,bolts_supported,mobilised_share_"
+                "supported,"
+                "factor_of_safety_supported,missing_force_n_supported,required_force_n_supported,"
+                "required_pressure_pa_supported,key_clamped,factor_of_safety_clamped,compression_n_clamped,"
+                "tension_n_clamped" +
+                places);
 }
 
 TEST(KeyGroupsCsv, LoadCasesAndStagesFollowTheBaseCase) {
@@ -170,7 +143,7 @@ TEST(KeyBlocksCsv, RowsAreTheRemovableBlocksThatWouldMoveWithoutFriction) {
                          judgement(3, stability::Mode::wedge, std::nullopt, std::numeric_limits<double>::infinity()),
                          judgement(4, stability::Mode::lifting, 2, 0.1)};
   const std::string csv = key_blocks_csv(complex, result_of(analysis));
-  EXPECT_EQ(below_header(csv),
+  EXPECT_EQ(csv.substr(header.size() + places.size()),
             "0,1,1,falling,0.125,1000,0,0,-1,800,0,6,3;12,0,0,0,,,0,,,0,0.8660254037844386\n"
             "3,,0,wedge,0.125,1000,0,0,-1,800,inf,6,3;12,0,0,0,,,0,,,0,0.8660254037844386\n"
             "4,2,1,lifting,0.125,1000,0,0,-1,800,0.1,6,3;12,0,0,0,,,0,,,0,0.8660254037844386\n");
@@ -188,16 +161,15 @@ TEST(KeyBlocksCsv, ColumnsAfterForceTransferFollow) {
                                                               .factor_of_safety = 0.25,
                                                               .passed = newtons(900)};
   const std::string csv = key_blocks_csv(grid(2), result_of(analysis));
-  expect_columns(
+  EXPECT_EQ(
       csv,
       header +
           ",key_transferred,mode_transferred,direction_x_transferred,direction_y_transferred,direction_z_transferred,"
           "net_force_n_transferred,factor_of_safety_transferred,passed_n_transferred,untransferred_n,"
           "lost_n_transferred" +
-          places);
-  EXPECT_EQ(below_header(csv),
-            "0,1,1,sliding,1,1000,0,0,-1,800,0.5,6,7,1,wedge,1,0,0,900,0.25,900,0,0,0,0,0,,,0,,,0,1.7320508075688772\n"
-            "1,,0,wedge,1,1000,0,0,-1,800,2,6,7,0,wedge,0,0,-1,800,2,0,0,0,0,0,1,,,0,,,0,1.7320508075688772\n");
+          places +
+          "0,1,1,sliding,1,1000,0,0,-1,800,0.5,6,7,1,wedge,1,0,0,900,0.25,900,0,0,0,0,0,,,0,,,0,1.7320508075688772\n"
+          "1,,0,wedge,1,1000,0,0,-1,800,2,6,7,0,wedge,0,0,-1,800,2,0,0,0,0,0,1,,,0,,,0,1.7320508075688772\n");
 }
 
 // docs/results.md holds what the columns say of themselves; CLEAVE_GOLDEN=1 in the environment writes it anew.
