@@ -106,11 +106,11 @@ topology::CutInput input_of(const IntegerScene& scene, std::uint8_t free_sides, 
 }
 
 Settings settings_of(const Choices& c, Vec3 gravity, Vec3 seismic) {
-  Settings s{RockMass::make(cleave::kilograms_per_cubic_metre(2700)).value(),
-             StrengthTable{JointStrength::make(cleave::FrictionAngle::degrees(c.friction), cleave::pascals(c.cohesion),
-                                               cleave::pascals(c.tension))
-                               .value()},
-             Loads::make(gravity, seismic).value()};
+  Settings s{.rock = RockMass::make(cleave::kilograms_per_cubic_metre(2700)).value(),
+             .strengths = StrengthTable{JointStrength::make(cleave::FrictionAngle::degrees(c.friction),
+                                                            cleave::pascals(c.cohesion), cleave::pascals(c.tension))
+                                            .value()},
+             .loads = Loads::make(gravity, seismic).value()};
   s.strict = c.strict;
   s.force_transfer = c.transfer;
   if (c.level) s.actions = Actions::make({.water = WaterTable{.level = *c.level}}).value();

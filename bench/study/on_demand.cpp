@@ -67,9 +67,9 @@ topology::CutInput middle_of(topology::CutInput input, double scale) {
 }
 
 stability::Settings settings() {
-  return {stability::RockMass::make(kilograms_per_cubic_metre(2700)).value(),
-          stability::StrengthTable{stability::JointStrength::make(FrictionAngle::degrees(25)).value()},
-          stability::Loads::make({0, 0, -9.81}).value()};
+  return {.rock = stability::RockMass::make(kilograms_per_cubic_metre(2700)).value(),
+          .strengths = stability::StrengthTable{stability::JointStrength::make(FrictionAngle::degrees(25)).value()},
+          .loads = stability::Loads::make({0, 0, -9.81}).value()};
 }
 
 struct Found {

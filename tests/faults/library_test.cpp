@@ -96,8 +96,9 @@ TEST(LibraryMemory, OfCutsAndKeyBlocks) {
                                 .excavations = {},
                                 .free_domain_tags = {1, 5}};
   const auto friction = stability::JointStrength::make(FrictionAngle::degrees(30)).value();
-  const stability::Settings settings{stability::RockMass::make(kilograms_per_cubic_metre(2700)).value(),
-                                     stability::StrengthTable{friction}, stability::Loads::make({0, 0, -9.81}).value()};
+  const stability::Settings settings{.rock = stability::RockMass::make(kilograms_per_cubic_metre(2700)).value(),
+                                     .strengths = stability::StrengthTable{friction},
+                                     .loads = stability::Loads::make({0, 0, -9.81}).value()};
   expect_all_given_back([&] {
     const auto cut = topology::cut(rock);
     if (!cut) return false;

@@ -332,8 +332,8 @@ TEST(SceneTest, FreeFacesAndGravity) {
   EXPECT_EQ(scene.free_domain_tags, (std::vector<std::uint32_t>{5, 0}));
   ASSERT_TRUE(scene.stability.has_value());
   EXPECT_EQ(scene.stability->gravity, (geometry::Vec3{0, 0, -9.8}));
-  EXPECT_EQ(scene.stability->partial.friction(), 1.25);
-  EXPECT_EQ(scene.stability->partial.weight(), 1.0);
+  EXPECT_EQ(scene.stability->partial.friction, 1.25);
+  EXPECT_EQ(scene.stability->partial.weight, 1.0);
 }
 
 TEST(SceneTest, TunnelsHaveTheVolumeOfTheirSection) {

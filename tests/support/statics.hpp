@@ -23,8 +23,9 @@ inline stability::Settings settings(std::initializer_list<stability::JointStreng
   stability::StrengthTable table{*strengths.begin()};
   std::uint32_t joint = 0;
   for (const auto& s : strengths) table.set(topology::JointId{joint++}, s);
-  return {stability::RockMass::make(kilograms_per_cubic_metre(1)).value(), table,
-          stability::Loads::make({0, 0, -1}, seismic).value()};
+  return {.rock = stability::RockMass::make(kilograms_per_cubic_metre(1)).value(),
+          .strengths = table,
+          .loads = stability::Loads::make({0, 0, -1}, seismic).value()};
 }
 
 inline const stability::Judgement* find(const stability::Analysis& analysis, topology::BlockId block) {

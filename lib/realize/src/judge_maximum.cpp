@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "cleave/core/assert.hpp"
 #include "cleave/realize/places.hpp"
 #include "cleave/stability/block_theory.hpp"
 #include "judge.hpp"
@@ -74,10 +75,13 @@ void judge_maximum_blocks(const Scene& scene, Realization& made) {
   const stability::ConvexTunnel tunnel{
       .axis = axis, .right = right, .up = geometry::cross(right, axis), .outline = line.outline};
   const Targets target = scene.stability->target.value_or(Targets{});
+  const auto partial = stability::PartialFactors::make(
+      scene.stability->partial.friction, scene.stability->partial.cohesion, scene.stability->partial.weight);
+  CLEAVE_ASSERT(partial.has_value());  // the parser takes no other
   const stability::TheoryLoads loads{.density = scene.rock.density,
                                      .gravity = scene.stability->gravity,
                                      .seismic = scene.stability->seismic,
-                                     .partial = scene.stability->partial,
+                                     .partial = *partial,
                                      .target_falling = target.falling,
                                      .target_sliding = target.sliding};
   for (auto& block : stability::maximum_key_blocks(planes, tunnel, loads, {wanted.trace, wanted.size})) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <string_view>
 
-#include "cleave/core/assert.hpp"
 #include "cleave/scene/nearest.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "cleave/stability/block_theory.hpp"
@@ -81,13 +80,10 @@ const KeyTable& maximum_keys() {
   return keys;
 }
 
-stability::PartialFactors parse_partial(const TableReader& stability) {
+PartialFactors parse_partial(const TableReader& stability) {
   const auto table = stability.sub("partial");
   if (!table) return {};
-  const auto made =
-      stability::PartialFactors::make(table->value("friction"), table->value("cohesion"), table->value("weight"));
-  CLEAVE_ASSERT(made.has_value());  // the rules of the keys take no other
-  return *made;
+  return {table->value("friction"), table->value("cohesion"), table->value("weight")};
 }
 
 std::optional<Targets> parse_target(const TableReader& stability) {
@@ -219,7 +215,6 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
                                 const std::vector<Excavation>& excavations) {
   ParsedStability result;
   StabilitySettings settings;
-  settings.rotation = stability::RotationCheck::flag;  // of a scene without the table
   if (const auto found = root.sub("stability")) {
     const TableReader& table = *found;
     result.free_domain_tags = parse_free(table, domain);

@@ -99,7 +99,7 @@ std::vector<MaximumKeyBlock> maximum_key_blocks(std::span<const TheoryPlane> pla
   const auto body = Loads::make(loads.gravity, loads.seismic);
   const auto rock = RockMass::make(loads.density);
   if (!body || !rock || planes.size() < 3) return found;
-  const Settings settings{*rock, StrengthTable{planes[0].strength}, *body};
+  const Settings settings{.rock = *rock, .strengths = StrengthTable{planes[0].strength}, .loads = *body};
   const double weight_per_volume = loads.density.si() * norm(loads.gravity) * loads.partial.weight();
   for (std::size_t i = 0; i < planes.size(); ++i) {
     for (std::size_t j = i + 1; j < planes.size(); ++j) {

@@ -124,6 +124,11 @@ struct Rock {
   std::optional<double> poisson = {};
 };
 
+/// A design standard's partial factors: tan(friction) and cohesion are divided, weight is multiplied.
+struct PartialFactors {
+  double friction = 1, cohesion = 1, weight = 1;
+};
+
 /// What acts on the rock beside gravity.
 struct LoadSet {
   geometry::Vec3 seismic{0, 0, 0};  ///< force / weight, in the direction the rock is pushed
@@ -158,16 +163,24 @@ struct MaximumBlockSettings {
   std::uint32_t line = 1;  ///< in the scene file
 };
 
-struct StabilitySettings : stability::Rules {
+struct StabilitySettings {
   geometry::Vec3 gravity{0, 0, -9.81};  ///< m/s2
   geometry::Vec3 seismic{0, 0, 0};      ///< force / weight, in the direction the rock is pushed
+  PartialFactors partial = {};
+  bool force_transfer = true;
+  stability::TransferReadings transfer = {};
+  stability::RotationCheck rotation = stability::RotationCheck::flag;
   stability::GroupsCheck groups = stability::GroupsCheck::note;
   /// Blocks of groups that move are key blocks too.
   [[nodiscard]] bool decides_by_groups() const noexcept { return groups == stability::GroupsCheck::decide; }
   std::optional<MaximumBlockSettings> maximum_blocks = {};
+  std::uint32_t max_batches = 50;
   LoadSet loads = {};                ///< of the base case, seismic included
   std::vector<LoadCase> cases = {};  ///< in scene order
   std::optional<Targets> target = {};
+  bool strict = false;            ///< wedged slots (cone without interior) do not count as removable
+  bool parallel_contact = false;  ///< cohesion on brushed faces too
+  stability::GroupFriction group_friction = stability::GroupFriction::area_mean;
 };
 
 /// Search for spacing and length of the patterns (design of [support]).

@@ -6,7 +6,6 @@
 #include <functional>
 #include <optional>
 #include <span>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -63,8 +62,10 @@ enum class GroupFriction : std::uint8_t {
   smallest,   ///< lower bound
 };
 
-/// What a user chooses about the analysis: keys of [stability].
-struct Rules {
+struct Settings {
+  RockMass rock;
+  StrengthTable strengths;
+  Loads loads;
   PartialFactors partial = {};
   GroupFriction group_friction = GroupFriction::area_mean;
   /// Count a block removable only when it can leave all its contacts at once (cone of dimension 3).
@@ -74,17 +75,6 @@ struct Rules {
   bool force_transfer = true;
   TransferReadings transfer = {};
   std::uint32_t max_batches = 50;
-  /// With `decide` parts of a block are enough to know that it stays only when they leave it no direction.
-  RotationCheck rotation = RotationCheck::off;
-};
-
-struct Settings : Rules {
-  Settings(const RockMass& of, StrengthTable joints, const Loads& body, const Rules& by = {})
-      : Rules{by}, rock{of}, strengths{std::move(joints)}, loads{body} {}
-
-  RockMass rock;
-  StrengthTable strengths;
-  Loads loads;
   /// Blocks that count as gone from the start (micro-blocks): not judged, in no batch, and holding nothing.
   std::vector<topology::BlockId> left_out = {};
   /// Of a block that is known in part only (topology::Block::truncated) it is enough to know that it is no key block;
@@ -94,6 +84,8 @@ struct Settings : Rules {
   double least_factor = 1;
   /// Water and loads on free faces.
   Actions actions = {};
+  /// With `decide` parts of a block are enough to know that it stays only when they leave it no direction.
+  RotationCheck rotation = RotationCheck::off;
 };
 
 /// Key blocks of the complex in batches, after Goodman & Shi (1985) with the mode found as the projection of the
