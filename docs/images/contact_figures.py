@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-BLUE, GREY, RED = "#3b6ea5", "#9aa0a6", "#b00020"
+BLACK, BLUE, GREEN, GREY, RED = "#000", "#3b6ea5", "#2e7d32", "#9aa0a6", "#b00020"
 
 
 def run(program, example, folder):
@@ -53,8 +53,8 @@ class Sheet:
     def add(self, text):
         self.parts.append(text)
 
-    def text(self, x, y, text, size=12, anchor="start"):
-        self.add(f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" text-anchor="{anchor}">{text}</text>')
+    def text(self, x, y, text, size=12, anchor="start", shade="#000"):
+        self.add(f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" text-anchor="{anchor}" fill="{shade}">{text}</text>')
 
     def line(self, points, colour, width=1.2):
         self.add(f'<polyline fill="none" stroke="{colour}" stroke-width="{width}" points="' +
@@ -101,7 +101,7 @@ def beam(folder):
     for row, (component, title) in enumerate(((0, "stress along x"), (1, "stress along y"))):
         most = max(abs(s[component]) for _, s in upper + lower)
         top = 30 + row * 110
-        sheet.text(10, top - 8, f"{title}: from -{most / 1e6:.1f} (blue) to {most / 1e6:.1f} MPa (red), lower beam, height three times as large")
+        sheet.text(10, top - 8, f"{title}: from -{most / 1e6:.1f} (blue) to {most / 1e6:.1f} MPa (red), lower beam, a straight line between its two sides")
         for k in range(min(len(upper), len(lower)) - 1):
             for level in range(12):
                 t = (level + 0.5) / 12
@@ -120,17 +120,21 @@ def curves(name, graphs):
         low, high, end = min(vs), max(vs), max(ts)
 
         def place(t, v, left=left, low=low, high=high, end=end):
-            return left + 250 * t / end, 200 - 160 * (v - low) / ((high - low) or 1)
+            return left + 210 * t / end, 200 - 160 * (v - low) / ((high - low) or 1)
         sheet.line([place(0, low), place(end, low)], GREY)
         sheet.line([place(0, low), place(0, high)], GREY)
         sheet.text(left, 24, title)
         sheet.text(left - 4, place(0, high)[1] + 4, f"{high:.3g}", 10, "end")
         sheet.text(left - 4, place(0, low)[1] + 4, f"{low:.3g}", 10, "end")
-        sheet.text(left + 250, 216, f"{end:g} s", 10, "end")
+        sheet.text(left + 210, 216, f"{end:g} s", 10, "end")
         sheet.text(left, 232, unit, 10)
-        for n, (label, shade, line) in enumerate(lines):
+        for _, shade, line in lines:
             sheet.line([place(t, v) for t, v in line[::max(1, len(line) // 300)]], shade)
-            sheet.text(left + 250, 40 + 13 * n, label, 10, "end")
+        # Names at the ends of the lines, none on another.
+        below = 0.0
+        for y, label, shade in sorted((place(*line[-1])[1] + 4, label, shade) for label, shade, line in lines):
+            below = max(y, below + 12)
+            sheet.text(left + 214, below, label, 10, shade=shade)
     sheet.write(name)
 
 
@@ -149,10 +153,11 @@ def main():
         panels("fu_roof", of("tunnel_roof/tunnel_roof"), (0, 0.6, 2), (-11.5, -1.5, 11.5, 9.5), 3, 240)
         beam(of("two_layer_beam/two_layer_beam"))
         roof = of("tunnel_roof/tunnel_roof_elastic")
-        slides = [(f"{phi} degrees", BLUE, [(t, abs(x) / 0.8660254) for t, x in history(folder, "block", "displacement_x_m")])
-                  for phi in (0, 10, 20) for folder in [of(f"sliding_block/friction_{phi:02d}")]]
-        forces = [("traction", GREY, history(of("concentrated_forces/traction"), "A", "displacement_x_m"))]
-        forces += [(name, BLUE, history(of(f"concentrated_forces/{name}"), "A", "displacement_x_m")) for name in ("outer", "inner", "three")]
+        slides = [(f"{phi} degrees", shade, [(t, abs(x) / 0.8660254) for t, x in history(folder, "block", "displacement_x_m")])
+                  for phi, shade in ((0, BLUE), (10, RED), (20, GREEN)) for folder in [of(f"sliding_block/friction_{phi:02d}")]]
+        forces = [("traction", BLACK, history(of("concentrated_forces/traction"), "A", "displacement_x_m"))]
+        forces += [(name, shade, history(of(f"concentrated_forces/{name}"), "A", "displacement_x_m"))
+                   for name, shade in (("outer", BLUE), ("inner", RED), ("three", GREEN))]
         curves("fu_curves_7", [("7.5.1 forces for a traction", "tip (m)", forces), ("7.5.2 block on 30 degrees", "way (m)", slides),
                                ("7.5.6 elastic roof", "sag of layers 1 and 5 (m)",
                                 [(f"layer {n}", BLUE if n == 1 else RED, history(roof, f"layer {n}", "displacement_y_m")) for n in (1, 5)])])

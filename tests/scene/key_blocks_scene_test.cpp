@@ -77,6 +77,27 @@ TEST(KeyBlocksScene, SupportIsCheckedUnderEveryLoadCase) {
       std::ranges::any_of(r.notes, [](const std::string& n) { return n.starts_with("load case quake: the support"); }));
 }
 
+// Of a prism on a plane of 45 degrees.
+TEST(KeyBlocksScene, ChoicesReachTheAnalysis) {
+  const auto with = [](const std::string& choices) {
+    return *result_of("[domain]\nbox = { min = [0, 0, 0], max = [10, 10, 10] }\n"
+                      "[[joint]]\nplane = { through = [10, 5, 4], dip = 45, dip_direction = 90 }\n"
+                      "[joints.default]\nfriction = 35\n[stability]\n"
+                      "free = [\"east\", \"top\", \"north\", \"south\"]\n" +
+                      choices)
+                .analysis;
+  };
+  const double tangent = std::tan(35 * 3.14159265358979323846 / 180);
+  const stability::Analysis base = with("");
+  ASSERT_EQ(base.judgements.size(), 1U);
+  EXPECT_NEAR(base.judgements[0].factor_of_safety, tangent, 1e-9);
+  EXPECT_TRUE(base.force_transfer);
+  EXPECT_EQ(base.rotation, stability::RotationCheck::flag);
+  EXPECT_FALSE(with("force_transfer = false\n").force_transfer);
+  EXPECT_EQ(with("rotation = \"off\"\n").rotation, stability::RotationCheck::off);
+  EXPECT_NEAR(with("partial = { friction = 1.25 }\n").judgements[0].factor_of_safety, tangent / 1.25, 1e-9);
+}
+
 // The spacing found passes at every phase that was asked for, each run as a scene of its own; the next wider one that
 // the search tried does not.
 TEST(KeyBlocksScene, TheSearchFindsTheWidestPatternThatPasses) {
