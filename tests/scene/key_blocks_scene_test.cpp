@@ -80,11 +80,12 @@ TEST(KeyBlocksScene, SupportIsCheckedUnderEveryLoadCase) {
 // Of a prism on a plane of 45 degrees.
 TEST(KeyBlocksScene, ChoicesReachTheAnalysis) {
   const auto with = [](const std::string& choices) {
-    return *result_of("[domain]\nbox = { min = [0, 0, 0], max = [10, 10, 10] }\n"
-                      "[[joint]]\nplane = { through = [10, 5, 4], dip = 45, dip_direction = 90 }\n"
-                      "[joints.default]\nfriction = 35\n[stability]\n"
-                      "free = [\"east\", \"top\", \"north\", \"south\"]\n" +
-                      choices)
+    return *result_of(
+                "[domain]\nbox = { min = [0, 0, 0], max = [10, 10, 10] }\n"
+                "[[joint]]\nplane = { through = [10, 5, 4], dip = 45, dip_direction = 90 }\n"
+                "[joints.default]\nfriction = 35\n[stability]\n"
+                "free = [\"east\", \"top\", \"north\", \"south\"]\n" +
+                choices)
                 .analysis;
   };
   const double tangent = std::tan(35 * 3.14159265358979323846 / 180);
