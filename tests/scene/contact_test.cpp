@@ -396,9 +396,10 @@ TEST(ContactScene, APushedJointRisesByItsDilationUpToItsSlip) {
 }
 
 TEST(ContactScene, WaterInAJointTakesAwayNormalForce) {
-  const auto x = [&](const std::string& joints, const std::string& body_joint, const std::string& rigid) {
+  const auto x = [&](const std::string& joints, const std::string& body_joint, const std::string& rigid,
+                     const std::string& ground_joint = "") {
     return ran("[contact]\nduration = 0.4\nstep = 2e-3\n" + rigid + "gravity = [4, -9.81]\n" + joints +
-               "[rock]\ndensity = 2600\nyoung = 1e10\npoisson = 0.2\n" + ground +
+               "[rock]\ndensity = 2600\nyoung = 1e10\npoisson = 0.2\n" + ground + ground_joint +
                "[[body]]\nname = \"block\"\nrectangle = { corner = [0, 0], width = 1, height = 0.5 }\n" + body_joint)
                .bodies[1]
                .centroid.x -
@@ -411,6 +412,18 @@ TEST(ContactScene, WaterInAJointTakesAwayNormalForce) {
   // The table lies 6000 / 9810 m above the joint.
   EXPECT_NEAR(x("[joints.default]\nwater_table = 0.6116207951070336\n", "", "rigid = true\n"), way, 1e-8);
   EXPECT_NEAR(x("[joints.default]\nfriction = 30\n", "", "rigid = true\n"), 0, 1e-9);
+  // Of the waters of two names the higher one is there, whichever body has it.
+  for (const auto& [high, low] : {std::pair{"water_pressure = 6000\n", "water_pressure = 3000\n"},
+                                  std::pair{"water_table = 0.6116207951070336\n", "water_table = 0.3\n"},
+                                  std::pair{"water_table = 0.6116207951070336\n", "friction = 30\n"}}) {
+    const std::string both = fmt::format("[joints.default]\n[joints.deep]\n{}[joints.shallow]\n{}", high, low);
+    for (const auto& [block, below] : {std::pair{"deep", "shallow"}, std::pair{"shallow", "deep"}}) {
+      EXPECT_NEAR(
+          x(both, fmt::format("joint = \"{}\"\n", block), "rigid = true\n", fmt::format("joint = \"{}\"\n", below)),
+          way, 1e-8)
+          << high << low << block;
+    }
+  }
 }
 
 /// A block of 2 x 1 m that holds a stress, among fixed bodies, smooth joints.
