@@ -54,20 +54,25 @@ TEST(WaterTest, PushesBothFacesAlike) {
   EXPECT_NEAR(world.velocity(0).x * world.mass(0), -1e4 * 1 * 0.1, 1e-6);
 }
 
+/// A wall 3 m high on a floor, with still water up to `table` between it and a rock face.
+World wall_before_water(double width, double friction, double table) {
+  std::vector<Body> bodies{fixed("floor", rectangle(-5, -1, 10, 1)), block("wall", rectangle(0, 0, width, 3)),
+                           fixed("rock", rectangle(-2, 0, 2, 3))};
+  bodies[2].property = 1;
+  Laws laws = law(friction);
+  JointLaw behind;
+  behind.water_table = metres(table);
+  laws.pairs.push_back({0, 1, behind});
+  return World::make(bodies, laws, {.step = 2e-3}).value();
+}
+
 // A wall of 1 x 3 m against a rock face with still water behind: tips about its toe where the water's moment
 // rho g h^3 / 6 is more than the weight's, and what the floor carries below that is the weight.
 TEST(WaterTest, StillWaterBehindAWallTipsItAtItsLimit) {
   const double weight = 3 * 2600 * g, limit = std::cbrt(6 * weight * 0.5 / 9810);
   ASSERT_LT(limit, 3);
   for (const double table : {limit * 0.99, limit * 1.01, 2.9}) {
-    std::vector<Body> bodies{fixed("floor", rectangle(-5, -1, 10, 1)), block("wall", rectangle(0, 0, 1, 3)),
-                             fixed("rock", rectangle(-2, 0, 2, 3))};
-    bodies[2].property = 1;
-    Laws laws = law(2);
-    JointLaw behind;
-    behind.water_table = metres(table);
-    laws.pairs.push_back({0, 1, behind});
-    World world = World::make(bodies, laws, {.step = 2e-3}).value();
+    World world = wall_before_water(1, 2, table);
     run(world, 0.3);
     if (table < limit) {
       EXPECT_LT(std::abs(world.rotation(1)), 1e-8) << table;
@@ -77,14 +82,7 @@ TEST(WaterTest, StillWaterBehindAWallTipsItAtItsLimit) {
   }
   // A frictionless floor holds nothing of the resultant: a triangle below the table, a trapezium where it is higher.
   for (const auto& [table, push] : {std::pair{1.0, 0.5 * 1 * 1}, std::pair{5.0, 0.5 * (5 + 2) * 3}}) {
-    std::vector<Body> bodies{fixed("floor", rectangle(-5, -1, 10, 1)), block("wall", rectangle(0, 0, 4, 3)),
-                             fixed("rock", rectangle(-2, 0, 2, 3))};
-    bodies[2].property = 1;
-    Laws laws = law(0);
-    JointLaw behind;
-    behind.water_table = metres(table);
-    laws.pairs.push_back({0, 1, behind});
-    World world = World::make(bodies, laws, {.step = 2e-3}).value();
+    World world = wall_before_water(4, 0, table);
     run(world, 0.1);
     EXPECT_NEAR(world.velocity(1).x * world.mass(1), 9810 * push * 0.1, 1e-3) << table;
   }

@@ -31,6 +31,9 @@ namespace cleave::scene {
 /// m, the longest bolt that the support has or may try: how far behind free faces rock matters to it.
 [[nodiscard]] Length longest_bolt(const Scene& scene);
 
+/// So many blocks are judged together: fewer where groups are only noted.
+[[nodiscard]] stability::Together together(const Scene& scene);
+
 /// m, of all tunnels.
 [[nodiscard]] std::optional<Length> tunnel_length(const Scene& scene);
 

@@ -192,6 +192,10 @@ std::optional<Length> tunnel_length(const Scene& scene) {
   return length;
 }
 
+stability::Together together(const Scene& scene) {
+  return scene.stability->decides_by_groups() ? stability::most_together : stability::most_noted;
+}
+
 void forget_cases_and_support(Realization& made) {
   made.load_cases.clear();
   made.support.reset();
@@ -231,8 +235,7 @@ void judge_support_in_stages(const Scene& scene, Realization& made) {
     const SupportFigures with = count_support(installed);
     std::optional<stability::GroupSupport> groups;
     if (scene.stability->groups != stability::GroupsCheck::off) {
-      groups = check_groups(complex, settings, plan, installed,
-                            scene.stability->decides_by_groups() ? stability::most_together : stability::most_noted);
+      groups = check_groups(complex, settings, plan, installed, together(scene));
     }
     const bool too_many = groups && groups->too_many();
     std::erase_if(plan.bolts, later(row.stage));

@@ -232,9 +232,7 @@ bool Realizer::judges_groups() const {
 }
 
 void Realizer::find_groups(const topology::AuditedComplex& complex) {
-  const bool decides = scene_->stability->decides_by_groups();
-  made_.key_groups = stability::find_key_groups(complex, settings(complex.complex()),
-                                                decides ? stability::most_together : stability::most_noted);
+  made_.key_groups = stability::find_key_groups(complex, settings(complex.complex()), together(*scene_));
 }
 
 /// Those of a window were found when it was cut.
@@ -252,8 +250,7 @@ void Realizer::judge_groups_of_cases() {
     CaseResult& load = made_.load_cases[k];
     const stability::Settings with =
         of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
-    load.groups = stability::find_key_groups(
-        complex, with, scene_->stability->decides_by_groups() ? stability::most_together : stability::most_noted);
+    load.groups = stability::find_key_groups(complex, with, together(*scene_));
     if (scene_->stability->decides_by_groups()) stability::decide_by_groups(complex, with, *load.groups, load.analysis);
     add_moving_group_notes(*load.groups, load.analysis, "load case " + load.name + ": ", group_notes_);
   }
@@ -297,9 +294,7 @@ void Realizer::support_of_groups() {
 std::optional<stability::GroupSupport> Realizer::groups_with_support(const stability::Settings& settings,
                                                                      const stability::SupportResult& support,
                                                                      std::string_view where) {
-  const bool decides = scene_->stability->decides_by_groups();
-  auto found = stability::check_groups(*made_.complex, settings, scene_->support->plan, support,
-                                       decides ? stability::most_together : stability::most_noted);
+  auto found = stability::check_groups(*made_.complex, settings, scene_->support->plan, support, together(*scene_));
   if (!found.too_many()) return found;
   group_notes_.push_back(too_many_with_support(where));
   return std::nullopt;
