@@ -114,6 +114,8 @@ class Settling final {
     const int rounds = few_ ? 16 : 48;
     solved_all_ = false;
     next_ = idle_ = 0;
+    worst_ = 0;
+    asked_.clear();  // what was solved at another strength says nothing here
     std::vector<std::uint8_t> before;
     for (int round = 0; round < rounds; ++round) {
       sweeps_.run(sweeps_a_round);
