@@ -229,6 +229,14 @@ TEST_F(MonteCarloTest, GroupsThatDecideCountInEveryRealizationAndItsReplay) {
   EXPECT_FALSE(read("out/summary.json").contains("what only moves together"));
   EXPECT_TRUE(read("out/summary.json").contains("what it takes to hold a group is not in them"));
   EXPECT_TRUE(read("alone/summary.json").contains("what only moves together"));
+  // Sprayed concrete too weak for both together: no block needs it alone.
+  write("held.toml", example + "\ngroups = \"decide\"\n[support]\nshotcrete = { thickness = 0.05, strength = 1e4 }\n" +
+                         "[monte_carlo]\nrealizations = 2\n");
+  ASSERT_EQ(cleave("run held.toml -o held --quiet").code, 0);
+  EXPECT_EQ(mean("held", "support_groups_not_held"), 1);
+  EXPECT_NEAR(mean("held", "support_groups_not_held_m3"), mean("out", "key_group_volume_m3"), 1e-9);
+  EXPECT_EQ(mean("held", "support_fails"), 1);
+  EXPECT_EQ(mean("held", "support_leaves_doubt"), 0);
   const Ended replay = cleave("replay out --realization 1");
   EXPECT_EQ(replay.code, 0) << replay.err;
   EXPECT_NE(replay.out.find("is reproduced to the last digit"), std::string::npos) << replay.out;

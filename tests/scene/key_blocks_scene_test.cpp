@@ -265,12 +265,6 @@ TEST(KeyBlocksScene, LargestKeyBlocksScaleWithTheLengthOfJoints) {
   EXPECT_GE(seen, 1U);
 }
 
-std::string example(const std::string& name) {
-  std::ifstream file{std::string{CLEAVE_SOURCE_DIR} + "/examples/" + name + "/" + name + ".toml"};
-  EXPECT_TRUE(file.is_open());
-  return {std::istreambuf_iterator<char>{file}, {}};
-}
-
 // Fu (2014), 5.2.1: many batches at the crossings of four tunnels, a concave block in the first.
 TEST(KeyBlocksScene, FourCrossingTunnelsFailInManyBatches) {
   const RunResult r = result_of(example("four_tunnels"));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cleave/realize/run.hpp"
+#include "motion_run.hpp"
 #include "parse_support.hpp"
 #include "run_notes.hpp"
 #include "sanitized.hpp"
@@ -278,6 +279,85 @@ TEST(KeyGroupsScene, SupportIsAskedToHoldThem) {
              "length = 40\ntendon_capacity = 1e9\nplate_capacity = 1e9\nbond_strength = 1e9\nanchorage = 1\n");
   EXPECT_EQ(strong.count, 1U);
   EXPECT_EQ(strong.not_held, 1U);  // at right angles to the motion they hold little
+}
+
+// 2 % above the limit the two blocks are in doubt; from rest they stay. What moves is seen to move, were it in doubt.
+TEST(KeyGroupsScene, WhatIsInDoubtIsLetGo) {
+  const RunResult near = run_of(active_and_passive(26));
+  ASSERT_TRUE(near.key_groups && near.key_groups->groups.size() == 1U);
+  ASSERT_EQ(near.key_groups->groups[0].verdict, assembly::Verdict::in_doubt);
+  EXPECT_NEAR(near.key_groups->groups[0].factor_move,
+              0.761 * std::tan(26 * std::numbers::pi / 180) / std::tan(20 * std::numbers::pi / 180), 2e-3);
+  ASSERT_EQ(near.let_go.size(), 1U);
+  EXPECT_EQ(near.let_go[0], LetGo::stayed);
+  EXPECT_EQ(notes_with(near, "0 moved, 1 stayed, 0 could not be tried"), 1U);
+  for (const bool quake : {false, true}) {
+    const Scene scene = scene_of(active_and_passive(20) + (quake ? "seismic = [-0.1, 0, 0]\n" : ""));
+    StageTimer timer;
+    Progress progress{ProgressStyle::quiet};
+    const RunResult moves = run(scene, {.threads = 1}, timer, progress).value();
+    EXPECT_EQ(notes_with(moves, "let go"), 0U);
+    stability::KeyGroups doubted = *moves.key_groups;
+    ASSERT_EQ(doubted.groups.size(), 1U);
+    doubted.groups[0].verdict = assembly::Verdict::in_doubt;
+    const auto found = [&] { return let_go(scene, moves, moves.complex->complex(), doubted).at(0); };
+    EXPECT_EQ(found(), quake ? LetGo::not_tried : LetGo::moved);
+    // Of one of the two the other gives way.
+    doubted.groups[0].blocks.pop_back();
+    EXPECT_EQ(found(), quake ? LetGo::not_tried : LetGo::moved);
+  }
+}
+
+/// The slab and its toe with cables across the base of both, 45 degrees to its slide.
+std::string cabled_slab(double spacing, double offset, const std::string& stability, const std::string& design) {
+  return example("slab_behind_toe") + stability +
+         fmt::format(
+             "[support]\n[[support.bolts]]\ngrid = {{ corner = [6, 2.2, {}], dip = 35, dip_direction = 90, "
+             "width = 5.6, height = 26 }}\nspacing = [{}, {}]\noffset = [{}, {}]\nplunge = 10\nlength = 8\n"
+             "tendon = 100e3\nplate = 1e6\nbond = 400e3\nanchorage = 0.5\n",
+             40 - 6 * std::tan(35 * std::numbers::pi / 180), spacing, spacing, offset, offset) +
+         design;
+}
+
+// No block needs support, so that block by block the widest pattern does; together they take one that holds the group
+// at every place tried, each run as a scene of its own, and the next wider one that the search tried does not.
+TEST(KeyGroupsScene, TheSearchForAPatternHoldsThem) {
+  const std::string design = "[support.design]\nlengths = [8]\nscale = [0.5, 4]\nphases = 2\noffsets = 2\n";
+  const RunResult alone = run_of(cabled_slab(1, 0, "groups = \"off\"\n", design));
+  ASSERT_EQ(alone.designs.size(), 1U);
+  EXPECT_EQ(alone.designs[0].scale, 4);
+  EXPECT_FALSE(alone.designs[0].groups);
+  const RunResult together = run_of(cabled_slab(1, 0, "", design));
+  ASSERT_EQ(together.designs.size(), 1U);
+  const DesignResult& found = together.designs[0];
+  ASSERT_TRUE(found.found && found.groups);
+  EXPECT_EQ(found.groups->count, 1U);
+  EXPECT_TRUE(found.groups->all_held());
+  EXPECT_GT(found.scale, 0.6);
+  EXPECT_LT(found.scale, 3.9);
+  const auto passes = [](double scale) {
+    for (const double phase : {0.0, 0.5}) {
+      const RunResult run = run_of(cabled_slab(scale, phase * scale, "", ""));
+      if (!run.figures.support->groups->all_held()) return false;
+    }
+    return true;
+  };
+  EXPECT_TRUE(passes(found.scale));
+  EXPECT_FALSE(passes(found.scale * std::pow(8.0, 1.0 / 128)));
+  EXPECT_TRUE(found.governing.has_value());
+}
+
+// What even the tightest pattern does not hold is said, and the pattern is what single blocks want.
+TEST(KeyGroupsScene, GroupsThatNoPatternHoldsAreSaid) {
+  const RunResult run = run_of(cabled_slab(
+      1, 0, "",
+      "[support.design]\nlengths = [1]\nscale = [1, 4]\nphases = 1\noffsets = 5\n"));  // too short for the base
+  ASSERT_EQ(run.designs.size(), 1U);
+  const DesignResult& found = run.designs[0];
+  ASSERT_TRUE(found.found && found.groups);
+  EXPECT_EQ(found.scale, 4);
+  EXPECT_EQ(found.groups->not_held, 1U);
+  EXPECT_EQ(notes_with(run, "no pattern of bolts of 1 m holds 1 of 1 group of blocks"), 1U);
 }
 
 // Cables through the passive block hold the two under their weight; an earthquake out of the slope wants more.

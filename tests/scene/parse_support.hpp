@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <string>
 #include <string_view>
@@ -56,5 +58,12 @@ inline Scene scene_of(std::string_view text, const Files& files = {}) {
 inline constexpr std::string_view box = "[domain]\nbox = { min = [0, 0, 0], max = [8, 8, 6] }\n";
 
 inline std::string with_box(std::string_view more) { return std::string{box} + std::string{more}; }
+
+/// The text of an example that is called as its folder.
+inline std::string example(const std::string& name) {
+  std::ifstream file{std::string{CLEAVE_SOURCE_DIR} + "/examples/" + name + "/" + name + ".toml"};
+  EXPECT_TRUE(file.is_open());
+  return {std::istreambuf_iterator<char>{file}, {}};
+}
 
 }  // namespace cleave::scene::test

@@ -411,5 +411,31 @@ TEST(EnsembleTest, KeyGroupsAreFiguresWhereTheyDecide) {
   EXPECT_TRUE(std::ranges::none_of(plain.estimates, [](const Estimate& e) { return e.name.contains("group"); }));
 }
 
+// A realization in which a group is not held fails as one in which a block is not; one in doubt is said.
+TEST(EnsembleTest, SupportOfGroupsIsFiguresWhereTheyDecide) {
+  EnsembleOptions deciding = options();
+  deciding.groups = deciding.support = true;
+  EnsembleOptions by_blocks = options();
+  by_blocks.support = true;
+  Ensemble with{deciding}, without{by_blocks};
+  std::array<SupportedTogether, 4> groups;
+  groups[0] = {.not_held = 2, .not_held_volume = cubic_metres(6)};
+  groups[1] = {.in_doubt = 1};
+  groups[2] = {.too_many = true};
+  for (std::uint64_t k = 0; k < 4; ++k) {
+    Record r = record(k, {1});
+    r.groups = Grouped{};
+    r.support = Supported{.groups = groups.at(k)};
+    for (Ensemble* e : {&with, &without}) e->add(r, "");
+  }
+  const Figures f = with.figures(), plain = without.figures();
+  EXPECT_DOUBLE_EQ(find(f, "support_groups_not_held").mean, 0.5);
+  EXPECT_DOUBLE_EQ(find(f, "support_groups_not_held_m3").mean, 1.5);
+  EXPECT_DOUBLE_EQ(find(f, "support_leaves_doubt").mean, 0.5);
+  EXPECT_DOUBLE_EQ(find(f, "support_fails").mean, 0.25);
+  EXPECT_TRUE(
+      std::ranges::none_of(plain.estimates, [](const Estimate& e) { return e.name == "support_groups_not_held"; }));
+}
+
 }  // namespace
 }  // namespace cleave::stochastic

@@ -55,11 +55,15 @@ std::string design_line(const scene::DesignResult& design) {
   if (!design.found) {
     return fmt::format("  bolts of {:g} m: no pattern found, down to {}{}\n", design.length, spacing, governs);
   }
-  return fmt::format("  bolts of {:g} m: {} at {}{}{}; fails at {} of {} random offsets [{:.1f}, {:.1f} %]{}\n",
+  const std::string groups = design.groups && !design.groups->all_held()
+                                 ? fmt::format("; does not hold {} of {} groups, {} in doubt", design.groups->not_held,
+                                               design.groups->count, design.groups->in_doubt)
+                                 : "";
+  return fmt::format("  bolts of {:g} m: {} at {}{}{}; fails at {} of {} random offsets [{:.1f}, {:.1f} %]{}{}\n",
                      design.length, design.bolts, spacing,
                      design.rings > 0 ? fmt::format(" in {} rings", design.rings) : "",
                      design.spot_bolts > 0 ? fmt::format(" beside {} spot", design.spot_bolts) : "", design.failing,
-                     design.offsets, 100 * design.failing_share[0], 100 * design.failing_share[1], governs);
+                     design.offsets, 100 * design.failing_share[0], 100 * design.failing_share[1], groups, governs);
 }
 
 std::string support_lines(const scene::SupportFigures& support, const std::vector<scene::DesignResult>& designs) {

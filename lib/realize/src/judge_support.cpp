@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -54,12 +53,59 @@ std::vector<Bolt> bolts_with(const SupportSettings& support, double scale, doubl
 /// Beside those of draw.cpp for the whole scene.
 constexpr auto offsets_stream = static_cast<Draw>(66);
 
+/// How much of the groups of blocks a pattern holds. Each value holds what the ones before it do.
+enum class GroupsHeld : std::uint8_t {
+  unasked,     ///< single blocks and stitched bodies alone
+  none_moves,  ///< no group moves; some may be in doubt
+  all,
+};
+
+/// What a search asks of a plan.
+class PlanCheck {
+ public:
+  /// `groups`: whether blocks are judged together too.
+  PlanCheck(const topology::AuditedComplex& complex, stability::Settings settings, const stability::Analysis& analysis,
+            const stability::SupportPlan& plan, std::optional<stability::Together> groups)
+      : complex_{&complex}, settings_{std::move(settings)}, analysis_{&analysis} {
+    if (!groups) return;
+    stability::KeyGroups below = stability::groups_below_target(complex, settings_, plan, *groups);
+    if (below.too_many || below.groups.empty()) return;
+    below_ = std::move(below);
+    together_ = *groups;
+  }
+  [[nodiscard]] bool has_groups() const noexcept { return below_.has_value(); }
+  [[nodiscard]] const std::vector<topology::BlockId>& undecided() const noexcept { return undecided_; }
+
+  stability::SupportResult operator()(const stability::SupportPlan& plan) {
+    stability::SupportResult result = check_support(*complex_, settings_, *analysis_, plan);
+    undecided_.insert(undecided_.end(), result.undecided.begin(), result.undecided.end());
+    return result;
+  }
+  /// Where `has_groups`.
+  [[nodiscard]] stability::GroupSupport groups(const stability::SupportPlan& plan,
+                                               const stability::SupportResult& result) const {
+    return check_groups(*complex_, settings_, plan, result, *below_, together_);
+  }
+
+ private:
+  const topology::AuditedComplex* complex_;
+  stability::Settings settings_;
+  const stability::Analysis* analysis_;
+  std::optional<stability::KeyGroups> below_;
+  stability::Together together_;
+  std::vector<topology::BlockId> undecided_;
+};
+
+bool holds(const stability::GroupSupport& groups, GroupsHeld asked) {
+  const SupportedGroupFigures figures = count_supported_groups(groups);
+  return asked == GroupsHeld::none_moves ? figures.not_held == 0 : figures.all_held();
+}
+
 /// Looks for the widest spacings of one length of bolt.
 class DesignSearch {
  public:
-  using Check = std::function<stability::SupportResult(const stability::SupportPlan&)>;
-  DesignSearch(const SupportSettings& support, double length, std::uint64_t seed, Check check)
-      : support_{&support}, length_{length}, seed_{seed}, check_{std::move(check)}, plan_{support.plan} {
+  DesignSearch(const SupportSettings& support, double length, std::uint64_t seed, PlanCheck& check)
+      : support_{&support}, length_{length}, seed_{seed}, check_{&check}, plan_{support.plan} {
     if (!support.design->spot) plan_.spot.reset();  // spot bolts would hide what the pattern lacks
     plan_.factors = false;
   }
@@ -67,29 +113,24 @@ class DesignSearch {
   DesignResult run() {
     const DesignSettings& design = *support_->design;
     DesignResult row{.length = length_};
-    double low = design.tightest, high = design.widest;
-    row.found = passes(low);
+    double scale = design.tightest;
+    row.found = passes(scale);
     if (row.found) {
-      if (passes(high)) {
-        low = high;
-      } else {
-        for (int i = 0; i < 7; ++i) {
-          const double middle = std::sqrt(low * high);
-          (passes(middle) ? low : high) = middle;
-        }
-      }
-      plan_.bolts = bolts_with(*support_, low, length_, {});
+      scale = widest(design.widest);
+      if (check_->has_groups()) scale = widest_with_groups(scale);
+      plan_.bolts = bolts_with(*support_, scale, length_, {});
       row.bolts = plan_.bolts.size();
       row.cost = static_cast<double>(row.bolts) * (design.cost_per_bolt + design.cost_per_metre * length_);
       if (plan_.spot) {
-        row.spot_bolts = check_(plan_).spot_bolts;
+        row.spot_bolts = (*check_)(plan_).spot_bolts;
         row.cost += static_cast<double>(row.spot_bolts) *
                     (design.cost_per_bolt + design.cost_per_metre * plan_.spot->length.si());
       }
     }
-    row.scale = low;
-    describe(low, row);
-    try_offsets(low, row);
+    row.scale = scale;
+    if (check_->has_groups()) row.groups = groups_at(scale);
+    describe(scale, row);
+    try_offsets(scale, row);
     if (!row.found) row.scale = 0;
     return row;
   }
@@ -98,11 +139,51 @@ class DesignSearch {
   /// A pattern is as good as its worst place: every phase must pass.
   bool passes(double scale) {
     for (std::uint32_t k = 0; k < support_->design->phases; ++k) {
-      const double phase = static_cast<double>(k) / support_->design->phases;
-      plan_.bolts = bolts_with(*support_, scale, length_, {phase, phase});
-      if (!check_(plan_).passes()) return false;
+      place(scale, k);
+      const stability::SupportResult result = (*check_)(plan_);
+      if (!result.passes()) return false;
+      if (asked_ != GroupsHeld::unasked && !holds(check_->groups(plan_, result), asked_)) return false;
     }
     return true;
+  }
+  void place(double scale, std::uint32_t phase) {
+    const double share = static_cast<double>(phase) / support_->design->phases;
+    plan_.bolts = bolts_with(*support_, scale, length_, {share, share});
+  }
+
+  /// The tightest pattern passes.
+  double widest(double high) {
+    double low = support_->design->tightest;
+    if (passes(high)) return high;
+    for (int i = 0; i < 7; ++i) {
+      const double middle = std::sqrt(low * high);
+      (passes(middle) ? low : high) = middle;
+    }
+    return low;
+  }
+
+  /// `high` holds block by block. Groups that even the tightest pattern leaves in doubt, or does not hold, do not
+  /// decide on it: they are said.
+  double widest_with_groups(double high) {
+    for (const GroupsHeld ask : {GroupsHeld::all, GroupsHeld::none_moves}) {
+      asked_ = ask;
+      if (passes(high)) return high;
+      if (passes(support_->design->tightest)) return widest(high);
+    }
+    asked_ = GroupsHeld::unasked;
+    return high;
+  }
+
+  /// At the worst of the phases.
+  SupportedGroupFigures groups_at(double scale) {
+    SupportedGroupFigures worst;
+    for (std::uint32_t k = 0; k < support_->design->phases; ++k) {
+      place(scale, k);
+      const SupportedGroupFigures now = count_supported_groups(check_->groups(plan_, (*check_)(plan_)));
+      const auto lacks = [](const SupportedGroupFigures& f) { return std::pair{f.not_held, f.in_doubt}; };
+      if (k == 0 || lacks(now) > lacks(worst)) worst = now;
+    }
+    return worst;
   }
 
   void describe(double scale, DesignResult& row) const {
@@ -128,8 +209,14 @@ class DesignSearch {
     for (std::uint64_t k = 0; k < row.offsets; ++k) {
       const double along = rng.uniform(), around = rng.uniform();
       plan_.bolts = bolts_with(*support_, scale, length_, {along, around});
-      const stability::SupportResult result = check_(plan_);
-      row.failing += result.passes() ? 0U : 1U;
+      const stability::SupportResult result = (*check_)(plan_);
+      bool held = result.passes();
+      if (held && asked_ != GroupsHeld::unasked) {
+        const stability::GroupSupport groups = check_->groups(plan_, result);
+        held = holds(groups, asked_);
+        if (!held) ++missing[groups.left.groups.front().blocks.front()];
+      }
+      row.failing += held ? 0U : 1U;
       for (const stability::SupportedBlock& b : result.blocks) {
         if (b.held == stability::Held::not_held) ++missing[b.block];
       }
@@ -146,7 +233,7 @@ class DesignSearch {
     plan_.factors = true;
     plan_.bolts = bolts_with(*support_, scale, length_, {});
     double least = std::numeric_limits<double>::infinity();
-    const stability::SupportResult result = check_(plan_);
+    const stability::SupportResult result = (*check_)(plan_);
     const auto ask = [&](topology::BlockId block, std::optional<double> factor, double target) {
       if (!factor || !(*factor / target < least)) return;
       least = *factor / target;
@@ -160,8 +247,9 @@ class DesignSearch {
   const SupportSettings* support_;
   double length_;
   std::uint64_t seed_;
-  Check check_;
+  PlanCheck* check_;
   stability::SupportPlan plan_;
+  GroupsHeld asked_ = GroupsHeld::unasked;
 };
 
 void note(const std::vector<topology::BlockId>& undecided, Realization& made) {
@@ -267,14 +355,12 @@ void judge_support(const Scene& scene, const topology::AuditedComplex& complex, 
     note(made.support_cases.back().support.undecided, made);
   }
   if (!support.design || !designs || !made.undecided.empty()) return;
-  const auto check = [&](const stability::SupportPlan& plan) {
-    stability::SupportResult result = check_support(complex, settings, analysis, plan);
-    note(result.undecided, made);
-    return result;
-  };
+  const bool groups = scene.stability->groups != stability::GroupsCheck::off;
+  PlanCheck check{complex, settings, analysis, support.plan, groups ? std::optional{together(scene)} : std::nullopt};
   for (const double length : support.design->lengths) {
     made.designs.push_back(DesignSearch{support, length, scene.seed, check}.run());
   }
+  note(check.undecided(), made);
 }
 
 }  // namespace cleave::scene

@@ -85,6 +85,17 @@ stochastic::EnsembleOptions ensemble_options_of(const Scene& scene) {
   return options;
 }
 
+namespace {
+
+/// Where it was asked, also when too many blocks were near to look.
+stochastic::SupportedTogether supported_together(const Realization& made) {
+  if (!made.group_support) return {.too_many = true};
+  const SupportedGroupFigures figures = count_supported_groups(*made.group_support);
+  return {.not_held = figures.not_held, .in_doubt = figures.in_doubt, .not_held_volume = figures.not_held_volume};
+}
+
+}  // namespace
+
 Record record_of(std::uint64_t k, const Realization& made, const stochastic::Questions& questions) {
   Record record;
   record.realization = k;
@@ -108,6 +119,7 @@ Record record_of(std::uint64_t k, const Realization& made, const stochastic::Que
       if (std::isfinite(block.missing_force)) sum.missing_n += block.missing_force;
     }
     for (const stability::CombinedBlock& body : made.support->combined) sum.failing_bodies += body.passes ? 0U : 1U;
+    if (questions.groups) sum.groups = supported_together(made);
   }
   if (questions.groups && made.key_groups) {
     stochastic::Grouped& groups = record.groups.emplace();

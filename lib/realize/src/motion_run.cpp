@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "cleave/assembly/groups.hpp"
+#include "cleave/core/enum_names.hpp"
 #include "cleave/motion/world.hpp"
 
 namespace cleave::scene {
@@ -144,15 +145,22 @@ void add_bonds(const BlockComplex& complex, const Realization& made, const std::
   }
 }
 
-Cast cast_of(const Scene& scene, const Realization& made, const BlockComplex& complex) {
+/// What is there beside the blocks that are let go.
+struct Around {
+  std::vector<std::uint8_t> gone = {};  ///< by block; empty: none
+  bool all_free = false;                ///< all that have a free face are walls: a block may fall on any
+};
+
+Cast cast_of(const Scene& scene, const MotionSettings& settings, const Realization& made, const BlockComplex& complex,
+             const Waves& waves, const Around& around) {
   Cast cast;
-  Surfaces surfaces{*scene.motion};
-  const Waves waves = waves_of(scene, made, complex);
+  Surfaces surfaces{settings};
   std::vector<std::uint8_t> wall(waves.size(), 0);
+  const auto gone = [&](std::size_t b) { return !around.gone.empty() && around.gone[b] != 0; };
   for (std::uint32_t b = 0; b < waves.size(); ++b) {
     const topology::Block& block = complex.blocks()[BlockId{b}];
     if (!waves[b]) {
-      wall[b] = std::max(wall[b], static_cast<std::uint8_t>(block.free ? 1 : 0));
+      wall[b] = std::max(wall[b], static_cast<std::uint8_t>(around.all_free && block.free ? 1 : 0));
       continue;
     }
     cast.moving.push_back(BlockId{b});
@@ -171,7 +179,7 @@ Cast cast_of(const Scene& scene, const Realization& made, const BlockComplex& co
   };
   for (std::size_t k = 0; k < cast.moving.size(); ++k) add(cast.moving[k], cast.wave[k] > 0);
   for (std::uint32_t b = 0; b < waves.size() && !cast.moving.empty(); ++b) {
-    if (waves[b] || wall[b] == 0) continue;
+    if (waves[b] || wall[b] == 0 || gone(b)) continue;
     add(BlockId{b}, true);
     ++cast.walls;
   }
@@ -321,6 +329,19 @@ void compare(const MotionResult& fine, const BlockComplex& complex, MotionResult
   result.error = metres(worst);
 }
 
+/// Loads that blocks in motion do not have.
+bool more_than_gravity(const LoadSet& loads) {
+  return norm(loads.seismic) > 0 || loads.water || loads.water_level || !loads.pressures.empty() ||
+         !loads.surcharges.empty() || !loads.points.empty() || !loads.lines.empty();
+}
+
+motion::WorldOptions options_of(const Scene& scene, const MotionSettings& settings) {
+  motion::WorldOptions options{.gravity = scene.stability->gravity, .step = settings.step.si()};
+  options.solver.accept = accepted;
+  options.solver.tolerate = tolerated;
+  return options;
+}
+
 void add_notes(const Scene& scene, const MotionResult& result, std::vector<std::string>& notes) {
   if (result.blocks.empty()) notes.emplace_back("motion: no block is let go");
   if (!result.converged) notes.push_back("motion: " + result.stopped_why + "; the state reached is in the result");
@@ -342,9 +363,7 @@ void add_notes(const Scene& scene, const MotionResult& result, std::vector<std::
         "move were let move, but not every other answer may have been found",
         result.may_be_locked));
   }
-  const LoadSet& loads = scene.stability->loads;
-  if (norm(loads.seismic) > 0 || loads.water || loads.water_level || !loads.pressures.empty() ||
-      !loads.surcharges.empty() || !loads.points.empty() || !loads.lines.empty()) {
+  if (more_than_gravity(scene.stability->loads)) {
     notes.emplace_back("motion: gravity alone acts on blocks in motion; the other loads of [stability] are left out");
   }
   if (scene.support) notes.emplace_back("motion: blocks move without their support");
@@ -352,15 +371,16 @@ void add_notes(const Scene& scene, const MotionResult& result, std::vector<std::
 
 }  // namespace
 
+std::string_view name_of(LetGo outcome) noexcept { return enum_name(outcome); }
+
 std::uint64_t MotionResult::moved() const noexcept {
   return static_cast<std::uint64_t>(std::ranges::count_if(blocks, &MotionBlock::moved));
 }
 
 MotionResult run_motion(const Scene& scene, const Realization& made, const BlockComplex& complex) {
-  const Cast cast = cast_of(scene, made, complex);
-  motion::WorldOptions options{.gravity = scene.stability->gravity, .step = scene.motion->step.si()};
-  options.solver.accept = accepted;
-  options.solver.tolerate = tolerated;
+  const Cast cast =
+      cast_of(scene, *scene.motion, made, complex, waves_of(scene, made, complex), {.gone = {}, .all_free = true});
+  motion::WorldOptions options = options_of(scene, *scene.motion);
   auto world = motion::World::make(cast.scene, options);
   if (!world) {
     MotionResult refused;
@@ -383,6 +403,81 @@ MotionResult run_motion(const Scene& scene, const Realization& made, const Block
   }
   add_notes(scene, result, result.notes);
   return result;
+}
+
+namespace {
+
+/// Of a group in doubt: layers of blocks around it that are let go with it, at most so many blocks in all, for so long.
+constexpr int layers_let_go = 2;
+constexpr std::size_t most_let_go = 80;
+constexpr double half_a_second = 0.5;
+/// So many groups of one run.
+constexpr std::size_t most_groups_let_go = 40;
+
+/// The blocks of a group and those within some layers of them that are there and may move.
+Waves around(const stability::KeyGroup& group, const BlockComplex& complex, const std::vector<std::uint8_t>& gone) {
+  Waves waves(complex.blocks().size());
+  std::vector<BlockId> layer = group.blocks;
+  for (const BlockId b : layer) waves[b.index()] = 0;
+  for (int k = 0; k < layers_let_go; ++k) {
+    std::vector<BlockId> next;
+    for (const BlockId b : layer) {
+      for (const topology::FaceId f : complex.blocks()[b].faces) {
+        for (const topology::Patch& patch : complex.patches(complex.faces()[f])) {
+          if (!patch.neighbour) continue;
+          const topology::Block& block = complex.blocks()[*patch.neighbour];
+          const std::size_t at = patch.neighbour->index();
+          if (waves[at] || gone[at] != 0 || block.fixed || block.truncated) continue;
+          waves[at] = 0;
+          next.push_back(*patch.neighbour);
+        }
+      }
+    }
+    layer = std::move(next);
+  }
+  return waves;
+}
+
+LetGo let_go(const Scene& scene, const Realization& made, const BlockComplex& complex, const stability::KeyGroup& group,
+             const std::vector<std::uint8_t>& gone) {
+  const MotionSettings settings = scene.motion.value_or(MotionSettings{});
+  const Waves waves = around(group, complex, gone);
+  if (static_cast<std::size_t>(std::ranges::count_if(waves, [](const auto& w) { return w.has_value(); })) > most_let_go)
+    return LetGo::not_tried;
+  const Cast cast = cast_of(scene, settings, made, complex, waves, {.gone = gone, .all_free = false});
+  auto world = motion::World::make(cast.scene, options_of(scene, settings));
+  if (!world) return LetGo::stopped;
+  while (world->time() < half_a_second - 1e-9) {
+    if (!world->step(half_a_second - world->time())) return LetGo::stopped;
+    for (std::size_t k = 0; k < cast.moving.size(); ++k) {
+      if (std::ranges::binary_search(group.blocks, cast.moving[k]) && norm(world->displacement(k)) > millimetre)
+        return LetGo::moved;
+    }
+  }
+  return LetGo::stayed;
+}
+
+}  // namespace
+
+std::vector<std::optional<LetGo>> let_go(const Scene& scene, const Realization& made, const BlockComplex& complex,
+                                         const stability::KeyGroups& groups) {
+  std::vector<std::optional<LetGo>> out(groups.groups.size());
+  std::size_t tried = 0;
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const stability::KeyGroup& group = groups.groups[k];
+    if (group.verdict != assembly::Verdict::in_doubt) continue;
+    if (++tried > most_groups_let_go || more_than_gravity(scene.stability->loads)) {
+      out[k] = LetGo::not_tried;
+      continue;
+    }
+    std::vector<std::uint8_t> gone(complex.blocks().size(), 0);
+    for (const stability::KeyGroup& other : groups.groups) {
+      if (other.verdict == assembly::Verdict::in_doubt || other.batch >= group.batch) continue;
+      for (const BlockId b : other.blocks) gone[b.index()] = 1;
+    }
+    out[k] = let_go(scene, made, complex, group, gone);
+  }
+  return out;
 }
 
 }  // namespace cleave::scene

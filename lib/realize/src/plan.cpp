@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "cleave/core/expected.hpp"
@@ -85,6 +86,33 @@ double seconds_of(Stage stage, const Scene& scene, const CutEstimate& cut) {
     case Stage::contact: return 0;
   }
   std::unreachable();
+}
+
+/// Searches for groups of blocks that a run makes.
+double searches_of(const Scene& scene) {
+  const StabilitySettings& wanted = *scene.stability;
+  if (scene.monte_carlo) {
+    return wanted.decides_by_groups() ? static_cast<double>(scene.monte_carlo->realizations) * (scene.support ? 3 : 1)
+                                      : 0;
+  }
+  const double states = 1 + static_cast<double>(wanted.cases.size()) +
+                        static_cast<double>(scene.sequence ? scene.sequence->stages.size() : 0);
+  double searches = states * (scene.support ? 3 : 1);
+  if (scene.support && scene.support->design) {
+    const DesignSettings& design = *scene.support->design;
+    searches += static_cast<double>(design.lengths.size()) * (8.0 * design.phases + design.offsets);
+  }
+  return searches;
+}
+
+/// What judging blocks together took at most of examples, for each block near a free face; of all blocks at most as
+/// many as are judged together.
+double together_s(const Scene& scene, const CutEstimate& cut) {
+  if (!scene.stability || scene.stability->groups == stability::GroupsCheck::off) return 0;
+  const bool decides = scene.stability->decides_by_groups();
+  const double a_block = decides ? 0.05 : 0.02;
+  const stability::Together most = decides ? stability::most_together : stability::most_noted;
+  return searches_of(scene) * a_block * std::min(cut.blocks, static_cast<double>(most.blocks));
 }
 
 struct Decision {
@@ -181,7 +209,8 @@ std::expected<Plan, std::vector<Problem>> make_costed_plan(const Scene& scene) {
                    .blocks_low = cut.blocks_low,
                    .blocks_high = cut.blocks_high,
                    .memory_mb = program_mb + cut.memory_mb(),
-                   .seconds = program_s};
+                   .seconds = program_s,
+                   .together_s = together_s(scene, cut)};
   const double runs = scene.monte_carlo ? static_cast<double>(scene.monte_carlo->realizations) : 1;
   for (PlannedStage& planned : plan.stages) {
     if (!planned.run) continue;

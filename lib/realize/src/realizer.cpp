@@ -209,6 +209,8 @@ Realizer::Done Realizer::judge() {
   }
   made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
   if (judges_groups()) judge_groups();
+  made_.let_go.clear();
+  if (made_.key_groups) made_.let_go = let_go(*scene_, made_, complex.complex(), *made_.key_groups);
   const stability::Settings with = settings(complex.complex());
   made_.held_from_within = stability::held_from_within(complex, with, *made_.analysis);
   if (!made_.key_groups || made_.key_groups->too_many) {
@@ -275,12 +277,12 @@ void Realizer::support() {
   }
 }
 
-/// Whether it holds groups that miss their target, in the base case and in each load case; ensembles count it block by
-/// block.
+/// Whether it holds groups that miss their target, in the base case and in each load case; ensembles ask it where
+/// groups decide.
 void Realizer::support_of_groups() {
   made_.group_support.reset();
   for (CaseSupport& load : made_.support_cases) load.groups.reset();
-  if (detail_ == Detail::counted || !made_.key_groups || made_.key_groups->too_many) return;
+  if (!made_.key_groups || made_.key_groups->too_many) return;
   const topology::BlockComplex& complex = made_.complex->complex();
   made_.group_support = groups_with_support(settings(complex), *made_.support, "");
   for (std::size_t k = 0; k < made_.support_cases.size(); ++k) {

@@ -246,6 +246,31 @@ void add_group_support_notes(const stability::GroupSupport& groups, std::string_
   }
 }
 
+/// Groups that a pattern which was found leaves.
+void add_design_notes(const std::vector<DesignResult>& designs, std::vector<std::string>& notes) {
+  for (const DesignResult& design : designs) {
+    if (!design.found || !design.groups || design.groups->all_held()) continue;
+    const SupportedGroupFigures& groups = *design.groups;
+    notes.push_back(fmt::format(
+        "no pattern of bolts of {:g} m holds {} of {} {} of blocks that move together below their target, and {} {} in "
+        "doubt: the one found holds single blocks and stitched bodies",
+        design.length, groups.not_held, groups.count, groups.count == 1 ? "group" : "groups", groups.in_doubt,
+        groups.in_doubt == 1 ? "is" : "are"));
+  }
+}
+
+/// What groups in doubt do as rigid blocks that start from rest.
+void add_let_go_note(const std::vector<std::optional<LetGo>>& outcomes, std::vector<std::string>& notes) {
+  const auto count = [&](LetGo what) { return std::ranges::count(outcomes, std::optional{what}); };
+  const auto moved = count(LetGo::moved), stayed = count(LetGo::stayed);
+  const auto other = count(LetGo::stopped) + count(LetGo::not_tried);
+  if (moved + stayed + other == 0) return;
+  notes.push_back(
+      fmt::format("groups in doubt, let go from rest as rigid blocks in motion for half a second: {} moved, {} stayed, "
+                  "{} could not be tried; a group that stayed is no proof: see let_go in key_groups.csv",
+                  moved, stayed, other));
+}
+
 /// Of the final state under the loads of the base case, with what was not looked at.
 void add_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis, bool unasked,
                      std::vector<std::string>& notes) {
@@ -388,10 +413,12 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (made.key_groups) {
     add_group_notes(*made.key_groups, *analysis, made.support.has_value() && !made.group_support, notes);
   }
+  add_let_go_note(made.let_go, notes);
   if (made.group_support) add_group_support_notes(*made.group_support, "", notes);
   for (const CaseSupport& load : made.support_cases) {
     if (load.groups) add_group_support_notes(*load.groups, fmt::format("load case {}: ", load.name), notes);
   }
+  add_design_notes(made.designs, notes);
   return notes;
 }
 

@@ -87,6 +87,9 @@ void fields(V& v, const DesignRow& x) {
   v("found_bolts", if_found(display_count(d.bolts)));
   v("found_spot_bolts", if_found(display_count(d.spot_bolts)));
   v("found_cost", if_found(display(d.cost, 4)));
+  v("groups_left", d.found && d.groups ? Html{fmt::format("{} of {}, {} in doubt", d.groups->not_held, d.groups->count,
+                                                          d.groups->in_doubt)}
+                                       : none);
   v("failing", Html{fmt::format("{} of {} ({:.0f} to {:.0f} %)", d.failing, d.offsets, 100 * d.failing_share[0],
                                 100 * d.failing_share[1])});
 }
@@ -100,6 +103,7 @@ std::string designs_table(const std::vector<scene::DesignResult>& designs) {
                    {"found_bolts", "Bolts"},
                    {"found_spot_bolts", "Spot bolts"},
                    {"found_cost", "Cost"},
+                   {"groups_left", "Groups not held"},
                    {"failing", "Random places that fail"},
                    {"governing_block"}},
                   DesignRow{none},
@@ -107,7 +111,8 @@ std::string designs_table(const std::vector<scene::DesignResult>& designs) {
   for (const scene::DesignResult& d : designs) table.add(DesignRow{d});
   return "<h3>Search for a pattern</h3>" + std::move(table).html() +
          "<p class=\"small\">Widest spacing at which every offset of the pattern that was tried holds all blocks, "
-         "alone and stitched; spacing and rings of the first pattern. Random places: offsets drawn at random at which "
+         "alone and stitched, and all groups of blocks that the tightest pattern holds; spacing and rings of the first "
+         "pattern. Random places: offsets drawn at random at which "
          "that pattern was tried again (where none passes, the tightest one), with the 95 % interval of the share that "
          "fails. The governing block misses its target most often, or has the least margin.</p>\n";
 }

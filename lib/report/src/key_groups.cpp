@@ -38,6 +38,9 @@ void fields(V& v, const ShownGroup& x) {
   v("moments", g.moments, "blocks turn: translation alone does not move them");
   v("load_case", x.row.load_case);
   v("stage", x.row.stage);
+  std::string let_go{x.row.let_go ? scene::name_of(*x.row.let_go) : std::string_view{}};
+  std::ranges::replace(let_go, '_', ' ');
+  v("let_go", let_go, "what a group in doubt does in motion from rest");
 }
 
 /// Of the base case in the final state, then of the load cases, then of the stages before the last.
@@ -51,6 +54,7 @@ std::vector<KeyGroupRow> rows_of(const scene::RunResult& result) {
     }
   };
   add(result.key_groups, {}, {});
+  for (std::size_t k = 0; k < std::min(rows.size(), result.let_go.size()); ++k) rows[k].let_go = result.let_go[k];
   for (const scene::CaseResult& load : result.load_cases) add(load.groups, load.name, {});
   if (result.sequence) {
     for (const scene::StageResult& stage : result.sequence->stages) add(stage.groups, {}, stage.stage);
@@ -126,6 +130,8 @@ std::string key_groups_section(const scene::RunResult& result) {
                              {"factor_move", "Factor of safety"},
                              {"factor_up", "Upper factor"},
                              {"moments", "Turns"}};
+  if (std::ranges::any_of(rows, [](const KeyGroupRow& row) { return row.let_go.has_value(); }))
+    columns.push_back({"let_go", "Let go"});
   if (cases) columns.push_back({"load_case", "Load case"});
   if (stages) columns.push_back({"stage", "After stage"});
   const stability::KeyGroup none{};

@@ -269,6 +269,7 @@ struct KeyGroupRow {
   std::size_t number = 0;
   std::string_view load_case = {};
   std::optional<std::uint32_t> stage = {};
+  std::optional<scene::LetGo> let_go = {};
 };
 template <class V>
 void fields(V& v, const KeyGroupRow& x) {
@@ -283,6 +284,9 @@ void fields(V& v, const KeyGroupRow& x) {
   v("load_case", x.load_case, "name of the `[[load]]` it moves in; empty: the base case");
   v("stage", x.stage,
     "after which stage it moves, with the block numbers of `blocks_stage_N.vtu`; empty: after the last");
+  v("let_go", x.let_go ? scene::name_of(*x.let_go) : std::string_view{},
+    "of a group in doubt in the base case: what rigid blocks in motion do that start from rest, in half a second: "
+    "`stayed`, `moved`, `stopped` (the contact law could not be solved) or `not_tried`");
 }
 
 /// A group of blocks below its target, and what the support leaves of it.

@@ -55,9 +55,16 @@ assembly::Assembly with_contacts(const assembly::Assembly& assembly, std::vector
 
 class Search final {
  public:
-  /// `ties`: null where there are none.
-  Search(const topology::BlockComplex& complex, const Settings& settings, const Together& most, const Ties* ties)
-      : model_{complex, settings}, ties_{ties}, doubted_(complex.blocks().size(), 0), most_{most} {}
+  Search(const topology::BlockComplex& complex, const Settings& settings, const Together& most)
+      : model_{complex, settings}, doubted_(complex.blocks().size(), 0), most_{most} {}
+  /// With ties between blocks. `begin`: the first state is looked at around these alone; what moves without ties is
+  /// among them.
+  Search(const topology::BlockComplex& complex, const Settings& settings, const Together& most, const Ties& ties,
+         std::vector<BlockId> begin)
+      : Search{complex, settings, most} {
+    ties_ = &ties;
+    begin_ = std::move(begin);
+  }
 
   KeyGroups run() {
     const std::uint32_t most = model_.settings().max_batches;
@@ -106,11 +113,12 @@ class Search final {
 
   /// Blocks with something open, and those within some layers of them.
   [[nodiscard]] std::vector<BlockId> near(std::uint32_t batch) {
-    std::vector<BlockId> open;
+    std::vector<BlockId> open = left_.empty() ? begin_ : std::vector<BlockId>{};
+    std::erase_if(open, [&](BlockId id) { return !may_move(id, batch); });
     const auto begin = [&](BlockId id) {
       if (may_move(id, batch) && model_.held(id, batch).exposed) open.push_back(id);
     };
-    if (left_.empty()) {
+    if (left_.empty() && begin_.empty()) {
       for (const BlockId id : complex().blocks().ids()) begin(id);
     }
     // Later states differ beside what has left alone.
@@ -378,31 +386,49 @@ class Search final {
   }
 
   Model model_;
-  const Ties* ties_;
+  const Ties* ties_ = nullptr;
+  std::vector<BlockId> begin_;               ///< empty: all that have something open
   std::vector<BlockId> left_;                ///< in the batch before
   IdVector<BlockId, std::uint8_t> doubted_;  ///< said to be in doubt
   Together most_;
   KeyGroups out_;
 };
 
-}  // namespace
-
-KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings, const Together& most) {
-  return Search{complex.complex(), settings, most, nullptr}.run();
-}
-
-GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings, const SupportPlan& plan,
-                          const SupportResult& support, const Together& most) {
+/// Strengths over the target for sliding.
+Settings at_target(const Settings& settings, const SupportPlan& plan) {
   Settings reduced = settings;
   auto partial = PartialFactors::make(settings.partial.friction() * plan.target_sliding,
                                       settings.partial.cohesion() * plan.target_sliding, settings.partial.weight());
   CLEAVE_ASSERT(partial.has_value());
   reduced.partial = *partial;
-  GroupSupport out;
-  out.below = Search{complex.complex(), reduced, most, nullptr}.run();
+  return reduced;
+}
+
+}  // namespace
+
+KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings, const Together& most) {
+  return Search{complex.complex(), settings, most}.run();
+}
+
+KeyGroups groups_below_target(const topology::AuditedComplex& complex, const Settings& settings,
+                              const SupportPlan& plan, const Together& most) {
+  return Search{complex.complex(), at_target(settings, plan), most}.run();
+}
+
+GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings, const SupportPlan& plan,
+                          const SupportResult& support, const Together& most) {
+  return check_groups(complex, settings, plan, support, groups_below_target(complex, settings, plan, most), most);
+}
+
+GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings, const SupportPlan& plan,
+                          const SupportResult& support, KeyGroups below, const Together& most) {
+  GroupSupport out{.below = std::move(below), .left = {}};
   if (out.below.groups.empty()) return out;
+  const Settings reduced = at_target(settings, plan);
   const Ties ties{complex.complex(), reduced, plan, support.bolts, out.below};
-  out.left = Search{complex.complex(), reduced, most, &ties}.run();
+  std::vector<BlockId> moving;
+  for (const KeyGroup& group : out.below.groups) moving.insert(moving.end(), group.blocks.begin(), group.blocks.end());
+  out.left = Search{complex.complex(), reduced, most, ties, ties.with_tied(std::move(moving))}.run();
   // What only the search with support could not decide.
   for (const KeyGroup& group : out.left.groups) {
     const auto shares = [&](const KeyGroup& other) {

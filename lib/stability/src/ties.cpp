@@ -133,6 +133,23 @@ void Ties::add_pulls(const Bar& bar, std::vector<Held> held, std::vector<assembl
   }
 }
 
+std::vector<BlockId> Ties::with_tied(std::vector<BlockId> blocks) const {
+  std::ranges::sort(blocks);
+  const std::vector<BlockId> given = blocks;
+  const auto asked = [&](BlockId id) { return std::ranges::binary_search(given, id); };
+  for (const Bar& bar : bars_) {
+    if (std::ranges::none_of(bar.pieces, asked, &Piece::block)) continue;
+    for (const Piece& piece : bar.pieces) blocks.push_back(piece.block);
+  }
+  for (const Seam& seam : seams_) {
+    if (asked(seam.block)) blocks.push_back(seam.beyond);
+    if (asked(seam.beyond)) blocks.push_back(seam.block);
+  }
+  std::ranges::sort(blocks);
+  blocks.erase(std::ranges::unique(blocks).begin(), blocks.end());
+  return blocks;
+}
+
 std::vector<assembly::Contact> Ties::among(const Model& model, std::span<const BlockId> blocks,
                                            std::uint32_t batch) const {
   std::vector<assembly::Contact> out;

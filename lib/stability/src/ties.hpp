@@ -27,6 +27,9 @@ class Ties final {
   [[nodiscard]] std::vector<assembly::Contact> among(const Model& model, std::span<const topology::BlockId> blocks,
                                                      std::uint32_t batch) const;
 
+  /// Those of the blocks given, and what a bolt or a seam of sprayed concrete ties to them. Ascending.
+  [[nodiscard]] std::vector<topology::BlockId> with_tied(std::vector<topology::BlockId> blocks) const;
+
  private:
   /// A length of a bolt in one block.
   struct Piece {

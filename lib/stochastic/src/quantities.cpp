@@ -13,6 +13,10 @@ namespace {
 
 /// Key blocks that the stress across their joints does not hold, or of which it is not known.
 double clamped_count(const Record& r) { return r.clamped ? number(r.all.count - r.clamped->held) : 0; }
+/// Nothing where blocks were not judged together.
+SupportedTogether together_of(const Record& r) {
+  return r.support ? r.support->groups.value_or(SupportedTogether{}) : SupportedTogether{};
+}
 double clamped_volume(const Record& r) { return r.clamped ? r.all.volume_m3 - r.clamped->held_volume.si() : 0; }
 
 }  // namespace
@@ -50,11 +54,19 @@ const std::vector<Quantity>& quantities() {
        true, true},
       {"support_fails",
        [](const Record& r) {
-         return r.support && (r.support->not_held > 0 || r.support->failing_bodies > 0) ? 1.0 : 0.0;
+         if (!r.support) return 0.0;
+         return r.support->not_held > 0 || r.support->failing_bodies > 0 || together_of(r).not_held > 0 ? 1.0 : 0.0;
        },
        true, false, false, true, true},
       {"support_spot_bolts", [](const Record& r) { return r.support ? number(r.support->spot_bolts) : 0; }, true, false,
        false, true},
+      {"support_groups_not_held", [](const Record& r) { return number(together_of(r).not_held); }, true, false, true,
+       true, false, true},
+      {"support_groups_not_held_m3", [](const Record& r) { return together_of(r).not_held_volume.si(); }, true, false,
+       true, true, false, true},
+      {"support_leaves_doubt",
+       [](const Record& r) { return together_of(r).in_doubt > 0 || together_of(r).too_many ? 1.0 : 0.0; }, true, false,
+       false, true, true, true},
       {"key_group_count", [](const Record& r) { return r.groups ? number(r.groups->moving) : 0; }, true, false, true,
        false, false, true},
       {"key_group_volume_m3", [](const Record& r) { return r.groups ? r.groups->moving_volume.si() : 0; }, true, false,

@@ -153,8 +153,14 @@ class Reader final {
 std::vector<double> numbers_of(const std::optional<Supported>& s) {
   if (!s) return {};
   const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
-  return {number(s->needing), number(s->not_held),   s->not_held_m3,
-          s->missing_n,       number(s->spot_bolts), number(s->failing_bodies)};
+  std::vector<double> numbers{number(s->needing), number(s->not_held),   s->not_held_m3,
+                              s->missing_n,       number(s->spot_bolts), number(s->failing_bodies)};
+  if (s->groups) {
+    const SupportedTogether& g = *s->groups;
+    for (const double x : {number(g.not_held), number(g.in_doubt), g.not_held_volume.si(), g.too_many ? 1.0 : 0.0})
+      numbers.push_back(x);
+  }
+  return numbers;
 }
 std::vector<double> numbers_of(const std::optional<Grouped>& g) {
   if (!g) return {};
@@ -178,9 +184,13 @@ bool is_count(double x) { return x >= 0 && x < 0x1p53 && x == std::floor(x); }
 
 bool take(const std::vector<double>& n, std::optional<Supported>& support) {
   if (n.empty()) return true;
-  if (n.size() != 6 || !is_count(n[0]) || !is_count(n[1]) || !is_count(n[4]) || !is_count(n[5])) return false;
+  if (n.size() != 6 && n.size() != 10) return false;
+  if (!is_count(n[0]) || !is_count(n[1]) || !is_count(n[4]) || !is_count(n[5])) return false;
   const auto count = [](double x) { return static_cast<std::uint64_t>(x); };
   support = Supported{count(n[0]), count(n[1]), n[2], n[3], count(n[4]), count(n[5])};
+  if (n.size() == 6) return true;
+  if (!is_count(n[6]) || !is_count(n[7]) || (n[9] != 0 && n[9] != 1)) return false;
+  support->groups = SupportedTogether{count(n[6]), count(n[7]), cubic_metres(n[8]), n[9] == 1};
   return true;
 }
 bool take(const std::vector<double>& n, std::optional<Grouped>& groups) {

@@ -261,58 +261,6 @@ void fields(V& v, const CaseFigures& x) {
   fields(v, x.figures);
 }
 
-/// What the search for a pattern found for one length of bolt.
-struct DesignResult {
-  double length = 0;
-  bool found = false;
-  double scale = 0;  ///< on the scene's spacings
-  std::size_t bolts = 0;
-  std::size_t spot_bolts = 0;  ///< beside them, where they count
-  double cost = 0;
-  /// Of the first pattern, m: along a tunnel's axis and around its section, or across and down a grid.
-  std::array<double, 2> spacing{};
-  std::size_t rings = 0;  ///< of the first pattern; 0: a grid
-  /// Offsets drawn at random in both directions, and how many of them fail.
-  std::uint64_t offsets = 0, failing = 0;
-  std::array<double, 2> failing_share{};  ///< Clopper-Pearson, 95 %
-  /// The block that decides: misses its target at the most of these offsets; where none fails, with the least factor
-  /// over target. Where no pattern is found, of the tightest one.
-  std::optional<std::uint32_t> governing = {};
-};
-template <class V>
-void fields(V& v, const DesignResult& x) {
-  v("length_m", x.length);
-  v("found", x.found);
-  v("spacing_scale", x.scale, "on the scene's spacings");
-  v("bolts", x.bolts, "of the patterns");
-  v("cost", x.cost, "of all bolts");
-  v("spacing_m", x.spacing, "of the first pattern, of the tightest where none is found");
-  v("rings", x.rings, "of the first pattern; 0: a grid");
-  v("offsets", x.offsets, "drawn at random, at which the pattern was tried");
-  v("offsets_failing", x.failing);
-  v("failing_share_low", x.failing_share[0], "95 % interval of the share of offsets that fail");
-  v("failing_share_high", x.failing_share[1]);
-  v("governing_block", x.governing, "misses its target most often, or has the least margin");
-  v("spot_bolts", x.spot_bolts, "beside the pattern, where `spot` counts them");
-}
-
-/// Support pressure at one part of the openings: how the free faces of the blocks below their target share it.
-struct PressureFigures {
-  std::string place;
-  Area area;
-  Stress p50, p90, p95, largest;
-};
-template <class V>
-void fields(V& v, const PressureFigures& x) {
-  v("place", x.place, "roof, left wall, right wall, floor (looking along the tunnel), face elsewhere");
-  v("area_m2", x.area, "free faces of the blocks below their target there");
-  v("p50_pa", or_null(x.p50.si()), "half of that area needs no more; null: no pressure is enough");
-  v("p90_pa", or_null(x.p90.si()));
-  v("p95_pa", or_null(x.p95.si()));
-  v("largest_pa", or_null(x.largest.si()), "of the neediest block, however small its face");
-  v("reason", when(!std::isfinite(x.largest.si()), "no pressure is enough for a block there"));
-}
-
 /// Blocks judged together with the support.
 struct SupportedGroupFigures {
   std::uint64_t count = 0, not_held = 0, in_doubt = 0;
@@ -334,6 +282,61 @@ void supported_groups_field(V& v, const std::optional<SupportedGroupFigures>& x)
     "Blocks judged together with the support; absent where they were not.");
 }
 [[nodiscard]] SupportedGroupFigures count_supported_groups(const stability::GroupSupport& groups);
+
+/// What the search for a pattern found for one length of bolt.
+struct DesignResult {
+  double length = 0;
+  bool found = false;
+  double scale = 0;  ///< on the scene's spacings
+  std::size_t bolts = 0;
+  std::size_t spot_bolts = 0;  ///< beside them, where they count
+  double cost = 0;
+  /// Of the first pattern, m: along a tunnel's axis and around its section, or across and down a grid.
+  std::array<double, 2> spacing{};
+  std::size_t rings = 0;  ///< of the first pattern; 0: a grid
+  /// Offsets drawn at random in both directions, and how many of them fail.
+  std::uint64_t offsets = 0, failing = 0;
+  std::array<double, 2> failing_share{};  ///< Clopper-Pearson, 95 %
+  /// The block that decides: misses its target at the most of these offsets; where none fails, with the least factor
+  /// over target. Where no pattern is found, of the tightest one.
+  std::optional<std::uint32_t> governing = {};
+  /// Blocks judged together at the spacing found, at the worst of the places tried; empty where they were not.
+  std::optional<SupportedGroupFigures> groups = {};
+};
+template <class V>
+void fields(V& v, const DesignResult& x) {
+  v("length_m", x.length);
+  v("found", x.found);
+  v("spacing_scale", x.scale, "on the scene's spacings");
+  v("bolts", x.bolts, "of the patterns");
+  v("cost", x.cost, "of all bolts");
+  v("spacing_m", x.spacing, "of the first pattern, of the tightest where none is found");
+  v("rings", x.rings, "of the first pattern; 0: a grid");
+  v("offsets", x.offsets, "drawn at random, at which the pattern was tried");
+  v("offsets_failing", x.failing);
+  v("failing_share_low", x.failing_share[0], "95 % interval of the share of offsets that fail");
+  v("failing_share_high", x.failing_share[1]);
+  v("governing_block", x.governing, "misses its target most often, or has the least margin");
+  v("spot_bolts", x.spot_bolts, "beside the pattern, where `spot` counts them");
+  supported_groups_field(v, x.groups);
+}
+
+/// Support pressure at one part of the openings: how the free faces of the blocks below their target share it.
+struct PressureFigures {
+  std::string place;
+  Area area;
+  Stress p50, p90, p95, largest;
+};
+template <class V>
+void fields(V& v, const PressureFigures& x) {
+  v("place", x.place, "roof, left wall, right wall, floor (looking along the tunnel), face elsewhere");
+  v("area_m2", x.area, "free faces of the blocks below their target there");
+  v("p50_pa", or_null(x.p50.si()), "half of that area needs no more; null: no pressure is enough");
+  v("p90_pa", or_null(x.p90.si()));
+  v("p95_pa", or_null(x.p95.si()));
+  v("largest_pa", or_null(x.largest.si()), "of the neediest block, however small its face");
+  v("reason", when(!std::isfinite(x.largest.si()), "no pressure is enough for a block there"));
+}
 
 struct SupportFigures {
   bool passes = false;

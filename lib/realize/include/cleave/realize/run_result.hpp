@@ -131,6 +131,16 @@ struct CaseSupport {
   std::optional<stability::GroupSupport> groups = {};  ///< where blocks are judged together
 };
 
+/// What became of a group in doubt when its blocks and those around it were let go as rigid blocks in motion.
+enum class LetGo : std::uint8_t {
+  stayed,    ///< none of its blocks moved by a millimetre in half a second
+  moved,     ///< one did
+  stopped,   ///< the contact law could not be solved
+  not_tried  ///< more blocks than are let go, or loads that blocks in motion do not have
+};
+/// "stayed", "moved", "stopped", "not_tried".
+[[nodiscard]] std::string_view name_of(LetGo outcome) noexcept;
+
 /// A largest key block of block theory.
 struct MaximumRow {
   std::array<std::string, 3> sets;  ///< names
@@ -247,6 +257,7 @@ struct Realization : SampledScene {
   /// all are out and no block has left before.
   std::optional<SequenceResult> sequence = {};
   std::optional<stability::KeyGroups> key_groups = {};  ///< blocks judged together, where the scene asks for it
+  std::vector<std::optional<LetGo>> let_go = {};        ///< of `key_groups`, those in doubt; empty: none was asked
   std::vector<stability::HeldFromWithin> held_from_within = {};
   std::vector<stability::Barred> barred = {};             ///< where blocks were not judged together
   std::optional<stability::DomainHeld> domain_held = {};  ///< of the base case, with `analysis`

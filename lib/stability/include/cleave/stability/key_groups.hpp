@@ -86,5 +86,12 @@ struct GroupSupport {
 [[nodiscard]] GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings,
                                         const SupportPlan& plan, const SupportResult& support,
                                         const Together& most = most_together);
+/// `GroupSupport::below` alone, which depends on nothing of the plan but its targets: made once, many plans are
+/// checked.
+[[nodiscard]] KeyGroups groups_below_target(const topology::AuditedComplex& complex, const Settings& settings,
+                                            const SupportPlan& plan, const Together& most = most_together);
+[[nodiscard]] GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings,
+                                        const SupportPlan& plan, const SupportResult& support, KeyGroups below,
+                                        const Together& most = most_together);
 
 }  // namespace cleave::stability

@@ -69,6 +69,15 @@ struct Tally {
   friend bool operator==(const Tally&, const Tally&) = default;
 };
 
+/// Groups of blocks that miss their target together, with the support.
+struct SupportedTogether {
+  std::uint64_t not_held = 0;  ///< groups that still move
+  std::uint64_t in_doubt = 0;  ///< groups that could not be decided
+  Volume not_held_volume = {};
+  bool too_many = false;  ///< more blocks than are judged together: nothing was looked for
+  friend bool operator==(const SupportedTogether&, const SupportedTogether&) = default;
+};
+
 /// What the scene's support design comes to, where it has one.
 struct Supported {
   std::uint64_t needing = 0;   ///< blocks below their required factor without support
@@ -76,7 +85,8 @@ struct Supported {
   double not_held_m3 = 0;      ///< their volume
   double missing_n = 0;        ///< force that they lack, sum
   std::uint64_t spot_bolts = 0;
-  std::uint64_t failing_bodies = 0;  ///< bodies stitched together by bolts that do not pass
+  std::uint64_t failing_bodies = 0;              ///< bodies stitched together by bolts that do not pass
+  std::optional<SupportedTogether> groups = {};  ///< of a scene with groups = "decide"
   friend bool operator==(const Supported&, const Supported&) = default;
 };
 
