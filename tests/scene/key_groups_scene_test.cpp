@@ -34,7 +34,7 @@ stability::KeyGroups groups_of(const std::string& text) {
 }
 
 /// A block of 233 m3 on 55 degrees behind one of 322 m3 on 10 degrees, a vertical joint between them, 1 m thick.
-std::string active_and_passive(double friction) {
+std::string active_and_passive(double friction, const std::string& free = "\"top\", \"south\", \"north\"") {
   const double steep = std::tan(55 * std::numbers::pi / 180), flat = std::tan(10 * std::numbers::pi / 180);
   const double tall = 20, wide = 2 * 233 / tall, length = 20, front = 0.02;
   // The passive block's corners: (0, 0), (0, tall), (front - length, z), (-length, -length flat).
@@ -53,8 +53,8 @@ std::string active_and_passive(double friction) {
   joint(0, -0.001, 0, tall + 1);
   return text + fmt::format(
                     "[joints.default]\nfriction = {}\ncohesion = 0\n[rock]\ndensity = 2700\n[stability]\n"
-                    "free = [\"top\", \"south\", \"north\"]\n",
-                    friction);
+                    "free = [{}]\n",
+                    friction, free);
 }
 
 // Neither moves by itself: the steep one is barred, the flat one has a factor of 2.06. With all friction spent, m =
@@ -250,6 +250,51 @@ TEST(KeyGroupsScene, OfEachStage) {
   EXPECT_EQ(notes_with(run_of(pit + active_and_passive(30)), "key group"), 0U);
 }
 
+// More than sixty blocks are near a free face after the first stage: where groups decide they turn there too.
+TEST(KeyGroupsScene, OfEachStageWithMomentsWhereTheyDecide) {
+  std::string cubes =
+      "[domain]\nbox = { min = [0, 0, 0], max = [9, 9, 1] }\n[stability]\nfree = [\"top\"]\ngroups = \"decide\"\n"
+      "[[excavation]]\nname = \"a\"\nstage = 1\nkind = \"polyhedron\"\nbox = { min = [1.2, 1.2, 0.5], max = [1.6, 1.6, "
+      "1] }\n"
+      "[[excavation]]\nname = \"b\"\nstage = 2\nkind = \"polyhedron\"\nbox = { min = [4.2, 4.2, 0.5], max = [4.6, 4.6, "
+      "1] }\n";
+  for (int k = 1; k < 9; ++k) {
+    cubes += fmt::format(
+        "[[joint]]\nplane = {{ through = [{0}, 0, 0], dip = 90, dip_direction = 90 }}\n"
+        "[[joint]]\nplane = {{ through = [0, {0}, 0], dip = 90, dip_direction = 0 }}\n",
+        k);
+  }
+  const RunResult result = run_of(cubes + "[[joint]]\nplane = { through = [0, 0, 0.1], dip = 0, dip_direction = 0 }\n");
+  ASSERT_TRUE(result.sequence && result.sequence->stages.front().groups);
+  EXPECT_GT(result.sequence->stages.front().groups->blocks, 60U);
+  EXPECT_FALSE(result.sequence->stages.front().groups->without_moments);
+}
+
+// A slab between two others like it, all on a joint of 30 degrees with a friction of 20. The outer two are held by a
+// side of the domain alone: a bolt into one of them finds no hold there. One through the base does.
+TEST(KeyGroupsScene, BoltsFindNoHoldInWhatOnlyTheBorderHolds) {
+  const auto slabs = [](std::string_view bolt) {
+    return run_of(
+        fmt::format("[domain]\nbox = {{ min = [0, 0, 0], max = [40, 30, 40] }}\n"
+                    "[[joint]]\nplane = {{ through = [20, 1, 20], dip = 30, dip_direction = 90 }}\n"
+                    "[[joint]]\nplane = {{ through = [20, 10, 20], dip = 90, dip_direction = 0 }}\n"
+                    "[[joint]]\nplane = {{ through = [20, 20, 20], dip = 90, dip_direction = 0 }}\n"
+                    "[[joint]]\nplane = {{ through = [4, 1, 20], dip = 90, dip_direction = 90 }}\n"
+                    "[joints.default]\nfriction = 20\ncohesion = 0\n[rock]\ndensity = 2700\n"
+                    "[stability]\nfree = [\"top\", \"east\"]\ntarget = {{ falling = 1.5, sliding = 1.3 }}\n"
+                    "[support]\n[[support.bolts]]\n{}\ntendon = 500e6\nplate = 500e6\nbond = 100e6\nanchorage = 0.5\n",
+                    bolt));
+  };
+  const RunResult beside = slabs("at = [[40, 15, 30]]\ndirection = [-1, 0.6, 0]\nlength = 25");
+  EXPECT_FALSE(beside.figures.support->passes);
+  EXPECT_EQ(notes_with(beside, "they find no hold there"), 1U);
+  ASSERT_TRUE(beside.figures.support->groups);
+  EXPECT_EQ(beside.figures.support->groups->not_held, 1U);
+  const RunResult through = slabs("at = [[40, 15, 30]]\ndirection = [-1, 0, -0.6]\nlength = 40");
+  EXPECT_TRUE(through.figures.support->passes);
+  EXPECT_EQ(notes_with(through, "they find no hold there"), 0U);
+}
+
 // Neither block needs support alone. At 30 degrees the two stand together, but below the target for sliding.
 TEST(KeyGroupsScene, SupportIsAskedToHoldThem) {
   const std::string shotcrete = "[support]\nshotcrete = { thickness = 0.1, strength = 1e5 }\n";
@@ -306,6 +351,57 @@ TEST(KeyGroupsScene, WhatIsInDoubtIsLetGo) {
     doubted.groups[0].blocks.pop_back();
     EXPECT_EQ(found(), quake ? LetGo::not_tried : LetGo::moved);
   }
+}
+
+// The same slice held by its own sides is not safe: smooth, they let the two go together, and neither alone.
+TEST(KeyGroupsScene, WhatOnlyTheBorderHoldsTogetherIsSaid) {
+  const RunResult slice = run_of(active_and_passive(20, "\"top\""));
+  ASSERT_TRUE(slice.domain_held);
+  EXPECT_EQ(slice.figures.key_blocks->count, 0U);
+  EXPECT_EQ(slice.domain_held->together, 2U);
+  EXPECT_NEAR(slice.domain_held->volume.si(), 233 + 322, 1e-6);
+  EXPECT_EQ(notes_with(slice, "2 of them would move only together"), 1U);
+  // Strong enough, nothing is held by the sides alone.
+  EXPECT_EQ(run_of(active_and_passive(40, "\"top\"")).domain_held->blocks.size(), 0U);
+  // With these groups not looked for, single blocks are.
+  EXPECT_EQ(run_of(active_and_passive(20, "\"top\"") + "groups = \"off\"\n").domain_held->together, 0U);
+  // Under a load case that pushes harder it is said there.
+  const RunResult quake =
+      run_of(active_and_passive(40, "\"top\"") + "[[load]]\nname = \"quake\"\nseismic = [-0.5, 0, 0]\n");
+  ASSERT_EQ(quake.load_cases.size(), 1U);
+  EXPECT_EQ(quake.domain_held->blocks.size(), 0U);
+  EXPECT_EQ(quake.load_cases[0].domain_held->blocks.size(), 2U);
+  EXPECT_EQ(quake.figures.load_cases[0].figures.domain_held->count, 2U);
+  EXPECT_EQ(notes_with(quake, "load case quake: 2 blocks at free faces"), 1U);
+}
+
+// At 30 degrees the two stand with a factor of 1.197: below a target of 1.3, above one of 1.1.
+TEST(KeyGroupsScene, GroupsBelowTheTargetAreSaid) {
+  const auto below = [](double target) {
+    const RunResult run = run_of(active_and_passive(30) + fmt::format("target = {{ sliding = {} }}\n", target));
+    EXPECT_EQ(run.key_groups->groups.size(), 0U);
+    EXPECT_EQ(notes_with(run, "1 group of blocks (555 m3) would move at strengths over the target"),
+              target > 1.2 ? 1U : 0U);
+    KeyGroupFigures figures;
+    if (run.groups_below_target) add_below_target(*run.groups_below_target, figures);
+    return figures.below_target;
+  };
+  EXPECT_EQ(below(1.3), 1U);
+  EXPECT_EQ(below(1.1), 0U);
+}
+
+// Where two blocks meet at an angle rounding may leave a needle in the corner. It is nothing: the group has the factor
+// that it has without it.
+TEST(KeyGroupsScene, NeedlesInACornerChangeNoFactor) {
+  const auto factor = [](const std::string& more) {
+    const stability::KeyGroups found = groups_of(active_and_passive(20) + more);
+    EXPECT_EQ(found.groups.size(), 1U);
+    return found.groups.front().factor_move;
+  };
+  EXPECT_NEAR(factor(""), 0.761, 5e-4);
+  // A joint through the foot of the joint between the two, a hair beside it.
+  EXPECT_NEAR(factor("[[joint]]\nplane = { through = [-1e-8, 0, 0], dip = 89.9999, dip_direction = 90 }\n"), 0.761,
+              5e-3);
 }
 
 /// The slab and its toe with cables across the base of both, 45 degrees to its slide.

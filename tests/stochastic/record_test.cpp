@@ -51,6 +51,7 @@ Record example(std::uint64_t k) {
   if (k % 2 == 0) r.support = Supported{9, k, rng.uniform(), 1e6 * rng.uniform(), 3, 1};
   if (k % 6 == 0) r.support->groups = SupportedTogether{k, 2, cubic_metres(rng.uniform()), k % 4 == 0};
   if (k % 3 == 0) r.orders = {{k, rng.uniform()}, {0, 0}, {7, 1e-9}};
+  if (k % 3 == 1) r.border = HeldByBorder{k, cubic_metres(rng.uniform())};
   if (k % 4 == 0) r.clamped = Clamped{k, 2, cubic_metres(rng.uniform())};
   if (k % 5 == 0) r.groups = Grouped{k, 3, cubic_metres(rng.uniform()), cubic_metres(1e3 * rng.uniform()), k % 2 == 0};
   return r;

@@ -311,13 +311,16 @@ std::expected<std::vector<Cell>, BadPolyhedron> convex_cells(const Polyhedron& p
   if (is_convex(polyhedron, *sheets, tolerance)) {
     Piece piece;
     for (const Sheet& sheet : *sheets) piece.polygons.push_back({sheet.loops[0], sheet.normal, 0});
-    return std::vector{cell_of(piece, *sheets, tolerance)};
+    Cell cell = cell_of(piece, *sheets, tolerance);
+    if (cell.sides.size() < 4) return std::unexpected(BadPolyhedron{"it is thinner than a billionth of its extent"});
+    return std::vector{std::move(cell)};
   }
   Partition partition{*sheets, size};
   partition.split(box_around(polyhedron.vertices, 0.01 * size), 0);
   if (!(std::abs(partition.volume - volume) <= 1e-7 * volume)) {
     return std::unexpected(BadPolyhedron{"its convex parts do not add up to its volume"});
   }
+  std::erase_if(partition.cells, [](const Cell& cell) { return cell.sides.size() < 4; });
   return std::move(partition.cells);
 }
 

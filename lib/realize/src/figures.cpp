@@ -215,13 +215,14 @@ Figures count(const RunResult& result) {
   }
   const std::optional<Targets> target = result.stability ? result.stability->target : std::nullopt;
   if (result.analysis) figures.key_blocks = count_key_blocks(*result.analysis, target);
-  if (figures.key_blocks && result.domain_held) {
-    const stability::DomainHeld& held = *result.domain_held;
-    figures.key_blocks->domain_held = {held.blocks.size(), held.volume,
-                                       held.all_free.si() > 0 ? held.free_area / held.all_free : 0};
-  }
+  const auto count_held = [](const stability::DomainHeld& held) {
+    return DomainHeldFigures{held.blocks.size(), held.volume,
+                             held.all_free.si() > 0 ? held.free_area / held.all_free : 0, held.together};
+  };
+  if (figures.key_blocks && result.domain_held) figures.key_blocks->domain_held = count_held(*result.domain_held);
   for (const CaseResult& load : result.load_cases) {
     figures.load_cases.push_back({load.name, count_key_blocks(load.analysis, target)});
+    if (load.domain_held) figures.load_cases.back().figures.domain_held = count_held(*load.domain_held);
   }
   if (result.support) figures.support = count_support(result, *result.support);
   const auto add_groups = [](SupportFigures& support, const std::optional<stability::GroupSupport>& groups) {

@@ -93,6 +93,7 @@ struct Cast {
   std::vector<BlockId> moving;  ///< the first bodies
   std::vector<std::uint32_t> wave;
   std::size_t walls = 0;
+  std::size_t left_out = 0;  ///< slivers that would be let go
 };
 
 motion::Polyhedron shape_of(const BlockComplex& complex, BlockId block, const Realization& made, Surfaces& surfaces) {
@@ -156,9 +157,17 @@ Cast cast_of(const Scene& scene, const MotionSettings& settings, const Realizati
   Cast cast;
   Surfaces surfaces{settings};
   std::vector<std::uint8_t> wall(waves.size(), 0);
-  const auto gone = [&](std::size_t b) { return !around.gone.empty() && around.gone[b] != 0; };
+  // Thinner than what rounding leaves of a block's corners: neither moves nor bars.
+  const auto gone = [&](std::size_t b) {
+    return complex.blocks()[BlockId{static_cast<std::uint32_t>(b)}].sliver ||
+           (!around.gone.empty() && around.gone[b] != 0);
+  };
   for (std::uint32_t b = 0; b < waves.size(); ++b) {
     const topology::Block& block = complex.blocks()[BlockId{b}];
+    if (gone(b)) {
+      cast.left_out += waves[b] ? 1U : 0U;
+      continue;
+    }
     if (!waves[b]) {
       wall[b] = std::max(wall[b], static_cast<std::uint8_t>(around.all_free && block.free ? 1 : 0));
       continue;
@@ -179,7 +188,7 @@ Cast cast_of(const Scene& scene, const MotionSettings& settings, const Realizati
   };
   for (std::size_t k = 0; k < cast.moving.size(); ++k) add(cast.moving[k], cast.wave[k] > 0);
   for (std::uint32_t b = 0; b < waves.size() && !cast.moving.empty(); ++b) {
-    if (waves[b] || wall[b] == 0 || gone(b)) continue;
+    if (gone(b) || waves[b] || wall[b] == 0) continue;
     add(BlockId{b}, true);
     ++cast.walls;
   }
@@ -400,6 +409,10 @@ MotionResult run_motion(const Scene& scene, const Realization& made, const Block
       fine.run();
       if (fine.result.converged) compare(fine.result, complex, result);
     }
+  }
+  if (cast.left_out > 0) {
+    result.notes.push_back(fmt::format("motion: {} {} thinner than 1e-6 of the domain {} left out", cast.left_out,
+                                       cast.left_out == 1 ? "block" : "blocks", cast.left_out == 1 ? "is" : "are"));
   }
   add_notes(scene, result, result.notes);
   return result;

@@ -205,6 +205,7 @@ Realizer::Done Realizer::judge() {
   if (!near_) made_.key_groups.reset();
   if (detail_ == Detail::counted) {
     if (judges_groups()) judge_groups();
+    made_.domain_held = held_by_border(settings(complex.complex()), *made_.analysis, made_.key_groups);
     return {};
   }
   made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
@@ -216,15 +217,40 @@ Realizer::Done Realizer::judge() {
   if (!made_.key_groups || made_.key_groups->too_many) {
     made_.barred = stability::barred_by_lesser(complex, with, *made_.analysis);
   }
-  made_.domain_held = stability::domain_held(complex, with, *made_.analysis);
+  made_.domain_held = held_by_border(with, *made_.analysis, made_.key_groups);
   if (!near_) judge_cases(*scene_, complex, made_);
   if (scene_->stability->groups != stability::GroupsCheck::off) {
     judge_groups_of_cases();
     judge_groups_of_stages();
+    judge_groups_below_target();
+  }
+  for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
+    CaseResult& load = made_.load_cases[k];
+    const auto& loads = scene_->stability->cases[k].loads;
+    load.domain_held =
+        held_by_border(of_detail(settings_on(complex.complex(), *scene_, made_, loads)), load.analysis, load.groups);
   }
   made_.sensitivity = stability::sensitivity(complex, with, *made_.analysis);
   judge_maximum_blocks(*scene_, made_);
   return {};
+}
+
+stability::DomainHeld Realizer::held_by_border(const stability::Settings& settings, const stability::Analysis& analysis,
+                                               const std::optional<stability::KeyGroups>& groups) const {
+  stability::DomainHeld held = stability::domain_held(*made_.complex, settings, analysis);
+  if (groups && !groups->too_many) stability::add_held_together(*made_.complex, settings, analysis, *groups, held);
+  return held;
+}
+
+/// Of a scene with a target and without support, which asks for it itself.
+void Realizer::judge_groups_below_target() {
+  made_.groups_below_target.reset();
+  const auto& target = scene_->stability->target;
+  if (!target || scene_->support || !made_.key_groups || made_.key_groups->too_many) return;
+  stability::SupportPlan plan;
+  plan.target_sliding = target->sliding;
+  const stability::Settings with = settings(made_.complex->complex());
+  made_.groups_below_target = stability::groups_below_target(*made_.complex, with, plan, together(*scene_));
 }
 
 /// Ensembles count groups only where they decide.
@@ -264,7 +290,7 @@ void Realizer::judge_groups_of_stages() {
   for (StageResult& row : made_.sequence->stages) {
     if (!row.complex || !*row.complex || !row.analysis) continue;
     const topology::AuditedComplex& complex = **row.complex;
-    row.groups = stability::find_key_groups(complex, settings(complex.complex()), stability::most_noted);
+    row.groups = stability::find_key_groups(complex, settings(complex.complex()), together(*scene_));
     add_moving_group_notes(*row.groups, *row.analysis, "after stage " + std::to_string(row.stage) + ": ", group_notes_);
   }
 }

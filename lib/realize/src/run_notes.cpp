@@ -172,8 +172,43 @@ KeyGroupFigures count_key_groups(const stability::KeyGroups& groups) {
   return figures;
 }
 
+void add_below_target(const stability::KeyGroups& found, KeyGroupFigures& figures) {
+  figures.below_target = 0;
+  for (const stability::KeyGroup& group : found.groups) {
+    if (group.verdict == assembly::Verdict::in_doubt) continue;
+    ++*figures.below_target;
+    figures.below_target_volume += group.volume;
+  }
+}
+
 namespace {
 constexpr std::string_view see_groups = ": see key_groups.csv";
+}  // namespace
+
+namespace {
+
+/// What the search for groups did not look at.
+void add_unasked_notes(const stability::KeyGroups& groups, std::string_view where, std::vector<std::string>& notes) {
+  if (groups.too_many) {
+    notes.push_back(fmt::format(
+        "{}key groups: {} blocks near free faces are too many to be judged together; only single blocks were "
+        "judged, and what they say holds for each alone (groups = \"decide\" judges up to {})",
+        where, groups.blocks, stability::most_together.blocks));
+  }
+  if (groups.without_moments) {
+    notes.push_back(
+        fmt::format("{}key groups: {} blocks near free faces were judged together in translation only; groups = "
+                    "\"decide\" looks at "
+                    "moments too",
+                    where, groups.blocks));
+  }
+  if (groups.cut_off) {
+    notes.push_back(fmt::format(
+        "{}key groups: one that moves touches more blocks than are judged together; more may move than it says",
+        where));
+  }
+}
+
 }  // namespace
 
 void add_moving_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis,
@@ -205,6 +240,7 @@ void add_moving_group_notes(const stability::KeyGroups& groups, const stability:
     notes.push_back(fmt::format("{}{} {} of blocks ({:.4g} m3) could not be decided together: in doubt, not stable{}",
                                 where, doubt, doubt == 1 ? "group" : "groups", in_doubt, see_groups));
   }
+  add_unasked_notes(groups, where, notes);
   if (groups.at_the_edge && beyond + doubt > 0) {
     notes.push_back(
         fmt::format("{}key groups reach the edge of the box that was cut: what lies beyond was taken to stay, so that "
@@ -274,27 +310,10 @@ void add_let_go_note(const std::vector<std::optional<LetGo>>& outcomes, std::vec
 /// Of the final state under the loads of the base case, with what was not looked at.
 void add_group_notes(const stability::KeyGroups& groups, const stability::Analysis& analysis, bool unasked,
                      std::vector<std::string>& notes) {
-  if (groups.too_many) {
-    notes.push_back(
-        fmt::format("key groups: {} blocks near free faces are too many to be judged together; only single blocks were "
-                    "judged, and what they say holds for each alone (groups = \"decide\" judges up to {})",
-                    groups.blocks, stability::most_together.blocks));
-  }
-  if (groups.without_moments) {
-    notes.push_back(fmt::format(
-        "key groups: {} blocks near free faces were judged together in translation only; groups = \"decide\" "
-        "looks at moments too",
-        groups.blocks));
-  }
-  if (groups.cut_off) {
-    notes.push_back(
-        "key groups: one that moves touches more blocks than are judged together; more may move than it says");
-  }
-  const std::size_t before = notes.size();
   add_moving_group_notes(groups, analysis, "", notes);
-  if (unasked && notes.size() > before) {
+  if (unasked && (groups.too_many || !groups.groups.empty())) {
     notes.push_back(
-        "the support was checked block by block and for stitched bodies: whether it holds the key groups was not "
+        "the support was checked block by block and for stitched bodies: whether it holds groups of blocks was not "
         "asked");
   }
 }
@@ -313,16 +332,42 @@ void add_barred_note(const std::vector<stability::Barred>& barred, std::vector<s
 }
 
 /// Blocks that nothing but a side of the domain holds.
-void add_border_note(const stability::DomainHeld& held, std::vector<std::string>& notes) {
+void add_border_note(const stability::DomainHeld& held, std::string_view where, std::vector<std::string>& notes) {
   if (held.blocks.empty()) return;
   const bool one = held.blocks.size() == 1;
   notes.push_back(fmt::format(
-      "{} {} at free faces ({:.4g} m3, {:.3g} % of the free area) {} held only by {} of the domain that {} not free "
+      "{}{} {} at free faces ({:.4g} m3, {:.3g} % of the free area) {} held only by {} of the domain that {} not free "
       "and "
-      "{} not counted as key blocks: what lies beyond is unknown; enlarge the domain, or name these sides in `free`",
-      held.blocks.size(), one ? "block" : "blocks", held.volume.si(),
+      "{} not counted as key blocks{}: what lies beyond is unknown; enlarge the domain, or name these sides in `free`",
+      where, held.blocks.size(), one ? "block" : "blocks", held.volume.si(),
       held.all_free.si() > 0 ? 100 * held.free_area.si() / held.all_free.si() : 0, one ? "is" : "are",
-      one ? "a side" : "sides", one ? "is" : "are", one ? "is" : "are"));
+      one ? "a side" : "sides", one ? "is" : "are", one ? "is" : "are",
+      held.together == 0 ? "" : fmt::format("; {} of them would move only together with others", held.together)));
+}
+
+/// Bolts that end in what only a side of the domain holds.
+void add_anchor_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
+  if (support.no_anchor.empty()) return;
+  const std::size_t count = support.no_anchor.size();
+  notes.push_back(
+      fmt::format("bolts go through {} {} that only a side of the domain holds ({}{}): they find no hold there, and "
+                  "what lies beyond is "
+                  "unknown; enlarge the domain",
+                  count, count == 1 ? "block" : "blocks", support.no_anchor.front().value(), count > 1 ? ", ..." : ""));
+}
+
+/// Groups below the target where no support asks for them.
+void add_below_target_note(const Realization& made, const StabilitySettings& settings,
+                           std::vector<std::string>& notes) {
+  if (!made.groups_below_target || !made.key_groups) return;
+  KeyGroupFigures figures;
+  add_below_target(*made.groups_below_target, figures);
+  if (*figures.below_target <= count_key_groups(*made.key_groups).count) return;
+  notes.push_back(fmt::format(
+      "{} {} of blocks ({:.4g} m3) would move at strengths over the target of {:g} for sliding, {} "
+      "at strengths as they are",
+      *figures.below_target, *figures.below_target == 1 ? "group" : "groups", figures.below_target_volume.si(),
+      settings.target->sliding, count_key_groups(*made.key_groups).count));
 }
 
 }  // namespace
@@ -382,7 +427,13 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (analysis) add_rotation_note(*analysis, notes);
   add_enclosed_notes(made.held_from_within, notes);
   add_barred_note(made.barred, notes);
-  if (made.domain_held) add_border_note(*made.domain_held, notes);
+  if (made.domain_held) add_border_note(*made.domain_held, "", notes);
+  for (const CaseResult& load : made.load_cases) {
+    const bool more = load.domain_held && (!made.domain_held || load.domain_held->blocks != made.domain_held->blocks);
+    if (more) add_border_note(*load.domain_held, fmt::format("load case {}: ", load.name), notes);
+  }
+  if (made.support) add_anchor_note(*made.support, notes);
+  if (scene.stability) add_below_target_note(made, *scene.stability, notes);
   if (made.window && made.window->truncated > 0 && analysis && analysis->rotation == stability::RotationCheck::flag) {
     notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");
   }

@@ -130,8 +130,15 @@ std::string key_blocks_section(const Page& page) {
            "All blocks of a batch leave together; what they held up leaves in the next.</figcaption></figure>\n";
   const std::vector<const stability::Judgement*> judgements = by_severity(*page.result.analysis);
   if (judgements.empty()) {
-    return out + "<p>No removable block would move, even without friction.</p>" +
-           cases_table(page.figures().load_cases) + "</section>\n";
+    const auto& held = figures.domain_held;
+    const bool groups = page.result.key_groups && !page.result.key_groups->groups.empty();
+    return out + "<p>By itself no removable block would move, even without friction." +
+           (groups ? " Blocks that move together are below." : "") +
+           (held && held->count > 0
+                ? " Not counted: " + display_count(held->count) + (held->count == 1 ? " block" : " blocks") +
+                      " that only a side of the domain holds."
+                : "") +
+           "</p>" + cases_table(page.figures().load_cases) + "</section>\n";
   }
   out +=
       "<p class=\"small\">Every removable block that would move without friction, the largest net force first; those "

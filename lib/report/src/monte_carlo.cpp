@@ -1,5 +1,7 @@
 #include "cleave/report/monte_carlo.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -28,8 +30,16 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
   }
   if (scene.stability && scene.stability->decides_by_groups()) {
     page.result.figures.notes.push_back(
-        "blocks of key groups are key blocks, but forces to be held, pressures and support are those of single blocks: "
-        "what it takes to hold a group is not in them");
+        "blocks of key groups are key blocks, but forces to be held and pressures are those of single blocks: what it "
+        "takes to hold a group is not in them");
+  }
+  for (const auto& estimate : page.result.figures.estimates) {
+    if (estimate.name != "domain_held_count" || !(estimate.mean > 0)) continue;
+    page.result.figures.notes.push_back(fmt::format(
+        "in the mean {:.3g} blocks a realization at free faces are held only by sides of the domain that are "
+        "not free and not counted as key blocks: what lies beyond is unknown; enlarge the domain, or name "
+        "these sides in `free`",
+        estimate.mean));
   }
   for (const scene::Problem& note : scene.notes) page.notes.push_back(describe(note));
   if (scene.monte_carlo && scene.monte_carlo->stop) page.stop_quantity = scene.monte_carlo->stop->quantity;

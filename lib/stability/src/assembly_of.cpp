@@ -141,6 +141,19 @@ assembly::Contact contact_of(Model& model, const Face& face, const Shared& with)
   return contact;
 }
 
+assembly::Contact smooth_side(Model& model, const Face& face) {
+  const BlockComplex& complex = model.complex();
+  assembly::Contact contact;
+  contact.normal = model.inward(face).unit();
+  std::vector<Vec3> corners;
+  for (const auto& loop : complex.loops(face)) {
+    for (const topology::VertexId v : loop) corners.push_back(complex.position(v));
+  }
+  contact.points = hull(corners, face.outward);
+  contact.most = most_pressure * face.area.si();
+  return contact;
+}
+
 }  // namespace
 
 assembly::Assembly assembly_of(Model& model, std::span<const BlockId> blocks, std::uint32_t batch) {
@@ -165,6 +178,11 @@ assembly::Assembly assembly_of(Model& model, std::span<const BlockId> blocks, st
   for (std::uint32_t b = 0; b < blocks.size(); ++b) {
     for (const topology::FaceId face_id : complex.blocks()[blocks[b]].faces) {
       const Face& face = complex.faces()[face_id];
+      if (face.role == topology::Role::fixed) {
+        assembly::Contact contact = smooth_side(model, face);
+        contact.body = b;
+        spec.contacts.push_back(std::move(contact));
+      }
       if (face.role != topology::Role::joint) continue;
       for (const Shared& with : shares_of(model, face, batch)) {
         const auto other = number(with.neighbour);

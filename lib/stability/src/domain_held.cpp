@@ -5,6 +5,7 @@
 
 #include "cleave/stability/analyse.hpp"
 #include "contacts.hpp"
+#include "domain_held.hpp"
 #include "verdict.hpp"
 
 namespace cleave::stability {
@@ -22,8 +23,25 @@ std::vector<FaceId> fixed_faces(const topology::BlockComplex& complex, BlockId i
   return found;
 }
 
-/// Whether a block of the border moves where its fixed sides are smooth joints, and stands on none of them.
-bool moves_off(Model& model, BlockId id, std::uint32_t state) {
+}  // namespace
+
+bool stands_on_border(Model& model, BlockId id) {
+  const geometry::Vec3 gravity = model.settings().loads.gravity();
+  return std::ranges::any_of(fixed_faces(model.complex(), id), [&](FaceId face) {
+    const double up = -dot(model.inward(model.complex().faces()[face]).unit(), gravity);
+    return up > norm(gravity) / std::numbers::sqrt2;
+  });
+}
+
+Area free_area_of(const topology::BlockComplex& complex, BlockId id) {
+  Area area;
+  for (const FaceId face : complex.blocks()[id].faces) {
+    if (complex.faces()[face].role == topology::Role::free) area += complex.faces()[face].area;
+  }
+  return area;
+}
+
+bool moves_off_border(Model& model, BlockId id, std::uint32_t state) {
   const topology::BlockComplex& complex = model.complex();
   const Model::Held held = model.held(id, state);
   if (!held.exposed) return false;
@@ -54,8 +72,6 @@ bool moves_off(Model& model, BlockId id, std::uint32_t state) {
   });
 }
 
-}  // namespace
-
 DomainHeld domain_held(const topology::AuditedComplex& audited, const Settings& settings, const Analysis& analysis) {
   const topology::BlockComplex& complex = audited.complex();
   DomainHeld found;
@@ -67,13 +83,9 @@ DomainHeld domain_held(const topology::AuditedComplex& audited, const Settings& 
   }
   for (const BlockId id : complex.blocks().ids()) {
     const topology::Block& block = complex.blocks()[id];
-    Area free_area;
-    for (const FaceId face : block.faces) {
-      const topology::Face& f = complex.faces()[face];
-      if (f.role == topology::Role::free) free_area += f.area;
-    }
+    const Area free_area = free_area_of(complex, id);
     found.all_free += free_area;
-    if (!block.fixed || block.truncated || !model.present(id, state) || !moves_off(model, id, state)) continue;
+    if (!block.fixed || block.truncated || !model.present(id, state) || !moves_off_border(model, id, state)) continue;
     found.blocks.push_back(id);
     found.volume += block.volume;
     found.free_area += free_area;

@@ -4,12 +4,14 @@
 #include <array>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <unordered_set>
 #include <utility>
 
 #include "assembly_of.hpp"
 #include "cleave/core/assert.hpp"
 #include "contacts.hpp"
+#include "domain_held.hpp"
 #include "ties.hpp"
 #include "touching.hpp"
 #include "verdict.hpp"
@@ -27,6 +29,8 @@ constexpr std::uint32_t first_layers = 3;
 /// A block leans on others when it would move without them at strengths over this and half its cohesion: as what rests
 /// is looked at again (`assembly::find_groups`).
 constexpr double leans_below = 1.05, share_of_cohesion = 0.5;
+/// Share of the square of the domain's extent: surface of a block that is too small to be felt.
+constexpr double least_felt = 1e-8;
 /// Among more blocks what moving tips push along is not looked for: it is in doubt. So is what would have to be looked
 /// at one by one where blocks times looks are more.
 constexpr std::size_t most_pushed = 200, most_looks = 6'000;
@@ -56,7 +60,17 @@ assembly::Assembly with_contacts(const assembly::Assembly& assembly, std::vector
 class Search final {
  public:
   Search(const topology::BlockComplex& complex, const Settings& settings, const Together& most)
-      : model_{complex, settings}, doubted_(complex.blocks().size(), 0), most_{most} {}
+      : model_{complex, settings}, doubted_(complex.blocks().size(), 0), most_{most} {
+    Vec3 low, high;
+    for (const Vec3 v : complex.vertices()) {
+      low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
+      high = {std::max(high.x, v.x), std::max(high.y, v.y), std::max(high.z, v.z)};
+    }
+    const double extent = norm(high - low);
+    for (const BlockId id : complex.blocks().ids()) {
+      if (is_needle(id, least_felt * extent * extent)) model_.remove(id, 0);
+    }
+  }
   /// With ties between blocks. `begin`: the first state is looked at around these alone; what moves without ties is
   /// among them.
   Search(const topology::BlockComplex& complex, const Settings& settings, const Together& most, const Ties& ties,
@@ -94,12 +108,43 @@ class Search final {
     return std::move(out_);
   }
 
+  /// Of what moves when the blocks of the border may, their sides smooth, and `gone` has left: groups with one of them.
+  std::vector<BlockId> held_by_border(const std::vector<BlockId>& gone) {
+    for (const BlockId id : gone) model_.remove(id, 0);
+    hangs_.emplace(complex().blocks().size(), std::uint8_t{0});
+    for (const BlockId id : complex().blocks().ids()) {
+      if (!complex().blocks()[id].fixed || stands_on_border(model_, id)) continue;
+      (*hangs_)[id] = 1;
+      if (may_move(id, 1) && model_.held(id, 1).exposed) begin_.push_back(id);
+    }
+    std::vector<BlockId> out;
+    if (begin_.empty()) return out;
+    for (const KeyGroup& group : state(1)) {
+      if (group.verdict == Verdict::in_doubt) continue;
+      if (std::ranges::any_of(group.blocks, [&](BlockId id) { return complex().blocks()[id].fixed; }))
+        out.insert(out.end(), group.blocks.begin(), group.blocks.end());
+    }
+    std::ranges::sort(out);
+    return out;
+  }
+
  private:
   [[nodiscard]] const topology::BlockComplex& complex() const noexcept { return model_.complex(); }
   /// May be moved: a block that is known in part only is taken to stay.
   [[nodiscard]] bool may_move(BlockId id, std::uint32_t batch) const {
     const topology::Block& block = complex().blocks()[id];
-    return !block.fixed && !block.truncated && model_.present(id, batch) && block.volume.si() > 0;
+    if (block.fixed && (!hangs_ || (*hangs_)[id] == 0)) return false;
+    return !block.truncated && model_.present(id, batch) && block.volume.si() > 0;
+  }
+
+  /// So thin and so small that its neighbours do not feel it: fixed it would bar the way of blocks that turn or slide
+  /// past its corner, and a factor of its own says nothing.
+  [[nodiscard]] bool is_needle(BlockId id, double felt) const {
+    const topology::Block& block = complex().blocks()[id];
+    if (!block.sliver || block.fixed) return false;
+    Area area;
+    for (const topology::FaceId face : block.faces) area += complex().faces()[face].area;
+    return area.si() < felt;
   }
 
   template <class Visit>
@@ -134,7 +179,8 @@ class Search final {
     for (const BlockId id : gone) without.remove(id, batch - 1);
     for (std::size_t k = 0; k < gone.size(); ++k) {
       neighbours(gone[k], [&](BlockId other) {
-        if (!may_move(other, batch) || !without.present(other, batch) || !moves_in(without, other, batch)) return;
+        if (complex().blocks()[other].fixed || !may_move(other, batch)) return;
+        if (!without.present(other, batch) || !moves_in(without, other, batch)) return;
         without.remove(other, batch - 1);
         gone.push_back(other);
       });
@@ -202,7 +248,7 @@ class Search final {
       std::ranges::set_union(blocks, wider, std::back_inserter(both));
       blocks = std::move(both);
     }
-    add_pushed(found, blocks, batch);
+    if (!hangs_) add_pushed(found, blocks, batch);
     for (const KeyGroup& group : found) {
       for (const BlockId id : group.blocks) {
         neighbours(id, [&](BlockId other) {
@@ -390,6 +436,8 @@ class Search final {
   std::vector<BlockId> begin_;               ///< empty: all that have something open
   std::vector<BlockId> left_;                ///< in the batch before
   IdVector<BlockId, std::uint8_t> doubted_;  ///< said to be in doubt
+  /// Blocks of the border that may move, where they are asked for.
+  std::optional<IdVector<BlockId, std::uint8_t>> hangs_;
   Together most_;
   KeyGroups out_;
 };
@@ -450,6 +498,24 @@ std::optional<assembly::Verdict> GroupSupport::left_of(const KeyGroup& group) co
     if (shared && (!worst || other.verdict < *worst)) worst = other.verdict;
   }
   return worst;
+}
+
+void add_held_together(const topology::AuditedComplex& audited, const Settings& settings, const Analysis& analysis,
+                       const KeyGroups& groups, DomainHeld& held, const Together& most) {
+  const topology::BlockComplex& complex = audited.complex();
+  std::vector<BlockId> gone;
+  for (const Batch& batch : analysis.batches) gone.insert(gone.end(), batch.blocks.begin(), batch.blocks.end());
+  for (const KeyGroup& group : groups.groups) {
+    if (group.verdict != assembly::Verdict::in_doubt) gone.insert(gone.end(), group.blocks.begin(), group.blocks.end());
+  }
+  for (const BlockId id : Search{complex, settings, most}.held_by_border(gone)) {
+    const auto at = std::ranges::lower_bound(held.blocks, id);
+    if (at != held.blocks.end() && *at == id) continue;
+    held.blocks.insert(at, id);
+    held.volume += complex.blocks()[id].volume;
+    held.free_area += free_area_of(complex, id);
+    ++held.together;
+  }
 }
 
 void decide_by_groups(const topology::AuditedComplex& complex, const Settings& settings, const KeyGroups& groups,

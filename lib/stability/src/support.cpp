@@ -7,12 +7,14 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <variant>
 
 #include "bolt_grips.hpp"
 #include "bolt_paths.hpp"
 #include "contacts.hpp"
+#include "domain_held.hpp"
 #include "free_faces.hpp"
 #include "known_parts.hpp"
 #include "supported_body.hpp"
@@ -48,7 +50,8 @@ class Check final {
         paths_{complex},
         gone_{[this](BlockId id) { return !model_.present(id, 1); }},
         scaled_{std::ranges::any_of(complex.blocks().ids(), gone_)},
-        needy_(complex.blocks().size(), none) {}
+        needy_(complex.blocks().size(), none),
+        holds_(complex.blocks().size(), std::nullopt) {}
 
   SupportResult run() {
     find_needy();
@@ -171,12 +174,24 @@ class Check final {
     entry.pierced.erase(entry.pierced.begin(), left);
     if (entry.pierced.empty()) entry.status = BoltStatus::off;
     note_truncated(path);
+    for (Pierced& p : entry.pierced) p.anchors = holds(p.block);
     const auto number = static_cast<std::uint32_t>(result_.bolts.size());
     for (const Pierced& p : entry.pierced) {
       auto& through = through_[p.block];
       if (through.empty() || through.back() != number) through.push_back(number);
     }
     result_.bolts.push_back(std::move(entry));
+  }
+
+  /// Whether bolts find hold in a block: not where only a side of the domain keeps it from moving.
+  [[nodiscard]] bool holds(BlockId id) {
+    std::optional<bool>& known = holds_[id];
+    if (!known) {
+      const topology::Block& block = complex_->blocks()[id];
+      known = !block.fixed || block.truncated || gone_(id) || !moves_off_border(model_, id, 1);
+      if (!*known) result_.no_anchor.insert(std::ranges::lower_bound(result_.no_anchor, id), id);
+    }
+    return *known;
   }
 
   /// What a bolt does depends on the blocks it goes through as a whole: how much of it each grips, and with which
@@ -218,7 +233,7 @@ class Check final {
 
   [[nodiscard]] const Pierced* held_in_front(const BoltResult& bolt, const Grip& grip) const {
     if (grip.collar || bolt.pierced.empty() || needy_[bolt.pierced.front().block] != none) return nullptr;
-    return &bolt.pierced.front();
+    return bolt.pierced.front().anchors ? &bolt.pierced.front() : nullptr;
   }
 
   /// Without a plate on the block itself: by its grip there, or, free up to its anchor, by the plate in front.
@@ -296,7 +311,8 @@ class Check final {
     std::uint32_t placed = 0;
     for (const Bolt& bolt : spot_places(*complex_, entry.block, wanted, motion, *plan_->spot)) {
       if (placed == plan_->spot->most || entry.held != Held::not_held) break;
-      const BoltResult trial{.bolt = bolt, .spot = true, .pierced = paths_.path(bolt).pierced};
+      BoltResult trial{.bolt = bolt, .spot = true, .pierced = paths_.path(bolt).pierced};
+      for (Pierced& p : trial.pierced) p.anchors = holds(p.block);
       BoltStatus status{};
       if (trial.pierced.empty() || action(trial, entry.block, status).force == Vec3{}) continue;
       add_bolt(bolt, true);
@@ -409,6 +425,7 @@ class Check final {
   std::function<bool(BlockId)> gone_;       ///< scaled off before the support
   bool scaled_;                             ///< some block is
   IdVector<BlockId, std::uint32_t> needy_;  ///< index into bodies_ and result_.blocks
+  IdVector<BlockId, std::optional<bool>> holds_;
   IdVector<BlockId, ForceSum> received_by_;
   std::vector<Body> bodies_;
   std::vector<double> layers_;  ///< N, parallel to bodies_: what shotcrete can carry

@@ -171,6 +171,10 @@ std::vector<double> numbers_of(const std::optional<Clamped>& c) {
   if (!c) return {};
   return {static_cast<double>(c->held), static_cast<double>(c->undecided), c->held_volume.si()};
 }
+std::vector<double> numbers_of(const std::optional<HeldByBorder>& b) {
+  if (!b) return {};
+  return {static_cast<double>(b->count), b->volume.si()};
+}
 std::vector<double> numbers_of(const std::vector<OrderTally>& orders) {
   std::vector<double> numbers;
   for (const OrderTally& order : orders) {
@@ -206,6 +210,12 @@ bool take(const std::vector<double>& n, std::optional<Clamped>& clamped) {
   clamped = Clamped{static_cast<std::uint64_t>(n[0]), static_cast<std::uint64_t>(n[1]), cubic_metres(n[2])};
   return true;
 }
+bool take(const std::vector<double>& n, std::optional<HeldByBorder>& border) {
+  if (n.empty()) return true;
+  if (n.size() != 2 || !is_count(n[0])) return false;
+  border = HeldByBorder{static_cast<std::uint64_t>(n[0]), cubic_metres(n[1])};
+  return true;
+}
 bool take(const std::vector<double>& n, std::vector<OrderTally>& orders) {
   if (n.size() % 2 != 0) return false;
   for (std::size_t i = 0; i < n.size(); i += 2) {
@@ -235,7 +245,7 @@ std::string_view record_columns() noexcept {
          "first_count,first_volume_m3,first_largest_m3,first_support_n,first_support_transferred_n,first_falling,"
          "first_lifting,first_sliding,first_wedge,first_tetrahedral,first_pentahedral,first_hexahedral,first_higher,"
          "first_other,first_concave,first_sphericity_sum,first_sizes,above,chainage_m3,support,orders,groups,clamped,"
-         "crc32";
+         "border,crc32";
 }
 
 std::string line_of(const Record& r) {
@@ -258,8 +268,8 @@ std::string line_of(const Record& r) {
   w.tally(r.first);
   w.list(std::span{r.above});
   w.list(std::span{r.chainage_m3});
-  for (const std::vector<double>& numbers :
-       {numbers_of(r.support), numbers_of(r.orders), numbers_of(r.groups), numbers_of(r.clamped)}) {
+  for (const std::vector<double>& numbers : {numbers_of(r.support), numbers_of(r.orders), numbers_of(r.groups),
+                                             numbers_of(r.clamped), numbers_of(r.border)}) {
     w.list(std::span{numbers});
   }
   return std::move(w).finish();
@@ -295,13 +305,14 @@ std::optional<Record> record_of(std::string_view line) {
   r.tally(record.first);
   r.list(record.above);
   r.list(record.chainage_m3);
-  std::vector<double> support, orders, groups, clamped;
+  std::vector<double> support, orders, groups, clamped, border;
   r.list(support);
   r.list(orders);
   r.list(groups);
   r.list(clamped);
+  r.list(border);
   if (!take(support, record.support) || !take(orders, record.orders) || !take(groups, record.groups) ||
-      !take(clamped, record.clamped)) {
+      !take(clamped, record.clamped) || !take(border, record.border)) {
     return std::nullopt;
   }
   if (!record.factors.empty() && record.factors.size() != factor_bins) return std::nullopt;

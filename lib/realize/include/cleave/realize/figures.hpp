@@ -196,6 +196,7 @@ struct DomainHeldFigures {
   std::uint64_t count = 0;
   Volume volume;
   double share = 0;
+  std::uint64_t together = 0;  ///< of `count`: only together with others
 };
 
 struct KeyBlockFigures {
@@ -226,6 +227,8 @@ void fields(V& v, const KeyBlockFigures& x) {
   v("domain_held", when(x.domain_held.has_value(), held.count),
     "blocks at free faces that would move, were the sides of the domain that hold them smooth joints; not in count");
   v("domain_held_volume_m3", when(x.domain_held.has_value(), held.volume));
+  v("domain_held_together", when(x.domain_held.has_value(), held.together),
+    "of those, blocks that move only together with others");
   v("domain_held_share", when(x.domain_held.has_value(), held.share), "of the area of all free faces, theirs");
 }
 
@@ -237,6 +240,9 @@ struct KeyGroupFigures {
   double volume_m3 = 0;
   std::uint64_t certain = 0, unsafe = 0, in_doubt = 0;
   double factor = std::numeric_limits<double>::infinity();  ///< least of the groups that have one
+  /// Groups that move at strengths over the target, where it was asked.
+  std::optional<std::uint64_t> below_target = {};
+  Volume below_target_volume = {};
 };
 template <class V>
 void fields(V& v, const KeyGroupFigures& x) {
@@ -248,8 +254,13 @@ void fields(V& v, const KeyGroupFigures& x) {
   v("in_doubt", x.in_doubt, "could not be decided; not in count");
   v("factor", or_null(x.factor), "least factor of safety of the groups; null without groups");
   v("factor_reason", when(!std::isfinite(x.factor), "no group has a finite factor"));
+  v("below_target", x.below_target,
+    "groups that move at strengths over the scene's target for sliding; without support");
+  v("below_target_volume_m3", when(x.below_target.has_value(), x.below_target_volume));
 }
 [[nodiscard]] KeyGroupFigures count_key_groups(const stability::KeyGroups& groups);
+/// `found`: at strengths over the target.
+void add_below_target(const stability::KeyGroups& found, KeyGroupFigures& figures);
 
 struct CaseFigures {
   std::string name;

@@ -122,6 +122,7 @@ struct CaseResult {
   std::string name;
   stability::Analysis analysis;
   std::optional<stability::KeyGroups> groups = {};  ///< blocks judged together, where the scene asks for it
+  std::optional<stability::DomainHeld> domain_held = {};
 };
 
 /// The support checked under one named load case.
@@ -257,7 +258,9 @@ struct Realization : SampledScene {
   /// all are out and no block has left before.
   std::optional<SequenceResult> sequence = {};
   std::optional<stability::KeyGroups> key_groups = {};  ///< blocks judged together, where the scene asks for it
-  std::vector<std::optional<LetGo>> let_go = {};        ///< of `key_groups`, those in doubt; empty: none was asked
+  /// At strengths over the scene's target for sliding; empty where the scene has none, or a support that asks for it.
+  std::optional<stability::KeyGroups> groups_below_target = {};
+  std::vector<std::optional<LetGo>> let_go = {};  ///< of `key_groups`, those in doubt; empty: none was asked
   std::vector<stability::HeldFromWithin> held_from_within = {};
   std::vector<stability::Barred> barred = {};             ///< where blocks were not judged together
   std::optional<stability::DomainHeld> domain_held = {};  ///< of the base case, with `analysis`
@@ -317,7 +320,8 @@ void fields(V& v, const RunResult& x) {
                          w("load_cases", when_any(f.load_cases), "under each [[load]]");
                        })),
     "Blocks that leave.");
-  const KeyGroupFigures groups = x.key_groups ? count_key_groups(*x.key_groups) : KeyGroupFigures{};
+  KeyGroupFigures groups = x.key_groups ? count_key_groups(*x.key_groups) : KeyGroupFigures{};
+  if (x.groups_below_target) add_below_target(*x.groups_below_target, groups);
   v("key_groups", when(x.key_groups.has_value(), group([&](auto& w) { fields(w, groups); })),
     "Blocks judged together; absent with groups = \"off\".");
   const SupportFigures& support = f.support ? *f.support : SupportFigures{};

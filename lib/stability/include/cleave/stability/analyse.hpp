@@ -203,6 +203,8 @@ struct DomainHeld {
   Volume volume = {};
   Area free_area = {};  ///< of their free faces
   Area all_free = {};   ///< of all free faces
+  /// So many of `blocks` move only together with others (key_groups.hpp).
+  std::size_t together = 0;
 };
 
 /// Blocks at free faces (or beside what has left) that touch a side of the domain that is not free are never judged:

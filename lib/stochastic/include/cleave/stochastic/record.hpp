@@ -107,6 +107,13 @@ struct Clamped {
   friend bool operator==(const Clamped&, const Clamped&) = default;
 };
 
+/// Blocks at free faces that only a side of the domain holds, which is not free: they are not key blocks.
+struct HeldByBorder {
+  std::uint64_t count = 0;
+  Volume volume = {};
+  friend bool operator==(const HeldByBorder&, const HeldByBorder&) = default;
+};
+
 /// One order of the excavation stages: what leaves when it is followed.
 struct OrderTally {
   std::uint64_t key_blocks = 0;
@@ -138,12 +145,13 @@ struct Record {
   /// Blocks that would move without friction, by factor of safety: below 0.1, 0.2, ... 3.0, and above; empty when none.
   std::vector<std::uint64_t> factors;
   Tally all, first;
-  std::vector<std::uint64_t> above;  ///< key blocks above each of the volumes asked for
-  std::vector<double> chainage_m3;   ///< largest key block in each part of the axis; empty without a tunnel
-  std::optional<Supported> support;  ///< of a scene with [support]
-  std::optional<Grouped> groups;     ///< of a scene with groups = "decide"
-  std::optional<Clamped> clamped;    ///< of a scene with [field_stress]
-  std::vector<OrderTally> orders;    ///< of a scene with [sequence]: its own order first, then those to compare
+  std::vector<std::uint64_t> above;    ///< key blocks above each of the volumes asked for
+  std::vector<double> chainage_m3;     ///< largest key block in each part of the axis; empty without a tunnel
+  std::optional<Supported> support;    ///< of a scene with [support]
+  std::optional<Grouped> groups;       ///< of a scene with groups = "decide"
+  std::optional<Clamped> clamped;      ///< of a scene with [field_stress]
+  std::optional<HeldByBorder> border;  ///< of a scene with the stability stage
+  std::vector<OrderTally> orders;      ///< of a scene with [sequence]: its own order first, then those to compare
   friend bool operator==(const Record&, const Record&) = default;
 };
 
