@@ -104,7 +104,8 @@ Record record_of(std::uint64_t k, const Realization& made, const stochastic::Que
     return record;
   }
   const topology::BlockComplex& complex = made.complex->complex();
-  record = stochastic::measure(complex, made.analysis ? &*made.analysis : nullptr, questions);
+  record = stochastic::measure(complex, made.analysis ? &*made.analysis : nullptr, questions,
+                               made.domain_held ? &*made.domain_held : nullptr);
   record.realization = k;
   record.joints = made.joints.size();
   if (made.support) {
@@ -121,7 +122,6 @@ Record record_of(std::uint64_t k, const Realization& made, const stochastic::Que
     for (const stability::CombinedBlock& body : made.support->combined) sum.failing_bodies += body.passes ? 0U : 1U;
     if (questions.groups) sum.groups = supported_together(made);
   }
-  if (made.domain_held) record.border = {made.domain_held->blocks.size(), made.domain_held->volume};
   if (questions.groups && made.key_groups) {
     stochastic::Grouped& groups = record.groups.emplace();
     groups.too_many = made.key_groups->too_many;

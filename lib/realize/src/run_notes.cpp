@@ -433,6 +433,11 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
     if (more) add_border_note(*load.domain_held, fmt::format("load case {}: ", load.name), notes);
   }
   if (made.support) add_anchor_note(*made.support, notes);
+  if (made.support && scene.stability->groups == stability::GroupsCheck::off) {
+    notes.emplace_back(
+        "support: with groups = \"off\" it was not asked whether it holds blocks that move together, nor whether a bolt "
+        "carries all blocks it goes through at once");
+  }
   if (scene.stability) add_below_target_note(made, *scene.stability, notes);
   if (made.window && made.window->truncated > 0 && analysis && analysis->rotation == stability::RotationCheck::flag) {
     notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");

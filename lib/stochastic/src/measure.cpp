@@ -164,29 +164,34 @@ double chainage_of(std::span<const geometry::Vec3> axis, geometry::Vec3 point) n
 
 namespace {
 
-/// How much of the free face of excavations belongs to blocks that the domain's border holds.
-void measure_border(const BlockComplex& complex, const Questions& questions, Record& record) {
+/// How much of the free face of excavations belongs to blocks that the domain's border holds: that only it holds, where
+/// that is known, else that it touches.
+void measure_border(const BlockComplex& complex, const Questions& questions, const stability::DomainHeld* held,
+                    Record& record) {
   const double length = length_of(questions.axis);
-  for (const Block& block : complex.blocks()) {
+  for (const topology::BlockId block_id : complex.blocks().ids()) {
+    const Block& block = complex.blocks()[block_id];
     if (!block.free) continue;
+    const bool lost = held != nullptr ? std::ranges::binary_search(held->blocks, block_id) : block.fixed;
     for (const auto id : block.faces) {
       const Face& face = complex.faces()[id];
       if (face.role != Role::free || !face.excavation) continue;
       const double area = face.area.si();
       record.free_m2 += area;
-      record.free_fixed_m2 += block.fixed ? area : 0;
+      record.free_fixed_m2 += lost ? area : 0;
       if (!(length > 0)) continue;
       const double at = chainage_of(questions.axis, face.centroid);
       if (at < 0.25 * length || at > 0.75 * length) continue;
       record.middle_m2 += area;
-      record.middle_fixed_m2 += block.fixed ? area : 0;
+      record.middle_fixed_m2 += lost ? area : 0;
     }
   }
 }
 
 }  // namespace
 
-Record measure(const BlockComplex& complex, const stability::Analysis* analysis, const Questions& questions) {
+Record measure(const BlockComplex& complex, const stability::Analysis* analysis, const Questions& questions,
+               const stability::DomainHeld* held) {
   Record record;
   record.blocks = complex.blocks().size();
   record.rock_m3 = complex.rock_volume().si();
@@ -195,7 +200,8 @@ Record measure(const BlockComplex& complex, const stability::Analysis* analysis,
     record.surface_blocks += block.free ? 1U : 0U;
     record.surface_blocks_fixed += block.free && block.fixed ? 1U : 0U;
   }
-  measure_border(complex, questions, record);
+  measure_border(complex, questions, held, record);
+  if (held != nullptr) record.border = HeldByBorder{held->blocks.size(), held->volume};
   if (analysis != nullptr) Measuring{complex, *analysis, questions}.count(record);
   return record;
 }

@@ -137,8 +137,8 @@ struct Record {
   std::uint64_t surface_blocks = 0;        ///< with a free face
   std::uint64_t surface_blocks_fixed = 0;  ///< of those, with a fixed face: they cannot move (domain too small?)
   double key_beside_fixed_m3 = 0;          ///< volume of key blocks with a neighbour that has a fixed face
-  /// m2 of free faces of excavations, and of those of blocks with a fixed face; `middle`: in the middle half of the
-  /// axis.
+  /// m2 of free faces of excavations, and of those of blocks that only the border of the domain holds; `middle`: in the
+  /// middle half of the axis.
   double free_m2 = 0, free_fixed_m2 = 0, middle_m2 = 0, middle_fixed_m2 = 0;
   /// Pa: the largest force to be held at a block of the first batch over its free area.
   double largest_pressure_pa = 0;
@@ -240,9 +240,10 @@ struct Questions {
 /// Where the foot of `point` on the polyline lies, m from its start: the nearest one, the first of equally near ones.
 [[nodiscard]] double chainage_of(std::span<const geometry::Vec3> axis, geometry::Vec3 point) noexcept;
 
-/// Counts one realization. `analysis` may be null: no stability stage. A face to a block that left before counts as
+/// Counts one realization. `analysis` may be null: no stability stage. `held`: what only the border of the domain holds,
+/// where it was asked. A face to a block that left before counts as
 /// free, as it was when the block was judged.
 [[nodiscard]] Record measure(const topology::BlockComplex& complex, const stability::Analysis* analysis,
-                             const Questions& questions);
+                             const Questions& questions, const stability::DomainHeld* held = nullptr);
 
 }  // namespace cleave::stochastic
