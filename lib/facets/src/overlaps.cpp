@@ -62,7 +62,7 @@ class Inside {
  private:
   using Point = std::array<double, 2>;
   [[nodiscard]] Point seen(Vec3 p) const { return {dot(u_, p - of_.middle), dot(v_, p - of_.middle)}; }
-  static double turn(Point a, Point b, Point c) {
+  static double twice_area(Point a, Point b, Point c) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
   }
 
@@ -71,9 +71,9 @@ class Inside {
     std::vector<double> at{0, 1};
     for (std::size_t i = 0; i < ring_.size(); ++i) {
       const Point p = ring_[i], q = ring_[(i + 1) % ring_.size()];
-      const double of_p = turn(a, b, p), of_q = turn(a, b, q);
+      const double of_p = twice_area(a, b, p), of_q = twice_area(a, b, q);
       if ((of_p > 0) == (of_q > 0)) continue;
-      const double of_a = turn(p, q, a), of_b = turn(p, q, b);
+      const double of_a = twice_area(p, q, a), of_b = twice_area(p, q, b);
       if ((of_a > 0) != (of_b > 0)) at.push_back(of_a / (of_a - of_b));
     }
     std::ranges::sort(at);
@@ -138,13 +138,13 @@ struct Tilt {
   double size = 0;           ///< no corner is farther from that one
   double unsure = INFINITY;  ///< what roundings of its corners may turn it by, generously
 };
-Tilt tilt_of(std::span<const LatticePoint> corners, const geometry::Bounds& box, double within) {
+Tilt tilt_of(std::span<const LatticePoint> corners, const geometry::Box& box, double within) {
   const std::size_t third = corners.size() / 3;
   const Vec3 a = as_vec3(corners[0]), u = as_vec3(corners[third]) - a, v = as_vec3(corners[2 * third]) - a;
   const Vec3 area = cross(u, v);
   const double size = geometry::norm(area), square = std::max(dot(u, u), dot(v, v));
   if (!(size > 0x1p-20 * square)) return {};
-  return {area / size, a, geometry::norm(box.hi - box.lo), 64 * within * std::sqrt(square) / size};
+  return {area / size, a, geometry::norm(box.size()), 64 * within * std::sqrt(square) / size};
 }
 bool may_share_plane(const Tilt& a, const Tilt& b, double within) {
   const double unsure = a.unsure + b.unsure;
@@ -152,13 +152,6 @@ bool may_share_plane(const Tilt& a, const Tilt& b, double within) {
   const Vec3 sine = cross(a.normal, b.normal);
   return dot(sine, sine) <= unsure * unsure &&
          std::abs(dot(a.normal, b.corner - a.corner)) <= 4 * within + unsure * (a.size + b.size);
-}
-
-geometry::Bounds box_of(std::span<const LatticePoint> corners, double margin) {
-  geometry::Bounds box = geometry::Bounds::of(as_vec3(corners.front()));
-  for (const LatticePoint c : corners) box.grow(geometry::Bounds::of(as_vec3(c)));
-  const Vec3 by{margin, margin, margin};
-  return {box.lo - by, box.hi + by};
 }
 
 /// Exactly on one plane of the lattice: nothing comes between them.
@@ -176,7 +169,7 @@ class Search {
   Search(std::span<const JointPolygon> polygons, const SharedCorners& shared, double within)
       : polygons_{polygons}, shared_{shared}, within_{within}, sets_{polygons.size()}, flats_(polygons.size()) {
     // Of those given several times the first stands for all.
-    std::vector<geometry::Bounds> boxes;
+    std::vector<geometry::Box> boxes;
     for (std::size_t k = 0; k < polygons.size(); ++k) {
       const JointPolygon& entry = polygons[k];
       if (!entry.holes.empty() || first_of(k) != k) continue;

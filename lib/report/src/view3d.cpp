@@ -179,12 +179,7 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
     ++view.shown;
   }
 
-  Vec3 low{}, high{};
-  if (!points.empty()) low = high = points.front();
-  for (const Vec3& p : points) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
+  const auto [low, high] = points.empty() ? geometry::Box{{}, {}} : geometry::box_of(points);
   const Vec3 size = high - low;
   std::vector<std::uint16_t> positions;
   positions.reserve(3 * points.size());
