@@ -75,7 +75,7 @@ ExitCode survey_data(const std::string& data, const std::string& out, bool quiet
   const std::string text = figures_of(*survey, result);
   std::vector<std::pair<std::string, std::string>> files = sets.files;
   files.emplace_back("sets.toml", sets.toml);
-  const std::vector<scene::SimulatedTraceMaps> maps = maps_beside(*survey, result);
+  const std::vector<scene::SimulatedTraceMaps> maps = simulated_trace_maps(*survey, result);
   files.emplace_back("report.html", report::survey_html(*survey, result, maps));
   files.emplace_back("log.txt", text);
   files.emplace_back("survey.json", report::survey_json(*survey, result, maps));

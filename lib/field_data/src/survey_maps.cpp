@@ -185,7 +185,7 @@ std::vector<DrawnMap> drawn_maps(const SurveyScene& survey, const survey::Survey
 
 }  // namespace
 
-std::vector<SimulatedTraceMaps> maps_beside(const SurveyScene& survey, const survey::SurveyResult& result) {
+std::vector<SimulatedTraceMaps> simulated_trace_maps(const SurveyScene& survey, const survey::SurveyResult& result) {
   std::vector<SimulatedTraceMaps> all;
   for (std::size_t w = 0; w < survey.input.windows.size(); ++w) {
     const survey::WindowSurvey& window = survey.input.windows[w];

@@ -14,8 +14,8 @@
 #include "bolt_paths.hpp"
 #include "contacts.hpp"
 #include "free_faces.hpp"
-#include "known_parts.hpp"
 #include "supported_body.hpp"
+#include "truncated_blocks.hpp"
 
 namespace cleave::stability {
 namespace {
@@ -44,7 +44,7 @@ class Check final {
         analysis_{&analysis},
         plan_{&plan},
         model_{complex, settings},
-        known_parts_{model_},
+        truncated_blocks_{model_},
         paths_{complex},
         gone_{[this](BlockId id) { return !model_.present(id, 1); }},
         scaled_{std::ranges::any_of(complex.blocks().ids(), gone_)},
@@ -124,7 +124,7 @@ class Check final {
       // What scaling laid bare needs support too.
       if (!block.free && (!scaled_ || !model_.held(id, 1).exposed)) continue;
       if (block.truncated) {
-        if (!known_parts_.stays(id, 1, std::max(1.0, plan_->target_sliding))) result_.undecided.push_back(id);
+        if (!truncated_blocks_.stays(id, 1, std::max(1.0, plan_->target_sliding))) result_.undecided.push_back(id);
         continue;
       }
       auto body = body_of({&id, 1});
@@ -404,7 +404,7 @@ class Check final {
   const Analysis* analysis_;
   const SupportPlan* plan_;
   Model model_;
-  KnownParts known_parts_;
+  TruncatedBlocks truncated_blocks_;
   BoltPaths paths_;
   std::function<bool(BlockId)> gone_;       ///< scaled off before the support
   bool scaled_;                             ///< some block is

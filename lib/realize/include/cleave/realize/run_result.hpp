@@ -247,7 +247,7 @@ struct Realization : SampledScene {
   /// all are out and no block has left before.
   std::optional<SequenceResult> sequence = {};
   std::optional<stability::KeyGroups> key_groups = {};  ///< blocks judged together, where the scene asks for it
-  std::vector<stability::HeldFromWithin> held_from_within = {};
+  std::vector<stability::InterlockedByInclusion> held_from_within = {};
   std::vector<stability::Barred> barred = {};             ///< where blocks were not judged together
   std::optional<stability::DomainHeld> domain_held = {};  ///< of the base case, with `analysis`
   std::vector<CaseResult> load_cases = {};                ///< of [[load]], in scene order; the base case is `analysis`
