@@ -74,7 +74,6 @@ TEST(KeyBlocksCsv, EveryPartBringsItsColumns) {
   result.field_stress.emplace();
   const std::string csv = key_blocks_csv(grid(1), result);
   EXPECT_TRUE(csv.starts_with(header + ",key_transferred,")) << csv;
-  EXPECT_TRUE(csv.ends_with(places)) << csv;
   std::string documented;
   for (const std::string& name : columns_in(columns_of_docs().tables)) {
     const std::string_view file = "key_blocks.csv:";
