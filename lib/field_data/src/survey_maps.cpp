@@ -102,7 +102,7 @@ std::optional<std::vector<survey::Polyline>> simulated_traces(const SurveyScene&
                                        dfn::FixedRotation{dfn::Rotation::degrees(set.shape.rotation)},
                                        dfn::P32{*set.p32->value}});
     if (!joints) return std::nullopt;
-    auto sampled = dfn::sample(*joints, k, {lo, hi}, survey.input.seed, realization);
+    auto sampled = dfn::sample(*joints, k, box, survey.input.seed, realization);
     if (!sampled) return std::nullopt;
     // Most joints of the rock around do not reach the map: their corners need not be written out.
     std::erase_if(*sampled, [&](const dfn::SampledJoint& joint) {
