@@ -183,8 +183,8 @@ void keys_of_schema(const Json& schema, const std::string& where, std::vector<st
   }
 }
 
-// The schema in docs/ is what the figures say of themselves; CLEAVE_GOLDEN=1 in the environment writes it anew, unless a
-// key that users have would go or change its place among the others.
+// The schema in docs/ is what the figures say of themselves; CLEAVE_GOLDEN=1 in the environment writes it anew, unless
+// a key that users have would go or change its place among the others.
 TEST(SummaryJson, TheSchemaInDocsIsTheOneOfTheFigures) {
   const char* path = CLEAVE_SOURCE_DIR "/docs/summary.schema.json";
   if (std::getenv("CLEAVE_GOLDEN") != nullptr) {
