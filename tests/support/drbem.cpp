@@ -262,8 +262,8 @@ std::expected<Drbem, DrbemError> Drbem::make(const Region& region, const MeshSiz
   out.stiffness_ = dense(hm);
   out.gather_ = dense(gm);
 
-  const Held held =
-      held_sides(region, checked->loops, mesh, out.origin_, h);  // their tractions go by rows Z with Z G_b = 0
+  // Tractions of clamped sides go by rows Z with Z G_b = 0.
+  const HeldSides held = held_sides(region, checked->loops, mesh, out.origin_, h);
   MatrixXd gb = MatrixXd::Zero(ix(2 * n), ix(2 * held.nodes.size()));
   for (const auto& [place, node] : held.reactions) {
     for (std::size_t c = 0; c < 2; ++c) gb.col(ix(2 * node + c)) += gm.col(ix(2 * place + c));
