@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -35,6 +36,17 @@ inline Vec3 face_vector(const std::vector<Loop>& loops) {
     for (std::size_t i = 0; i < loop.size(); ++i) sum += 0.5 * cross(loop[i] - o, loop[(i + 1) % loop.size()] - o);
   }
   return sum;
+}
+
+/// Whether all of `before` stand in `now`, in that order: names that users have neither go nor change places.
+inline bool keeps(const std::vector<std::string>& before, const std::vector<std::string>& now) {
+  auto at = now.begin();
+  for (const std::string& name : before) {
+    at = std::find(at, now.end(), name);
+    if (at == now.end()) return false;
+    ++at;
+  }
+  return true;
 }
 
 class HandMade {

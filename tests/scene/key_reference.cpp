@@ -267,30 +267,22 @@ std::string with_key_tables(string_view page) {
   });
 }
 
-std::string with_key_words(string_view dictionary) {
+std::string with_units(string_view dictionary) {
   std::set<std::string> words;
   const auto add = [&](const auto& self, const KeyType& type) -> void {
-    for (const string_view word : type.words) words.insert(quoted(quoted(word)));
     for (const string_view symbol : type.form == Form::number ? unit_symbols(type.rule) : std::vector<string_view>{}) {
       if (std::ranges::all_of(symbol, [](char c) { return c > ' ' && c < 127; })) words.insert(quoted(symbol));
     }
     for (const KeyType& part : type.of) self(self, part);
   };
-  each_table([&](const KeyTable& table) {
-    each_key(table, [&](const Key& key, string_view variant) {
-      words.insert(quoted(key.name));
-      if (!key.was.empty()) words.insert(quoted(key.was));
-      if (!variant.empty()) words.insert(quoted(quoted(variant)));
-      add(add, key.type);
-    });
-  });
+  each_table([&](const KeyTable& table) { each_key(table, [&](const Key& key, string_view) { add(add, key.type); }); });
   for (const Root& root : roots()) {
     for (const Key& key : root.keys().keys) {
       if (key.type.form == Form::table) words.insert(fmt::format("\"[{}]\\x0a\"", key.name));
       if (key.type.form == Form::array) words.insert(fmt::format("\"[[{}]]\\x0a\"", key.name));
     }
   }
-  return replaced(dictionary, "# keys", "# end of keys",
+  return replaced(dictionary, "# units and tables", "# end of units",
                   [&](string_view) { return fmt::format("{}\n", fmt::join(words, "\n")); });
 }
 

@@ -10,7 +10,7 @@ namespace cleave::scene {
 [[nodiscard]] std::string schema_text();
 /// The page with the rows of its tables between `<!-- keys NAME -->` and `<!-- end of keys -->` made anew.
 [[nodiscard]] std::string with_key_tables(std::string_view page);
-/// fuzz/cleave.dict with the words between "# keys" and "# end of keys" made anew.
-[[nodiscard]] std::string with_key_words(std::string_view dictionary);
+/// fuzz/cleave.dict with its units and tables made anew.
+[[nodiscard]] std::string with_units(std::string_view dictionary);
 
 }  // namespace cleave::scene

@@ -146,12 +146,6 @@ std::uint64_t blocks_by_middles(const support::Workload& workload, double reach)
   return blocks;
 }
 
-geometry::Bounds box_about(const support::Workload& workload) {
-  auto box = geometry::Bounds::of(workload.corners[0]);
-  for (const Vec3& corner : workload.corners) box.grow(geometry::Bounds::of(corner));
-  return box;
-}
-
 TEST(LastBitsOfTheCoordinates, ExplainTheCountsOfPlanesThroughAVertex) {
   std::size_t general = 0;
   for (const auto* name : {"deg-vertex8r", "deg-vertex20r"}) {
@@ -160,10 +154,10 @@ TEST(LastBitsOfTheCoordinates, ExplainTheCountsOfPlanesThroughAVertex) {
     // Joints from far away to the corners of the box about the turned domain make the lattice coarser and cut nothing.
     for (const double reach : {6.0, 12.0, 24.0, 48.0, 96.0, 192.0}) {
       auto input = support::cut_input(workload);
-      const auto about = box_about(workload);
+      const auto about = geometry::box_of(workload.corners);
       for (const double sign : {-1.0, 1.0}) {
         const double r = sign * reach;
-        input.joints.emplace_back(joint({sign < 0 ? about.lo : about.hi, {r, r, r / 2}, {r, r / 2, r}}));
+        input.joints.emplace_back(joint({sign < 0 ? about.min : about.max, {r, r, r / 2}, {r, r / 2, r}}));
       }
       const std::uint64_t expected = blocks_by_middles(workload, reach);
       const auto audited = certified(input);

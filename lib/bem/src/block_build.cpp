@@ -80,6 +80,69 @@ MatrixXd boundary_gram(const Mesh& mesh) {
   return l;
 }
 
+namespace {
+
+void add_at(Rows2& rows, Eigen::Index column, Mat2 value) {
+  rows(0, column) += value.xx;
+  rows(0, column + 1) += value.xy;
+  rows(1, column) += value.yx;
+  rows(1, column + 1) += value.yy;
+}
+
+/// Exactness where it matters: K <- F (U^T F)^-1 F^T + P^T K P takes the quadrature error out of rigid motions,
+/// constant strain and pure bending.
+void make_exact(const Mesh& mesh, Elastic elastic, const MatrixXd& k, GalerkinStiffness& out) {
+  const std::size_t per = mesh.per_element();
+  const auto nu2 = ix(2 * mesh.nodes.size());
+  const std::vector<Field> fields = equilibrium_fields(elastic.nu, mesh.order);
+  const MatrixXd gram = boundary_gram(mesh);
+  MatrixXd u(nu2, ix(fields.size())), f(nu2, ix(fields.size()));
+  for (std::size_t q = 0; q < fields.size(); ++q) {
+    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+      const Vec2 x = fields[q].displacement(mesh.nodes[i].x);
+      u(ix(2 * i), ix(q)) = x.x;
+      u(ix(2 * i + 1), ix(q)) = x.y;
+    }
+    Eigen::VectorXd t(ix(2 * per * mesh.elements.size()));
+    for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+      const auto local = local_nodes(mesh.order);
+      for (std::size_t a = 0; a < per; ++a) {
+        const Vec2 x =
+            fields[q].stress(mesh.elements[e].at(local[a]), {1, elastic.nu}) * mesh.elements[e].normal(local[a]);
+        t(ix(2 * (e * per + a))) = x.x;
+        t(ix(2 * (e * per + a) + 1)) = x.y;
+      }
+    }
+    f.col(ix(q)) = gram * t;
+  }
+  MatrixXd r = MatrixXd::Zero(nu2, 3);
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+    r(ix(2 * i), 0) = r(ix(2 * i + 1), 1) = 1;
+    r(ix(2 * i), 2) = -mesh.nodes[i].x.y;
+    r(ix(2 * i + 1), 2) = mesh.nodes[i].x.x;
+  }
+  const Eigen::LDLT<MatrixXd> rr{r.transpose() * r};
+  const bool curved = std::ranges::any_of(mesh.elements, &Element::curved);
+  if (curved) {
+    // On curved sides polynomial tractions are no polynomials of the element, so only the rigid motions are made exact
+    // (there the quadrature is not the error that counts).
+    MatrixXd p = MatrixXd::Identity(nu2, nu2) - r * rr.solve(r.transpose());
+    out.stiffness = p.transpose() * k * p;
+  } else {
+    MatrixXd uf = u.transpose() * f;
+    uf = (0.5 * (uf + uf.transpose())).eval();
+    const Eigen::LDLT<MatrixXd> solver{uf};
+    MatrixXd p = MatrixXd::Identity(nu2, nu2) - u * solver.solve(f.transpose());
+    p -= r * rr.solve(r.transpose() * p);
+    out.stiffness = f * solver.solve(f.transpose()) + p.transpose() * k * p;
+    out.check = (out.stiffness * u - f).cwiseAbs().maxCoeff() / f.cwiseAbs().maxCoeff();
+  }
+  out.stiffness = (0.5 * elastic.mu * (out.stiffness + out.stiffness.transpose())).eval();
+  out.check = std::max(out.check, (out.stiffness * r).cwiseAbs().maxCoeff() / out.stiffness.cwiseAbs().maxCoeff());
+}
+
+}  // namespace
+
 GalerkinStiffness galerkin_stiffness(const Mesh& given, Elastic elastic, const BlockOptions& options, bool project) {
   // Lengths below a quarter keep V positive definite; mu = 1.
   Box2 box;
@@ -127,24 +190,15 @@ GalerkinStiffness galerkin_stiffness(const Mesh& given, Elastic elastic, const B
         for (std::size_t a = 0; a < per; ++a) {
           const auto c = ix(2 * (f * per + a));
           const auto u = ix(2 * mesh.elements[f].node[a]);
-          const auto put = [](Rows2& m, Eigen::Index column, Mat2 value) {
-            m(0, column) += value.xx;
-            m(0, column + 1) += value.xy;
-            m(1, column) += value.yx;
-            m(1, column + 1) += value.yy;
-          };
-          put(g, c, part.g[a]);
-          put(hh, u, part.h[a]);
-          put(d, u, logs[a]);
+          add_at(g, c, part.g[a]);
+          add_at(hh, u, part.h[a]);
+          add_at(d, u, logs[a]);
           if (!own) total += part.h[a];
         }
       }
       for (std::size_t a = 0; a < per; ++a) {
         const auto u = ix(2 * element.node[a]);
-        hh(0, u) -= n[a] * total.xx;
-        hh(0, u + 1) -= n[a] * total.xy;
-        hh(1, u) -= n[a] * total.yx;
-        hh(1, u + 1) -= n[a] * total.yy;
+        add_at(hh, u, -n[a] * total);
       }
       const double wj = w * norm(element.derivative(s));
       for (std::size_t a = 0; a < per; ++a) {
@@ -169,52 +223,7 @@ GalerkinStiffness galerkin_stiffness(const Mesh& given, Elastic elastic, const B
     out.stiffness = elastic.mu * k;
     return out;
   }
-  // Exactness where it matters: K <- F (U^T F)^-1 F^T + P^T K P takes the quadrature error out of rigid motions,
-  // constant strain and pure bending.
-  const std::vector<Field> fields = equilibrium_fields(nu, mesh.order);
-  const MatrixXd gram = boundary_gram(mesh);
-  MatrixXd u(nu2, ix(fields.size())), f(nu2, ix(fields.size()));
-  for (std::size_t q = 0; q < fields.size(); ++q) {
-    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
-      const Vec2 x = fields[q].displacement(mesh.nodes[i].x);
-      u(ix(2 * i), ix(q)) = x.x;
-      u(ix(2 * i + 1), ix(q)) = x.y;
-    }
-    Eigen::VectorXd t(nt);
-    for (std::size_t e = 0; e < elements; ++e) {
-      const auto local = local_nodes(mesh.order);
-      for (std::size_t a = 0; a < per; ++a) {
-        const Vec2 x = fields[q].stress(mesh.elements[e].at(local[a]), {1, nu}) * mesh.elements[e].normal(local[a]);
-        t(ix(2 * (e * per + a))) = x.x;
-        t(ix(2 * (e * per + a) + 1)) = x.y;
-      }
-    }
-    f.col(ix(q)) = gram * t;
-  }
-  MatrixXd r = MatrixXd::Zero(nu2, 3);
-  for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
-    r(ix(2 * i), 0) = r(ix(2 * i + 1), 1) = 1;
-    r(ix(2 * i), 2) = -mesh.nodes[i].x.y;
-    r(ix(2 * i + 1), 2) = mesh.nodes[i].x.x;
-  }
-  const Eigen::LDLT<MatrixXd> rr{r.transpose() * r};
-  const bool curved = std::ranges::any_of(mesh.elements, &Element::curved);
-  if (curved) {
-    // On curved sides polynomial tractions are no polynomials of the element, so only the rigid motions are made exact
-    // (there the quadrature is not the error that counts).
-    MatrixXd p = MatrixXd::Identity(nu2, nu2) - r * rr.solve(r.transpose());
-    out.stiffness = p.transpose() * k * p;
-  } else {
-    MatrixXd uf = u.transpose() * f;
-    uf = (0.5 * (uf + uf.transpose())).eval();
-    const Eigen::LDLT<MatrixXd> solver{uf};
-    MatrixXd p = MatrixXd::Identity(nu2, nu2) - u * solver.solve(f.transpose());
-    p -= r * rr.solve(r.transpose() * p);
-    out.stiffness = f * solver.solve(f.transpose()) + p.transpose() * k * p;
-    out.check = (out.stiffness * u - f).cwiseAbs().maxCoeff() / f.cwiseAbs().maxCoeff();
-  }
-  out.stiffness = (0.5 * elastic.mu * (out.stiffness + out.stiffness.transpose())).eval();
-  out.check = std::max(out.check, (out.stiffness * r).cwiseAbs().maxCoeff() / out.stiffness.cwiseAbs().maxCoeff());
+  make_exact(mesh, elastic, k, out);
   return out;
 }
 

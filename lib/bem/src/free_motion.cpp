@@ -170,6 +170,54 @@ std::vector<double> FreeMotion::loads_at(double time, const std::vector<double>&
   return f;
 }
 
+namespace {
+
+/// The equations of the pins at the position `q`: their derivatives into `jacobian`, how far each is off over `per`
+/// into the end of `right`. Returns the largest distance.
+double pin_rows(const Mesh& mesh, const auto& pins, const auto& shapes, const std::vector<double>& q, double per,
+                Eigen::MatrixXd& jacobian, Eigen::VectorXd& right) {
+  const std::size_t n = q.size();
+  double gap = 0;
+  for (std::size_t p = 0; p < pins.size(); ++p) {
+    Vec2 r = mesh.elements[pins[p].place.element].at(pins[p].place.s);
+    for (std::size_t k = 0; 3 + k < n; ++k) r += q[3 + k] * Vec2{shapes[2 * p][k], shapes[2 * p + 1][k]};
+    const Vec2 world = rotated(r, q[2]);
+    const Vec2 turned = turned_left(world);
+    const Vec2 miss = Vec2{q[0], q[1]} + world - pins[p].anchor;
+    gap = std::max(gap, norm(miss));
+    jacobian(ix(2 * p), 0) = jacobian(ix(2 * p + 1), 1) = 1;
+    jacobian(ix(2 * p), 2) = turned.x;
+    jacobian(ix(2 * p + 1), 2) = turned.y;
+    for (std::size_t k = 0; 3 + k < n; ++k) {
+      const Vec2 d = rotated({shapes[2 * p][k], shapes[2 * p + 1][k]}, q[2]);
+      jacobian(ix(2 * p), ix(3 + k)) = d.x;
+      jacobian(ix(2 * p + 1), ix(3 + k)) = d.y;
+    }
+    right(ix(n + 2 * p)) = -miss.x / per;
+    right(ix(n + 2 * p + 1)) = -miss.y / per;
+  }
+  return gap;
+}
+
+/// A step of Newton's method on accelerations and pin forces. Masses are diagonal, so the pin forces come first:
+/// c J D^-1 J^T f = r_pins - J D^-1 r, with c = `share`.
+void correct(const Eigen::VectorXd& diagonal, const Eigen::MatrixXd& jacobian, double share,
+             const Eigen::VectorXd& right, std::vector<double>& a, std::vector<double>& force) {
+  if (force.empty()) {
+    for (std::size_t i = 0; i < a.size(); ++i) a[i] += right(ix(i)) / diagonal(ix(i));
+    return;
+  }
+  const Eigen::MatrixXd spread = diagonal.cwiseInverse().asDiagonal() * jacobian.transpose();
+  const Eigen::VectorXd alone = diagonal.cwiseInverse().asDiagonal() * right.head(ix(a.size()));
+  const Eigen::MatrixXd matrix = share * jacobian * spread;
+  const Eigen::VectorXd more = matrix.partialPivLu().solve(right.tail(ix(force.size())) - jacobian * alone);
+  const Eigen::VectorXd d = alone + share * spread * more;
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] += d(ix(i));
+  for (std::size_t c = 0; c < force.size(); ++c) force[c] += more(ix(c));
+}
+
+}  // namespace
+
 std::expected<void, MotionError> FreeMotion::advance() {
   const std::size_t nm = modes_.eigenvalues.size();
   const std::size_t n = 3 + nm;
@@ -205,26 +253,7 @@ std::expected<void, MotionError> FreeMotion::advance() {
     }
     const std::vector<double> f1 = loads_at(now + h, q, v[2]);
     std::ranges::fill(pull, 0.0);
-    double gap = 0;
-    for (std::size_t p = 0; p < setup_.pins.size(); ++p) {
-      const Element& e = block_->mesh().elements[setup_.pins[p].place.element];
-      Vec2 r = e.at(setup_.pins[p].place.s);
-      for (std::size_t k = 0; k < nm; ++k) r += q[3 + k] * Vec2{pin_shapes_[2 * p][k], pin_shapes_[2 * p + 1][k]};
-      const Vec2 world = rotated(r, q[2]);
-      const Vec2 turned = turned_left(world);
-      const Vec2 miss = Vec2{q[0], q[1]} + world - setup_.pins[p].anchor;
-      gap = std::max(gap, norm(miss));
-      jacobian(ix(2 * p), 0) = jacobian(ix(2 * p + 1), 1) = 1;
-      jacobian(ix(2 * p), 2) = turned.x;
-      jacobian(ix(2 * p + 1), 2) = turned.y;
-      for (std::size_t k = 0; k < nm; ++k) {
-        const Vec2 d = rotated({pin_shapes_[2 * p][k], pin_shapes_[2 * p + 1][k]}, q[2]);
-        jacobian(ix(2 * p), ix(3 + k)) = d.x;
-        jacobian(ix(2 * p + 1), ix(3 + k)) = d.y;
-      }
-      right(ix(n + 2 * p)) = -miss.x / (g.beta * h * h);
-      right(ix(n + 2 * p + 1)) = -miss.y / (g.beta * h * h);
-    }
+    const double gap = pin_rows(block_->mesh(), setup_.pins, pin_shapes_, q, g.beta * h * h, jacobian, right);
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t c = 0; c < nc; ++c) pull[i] += jacobian(ix(c), ix(i)) * force[c];
     }
@@ -245,27 +274,12 @@ std::expected<void, MotionError> FreeMotion::advance() {
       if (worst < 1e-8 && gap < 1e-12 * size) break;
       return std::unexpected(NotConverged{now + h, worst});
     }
-    if (nc == 0) {
-      for (std::size_t i = 0; i < n; ++i) {
-        const double d =
-            (1 - g.am) * mass_of(i) + (1 - g.af) * (h * h * g.beta * stiffness_of(i) + h * g.gamma * drag_of(i));
-        a[i] += right(ix(i)) / d;
-      }
-      continue;
-    }
-    // Masses are diagonal, so the pin forces come first: c J D^-1 J^T f = r_pins - J D^-1 r.
     Eigen::VectorXd diagonal(ix(n));
     for (std::size_t i = 0; i < n; ++i) {
       diagonal(ix(i)) =
           (1 - g.am) * mass_of(i) + (1 - g.af) * (h * h * g.beta * stiffness_of(i) + h * g.gamma * drag_of(i));
     }
-    const Eigen::MatrixXd spread = diagonal.cwiseInverse().asDiagonal() * jacobian.transpose();
-    const Eigen::VectorXd alone = diagonal.cwiseInverse().asDiagonal() * right.head(ix(n));
-    const Eigen::MatrixXd matrix = (1 - g.af) * jacobian * spread;
-    const Eigen::VectorXd more = matrix.partialPivLu().solve(right.tail(ix(nc)) - jacobian * alone);
-    const Eigen::VectorXd d = alone + (1 - g.af) * spread * more;
-    for (std::size_t i = 0; i < n; ++i) a[i] += d(ix(i));
-    for (std::size_t c = 0; c < nc; ++c) force[c] += more(ix(c));
+    correct(diagonal, jacobian, 1 - g.af, right, a, force);
   }
   q_ = std::move(q);
   v_ = std::move(v);

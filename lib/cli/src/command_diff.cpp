@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <concepts>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -11,9 +12,11 @@
 #include <optional>
 #include <set>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "commands.hpp"
+#include "say.hpp"
 
 namespace cleave::cli {
 namespace {
@@ -21,12 +24,22 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-/// A row of key_blocks.csv.
+/// A row of key_blocks.csv: what is compared of it.
 struct KeyRow {
   std::string block, mode, key, batch;
   double volume = 0;
   std::string factor;
 };
+template <class V, class Row>
+  requires std::same_as<std::remove_const_t<Row>, KeyRow>
+void fields(V& v, Row& x) {
+  v("block", x.block);
+  v("mode", x.mode);
+  v("key", x.key);
+  v("batch", x.batch);
+  v("volume_m3", x.volume);
+  v("factor_of_safety", x.factor);
+}
 
 struct Result {
   std::string name;
@@ -59,23 +72,36 @@ std::vector<std::string> split(std::string_view line) {
   return fields;
 }
 
+/// Fills a row from a line of a table, by the names in its header; what the table has not stays as it is.
+struct RowReader {
+  const std::vector<std::string>& header;
+  const std::vector<std::string>& line;
+
+  void operator()(std::string_view name, std::string& x) const {
+    const auto at = static_cast<std::size_t>(std::ranges::find(header, name) - header.begin());
+    if (at < std::min(header.size(), line.size())) x = line[at];
+  }
+  void operator()(std::string_view name, double& x) const {
+    std::string text;
+    (*this)(name, text);
+    x = std::strtod(text.c_str(), nullptr);
+  }
+};
+
 std::vector<KeyRow> key_rows(std::string_view csv) {
   std::vector<KeyRow> rows;
-  std::map<std::string, std::size_t, std::less<>> column;
+  std::vector<std::string> header;
   while (!csv.empty()) {
     const std::size_t end = std::min(csv.find('\n'), csv.size());
-    const auto fields = split(csv.substr(0, end));
+    const auto line = split(csv.substr(0, end));
     csv.remove_prefix(std::min(end + 1, csv.size()));
-    if (column.empty()) {
-      for (std::size_t i = 0; i < fields.size(); ++i) column.emplace(fields[i], i);
+    if (header.empty()) {
+      header = line;
       continue;
     }
-    const auto field = [&](std::string_view name) {
-      const auto at = column.find(name);
-      return at == column.end() || at->second >= fields.size() ? std::string{} : fields[at->second];
-    };
-    KeyRow row{field("block"), field("mode"), field("key"), field("batch"), 0, field("factor_of_safety")};
-    row.volume = std::strtod(field("volume_m3").c_str(), nullptr);
+    KeyRow row;
+    const RowReader reader{header, line};
+    fields(reader, row);
     if (!row.block.empty()) rows.push_back(std::move(row));
   }
   return rows;
@@ -185,8 +211,12 @@ std::string compare_key_blocks(const Result& a, const Result& b, bool same_block
   constexpr std::size_t shown_rows = 20;
   std::vector<std::string> gone, come, changed;
   const auto line = [](const KeyRow& row) {
-    return fmt::format("    block {}, {:.6g} m3, {}, batch {}, factor of safety {}\n", row.block, row.volume, row.mode,
-                       row.batch.empty() ? "none (stays)" : row.batch, row.factor);
+    return say("    block {block}, {volume_m3:.6g} m3, {mode}, batch ", row) +
+           (row.batch.empty() ? "none (stays)" : row.batch) + say(", factor of safety {factor_of_safety}\n", row);
+  };
+  const auto state = [](const KeyRow& row) {
+    return say("{mode}, batch ", row) + (row.batch.empty() ? "none" : row.batch) +
+           say(", factor {factor_of_safety}", row);
   };
   for (const KeyRow& row : a.rows) {
     const auto at = waiting.find(identity(row));
@@ -199,9 +229,7 @@ std::string compare_key_blocks(const Result& a, const Result& b, bool same_block
     if (row.mode == other.mode && row.key == other.key && row.batch == other.batch && row.factor == other.factor) {
       continue;
     }
-    changed.push_back(fmt::format("    block {}, {:.6g} m3: {}, batch {}, factor {} -> {}, batch {}, factor {}\n",
-                                  row.block, row.volume, row.mode, row.batch.empty() ? "none" : row.batch, row.factor,
-                                  other.mode, other.batch.empty() ? "none" : other.batch, other.factor));
+    changed.push_back(say("    block {block}, {volume_m3:.6g} m3: ", row) + state(row) + " -> " + state(other) + "\n");
   }
   for (const KeyRow& row : b.rows) {
     const bool left = std::ranges::any_of(waiting, [&](const auto& entry) { return entry.second == &row; });

@@ -1,56 +1,59 @@
 #include <fmt/format.h>
 
-#include <array>
-#include <cmath>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "cleave/geometry/orientation.hpp"
 #include "cleave/load/load.hpp"
 #include "cleave/report/survey.hpp"
+#include "cleave/report/survey_fields.hpp"
 #include "cleave/report/write.hpp"
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "out_folder.hpp"
 #include "problems.hpp"
+#include "say.hpp"
 
 namespace cleave::cli {
 namespace {
 
-std::string figures_of(const scene::SurveyScene& survey, const survey::SurveyResult& result) {
-  std::string text = fmt::format("{}\norientations {}, {} of no set\n", survey.input.title,
-                                 survey.input.orientations.size(), result.unassigned);
-  for (const survey::SetResult& set : result.sets) {
-    text += fmt::format("set {:<10} {} joints, {} traces", set.name, set.joints, set.traces);
-    if (set.joints > 0 || set.orientation_stated) {
-      const geometry::Attitude mean = geometry::attitude_of(set.orientation.mean);
-      text += fmt::format(", {:.1f}/{:05.1f}, kappa {:.3g}", mean.dip.degrees(), mean.direction.degrees(),
-                          set.orientation.kappa);
-    }
-    if (set.p32 && set.p32->value) {
-      text += fmt::format(", P32 {:.4g} [{:.4g}, {:.4g}] 1/m", *set.p32->value, set.p32->low, set.p32->high);
-    }
-    if (set.size)
-      text += fmt::format(", {} {:.3g} +- {:.3g} m ({})",
-                          set.shape.shape == survey::JointShape::disc        ? "diameter"
-                          : set.shape.shape == survey::JointShape::rectangle ? "long side"
-                                                                             : "long axis",
-                          set.size->mean, set.size->std, name_of(set.size->family));
-    text += "\n";
+/// A line of an estimate that stands, be there a value or none.
+std::string interval(std::string_view text, survey::Estimate estimate) {
+  estimate.value = estimate.value.value_or(0);
+  return say(text, estimate);
+}
+
+std::string set_line(const survey::SetResult& set, double confidence) {
+  const auto figures = group([&](auto& v) { survey::set_fields(v, set, confidence); });
+  std::string text = say("set {name:<10} {joints} joints, {traces} traces", figures);
+  if (set.joints > 0 || set.orientation_stated) {
+    text += say(", {dip:.1f}/{dip_direction:05.1f}, kappa {kappa:.3g}", figures);
   }
+  if (set.p32 && set.p32->value) text += say(", P32 {value:.4g} [{low:.4g}, {high:.4g}] 1/m", *set.p32);
+  if (set.size) {
+    const std::string_view size = set.shape.shape == survey::JointShape::disc        ? ", diameter"
+                                  : set.shape.shape == survey::JointShape::rectangle ? ", long side"
+                                                                                     : ", long axis";
+    text.append(size).append(say(" {mean:.3g} +- {std:.3g} m ({law})", *set.size));
+  }
+  return text + "\n";
+}
+
+std::string figures_of(const scene::SurveyScene& survey, const survey::SurveyResult& result) {
+  std::string text = say("{title}\norientations {orientations}, {unassigned} of no set\n",
+                         group([&](auto& v) { report::survey_fields(v, survey, result, {}); }));
+  for (const survey::SetResult& set : result.sets) text += set_line(set, survey.input.confidence);
   for (const survey::WindowResult& window : result.windows) {
-    text += fmt::format("window {}: {} traces, ends inside 0/1/2: {}/{}/{}\n", window.name, window.counts.traces(),
-                        window.counts.n0, window.counts.n1, window.counts.n2);
+    text += say("window {name}: {traces} traces, ends inside 0/1/2: {ends_0}/{ends_1}/{ends_2}\n",
+                group([&](auto& v) { survey::window_fields(v, window); }));
     for (const survey::Estimate& e : window.estimates) {
-      text += e.value
-                  ? fmt::format("  {:<20} {:>10.5g} [{:.5g}, {:.5g}]  {}\n", e.name, *e.value, e.low, e.high, e.method)
-                  : fmt::format("  {:<20} not estimable: {}\n", e.name, e.note);
+      text += e.value ? say("  {name:<20} {value:>10.5g} [{low:.5g}, {high:.5g}]  {method}\n", e)
+                      : say("  {name:<20} not estimable: {note}\n", e);
     }
   }
   for (const survey::LineResult& line : result.lines) {
-    text += fmt::format("line {}: {:.4g} [{:.4g}, {:.4g}] 1/m, RQD {:.1f} [{:.1f}, {:.1f}]\n", line.name,
-                        line.frequency.value.value_or(0), line.frequency.low, line.frequency.high, line.rqd_measured,
-                        line.rqd.low, line.rqd.high);
+    text += say("line {name}: ", line) + interval("{value:.4g} [{low:.4g}, {high:.4g}] 1/m, ", line.frequency) +
+            say("RQD {rqd_measured:.1f}", line) + interval(" [{low:.1f}, {high:.1f}]\n", line.rqd);
   }
   return text;
 }
@@ -72,7 +75,7 @@ ExitCode survey_data(const std::string& data, const std::string& out, bool quiet
   const std::string text = figures_of(*survey, result);
   std::vector<std::pair<std::string, std::string>> files = sets.files;
   files.emplace_back("sets.toml", sets.toml);
-  const std::vector<scene::SimulatedTraceMaps> maps = maps_beside(*survey, result);
+  const std::vector<scene::SimulatedTraceMaps> maps = simulated_trace_maps(*survey, result);
   files.emplace_back("report.html", report::survey_html(*survey, result, maps));
   files.emplace_back("log.txt", text);
   files.emplace_back("survey.json", report::survey_json(*survey, result, maps));

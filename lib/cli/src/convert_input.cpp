@@ -256,11 +256,7 @@ std::expected<ConvertInput, std::string> network_of_scene(const std::string& in,
     mesh.lines.push_back(0);
   };
   // A little beyond the domain, so that the end of a plane cuts nothing.
-  Vec3 low = scene->domain.vertices().front(), high = low;
-  for (const Vec3& p : scene->domain.vertices()) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
+  const auto [low, high] = geometry::box_of(scene->domain.vertices());
   const Vec3 margin = 0.01 * (high - low);
   std::size_t planes = 0, outside = 0, several = 0;
   for (const topology::JointId id : drawn->joints.ids()) {

@@ -121,145 +121,196 @@ std::optional<std::uint64_t> seed_of(const std::string& text) {
   return static_cast<std::uint64_t>(seed);
 }
 
+/// What the command line asks for. Each command below adds itself: what it holds is kept by its own callback.
+using Chosen = std::function<ExitCode()>;
+
+/// The limit in bytes; 0: none was given.
+std::shared_ptr<std::uint64_t> add_memory(CLI::App* command) {
+  const auto memory = std::make_shared<std::uint64_t>(0);
+  command
+      ->add_option("--memory", *memory,
+                   "memory that it may take at most, as \"4 GB\"; a run that needs more ends with exit code 3")
+      ->transform(CLI::AsSizeValue(true));
+  command->parse_complete_callback([memory, command] {
+    if (command->count("--memory") == 0) return;
+    if (*memory < least_memory || *memory > most_memory) {
+      throw CLI::ValidationError("--memory",
+                                 "is not from 64 MB to 1000 TB: give a number with its unit, as in \"4 GB\"");
+    }
+    if (!limit_memory(*memory)) {
+      throw CLI::ValidationError("--memory", "this system knows no such limit: leave it out");
+    }
+  });
+  return memory;
+}
+
+ExitCode run_as_asked(RunArguments& run, const std::string& seed, const std::string& shard) {
+  if (!seed.empty() && !(run.seed = seed_of(seed))) {
+    print_error("cleave run: --seed: \"" + seed + "\" is not a whole number from 0 to 9223372036854775807");
+    return ExitCode::wrong_input;
+  }
+  if (shard.empty()) return run_scene(run);
+  if (const auto part = shard_of(shard)) {
+    run.shard = *part;
+    run.sharded = true;
+    return run_scene(run);
+  }
+  print_error("cleave run: --shard: \"" + shard + "\" is not K/N with K from 1 to N; write --shard 1/3");
+  return ExitCode::wrong_input;
+}
+
+void add_run(CLI::App& app, Chosen& chosen) {
+  struct Given {
+    RunArguments run;
+    std::string seed, shard;
+  };
+  const auto given = std::make_shared<Given>();
+  RunArguments& run = given->run;
+  run.threads = threads_of_machine();
+  CLI::App* command = app.add_subcommand("run", "runs a scene");
+  command->add_option("scene", run.scene, "the scene file (TOML)")->required();
+  command->add_option("-o,--out", run.out, "folder for the result: new, empty, or a result of cleave (replaced)")
+      ->required();
+  command->add_option("--threads", run.threads, "threads to use; changes nothing but the time")
+      ->check(CLI::Range(1, 1024));
+  command->add_option("--seed", given->seed, "instead of the scene's seed");
+  const auto memory = add_memory(command);
+  command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
+  command->add_option("--shard", given->shard,
+                      "part K/N of a Monte Carlo run, K from 1; merge the parts with cleave merge");
+  command->callback([&chosen, given, memory] {
+    chosen = [given, memory] {
+      if (*memory == 0) given->run.memory_mb = machine_memory_mb();
+      return run_as_asked(given->run, given->seed, given->shard);
+    };
+  });
+}
+
+void add_merge(CLI::App& app, Chosen& chosen) {
+  struct Given {
+    std::vector<std::string> parts;
+    std::string out;
+    bool quiet = false;
+  };
+  const auto given = std::make_shared<Given>();
+  CLI::App* command = app.add_subcommand("merge", "merges the parts of a Monte Carlo run (cleave run --shard K/N)");
+  command->add_option("parts", given->parts, "folders of all parts")->required();
+  command->add_option("-o,--out", given->out, "folder for the whole result")->required();
+  command->add_flag("--quiet", given->quiet, "errors only");
+  command->callback(
+      [&chosen, given] { chosen = [given] { return merge_results(given->parts, given->out, given->quiet); }; });
+}
+
+void add_replay(CLI::App& app, Chosen& chosen) {
+  const auto replay = std::make_shared<ReplayArguments>();
+  replay->threads = threads_of_machine();
+  CLI::App* command =
+      app.add_subcommand("replay", "re-creates one realization of a Monte Carlo run exactly, as a full single run");
+  command->add_option("result", replay->result, "folder of the Monte Carlo run")->required();
+  command->add_option("--realization", replay->realization, "its number, from 0")->required();
+  command->add_option("-o,--out", replay->out, "folder for the result instead of RESULT/realization_K");
+  command->add_option("--threads", replay->threads, "threads to use")->check(CLI::Range(1, 1024));
+  static_cast<void>(add_memory(command));
+  command->add_flag("--quiet", replay->quiet, "no progress and no figures, errors only");
+  command->callback([&chosen, replay] { chosen = [replay] { return replay_realization(*replay); }; });
+}
+
+void add_survey(CLI::App& app, Chosen& chosen) {
+  struct Given {
+    std::string data, out;
+    bool quiet = false;
+  };
+  const auto given = std::make_shared<Given>();
+  CLI::App* command = app.add_subcommand("survey", "field data to joint sets: sets.toml, survey.json, report.html");
+  command->add_option("data", given->data, "the survey file (TOML)")->required();
+  command->add_option("-o,--out", given->out, "folder for the result")->required();
+  command->add_flag("--quiet", given->quiet, "errors only");
+  command->callback(
+      [&chosen, given] { chosen = [given] { return survey_data(given->data, given->out, given->quiet); }; });
+}
+
+/// A command of one argument.
+void add_simple(CLI::App& app, Chosen& chosen, const char* name, const char* help, const char* argument,
+                const std::string& meaning, ExitCode (*what)(const std::string&)) {
+  const auto given = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand(name, help);
+  command->add_option(argument, *given, meaning)->required();
+  command->callback([&chosen, given, what] { chosen = [given, what] { return what(*given); }; });
+}
+
+void add_convert(CLI::App& app, Chosen& chosen) {
+  struct Given {
+    std::string in, out;
+    std::uint64_t realization = 0;
+  };
+  const auto given = std::make_shared<Given>();
+  CLI::App* command = app.add_subcommand("convert", "between file formats, by their endings");
+  command
+      ->add_option("in", given->in,
+                   "result folder or file to read: .vtu .obj .stl .ply .dxf .ts .fab .dat .csv, or a scene: its joints")
+      ->required();
+  command
+      ->add_option("out", given->out,
+                   "file to write: .vtu .obj .ply .stl .3ddat .3dec .k .nmm3d .dda; joints also .fab .dat")
+      ->required();
+  command->add_option("--realization", given->realization, "of a scene: which draw of its joints, from 0");
+  command->callback(
+      [&chosen, given] { chosen = [given] { return convert_file(given->in, given->out, given->realization); }; });
+}
+
+void add_diff(CLI::App& app, Chosen& chosen) {
+  const auto given = std::make_shared<std::array<std::string, 2>>();
+  auto& [first, second] = *given;
+  CLI::App* command =
+      app.add_subcommand("diff", "what changed from one result to another: plan, counts, volumes, key blocks");
+  command->add_option("out1", first, "folder of a finished run")->required();
+  command->add_option("out2", second, "folder of another")->required();
+  command->callback([&chosen, given] { chosen = [given] { return diff_results((*given)[0], (*given)[1]); }; });
+}
+
+/// `note`: printed first.
+void add_compare(CLI::App* command, Chosen& chosen, const std::string& note) {
+  struct Given {
+    std::string first, second, out;
+  };
+  const auto given = std::make_shared<Given>();
+  command->add_option("out1", given->first, "folder of a finished Monte Carlo run")->required();
+  command->add_option("out2", given->second, "folder of another with the same seed")->required();
+  command->add_option("-o,--out", given->out, "file for the figures (JSON)");
+  command->callback([&chosen, given, note] {
+    chosen = [given, note] {
+      print(note);
+      return compare_results(given->first, given->second, given->out);
+    };
+  });
+}
+
 ExitCode run_program(int argc, char** argv) {
+  Chosen chosen;
   CLI::App app{"Cuts rock into blocks by its joints, exactly, and finds the blocks that will move.", "cleave"};
   app.set_version_flag("--version", "cleave " CLEAVE_VERSION);
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done, 1 a bug in cleave, 2 the input is wrong, 3 the machine failed, 4 a check did not hold, 130 "
       "interrupted.");
-  std::function<ExitCode()> chosen;
-
-  std::uint64_t memory = 0;
-  const auto takes_memory = [&memory](CLI::App* command) {
-    command
-        ->add_option("--memory", memory,
-                     "memory that it may take at most, as \"4 GB\"; a run that needs more ends with exit code 3")
-        ->transform(CLI::AsSizeValue(true));
-    command->parse_complete_callback([&memory, command] {
-      if (command->count("--memory") == 0) return;
-      if (memory < least_memory || memory > most_memory) {
-        throw CLI::ValidationError("--memory",
-                                   "is not from 64 MB to 1000 TB: give a number with its unit, as in \"4 GB\"");
-      }
-      if (!limit_memory(memory)) {
-        throw CLI::ValidationError("--memory", "this system knows no such limit: leave it out");
-      }
-    });
-  };
-  RunArguments run;
-  run.threads = threads_of_machine();
-  std::string shard;
-  CLI::App* run_command = app.add_subcommand("run", "runs a scene");
-  run_command->add_option("scene", run.scene, "the scene file (TOML)")->required();
-  run_command->add_option("-o,--out", run.out, "folder for the result: new, empty, or a result of cleave (replaced)")
-      ->required();
-  run_command->add_option("--threads", run.threads, "threads to use; changes nothing but the time")
-      ->check(CLI::Range(1, 1024));
-  std::string seed;
-  run_command->add_option("--seed", seed, "instead of the scene's seed");
-  takes_memory(run_command);
-  run_command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
-  run_command->add_option("--shard", shard,
-                          "part K/N of a Monte Carlo run, K from 1; merge the parts with cleave merge");
-  run_command->callback([&] {
-    chosen = [&] {
-      if (!seed.empty() && !(run.seed = seed_of(seed))) {
-        print_error("cleave run: --seed: \"" + seed + "\" is not a whole number from 0 to 9223372036854775807");
-        return ExitCode::wrong_input;
-      }
-      if (memory == 0) run.memory_mb = machine_memory_mb();
-      if (shard.empty()) return run_scene(run);
-      if (const auto part = shard_of(shard)) {
-        run.shard = *part;
-        run.sharded = true;
-        return run_scene(run);
-      }
-      print_error("cleave run: --shard: \"" + shard + "\" is not K/N with K from 1 to N; write --shard 1/3");
-      return ExitCode::wrong_input;
-    };
-  });
-
-  std::vector<std::string> parts;
-  std::string merged;
-  bool merge_quiet = false;
-  CLI::App* merge = app.add_subcommand("merge", "merges the parts of a Monte Carlo run (cleave run --shard K/N)");
-  merge->add_option("parts", parts, "folders of all parts")->required();
-  merge->add_option("-o,--out", merged, "folder for the whole result")->required();
-  merge->add_flag("--quiet", merge_quiet, "errors only");
-  merge->callback([&] { chosen = [&] { return merge_results(parts, merged, merge_quiet); }; });
-
-  ReplayArguments replay;
-  replay.threads = threads_of_machine();
-  CLI::App* replay_command =
-      app.add_subcommand("replay", "re-creates one realization of a Monte Carlo run exactly, as a full single run");
-  replay_command->add_option("result", replay.result, "folder of the Monte Carlo run")->required();
-  replay_command->add_option("--realization", replay.realization, "its number, from 0")->required();
-  replay_command->add_option("-o,--out", replay.out, "folder for the result instead of RESULT/realization_K");
-  replay_command->add_option("--threads", replay.threads, "threads to use")->check(CLI::Range(1, 1024));
-  takes_memory(replay_command);
-  replay_command->add_flag("--quiet", replay.quiet, "no progress and no figures, errors only");
-  replay_command->callback([&] { chosen = [&] { return replay_realization(replay); }; });
-
-  std::string data, survey_out;
-  bool survey_quiet = false;
-  CLI::App* survey = app.add_subcommand("survey", "field data to joint sets: sets.toml, survey.json, report.html");
-  survey->add_option("data", data, "the survey file (TOML)")->required();
-  survey->add_option("-o,--out", survey_out, "folder for the result")->required();
-  survey->add_flag("--quiet", survey_quiet, "errors only");
-  survey->callback([&] { chosen = [&] { return survey_data(data, survey_out, survey_quiet); }; });
-
-  std::string scene;
-  CLI::App* plan = app.add_subcommand("plan", "says what will run, what is left out and why; runs nothing");
-  plan->add_option("scene", scene, "the scene file (TOML)")->required();
-  plan->callback([&] { chosen = [&] { return plan_scene(scene); }; });
-  CLI::App* check =
-      app.add_subcommand("check", "all problems of a scene, each with file, line, key and remedy; runs nothing");
-  check->add_option("scene", scene, "the scene file (TOML)")->required();
-  check->callback([&] { chosen = [&] { return check_scene(scene); }; });
-
-  std::string kind;
-  CLI::App* init = app.add_subcommand("init", "prints a commented scene to start from");
-  init->add_option("kind", kind, "one of: " + init_kinds())->required();
-  init->callback([&] { chosen = [&] { return init_scene(kind); }; });
-
-  std::string in, out;
-  CLI::App* convert = app.add_subcommand("convert", "between file formats, by their endings");
-  convert
-      ->add_option("in", in,
-                   "result folder or file to read: .vtu .obj .stl .ply .dxf .ts .fab .dat .csv, or a scene: its joints")
-      ->required();
-  convert
-      ->add_option("out", out, "file to write: .vtu .obj .ply .stl .3ddat .3dec .k .nmm3d .dda; joints also .fab .dat")
-      ->required();
-  std::uint64_t converted_realization = 0;
-  convert->add_option("--realization", converted_realization, "of a scene: which draw of its joints, from 0");
-  convert->callback([&] { chosen = [&] { return convert_file(in, out, converted_realization); }; });
-  CLI::App* diff =
-      app.add_subcommand("diff", "what changed from one result to another: plan, counts, volumes, key blocks");
-  std::string first, second;
-  diff->add_option("out1", first, "folder of a finished run")->required();
-  diff->add_option("out2", second, "folder of another")->required();
-  diff->callback([&] { chosen = [&] { return diff_results(first, second); }; });
-
-  std::string compared;
-  const auto compare_designs = [&](CLI::App* compare, const std::string& note) {
-    compare->add_option("out1", first, "folder of a finished Monte Carlo run")->required();
-    compare->add_option("out2", second, "folder of another with the same seed")->required();
-    compare->add_option("-o,--out", compared, "file for the figures (JSON)");
-    compare->callback([&, note] {
-      chosen = [&, note] {
-        print(note);
-        return compare_results(first, second, compared);
-      };
-    });
-  };
-  compare_designs(app.add_subcommand("compare-designs",
-                                     "two designs by their Monte Carlo results, realization by realization on common "
-                                     "random numbers"),
-                  "");
-  compare_designs(app.add_subcommand("compare", "old name of compare-designs")->group(""),
-                  "note: cleave compare is now cleave compare-designs; the old name goes with the next version\n");
+  add_run(app, chosen);
+  add_merge(app, chosen);
+  add_replay(app, chosen);
+  add_survey(app, chosen);
+  add_simple(app, chosen, "plan", "says what will run, what is left out and why; runs nothing", "scene",
+             "the scene file (TOML)", &plan_scene);
+  add_simple(app, chosen, "check", "all problems of a scene, each with file, line, key and remedy; runs nothing",
+             "scene", "the scene file (TOML)", &check_scene);
+  add_simple(app, chosen, "init", "prints a commented scene to start from", "kind", "one of: " + init_kinds(),
+             &init_scene);
+  add_convert(app, chosen);
+  add_diff(app, chosen);
+  add_compare(app.add_subcommand("compare-designs",
+                                 "two designs by their Monte Carlo results, realization by realization on common "
+                                 "random numbers"),
+              chosen, "");
+  add_compare(app.add_subcommand("compare", "old name of compare-designs")->group(""), chosen,
+              "note: cleave compare is now cleave compare-designs; the old name goes with the next version\n");
 
   try {
     app.parse(argc, argv);

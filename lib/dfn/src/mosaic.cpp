@@ -276,20 +276,17 @@ std::vector<SampledJoint> mosaic(const JointSet& set, const DomainBox& domain, c
       if (face.neighbour == outside || face.neighbour < i) continue;
       const bool joint = marks.uniform() < model.share;
       if (!joint) continue;
-      Vec3 lo{INFINITY, INFINITY, INFINITY}, hi = -lo, middle{0, 0, 0};
+      geometry::Box box_of_face;
+      Vec3 middle{0, 0, 0};
       std::vector<Vec3> corners;
       for (const Vec3 corner : face.corners) {
         const Vec3 q = shared(corner);
-        lo = {std::min(lo.x, q.x), std::min(lo.y, q.y), std::min(lo.z, q.z)};
-        hi = {std::max(hi.x, q.x), std::max(hi.y, q.y), std::max(hi.z, q.z)};
+        box_of_face.add(q);
         middle += q / static_cast<double>(face.corners.size());
         if (corners.empty() || norm(q - corners.back()) > 0) corners.push_back(q);
       }
       while (corners.size() > 1 && norm(corners.front() - corners.back()) == 0) corners.pop_back();
-      if (hi.x < domain.min.x || lo.x > domain.max.x || hi.y < domain.min.y || lo.y > domain.max.y ||
-          hi.z < domain.min.z || lo.z > domain.max.z) {
-        continue;
-      }
+      if (!domain.overlaps(box_of_face)) continue;
       std::vector<Polygon> pieces = pieces_of(corners);
       if (pieces.empty()) continue;
       Vec3 normal = normalized(seeds[face.neighbour] - seeds[i]);

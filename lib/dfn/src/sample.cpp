@@ -36,16 +36,9 @@ bool is_persistent(const JointSet& set) {
   return std::holds_alternative<Persistent>(set.spec().shape) || on_planes_model(set);
 }
 
-Vec3 sides(const DomainBox& box) { return box.max - box.min; }
 double volume(const DomainBox& box) {
-  const Vec3 s = sides(box);
+  const Vec3 s = box.size();
   return s.x * s.y * s.z;
-}
-DomainBox grown(const DomainBox& box, double by) { return {box.min - Vec3{by, by, by}, box.max + Vec3{by, by, by}}; }
-
-bool meets(const DomainBox& box, Vec3 lo, Vec3 hi) {
-  return lo.x <= box.max.x && hi.x >= box.min.x && lo.y <= box.max.y && hi.y >= box.min.y && lo.z <= box.max.z &&
-         hi.z >= box.min.z;
 }
 
 /// Where centres are drawn, and their mean number (exact number for Count).
@@ -57,7 +50,7 @@ struct Region {
 };
 
 DomainBox scaled(const DomainBox& box, double times) {
-  const Vec3 middle = (box.min + box.max) / 2, half = times / 2 * sides(box);
+  const Vec3 middle = (box.min + box.max) / 2, half = times / 2 * box.size();
   return {middle - half, middle + half};
 }
 
@@ -73,10 +66,10 @@ Region region_of(const JointSet& set, const DomainBox& domain) {
   if (is_persistent(set)) {
     // A plane with normal n meets the ball when its offset along n is within the radius: area per volume is offsets per
     // length.
-    const double radius = norm(sides(domain)) / 2;
+    const double radius = norm(domain.size()) / 2;
     return {domain, radius, 2 * radius * p32 / set.area_share(), false};
   }
-  const DomainBox box = set.spec().buffer ? scaled(domain, buffer) : grown(domain, set.reach());
+  const DomainBox box = set.spec().buffer ? scaled(domain, buffer) : domain.grown(set.reach());
   return {box, 0, p32 / (set.area_share() * set.mean_area()) * volume(box), false};
 }
 
@@ -137,7 +130,7 @@ std::uint32_t Sampler::count() const {
 
 Vec3 Sampler::centre(std::uint32_t i) const {
   Rng rng = stream(Draw::position, i);
-  const Vec3 s = sides(region_.box);
+  const Vec3 s = region_.box.size();
   Vec3 p;  // one after the other: the order of evaluation is part of the result
   p.x = region_.box.min.x + rng.uniform() * s.x;
   p.y = region_.box.min.y + rng.uniform() * s.y;
@@ -169,7 +162,7 @@ std::optional<SampledJoint> Sampler::plane(std::uint32_t i) const {
   Vec3 through;
   if (region_.ball > 0) {
     const double offset = (2 * stream(Draw::position, i).uniform() - 1) * region_.ball;
-    const Vec3 half = sides(domain_) / 2;
+    const Vec3 half = domain_.size() / 2;
     const double width = std::abs(normal.x) * half.x + std::abs(normal.y) * half.y + std::abs(normal.z) * half.z;
     if (std::abs(offset) > width) return std::nullopt;
     through = (domain_.min + domain_.max) / 2 + offset * normal;
@@ -180,18 +173,15 @@ std::optional<SampledJoint> Sampler::plane(std::uint32_t i) const {
 }
 
 bool Sampler::corners_meet(const JointOutline& outline, Vec3 centre) const {
-  Vec3 lo{INFINITY, INFINITY, INFINITY}, hi = -lo;
-  for (const Vec3 q : detail::corners_of(outline, centre, unit_)) {
-    lo = {std::min(lo.x, q.x), std::min(lo.y, q.y), std::min(lo.z, q.z)};
-    hi = {std::max(hi.x, q.x), std::max(hi.y, q.y), std::max(hi.z, q.z)};
-  }
-  return meets(domain_, lo, hi);
+  return domain_.overlaps(geometry::box_of(detail::corners_of(outline, centre, unit_)));
 }
 
 /// Most joints of a grown region are too small to reach the box from where they lie: streams are keyed, so their
 /// orientations need not be drawn, nor their sizes where a table says enough.
 bool Sampler::may_meet(std::uint32_t i, Vec3 centre, std::optional<detail::HalfAxes>& half) {
-  const auto meets_within = [&](double r) { return meets(domain_, centre - Vec3{r, r, r}, centre + Vec3{r, r, r}); };
+  const auto meets_within = [&](double r) {
+    return domain_.overlaps({centre - Vec3{r, r, r}, centre + Vec3{r, r, r}});
+  };
   if (meets_within(0)) return true;
   const double u = stream(Draw::size, i).uniform();
   if (!farthest_.empty()) {
@@ -235,13 +225,13 @@ std::expected<std::vector<SampledJoint>, SampleError> Sampler::run() {
     SampledJoint joint{outline(i, frame, *axes), at, frame.normal, i};
     const auto& drawn = std::get<JointOutline>(joint.shape);
     const Vec3 half = (1 + 1e-9) * detail::half_extents(drawn);
-    if (!meets(domain_, at - half, at + half)) continue;
+    if (!domain_.overlaps({at - half, at + half})) continue;
     if (!detail::surely_valid(drawn, at)) {
       auto polygon = Polygon::make(detail::corners_of(drawn, at, unit_));
       if (!polygon) return std::unexpected(JointTooSmall{i, polygon.error()});
     }
     // Of those that may touch the box with their ellipse alone the corners decide.
-    if (meets(domain_, at, at) || corners_meet(drawn, at)) joints.push_back(std::move(joint));
+    if (domain_.overlaps({at, at}) || corners_meet(drawn, at)) joints.push_back(std::move(joint));
   }
   return joints;
 }
@@ -284,10 +274,10 @@ double expected_draws(const JointSet& set, const DomainBox& domain) noexcept {
     const auto* count = std::get_if<Count>(&set.spec().intensity);
     const double density = count != nullptr ? static_cast<double>(count->joints) / volume(domain)
                                             : std::pow(p32 / mosaic->share / 2.91, 3);
-    return density > 0 ? 7.8 * density * volume(grown(domain, 4 * std::cbrt(1 / density))) : 0;
+    return density > 0 ? 7.8 * density * volume(domain.grown(4 * std::cbrt(1 / density))) : 0;
   }
   if (std::holds_alternative<Orthogonal>(set.spec().model)) {
-    const double planes = norm(sides(domain)) * p32 / set.area_share();
+    const double planes = norm(domain.size()) * p32 / set.area_share();
     return set.mean_area() > 0 ? p32 * volume(domain) / set.mean_area() + planes : planes;
   }
   const double planes = region_of(set, domain).joints;

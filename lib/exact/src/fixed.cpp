@@ -10,12 +10,12 @@ std::optional<FixedPoint> fixed_meet(const Plane& p, const Plane& q, const Plane
   const ExactPoint point = exact_meet(exact_line(p, q), r);
   if (point.w == 0) return std::nullopt;
   const bool turned = point.w < 0;
-  const Wide w = turned ? Wide{-point.w} : point.w;
+  const Int512 w = turned ? Int512{-point.w} : point.w;
   FixedPoint out{};
   for (std::size_t k = 0; k < 3; ++k) {
     // Numerators have at most 343 bits: 407 with the 64 of the fraction.
-    const Wide x = (turned ? Wide{-point.x[k]} : point.x[k]) << 64U;
-    Wide quotient = x / w;
+    const Int512 x = (turned ? Int512{-point.x[k]} : point.x[k]) << 64U;
+    Int512 quotient = x / w;
     if (x < 0 && quotient * w != x) --quotient;  // division cuts towards zero
     constexpr Int128 limit = Int128{1} << 126;
     if (quotient >= limit || quotient <= -limit) return std::nullopt;

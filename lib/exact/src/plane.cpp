@@ -106,7 +106,7 @@ Sign orientation(const Plane& a, const Plane& b, const Plane& c) noexcept {
 }
 
 Sign dot_sign(const std::array<Int128, 3>& a, const std::array<Int128, 3>& b) noexcept {
-  return sign_of<Wide>(Wide{a[0]} * Wide{b[0]} + Wide{a[1]} * Wide{b[1]} + Wide{a[2]} * Wide{b[2]});
+  return sign_of<Int512>(Int512{a[0]} * Int512{b[0]} + Int512{a[1]} * Int512{b[1]} + Int512{a[2]} * Int512{b[2]});
 }
 
 Sign dot_sign(const std::array<Int128, 3>& a, LatticePoint b) noexcept { return sign_of(dot(a, b)); }

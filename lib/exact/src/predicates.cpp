@@ -9,8 +9,8 @@
 namespace cleave::exact {
 namespace {
 
-std::array<Wide, 3> wide_normal(const Plane& plane) noexcept {
-  return {Wide{plane.normal()[0]}, Wide{plane.normal()[1]}, Wide{plane.normal()[2]}};
+std::array<Int512, 3> wide_normal(const Plane& plane) noexcept {
+  return {Int512{plane.normal()[0]}, Int512{plane.normal()[1]}, Int512{plane.normal()[2]}};
 }
 
 }  // namespace
@@ -18,15 +18,15 @@ std::array<Wide, 3> wide_normal(const Plane& plane) noexcept {
 ExactLine exact_line(const Plane& p, const Plane& q) noexcept {
   const auto a = wide_normal(p);
   const auto b = wide_normal(q);
-  const Wide d = widened(p.offset());
-  const Wide e = widened(q.offset());
+  const Int512 d = widened(p.offset());
+  const Int512 e = widened(q.offset());
   return {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]},
           {d * b[0] - e * a[0], d * b[1] - e * a[1], d * b[2] - e * a[2]}};
 }
 
 ExactPoint exact_meet(const ExactLine& line, const Plane& r) noexcept {
   const auto n = wide_normal(r);
-  const Wide d = widened(r.offset());
+  const Int512 d = widened(r.offset());
   const auto& m = line.m;
   const auto& w = line.w;
   return {{n[1] * w[2] - n[2] * w[1] - d * m[0], n[2] * w[0] - n[0] * w[2] - d * m[1],
@@ -38,8 +38,8 @@ Sign det3_exact(const Plane& p, const Plane& q, const Plane& r) noexcept {
   const auto a = wide_normal(p);
   const auto b = wide_normal(q);
   const auto c = wide_normal(r);
-  return sign_of<Wide>((a[1] * b[2] - a[2] * b[1]) * c[0] + (a[2] * b[0] - a[0] * b[2]) * c[1] +
-                       (a[0] * b[1] - a[1] * b[0]) * c[2]);
+  return sign_of<Int512>((a[1] * b[2] - a[2] * b[1]) * c[0] + (a[2] * b[0] - a[0] * b[2]) * c[1] +
+                         (a[0] * b[1] - a[1] * b[0]) * c[2]);
 }
 
 namespace {
@@ -69,7 +69,7 @@ const ExactPoint& kept_meet(const Plane& p, const Plane& q, const Plane& r) noex
 Sign side_exact(const Plane& p, const Plane& q, const Plane& r, const Plane& s) noexcept {
   const ExactPoint& point = kept_meet(p, q, r);
   const auto n = wide_normal(s);
-  const Wide value = n[0] * point.x[0] + n[1] * point.x[1] + n[2] * point.x[2] + widened(s.offset()) * point.w;
+  const Int512 value = n[0] * point.x[0] + n[1] * point.x[1] + n[2] * point.x[2] + widened(s.offset()) * point.w;
   return sign_of(value) * sign_of(point.w);
 }
 
@@ -92,7 +92,7 @@ Sign side_of_parallel_line(const Plane& p, const Plane& q, const Plane& s) noexc
     const double own = same ? plane->approx()[3] : -plane->approx()[3];
     // Same power of two for both, and each good to 4 u of at most 3.
     if (const auto sign = sign_filtered(s.approx()[3] - own, 64 * unit_roundoff)) return *sign;
-    return sign_of<Wide>(widened(s.offset()) - widened(same ? plane->offset() : -plane->offset()));
+    return sign_of<Int512>(widened(s.offset()) - widened(same ? plane->offset() : -plane->offset()));
   }
   // x = nS x w - dS m equals -S(any point of the line) m there, so one non-zero component of m tells.
   const ExactLine line = exact_line(p, q);

@@ -98,16 +98,9 @@ std::string header_of(std::string_view title) {
   return text;
 }
 
-double Extent::size() const { return norm(high - low); }
-
-Extent extent_of(const Cells& cells) {
-  constexpr double infinite = std::numeric_limits<double>::infinity();
-  Extent extent{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
-  for (const std::int64_t point : cells.connectivity) {
-    const Vec3 p = cells.points[static_cast<std::size_t>(point)];
-    extent.low = {std::min(extent.low.x, p.x), std::min(extent.low.y, p.y), std::min(extent.low.z, p.z)};
-    extent.high = {std::max(extent.high.x, p.x), std::max(extent.high.y, p.y), std::max(extent.high.z, p.z)};
-  }
+geometry::Box extent_of(const Cells& cells) {
+  geometry::Box extent;
+  for (const std::int64_t point : cells.connectivity) extent.add(cells.points[static_cast<std::size_t>(point)]);
   return extent;
 }
 

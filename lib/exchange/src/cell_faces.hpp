@@ -27,11 +27,7 @@ using CellFace = std::vector<std::uint32_t>;
 /// "cleave VERSION; scene: TITLE" without line ends.
 [[nodiscard]] std::string header_of(std::string_view title);
 
-struct Extent {
-  geometry::Vec3 low, high;
-  [[nodiscard]] double size() const;  ///< diagonal, m
-};
 /// Of the points that cells use.
-[[nodiscard]] Extent extent_of(const Cells& cells);
+[[nodiscard]] geometry::Box extent_of(const Cells& cells);
 
 }  // namespace cleave::report::detail

@@ -168,7 +168,8 @@ class PolyhedronSplitter final {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> crossings_;
 };
 
-ConvexPart box(Vec3 low, Vec3 high) {
+ConvexPart part_of(const geometry::Box& box) {
+  const auto& [low, high] = box;
   ConvexPart result;
   for (unsigned i = 0; i < 8; ++i) {
     result.points.push_back(
@@ -276,8 +277,7 @@ std::optional<std::vector<ConvexPart>> convex_parts(const Cells& cells, std::siz
   // About a corner of the cell, so that places far from the origin lose no more digits than they have lost.
   const auto first = static_cast<std::size_t>(cells.faces_of(cell)[2]);
   const Vec3 origin = cells.points[first];
-  Vec3 low{};
-  Vec3 high{};
+  geometry::Box around{{}, {}};
   double reach = 0;
   std::vector<Fragment> fragments;
   for (const CellFace& face : convex_faces_of_cell(cells, cell)) {
@@ -285,8 +285,7 @@ std::optional<std::vector<ConvexPart>> convex_parts(const Cells& cells, std::siz
     for (const std::uint32_t point : face) {
       const Vec3 p = cells.points[point] - origin;
       fragment.corners.push_back(p);
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+      around.add(p);
       const Vec3 far = cells.points[point];
       reach = std::max({reach, std::abs(far.x), std::abs(far.y), std::abs(far.z)});
     }
@@ -302,12 +301,11 @@ std::optional<std::vector<ConvexPart>> convex_parts(const Cells& cells, std::siz
     fragment.plane.offset = dot(fragment.plane.normal, centre);
     fragments.push_back(std::move(fragment));
   }
-  const double size = norm(high - low);
+  const double size = norm(around.size());
   const double tolerance = std::max(1e-11 * size, 4e-16 * reach);
-  const Vec3 margin{0.1 * size, 0.1 * size, 0.1 * size};
   if (fragments.empty()) return std::nullopt;
   Partition partition{tolerance, most};
-  if (!partition.cut(box(low - margin, high + margin), std::move(fragments))) return std::nullopt;
+  if (!partition.cut(part_of(around.grown(0.1 * size)), std::move(fragments))) return std::nullopt;
   double sum = 0;
   for (ConvexPart& part : partition.parts) {
     sum += part.volume();

@@ -35,12 +35,12 @@ struct Line {
 };
 
 /// The middle of the model, moved off its points: a section through a corner is no section of the blocks.
-double section_place(const Cells& cells, const Extent& extent) {
-  const double width = extent.high.y - extent.low.y;
+double section_place(const Cells& cells, const geometry::Box& extent) {
+  const double width = extent.max.y - extent.min.y;
   std::vector<double> ys;
   for (const std::int64_t point : cells.connectivity) ys.push_back(cells.points[static_cast<std::size_t>(point)].y);
   std::ranges::sort(ys);
-  const double middle = extent.low.y + width / 2;
+  const double middle = extent.min.y + width / 2;
   for (int step = 0; step < 100; ++step) {
     const double y = middle + width * 1e-3 * (step + 0.37) * (step % 2 == 0 ? 1 : -1);
     const auto above = std::ranges::lower_bound(ys, y);
@@ -175,15 +175,16 @@ class Lines final {
 Exported section_dda(const Cells& cells, std::string_view) {
   Exported result;
   if (cells.size() == 0) return result;
-  const Extent extent = extent_of(cells);
+  const geometry::Box extent = extent_of(cells);
   const double y = section_place(cells, extent);
-  Lines lines{extent.size()};
+  const double size = norm(extent.size());
+  Lines lines{size};
   for (const Segment& segment : segments_at(cells, y)) lines.add(segment);
   std::vector<Lines::Piece> pieces = lines.pieces();
   std::ranges::stable_partition(pieces, [](const Lines::Piece& piece) { return piece.boundary; });
   const auto boundaries = std::ranges::count_if(pieces, [](const Lines::Piece& piece) { return piece.boundary; });
   std::string& out = result.bytes;
-  append_number(out, 1e-4 * extent.size());  // smallest distance between a node and an edge
+  append_number(out, 1e-4 * size);  // smallest distance between a node and an edge
   out += '\n' + std::to_string(pieces.size()) + '\n' + std::to_string(boundaries) + '\n';
   for (int i = 0; i < 7; ++i) out += "0\n";  // tunnel and material lines, bolts, fixed, load, measured, hole points
   for (const Lines::Piece& piece : pieces) {

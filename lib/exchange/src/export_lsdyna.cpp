@@ -36,13 +36,13 @@ std::string field(std::uint64_t value) {
 }  // namespace
 
 Exported blocks_lsdyna(const Cells& cells, std::string_view title) {
-  const Extent extent = extent_of(cells);
+  const geometry::Box extent = extent_of(cells);
   // whole kilometres off: small numbers keep their digits, and adding it back is exact
   const auto kilometres = [](double low, double high) { return 1000 * std::round((low + high) / 2000); };
   const Vec3 origin = cells.size() == 0
                           ? Vec3{}
-                          : Vec3{kilometres(extent.low.x, extent.high.x), kilometres(extent.low.y, extent.high.y),
-                                 kilometres(extent.low.z, extent.high.z)};
+                          : Vec3{kilometres(extent.min.x, extent.max.x), kilometres(extent.min.y, extent.max.y),
+                                 kilometres(extent.min.z, extent.max.z)};
   Exported result;
   std::string& out = result.bytes;
   out += "*KEYWORD LONG=Y\n$ " + header_of(title) + "\n";

@@ -102,7 +102,7 @@ std::string list_of(const std::vector<std::uint32_t>& blocks) {
 }  // namespace
 
 Exported blocks_threedec(const Cells& cells, std::string_view title, ThreedecVersion version) {
-  const double size = cells.size() == 0 ? 0 : extent_of(cells).size();
+  const double size = cells.size() == 0 ? 0 : norm(extent_of(cells).size());
   Exported result;
   std::string& out = result.bytes;
   out += "; " + header_of(title) +

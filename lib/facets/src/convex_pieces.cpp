@@ -44,7 +44,8 @@ struct Sight {
 bool touch(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint d, LatticePoint along) {
   if (a == c || a == d || b == c || b == d) return false;
   const auto apart = [](Sign x, Sign y) { return x == y && x != Sign::zero; };
-  return !apart(turn(a, b, c, along), turn(a, b, d, along)) && !apart(turn(c, d, a, along), turn(c, d, b, along));
+  return !apart(orient2d(a, b, c, along), orient2d(a, b, d, along)) &&
+         !apart(orient2d(c, d, a, along), orient2d(c, d, b, along));
 }
 
 /// One sweep, upwards in the view; cuts go to the right and left.
@@ -98,7 +99,7 @@ class Sweep {
   using Place = std::ptrdiff_t;
 
   [[nodiscard]] Sign side(Wall wall, Number p) const {
-    return turn(corners_[wall.low], corners_[wall.high], corners_[p], along_);
+    return orient2d(corners_[wall.low], corners_[wall.high], corners_[p], along_);
   }
   [[nodiscard]] bool later(Number p, Number than) const { return place_[than] < place_[p]; }
   [[nodiscard]] Point point(Number p) const {
@@ -184,7 +185,7 @@ class Sweep {
         std::ranges::partition_point(active_, [&](Number r) { return side(regions_[r].right, p) == Sign::negative; });
     const Place k = found - active_.begin();
     const bool rises = later(after_[p], p), falls = later(before_[p], p);
-    const bool convex = turn(corners_[before_[p]], corners_[p], corners_[after_[p]], along_) == Sign::positive;
+    const bool convex = orient2d(corners_[before_[p]], corners_[p], corners_[after_[p]], along_) == Sign::positive;
     if (rises && falls) return convex ? begin(k, p) : split(k, p);
     if (k == count()) return false;
     if (!rises && !falls) return convex ? end(k, p) : merge(k, p);

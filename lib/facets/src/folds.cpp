@@ -88,7 +88,7 @@ class Best {
       const double parts = std::min(least_[at(i, k)], least_[at(k, j)]);
       if (parts <= least_[at(i, j)]) continue;
       const double least = std::min(parts, height(ring_[i], ring_[k], ring_[j]));
-      if (least <= least_[at(i, j)] || turn(ring_[i], ring_[k], ring_[j], along_) != Sign::positive) continue;
+      if (least <= least_[at(i, j)] || orient2d(ring_[i], ring_[k], ring_[j], along_) != Sign::positive) continue;
       least_[at(i, j)] = least;
       apex_[at(i, j)] = k;
     }

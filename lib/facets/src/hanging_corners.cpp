@@ -1,6 +1,7 @@
 #include "detail/hanging_corners.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 #include <vector>
@@ -80,14 +81,11 @@ bool take_hanging_corners(std::span<JointPolygon> polygons, const SharedCorners&
   }
   std::ranges::sort(uses, {}, [](const Use& use) { return std::tuple{use.side, use.polygon, use.corner}; });
   std::vector<std::span<const Use>> sides;  // all polygons that have one, or none of them, take a corner
-  std::vector<geometry::Bounds> boxes;
-  const Vec3 margin{within + 1, within + 1, within + 1};
+  std::vector<geometry::Box> boxes;
   for (std::size_t first = 0, last = 0; first < uses.size(); first = last) {
     while (last < uses.size() && uses[last].side == uses[first].side) ++last;
     sides.push_back(std::span{uses}.subspan(first, last - first));
-    geometry::Bounds box = geometry::Bounds::of(as_vec3(uses[first].side.first));
-    box.grow(geometry::Bounds::of(as_vec3(uses[first].side.second)));
-    boxes.push_back({box.lo - margin, box.hi + margin});
+    boxes.push_back(box_of(std::array{uses[first].side.first, uses[first].side.second}, within + 1));
   }
   const geometry::BoxTree tree{boxes};
   std::vector<Hanging> found;
@@ -98,7 +96,7 @@ bool take_hanging_corners(std::span<JointPolygon> polygons, const SharedCorners&
   const auto again = std::ranges::unique(sites);
   sites.erase(again.begin(), again.end());
   for (const LatticePoint site : sites) {
-    tree.overlapping(geometry::Bounds::of(as_vec3(site)), [&](std::uint32_t number) {
+    tree.overlapping({as_vec3(site), as_vec3(site)}, [&](std::uint32_t number) {
       const auto& [a, b] = sides[number].front().side;
       const Vec3 side = as_vec3(b - a), to = as_vec3(site - a);
       const double length = geometry::norm(side), along = dot(to, side) / length;

@@ -15,14 +15,15 @@ bool in_the_way(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint d, 
     // They share an end: in the way only where they lie on one another.
     const LatticePoint shared = a == c || a == d ? a : b;
     const LatticePoint mine = shared == a ? b : a, theirs = shared == c ? d : c;
-    if (turn(shared, mine, theirs, along) != Sign::zero) return false;
+    if (orient2d(shared, mine, theirs, along) != Sign::zero) return false;
     const LatticePoint u = mine - shared, v = theirs - shared;
     const double dot = static_cast<double>(u.x) * static_cast<double>(v.x) +
                        static_cast<double>(u.y) * static_cast<double>(v.y) +
                        static_cast<double>(u.z) * static_cast<double>(v.z);
     return dot > 0;
   }
-  const Sign c1 = turn(a, b, c, along), d1 = turn(a, b, d, along), a1 = turn(c, d, a, along), b1 = turn(c, d, b, along);
+  const Sign c1 = orient2d(a, b, c, along), d1 = orient2d(a, b, d, along), a1 = orient2d(c, d, a, along),
+             b1 = orient2d(c, d, b, along);
   const auto apart = [](Sign x, Sign y) { return x == y && x != Sign::zero; };
   if (apart(c1, d1) || apart(a1, b1)) return false;
   if (c1 == Sign::zero && d1 == Sign::zero) {  // on one line: ends between ends?
@@ -48,9 +49,9 @@ bool blocked(LatticePoint a, LatticePoint b, const Loop& loop, LatticePoint alon
 bool inwards(const Loop& ring, std::size_t k, LatticePoint to, LatticePoint along) {
   const LatticePoint before = ring[(k + ring.size() - 1) % ring.size()], at = ring[k],
                      after = ring[(k + 1) % ring.size()];
-  const bool left_of_in = turn(before, at, to, along) == Sign::positive;
-  const bool left_of_out = turn(at, after, to, along) == Sign::positive;
-  return turn(before, at, after, along) == Sign::positive ? left_of_in && left_of_out : left_of_in || left_of_out;
+  const bool left_of_in = orient2d(before, at, to, along) == Sign::positive;
+  const bool left_of_out = orient2d(at, after, to, along) == Sign::positive;
+  return orient2d(before, at, after, along) == Sign::positive ? left_of_in && left_of_out : left_of_in || left_of_out;
 }
 
 /// Twice the signed area as seen along -along, up to a positive factor; rounded, for choosing the sense of a loop only.
@@ -61,7 +62,7 @@ Sign sense_of(const Loop& loop, LatticePoint along) {
     if (loop[i] < loop[extreme]) extreme = i;
   }
   const std::size_t count = loop.size();
-  return turn(loop[(extreme + count - 1) % count], loop[extreme], loop[(extreme + 1) % count], along);
+  return orient2d(loop[(extreme + count - 1) % count], loop[extreme], loop[(extreme + 1) % count], along);
 }
 
 }  // namespace
@@ -73,7 +74,7 @@ bool tidy_holes(std::vector<Loop>& holes, LatticePoint along) {
       changed = false;
       for (std::size_t i = 0; i < hole.size(); ++i) {
         const std::size_t count = hole.size();
-        if (turn(hole[(i + count - 1) % count], hole[i], hole[(i + 1) % count], along) != Sign::zero) continue;
+        if (orient2d(hole[(i + count - 1) % count], hole[i], hole[(i + 1) % count], along) != Sign::zero) continue;
         hole.erase(hole.begin() + static_cast<std::ptrdiff_t>(i));
         changed = true;
         break;

@@ -92,7 +92,7 @@ LatticePoint direction_along(const exact::Plane& plane) {
   return {scaled(unit[0]), scaled(unit[1]), scaled(unit[2])};
 }
 
-Sign turn(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint along) noexcept {
+Sign orient2d(LatticePoint a, LatticePoint b, LatticePoint c, LatticePoint along) noexcept {
   const LatticePoint u = b - a;
   const LatticePoint v = c - a;
   const auto p = as_double(u);
@@ -141,7 +141,8 @@ std::optional<LatticePolygon> make_lattice_polygon(std::vector<LatticePoint> cor
     changed = false;
     for (std::size_t i = 0; i < corners.size() && corners.size() >= 3; ++i) {
       const std::size_t count = corners.size();
-      if (turn(corners[(i + count - 1) % count], corners[i], corners[(i + 1) % count], polygon.along) == Sign::zero) {
+      if (orient2d(corners[(i + count - 1) % count], corners[i], corners[(i + 1) % count], polygon.along) ==
+          Sign::zero) {
         corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(i));
         changed = true;
         --i;
@@ -151,7 +152,7 @@ std::optional<LatticePolygon> make_lattice_polygon(std::vector<LatticePoint> cor
   if (corners.size() < 3) return std::nullopt;
   const std::size_t count = corners.size();
   for (std::size_t i = 0; i < count; ++i) {
-    if (turn(corners[i], corners[(i + 1) % count], corners[(i + 2) % count], polygon.along) != Sign::positive) {
+    if (orient2d(corners[i], corners[(i + 1) % count], corners[(i + 2) % count], polygon.along) != Sign::positive) {
       polygon.convex = false;
     }
   }
@@ -168,11 +169,11 @@ std::vector<std::array<std::size_t, 3>> triangulate(const LatticePolygon& polygo
   const auto is_ear = [&](std::size_t k) {
     const std::size_t count = ring.size();
     const std::size_t a = ring[(k + count - 1) % count], b = ring[k], c = ring[(k + 1) % count];
-    if (turn(p[a], p[b], p[c], along) != Sign::positive) return false;
+    if (orient2d(p[a], p[b], p[c], along) != Sign::positive) return false;
     return std::ranges::none_of(ring, [&](std::size_t i) {
       if (i == a || i == b || i == c || p[i] == p[a] || p[i] == p[b] || p[i] == p[c]) return false;
-      return turn(p[a], p[b], p[i], along) != Sign::negative && turn(p[b], p[c], p[i], along) != Sign::negative &&
-             turn(p[c], p[a], p[i], along) != Sign::negative;
+      return orient2d(p[a], p[b], p[i], along) != Sign::negative &&
+             orient2d(p[b], p[c], p[i], along) != Sign::negative && orient2d(p[c], p[a], p[i], along) != Sign::negative;
     });
   };
   // On from the corner after the last ear, round and round: each round takes every other corner of a convex ring, and
@@ -188,7 +189,7 @@ std::vector<std::array<std::size_t, 3>> triangulate(const LatticePolygon& polygo
       // No ear: flat remainders are dropped corner by corner, anything else crosses itself.
       k = 0;
       while (k < count &&
-             turn(p[ring[(k + count - 1) % count]], p[ring[k]], p[ring[(k + 1) % count]], along) != Sign::zero)
+             orient2d(p[ring[(k + count - 1) % count]], p[ring[k]], p[ring[(k + 1) % count]], along) != Sign::zero)
         ++k;
       if (k == count) return {};
     } else {
@@ -197,7 +198,7 @@ std::vector<std::array<std::size_t, 3>> triangulate(const LatticePolygon& polygo
     ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(k));
     from = k + 1;
   }
-  if (ring.size() == 3 && turn(p[ring[0]], p[ring[1]], p[ring[2]], along) == Sign::positive) {
+  if (ring.size() == 3 && orient2d(p[ring[0]], p[ring[1]], p[ring[2]], along) == Sign::positive) {
     triangles.push_back({ring[0], ring[1], ring[2]});
   }
   return triangles;

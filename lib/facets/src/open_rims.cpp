@@ -73,13 +73,8 @@ NearMisses find_open_rims(std::span<const JointPolygon> polygons, const std::vec
   if (!shared.any_side()) return found;
   const std::vector<OpenSide> open = open_sides(polygons, left_out, shared, prepared);
   if (open.size() < 2) return found;
-  std::vector<geometry::Bounds> boxes;
-  const Vec3 margin{limit_sites, limit_sites, limit_sites};
-  for (const OpenSide& side : open) {
-    geometry::Bounds box = geometry::Bounds::of(side.p);
-    box.grow(geometry::Bounds::of(side.q));
-    boxes.push_back({box.lo - margin, box.hi + margin});
-  }
+  std::vector<geometry::Box> boxes;
+  for (const OpenSide& side : open) boxes.push_back(geometry::box_of(std::array{side.p, side.q}).grown(limit_sites));
   const auto on_one_sheet = [&](std::size_t a, std::size_t b) {
     return sheets[a] && sheets[b] && sheets[a]->coincides_with(*sheets[b]);
   };

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "cleave/core/disjoint_sets.hpp"
+#include "cleave/core/vec2.hpp"
 #include "cleave/geometry/box_tree.hpp"
 #include "detail/as_vec3.hpp"
 
@@ -60,20 +61,17 @@ class Inside {
   }
 
  private:
-  using Point = std::array<double, 2>;
-  [[nodiscard]] Point seen(Vec3 p) const { return {dot(u_, p - of_.middle), dot(v_, p - of_.middle)}; }
-  static double turn(Point a, Point b, Point c) {
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-  }
+  [[nodiscard]] Vec2 seen(Vec3 p) const { return {dot(u_, p - of_.middle), dot(v_, p - of_.middle)}; }
+  static double twice_area(Vec2 a, Vec2 b, Vec2 c) { return cross(b - a, c - a); }
 
   void look_along(Vec3 from, Vec3 to, Found& found) const {
-    const Point a = seen(from), b = seen(to);
+    const Vec2 a = seen(from), b = seen(to);
     std::vector<double> at{0, 1};
     for (std::size_t i = 0; i < ring_.size(); ++i) {
-      const Point p = ring_[i], q = ring_[(i + 1) % ring_.size()];
-      const double of_p = turn(a, b, p), of_q = turn(a, b, q);
+      const Vec2 p = ring_[i], q = ring_[(i + 1) % ring_.size()];
+      const double of_p = twice_area(a, b, p), of_q = twice_area(a, b, q);
       if ((of_p > 0) == (of_q > 0)) continue;
-      const double of_a = turn(p, q, a), of_b = turn(p, q, b);
+      const double of_a = twice_area(p, q, a), of_b = twice_area(p, q, b);
       if ((of_a > 0) != (of_b > 0)) at.push_back(of_a / (of_a - of_b));
     }
     std::ranges::sort(at);
@@ -88,23 +86,24 @@ class Inside {
       found.leaves_plane = found.leaves_plane || off(at[k]) > within_ || off(at[k + 1]) > within_;
     }
   }
-  static Point along(Point a, Point b, double t) { return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])}; }
-  [[nodiscard]] bool inside(Point c) const {
+  static Vec2 along(Vec2 a, Vec2 b, double t) { return a + t * (b - a); }
+  [[nodiscard]] bool inside(Vec2 c) const {
     bool in = false;
     for (std::size_t i = 0; i < ring_.size(); ++i) {
-      const Point p = ring_[i], q = ring_[(i + 1) % ring_.size()];
-      if ((p[1] > c[1]) == (q[1] > c[1])) continue;
-      in ^= c[0] < p[0] + (c[1] - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
+      const Vec2 p = ring_[i], q = ring_[(i + 1) % ring_.size()];
+      if ((p.y > c.y) == (q.y > c.y)) continue;
+      in ^= c.x < p.x + (c.y - p.y) / (q.y - p.y) * (q.x - p.x);
     }
     return in;
   }
-  [[nodiscard]] double from_rim(Point c) const {
+  [[nodiscard]] double from_rim(Vec2 c) const {
     double least = INFINITY;
     for (std::size_t i = 0; i < ring_.size(); ++i) {
-      const Point p = ring_[i], q = ring_[(i + 1) % ring_.size()];
-      const double x = q[0] - p[0], y = q[1] - p[1], square = x * x + y * y;
-      const double t = square > 0 ? std::clamp(((c[0] - p[0]) * x + (c[1] - p[1]) * y) / square, 0.0, 1.0) : 0.0;
-      least = std::min(least, std::hypot(c[0] - p[0] - t * x, c[1] - p[1] - t * y));
+      const Vec2 p = ring_[i], q = ring_[(i + 1) % ring_.size()];
+      const Vec2 side = q - p;
+      const double square = dot(side, side);
+      const double t = square > 0 ? std::clamp(dot(c - p, side) / square, 0.0, 1.0) : 0.0;
+      least = std::min(least, std::hypot(c.x - p.x - t * side.x, c.y - p.y - t * side.y));
     }
     return least;
   }
@@ -112,7 +111,7 @@ class Inside {
   const Flat& of_;
   double within_;
   Vec3 u_, v_;
-  std::vector<Point> ring_;
+  std::vector<Vec2> ring_;
 };
 
 bool lie_on_one_another(const Flat& a, const Flat& b, double within) {
@@ -138,13 +137,13 @@ struct Tilt {
   double size = 0;           ///< no corner is farther from that one
   double unsure = INFINITY;  ///< what roundings of its corners may turn it by, generously
 };
-Tilt tilt_of(std::span<const LatticePoint> corners, const geometry::Bounds& box, double within) {
+Tilt tilt_of(std::span<const LatticePoint> corners, const geometry::Box& box, double within) {
   const std::size_t third = corners.size() / 3;
   const Vec3 a = as_vec3(corners[0]), u = as_vec3(corners[third]) - a, v = as_vec3(corners[2 * third]) - a;
   const Vec3 area = cross(u, v);
   const double size = geometry::norm(area), square = std::max(dot(u, u), dot(v, v));
   if (!(size > 0x1p-20 * square)) return {};
-  return {area / size, a, geometry::norm(box.hi - box.lo), 64 * within * std::sqrt(square) / size};
+  return {area / size, a, geometry::norm(box.size()), 64 * within * std::sqrt(square) / size};
 }
 bool may_share_plane(const Tilt& a, const Tilt& b, double within) {
   const double unsure = a.unsure + b.unsure;
@@ -152,13 +151,6 @@ bool may_share_plane(const Tilt& a, const Tilt& b, double within) {
   const Vec3 sine = cross(a.normal, b.normal);
   return dot(sine, sine) <= unsure * unsure &&
          std::abs(dot(a.normal, b.corner - a.corner)) <= 4 * within + unsure * (a.size + b.size);
-}
-
-geometry::Bounds box_of(std::span<const LatticePoint> corners, double margin) {
-  geometry::Bounds box = geometry::Bounds::of(as_vec3(corners.front()));
-  for (const LatticePoint c : corners) box.grow(geometry::Bounds::of(as_vec3(c)));
-  const Vec3 by{margin, margin, margin};
-  return {box.lo - by, box.hi + by};
 }
 
 /// Exactly on one plane of the lattice: nothing comes between them.
@@ -176,7 +168,7 @@ class Search {
   Search(std::span<const JointPolygon> polygons, const SharedCorners& shared, double within)
       : polygons_{polygons}, shared_{shared}, within_{within}, sets_{polygons.size()}, flats_(polygons.size()) {
     // Of those given several times the first stands for all.
-    std::vector<geometry::Bounds> boxes;
+    std::vector<geometry::Box> boxes;
     for (std::size_t k = 0; k < polygons.size(); ++k) {
       const JointPolygon& entry = polygons[k];
       if (!entry.holes.empty() || first_of(k) != k) continue;

@@ -32,17 +32,17 @@ struct Seen {
   friend constexpr auto operator<=>(const Seen&, const Seen&) = default;
 };
 
-int turn(Seen a, Seen b, Seen c) {
+int orient2d(Seen a, Seen b, Seen c) {
   const Int128 t = static_cast<Int128>(b.u - a.u) * (c.v - a.v) - static_cast<Int128>(b.v - a.v) * (c.u - a.u);
   return t > 0 ? 1 : t < 0 ? -1 : 0;
 }
 bool cross_inside(Seen a, Seen b, Seen c, Seen d) {
-  return turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
+  return orient2d(a, b, c) * orient2d(a, b, d) < 0 && orient2d(c, d, a) * orient2d(c, d, b) < 0;
 }
 /// On the segment, its ends included.
 bool on_segment(Seen a, Seen b, Seen p) {
-  return turn(a, b, p) == 0 && std::min(a.u, b.u) <= p.u && p.u <= std::max(a.u, b.u) && std::min(a.v, b.v) <= p.v &&
-         p.v <= std::max(a.v, b.v);
+  return orient2d(a, b, p) == 0 && std::min(a.u, b.u) <= p.u && p.u <= std::max(a.u, b.u) &&
+         std::min(a.v, b.v) <= p.v && p.v <= std::max(a.v, b.v);
 }
 
 /// What is in one and not in both; both sorted.
@@ -119,14 +119,9 @@ class Plan {
     sides.erase(std::ranges::unique(sides).begin(), sides.end());
     return sides;
   }
-  [[nodiscard]] std::vector<geometry::Bounds> boxes_of(std::span<const Segment> sides) const {
-    std::vector<geometry::Bounds> boxes;
-    const Vec3 margin{within_ + 1, within_ + 1, within_ + 1};
-    for (const auto& [a, b] : sides) {
-      geometry::Bounds box = geometry::Bounds::of(as_vec3(sites_[a]));
-      box.grow(geometry::Bounds::of(as_vec3(sites_[b])));
-      boxes.push_back({box.lo - margin, box.hi + margin});
-    }
+  [[nodiscard]] std::vector<geometry::Box> boxes_of(std::span<const Segment> sides) const {
+    std::vector<geometry::Box> boxes;
+    for (const auto& [a, b] : sides) boxes.push_back(box_of(std::array{sites_[a], sites_[b]}, within_ + 1));
     return boxes;
   }
 
@@ -161,7 +156,7 @@ class Plan {
     Splits splits;
     for (Number c = 0; c < sites_.size(); ++c) {
       const Vec3 p = as_vec3(sites_[c]);
-      tree.overlapping(geometry::Bounds::of(p), [&](std::uint32_t s) {
+      tree.overlapping({p, p}, [&](std::uint32_t s) {
         const auto [a, b] = sides[s];
         if (c == a || c == b) return;
         const Vec3 from = as_vec3(sites_[a]), side = as_vec3(sites_[b] - sites_[a]), to = p - from;
@@ -314,7 +309,7 @@ class Plan {
     std::ranges::sort(around, [&](std::size_t g, std::size_t h) {
       if (start(g) != start(h)) return start(g) < start(h);
       if (upper(g) != upper(h)) return upper(g) < upper(h);
-      const int t = turn(seen_[start(g)], seen_[end(g)], seen_[end(h)]);
+      const int t = orient2d(seen_[start(g)], seen_[end(g)], seen_[end(h)]);
       return t != 0 ? t > 0 : g < h;
     });
     next_.assign(around.size(), 0);
@@ -351,7 +346,7 @@ class Plan {
     std::size_t outermost = 0;
     for (std::size_t h = 0; h < face_.size(); ++h) {
       const Seen a = seen_[start(h)], best = seen_[start(outermost)];
-      if (a < best || (a == best && turn(a, seen_[end(outermost)], seen_[end(h)]) < 0)) outermost = h;
+      if (a < best || (a == best && orient2d(a, seen_[end(outermost)], seen_[end(h)]) < 0)) outermost = h;
     }
     const Number outside = face_[outermost ^ 1U];
     cover[outside] = Members{};

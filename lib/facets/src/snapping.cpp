@@ -137,11 +137,8 @@ void Snapper::remember(const Plane& persistent) {
   surfaces_.push_back({persistent, direction_along(persistent), {}, true, true});
 }
 
-geometry::Bounds Snapper::bounds_of(std::span<const LatticePoint> corners) const {
-  geometry::Bounds box = geometry::Bounds::of(as_vec3(corners.front()));
-  for (const LatticePoint c : corners) box.grow(geometry::Bounds::of(as_vec3(c)));
-  const geometry::Vec3 margin{distance_sites_ + 1, distance_sites_ + 1, distance_sites_ + 1};
-  return {box.lo - margin, box.hi + margin};
+geometry::Box Snapper::bounds_of(std::span<const LatticePoint> corners) const {
+  return box_of(corners, distance_sites_ + 1);
 }
 
 void Snapper::index(std::span<const JointPolygon> polygons) {
@@ -159,7 +156,7 @@ void Snapper::index(std::span<const JointPolygon> polygons) {
   tree_ = std::make_unique<geometry::BoxTree>(boxes_);
 }
 
-std::vector<std::size_t> Snapper::near(const geometry::Bounds& box) const {
+std::vector<std::size_t> Snapper::near(const geometry::Box& box) const {
   std::vector<std::size_t> found = persistent_;
   tree_->overlapping(box, [&](std::uint32_t k) { found.push_back(boxed_[k]); });
   std::ranges::sort(found);
@@ -250,9 +247,9 @@ bool Snapper::near_polygon(const LatticePolygon& polygon, LatticePoint p) const 
     for (const auto& [a, b, c] : triangulate(polygon)) {
       const auto& q = polygon.corners;
       using enum exact::Sign;
-      inside =
-          inside || (turn(q[a], q[b], p, polygon.along) != negative && turn(q[b], q[c], p, polygon.along) != negative &&
-                     turn(q[c], q[a], p, polygon.along) != negative);
+      inside = inside || (orient2d(q[a], q[b], p, polygon.along) != negative &&
+                          orient2d(q[b], q[c], p, polygon.along) != negative &&
+                          orient2d(q[c], q[a], p, polygon.along) != negative);
     }
     return inside;
   }

@@ -183,6 +183,71 @@ class SurveyParser final {
     in_.lines.push_back(std::move(line));
   }
 
+  /// Its outline in metres: `scale` a unit of the map.
+  std::optional<survey::Window> window_shape(const TableReader& table, double scale) {
+    const TomlEntry* given = table.one_of();
+    if (given == nullptr) return std::nullopt;
+    if (given->key == "area") {
+      const auto area = map_of(table, "area");
+      if (!area) return std::nullopt;
+      if (area->polygons.size() != 1) {
+        table.error("area", fmt::format("holds {} polygons", area->polygons.size()), "give exactly one");
+        return std::nullopt;
+      }
+      survey::PolygonWindow polygon;
+      for (const auto& p : area->polygons[0]) polygon.corners.push_back({scale * p[0], scale * p[1]});
+      return polygon;
+    }
+    if (given->key == "circle") {
+      const auto reader = table.sub("circle");
+      if (!reader) return std::nullopt;
+      const auto centre = point(*reader, "centre");
+      const auto radius = reader->need_number("radius");
+      if (centre && radius) return survey::CircleWindow{{scale * centre->x, scale * centre->y}, scale * *radius};
+    }
+    if (given->key == "rectangle") {
+      const auto reader = table.sub("rectangle");
+      if (!reader) return std::nullopt;
+      const auto a = point(*reader, "min"), b = point(*reader, "max");
+      if (a && b && (a->x >= b->x || a->y >= b->y)) reader->error("max", "is not above min", "swap them");
+      if (a && b) {
+        return survey::PolygonWindow{{{scale * a->x, scale * a->y},
+                                      {scale * b->x, scale * a->y},
+                                      {scale * b->x, scale * b->y},
+                                      {scale * a->x, scale * b->y}}};
+      }
+    }
+    if (given->key != "polygon") return std::nullopt;
+    if (const auto corners = three_pairs(table, "polygon")) {
+      survey::PolygonWindow polygon;
+      for (const auto& p : *corners) polygon.corners.push_back({scale * p[0], scale * p[1]});
+      return polygon;
+    }
+    return std::nullopt;
+  }
+
+  /// The traces of a map, `scale` metres a unit, about `origin`; those without length are left out.
+  static void take_traces(const TableReader& table, const io::TraceMap& map, double scale, survey::MapPoint origin,
+                          survey::WindowSurvey& window) {
+    std::size_t without_length = 0;
+    for (const auto& line : map.lines) {
+      survey::Polyline polyline;
+      for (const auto& p : line) polyline.push_back({scale * p[0] - origin.x, scale * p[1] - origin.y});
+      double length = 0;
+      for (std::size_t i = 1; i < polyline.size(); ++i) {
+        length += std::hypot(polyline[i].x - polyline[i - 1].x, polyline[i].y - polyline[i - 1].y);
+      }
+      if (!(length > 0)) {
+        ++without_length;
+        continue;
+      }
+      window.traces.push_back(std::move(polyline));
+    }
+    if (without_length > 0) {
+      table.note("traces", fmt::format("{} traces have no length and are left out", without_length), "remove them");
+    }
+  }
+
   void window(const TableReader& table) {
     survey::WindowSurvey window;
     window.name = table.text("name").value_or(table.path());
@@ -203,42 +268,10 @@ class SurveyParser final {
       return;
     }
     const double s = scale.value_or(1);
-    std::optional<survey::Window> shape;
-    const TomlEntry* given = table.one_of();
-    if (given == nullptr) return;
-    if (given->key == "area") {
-      const auto area = map_of(table, "area");
-      if (!area) return;
-      if (area->polygons.size() != 1) {
-        table.error("area", fmt::format("holds {} polygons", area->polygons.size()), "give exactly one");
-        return;
-      }
-      survey::PolygonWindow polygon;
-      for (const auto& p : area->polygons[0]) polygon.corners.push_back({s * p[0], s * p[1]});
-      shape = std::move(polygon);
-    } else if (given->key == "circle") {
-      const auto reader = table.sub("circle");
-      if (!reader) return;
-      const auto centre = point(*reader, "centre");
-      const auto radius = reader->need_number("radius");
-      if (centre && radius) shape = survey::CircleWindow{{s * centre->x, s * centre->y}, s * *radius};
-    } else if (given->key == "rectangle") {
-      const auto reader = table.sub("rectangle");
-      if (!reader) return;
-      const auto a = point(*reader, "min"), b = point(*reader, "max");
-      if (a && b && (a->x >= b->x || a->y >= b->y)) reader->error("max", "is not above min", "swap them");
-      if (a && b) {
-        shape = survey::PolygonWindow{
-            {{s * a->x, s * a->y}, {s * b->x, s * a->y}, {s * b->x, s * b->y}, {s * a->x, s * b->y}}};
-      }
-    } else if (const auto corners = three_pairs(table, "polygon")) {
-      survey::PolygonWindow polygon;
-      for (const auto& p : *corners) polygon.corners.push_back({s * p[0], s * p[1]});
-      shape = std::move(polygon);
-    }
+    std::optional<survey::Window> shape = window_shape(table, s);
     if (!shape) return;
     if (!(area_of(*shape) > 0)) {
-      table.error(given->key, "has no area", "give a window with an area");
+      table.error(table.one_of()->key, "has no area", "give a window with an area");
       return;
     }
     // Map coordinates of millions of metres lose digits in products: everything is taken about the window.
@@ -251,23 +284,7 @@ class SurveyParser final {
           }
         },
         *shape);
-    std::size_t without_length = 0;
-    for (const auto& line : traces->lines) {
-      survey::Polyline polyline;
-      for (const auto& p : line) polyline.push_back({s * p[0] - origin.x, s * p[1] - origin.y});
-      double length = 0;
-      for (std::size_t i = 1; i < polyline.size(); ++i) {
-        length += std::hypot(polyline[i].x - polyline[i - 1].x, polyline[i].y - polyline[i - 1].y);
-      }
-      if (!(length > 0)) {
-        ++without_length;
-        continue;
-      }
-      window.traces.push_back(std::move(polyline));
-    }
-    if (without_length > 0) {
-      table.note("traces", fmt::format("{} traces have no length and are left out", without_length), "remove them");
-    }
+    take_traces(table, *traces, s, origin, window);
     if (auto* circle = std::get_if<survey::CircleWindow>(&*shape)) circle->centre = {0, 0};
     if (auto* polygon = std::get_if<survey::PolygonWindow>(&*shape)) {
       for (survey::MapPoint& p : polygon->corners) p = {p.x - origin.x, p.y - origin.y};

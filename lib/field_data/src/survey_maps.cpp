@@ -74,12 +74,8 @@ std::optional<std::vector<survey::Polyline>> simulated_traces(const SurveyScene&
   const survey::WindowSurvey& map = survey.input.windows[window];
   const geometry::Vec3 y = cross(map.normal, map.x_axis);
   // The box around the window, in space about the map's origin.
-  geometry::Vec3 lo{INFINITY, INFINITY, INFINITY}, hi = -lo;
-  const auto grow = [&](survey::MapPoint p) {
-    const geometry::Vec3 q = p.x * map.x_axis + p.y * y;
-    lo = {std::min(lo.x, q.x), std::min(lo.y, q.y), std::min(lo.z, q.z)};
-    hi = {std::max(hi.x, q.x), std::max(hi.y, q.y), std::max(hi.z, q.z)};
-  };
+  geometry::Box box;
+  const auto grow = [&](survey::MapPoint p) { box.add(p.x * map.x_axis + p.y * y); };
   if (const auto* circle = std::get_if<survey::CircleWindow>(&map.window)) {
     for (const double sx : {-1.0, 1.0}) {
       for (const double sy : {-1.0, 1.0}) {
@@ -89,9 +85,7 @@ std::optional<std::vector<survey::Polyline>> simulated_traces(const SurveyScene&
   } else {
     for (const survey::MapPoint p : std::get<survey::PolygonWindow>(map.window).corners) grow(p);
   }
-  const double margin = 1e-3 * norm(hi - lo);
-  lo -= geometry::Vec3{margin, margin, margin};
-  hi += geometry::Vec3{margin, margin, margin};
+  box = box.grown(1e-3 * norm(box.size()));
   std::vector<survey::Polyline> traces;
   for (std::size_t k = 0; k < result.sets.size(); ++k) {
     const survey::SetResult& set = result.sets[k];
@@ -108,7 +102,7 @@ std::optional<std::vector<survey::Polyline>> simulated_traces(const SurveyScene&
                                        dfn::FixedRotation{dfn::Rotation::degrees(set.shape.rotation)},
                                        dfn::P32{*set.p32->value}});
     if (!joints) return std::nullopt;
-    auto sampled = dfn::sample(*joints, k, {lo, hi}, survey.input.seed, realization);
+    auto sampled = dfn::sample(*joints, k, box, survey.input.seed, realization);
     if (!sampled) return std::nullopt;
     // Most joints of the rock around do not reach the map: their corners need not be written out.
     std::erase_if(*sampled, [&](const dfn::SampledJoint& joint) {
@@ -191,7 +185,7 @@ std::vector<DrawnMap> drawn_maps(const SurveyScene& survey, const survey::Survey
 
 }  // namespace
 
-std::vector<SimulatedTraceMaps> maps_beside(const SurveyScene& survey, const survey::SurveyResult& result) {
+std::vector<SimulatedTraceMaps> simulated_trace_maps(const SurveyScene& survey, const survey::SurveyResult& result) {
   std::vector<SimulatedTraceMaps> all;
   for (std::size_t w = 0; w < survey.input.windows.size(); ++w) {
     const survey::WindowSurvey& window = survey.input.windows[w];

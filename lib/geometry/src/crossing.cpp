@@ -57,13 +57,11 @@ bool clash(std::span<const Vec3> p, const Corners& s, const Corners& t) {
 
 std::optional<std::pair<std::uint32_t, std::uint32_t>> first_crossing_faces(
     std::span<const Vec3> vertices, std::span<const SurfaceTriangle> triangles) {
-  std::vector<Bounds> boxes;
+  std::vector<Box> boxes;
   boxes.reserve(triangles.size());
   for (const SurfaceTriangle& t : triangles) {
-    Bounds box = Bounds::of(vertices[t.corners[0]]);
-    box.grow(Bounds::of(vertices[t.corners[1]]));
-    box.grow(Bounds::of(vertices[t.corners[2]]));
-    boxes.push_back(box);
+    Box& box = boxes.emplace_back();
+    for (const std::uint32_t v : t.corners) box.add(vertices[v]);
   }
   const BoxTree tree{boxes};
   std::optional<std::pair<std::uint32_t, std::uint32_t>> found;

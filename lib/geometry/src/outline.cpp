@@ -18,15 +18,7 @@ double largest_magnitude(const std::vector<Vec3>& points) {
 
 double ulp(double x) { return std::nextafter(x, std::numeric_limits<double>::infinity()) - x; }
 
-double box_diagonal(const std::vector<Vec3>& points) {
-  Vec3 lo = points.front();
-  Vec3 hi = lo;
-  for (const Vec3& p : points) {
-    lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
-    hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
-  }
-  return norm(hi - lo);
-}
+double box_diagonal(const std::vector<Vec3>& points) { return norm(box_of(points).size()); }
 
 Vec3 furthest_from(Vec3 centre, const std::vector<Vec3>& points) {
   return *std::ranges::max_element(points, {}, [&](Vec3 p) { return dot(p - centre, p - centre); });

@@ -38,16 +38,17 @@ bool is_plain(double x) { return std::abs(x) >= 1e-60 || (x == 0 && !std::signbi
 bool plainly_convex(std::span<const Vec3> ring) {
   const std::size_t n = ring.size();
   if (n < 3) return false;
-  Vec3 low = ring[0], high = ring[0], area{}, sum{};
+  Box box;
+  Vec3 area{}, sum{};
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 p = ring[i];
     if (!in_range(p) || !is_plain(p.x) || !is_plain(p.y) || !is_plain(p.z)) return false;
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    box.add(p);
     sum += p - ring[0];
     if (i >= 2) area += cross(ring[i - 1] - ring[0], p - ring[0]);
   }
-  const double size = norm(high - low), twice_area = norm(area);
+  const auto& [low, high] = box;
+  const double size = norm(box.size()), twice_area = norm(area);
   const double largest = std::max(
       {std::abs(low.x), std::abs(low.y), std::abs(low.z), std::abs(high.x), std::abs(high.y), std::abs(high.z)});
   // Ten times what `Outline` calls rounding: 8 units in the last place of the largest coordinate.

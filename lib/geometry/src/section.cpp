@@ -94,17 +94,15 @@ Outcome polygon_outline(const PolygonSection& section) {
   std::vector<Corner> corners;
   double area = 0;
   const Vec3 first = polygon->corners().front();
-  Vec3 lo = first;
-  Vec3 hi = first;
+  Box box;
   for (std::size_t i = 0; i < polygon->corners().size(); ++i) {
     const Vec3 p = polygon->corners()[i];
     area += cross(p - first, polygon->corners()[(i + 1) % polygon->corners().size()] - first).z;
-    lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), 0};
-    hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), 0};
+    box.add(p);
     corners.push_back({p.x, p.y});
   }
   if (area < 0) std::ranges::reverse(corners);
-  for (Corner& c : corners) c = {c[0] - (lo.x + hi.x) / 2, c[1] - (lo.y + hi.y) / 2};
+  for (Corner& c : corners) c = {c[0] - (box.min.x + box.max.x) / 2, c[1] - (box.min.y + box.max.y) / 2};
   return tagged(std::move(corners));
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 struct Shell {
   std::vector<std::uint32_t> triangles;
-  std::optional<Bounds> bounds;
+  Box box;
   double volume = 0;  ///< signed, m3
 };
 
@@ -33,20 +33,19 @@ std::optional<InsideOut> wrong_shell(std::span<const Vec3> vertices, std::span<c
     Shell& shell = all[shell_of_face[triangles[t].face]];
     shell.triangles.push_back(static_cast<std::uint32_t>(t));
     const auto& [a, b, c] = triangles[t].corners;
-    if (!shell.bounds) shell.bounds = Bounds::of(vertices[a]);
-    for (const std::uint32_t v : {a, b, c}) shell.bounds->grow(Bounds::of(vertices[v]));
+    for (const std::uint32_t v : {a, b, c}) shell.box.add(vertices[v]);
     const Vec3 about = vertices[triangles[shell.triangles.front()].corners[0]];
     shell.volume += dot(vertices[a] - about, cross(vertices[b] - about, vertices[c] - about)) / 6;
   }
-  std::vector<Bounds> boxes;
-  for (const Shell& shell : all) boxes.push_back(*shell.bounds);
+  std::vector<Box> boxes;
+  for (const Shell& shell : all) boxes.push_back(shell.box);
   const BoxTree tree{boxes};
   for (std::size_t s = 0; s < all.size(); ++s) {
     // A point in the middle of a triangle is on no other shell, because shells share at most vertices and edges.
     const auto& [a, b, c] = triangles[all[s].triangles.front()].corners;
     const Vec3 probe = (vertices[a] + vertices[b] + vertices[c]) / 3;
     bool held_by_odd = false;
-    tree.overlapping(Bounds::of(probe), [&](std::uint32_t other) {
+    tree.overlapping(Box{probe, probe}, [&](std::uint32_t other) {
       if (other == s) return;
       double angle = 0;
       for (const std::uint32_t t : all[other].triangles) {

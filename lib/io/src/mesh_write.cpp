@@ -107,17 +107,14 @@ std::string describe(const FloatTooCoarse& error) {
 }
 
 std::expected<std::string, FloatTooCoarse> write_stl_binary(const MeshData& mesh, Vec3 origin) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
   double largest = 0;
-  Vec3 lo{inf, inf, inf};
-  Vec3 hi = -lo;
+  geometry::Box box;
   for (const Vec3& v : mesh.vertices) {
     const Vec3 p = v - origin;
     largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
-    hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
+    box.add(p);
   }
-  const double extent = mesh.vertices.empty() ? 0 : std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z});
+  const double extent = mesh.vertices.empty() ? 0 : std::max({box.size().x, box.size().y, box.size().z});
   const double step = largest * 0x1p-23;
   if (step > 1e-5 * extent || largest > static_cast<double>(std::numeric_limits<float>::max())) {
     return std::unexpected(FloatTooCoarse{step, extent});

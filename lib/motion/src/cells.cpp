@@ -111,13 +111,7 @@ double volume_of(const Piece& piece) {
 }
 
 Piece box_around(const std::vector<Vec3>& points, double margin) {
-  Vec3 lo = points[0], hi = points[0];
-  for (const Vec3 p : points) {
-    lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
-    hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
-  }
-  lo -= Vec3{margin, margin, margin};
-  hi += Vec3{margin, margin, margin};
+  const auto [lo, hi] = geometry::box_of(points).grown(margin);
   const auto at = [&](unsigned v) {
     return Vec3{(v & 1U) != 0 ? hi.x : lo.x, (v & 2U) != 0 ? hi.y : lo.y, (v & 4U) != 0 ? hi.z : lo.z};
   };
@@ -246,13 +240,7 @@ class Partition {
 }  // namespace
 
 double extent_of(const std::vector<Vec3>& points) noexcept {
-  if (points.empty()) return 0;
-  Vec3 lo = points[0], hi = points[0];
-  for (const Vec3 p : points) {
-    lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
-    hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
-  }
-  return norm(hi - lo);
+  return points.empty() ? 0 : norm(geometry::box_of(points).size());
 }
 
 Piece clip(const Piece& piece, Vec3 normal, double offset, double tolerance, std::int32_t plane) {

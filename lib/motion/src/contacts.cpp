@@ -10,11 +10,6 @@ namespace {
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
-geometry::Bounds grown(geometry::Bounds box, double by) {
-  const Vec3 all{by, by, by};
-  return {box.lo - all, box.hi + all};
-}
-
 /// Whether a point lies in a cell, by more than `depth`.
 bool within(const Placed& cell, Vec3 p, double depth) {
   for (std::size_t s = 0; s < cell.normals.size(); ++s) {
@@ -105,9 +100,9 @@ void World::Impl::place_all(const std::vector<State>& s, bool everything) {
 }
 
 std::vector<Pair> World::Impl::near_pairs(const std::vector<double>& travel) const {
-  std::vector<geometry::Bounds> boxes;
+  std::vector<geometry::Box> boxes;
   boxes.reserve(placed.size());
-  for (const Placed& p : placed) boxes.push_back(grown(p.box, travel[p.body]));
+  for (const Placed& p : placed) boxes.push_back(p.box.grown(travel[p.body]));
   const geometry::BoxTree tree{boxes};
   std::vector<Pair> out;
   for (std::uint32_t c = 0; c < placed.size(); ++c) {

@@ -185,14 +185,10 @@ void place(Placed& placed, Vec3 centroid, Turn turn) {
   const Cell& cell = *placed.cell;
   placed.vertices.resize(cell.vertices.size());
   placed.normals.resize(cell.sides.size());
+  placed.box = {};
   for (std::size_t v = 0; v < cell.vertices.size(); ++v) {
     placed.vertices[v] = centroid + turn * cell.vertices[v];
-    const geometry::Bounds own = geometry::Bounds::of(placed.vertices[v]);
-    if (v == 0) {
-      placed.box = own;
-    } else {
-      placed.box.grow(own);
-    }
+    placed.box.add(placed.vertices[v]);
   }
   for (std::size_t s = 0; s < cell.sides.size(); ++s) placed.normals[s] = turn * cell.sides[s].normal;
 }

@@ -16,7 +16,7 @@ struct Placed {
   const Cell* cell = nullptr;
   std::uint32_t body = 0, number = 0;  ///< of the body; of the cell among all cells
   std::vector<Vec3> vertices = {}, normals = {};
-  geometry::Bounds box = {};
+  geometry::Box box = {};
   double size = 0;
 };
 void place(Placed& placed, Vec3 centroid, Turn turn);

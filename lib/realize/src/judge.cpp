@@ -40,8 +40,8 @@ stability::JointStrength strength_of(const Strength& s) {
   return *made;
 }
 
-stability::Settings settings_of(const Scene& scene, const SampledScene& drawn, const StabilitySettings& wanted,
-                                const LoadSet& loads) {
+stability::Settings settings_of(const Scene& scene, const SampledScene& drawn, const LoadSet& loads) {
+  const StabilitySettings& wanted = *scene.stability;
   const auto rock = stability::RockMass::make(scene.rock.density);
   const auto body = stability::Loads::make(wanted.gravity, drawn.seismic_factor * loads.seismic);
   const auto partial =
@@ -53,29 +53,24 @@ stability::Settings settings_of(const Scene& scene, const SampledScene& drawn, c
   for (const topology::JointId joint : drawn.joints.ids()) {
     strengths.set(joint, strength_of(drawn.joints[joint].strength));
   }
-  return {.rock = *rock,
-          .strengths = std::move(strengths),
-          .loads = *body,
-          .partial = *partial,
-          .group_friction = wanted.group_friction,
-          .strict = wanted.strict,
-          .parallel_contact = wanted.parallel_contact,
-          .force_transfer = wanted.force_transfer,
-          .transfer = wanted.transfer,
-          .max_batches = wanted.max_batches,
-          .only_key_blocks = scene.output.only_key_blocks,
-          .least_factor = wanted.target ? std::max(1.0, wanted.target->sliding) : 1.0,
-          .actions = actions_of(drawn, loads),
-          .rotation = wanted.rotation};
+  stability::Settings settings{.rock = *rock,
+                               .strengths = std::move(strengths),
+                               .loads = *body,
+                               .partial = *partial,
+                               .only_key_blocks = scene.output.only_key_blocks,
+                               .least_factor = wanted.target ? std::max(1.0, wanted.target->sliding) : 1.0,
+                               .actions = actions_of(drawn, loads)};
+  hand_over(wanted, settings);
+  return settings;
 }
 
 stability::Settings settings_of(const Scene& scene, const SampledScene& drawn) {
-  return settings_of(scene, drawn, *scene.stability, scene.stability->loads);
+  return settings_of(scene, drawn, scene.stability->loads);
 }
 
 stability::Settings settings_on(const topology::BlockComplex& complex, const Scene& scene, const SampledScene& drawn,
                                 const LoadSet& loads) {
-  stability::Settings settings = settings_of(scene, drawn, *scene.stability, loads);
+  stability::Settings settings = settings_of(scene, drawn, loads);
   if (scene.micro_blocks.policy == MicroBlockPolicy::exclude) {
     settings.left_out = micro_blocks(complex, scene.micro_blocks);
   }

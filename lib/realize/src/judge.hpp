@@ -12,8 +12,7 @@ namespace cleave::scene {
 [[nodiscard]] stability::JointStrength strength_of(const Strength& strength);
 
 /// What the analysis needs, from a scene and its drawn joints. Everything was checked when the scene was parsed.
-[[nodiscard]] stability::Settings settings_of(const Scene& scene, const SampledScene& drawn,
-                                              const StabilitySettings& wanted, const LoadSet& loads);
+[[nodiscard]] stability::Settings settings_of(const Scene& scene, const SampledScene& drawn, const LoadSet& loads);
 /// Those of the base case.
 [[nodiscard]] stability::Settings settings_of(const Scene& scene, const SampledScene& drawn);
 /// For these blocks: micro-blocks stay out of everything that is judged, where the scene asks for it.

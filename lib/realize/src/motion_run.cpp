@@ -205,11 +205,7 @@ class Recorder {
     const double frame = settings_.frame.si() > 0 ? settings_.frame.si() : settings_.duration.si() / 50;
     frame_ = std::max(frame, settings_.duration.si() / 1000);
     for (const BlockId b : cast.moving) result.blocks.push_back({.block = b, .centroid = {}});
-    Vec3 lo{1e300, 1e300, 1e300}, hi = -lo;
-    for (const Vec3 v : complex.vertices()) {
-      lo = {std::min(lo.x, v.x), std::min(lo.y, v.y), std::min(lo.z, v.z)};
-      hi = {std::max(hi.x, v.x), std::max(hi.y, v.y), std::max(hi.z, v.z)};
-    }
+    const auto [lo, hi] = geometry::box_of(complex.vertices());
     const Vec3 margin = 0.25 * (hi - lo);
     low_ = lo - margin;
     high_ = hi + margin;

@@ -87,10 +87,10 @@ void add_rotation_note(const stability::Analysis& analysis, std::vector<std::str
 }
 
 /// Blocks that only what lies inside them keeps in place: never left unsaid, for they are not in the batches.
-void add_enclosed_notes(const std::vector<stability::HeldFromWithin>& rows, std::vector<std::string>& notes) {
+void add_enclosed_notes(const std::vector<stability::InterlockedByInclusion>& rows, std::vector<std::string>& notes) {
   constexpr std::size_t most = 10;
   for (std::size_t i = 0; i < std::min(rows.size(), most); ++i) {
-    const stability::HeldFromWithin& row = rows[i];
+    const stability::InterlockedByInclusion& row = rows[i];
     notes.push_back(fmt::format(
         "block {} is not in the batches only because {} {} wholly inside it: as one body {}, factor of safety {:.3g}, "
         "net force {:.4g} kN",

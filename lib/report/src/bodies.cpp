@@ -99,6 +99,62 @@ std::string page_data(const scene::BodiesResult& result) {
   return std::move(json).finish();
 }
 
+std::string shape_section(const scene::BodiesResult& result) {
+  std::string out =
+      "<section><h2>Deformed shape</h2>\n<p class=\"controls\"><label>scale <input "
+      "id=\"scale\" "
+      "type=\"range\" min=\"-2\" max=\"2\" step=\"0.05\" value=\"0\"></label><span id=\"scaled\"></span> <label>field "
+      "<select id=\"field\"></select></label> <span><label>frame <input id=\"frame\" type=\"range\" min=\"0\" "
+      "max=\"0\" "
+      "value=\"0\"></label><button id=\"play\">Play</button> <span id=\"time\"></span></span></p>\n"
+      "<canvas id=\"view\" class=\"paper\" aria-label=\"deformed shape\"></canvas>\n";
+  bool cells = false;
+  bool rim = false;
+  for (const scene::BodyResult& body : result.bodies) {
+    cells = cells || !body.cells.empty();
+    rim = rim || !body.mises_frames.empty();
+  }
+  if (rim) {
+    out +=
+        "<div class=\"legend\"></div><div class=\"legend-ends\"><span id=\"low\"></span><span>Pa, von Mises on the "
+        "boundary</span><span id=\"high\"></span></div>\n";
+  } else if (cells) {
+    out +=
+        "<div class=\"legend\"></div><div class=\"legend-ends\"><span id=\"low\"></span><span>Pa, tension positive "
+        "(displacement: m)</span><span id=\"high\"></span></div>\n";
+  } else {
+    out += "<span id=\"low\" hidden></span><span id=\"high\" hidden></span>\n";
+  }
+  out += "<p>Dashed: undeformed.</p>\n</section>\n";
+  return out;
+}
+
+std::string points_section(const scene::BodiesResult& result) {
+  std::vector<Shown> columns = point_columns();
+  columns.insert(columns.end(), {{"stress_xx_pa", {}, 6}, {"stress_yy_pa", {}, 6}, {"stress_xy_pa", {}, 6}});
+  HtmlTable table{std::move(columns), StressPointRow{}};
+  for (const scene::PointResult& p : result.points) {
+    const Vec2 u = p.displacement.empty() ? Vec2{} : p.displacement.back();
+    table.add(StressPointRow{{0, p.name, p.at, u}, p.stress.empty() ? std::nullopt : std::optional{p.stress.back()}});
+  }
+  return "<section><h2>Points</h2>\n" + std::move(table).html() + "</section>\n";
+}
+
+std::string trials_section(const scene::BodiesResult& result) {
+  return "<section><h2>Error against time</h2>\n<p>The estimate is the change of displacement to the mesh with half as "
+         "many elements, over the largest displacement: an upper figure for smooth problems.</p>\n" +
+         html_table({{"body", "body"}, {"elements", "elements"}, {"s", "time (s)", 2}, {"error", "estimated error", 2}},
+                    each(result.trials,
+                         [](auto& v, const scene::MeshTrial& t) {
+                           v("body", t.body);
+                           v("elements", t.elements);
+                           v("s", t.seconds);
+                           v("error", t.error);
+                         }),
+                    {}, Frame::none) +
+         "<div id=\"trials\"></div>\n</section>\n";
+}
+
 }  // namespace
 
 std::string bodies_report_html(const scene::BodiesResult& result) {
@@ -132,32 +188,7 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
     for (const double f : body.modes_hz) list += (list.empty() ? "" : ", ") + display(f, 5);
     out += "<p>Natural frequencies of " + escape_xml(body.name) + ": " + list + " Hz.</p>\n";
   }
-  out +=
-      "</section>\n<section><h2>Deformed shape</h2>\n<p class=\"controls\"><label>scale <input "
-      "id=\"scale\" "
-      "type=\"range\" min=\"-2\" max=\"2\" step=\"0.05\" value=\"0\"></label><span id=\"scaled\"></span> <label>field "
-      "<select id=\"field\"></select></label> <span><label>frame <input id=\"frame\" type=\"range\" min=\"0\" "
-      "max=\"0\" "
-      "value=\"0\"></label><button id=\"play\">Play</button> <span id=\"time\"></span></span></p>\n"
-      "<canvas id=\"view\" class=\"paper\" aria-label=\"deformed shape\"></canvas>\n";
-  bool cells = false;
-  bool rim = false;
-  for (const scene::BodyResult& body : result.bodies) {
-    cells = cells || !body.cells.empty();
-    rim = rim || !body.mises_frames.empty();
-  }
-  if (rim) {
-    out +=
-        "<div class=\"legend\"></div><div class=\"legend-ends\"><span id=\"low\"></span><span>Pa, von Mises on the "
-        "boundary</span><span id=\"high\"></span></div>\n";
-  } else if (cells) {
-    out +=
-        "<div class=\"legend\"></div><div class=\"legend-ends\"><span id=\"low\"></span><span>Pa, tension positive "
-        "(displacement: m)</span><span id=\"high\"></span></div>\n";
-  } else {
-    out += "<span id=\"low\" hidden></span><span id=\"high\" hidden></span>\n";
-  }
-  out += "<p>Dashed: undeformed.</p>\n</section>\n";
+  out += "</section>\n" + shape_section(result);
   if (result.times.size() > 1) {
     out += "<section><h2>Histories</h2>\n";
     if (!result.points.empty()) out += "<div id=\"ux\"></div><div id=\"uy\"></div>\n";
@@ -166,31 +197,8 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
       out += "<div id=\"sxx\"></div><div id=\"syy\"></div><div id=\"sxy\"></div>\n";
     out += "</section>\n";
   }
-  if (!result.points.empty()) {
-    std::vector<Shown> columns = point_columns();
-    columns.insert(columns.end(), {{"stress_xx_pa", {}, 6}, {"stress_yy_pa", {}, 6}, {"stress_xy_pa", {}, 6}});
-    HtmlTable table{std::move(columns), StressPointRow{}};
-    for (const scene::PointResult& p : result.points) {
-      const Vec2 u = p.displacement.empty() ? Vec2{} : p.displacement.back();
-      table.add(StressPointRow{{0, p.name, p.at, u}, p.stress.empty() ? std::nullopt : std::optional{p.stress.back()}});
-    }
-    out += "<section><h2>Points</h2>\n" + std::move(table).html() + "</section>\n";
-  }
-  if (!result.trials.empty()) {
-    out +=
-        "<section><h2>Error against time</h2>\n<p>The estimate is the change of displacement to the mesh with half as "
-        "many elements, over the largest displacement: an upper figure for smooth problems.</p>\n" +
-        html_table({{"body", "body"}, {"elements", "elements"}, {"s", "time (s)", 2}, {"error", "estimated error", 2}},
-                   each(result.trials,
-                        [](auto& v, const scene::MeshTrial& t) {
-                          v("body", t.body);
-                          v("elements", t.elements);
-                          v("s", t.seconds);
-                          v("error", t.error);
-                        }),
-                   {}, Frame::none) +
-        "<div id=\"trials\"></div>\n</section>\n";
-  }
+  if (!result.points.empty()) out += points_section(result);
+  if (!result.trials.empty()) out += trials_section(result);
   out += plan_section(result.plan) + cost_section(result.cost);
   if (!result.notes.empty()) out += "<section>" + notes_list(result.notes) + "</section>\n";
   out += page_foot();

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "cleave/core/vec2.hpp"
+
 namespace cleave::report::detail {
 
 /// One axis of a drawing: from `low` to `high`, linear or logarithmic (then both > 0).
@@ -14,9 +16,7 @@ struct Axis {
   std::string label = {};
 };
 
-struct PlotPoint {
-  double x, y;
-};
+using PlotPoint = Vec2;
 
 /// A drawing with two axes as inline SVG, 520 x 320. Values beyond the axes are drawn on their border.
 enum class LineStyle : std::uint8_t { solid, dashed };

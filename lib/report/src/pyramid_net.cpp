@@ -23,15 +23,12 @@ using geometry::Vec3;
 /// Of the rim, and of the square that is shown.
 constexpr double radius = 100, reach = 2.45, centre = radius * reach;
 
-struct Point {
-  double x, y;
-};
 /// Straight down is the middle, the horizon the rim, straight up infinitely far.
-Point plot(Vec3 d) {
+Vec2 plot(Vec3 d) {
   const double f = radius / std::max(1 - d.z, 1e-4);
   return {centre + f * d.x, centre - f * d.y};
 }
-std::string text(Point p) { return fixed(p.x) + ',' + fixed(p.y); }
+std::string text(Vec2 p) { return fixed(p.x) + ',' + fixed(p.y); }
 
 std::string path(const std::vector<Vec3>& directions) {
   std::string out = "M";
@@ -100,13 +97,13 @@ std::string pyramid_net(std::span<const scene::MaximumRow> rows) {
       out += "<path data-code=\"" + digits + "\" d=\"" + area + "\" fill=\"" + std::string{colour(row->block.mode)} +
              "\" fill-opacity=\"0.35\" fill-rule=\"evenodd\"/>";
       if (norm(row->block.direction) > 0) {
-        const Point p = plot(row->block.direction);
+        const Vec2 p = plot(row->block.direction);
         labels += "<path d=\"M" + fixed(p.x - 5) + ',' + fixed(p.y) + "h10M" + fixed(p.x) + ',' + fixed(p.y - 5) +
                   "v10\" stroke=\"#009E73\" stroke-width=\"3\"/>";
       }
     }
     // In the middle of the triangle, or as near to it as the square reaches.
-    Point at = plot(geometry::normalized(corners[0] + corners[1] + corners[2]));
+    Vec2 at = plot(geometry::normalized(corners[0] + corners[1] + corners[2]));
     const double away = std::max(std::abs(at.x - centre), std::abs(at.y - centre)), most = centre - 18;
     if (away > most) at = {centre + (at.x - centre) * most / away, centre + (at.y - centre) * most / away};
     labels += "<text x=\"" + fixed(at.x) + "\" y=\"" + fixed(at.y + 5) + "\" text-anchor=\"middle\"" +

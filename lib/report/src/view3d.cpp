@@ -108,6 +108,40 @@ void add_groups(JsonWriter& json, const BlockComplex& complex, const stability::
   member_base64(json, "groupMotions", motions);
 }
 
+/// A vertex that is not shown; a bolt that serves no block.
+constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
+
+void add_bolts(JsonWriter& json, const std::vector<stability::BoltResult>& bolts, Vec3 middle) {
+  std::vector<float> ends;
+  std::vector<std::uint8_t> status;
+  std::vector<std::uint32_t> serves;
+  for (const stability::BoltResult& bolt : bolts) {
+    const Vec3 head = bolt.bolt.collar - middle;
+    const Vec3 tip = head + bolt.bolt.length.si() * bolt.bolt.direction;
+    for (const double c : {head.x, head.y, head.z, tip.x, tip.y, tip.z}) ends.push_back(static_cast<float>(c));
+    status.push_back(std::to_underlying(bolt.status));
+    serves.push_back(bolt.serves ? bolt.serves->value() : unused);
+  }
+  member_base64(json, "bolts", ends);
+  member_base64(json, "boltStatus", status);
+  member_base64(json, "boltServes", serves);
+}
+
+/// x, y, z of each point in steps of a 65,535th of the box's sides.
+std::vector<std::uint16_t> quantised(const std::vector<Vec3>& points, Vec3 low, Vec3 size) {
+  std::vector<std::uint16_t> positions;
+  positions.reserve(3 * points.size());
+  const auto quantise = [](double value, double from, double extent) {
+    return static_cast<std::uint16_t>(extent > 0 ? std::lround((value - from) / extent * 65535) : 0);
+  };
+  for (const Vec3& p : points) {
+    positions.push_back(quantise(p.x, low.x, size.x));
+    positions.push_back(quantise(p.y, low.y, size.y));
+    positions.push_back(quantise(p.z, low.z, size.z));
+  }
+  return positions;
+}
+
 std::uint8_t role_code(const topology::Face& face) {
   switch (face.role) {
     case topology::Role::joint: return 0;
@@ -140,7 +174,6 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
   BlockColumns blocks;
   FaceColumns faces;
   std::vector<std::uint32_t> triangles;
-  constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> number(complex.vertices().size(), unused);
   std::vector<Vec3> points;
   std::vector<Triangle> of_face;
@@ -179,31 +212,15 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
     ++view.shown;
   }
 
-  Vec3 low{}, high{};
-  if (!points.empty()) low = high = points.front();
-  for (const Vec3& p : points) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
+  const auto [low, high] = points.empty() ? geometry::Box{{}, {}} : geometry::box_of(points);
   const Vec3 size = high - low;
-  std::vector<std::uint16_t> positions;
-  positions.reserve(3 * points.size());
-  const auto quantise = [](double value, double from, double extent) {
-    return static_cast<std::uint16_t>(extent > 0 ? std::lround((value - from) / extent * 65535) : 0);
-  };
-  for (const Vec3& p : points) {
-    positions.push_back(quantise(p.x, low.x, size.x));
-    positions.push_back(quantise(p.y, low.y, size.y));
-    positions.push_back(quantise(p.z, low.z, size.z));
-  }
-
   JsonWriter json;
   json.reserve(std::min(bytes, budget) + 1'500'000);  // and the page around it
   json.begin_object();
   json.member("total", std::uint64_t{view.total});
   member_vector(json, "low", low);
   member_vector(json, "size", size);
-  member_base64(json, "positions", positions);
+  member_base64(json, "positions", quantised(points, low, size));
   member_base64(json, "triangles", triangles);
   member_base64(json, "faceBlock", faces.block);
   member_base64(json, "faceRole", faces.role);
@@ -217,22 +234,7 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
   // Relative to the view's middle, as the page has it.
   const Vec3 middle = 0.5 * (low + high);
   if (groups != nullptr && !groups->groups.empty()) add_groups(json, complex, *groups, middle);
-  if (support != nullptr && !support->bolts.empty()) {
-    // 2^32 - 1: serves none.
-    std::vector<float> ends;
-    std::vector<std::uint8_t> status;
-    std::vector<std::uint32_t> serves;
-    for (const stability::BoltResult& bolt : support->bolts) {
-      const Vec3 head = bolt.bolt.collar - middle;
-      const Vec3 tip = head + bolt.bolt.length.si() * bolt.bolt.direction;
-      for (const double c : {head.x, head.y, head.z, tip.x, tip.y, tip.z}) ends.push_back(static_cast<float>(c));
-      status.push_back(std::to_underlying(bolt.status));
-      serves.push_back(bolt.serves ? bolt.serves->value() : unused);
-    }
-    member_base64(json, "bolts", ends);
-    member_base64(json, "boltStatus", status);
-    member_base64(json, "boltServes", serves);
-  }
+  if (support != nullptr && !support->bolts.empty()) add_bolts(json, support->bolts, middle);
   json.end_object();
   view.json = std::move(json).finish();
   return view;

@@ -5,15 +5,7 @@
 
 namespace cleave::scene {
 
-Box box_of(std::span<const geometry::Vec3> points) noexcept {
-  Box box{points.front(), points.front()};
-  for (const geometry::Vec3 p : points) {
-    box.min = {std::fmin(box.min.x, p.x), std::fmin(box.min.y, p.y), std::fmin(box.min.z, p.z)};
-    box.max = {std::fmax(box.max.x, p.x), std::fmax(box.max.y, p.y), std::fmax(box.max.z, p.z)};
-  }
-  return box;
-}
-Box box_of(const geometry::Solid& solid) noexcept { return box_of(solid.vertices()); }
+Box box_of(const geometry::Solid& solid) noexcept { return geometry::box_of(solid.vertices()); }
 
 geometry::Vec3 upward(geometry::Vec3 n) noexcept {
   const bool down = n.z < 0 || (n.z == 0 && (n.y < 0 || (n.y == 0 && n.x < 0)));
@@ -60,11 +52,6 @@ geometry::Vec3 area_within(std::vector<geometry::Vec3> corners, const Box& box) 
   return twice / 2;
 }
 
-bool apart(const Box& a, const Box& b) noexcept {
-  return a.max.x < b.min.x || b.max.x < a.min.x || a.max.y < b.min.y || b.max.y < a.min.y || a.max.z < b.min.z ||
-         b.max.z < a.min.z;
-}
-
 namespace {
 
 /// The plane of a face of `a` has all of `a` behind it and all of `b` before it, up to rounding.
@@ -88,7 +75,7 @@ bool face_parts(const geometry::Solid& a, const geometry::Solid& b) noexcept {
 }  // namespace
 
 bool parted(const geometry::Solid& a, const geometry::Solid& b) noexcept {
-  return apart(box_of(a), box_of(b)) || face_parts(a, b) || face_parts(b, a);
+  return !box_of(a).overlaps(box_of(b)) || face_parts(a, b) || face_parts(b, a);
 }
 
 }  // namespace cleave::scene

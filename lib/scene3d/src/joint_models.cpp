@@ -118,6 +118,66 @@ std::vector<Key> model_keys() {
       {"bridge", size_type(), "the law of `size`", "m, rock between the joints of a row (`orthogonal`)"}};
 }
 
+namespace {
+
+std::optional<dfn::Model> parse_hierarchical(const TableReader& set, const OtherSets& others) {
+  dfn::Hierarchical hierarchical{parse_terminate_at(set, others), {0.1, 0.5, 1}};
+  // The primary set: polygons that nothing older bounds (Ivanova 1995).
+  if (hierarchical.terminate_at.empty()) return dfn::Veneziano{set.number("share").value_or(0.5)};
+  if (const TomlEntry* entry = set.find("share")) {
+    const auto* list = std::get_if<TomlArray>(&entry->node.value);
+    if (list == nullptr || list->items.size() != 3) {
+      set.error("share", "is not a list of three probabilities",
+                "write share = [0.1, 0.5, 1]: bounded by none, one, two or more older joints");
+      return std::nullopt;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      hierarchical.share[i] =
+          set.number_of(list->items[i], fmt::format("{}[{}]", set.path_of("share"), i + 1), rule::probability)
+              .value_or(0);
+    }
+  }
+  return hierarchical;
+}
+
+dfn::Mit parse_mit(const TableReader& set) {
+  dfn::Mit mit;
+  mit.share = set.number("share").value_or(0.5);
+  mit.min_corners = static_cast<std::uint32_t>(set.count("min_corners"));
+  mit.min_angle = set.value("min_angle");
+  mit.max_elongation = set.value("max_elongation");
+  if (set.has("zones")) mit.zones = parse_zones(set);
+  mit.shift = set.value("shift");
+  mit.turn_kappa = set.number("rotation_kappa");
+  return mit;
+}
+
+/// `persistent`: its planes are endless.
+dfn::Orthogonal parse_orthogonal(const TableReader& set, bool persistent) {
+  dfn::Orthogonal orthogonal;
+  if (const TomlEntry* gaps = set.find("gaps")) {
+    if (std::holds_alternative<TomlTable>(gaps->node.value)) {
+      const TableReader table = *set.sub("gaps");
+      if (!table.has("distribution")) table.missing("distribution", "add distribution = \"poisson\"");
+      orthogonal.gaps =
+          table.given_word<dfn::Orthogonal::Gaps>("distribution").value_or(dfn::Orthogonal::Gaps::poisson);
+      orthogonal.gap_variation = table.number("variation").value_or(orthogonal.gap_variation);
+    } else {
+      orthogonal.gaps = set.word<dfn::Orthogonal::Gaps>("gaps");
+    }
+  }
+  // Without a law of their own, bridges are as long as joints.
+  if (set.has("bridge")) {
+    orthogonal.bridge = parse_size(set, "bridge");
+  } else if (set.find("size") != nullptr && !persistent) {
+    orthogonal.bridge = parse_size(set, "size");
+  }
+  orthogonal.through = set.vec3("through");
+  return orthogonal;
+}
+
+}  // namespace
+
 std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& others) {
   std::size_t model = 0;
   if (set.has("model")) {
@@ -154,58 +214,9 @@ std::optional<dfn::Model> parse_model(const TableReader& set, const OtherSets& o
     case 4: {
       return dfn::Mosaic{set.word<dfn::Mosaic::Seeds>("seeds"), share(1)};
     }
-    case 5: {
-      dfn::Hierarchical hierarchical{parse_terminate_at(set, others), {0.1, 0.5, 1}};
-      // The primary set: polygons that nothing older bounds (Ivanova 1995).
-      if (hierarchical.terminate_at.empty()) return dfn::Veneziano{share(0.5)};
-      if (const TomlEntry* entry = set.find("share")) {
-        const auto* list = std::get_if<TomlArray>(&entry->node.value);
-        if (list == nullptr || list->items.size() != 3) {
-          set.error("share", "is not a list of three probabilities",
-                    "write share = [0.1, 0.5, 1]: bounded by none, one, two or more older joints");
-          return std::nullopt;
-        }
-        for (std::size_t i = 0; i < 3; ++i) {
-          hierarchical.share[i] =
-              set.number_of(list->items[i], fmt::format("{}[{}]", set.path_of("share"), i + 1), rule::probability)
-                  .value_or(0);
-        }
-      }
-      return hierarchical;
-    }
-    case 6: {
-      dfn::Mit mit;
-      mit.share = share(0.5);
-      mit.min_corners = static_cast<std::uint32_t>(set.count("min_corners"));
-      mit.min_angle = set.value("min_angle");
-      mit.max_elongation = set.value("max_elongation");
-      if (set.has("zones")) mit.zones = parse_zones(set);
-      mit.shift = set.value("shift");
-      mit.turn_kappa = set.number("rotation_kappa");
-      return mit;
-    }
-    case 7: {
-      dfn::Orthogonal orthogonal;
-      if (const TomlEntry* gaps = set.find("gaps")) {
-        if (std::holds_alternative<TomlTable>(gaps->node.value)) {
-          const TableReader table = *set.sub("gaps");
-          if (!table.has("distribution")) table.missing("distribution", "add distribution = \"poisson\"");
-          orthogonal.gaps =
-              table.given_word<dfn::Orthogonal::Gaps>("distribution").value_or(dfn::Orthogonal::Gaps::poisson);
-          orthogonal.gap_variation = table.number("variation").value_or(orthogonal.gap_variation);
-        } else {
-          orthogonal.gaps = set.word<dfn::Orthogonal::Gaps>("gaps");
-        }
-      }
-      // Without a law of their own, bridges are as long as joints.
-      if (set.has("bridge")) {
-        orthogonal.bridge = parse_size(set, "bridge");
-      } else if (size != nullptr && !persistent) {
-        orthogonal.bridge = parse_size(set, "size");
-      }
-      orthogonal.through = set.vec3("through");
-      return orthogonal;
-    }
+    case 5: return parse_hierarchical(set, others);
+    case 6: return parse_mit(set);
+    case 7: return parse_orthogonal(set, persistent);
     default: return dfn::Baecher{};
   }
 }

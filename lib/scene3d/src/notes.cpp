@@ -15,7 +15,7 @@ namespace {
 bool outside(const MeasuredJoint& joint, const geometry::Solid& domain, const Box& box) {
   return std::visit(overloaded{[&](const topology::Joint& polygons) {
                                  return std::ranges::all_of(polygons.polygons, [&](const geometry::Polygon& polygon) {
-                                   return apart(box_of(polygon.corners()), box);
+                                   return !box_of(polygon.corners()).overlaps(box);
                                  });
                                },
                                [&](const topology::PersistentJoint& plane) {

@@ -195,6 +195,41 @@ const KeyTable& scene_keys() {
   return keys;
 }
 
+namespace {
+
+/// Says what the file is where it is none.
+bool is_scene(const TomlTable& tree, const std::string& shown, Problems& problems) {
+  const auto has = [&](string_view key) {
+    return std::ranges::find(tree.entries, key, &TomlEntry::key) != tree.entries.end();
+  };
+  constexpr std::array<string_view, 5> of_surveys{"orientations", "scanline", "borehole", "window", "set"};
+  if (!has("domain") && std::ranges::any_of(of_surveys, has)) {
+    problems.error(1, "scene", "is a survey file, not a scene", "run cleave survey " + shown + " -o FOLDER");
+    return false;
+  }
+  if (tree.entries.empty()) {
+    problems.error(1, "domain", "the file is empty", "start from a scene that cleave init prints: cleave init tunnel");
+    return false;
+  }
+  return true;
+}
+
+/// What a run stops by is counted in it.
+void check_stop(const TableReader& root, const stochastic::Stop& stop, bool judged, bool only_key_blocks) {
+  const auto* quantity = stochastic::quantity_named(stop.quantity);
+  if (quantity->stability && !judged) {
+    root.problems().error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
+                          "asks for key blocks, but nothing is free",
+                          "add an excavation or stability.free, or take block_count");
+  }
+  if (quantity->whole_system && only_key_blocks && judged) {
+    root.problems().error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
+                          "counts all blocks, but only key blocks are cut", "set output.blocks = \"all\"");
+  }
+}
+
+}  // namespace
+
 std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::string& shown,
                                                  const ReadFile& read_file) {
   Problems problems{shown};
@@ -203,18 +238,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
     problems.error(tree.error().line, "TOML", tree.error().what, "fix the syntax: see https://toml.io");
     return std::unexpected(std::move(problems).take_errors());
   }
-  const auto has = [&](string_view key) {
-    return std::ranges::find(tree->entries, key, &TomlEntry::key) != tree->entries.end();
-  };
-  constexpr std::array<string_view, 5> of_surveys{"orientations", "scanline", "borehole", "window", "set"};
-  if (!has("domain") && std::ranges::any_of(of_surveys, has)) {
-    problems.error(1, "scene", "is a survey file, not a scene", "run cleave survey " + shown + " -o FOLDER");
-    return std::unexpected(std::move(problems).take_errors());
-  }
-  if (tree->entries.empty()) {
-    problems.error(1, "domain", "the file is empty", "start from a scene that cleave init prints: cleave init tunnel");
-    return std::unexpected(std::move(problems).take_errors());
-  }
+  if (!is_scene(*tree, shown, problems)) return std::unexpected(std::move(problems).take_errors());
   TomlTable table = without_plane_sections(std::move(*tree), problems);
   std::vector<InputFile> included;
   take_includes(table, problems, read_file, included);
@@ -250,16 +274,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   }
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);
   if (monte_carlo && monte_carlo->stop) {
-    const auto* quantity = stochastic::quantity_named(monte_carlo->stop->quantity);
-    if (quantity->stability && !stability.settings) {
-      problems.error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
-                     "asks for key blocks, but nothing is free",
-                     "add an excavation or stability.free, or take block_count");
-    }
-    if (quantity->whole_system && output.only_key_blocks && stability.settings) {
-      problems.error(root.line_of("monte_carlo"), "monte_carlo.stop.quantity",
-                     "counts all blocks, but only key blocks are cut", "set output.blocks = \"all\"");
-    }
+    check_stop(root, *monte_carlo->stop, stability.settings.has_value(), output.only_key_blocks);
   }
   if (problems.errors() != 0 || !domain) return std::unexpected(std::move(problems).take_errors());
 

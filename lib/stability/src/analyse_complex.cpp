@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "contacts.hpp"
-#include "fetch_ahead.hpp"
-#include "known_parts.hpp"
+#include "prefetch.hpp"
 #include "rotation_check.hpp"
 #include "transfer.hpp"
+#include "truncated_blocks.hpp"
 #include "verdict.hpp"
 
 namespace cleave::stability {
@@ -23,7 +23,7 @@ class Batches final {
   /// `held` keep their place whatever drives them: ascending.
   Batches(const topology::BlockComplex& complex, const Settings& settings, std::span<const BlockId> held)
       : model_{complex, settings},
-        known_parts_{model_},
+        truncated_blocks_{model_},
         held_{held},
         slot_(complex.blocks().size(), none),
         noted_in_(complex.blocks().size(), 0) {}
@@ -40,7 +40,7 @@ class Batches final {
       std::vector<BlockId> leaving;
       beside_.clear();
       for (std::size_t i = 0; i < changed.size(); ++i) {
-        fetch_ahead(complex(), changed, i);
+        prefetch(complex(), changed, i);
         if (judge_block(changed[i], batch)) leaving.push_back(changed[i]);
       }
       if (leaving.empty()) break;
@@ -77,7 +77,7 @@ class Batches final {
     const topology::Block& block = complex().blocks()[id];
     if (block.truncated) {
       if (std::ranges::find(analysis_.undecided, id) != analysis_.undecided.end()) return false;  // for good
-      if (!known_parts_.stays(id, batch, model_.settings().least_factor)) analysis_.undecided.push_back(id);
+      if (!truncated_blocks_.stays(id, batch, model_.settings().least_factor)) analysis_.undecided.push_back(id);
       return false;
     }
     Cone cone{held.rows};
@@ -182,7 +182,7 @@ class Batches final {
   [[nodiscard]] Judgement& judgement_at(std::uint32_t slot) { return judgements_[slot / chunk][slot % chunk]; }
 
   Model model_;
-  KnownParts known_parts_;
+  TruncatedBlocks truncated_blocks_;
   std::span<const BlockId> held_;
   /// Judgements are large and few blocks are judged: the block's place among them, or none.
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();

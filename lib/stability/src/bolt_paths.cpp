@@ -18,19 +18,11 @@ BoltPaths::BoltPaths(const topology::BlockComplex& complex) : complex_{&complex}
   for (const FaceId id : complex.faces().ids()) {
     const Face& face = complex.faces()[id];
     if (face.role != topology::Role::free) continue;
-    constexpr double inf = std::numeric_limits<double>::infinity();
-    FreeFace entry{id, {inf, inf, inf}, {-inf, -inf, -inf}};
+    geometry::Box box;
     for (const auto& loop : complex.loops(face)) {
-      for (const topology::VertexId v : loop) {
-        const Vec3 p = complex.position(v);
-        entry.low = {std::min(entry.low.x, p.x), std::min(entry.low.y, p.y), std::min(entry.low.z, p.z)};
-        entry.high = {std::max(entry.high.x, p.x), std::max(entry.high.y, p.y), std::max(entry.high.z, p.z)};
-      }
+      for (const topology::VertexId v : loop) box.add(complex.position(v));
     }
-    const Vec3 grow{reach, reach, reach};
-    entry.low -= grow;
-    entry.high += grow;
-    free_.push_back(entry);
+    free_.push_back({id, box.grown(reach)});
   }
 }
 
@@ -39,8 +31,7 @@ std::optional<FaceId> BoltPaths::collar_face(const Bolt& bolt) const {
   double least = reach;
   const Vec3 x = bolt.collar;
   for (const FreeFace& candidate : free_) {
-    if (x.x < candidate.low.x || x.y < candidate.low.y || x.z < candidate.low.z) continue;
-    if (x.x > candidate.high.x || x.y > candidate.high.y || x.z > candidate.high.z) continue;
+    if (!candidate.box.overlaps({x, x})) continue;
     const Face& face = complex_->faces()[candidate.face];
     if (!(dot(face.outward, bolt.direction) < -1e-9)) continue;  // the bolt must enter the rock
     const double off = dot(x - face.centroid, face.outward);

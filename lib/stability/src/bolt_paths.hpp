@@ -25,7 +25,7 @@ class BoltPaths final {
  private:
   struct FreeFace {
     topology::FaceId face;
-    geometry::Vec3 low, high;  ///< its box, grown by `reach`
+    geometry::Box box;  ///< grown by `reach`
   };
   [[nodiscard]] std::optional<topology::FaceId> collar_face(const Bolt& bolt) const;
   [[nodiscard]] std::optional<topology::BlockId> behind(const topology::Face& face, geometry::Vec3 x) const;

@@ -8,8 +8,8 @@ namespace cleave::stability {
 namespace {
 
 using exact::Int128;
+using exact::Int512;
 using exact::Sign;
-using exact::Wide;
 
 bool parallel(const Direction& a, const Direction& b) noexcept { return a == b || a.opposite_to(b); }
 
@@ -20,7 +20,7 @@ Sign minor_sign(const Direction& a, const Direction& b, std::size_t axis) {
   const std::size_t y = (axis + 1) % 3;
   const std::size_t z = (axis + 2) % 3;
   if (bits(u) + bits(v) + 1 < 127) return exact::sign_of<Int128>(u[y] * v[z] - u[z] * v[y]);
-  return exact::sign_of<Wide>(Wide(u[y]) * Wide(v[z]) - Wide(u[z]) * Wide(v[y]));
+  return exact::sign_of<Int512>(Int512(u[y]) * Int512(v[z]) - Int512(u[z]) * Int512(v[y]));
 }
 
 /// Rank of the chosen rows, 0 to 3.

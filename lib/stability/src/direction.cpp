@@ -12,8 +12,8 @@ namespace cleave::stability {
 namespace {
 
 using exact::Int128;
+using exact::Int512;
 using exact::Sign;
-using exact::Wide;
 
 int trailing_zeros(Int128 v) noexcept {  // v != 0
   const auto low = static_cast<std::uint64_t>(v);
@@ -87,22 +87,22 @@ Sign orientation(const Direction& a, const Direction& b, const Direction& c) noe
   if (bits(a.components()) + bits(b.components()) + bits(c.components()) + 3 < 127) {
     return exact_orientation<Int128>(a, b, c);
   }
-  return exact_orientation<Wide>(a, b, c);
+  return exact_orientation<Int512>(a, b, c);
 }
 
 geometry::Vec3 cross(const Direction& a, const Direction& b) noexcept {
   // Far from parallel, doubles lose little: each component is 12 u off, the length is 0.5 at least.
   const geometry::Vec3 plain = geometry::cross(a.unit(), b.unit());
   if (geometry::dot(plain, plain) > 0.25) return plain;
-  const auto u = integers<Wide>(a.components());
-  const auto v = integers<Wide>(b.components());
-  const auto e = cross3<Wide>(u, v);
+  const auto u = integers<Int512>(a.components());
+  const auto v = integers<Int512>(b.components());
+  const auto e = cross3<Int512>(u, v);
   const auto length = [](const Direction::Components& c) {
     return geometry::norm({static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])});
   };
   const double la = length(a.components());
   const double lb = length(b.components());
-  const auto scaled = [&](const Wide& w) { return w.convert_to<double>() / la / lb; };
+  const auto scaled = [&](const Int512& w) { return w.convert_to<double>() / la / lb; };
   return {scaled(e[0]), scaled(e[1]), scaled(e[2])};
 }
 

@@ -11,8 +11,8 @@ namespace cleave::stability {
 namespace {
 
 using exact::Int128;
+using exact::Int512;
 using exact::Sign;
-using exact::Wide;
 
 // Bounds, with u = 2^-53, unit normals (each component 5 u off) and |r| <= 1 (each component 2 u off):
 //   n.r                       13 u
@@ -79,21 +79,21 @@ Sign ForceSigns::settle(Sign exactly) {
 
 Sign ForceSigns::along_exactly(const Direction& n) {
   // 104 + 101 bits: too long for 128 in general.
-  return settle(exact::sign_of<Wide>(dot3<Wide>(integers<Wide>(n.components()), integers<Wide>(integer()))));
+  return settle(exact::sign_of<Int512>(dot3<Int512>(integers<Int512>(n.components()), integers<Int512>(integer()))));
 }
 
 Sign ForceSigns::reaction_exactly(const Direction& i, const Direction& j) {
   if (bits(i.components()) + 2 * bits(j.components()) + integer_bits() + 5 < 127) {
     return settle(exact_reaction<Int128>(i, j, integer()));
   }
-  return settle(exact_reaction<Wide>(i, j, integer()));
+  return settle(exact_reaction<Int512>(i, j, integer()));
 }
 
 Sign ForceSigns::along_line_exactly(const Direction& i, const Direction& j) {
   if (bits(i.components()) + bits(j.components()) + integer_bits() + 3 < 127) {
     return settle(exact_line<Int128>(i, j, integer()));
   }
-  return settle(exact_line<Wide>(i, j, integer()));
+  return settle(exact_line<Int512>(i, j, integer()));
 }
 
 bool ForceSigns::parallel(const Direction& n) {
@@ -101,8 +101,8 @@ bool ForceSigns::parallel(const Direction& n) {
   const std::array<double, 3> value{c.x, c.y, c.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (std::abs(value[axis]) > bound_) return false;
-    const Wide exactly = cross3<Wide>(integers<Wide>(n.components()), integers<Wide>(integer()))[axis];
-    if (settle(exact::sign_of<Wide>(exactly)) != Sign::zero) return false;
+    const Int512 exactly = cross3<Int512>(integers<Int512>(n.components()), integers<Int512>(integer()))[axis];
+    if (settle(exact::sign_of<Int512>(exactly)) != Sign::zero) return false;
   }
   return true;
 }

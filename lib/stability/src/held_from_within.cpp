@@ -78,9 +78,9 @@ class Enclosed final {
 
 }  // namespace
 
-std::vector<HeldFromWithin> held_from_within(const topology::AuditedComplex& complex, const Settings& settings,
-                                             const Analysis& analysis) {
-  std::vector<HeldFromWithin> rows;
+std::vector<InterlockedByInclusion> held_from_within(const topology::AuditedComplex& complex, const Settings& settings,
+                                                     const Analysis& analysis) {
+  std::vector<InterlockedByInclusion> rows;
   Model model{complex.complex(), settings};
   std::uint32_t state = 1;
   for (const Batch& batch : analysis.batches) {
@@ -94,7 +94,7 @@ std::vector<HeldFromWithin> held_from_within(const topology::AuditedComplex& com
     if (block.convex || block.fixed || block.truncated || !model.present(id, state)) continue;
     const Model::Held held = model.held(id, state);
     if (!held.exposed || Cone{held.rows}.dimension() > 0) continue;
-    HeldFromWithin row{.block = id, .inside = enclosed.in(id)};
+    InterlockedByInclusion row{.block = id, .inside = enclosed.in(id)};
     if (row.inside.empty()) continue;
     std::vector<BlockId> body = row.inside;
     body.insert(std::ranges::lower_bound(body, id), id);

@@ -126,7 +126,7 @@ bool NearField::grow(const topology::BlockComplex& complex, std::span<const topo
 
 std::expected<NearKeyBlocks, NearError> analyse_near_field(const topology::CutInput& input, const Settings& settings,
                                                            const topology::CutOptions& options, StageTimer& timer,
-                                                           const NearMore& more) {
+                                                           const NearFieldOptions& more) {
   topology::CutInput part = input;
   Settings only_key = settings;
   only_key.only_key_blocks = true;

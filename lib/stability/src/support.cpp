@@ -16,8 +16,8 @@
 #include "contacts.hpp"
 #include "domain_held.hpp"
 #include "free_faces.hpp"
-#include "known_parts.hpp"
 #include "supported_body.hpp"
+#include "truncated_blocks.hpp"
 
 namespace cleave::stability {
 namespace {
@@ -46,7 +46,7 @@ class Check final {
         analysis_{&analysis},
         plan_{&plan},
         model_{complex, settings},
-        known_parts_{model_},
+        truncated_blocks_{model_},
         paths_{complex},
         gone_{[this](BlockId id) { return !model_.present(id, 1); }},
         scaled_{std::ranges::any_of(complex.blocks().ids(), gone_)},
@@ -127,7 +127,7 @@ class Check final {
       // What scaling laid bare needs support too.
       if (!block.free && (!scaled_ || !model_.held(id, 1).exposed)) continue;
       if (block.truncated) {
-        if (!known_parts_.stays(id, 1, std::max(1.0, plan_->target_sliding))) result_.undecided.push_back(id);
+        if (!truncated_blocks_.stays(id, 1, std::max(1.0, plan_->target_sliding))) result_.undecided.push_back(id);
         continue;
       }
       auto body = body_of({&id, 1});
@@ -420,7 +420,7 @@ class Check final {
   const Analysis* analysis_;
   const SupportPlan* plan_;
   Model model_;
-  KnownParts known_parts_;
+  TruncatedBlocks truncated_blocks_;
   BoltPaths paths_;
   std::function<bool(BlockId)> gone_;       ///< scaled off before the support
   bool scaled_;                             ///< some block is

@@ -7,8 +7,8 @@
 #include <ranges>
 #include <utility>
 
-#include "fetch_ahead.hpp"
 #include "nonnegative.hpp"
+#include "prefetch.hpp"
 #include "verdict.hpp"
 
 namespace cleave::stability {
@@ -119,7 +119,7 @@ class Passing final {
       for (std::size_t i = 0; i < batch.blocks.size(); ++i) {
         if (i + 4 < batch.blocks.size())
           __builtin_prefetch(&analysis_->judgements[place_[batch.blocks[i + 4]]].driving);
-        fetch_ahead(model_->complex(), batch.blocks, i);
+        prefetch(model_->complex(), batch.blocks, i);
         judge_and_pass(batch.blocks[i], batch.number);
       }
     }

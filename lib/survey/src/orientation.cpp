@@ -234,6 +234,98 @@ FisherFit fit_fisher(std::span<const Vec3> normals, std::span<const double> weig
   return fit;
 }
 
+namespace {
+
+/// Sine squared of the angle between two normals.
+double apart(Vec3 a, Vec3 b) { return std::max(0.0, 1 - dot(a, b) * dot(a, b)); }
+
+/// Where sets begin: the densest joint, with the most others within 15 degrees (of at most 4,000 looked at); then each
+/// time the one farthest from those there are.
+std::vector<Vec3> first_centres(std::span<const Vec3> normals, std::size_t sets) {
+  const std::size_t n = normals.size(), stride = std::max<std::size_t>(1, n / 4000);
+  const double near = std::pow(std::sin(15 * pi / 180), 2);
+  std::size_t densest = 0, most = 0;
+  for (std::size_t i = 0; i < n; i += stride) {
+    std::size_t count = 0;
+    for (std::size_t j = 0; j < n; j += stride) count += apart(normals[i], normals[j]) < near ? 1U : 0U;
+    if (count > most) {
+      most = count;
+      densest = i;
+    }
+  }
+  std::vector<Vec3> centres{normals[densest]};
+  while (centres.size() < sets) {
+    std::size_t farthest = 0;
+    double best = -1;
+    for (std::size_t i = 0; i < n; ++i) {
+      double d = 2;
+      for (const Vec3 c : centres) d = std::min(d, apart(normals[i], c));
+      if (d > best) {
+        best = d;
+        farthest = i;
+      }
+    }
+    centres.push_back(normals[farthest]);
+  }
+  return centres;
+}
+
+/// Own set against the nearest other one; mean over at most 2,000 joints.
+double silhouette_of(std::span<const Vec3> normals, const std::vector<std::size_t>& set, std::size_t sets) {
+  const std::size_t n = normals.size(), look = std::max<std::size_t>(1, n / 2000);
+  double total = 0;
+  std::size_t looked = 0;
+  for (std::size_t i = 0; i < n; i += look) {
+    std::vector<double> sum(sets, 0);
+    std::vector<std::size_t> count(sets, 0);
+    for (std::size_t j = 0; j < n; j += look) {
+      if (i == j) continue;
+      sum[set[j]] += apart(normals[i], normals[j]);
+      ++count[set[j]];
+    }
+    double inside = 0, outside = 2;
+    for (std::size_t k = 0; k < sets; ++k) {
+      if (count[k] == 0) continue;
+      const double mean = sum[k] / static_cast<double>(count[k]);
+      (k == set[i] ? inside : outside) = k == set[i] ? mean : std::min(outside, mean);
+    }
+    if (std::max(inside, outside) > 0) total += (outside - inside) / std::max(inside, outside);
+    ++looked;
+  }
+  return total / static_cast<double>(looked);
+}
+
+struct Members {
+  std::vector<Vec3> normals;
+  std::vector<double> weights;
+};
+Members members_of(std::size_t set, const Clustering& found, std::span<const Vec3> normals,
+                   std::span<const double> weights) {
+  Members members;
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (found.set[i] != set) continue;
+    members.normals.push_back(normals[i]);
+    members.weights.push_back(weights[i]);
+  }
+  return members;
+}
+
+/// Beyond the 1e-3 tail of a set's Fisher law: of no set.
+void mark_beyond(Clustering& found, std::size_t sets, std::span<const Vec3> normals, std::span<const double> weights) {
+  for (std::size_t k = 0; k < sets; ++k) {
+    const Members members = members_of(k, found, normals, weights);
+    if (members.normals.size() < 5) continue;
+    const FisherFit fit = fit_fisher(members.normals, members.weights);
+    if (std::isinf(fit.kappa)) continue;
+    const double versine = -std::log(1e-3) / fit.kappa;
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      if (found.set[i] == k && 1 - std::abs(dot(normals[i], fit.mean)) > versine) found.set[i] = Clustering::unassigned;
+    }
+  }
+}
+
+}  // namespace
+
 Clustering cluster(std::span<const Vec3> normals, std::span<const double> weights, std::size_t sets,
                    bool mark_outliers) {
   Clustering result;
@@ -241,98 +333,28 @@ Clustering cluster(std::span<const Vec3> normals, std::span<const double> weight
   result.set.assign(n, 0);
   sets = std::min(sets, n);
   if (sets == 0) return result;
-  const auto distance = [](Vec3 a, Vec3 b) { return std::max(0.0, 1 - dot(a, b) * dot(a, b)); };
-  // The densest joint: most others within 15 degrees (of at most 4,000 looked at).
-  const std::size_t stride = std::max<std::size_t>(1, n / 4000);
-  const double near = std::pow(std::sin(15 * pi / 180), 2);
-  std::size_t densest = 0, most = 0;
-  for (std::size_t i = 0; i < n; i += stride) {
-    std::size_t count = 0;
-    for (std::size_t j = 0; j < n; j += stride) count += distance(normals[i], normals[j]) < near ? 1U : 0U;
-    if (count > most) {
-      most = count;
-      densest = i;
-    }
-  }
-  result.centres.push_back(normals[densest]);
-  while (result.centres.size() < sets) {
-    std::size_t farthest = 0;
-    double best = -1;
-    for (std::size_t i = 0; i < n; ++i) {
-      double d = 2;
-      for (const Vec3 c : result.centres) d = std::min(d, distance(normals[i], c));
-      if (d > best) {
-        best = d;
-        farthest = i;
-      }
-    }
-    result.centres.push_back(normals[farthest]);
-  }
-  std::vector<Vec3> members;
-  std::vector<double> own;
-  const auto gather = [&](std::size_t set) {
-    members.clear();
-    own.clear();
-    for (std::size_t i = 0; i < n; ++i) {
-      if (result.set[i] != set) continue;
-      members.push_back(normals[i]);
-      own.push_back(weights[i]);
-    }
-  };
+  result.centres = first_centres(normals, sets);
   for (int round = 0; round < 200; ++round) {
     bool changed = round == 0;
     for (std::size_t i = 0; i < n; ++i) {
       std::size_t best = 0;
       for (std::size_t k = 1; k < sets; ++k) {
-        if (distance(normals[i], result.centres[k]) < distance(normals[i], result.centres[best])) best = k;
+        if (apart(normals[i], result.centres[k]) < apart(normals[i], result.centres[best])) best = k;
       }
       changed = changed || best != result.set[i];
       result.set[i] = best;
     }
     if (!changed) break;
     for (std::size_t k = 0; k < sets; ++k) {
-      gather(k);
-      if (!members.empty()) result.centres[k] = orientation_tensor(members, own).vectors[0];
+      const Members members = members_of(k, result, normals, weights);
+      if (!members.normals.empty()) {
+        result.centres[k] = orientation_tensor(members.normals, members.weights).vectors[0];
+      }
     }
   }
-  // Silhouette: own set against the nearest other one.
-  const std::size_t look = std::max<std::size_t>(1, n / 2000);
-  double total = 0;
-  std::size_t looked = 0;
-  if (sets > 1) {
-    for (std::size_t i = 0; i < n; i += look) {
-      std::vector<double> sum(sets, 0);
-      std::vector<std::size_t> count(sets, 0);
-      for (std::size_t j = 0; j < n; j += look) {
-        if (i == j) continue;
-        sum[result.set[j]] += distance(normals[i], normals[j]);
-        ++count[result.set[j]];
-      }
-      double inside = 0, outside = 2;
-      for (std::size_t k = 0; k < sets; ++k) {
-        if (count[k] == 0) continue;
-        const double mean = sum[k] / static_cast<double>(count[k]);
-        (k == result.set[i] ? inside : outside) = k == result.set[i] ? mean : std::min(outside, mean);
-      }
-      if (std::max(inside, outside) > 0) total += (outside - inside) / std::max(inside, outside);
-      ++looked;
-    }
-    result.silhouette = total / static_cast<double>(looked);
-  }
+  if (sets > 1) result.silhouette = silhouette_of(normals, result.set, sets);
   for (Vec3& centre : result.centres) centre = upward(centre);
-  if (!mark_outliers) return result;
-  // Beyond the 1e-3 tail of a set's Fisher law: of no set.
-  for (std::size_t k = 0; k < sets; ++k) {
-    gather(k);
-    if (members.size() < 5) continue;
-    const FisherFit fit = fit_fisher(members, own);
-    if (std::isinf(fit.kappa)) continue;
-    const double versine = -std::log(1e-3) / fit.kappa;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (result.set[i] == k && 1 - std::abs(dot(normals[i], fit.mean)) > versine)
-        result.set[i] = Clustering::unassigned;
-    }
-  }
+  if (mark_outliers) mark_beyond(result, sets, normals, weights);
   return result;
 }
 

@@ -11,8 +11,8 @@ RationalPoint rational_position(const Prepared& prepared, const Vertex& vertex) 
                         prepared.planes[vertex.planes[2]]);
   // The rational type takes no negative denominator.
   const bool negative = meet.w < 0;
-  const auto positive = [negative](const exact::Wide& value) {
-    return boost::multiprecision::cpp_int{negative ? exact::Wide{-value} : value};
+  const auto positive = [negative](const exact::Int512& value) {
+    return boost::multiprecision::cpp_int{negative ? exact::Int512{-value} : value};
   };
   const boost::multiprecision::cpp_int w = positive(meet.w);
   RationalPoint p;

@@ -8,16 +8,16 @@ namespace {
 
 using exact::FixedPoint;
 using exact::Int128;
-using exact::Wide;
+using exact::Int512;
 
 /// Both a quotient of large integers, to a few ulp, and their scale.
-double ratio(const Wide& a, const Wide& b) { return a.convert_to<double>() / b.convert_to<double>(); }
+double ratio(const Int512& a, const Int512& b) { return a.convert_to<double>() / b.convert_to<double>(); }
 
 }  // namespace
 
 void FixedMeasure::add(const FixedPoint& a, const FixedPoint& b, const FixedPoint& c) {
   std::array<FixedPoint, 3> p{a, b, c};
-  std::array<std::array<Wide, 3>, 3> w;
+  std::array<std::array<Int512, 3>, 3> w;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
       p[i][k] -= apex_[k];
@@ -25,9 +25,9 @@ void FixedMeasure::add(const FixedPoint& a, const FixedPoint& b, const FixedPoin
       w[i][k] = p[i][k];
     }
   }
-  const Wide determinant = w[0][0] * (w[1][1] * w[2][2] - w[1][2] * w[2][1]) +
-                           w[0][1] * (w[1][2] * w[2][0] - w[1][0] * w[2][2]) +
-                           w[0][2] * (w[1][0] * w[2][1] - w[1][1] * w[2][0]);
+  const Int512 determinant = w[0][0] * (w[1][1] * w[2][2] - w[1][2] * w[2][1]) +
+                             w[0][1] * (w[1][2] * w[2][0] - w[1][0] * w[2][2]) +
+                             w[0][2] * (w[1][0] * w[2][1] - w[1][1] * w[2][0]);
   six_volumes_ += determinant;
   for (std::size_t k = 0; k < 3; ++k) moment_[k] += determinant * (w[0][k] + w[1][k] + w[2][k]);
   ++triangles_;
@@ -35,8 +35,8 @@ void FixedMeasure::add(const FixedPoint& a, const FixedPoint& b, const FixedPoin
 
 std::optional<exact::Sign> FixedMeasure::sign() const {
   // A determinant is six products of three numbers of at most `reach`, each less than 2 off: apex and corner.
-  const Wide reach = Wide{reach_} + 2;
-  const Wide bound = Wide{triangles_} * 36 * reach * reach;
+  const Int512 reach = Int512{reach_} + 2;
+  const Int512 bound = Int512{triangles_} * 36 * reach * reach;
   if (six_volumes_ > bound) return exact::Sign::positive;
   if (six_volumes_ < -bound) return exact::Sign::negative;
   return std::nullopt;

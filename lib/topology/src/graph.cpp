@@ -190,17 +190,7 @@ class EdgeCutter {
     if (count < 2) return;
     const Line& main = classes_.representative(c);
 
-    // Facet planes that contain the line, each with a plane that meets it there.
-    std::vector<Member>& members = members_;
-    members.clear();
-    for (Index k = classes_.class_begin[c]; k < classes_.class_begin[c + 1]; ++k) {
-      const Line& line = traces_.lines[classes_.lines[k]];
-      members.push_back({line.p, line.q});
-      if (line.q < prepared_.facet_planes) members.push_back({line.q, line.p});
-    }
-    std::ranges::stable_sort(members, {}, &Member::plane);
-    const auto repeated = std::ranges::unique(members, {}, &Member::plane);
-    members.erase(repeated.begin(), repeated.end());
+    const std::vector<Member>& members = gather_members(c);
     const auto slot_of = [&](Index plane) {
       const auto found = std::ranges::lower_bound(members, plane, {}, &Member::plane);
       return static_cast<std::size_t>(found - members.begin());
@@ -281,6 +271,20 @@ class EdgeCutter {
   struct Member {
     Index plane, transversal;
   };
+
+  /// Facet planes that contain the line of a class, each with a plane that meets it there; by plane.
+  const std::vector<Member>& gather_members(std::size_t c) {
+    members_.clear();
+    for (Index k = classes_.class_begin[c]; k < classes_.class_begin[c + 1]; ++k) {
+      const Line& line = traces_.lines[classes_.lines[k]];
+      members_.push_back({line.p, line.q});
+      if (line.q < prepared_.facet_planes) members_.push_back({line.q, line.p});
+    }
+    std::ranges::stable_sort(members_, {}, &Member::plane);
+    const auto repeated = std::ranges::unique(members_, {}, &Member::plane);
+    members_.erase(repeated.begin(), repeated.end());
+    return members_;
+  }
 
   /// The range [first, last] of sorted vertices of the class inside the interval; first > last when there is none.
   std::pair<std::ptrdiff_t, std::ptrdiff_t> span_of(std::size_t c, const Interval& interval, bool same_direction) {

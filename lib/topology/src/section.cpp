@@ -275,18 +275,15 @@ Section section(const BlockComplex& complex, const SectionPlane& plane) {
   Section out;
   const Cutter cutter{complex, plane};
   std::vector<std::pair<BlockId, std::vector<Loop>>> found;
-  SectionPoint low{1e300, 1e300}, high{-1e300, -1e300};
+  Box2 box;
   for (const BlockId id : complex.blocks().ids()) {
     auto loops = loops_of(cutter.pieces_of(complex.blocks()[id]));
     for (const Loop& loop : loops) {
-      for (const SectionPoint p : loop.corners) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-      }
+      for (const SectionPoint p : loop.corners) box.add(p);
     }
     if (!loops.empty()) found.emplace_back(id, std::move(loops));
   }
-  const double extent = std::max(high.x - low.x, high.y - low.y);
+  const double extent = std::max(box.high.x - box.low.x, box.high.y - box.low.y);
   for (auto& [id, loops] : found) {
     for (Loop& loop : loops) {
       out.area += area_of(loop);

@@ -37,8 +37,8 @@ struct LatticePolygon {
 [[nodiscard]] exact::LatticePoint direction_along(const exact::Plane& plane);
 
 /// Sign of the turn a -> b -> c seen against `along`: positive = left.
-[[nodiscard]] exact::Sign turn(exact::LatticePoint a, exact::LatticePoint b, exact::LatticePoint c,
-                               exact::LatticePoint along) noexcept;
+[[nodiscard]] exact::Sign orient2d(exact::LatticePoint a, exact::LatticePoint b, exact::LatticePoint c,
+                                   exact::LatticePoint along) noexcept;
 
 /// Triangles (indices into corners, counter-clockwise) by ear clipping with exact signs; empty when the polygon crosses
 /// itself.

@@ -64,9 +64,9 @@ class Snapper final {
   }
   [[nodiscard]] bool near_polygon(const LatticePolygon& polygon, exact::LatticePoint p) const;
   [[nodiscard]] bool near_plane(const LatticePolygon& polygon, const exact::Plane& plane) const;
-  [[nodiscard]] geometry::Bounds bounds_of(std::span<const exact::LatticePoint> corners) const;
+  [[nodiscard]] geometry::Box bounds_of(std::span<const exact::LatticePoint> corners) const;
   /// Numbers of the surfaces near a box, persistent ones too, ascending.
-  [[nodiscard]] std::vector<std::size_t> near(const geometry::Bounds& box) const;
+  [[nodiscard]] std::vector<std::size_t> near(const geometry::Box& box) const;
   [[nodiscard]] std::vector<std::size_t> group_about(std::span<const JointPolygon> polygons, std::size_t leader,
                                                      const std::vector<std::uint8_t>& taken) const;
   void take_plane(JointPolygon& entry, const LatticePolygon& leader);
@@ -81,7 +81,7 @@ class Snapper final {
   std::vector<LatticePolygon> surfaces_;  ///< faces of solids and persistent joints; joint polygons are numbered on
   std::vector<std::size_t> persistent_;   ///< which of them have no end
   std::vector<std::size_t> boxed_;        ///< which surface each box is of
-  std::vector<geometry::Bounds> boxes_;
+  std::vector<geometry::Box> boxes_;
   std::unique_ptr<geometry::BoxTree> tree_;  ///< over `boxes_`
   std::map<Index, SnappedJoint> changed_;
   CoarseSnap coarse_;

@@ -29,9 +29,9 @@ class FixedMeasure final {
 
  private:
   exact::FixedPoint apex_;
-  exact::Wide six_volumes_ = 0;
-  std::array<exact::Wide, 3> moment_{};  ///< 24 times, about the apex
-  exact::Int128 reach_ = 0;              ///< the largest component of a corner, from the apex
+  exact::Int512 six_volumes_ = 0;
+  std::array<exact::Int512, 3> moment_{};  ///< 24 times, about the apex
+  exact::Int128 reach_ = 0;                ///< the largest component of a corner, from the apex
   std::uint64_t triangles_ = 0;
 };
 

@@ -14,10 +14,8 @@
 
 namespace cleave::dfn {
 
-/// Axis-parallel box (m) around the domain. Precondition of its users: finite, min < max in each axis.
-struct DomainBox {
-  geometry::Vec3 min, max;
-};
+/// Around the domain, m. Precondition of its users: finite, min < max in each axis.
+using DomainBox = geometry::Box;
 
 /// A persistent joint.
 struct InfinitePlane {

@@ -22,7 +22,7 @@ template <class T>
 __extension__ using Int128 = __int128;  ///< g++ and clang both have it; the components of a plane's normal fit in it
 
 /// A signed integer of 192 bits as plain words (two's complement, the low word first): how a plane keeps its offset,
-/// and what the value of a plane at a site needs. More than that is done on `Wide` (wide.hpp), which public headers
+/// and what the value of a plane at a site needs. More than that is done on `Int512` (wide.hpp), which public headers
 /// have no need of. Results that do not fit wrap around.
 struct Int192 {
   __extension__ using Word2 = unsigned __int128;

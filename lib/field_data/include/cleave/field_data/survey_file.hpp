@@ -67,7 +67,12 @@ struct SimulatedTraceMaps {
   std::optional<std::vector<survey::Polyline>> first;
 };
 /// Of every window; one simulated map where more than 20,000 traces were measured, else 19.
-[[nodiscard]] std::vector<SimulatedTraceMaps> maps_beside(const SurveyScene& survey,
-                                                          const survey::SurveyResult& result);
+[[nodiscard]] std::vector<SimulatedTraceMaps> simulated_trace_maps(const SurveyScene& survey,
+                                                                   const survey::SurveyResult& result);
+/// Old name.
+[[nodiscard]] inline std::vector<SimulatedTraceMaps> maps_beside(const SurveyScene& survey,
+                                                                 const survey::SurveyResult& result) {
+  return simulated_trace_maps(survey, result);
+}
 
 }  // namespace cleave::scene

@@ -13,20 +13,6 @@
 
 namespace cleave::geometry {
 
-/// Axis-parallel closed box; touching boxes overlap.
-struct Bounds {
-  Vec3 lo, hi;
-
-  [[nodiscard]] static constexpr Bounds of(Vec3 p) noexcept { return {p, p}; }
-  constexpr void grow(const Bounds& b) noexcept {
-    lo = {std::min(lo.x, b.lo.x), std::min(lo.y, b.lo.y), std::min(lo.z, b.lo.z)};
-    hi = {std::max(hi.x, b.hi.x), std::max(hi.y, b.hi.y), std::max(hi.z, b.hi.z)};
-  }
-  [[nodiscard]] constexpr bool overlaps(const Bounds& b) const noexcept {
-    return lo.x <= b.hi.x && b.lo.x <= hi.x && lo.y <= b.hi.y && b.lo.y <= hi.y && lo.z <= b.hi.z && b.lo.z <= hi.z;
-  }
-};
-
 /// The box of points as arrays by axis; empty until a point is added.
 struct Extents {
   static constexpr double far = std::numeric_limits<double>::infinity();
@@ -44,14 +30,14 @@ struct Extents {
 /// Binary tree over boxes, split at the median of the longest axis: O(n log n) to build, for finding overlapping boxes.
 class BoxTree final {
  public:
-  explicit BoxTree(std::span<const Bounds> boxes) : boxes_{boxes}, order_(boxes.size()) {
+  explicit BoxTree(std::span<const Box> boxes) : boxes_{boxes}, order_(boxes.size()) {
     std::iota(order_.begin(), order_.end(), std::uint32_t{0});
     if (!boxes.empty()) build(0, order_.size());
   }
 
   /// Calls visit(number) for each box that overlaps `probe`, in an order that depends on the boxes only.
   template <class Visit>
-  void overlapping(const Bounds& probe, Visit&& visit) const {
+  void overlapping(const Box& probe, Visit&& visit) const {
     if (nodes_.empty()) return;
     std::array<std::size_t, 128> stack{};  // the tree is balanced: two entries a level
     std::size_t depth = 0;
@@ -59,7 +45,7 @@ class BoxTree final {
     while (depth > 0) {
       const std::size_t self = stack[--depth];
       const Node& node = nodes_[self];
-      if (!node.bounds.overlaps(probe)) continue;
+      if (!node.box.overlaps(probe)) continue;
       if (node.right == 0) {
         for (std::size_t i = node.begin; i < node.end; ++i) {
           if (boxes_[order_[i]].overlaps(probe)) visit(order_[i]);
@@ -73,22 +59,22 @@ class BoxTree final {
 
  private:
   struct Node {
-    Bounds bounds;
+    Box box;
     std::size_t begin, end;
     std::size_t right = 0;  ///< the left child follows its parent; 0 marks a leaf
   };
 
   std::size_t build(std::size_t begin, std::size_t end) {
-    Bounds bounds = boxes_[order_[begin]];
-    for (std::size_t i = begin + 1; i < end; ++i) bounds.grow(boxes_[order_[i]]);
+    Box box = boxes_[order_[begin]];
+    for (std::size_t i = begin + 1; i < end; ++i) box.grow(boxes_[order_[i]]);
     const std::size_t self = nodes_.size();
-    nodes_.push_back({bounds, begin, end});
+    nodes_.push_back({box, begin, end});
     if (end - begin > 4) {
-      const Vec3 extent = bounds.hi - bounds.lo;
+      const Vec3 extent = box.size();
       const double longest = std::max({extent.x, extent.y, extent.z});
       const auto centre = [&](std::uint32_t i) {
-        const Bounds& b = boxes_[i];
-        return extent.x == longest ? b.lo.x + b.hi.x : extent.y == longest ? b.lo.y + b.hi.y : b.lo.z + b.hi.z;
+        const Box& b = boxes_[i];
+        return extent.x == longest ? b.min.x + b.max.x : extent.y == longest ? b.min.y + b.max.y : b.min.z + b.max.z;
       };
       const std::size_t middle = begin + (end - begin) / 2;
       const auto at = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
@@ -102,7 +88,7 @@ class BoxTree final {
     return self;
   }
 
-  std::span<const Bounds> boxes_;
+  std::span<const Box> boxes_;
   std::vector<std::uint32_t> order_;
   std::vector<Node> nodes_;
 };

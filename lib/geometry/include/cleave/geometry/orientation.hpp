@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "cleave/core/quantity.hpp"
+#include "cleave/core/vec2.hpp"
 #include "cleave/geometry/vec3.hpp"
 
 /// Planes and lines as geologists write them, and as vectors (x = east, y = north, z = up).
@@ -64,9 +65,7 @@ struct LineAttitude {
 enum class Net { equal_area, equal_angle };  ///< Schmidt, Wulff
 
 /// Position on a net of radius 1, x to the east, y to the north.
-struct NetPoint {
-  double x, y;
-};
+using NetPoint = Vec2;
 /// Lower hemisphere: equal area r = sqrt 2 sin(theta / 2), equal angle r = tan(theta / 2), theta = 90 - plunge. A line
 /// that points up is turned round.
 [[nodiscard]] NetPoint project(LineAttitude line, Net net) noexcept;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace cleave::geometry {
 
@@ -30,6 +31,32 @@ struct Vec3 {
 [[nodiscard]] inline Vec3 normalized(Vec3 a) noexcept { return a / norm(a); }
 [[nodiscard]] inline bool is_finite(Vec3 a) noexcept {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+
+/// Axis-parallel closed box; empty until a point is added. Boxes that touch overlap.
+struct Box {
+  static constexpr double far = std::numeric_limits<double>::infinity();
+  Vec3 min{far, far, far}, max{-far, -far, -far};
+
+  constexpr void add(Vec3 p) noexcept { grow({p, p}); }
+  constexpr void grow(const Box& b) noexcept {
+    min = {b.min.x < min.x ? b.min.x : min.x, b.min.y < min.y ? b.min.y : min.y, b.min.z < min.z ? b.min.z : min.z};
+    max = {max.x < b.max.x ? b.max.x : max.x, max.y < b.max.y ? b.max.y : max.y, max.z < b.max.z ? b.max.z : max.z};
+  }
+  /// By so much on each side.
+  [[nodiscard]] constexpr Box grown(double by) const noexcept {
+    return {min - Vec3{by, by, by}, max + Vec3{by, by, by}};
+  }
+  [[nodiscard]] constexpr Vec3 size() const noexcept { return max - min; }
+  [[nodiscard]] constexpr bool overlaps(const Box& b) const noexcept {
+    return min.x <= b.max.x && b.min.x <= max.x && min.y <= b.max.y && b.min.y <= max.y && min.z <= b.max.z &&
+           b.min.z <= max.z;
+  }
+};
+[[nodiscard]] constexpr Box box_of(const auto& points) noexcept {
+  Box box;
+  for (const Vec3& p : points) box.add(p);
+  return box;
 }
 
 }  // namespace cleave::geometry

@@ -261,7 +261,7 @@ struct Realization : SampledScene {
   /// At strengths over the scene's target for sliding; empty where the scene has none, or a support that asks for it.
   std::optional<stability::KeyGroups> groups_below_target = {};
   std::vector<std::optional<LetGo>> let_go = {};  ///< of `key_groups`, those in doubt; empty: none was asked
-  std::vector<stability::HeldFromWithin> held_from_within = {};
+  std::vector<stability::InterlockedByInclusion> held_from_within = {};
   std::vector<stability::Barred> barred = {};             ///< where blocks were not judged together
   std::optional<stability::DomainHeld> domain_held = {};  ///< of the base case, with `analysis`
   std::vector<CaseResult> load_cases = {};                ///< of [[load]], in scene order; the base case is `analysis`

@@ -13,8 +13,8 @@
 #include "cleave/scene/plan.hpp"
 
 /// The keys of scene and survey files, each declared once: what it holds, its unit, range, usual values, default and
-/// one line of help. Parsers read by these declarations, and docs/scene.schema.json, the tables of keys in docs and
-/// fuzz/cleave.dict are made from them.
+/// one line of help. Parsers read by these declarations, and docs/scene.schema.json and the tables of keys in docs are
+/// made from them.
 namespace cleave::scene {
 
 /// What a number may be. `unit` is "" or starts with a blank (" m").

@@ -182,6 +182,16 @@ struct StabilitySettings {
   bool parallel_contact = false;  ///< cohesion on brushed faces too
   stability::GroupFriction group_friction = stability::GroupFriction::area_mean;
 };
+/// The choices of the scene that are the analysis's own: a new one is a member of both and a line here.
+inline void hand_over(const StabilitySettings& scene, stability::Settings& analysis) {
+  analysis.group_friction = scene.group_friction;
+  analysis.strict = scene.strict;
+  analysis.parallel_contact = scene.parallel_contact;
+  analysis.force_transfer = scene.force_transfer;
+  analysis.transfer = scene.transfer;
+  analysis.max_batches = scene.max_batches;
+  analysis.rotation = scene.rotation;
+}
 
 /// Search for spacing and length of the patterns (design of [support]).
 struct DesignSettings {

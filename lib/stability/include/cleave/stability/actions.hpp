@@ -33,9 +33,7 @@ struct ExcavationWall {
 };
 using FreeSurface = std::variant<AnyFreeFace, DomainSide, ExcavationWall>;
 
-struct Box {
-  geometry::Vec3 min, max;  ///< m
-};
+using geometry::Box;
 
 /// A load on the part of a free surface inside a box. `traction` acts as given; `pressure` pushes against the rock
 /// along each face's normal (support pressure is positive).

@@ -148,12 +148,14 @@ struct NearKeyBlocks {
 using NearError = std::variant<topology::CutError, topology::Certificate>;
 
 /// What is asked of the same window beside the analysis.
-struct NearMore {
+struct NearFieldOptions {
   Length depth = {};  ///< how far behind free faces the first window goes at least (the longest bolt)
   /// Looks at a window in which the analysis is decided; returns the truncated blocks that its own answer depends on,
   /// none when it stands.
   std::function<std::vector<topology::BlockId>(const topology::AuditedComplex&, const Analysis&)> undecided = {};
 };
+
+using NearMore = NearFieldOptions;  ///< old name
 
 /// Batches, key blocks and what moves them are those of `analyse` on the whole scene (block numbers are not), under all
 /// loads: cost goes with the free surface, not with the volume. Of the blocks that would move but for friction those
@@ -163,12 +165,13 @@ struct NearMore {
 [[nodiscard]] std::expected<NearKeyBlocks, NearError> analyse_near_field(const topology::CutInput& input,
                                                                          const Settings& settings,
                                                                          const topology::CutOptions& options,
-                                                                         StageTimer& timer, const NearMore& more = {});
+                                                                         StageTimer& timer,
+                                                                         const NearFieldOptions& more = {});
 
 // ---- Held by what lies inside ---------------------------------------------------------------------------------------
 
 /// A block that stays only because of blocks wholly inside it: a closed box of joints in its middle.
-struct HeldFromWithin {
+struct InterlockedByInclusion {
   topology::BlockId block;
   std::vector<topology::BlockId> inside = {};  ///< ascending
   /// Of all of them as one body, without forces of later batches.
@@ -178,11 +181,13 @@ struct HeldFromWithin {
   double factor_of_safety = 0;
 };
 
+using HeldFromWithin = InterlockedByInclusion;  ///< old name
+
 /// Blocks are judged one by one, so a block and what it encloses hold each other for ever: the one inside has no way
 /// out, and its faces leave the one around it none. Really they go together. This finds such blocks in the state that
 /// the analysis ends in, and those of them that leave as one body. Blocks that a window cuts through are not asked.
-[[nodiscard]] std::vector<HeldFromWithin> held_from_within(const topology::AuditedComplex& complex,
-                                                           const Settings& settings, const Analysis& analysis);
+[[nodiscard]] std::vector<InterlockedByInclusion> held_from_within(const topology::AuditedComplex& complex,
+                                                                   const Settings& settings, const Analysis& analysis);
 
 /// A block that stays only because blocks that are smaller, or removable, stand in its way or under it.
 struct Barred {

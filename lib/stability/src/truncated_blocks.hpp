@@ -15,10 +15,10 @@ namespace cleave::stability {
 /// Of such a block these are known: all its free faces and all faces that batches have opened, for no free face lies
 /// outside the window; and some of its joint faces. Not known: its other joint faces, its volume, and which other parts
 /// in the window belong to it. A joint between two parts may end outside, and hold nothing.
-class KnownParts final {
+class TruncatedBlocks final {
  public:
   /// Outlives neither.
-  explicit KnownParts(Model& model);
+  explicit TruncatedBlocks(Model& model);
 
   /// Whether the block that `part` belongs to stays, with this factor of safety at least, whatever is not known of it.
   /// False says nothing.

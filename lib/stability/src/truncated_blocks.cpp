@@ -1,4 +1,4 @@
-#include "known_parts.hpp"
+#include "truncated_blocks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ std::vector<BlockId> with(std::vector<BlockId> parts, BlockId more) {
 
 }  // namespace
 
-KnownParts::KnownParts(Model& model) : model_{&model} {
+TruncatedBlocks::TruncatedBlocks(Model& model) : model_{&model} {
   const Settings& settings = model.settings();
   const ActionSpec& loads = settings.actions.spec();
   only_weight_ = settings.actions.dry() && loads.surcharges.empty() && loads.points.empty() && loads.lines.empty();
@@ -36,14 +36,14 @@ KnownParts::KnownParts(Model& model) : model_{&model} {
   }
 }
 
-bool KnownParts::stays(BlockId part, std::uint32_t batch, double factor) {
+bool TruncatedBlocks::stays(BlockId part, std::uint32_t batch, double factor) {
   // Each question about a neighbour has two answers, and both must do.
   budget_ = 100;
   return stays(Parts{part}, Parts{}, batch, factor);
 }
 
 /// `same` are parts of one block, `apart` are not of it.
-bool KnownParts::stays(const Parts& same, const Parts& apart, std::uint32_t batch, double factor) {
+bool TruncatedBlocks::stays(const Parts& same, const Parts& apart, std::uint32_t batch, double factor) {
   if (--budget_ < 0) return false;
   const topology::BlockComplex& complex = model_->complex();
   std::vector<Direction> rows;
@@ -94,7 +94,7 @@ bool KnownParts::stays(const Parts& same, const Parts& apart, std::uint32_t batc
 /// What acts on the parts that are known, and on what may lie outside the window: rock, dry or below the table. Water
 /// at rest pushes on all of a block's boundary but the faces that are drained, and those are known; so outside it lifts
 /// by the weight of the water displaced.
-std::vector<Resultant> KnownParts::own_loads(const Parts& same, std::uint32_t batch) {
+std::vector<Resultant> TruncatedBlocks::own_loads(const Parts& same, std::uint32_t batch) {
   std::vector<Resultant> loads{model_->applied_forces(same.front(), batch)};
   if (only_weight_) return loads;
   for (std::size_t i = 1; i < same.size(); ++i) {
@@ -116,7 +116,7 @@ std::vector<Resultant> KnownParts::own_loads(const Parts& same, std::uint32_t ba
 }
 
 /// Parts with a free or drained face, which may all belong to one block, and what acts on them.
-const std::vector<std::pair<BlockId, Resultant>>& KnownParts::exposed(std::uint32_t batch) {
+const std::vector<std::pair<BlockId, Resultant>>& TruncatedBlocks::exposed(std::uint32_t batch) {
   if (exposed_in_ == batch) return exposed_;
   exposed_in_ = batch;
   exposed_.clear();
@@ -130,7 +130,8 @@ const std::vector<std::pair<BlockId, Resultant>>& KnownParts::exposed(std::uint3
 /// sum, larger. What acts on the block is a sum of loads, each taken some number of times >= 0. |s| of a sum is at most
 /// the sum of |s|, and |p| is at least r.d for every unit d in the polar cone of K. So friction holds every such sum
 /// when |s| <= tan(least friction) r.d for each of the loads.
-bool KnownParts::held(const Cone& cone, const Parts& same, const Parts& apart, std::uint32_t batch, double factor) {
+bool TruncatedBlocks::held(const Cone& cone, const Parts& same, const Parts& apart, std::uint32_t batch,
+                           double factor) {
   const Settings& settings = model_->settings();
   if (stated_water_ || settings.rotation == RotationCheck::decide) return false;
   const double tan = settings.only_key_blocks ? 0.999999 * least_tan_ / factor : 0;

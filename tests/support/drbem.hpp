@@ -66,7 +66,7 @@ class Drbem final {
   double scale_ = 1, mu_ = 1;
   std::vector<Vec2> points_;               // nodes, then inner
   DenseMatrix mass_, stiffness_, gather_;  // all freedoms; G
-  DenseMatrix reduced_mass_, reduced_stiffness_, project_;
+  DenseMatrix reduced_mass_, reduced_stiffness_;
   std::vector<double> load_;  // of the conditions' tractions, reduced
   std::vector<std::size_t> free_;
   std::vector<std::complex<double>> eigenvalues_;

@@ -107,6 +107,130 @@ void put(MatrixXd& a, std::size_t row, std::size_t column, Mat2 m) {
 }
 Mat2 transposed(Mat2 m) { return {m.xx, m.yx, m.xy, m.yy}; }
 
+struct BoundaryMatrices {
+  MatrixXd h, g;
+};
+/// H of displacements and G of element-wise tractions, for the nodes and the points inside.
+BoundaryMatrices boundary_matrices(const Mesh& mesh, const std::vector<Vec2>& points, double nu) {
+  const std::size_t nb = mesh.nodes.size(), n = points.size(), per = mesh.per_element();
+  const Integrator integrator{mesh, {{1, nu}}, 1e-12};
+  MatrixXd hm = MatrixXd::Zero(ix(2 * n), ix(2 * n));
+  MatrixXd gm = MatrixXd::Zero(ix(2 * n), ix(2 * per * mesh.elements.size()));
+  for (std::size_t i = 0; i < n; ++i) {
+    Mat2 total;
+    ElementIntegrals part;
+    for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+      std::optional<double> own;
+      if (i < nb) {
+        for (const Use& use : mesh.nodes[i].uses) {
+          if (use.element == e) own = local_nodes(mesh.order)[use.local];
+        }
+      }
+      integrator.integrate(e, points[i], own, part);
+      for (std::size_t a = 0; a < per; ++a) {
+        put(gm, 2 * i, 2 * (e * per + a), part.g[a]);
+        put(hm, 2 * i, 2 * mesh.elements[e].node[a], part.h[a]);
+        if (!own) total += part.h[a];
+      }
+    }
+    put(hm, 2 * i, 2 * i, i < nb ? -1.0 * total : Mat2{1, 0, 0, 1});
+  }
+  return {std::move(hm), std::move(gm)};
+}
+
+/// Particular solutions at nodes and, with each element's own normal, at element nodes.
+struct Spread {
+  MatrixXd displacement, traction;
+  MatrixXd spread;  ///< functions of accelerations at the points
+};
+/// `h`: the length that points are scaled by, m.
+Spread particular_solutions(const Mesh& mesh, const std::vector<Vec2>& points, double nu, double h, Basis basis) {
+  const std::size_t n = points.size(), per = mesh.per_element(), nt = per * mesh.elements.size();
+  const bool linear = basis == Basis::r_plus_linear;
+  const std::size_t functions = n + (linear ? 3 : 0);
+  MatrixXd uh = MatrixXd::Zero(ix(2 * n), ix(2 * functions));
+  MatrixXd th = MatrixXd::Zero(ix(2 * nt), ix(2 * functions));
+  MatrixXd f = MatrixXd::Zero(ix(functions), ix(functions));
+  const auto pair = [&](std::size_t q, Vec2 x, Vec2 normal) {
+    if (q >= n) return q == n ? of_power(x, normal, nu, 0) : of_linear(x, normal, nu, q - n - 1);
+    const Vec2 d = x - points[q];
+    ParticularPair p = of_power(d, normal, nu, 1);
+    if (basis == Basis::one_plus_r) {
+      // The 1 of 1 + r is a metre, as in Fu (2014); r is scaled here.
+      const ParticularPair one = of_power(d, normal, nu, 0);
+      p.u = p.u + (1 / h) * one.u;
+      p.t = p.t + (1 / h) * one.t;
+    }
+    return p;
+  };
+  for (std::size_t q = 0; q < functions; ++q) {
+    for (std::size_t i = 0; i < n; ++i) put(uh, 2 * i, 2 * q, transposed(pair(q, points[i], {}).u));
+    for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+      for (std::size_t a = 0; a < per; ++a) {
+        const double s = local_nodes(mesh.order)[a];
+        const Element& element = mesh.elements[e];
+        put(th, 2 * (e * per + a), 2 * q, transposed(pair(q, element.at(s), element.normal(s)).t));
+      }
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec2 x = points[i];
+      double value = 0;
+      if (q < n) {
+        value = norm(x - points[q]) + (basis == Basis::one_plus_r ? 1 / h : 0.0);
+      } else {
+        value = q == n ? 1 : (q == n + 1 ? x.x : x.y);
+        f(ix(q), ix(i)) = value;
+      }
+      f(ix(i), ix(q)) = value;
+    }
+  }
+  const MatrixXd inverse = f.partialPivLu().inverse().leftCols(ix(n));
+  MatrixXd spread = MatrixXd::Zero(ix(2 * functions), ix(2 * n));
+  for (std::size_t q = 0; q < functions; ++q) {
+    for (std::size_t i = 0; i < n; ++i) {
+      spread(ix(2 * q), ix(2 * i)) = spread(ix(2 * q + 1), ix(2 * i + 1)) = inverse(ix(q), ix(i));
+    }
+  }
+  return {std::move(uh), std::move(th), std::move(spread)};
+}
+
+/// What clamped sides take, and the tractions given on the others.
+struct HeldSides {
+  std::map<std::uint32_t, std::size_t> nodes;                  ///< clamped, numbered
+  std::vector<std::pair<std::size_t, std::size_t>> reactions;  ///< element place, clamped node
+  Eigen::VectorXd tractions;
+};
+HeldSides held_sides(const Region& region, const std::vector<Loop>& loops, const Mesh& mesh, Vec2 origin, double h) {
+  const std::size_t per = mesh.per_element();
+  const double mu = region.material.mu();
+  HeldSides out;
+  Eigen::VectorXd& t = out.tractions = Eigen::VectorXd::Zero(ix(2 * per * mesh.elements.size()));
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+    const Element& element = mesh.elements[e];
+    const Condition& c = region.conditions[loops[element.loop][element.side].condition];
+    const bool held = c.component[0].given == Given::displacement;
+    for (std::size_t a = 0; a < per; ++a) {
+      if (held) {
+        const auto [it, fresh] = out.nodes.try_emplace(element.node[a], out.nodes.size());
+        out.reactions.emplace_back(e * per + a, it->second);
+        continue;
+      }
+      const double s = local_nodes(mesh.order)[a];
+      const Vec2 normal = element.normal(s);
+      const std::array<Vec2, 2> axes = c.axes == Axes::normal
+                                           ? std::array{rotated(normal, c.turn), rotated(turned_left(normal), c.turn)}
+                                           : std::array{rotated({1, 0}, c.turn), rotated({0, 1}, c.turn)};
+      Vec2 v;
+      for (std::size_t k = 0; k < 2; ++k) {
+        if (c.component[k].value) v += c.component[k].value(origin + h * element.at(s), normal) * axes[k];
+      }
+      t(ix(2 * (e * per + a))) = v.x / mu;
+      t(ix(2 * (e * per + a) + 1)) = v.y / mu;
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 std::expected<Drbem, DrbemError> Drbem::make(const Region& region, const MeshSize& size, Basis basis,
@@ -127,123 +251,30 @@ std::expected<Drbem, DrbemError> Drbem::make(const Region& region, const MeshSiz
   const Mesh& mesh = out.mesh_;
   const double nu = region.material.nu();
   const std::size_t nb = mesh.nodes.size();
-  const std::size_t per = mesh.per_element();
   for (const Node& node : mesh.nodes) out.points_.push_back(node.x);
   for (const Vec2 x : inner) out.points_.push_back((x - out.origin_) / h);
   const std::size_t n = out.points_.size();
-  const std::size_t nt = per * mesh.elements.size();
-  const Integrator integrator{mesh, {{1, nu}}, 1e-12};
-  MatrixXd hm = MatrixXd::Zero(ix(2 * n), ix(2 * n));
-  MatrixXd gm = MatrixXd::Zero(ix(2 * n), ix(2 * nt));
-  for (std::size_t i = 0; i < n; ++i) {
-    Mat2 total;
-    ElementIntegrals part;
-    for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
-      std::optional<double> own;
-      if (i < nb) {
-        for (const Use& use : mesh.nodes[i].uses) {
-          if (use.element == e) own = local_nodes(mesh.order)[use.local];
-        }
-      }
-      integrator.integrate(e, out.points_[i], own, part);
-      for (std::size_t a = 0; a < per; ++a) {
-        put(gm, 2 * i, 2 * (e * per + a), part.g[a]);
-        put(hm, 2 * i, 2 * mesh.elements[e].node[a], part.h[a]);
-        if (!own) total += part.h[a];
-      }
-    }
-    put(hm, 2 * i, 2 * i, i < nb ? -1.0 * total : Mat2{1, 0, 0, 1});
-  }
-  // Particular solutions at nodes and, with each element's own normal, at element nodes.
-  const bool linear = basis == Basis::r_plus_linear;
-  const std::size_t functions = n + (linear ? 3 : 0);
-  MatrixXd uh = MatrixXd::Zero(ix(2 * n), ix(2 * functions));
-  MatrixXd th = MatrixXd::Zero(ix(2 * nt), ix(2 * functions));
-  MatrixXd f = MatrixXd::Zero(ix(functions), ix(functions));
-  const auto pair = [&](std::size_t q, Vec2 x, Vec2 normal) {
-    if (q >= n) return q == n ? of_power(x, normal, nu, 0) : of_linear(x, normal, nu, q - n - 1);
-    const Vec2 d = x - out.points_[q];
-    ParticularPair p = of_power(d, normal, nu, 1);
-    if (basis == Basis::one_plus_r) {
-      // The 1 of 1 + r is a metre, as in Fu (2014); r is scaled here.
-      const ParticularPair one = of_power(d, normal, nu, 0);
-      p.u = p.u + (1 / h) * one.u;
-      p.t = p.t + (1 / h) * one.t;
-    }
-    return p;
-  };
-  for (std::size_t q = 0; q < functions; ++q) {
-    for (std::size_t i = 0; i < n; ++i) put(uh, 2 * i, 2 * q, transposed(pair(q, out.points_[i], {}).u));
-    for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
-      for (std::size_t a = 0; a < per; ++a) {
-        const double s = local_nodes(mesh.order)[a];
-        const Element& element = mesh.elements[e];
-        put(th, 2 * (e * per + a), 2 * q, transposed(pair(q, element.at(s), element.normal(s)).t));
-      }
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-      const Vec2 x = out.points_[i];
-      double value = 0;
-      if (q < n) {
-        value = norm(x - out.points_[q]) + (basis == Basis::one_plus_r ? 1 / h : 0.0);
-      } else {
-        value = q == n ? 1 : (q == n + 1 ? x.x : x.y);
-        f(ix(q), ix(i)) = value;
-      }
-      f(ix(i), ix(q)) = value;
-    }
-  }
-  const MatrixXd inverse = f.partialPivLu().inverse().leftCols(ix(n));
-  MatrixXd spread = MatrixXd::Zero(ix(2 * functions), ix(2 * n));
-  for (std::size_t q = 0; q < functions; ++q) {
-    for (std::size_t i = 0; i < n; ++i) {
-      spread(ix(2 * q), ix(2 * i)) = spread(ix(2 * q + 1), ix(2 * i + 1)) = inverse(ix(q), ix(i));
-    }
-  }
+  const auto [hm, gm] = boundary_matrices(mesh, out.points_, nu);
+  const Spread by = particular_solutions(mesh, out.points_, nu, h, basis);
   // Scaled equations: u'/h, t/mu; time unit h sqrt(rho/mu).
-  const MatrixXd m = (rho * h * h / out.mu_) * ((gm * th - hm * uh) * spread);
+  const MatrixXd m = (rho * h * h / out.mu_) * ((gm * by.traction - hm * by.displacement) * by.spread);
   out.mass_ = dense(m);
   out.stiffness_ = dense(hm);
   out.gather_ = dense(gm);
 
-  // Clamped sides: their tractions go by rows Z with Z G_b = 0.
-  std::map<std::uint32_t, std::size_t> clamped;
-  Eigen::VectorXd t = Eigen::VectorXd::Zero(ix(2 * nt));
-  std::vector<std::pair<std::size_t, std::size_t>> reactions;  // element place, clamped node
-  for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
-    const Element& element = mesh.elements[e];
-    const Condition& c = region.conditions[checked->loops[element.loop][element.side].condition];
-    const bool held = c.component[0].given == Given::displacement;
-    for (std::size_t a = 0; a < per; ++a) {
-      if (held) {
-        const auto [it, fresh] = clamped.try_emplace(element.node[a], clamped.size());
-        reactions.emplace_back(e * per + a, it->second);
-        continue;
-      }
-      const double s = local_nodes(mesh.order)[a];
-      const Vec2 normal = element.normal(s);
-      const std::array<Vec2, 2> axes = c.axes == Axes::normal
-                                           ? std::array{rotated(normal, c.turn), rotated(turned_left(normal), c.turn)}
-                                           : std::array{rotated({1, 0}, c.turn), rotated({0, 1}, c.turn)};
-      Vec2 v;
-      for (std::size_t k = 0; k < 2; ++k) {
-        if (c.component[k].value) v += c.component[k].value(out.origin_ + h * element.at(s), normal) * axes[k];
-      }
-      t(ix(2 * (e * per + a))) = v.x / out.mu_;
-      t(ix(2 * (e * per + a) + 1)) = v.y / out.mu_;
-    }
-  }
-  MatrixXd gb = MatrixXd::Zero(ix(2 * n), ix(2 * clamped.size()));
-  for (const auto& [place, node] : reactions) {
+  // Tractions of clamped sides go by rows Z with Z G_b = 0.
+  const HeldSides held = held_sides(region, checked->loops, mesh, out.origin_, h);
+  MatrixXd gb = MatrixXd::Zero(ix(2 * n), ix(2 * held.nodes.size()));
+  for (const auto& [place, node] : held.reactions) {
     for (std::size_t c = 0; c < 2; ++c) gb.col(ix(2 * node + c)) += gm.col(ix(2 * place + c));
   }
   for (std::size_t i = 0; i < n; ++i) {
-    if (i < nb && clamped.contains(static_cast<std::uint32_t>(i))) continue;
+    if (i < nb && held.nodes.contains(static_cast<std::uint32_t>(i))) continue;
     out.free_.push_back(2 * i);
     out.free_.push_back(2 * i + 1);
   }
   MatrixXd z = MatrixXd::Identity(ix(2 * n), ix(2 * n));
-  if (!clamped.empty()) {
+  if (!held.nodes.empty()) {
     const Eigen::HouseholderQR<MatrixXd> qr{gb};
     const MatrixXd q = qr.householderQ();
     z = q.rightCols(ix(2 * n) - gb.cols()).transpose();
@@ -255,12 +286,12 @@ std::expected<Drbem, DrbemError> Drbem::make(const Region& region, const MeshSiz
   }
   out.reduced_mass_ = dense(mr);
   out.reduced_stiffness_ = dense(kr);
-  const Eigen::VectorXd load = z * (gm * t);
+  const Eigen::VectorXd load = z * (gm * held.tractions);
   out.load_.assign(load.begin(), load.end());
   const Eigen::VectorXcd l = mr.partialPivLu().solve(kr).eigenvalues();
   out.eigenvalues_.assign(l.begin(), l.end());
   std::ranges::sort(out.eigenvalues_, {}, [](const std::complex<double>& c) { return std::abs(c); });
-  if (clamped.empty() && out.eigenvalues_.size() > 3) {
+  if (held.nodes.empty() && out.eigenvalues_.size() > 3) {
     // The rigid motions, zero to rounding.
     out.eigenvalues_.erase(out.eigenvalues_.begin(), out.eigenvalues_.begin() + 3);
   }
