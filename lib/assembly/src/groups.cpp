@@ -331,6 +331,8 @@ class Search final {
     }
     // It moves at strengths as they are.
     if (moves) group.moving.factor = std::min(group.moving.factor, 1.0);
+    // The proof caps what contacts press with, the factor does not.
+    if (verdict == Verdict::certain) group.up.factor = std::min(group.up.factor, 1.0);
     group.bodies = std::move(members);
     return group;
   }
