@@ -291,6 +291,10 @@ TEST(KeyBlocksScene, PowerhouseIsSupportedInTwoSteps) {
   EXPECT_TRUE(r.designs[0].found);
   EXPECT_GT(r.designs[0].spot_bolts, 0U);
   EXPECT_GE(r.analysis->batches.size(), 6U);
+  // More blocks than are judged together: that the support was not asked for groups is said.
+  EXPECT_TRUE(std::ranges::any_of(r.notes, [](const std::string& note) {
+    return note.contains("whether it holds groups of blocks was not asked");
+  }));
 }
 
 TEST(KeyBlocksScene, ColumnsThatToppleAreToldAndCountOnlyWhenAsked) {
