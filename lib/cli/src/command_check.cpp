@@ -58,8 +58,8 @@ ExitCode plan_scene(const std::string& path) {
         return fmt::format(
                    "plan of {} ({})\n{}estimated size: {}, about {:.0f} MB and {:.2g} s of CPU{}{}\n", path,
                    loaded.title, describe(*plan, true), size_of(loaded, size), size.memory_mb, size.seconds,
-                   size.together_s > 0.1
-                       ? fmt::format(", with up to about {:.1g} s more for blocks judged together", size.together_s)
+                   size.together.si() > 0.1
+                       ? fmt::format(", with up to about {:.1g} s more for blocks judged together", size.together.si())
                        : "",
                    plan->runs(scene::Stage::contact) && size.blocks_high > 0 ? "; motion is not in it" : "") +
                notes_of(loaded);

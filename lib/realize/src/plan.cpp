@@ -107,12 +107,12 @@ double searches_of(const Scene& scene) {
 
 /// What judging blocks together took at most of examples, for each block near a free face; of all blocks at most as
 /// many as are judged together.
-double together_s(const Scene& scene, const CutEstimate& cut) {
-  if (!scene.stability || scene.stability->groups == stability::GroupsCheck::off) return 0;
+Time together_of(const Scene& scene, const CutEstimate& cut) {
+  if (!scene.stability || scene.stability->groups == stability::GroupsCheck::off) return {};
   const bool decides = scene.stability->decides_by_groups();
   const double a_block = decides ? 0.05 : 0.02;
   const stability::Together most = decides ? stability::most_together : stability::most_noted;
-  return searches_of(scene) * a_block * std::min(cut.blocks, static_cast<double>(most.blocks));
+  return Time::from_si(searches_of(scene) * a_block * std::min(cut.blocks, static_cast<double>(most.blocks)));
 }
 
 struct Decision {
@@ -210,7 +210,7 @@ std::expected<Plan, std::vector<Problem>> make_costed_plan(const Scene& scene) {
                    .blocks_high = cut.blocks_high,
                    .memory_mb = program_mb + cut.memory_mb(),
                    .seconds = program_s,
-                   .together_s = together_s(scene, cut)};
+                   .together = together_of(scene, cut)};
   const double runs = scene.monte_carlo ? static_cast<double>(scene.monte_carlo->realizations) : 1;
   for (PlannedStage& planned : plan.stages) {
     if (!planned.run) continue;

@@ -226,9 +226,9 @@ Realizer::Done Realizer::judge() {
   }
   for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
     CaseResult& load = made_.load_cases[k];
-    const auto& loads = scene_->stability->cases[k].loads;
-    load.domain_held =
-        held_by_border(of_detail(settings_on(complex.complex(), *scene_, made_, loads)), load.analysis, load.groups);
+    const stability::Settings pushed =
+        of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
+    load.domain_held = held_by_border(pushed, load.analysis, load.groups);
   }
   made_.sensitivity = stability::sensitivity(complex, with, *made_.analysis);
   judge_maximum_blocks(*scene_, made_);

@@ -435,7 +435,8 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (made.support) add_anchor_note(*made.support, notes);
   if (made.support && scene.stability->groups == stability::GroupsCheck::off) {
     notes.emplace_back(
-        "support: with groups = \"off\" it was not asked whether it holds blocks that move together, nor whether a bolt "
+        "support: with groups = \"off\" it was not asked whether it holds blocks that move together, nor whether a "
+        "bolt "
         "carries all blocks it goes through at once");
   }
   if (scene.stability) add_below_target_note(made, *scene.stability, notes);

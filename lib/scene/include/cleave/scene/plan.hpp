@@ -9,6 +9,7 @@
 
 #include "cleave/core/cost.hpp"
 #include "cleave/core/fields.hpp"
+#include "cleave/core/quantity.hpp"
 #include "cleave/core/version.hpp"
 #include "cleave/scene/output.hpp"
 
@@ -50,10 +51,10 @@ struct SizeEstimate {
   double blocks_low = 1;  ///< blocks: a bracket
   double blocks_high = 1;
   double memory_mb = 0;
-  double seconds = 0;  ///< of CPU, but for `together_s`
+  double seconds = 0;  ///< of CPU, but for `together`
   /// Of CPU, at most in most scenes: blocks judged together. How many lie near free faces and how they hold each other
   /// only the cut tells, and scenes of one size differ by a thousand.
-  double together_s = 0;
+  Time together = {};
 };
 
 /// What a run of a scene does and leaves out, one entry a stage in the order of `all_stages`: the run executes those
