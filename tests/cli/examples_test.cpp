@@ -88,6 +88,18 @@ TEST_F(ExamplesTest, EveryNullHasItsReasonBesideIt) {
   }
 }
 
+// Heyman (1967): a hemispherical dome thicker than 0.042 of its radius stands; this one has 0.08, and an eye.
+TEST_F(ExamplesTest, DomeStands) {
+  const auto result = result_of("dome");
+  EXPECT_EQ(result["blocks"]["count"].get<int>(), 9 * 12);
+  EXPECT_EQ(result["blocks"]["concave"].get<int>(), 0);
+  EXPECT_EQ(result["blocks"]["slivers"].get<int>(), 0);
+  EXPECT_EQ(result["motion"]["status"], "converged");
+  EXPECT_EQ(result["motion"]["released"].get<int>(), 8 * 12);
+  EXPECT_EQ(result["motion"]["moved"].get<int>(), 0);
+  EXPECT_TRUE(result["motion"]["at_rest"].get<bool>());
+}
+
 TEST_F(ExamplesTest, TunnelHasKeyBlocksAndAnotherSeedIsAnotherNetwork) {
   const auto result = result_of("tunnel");
   EXPECT_GE(result["blocks"]["count"].get<int>(), 500);
