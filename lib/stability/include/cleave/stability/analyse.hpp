@@ -202,10 +202,6 @@ struct Barred {
 [[nodiscard]] std::vector<Barred> barred_by_lesser(const topology::AuditedComplex& complex, const Settings& settings,
                                                    const Analysis& analysis);
 
-/// What only the border of the domain holds.
-struct DomainHeld {
-  std::vector<topology::BlockId> blocks = {};  ///< ascending
-  Volume volume = {};
   Area free_area = {};  ///< of their free faces
   Area all_free = {};   ///< of all free faces
   /// So many of `blocks` move only together with others (key_groups.hpp).

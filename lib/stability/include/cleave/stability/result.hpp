@@ -136,4 +136,9 @@ struct Analysis {
   double equilibrium_residual = 0;
 };
 
+/// What only the border of the domain holds.
+struct DomainHeld {
+  std::vector<topology::BlockId> blocks = {};  ///< ascending
+  Volume volume = {};
+
 }  // namespace cleave::stability
