@@ -110,7 +110,7 @@ TEST_F(ContactExamplesTest, DampedExamplesTakeTheTimesThatArePublished) {
 }
 
 TEST_F(ContactExamplesTest, ElasticRoofWithClosedJointsIsAnArch) {
-  const auto roof = example("tunnel_roof/tunnel_roof_elastic");
+  const auto roof = example("tunnel_roof/closed_elastic");
   EXPECT_EQ(roof["mode"], "elastic");
   for (const std::string layer : {"1", "2", "3", "4", "5"}) {
     EXPECT_LT(at(roof, "layer " + layer)[1], -0.005) << layer;
