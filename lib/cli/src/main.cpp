@@ -160,6 +160,9 @@ ExitCode run_program(int argc, char** argv) {
   run_command->add_option("--seed", seed, "instead of the scene's seed");
   takes_memory(run_command);
   run_command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
+  run_command->add_option(
+      "--resume", run.resume,
+      "contact.state of an earlier run of bodies in contact, or its result folder: goes on from there");
   run_command->add_option("--shard", shard,
                           "part K/N of a Monte Carlo run, K from 1; merge the parts with cleave merge");
   run_command->callback([&] {

@@ -92,7 +92,8 @@ Plan make_plan(const ContactScene& scene) {
   }
   if (s.gravity == Vec2{}) why += "; no weight";
   if (s.ground) why += "; the ground moves";
-  std::string files = scene.output.vtu ? ", contact_NNNN.vtu, contact.pvd" : "";
+  std::string files = ", contact.state";
+  if (scene.output.vtu) files += ", contact_NNNN.vtu, contact.pvd";
   if (scene.output.csv) files += scene.points.empty() ? ", history.csv" : ", history.csv, points.csv";
   if (scene.output.csv) files += ", bodies.csv";
   Plan plan = plan_of_bodies(Stage::contact, why, files, scene.output.report);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -58,6 +59,19 @@ struct StepFailed {
 };
 using StepError = std::variant<StepFailed>;
 [[nodiscard]] std::string describe(const StepError& error);
+
+// ---- what a world cannot go on from
+
+/// The bytes are no saved world.
+struct NoSavedWorld {};
+/// They are one of another version of the library.
+struct SavedByOtherVersion {};
+/// They were cut short or changed, or hold what cannot be.
+struct DamagedWorld {};
+/// They are of a world of other bodies, laws or gravity.
+struct SavedOfOtherWorld {};
+using SavedError = std::variant<NoSavedWorld, SavedByOtherVersion, DamagedWorld, SavedOfOtherWorld>;
+[[nodiscard]] std::string describe(const SavedError& error);
 
 struct WorldOptions {
   Vec2 gravity = {0, -9.81};
@@ -134,7 +148,7 @@ struct StepReport {
   bool impact = false;
 };
 
-/// Blocks in motion. Value type: a copy is a saved state.
+/// Blocks in motion. Value type: a copy is a saved state, and `saved` is one as bytes.
 ///
 /// A step is a theta scheme in velocities and contact impulses (Moreau 1988; Jean 1999) on (centroid, angle, modal
 /// amplitudes): theta = 1/2, or 1 in groups of bodies where something hits. Impulses act at one common point of both
@@ -186,6 +200,14 @@ class World final {
   /// Every group of contacts the next step of this length would solve, as it stands (cold); none for a step that is
   /// not positive and finite.
   [[nodiscard]] std::vector<ContactProblem> problems(double step) const;
+
+  /// All that this world carries from step to step, as bytes: the same on every machine and for every number of
+  /// threads. Bodies, laws and options are not in it.
+  [[nodiscard]] std::string saved() const;
+  /// Goes on from there: every later step is that of the world that was saved, to the last bit. This world must have
+  /// been made of the same bodies, laws, gravity, `quasi_static` and functions of time (which cannot be compared); its
+  /// other options may differ. It is as it was when there is an error.
+  [[nodiscard]] std::expected<void, SavedError> restore(std::string_view saved);
 
   struct Impl;
 

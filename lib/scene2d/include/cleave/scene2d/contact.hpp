@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -238,7 +239,9 @@ struct ContactResult : Scene2dResult {
   std::vector<ContactHistory> history;
   std::vector<SolverShare> solvers;
   std::uint64_t iterations = 0;
-  double work = 0;  ///< operations
+  double work = 0;           ///< operations
+  bool interrupted = false;  ///< `ContactRun::stop` said so
+  std::string state;         ///< what a later run goes on from, see SavedRun
 };
 
 /// What became of the bodies. One has moved that lies farther from its place at the start than `moves_from` of its
@@ -339,7 +342,25 @@ void fields(V& v, const ContactResult& x) {
 /// Where the corners of a body are drawn in a frame.
 [[nodiscard]] std::vector<bem::Vec2> corners_at(const ContactResult& result, std::size_t frame, std::size_t body);
 
+/// File of a result that holds its `state`.
+inline constexpr std::string_view contact_state_name = "contact.state";
+/// The `state` of an earlier run.
+struct SavedRun {
+  std::string name;  ///< of its file, for messages
+  std::string bytes;
+};
+/// How a run begins and ends, beside what its scene says.
+struct ContactRun {
+  /// Goes on from there: every file of the result is that of a run that was not stopped, to the last byte. Bodies,
+  /// joints, loads, points and gravity must be the same, or it is a problem; lengths of steps and of the run, and what
+  /// else says how it is solved, may differ. Empty: from the start.
+  std::optional<SavedRun> from = {};
+  /// Asked between steps; true ends the run, as one that did not come to its end.
+  std::function<bool()> stop = {};
+};
+
 [[nodiscard]] std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene, unsigned threads,
-                                                                     StageTimer& timer, Progress& progress);
+                                                                     StageTimer& timer, Progress& progress,
+                                                                     const ContactRun& how = {});
 
 }  // namespace cleave::scene
