@@ -23,6 +23,10 @@ void archive(A& a, Archived<Touch> auto& t) {
   a(t.i, t.vertex, t.j, t.edge, t.gap, t.ratio, t.normal, t.point, t.tilt);
 }
 template <class A>
+void archive(A& a, Archived<Bar> auto& b) {
+  a(b.rest, b.force, b.plastic, b.installed, b.broken, b.yielding);
+}
+template <class A>
 void archive(A& a, Archived<CornerChoice> auto& c) {
   a(c.first, c.last);
 }
@@ -42,7 +46,7 @@ void archive(A& a, Archived<Contact> auto& c) {
 }
 template <class A>
 void archive(A& a, Archived<Energy> auto& e) {
-  a(e.kinetic, e.potential, e.elastic, e.work, e.friction, e.projected, e.lost);
+  a(e.kinetic, e.potential, e.elastic, e.work, e.friction, e.projected, e.lost, e.yielded);
 }
 
 // What stays: for the name of a world.
@@ -66,6 +70,11 @@ void archive(A& a, const PointForce& f) {
   a(f.at, f.force, f.follows);
 }
 template <class A>
+void archive(A& a, const Tie& t) {
+  a(t.name, t.first, t.second, t.at_first, t.at_second, t.stiffness.si(), t.capacity.si(), t.ductility.si(),
+    t.pretension.si(), t.installed.si());
+}
+template <class A>
 void archive(A& a, const Body& b) {
   a(b.name, b.outline, b.origin, b.density, b.mass, b.inertia, b.held.x, b.held.y, b.held.spin, b.velocity, b.spin,
     b.property, b.properties, b.modes, b.forces);
@@ -79,7 +88,7 @@ constexpr std::uint32_t version_of_saved = 1;
 std::string identity_of(const World::Impl& w) {
   ArchiveWriter a;
   a(w.bodies, w.laws.otherwise, w.laws.pairs, w.options.gravity, w.options.quasi_static, w.options.sleep,
-    static_cast<bool>(w.options.ground));
+    static_cast<bool>(w.options.ground), w.ties);
   return sha256_hex(a.bytes());
 }
 
@@ -87,7 +96,7 @@ std::string identity_of(const World::Impl& w) {
 template <class A>
 void archive_motion(A& a, Archived<World::Impl> auto& w) {
   a(w.time, w.next_step, w.calm_steps, w.seen_step, w.limit, w.state, w.fat, w.pairs, w.touches, w.choices, w.memory,
-    w.asleep, w.calm, w.contacts, w.energy, w.start_energy, w.last_change, w.hint);
+    w.asleep, w.calm, w.contacts, w.energy, w.start_energy, w.last_change, w.hint, w.bars);
 }
 
 /// Bonds that broke, and groups that sleep numbered as they come: what of them changes.
@@ -146,6 +155,12 @@ bool motion_is_sound(const World::Impl& w) {
          all_finite(w.last_change, n) && w.asleep.size() == n && w.calm.size() == n &&
          (w.hint.empty() || w.hint.size() == n) && finite(w.energy.total()) && finite(w.energy.work) &&
          finite(w.energy.friction) && finite(w.energy.projected) && finite(w.energy.lost) && finite(w.start_energy);
+}
+
+bool bars_are_sound(const World::Impl& w) {
+  return w.bars.size() == w.ties.size() && std::ranges::all_of(w.bars, [](const Bar& b) {
+           return finite(b.rest) && finite(b.force) && b.force >= 0 && finite(b.plastic);
+         });
 }
 
 bool contacts_are_sound(const World::Impl& w) {
@@ -214,7 +229,8 @@ std::expected<void, SavedError> World::restore(std::string_view saved) {
   Marks marks;
   archive_motion(a, w);
   a(marks);
-  if (!a.complete() || !motion_is_sound(w) || !contacts_are_sound(w) || !marks_are_sound(w, marks)) {
+  if (!a.complete() || !motion_is_sound(w) || !contacts_are_sound(w) || !bars_are_sound(w) ||
+      !marks_are_sound(w, marks)) {
     return std::unexpected(DamagedWorld{});
   }
   for (std::size_t k = 0; k < w.bonds.size(); ++k) {

@@ -29,7 +29,9 @@ bool World::Impl::wake(const std::vector<Touch>& list, double closer) {
 
 void World::Impl::fall_asleep() {
   if (!options.sleep || options.ground || options.quasi_static) return;
-  const std::vector<Island> islands = islands_of(touches);
+  std::vector<Touch> joined = touches;
+  for (const Touch& bar : bars_at(state)) joined.push_back(bar);
+  const std::vector<Island> islands = islands_of(joined);
   const std::uint32_t before = groups;
   for (const Island& island : islands) {
     bool quiet = true;

@@ -6,6 +6,9 @@
 #include <numbers>
 #include <utility>
 
+#include "body_runs.hpp"
+#include "contact_parts.hpp"
+
 namespace cleave::scene {
 namespace {
 
@@ -59,7 +62,9 @@ Recorder::Recorder(const ContactScene& scene, const PreparedBodies& prepared, co
     weight_ += world.mass(b) * scene.settings.gravity;
     loaded_ = loaded_ || !body.loads.empty();
   }
-  loaded_ = loaded_ || scene.settings.ground.has_value();
+  loaded_ = loaded_ || scene.settings.ground.has_value() || !scene.bolts.empty();
+  tally_.largest.assign(world.ties().size(), 0.0);
+  tally_.broken_at.resize(world.ties().size());
 }
 
 void Recorder::step(const dbem::StepReport& report) {
@@ -74,6 +79,11 @@ void Recorder::step(const dbem::StepReport& report) {
   for (std::size_t m = 0; m < tally_.shares.size(); ++m) {
     tally_.shares[m] += report.solved_by[m];
     tally_.solves[m] += report.solves_by[m];
+  }
+  const std::vector<dbem::TieState> ties = world_.ties();
+  for (std::size_t k = 0; k < ties.size(); ++k) {
+    tally_.largest[k] = std::max(tally_.largest[k], ties[k].force.si());
+    if (ties[k].broken && !tally_.broken_at[k]) tally_.broken_at[k] = report.time;
   }
   const dbem::Energy& energy = world_.energy();
   const double own = energy.total() - energy.work;
@@ -112,6 +122,7 @@ void Recorder::row(const dbem::StepReport& report) {
   row.work = energy.work;
   row.friction = energy.friction;
   row.lost = energy.lost;
+  row.bolts = energy.yielded;
   row.residual = report.residual;
   // Those of sleeping bodies carry on, though no step solves them.
   for (const dbem::Contact& contact : world_.contacts()) {
@@ -159,10 +170,38 @@ void Recorder::finish() {
     result_.bodies[contact.vertex_body].force += force_of(contact);
     result_.bodies[contact.edge_body].force -= force_of(contact);
   }
+  finish_bolts();
   for (std::size_t m = 0; m < tally_.shares.size(); ++m) {
     if (tally_.shares[m] > 0) {
       result_.solvers.push_back(
           {std::string{dbem::name_of(static_cast<dbem::Method>(m))}, tally_.shares[m], tally_.solves[m]});
+    }
+  }
+}
+
+void Recorder::finish_bolts() {
+  const std::vector<dbem::TieState> ties = world_.ties();
+  std::size_t at = 0;
+  for (const ContactBolt& bolt : scene_.bolts) {
+    const auto of_one = [&](double per_metre) { return Force::from_si(per_metre * bolt.spacing.si()); };
+    for (const BoltBar& bar : bars_of(scene_.bodies, bolt)) {
+      const dbem::TieState& tie = ties[at];
+      ContactBoltResult out;
+      out.name = bolt.name;
+      out.first = scene_.bodies[bar.first].name;
+      out.second = scene_.bodies[bar.second].name;
+      out.state = tie.broken           ? BoltState::broken
+                  : !tie.installed     ? BoltState::absent
+                  : tie.yielding       ? BoltState::yields
+                  : tie.force.si() > 0 ? BoltState::holds
+                                       : BoltState::slack;
+      out.force = of_one(tie.force.si());
+      out.largest = of_one(tally_.largest[at]);
+      out.capacity = of_one(bar.capacity.si());
+      out.lengthened = tie.plastic;
+      if (tally_.broken_at[at]) out.broken_at = Time::from_si(*tally_.broken_at[at]);
+      result_.bolts.push_back(std::move(out));
+      ++at;
     }
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "cleave/dbem/world.hpp"
@@ -12,10 +13,12 @@ namespace cleave::scene {
 /// What a recorder adds up from step to step beside the result.
 struct ContactTally {
   dbem::PerMethod<std::uint64_t> shares{}, solves{};
-  double lowest = 0;   ///< energy less the work done, J/m
-  double scale = 0;    ///< of momentum, N s/m
-  bem::Vec2 expected;  ///< momentum that weight and supports gave
-  bool hit = false;    ///< something hit
+  double lowest = 0;                             ///< energy less the work done, J/m
+  double scale = 0;                              ///< of momentum, N s/m
+  bem::Vec2 expected;                            ///< momentum that weight and supports gave
+  std::vector<double> largest;                   ///< force of each tie, N/m
+  std::vector<std::optional<double>> broken_at;  ///< s
+  bool hit = false;                              ///< something hit
 };
 
 /// Follows a run and writes down what is asked for.
@@ -37,6 +40,7 @@ class Recorder final {
 
  private:
   [[nodiscard]] std::vector<bem::Vec2> displacements() const;
+  void finish_bolts();
   /// At the corners of an elastic body.
   [[nodiscard]] std::vector<NodeStress> stress_of(std::size_t body) const;
 

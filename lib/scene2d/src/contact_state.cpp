@@ -11,7 +11,7 @@ namespace cleave::scene {
 
 template <class A>
 void archive(A& a, Archived<ContactTally> auto& t) {
-  a(t.shares, t.solves, t.lowest, t.scale, t.expected, t.hit);
+  a(t.shares, t.solves, t.lowest, t.scale, t.expected, t.largest, t.broken_at, t.hit);
 }
 template <class A>
 void archive(A& a, Archived<ContactPlace> auto& p) {
@@ -36,8 +36,8 @@ void archive(A& a, Archived<ContactFrame> auto& f) {
 }
 template <class A>
 void archive(A& a, Archived<ContactHistory> auto& h) {
-  a(h.time, h.step, h.kinetic, h.elastic, h.gravity, h.work, h.friction, h.lost, h.residual, h.contacts, h.sticking,
-    h.slipping, h.iterations, h.points);
+  a(h.time, h.step, h.kinetic, h.elastic, h.gravity, h.work, h.friction, h.lost, h.bolts, h.residual, h.contacts,
+    h.sticking, h.slipping, h.iterations, h.points);
 }
 template <class A>
 void archive(A& a, Archived<ContactBodyResult> auto& b) {
@@ -149,7 +149,8 @@ std::optional<Problem> go_on_from(const SavedRun& saved, const ContactScene& sce
     bodies[b].largest = read.bodies[b].largest;
   }
   read.bodies = std::move(bodies);
-  if (!is_sound(read, scene.bodies.size(), scene.points.size()) || !(was.next > 0)) {
+  if (!is_sound(read, scene.bodies.size(), scene.points.size()) || !(was.next > 0) ||
+      tally.largest.size() != world.ties().size() || tally.broken_at.size() != world.ties().size()) {
     return refused(saved, SealFault::damaged);
   }
   if (const auto restored = world.restore(world_bytes); !restored) {

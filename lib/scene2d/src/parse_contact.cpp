@@ -383,7 +383,8 @@ const KeyTable& contact_scene_keys() {
     table.keys.push_back({"contact", key::table(&contact_keys), required, "the problem"});
     table.keys.push_back(
         {"body", key::tables(&contact_body_keys), required, "bodies that touch, slide, fall and come to rest"});
-    table.steps = {{Stage::contact, {"contact", "body", "rock", "joints"}},
+    table.keys.push_back({"bolt", key::tables(&contact_bolt_keys), "[]", "bolts that hold bodies together"});
+    table.steps = {{Stage::contact, {"contact", "body", "rock", "joints", "bolt"}},
                    {Stage::write, {"output"}},
                    {Stage::report, {"project", "output"}}};
     return table;
@@ -427,6 +428,7 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
   if (section != nullptr) {
     parse_settings(contact, scene);
     parse_points(contact, scene);
+    parse_bolts(root, scene);
     check_elastic(scene, contact, problems);
   }
   if (problems.errors() == 0) {

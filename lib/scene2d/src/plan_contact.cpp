@@ -92,6 +92,8 @@ Plan make_plan(const ContactScene& scene) {
   }
   if (s.gravity == Vec2{}) why += "; no weight";
   if (s.ground) why += "; the ground moves";
+  if (!scene.bolts.empty())
+    why += fmt::format("; {} {}", scene.bolts.size(), scene.bolts.size() == 1 ? "bolt" : "bolts");
   std::string files = ", contact.state";
   if (scene.output.vtu) files += ", contact_NNNN.vtu, contact.pvd";
   if (scene.output.csv) files += scene.points.empty() ? ", history.csv" : ", history.csv, points.csv";

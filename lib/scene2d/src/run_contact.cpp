@@ -10,6 +10,7 @@
 #include "cleave/scene2d/contact.hpp"
 #include "contact_bodies.hpp"
 #include "contact_estimate.hpp"
+#include "contact_parts.hpp"
 #include "contact_recorder.hpp"
 #include "contact_state.hpp"
 
@@ -218,7 +219,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
     options.quasi_static = s.to_rest;
     options.adaptive = s.to_rest || s.max_step > s.step;
     options.solver.method = s.solver;
-    auto world = dbem::World::make(prepared->bodies, laws_of(scene), options);
+    auto world = dbem::World::make(prepared->bodies, laws_of(scene), options, ties_of(scene));
     if (!world) {
       return std::vector{Problem{scene.shown, 1, "contact", describe(world.error()), "change the bodies it names"}};
     }
@@ -245,7 +246,7 @@ std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene
       dbem::WorldOptions long_steps = options;
       for (double* bound : {&long_steps.step, &long_steps.displacement, &long_steps.rotation}) *bound *= longer;
       if (long_steps.longest_step) *long_steps.longest_step *= longer;
-      auto other = dbem::World::make(prepared->bodies, laws_of(scene), long_steps);
+      auto other = dbem::World::make(prepared->bodies, laws_of(scene), long_steps, ties_of(scene));
       return other ? std::optional{*std::move(other)} : std::nullopt;
     };
     if (!estimate_steps(scene, with, *world, recorder.something_hit(), how.stop, result)) (void)running.interrupted();

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -99,6 +100,21 @@ struct Laws {
   JointLaw otherwise;
   std::vector<PairLaw> pairs = {};
   [[nodiscard]] const JointLaw& of(std::size_t property_a, std::size_t property_b) const noexcept;
+};
+
+/// A bolt between two bodies: a bar that pulls and does not push, elastic up to its capacity, then plastic. Per metre
+/// of thickness: what one bolt carries over the distance to the next, out of the plane.
+struct Tie {
+  std::string name;
+  std::size_t first = 0, second = 0;  ///< bodies
+  /// Its ends, in coordinates of Body::outline; in bodies that bend they move as the nearest place of the outline.
+  Vec2 at_first, at_second;
+  Stress stiffness{};  ///< force per metre of thickness over lengthening
+  /// At which it yields; infinite: it does not.
+  ForcePerLength capacity = ForcePerLength::from_si(std::numeric_limits<double>::infinity());
+  Length ductility{};           ///< that it lengthens at its capacity before it breaks; 0: it breaks there
+  ForcePerLength pretension{};  ///< when it is installed
+  Time installed{};             ///< when it is there: with the step that begins then
 };
 
 /// Area, centroid and polar second moment about the centroid of a simple counter-clockwise polygon.

@@ -44,7 +44,11 @@ struct BodiesOverlap {
   double depth;  ///< m
   Vec2 at;       ///< scene
 };
-using WorldError = std::variant<BadOutline, NoMass, BadModes, BadForce, BadLaw, BadOption, BodiesOverlap>;
+struct BadTie {
+  std::string tie;
+  std::string reason;
+};
+using WorldError = std::variant<BadOutline, NoMass, BadModes, BadForce, BadLaw, BadOption, BodiesOverlap, BadTie>;
 [[nodiscard]] std::string describe(const WorldError& error);
 
 // ---- what can go wrong in a step
@@ -117,13 +121,21 @@ struct Contact {
   bool bonded;
 };
 
-/// All of a run so far; J/m. kinetic + potential + elastic = start + work - friction - lost + projected.
+/// A tie after a step.
+struct TieState {
+  ForcePerLength force{};  ///< tension
+  Length plastic{};        ///< by which it was lengthened for good
+  bool installed = false, yielding = false, broken = false;
+};
+
+/// All of a run so far; J/m. kinetic + potential + elastic = start + work - friction - yielded - lost + projected.
 struct Energy {
   double kinetic = 0, potential = 0, elastic = 0;
-  double work = 0;       ///< of point forces, the ground and held bodies that move
+  double work = 0;       ///< of point forces, the ground, held bodies that move, and of tightening ties
   double friction = 0;   ///< dissipated by slip
   double projected = 0;  ///< brought in by moving penetrating bodies apart
   double lost = 0;       ///< by impacts, damping, the scheme and sleep: what closes the balance
+  double yielded = 0;    ///< dissipated by ties that yield and break
   [[nodiscard]] double total() const noexcept { return kinetic + potential + elastic; }
 };
 
@@ -156,7 +168,8 @@ struct StepReport {
 /// judged by its residual and a step that does not reach it is cut and at last refused.
 class World final {
  public:
-  [[nodiscard]] static std::expected<World, WorldError> make(std::vector<Body> bodies, Laws laws, WorldOptions options);
+  [[nodiscard]] static std::expected<World, WorldError> make(std::vector<Body> bodies, Laws laws, WorldOptions options,
+                                                             std::vector<Tie> ties = {});
   World(const World& other);
   World(World&& other) noexcept;
   World& operator=(const World& other);
@@ -188,6 +201,8 @@ class World final {
 
   /// Contacts of the last step, in the order of (vertex body, vertex, edge body, edge).
   [[nodiscard]] const std::vector<Contact>& contacts() const noexcept;
+  /// As they were given.
+  [[nodiscard]] std::vector<TieState> ties() const;
   [[nodiscard]] const Energy& energy() const noexcept;
   [[nodiscard]] Vec2 momentum() const;            ///< of bodies that are not fixed
   [[nodiscard]] double angular_momentum() const;  ///< about the origin of the scene

@@ -76,6 +76,31 @@ struct ContactBody {
   [[nodiscard]] bool clamped() const noexcept { return !held.empty(); }
 };
 
+/// What holds a bolt along its length; as in [support] of scenes of blocks.
+enum class BarKind : std::uint8_t {
+  grouted,     ///< gripped all along
+  friction,    ///< the same, by a tube that slips
+  cable,       ///< free behind the head, gripped beyond
+  mechanical,  ///< held at its end alone, and by its plate
+};
+/// A bolt in the plane: what one of many carries, `spacing` apart out of the plane.
+struct ContactBolt {
+  std::string name;
+  std::uint32_t line = 1;
+  bem::Vec2 head, toe;  ///< at the start
+  BarKind kind = BarKind::grouted;
+  Length spacing{};
+  Force tendon{}, plate{}, anchor{};
+  ForcePerLength bond{};  ///< of gripped length
+  Length free_length{}, anchorage{};
+  Length diameter{};
+  Stress young{};    ///< of the steel
+  Length stretch{};  ///< of a gripped bar that lengthens where a joint opens
+  Length ductility{};
+  Force pretension{};
+  Time installed{};
+};
+
 /// Which motions a body has.
 enum class Rigidity : std::uint8_t {
   automatic,  ///< elastic when strains are worth it, see `rigidity_of`
@@ -129,6 +154,7 @@ struct ContactScene : SceneHead {
   std::vector<ContactBody> bodies;
   std::vector<ContactJoint> joints;  ///< [0] is the default
   std::vector<PointSpec> points;
+  std::vector<ContactBolt> bolts;
   ContactSettings settings;
 };
 
@@ -195,10 +221,52 @@ struct ContactHistory {
   double gravity = 0;             ///< potential, 0 at the start
   double work = 0;                ///< of loads, since the start
   double friction = 0, lost = 0;  ///< dissipated by slip; by impacts, damping and the time scheme
+  double bolts = 0;               ///< dissipated by bolts that yield and break
   double residual = 0;
   std::uint64_t contacts = 0, sticking = 0, slipping = 0, iterations = 0;
   std::vector<bem::Vec2> points;  ///< displacements
 };
+/// What became of a bolt at one joint.
+enum class BoltState : std::uint8_t {
+  absent,  ///< not installed yet
+  slack,
+  holds,
+  yields,
+  broken,
+};
+inline constexpr std::string_view name_of(BoltState state) {
+  switch (state) {
+    case BoltState::absent: return "absent";
+    case BoltState::slack: return "slack";
+    case BoltState::holds: return "holds";
+    case BoltState::yields: return "yields";
+    case BoltState::broken: return "broken";
+  }
+  return "";
+}
+/// A bolt where it crosses from one body to the next; forces are those of one bolt.
+struct ContactBoltResult {
+  std::string name;
+  std::string first, second;  ///< bodies, from the head on
+  BoltState state = BoltState::absent;
+  Force force{}, largest{}, capacity{};
+  Length lengthened{};  ///< for good
+  std::optional<Time> broken_at;
+};
+template <class V>
+void fields(V& v, const ContactBoltResult& x) {
+  v("name", x.name);
+  v("first", x.first, "body on the side of the head");
+  v("second", x.second, "body on the side of the toe");
+  v("state", one_of(name_of(x.state), {"absent", "slack", "holds", "yields", "broken"}),
+    "at the end; absent: not installed yet");
+  v("force_n", x.force, "tension of one bolt at the end");
+  v("largest_force_n", x.largest, "in any step");
+  v("capacity_n", x.capacity, "of one bolt at this joint");
+  v("lengthened_m", x.lengthened, "for good");
+  v("broken_at_s", x.broken_at);
+}
+
 /// Groups of contacts that a solver found the answer of.
 struct SolverShare {
   std::string name;
@@ -238,6 +306,7 @@ struct ContactResult : Scene2dResult {
   std::vector<ContactFrame> frames;
   std::vector<ContactHistory> history;
   std::vector<SolverShare> solvers;
+  std::vector<ContactBoltResult> bolts;
   std::uint64_t iterations = 0;
   double work = 0;           ///< operations
   bool interrupted = false;  ///< `ContactRun::stop` said so
@@ -317,6 +386,7 @@ void scene2d_fields(V& v, const ContactResult& x) {
           e("work_j", last.work);
           e("friction_j", last.friction);
           e("lost_j", last.lost);
+          e("bolts_j", when(!x.bolts.empty(), last.bolts));
           e("largest_gain_j", x.energy_gain);
         }),
         "J/m at the end; gravity (potential) from 0 at the start, work of loads, friction and other losses since the "
@@ -327,6 +397,7 @@ void scene2d_fields(V& v, const ContactResult& x) {
         }),
         "largest departure of momentum from what weight and supports give, relative (0 in scenes with loads or at "
         "rest); of angular momentum where nothing acts from outside");
+      w("bolts", when_any(x.bolts), "bolts, a row for each joint they cross");
       w("solvers", x.solvers);
       w("iterations", x.iterations, "linear solves and pivots in all");
       w("work", x.work * 1e-9, "10^9 operations of the contact law, counted; some 0.4 s each");
