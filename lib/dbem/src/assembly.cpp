@@ -399,6 +399,7 @@ void World::Impl::free_motion(const State& before, const std::vector<double>& th
   std::vector<double> modal;
   const auto [kept, felt] = damped_over(step);
   for (std::size_t b = 0; b < size(); ++b) {
+    if (bodies[b].moves) free.v[b] = bodies[b].moves(time + step);
     if (idle(b)) continue;
     const Shape& shape = shapes[b];
     double torque = 0;

@@ -77,7 +77,7 @@ void archive(A& a, const Tie& t) {
 template <class A>
 void archive(A& a, const Body& b) {
   a(b.name, b.outline, b.origin, b.density, b.mass, b.inertia, b.held.x, b.held.y, b.held.spin, b.velocity, b.spin,
-    b.property, b.properties, b.modes, b.forces);
+    b.property, b.properties, b.modes, b.forces, static_cast<bool>(b.moves));
 }
 
 namespace {

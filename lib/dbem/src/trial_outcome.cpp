@@ -52,7 +52,7 @@ void Trial::note_given_work(const Rows& rows, std::size_t contact, Vec2 p) {
     const Side& side = rows.sides[which];
     const Shape& shape = w_.shapes[side.body];
     const Vec2 impulse = p.x * side.n + p.y * side.t;
-    const Vec2 v = out_.state.v[side.body];
+    const Vec2 v = 0.5 * (out_.state.v[side.body] + w_.state.v[side.body]);
     if (shape.inverse_x == 0) out_.work -= impulse.x * v.x;
     if (shape.inverse_y == 0) out_.work -= impulse.y * v.y;
     if (shape.inverse_spin == 0) {

@@ -162,6 +162,7 @@ std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
   shape.feature = smallest_feature(shape.corners);
   if (!(shape.feature > 1e-9 * perimeter)) return BadOutline{body.name, "thinner than 1e-9 of its perimeter"};
   shape.fixed = body.held.all() && shape.modes == 0;
+  if (body.moves && !shape.fixed) return BadOutline{body.name, "it moves by a function of time, but is not fixed"};
   shape.timed = !body.forces.empty();
   const double density = body.density;
   shape.mass = body.mass.value_or(density * moments.area);
@@ -260,7 +261,7 @@ void World::Impl::place_at_start() {
     // Either origin or outline may carry the large numbers: take them off before they meet the small ones.
     const Vec2 other = bodies[b].origin + (shapes[b].local_centroid - anchor);
     state.x.push_back(norm(bodies[b].origin) > norm(shapes[b].local_centroid) ? at : other);
-    state.v.push_back(bodies[b].velocity);
+    state.v.push_back(bodies[b].moves ? bodies[b].moves(0) : bodies[b].velocity);
     state.spin.push_back(bodies[b].spin);
   }
   state.angle.assign(n, 0);

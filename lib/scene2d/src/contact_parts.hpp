@@ -12,6 +12,9 @@ namespace cleave::scene {
 
 [[nodiscard]] const KeyTable& contact_keys();
 void parse_settings(const TableReader& contact, ContactScene& scene);
+/// `motion` of a fixed body.
+[[nodiscard]] const KeyTable& support_motion_keys();
+void parse_support_motion(const TableReader& body, ContactBody& spec);
 [[nodiscard]] const KeyTable& contact_bolt_keys();
 void parse_bolts(const TableReader& root, ContactScene& scene);
 /// A bolt across a joint: the bar between two bodies that it is. Ends in the scene, at the start.

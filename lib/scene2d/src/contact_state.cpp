@@ -67,6 +67,10 @@ void archive(A& a, const GroundMotion& g) {
   a(g.amplitude, g.time, g.record, g.step.si());
 }
 template <class A>
+void archive(A& a, const SupportMotion& m) {
+  a(m.course, m.is_velocity);
+}
+template <class A>
 void archive(A& a, const RockStrength& s) {
   a(s.cohesion, s.friction, s.tension);
 }
@@ -79,7 +83,7 @@ constexpr std::uint32_t version_of_state = 1;
 /// Of what a state must agree with but the world does not know.
 std::string identity_of(const ContactScene& scene) {
   ArchiveWriter a;
-  for (const ContactBody& body : scene.bodies) a(body.loads);
+  for (const ContactBody& body : scene.bodies) a(body.loads, body.motion);
   const ContactSettings& s = scene.settings;
   a(scene.points, s.ground, s.strength, s.to_rest, scene.output.vtu || scene.output.csv);
   return sha256_hex(a.bytes());

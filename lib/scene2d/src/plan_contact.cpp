@@ -92,6 +92,8 @@ Plan make_plan(const ContactScene& scene) {
   }
   if (s.gravity == Vec2{}) why += "; no weight";
   if (s.ground) why += "; the ground moves";
+  const auto driven = std::ranges::count_if(scene.bodies, [](const ContactBody& b) { return b.motion.has_value(); });
+  if (driven > 0) why += fmt::format("; {} of the fixed move", driven);
   if (!scene.bolts.empty())
     why += fmt::format("; {} {}", scene.bolts.size(), scene.bolts.size() == 1 ? "bolt" : "bolts");
   std::string files = ", contact.state";

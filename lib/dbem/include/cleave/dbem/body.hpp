@@ -54,8 +54,11 @@ struct Body {
   std::optional<double> mass = {};     ///< kg/m
   std::optional<double> inertia = {};  ///< kg m, about the centroid
   Held held = {};
-  Vec2 velocity = {};        ///< of the centroid, m/s
-  double spin = 0;           ///< rad/s
+  Vec2 velocity = {};  ///< of the centroid, m/s
+  double spin = 0;     ///< rad/s
+  /// Of a fixed body: its velocity (m/s) as a function of time, instead of `velocity`. It goes on by the mean of what
+  /// it is at both ends of a step.
+  std::function<Vec2(double)> moves = {};
   std::size_t property = 0;  ///< joint property of its faces, see Laws
   /// One an edge (from corner k to the next) instead of `property`; empty: all the same. A corner counts to the one of
   /// its two edges that lies more nearly along the edge it touches.

@@ -61,6 +61,24 @@ struct ContactLoad {
   bool follows = false;  ///< turns with the body
 };
 
+/// Motion of the ground, which is what is fixed: an acceleration (m/s2) over time.
+struct GroundMotion {
+  bem::Vec2 amplitude{1, 1};  ///< of `time`, or of the record
+  TimeFunction time;
+  /// Accelerations at equal steps from 0 on, lines between them, nothing after the last; empty: `time`.
+  std::vector<bem::Vec2> record;
+  Time step;  ///< of the record
+  [[nodiscard]] bem::Vec2 at(double t) const;
+  [[nodiscard]] bem::Vec2 mean(double from, double to) const;  ///< exact; from < to
+  [[nodiscard]] Time fastest() const;                          ///< in which it changes; infinite: it does not
+};
+/// Motion of one fixed body: a velocity over time, or an acceleration from rest.
+struct SupportMotion {
+  GroundMotion course;
+  bool is_velocity = false;
+  [[nodiscard]] bem::Vec2 velocity(Time at) const;  ///< m/s
+};
+
 struct ContactBody {
   std::string name;
   std::uint32_t line = 1;
@@ -68,8 +86,9 @@ struct ContactBody {
   std::vector<std::size_t> joint;  ///< of each side, into ContactScene::joints
   std::optional<double> young, poisson;
   double density = 2700;
-  bool fixed = false;      ///< never moves
-  std::vector<bool> held;  ///< sides of an elastic body that are clamped; empty: none
+  bool fixed = false;                   ///< never moves but by `motion`
+  std::optional<SupportMotion> motion;  ///< of a fixed one
+  std::vector<bool> held;               ///< sides of an elastic body that are clamped; empty: none
   bem::Vec2 velocity;
   double spin = 0;  ///< rad/s
   std::vector<ContactLoad> loads;
@@ -113,18 +132,6 @@ struct RockStrength {
   double cohesion = 0;  ///< Pa
   double friction = 0;  ///< degrees
   double tension = 0;   ///< Pa
-};
-
-/// Motion of the ground, which is what is fixed: an acceleration (m/s2) over time.
-struct GroundMotion {
-  bem::Vec2 amplitude{1, 1};  ///< of `time`, or of the record
-  TimeFunction time;
-  /// Accelerations at equal steps from 0 on, lines between them, nothing after the last; empty: `time`.
-  std::vector<bem::Vec2> record;
-  Time step;  ///< of the record
-  [[nodiscard]] bem::Vec2 at(double t) const;
-  [[nodiscard]] bem::Vec2 mean(double from, double to) const;  ///< exact; from < to
-  [[nodiscard]] Time fastest() const;                          ///< in which it changes; infinite: it does not
 };
 
 struct ContactSettings {
