@@ -152,7 +152,7 @@ def main():
         panels("fu_columns", of("toppling_columns/toppling_columns_damped"), (0, 4, 6, 7.4, 9, 11), (-4, -2, 16, 14), 3, 240)
         panels("fu_roof", of("tunnel_roof/tunnel_roof"), (0, 0.6, 2), (-11.5, -1.5, 11.5, 9.5), 3, 240)
         beam(of("two_layer_beam/two_layer_beam"))
-        roof = of("tunnel_roof/tunnel_roof_elastic")
+        roof = of("tunnel_roof/closed_elastic")
         slides = [(f"{phi} degrees", shade, [(t, abs(x) / 0.8660254) for t, x in history(folder, "block", "displacement_x_m")])
                   for phi, shade in ((0, BLUE), (10, RED), (20, GREEN)) for folder in [of(f"sliding_block/friction_{phi:02d}")]]
         forces = [("traction", BLACK, history(of("concentrated_forces/traction"), "A", "displacement_x_m"))]

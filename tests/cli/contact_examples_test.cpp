@@ -110,7 +110,7 @@ TEST_F(ContactExamplesTest, DampedExamplesTakeTheTimesThatArePublished) {
 }
 
 TEST_F(ContactExamplesTest, ElasticRoofWithClosedJointsIsAnArch) {
-  const auto roof = example("tunnel_roof/tunnel_roof_elastic");
+  const auto roof = example("tunnel_roof/closed_elastic");
   EXPECT_EQ(roof["mode"], "elastic");
   for (const std::string layer : {"1", "2", "3", "4", "5"}) {
     EXPECT_LT(at(roof, "layer " + layer)[1], -0.005) << layer;
@@ -299,6 +299,31 @@ TEST_F(ContactExamplesTest, RoofFallsBelowAndCarriesItselfAbove) {
   EXPECT_LT(left, -1e5);
   EXPECT_NEAR(body(result, "right abutment")["contact_force"][0].get<double>(), -left, 1e-6 * -left);
   EXPECT_LT(result["energy"]["kinetic_j"].get<double>(), 1e-6 * -result["energy"]["gravity_j"].get<double>());
+}
+
+// Bolts through all layers: those in the middle of the opening hang four bricks each on the top layer.
+TEST_F(ContactExamplesTest, BoltsHangTheLowerLayersOnTheArch) {
+  const auto held = example("tunnel_roof/bolted");
+  EXPECT_EQ(held["verdict"], "stands");
+  double hanging = 0;
+  for (const auto& bolt : held["bolts"]) {
+    EXPECT_EQ(bolt["state"], "holds") << bolt["name"];
+    if (bolt["name"] == "bolt 4" && bolt["second"] == "layer 5 6") hanging = bolt["force_n"].get<double>();
+  }
+  EXPECT_EQ(held["bolts"].size(), 32U);
+  const double bricks = (1.496 + 1.497 + 1.499 + 1.4995) * 2600 * 9.81;
+  EXPECT_NEAR(hanging / bricks, 1, 0.02);
+  EXPECT_NE(read("out/report.html").find("<h2>Bolts</h2>"), std::string::npos);
+  // Bolts that grip too little: what hangs on them comes down.
+  std::string weak = scene("tunnel_roof/bolted");
+  for (const std::string_view key : {"400 kN/m", "pretension = \"20 kN\"", "ductility = 0.05"}) {
+    for (std::size_t at = weak.find(key); at != std::string::npos; at = weak.find(key, at + 1)) {
+      weak.replace(at, key.size(), key.starts_with("400") ? "20 kN/m" : "");
+    }
+  }
+  const auto falls = ran(weak);
+  EXPECT_NE(falls["verdict"], "stands");
+  EXPECT_GT(std::ranges::count_if(falls["bolts"], [](const auto& bolt) { return bolt["state"] == "broken"; }), 4);
 }
 
 // Closed joints: at 35 degrees all five layers carry themselves by friction alone, nothing falls; at 5 degrees the roof

@@ -188,7 +188,7 @@ def roof_and_columns():
         up = -sum(b["contact_force"][1] for b in r.summary["contact"]["bodies"] if b["name"].endswith("abutment"))
         yield "weight borne by the abutments (N/m)", 5 * 18 * 2600 * 9.81, up, 1e-2
     yield Case("tunnel_roof_elastic", "Elastic roof of five layers with closed joints, friction 35 degrees", "An arch between the abutments.",
-               "Fu (2014), 7.5.6: an arch forms, the roof is stable", ROOT / "examples/tunnel_roof/tunnel_roof_elastic.toml", closed, "7.5.6")
+               "Fu (2014), 7.5.6: an arch forms, the roof is stable", ROOT / "examples/tunnel_roof/closed_elastic.toml", closed, "7.5.6")
 
     def columns_of_a_slope(r):
         turned = {b["name"]: abs(b["rotation"]) for b in r.summary["contact"]["bodies"]}

@@ -90,6 +90,13 @@ ExitCode run_scene(const RunArguments& arguments) {
   progress.end();
   if (!scene) return report_problems(scene.error());
   if (arguments.seed) std::visit([&](auto& loaded) { loaded.seed = *arguments.seed; }, *scene);
+  if (!arguments.resume.empty() && !std::holds_alternative<scene::ContactScene>(*scene)) {
+    print_error(
+        fmt::format("{}:1: --resume: the scene has no bodies in contact; run it without --resume (a Monte Carlo "
+                    "run goes on by itself in its folder)",
+                    arguments.scene));
+    return ExitCode::wrong_input;
+  }
   const scene::Plan plan = std::visit([](const auto& loaded) { return make_plan(loaded); }, *scene);
   if (plan.runs(scene::Stage::monte_carlo)) {
     return run_monte_carlo_scene(std::get<scene::Scene>(*scene), arguments, timer, progress, interrupts);

@@ -20,6 +20,7 @@ struct RunArguments {
   stochastic::Shard shard;
   bool sharded = false;                            ///< --shard was given
   std::optional<double> memory_mb = std::nullopt;  ///< of the machine; what needs more is refused
+  std::string resume = {};                         ///< --resume: a contact.state, or the folder that holds one
 };
 [[nodiscard]] ExitCode run_scene(const RunArguments& arguments);
 

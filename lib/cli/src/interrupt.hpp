@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -20,6 +21,10 @@ class InterruptWatch final {
   /// What to do before leaving; called while `guarded` work waits. Replaces what was set before.
   /// `what` is said on stderr afterwards.
   void on_interrupt(std::function<void()> clean_up, std::string what = "interrupted; nothing was written");
+  /// From now on a first interrupt is only noted (`asked`), with `what` on stderr: the work ends by itself and keeps
+  /// what is done. A second one leaves at once.
+  void ask_first(std::string what);
+  [[nodiscard]] bool asked() const noexcept { return asked_; }
   /// Runs `work` so that an interrupt comes wholly before or wholly after it.
   template <class Work>
   decltype(auto) guarded(Work&& work) {
@@ -32,6 +37,8 @@ class InterruptWatch final {
   std::mutex mutex_;
   std::function<void()> clean_up_;
   std::string what_ = "interrupted; nothing was written";
+  std::string asking_;  // empty: the first interrupt leaves
+  std::atomic<bool> asked_{false};
   std::jthread thread_;
 };
 

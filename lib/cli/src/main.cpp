@@ -176,6 +176,8 @@ void add_run(CLI::App& app, Chosen& chosen) {
   command->add_option("--seed", given->seed, "instead of the scene's seed");
   const auto memory = add_memory(command);
   command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
+  command->add_option("--resume", run.resume,
+                      "contact.state of an earlier run of bodies in contact, or its result folder: goes on from there");
   command->add_option("--shard", given->shard,
                       "part K/N of a Monte Carlo run, K from 1; merge the parts with cleave merge");
   command->callback([&chosen, given, memory] {

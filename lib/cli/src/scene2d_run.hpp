@@ -4,6 +4,7 @@
 
 #include <expected>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct Scene2dRun {
   std::function<std::expected<Result, std::vector<scene::Problem>>()> run;
   Files<Result> files;                                  ///< without the log
   std::function<std::string(const Result&)> complaint;  ///< "KEY: why it stopped", when it did not converge
+  /// How the program ends then, and what it says beside; empty: the complaint.
+  std::function<std::optional<ExitCode>(const Result&)> stopped = {};
 };
 
 template <class Result>
@@ -39,6 +42,9 @@ template <class Result>
       return *failed;
     }
     if (result->converged) return ExitCode::done;
+    if (scene.stopped) {
+      if (const auto code = scene.stopped(*result)) return *code;
+    }
     print_error(fmt::format("{}:1: {}", arguments.scene, scene.complaint(*result)));
     return ExitCode::check_failed;
   });

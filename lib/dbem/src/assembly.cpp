@@ -66,7 +66,7 @@ Rows World::Impl::rows_of(const std::vector<Touch>& list, const Island& island, 
       const std::uint32_t body = edge_side ? touch.j : touch.i;
       const double sign = edge_side ? -1.0 : 1.0;
       Side side{.body = body,
-                .arm = touch.point - at.x[body],
+                .arm = touch.point - at.x[body],  // of a bar too: both its ends lie on the line of its force
                 .turn_n = 0,
                 .turn_t = 0,
                 .n = sign * n,
@@ -81,7 +81,7 @@ Rows World::Impl::rows_of(const std::vector<Touch>& list, const Island& island, 
         const double s = std::sin(at.angle[body]);
         const std::size_t from = edge_side ? touch.edge : touch.vertex;
         const std::size_t to = from + 1 == corner_count(body) ? 0 : from + 1;
-        const double share = edge_side ? touch.ratio : 0.0;
+        const double share = edge_side ? touch.ratio : touch.tie != no_tie ? tie_places[touch.tie][0].share : 0.0;
         const auto shape_of = [&](std::size_t corner, std::size_t axis) {
           return modal_row(std::span{table}, (2 * corner + axis) * modes, modes);
         };
@@ -230,7 +230,7 @@ Vec2 World::Impl::velocity_of(const Rows& rows, std::size_t contact, const State
   return sum;
 }
 
-void World::Impl::add_impulse(const Rows& rows, std::size_t contact, Vec2 p, double theta, double step,
+void World::Impl::add_impulse(const Rows& rows, std::size_t contact, Vec2 p, std::array<double, 2> theta, double step,
                               State& at) const {
   const double felt = damped_over(step).felt;
   for (const std::size_t which : {2 * contact, 2 * contact + 1}) {
@@ -240,13 +240,14 @@ void World::Impl::add_impulse(const Rows& rows, std::size_t contact, Vec2 p, dou
     at.v[s.body] += Vec2{shape.inverse_x * impulse.x, shape.inverse_y * impulse.y};
     at.spin[s.body] += shape.inverse_spin * (felt * (p.x * s.turn_n + p.y * s.turn_t));
     for (std::size_t k = 0; k < shape.modes; ++k) {
-      at.de[first_mode[s.body] + k] += mode_inverse(s.body, k, theta, step) *
+      at.de[first_mode[s.body] + k] += mode_inverse(s.body, k, theta[which % 2], step) *
                                        (p.x * rows.modal[s.modal + k] + p.y * rows.modal[s.modal + shape.modes + k]);
     }
   }
 }
 
 std::optional<std::uint32_t> World::Impl::bond_at(const Touch& t) const {
+  if (t.tie != no_tie) return std::nullopt;
   const BondKey wanted{t.i, t.vertex, t.j, 0};
   const auto at = std::ranges::lower_bound(bond_keys, wanted);
   if (at == bond_keys.end() || at->body != t.i || at->vertex != t.vertex || at->other != t.j) return std::nullopt;
@@ -267,6 +268,8 @@ const Bond* World::Impl::bond_of(const Touch& t) const {
 }
 
 const JointLaw& World::Impl::law_of(const Touch& t) const {
+  static const JointLaw smooth;
+  if (t.tie != no_tie) return smooth;
   std::size_t of_i = bodies[t.i].property;
   std::size_t of_j = bodies[t.j].property;
   if (!bodies[t.j].properties.empty()) of_j = bodies[t.j].properties[t.edge];
@@ -396,6 +399,7 @@ void World::Impl::free_motion(const State& before, const std::vector<double>& th
   std::vector<double> modal;
   const auto [kept, felt] = damped_over(step);
   for (std::size_t b = 0; b < size(); ++b) {
+    if (bodies[b].moves) free.v[b] = bodies[b].moves(time + step);
     if (idle(b)) continue;
     const Shape& shape = shapes[b];
     double torque = 0;
@@ -426,6 +430,7 @@ void World::Impl::mark_impacts(const std::vector<Touch>& list, std::vector<Islan
     made.push_back(rows_of(list, island, state));
     const Rows& rows = made.back();
     for (std::size_t k = 0; k < island.touches.size() && !island.impact; ++k) {
+      if (list[island.touches[k]].tie != no_tie) continue;
       const double closing = velocity_of(rows, k, state).x;
       island.impact = closing < -1e-6 && list[island.touches[k]].gap + step * closing <= 0;
     }

@@ -20,6 +20,7 @@ double World::Impl::elastic_of(const State& at, const std::vector<Memory>& force
       sum += 0.5 * w * w;
     }
   }
+  sum += elastic_of_ties();
   for (const Memory& memory_of : forces) {
     const Vec2 soft = memory_of.compliance, force = memory_of.force;
     sum += 0.5 * (soft.x * force.x * force.x + soft.y * force.y * force.y);
@@ -41,6 +42,7 @@ double World::Impl::energy_brought_in(const std::vector<Touch>& list, const Isla
   double gain = 0, size = 0;
   for (std::size_t k = 0; k < island.touches.size(); ++k) {
     const Touch& touch = list[island.touches[k]];
+    if (touch.tie != no_tie) continue;
     if (law_of(touch).restitution > 0 || compliance_of(touch) != Vec2{}) return 0;
     gain += dot(found.impulse[k], velocity_of(rows, k, after));
   }

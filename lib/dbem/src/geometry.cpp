@@ -33,10 +33,13 @@ void World::Impl::place_all(const State& at, std::vector<Vec2>& all, std::vector
   }
 }
 
-bool World::Impl::still(std::size_t b) const { return idle(b) && state.v[b] == Vec2{} && state.spin[b] == 0; }
+bool World::Impl::still(std::size_t b) const {
+  return idle(b) && state.v[b] == Vec2{} && state.spin[b] == 0 && !bodies[b].moves;
+}
 
 double World::Impl::speed_bound(const State& at, std::size_t body) const {
   double speed = norm(at.v[body]) + std::abs(at.spin[body]) * shapes[body].radius;
+  if (bodies[body].moves) speed = std::max(speed, norm(bodies[body].moves(time + next_step)));
   const std::size_t modes = shapes[body].modes;
   if (modes > 0) {
     const std::vector<double>& table = bodies[body].modes->shapes;

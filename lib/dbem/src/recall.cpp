@@ -17,6 +17,11 @@ std::vector<Vec2> World::Impl::recall(const std::vector<Touch>& list, const Isla
     return at != memory.end() && at->key == key ? static_cast<std::size_t>(at - memory.begin()) : memory.size();
   };
   for (std::size_t k = 0; k < m; ++k) {
+    if (const Touch& bar = list[island.touches[k]]; bar.tie != no_tie) {
+      force[k] = {bars[bar.tie].force, 0};
+      known[k] = 1;
+      continue;
+    }
     const std::size_t at = find_key(key_of(list[island.touches[k]]));
     if (at == memory.size()) continue;
     force[k] = memory[at].force;

@@ -29,10 +29,13 @@ bool World::Impl::wake(const std::vector<Touch>& list, double closer) {
 
 void World::Impl::fall_asleep() {
   if (!options.sleep || options.ground || options.quasi_static) return;
-  const std::vector<Island> islands = islands_of(touches);
+  std::vector<Touch> joined = touches;
+  for (const Touch& bar : bars_at(state)) joined.push_back(bar);
+  const std::vector<Island> islands = islands_of(joined);
   const std::uint32_t before = groups;
   for (const Island& island : islands) {
-    bool quiet = true;
+    const auto moves = [&](std::uint32_t k) { return bodies[joined[k].i].moves || bodies[joined[k].j].moves; };
+    bool quiet = std::ranges::none_of(island.touches, moves);
     for (const std::uint32_t b : island.bodies) {
       const bool now = !shapes[b].timed && speed_bound(state, b) < options.sleep_speed;
       calm[b] = static_cast<std::uint16_t>(now ? std::min<int>(calm[b] + 1, 1000) : 0);

@@ -61,6 +61,7 @@ constexpr double length_alone = 0.05;
 }  // namespace
 
 Vec2 World::Impl::compliance_of(const Touch& t) const {
+  if (t.tie != no_tie) return {1 / ties[t.tie].stiffness.si(), 0};
   const JointLaw& law = law_of(t);
   if (law.normal_stiffness <= 0 && law.shear_stiffness <= 0) return {law.compliance, law.compliance};
   const double alone = length_alone * std::min(shapes[t.i].feature, shapes[t.j].feature);

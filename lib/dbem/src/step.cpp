@@ -61,6 +61,7 @@ bool World::Impl::gives_back_too_much(const std::vector<Touch>& list, const Isla
   }
   double gain = 0, size = 0;
   for (std::size_t k = 0; k < found.impulse.size(); ++k) {
+    if (list[island.touches[k]].tie != no_tie) continue;
     const Vec2 first = velocity_of(rows, k, free), then = velocity_of(rows, k, after);
     gain += 0.5 * dot(found.impulse[k], first + then);
     // Of the two parts: their sum vanishes where all is given back.
@@ -154,11 +155,13 @@ void World::Impl::accept(Attempt&& done) {
   energy.friction += done.friction;
   energy.work += done.work;
   energy.projected += done.projected;
+  energy.yielded += done.yielded;
+  bars = std::move(done.bars);
   fall_asleep();
   energy.kinetic = kinetic_of(state);
   energy.potential = potential_of(state);
   energy.elastic = elastic_of(state, memory);
-  energy.lost = start_energy + energy.work + energy.projected - energy.friction - energy.total();
+  energy.lost = start_energy + energy.work + energy.projected - energy.friction - energy.yielded - energy.total();
 }
 
 void World::Impl::choose_next_step(const StepReport& report) {
@@ -229,7 +232,10 @@ std::expected<StepReport, StepError> World::step(double at_most) {
   if (!(at_most > 0)) {
     return std::unexpected(StepFailed{w.time, at_most, 0, fmt::format("a step of {} s was asked for", at_most)});
   }
-  while (w.wake(w.touches, std::numeric_limits<double>::infinity())) {
+  w.install_ties();
+  at_most = std::min(at_most, w.until_next_tie());
+  constexpr double any_gap = std::numeric_limits<double>::infinity();
+  while (w.wake(w.touches, any_gap) || (!w.ties.empty() && w.wake(w.bars_at(w.state), any_gap))) {
     w.look(w.next_step);
     w.seen_step = w.next_step;
   }

@@ -29,6 +29,8 @@ struct EntranceLines {
 /// negative.
 [[nodiscard]] EntranceLines entrance_lines(const Wedge& i, const Wedge& j);
 
+constexpr std::uint32_t no_tie = static_cast<std::uint32_t>(-1);
+
 /// Corner `vertex` of body i against edge `edge` (from corner `edge` to the next) of body j.
 struct Touch {
   std::uint32_t i, vertex, j, edge;
@@ -37,6 +39,9 @@ struct Touch {
   Vec2 normal;      ///< unit, out of j
   Vec2 point;       ///< the corner
   double tilt = 0;  ///< rad, of `normal` against that of the edge: rough faces that ride up on one another
+  /// Not a contact but a bar: `normal` points from its end on `i` to that on `j`, `gap` is by how much it is slack;
+  /// `vertex` and `edge` are the edges its ends lie nearest to.
+  std::uint32_t tie = no_tie;
   friend bool operator==(const Touch&, const Touch&) = default;
 };
 

@@ -23,12 +23,15 @@ Trial::Trial(World::Impl& world, double step, std::size_t cut, Work& work, Attem
   w_.hint.resize(w_.size());
   for (std::size_t b = 0; b < w_.size(); ++b) implicit_[b] = w_.hint[b] > 0 ? 1 : 0;
   w_.torn_now.assign(w_.sections.size(), 0);
+  out_.bars = w_.bars;
+  if (!w_.ties.empty()) pull_ties();
 }
 
 std::optional<World::Impl::Failure> Trial::run() {
   for (;;) {
     divide();
     if (auto failed = solve()) return failed;
+    if (ties_gave_way()) continue;
     if (w_.tear_sections(list_, out_, solutions_, step_)) {
       solutions_.clear();  // other questions
       continue;
@@ -38,12 +41,14 @@ std::optional<World::Impl::Failure> Trial::run() {
       continue;
     }
     if (auto failed = move()) return failed;
+    if (ties_hold_again()) continue;
     if (auto failed = look()) return failed;
     if (out_.report.retries >= most_rounds || !contacts_came_up()) break;
     if (w_.wake(list_, std::numeric_limits<double>::infinity())) return Failure{0, "", 1};
     ++out_.report.retries;
   }
   note_contacts();
+  note_yielding();
   note_loads();
   part();
   return judge_overlaps();
@@ -83,6 +88,11 @@ void Trial::divide() {
     for (const std::uint32_t k : island.touches) {
       Touch& touch = moved_[k];
       const double gap = touch.gap;
+      if (touch.tie != no_tie) {
+        touch = w_.touch_of_tie(touch.tie, mid);
+        touch.gap = gap;
+        continue;
+      }
       renew_touch(touch, w_.corners_of(mid_corners, touch.i), w_.corners_of(mid_corners, touch.j));
       w_.ride(touch, mid);
       touch.gap = gap;
@@ -91,6 +101,7 @@ void Trial::divide() {
   }
   free_ = w_.state;
   w_.free_motion(w_.state, theta_, step_, free_);
+  pull_with_capacity(mid);
 }
 
 std::optional<World::Impl::Failure> Trial::solve() {
@@ -170,7 +181,7 @@ bool Trial::mean_rule_gained() {
     double gain = 0, size = 0;
     for (std::size_t k = 0; k < island.touches.size(); ++k) {
       const Vec2 p = solutions_[s].impulse[k];
-      if (p == Vec2{}) continue;
+      if (p == Vec2{} || list_[island.touches[k]].tie != no_tie) continue;
       gain += 0.5 * dot(p, w_.velocity_of(rows_[s], k, w_.state) + w_.velocity_of(rows_[s], k, out_.state));
     }
     for (const std::uint32_t b : island.bodies) {

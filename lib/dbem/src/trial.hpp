@@ -36,8 +36,23 @@ class Trial final {
   [[nodiscard]] std::optional<Failure> look();
   [[nodiscard]] bool contacts_came_up();
 
+  // ties.cpp
+  /// Bars that pull in this step.
+  void pull_ties();
+  /// Those that yield, on the motion without contacts.
+  void pull_with_capacity(const State& mid);
+  /// Bars that were asked for more than they carry: they yield or break, and the step is solved again.
+  [[nodiscard]] bool ties_gave_way();
+  /// Bars that were thought to yield and are loaded less.
+  [[nodiscard]] bool ties_hold_again();
+  void break_bar(std::uint32_t tie);
+  void note_tie(std::size_t group, std::size_t contact);
+  void note_yielding();
+
   void note_contacts();
   void note_contact(std::size_t group, std::size_t contact);
+  /// Of bodies whose velocity is given.
+  void note_given_work(const Rows& rows, std::size_t contact, Vec2 impulse);
   void note_torn(const Touch& t, Vec2 impulse, Vec2 velocity, ContactState how, const Bond& bond);
   /// Work of the loads other than gravity, and what is left over at each body.
   void note_loads();
@@ -56,7 +71,9 @@ class Trial final {
   std::vector<Clash> clashes_;
   std::vector<double> theta_;  // of each body
   std::vector<std::uint8_t> implicit_;
-  State free_;  // without contacts
+  std::vector<std::uint32_t> pulling_;  // ties that yield
+  std::vector<std::uint8_t> settled_;   // ties that do so whatever comes of it
+  State free_;                          // without contacts
   // Of the round before, by the first contact of the group.
   std::vector<Island> groups_before_;
   std::vector<ContactSolution> solutions_before_;

@@ -21,6 +21,8 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
   const Rows& rows = rows_[group];
   const Touch& t = list_[out_.islands[group].touches[contact]];
   const Vec2 p = solutions_[group].impulse[contact];
+  note_given_work(rows, contact, p);
+  if (t.tie != no_tie) return note_tie(group, contact);
   const Vec2 now = w_.velocity_of(rows, contact, out_.state);
   const Vec2 old = w_.velocity_of(rows, contact, w_.state);
   const Bond* bond = w_.bond_of(t);
@@ -43,12 +45,14 @@ void Trial::note_contact(std::size_t group, std::size_t contact) {
   const Vec2 force = rotated(p / step_, at.tilt), passing = rotated(now, at.tilt);
   out_.contacts.push_back({t.i, t.vertex, t.j, t.edge, w_.anchor + at.point, rotated(at.normal, -at.tilt), t.gap,
                            force.x, force.y, passing.y, how, bond != nullptr});
-  // Bodies whose velocity is given do work through their contacts.
+}
+
+void Trial::note_given_work(const Rows& rows, std::size_t contact, Vec2 p) {
   for (const std::size_t which : {2 * contact, 2 * contact + 1}) {
     const Side& side = rows.sides[which];
     const Shape& shape = w_.shapes[side.body];
     const Vec2 impulse = p.x * side.n + p.y * side.t;
-    const Vec2 v = out_.state.v[side.body];
+    const Vec2 v = 0.5 * (out_.state.v[side.body] + w_.state.v[side.body]);
     if (shape.inverse_x == 0) out_.work -= impulse.x * v.x;
     if (shape.inverse_y == 0) out_.work -= impulse.y * v.y;
     if (shape.inverse_spin == 0) {

@@ -23,6 +23,7 @@ std::string describe(const WorldError& error) {
           [](const BadModes& e) { return fmt::format("body '{}': elastic shapes: {}", e.body, e.reason); },
           [](const BadForce& e) { return fmt::format("body '{}': force: {}", e.body, e.reason); },
           [](const BadLaw& e) { return fmt::format("joint law: {}", e.reason); },
+          [](const BadTie& e) { return fmt::format("bolt '{}': {}", e.tie, e.reason); },
           [](const BadOption& e) { return fmt::format("contact option: {}", e.reason); },
           [](const BodiesOverlap& e) {
             return fmt::format("bodies '{}' and '{}' overlap at the start: {:.6g} m deep at ({:.9g}, {:.9g})", e.a, e.b,
@@ -161,6 +162,7 @@ std::optional<WorldError> make_shape(const Body& body, Shape& shape) {
   shape.feature = smallest_feature(shape.corners);
   if (!(shape.feature > 1e-9 * perimeter)) return BadOutline{body.name, "thinner than 1e-9 of its perimeter"};
   shape.fixed = body.held.all() && shape.modes == 0;
+  if (body.moves && !shape.fixed) return BadOutline{body.name, "it moves by a function of time, but is not fixed"};
   shape.timed = !body.forces.empty();
   const double density = body.density;
   shape.mass = body.mass.value_or(density * moments.area);
@@ -207,7 +209,8 @@ World& World::operator=(const World& other) {
 World& World::operator=(World&& other) noexcept = default;
 World::~World() = default;
 
-std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws, WorldOptions options) {
+std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws, WorldOptions options,
+                                             std::vector<Tie> ties) {
   if (auto bad = check_law(laws.otherwise)) return std::unexpected(*std::move(bad));
   for (const PairLaw& pair : laws.pairs) {
     if (auto bad = check_law(pair.law)) return std::unexpected(*std::move(bad));
@@ -235,8 +238,11 @@ std::expected<World, WorldError> World::make(std::vector<Body> bodies, Laws laws
   w.make_bonds();
   w.make_mated();
   w.make_water();
+  w.ties = std::move(ties);
+  if (auto bad = w.make_ties()) return std::unexpected(*std::move(bad));
   w.energy.kinetic = w.kinetic_of(w.state);
   w.energy.potential = w.potential_of(w.state);
+  w.energy.elastic = w.elastic_of(w.state, w.memory);
   w.start_energy = w.energy.total();
   for (std::size_t b = 0; b < w.size(); ++b) {  // what the first step's change of velocity is compared with
     double torque = 0;
@@ -255,7 +261,7 @@ void World::Impl::place_at_start() {
     // Either origin or outline may carry the large numbers: take them off before they meet the small ones.
     const Vec2 other = bodies[b].origin + (shapes[b].local_centroid - anchor);
     state.x.push_back(norm(bodies[b].origin) > norm(shapes[b].local_centroid) ? at : other);
-    state.v.push_back(bodies[b].velocity);
+    state.v.push_back(bodies[b].moves ? bodies[b].moves(0) : bodies[b].velocity);
     state.spin.push_back(bodies[b].spin);
   }
   state.angle.assign(n, 0);
@@ -290,6 +296,14 @@ double World::inertia(std::size_t body) const { return impl_->shapes[body].inert
 bool World::asleep(std::size_t body) const { return impl_->asleep[body] != 0; }
 const std::vector<Contact>& World::contacts() const noexcept { return impl_->contacts; }
 const Energy& World::energy() const noexcept { return impl_->energy; }
+std::vector<TieState> World::ties() const {
+  std::vector<TieState> out;
+  for (const Bar& bar : impl_->bars) {
+    out.push_back(
+        {ForcePerLength::from_si(bar.force), Length::from_si(bar.plastic), bar.installed, bar.yielding, bar.broken});
+  }
+  return out;
+}
 const WorldOptions& World::options() const noexcept { return impl_->options; }
 
 std::vector<double> World::modal_amplitudes(std::size_t body) const {
@@ -379,6 +393,7 @@ std::vector<ContactProblem> World::problems(double step) const {
     again.look(step);
     list = std::move(again.touches);
   }
+  for (const Touch& bar : w.bars_at(w.state)) list.push_back(bar);
   std::vector<Island> islands = w.islands_of(list);
   std::vector<Rows> rows;
   w.mark_impacts(list, islands, step, std::vector<std::uint8_t>(w.size()), rows);

@@ -2,9 +2,11 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "clash.hpp"
@@ -93,6 +95,14 @@ struct Mated {
   friend auto operator<=>(const Mated&, const Mated&) = default;
 };
 
+/// What a tie carries from step to step.
+struct Bar {
+  double rest = 0;     // length without force, m
+  double force = 0;    // N/m
+  double plastic = 0;  // m, in `rest`
+  bool installed = false, broken = false, yielding = false;
+};
+
 /// A group of bodies joined by contacts.
 struct Island {
   std::vector<std::uint32_t> touches;
@@ -132,7 +142,8 @@ struct Attempt {
   std::vector<Memory> memory;
   std::vector<Contact> contacts;
   std::vector<std::uint32_t> broken, closed;  // bonds that break; broken ones whose contact stays closed
-  double friction = 0, work = 0, projected = 0;
+  std::vector<Bar> bars;
+  double friction = 0, work = 0, projected = 0, yielded = 0;
   std::vector<Island> islands;
   StepReport report;
   double limit = std::numeric_limits<double>::infinity();  // of the next step, by gaps
@@ -167,6 +178,9 @@ struct World::Impl {
   std::vector<Mated> mated;            // sorted
   std::vector<double> rides;           // of each body, how far joints can lift it; empty: nothing dilates
   std::vector<std::uint8_t> torn_now;  // sections, in the step that is being tried
+  std::vector<Tie> ties;
+  std::vector<std::array<BoundaryPoint, 2>> tie_places;  // nearest to their ends
+  std::vector<Bar> bars;                                 // by tie
   std::vector<std::uint8_t> asleep;
   std::vector<std::uint16_t> calm;
   std::vector<std::uint32_t> sleep_group;
@@ -226,7 +240,12 @@ struct World::Impl {
                                                     bool stiffened) const;
   /// Velocity of each contact (n, t) under the velocities of a state.
   [[nodiscard]] Vec2 velocity_of(const Rows& rows, std::size_t contact, const State& at) const;
-  void add_impulse(const Rows& rows, std::size_t contact, Vec2 p, double theta, double step, State& at) const;
+  void add_impulse(const Rows& rows, std::size_t contact, Vec2 p, double theta, double step, State& at) const {
+    add_impulse(rows, contact, p, std::array{theta, theta}, step, at);
+  }
+  /// With the theta of either body.
+  void add_impulse(const Rows& rows, std::size_t contact, Vec2 p, std::array<double, 2> theta, double step,
+                   State& at) const;
   [[nodiscard]] double mode_inverse(std::size_t body, std::size_t mode, double theta, double step) const;
   /// Force of each contact of a group in the step before, 0 where there was none.
   [[nodiscard]] std::vector<Vec2> recall(const std::vector<Touch>& list, const Island& island) const;
@@ -274,6 +293,18 @@ struct World::Impl {
   /// Marks the sections that do not carry what the contacts ask of them; false: none.
   bool tear_sections(const std::vector<Touch>& list, const Attempt& out, const std::vector<ContactSolution>& solutions,
                      double step);
+
+  // ties.cpp
+  [[nodiscard]] std::optional<WorldError> make_ties();
+  /// Of the bar, on the first body and on the second, about `anchor`.
+  [[nodiscard]] std::pair<Vec2, Vec2> tie_ends(std::size_t tie, const State& at) const;
+  [[nodiscard]] Touch touch_of_tie(std::size_t tie, const State& at) const;
+  /// Bars that are there, of bodies that do not both rest.
+  [[nodiscard]] std::vector<Touch> bars_at(const State& at) const;
+  void install_ties();
+  /// s; infinite: none is to come.
+  [[nodiscard]] double until_next_tie() const;
+  [[nodiscard]] double elastic_of_ties() const;
 
   // step.cpp
   struct Failure {

@@ -123,6 +123,9 @@ std::expected<void, WriteError> write_contact_files(const scene::ContactResult& 
     if (result.elastic) CLEAVE_CHECK(write_file(folder / "stress.csv", contact_stress_csv(result)));
     if (!result.points.empty()) CLEAVE_CHECK(write_file(folder / "points.csv", contact_points_csv(result)));
   }
+  if (!result.state.empty()) {
+    CLEAVE_CHECK(write_file(folder / scene::contact_state_name, result.state));
+  }
   if (!result.output.vtu) return {};
   return write_frames(
       folder, "contact", result.frames.size(), [&](std::size_t f) { return result.frames[f].time; },

@@ -247,6 +247,19 @@ std::string contact_report_html(const scene::ContactResult& result) {
     }
     out += "<section><h2>Points</h2>\n" + std::move(table).html() + "</section>\n";
   }
+  if (!result.bolts.empty()) {
+    HtmlTable table{{{"name", "bolt"},
+                     {"first", "from"},
+                     {"second", "to"},
+                     {"state"},
+                     {"force_n", "Force (kN)"},
+                     {"largest_force_n", "Largest (kN)"},
+                     {"capacity_n", "Capacity (kN)"},
+                     {"lengthened_m", "Lengthened (m)"}},
+                    scene::ContactBoltResult{}};
+    for (const scene::ContactBoltResult& bolt : result.bolts) table.add(bolt);
+    out += "<section><h2>Bolts</h2>\n" + std::move(table).html() + "</section>\n";
+  }
   out += "<section><h2>Bodies</h2>\n" + bodies_table(result) + "</section>\n<section><h2>Solvers</h2>\n" +
          solver_bars(result) + "<div class=\"plots\"><div id=\"steps\"></div>" +
          (result.solvers.empty() ? "" : "<div id=\"iterations\"></div>") + "</div>\n" + "</section>\n";

@@ -85,6 +85,7 @@ void fields(V& v, const ContactHistory& x) {
   v("slipping", x.slipping);
   v("iterations", x.iterations);
   v("residual", x.residual);
+  v("bolts_j", x.bolts, "dissipated by bolts that yield and break");
 }
 
 template <class V>

@@ -254,6 +254,7 @@ std::expected<PreparedBodies, std::vector<Problem>> prepare_bodies(const Contact
     body.velocity = spec.velocity;
     body.spin = spec.spin;
     if (spec.fixed || spec.clamped()) body.held = {true, true, true};
+    if (spec.motion) body.moves = [motion = *spec.motion](double t) { return motion.velocity(Time::from_si(t)); };
     body.origin = spec.corners.front();
     if (!elastic || spec.fixed) {
       for (const Vec2 p : spec.corners) body.outline.push_back(p - body.origin);

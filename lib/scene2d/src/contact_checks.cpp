@@ -43,6 +43,10 @@ void check_forces(const ContactScene& scene, Problems& problems) {
 void check_rest(const ContactScene& scene, Problems& problems) {
   if (!scene.settings.to_rest) return;
   for (const ContactBody& body : scene.bodies) {
+    if (body.motion) {
+      problems.error(body.line, "body.motion", "moves, but static = true knows no time",
+                     "remove motion, or static = true");
+    }
     if (!(body.velocity == Vec2{}) || body.spin != 0) {
       problems.error(body.line, "body.velocity",
                      fmt::format("\"{}\" has a speed at the start, but static = true starts from rest", body.name),

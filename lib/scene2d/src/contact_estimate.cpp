@@ -24,15 +24,19 @@ struct LongRun {
   std::vector<std::vector<Vec2>> outlines;  // at the end; empty: it stopped
   std::uint64_t steps = 0;
   bool something_hit = false;
+  bool interrupted = false;
 };
 
-LongRun run_with(const ContactScene& scene, const WithLongerSteps& with, double longer) {
+LongRun run_with(const ContactScene& scene, const WithLongerSteps& with, double longer,
+                 const std::function<bool()>& stop) {
   LongRun out;
   std::optional<dbem::World> world = with(longer);
   if (!world) return out;
   const double duration = scene.settings.duration;
   double next = longer * scene.settings.step;
   while (world->time() < duration * (1 - 1e-12)) {
+    out.interrupted = stop && stop();
+    if (out.interrupted) return out;
     const double left = duration - world->time();
     auto report = world->step(left < next * (1 + 1e-9) ? left : left < 2 * next ? left / 2 : left);
     if (!report) return out;
@@ -93,21 +97,21 @@ ErrorEstimate estimate_of_steps(std::array<double, 3> changes, int order) {
   return {error, ""};
 }
 
-void estimate_steps(const ContactScene& scene, const WithLongerSteps& with, const dbem::World& end, bool something_hit,
-                    ContactResult& result) {
+bool estimate_steps(const ContactScene& scene, const WithLongerSteps& with, const dbem::World& end, bool something_hit,
+                    const std::function<bool()>& stop, ContactResult& result) {
   if (!scene.settings.estimate) {
     result.no_estimate = "not asked for: contact.estimate";
-    return;
+    return true;
   }
   if (!result.converged || scene.settings.to_rest || !(result.largest_displacement > 0)) {
     result.no_estimate = "the run has no steps in time to its end";
-    return;
+    return true;
   }
   result.no_estimate = not_followed(scene, end);
-  if (!result.no_estimate.empty()) return;
+  if (!result.no_estimate.empty()) return true;
   if (result.steps < fewest_steps) {
     result.no_estimate = fmt::format("fewer than {} steps", fewest_steps);
-    return;
+    return true;
   }
   LongRun before{.outlines = {}, .steps = result.steps, .something_hit = something_hit};
   for (std::size_t b = 0; b < end.size(); ++b) before.outlines.push_back(end.outline(b));
@@ -116,14 +120,15 @@ void estimate_steps(const ContactScene& scene, const WithLongerSteps& with, cons
   double longer = 1;
   for (double& change : changes) {
     longer *= longer_by;
-    LongRun now = run_with(scene, with, longer);
+    LongRun now = run_with(scene, with, longer, stop);
+    if (now.interrupted) return false;
     if (now.outlines.empty()) {
       result.no_estimate = "a run with longer steps stops";
-      return;
+      return true;
     }
     if (4 * now.steps > 3 * before.steps) {
       result.no_estimate = "steps are cut whatever their length: runs with longer ones are nearly the same run";
-      return;
+      return true;
     }
     change = largest_change(before.outlines, now.outlines) / result.largest_displacement;
     hit = hit || now.something_hit;
@@ -132,6 +137,7 @@ void estimate_steps(const ContactScene& scene, const WithLongerSteps& with, cons
   const ErrorEstimate estimate = estimate_of_steps(changes, hit ? 1 : 2);
   result.error = estimate.error;
   result.no_estimate = estimate.why_not;
+  return true;
 }
 
 }  // namespace cleave::scene

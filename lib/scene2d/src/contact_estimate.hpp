@@ -19,8 +19,8 @@ namespace cleave::scene {
 /// The same scene at its start, its step and the bounds of its steps so many times as long.
 using WithLongerSteps = std::function<std::optional<dbem::World>(double longer)>;
 
-/// Of a run that ended at `end`: the figures `error` and `no_estimate` of the result.
-void estimate_steps(const ContactScene& scene, const WithLongerSteps& with, const dbem::World& end, bool something_hit,
-                    ContactResult& result);
+/// Of a run that ended at `end`: the figures `error` and `no_estimate` of the result. False: `stop` ended it before.
+[[nodiscard]] bool estimate_steps(const ContactScene& scene, const WithLongerSteps& with, const dbem::World& end,
+                                  bool something_hit, const std::function<bool()>& stop, ContactResult& result);
 
 }  // namespace cleave::scene

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <vector>
+
 #include "cleave/bem/outline.hpp"
+#include "cleave/dbem/body.hpp"
 #include "cleave/scene/table_reader.hpp"
 #include "cleave/scene2d/contact.hpp"
 
@@ -9,6 +12,22 @@ namespace cleave::scene {
 
 [[nodiscard]] const KeyTable& contact_keys();
 void parse_settings(const TableReader& contact, ContactScene& scene);
+/// `motion` of a fixed body.
+[[nodiscard]] const KeyTable& support_motion_keys();
+void parse_support_motion(const TableReader& body, ContactBody& spec);
+[[nodiscard]] const KeyTable& contact_bolt_keys();
+void parse_bolts(const TableReader& root, ContactScene& scene);
+/// A bolt across a joint: the bar between two bodies that it is. Ends in the scene, at the start.
+struct BoltBar {
+  std::size_t first = 0, second = 0;  ///< bodies
+  bem::Vec2 at_first, at_second;
+  Stress stiffness{};
+  ForcePerLength capacity{};
+};
+/// From the head on.
+[[nodiscard]] std::vector<BoltBar> bars_of(const std::vector<ContactBody>& bodies, const ContactBolt& bolt);
+/// All of them, bolt by bolt.
+[[nodiscard]] std::vector<dbem::Tie> ties_of(const ContactScene& scene);
 void parse_points(const TableReader& contact, ContactScene& scene);
 
 [[nodiscard]] bool holds(const ContactBody& body, bem::Vec2 at);

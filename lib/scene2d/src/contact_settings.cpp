@@ -132,6 +132,40 @@ void parse_ground(const TableReader& contact, ContactScene& scene) {
 
 }  // namespace
 
+const KeyTable& support_motion_keys() {
+  static const KeyTable keys{
+      .name = "body.motion",
+      .keys = {{"velocity", key::pair(speed_rule), "", "`[x, y]` in m/s, times `time`"},
+               {"acceleration", key::pair(rule::acceleration), "", "`[x, y]` in m/s2, times `time`; from rest"},
+               {"time", key::table(&time_function_keys), "constant",
+                "as of a load: `step`, `ramp`, `pulse` or `harmonic`"},
+               {"record", key::table(&record_keys), "", "`{ step, x, y, scale }`: an accelerogram, from rest"}},
+      .one_of = {{"velocity", "acceleration", "record"}}};
+  return keys;
+}
+
+void parse_support_motion(const TableReader& body, ContactBody& spec) {
+  const auto found = body.sub("motion");
+  if (!found) return;
+  const TableReader& table = *found;
+  const TomlEntry* kind = table.one_of();
+  if (kind == nullptr) return;
+  SupportMotion motion;
+  if (const auto record = table.sub("record")) {
+    if (table.has("time")) table.error("time", "stands beside record", "a record has its own times: remove this key");
+    parse_record(*record, motion.course);
+  } else {
+    motion.is_velocity = kind->key == "velocity";
+    motion.course.amplitude = pair(table, kind->key).value_or(Vec2{});
+    bool follows = false;
+    motion.course.time = parse_time_function(table, follows);
+    if (follows) table.error("time", "follows no body", "remove follows");
+  }
+  if (!spec.fixed)
+    body.error("motion", "is that of a fixed body", "write fixed = true, or give it a velocity or a load");
+  spec.motion = std::move(motion);
+}
+
 const KeyTable& contact_keys() {
   static const KeyTable keys{
       .name = "contact",
@@ -194,6 +228,7 @@ void parse_settings(const TableReader& table, ContactScene& scene) {
   parse_ground(table, scene);
   double smallest = 1e300, fastest = 0, load_time = s.ground ? s.ground->fastest().si() : 1e300;
   for (const ContactBody& body : scene.bodies) {
+    if (body.motion) load_time = std::min(load_time, body.motion->course.fastest().si());
     if (body.fixed || body.corners.size() < 3) continue;
     Box2 box;
     for (const Vec2 p : body.corners) box.add(p);

@@ -38,6 +38,12 @@ Vec2 GroundMotion::mean(double from, double to) const {
   return times(amplitude, (step.si() / (to - from)) * sum);
 }
 
+Vec2 SupportMotion::velocity(Time at) const {
+  const double t = at.si();
+  if (is_velocity) return course.at(t);
+  return t > 0 ? t * course.mean(0, t) : Vec2{};
+}
+
 Time GroundMotion::fastest() const {
   // Lines between values change within a few of them.
   return record.empty() ? Time::from_si(time.fastest()) : 4 * step;

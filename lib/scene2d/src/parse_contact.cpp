@@ -79,7 +79,10 @@ const KeyTable& contact_body_keys() {
         {"repeat", key::table(&repeat_keys), "",
          "`{ count, shift, rotation, centre }`: so many bodies: stacks, rows, arches. `velocity` and the directions of "
          "loads stay as written. Names become \"NAME 1\", \"NAME 2\", ..."},
-        {"fixed", key::flag(), "false", "never moves"},
+        {"fixed", key::flag(), "false", "never moves, but by `motion`"},
+        {"motion", key::table(&support_motion_keys), "at rest",
+         "of a fixed body, beside that of the ground: `{ velocity, time }`, `{ acceleration, time }` or `{ record }`; "
+         "not with `static`"},
         {"joint", key::either({key::text(), key::texts()}), "\"default\"",
          "`[joints.NAME]` of all sides, or a list with one name a side. A side of joint `default` takes the other's; "
          "of "
@@ -275,6 +278,7 @@ void parse_body(const TableReader& body, const RockDefaults& defaults, const Joi
   spec.corners = outline.corners;
   parse_side_joints(body, outline, joints, spec);
   parse_supports(body, outline, spec);
+  parse_support_motion(body, spec);
   parse_loads(body, outline, spec);
   spec.velocity = pair(body, "velocity").value_or(Vec2{});
   spec.spin = body.number("angular_velocity").value_or(0);
@@ -383,7 +387,8 @@ const KeyTable& contact_scene_keys() {
     table.keys.push_back({"contact", key::table(&contact_keys), required, "the problem"});
     table.keys.push_back(
         {"body", key::tables(&contact_body_keys), required, "bodies that touch, slide, fall and come to rest"});
-    table.steps = {{Stage::contact, {"contact", "body", "rock", "joints"}},
+    table.keys.push_back({"bolt", key::tables(&contact_bolt_keys), "[]", "bolts that hold bodies together"});
+    table.steps = {{Stage::contact, {"contact", "body", "rock", "joints", "bolt"}},
                    {Stage::write, {"output"}},
                    {Stage::report, {"project", "output"}}};
     return table;
@@ -427,6 +432,7 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
   if (section != nullptr) {
     parse_settings(contact, scene);
     parse_points(contact, scene);
+    parse_bolts(root, scene);
     check_elastic(scene, contact, problems);
   }
   if (problems.errors() == 0) {

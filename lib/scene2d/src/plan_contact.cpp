@@ -92,7 +92,12 @@ Plan make_plan(const ContactScene& scene) {
   }
   if (s.gravity == Vec2{}) why += "; no weight";
   if (s.ground) why += "; the ground moves";
-  std::string files = scene.output.vtu ? ", contact_NNNN.vtu, contact.pvd" : "";
+  const auto driven = std::ranges::count_if(scene.bodies, [](const ContactBody& b) { return b.motion.has_value(); });
+  if (driven > 0) why += fmt::format("; {} of the fixed move", driven);
+  if (!scene.bolts.empty())
+    why += fmt::format("; {} {}", scene.bolts.size(), scene.bolts.size() == 1 ? "bolt" : "bolts");
+  std::string files = ", contact.state";
+  if (scene.output.vtu) files += ", contact_NNNN.vtu, contact.pvd";
   if (scene.output.csv) files += scene.points.empty() ? ", history.csv" : ", history.csv, points.csv";
   if (scene.output.csv) files += ", bodies.csv";
   Plan plan = plan_of_bodies(Stage::contact, why, files, scene.output.report);

@@ -50,8 +50,6 @@ void add_cells(const bem::Solution& solution, std::size_t region, BodyResult& bo
   });
 }
 
-using Problems = std::vector<Problem>;
-
 /// Natural frequencies of bodies that stand alone, on the mesh of the answer.
 std::optional<Problem> add_frequencies(const BodiesScene& scene, unsigned threads, BodiesResult& result) {
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,8 +54,11 @@ struct Body {
   std::optional<double> mass = {};     ///< kg/m
   std::optional<double> inertia = {};  ///< kg m, about the centroid
   Held held = {};
-  Vec2 velocity = {};        ///< of the centroid, m/s
-  double spin = 0;           ///< rad/s
+  Vec2 velocity = {};  ///< of the centroid, m/s
+  double spin = 0;     ///< rad/s
+  /// Of a fixed body: its velocity (m/s) as a function of time, instead of `velocity`. It goes on by the mean of what
+  /// it is at both ends of a step.
+  std::function<Vec2(double)> moves = {};
   std::size_t property = 0;  ///< joint property of its faces, see Laws
   /// One an edge (from corner k to the next) instead of `property`; empty: all the same. A corner counts to the one of
   /// its two edges that lies more nearly along the edge it touches.
@@ -99,6 +103,21 @@ struct Laws {
   JointLaw otherwise;
   std::vector<PairLaw> pairs = {};
   [[nodiscard]] const JointLaw& of(std::size_t property_a, std::size_t property_b) const noexcept;
+};
+
+/// A bolt between two bodies: a bar that pulls and does not push, elastic up to its capacity, then plastic. Per metre
+/// of thickness: what one bolt carries over the distance to the next, out of the plane.
+struct Tie {
+  std::string name;
+  std::size_t first = 0, second = 0;  ///< bodies
+  /// Its ends, in coordinates of Body::outline; in bodies that bend they move as the nearest place of the outline.
+  Vec2 at_first, at_second;
+  Stress stiffness{};  ///< force per metre of thickness over lengthening
+  /// At which it yields; infinite: it does not.
+  ForcePerLength capacity = ForcePerLength::from_si(std::numeric_limits<double>::infinity());
+  Length ductility{};           ///< that it lengthens at its capacity before it breaks; 0: it breaks there
+  ForcePerLength pretension{};  ///< when it is installed
+  Time installed{};             ///< when it is there: with the step that begins then
 };
 
 /// Area, centroid and polar second moment about the centroid of a simple counter-clockwise polygon.

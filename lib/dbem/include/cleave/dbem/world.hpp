@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -43,7 +44,11 @@ struct BodiesOverlap {
   double depth;  ///< m
   Vec2 at;       ///< scene
 };
-using WorldError = std::variant<BadOutline, NoMass, BadModes, BadForce, BadLaw, BadOption, BodiesOverlap>;
+struct BadTie {
+  std::string tie;
+  std::string reason;
+};
+using WorldError = std::variant<BadOutline, NoMass, BadModes, BadForce, BadLaw, BadOption, BodiesOverlap, BadTie>;
 [[nodiscard]] std::string describe(const WorldError& error);
 
 // ---- what can go wrong in a step
@@ -58,6 +63,19 @@ struct StepFailed {
 };
 using StepError = std::variant<StepFailed>;
 [[nodiscard]] std::string describe(const StepError& error);
+
+// ---- what a world cannot go on from
+
+/// The bytes are no saved world.
+struct NoSavedWorld {};
+/// They are one of another version of the library.
+struct SavedByOtherVersion {};
+/// They were cut short or changed, or hold what cannot be.
+struct DamagedWorld {};
+/// They are of a world of other bodies, laws or gravity.
+struct SavedOfOtherWorld {};
+using SavedError = std::variant<NoSavedWorld, SavedByOtherVersion, DamagedWorld, SavedOfOtherWorld>;
+[[nodiscard]] std::string describe(const SavedError& error);
 
 struct WorldOptions {
   Vec2 gravity = {0, -9.81};
@@ -103,13 +121,21 @@ struct Contact {
   bool bonded;
 };
 
-/// All of a run so far; J/m. kinetic + potential + elastic = start + work - friction - lost + projected.
+/// A tie after a step.
+struct TieState {
+  ForcePerLength force{};  ///< tension
+  Length plastic{};        ///< by which it was lengthened for good
+  bool installed = false, yielding = false, broken = false;
+};
+
+/// All of a run so far; J/m. kinetic + potential + elastic = start + work - friction - yielded - lost + projected.
 struct Energy {
   double kinetic = 0, potential = 0, elastic = 0;
-  double work = 0;       ///< of point forces, the ground and held bodies that move
+  double work = 0;       ///< of point forces, the ground, held bodies that move, and of tightening ties
   double friction = 0;   ///< dissipated by slip
   double projected = 0;  ///< brought in by moving penetrating bodies apart
   double lost = 0;       ///< by impacts, damping, the scheme and sleep: what closes the balance
+  double yielded = 0;    ///< dissipated by ties that yield and break
   [[nodiscard]] double total() const noexcept { return kinetic + potential + elastic; }
 };
 
@@ -134,7 +160,7 @@ struct StepReport {
   bool impact = false;
 };
 
-/// Blocks in motion. Value type: a copy is a saved state.
+/// Blocks in motion. Value type: a copy is a saved state, and `saved` is one as bytes.
 ///
 /// A step is a theta scheme in velocities and contact impulses (Moreau 1988; Jean 1999) on (centroid, angle, modal
 /// amplitudes): theta = 1/2, or 1 in groups of bodies where something hits. Impulses act at one common point of both
@@ -142,7 +168,8 @@ struct StepReport {
 /// judged by its residual and a step that does not reach it is cut and at last refused.
 class World final {
  public:
-  [[nodiscard]] static std::expected<World, WorldError> make(std::vector<Body> bodies, Laws laws, WorldOptions options);
+  [[nodiscard]] static std::expected<World, WorldError> make(std::vector<Body> bodies, Laws laws, WorldOptions options,
+                                                             std::vector<Tie> ties = {});
   World(const World& other);
   World(World&& other) noexcept;
   World& operator=(const World& other);
@@ -174,6 +201,8 @@ class World final {
 
   /// Contacts of the last step, in the order of (vertex body, vertex, edge body, edge).
   [[nodiscard]] const std::vector<Contact>& contacts() const noexcept;
+  /// As they were given.
+  [[nodiscard]] std::vector<TieState> ties() const;
   [[nodiscard]] const Energy& energy() const noexcept;
   [[nodiscard]] Vec2 momentum() const;            ///< of bodies that are not fixed
   [[nodiscard]] double angular_momentum() const;  ///< about the origin of the scene
@@ -186,6 +215,14 @@ class World final {
   /// Every group of contacts the next step of this length would solve, as it stands (cold); none for a step that is
   /// not positive and finite.
   [[nodiscard]] std::vector<ContactProblem> problems(double step) const;
+
+  /// All that this world carries from step to step, as bytes: the same on every machine and for every number of
+  /// threads. Bodies, laws and options are not in it.
+  [[nodiscard]] std::string saved() const;
+  /// Goes on from there: every later step is that of the world that was saved, to the last bit. This world must have
+  /// been made of the same bodies, laws, gravity, `quasi_static` and functions of time (which cannot be compared); its
+  /// other options may differ. It is as it was when there is an error.
+  [[nodiscard]] std::expected<void, SavedError> restore(std::string_view saved);
 
   struct Impl;
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -60,6 +61,24 @@ struct ContactLoad {
   bool follows = false;  ///< turns with the body
 };
 
+/// Motion of the ground, which is what is fixed: an acceleration (m/s2) over time.
+struct GroundMotion {
+  bem::Vec2 amplitude{1, 1};  ///< of `time`, or of the record
+  TimeFunction time;
+  /// Accelerations at equal steps from 0 on, lines between them, nothing after the last; empty: `time`.
+  std::vector<bem::Vec2> record;
+  Time step;  ///< of the record
+  [[nodiscard]] bem::Vec2 at(double t) const;
+  [[nodiscard]] bem::Vec2 mean(double from, double to) const;  ///< exact; from < to
+  [[nodiscard]] Time fastest() const;                          ///< in which it changes; infinite: it does not
+};
+/// Motion of one fixed body: a velocity over time, or an acceleration from rest.
+struct SupportMotion {
+  GroundMotion course;
+  bool is_velocity = false;
+  [[nodiscard]] bem::Vec2 velocity(Time at) const;  ///< m/s
+};
+
 struct ContactBody {
   std::string name;
   std::uint32_t line = 1;
@@ -67,12 +86,38 @@ struct ContactBody {
   std::vector<std::size_t> joint;  ///< of each side, into ContactScene::joints
   std::optional<double> young, poisson;
   double density = 2700;
-  bool fixed = false;      ///< never moves
-  std::vector<bool> held;  ///< sides of an elastic body that are clamped; empty: none
+  bool fixed = false;                   ///< never moves but by `motion`
+  std::optional<SupportMotion> motion;  ///< of a fixed one
+  std::vector<bool> held;               ///< sides of an elastic body that are clamped; empty: none
   bem::Vec2 velocity;
   double spin = 0;  ///< rad/s
   std::vector<ContactLoad> loads;
   [[nodiscard]] bool clamped() const noexcept { return !held.empty(); }
+};
+
+/// What holds a bolt along its length; as in [support] of scenes of blocks.
+enum class BarKind : std::uint8_t {
+  grouted,     ///< gripped all along
+  friction,    ///< the same, by a tube that slips
+  cable,       ///< free behind the head, gripped beyond
+  mechanical,  ///< held at its end alone, and by its plate
+};
+/// A bolt in the plane: what one of many carries, `spacing` apart out of the plane.
+struct ContactBolt {
+  std::string name;
+  std::uint32_t line = 1;
+  bem::Vec2 head, toe;  ///< at the start
+  BarKind kind = BarKind::grouted;
+  Length spacing{};
+  Force tendon{}, plate{}, anchor{};
+  ForcePerLength bond{};  ///< of gripped length
+  Length free_length{}, anchorage{};
+  Length diameter{};
+  Stress young{};    ///< of the steel
+  Length stretch{};  ///< of a gripped bar that lengthens where a joint opens
+  Length ductility{};
+  Force pretension{};
+  Time installed{};
 };
 
 /// Which motions a body has.
@@ -87,18 +132,6 @@ struct RockStrength {
   double cohesion = 0;  ///< Pa
   double friction = 0;  ///< degrees
   double tension = 0;   ///< Pa
-};
-
-/// Motion of the ground, which is what is fixed: an acceleration (m/s2) over time.
-struct GroundMotion {
-  bem::Vec2 amplitude{1, 1};  ///< of `time`, or of the record
-  TimeFunction time;
-  /// Accelerations at equal steps from 0 on, lines between them, nothing after the last; empty: `time`.
-  std::vector<bem::Vec2> record;
-  Time step;  ///< of the record
-  [[nodiscard]] bem::Vec2 at(double t) const;
-  [[nodiscard]] bem::Vec2 mean(double from, double to) const;  ///< exact; from < to
-  [[nodiscard]] Time fastest() const;                          ///< in which it changes; infinite: it does not
 };
 
 struct ContactSettings {
@@ -128,6 +161,7 @@ struct ContactScene : SceneHead {
   std::vector<ContactBody> bodies;
   std::vector<ContactJoint> joints;  ///< [0] is the default
   std::vector<PointSpec> points;
+  std::vector<ContactBolt> bolts;
   ContactSettings settings;
 };
 
@@ -194,10 +228,52 @@ struct ContactHistory {
   double gravity = 0;             ///< potential, 0 at the start
   double work = 0;                ///< of loads, since the start
   double friction = 0, lost = 0;  ///< dissipated by slip; by impacts, damping and the time scheme
+  double bolts = 0;               ///< dissipated by bolts that yield and break
   double residual = 0;
   std::uint64_t contacts = 0, sticking = 0, slipping = 0, iterations = 0;
   std::vector<bem::Vec2> points;  ///< displacements
 };
+/// What became of a bolt at one joint.
+enum class BoltState : std::uint8_t {
+  absent,  ///< not installed yet
+  slack,
+  holds,
+  yields,
+  broken,
+};
+inline constexpr std::string_view name_of(BoltState state) {
+  switch (state) {
+    case BoltState::absent: return "absent";
+    case BoltState::slack: return "slack";
+    case BoltState::holds: return "holds";
+    case BoltState::yields: return "yields";
+    case BoltState::broken: return "broken";
+  }
+  return "";
+}
+/// A bolt where it crosses from one body to the next; forces are those of one bolt.
+struct ContactBoltResult {
+  std::string name;
+  std::string first, second;  ///< bodies, from the head on
+  BoltState state = BoltState::absent;
+  Force force{}, largest{}, capacity{};
+  Length lengthened{};  ///< for good
+  std::optional<Time> broken_at;
+};
+template <class V>
+void fields(V& v, const ContactBoltResult& x) {
+  v("name", x.name);
+  v("first", x.first, "body on the side of the head");
+  v("second", x.second, "body on the side of the toe");
+  v("state", one_of(name_of(x.state), {"absent", "slack", "holds", "yields", "broken"}),
+    "at the end; absent: not installed yet");
+  v("force_n", x.force, "tension of one bolt at the end");
+  v("largest_force_n", x.largest, "in any step");
+  v("capacity_n", x.capacity, "of one bolt at this joint");
+  v("lengthened_m", x.lengthened, "for good");
+  v("broken_at_s", x.broken_at);
+}
+
 /// Groups of contacts that a solver found the answer of.
 struct SolverShare {
   std::string name;
@@ -237,8 +313,11 @@ struct ContactResult : Scene2dResult {
   std::vector<ContactFrame> frames;
   std::vector<ContactHistory> history;
   std::vector<SolverShare> solvers;
+  std::vector<ContactBoltResult> bolts;
   std::uint64_t iterations = 0;
-  double work = 0;  ///< operations
+  double work = 0;           ///< operations
+  bool interrupted = false;  ///< `ContactRun::stop` said so
+  std::string state;         ///< what a later run goes on from, see SavedRun
 };
 
 /// What became of the bodies. One has moved that lies farther from its place at the start than `moves_from` of its
@@ -314,6 +393,7 @@ void scene2d_fields(V& v, const ContactResult& x) {
           e("work_j", last.work);
           e("friction_j", last.friction);
           e("lost_j", last.lost);
+          e("bolts_j", when(!x.bolts.empty(), last.bolts));
           e("largest_gain_j", x.energy_gain);
         }),
         "J/m at the end; gravity (potential) from 0 at the start, work of loads, friction and other losses since the "
@@ -324,6 +404,7 @@ void scene2d_fields(V& v, const ContactResult& x) {
         }),
         "largest departure of momentum from what weight and supports give, relative (0 in scenes with loads or at "
         "rest); of angular momentum where nothing acts from outside");
+      w("bolts", when_any(x.bolts), "bolts, a row for each joint they cross");
       w("solvers", x.solvers);
       w("iterations", x.iterations, "linear solves and pivots in all");
       w("work", x.work * 1e-9, "10^9 operations of the contact law, counted; some 0.4 s each");
@@ -339,7 +420,25 @@ void fields(V& v, const ContactResult& x) {
 /// Where the corners of a body are drawn in a frame.
 [[nodiscard]] std::vector<bem::Vec2> corners_at(const ContactResult& result, std::size_t frame, std::size_t body);
 
+/// File of a result that holds its `state`.
+inline constexpr std::string_view contact_state_name = "contact.state";
+/// The `state` of an earlier run.
+struct SavedRun {
+  std::string name;  ///< of its file, for messages
+  std::string bytes;
+};
+/// How a run begins and ends, beside what its scene says.
+struct ContactRun {
+  /// Goes on from there: every file of the result is that of a run that was not stopped, to the last byte. Bodies,
+  /// joints, loads, points and gravity must be the same, or it is a problem; lengths of steps and of the run, and what
+  /// else says how it is solved, may differ. Empty: from the start.
+  std::optional<SavedRun> from = {};
+  /// Asked between steps; true ends the run, as one that did not come to its end.
+  std::function<bool()> stop = {};
+};
+
 [[nodiscard]] std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene, unsigned threads,
-                                                                     StageTimer& timer, Progress& progress);
+                                                                     StageTimer& timer, Progress& progress,
+                                                                     const ContactRun& how = {});
 
 }  // namespace cleave::scene

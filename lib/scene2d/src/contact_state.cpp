@@ -1,0 +1,175 @@
+#include "contact_state.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "cleave/core/archive.hpp"
+#include "cleave/core/sha256.hpp"
+
+namespace cleave::scene {
+
+template <class A>
+void archive(A& a, Archived<ContactTally> auto& t) {
+  a(t.shares, t.solves, t.lowest, t.scale, t.expected, t.largest, t.broken_at, t.hit);
+}
+template <class A>
+void archive(A& a, Archived<ContactPlace> auto& p) {
+  a(p.step, p.next, p.unbalanced, p.last_time, p.last_step, p.last_residual, p.last_iterations);
+}
+template <class A>
+void archive(A& a, Archived<ContactPlacement> auto& p) {
+  a(p.centroid, p.rotation);
+}
+template <class A>
+void archive(A& a, Archived<NodeStress> auto& n) {
+  a(n.stress.xx, n.stress.xy, n.stress.yy, n.out_of_plane, n.von_mises, n.safety);
+}
+template <class A>
+void archive(A& a, Archived<ContactMark> auto& m) {
+  a(m.at, m.force, m.first, m.second);
+  a.word(m.state, ContactMarkState::slip);
+}
+template <class A>
+void archive(A& a, Archived<ContactFrame> auto& f) {
+  a(f.time, f.places, f.corners, f.stress, f.contacts, f.points);
+}
+template <class A>
+void archive(A& a, Archived<ContactHistory> auto& h) {
+  a(h.time, h.step, h.kinetic, h.elastic, h.gravity, h.work, h.friction, h.lost, h.bolts, h.residual, h.contacts,
+    h.sticking, h.slipping, h.iterations, h.points);
+}
+template <class A>
+void archive(A& a, Archived<ContactBodyResult> auto& b) {
+  a(b.centroid, b.rotation, b.largest);
+}
+template <class A>
+void archive(A& a, Archived<ContactResult> auto& r) {
+  a(r.steps, r.residual, r.largest_displacement, r.cut_steps, r.end_time, r.largest_penetration, r.drift_momentum,
+    r.drift_angular, r.energy_gain, r.bodies, r.frames, r.history, r.iterations, r.work);
+}
+
+// What stays, beside what the world itself is known by.
+template <class A>
+void archive(A& a, const TimeFunction& t) {
+  a(static_cast<std::uint8_t>(t.kind), t.duration, t.frequency);
+}
+template <class A>
+void archive(A& a, const ContactLoad& l) {
+  a(l.time);
+}
+template <class A>
+void archive(A& a, const PointSpec& p) {
+  a(p.name, p.at, p.body);
+}
+template <class A>
+void archive(A& a, const GroundMotion& g) {
+  a(g.amplitude, g.time, g.record, g.step.si());
+}
+template <class A>
+void archive(A& a, const SupportMotion& m) {
+  a(m.course, m.is_velocity);
+}
+template <class A>
+void archive(A& a, const RockStrength& s) {
+  a(s.cohesion, s.friction, s.tension);
+}
+
+namespace {
+
+constexpr std::string_view state_kind = "cleave-contact-state";
+constexpr std::uint32_t version_of_state = 1;
+
+/// Of what a state must agree with but the world does not know.
+std::string identity_of(const ContactScene& scene) {
+  ArchiveWriter a;
+  for (const ContactBody& body : scene.bodies) a(body.loads, body.motion);
+  const ContactSettings& s = scene.settings;
+  a(scene.points, s.ground, s.strength, s.to_rest, scene.output.vtu || scene.output.csv);
+  return sha256_hex(a.bytes());
+}
+
+/// Frames and rows have what each body and point asks for.
+bool is_sound(const ContactResult& result, std::size_t bodies, std::size_t points) {
+  const auto frame = [&](const ContactFrame& f) {
+    bool sound = f.places.size() == bodies && f.corners.size() == bodies && f.stress.size() == bodies &&
+                 f.points.size() == points;
+    for (std::size_t b = 0; sound && b < bodies; ++b) {
+      const std::size_t corners = f.corners[b].size(), stress = f.stress[b].size();
+      sound = (corners == 0 || corners == result.bodies[b].outline.size()) && (stress == 0 || stress == corners);
+    }
+    return sound &&
+           std::ranges::all_of(f.contacts, [&](const ContactMark& m) { return m.first < bodies && m.second < bodies; });
+  };
+  return result.bodies.size() == bodies && !result.frames.empty() && !result.history.empty() &&
+         std::ranges::all_of(result.frames, frame) &&
+         std::ranges::all_of(result.history, [&](const ContactHistory& h) { return h.points.size() == points; });
+}
+
+Problem refused(const SavedRun& saved, const std::string& what, const std::string& remedy) {
+  return {saved.name, 1, "state", what, remedy};
+}
+Problem refused(const SavedRun& saved, SealFault fault) {
+  switch (fault) {
+    case SealFault::foreign:
+      return refused(saved, "is no state of a run in contact", "name a contact.state, or the folder of its result");
+    case SealFault::other_version:
+      return refused(saved, "was written by another version of cleave", "go on with that version, or begin again");
+    case SealFault::damaged: break;
+  }
+  return refused(saved, "is cut short or damaged", "restore the file, or begin again");
+}
+Problem of_another(const SavedRun& saved) {
+  return refused(saved, "is of another scene: its bodies, joints, loads or points differ",
+                 "run the scene it was written for, or begin again");
+}
+
+}  // namespace
+
+std::string state_of(const ContactScene& scene, const dbem::World& world, const ContactTally& tally,
+                     const ContactPlace& place, const ContactResult& result) {
+  ArchiveWriter a;
+  a(identity_of(scene), world.saved(), tally, place, result);
+  return sealed(state_kind, version_of_state, a.bytes());
+}
+
+std::optional<Problem> go_on_from(const SavedRun& saved, const ContactScene& scene, dbem::World& world,
+                                  Recorder& recorder, ContactPlace& place, ContactResult& result) {
+  const auto bytes = unsealed(state_kind, version_of_state, saved.bytes);
+  if (!bytes) return refused(saved, bytes.error());
+  ArchiveReader a{*bytes};
+  std::string identity, world_bytes;
+  ContactTally tally;
+  ContactPlace was;
+  a(identity, world_bytes);
+  if (a.good() && identity != identity_of(scene)) return of_another(saved);
+  ContactResult read = result;
+  a(tally, was, read);
+  if (!a.complete() || read.bodies.size() != result.bodies.size()) return refused(saved, SealFault::damaged);
+  std::vector<ContactBodyResult> bodies = result.bodies;  // their motion alone was read
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    bodies[b].centroid = read.bodies[b].centroid;
+    bodies[b].rotation = read.bodies[b].rotation;
+    bodies[b].largest = read.bodies[b].largest;
+  }
+  read.bodies = std::move(bodies);
+  if (!is_sound(read, scene.bodies.size(), scene.points.size()) || !(was.next > 0) ||
+      tally.largest.size() != world.ties().size() || tally.broken_at.size() != world.ties().size()) {
+    return refused(saved, SealFault::damaged);
+  }
+  if (const auto restored = world.restore(world_bytes); !restored) {
+    if (std::holds_alternative<dbem::SavedOfOtherWorld>(restored.error())) return of_another(saved);
+    const bool older = std::holds_alternative<dbem::SavedByOtherVersion>(restored.error());
+    return refused(saved, older ? SealFault::other_version : SealFault::damaged);
+  }
+  result = std::move(read);
+  recorder.go_on(tally);
+  if (was.step != place.step) {
+    was.step = place.step;
+    was.next = place.next;
+  }
+  place = was;
+  return std::nullopt;
+}
+
+}  // namespace cleave::scene
