@@ -146,6 +146,8 @@ class TableReader final {
       }
     }
     table_.notes.insert(table_.notes.begin(), "columns read: " + understood);
+    table_.friction_unit = unit_[index(Column::friction)] != nullptr;
+    table_.cohesion_unit = unit_[index(Column::cohesion)] != nullptr;
     const bool plane = has(Column::dip) || has(Column::dip_direction) || has(Column::strike);
     const bool pole = !plane && (has(Column::trend) || has(Column::plunge));
     if (plane && (has(Column::trend) || has(Column::plunge))) {
