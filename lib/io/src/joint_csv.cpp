@@ -381,6 +381,10 @@ class TableReader final {
 
 std::expected<JointTable, std::vector<ReadError>> parse_joint_csv(std::string_view bytes, std::string_view name,
                                                                   const JointCsvOptions& options) {
+  if (bytes.starts_with("PK\x03\x04") || bytes.starts_with("\xD0\xCF\x11\xE0")) {
+    return std::unexpected(std::vector{
+        whole_file(ReadFault::syntax, name, "is a workbook, not a table in text", "export the sheet as CSV")});
+  }
   const auto csv = parse_csv(bytes, name);
   if (!csv) return std::unexpected(std::vector{csv.error()});
   return TableReader{*csv, name, options}.run();

@@ -68,6 +68,11 @@ void TableReader::report_unknown() const {
       }
       continue;
     }
+    if (entry.key == "strike" && std::ranges::find(known, "dip_direction") != known.end()) {
+      problems_->error(entry.line, path_of(entry.key), "unknown key",
+                       "give dip_direction = strike + 90 (right-hand rule: the plane dips to the right of its strike)");
+      continue;
+    }
     const auto guess = nearest(entry.key, known);
     problems_->error(
         entry.line, path_of(entry.key), "unknown key",
