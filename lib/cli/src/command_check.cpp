@@ -5,8 +5,10 @@
 
 #include "cleave/core/overloaded.hpp"
 #include "cleave/load/load.hpp"
+#include "cleave/realize/memory.hpp"
 #include "cleave/realize/run.hpp"
 #include "commands.hpp"
+#include "memory_limit.hpp"
 #include "problems.hpp"
 
 namespace cleave::cli {
@@ -37,7 +39,10 @@ ExitCode check_scene(const std::string& path) {
   const auto scene = scene::load(path);
   if (!scene) return report_problems(scene.error());
   if (const auto* blocks = std::get_if<scene::Scene>(&*scene)) {
-    if (const auto refused = refusals(*blocks); !refused.empty()) return report_problems(refused);
+    auto refused = refusals(*blocks);
+    // `run` compares with the whole machine only where it is not told what it may take.
+    if (refused.empty()) refused = scene::memory_refusals(*blocks, machine_memory_mb());
+    if (!refused.empty()) return report_problems(refused);
   }
   const std::string notes = std::visit([](const auto& loaded) { return notes_of(loaded); }, *scene);
   print(notes + fmt::format("{}: no error found\n", path));
