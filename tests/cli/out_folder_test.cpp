@@ -110,7 +110,8 @@ TEST_F(OutFolderTest, TheFolderOneStandsInStaysTheSame) {
   EXPECT_EQ(
       shell("cd out && cleave run ../s.toml --quiet -o . && cleave run ../s.toml --quiet -o . && ls > ../list").code,
       0);
-  EXPECT_EQ(read("list"), "blocks.vtu\nkey_blocks.csv\nkey_groups.csv\nlog.txt\nreport.html\nscene.toml\nsummary.json\n");
+  EXPECT_EQ(read("list"),
+            "blocks.vtu\nkey_blocks.csv\nkey_groups.csv\nlog.txt\nreport.html\nscene.toml\nsummary.json\n");
   EXPECT_EQ(names_in(path("out")), result_files);
 }
 

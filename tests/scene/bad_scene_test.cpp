@@ -19,7 +19,9 @@ void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.name; }
 
 class BadSceneTest : public testing::TestWithParam<Bad> {};
 
-TEST_P(BadSceneTest, IsToldWithLineKeyAndRemedy) { EXPECT_EQ(error_of(GetParam().text, GetParam().files), GetParam().message); }
+TEST_P(BadSceneTest, IsToldWithLineKeyAndRemedy) {
+  EXPECT_EQ(error_of(GetParam().text, GetParam().files), GetParam().message);
+}
 
 std::string name_of_case(const testing::TestParamInfo<Bad>& bad) { return std::string{bad.param.name}; }
 
@@ -59,11 +61,13 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"BackslashThatIsASign", with_box("[[joint]]\nfile = \"data\\new.csv\"\n"),
             "s.toml:4: TOML: a backslash in double quotes begins a sign such as \\n; write paths with / or in single "
             "quotes"},
-        Bad{"AWorkbookOfJoints", with_box("[[joint]]\nfile = \"j.xlsx\"\n"),
+        Bad{"AWorkbookOfJoints",
+            with_box("[[joint]]\nfile = \"j.xlsx\"\n"),
             "s.toml:4: joint[1].file: the ending of \"j.xlsx\" is not known; export the sheet as CSV, and name that "
             "file",
             {{"j.xlsx", "PK\x03\x04rest"}}},
-        Bad{"AWorkbookAsCsv", with_box("[[joint]]\nfile = \"j.csv\"\n"),
+        Bad{"AWorkbookAsCsv",
+            with_box("[[joint]]\nfile = \"j.csv\"\n"),
             "j.csv:1: file: is a workbook, not a table in text; export the sheet as CSV",
             {{"j.csv", "PK\x03\x04rest"}}},
         Bad{"DipAndDirectionSwapped",
@@ -76,8 +80,7 @@ INSTANTIATE_TEST_SUITE_P(
             "title = \xE2\x80\x9C"
             "A\xE2\x80\x9D\n",
             "s.toml:1: TOML: the quotes are those of a word processor; write straight ones (\")"},
-        Bad{"NoQuotes", "nonplanar = triangulate\n",
-            "s.toml:1: TOML: text stands in quotes; write \"triangulate\""},
+        Bad{"NoQuotes", "nonplanar = triangulate\n", "s.toml:1: TOML: text stands in quotes; write \"triangulate\""},
         Bad{"Workbook", "PK\x03\x04rest",
             "s.toml:1: TOML: is a workbook or an archive (.xlsx, .zip), not a text; save the scene as plain text, "
             "tables "

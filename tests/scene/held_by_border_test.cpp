@@ -71,13 +71,12 @@ TEST(HeldByTheBorder, BlocksBesideWhatHasLeftHaveNoShareOfTheFreeFaces) {
   // A slab on a joint that dips out of the east side, between two walls and a cap, cut by a crack: its front leaves,
   // its rear part reaches the west side of the domain.
   const auto quad = [](const std::string& corners) { return "[[joint]]\npolygon = [" + corners + "]\n"; };
-  const RunResult result =
-      run_of(with_box(quad("[0, 1.9, 5.8], [8, 1.9, 0.2], [8, 6.1, 0.2], [0, 6.1, 5.8]") +
-                      quad("[0, 2, 0.1], [8, 2, 0.1], [8, 2, 5.95], [0, 2, 5.95]") +
-                      quad("[0, 6, 0.1], [8, 6, 0.1], [8, 6, 5.95], [0, 6, 5.95]") +
-                      quad("[0, 1.9, 5.9], [8, 1.9, 5.9], [8, 6.1, 5.9], [0, 6.1, 5.9]") +
-                      quad("[5, 1.9, 0.1], [5, 6.1, 0.1], [5, 6.1, 5.95], [5, 1.9, 5.95]") +
-                      "[joints.default]\nfriction = 30\n[stability]\nfree = [\"east\"]\n"));
+  const RunResult result = run_of(with_box(quad("[0, 1.9, 5.8], [8, 1.9, 0.2], [8, 6.1, 0.2], [0, 6.1, 5.8]") +
+                                           quad("[0, 2, 0.1], [8, 2, 0.1], [8, 2, 5.95], [0, 2, 5.95]") +
+                                           quad("[0, 6, 0.1], [8, 6, 0.1], [8, 6, 5.95], [0, 6, 5.95]") +
+                                           quad("[0, 1.9, 5.9], [8, 1.9, 5.9], [8, 6.1, 5.9], [0, 6.1, 5.9]") +
+                                           quad("[5, 1.9, 0.1], [5, 6.1, 0.1], [5, 6.1, 5.95], [5, 1.9, 5.95]") +
+                                           "[joints.default]\nfriction = 30\n[stability]\nfree = [\"east\"]\n"));
   EXPECT_EQ(result.figures.key_blocks->count, 1U);
   const double rear = 4 * 5 * 0.5 * (0.1 + 3.6);
   EXPECT_EQ(notes_with(result, fmt::format("1 block ({:.4g} m3) beside a block that has left is held only by", rear)),

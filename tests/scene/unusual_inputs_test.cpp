@@ -129,7 +129,7 @@ TEST(UnusualInputs, LengthsInMillimetres) {
   EXPECT_EQ(of("60000"), Said{millimetres});
   EXPECT_EQ(of("0.04"), Said{"domain: if its lengths are kilometres, write them in metres"});
   EXPECT_EQ(of("20000"), Said{});  // a region
-  std::string room;  // of 10 m
+  std::string room;                // of 10 m
   for (const int z : {0, 10000}) {
     for (const int y : {0, 10000}) {
       for (const int x : {0, 10000}) {
@@ -142,10 +142,10 @@ TEST(UnusualInputs, LengthsInMillimetres) {
                      "dip_direction = 270 }\n",
                      {{"room.obj", room}}),
             Said{millimetres});
-  const auto opening = remedies("[domain]\nbox = { min = [0, 0, 0], max = [40, 40, 40] }\n" + joints_and_rock +
-                                strength +
-                                "[[excavation]]\nname = \"hall\"\nkind = \"polyhedron\"\n"
-                                "box = { min = [10, 10, 10], max = [9000, 9000, 9000] }\n");
+  const auto opening =
+      remedies("[domain]\nbox = { min = [0, 0, 0], max = [40, 40, 40] }\n" + joints_and_rock + strength +
+               "[[excavation]]\nname = \"hall\"\nkind = \"polyhedron\"\n"
+               "box = { min = [10, 10, 10], max = [9000, 9000, 9000] }\n");
   EXPECT_TRUE(std::ranges::any_of(opening, [](const std::string& s) {
     return s == "excavation.hall: if its lengths are millimetres or feet, write them in metres";
   }));

@@ -5,7 +5,6 @@
 
 #include "cleave/core/overloaded.hpp"
 #include "cleave/load/load.hpp"
-#include "cleave/realize/memory.hpp"
 #include "cleave/realize/run.hpp"
 #include "commands.hpp"
 #include "memory_limit.hpp"
@@ -39,9 +38,8 @@ ExitCode check_scene(const std::string& path) {
   const auto scene = scene::load(path);
   if (!scene) return report_problems(scene.error());
   if (const auto* blocks = std::get_if<scene::Scene>(&*scene)) {
-    auto refused = refusals(*blocks);
-    // `run` compares with the whole machine only where it is not told what it may take.
-    if (refused.empty()) refused = scene::memory_refusals(*blocks, machine_memory_mb());
+    // As of a run that is not told what it may take.
+    const auto refused = refusals(*blocks, {.memory_mb = machine_memory_mb()});
     if (!refused.empty()) return report_problems(refused);
   }
   const std::string notes = std::visit([](const auto& loaded) { return notes_of(loaded); }, *scene);

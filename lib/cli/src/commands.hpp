@@ -18,7 +18,7 @@ struct RunArguments {
   std::optional<std::uint64_t> seed;
   bool quiet = false;
   stochastic::Shard shard;
-  bool sharded = false;                            ///< --shard was given
+  bool sharded = false;         ///< --shard was given
   std::string scene_text = {};  ///< what the scene file held as the run began; kept beside the result
   std::optional<double> memory_mb = std::nullopt;  ///< of the machine; what needs more is refused
 };

@@ -11,7 +11,6 @@
 
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
-#include "cleave/realize/memory.hpp"
 #include "cleave/scene3d/bounds.hpp"
 
 namespace cleave::scene {
@@ -123,16 +122,6 @@ std::optional<Problem> too_large_for(double memory_mb, const Scene& scene, const
                              expected.blocks, expected.memory_mb() / 1000, memory_mb / 1000),
                  "make the domain smaller, take joints that matter less out, cut only what key blocks need "
                  "(output.blocks = \"key\"), or say with --memory what the run may take"};
-}
-
-std::vector<Problem> memory_refusals(const Scene& scene, double memory_mb) {
-  // Only the rock near free faces is cut, or one realization after the other, each with joints of its own.
-  const bool near = scene.output.only_key_blocks && scene.stability && !scene.sequence;
-  if (near || scene.monte_carlo) return {};
-  const auto drawn = sample(scene);
-  if (!drawn) return drawn.error();
-  auto refused = too_large_for(memory_mb, scene, *drawn);
-  return refused ? std::vector{*std::move(refused)} : std::vector<Problem>{};
 }
 
 double CutEstimate::memory_mb() const noexcept { return 3.4e-3 * joints + 2.2e-3 * pairs + 3e-3 * blocks; }

@@ -279,12 +279,11 @@ void add_border_note(const stability::DomainHeld& held, std::vector<std::string>
   if (held.blocks.empty()) return;
   const bool one = held.blocks.size() == 1;
   // Blocks beside others that have left have no part of the faces that were free at first.
-  const std::string where =
-      held.free_area.si() > 0
-          ? fmt::format("at free faces ({:.4g} m3, {:.3g} % of the free area)", held.volume.si(),
-                        100 * held.free_area.si() / held.all_free.si())
-          : fmt::format("({:.4g} m3) beside {} that {} left", held.volume.si(), one ? "a block" : "blocks",
-                        one ? "has" : "have");
+  const std::string where = held.free_area.si() > 0
+                                ? fmt::format("at free faces ({:.4g} m3, {:.3g} % of the free area)", held.volume.si(),
+                                              100 * held.free_area.si() / held.all_free.si())
+                                : fmt::format("({:.4g} m3) beside {} that {} left", held.volume.si(),
+                                              one ? "a block" : "blocks", one ? "has" : "have");
   notes.push_back(fmt::format(
       "{} {} {} {} held only by {} of the domain that {} not free and "
       "{} not counted as key blocks: what lies beyond is unknown; enlarge the domain, or name these sides in `free`",

@@ -199,8 +199,8 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
       "Rock is linear elastic and the same in all directions; it does not break, and joints are not in it.",
       "The section is plane (strain or stress, as the scene says): nothing moves out of it.",
       "Water, creep and weathering are not counted."};
-  out += detail::inputs_section(
-      detail::input_rows("Scene", result.scene_file, result.scene_sha256, {}, result.seed), limits);
+  out += detail::inputs_section(detail::input_rows("Scene", result.scene_file, result.scene_sha256, {}, result.seed),
+                                limits);
   out += page_foot();
   out += data_script(page_data(result)) + script(assets::bodies());
   out += page_end;

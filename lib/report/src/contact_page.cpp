@@ -211,8 +211,8 @@ std::string inputs_of(const scene::ContactResult& result) {
       "Water presses as the scene states; it does not flow, and rock that moves does not change it.",
       "In-situ stress, creep and weathering are not counted.",
       "What comes to rest here has been shown to stay for this path of loads and this start only."};
-  return detail::inputs_section(
-      detail::input_rows("Scene", result.scene_file, result.scene_sha256, {}, result.seed), limits);
+  return detail::inputs_section(detail::input_rows("Scene", result.scene_file, result.scene_sha256, {}, result.seed),
+                                limits);
 }
 
 }  // namespace

@@ -325,8 +325,8 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
       "Directions are weighted by their angle to line or outcrop, up to the cap; joints parallel to it are not seen.",
       "Lengths and spacings are those of what windows and lines have met; nothing is said of rock beyond them.",
       "Strength, roughness, filling and water of joints are not estimated."};
-  out += detail::inputs_section(
-      detail::input_rows("Survey", scene.file_name, scene.sha256, scene.files, std::nullopt), limits);
+  out += detail::inputs_section(detail::input_rows("Survey", scene.file_name, scene.sha256, scene.files, std::nullopt),
+                                limits);
   return out + detail::page_foot() + std::string{detail::page_end};
 }
 

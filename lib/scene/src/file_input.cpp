@@ -97,8 +97,8 @@ std::optional<io::MeshData> mesh_of(InputContext& context, const TableReader& ow
     const bool workbook = ending == "xlsx" || ending == "xls" || ending == "xlsm" || ending == "ods";
     owner.error(key, fmt::format("the ending of \"{}\" is not known", loaded.shown),
                 tables && workbook ? "export the sheet as CSV, and name that file"
-                : tables ? "give a file that ends in .obj, .csv, .dxf, .ts, .fab, .dat, .stl or .ply"
-                       : "give a file that ends in .stl, .obj, .ply, .dxf or .ts");
+                : tables           ? "give a file that ends in .obj, .csv, .dxf, .ts, .fab, .dat, .stl or .ply"
+                                   : "give a file that ends in .stl, .obj, .ply, .dxf or .ts");
     return std::nullopt;
   }
   if (!*parsed) {

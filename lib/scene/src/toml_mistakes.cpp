@@ -77,7 +77,7 @@ std::optional<Header> header_of(string_view line) {
 
 /// A header that stood before. Where there may be several tables of that name, all have double brackets.
 std::optional<Mistake> table_twice(string_view text, std::uint32_t number) {
-  constexpr std::array<string_view, 10> of_several{"joint", "joint_set", "excavation", "load", "support.bolts",
+  constexpr std::array<string_view, 10> of_several{"joint", "joint_set", "excavation", "load",   "support.bolts",
                                                    "body",  "scanline",  "borehole",   "window", "set"};
   const auto header = header_of(line_of(text, number));
   if (!header) return std::nullopt;
@@ -87,8 +87,8 @@ std::optional<Mistake> table_twice(string_view text, std::uint32_t number) {
     text.remove_prefix(end == string_view::npos ? text.size() : end + 1);
     if (!other || other->name != header->name || (other->several && header->several)) continue;
     const std::string name{header->name};
-    const std::string what = "[" + name + "] stands twice, in lines " + std::to_string(before) + " and " +
-                             std::to_string(number);
+    const std::string what =
+        "[" + name + "] stands twice, in lines " + std::to_string(before) + " and " + std::to_string(number);
     if (other->several || header->several || std::ranges::find(of_several, header->name) != of_several.end()) {
       return Mistake{what, "write [[" + name + "]], with double brackets, each time"};
     }

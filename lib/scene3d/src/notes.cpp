@@ -59,9 +59,9 @@ void note_sets_without_friction(const Scene& scene, const TableReader& root) {
   std::string sets, without_cohesion;
   for (const SetId set : scene.sets.ids()) {
     const std::string& name = scene.sets[set].name;
-    const bool used = std::ranges::any_of(scene.joint_sets, [&](const RandomSet& s) { return s.set == set; }) ||
-                      std::ranges::any_of(scene.joints,
-                                          [&](const MeasuredJoint& j) { return j.set == set && !j.own.friction; });
+    const bool used =
+        std::ranges::any_of(scene.joint_sets, [&](const RandomSet& s) { return s.set == set; }) ||
+        std::ranges::any_of(scene.joints, [&](const MeasuredJoint& j) { return j.set == set && !j.own.friction; });
     if (!used || states(name, "friction")) continue;
     sets += (sets.empty() ? "" : ", ") + name;
     if (!states(name, "cohesion") && !states(name, "jrc")) {
