@@ -124,7 +124,7 @@ class Result:
         return self._table("history.csv")
 
     def write(self, folder) -> None:
-        """Writes the files that the program writes (not log.txt) into a folder, which is made when it is missing."""
+        """Writes what the program writes (but log.txt and scene.toml) into a folder, made when it is missing."""
         self._made.write(folder)
 
     def to_pyvista(self):

@@ -50,7 +50,7 @@ using RunFailure = std::variant<std::vector<scene::Problem>, std::string>;
 /// A file of the result by its name ("key_blocks.csv", "report.html"); empty when this result has none.
 [[nodiscard]] std::optional<std::string> text_of(const AnyResult& result, std::string_view name);
 
-/// All files that the program would write, but log.txt.
+/// All files that the program would write, but log.txt and scene.toml.
 [[nodiscard]] std::expected<void, report::WriteError> write(const AnyResult& result,
                                                             const std::filesystem::path& folder);
 

@@ -103,6 +103,23 @@ TEST_F(CommandsTest, RunWritesAWholeResult) {
   EXPECT_EQ(booked, (std::vector<std::string>{"read", "draw", "cut", "audit", "stability", "write", "report"}));
 }
 
+TEST_F(CommandsTest, CheckRefusesWhatRunRefusesForItsMemory) {
+  const std::string scene =
+      "[domain]\nbox = { min = [0, 0, 0], max = [40, 40, 40] }\n[[joint_set]]\nname = \"A\"\n"
+      "orientation = { dip = 45, dip_direction = 90, distribution = \"fisher\", kappa = 0.5 }\n"
+      "size = \"persistent\"\nintensity = { count = 6000 }\n[joints.default]\nfriction = 30\n"
+      "[rock]\ndensity = 2700\n[stability]\nfree = [\"top\", \"east\"]\n";
+  write("s.toml", scene);
+  const Ended run = cleave("run s.toml -o out --quiet"), check = cleave("check s.toml");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_TRUE(run.err.contains("s.toml:1: domain: about ")) << run.err;
+  EXPECT_EQ(check.code, 2) << check.out;
+  EXPECT_EQ(check.err, run.err);
+  // Near free faces alone the run has no such estimate.
+  write("s.toml", scene + "[output]\nblocks = \"key\"\n");
+  EXPECT_EQ(cleave("check s.toml").code, 0);
+}
+
 TEST_F(CommandsTest, QuietSaysNothing) {
   write("s.toml", small_scene);
   const Ended run = cleave("run s.toml -o out --quiet");

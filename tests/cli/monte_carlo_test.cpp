@@ -97,7 +97,8 @@ TEST_F(MonteCarloTest, WritesRecordsEstimatesAndAReport) {
   const std::string page = read("out/report.html");
   for (const char* part : {"<section id=\"estimates\">", "<section id=\"figures\">", "<section id=\"probability\">",
                            "<section id=\"quantiles\">", "<section id=\"pressures\">", "<section id=\"stages\">",
-                           "<section id=\"extremes\">", "<section id=\"inputs\">", "chainage (m)", "replay"}) {
+                           "<section id=\"extremes\">", "<section id=\"inputs\">", "chainage (m)", "replay",
+                           "cleave 0.1.0</td>", "Assumptions and limits"}) {
     EXPECT_TRUE(page.contains(part)) << part;
   }
   // Quantities of summary.json have their rows.

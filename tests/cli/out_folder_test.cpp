@@ -13,8 +13,8 @@ class OutFolderTest : public ProgramTest {
   [[nodiscard]] Ended run(const std::string& out) const { return cleave("run s.toml --quiet -o " + out); }
 };
 
-const std::vector<std::string> result_files{"blocks.vtu", "key_blocks.csv", "key_groups.csv",
-                                            "log.txt",    "report.html",    "summary.json"};
+const std::vector<std::string> result_files{"blocks.vtu",  "key_blocks.csv", "key_groups.csv", "log.txt",
+                                            "report.html", "scene.toml",     "summary.json"};
 
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> result;
@@ -87,12 +87,31 @@ TEST_F(OutFolderTest, LinkToAFolderKeepsTheLink) {
   EXPECT_EQ(names_in(path("real")), result_files);
 }
 
+TEST_F(OutFolderTest, TheTextOfTheSceneIsKept) {
+  EXPECT_EQ(run("out").code, 0);
+  EXPECT_EQ(read("out/scene.toml"), small_scene);
+  write("s.toml", std::string{small_scene} + "# another day\n");
+  EXPECT_EQ(run("out").code, 0);
+  EXPECT_EQ(read("out/scene.toml"), read("s.toml"));
+  EXPECT_EQ(names_in(path("out")), result_files);
+  // It is a scene: it gives the same result where it lies.
+  EXPECT_EQ(cleave("run out/scene.toml --quiet -o again").code, 0);
+  EXPECT_EQ(read("again/key_blocks.csv"), read("out/key_blocks.csv"));
+  write("plane.toml",
+        "[rock]\nyoung = 1e9\npoisson = 0.2\n[[body]]\noutline = [[0, 0], [1, 0], [1, 1], [0, 1]]\n"
+        "support = [{ side = 1, kind = \"fixed\" }]\nload = [{ side = 3, pressure = 1e5 }]\n");
+  const Ended plane = cleave("run plane.toml --quiet -o plane");
+  EXPECT_EQ(plane.code, 0) << plane.err;
+  EXPECT_EQ(read("plane/scene.toml"), read("plane.toml"));
+}
+
 TEST_F(OutFolderTest, TheFolderOneStandsInStaysTheSame) {
   fs::create_directory(path("out"));
   EXPECT_EQ(
       shell("cd out && cleave run ../s.toml --quiet -o . && cleave run ../s.toml --quiet -o . && ls > ../list").code,
       0);
-  EXPECT_EQ(read("list"), "blocks.vtu\nkey_blocks.csv\nkey_groups.csv\nlog.txt\nreport.html\nsummary.json\n");
+  EXPECT_EQ(read("list"),
+            "blocks.vtu\nkey_blocks.csv\nkey_groups.csv\nlog.txt\nreport.html\nscene.toml\nsummary.json\n");
   EXPECT_EQ(names_in(path("out")), result_files);
 }
 

@@ -36,6 +36,10 @@ TEST_F(SurveyTest, OutcropOfTheExampleGivesItsKnownFiguresAndSetsForATunnel) {
   const std::string page = read("out/report.html");
   EXPECT_NE(page.find("Simulated: one realization"), std::string::npos);
   EXPECT_EQ(page.find("http://"), std::string::npos);
+  const std::string inputs = page.substr(page.find("<section id=\"inputs\">"));
+  EXPECT_TRUE(inputs.contains(result["survey_sha256"].get<std::string>())) << inputs;
+  EXPECT_TRUE(inputs.contains(" bytes <code>")) << inputs;  // of the traces
+  EXPECT_TRUE(inputs.contains("cleave 0.1.0") && inputs.contains("Assumptions and limits")) << inputs;
   // What comes out goes into a scene as it is.
   write("s.toml",
         "include = [\"out/sets.toml\"]\n[domain]\nbox = { min = [0, 0, 0], max = [3, 3, 3] "

@@ -117,16 +117,42 @@ else:
 wrong = [name for name in expected if wide.get(name) is not True] + (["error"] if "error" in wide else [])
 
 # Chromium's window is at least 500 px wide, so the phone is a frame in the page.
-frame = work / "phone.html"
-frame.write_text(f'<!doctype html><body style="margin:0"><iframe id="f" src="page.html" style="width:390px;height:800px;border:0"></iframe>'
-                 '<script>window.addEventListener("load",function(){const d=document.getElementById("f").contentDocument;'
-                 'const p=document.createElement("pre");p.id="found";const r=d&&d.scrollingElement;'
-                 'p.textContent=JSON.stringify({scroll:r?r.scrollWidth:-1,width:r?r.clientWidth:-1'
-                 '});document.body.append(p);});</script>')
-phone = drive(f"file://{frame.resolve()}", 800, "--allow-file-access-from-files")
-print("390 px:", phone)
-if phone["scroll"] > phone["width"] or phone["width"] <= 0:
+def on_a_phone(name):
+    frame = work / "phone.html"
+    frame.write_text(f'<!doctype html><body style="margin:0"><iframe id="f" src="{name}" style="width:390px;height:800px;border:0"></iframe>'
+                     '<script>window.addEventListener("load",function(){const d=document.getElementById("f").contentDocument;'
+                     'const p=document.createElement("pre");p.id="found";const r=d&&d.scrollingElement;'
+                     'p.textContent=JSON.stringify({scroll:r?r.scrollWidth:-1,width:r?r.clientWidth:-1'
+                     '});document.body.append(p);});</script>')
+    phone = drive(f"file://{frame.resolve()}", 800, "--allow-file-access-from-files")
+    print("390 px:", name, phone)
+    return 0 < phone["scroll"] <= phone["width"]
+
+
+if not on_a_phone("page.html"):
     wrong.append("390 px")
+
+# The page of an ensemble, with a name that has no place to break.
+many = work / "an_ensemble_of_a_wedge_whose_name_is_as_long_as_names_of_files_can_be.toml"
+many.write_text("""[domain]
+box = { min = [0, 0, 0], max = [8, 8, 6] }
+[[joint_set]]
+name = "A"
+orientation = { dip = 45, dip_direction = 90, distribution = "fisher", kappa = 5 }
+size = { distribution = "constant", mean = 12 }
+intensity = { count = 12 }
+[joints.default]
+friction = 20
+[rock]
+density = 2700
+[stability]
+free = ["top", "east"]
+[monte_carlo]
+realizations = 8
+""")
+subprocess.run([cleave, "run", many, "-o", work / "ensemble", "--quiet"], check=True)
+if not on_a_phone("ensemble/report.html"):
+    wrong.append("390 px of an ensemble")
 
 explained = re.search(r'<details id="why-(\d+)"', text).group(1)
 sheet = drive(f"file://{page.resolve()}#sheet-{explained}", 1280)

@@ -87,6 +87,23 @@ TEST(ContactPage, BeginsWithWhatBecameOfTheBodies) {
   EXPECT_EQ(name_of(verdict_of(result)), "not known");
 }
 
+TEST(ContactPage, EndsWithItsInputsAndLimits) {
+  scene::ContactResult result = falling(1, 3);
+  result.scene_file = "a&b.toml";
+  result.scene_sha256 = "0123456789abcdef";
+  result.seed = 77;
+  result.notes = {"one"};
+  const std::string page = contact_report_html(result);
+  const std::string inputs = page.substr(page.find("<section id=\"inputs\">"));
+  for (const char* part : {"a&amp;b.toml <code>0123456789abcdef</code>", ">Seed<", ">77<", "cleave 0.1.0",
+                           "Assumptions and limits", "Bodies are rigid; they do not break."}) {
+    EXPECT_TRUE(inputs.contains(part)) << part;
+  }
+  EXPECT_TRUE(page.contains("<div id=\"notes\">"));
+  result.elastic = true;
+  EXPECT_TRUE(contact_report_html(result).contains("Bodies deform by their modes"));
+}
+
 TEST(ContactPage, ScriptFindsAllThatItAsksFor) {
   scene::ContactResult result = falling(2, 3);
   result.solvers = {{.name = "newton", .groups = 3, .iterations = 5}};

@@ -101,6 +101,37 @@ std::vector<std::string> rows_of(const std::string& html) {
   return rows;
 }
 
+/// The first figures of the page.
+std::string cards_of(const std::string& html) {
+  const std::size_t begin = html.find("<section class=\"cards\"");
+  return html.substr(begin, html.find("</section>", begin) - begin);
+}
+
+// "Key blocks 0" alone must not be all that the first screen says.
+TEST(Html, FirstFiguresSpeakOfGroupsOfTheBorderAndOfNotes) {
+  Example e;
+  std::string cards = cards_of(report_html(e.page()));
+  EXPECT_TRUE(cards.contains("<a href=\"#notes\">1</a>")) << cards;
+  EXPECT_TRUE(report_html(e.page()).contains("id=\"notes\""));
+  EXPECT_FALSE(cards.contains("Key groups"));
+  EXPECT_FALSE(cards.contains("border"));
+
+  using assembly::Verdict;
+  e.result.key_groups = stability::KeyGroups{.groups = {{.verdict = Verdict::certain, .volume = cubic_metres(2)},
+                                                        {.verdict = Verdict::unsafe, .volume = cubic_metres(3)},
+                                                        {.verdict = Verdict::in_doubt, .volume = cubic_metres(4)}}};
+  e.result.figures.key_blocks->domain_held = scene::DomainHeldFigures{4, cubic_metres(12.5), 0.25};
+  cards = cards_of(report_html(e.page()));
+  EXPECT_TRUE(cards.contains("Key groups</span><strong><a href=\"#groups\">2</a>")) << cards;
+  EXPECT_TRUE(cards.contains("5 m³ that move only together; 1 in doubt")) << cards;
+  EXPECT_TRUE(cards.contains("border</span><strong><a href=\"#notes\">4</a>")) << cards;
+  EXPECT_TRUE(cards.contains("12.5 m³ that would move without it, 25 % of the free area")) << cards;
+  EXPECT_LT(cards.find("Key groups"), cards.find("Certificate"));
+
+  e.result.key_groups = stability::KeyGroups{.too_many = true};
+  EXPECT_TRUE(cards_of(report_html(e.page())).contains("<strong>not judged</strong>"));
+}
+
 // The largest net force first, then those that stay, by their factor; what is smaller than a litre waits behind a mark.
 TEST(Html, KeyBlocksStandBySeverity) {
   Example e;

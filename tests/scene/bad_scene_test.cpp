@@ -12,13 +12,16 @@ struct Bad {
   std::string_view name;
   std::string text;
   std::string_view message;  ///< the whole of it
+  Files files = {};
 };
 
 void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.name; }
 
 class BadSceneTest : public testing::TestWithParam<Bad> {};
 
-TEST_P(BadSceneTest, IsToldWithLineKeyAndRemedy) { EXPECT_EQ(error_of(GetParam().text), GetParam().message); }
+TEST_P(BadSceneTest, IsToldWithLineKeyAndRemedy) {
+  EXPECT_EQ(error_of(GetParam().text, GetParam().files), GetParam().message);
+}
 
 std::string name_of_case(const testing::TestParamInfo<Bad>& bad) { return std::string{bad.param.name}; }
 
@@ -36,32 +39,57 @@ INSTANTIATE_TEST_SUITE_P(
             "s.toml:1: TOML: Error while parsing key-value pair: expected '=', saw '0'; fix the syntax: see "
             "https://toml.io"},
         Bad{"Twice", with_box("seed = 1\n[domain]\n"),
-            "s.toml:4: TOML: Error while parsing table header: cannot redefine existing table 'domain'; fix the "
-            "syntax: see "
-            "https://toml.io"},
+            "s.toml:4: TOML: [domain] stands twice, in lines 1 and 4; put all its keys under one of them"},
+        Bad{"SetsTwice", with_box("[joint_set]\ndip = 3\n[joint_set]\ndip = 4\n"),
+            "s.toml:5: TOML: [joint_set] stands twice, in lines 3 and 5; write [[joint_set]], with double brackets, "
+            "each time"},
+        Bad{"JointThenJoints", with_box("[joint] # one\nset = \"A\"\n[[joint]]\nset = \"B\"\n"),
+            "s.toml:5: TOML: [joint] stands twice, in lines 3 and 5; write [[joint]], with double brackets, each time"},
         Bad{"DecimalComma", "seed = 1\nsnap = 0,5 # m\n",
-            "s.toml:2: TOML: the number has a decimal comma: write a point; fix the syntax: see https://toml.io"},
+            "s.toml:2: TOML: the number has a decimal comma; write a point"},
+        Bad{"InnerDecimalComma",
+            with_box("[[joint]]\nplane = { through = [0, 5, 3], dip = 45,5, dip_direction = 90 }\n"),
+            "s.toml:4: TOML: the number has a decimal comma; write a point"},
+        Bad{"LastDecimalComma", with_box("[[joint]]\nplane = { dip = 45, dip_direction = -90,5 }\n"),
+            "s.toml:4: TOML: the number has a decimal comma; write a point"},
+        Bad{"NoDecimalComma", with_box("[[joint]]\nplane = { dip = 45, dip_direction : 90 }\n"),
+            "s.toml:4: TOML: Error while parsing key-value pair: expected '=', saw ':'; fix the syntax: see "
+            "https://toml.io"},
         Bad{"Backslashes", "include = \"C:\\sets\\a.toml\"\n",
-            "s.toml:1: TOML: a backslash in double quotes begins a sign such as \\n: write paths with / or in single "
-            "quotes; fix the syntax: see https://toml.io"},
+            "s.toml:1: TOML: a backslash in double quotes begins a sign such as \\n; write paths with / or in single "
+            "quotes"},
+        Bad{"BackslashThatIsASign", with_box("[[joint]]\nfile = \"data\\new.csv\"\n"),
+            "s.toml:4: TOML: a backslash in double quotes begins a sign such as \\n; write paths with / or in single "
+            "quotes"},
+        Bad{"AWorkbookOfJoints",
+            with_box("[[joint]]\nfile = \"j.xlsx\"\n"),
+            "s.toml:4: joint[1].file: the ending of \"j.xlsx\" is not known; export the sheet as CSV, and name that "
+            "file",
+            {{"j.xlsx", "PK\x03\x04rest"}}},
+        Bad{"AWorkbookAsCsv",
+            with_box("[[joint]]\nfile = \"j.csv\"\n"),
+            "j.csv:1: file: is a workbook, not a table in text; export the sheet as CSV",
+            {{"j.csv", "PK\x03\x04rest"}}},
+        Bad{"DipAndDirectionSwapped",
+            with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 210, dip_direction = 45 }\n"),
+            "s.toml:4: joint[1].plane.dip: is 210; give a number from 0 to 90 degrees, or swap dip and "
+            "dip_direction"},
+        Bad{"DipTooSteep", with_box("[[joint]]\nplane = { through = [4, 4, 3], dip = 210, dip_direction = 100 }\n"),
+            "s.toml:4: joint[1].plane.dip: is 210; give a number from 0 to 90 degrees"},
         Bad{"QuotesOfAWordProcessor",
             "title = \xE2\x80\x9C"
             "A\xE2\x80\x9D\n",
-            "s.toml:1: TOML: the quotes are those of a word processor: write straight ones (\"); fix the syntax: see "
-            "https://toml.io"},
-        Bad{"NoQuotes", "nonplanar = triangulate\n",
-            "s.toml:1: TOML: text stands in quotes: write \"triangulate\"; fix the syntax: see https://toml.io"},
+            "s.toml:1: TOML: the quotes are those of a word processor; write straight ones (\")"},
+        Bad{"NoQuotes", "nonplanar = triangulate\n", "s.toml:1: TOML: text stands in quotes; write \"triangulate\""},
         Bad{"Workbook", "PK\x03\x04rest",
-            "s.toml:1: TOML: is a workbook or an archive (.xlsx, .zip), not a text: save the scene as plain text, "
+            "s.toml:1: TOML: is a workbook or an archive (.xlsx, .zip), not a text; save the scene as plain text, "
             "tables "
-            "as CSV; fix the syntax: see https://toml.io"},
+            "as CSV"},
         Bad{"Utf16",
             std::string{"\xFF\xFE"
                         "s\0e\0",
                         6},
-            "s.toml:1: TOML: is UTF-16 text: save it as UTF-8 (in Notepad: Save as, Encoding UTF-8); fix the syntax: "
-            "see "
-            "https://toml.io"},
+            "s.toml:1: TOML: is UTF-16 text; save it as UTF-8 (in Notepad: Save as, Encoding UTF-8)"},
         Bad{"SingleBrackets", with_box("[joint_set]\ndip = 3\n"),
             "s.toml:3: joint_set: is a table but must be a list of tables; write [[joint_set]], with double brackets"},
         Bad{"ASurvey", "[[orientations]]\nfile = \"a.csv\"\n",
@@ -215,7 +243,7 @@ INSTANTIATE_TEST_SUITE_P(
     Joints, BadSceneTest,
     testing::Values(
         Bad{"DipOver90", with_box("[[joint]]\nplane = { through = [1, 1, 1], dip = 95, dip_direction = 0 }\n"),
-            "s.toml:4: joint[1].plane.dip: is 95; give a number from 0 to 90 degrees"},
+            "s.toml:4: joint[1].plane.dip: is 95; give a number from 0 to 90 degrees, or swap dip and dip_direction"},
         Bad{"DirectionOf442", with_box("[[joint]]\nplane = { through = [1, 1, 1], dip = 45, dip_direction = 442 }\n"),
             "s.toml:4: joint[1].plane.dip_direction: is 442; give a number from 0 to 360 degrees"},
         Bad{"RadiusZero",

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
+#include "run_notes.hpp"
 
 // What must not pass in silence: blocks that only the border of the domain holds, and openings that miss the rock.
 
@@ -65,6 +67,46 @@ TEST(HeldByTheBorder, RockBelowHoldsWhatStandsOnIt) {
   EXPECT_EQ(notes_with(run_of(column), "held only by"), 0U);
 }
 
+TEST(HeldByTheBorder, BlocksBesideWhatHasLeftHaveNoShareOfTheFreeFaces) {
+  // A slab on a joint that dips out of the east side, between two walls and a cap, cut by a crack: its front leaves,
+  // its rear part reaches the west side of the domain.
+  const auto quad = [](const std::string& corners) { return "[[joint]]\npolygon = [" + corners + "]\n"; };
+  const RunResult result = run_of(with_box(quad("[0, 1.9, 5.8], [8, 1.9, 0.2], [8, 6.1, 0.2], [0, 6.1, 5.8]") +
+                                           quad("[0, 2, 0.1], [8, 2, 0.1], [8, 2, 5.95], [0, 2, 5.95]") +
+                                           quad("[0, 6, 0.1], [8, 6, 0.1], [8, 6, 5.95], [0, 6, 5.95]") +
+                                           quad("[0, 1.9, 5.9], [8, 1.9, 5.9], [8, 6.1, 5.9], [0, 6.1, 5.9]") +
+                                           quad("[5, 1.9, 0.1], [5, 6.1, 0.1], [5, 6.1, 5.95], [5, 1.9, 5.95]") +
+                                           "[joints.default]\nfriction = 30\n[stability]\nfree = [\"east\"]\n"));
+  EXPECT_EQ(result.figures.key_blocks->count, 1U);
+  const double rear = 4 * 5 * 0.5 * (0.1 + 3.6);
+  EXPECT_EQ(notes_with(result, fmt::format("1 block ({:.4g} m3) beside a block that has left is held only by", rear)),
+            1U);
+  EXPECT_EQ(notes_with(result, "0 %"), 0U);
+}
+
+TEST(HeldByTheBorder, BarredBlocksAreToldWhyNobodyAsked) {
+  const std::vector<stability::Barred> barred{{.block = topology::BlockId{7}, .factor_of_safety = 0.5}};
+  std::vector<std::string> notes;
+  add_barred_note(barred, false, notes);
+  add_barred_note(barred, true, notes);
+  ASSERT_EQ(notes.size(), 2U);
+  EXPECT_TRUE(notes[0].ends_with("whether they are pushed out was not asked: see `groups`")) << notes[0];
+  EXPECT_TRUE(notes[1].ends_with("was not asked: too many blocks are near free faces to be judged together"))
+      << notes[1];
+}
+
+TEST(HeldByTheBorder, CohesionLeftOutNamesTheKeyThatCountsIt) {
+  // A block between two vertical walls with cohesion slides out on its base.
+  const std::string text =
+      slice(40) + "cohesion_on_parallel_faces = false\n[joints.walls]\nfriction = 30\ncohesion = 1e3\n";
+  const auto wall = [](const char* y) {
+    return std::string{"[[joint]]\nset = \"walls\"\nplane = { through = [0, "} + y +
+           ", 0], dip = 90, dip_direction = 0 }\n";
+  };
+  const RunResult result = run_of(text + wall("2") + wall("6"));
+  EXPECT_EQ(notes_with(result, "it is not counted; cohesion_on_parallel_faces = true counts it"), 1U);
+}
+
 TEST(HeldByTheBorder, ABlockInsideIsAKeyBlockAsBefore) {
   // Two vertical joints free the slice of the domain's sides: the block between them leaves, two beside it stay.
   const RunResult result =
@@ -95,6 +137,12 @@ TEST(Openings, TheVolumeOfEachIsSaid) {
   EXPECT_EQ(notes_with(result, "66.7 % of it lies outside the domain"), 1U);
   EXPECT_EQ(notes_with(result, "late: removes no rock"), 1U);
   EXPECT_EQ(notes_with(result, "outside the domain"), 1U);
+}
+
+TEST(Openings, WhatRemovesRockNeverLiesOutsideByAHundredPercent) {
+  const RunResult result = run_of(with_box(opening("in millimetres", "[4, -1, -1]", "[4000, 4000, 4000]")));
+  EXPECT_EQ(notes_with(result, "100 %"), 0U);
+  EXPECT_EQ(notes_with(result, "in millimetres: all but 3e-07 % of it lies outside the domain; it removes 192 m3"), 1U);
 }
 
 TEST(Openings, OneNoteSpeaksOfAllThatLieOutside) {

@@ -7,6 +7,7 @@
 #include "cleave/load/load.hpp"
 #include "cleave/realize/run.hpp"
 #include "commands.hpp"
+#include "memory_limit.hpp"
 #include "problems.hpp"
 
 namespace cleave::cli {
@@ -37,7 +38,9 @@ ExitCode check_scene(const std::string& path) {
   const auto scene = scene::load(path);
   if (!scene) return report_problems(scene.error());
   if (const auto* blocks = std::get_if<scene::Scene>(&*scene)) {
-    if (const auto refused = refusals(*blocks); !refused.empty()) return report_problems(refused);
+    // As of a run that is not told what it may take.
+    const auto refused = refusals(*blocks, {.memory_mb = machine_memory_mb()});
+    if (!refused.empty()) return report_problems(refused);
   }
   const std::string notes = std::visit([](const auto& loaded) { return notes_of(loaded); }, *scene);
   print(notes + fmt::format("{}: no error found\n", path));

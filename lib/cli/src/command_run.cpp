@@ -9,6 +9,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/progress.hpp"
+#include "cleave/core/sha256.hpp"
 #include "cleave/load/load.hpp"
 #include "cleave/realize/run.hpp"
 #include "cleave/report/write.hpp"
@@ -46,7 +47,8 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
                                       .page = report::write_report_html,
                                       .summary = report::write_summary_json,
                                       .log = log_of,
-                                      .figures = figures_of};
+                                      .figures = figures_of,
+                                      .scene_text = settings.scene_text};
   if (const auto failed = publish(result, files, out, timer, progress, interrupts, settings.quiet)) return *failed;
   if (result.complex && result.motion && !result.motion->converged) {
     print_error(fmt::format("{}:1: motion: {}; the state reached is in the result; try a smaller motion.step",
@@ -74,13 +76,20 @@ ExitCode run_blocks(const RunArguments& arguments, const scene::Scene& scene, St
   return in_out_folder(arguments.out, interrupts, [&](OutFolder& out) {
     auto result = scene::run(scene, {.threads = arguments.threads, .memory_mb = arguments.memory_mb}, timer, progress);
     if (!result) return report_problems(result.error());
-    return write_and_publish(*result, out, timer, progress, interrupts, {arguments.scene, arguments.quiet});
+    return write_and_publish(*result, out, timer, progress, interrupts,
+                             {arguments.scene, arguments.quiet, arguments.scene_text});
   });
+}
+
+/// The bytes that were loaded; empty where the file is another one by now.
+std::string text_of(const std::string& scene, const std::string& sha256) {
+  auto text = scene::read_file(scene);
+  return text && sha256_hex(*text) == sha256 ? *std::move(text) : std::string{};
 }
 
 }  // namespace
 
-ExitCode run_scene(const RunArguments& arguments) {
+ExitCode run_scene(RunArguments arguments) {
   keep_freed_memory(arguments.threads);
   InterruptWatch interrupts;  // before any other thread
   StageTimer timer;
@@ -89,6 +98,11 @@ ExitCode run_scene(const RunArguments& arguments) {
   auto scene = timer.run("read", [&] { return scene::load(arguments.scene); });
   progress.end();
   if (!scene) return report_problems(scene.error());
+  arguments.scene_text = text_of(arguments.scene, std::visit([](const auto& loaded) { return loaded.sha256; }, *scene));
+  if (arguments.scene_text.empty()) {
+    print_error(fmt::format("{}:1: scene: has changed while it was read; run it again", arguments.scene));
+    return ExitCode::wrong_input;
+  }
   if (arguments.seed) std::visit([&](auto& loaded) { loaded.seed = *arguments.seed; }, *scene);
   if (!arguments.resume.empty() && !std::holds_alternative<scene::ContactScene>(*scene)) {
     print_error(

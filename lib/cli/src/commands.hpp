@@ -18,11 +18,12 @@ struct RunArguments {
   std::optional<std::uint64_t> seed;
   bool quiet = false;
   stochastic::Shard shard;
-  bool sharded = false;                            ///< --shard was given
+  bool sharded = false;         ///< --shard was given
+  std::string scene_text = {};  ///< what the scene file held as the run began; kept beside the result
   std::optional<double> memory_mb = std::nullopt;  ///< of the machine; what needs more is refused
   std::string resume = {};                         ///< --resume: a contact.state, or the folder that holds one
 };
-[[nodiscard]] ExitCode run_scene(const RunArguments& arguments);
+[[nodiscard]] ExitCode run_scene(RunArguments arguments);
 
 /// Merges the finished shards of one Monte Carlo run.
 [[nodiscard]] ExitCode merge_results(const std::vector<std::string>& folders, const std::string& out, bool quiet);

@@ -42,6 +42,7 @@ struct Files {
   std::function<Written(const Result&, const std::filesystem::path&)> summary;  ///< last, with what the others cost
   std::function<std::string(const Result&)> log;
   std::function<std::string(const Result&)> figures;  ///< for the terminal
+  std::string scene_text = {};                        ///< kept as scene.toml; empty: none is
 };
 
 /// Writes what the plan of a result says, puts the folder in its place and prints the key figures; empty when all went
@@ -61,6 +62,9 @@ template <class Result>
   step(scene::Stage::report, files.page);
   progress.end();
   if (written) written = report::write_file(out.folder() / "log.txt", files.log(result));
+  if (written && !files.scene_text.empty()) {
+    written = report::write_file(out.folder() / "scene.toml", files.scene_text);
+  }
   if (written) written = files.summary(result, out.folder());
   if (!written) {
     print_error(out.by_final_name(describe(written.error())));

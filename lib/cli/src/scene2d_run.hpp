@@ -35,6 +35,7 @@ template <class Result>
 [[nodiscard]] ExitCode run_scene2d(const RunArguments& arguments, StageTimer& timer, Progress& progress,
                                    InterruptWatch& interrupts, Scene2dRun<Result> scene) {
   scene.files.log = scene2d_log_of<Result>;
+  scene.files.scene_text = arguments.scene_text;
   return in_out_folder(arguments.out, interrupts, [&](OutFolder& out) {
     auto result = scene.run();
     if (!result) return report_problems(result.error());

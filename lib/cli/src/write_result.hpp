@@ -14,6 +14,7 @@ namespace cleave::cli {
 struct PrintSettings {
   std::string scene;  ///< how messages name it
   bool quiet = false;
+  std::string scene_text = {};  ///< kept as scene.toml; empty: none is
 };
 
 /// Writes all files of a single run, puts the folder in its place and prints the key figures.

@@ -407,7 +407,7 @@ std::expected<SurveyScene, std::vector<Problem>> parse_survey(string_view text, 
   Problems problems{shown};
   auto tree = read_toml(text);
   if (!tree) {
-    problems.error(tree.error().line, "TOML", tree.error().what, "fix the syntax: see https://toml.io");
+    problems.error(tree.error().line, "TOML", tree.error().what, tree.error().remedy);
     return std::unexpected(std::move(problems).take_errors());
   }
   const TableReader root{*tree, 1, "", problems, survey_keys()};

@@ -146,6 +146,8 @@ class TableReader final {
       }
     }
     table_.notes.insert(table_.notes.begin(), "columns read: " + understood);
+    table_.friction_unit = unit_[index(Column::friction)] != nullptr;
+    table_.cohesion_unit = unit_[index(Column::cohesion)] != nullptr;
     const bool plane = has(Column::dip) || has(Column::dip_direction) || has(Column::strike);
     const bool pole = !plane && (has(Column::trend) || has(Column::plunge));
     if (plane && (has(Column::trend) || has(Column::plunge))) {
@@ -379,6 +381,10 @@ class TableReader final {
 
 std::expected<JointTable, std::vector<ReadError>> parse_joint_csv(std::string_view bytes, std::string_view name,
                                                                   const JointCsvOptions& options) {
+  if (bytes.starts_with("PK\x03\x04") || bytes.starts_with("\xD0\xCF\x11\xE0")) {
+    return std::unexpected(std::vector{
+        whole_file(ReadFault::syntax, name, "is a workbook, not a table in text", "export the sheet as CSV")});
+  }
   const auto csv = parse_csv(bytes, name);
   if (!csv) return std::unexpected(std::vector{csv.error()});
   return TableReader{*csv, name, options}.run();

@@ -1,5 +1,7 @@
 #include "cut_estimate.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -110,6 +112,18 @@ Means means_of(const Plates& plates, double volume) {
 }  // namespace
 
 // Measured on grids, persistent planes, rectangles and discs of 1,000 to 120,000 blocks.
+std::optional<Problem> too_large_for(double memory_mb, const Scene& scene, const SampledScene& drawn) {
+  constexpr std::size_t least_joints = 100;  // fewer never fill a machine, and an estimate takes longer than their cut
+  if (drawn.input.joints.size() < least_joints) return std::nullopt;
+  const CutEstimate expected = estimate_cut(drawn);
+  if (expected.memory_mb() <= memory_mb) return std::nullopt;
+  return Problem{scene.shown, 1, "domain",
+                 fmt::format("about {:.2g} blocks are expected, which take about {:.0f} GB; this machine has {:.0f} GB",
+                             expected.blocks, expected.memory_mb() / 1000, memory_mb / 1000),
+                 "make the domain smaller, take joints that matter less out, cut only what key blocks need "
+                 "(output.blocks = \"key\"), or say with --memory what the run may take"};
+}
+
 double CutEstimate::memory_mb() const noexcept { return 3.4e-3 * joints + 2.2e-3 * pairs + 3e-3 * blocks; }
 double CutEstimate::cut_s() const noexcept { return 6e-5 * faces + 1e-5 * joints + 6e-6 * pairs + 6e-6 * blocks; }
 double CutEstimate::audit_s() const noexcept { return 2.4e-6 * blocks; }

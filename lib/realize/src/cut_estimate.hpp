@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "cleave/realize/run.hpp"
 
 namespace cleave::scene {
@@ -18,6 +20,9 @@ struct CutEstimate {
   [[nodiscard]] double cut_s() const noexcept;      ///< seconds of CPU
   [[nodiscard]] double audit_s() const noexcept;
 };
+
+/// The refusal of a cut that takes more than `memory_mb`; empty where it fits, or has too few joints to fill a machine.
+[[nodiscard]] std::optional<Problem> too_large_for(double memory_mb, const Scene& scene, const SampledScene& drawn);
 
 /// Time linear in the joints. The same joints always give the same figures.
 [[nodiscard]] CutEstimate estimate_cut(const SampledScene& drawn);

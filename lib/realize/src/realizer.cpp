@@ -95,16 +95,11 @@ Realizer::Done Realizer::draw_joints() {
 }
 
 Realizer::Done Realizer::fits_memory() const {
-  constexpr double least_joints = 100;  // fewer never fill a machine, and an estimate takes longer than their cut
-  if (!options_.memory_mb || static_cast<double>(made_.input.joints.size()) < least_joints) return {};
-  const CutEstimate expected = estimate_cut(made_);
-  if (expected.memory_mb() <= *options_.memory_mb) return {};
-  return std::unexpected(std::vector<Problem>{
-      {scene_->shown, 1, "domain",
-       fmt::format("about {:.2g} blocks are expected, which take about {:.0f} GB; this machine has {:.0f} GB",
-                   expected.blocks, expected.memory_mb() / 1000, *options_.memory_mb / 1000),
-       "make the domain smaller, take joints that matter less out, cut only what key blocks need (output.blocks = "
-       "\"key\"), or say with --memory what the run may take"}});
+  if (!options_.memory_mb) return {};
+  if (auto refused = too_large_for(*options_.memory_mb, *scene_, made_)) {
+    return std::unexpected(std::vector<Problem>{*std::move(refused)});
+  }
+  return {};
 }
 
 Realizer::Done Realizer::cut() {

@@ -7,6 +7,7 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/core/expected.hpp"
 #include "cleave/topology/cut.hpp"
+#include "cut_estimate.hpp"
 #include "cut_problem.hpp"
 #include "judge.hpp"
 #include "realizer.hpp"
@@ -62,7 +63,7 @@ std::vector<Problem> without_rock(const Scene& scene, const std::vector<Excavati
 
 }  // namespace
 
-std::vector<Problem> refusals(const Scene& scene) {
+std::vector<Problem> refusals(const Scene& scene, const RunOptions& options) {
   const auto drawn = sample(scene);
   if (!drawn) return drawn.error();
   const auto cut = topology::cut({.domain = drawn->input.domain,
@@ -71,6 +72,10 @@ std::vector<Problem> refusals(const Scene& scene) {
   if (!cut) return {problem_of(cut.error(), scene, *drawn)};
   std::vector<Problem> problems = without_rock(scene, taken_by(scene, *drawn, cut->report().excavated));
   if (scene.stability) std::ranges::move(misplaced_loads(scene, *drawn, *cut), std::back_inserter(problems));
+  const bool near = scene.output.only_key_blocks && scene.stability && !scene.sequence;
+  if (options.memory_mb && !near && !scene.monte_carlo && problems.empty()) {
+    if (auto refused = too_large_for(*options.memory_mb, scene, *drawn)) problems.push_back(*std::move(refused));
+  }
   return problems;
 }
 

@@ -137,7 +137,7 @@ void add_cohesion_note(const stability::Analysis& analysis, std::vector<std::str
   if (blocks == 0) return;
   notes.push_back(fmt::format(
       "{} key {} along joints with cohesion on which nothing presses (vertical joints, say), up to {:.3g} kN of it: it "
-      "is not counted; parallel_contact = true counts it",
+      "is not counted; cohesion_on_parallel_faces = true counts it",
       blocks, blocks == 1 ? "block moves" : "blocks move", largest / 1000));
 }
 
@@ -318,30 +318,21 @@ void add_group_notes(const stability::KeyGroups& groups, const stability::Analys
   }
 }
 
-/// Blocks that only their lesser neighbours hold, where blocks were not judged together.
-void add_barred_note(const std::vector<stability::Barred>& barred, std::vector<std::string>& notes) {
-  if (barred.empty()) return;
-  const auto least = std::ranges::min_element(barred, {}, &stability::Barred::factor_of_safety);
-  double volume = 0;
-  for (const stability::Barred& row : barred) volume += row.volume.si();
-  notes.push_back(fmt::format(
-      "{} ({:.4g} m3) at free faces {} only because of neighbours that are smaller or removable: without those the "
-      "least factor of safety is {:.3g} (block {}); whether they are pushed out was not asked: see `groups`",
-      barred.size() == 1 ? "1 block" : fmt::format("{} blocks", barred.size()), volume,
-      barred.size() == 1 ? "stays" : "stay", least->factor_of_safety, least->block.value()));
-}
-
-/// Blocks that nothing but a side of the domain holds.
+/// Blocks that nothing but a side of the domain holds. `where`: the load case, before the note.
 void add_border_note(const stability::DomainHeld& held, std::string_view where, std::vector<std::string>& notes) {
   if (held.blocks.empty()) return;
   const bool one = held.blocks.size() == 1;
+  // Blocks beside others that have left have no part of the faces that were free at first.
+  const std::string place = held.free_area.si() > 0
+                                ? fmt::format("at free faces ({:.4g} m3, {:.3g} % of the free area)", held.volume.si(),
+                                              100 * held.free_area.si() / held.all_free.si())
+                                : fmt::format("({:.4g} m3) beside {} that {} left", held.volume.si(),
+                                              one ? "a block" : "blocks", one ? "has" : "have");
   notes.push_back(fmt::format(
-      "{}{} {} at free faces ({:.4g} m3, {:.3g} % of the free area) {} held only by {} of the domain that {} not free "
-      "and "
+      "{}{} {} {} {} held only by {} of the domain that {} not free and "
       "{} not counted as key blocks{}: what lies beyond is unknown; enlarge the domain, or name these sides in `free`",
-      where, held.blocks.size(), one ? "block" : "blocks", held.volume.si(),
-      held.all_free.si() > 0 ? 100 * held.free_area.si() / held.all_free.si() : 0, one ? "is" : "are",
-      one ? "a side" : "sides", one ? "is" : "are", one ? "is" : "are",
+      where, held.blocks.size(), one ? "block" : "blocks", place, one ? "is" : "are", one ? "a side" : "sides",
+      one ? "is" : "are", one ? "is" : "are",
       held.together == 0 ? "" : fmt::format("; {} of them would move only together with others", held.together)));
 }
 
@@ -370,24 +361,43 @@ void add_below_target_note(const Realization& made, const StabilitySettings& set
       settings.target->sliding, count_key_groups(*made.key_groups).count));
 }
 
+/// What removes rock never lies outside by 100 %.
+std::string percent_outside(double share) {
+  return share > 0.9995 && share < 1 ? fmt::format("all but {:.2g} %", 100 * (1 - share))
+                                     : fmt::format("{:.3g} %", 100 * share);
+}
+
 }  // namespace
+
+void add_barred_note(const std::vector<stability::Barred>& barred, bool too_many, std::vector<std::string>& notes) {
+  if (barred.empty()) return;
+  const auto least = std::ranges::min_element(barred, {}, &stability::Barred::factor_of_safety);
+  double volume = 0;
+  for (const stability::Barred& row : barred) volume += row.volume.si();
+  notes.push_back(fmt::format(
+      "{} ({:.4g} m3) at free faces {} only because of neighbours that are smaller or removable: without those the "
+      "least factor of safety is {:.3g} (block {}); whether they are pushed out was not asked: {}",
+      barred.size() == 1 ? "1 block" : fmt::format("{} blocks", barred.size()), volume,
+      barred.size() == 1 ? "stays" : "stay", least->factor_of_safety, least->block.value(),
+      too_many ? "too many blocks are near free faces to be judged together" : "see `groups`"));
+}
 
 void add_excavation_notes(const std::vector<ExcavationInfo>& excavations, std::vector<std::string>& notes) {
   const auto lies_outside = [](const ExcavationInfo& info) { return info.outside_share.value_or(0) > 0; };
   const auto outside = std::ranges::count_if(excavations, lies_outside);
   if (outside == 1) {
     const auto info = std::ranges::find_if(excavations, lies_outside);
-    notes.push_back(fmt::format("{}: {:.3g} % of it lies outside the domain; it removes {:.6g} m3 of rock", info->name,
-                                100 * *info->outside_share, info->taken.removed.si()));
+    notes.push_back(fmt::format("{}: {} of it lies outside the domain; it removes {:.6g} m3 of rock", info->name,
+                                percent_outside(*info->outside_share), info->taken.removed.si()));
   } else if (outside > 1) {
     const auto share = [](const ExcavationInfo& info) { return info.outside_share.value_or(0); };
     const auto most = std::ranges::max_element(excavations, {}, share);
     double removed = 0;
     for (const ExcavationInfo& info : excavations) removed += lies_outside(info) ? info.taken.removed.si() : 0;
     notes.push_back(
-        fmt::format("{} openings lie partly outside the domain, up to {:.3g} % of one ({}); they remove {:.6g} m3 of "
+        fmt::format("{} openings lie partly outside the domain, up to {} of one ({}); they remove {:.6g} m3 of "
                     "rock: the list of excavations has the share of each",
-                    outside, 100 * *most->outside_share, most->name, removed));
+                    outside, percent_outside(*most->outside_share), most->name, removed));
   }
   for (const ExcavationInfo& info : excavations) {
     if (info.taken.inside.si() > 0 && !(info.taken.removed.si() > 0)) {
@@ -426,7 +436,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
   if (analysis) add_cohesion_note(*analysis, notes);
   if (analysis) add_rotation_note(*analysis, notes);
   add_enclosed_notes(made.held_from_within, notes);
-  add_barred_note(made.barred, notes);
+  add_barred_note(made.barred, made.key_groups && made.key_groups->too_many, notes);
   if (made.domain_held) add_border_note(*made.domain_held, "", notes);
   for (const CaseResult& load : made.load_cases) {
     const bool more = load.domain_held && (!made.domain_held || load.domain_held->blocks != made.domain_held->blocks);

@@ -19,6 +19,10 @@ void add_moving_group_notes(const stability::KeyGroups& groups, const stability:
 /// That groups could not be looked for with the support. `where`: the load case or stage, before it.
 [[nodiscard]] std::string too_many_with_support(std::string_view where);
 
+/// Blocks that only their lesser neighbours hold, where blocks were not judged together: nobody asked, or there are
+/// `too_many` of them.
+void add_barred_note(const std::vector<stability::Barred>& barred, bool too_many, std::vector<std::string>& notes);
+
 /// Openings that lie partly outside the rock, or take nothing that an earlier one has not.
 void add_excavation_notes(const std::vector<ExcavationInfo>& excavations, std::vector<std::string>& notes);
 

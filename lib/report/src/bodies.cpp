@@ -1,8 +1,10 @@
 #include "cleave/report/bodies.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 #include "assets.hpp"
@@ -201,6 +203,12 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
   if (!result.trials.empty()) out += trials_section(result);
   out += plan_section(result.plan) + cost_section(result.cost);
   if (!result.notes.empty()) out += "<section>" + notes_list(result.notes) + "</section>\n";
+  constexpr std::array<std::string_view, 3> limits{
+      "Rock is linear elastic and the same in all directions; it does not break, and joints are not in it.",
+      "The section is plane (strain or stress, as the scene says): nothing moves out of it.",
+      "Water, creep and weathering are not counted."};
+  out += detail::inputs_section(detail::input_rows("Scene", result.scene_file, result.scene_sha256, {}, result.seed),
+                                limits);
   out += page_foot();
   out += data_script(page_data(result)) + script(assets::bodies());
   out += page_end;

@@ -202,6 +202,19 @@ force on both sides (the largest cut short).</span>
 <div class="plots">
 )html";
 
+std::string inputs_of(const scene::ContactResult& result) {
+  const std::array<std::string_view, 6> limits{
+      "The section is plane: forces and masses are those of one metre of thickness, nothing moves out of it.",
+      result.elastic ? "Bodies deform by their modes of linear elasticity; they do not break."
+                     : "Bodies are rigid; they do not break.",
+      "Joints have the Coulomb friction, cohesion, tension and stiffness of the scene, and no others.",
+      "Water presses as the scene states; it does not flow, and rock that moves does not change it.",
+      "In-situ stress, creep and weathering are not counted.",
+      "What comes to rest here has been shown to stay for this path of loads and this start only."};
+  return detail::inputs_section(detail::input_rows("Scene", result.scene_file, result.scene_sha256, {}, result.seed),
+                                limits);
+}
+
 }  // namespace
 
 std::string contact_report_html(const scene::ContactResult& result) {
@@ -235,7 +248,9 @@ std::string contact_report_html(const scene::ContactResult& result) {
   if (!result.error && !result.no_estimate.empty()) {
     out += "<p class=\"note\">No estimate of the error of the steps: " + escape_xml(result.no_estimate) + ".</p>\n";
   }
+  if (!result.notes.empty()) out += "<div id=\"notes\">";
   for (const std::string& note : result.notes) out += "<p class=\"note\">Note: " + escape_xml(note) + "</p>\n";
+  if (!result.notes.empty()) out += "</div>\n";
   out += motion;
   if (!result.points.empty()) out += "<div id=\"ux\"></div><div id=\"uy\"></div>\n";
   out += "<div id=\"energy\"></div><div id=\"contacts\"></div>\n</div>\n</section>\n";
@@ -263,7 +278,7 @@ std::string contact_report_html(const scene::ContactResult& result) {
   out += "<section><h2>Bodies</h2>\n" + bodies_table(result) + "</section>\n<section><h2>Solvers</h2>\n" +
          solver_bars(result) + "<div class=\"plots\"><div id=\"steps\"></div>" +
          (result.solvers.empty() ? "" : "<div id=\"iterations\"></div>") + "</div>\n" + "</section>\n";
-  out += plan_section(result.plan) + cost_section(result.cost) + page_foot();
+  out += plan_section(result.plan) + cost_section(result.cost) + inputs_of(result) + page_foot();
   out += data_script(page_data(result)) + script(assets::contact());
   out += page_end;
   return out;

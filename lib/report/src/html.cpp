@@ -36,6 +36,33 @@ const T* pointer_to(const std::optional<T>& value) {
   return value ? &*value : nullptr;
 }
 
+/// What single key blocks leave out: groups that only move together, and blocks that the border of the domain holds.
+std::string cards_beyond_single_blocks(const Page& page) {
+  std::string out;
+  if (const auto& found = page.result.key_groups) {
+    const scene::KeyGroupFigures groups = scene::count_key_groups(*found);
+    const std::uint64_t shown = groups.count + groups.in_doubt;
+    const std::string link = shown > 0 ? "<a href=\"#groups\">" : "", end = shown > 0 ? "</a>" : "";
+    if (!groups.judged) {
+      out += key_figure("Key groups", "not judged", "too many blocks near free faces to be judged together", "warn");
+    } else {
+      out += key_figure(
+          "Key groups", link + display_count(groups.count) + end,
+          display(groups.volume_m3) + " m³ that move only together; " + display_count(groups.in_doubt) + " in doubt",
+          shown > 0 ? "warn" : "");
+    }
+  }
+  const auto& keys = page.figures().key_blocks;
+  if (keys && keys->domain_held && keys->domain_held->count > 0) {
+    const scene::DomainHeldFigures& held = *keys->domain_held;
+    out += key_figure("Held by the domain's border", "<a href=\"#notes\">" + display_count(held.count) + "</a>",
+                      display(held.volume.si()) + " m³ that would move without it, " + display(100 * held.share, 3) +
+                          " % of the free area",
+                      "warn");
+  }
+  return out;
+}
+
 std::string cards(const Page& page) {
   const scene::Figures& s = page.figures();
   const topology::Certificate& certificate = page.result.certificate();
@@ -52,6 +79,8 @@ std::string cards(const Page& page) {
                           (k.stopped_at_max_batches ? ", stopped there" : ""),
                       k.count > 0 ? "warn" : "");
   }
+  out += cards_beyond_single_blocks(page);
+  out += detail::notes_figure(page.result.notes.size());
   out += key_figure("Joints", display_count(s.input.joints),
                     "moved by at most " + display(s.input.largest_snap_m, 2) + " m onto the lattice");
   out +=
@@ -230,14 +259,12 @@ std::string loads_of(const scene::RunResult& result) {
 
 /// What the figures rest on and leave out.
 std::string limits_of(const scene::RunResult& r) {
-  std::string out =
-      "<h3>Assumptions and limits</h3>\n<ul>\n<li>Blocks are rigid. Joints are flat, have the Coulomb (or "
-      "Barton–Bandis) "
-      "strengths above and no stiffness.</li>\n";
-  const auto item = [&](std::string_view text) { out += "<li>" + std::string{text} + "</li>\n"; };
+  std::vector<std::string_view> limits{
+      "Blocks are rigid. Joints are flat, have the Coulomb (or Barton–Bandis) strengths above and no stiffness."};
+  const auto item = [&](std::string_view text) { limits.push_back(text); };
   if (!r.analysis) {
     item("Stability was not asked for: nothing is said of what moves.");
-    return out + "</ul>\n";
+    return detail::limits_list(limits);
   }
   item("A block is judged by limit equilibrium of its translation, in the state after the batches before it.");
   item(r.analysis->rotation == stability::RotationCheck::off
@@ -249,19 +276,14 @@ std::string limits_of(const scene::RunResult& r) {
   item("Sides of the domain that are not free hold what touches them.");
   item(
       "Earthquakes are static forces; blasting, creep, weathering and loss of strength with movement are not counted.");
-  return out + "</ul>\n";
+  return detail::limits_list(limits);
 }
 
 std::string inputs_section(const Page& page) {
   const scene::RunResult& r = page.result;
   const scene::CutFigures& input = r.figures.input;
   const auto row = [](std::string_view name, const std::string& value) { return fact(name, value, "wide"); };
-  std::string out = row("Scene", escape_xml(r.scene_file) + " <code>" + escape_xml(r.scene_sha256) + "</code>");
-  for (const scene::InputFile& file : r.files) {
-    out += row("File", escape_xml(file.name) + ", " + display_count(file.bytes) + " bytes <code>" +
-                           escape_xml(file.sha256) + "</code>");
-  }
-  out += row("Seed", std::to_string(r.seed));
+  std::string out = detail::input_rows("Scene", r.scene_file, r.scene_sha256, r.files, r.seed);
   out += facts({{"joints"}}, input, "wide");
   std::string excavations;
   for (const scene::ExcavationFigures& e : input.excavations) {

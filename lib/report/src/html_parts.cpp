@@ -109,9 +109,38 @@ std::string cost_section(const scene::RunCost& cost) {
 
 std::string notes_list(std::span<const std::string> notes) {
   if (notes.empty()) return {};
-  std::string out = "<h3>Notes</h3>\n<ul>\n";
+  std::string out = "<h3 id=\"notes\">Notes</h3>\n<ul>\n";
   for (const std::string& note : notes) out += "<li>" + escape_xml(note) + "</li>\n";
   return out + "</ul>\n";
+}
+
+std::string notes_figure(std::size_t count) {
+  if (count == 0) return {};
+  return key_figure("Notes", "<a href=\"#notes\">" + display_count(count) + "</a>",
+                    "to know before these figures are used", "warn");
+}
+
+std::string input_rows(std::string_view kind, const std::string& file, const std::string& sha256,
+                       std::span<const scene::InputFile> files, std::optional<std::uint64_t> seed) {
+  std::string out = fact(kind, escape_xml(file) + " <code>" + escape_xml(sha256) + "</code>", "wide");
+  for (const scene::InputFile& input : files) {
+    out += fact("File",
+                escape_xml(input.name) + ", " + display_count(input.bytes) + " bytes <code>" +
+                    escape_xml(input.sha256) + "</code>",
+                "wide");
+  }
+  if (seed) out += fact("Seed", std::to_string(*seed), "wide");
+  return out + fact("Version", "cleave " CLEAVE_VERSION, "wide");
+}
+
+std::string limits_list(std::span<const std::string_view> limits) {
+  std::string out = "<h3>Assumptions and limits</h3>\n<ul>\n";
+  for (const std::string_view limit : limits) out += "<li>" + std::string{limit} + "</li>\n";
+  return out + "</ul>\n";
+}
+
+std::string inputs_section(std::string_view rows, std::span<const std::string_view> limits) {
+  return "<section id=\"inputs\"><h2>Inputs</h2>\n" + facts_table(rows) + limits_list(limits) + "</section>\n";
 }
 
 }  // namespace cleave::report::detail

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,6 +30,17 @@ inline constexpr std::string_view page_end = "</body>\n</html>\n";
 [[nodiscard]] std::string fact(std::string_view name, const std::string& value, std::string_view kind = "");
 [[nodiscard]] std::string plan_section(const scene::Plan& plan);
 [[nodiscard]] std::string cost_section(const scene::RunCost& cost);
+/// Under the heading `id="notes"`.
 [[nodiscard]] std::string notes_list(std::span<const std::string> notes);
+/// How many notes there are, as a figure that leads to them; empty for none.
+[[nodiscard]] std::string notes_figure(std::size_t count);
+
+/// Rows of a table of facts: what a page comes from. `kind`: "Scene", "Survey".
+[[nodiscard]] std::string input_rows(std::string_view kind, const std::string& file, const std::string& sha256,
+                                     std::span<const scene::InputFile> files, std::optional<std::uint64_t> seed);
+/// What the figures rest on and leave out.
+[[nodiscard]] std::string limits_list(std::span<const std::string_view> limits);
+/// Inputs and limits of a page that has nothing to add to them.
+[[nodiscard]] std::string inputs_section(std::string_view rows, std::span<const std::string_view> limits);
 
 }  // namespace cleave::report::detail

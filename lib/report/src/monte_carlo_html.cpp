@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -59,6 +60,7 @@ std::string cards(const MonteCarloPage& page) {
   add("Key blocks", "key_block_count", "");
   add("First batch", "first_batch_volume_m3", " m³");
   add("Blocks", "block_count", "");
+  out += detail::notes_figure(f.notes.size() + page.notes.size());
   if (f.failures > 0) {
     out += detail::key_figure("Failed", display_count(f.failures), "realizations, left out of the figures", "bad");
   }
@@ -337,11 +339,7 @@ std::string notes_section(const MonteCarloPage& page) {
 
 std::string inputs_section(const MonteCarloPage& page) {
   const auto row = [](std::string_view name, const std::string& value) { return detail::fact(name, value, "wide"); };
-  std::string out = row("Scene", escape_xml(page.scene_file) + " <code>" + escape_xml(page.scene_sha256) + "</code>");
-  for (const scene::InputFile& file : page.files) {
-    out += row("File", escape_xml(file.name) + " <code>" + escape_xml(file.sha256) + "</code>");
-  }
-  out += row("Seed", std::to_string(page.seed));
+  std::string out = detail::input_rows("Scene", page.scene_file, page.scene_sha256, page.files, page.seed);
   for (const scene::ExcavationFigures& e : page.excavations) {
     out += row(
         "Excavation",
@@ -349,7 +347,16 @@ std::string inputs_section(const MonteCarloPage& page) {
             (e.outside_share.value_or(0) > 0 ? ", " + percent(*e.outside_share) + " of it outside the domain" : ""));
   }
   out += row("Hash of the records", "<code>" + escape_xml(page.result.figures.hash) + "</code>");
-  return "<section id=\"inputs\"><h2>Inputs</h2>\n" + detail::facts_table(out) + "</section>\n";
+  constexpr std::array<std::string_view, 6> limits{
+      "Blocks are rigid. Joints are flat, have the Coulomb (or Barton–Bandis) strengths of the scene and no stiffness.",
+      "A block is judged by limit equilibrium of its own translation, in the state after the batches before it; what "
+      "only moves together with others (key groups) is not counted.",
+      "Intervals tell how far the mean of the realizations is known. That the laws of joints and strengths are right "
+      "is taken for granted.",
+      "In-situ stress counts only in figures whose name ends with “clamped”.",
+      "Sides of the domain that are not free hold what touches them.",
+      "Earthquakes are static forces; blasting, creep, weathering and loss of strength with movement are not counted."};
+  return detail::inputs_section(out, limits);
 }
 
 std::string stages_table(const MonteCarloPage& page) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "cleave/exchange/text.hpp"
@@ -318,6 +319,14 @@ std::string survey_html(const scene::SurveyScene& scene, const survey::SurveyRes
   for (const std::string& note : result.notes) notes += "<li>" + escape_xml(note) + "</li>\n";
   for (const scene::Problem& note : scene.notes) notes += "<li>" + escape_xml(describe(note)) + "</li>\n";
   if (!notes.empty()) out += "<section id=\"notes\"><h2>Notes</h2><ul>\n" + notes + "</ul></section>\n";
+  constexpr std::array<std::string_view, 5> limits{
+      "Joints are flat discs or ellipses, the same statistically throughout the rock.",
+      "Intervals are those of sampling: errors of compass, tape and observer are not in them.",
+      "Directions are weighted by their angle to line or outcrop, up to the cap; joints parallel to it are not seen.",
+      "Lengths and spacings are those of what windows and lines have met; nothing is said of rock beyond them.",
+      "Strength, roughness, filling and water of joints are not estimated."};
+  out += detail::inputs_section(detail::input_rows("Survey", scene.file_name, scene.sha256, scene.files, std::nullopt),
+                                limits);
   return out + detail::page_foot() + std::string{detail::page_end};
 }
 

@@ -93,9 +93,12 @@ std::optional<io::MeshData> mesh_of(InputContext& context, const TableReader& ow
   auto parsed = parse_faces(loaded);
   if (!parsed) {
     const bool tables = key == "file" && owner.path().starts_with("joint");
+    const std::string ending = extension_of(loaded.shown);
+    const bool workbook = ending == "xlsx" || ending == "xls" || ending == "xlsm" || ending == "ods";
     owner.error(key, fmt::format("the ending of \"{}\" is not known", loaded.shown),
-                tables ? "give a file that ends in .obj, .csv, .dxf, .ts, .fab, .dat, .stl or .ply"
-                       : "give a file that ends in .stl, .obj, .ply, .dxf or .ts");
+                tables && workbook ? "export the sheet as CSV, and name that file"
+                : tables           ? "give a file that ends in .obj, .csv, .dxf, .ts, .fab, .dat, .stl or .ply"
+                                   : "give a file that ends in .stl, .obj, .ply, .dxf or .ts");
     return std::nullopt;
   }
   if (!*parsed) {

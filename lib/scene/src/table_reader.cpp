@@ -68,6 +68,11 @@ void TableReader::report_unknown() const {
       }
       continue;
     }
+    if (entry.key == "strike" && std::ranges::find(known, "dip_direction") != known.end()) {
+      problems_->error(entry.line, path_of(entry.key), "unknown key",
+                       "give dip_direction = strike + 90 (right-hand rule: the plane dips to the right of its strike)");
+      continue;
+    }
     const auto guess = nearest(entry.key, known);
     problems_->error(
         entry.line, path_of(entry.key), "unknown key",
@@ -134,10 +139,42 @@ const TomlEntry* TableReader::one_of(std::span<const std::string_view> keys) con
   return found;
 }
 
+void TableReader::note_unusual(std::string_view key, const NumberRule& rule) const {
+  if (const TomlEntry* entry = find(key)) note_unusual({&entry->node, 1}, path_of(key), rule);
+}
+
+void TableReader::note_unusual(std::span<const TomlNode> nodes, const std::string& path, const NumberRule& rule) const {
+  if (!rule.usual) return;
+  double largest = 0;
+  std::uint32_t line = line_;
+  for (const TomlNode& node : nodes) {
+    const auto* whole = std::get_if<std::int64_t>(&node.value);
+    const auto* real = std::get_if<double>(&node.value);
+    const double value = whole != nullptr ? static_cast<double>(*whole) : real != nullptr ? *real : 0;
+    if (std::isnan(value) || std::abs(value) <= std::abs(largest)) continue;
+    largest = value;
+    line = node.line;
+  }
+  if (rule.is_usual(largest)) return;
+  const auto unit = likely_unit(largest, rule);
+  const std::string_view otherwise = rule.usual->otherwise;
+  problems_->note(line, path,
+                  fmt::format("is {}{}, which is far from usual ({:g} to {:g})", largest, rule.unit, rule.usual->low,
+                              rule.usual->high),
+                  unit ? fmt::format("if it is meant in {0}, write \"{1} {0}\"", *unit, largest)
+                       : std::string{otherwise.empty() ? "it is taken as it stands: check it" : otherwise});
+}
+
 std::optional<double> TableReader::number_of(const TomlNode& node, const std::string& path,
                                              const NumberRule& rule) const {
+  const auto value = plain_number_of(node, path, rule);
+  if (value) note_unusual({&node, 1}, path, rule);
+  return value;
+}
+
+std::optional<double> TableReader::plain_number_of(const TomlNode& node, const std::string& path,
+                                                   const NumberRule& rule) const {
   double value = 0;
-  bool bare = true;
   const std::string example = unit_example(rule);
   if (const auto* whole = std::get_if<std::int64_t>(&node.value)) {
     value = static_cast<double>(*whole);
@@ -153,7 +190,6 @@ std::optional<double> TableReader::number_of(const TomlNode& node, const std::st
       return std::nullopt;
     }
     value = *stated;
-    bare = false;
   } else {
     problems_->error(node.line, path, fmt::format("is {} but must be a number", kind_of(node)),
                      text != nullptr ? fmt::format("write a bare number {}, without quotes and unit", rule.words())
@@ -168,15 +204,6 @@ std::optional<double> TableReader::number_of(const TomlNode& node, const std::st
   if (!rule.accepts(value)) {
     problems_->error(node.line, path, fmt::format("is {}", value), fmt::format("give a number {}", rule.words()));
     return std::nullopt;
-  }
-  const double size = std::abs(value);
-  if (bare && size > 0 && rule.usual && (size < rule.usual->low || size > rule.usual->high)) {
-    if (const auto unit = likely_unit(value, rule)) {
-      problems_->note(node.line, path,
-                      fmt::format("is {}{}, which is far from usual ({:g} to {:g})", value, rule.unit, rule.usual->low,
-                                  rule.usual->high),
-                      fmt::format("if it is meant in {0}, write \"{1} {0}\"", *unit, value));
-    }
   }
   return value;
 }
@@ -193,10 +220,11 @@ std::optional<geometry::Vec3> TableReader::vec3_of(const TomlNode& node, const s
                      "write [x, y, z]");
     return std::nullopt;
   }
-  const auto x = number_of(array->items[0], path, rule);
-  const auto y = number_of(array->items[1], path, rule);
-  const auto z = number_of(array->items[2], path, rule);
+  const auto x = plain_number_of(array->items[0], path, rule);
+  const auto y = plain_number_of(array->items[1], path, rule);
+  const auto z = plain_number_of(array->items[2], path, rule);
   if (!x || !y || !z) return std::nullopt;
+  note_unusual(array->items, path, rule);
   return geometry::Vec3{*x, *y, *z};
 }
 
@@ -218,10 +246,12 @@ std::optional<std::vector<double>> TableReader::numbers(std::string_view key) co
   }
   std::vector<double> values;
   for (std::size_t i = 0; i < array->items.size(); ++i) {
-    const auto value = number_of(array->items[i], fmt::format("{}[{}]", path_of(key), i + 1), type.of.front().rule);
+    const auto value =
+        plain_number_of(array->items[i], fmt::format("{}[{}]", path_of(key), i + 1), type.of.front().rule);
     if (value) values.push_back(*value);
   }
   if (values.size() != array->items.size()) return std::nullopt;
+  note_unusual(array->items, path_of(key), type.of.front().rule);
   return values;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <string>
 
 #include "cleave/core/text.hpp"
 
@@ -31,6 +32,22 @@ bool decimal_comma(string_view value) {
   return comma != string_view::npos && digits(value.substr(0, comma)) && digits(value.substr(comma + 1));
 }
 
+/// A decimal comma of a number inside an inline table: "{ dip = 45,5, dip_direction = 90 }". What stands behind a comma
+/// there is a key, so digits without an equals sign are the rest of a number.
+bool inner_decimal_comma(string_view line) {
+  for (std::size_t at = line.find('='); at != string_view::npos; at = line.find('=', at + 1)) {
+    string_view value = trimmed(line.substr(at + 1));
+    if (value.starts_with('-') || value.starts_with('+')) value.remove_prefix(1);
+    const std::size_t comma = value.find_first_not_of("0123456789");
+    if (comma == 0 || comma == string_view::npos || value[comma] != ',') continue;
+    value.remove_prefix(comma + 1);
+    const std::size_t end = std::min(value.find_first_not_of("0123456789"), value.size());
+    const string_view behind = trimmed(value.substr(end));
+    if (end > 0 && (behind.starts_with(',') || behind.starts_with('}'))) return true;
+  }
+  return false;
+}
+
 /// A word, or a file's name, that begins where a value should.
 bool bare_word(string_view value) {
   if (value.empty() || !is_letter(value.front())) return false;
@@ -44,40 +61,90 @@ bool backslash_in_quotes(string_view line) {
   return quote != string_view::npos && line.find('\\', quote) != string_view::npos;
 }
 
-}  // namespace
+/// The name of a table's header, and whether it is one of several: [[joint]].
+struct Header {
+  string_view name;
+  bool several = false;
+};
+std::optional<Header> header_of(string_view line) {
+  line = trimmed(line.substr(0, line.find('#')));
+  if (!line.starts_with('[') || !line.ends_with(']')) return std::nullopt;
+  const bool several = line.starts_with("[[") && line.ends_with("]]");
+  const std::size_t brackets = several ? 2 : 1;
+  if (line.size() <= 2 * brackets) return std::nullopt;
+  return Header{trimmed(line.substr(brackets, line.size() - 2 * brackets)), several};
+}
 
-std::optional<std::string> not_a_text(string_view bytes) {
-  if (bytes.starts_with("PK\x03\x04")) {
-    return "is a workbook or an archive (.xlsx, .zip), not a text: save the scene as plain text, tables as CSV";
-  }
-  if (bytes.starts_with("\xD0\xCF\x11\xE0")) {
-    return "is a document of an office program (.xls, .doc), not a text: save the scene as plain text, tables as CSV";
-  }
-  if (bytes.starts_with("%PDF")) return "is a PDF, not a text: save the scene as plain text";
-  const bool zeros = bytes.size() > 3 && ((bytes[1] == 0 && bytes[3] == 0) || (bytes[0] == 0 && bytes[2] == 0));
-  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF") || zeros) {
-    return "is UTF-16 text: save it as UTF-8 (in Notepad: Save as, Encoding UTF-8)";
+/// A header that stood before. Where there may be several tables of that name, all have double brackets.
+std::optional<Mistake> table_twice(string_view text, std::uint32_t number) {
+  constexpr std::array<string_view, 10> of_several{"joint", "joint_set", "excavation", "load",   "support.bolts",
+                                                   "body",  "scanline",  "borehole",   "window", "set"};
+  const auto header = header_of(line_of(text, number));
+  if (!header) return std::nullopt;
+  for (std::uint32_t before = 1; before < number; ++before) {
+    const std::size_t end = text.find('\n');
+    const auto other = header_of(text.substr(0, end));
+    text.remove_prefix(end == string_view::npos ? text.size() : end + 1);
+    if (!other || other->name != header->name || (other->several && header->several)) continue;
+    const std::string name{header->name};
+    const std::string what =
+        "[" + name + "] stands twice, in lines " + std::to_string(before) + " and " + std::to_string(number);
+    if (other->several || header->several || std::ranges::find(of_several, header->name) != of_several.end()) {
+      return Mistake{what, "write [[" + name + "]], with double brackets, each time"};
+    }
+    return Mistake{what, "put all its keys under one of them"};
   }
   return std::nullopt;
 }
 
-std::optional<std::string> likely_mistake(string_view text, std::uint32_t number) {
+Mistake backslash() {
+  return {"a backslash in double quotes begins a sign such as \\n", "write paths with / or in single quotes"};
+}
+
+}  // namespace
+
+std::optional<Mistake> not_a_text(string_view bytes) {
+  if (bytes.starts_with("PK\x03\x04")) {
+    return Mistake{"is a workbook or an archive (.xlsx, .zip), not a text",
+                   "save the scene as plain text, tables as CSV"};
+  }
+  if (bytes.starts_with("\xD0\xCF\x11\xE0")) {
+    return Mistake{"is a document of an office program (.xls, .doc), not a text",
+                   "save the scene as plain text, tables as CSV"};
+  }
+  if (bytes.starts_with("%PDF")) return Mistake{"is a PDF, not a text", "save the scene as plain text"};
+  const bool zeros = bytes.size() > 3 && ((bytes[1] == 0 && bytes[3] == 0) || (bytes[0] == 0 && bytes[2] == 0));
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF") || zeros) {
+    return Mistake{"is UTF-16 text", "save it as UTF-8 (in Notepad: Save as, Encoding UTF-8)"};
+  }
+  return std::nullopt;
+}
+
+std::optional<Mistake> backslash_in_path(string_view text, std::uint32_t number) {
+  const string_view line = line_of(text, number);
+  if (!backslash_in_quotes(line) || !line.substr(line.find('\\')).contains('.')) return std::nullopt;
+  return backslash();
+}
+
+std::optional<Mistake> likely_mistake(string_view text, std::uint32_t number) {
   const string_view line = line_of(text, number);
   constexpr std::array<string_view, 6> curly{"\xE2\x80\x9C", "\xE2\x80\x9D", "\xE2\x80\x9E",
                                              "\xE2\x80\x98", "\xE2\x80\x99", "\xC2\xAB"};
   if (std::ranges::any_of(curly, [&](string_view quote) { return line.contains(quote); })) {
-    return "the quotes are those of a word processor: write straight ones (\")";
+    return Mistake{"the quotes are those of a word processor", "write straight ones (\")"};
   }
+  if (auto twice = table_twice(text, number)) return twice;
   const std::size_t equals = line.find('=');
   if (equals == string_view::npos) return std::nullopt;
   const string_view value = trimmed(line.substr(equals + 1));
-  if (decimal_comma(value)) return "the number has a decimal comma: write a point";
-  if (backslash_in_quotes(value)) {
-    return "a backslash in double quotes begins a sign such as \\n: write paths with / or in single quotes";
+  if (decimal_comma(value) || inner_decimal_comma(line)) {
+    return Mistake{"the number has a decimal comma", "write a point"};
   }
-  if (bare_word(value))
-    return "text stands in quotes: write \"" +
-           std::string{value.substr(0, std::min(value.find_first_of(" \t\r#"), std::size_t{40}))} + "\"";
+  if (backslash_in_quotes(value)) return backslash();
+  if (bare_word(value)) {
+    const string_view word = value.substr(0, std::min(value.find_first_of(" \t\r#"), std::size_t{40}));
+    return Mistake{"text stands in quotes", "write \"" + std::string{word} + "\""};
+  }
   return std::nullopt;
 }
 

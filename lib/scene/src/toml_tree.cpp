@@ -146,21 +146,28 @@ std::optional<std::uint32_t> line_of_control(const TomlTable& table) {
 }  // namespace
 
 std::expected<TomlTable, TomlSyntaxError> read_toml(std::string_view text) {
-  if (auto what = not_a_text(text)) return std::unexpected(TomlSyntaxError{1, *std::move(what)});
+  if (auto wrong = not_a_text(text)) {
+    return std::unexpected(TomlSyntaxError{1, std::move(wrong->what), std::move(wrong->remedy)});
+  }
   if (const auto line = line_of_endless_key(text)) {
-    return std::unexpected(TomlSyntaxError{*line, "a dotted key has too many parts"});
+    return std::unexpected(TomlSyntaxError{.line = *line, .what = "a dotted key has too many parts"});
   }
   try {
     TomlTable table = convert_table(toml::parse(text));
     if (const auto line = line_of_control(table)) {
-      return std::unexpected(TomlSyntaxError{
-          *line, "a key or a text holds control characters or line ends: write it on one line, of letters"});
+      if (auto path = backslash_in_path(text, *line)) {
+        return std::unexpected(TomlSyntaxError{*line, std::move(path->what), std::move(path->remedy)});
+      }
+      return std::unexpected(TomlSyntaxError{*line, "a key or a text holds control characters or line ends",
+                                             "write it on one line, of letters"});
     }
     return table;
   } catch (const toml::parse_error& error) {
     const std::uint32_t line = std::max<std::uint32_t>(1, error.source().begin.line);
-    return std::unexpected(
-        TomlSyntaxError{line, likely_mistake(text, line).value_or(std::string{error.description()})});
+    if (auto mistake = likely_mistake(text, line)) {
+      return std::unexpected(TomlSyntaxError{line, std::move(mistake->what), std::move(mistake->remedy)});
+    }
+    return std::unexpected(TomlSyntaxError{.line = line, .what = std::string{error.description()}});
   }
 }
 

@@ -47,6 +47,11 @@ std::vector<string_view> unit_symbols(const NumberRule& rule) {
   return symbols;
 }
 
+bool NumberRule::is_usual(double v) const noexcept {
+  const double size = std::abs(v);
+  return !usual || size == 0 || (size >= usual->low && size <= usual->high);
+}
+
 std::optional<string_view> likely_unit(double bare, const NumberRule& rule) {
   const UnitKind* kind = kind_of(rule);
   if (kind == nullptr || !rule.usual) return std::nullopt;

@@ -411,7 +411,7 @@ std::expected<ContactScene, std::vector<Problem>> parse_contact(string_view text
   Problems problems{shown};
   auto tree = read_toml(text);
   if (!tree) {
-    problems.error(tree.error().line, "TOML", tree.error().what, "fix the syntax: see https://toml.io");
+    problems.error(tree.error().line, "TOML", tree.error().what, tree.error().remedy);
     return std::unexpected(std::move(problems).take_errors());
   }
   const TableReader root{*tree, 1, "", problems, contact_scene_keys()};

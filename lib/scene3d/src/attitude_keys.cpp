@@ -1,6 +1,11 @@
 #include "attitude_keys.hpp"
 
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <optional>
 #include <string_view>
+#include <variant>
 
 #include "cleave/geometry/orientation.hpp"
 
@@ -14,11 +19,35 @@ std::vector<Key> attitude_keys(bool sole) {
           {"plunge", key::number(rule::dip), "", "degrees, of the pole"}};
 }
 
+namespace {
+
+/// A bare number as it stands.
+std::optional<double> bare(const TableReader& table, std::string_view key) {
+  const TomlEntry* entry = table.find(key);
+  if (entry == nullptr) return std::nullopt;
+  if (const auto* whole = std::get_if<std::int64_t>(&entry->node.value)) return static_cast<double>(*whole);
+  const auto* real = std::get_if<double>(&entry->node.value);
+  return real != nullptr ? std::optional{*real} : std::nullopt;
+}
+
+/// In the other order the two would be right: dip = 210, dip_direction = 45.
+bool swapped(const TableReader& table) {
+  const auto dip = bare(table, "dip"), direction = bare(table, "dip_direction");
+  return dip && direction && *dip > 90 && *dip <= 360 && *direction >= 0 && *direction <= 90;
+}
+
+}  // namespace
+
 std::optional<geometry::Attitude> parse_attitude(const Context& context, const TableReader& table) {
   const bool pole = table.has("trend") || table.has("plunge");
   for (const std::string_view key : {"dip", "dip_direction"}) {
     if (!pole || !table.has(key)) continue;
     table.error(key, "stands beside the pole's trend and plunge", "give dip and dip_direction, or trend and plunge");
+    return std::nullopt;
+  }
+  if (!pole && swapped(table)) {
+    table.error("dip", fmt::format("is {}", *bare(table, "dip")),
+                fmt::format("give a number {}, or swap dip and dip_direction", rule::dip.words()));
     return std::nullopt;
   }
   if (!pole) {

@@ -154,6 +154,43 @@ void add_rows(Context& context, const io::JointTable& table, const std::string& 
   }
 }
 
+/// One note for a column of bare numbers that are none of the usual ones, at the first of them.
+template <class ValueOf>
+void note_unusual(Problems& problems, const io::JointTable& table, const std::string& shown, string_view column,
+                  const NumberRule& rule, ValueOf&& value_of) {
+  std::size_t count = 0;
+  std::uint32_t line = 0;
+  double first = 0;
+  for (const io::JointRow& row : table.rows) {
+    const std::optional<double> value = value_of(row);
+    if (!value || rule.is_usual(*value)) continue;
+    if (count++ > 0) continue;
+    line = row.line;
+    first = *value;
+  }
+  if (count == 0) return;
+  const auto unit = likely_unit(first, rule);
+  problems.note_in(
+      shown, line, std::string{column},
+      fmt::format("is {}{}, which is far from usual ({:g} to {:g}){}", first, rule.unit, rule.usual->low,
+                  rule.usual->high, count > 1 ? fmt::format(", and so are {} rows in all", count) : std::string{}),
+      unit ? fmt::format("if it is meant in {0}, name the column \"{1} ({0})\"", *unit, column)
+           : std::string{"it is taken as it stands: check it"});
+}
+
+void note_unusual_strengths(Problems& problems, const io::JointTable& table, const std::string& shown) {
+  if (!table.friction_unit) {
+    note_unusual(problems, table, shown, "friction", rule::friction, [](const io::JointRow& row) {
+      return row.friction ? std::optional{row.friction->degrees()} : std::nullopt;
+    });
+  }
+  if (!table.cohesion_unit) {
+    note_unusual(problems, table, shown, "cohesion", rule::strength, [](const io::JointRow& row) {
+      return row.cohesion ? std::optional{row.cohesion->si()} : std::nullopt;
+    });
+  }
+}
+
 }  // namespace
 
 void parse_joint_file(Context& context, const TableReader& joint, const std::optional<std::string>& set,
@@ -169,6 +206,7 @@ void parse_joint_file(Context& context, const TableReader& joint, const std::opt
       return;
     }
     for (const std::string& note : table->notes) context.problems.note_in(loaded->shown, 1, "header", note, "");
+    note_unusual_strengths(context.problems, *table, loaded->shown);
     if (joint.has("surface")) joint.error("surface", "has a meaning for meshes only", "remove it");
     add_rows(context, *table, loaded->shown, set, joints);
     return;

@@ -28,6 +28,55 @@ bool outside(const MeasuredJoint& joint, const geometry::Solid& domain, const Bo
                     joint.geometry);
 }
 
+// A room of 10 m that another program wrote in millimetres is 10 km long; boxes may be whole regions.
+constexpr double longest_mesh = 5e3, longest_region = 5e4;
+
+/// Lengths that are likely not in metres.
+void note_extent(Problems& problems, const geometry::Solid& solid, double largest, std::uint32_t line,
+                 std::string key) {
+  constexpr double smallest = 0.1;
+  const Box box = box_of(solid);
+  const geometry::Vec3 sides = box.max - box.min;
+  const double extent = std::max({sides.x, sides.y, sides.z});
+  if (extent >= smallest && extent <= largest) return;
+  problems.note(line, std::move(key),
+                fmt::format("is {:.4g} m long, which is far from usual ({:g} to {:g})", extent, smallest, largest),
+                extent > largest ? "if its lengths are millimetres or feet, write them in metres"
+                                 : "if its lengths are kilometres, write them in metres");
+}
+
+/// Sets with joints whose friction nobody states, though [joints] is there.
+void note_sets_without_friction(const Scene& scene, const TableReader& root) {
+  const TomlTable* strengths = root.table("joints");
+  if (strengths == nullptr) return;
+  const auto states = [&](std::string_view set, std::string_view key) {
+    return std::ranges::any_of(strengths->entries, [&](const TomlEntry& entry) {
+      const auto* table = std::get_if<TomlTable>(&entry.node.value);
+      return (entry.key == set || entry.key == "default") && table != nullptr &&
+             std::ranges::find(table->entries, key, &TomlEntry::key) != table->entries.end();
+    });
+  };
+  std::string sets, without_cohesion;
+  for (const SetId set : scene.sets.ids()) {
+    const std::string& name = scene.sets[set].name;
+    const bool used =
+        std::ranges::any_of(scene.joint_sets, [&](const RandomSet& s) { return s.set == set; }) ||
+        std::ranges::any_of(scene.joints, [&](const MeasuredJoint& j) { return j.set == set && !j.own.friction; });
+    if (!used || states(name, "friction")) continue;
+    sets += (sets.empty() ? "" : ", ") + name;
+    if (!states(name, "cohesion") && !states(name, "jrc")) {
+      without_cohesion += (without_cohesion.empty() ? "" : ", ") + name;
+    }
+  }
+  if (sets.empty()) return;
+  root.note("joints",
+            fmt::format("no friction is given for {}: 30 degrees are taken{}", sets,
+                        without_cohesion.empty()   ? std::string{}
+                        : without_cohesion == sets ? std::string{", and cohesion 0"}
+                                                   : fmt::format(", and cohesion 0 for {}", without_cohesion)),
+            "add [joints.default] with friction, or a table for each of them");
+}
+
 }  // namespace
 
 void find_notes(const Scene& scene, const TableReader& root) {
@@ -38,6 +87,13 @@ void find_notes(const Scene& scene, const TableReader& root) {
       problems.note_in(joint.file, joint.line, "joint", "lies wholly outside the domain",
                        "it cuts nothing and is left out");
     }
+  }
+  const TomlTable* domain = root.table("domain");
+  const bool mesh =
+      domain != nullptr && std::ranges::find(domain->entries, "mesh", &TomlEntry::key) != domain->entries.end();
+  note_extent(problems, scene.domain, mesh ? longest_mesh : longest_region, root.line_of("domain"), "domain");
+  for (const Excavation& e : scene.excavations) {
+    if (e.own_shape && !e.tunnel) note_extent(problems, e.solid, longest_mesh, e.line, "excavation." + e.name);
   }
   if (scene.joints.empty() && scene.joint_sets.empty()) {
     problems.note(1, "joint", "there are no joints", "the rock stays one block unless excavations part it");
@@ -55,6 +111,7 @@ void find_notes(const Scene& scene, const TableReader& root) {
     problems.note(1, "joints", "no strength is given: friction 30 degrees, cohesion 0 and tension 0 are taken",
                   "add [joints.default] with friction");
   }
+  note_sets_without_friction(scene, root);
   const bool stiff =
       std::ranges::any_of(scene.sets, [](const NamedSet& set) { return set.properties.stiffness.has_value(); });
   if (stiff && !scene.field_stress) {
@@ -62,8 +119,10 @@ void find_notes(const Scene& scene, const TableReader& root) {
                   "normal_stiffness and shear_stiffness are read by [field_stress] alone",
                   "add [field_stress]: without it joints are as stiff as blocks");
   }
-  if (!root.has("rock")) {
-    problems.note(1, "rock", "no density is given: 2700 kg/m3 is taken", "add [rock] with density");
+  if (const auto rock = root.table("rock");
+      rock == nullptr || std::ranges::find(rock->entries, "density", &TomlEntry::key) == rock->entries.end()) {
+    problems.note(root.line_of("rock"), "rock", "no density is given: 2700 kg/m3 is taken",
+                  rock == nullptr ? "add [rock] with density" : "add density to [rock]");
   }
 }
 

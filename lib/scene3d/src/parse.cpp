@@ -71,8 +71,7 @@ void take_includes(TomlTable& table, Problems& problems, const ReadFile& read_fi
     files.push_back({name, sha256_hex(file->bytes), file->bytes.size()});
     auto tree = read_toml(file->bytes);
     if (!tree) {
-      problems.error_in(file->shown, tree.error().line, "TOML", tree.error().what,
-                        "fix the syntax: see https://toml.io");
+      problems.error_in(file->shown, tree.error().line, "TOML", tree.error().what, tree.error().remedy);
       continue;
     }
     // Files that the included one names lie beside it.
@@ -235,7 +234,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   Problems problems{shown};
   auto tree = read_toml(text);
   if (!tree) {
-    problems.error(tree.error().line, "TOML", tree.error().what, "fix the syntax: see https://toml.io");
+    problems.error(tree.error().line, "TOML", tree.error().what, tree.error().remedy);
     return std::unexpected(std::move(problems).take_errors());
   }
   if (!is_scene(*tree, shown, problems)) return std::unexpected(std::move(problems).take_errors());

@@ -16,8 +16,8 @@ namespace {
 
 using std::string_view;
 
-constexpr NumberRule stress_rule{-1e15, false, 1e15, false, " Pa"};
-constexpr NumberRule gradient_rule{-1e15, false, 1e15, false, " Pa/m"};
+constexpr NumberRule stress_rule = NumberRule{-1e15, false, 1e15, false, " Pa"}.usually(5e4, 1e10);
+constexpr NumberRule gradient_rule = NumberRule{-1e15, false, 1e15, false, " Pa/m"}.usually(1e3, 1e7);
 
 std::array<double, 6> components(const TableReader& table, string_view key) {
   std::array<double, 6> out{};

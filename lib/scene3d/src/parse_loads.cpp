@@ -16,9 +16,12 @@ using stability::AnyFreeFace;
 using stability::FreeSurface;
 using std::string_view;
 
-constexpr NumberRule pressure_rule{-1e15, false, 1e15, false, " Pa"};
-constexpr NumberRule force_rule{-1e15, false, 1e15, false, " N"};
-constexpr NumberRule line_force_rule{-1e15, false, 1e15, false, " N/m"};
+constexpr NumberRule pressure_rule = NumberRule{-1e15, false, 1e15, false, " Pa"}.usually(1e3, 1e9);
+constexpr NumberRule joint_pressure_rule = rule::stress.usually(1e3, 1e8);
+constexpr NumberRule force_rule = NumberRule{-1e15, false, 1e15, false, " N"}.usually(1e3, 1e11);
+constexpr NumberRule line_force_rule = NumberRule{-1e15, false, 1e15, false, " N/m"}.usually(1e3, 1e11);
+constexpr NumberRule seismic_rule =
+    rule::ratio.usually(1e-3, 1, "it is a share of the weight: divide m/s2 by 9.81, per cent by 100");
 constexpr NumberRule weight_rule = NumberRule{0, false, 1e5, false, " N/m3"}.usually(5000, 50000);
 constexpr NumberRule combine_rule{0, false, 1e3, false, ""};
 
@@ -30,7 +33,7 @@ const KeyTable& water_keys() {
            "level of the water table, m; a law: one level a realization (a single run has that of realization 0)"},
           {"unit_weight", key::number(weight_rule), "9810", "N/m3"},
           {"free_faces", key::flag(), "false", "true: water also presses on free faces (a lake, a flooded opening)"},
-          {"pressures", key::named(key::number(rule::stress)), "",
+          {"pressures", key::named(key::number(joint_pressure_rule)), "",
            "`{ SET = Pa }`: the mean pressure in all joints of a set, in place of the table"}}};
   return keys;
 }
@@ -90,7 +93,7 @@ std::optional<stability::WaterTable> parse_water(const Context& context, const T
   }
   if (const TomlTable* pressures = table.table("pressures")) {
     for (const TomlEntry& entry : pressures->entries) {
-      const auto value = table.number_of(entry.node, table.path_of("pressures") + "." + entry.key, rule::stress);
+      const auto value = table.number_of(entry.node, table.path_of("pressures") + "." + entry.key, joint_pressure_rule);
       std::optional<SetId> set;
       std::vector<string_view> names;
       for (const SetId id : context.sets.ids()) {
@@ -186,7 +189,7 @@ void add(LoadSet& sum, const LoadSet& part, double factor) {
 
 std::vector<Key> load_set_keys() {
   return {
-      {"seismic", key::vector(rule::ratio), "[0, 0, 0]", "pseudo-static force / weight, in the direction given"},
+      {"seismic", key::vector(seismic_rule), "[0, 0, 0]", "pseudo-static force / weight, in the direction given"},
       {"water", key::table(&water_keys), "",
        "`{ table, unit_weight = 9810, free_faces = false, pressures = { SET = Pa } }`, below"},
       {"surcharge", key::tables(&surcharge_keys), "",

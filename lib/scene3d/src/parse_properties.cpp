@@ -67,6 +67,8 @@ std::optional<Law> parse_law(const TableReader& owner, string_view key) {
   }
   law.min = table.number("min");
   law.max = table.number("max");
+  // Of a uniform law the larger limit tells the unit; limits of other laws may lie anywhere.
+  if (uniform) table.note_unusual("max", owner.rule_of(key));
   law.mean = uniform ? table.number("mean") : table.need_number("mean");
   law.std = with_std ? table.need_number("std") : table.number("std");
   if (uniform && law.mean) table.error("mean", "has no meaning for the distribution \"uniform\"", "remove it");

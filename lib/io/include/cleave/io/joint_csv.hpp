@@ -46,6 +46,8 @@ struct JointRow {
 struct JointTable {
   std::vector<JointRow> rows;
   std::vector<std::string> notes;  ///< how the columns were read, and those that were not understood and skipped
+  /// The header states the unit of the column; without, numbers are degrees and Pa.
+  bool friction_unit = false, cohesion_unit = false;
 };
 
 struct JointCsvOptions {

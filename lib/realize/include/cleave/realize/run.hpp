@@ -58,8 +58,10 @@ void realize(const Scene& scene, const std::shared_ptr<const TunnelFields>& fiel
                                                                  StageTimer& timer, Progress& progress);
 
 /// What `run` would refuse of a scene that the parser took, as far as it shows without cutting along the joints: joints
-/// that cannot be drawn, openings that miss the rock or leave none, forces on no free face.
-[[nodiscard]] std::vector<Problem> refusals(const Scene& scene);
+/// that cannot be drawn, openings that miss the rock or leave none, forces on no free face, a cut that `options` has
+/// not the memory for. Of scenes of which only the rock near free faces is cut, and of ensembles, `run` has no estimate
+/// of memory before it begins, and none is made here.
+[[nodiscard]] std::vector<Problem> refusals(const Scene& scene, const RunOptions& options = {});
 
 /// What the openings take of the rock, in order of the scene, and what a user should know of that.
 struct Excavated {

@@ -24,9 +24,10 @@ struct NumberRule {
   double high;
   bool high_open;
   std::string_view unit;
-  /// Sizes that rock, bolts or shotcrete have; a bare number outside them is a note that names the likely unit.
+  /// Sizes that rock, loads, bolts or shotcrete have; a bare number outside them is a note that names the likely unit.
   struct Usual {
     double low, high;
+    std::string_view otherwise = {};  ///< the note's remedy where no unit makes the number a usual one
   };
   std::optional<Usual> usual = {};
 
@@ -34,11 +35,13 @@ struct NumberRule {
   [[nodiscard]] std::string words() const;
   [[nodiscard]] bool accepts(double v) const noexcept;
   /// The same rule with a usual range.
-  [[nodiscard]] constexpr NumberRule usually(double from, double to) const noexcept {
+  [[nodiscard]] constexpr NumberRule usually(double from, double to, std::string_view otherwise = {}) const noexcept {
     NumberRule rule = *this;
-    rule.usual = {from, to};
+    rule.usual = {from, to, otherwise};
     return rule;
   }
+  /// 0 is nothing, and usual everywhere.
+  [[nodiscard]] bool is_usual(double v) const noexcept;
 };
 
 namespace rule {

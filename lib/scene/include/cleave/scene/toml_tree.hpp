@@ -37,6 +37,7 @@ struct TomlEntry {
 struct TomlSyntaxError {
   std::uint32_t line;
   std::string what;
+  std::string remedy = "fix the syntax: see https://toml.io";
 };
 
 /// Text to tree; the only place that knows the TOML library, which stops at the first syntax error.

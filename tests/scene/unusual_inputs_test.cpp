@@ -1,0 +1,155 @@
+// What a scene states or leaves out is said where it is likely a slip: units, defaults, lengths in millimetres.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "parse_support.hpp"
+
+namespace cleave::scene::test {
+namespace {
+
+const std::string joints_and_rock =
+    "[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\nset = \"A\"\n"
+    "[[joint]]\nplane = { through = [4, 4, 2], dip = 50, dip_direction = 90 }\nset = \"B\"\n"
+    "[rock]\ndensity = 2700\n";
+const std::string strength = "[joints.default]\nfriction = 30\ncohesion = 0\n";
+
+/// "key: remedy" of the notes; scenes in a box, or whole where `more` has a domain.
+std::vector<std::string> remedies(const std::string& more, const Files& files = {}) {
+  std::vector<std::string> said;
+  for (const Problem& note : scene_of(more.contains("[domain]") ? more : with_box(more), files).notes) {
+    said.push_back(note.key + ": " + note.remedy);
+  }
+  return said;
+}
+std::vector<std::string> texts(const std::string& more, const Files& files = {}) {
+  std::vector<std::string> said;
+  for (const Problem& note : scene_of(with_box(more), files).notes) said.push_back(note.key + " " + note.what);
+  return said;
+}
+using Said = std::vector<std::string>;
+
+TEST(UnusualInputs, LoadsInKiloUnitsNameTheUnit) {
+  EXPECT_EQ(remedies(joints_and_rock + strength +
+                     "[stability]\nfree = [\"top\"]\nseismic = [0, 1.5, 0]\nwater = { pressures = { A = 60 } }\n"
+                     "surcharge = [{ on = \"top\", pressure = 200 }, { traction = [3, 0, -90] }]\n"
+                     "point = [{ at = [4, 4, 6], force = [0.5, 0, -200] }]\n"
+                     "line = [{ from = [1, 1, 6], to = [2, 1, 6], force_per_metre = [0, 0, -50] }]\n"),
+            (Said{"stability.seismic: it is a share of the weight: divide m/s2 by 9.81, per cent by 100",
+                  "stability.water.pressures.A: if it is meant in kPa, write \"60 kPa\"",
+                  "stability.surcharge[1].pressure: if it is meant in kPa, write \"200 kPa\"",
+                  "stability.surcharge[2].traction: if it is meant in kPa, write \"-90 kPa\"",
+                  "stability.point[1].force: if it is meant in kN, write \"-200 kN\"",
+                  "stability.line[1].force_per_metre: if it is meant in kN/m, write \"-50 kN/m\""}));
+}
+
+TEST(UnusualInputs, SmallComponentsBesideUsualOnesAreUsual) {
+  EXPECT_EQ(remedies(joints_and_rock + strength +
+                     "[stability]\nfree = [\"top\"]\nseismic = [0.15, 0, 1e-5]\nwater = { pressures = { A = 60e3 } }\n"
+                     "surcharge = [{ traction = [3, 0, -90e3] }, { pressure = \"200 Pa\" }]\n"
+                     "point = [{ at = [4, 4, 6], force = [0.5, 0, -200e3] }]\n"),
+            Said{});
+}
+
+TEST(UnusualInputs, StressOfTheFieldInMegapascal) {
+  const std::string tunnel =
+      "[[excavation]]\nname = \"t\"\nkind = \"tunnel\"\nsection = { shape = \"circle\", diameter = 2 }\n"
+      "axis = [[4, 0, 3], [4, 8, 3]]\n[joints.default]\nfriction = 30\n[rock]\ndensity = 2700\npoisson = 0.25\n"
+      "[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\n";
+  EXPECT_EQ(remedies(tunnel + "[field_stress]\nstress = [-6, -6, -4, 0, 0, 0]\ngradient = [0, 0, 0.027, 0, 0, 0]\n"),
+            (Said{"field_stress.stress: if it is meant in MPa, write \"-6 MPa\"",
+                  "field_stress.gradient: if it is meant in MPa/m, write \"0.027 MPa/m\""}));
+  EXPECT_EQ(remedies(tunnel + "[field_stress]\nstress = [-6e6, -6e6, -4e6, 100, 0, 0]\n"), Said{});
+}
+
+TEST(UnusualInputs, LawsAreLookedAtAsNumbersAre) {
+  const auto law = [](const std::string& friction, const std::string& cohesion) {
+    return remedies(joints_and_rock + "[stability]\nfree = [\"top\"]\n[joints.default]\nfriction = { distribution = " +
+                    friction + " }\ncohesion = { distribution = " + cohesion + " }\n");
+  };
+  EXPECT_EQ(law("\"uniform\", min = 0.5, max = 0.7", "\"uniform\", min = 20, max = 50"),
+            (Said{"joints.default.friction.max: if it is meant in rad, write \"0.7 rad\"",
+                  "joints.default.cohesion.max: if it is meant in kPa, write \"50 kPa\""}));
+  EXPECT_EQ(law("\"normal\", mean = 0.6, std = 0.05", "\"lognormal\", mean = 50, std = 10"),
+            (Said{"joints.default.friction.mean: if it is meant in rad, write \"0.6 rad\"",
+                  "joints.default.cohesion.mean: if it is meant in kPa, write \"50 kPa\""}));
+  // A lower end of nearly nothing, a small spread and far limits are usual.
+  EXPECT_EQ(law("\"normal\", mean = 30, std = 0.5, min = 1, max = 89", "\"uniform\", min = 10, max = 50e3"), Said{});
+}
+
+TEST(UnusualInputs, WhatNoUnitMakesUsualIsSaidToo) {
+  EXPECT_EQ(remedies("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\n"
+                     "[joints.default]\nfriction = 85\ncohesion = 1e12\n[rock]\ndensity = 100\n"
+                     "[stability]\nfree = [\"top\"]\n"),
+            (Said{"joints.default.friction: it is taken as it stands: check it",
+                  "joints.default.cohesion: it is taken as it stands: check it",
+                  "rock.density: it is taken as it stands: check it"}));
+}
+
+TEST(UnusualInputs, ColumnsOfStrengthAreLookedAt) {
+  const auto of = [](const std::string& table) {
+    return texts("[[joint]]\nfile = \"j.csv\"\n[rock]\ndensity = 2700\n" + strength + "[stability]\nfree = [\"top\"]\n",
+                 {{"j.csv", table}});
+  };
+  const Said said = of("dip,dd,x,y,z,friction,cohesion\n30,90,4,4,3,0.6,50\n40,90,4,4,3,35,60\n");
+  ASSERT_EQ(said.size(), 3U);  // the first says how the columns are read
+  EXPECT_EQ(said[1], "friction is 0.6 degrees, which is far from usual (3 to 80)");
+  EXPECT_EQ(said[2], "cohesion is 50 Pa, which is far from usual (500 to 1e+09), and so are 2 rows in all");
+  EXPECT_EQ(of("dip,dd,x,y,z,friction,cohesion (kPa)\n30,90,4,4,3,35,50\n").size(), 1U);
+  EXPECT_EQ(of("dip,dd,x,y,z,friction [rad],cohesion\n30,90,4,4,3,0.03,0\n").size(), 1U);  // stated: no guess
+}
+
+TEST(UnusualInputs, SetsWithoutFrictionAreNamed) {
+  const auto with = [](const std::string& strengths) {
+    return texts(joints_and_rock + "[stability]\nfree = [\"top\"]\n" + strengths);
+  };
+  EXPECT_EQ(with("[joints.B]\nfriction = 40\n"),
+            Said{"joints no friction is given for A: 30 degrees are taken, and cohesion 0"});
+  EXPECT_EQ(with("[joints.B]\ntension = 0\n[joints.A]\ncohesion = 5e4\n"),
+            Said{"joints no friction is given for A, B: 30 degrees are taken, and cohesion 0 for B"});
+  EXPECT_EQ(with("[joints.default]\ntension = 0\n"),
+            Said{"joints no friction is given for A, B: 30 degrees are taken, and cohesion 0"});
+  EXPECT_EQ(with("[joints.A]\nfriction = 30\n[joints.B]\nfriction = 30\n"), Said{});
+}
+
+TEST(UnusualInputs, RockWithoutDensityIsSaid) {
+  EXPECT_EQ(remedies("[[joint]]\nplane = { through = [4, 4, 3], dip = 60, dip_direction = 270 }\n" + strength +
+                     "[rock]\npoisson = 0.2\n[stability]\nfree = [\"top\"]\n"),
+            Said{"rock: add density to [rock]"});
+}
+
+TEST(UnusualInputs, LengthsInMillimetres) {
+  const auto of = [](const std::string& size) {
+    return remedies("[domain]\nbox = { min = [0, 0, 0], max = [" + size + ", " + size + ", " + size +
+                    "] }\n[[joint]]\nplane = { through = [0.01, 0.01, 0.01], dip = 60, dip_direction = 270 }\n");
+  };
+  const std::string millimetres = "domain: if its lengths are millimetres or feet, write them in metres";
+  EXPECT_EQ(of("60000"), Said{millimetres});
+  EXPECT_EQ(of("0.04"), Said{"domain: if its lengths are kilometres, write them in metres"});
+  EXPECT_EQ(of("20000"), Said{});  // a region
+  std::string room;                // of 10 m
+  for (const int z : {0, 10000}) {
+    for (const int y : {0, 10000}) {
+      for (const int x : {0, 10000}) {
+        room += "v " + std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + "\n";
+      }
+    }
+  }
+  room += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+  EXPECT_EQ(remedies("[domain]\nmesh = \"room.obj\"\n[[joint]]\nplane = { through = [1, 1, 1], dip = 60, "
+                     "dip_direction = 270 }\n",
+                     {{"room.obj", room}}),
+            Said{millimetres});
+  const auto opening =
+      remedies("[domain]\nbox = { min = [0, 0, 0], max = [40, 40, 40] }\n" + joints_and_rock + strength +
+               "[[excavation]]\nname = \"hall\"\nkind = \"polyhedron\"\n"
+               "box = { min = [10, 10, 10], max = [9000, 9000, 9000] }\n");
+  EXPECT_TRUE(std::ranges::any_of(opening, [](const std::string& s) {
+    return s == "excavation.hall: if its lengths are millimetres or feet, write them in metres";
+  }));
+}
+
+}  // namespace
+}  // namespace cleave::scene::test
