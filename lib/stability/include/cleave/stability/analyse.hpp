@@ -202,12 +202,6 @@ struct Barred {
 [[nodiscard]] std::vector<Barred> barred_by_lesser(const topology::AuditedComplex& complex, const Settings& settings,
                                                    const Analysis& analysis);
 
-  Area free_area = {};  ///< of their free faces
-  Area all_free = {};   ///< of all free faces
-  /// So many of `blocks` move only together with others (key_groups.hpp).
-  std::size_t together = 0;
-};
-
 /// Blocks at free faces (or beside what has left) that touch a side of the domain that is not free are never judged:
 /// the rock beyond is unknown. This finds those of them that would be key blocks, in the state the analysis ends in,
 /// were these sides smooth joints. A side that such a block would stand on (one that looks up by more than 45 degrees)

@@ -140,5 +140,10 @@ struct Analysis {
 struct DomainHeld {
   std::vector<topology::BlockId> blocks = {};  ///< ascending
   Volume volume = {};
+  Area free_area = {};  ///< of their free faces
+  Area all_free = {};   ///< of all free faces
+  /// So many of `blocks` move only together with others (key_groups.hpp).
+  std::size_t together = 0;
+};
 
 }  // namespace cleave::stability
