@@ -303,7 +303,7 @@ TEST_F(ContactExamplesTest, RoofFallsBelowAndCarriesItselfAbove) {
 
 // Bolts through all layers: those in the middle of the opening hang four bricks each on the top layer.
 TEST_F(ContactExamplesTest, BoltsHangTheLowerLayersOnTheArch) {
-  const auto held = example("tunnel_roof/bolted");
+  const auto held = example("bolted_roof/bolted_roof");
   EXPECT_EQ(held["verdict"], "stands");
   double hanging = 0;
   for (const auto& bolt : held["bolts"]) {
@@ -315,7 +315,7 @@ TEST_F(ContactExamplesTest, BoltsHangTheLowerLayersOnTheArch) {
   EXPECT_NEAR(hanging / bricks, 1, 0.02);
   EXPECT_NE(read("out/report.html").find("<h2>Bolts</h2>"), std::string::npos);
   // Bolts that grip too little: what hangs on them comes down.
-  std::string weak = scene("tunnel_roof/bolted");
+  std::string weak = scene("bolted_roof/bolted_roof");
   for (const std::string_view key : {"400 kN/m", "pretension = \"20 kN\"", "ductility = 0.05"}) {
     for (std::size_t at = weak.find(key); at != std::string::npos; at = weak.find(key, at + 1)) {
       weak.replace(at, key.size(), key.starts_with("400") ? "20 kN/m" : "");

@@ -417,11 +417,13 @@ MotionResult run_motion(const Scene& scene, const Realization& made, const Block
 namespace {
 
 /// Of a group in doubt: layers of blocks around it that are let go with it, at most so many blocks in all, for so long.
-constexpr int layers_let_go = 2;
-constexpr std::size_t most_let_go = 80;
-constexpr double half_a_second = 0.5;
-/// So many groups of one run.
-constexpr std::size_t most_groups_let_go = 40;
+constexpr int layers_let_go = 1;
+constexpr std::size_t most_let_go = 16;
+constexpr double long_enough = 0.2;
+/// What 0.05 % of free fall is over after that.
+constexpr double far_enough = 1e-4;
+/// So many groups of one run: a step of such a group may take tens of milliseconds.
+constexpr std::size_t most_groups_let_go = 10;
 
 /// The blocks of a group and those within some layers of them that are there and may move.
 Waves around(const stability::KeyGroup& group, const BlockComplex& complex, const std::vector<std::uint8_t>& gone) {
@@ -456,10 +458,10 @@ LetGo let_go(const Scene& scene, const Realization& made, const BlockComplex& co
   const Cast cast = cast_of(scene, settings, made, complex, waves, {.gone = gone, .all_free = false});
   auto world = motion::World::make(cast.scene, options_of(scene, settings));
   if (!world) return LetGo::stopped;
-  while (world->time() < half_a_second - 1e-9) {
-    if (!world->step(half_a_second - world->time())) return LetGo::stopped;
+  while (world->time() < long_enough - 1e-9) {
+    if (!world->step(long_enough - world->time())) return LetGo::stopped;
     for (std::size_t k = 0; k < cast.moving.size(); ++k) {
-      if (std::ranges::binary_search(group.blocks, cast.moving[k]) && norm(world->displacement(k)) > millimetre)
+      if (std::ranges::binary_search(group.blocks, cast.moving[k]) && norm(world->displacement(k)) > far_enough)
         return LetGo::moved;
     }
   }

@@ -8,7 +8,7 @@ namespace cleave::scene {
 [[nodiscard]] MotionResult run_motion(const Scene& scene, const Realization& made,
                                       const topology::BlockComplex& complex);
 
-/// Lets each group in doubt go for half a second under gravity, with the blocks around it, all others walls. Batches
+/// Lets each group in doubt go for 0.2 s under gravity, with the blocks around it, all others walls. Batches
 /// before that of the group are gone.
 [[nodiscard]] std::vector<std::optional<LetGo>> let_go(const Scene& scene, const Realization& made,
                                                        const topology::BlockComplex& complex,

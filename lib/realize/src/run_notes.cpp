@@ -302,7 +302,7 @@ void add_let_go_note(const std::vector<std::optional<LetGo>>& outcomes, std::vec
   const auto other = count(LetGo::stopped) + count(LetGo::not_tried);
   if (moved + stayed + other == 0) return;
   notes.push_back(
-      fmt::format("groups in doubt, let go from rest as rigid blocks in motion for half a second: {} moved, {} stayed, "
+      fmt::format("groups in doubt, let go from rest as rigid blocks in motion for 0.2 s: {} moved, {} stayed, "
                   "{} could not be tried; a group that stayed is no proof: see let_go in key_groups.csv",
                   moved, stayed, other));
 }
@@ -336,15 +336,14 @@ void add_border_note(const stability::DomainHeld& held, std::string_view where, 
       held.together == 0 ? "" : fmt::format("; {} of them would move only together with others", held.together)));
 }
 
-/// Bolts that end in what only a side of the domain holds.
+/// Bolts that hold on to what only a side of the domain holds.
 void add_anchor_note(const stability::SupportResult& support, std::vector<std::string>& notes) {
-  if (support.no_anchor.empty()) return;
-  const std::size_t count = support.no_anchor.size();
-  notes.push_back(
-      fmt::format("bolts go through {} {} that only a side of the domain holds ({}{}): they find no hold there, and "
-                  "what lies beyond is "
-                  "unknown; enlarge the domain",
-                  count, count == 1 ? "block" : "blocks", support.no_anchor.front().value(), count > 1 ? ", ..." : ""));
+  if (support.held_by_border.empty()) return;
+  const std::size_t count = support.held_by_border.size();
+  notes.push_back(fmt::format(
+      "bolts go through {} {} that only a side of the domain holds ({}{}): they count as rock that stays, so that what "
+      "is bolted to them alone may move with them; enlarge the domain",
+      count, count == 1 ? "block" : "blocks", support.held_by_border.front().value(), count > 1 ? ", ..." : ""));
 }
 
 /// Groups below the target where no support asks for them.

@@ -285,7 +285,7 @@ void fields(V& v, const KeyGroupRow& x) {
   v("stage", x.stage,
     "after which stage it moves, with the block numbers of `blocks_stage_N.vtu`; empty: after the last");
   v("let_go", x.let_go ? scene::name_of(*x.let_go) : std::string_view{},
-    "of a group in doubt in the base case: what rigid blocks in motion do that start from rest, in half a second: "
+    "of a group in doubt in the base case: what rigid blocks in motion do that start from rest, in 0.2 s: "
     "`stayed`, `moved`, `stopped` (the contact law could not be solved) or `not_tried`");
 }
 

@@ -14,9 +14,7 @@ using topology::BlockId;
 
 namespace {
 
-double grip_in(const Bolt& bolt, const Pierced& p) {
-  return p.anchors ? gripped_length(bolt.type, bolt.length.si(), p.from, p.to) : 0;
-}
+double grip_in(const Bolt& bolt, const Pierced& p) { return gripped_length(bolt.type, bolt.length.si(), p.from, p.to); }
 
 }  // namespace
 

@@ -51,7 +51,7 @@ class Check final {
         gone_{[this](BlockId id) { return !model_.present(id, 1); }},
         scaled_{std::ranges::any_of(complex.blocks().ids(), gone_)},
         needy_(complex.blocks().size(), none),
-        holds_(complex.blocks().size(), std::nullopt) {}
+        looked_at_(complex.blocks().size(), std::uint8_t{0}) {}
 
   SupportResult run() {
     find_needy();
@@ -174,7 +174,7 @@ class Check final {
     entry.pierced.erase(entry.pierced.begin(), left);
     if (entry.pierced.empty()) entry.status = BoltStatus::off;
     note_truncated(path);
-    for (Pierced& p : entry.pierced) p.anchors = holds(p.block);
+    for (const Pierced& p : entry.pierced) note_border(p.block);
     const auto number = static_cast<std::uint32_t>(result_.bolts.size());
     for (const Pierced& p : entry.pierced) {
       auto& through = through_[p.block];
@@ -183,15 +183,12 @@ class Check final {
     result_.bolts.push_back(std::move(entry));
   }
 
-  /// Whether bolts find hold in a block: not where only a side of the domain keeps it from moving.
-  [[nodiscard]] bool holds(BlockId id) {
-    std::optional<bool>& known = holds_[id];
-    if (!known) {
-      const topology::Block& block = complex_->blocks()[id];
-      known = !block.fixed || block.truncated || gone_(id) || !moves_off_border(model_, id, 1);
-      if (!*known) result_.no_anchor.insert(std::ranges::lower_bound(result_.no_anchor, id), id);
-    }
-    return *known;
+  /// Notes a block that only a side of the domain keeps from moving.
+  void note_border(BlockId id) {
+    if (std::exchange(looked_at_[id], std::uint8_t{1}) != 0) return;
+    const topology::Block& block = complex_->blocks()[id];
+    if (!block.fixed || block.truncated || gone_(id) || !moves_off_border(model_, id, 1)) return;
+    result_.held_by_border.insert(std::ranges::lower_bound(result_.held_by_border, id), id);
   }
 
   /// What a bolt does depends on the blocks it goes through as a whole: how much of it each grips, and with which
@@ -233,7 +230,7 @@ class Check final {
 
   [[nodiscard]] const Pierced* held_in_front(const BoltResult& bolt, const Grip& grip) const {
     if (grip.collar || bolt.pierced.empty() || needy_[bolt.pierced.front().block] != none) return nullptr;
-    return bolt.pierced.front().anchors ? &bolt.pierced.front() : nullptr;
+    return &bolt.pierced.front();
   }
 
   /// Without a plate on the block itself: by its grip there, or, free up to its anchor, by the plate in front.
@@ -311,8 +308,7 @@ class Check final {
     std::uint32_t placed = 0;
     for (const Bolt& bolt : spot_places(*complex_, entry.block, wanted, motion, *plan_->spot)) {
       if (placed == plan_->spot->most || entry.held != Held::not_held) break;
-      BoltResult trial{.bolt = bolt, .spot = true, .pierced = paths_.path(bolt).pierced};
-      for (Pierced& p : trial.pierced) p.anchors = holds(p.block);
+      const BoltResult trial{.bolt = bolt, .spot = true, .pierced = paths_.path(bolt).pierced};
       BoltStatus status{};
       if (trial.pierced.empty() || action(trial, entry.block, status).force == Vec3{}) continue;
       add_bolt(bolt, true);
@@ -422,10 +418,10 @@ class Check final {
   Model model_;
   TruncatedBlocks truncated_blocks_;
   BoltPaths paths_;
-  std::function<bool(BlockId)> gone_;       ///< scaled off before the support
-  bool scaled_;                             ///< some block is
-  IdVector<BlockId, std::uint32_t> needy_;  ///< index into bodies_ and result_.blocks
-  IdVector<BlockId, std::optional<bool>> holds_;
+  std::function<bool(BlockId)> gone_;          ///< scaled off before the support
+  bool scaled_;                                ///< some block is
+  IdVector<BlockId, std::uint32_t> needy_;     ///< index into bodies_ and result_.blocks
+  IdVector<BlockId, std::uint8_t> looked_at_;  ///< by `note_border`
   IdVector<BlockId, ForceSum> received_by_;
   std::vector<Body> bodies_;
   std::vector<double> layers_;  ///< N, parallel to bodies_: what shotcrete can carry

@@ -64,7 +64,6 @@ void Ties::add_bar(const BoltResult& result) {
   const Bolt& bolt = result.bolt;
   Bar bar{.collar = bolt.collar, .axis = bolt.direction, .type = bolt.type, .pieces = {}};
   for (const Pierced& p : result.pierced) {
-    if (!p.anchors) continue;
     const double grip = gripped_length(bolt.type, bolt.length.si(), p.from, p.to);
     const bool plate = &p == &result.pierced.front() && bolt.type.plate > newtons(0);
     bar.pieces.push_back({.block = p.block,

@@ -132,7 +132,6 @@ enum class BoltStatus : std::uint8_t {
 struct Pierced {
   topology::BlockId block;
   double from, to;      ///< m from the collar
-  bool anchors = true;  ///< false: only a side of the domain holds the block, so the bolt finds no hold in it
 };
 
 struct BoltResult {
@@ -210,8 +209,9 @@ struct SupportResult {
   std::vector<BoltResult> bolts = {};        ///< plan order, then spot bolts
   std::vector<CombinedBlock> combined = {};  ///< two members and more, by lowest id
   std::size_t spot_bolts = 0;
-  /// Blocks with bolts through them that only a side of the domain holds (`DomainHeld`), ascending: they are no anchor.
-  std::vector<topology::BlockId> no_anchor = {};
+  /// Blocks with bolts through them that only a side of the domain holds (`DomainHeld`), ascending. They count as rock
+  /// that stays, as what lies beyond is unknown.
+  std::vector<topology::BlockId> held_by_border = {};
   /// Blocks known in part only (topology::Block::truncated) that the check depends on: when there is one nothing else
   /// of the result holds, and a larger window is needed.
   std::vector<topology::BlockId> undecided = {};
