@@ -233,11 +233,13 @@ TEST(HtmlStability, ThePatternFoundHasItsSpacingRingsAndShareThatFails) {
   found.failing = 7;
   found.failing_share = {0.07, 0.33};
   found.governing = 12;
+  found.groups = {.count = 3, .not_held = 1, .in_doubt = 1};
   t.result.designs = {found, scene::DesignResult{.length = 2}};
   const std::string support = section(report_html(t.page), "support");
-  EXPECT_NE(support.find("<tr><td>3</td><td>3.75 × 4.5</td><td>22</td><td>132</td><td>7</td><td>396</td><td>7 of 40 "
-                         "(7 to 33 %)</td><td>12</td></tr>"),
-            std::string::npos)
+  EXPECT_NE(
+      support.find("<tr><td>3</td><td>3.75 × 4.5</td><td>22</td><td>132</td><td>7</td><td>396</td><td>1 of 3, 1 in "
+                   "doubt</td><td>7 of 40 (7 to 33 %)</td><td>12</td></tr>"),
+      std::string::npos)
       << support;
   EXPECT_NE(support.find("none passes"), std::string::npos);
 }

@@ -93,10 +93,11 @@ TEST(KeyGroupsCsv, LoadCasesAndStagesFollowTheBaseCase) {
   scene::StageResult& stage = result.sequence.emplace().stages.emplace_back();
   stage.stage = 2;
   stage.groups = one(5);
+  result.let_go = {scene::LetGo::moved};
   const std::string csv = key_groups_csv(result);
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,3,0,,,0,0,0,0,,\n")) << csv;
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,4,0,,,0,0,0,0,quake,\n")) << csv;
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,5,0,,,0,0,0,0,,2\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,3,0,,,0,0,0,0,,,moved\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,4,0,,,0,0,0,0,quake,,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,5,0,,,0,0,0,0,,2,\n")) << csv;
   EXPECT_LT(csv.find(",3,0"), csv.find(",4,0"));
   EXPECT_LT(csv.find(",4,0"), csv.find(",5,0"));
   // Only groups of the rock that the page shows can be picked in it.
