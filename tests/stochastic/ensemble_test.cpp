@@ -258,7 +258,8 @@ TEST(EnsembleTest, WhatBiasesTheFiguresIsNoted) {
   EXPECT_FALSE(says(equal, "as ratio of sums"));
   EXPECT_TRUE(says(equal, "1 of 40 realizations stopped at max_batches"));
   EXPECT_FALSE(says(unequal, "stopped at max_batches"));
-  EXPECT_TRUE(says(equal, "20.0 % of the area of excavations belongs to blocks that only fixed sides of the domain hold"));
+  EXPECT_TRUE(
+      says(equal, "20.0 % of the area of excavations belongs to blocks that only fixed sides of the domain hold"));
   EXPECT_FALSE(says(unequal, "fixed sides"));
 }
 
