@@ -104,8 +104,8 @@ Record record_of(std::uint64_t k, const Realization& made, const stochastic::Que
     return record;
   }
   const topology::BlockComplex& complex = made.complex->complex();
-  record = stochastic::measure(complex, made.analysis ? &*made.analysis : nullptr, questions,
-                               made.domain_held ? &*made.domain_held : nullptr);
+  const std::optional<stability::DomainHeld>& held = questions.groups ? made.domain_held : made.held_alone;
+  record = stochastic::measure(complex, made.analysis ? &*made.analysis : nullptr, questions, held ? &*held : nullptr);
   record.realization = k;
   record.joints = made.joints.size();
   if (made.support) {

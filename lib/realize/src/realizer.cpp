@@ -200,7 +200,7 @@ Realizer::Done Realizer::judge() {
   if (!near_) made_.key_groups.reset();
   if (detail_ == Detail::counted) {
     if (judges_groups()) judge_groups();
-    made_.domain_held = held_by_border(settings(complex.complex()), *made_.analysis, made_.key_groups);
+    hold_by_border(settings(complex.complex()));
     return {};
   }
   made_.key_block_hash = hash_of_key_blocks(complex.complex(), *made_.analysis);
@@ -212,7 +212,7 @@ Realizer::Done Realizer::judge() {
   if (!made_.key_groups || made_.key_groups->too_many) {
     made_.barred = stability::barred_by_lesser(complex, with, *made_.analysis);
   }
-  made_.domain_held = held_by_border(with, *made_.analysis, made_.key_groups);
+  hold_by_border(with);
   if (!near_) judge_cases(*scene_, complex, made_);
   if (scene_->stability->groups != stability::GroupsCheck::off) {
     judge_groups_of_cases();
@@ -228,6 +228,12 @@ Realizer::Done Realizer::judge() {
   made_.sensitivity = stability::sensitivity(complex, with, *made_.analysis);
   judge_maximum_blocks(*scene_, made_);
   return {};
+}
+
+/// In the base case.
+void Realizer::hold_by_border(const stability::Settings& settings) {
+  made_.held_alone = held_by_border(settings, *made_.analysis, std::nullopt);
+  made_.domain_held = held_by_border(settings, *made_.analysis, made_.key_groups);
 }
 
 stability::DomainHeld Realizer::held_by_border(const stability::Settings& settings, const stability::Analysis& analysis,

@@ -49,6 +49,7 @@ class Realizer final {
   void judge_groups_of_cases();
   void judge_groups_of_stages();
   void judge_groups_below_target();
+  void hold_by_border(const stability::Settings& settings);
   [[nodiscard]] stability::DomainHeld held_by_border(const stability::Settings& settings,
                                                      const stability::Analysis& analysis,
                                                      const std::optional<stability::KeyGroups>& groups) const;

@@ -261,7 +261,8 @@ void Ensemble::add_notes(Figures& figures) const {
   constexpr double alarm = 0.1;
   if (figures.free_area_fixed_share > alarm) {
     std::string what = fmt::format(
-        "{:.1f} % of the area of excavations belongs to blocks that only fixed sides of the domain hold: key blocks are "
+        "{:.1f} % of the area of excavations belongs to blocks that only fixed sides of the domain hold: key blocks "
+        "are "
         "missed there",
         100 * figures.free_area_fixed_share);
     if (figures.middle_fixed_share && *figures.middle_fixed_share > alarm) {

@@ -264,6 +264,7 @@ struct Realization : SampledScene {
   std::vector<stability::InterlockedByInclusion> held_from_within = {};
   std::vector<stability::Barred> barred = {};             ///< where blocks were not judged together
   std::optional<stability::DomainHeld> domain_held = {};  ///< of the base case, with `analysis`
+  std::optional<stability::DomainHeld> held_alone = {};   ///< of those, single blocks: what ensembles count
   std::vector<CaseResult> load_cases = {};                ///< of [[load]], in scene order; the base case is `analysis`
   std::vector<stability::Sensitivity> sensitivity = {};   ///< of the blocks of the first batch
   std::vector<MaximumRow> maximum_blocks = {};

@@ -131,7 +131,7 @@ enum class BoltStatus : std::uint8_t {
 
 struct Pierced {
   topology::BlockId block;
-  double from, to;      ///< m from the collar
+  double from, to;  ///< m from the collar
 };
 
 struct BoltResult {

@@ -240,9 +240,8 @@ struct Questions {
 /// Where the foot of `point` on the polyline lies, m from its start: the nearest one, the first of equally near ones.
 [[nodiscard]] double chainage_of(std::span<const geometry::Vec3> axis, geometry::Vec3 point) noexcept;
 
-/// Counts one realization. `analysis` may be null: no stability stage. `held`: what only the border of the domain holds,
-/// where it was asked. A face to a block that left before counts as
-/// free, as it was when the block was judged.
+/// Counts one realization. `analysis` may be null: no stability stage. `held`: what only the border of the domain
+/// holds, where it was asked. A face to a block that left before counts as free, as it was when the block was judged.
 [[nodiscard]] Record measure(const topology::BlockComplex& complex, const stability::Analysis* analysis,
                              const Questions& questions, const stability::DomainHeld* held = nullptr);
 
