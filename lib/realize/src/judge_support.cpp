@@ -97,6 +97,7 @@ class PlanCheck {
 };
 
 bool holds(const stability::GroupSupport& groups, GroupsHeld asked) {
+  if (groups.too_many()) return false;  // nothing is known
   const SupportedGroupFigures figures = count_supported_groups(groups);
   return asked == GroupsHeld::none_moves ? figures.not_held == 0 : figures.all_held();
 }
@@ -214,7 +215,7 @@ class DesignSearch {
       if (held && asked_ != GroupsHeld::unasked) {
         const stability::GroupSupport groups = check_->groups(plan_, result);
         held = holds(groups, asked_);
-        if (!held) ++missing[groups.left.groups.front().blocks.front()];
+        if (!held && !groups.left.groups.empty()) ++missing[groups.left.groups.front().blocks.front()];
       }
       row.failing += held ? 0U : 1U;
       for (const stability::SupportedBlock& b : result.blocks) {
