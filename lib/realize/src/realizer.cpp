@@ -223,7 +223,8 @@ Realizer::Done Realizer::judge() {
     CaseResult& load = made_.load_cases[k];
     const stability::Settings pushed =
         of_detail(settings_on(complex.complex(), *scene_, made_, scene_->stability->cases[k].loads));
-    load.domain_held = held_by_border(pushed, load.analysis, load.groups);
+    load.domain_held =
+        with_groups(stability::domain_held(complex, pushed, load.analysis), pushed, load.analysis, load.groups);
   }
   made_.sensitivity = stability::sensitivity(complex, with, *made_.analysis);
   judge_maximum_blocks(*scene_, made_);
@@ -232,13 +233,13 @@ Realizer::Done Realizer::judge() {
 
 /// In the base case.
 void Realizer::hold_by_border(const stability::Settings& settings) {
-  made_.held_alone = held_by_border(settings, *made_.analysis, std::nullopt);
-  made_.domain_held = held_by_border(settings, *made_.analysis, made_.key_groups);
+  made_.held_alone = stability::domain_held(*made_.complex, settings, *made_.analysis);
+  made_.domain_held = with_groups(*made_.held_alone, settings, *made_.analysis, made_.key_groups);
 }
 
-stability::DomainHeld Realizer::held_by_border(const stability::Settings& settings, const stability::Analysis& analysis,
-                                               const std::optional<stability::KeyGroups>& groups) const {
-  stability::DomainHeld held = stability::domain_held(*made_.complex, settings, analysis);
+stability::DomainHeld Realizer::with_groups(stability::DomainHeld held, const stability::Settings& settings,
+                                            const stability::Analysis& analysis,
+                                            const std::optional<stability::KeyGroups>& groups) const {
   if (groups && !groups->too_many) stability::add_held_together(*made_.complex, settings, analysis, *groups, held);
   return held;
 }

@@ -50,9 +50,10 @@ class Realizer final {
   void judge_groups_of_stages();
   void judge_groups_below_target();
   void hold_by_border(const stability::Settings& settings);
-  [[nodiscard]] stability::DomainHeld held_by_border(const stability::Settings& settings,
-                                                     const stability::Analysis& analysis,
-                                                     const std::optional<stability::KeyGroups>& groups) const;
+  /// What the border holds of single blocks, and of groups.
+  [[nodiscard]] stability::DomainHeld with_groups(stability::DomainHeld held, const stability::Settings& settings,
+                                                  const stability::Analysis& analysis,
+                                                  const std::optional<stability::KeyGroups>& groups) const;
   void support();
   void support_of_groups();
   /// Of the base case or a load case; empty, and noted, where more blocks than are judged together are near free faces.
