@@ -72,6 +72,30 @@ window.addEventListener('load', function () {
       key('ArrowLeft'); key('+'); key('-'); key('Home'); key('f');
       view3d.parallel(true);
       view3d.parallel(false);
+      const by = document.getElementById('colour-by');
+      by.value = 'set';
+      by.dispatchEvent(new Event('change'));
+      const legend = Array.from(document.querySelectorAll('#panel fieldset')).find(function (f) { return shown(f) && f.firstChild.textContent === 'Joint set'; });
+      const ofJoint = blocks3d.faceRole.findIndex(function (r, f) { return r === 0 && blocks3d.shown(blocks3d.faceBlock[f]); });
+      const swatches = Array.from(legend.querySelectorAll('.swatch')).map(function (s) { return s.getAttribute('style').slice(11); });
+      check('sets', swatches.length > 0 && (ofJoint < 0 || swatches.indexOf(blocks3d.faceColourOf(ofJoint)) >= 0));
+      // Areas of many sections, times their distance, are the volumes of the blocks.
+      [0, 1, 2].forEach(function (axis) {
+        const still = [0, 0, 0], n = 60, size = blocks3d.data.size[axis];
+        let sum = 0, exact = 0, outlined = true;
+        for (let i = 0; i < n; ++i) {
+          const cap = caps3d(axis, ((i + 0.5) / n - 0.5) * size, function () { return true; }, function () { return still; });
+          outlined = outlined && (cap.edges.length > 0) === (cap.block.length > 0) && cap.position.length === 9 * cap.block.length;
+          for (let t = 0; t < cap.block.length; ++t) {
+            const p = cap.position.slice(9 * t, 9 * t + 9), u = (axis + 1) % 3, v = (axis + 2) % 3;
+            sum += Math.abs((p[3 + u] - p[u]) * (p[6 + v] - p[v]) - (p[3 + v] - p[v]) * (p[6 + u] - p[u])) / 2 * size / n;
+          }
+        }
+        blocks3d.volume.forEach(function (v) { exact += v; });
+        check('caps ' + 'xyz'[axis], outlined && Math.abs(sum / exact - 1) < 0.01 ? true : sum / exact);
+      });
+      view3d.state.cut = 0.5;
+      view3d.rebuild();
       check('picture', view3d.picture().indexOf('data:image/png') === 0);
     }
   } catch (e) {
@@ -110,7 +134,7 @@ wide = drive(address, 1280)
 print("1280 px:", wide)
 expected = ["fits", "sorts"] + [name for name in ["micro hidden", "micro shown"] if name in wide]
 if wide["view"]:
-    expected += ["link", "escape", "row", "alone", "together", "search", "next", "picture"]
+    expected += ["link", "escape", "row", "alone", "together", "search", "next", "picture", "sets", "caps x", "caps y", "caps z"]
     expected += [name for name in ["group", "group alone", "group let go"] if "data-group" in text]
 else:
     print("this browser has no WebGL: the 3D view was not driven")

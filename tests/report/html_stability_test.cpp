@@ -320,6 +320,37 @@ std::string packed(std::vector<T> values) {
   return out;
 }
 
+TEST(HtmlStability, FacesInTheViewKnowTheSetOfTheirJoint) {
+  const Tunnel t;
+  ViewSets sets{.names = {"A", "B \"steep\""}, .of = {}};
+  std::vector<std::uint16_t> expected;
+  for (const topology::BlockId id : t.complex.blocks().ids()) {
+    for (const topology::FaceId face : t.complex.blocks()[id].faces) {
+      const auto joint = t.complex.faces()[face].joint;
+      if (joint && joint->index() >= sets.of.size()) sets.of.resize(joint->index() + 1);
+      expected.push_back(joint ? static_cast<std::uint16_t>(joint->index() % 2) : std::uint16_t{65535});
+    }
+  }
+  ASSERT_GT(sets.of.size(), 1U);
+  for (std::size_t j = 0; j < sets.of.size(); ++j) sets.of[j] = static_cast<std::uint16_t>(j % 2);
+  const auto json = nlohmann::json::parse(pack_view(t.complex, nullptr, 1'000'000, nullptr, nullptr, &sets).json);
+  EXPECT_EQ(json["setNames"], nlohmann::json(sets.names));
+  EXPECT_EQ(json["faceSet"].get<std::string>().size(), packed(expected).size());
+  const auto one = nlohmann::json::parse(pack_view(t.complex, nullptr, 1, nullptr, nullptr, &sets).json);
+  ASSERT_EQ(one["faces"].get<std::string>().size(), 8U);  // one block
+  std::vector<std::uint16_t> first;
+  const std::string id = one["id"];
+  for (const topology::BlockId block : t.complex.blocks().ids()) {
+    if (packed<std::uint32_t>({block.value()}) != id) continue;
+    for (const topology::FaceId face : t.complex.blocks()[block].faces) {
+      const auto joint = t.complex.faces()[face].joint;
+      first.push_back(joint ? static_cast<std::uint16_t>(joint->index() % 2) : std::uint16_t{65535});
+    }
+  }
+  EXPECT_EQ(one["faceSet"], packed(first));
+  EXPECT_FALSE(nlohmann::json::parse(pack_view(t.complex, nullptr, 1'000'000).json).contains("setNames"));
+}
+
 TEST(HtmlStability, KeyGroupsComeFirstInTheViewWithTheirMotions) {
   const Tunnel t;
   const auto last = static_cast<std::uint32_t>(t.complex.blocks().size() - 1);

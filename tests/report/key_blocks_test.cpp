@@ -95,9 +95,9 @@ TEST(KeyGroupsCsv, LoadCasesAndStagesFollowTheBaseCase) {
   stage.groups = one(5);
   result.let_go = {scene::LetGo::moved};
   const std::string csv = key_groups_csv(result);
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,3,0,,,0,0,0,0,,,moved\n")) << csv;
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,4,0,,,0,0,0,0,quake,,\n")) << csv;
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,5,0,,,0,0,0,0,,2,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,3,0,,,0,0,0,0,,,moved,,,,,,,,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,4,0,,,0,0,0,0,quake,,,,,,,,,,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,5,0,,,0,0,0,0,,2,,,,,,,,,\n")) << csv;
   EXPECT_LT(csv.find(",3,0"), csv.find(",4,0"));
   EXPECT_LT(csv.find(",4,0"), csv.find(",5,0"));
   // Only groups of the rock that the page shows can be picked in it.
@@ -145,6 +145,42 @@ TEST(KeyBlocksCsv, SaysWhereABlockIs) {
         << row;
     at = csv.find('\n', at + 1);
   }
+}
+
+// The centroid is that of all by volume; the rest that of the block with most free area.
+TEST(KeyGroupsCsv, SaysWhereAGroupIs) {
+  const auto roles = [](double size, std::optional<std::size_t> free, std::uint32_t joint) {
+    auto faces = box_faces({0, 0, 0}, {size, size, size}, Role::joint);
+    for (FaceSpec& face : faces) face.joint = joint;
+    if (free) {
+      faces[*free].role = Role::free;
+      faces[*free].joint.reset();
+      faces[*free].excavation = 0;
+    }
+    return faces;
+  };
+  HandMade made{{10, 20, 30}};
+  made.block(roles(0.5, 0, 1), box_counts, true);             // to the right of the tunnel, 0.25 m2 of it
+  made.block(roles(1, 4, 0), box_counts, true);               // 1 m2 of roof
+  made.block(roles(0.5, std::nullopt, 0), box_counts, true);  // behind
+  scene::RunResult result = result_of({});
+  result.excavations = {
+      {"tunnel", 1, scene::TunnelLine{.axis = {{10, 5, 30}, {10, 50, 30}}, .up = {0, 0, 1}, .outline = {}}}};
+  result.joints.push_back(joint({0, 0, 1}, 0));
+  result.joints.push_back(joint({0, 0, 1}, 1));
+  result.sets = IdVector<scene::SetId, scene::SetInfo>{{{"A", 1}, {"B", 1}}};
+  const auto of = [](std::vector<topology::BlockId> blocks) {
+    return stability::KeyGroup{.batch = 1, .blocks = std::move(blocks), .factors = false};
+  };
+  result.key_groups =
+      stability::KeyGroups{.groups = {of({topology::BlockId{0U}, topology::BlockId{1U}, topology::BlockId{2U}}),
+                                      of({topology::BlockId{2U}})}};
+  const auto complex = std::move(made).complex();
+  const std::string csv = key_groups_csv(result, &complex);
+  EXPECT_TRUE(csv.contains(",10,20,30,roof,15,12:00,1.25,A;B\n")) << csv;
+  EXPECT_TRUE(csv.contains(",10,20,30,,,,0,A\n")) << csv;
+  const std::string table = key_groups_section(result, &complex);
+  EXPECT_TRUE(table.contains("roof, 12:00, chainage 15 m")) << table;
 }
 
 // A flat tetrahedron over its free base: its apex lies half a metre above the inside of the base, farther from its

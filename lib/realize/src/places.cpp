@@ -146,4 +146,27 @@ BlockPlace place_of(const RunResult& result, const topology::BlockComplex& compl
   return place;
 }
 
+GroupPlace place_of(const RunResult& result, const topology::BlockComplex& complex,
+                    const std::vector<topology::BlockId>& group) {
+  GroupPlace out;
+  Area most;
+  Volume whole;
+  for (const topology::BlockId id : group) {
+    const BlockPlace place = place_of(result, complex, id, joints_of(complex, id));
+    const Volume volume = complex.blocks()[id].volume;
+    out.centroid = out.centroid + volume.si() * place.centroid;
+    whole += volume;
+    out.free_area += place.free_area;
+    out.sets.insert(out.sets.end(), place.sets.begin(), place.sets.end());
+    if (!(place.free_area > most)) continue;
+    most = place.free_area;
+    out.location = place.location;
+    out.chainage = place.chainage;
+    out.clock = place.clock;
+  }
+  if (whole.si() > 0) out.centroid = (1 / whole.si()) * out.centroid;
+  sort_and_drop_repeated(out.sets);
+  return out;
+}
+
 }  // namespace cleave::scene

@@ -14,6 +14,8 @@ const blocks3d = (function () {
   const faceBlock = new Uint32Array(bytes(data.faceBlock));
   const faceRole = new Uint8Array(bytes(data.faceRole));
   const faceTriangles = new Uint32Array(bytes(data.faceTriangles));
+  const setNames = data.setNames || [];
+  const faceSet = setNames.length > 0 ? new Uint16Array(bytes(data.faceSet)) : null;
   const blockId = new Uint32Array(bytes(data.id));
   const batch = new Uint16Array(bytes(data.batch));
   const mode = new Uint8Array(bytes(data.mode));
@@ -72,6 +74,7 @@ const blocks3d = (function () {
     ['1.5 and more', '#3182bd', function () { return true; }]];
   const volumeSteps = [['below 0.1 m\u00b3', '#440154', 0.1], ['0.1 to 1', '#3b528b', 1], ['1 to 10', '#21918c', 10],
     ['10 to 100', '#5ec962', 100], ['100 m\u00b3 and more', '#fde725', Infinity]];
+  const setColour = function (s) { return batchColours[s % batchColours.length]; };
   const factorStep = function (f) { return factorSteps.findIndex(function (s) { return s[2](f); }); };
   const css = function (name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); };
 
@@ -102,11 +105,16 @@ const blocks3d = (function () {
     if (state.colourBy === 'volume') return volumeSteps.find(function (s) { return volume[b] < s[2]; })[1];
     return batchColourOf(batch[b]);
   };
+  // By sets the faces of one block differ: those of joints have the colour of their set.
+  const faceColourOf = function (f) {
+    if (state.colourBy !== 'set') return colourOf(faceBlock[f]);
+    return faceSet && faceSet[f] < setNames.length ? setColour(faceSet[f]) : staysColour;
+  };
 
   return {
     data, bytes, triangles, faceBlock, faceRole, faceTriangles, blockId, batch, mode,
     factor, volume, faceCount, blocks, points, extent, indexOf, firstFace, firstTriangle,
     centre, judged, walls, isWall, batchColourOf, modeColours, factorSteps, volumeSteps, css,
-    state, shown, colourOf, groups
+    state, shown, colourOf, faceColourOf, setNames, setColour, groups
   };
 })();

@@ -28,13 +28,27 @@
     return input;
   };
   const legend = {};
-  if (state.batches.size > 0) {
-    const by = fieldset('Key blocks');
-    const label = make('label', {}, by);
-    make('span', { text: 'Colour by' }, label);
-    const select = make('select', { 'aria-label': 'Colour by' }, label);
-    [['batch', 'batch'], ['mode', 'mode'], ['factor', 'factor of safety'], ['volume', 'volume']].forEach(function (o) { make('option', { value: o[0], text: o[1] }, select); });
-    select.addEventListener('change', function () { state.colourBy = select.value; swatches(); view3d.rebuild(); });
+  const steps = function (title, rows) {
+    const field = fieldset(title);
+    rows.forEach(function (s) {
+      const line = make('label', {}, field);
+      make('i', { class: 'swatch', style: 'background:' + s[1] }, line);
+      make('span', { text: s[0] }, line);
+    });
+    return field;
+  };
+  const judged = state.batches.size > 0;
+  const by = fieldset(judged ? 'Key blocks' : 'Blocks');
+  const label = make('label', {}, by);
+  make('span', { text: 'Colour by' }, label);
+  const select = make('select', { id: 'colour-by', 'aria-label': 'Colour by' }, label);
+  const kinds = judged ? [['batch', 'batch'], ['mode', 'mode'], ['factor', 'factor of safety'], ['volume', 'volume']] : [['batch', 'nothing'], ['volume', 'volume']];
+  if (view3d.setNames.length > 0) kinds.push(['set', 'joint set']);
+  kinds.forEach(function (o) { make('option', { value: o[0], text: o[1] }, select); });
+  select.addEventListener('change', function () { state.colourBy = select.value; swatches(); view3d.rebuild(); });
+  legend.volume = steps('Volume', view3d.volumeSteps);
+  legend.set = steps('Joint set', view3d.setNames.map(function (name, s) { return [name, view3d.setColour(s)]; }));
+  if (judged) {
     const list = function (title, map, names, colours) {
       const field = fieldset(title);
       const box = make('div', { class: 'list' }, field);
@@ -52,23 +66,13 @@
     legend.batch = list('Batch', state.batches, function (k) { return k === 0 ? 'no batch: stays' : k > 8 ? 'batch 9 and later' : 'batch ' + k; },
       view3d.batchColour);
     legend.mode = list('Mode', state.modes, function (k) { return modeNames[k]; }, view3d.modeColour);
-    const steps = function (title, rows) {
-      const field = fieldset(title);
-      rows.forEach(function (s) {
-        const line = make('label', {}, field);
-        make('i', { class: 'swatch', style: 'background:' + s[1] }, line);
-        make('span', { text: s[0] }, line);
-      });
-      return field;
-    };
     legend.factor = steps('Factor of safety', view3d.factorSteps);
-    legend.volume = steps('Volume', view3d.volumeSteps);
   }
   const swatches = function () {
     Object.keys(legend).forEach(function (name) {
       legend[name].querySelectorAll('.swatch').forEach(function (s) { s.style.display = name === state.colourBy ? '' : 'none'; });
     });
-    ['factor', 'volume'].forEach(function (name) { if (legend[name]) legend[name].style.display = state.colourBy === name ? '' : 'none'; });
+    ['factor', 'volume', 'set'].forEach(function (name) { if (legend[name]) legend[name].style.display = state.colourBy === name ? '' : 'none'; });
   };
   swatches();
   const find = fieldset('Find a block');

@@ -12,7 +12,7 @@ const view3d = (function () {
     data, bytes, triangles, faceBlock, faceRole, faceTriangles, blockId, batch, mode,
     factor, volume, faceCount, blocks, points, extent, indexOf, firstFace, firstTriangle,
     centre, judged, walls, isWall, batchColourOf, modeColours, factorSteps, volumeSteps, css,
-    state, shown, colourOf, groups
+    state, shown, colourOf, faceColourOf, setNames, setColour, groups
   } = blocks3d;
 
   // ---- the scene --------------------------------------------------------------------------------------------------
@@ -55,12 +55,14 @@ const view3d = (function () {
   const layers = {
     key: new THREE.Mesh(new THREE.BufferGeometry(), lambert({})),
     wall: new THREE.Mesh(new THREE.BufferGeometry(), lambert({ clippingPlanes: [section] })),
-    rest: new THREE.Mesh(new THREE.BufferGeometry(), lambert({ clippingPlanes: [section] }))
+    rest: new THREE.Mesh(new THREE.BufferGeometry(), lambert({ clippingPlanes: [section] })),
+    caps: new THREE.Mesh(new THREE.BufferGeometry(), lambert({}))
   };
   const lines = {
     key: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0x16191c })),
     wall: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.55, clippingPlanes: [section] })),
     rest: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.3, clippingPlanes: [section] })),
+    caps: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0x16191c })),
     picked: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xffffff, depthTest: false })),
     arrows: new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xc0392b, depthTest: false }))
   };
@@ -202,6 +204,38 @@ const view3d = (function () {
   };
 
   const blockOfTriangle = {};
+  // Neighbouring blocks of the rest differ a little, so that they can be told apart.
+  const toneOf = function (b) { return 0.9 + 0.1 * ((blockId[b] * 2654435761 >>> 8) % 97) / 97; };
+  // Blocks of the rest on the plane of the cut, as a section through rock shows them: opaque, each with its outline.
+  const drawCaps = function () {
+    const k = { x: 0, y: 1, z: 2 }[state.axis];
+    const on = state.cut < 1 && state.restOpacity > 0;
+    const found = on ? caps3d(k, section.constant, function (b) { return !shown(b); }, offsetOf) : { position: [], block: [], edges: [] };
+    const colour = new THREE.Color(), colours = new Uint8Array(found.position.length);
+    found.block.forEach(function (b, t) {
+      const plain = !(state.colourBy === 'volume');
+      if (plain) colour.set(css('--wall')); else colour.set(colourOf(b));
+      const tone = plain ? toneOf(b) : 1;
+      for (let c = 0; c < 3; ++c) colours.set([255 * colour.r * tone, 255 * colour.g * tone, 255 * colour.b * tone].map(Math.round), 9 * t + 3 * c);
+    });
+    const normals = new Float32Array(found.position.length);
+    for (let i = k; i < normals.length; i += 3) normals[i] = -section.normal.getComponent(k);
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(found.position), 3));
+    geometry.setAttribute('normal', new THREE.BufferAttribute(normals, 3));
+    geometry.setAttribute('color', new THREE.BufferAttribute(colours, 3, true));
+    layers.caps.geometry.dispose();
+    layers.caps.geometry = geometry;
+    layers.caps.visible = found.block.length > 0;
+    const outlines = new THREE.BufferGeometry();
+    outlines.setAttribute('position', new THREE.BufferAttribute(new Float32Array(found.edges), 3));
+    lines.caps.geometry.dispose();
+    lines.caps.geometry = outlines;
+    lines.caps.visible = found.edges.length > 0;
+    lines.caps.material.color.set(css('--edge'));
+    blockOfTriangle.caps = found.block;
+  };
+
   const rebuild = function () {
     const counts = { key: 0, wall: 0, rest: 0 };
     const place = new Array(faceBlock.length);
@@ -216,14 +250,14 @@ const view3d = (function () {
       blockOfTriangle[name] = new Uint32Array(counts[name]);
     });
     const colour = new THREE.Color();
-    const drawRestEdges = state.restOpacity >= 0.2;
+    const drawRestEdges = state.restOpacity >= 0.2, coloured = state.colourBy === 'set' || (!judged && state.colourBy === 'volume');
     for (let f = 0; f < faceBlock.length; ++f) {
       const name = place[f];
       if (!name) continue;
       const to = fill[name], b = faceBlock[f], move = offsetOf(b), go = motionOf(b);
-      if (name === 'key') colour.set(colourOf(b)); else colour.copy(name === 'wall' ? wallColour : restColour);
-      // Neighbouring blocks of the rest differ a little, so that they can be told apart.
-      const tone = name === 'key' ? 1 : 0.9 + 0.1 * ((blockId[b] * 2654435761 >>> 8) % 97) / 97;
+      const plain = name !== 'key' && !(coloured && name === 'rest');
+      if (plain) colour.copy(name === 'wall' ? wallColour : restColour); else colour.set(faceColourOf(f));
+      const tone = plain ? toneOf(b) : 1;
       const r = Math.round(255 * colour.r * tone), g = Math.round(255 * colour.g * tone), bl = Math.round(255 * colour.b * tone);
       for (let t = firstTriangle[f]; t < firstTriangle[f + 1]; ++t) {
         const p = to.position, n = to.normal, o = 9 * to.at;
@@ -288,6 +322,7 @@ const view3d = (function () {
     // From the side of the start view: south, east, above.
     section.normal.set(k === 0 ? -1 : 0, k === 1 ? 1 : 0, k === 2 ? -1 : 0);
     section.constant = state.cut >= 1 ? 100 * extent : half * (2 * state.cut - 1);
+    drawCaps();
     frame.visible = state.explode === 0;
     boltLayers.forEach(function (b) { b.layer.visible = b.count > 0 && b.on !== false && state.explode === 0; });
   };
@@ -430,11 +465,11 @@ const view3d = (function () {
     const box = renderer.domElement.getBoundingClientRect();
     caster.setFromCamera({ x: 2 * (clientX - box.left) / box.width - 1, y: 1 - 2 * (clientY - box.top) / box.height }, camera);
     let best = null;
-    [['key', 0.01], ['wall', 0.3], ['rest', 0.3]].forEach(function (pair) {
+    [['key', 0.01], ['caps', 0.01], ['wall', 0.3], ['rest', 0.3]].forEach(function (pair) {
       const layer = layers[pair[0]];
       if (!layer.visible || (pair[0] !== 'key' && layer.material.opacity < pair[1])) return;
       caster.intersectObject(layer).forEach(function (hit) {
-        if (pair[0] !== 'key' && section.distanceToPoint(hit.point) < 0) return;
+        if (pair[0] !== 'key' && pair[0] !== 'caps' && section.distanceToPoint(hit.point) < 0) return;
         if (!best || hit.distance < best.distance) best = { distance: hit.distance, block: blockOfTriangle[pair[0]][hit.faceIndex] };
       });
     });
@@ -473,7 +508,7 @@ const view3d = (function () {
     look: look, home: home, extent: extent, focus: focus, reach: reach,
     walls: faceRole.some(isWall), bolts: bolts ? boltLayers : null, servingBolts: servingBolts,
     blocks: { id: blockId, mode: mode, volume: volume, faces: faceCount }, indexOf: indexOf,
-    batchColour: batchColourOf, modeColour: function (m) { return modeColours[m]; }, factorSteps: factorSteps,
+    batchColour: batchColourOf, modeColour: function (m) { return modeColours[m]; }, factorSteps: factorSteps, setNames: setNames, setColour: setColour,
     place: holder.parentNode, holder: holder, canvas: renderer.domElement, onPick: onPick, volumeSteps: volumeSteps,
     groups: groups, zoomTo: zoomTo, turn: turn, zoom: zoom, parallel: parallel, picture: picture,
     mark: function (b) { state.picked = b; drawPicked(); render(); }

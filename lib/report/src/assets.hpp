@@ -12,6 +12,7 @@ namespace cleave::report::assets {
 [[nodiscard]] std::span<const std::string_view> style();
 [[nodiscard]] std::span<const std::string_view> tables();
 [[nodiscard]] std::span<const std::string_view> blocks3d();
+[[nodiscard]] std::span<const std::string_view> caps3d();
 [[nodiscard]] std::span<const std::string_view> view();
 [[nodiscard]] std::span<const std::string_view> panel();
 [[nodiscard]] std::span<const std::string_view> contact();

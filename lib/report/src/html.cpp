@@ -92,11 +92,19 @@ std::string cards(const Page& page) {
   return out + "</section>\n";
 }
 
+ViewSets sets_of(const scene::RunResult& result) {
+  ViewSets out;
+  for (const scene::SetInfo& set : result.sets) out.names.push_back(set.name);
+  for (const scene::JointInfo& joint : result.joints) out.of.push_back(static_cast<std::uint16_t>(joint.set.index()));
+  return out;
+}
+
 std::string view_section(const Page& page, std::string& view_json) {
   if (page.complex == nullptr) return {};
   const stability::Analysis* analysis = pointer_to(page.result.analysis);
+  const ViewSets sets = sets_of(page.result);
   View3d view = pack_view(*page.complex, analysis, view_budget_bytes, pointer_to(page.result.support),
-                          pointer_to(page.result.key_groups));
+                          pointer_to(page.result.key_groups), &sets);
   view_json = std::move(view.json);
   std::string out =
       "<section id=\"view\"><h2>Blocks in three dimensions</h2>\n<div class=\"stage\">\n<div id=\"scene\">";
@@ -326,7 +334,7 @@ std::string report_html(const Page& page) {
   out += key_blocks_section(page);
   out += why_section(page);
   out += unrolled_section(page);
-  out += key_groups_section(page.result);
+  out += key_groups_section(page.result, page.complex);
   if (page.result.motion) out += motion_section(*page.result.motion);
   out += support_section(page);
   out += maximum_section(page);
@@ -342,8 +350,8 @@ std::string report_html(const Page& page) {
     out += "<script type=\"application/json\" id=\"data\">\n";
     out = std::move(view_json.insert(0, out));  // the long text has room for the page around it
     out += "</script>\n";
-    for (const auto pieces :
-         {assets::three(), assets::orbit_controls(), assets::blocks3d(), assets::view(), assets::panel()}) {
+    for (const auto pieces : {assets::three(), assets::orbit_controls(), assets::blocks3d(), assets::caps3d(),
+                              assets::view(), assets::panel()}) {
       out += script(pieces);
     }
   }

@@ -16,6 +16,15 @@ namespace {
 
 constexpr std::size_t most_rows = 100;
 
+/// "roof, 12:00, chainage 10.3 m"; empty where it is not known.
+std::string where_of(const KeyGroupRow& row) {
+  if (!row.place) return {};
+  std::string out{row.place->location};
+  if (row.place->clock) out += ", " + clock_text(*row.place->clock);
+  if (row.place->chainage) out += ", chainage " + display(*row.place->chainage, 4) + " m";
+  return out;
+}
+
 /// A group as a page shows it: words for its verdict, and that a factor has no limit.
 struct ShownGroup {
   const KeyGroupRow& row;
@@ -36,6 +45,7 @@ void fields(V& v, const ShownGroup& x) {
   v("factor_move", factor(g.factor_move), "of motion from rest: the factor of safety of the group");
   v("factor_up", factor(g.factor_up), "above it motion is certain");
   v("moments", g.moments, "blocks turn: translation alone does not move them");
+  v("location", where_of(x.row));
   v("load_case", x.row.load_case);
   v("stage", x.row.stage);
   std::string let_go{x.row.let_go ? scene::name_of(*x.row.let_go) : std::string_view{}};
@@ -44,13 +54,16 @@ void fields(V& v, const ShownGroup& x) {
 }
 
 /// Of the base case in the final state, then of the load cases, then of the stages before the last.
-std::vector<KeyGroupRow> rows_of(const scene::RunResult& result) {
+std::vector<KeyGroupRow> rows_of(const scene::RunResult& result, const topology::BlockComplex* complex) {
   std::vector<KeyGroupRow> rows;
   const auto add = [&](const std::optional<stability::KeyGroups>& groups, std::string_view load_case,
                        std::optional<std::uint32_t> stage) {
     if (!groups) return;
     for (std::size_t number = 0; const stability::KeyGroup& group : groups->groups) {
-      rows.push_back({group, ++number, load_case, stage});
+      KeyGroupRow& row = rows.emplace_back(group, ++number, load_case, stage);
+      if (stage || complex == nullptr) continue;
+      row.place = scene::place_of(result, *complex, group.blocks);
+      for (const scene::SetId set : row.place->sets) row.sets.push_back(result.sets[set].name);
     }
   };
   add(result.key_groups, {}, {});
@@ -78,9 +91,9 @@ std::vector<SupportedGroupRow> supported_rows_of(const scene::RunResult& result)
 
 }  // namespace
 
-std::string key_groups_csv(const scene::RunResult& result) {
+std::string key_groups_csv(const scene::RunResult& result, const topology::BlockComplex* complex) {
   const stability::KeyGroup none{};
-  return csv_table(KeyGroupRow{none}, rows_of(result));
+  return csv_table(KeyGroupRow{none}, rows_of(result, complex));
 }
 
 bool judged_with_support(const scene::RunResult& result) {
@@ -112,8 +125,8 @@ std::string supported_groups_table(const scene::RunResult& result) {
          (rows.size() > most_rows ? " All are in supported_groups.csv." : "") + "</p>\n";
 }
 
-std::string key_groups_section(const scene::RunResult& result) {
-  const std::vector<KeyGroupRow> rows = rows_of(result);
+std::string key_groups_section(const scene::RunResult& result, const topology::BlockComplex* complex) {
+  const std::vector<KeyGroupRow> rows = rows_of(result, complex);
   if (rows.empty()) return {};
   std::string out =
       "<section id=\"groups\"><h2>Blocks judged together</h2>\n<p class=\"small\">Groups that move together. Certain: "
@@ -130,6 +143,8 @@ std::string key_groups_section(const scene::RunResult& result) {
                              {"factor_move", "Factor of safety"},
                              {"factor_up", "Upper factor"},
                              {"moments", "Turns"}};
+  if (std::ranges::any_of(rows, [](const KeyGroupRow& row) { return row.place && !row.place->location.empty(); }))
+    columns.push_back({"location", "Where"});
   if (std::ranges::any_of(rows, [](const KeyGroupRow& row) { return row.let_go.has_value(); }))
     columns.push_back({"let_go", "Let go"});
   if (cases) columns.push_back({"load_case", "Load case"});

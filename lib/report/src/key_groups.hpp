@@ -8,8 +8,9 @@ namespace cleave::report {
 
 /// key_groups.csv: a row a group, in order; numbers of blocks parted by spaces; empty where there is no such number
 /// (factors of a group that is too large for them), `inf` where a factor has no end. Load cases and stages follow the
-/// base case after the last stage.
-[[nodiscard]] std::string key_groups_csv(const scene::RunResult& result);
+/// base case after the last stage. `complex`: of the last stage, says where groups are.
+[[nodiscard]] std::string key_groups_csv(const scene::RunResult& result,
+                                         const topology::BlockComplex* complex = nullptr);
 
 /// Whether groups were judged with the support, in the base case or a load case.
 [[nodiscard]] bool judged_with_support(const scene::RunResult& result);
@@ -22,6 +23,7 @@ namespace cleave::report {
 [[nodiscard]] std::string supported_groups_table(const scene::RunResult& result);
 
 /// key_groups.csv as a table of the report; empty without groups.
-[[nodiscard]] std::string key_groups_section(const scene::RunResult& result);
+[[nodiscard]] std::string key_groups_section(const scene::RunResult& result,
+                                             const topology::BlockComplex* complex = nullptr);
 
 }  // namespace cleave::report

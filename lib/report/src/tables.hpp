@@ -270,6 +270,8 @@ struct KeyGroupRow {
   std::string_view load_case = {};
   std::optional<std::uint32_t> stage = {};
   std::optional<scene::LetGo> let_go = {};
+  std::optional<scene::GroupPlace> place = {};  ///< of a group in the last stage
+  std::vector<std::string> sets = {};
 };
 template <class V>
 void fields(V& v, const KeyGroupRow& x) {
@@ -287,6 +289,19 @@ void fields(V& v, const KeyGroupRow& x) {
   v("let_go", x.let_go ? scene::name_of(*x.let_go) : std::string_view{},
     "of a group in doubt in the base case: what rigid blocks in motion do that start from rest, in 0.2 s: "
     "`stayed`, `moved`, `stopped` (the contact law could not be solved) or `not_tried`");
+  const auto of = [&](auto member) { return x.place ? std::optional{std::invoke(member, *x.place)} : std::nullopt; };
+  const std::optional<geometry::Vec3> centroid = of(&scene::GroupPlace::centroid);
+  v("x_m", centroid ? std::optional{centroid->x} : std::nullopt,
+    "centroid of the group, as the columns that follow empty for groups of stages before the last");
+  v("y_m", centroid ? std::optional{centroid->y} : std::nullopt);
+  v("z_m", centroid ? std::optional{centroid->z} : std::nullopt);
+  v("location", x.place ? x.place->location : std::string_view{},
+    "of its block with most free area, as in key_blocks.csv; so are chainage and clock; empty: no block has a free "
+    "face");
+  v("chainage_m", x.place ? x.place->chainage : std::nullopt);
+  v("clock", x.place && x.place->clock ? std::optional{clock_text(*x.place->clock)} : std::nullopt);
+  v("free_area_m2", of(&scene::GroupPlace::free_area), "sum");
+  v("sets", x.sets, "joint sets that bound its blocks, joined by `;`");
 }
 
 /// A group of blocks below its target, and what the support leaves of it.

@@ -81,10 +81,31 @@ struct BlockColumns {
   }
 };
 
+std::uint8_t role_code(const topology::Face& face) {
+  switch (face.role) {
+    case topology::Role::joint: return 0;
+    case topology::Role::fixed:
+    case topology::Role::window: return 1;
+    case topology::Role::free: return face.excavation ? 3 : 2;
+  }
+  std::unreachable();
+}
+
+/// Set of a face without a joint.
+constexpr std::uint16_t no_set = std::numeric_limits<std::uint16_t>::max();
+
 struct FaceColumns {
   std::vector<std::uint32_t> block;  // index into the blocks shown
   std::vector<std::uint8_t> role;    // 0 joint, 1 fixed, 2 free domain side, 3 excavation
   std::vector<std::uint32_t> triangles;
+  std::vector<std::uint16_t> set;  // no_set: no joint
+
+  void add(std::uint32_t of_block, const topology::Face& face, const ViewSets* sets) {
+    block.push_back(of_block);
+    role.push_back(role_code(face));
+    triangles.push_back(0);
+    if (sets != nullptr) set.push_back(face.joint ? sets->of[face.joint->index()] : no_set);
+  }
 };
 
 /// Blocks of all groups one after the other, with the number of each group's, and of each block centroid (from the
@@ -142,16 +163,6 @@ std::vector<std::uint16_t> quantised(const std::vector<Vec3>& points, Vec3 low, 
   return positions;
 }
 
-std::uint8_t role_code(const topology::Face& face) {
-  switch (face.role) {
-    case topology::Role::joint: return 0;
-    case topology::Role::fixed:
-    case topology::Role::window: return 1;
-    case topology::Role::free: return face.excavation ? 3 : 2;
-  }
-  std::unreachable();
-}
-
 }  // namespace
 
 std::size_t view_bytes(const BlockComplex& complex, BlockId block) {
@@ -165,11 +176,11 @@ std::size_t view_bytes(const BlockComplex& complex, BlockId block) {
   const std::size_t triangles =
       corners + 2 * loops - 4 * faces;  // corners + 2 holes - 2 of each face, holes = loops - 1
   // Points are shared by about three faces of a block; base64 makes four bytes of three.
-  return (12 * triangles + 2 * corners + 9 * faces + 19 + 11) * 4 / 3;
+  return (12 * triangles + 2 * corners + 11 * faces + 19 + 11) * 4 / 3;
 }
 
 View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysis, std::size_t budget,
-                 const stability::SupportResult* support, const stability::KeyGroups* groups) {
+                 const stability::SupportResult* support, const stability::KeyGroups* groups, const ViewSets* sets) {
   View3d view{.json = {}, .total = complex.blocks().size()};
   BlockColumns blocks;
   FaceColumns faces;
@@ -191,9 +202,7 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
     blocks.add(id, block, judgement);
     const std::size_t first_face = faces.block.size();
     for (const topology::FaceId face : block.faces) {
-      faces.block.push_back(static_cast<std::uint32_t>(view.shown));
-      faces.role.push_back(role_code(complex.faces()[face]));
-      faces.triangles.push_back(0);
+      faces.add(static_cast<std::uint32_t>(view.shown), complex.faces()[face], sets);
     }
     for (std::size_t f = 0; f < block.faces.size(); ++f) {
       of_face.clear();
@@ -225,6 +234,13 @@ View3d pack_view(const BlockComplex& complex, const stability::Analysis* analysi
   member_base64(json, "faceBlock", faces.block);
   member_base64(json, "faceRole", faces.role);
   member_base64(json, "faceTriangles", faces.triangles);
+  if (sets != nullptr) {
+    member_base64(json, "faceSet", faces.set);
+    json.key("setNames");
+    json.begin_array();
+    for (const std::string& name : sets->names) json.value(name);
+    json.end_array();
+  }
   member_base64(json, "id", blocks.id);
   member_base64(json, "batch", blocks.batch);
   member_base64(json, "mode", blocks.mode);

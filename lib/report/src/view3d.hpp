@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,15 +21,22 @@ struct View3d {
   std::size_t total = 0;
 };
 
+/// The joint sets that colour faces: names, and the set of each joint.
+struct ViewSets {
+  std::vector<std::string> names;
+  std::vector<std::uint16_t> of;  ///< by the joint's number: into `names`
+};
+
 /// About how many bytes of text a block adds to the view.
 [[nodiscard]] std::size_t view_bytes(const topology::BlockComplex& complex, topology::BlockId block);
 
 /// Packs at most `budget` bytes: key blocks first, then judged blocks, blocks with a free face, blocks at the domain's
 /// sides, the rest; each group in the order of block numbers. `analysis` may be null.
 /// With `support` its bolts too: collar and end, what became of each, and the block it serves. With `groups` the
-/// blocks of each key group, centroids and first motions; they come before all other blocks.
+/// blocks of each key group, centroids and first motions; they come before all other blocks. With `sets` the set of the
+/// joint behind each face.
 [[nodiscard]] View3d pack_view(const topology::BlockComplex& complex, const stability::Analysis* analysis,
                                std::size_t budget, const stability::SupportResult* support = nullptr,
-                               const stability::KeyGroups* groups = nullptr);
+                               const stability::KeyGroups* groups = nullptr, const ViewSets* sets = nullptr);
 
 }  // namespace cleave::report

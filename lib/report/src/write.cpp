@@ -85,7 +85,7 @@ std::expected<void, WriteError> write_key_blocks_csv(const scene::RunResult& res
   const auto* complex = complex_of(result);
   if (!result.output.csv || complex == nullptr || !result.analysis) return {};
   if (result.key_groups) {
-    CLEAVE_CHECK(write_file(folder / "key_groups.csv", key_groups_csv(result)));
+    CLEAVE_CHECK(write_file(folder / "key_groups.csv", key_groups_csv(result, complex)));
   }
   if (result.support) {
     CLEAVE_CHECK(write_file(folder / "bolts.csv", bolts_csv(result)));

@@ -24,6 +24,18 @@ struct BlockPlace {
 [[nodiscard]] BlockPlace place_of(const RunResult& result, const topology::BlockComplex& complex,
                                   topology::BlockId block, const std::vector<topology::JointId>& joints);
 
+/// Where a group of blocks is.
+struct GroupPlace {
+  geometry::Vec3 centroid = {};    ///< m, of all its blocks by volume
+  std::string_view location = {};  ///< with chainage and clock: of its block with most free area; empty: none has any
+  std::optional<double> chainage = {};  ///< m
+  std::optional<double> clock = {};     ///< hours
+  Area free_area = {};                  ///< sum
+  std::vector<SetId> sets = {};         ///< of the joints of its blocks, ascending
+};
+[[nodiscard]] GroupPlace place_of(const RunResult& result, const topology::BlockComplex& complex,
+                                  const std::vector<topology::BlockId>& group);
+
 /// "roof", "floor", "left wall", "right wall" (looking along the axis): what lies to the right and up by so much.
 [[nodiscard]] std::string_view location_of(double right, double up);
 
