@@ -5,7 +5,7 @@
 #include "scenes.hpp"
 
 // Joints that dilate: closed forms of a block on the slopes of a rough face (Patton 1966).
-namespace cleave::dbem {
+namespace cleave::dbem::dilation_test {
 namespace {
 
 using namespace scenes;
@@ -128,4 +128,4 @@ TEST(DilationTest, SaysWhatIsNoDilation) {
 }
 
 }  // namespace
-}  // namespace cleave::dbem
+}  // namespace cleave::dbem::dilation_test

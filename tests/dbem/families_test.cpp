@@ -9,7 +9,7 @@
 #include "scenes.hpp"
 #include "trials.hpp"
 
-namespace cleave::dbem {
+namespace cleave::dbem::families_test {
 namespace {
 
 using namespace scenes;
@@ -294,4 +294,4 @@ TEST(MetamorphicTest, AQuarterTurnAMirrorAndAnotherOrderChangeNothingInOrderlySc
 }
 
 }  // namespace
-}  // namespace cleave::dbem
+}  // namespace cleave::dbem::families_test

@@ -4,7 +4,7 @@
 
 #include "scenes.hpp"
 
-namespace cleave::dbem {
+namespace cleave::dbem::motion_test {
 namespace {
 
 using namespace scenes;
@@ -257,4 +257,4 @@ TEST(RodTest, PainleveDoesNotStopIt) {
 }
 
 }  // namespace
-}  // namespace cleave::dbem
+}  // namespace cleave::dbem::motion_test

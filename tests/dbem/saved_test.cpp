@@ -14,7 +14,7 @@
 #include "scenes.hpp"
 
 // A run that is saved and gone on with is the run that was not.
-namespace cleave::dbem {
+namespace cleave::dbem::saved_test {
 namespace {
 
 using namespace scenes;
@@ -211,4 +211,4 @@ TEST(SavedTest, ForgedBytesAreRefusedOrAreAWorld) {
 }
 
 }  // namespace
-}  // namespace cleave::dbem
+}  // namespace cleave::dbem::saved_test

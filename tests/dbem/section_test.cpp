@@ -11,7 +11,7 @@
 #include "natural_map.hpp"
 #include "scenes.hpp"
 
-namespace cleave::dbem {
+namespace cleave::dbem::section_test {
 namespace {
 
 using namespace scenes;
@@ -133,4 +133,4 @@ TEST(WorldTest, NoTimeAndNoNumbersAreErrors) {
 }
 
 }  // namespace
-}  // namespace cleave::dbem
+}  // namespace cleave::dbem::section_test

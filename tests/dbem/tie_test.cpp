@@ -11,7 +11,7 @@
 #include "scenes.hpp"
 
 // Bolts between bodies: closed forms of blocks that hang, slide and tear.
-namespace cleave::dbem {
+namespace cleave::dbem::tie_test {
 namespace {
 
 using namespace scenes;
@@ -280,4 +280,4 @@ TEST(TieTest, WhatIsWrongWithABoltIsSaid) {
 }
 
 }  // namespace
-}  // namespace cleave::dbem
+}  // namespace cleave::dbem::tie_test

@@ -5,7 +5,7 @@
 #include "scenes.hpp"
 
 // Water in joints: closed forms of effective stress.
-namespace cleave::dbem {
+namespace cleave::dbem::water_test {
 namespace {
 
 using namespace scenes;
@@ -89,4 +89,4 @@ TEST(WaterTest, StillWaterBehindAWallTipsItAtItsLimit) {
 }
 
 }  // namespace
-}  // namespace cleave::dbem
+}  // namespace cleave::dbem::water_test

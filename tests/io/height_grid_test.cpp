@@ -12,7 +12,7 @@
 
 #include "io_testing.hpp"
 
-namespace cleave::io {
+namespace cleave::io::height_grid_test {
 namespace {
 
 std::string fmt_line(double x, double y, double z) { return fmt::format("{:.2f} {:.2f} {}\n", x, y, z); }
@@ -195,4 +195,4 @@ TEST(HeightGridTest, RealGroundIsRead) {
 }
 
 }  // namespace
-}  // namespace cleave::io
+}  // namespace cleave::io::height_grid_test

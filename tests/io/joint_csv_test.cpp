@@ -7,7 +7,7 @@
 
 #include "io_testing.hpp"
 
-namespace cleave::io {
+namespace cleave::io::joint_csv_test {
 namespace {
 
 JointTable read(std::string_view text, const JointCsvOptions& options = {}) {
@@ -259,4 +259,4 @@ TEST(JointCsvTest, TablesReadBackTheSame) {
 }
 
 }  // namespace
-}  // namespace cleave::io
+}  // namespace cleave::io::joint_csv_test

@@ -4,7 +4,7 @@
 
 #include "io_testing.hpp"
 
-namespace cleave::io {
+namespace cleave::io::stl_test {
 namespace {
 
 using testing::bytes_of;
@@ -109,4 +109,4 @@ TEST(StlTest, BinaryWithNotANumberIsRefused) {
 }
 
 }  // namespace
-}  // namespace cleave::io
+}  // namespace cleave::io::stl_test

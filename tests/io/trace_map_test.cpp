@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace cleave::io {
+namespace cleave::io::trace_map_test {
 namespace {
 
 TraceMap map_of(std::string_view text, std::string_view name) {
@@ -45,4 +45,4 @@ TEST(TraceMapTest, TracesOfOnePointAreRefusedByTheirLine) {
 }
 
 }  // namespace
-}  // namespace cleave::io
+}  // namespace cleave::io::trace_map_test

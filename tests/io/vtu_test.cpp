@@ -6,7 +6,7 @@
 
 #include "cleave/io/mesh.hpp"
 
-namespace cleave::io {
+namespace cleave::io::vtu_test {
 namespace {
 
 const std::string faces = "4 3 0 2 1 3 0 1 3 3 0 3 2 3 1 2 3";
@@ -112,4 +112,4 @@ TEST(VtuReaderTest, Faults) {
 }
 
 }  // namespace
-}  // namespace cleave::io
+}  // namespace cleave::io::vtu_test

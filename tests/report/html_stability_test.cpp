@@ -18,7 +18,7 @@
 #include "html.hpp"
 #include "view3d.hpp"
 
-namespace cleave::report {
+namespace cleave::report::html_stability_test {
 namespace {
 
 using namespace testing;
@@ -389,4 +389,4 @@ TEST(StabilityTables, RowsOfTheFilesBesideKeyBlocks) {
 }
 
 }  // namespace
-}  // namespace cleave::report
+}  // namespace cleave::report::html_stability_test

@@ -14,7 +14,7 @@
 
 // Sizes of blocks and how much of each set is in the rock, against boxes by hand and products of exponential gaps.
 
-namespace cleave::scene::test {
+namespace cleave::scene::test::block_sizes_test {
 namespace {
 
 RunResult run_of(const std::string& text) {
@@ -148,4 +148,4 @@ TEST(BlockSizes, ThreePoissonSetsGiveProductsOfExponentials) {
 }
 
 }  // namespace
-}  // namespace cleave::scene::test
+}  // namespace cleave::scene::test::block_sizes_test

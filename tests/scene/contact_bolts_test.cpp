@@ -9,7 +9,7 @@
 #include "cleave/scene2d/contact.hpp"
 
 // Bolts of scenes of contact.
-namespace cleave::scene {
+namespace cleave::scene::contact_bolts_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -165,4 +165,4 @@ TEST(ContactBolts, WhatIsWrongWithThemIsSaid) {
 }
 
 }  // namespace
-}  // namespace cleave::scene
+}  // namespace cleave::scene::contact_bolts_test

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace cleave::scene {
+namespace cleave::scene::contact_test {
 namespace {
 
 using bem::Vec2;
@@ -754,4 +754,4 @@ TEST(ContactScene, ThreadsChangeNothing) {
 }
 
 }  // namespace
-}  // namespace cleave::scene
+}  // namespace cleave::scene::contact_test

@@ -10,7 +10,7 @@
 
 // What must not pass in silence: blocks that only the border of the domain holds, and openings that miss the rock.
 
-namespace cleave::scene::test {
+namespace cleave::scene::test::held_by_border_test {
 namespace {
 
 std::expected<RunResult, std::vector<Problem>> try_run(const std::string& text, const Files& files = {}) {
@@ -256,4 +256,4 @@ TEST(PressureDiagram, PercentilesAreOfAreaNotOfBlocks) {
 }
 
 }  // namespace
-}  // namespace cleave::scene::test
+}  // namespace cleave::scene::test::held_by_border_test

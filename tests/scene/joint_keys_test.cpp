@@ -8,7 +8,7 @@
 
 // Keys of [[joint]] beyond its shape: holes, terminates_at, surface; and keep_dangling. Domain: 8 x 8 x 6 m.
 
-namespace cleave::scene::test {
+namespace cleave::scene::test::joint_keys_test {
 namespace {
 
 RunResult run_of(const std::string& text, const Files& files = {}) {
@@ -147,4 +147,4 @@ TEST(JointKeys, BufferAndClamp) {
 }
 
 }  // namespace
-}  // namespace cleave::scene::test
+}  // namespace cleave::scene::test::joint_keys_test

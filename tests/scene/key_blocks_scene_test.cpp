@@ -18,7 +18,7 @@
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
 
-namespace cleave::scene::test {
+namespace cleave::scene::test::key_blocks_scene_test {
 namespace {
 
 RunResult result_of(const std::string& text) {
@@ -473,4 +473,4 @@ TEST(KeyBlocksScene, ReadingsOfTheTransferAreRead) {
 }
 
 }  // namespace
-}  // namespace cleave::scene::test
+}  // namespace cleave::scene::test::key_blocks_scene_test

@@ -16,7 +16,7 @@
 
 // Groups of blocks through a whole scene.
 
-namespace cleave::scene::test {
+namespace cleave::scene::test::key_groups_scene_test {
 namespace {
 
 /// Key groups of a scene.
@@ -515,4 +515,4 @@ TEST(KeyGroupsScene, WhatTheSearchWithSupportDidNotLookAtIsSaid) {
 }
 
 }  // namespace
-}  // namespace cleave::scene::test
+}  // namespace cleave::scene::test::key_groups_scene_test

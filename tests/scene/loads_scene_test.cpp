@@ -8,7 +8,7 @@
 #include "cleave/realize/run.hpp"
 #include "parse_support.hpp"
 
-namespace cleave::scene::test {
+namespace cleave::scene::test::loads_scene_test {
 namespace {
 
 constexpr std::string_view rock = R"([domain]
@@ -156,4 +156,4 @@ TEST(LoadsSceneTest, MistakesAreToldByKey) {
 }
 
 }  // namespace
-}  // namespace cleave::scene::test
+}  // namespace cleave::scene::test::loads_scene_test

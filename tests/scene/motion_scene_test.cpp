@@ -9,7 +9,7 @@
 
 // Blocks of a scene in motion.
 
-namespace cleave::scene::test {
+namespace cleave::scene::test::motion_scene_test {
 namespace {
 
 /// A block of 10 m3 on a plane that dips 40 degrees east, open at its foot and its top.
@@ -85,4 +85,4 @@ TEST(MotionScene, WhatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace cleave::scene::test
+}  // namespace cleave::scene::test::motion_scene_test

@@ -15,7 +15,7 @@
 
 // Friction and cohesion of 4,000 joints: laws of their own, and how they hang together.
 
-namespace cleave::scene::test {
+namespace cleave::scene::test::strength_draws_test {
 namespace {
 
 struct Draws {
@@ -84,4 +84,4 @@ TEST(StrengthDraws, FrictionAndCohesionHangTogetherAsStated) {
 }
 
 }  // namespace
-}  // namespace cleave::scene::test
+}  // namespace cleave::scene::test::strength_draws_test

@@ -7,7 +7,7 @@
 #include "cleave/scene2d/contact.hpp"
 
 // Fixed bodies that are moved.
-namespace cleave::scene {
+namespace cleave::scene::support_motion_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -102,4 +102,4 @@ TEST(SupportMotionTest, WhatIsWrongIsSaid) {
 }
 
 }  // namespace
-}  // namespace cleave::scene
+}  // namespace cleave::scene::support_motion_test

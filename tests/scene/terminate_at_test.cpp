@@ -12,7 +12,7 @@
 #include "cleave/scene3d/bounds.hpp"
 #include "parse_support.hpp"
 
-namespace cleave::scene::test {
+namespace cleave::scene::test::terminate_at_test {
 namespace {
 
 using geometry::Vec3;
@@ -143,4 +143,4 @@ TEST(JointModels, TakeTheKeysOfEverySetAndSayWhatTheyDoNotUse) {
 }
 
 }  // namespace
-}  // namespace cleave::scene::test
+}  // namespace cleave::scene::test::terminate_at_test

@@ -7,7 +7,7 @@
 
 #include "parse_support.hpp"
 
-namespace cleave::scene::test {
+namespace cleave::scene::test::unusual_inputs_test {
 namespace {
 
 const std::string joints_and_rock =
@@ -152,4 +152,4 @@ TEST(UnusualInputs, LengthsInMillimetres) {
 }
 
 }  // namespace
-}  // namespace cleave::scene::test
+}  // namespace cleave::scene::test::unusual_inputs_test

@@ -14,7 +14,7 @@
 #include "handmade.hpp"
 #include "statics.hpp"
 
-namespace cleave::stability {
+namespace cleave::stability::cavity_test {
 namespace {
 
 using geometry::Vec3;
@@ -154,4 +154,4 @@ TEST(CavityTest, JointsInsideChangeNothing) {
 }
 
 }  // namespace
-}  // namespace cleave::stability
+}  // namespace cleave::stability::cavity_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace cleave::stability {
+namespace cleave::stability::clamping_test {
 namespace {
 
 using geometry::Vec3;
@@ -122,4 +122,4 @@ TEST(ClampingTest, PartialFactorsDivideTheStrengths) {
 }
 
 }  // namespace
-}  // namespace cleave::stability
+}  // namespace cleave::stability::clamping_test

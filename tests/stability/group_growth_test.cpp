@@ -12,7 +12,7 @@
 #include "cleave/stability/key_groups.hpp"
 #include "statics.hpp"
 
-namespace cleave::stability {
+namespace cleave::stability::group_growth_test {
 namespace {
 
 using assembly::Verdict;
@@ -151,4 +151,4 @@ TEST(GroupGrowth, SaysWhereItMayNotGrow) {
 }
 
 }  // namespace
-}  // namespace cleave::stability
+}  // namespace cleave::stability::group_growth_test

@@ -14,7 +14,7 @@
 #include "slab_behind_toe.hpp"
 #include "statics.hpp"
 
-namespace cleave::stability {
+namespace cleave::stability::key_groups_test {
 namespace {
 
 using assembly::Verdict;
@@ -85,4 +85,4 @@ TEST(KeyGroupsTest, BecomeKeyBlocks) {
 }
 
 }  // namespace
-}  // namespace cleave::stability
+}  // namespace cleave::stability::key_groups_test

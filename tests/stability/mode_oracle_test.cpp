@@ -15,7 +15,7 @@
 #include "handmade.hpp"
 #include "oracles.hpp"
 
-namespace cleave::stability {
+namespace cleave::stability::mode_oracle_test {
 namespace {
 
 using geometry::Vec3;
@@ -174,4 +174,4 @@ TEST(ModeExtremesTest, ResultantAlongAnEdgeInAPlaneAndZero) {
 }
 
 }  // namespace
-}  // namespace cleave::stability
+}  // namespace cleave::stability::mode_oracle_test

@@ -2,7 +2,7 @@
 
 #include "handed_on.hpp"
 
-namespace cleave::stability {
+namespace cleave::stability::readings_test {
 namespace {
 
 using namespace handed_on;
@@ -190,4 +190,4 @@ TEST(ReadingsTest, ForcesBalanceInEveryReading) {
 }
 
 }  // namespace
-}  // namespace cleave::stability
+}  // namespace cleave::stability::readings_test

@@ -15,7 +15,7 @@
 #include "cleave/topology/sequence.hpp"
 #include "statics.hpp"
 
-namespace cleave::stability {
+namespace cleave::stability::replay_test {
 namespace {
 
 using geometry::Vec3;
@@ -90,4 +90,4 @@ TEST(ReplayTest, TakingTheBatchesOutOneByOneFindsThemAgain) {
 }
 
 }  // namespace
-}  // namespace cleave::stability
+}  // namespace cleave::stability::replay_test

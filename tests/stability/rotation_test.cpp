@@ -14,7 +14,7 @@
 #include "handmade.hpp"
 #include "statics.hpp"
 
-namespace cleave::stability {
+namespace cleave::stability::rotation_test {
 namespace {
 
 using geometry::Vec3;
@@ -133,4 +133,4 @@ TEST(RotationTest, BeamTwistsOnItsBase) {
 }
 
 }  // namespace
-}  // namespace cleave::stability
+}  // namespace cleave::stability::rotation_test

@@ -16,7 +16,7 @@
 #include "near_scenes.hpp"
 #include "verdict.hpp"
 
-namespace cleave::stability {
+namespace cleave::stability::single_assembly_test {
 namespace {
 
 /// How the factors of one block compare.
@@ -116,4 +116,4 @@ TEST(SingleAssembly, IsKeyBlockTheory) {
 }
 
 }  // namespace
-}  // namespace cleave::stability
+}  // namespace cleave::stability::single_assembly_test

@@ -17,7 +17,7 @@
 #include "statics.hpp"
 #include "verdict.hpp"
 
-namespace cleave::stability {
+namespace cleave::stability::stiff_test {
 namespace {
 
 using geometry::Vec3;
@@ -294,4 +294,4 @@ TEST(StiffTest, LengthAndDensityScaleUnderAllLoads) {
 }
 
 }  // namespace
-}  // namespace cleave::stability
+}  // namespace cleave::stability::stiff_test

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace cleave::stability {
+namespace cleave::stability::strength_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -64,4 +64,4 @@ TEST(StrengthTest, TableFallsBackToItsDefault) {
 }
 
 }  // namespace
-}  // namespace cleave::stability
+}  // namespace cleave::stability::strength_test

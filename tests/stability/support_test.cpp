@@ -15,7 +15,7 @@
 #include "handmade.hpp"
 #include "statics.hpp"
 
-namespace cleave::stability {
+namespace cleave::stability::support_test {
 namespace {
 
 using geometry::norm;
@@ -613,4 +613,4 @@ TEST(SensitivityTest, FrictionIsInProportion) {
 }
 
 }  // namespace
-}  // namespace cleave::stability
+}  // namespace cleave::stability::support_test

@@ -9,7 +9,7 @@
 
 // Formulas that stand for comparison only: figures by hand, and what they say of synthetic outcrops.
 
-namespace cleave::survey {
+namespace cleave::survey::comparison_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -122,4 +122,4 @@ TEST(ComparisonTest, SyntheticOutcropsSayWhatTheFormulasAreWorth) {
 }
 
 }  // namespace
-}  // namespace cleave::survey
+}  // namespace cleave::survey::comparison_test

@@ -17,7 +17,7 @@
 // in 930 to 970 (2.9 standard errors to either side: a right interval fails one such bound once in 260, and the seeds
 // are fixed).
 
-namespace cleave::survey {
+namespace cleave::survey::interval_test {
 namespace {
 
 using geometry::Vec3;
@@ -291,4 +291,4 @@ TEST(IntervalTest, FrequencyOfTheThesisHasItsInterval) {
 }
 
 }  // namespace
-}  // namespace cleave::survey
+}  // namespace cleave::survey::interval_test

@@ -10,7 +10,7 @@
 
 // Goodness of fit of trace lengths in windows that cut them off.
 
-namespace cleave::survey {
+namespace cleave::survey::length_test_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -89,4 +89,4 @@ TEST(LengthTestTest, WrongLawsAreRefused) {
 }
 
 }  // namespace
-}  // namespace cleave::survey
+}  // namespace cleave::survey::length_test_test

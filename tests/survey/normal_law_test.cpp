@@ -10,7 +10,7 @@
 
 // The normal law of trace lengths (Fu 2014, table A-1), cut at 0, against quadrature and by its coverage.
 
-namespace cleave::survey {
+namespace cleave::survey::normal_law_test {
 namespace {
 
 Fit normal(double a, double b) {
@@ -78,4 +78,4 @@ TEST(NormalLawTest, FitsCensoredTracesAndCovers) {
 }
 
 }  // namespace
-}  // namespace cleave::survey
+}  // namespace cleave::survey::normal_law_test

@@ -8,7 +8,7 @@
 
 #include "cleave/core/rng.hpp"
 
-namespace cleave::survey {
+namespace cleave::survey::size_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -198,4 +198,4 @@ TEST(SizeTest, FitsDoNotCollapseToOneSize) {
 }
 
 }  // namespace
-}  // namespace cleave::survey
+}  // namespace cleave::survey::size_test

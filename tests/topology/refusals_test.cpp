@@ -4,7 +4,7 @@
 
 // What the cutter tells about joints that do nothing, and what it refuses.
 
-namespace cleave::testing {
+namespace cleave::testing::refusals_test {
 namespace {
 
 using topology::JointId;
@@ -136,4 +136,4 @@ TEST(Refusals, AnExcavationThatSwallowsTheDomain) {
 }
 
 }  // namespace
-}  // namespace cleave::testing
+}  // namespace cleave::testing::refusals_test

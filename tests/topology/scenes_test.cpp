@@ -6,7 +6,7 @@
 // Small scenes with known vertices, edges, faces, loops, shells, genus and volume of every block. Domain: a cube of
 // side 4.
 
-namespace cleave::testing {
+namespace cleave::testing::scenes_test {
 namespace {
 
 using Shapes = std::vector<Shape>;
@@ -170,4 +170,4 @@ TEST(Excavations, MayCutTheRockApart) {
 }
 
 }  // namespace
-}  // namespace cleave::testing
+}  // namespace cleave::testing::scenes_test

@@ -7,7 +7,7 @@
 
 // The certificate must notice every way in which a block system can be wrong: a sound one is changed in one place.
 
-namespace cleave::testing {
+namespace cleave::testing::tamper_test {
 namespace {
 
 using topology::BlockComplex;
@@ -350,4 +350,4 @@ TEST(Audit, NamesTwentyMisfitsAtMost) {
 }
 
 }  // namespace
-}  // namespace cleave::testing
+}  // namespace cleave::testing::tamper_test

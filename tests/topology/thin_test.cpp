@@ -8,7 +8,7 @@
 // Rock thinner than doubles can measure passes its certificate, with the right volumes: needles between planes close
 // together, plates and shells as domains, surfaces that nearly coincide.
 
-namespace cleave::testing {
+namespace cleave::testing::thin_test {
 namespace {
 
 constexpr double unit_of_float = 0x1p-32;
@@ -267,4 +267,4 @@ TEST(Thin, ASlotThinnerThanAnglesInDoublesBesideAWedgeOnItsEdge) {
 }
 
 }  // namespace
-}  // namespace cleave::testing
+}  // namespace cleave::testing::thin_test
