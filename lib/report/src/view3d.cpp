@@ -104,7 +104,8 @@ struct FaceColumns {
     block.push_back(of_block);
     role.push_back(role_code(face));
     triangles.push_back(0);
-    if (sets != nullptr) set.push_back(face.joint ? sets->of[face.joint->index()] : no_set);
+    if (sets == nullptr) return;
+    set.push_back(face.joint && face.joint->index() < sets->of.size() ? sets->of[face.joint->index()] : no_set);
   }
 };
 
