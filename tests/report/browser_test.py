@@ -77,8 +77,10 @@ window.addEventListener('load', function () {
       by.dispatchEvent(new Event('change'));
       const legend = Array.from(document.querySelectorAll('#panel fieldset')).find(function (f) { return shown(f) && f.firstChild.textContent === 'Joint set'; });
       const ofJoint = blocks3d.faceRole.findIndex(function (r, f) { return r === 0 && blocks3d.shown(blocks3d.faceBlock[f]); });
-      const swatches = Array.from(legend.querySelectorAll('.swatch')).map(function (s) { return s.getAttribute('style').slice(11); });
-      check('sets', swatches.length > 0 && (ofJoint < 0 || swatches.indexOf(blocks3d.faceColourOf(ofJoint)) >= 0));
+      const swatches = legend ? Array.from(legend.querySelectorAll('.swatch')).map(function (s) { return s.style.backgroundColor; }) : [];
+      const colour = document.createElement('i');
+      colour.style.backgroundColor = ofJoint < 0 ? '' : blocks3d.faceColourOf(ofJoint);
+      check('sets', swatches.length > 0 && (ofJoint < 0 || swatches.indexOf(colour.style.backgroundColor) >= 0));
       // Areas of many sections, times their distance, are the volumes of the blocks.
       [0, 1, 2].forEach(function (axis) {
         const still = [0, 0, 0], n = 60, size = blocks3d.data.size[axis];

@@ -16,6 +16,7 @@ const blocks3d = (function () {
   const faceTriangles = new Uint32Array(bytes(data.faceTriangles));
   const setNames = data.setNames || [];
   const faceSet = setNames.length > 0 ? new Uint16Array(bytes(data.faceSet)) : null;
+  const usedSets = new Set(faceSet || []);
   const blockId = new Uint32Array(bytes(data.id));
   const batch = new Uint16Array(bytes(data.batch));
   const mode = new Uint8Array(bytes(data.mode));
@@ -115,6 +116,6 @@ const blocks3d = (function () {
     data, bytes, triangles, faceBlock, faceRole, faceTriangles, blockId, batch, mode,
     factor, volume, faceCount, blocks, points, extent, indexOf, firstFace, firstTriangle,
     centre, judged, walls, isWall, batchColourOf, modeColours, factorSteps, volumeSteps, css,
-    state, shown, colourOf, faceColourOf, setNames, setColour, groups
+    state, shown, colourOf, faceColourOf, setNames, usedSets, setColour, groups
   };
 })();

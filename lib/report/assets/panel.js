@@ -47,7 +47,8 @@
   kinds.forEach(function (o) { make('option', { value: o[0], text: o[1] }, select); });
   select.addEventListener('change', function () { state.colourBy = select.value; swatches(); view3d.rebuild(); });
   legend.volume = steps('Volume', view3d.volumeSteps);
-  legend.set = steps('Joint set', view3d.setNames.map(function (name, s) { return [name, view3d.setColour(s)]; }));
+  legend.set = steps('Joint set', view3d.setNames.map(function (name, s) { return [name, view3d.setColour(s), s]; })
+    .filter(function (row) { return view3d.usedSets.has(row[2]); }));
   if (judged) {
     const list = function (title, map, names, colours) {
       const field = fieldset(title);

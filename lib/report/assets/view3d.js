@@ -12,7 +12,7 @@ const view3d = (function () {
     data, bytes, triangles, faceBlock, faceRole, faceTriangles, blockId, batch, mode,
     factor, volume, faceCount, blocks, points, extent, indexOf, firstFace, firstTriangle,
     centre, judged, walls, isWall, batchColourOf, modeColours, factorSteps, volumeSteps, css,
-    state, shown, colourOf, faceColourOf, setNames, setColour, groups
+    state, shown, colourOf, faceColourOf, setNames, usedSets, setColour, groups
   } = blocks3d;
 
   // ---- the scene --------------------------------------------------------------------------------------------------
@@ -508,7 +508,7 @@ const view3d = (function () {
     look: look, home: home, extent: extent, focus: focus, reach: reach,
     walls: faceRole.some(isWall), bolts: bolts ? boltLayers : null, servingBolts: servingBolts,
     blocks: { id: blockId, mode: mode, volume: volume, faces: faceCount }, indexOf: indexOf,
-    batchColour: batchColourOf, modeColour: function (m) { return modeColours[m]; }, factorSteps: factorSteps, setNames: setNames, setColour: setColour,
+    batchColour: batchColourOf, modeColour: function (m) { return modeColours[m]; }, factorSteps: factorSteps, setNames: setNames, usedSets: usedSets, setColour: setColour,
     place: holder.parentNode, holder: holder, canvas: renderer.domElement, onPick: onPick, volumeSteps: volumeSteps,
     groups: groups, zoomTo: zoomTo, turn: turn, zoom: zoom, parallel: parallel, picture: picture,
     mark: function (b) { state.picked = b; drawPicked(); render(); }
