@@ -161,7 +161,7 @@ GroupPlace place_of(const RunResult& result, const topology::BlockComplex& compl
     if (!(place.free_area > most)) continue;
     most = place.free_area;
     out.location = place.location;
-    out.chainage = place.chainage;
+    out.chainage = place.chainage ? std::optional{Length::from_si(*place.chainage)} : std::nullopt;
     out.clock = place.clock;
   }
   if (whole.si() > 0) out.centroid = (1 / whole.si()) * out.centroid;

@@ -21,7 +21,7 @@ std::string where_of(const KeyGroupRow& row) {
   if (!row.place) return {};
   std::string out{row.place->location};
   if (row.place->clock) out += ", " + clock_text(*row.place->clock);
-  if (row.place->chainage) out += ", chainage " + display(*row.place->chainage, 4) + " m";
+  if (row.place->chainage) out += ", chainage " + display(row.place->chainage->si(), 4) + " m";
   return out;
 }
 

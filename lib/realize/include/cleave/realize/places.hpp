@@ -28,10 +28,10 @@ struct BlockPlace {
 struct GroupPlace {
   geometry::Vec3 centroid = {};    ///< m, of all its blocks by volume
   std::string_view location = {};  ///< with chainage and clock: of its block with most free area; empty: none has any
-  std::optional<double> chainage = {};  ///< m
-  std::optional<double> clock = {};     ///< hours
-  Area free_area = {};                  ///< sum
-  std::vector<SetId> sets = {};         ///< of the joints of its blocks, ascending
+  std::optional<Length> chainage = {};
+  std::optional<double> clock = {};  ///< hours
+  Area free_area = {};               ///< sum
+  std::vector<SetId> sets = {};      ///< of the joints of its blocks, ascending
 };
 [[nodiscard]] GroupPlace place_of(const RunResult& result, const topology::BlockComplex& complex,
                                   const std::vector<topology::BlockId>& group);

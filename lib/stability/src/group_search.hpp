@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "cleave/stability/key_groups.hpp"
+#include "ties.hpp"
+
+/// The search for groups of blocks that move together, batch by batch (theory: assembly.md).
+namespace cleave::stability {
+
+[[nodiscard]] KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings,
+                                      const Together& most);
+
+/// With ties between blocks. `begin`: the first state is looked at around these alone; what moves without ties is among
+/// them.
+[[nodiscard]] KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings,
+                                      const Together& most, const Ties& ties, std::vector<topology::BlockId> begin);
+
+/// Of what moves when the blocks of the border may, their sides smooth, and `gone` has left: groups with one of them.
+/// Ascending.
+[[nodiscard]] std::vector<topology::BlockId> groups_at_border(const topology::BlockComplex& complex,
+                                                              const Settings& settings, const Together& most,
+                                                              const std::vector<topology::BlockId>& gone);
+
+}  // namespace cleave::stability
