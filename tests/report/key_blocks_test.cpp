@@ -147,6 +147,23 @@ TEST(KeyBlocksCsv, SaysWhereABlockIs) {
   }
 }
 
+TEST(KeyBlocksCsv, TheFaceOfACutIsASlopeOrABench) {
+  HandMade made;
+  stability::Analysis analysis;
+  for (std::uint32_t cut = 0; cut < 2; ++cut) {
+    auto faces = box_faces({0, 0, 0}, {1, 1, 1}, Role::joint);
+    faces[1].role = faces[5].role = Role::free;
+    faces[1].excavation = cut;  // the other one is a side of the domain
+    made.block(faces, box_counts, true);
+    analysis.judgements.push_back(judgement(cut, stability::Mode::falling, 1, 0));
+  }
+  scene::RunResult result = result_of(analysis);
+  result.excavations = {{"cut", 1, {}, {}, {}, "slope"}, {"pit bench 1", 1, {}, {}, {}, "bench"}};
+  const std::string csv = key_blocks_csv(std::move(made).complex(), result);
+  EXPECT_TRUE(csv.contains(",slope,,2,")) << csv;
+  EXPECT_TRUE(csv.contains(",bench,,2,")) << csv;
+}
+
 // The centroid is that of all by volume; the rest that of the block with most free area.
 TEST(KeyGroupsCsv, SaysWhereAGroupIs) {
   const auto roles = [](double size, std::optional<std::size_t> free, std::uint32_t joint) {

@@ -134,6 +134,7 @@ BlockPlace place_of(const RunResult& result, const topology::BlockComplex& compl
   const auto widest = std::ranges::max_element(openings, {}, [](const auto& entry) { return entry.second.area; });
   if (widest == openings.end()) return place;
   const auto& tunnel = result.excavations[widest->first].tunnel;
+  place.location = result.excavations[widest->first].wall;
   if (!tunnel || tunnel->axis.size() < 2) return place;
   place.chainage = stochastic::chainage_of(tunnel->axis, place.centroid);
   const Vec3 axis = direction_at(tunnel->axis, *place.chainage);

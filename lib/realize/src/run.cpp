@@ -27,9 +27,9 @@ std::vector<ExcavationInfo> taken_by(const Scene& scene, const SampledScene& dra
   for (std::size_t e = 0; e < volumes.size(); ++e) {
     const Excavation& excavation = scene.excavations[e];
     ExcavationInfo& info =
-        excavations.emplace_back(ExcavationInfo{excavation.name, excavation.stage, excavation.tunnel, volumes[e], {}});
+        excavations.emplace_back(ExcavationInfo{excavation.name, excavation.stage, excavation.tunnel, volumes[e], {}, excavation.wall});
     const double own = drawn.input.excavations[e].volume().si();
-    if (!excavation.own_shape || !(own > 0)) continue;
+    if (!excavation.own_shape() || !(own > 0)) continue;
     const double outside = 1 - volumes[e].inside.si() / own;
     info.outside_share = outside > rounding ? outside : 0;
   }

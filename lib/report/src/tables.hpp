@@ -112,9 +112,8 @@ void place_fields(V& v, const scene::BlockPlace& place, const std::vector<std::s
   v("y_m", place.centroid.y);
   v("z_m", place.centroid.z);
   v("location", place.location,
-    "`roof`, `floor`, `left wall`, `right wall` of a tunnel (looking along its axis); `face`: a tunnel's heading and "
-    "any "
-    "other free face");
+    "`roof`, `floor`, `left wall`, `right wall` of a tunnel (looking along its axis); `slope`, `bench`: of an "
+    "excavation of that kind; `face`: a tunnel's heading and any other free face");
   v("chainage_m", place.chainage, "along the tunnel's axis; empty where there is no tunnel");
   v("free_area_m2", place.free_area, "of the block's free faces");
   v("sets", sets, "joint sets that bound the block, joined by `;`");

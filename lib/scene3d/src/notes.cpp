@@ -93,7 +93,7 @@ void find_notes(const Scene& scene, const TableReader& root) {
       domain != nullptr && std::ranges::find(domain->entries, "mesh", &TomlEntry::key) != domain->entries.end();
   note_extent(problems, scene.domain, mesh ? longest_mesh : longest_region, root.line_of("domain"), "domain");
   for (const Excavation& e : scene.excavations) {
-    if (e.own_shape && !e.tunnel) note_extent(problems, e.solid, longest_mesh, e.line, "excavation." + e.name);
+    if (e.own_shape() && !e.tunnel) note_extent(problems, e.solid, longest_mesh, e.line, "excavation." + e.name);
   }
   if (scene.joints.empty() && scene.joint_sets.empty()) {
     problems.note(1, "joint", "there are no joints", "the rock stays one block unless excavations part it");

@@ -240,7 +240,7 @@ std::vector<Excavation> parse_excavation(Context& context, const TableReader& re
                                                    : std::vector<geometry::Vec3>{},
                            .line = reader.line(),
                            .tunnel = tunnel_line,
-                           .own_shape = *kind != slope && *kind != benches});
+                           .wall = *kind == slope ? "slope" : *kind == benches ? "bench" : "face"});
   }
   return excavations;
 }

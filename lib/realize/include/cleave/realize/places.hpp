@@ -10,8 +10,9 @@ namespace cleave::scene {
 
 /// Where a block is.
 struct BlockPlace {
-  geometry::Vec3 centroid = {};         ///< m
-  std::string_view location = {};       ///< `location_of`, or "face": no tunnel, or its heading; empty: no free face
+  geometry::Vec3 centroid = {};  ///< m
+  /// `location_of` at a tunnel; "slope" or "bench" of a cut; "face": any other free face; empty: there is none.
+  std::string_view location = {};
   std::optional<double> chainage = {};  ///< m along the axis of the tunnel that it has most free area at
   /// Hours on the face of a clock, looking along the axis: 12 at the crown, 3 on the right; in (0, 12].
   std::optional<double> clock = {};

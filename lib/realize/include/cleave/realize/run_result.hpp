@@ -175,6 +175,7 @@ struct ExcavationInfo {
   topology::ExcavatedVolume taken = {};
   /// Of its own volume, what lies outside the domain; empty for cuts from above, which are made to reach beyond it.
   std::optional<double> outside_share = {};
+  std::string_view wall = "face";  ///< what its walls are called: "face", "slope" or "bench"
 };
 
 /// Joint faces of a block on one plane.

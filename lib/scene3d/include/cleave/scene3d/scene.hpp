@@ -116,7 +116,9 @@ struct Excavation {
   std::vector<geometry::Vec3> axis;  ///< of a tunnel; else empty
   std::uint32_t line;                ///< in the scene file
   std::optional<TunnelLine> tunnel = {};
-  bool own_shape = true;  ///< not a cut from above, which reaches as far as the domain
+  /// What its walls are called: "slope" and "bench" of cuts from above, which reach as far as the domain; else "face".
+  std::string_view wall = "face";
+  [[nodiscard]] bool own_shape() const noexcept { return wall == "face"; }
 };
 
 struct Rock {
