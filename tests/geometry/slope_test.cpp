@@ -9,7 +9,7 @@
 // Volumes that cuts take out of a box, by closed formulas; the bodies reach beyond the box, so volumes of the bodies
 // themselves are compared where they are known.
 
-namespace cleave::geometry {
+namespace cleave::geometry::slope_test {
 namespace {
 
 const Reach reach{{0, 0, 0}, {40, 30, 20}};
@@ -113,4 +113,4 @@ TEST(Benches, Refusals) {
 }
 
 }  // namespace
-}  // namespace cleave::geometry
+}  // namespace cleave::geometry::slope_test

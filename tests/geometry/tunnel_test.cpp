@@ -9,7 +9,7 @@
 #include <set>
 #include <string>
 
-namespace cleave::geometry {
+namespace cleave::geometry::tunnel_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -227,4 +227,4 @@ TEST(TunnelTest, BadInputIsRefusedWithTheReason) {
 }
 
 }  // namespace
-}  // namespace cleave::geometry
+}  // namespace cleave::geometry::tunnel_test
