@@ -479,5 +479,26 @@ TEST(SampleTest, WhatCannotBeDrawnIsATypedError) {
   EXPECT_TRUE(drawn(fisher_squares(5, Count{0})).empty());
 }
 
+// What the cutter gets is what `with_polygons` writes, whatever the shape.
+TEST(JointOf, HasThePolygonsOrThePlane) {
+  JointSetSpec discs = fisher_squares(10, Count{40});
+  discs.shape = Disc{SizeLaw::constant(metres(3))};
+  for (const JointSetSpec& spec : {fisher_squares(10, Count{40}), discs}) {
+    const auto raw = sample(JointSet::make(spec).value(), 0, box, 1, 0).value();
+    const auto written = with_polygons(raw);
+    ASSERT_GT(raw.size(), 10U);
+    for (std::size_t i = 0; i < raw.size(); ++i) {
+      const auto joint = joint_of(raw[i]);
+      const auto& polygons = std::get<topology::Joint>(joint).polygons;
+      ASSERT_EQ(polygons.size(), 1U);
+      EXPECT_TRUE(std::ranges::equal(polygons[0].corners(), polygon(written[i]).corners()));
+    }
+  }
+  const SampledJoint plane{InfinitePlane{{1, 2, 3}, {0, 0, 1}}, {1, 2, 3}, {0, 0, 1}, 4};
+  const auto joint = joint_of(plane);
+  EXPECT_EQ(std::get<topology::PersistentJoint>(joint).through, (Vec3{1, 2, 3}));
+  EXPECT_EQ(std::get<topology::PersistentJoint>(joint).normal, (Vec3{0, 0, 1}));
+}
+
 }  // namespace
 }  // namespace cleave::dfn

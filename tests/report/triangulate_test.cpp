@@ -8,6 +8,9 @@
 #include <numbers>
 #include <random>
 
+#include "cleave/exchange/exports.hpp"
+#include "hand_made.hpp"
+
 namespace cleave::report {
 namespace {
 
@@ -169,6 +172,25 @@ TEST(Triangulate, RandomFacesInSpace) {
     expect_good(face, face.corners() + 2 * holes - 2);
   }
   EXPECT_GT(with_holes, 200U);  // the generator itself is under test
+}
+
+// The surface of every block closes, and encloses its volume.
+TEST(TrianglesOf, CloseAroundTheBlock) {
+  const topology::BlockComplex complex = testing::grid(2);
+  for (const topology::BlockId id : complex.blocks().ids()) {
+    std::map<std::pair<topology::VertexId, topology::VertexId>, int> uses;
+    double volume = 0;
+    for (const auto& t : triangles_of(complex, id)) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        ++uses[{t[k], t[(k + 1) % 3]}];
+        --uses[{t[(k + 1) % 3], t[k]}];
+      }
+      const auto at = [&](std::size_t k) { return complex.position(t[k]) - complex.blocks()[id].centroid; };
+      volume += dot(at(0), cross(at(1), at(2))) / 6;
+    }
+    EXPECT_TRUE(std::ranges::all_of(uses, [](const auto& use) { return use.second == 0; }));
+    EXPECT_DOUBLE_EQ(volume, 1);
+  }
 }
 
 }  // namespace

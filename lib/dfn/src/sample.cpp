@@ -305,4 +305,23 @@ std::string describe(const SampleError& error) {
       error);
 }
 
+std::variant<topology::Joint, topology::PersistentJoint> joint_of(SampledJoint joint) {
+  using Out = std::variant<topology::Joint, topology::PersistentJoint>;
+  return std::visit(
+      overloaded{
+          [](geometry::Polygon& polygon) -> Out {
+            topology::Joint out;
+            out.polygons.push_back(std::move(polygon));
+            return out;
+          },
+          [](std::vector<geometry::Polygon>& polygons) -> Out { return topology::Joint{std::move(polygons)}; },
+          [](const InfinitePlane& plane) -> Out { return topology::PersistentJoint{plane.through, plane.normal}; },
+          [&](const JointOutline&) -> Out {
+            std::vector<SampledJoint> one;
+            one.push_back(std::move(joint));
+            return joint_of(std::move(with_polygons(std::move(one)).front()));
+          }},
+      joint.shape);
+}
+
 }  // namespace cleave::dfn

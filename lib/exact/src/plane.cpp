@@ -68,6 +68,22 @@ void Plane::set_approx() noexcept {
   approx_[3] = std::ldexp(offset_.as_double(), -exponent - 48);
 }
 
+std::optional<Plane> Plane::of_coefficients(const std::array<Int128, 3>& normal, const Int192& offset) noexcept {
+  Int128 factor = 0;
+  for (const Int128 component : normal) {
+    if (component > (Int128{1} << 97) || component < -(Int128{1} << 97)) return std::nullopt;
+    factor = greatest_common_divisor(factor, component);
+  }
+  if (factor != 1) return std::nullopt;  // 0: no normal
+  const Int192 size = offset.negative() ? -offset : offset;
+  if (size.negative() || (size.words[2] >> 18U) != 0) return std::nullopt;  // 146 bits
+  Plane plane;
+  plane.normal_ = normal;
+  plane.offset_ = offset;
+  plane.set_approx();
+  return plane;
+}
+
 Plane Plane::flipped() const noexcept {
   Plane plane = *this;
   for (Int128& component : plane.normal_) component = -component;

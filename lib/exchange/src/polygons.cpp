@@ -1,7 +1,9 @@
 #include "cleave/exchange/polygons.hpp"
 
 #include <algorithm>
+#include <array>
 
+#include "cleave/exchange/exports.hpp"
 #include "cleave/exchange/triangulate.hpp"
 
 namespace cleave::report::detail {
@@ -61,3 +63,21 @@ std::vector<Polygon> surface_of(const topology::BlockComplex& complex, topology:
 }
 
 }  // namespace cleave::report::detail
+
+namespace cleave::report {
+
+std::vector<std::array<topology::VertexId, 3>> triangles_of(const topology::BlockComplex& complex,
+                                                            topology::BlockId block) {
+  std::vector<Triangle> triangles;
+  FaceLoops loops;
+  for (const topology::FaceId face : complex.blocks()[block].faces) {
+    detail::append_triangles(complex, complex.faces()[face], complex.vertices().items(), loops, triangles);
+  }
+  std::vector<std::array<topology::VertexId, 3>> out;
+  out.reserve(triangles.size());
+  for (const auto& [a, b, c] : triangles)
+    out.push_back({topology::VertexId{a}, topology::VertexId{b}, topology::VertexId{c}});
+  return out;
+}
+
+}  // namespace cleave::report

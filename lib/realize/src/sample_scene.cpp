@@ -6,7 +6,6 @@
 #include <span>
 #include <utility>
 
-#include "cleave/core/assert.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/rng.hpp"
 #include "cleave/core/special.hpp"
@@ -125,21 +124,11 @@ void add_random(const Scene& scene, std::uint64_t realization, std::size_t numbe
   const NamedSet& named = scene.sets[set.set];
   for (dfn::SampledJoint& joint : sampled) {
     const Strength strength = draw_strength(scene, realization, set.set, number, joint.index);
-    std::visit(overloaded{[&](geometry::Polygon& polygon) {
-                            topology::Joint shape;
-                            shape.polygons.push_back(std::move(polygon));
-                            drawn.input.joints.emplace_back(std::move(shape));
-                          },
-                          [](const dfn::JointOutline&) { CLEAVE_ASSERT(false); },  // `with_polygons` left none
-                          [&](std::vector<geometry::Polygon>& polygons) {
-                            drawn.input.joints.emplace_back(topology::Joint{std::move(polygons)});
-                          },
-                          [&](const dfn::InfinitePlane& plane) {
-                            drawn.input.joints.emplace_back(topology::PersistentJoint{plane.through, plane.normal});
-                          }},
-               joint.shape);
-    drawn.joints.push_back(describe_joint(set.set, JointOrigin::drawn,
-                                          fmt::format("{} #{}", named.name, joint.index + 1), strength, joint.normal));
+    const geometry::Vec3 normal = joint.normal;
+    const std::uint32_t index = joint.index;
+    drawn.input.joints.push_back(dfn::joint_of(std::move(joint)));
+    drawn.joints.push_back(
+        describe_joint(set.set, JointOrigin::drawn, fmt::format("{} #{}", named.name, index + 1), strength, normal));
     ++drawn.sets[set.set].joints;
   }
 }

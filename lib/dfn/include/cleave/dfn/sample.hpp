@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cleave/dfn/joint_set.hpp"
+#include "cleave/facets/cut_input.hpp"
 #include "cleave/geometry/polygon.hpp"
 #include "cleave/geometry/vec3.hpp"
 
@@ -65,6 +66,10 @@ using SampleError = std::variant<TooManyJoints, JointTooSmall>;
 
 /// The same joints, with the corners of every outline written out.
 [[nodiscard]] std::vector<SampledJoint> with_polygons(std::vector<SampledJoint> joints);
+
+/// A joint for the cutter (`topology::CutInput::joints`): its polygons, of an outline those that `with_polygons` writes,
+/// or its plane.
+[[nodiscard]] std::variant<topology::Joint, topology::PersistentJoint> joint_of(SampledJoint joint);
 
 /// The sets a model of this set ends at.
 [[nodiscard]] std::span<const std::size_t> terminates_at(const JointSet& set) noexcept;

@@ -59,6 +59,10 @@ class Plane final {
   /// parallel.
   [[nodiscard]] static std::optional<Plane> spanned(LatticePoint a, LatticePoint u, LatticePoint v) noexcept;
 
+  /// From what `normal` and `offset` gave, as it was kept. Empty when they break the invariant.
+  [[nodiscard]] static std::optional<Plane> of_coefficients(const std::array<Int128, 3>& normal,
+                                                            const Int192& offset) noexcept;
+
   [[nodiscard]] const std::array<Int128, 3>& normal() const noexcept { return normal_; }
   [[nodiscard]] const Int192& offset() const noexcept { return offset_; }
   /// (n_x, n_y, n_z, d) scaled, see the class comment.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -47,6 +48,11 @@ struct Cells {
 };
 
 [[nodiscard]] Cells make_cells(const topology::BlockComplex& complex);
+
+/// The surface of a block as triangles on corners of the complex, face by face, counter-clockwise seen from outside:
+/// every edge is used once in each direction (twice where the block touches itself).
+[[nodiscard]] std::vector<std::array<topology::VertexId, 3>> triangles_of(const topology::BlockComplex& complex,
+                                                                          topology::BlockId block);
 
 // ---- VTK ------------------------------------------------------------------------------------------------------------
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "cleave/topology/block_complex.hpp"
@@ -75,5 +76,22 @@ class AuditedComplex final {
 /// The same of some of its blocks: equal for a block found in a window and in the whole scene.
 [[nodiscard]] std::string canonical_hash(const BlockComplex& complex, std::span<const BlockId> blocks,
                                          unsigned threads = 1);
+
+/// A block system as bytes: all that the complex holds, to the last bit, behind a line that says what they are and
+/// their SHA-256. The same complex gives the same bytes on every machine.
+[[nodiscard]] std::string saved(const AuditedComplex& blocks);
+
+/// Why bytes are no block system.
+enum class SavedFault : std::uint8_t {
+  foreign,        ///< not written by `saved`
+  other_version,  ///< written by a version that holds something else
+  damaged,        ///< cut short or changed
+  inconsistent,   ///< whole, but numbers in it name what is not there, or are not finite
+};
+using LoadError = std::variant<SavedFault, Certificate>;  ///< Certificate: the audit does not pass it
+[[nodiscard]] std::string describe(const LoadError& error);
+
+/// What `saved` wrote, audited anew: bytes of any content give an error, not a wrong system.
+[[nodiscard]] std::expected<AuditedComplex, LoadError> load_saved(std::string_view bytes, unsigned threads = 1);
 
 }  // namespace cleave::topology

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -166,15 +167,15 @@ struct CutReport {
   double lattice_pitch_m = 0;
   double largest_snap_m = 0;
   double bend_m = 0;  ///< the farthest that a corner lies off its face's plane, where polygons share edges; else 0
-  std::uint64_t merged_planes = 0;    ///< by `snap`
-  std::uint64_t adopted_edges = 0;    ///< by `snap`
-  std::vector<SnappedJoint> snapped;  ///< all joints that `snap` changed, by number
-  CoarseSnap coarse_snap;
-  NearMisses near_misses;
-  std::uint64_t joints_outside = 0;  ///< joints that do not meet the domain
-  std::vector<JointId> outside;      ///< which
-  std::vector<JointId> dangling;     ///< joints no piece of which separates two blocks
-  std::uint64_t intersections = 0;   ///< pairs of facets (of joints and solids) that meet in a segment or a point
+  std::uint64_t merged_planes = 0;         ///< by `snap`
+  std::uint64_t adopted_edges = 0;         ///< by `snap`
+  std::vector<SnappedJoint> snapped = {};  ///< all joints that `snap` changed, by number
+  CoarseSnap coarse_snap = {};
+  NearMisses near_misses = {};
+  std::uint64_t joints_outside = 0;    ///< joints that do not meet the domain
+  std::vector<JointId> outside = {};   ///< which
+  std::vector<JointId> dangling = {};  ///< joints no piece of which separates two blocks
+  std::uint64_t intersections = 0;     ///< pairs of facets (of joints and solids) that meet in a segment or a point
   std::uint64_t predicate_calls = 0;
   std::uint64_t predicate_exact = 0;            ///< of those, how many the filter could not decide
   std::vector<ExcavatedVolume> excavated = {};  ///< one an excavation of the input
@@ -184,17 +185,17 @@ struct CutReport {
 class BlockComplex final {
  public:
   struct Data {
-    IdVector<VertexId, geometry::Vec3> vertices;  ///< m, relative to `origin`
-    geometry::Vec3 origin;                        ///< m; add it to get absolute coordinates
-    IdVector<FaceId, Face> faces;
-    std::vector<VertexId> corners;           ///< of the loops of all faces
-    std::vector<std::uint32_t> hole_starts;  ///< where each hole begins, counted from its face's first corner
-    std::vector<Patch> patches;              ///< of all faces
-    IdVector<BlockId, Block> blocks;
-    IdVector<PlaneId, exact::Plane>
-        planes;          ///< exact coefficients in lattice units; normals point to the positive side
-    Volume rock_volume;  ///< of the domain (or window) less what is excavated, from their own surfaces
-    CutReport report;
+    IdVector<VertexId, geometry::Vec3> vertices = {};  ///< m, relative to `origin`
+    geometry::Vec3 origin = {};                        ///< m; add it to get absolute coordinates
+    IdVector<FaceId, Face> faces = {};
+    std::vector<VertexId> corners = {};           ///< of the loops of all faces
+    std::vector<std::uint32_t> hole_starts = {};  ///< where each hole begins, counted from its face's first corner
+    std::vector<Patch> patches = {};              ///< of all faces
+    IdVector<BlockId, Block> blocks = {};
+    IdVector<PlaneId, exact::Plane> planes =
+        {};                   ///< exact coefficients in lattice units; normals point to the positive side
+    Volume rock_volume = {};  ///< of the domain (or window) less what is excavated, from their own surfaces
+    CutReport report = {};
     std::optional<Dangling> dangling = {};  ///< when asked for
 
     [[nodiscard]] LoopRange loops(const Face& face) const {
@@ -228,6 +229,33 @@ class BlockComplex final {
 
  private:
   Data data_;
+};
+
+/// Blocks on the other side of a block's joints, each once, ascending. Those that it touches along an edge or at a
+/// corner alone are none.
+[[nodiscard]] std::vector<BlockId> neighbours_of(const BlockComplex& complex, BlockId block);
+
+/// Finds the block that holds a point: O(n log n) to make, O(log n) and the faces of a few blocks to ask. Refers to the
+/// complex, which must outlive it. Several threads may ask at once.
+class BlockLocator final {
+ public:
+  explicit BlockLocator(const BlockComplex& complex);
+  BlockLocator(BlockLocator&& other) noexcept;
+  BlockLocator& operator=(BlockLocator&& other) noexcept;
+  ~BlockLocator();
+
+  /// `point`: m, absolute coordinates. Blocks hold their faces: a point on the face between two is in the one with the
+  /// lower number. None: in an excavation, outside the domain (or window), or not finite. Exact by the planes of convex
+  /// blocks; where a block is not convex, the outlines of its faces count with their corners as stored (rounded to
+  /// double).
+  [[nodiscard]] std::optional<BlockId> block_at(geometry::Vec3 point) const;
+
+ private:
+  struct Boxes;
+  [[nodiscard]] bool holds(BlockId block, geometry::Vec3 point) const;
+
+  const BlockComplex* complex_;
+  std::unique_ptr<const Boxes> boxes_;
 };
 
 }  // namespace cleave::topology
