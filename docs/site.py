@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """The site of cleave: every page of docs, the gallery of examples, and nothing from the network.
 
-    site.py -o FOLDER [--program CLEAVE [--seconds N]]
+    site.py -o FOLDER [--program CLEAVE [--seconds N]] [--api]
 
 Markdown is rendered by cmark-gfm. With a program every scene under examples is run (each at most N seconds) and the
-gallery shows its figures and links its report; without, it only lists the scenes. Ends with 1 when a link leads nowhere.
+gallery shows its figures and links its report; without, it only lists the scenes. With --api Doxygen makes the
+reference of the library. Ends with 1 when a link leads nowhere, or Doxygen finds a comment that is wrong.
 """
 import argparse
 import html
@@ -15,6 +16,8 @@ import subprocess
 import sys
 from pathlib import Path
 from urllib.parse import unquote
+
+import api
 
 ROOT = Path(__file__).resolve().parents[1]
 CHAPTERS = [
@@ -74,6 +77,9 @@ def up(target: Path) -> str:
     return "../" * (len(target.parts) - 1)
 
 
+with_api = False
+
+
 def navigation(target: Path) -> str:
     text = ""
     for chapter, sources in CHAPTERS:
@@ -86,6 +92,8 @@ def navigation(target: Path) -> str:
         if chapter == "Start":
             here = ' class="here"' if target == Path("gallery.html") else ""
             text += f'<a href="{up(target)}gallery.html"{here}>Gallery of examples</a>'
+            if with_api:
+                text += f'<a href="{up(target)}api/index.html">API reference</a>'
     return text
 
 
@@ -186,8 +194,8 @@ def broken(out: Path) -> list[str]:
     """Links of the site that lead nowhere, and anchors that are not there."""
     wrong, anchors = [], {}
     for source in out.rglob("*.html"):
-        if "gallery" in source.relative_to(out).parts[:-1]:
-            continue  # reports: whole by themselves
+        if {"gallery", "api"} & set(source.relative_to(out).parts[:-1]):
+            continue  # reports and the reference: whole by themselves
         anchors[source] = set(re.findall(r'\bid="([^"]*)"', source.read_text()))
     for source in anchors:
         for link in re.findall(r'\b(?:href|src)="([^"]*)"', source.read_text()):
@@ -211,7 +219,10 @@ def main() -> int:
     parser.add_argument("-o", "--out", type=Path, required=True)
     parser.add_argument("--program")
     parser.add_argument("--seconds", type=float, default=60)
+    parser.add_argument("--api", action="store_true")
     arguments = parser.parse_args()
+    global with_api
+    with_api = arguments.api
     out = arguments.out.resolve()
     if out.exists():
         if not (out / "site.css").exists() and any(out.iterdir()):
@@ -232,10 +243,15 @@ def main() -> int:
             shutil.copytree(asset, target, dirs_exist_ok=True)
         else:
             shutil.copyfile(asset, target)
-    wrong = broken(out)
+    told = ""
+    wrong = []
+    if with_api:
+        wrong, bare = api.make(out / "api")
+        told = f"; {len(api.headers())} headers in the reference, {bare} names in them without a comment"
+    wrong += broken(out)
     for line in wrong:
         print(line, file=sys.stderr)
-    print(f"{len(pages()) + 1} pages, {len(wrong)} links that lead nowhere: {out / 'index.html'}")
+    print(f"{len(pages()) + 1} pages, {len(wrong)} links that lead nowhere{told}: {out / 'index.html'}")
     return 1 if wrong else 0
 
 
