@@ -407,6 +407,10 @@ TEST(SupportTest, SecondStepFindsBlocksThatSlideTogether) {
   // 45 degrees to the slope: along and into the plane by sin 45.
   const double needed = 27.718880 / (std::sqrt(0.5) * (1 + std::tan(radians(20))));
   EXPECT_NEAR(both.combined[0].mobilised.value(), needed / 60, 1e-5);
+  // It is the one that carries that; the bolt inside the body carries none of it.
+  EXPECT_FALSE(both.bolts[0].body.has_value());
+  EXPECT_EQ(both.bolts[1].body, 0U);
+  EXPECT_NEAR(both.bolts[1].body_used, needed, 1e-3);
   strong_deep.type.tendon = newtons(0.9 * needed);
   const auto weak = check_support(slope.complex, with, a, plan_with({bolt, strong_deep}));
   EXPECT_FALSE(weak.combined[0].passes);
@@ -456,6 +460,9 @@ TEST(SupportTest, AStitchedBodyIsCutAtBlocksThatAreFixed) {
   ASSERT_EQ(hung.combined.size(), 1U);
   EXPECT_EQ(hung.combined[0].bolts, 6U);
   EXPECT_NEAR(hung.combined[0].factor_with_support.value(), 6 * 0.6 / 3, 1e-5);
+  double carried = 0;  // all vertical: the weight times the target
+  for (const BoltResult& bolt : hung.bolts) carried += bolt.body ? bolt.body_used : 0;
+  EXPECT_NEAR(carried, 1.15 * 3 * weight, 1e-3 * weight);
   EXPECT_TRUE(hung.combined[0].passes);
   EXPECT_FALSE(check_support(complex, with, a, plan_with(bolts, 1.25)).combined[0].passes);
 }

@@ -194,6 +194,8 @@ void fields(V& v, const BoltRow& x) {
     "blocks it goes through, with the metres from the collar at which it enters and leaves each (`12:0-1.5;7:1.5-3`)");
   v("kind", stability::bolt_kind_names.at(x.b.bolt.type.kind.index()));
   v("angle_deg", when(x.b.capacity > 0, x.b.angle), "to the movement of the block it serves; 0: pure tension");
+  v("body", x.b.body, "the combined body (`combined_blocks.csv`) that it holds to the rock outside; empty: none");
+  v("body_used_n", when(x.b.body.has_value(), x.b.body_used), "of its capacity where it leaves that body");
 }
 
 struct SupportBlockRow {

@@ -362,10 +362,18 @@ class Check final {
     return !complex_->blocks()[id].fixed && (!plan_->key_only || needy_[id] != none);
   }
 
+  /// A bolt that leaves a body, and what it can carry there, N.
+  struct Leaving {
+    std::uint32_t bolt;
+    double capacity;
+  };
+
   /// What bolts that leave a body can do for it: each its capacity where it leaves.
-  [[nodiscard]] Help bolts_leaving(std::span<const BlockId> members, Vec3 motion, CombinedBlock& entry) const {
+  [[nodiscard]] Help bolts_leaving(std::span<const BlockId> members, Vec3 motion, CombinedBlock& entry,
+                                   std::vector<Leaving>& leaving) const {
     Help help;
-    for (const BoltResult& bolt : result_.bolts) {
+    for (std::uint32_t number = 0; number < result_.bolts.size(); ++number) {
+      const BoltResult& bolt = result_.bolts[number];
       const BoltType& type = bolt.bolt.type;
       const BodyGrip grip = grip_of(bolt, members, [&](BlockId id) { return !can_be_member(id); });
       if (!grip.gripped || !anchors(type, grip.anchored)) continue;
@@ -374,6 +382,7 @@ class Check final {
       if (held.force == Vec3{}) continue;  // its motion would shorten it
       help.force += held.force;
       entry.bolt_force += norm(held.force);
+      leaving.push_back({number, norm(held.force)});
       ++entry.bolts;
     }
     return help;
@@ -389,10 +398,18 @@ class Check final {
     entry.target = body->target;
     entry.net_force = body->bare.net;
     entry.factor_of_safety = body->bare.factor_of_safety;
-    const Help help = bolts_leaving(entry.members, body->bare.direction, entry);
+    std::vector<Leaving> leaving;
+    const Help help = bolts_leaving(entry.members, body->bare.direction, entry, leaving);
     const auto least = least_share(*body, help, *settings_);
     entry.mobilised = least.transform([](const Share& s) { return s.share; });
     entry.passes = least.has_value();
+    for (const Leaving& held : leaving) {
+      BoltResult& bolt = result_.bolts[held.bolt];
+      const double used = held.capacity * entry.mobilised.value_or(1);
+      if (bolt.body && bolt.body_used >= used) continue;
+      bolt.body = result_.combined.size();
+      bolt.body_used = used;
+    }
     if (plan_->factors) entry.factor_with_support = factor_with(*body, help, *settings_);
     if (entry.passes) return;
     Body helped = *body;

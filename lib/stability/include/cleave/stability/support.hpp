@@ -144,6 +144,10 @@ struct BoltResult {
   double capacity = 0;  ///< N at the joint behind the block served, tension and shear
   double used = 0;      ///< N, mobilised share of it
   double angle = 0;     ///< degrees between its axis and the movement of the block served; 0: pure tension
+  /// The combined body that it holds to the rock outside (index into `combined`), and the share of its capacity there
+  /// that this takes, N. Of several bodies the one that takes most.
+  std::optional<std::size_t> body = {};
+  double body_used = 0;
 };
 
 /// What brings a block to its target.
