@@ -9,11 +9,13 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "assemblies.hpp"
 #include "cleave/motion/world.hpp"
 #include "shapes.hpp"
 #include "study.hpp"
@@ -242,9 +244,46 @@ void toppling(study::Study& study) {
   study.plot("toppling", plot);
 }
 
+/// Random assemblies let go from rest: what a certificate says moves must move, what one says stands must stand.
+/// `error` is 0 where it does; those in doubt are counted.
+void certificates(study::Study& study) {
+  AssemblyMaker maker{1};
+  const int count = study.quick() ? 10 : 200;
+  std::array<int, 3> said{}, kept{};
+  for (int k = 0; k < count; ++k) {
+    const RandomAssembly random = maker.make();
+    Certain certain = Certain::in_doubt;
+    std::optional<double> moved;
+    const study::Cost cost = study.measure(
+        [&] {
+          certain = certified(random.statics);
+          if (certain == Certain::in_doubt) return;
+          if (const auto let_go = moved_from_rest(random)) moved = *let_go;
+        },
+        0, 1);
+    const auto which = static_cast<std::size_t>(certain);
+    ++said.at(which);
+    if (certain == Certain::in_doubt) continue;
+    const bool right = moved && (*moved > 1e-6) == (certain == Certain::moves);
+    kept.at(which) += right ? 1 : 0;
+    study.add({.problem = fmt::format("random assembly {}", k),
+               .method = certain == Certain::moves ? "certainly moves" : "certainly stands",
+               .setting = fmt::format("bodies={}", random.statics.bodies.size()),
+               .error = moved ? std::optional{right ? 0.0 : 1.0} : std::nullopt,
+               .cost = cost,
+               .condition = moved,
+               .status = moved ? study::Status::converged : study::Status::stopped});
+  }
+  fmt::print(
+      "random assemblies: {} of {} that certainly move do, {} of {} that certainly stand do, {} of {} in doubt\n",
+      kept[0], said[0], kept[1], said[1], said[2], count);
+  if (kept[0] != said[0] || kept[1] != said[1]) study.broken("what is certain of random assemblies");
+}
+
 void study_motion(study::Study& study) {
   solve_suite(study);
   toppling(study);
+  certificates(study);
 }
 
 }  // namespace

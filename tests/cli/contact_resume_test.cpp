@@ -1,21 +1,12 @@
-#include <sched.h>
-#include <signal.h>
-#include <spawn.h>
-
-#include <array>
-#include <nlohmann/json.hpp>
-#include <vector>
-
-#include "program.hpp"
+#include "resume_support.hpp"
 
 // Runs in contact that were stopped: what they leave, and how a later run goes on.
 namespace cleave::cli::test {
 namespace {
 
-using nlohmann::json;
-
-class ContactResumeTest : public ProgramTest {
+class ContactResumeTest : public ResumeTest {
  protected:
+  static constexpr std::size_t files = 12;  // seven frames and their list, four tables, the state
   [[nodiscard]] static std::string scene(const std::string& duration, const std::string& more = {}) {
     return "[rock]\nyoung = 2e8\npoisson = 0.25\n[joints.default]\nfriction = 35\ncohesion = 2e3\n[contact]\nstep = "
            "0.002\nrigid = false\nmodes = 8\nframes = 6\npoints = [{ name = \"p\", at = [0.5, 1] }]\nduration = " +
@@ -24,40 +15,6 @@ class ContactResumeTest : public ProgramTest {
            "[[body]]\nname = \"block\"\nrectangle = { corner = [-0.5, 0], width = 1, height = 1 }\n"
            "[[body]]\nname = \"above\"\nvelocity = [0.4, 0]\nrectangle = { corner = [-0.4, 1.01], width = 0.8, height "
            "= 0.5 }\n";
-  }
-  /// All that a run says but what it cost and which file it came from.
-  [[nodiscard]] json summary(const std::string& out) const {
-    json all = json::parse(read(out + "/summary.json"));
-    for (const std::string key : {"cost", "scene_sha256", "scene_file", "title"}) all.erase(key);
-    return all;
-  }
-  void expect_same(const std::string& a, const std::string& b) const {
-    std::size_t files = 0;
-    for (const auto& entry : fs::directory_iterator{path(a)}) {
-      const std::string name = entry.path().filename().string();
-      if (name == "log.txt" || name == "summary.json" || name == "report.html") continue;
-      EXPECT_TRUE(read(a + "/" + name) == read(b + "/" + name)) << name;
-      ++files;
-    }
-    EXPECT_GE(files, 12U);  // seven frames and their list, four tables, the state
-    EXPECT_EQ(summary(a), summary(b));
-  }
-  /// Starts the program in the folder and interrupts it as soon as it works.
-  [[nodiscard]] int interrupted(const std::string& scene_file, const std::string& out, int yields) const {
-    const std::string from = path(scene_file).string(), to = path(out).string();
-    std::array<std::string, 6> words{"cleave", "run", from, "-o", to, "--quiet"};
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    const std::size_t before = names().size();
-    pid_t child = 0;
-    EXPECT_EQ(::posix_spawn(&child, CLEAVE_PROGRAM, nullptr, nullptr, arguments.data(), environ), 0);
-    while (names().size() <= before && ::waitpid(child, nullptr, WNOHANG) == 0) ::sched_yield();
-    for (int k = 0; k < yields; ++k) ::sched_yield();
-    EXPECT_EQ(::kill(child, SIGINT), 0);
-    int status = 0;
-    EXPECT_EQ(::waitpid(child, &status, 0), child);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 };
 
@@ -81,7 +38,7 @@ TEST_F(ContactResumeTest, AnInterruptedRunGoesOnByTheSameCommandAndEndsTheSame) 
   }
   const Ended ended = cleave("run s.toml --quiet -o out");
   ASSERT_EQ(ended.code, 0) << ended.err;
-  expect_same("whole", "out");
+  expect_same("whole", "out", files);
   // What came to its end begins again.
   const std::string first = read("out/contact.state");
   ASSERT_EQ(cleave("run s.toml --quiet -o out").code, 0);
@@ -100,7 +57,7 @@ TEST_F(ContactResumeTest, ARunThatStoppedByItsStatusGoesOnWhereMoreIsAllowed) {
     const Ended ended = cleave("run s.toml --quiet --resume " + where);
     ASSERT_EQ(ended.code, 0) << ended.err;
   }
-  for (const std::string out : {"a", "b", "half"}) expect_same("whole", out);
+  for (const std::string out : {"a", "b", "half"}) expect_same("whole", out, files);
 }
 
 TEST_F(ContactResumeTest, StatesThatCannotBeGoneOnFromAreRefused) {

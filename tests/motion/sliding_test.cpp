@@ -102,5 +102,16 @@ TEST(Sliding, WedgeOnTwoPlanes) {
   EXPECT_NEAR(wedge(30, 20), 0, 1e-7);
 }
 
+TEST(Sliding, OnATurntable) {
+  // At radius 1 seen from the table: the spin squared pushes outwards.
+  for (const double spin : {2.2147, 2.2148, 2.23}) {
+    World w = world({floor(), body(box({-0.1, -0.1, 0}, {0.1, 0.1, 0.1}))}, 0.5,
+                    {.gravity = {spin * spin, 0, -9.81}, .step = 1e-3, .theta = 1, .sleep = false});
+    ASSERT_TRUE(w.step(1e-3).has_value());
+    EXPECT_NEAR(w.velocity(1).x / 1e-3, spin > 2.2147235 ? spin * spin - 4.905 : 0, 1e-7) << spin;
+    EXPECT_LT(norm(w.spin(1)), 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace cleave::motion

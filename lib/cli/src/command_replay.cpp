@@ -13,6 +13,16 @@
 #include "write_result.hpp"
 
 namespace cleave::cli {
+namespace {
+
+/// As [motion] of the scene says, or its defaults.
+void let_move(double seconds, scene::Scene& scene) {
+  if (!scene.motion) scene.motion.emplace();
+  if (seconds > 0) scene.motion->duration = Time::from_si(seconds);
+  scene.output.only_key_blocks = false;  // what is not cut cannot be fallen on
+}
+
+}  // namespace
 
 ExitCode replay_realization(const ReplayArguments& arguments) {
   namespace fs = std::filesystem;
@@ -47,11 +57,19 @@ ExitCode replay_realization(const ReplayArguments& arguments) {
   scene->title += fmt::format(" (realization {})", arguments.realization);
   const std::string out =
       arguments.out.value_or((result / fmt::format("realization_{}", arguments.realization)).string());
+  const stochastic::Questions questions = questions_of(*scene);
+  if (arguments.motion) {
+    if (!scene->stability) return wrong("nothing is judged in its scene, so no block is let go; run without --motion");
+    let_move(*arguments.motion, *scene);
+  }
+  auto moving = moving_run(*scene, {}, out, interrupts);
+  if (!moving) return report_problems(moving.error());
+  const scene::RunOptions options{
+      .threads = arguments.threads, .realization = arguments.realization, .motion = *std::move(moving)};
   return in_out_folder(out, interrupts, [&](OutFolder& folder) {
-    auto run =
-        scene::run(*scene, {.threads = arguments.threads, .realization = arguments.realization}, timer, progress);
+    auto run = scene::run(*scene, options, timer, progress);
     if (!run) return report_problems(run.error());
-    const stochastic::Record again = record_of(arguments.realization, *run, questions_of(*scene));
+    const stochastic::Record again = record_of(arguments.realization, *run, questions);
     const bool same = line_of(again) == line_of(*stored);
     run->notes.push_back(fmt::format("realization {} of a Monte Carlo run; its record {}", arguments.realization,
                                      same ? "is reproduced to the last digit" : "is NOT reproduced"));

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <iterator>
+#include <utility>
 
 #include "allocation.hpp"
 #include "cleave/core/cost.hpp"
@@ -21,6 +23,7 @@
 #include "publish.hpp"
 #include "run_bodies.hpp"
 #include "run_contact.hpp"
+#include "saved_runs.hpp"
 #include "write_result.hpp"
 
 namespace cleave::cli {
@@ -41,6 +44,20 @@ Written write_files(scene::RunResult& result, const std::filesystem::path& folde
 
 }  // namespace
 
+std::expected<scene::MovingRun, std::vector<scene::Problem>> moving_run(const scene::Scene& scene,
+                                                                        const std::string& resume,
+                                                                        const std::string& out,
+                                                                        InterruptWatch& interrupts) {
+  if (!scene.motion) return {};
+  CLEAVE_TRY(auto from, find_state(resume, out,
+                                   {.file = scene::motion_state_name,
+                                    .section = "motion",
+                                    .sha256 = scene.sha256,
+                                    .title = scene.title,
+                                    .seed = scene.seed}));
+  return scene::MovingRun{.from = std::move(from), .stop = stop_between_steps(interrupts)};
+}
+
 ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer& timer, Progress& progress,
                            InterruptWatch& interrupts, const PrintSettings& settings) {
   const Files<scene::RunResult> files{.write = write_files,
@@ -50,6 +67,10 @@ ExitCode write_and_publish(scene::RunResult& result, OutFolder& out, StageTimer&
                                       .figures = figures_of,
                                       .scene_text = settings.scene_text};
   if (const auto failed = publish(result, files, out, timer, progress, interrupts, settings.quiet)) return *failed;
+  if (result.complex && result.motion && result.motion->interrupted) {
+    say_interrupted(result.motion->stopped_why, out.final_name().generic_string());
+    return ExitCode::interrupted;
+  }
   if (result.complex && result.motion && !result.motion->converged) {
     print_error(fmt::format("{}:1: motion: {}; the state reached is in the result; try a smaller motion.step",
                             settings.scene, result.motion->stopped_why));
@@ -73,12 +94,22 @@ namespace {
 
 ExitCode run_blocks(const RunArguments& arguments, const scene::Scene& scene, StageTimer& timer, Progress& progress,
                     InterruptWatch& interrupts) {
+  scene::RunOptions options{.threads = arguments.threads, .memory_mb = arguments.memory_mb};
+  auto moving = moving_run(scene, arguments.resume, arguments.out, interrupts);
+  if (!moving) return report_problems(moving.error());
+  options.motion = *std::move(moving);
   return in_out_folder(arguments.out, interrupts, [&](OutFolder& out) {
-    auto result = scene::run(scene, {.threads = arguments.threads, .memory_mb = arguments.memory_mb}, timer, progress);
+    auto result = scene::run(scene, options, timer, progress);
     if (!result) return report_problems(result.error());
     return write_and_publish(*result, out, timer, progress, interrupts,
                              {arguments.scene, arguments.quiet, arguments.scene_text});
   });
+}
+
+/// Whether runs of the scene leave a state that a later one goes on from.
+bool has_states(const scene::AnyScene& scene) {
+  if (const auto* blocks = std::get_if<scene::Scene>(&scene)) return blocks->motion && !blocks->monte_carlo;
+  return std::holds_alternative<scene::ContactScene>(scene);
 }
 
 /// The bytes that were loaded; empty where the file is another one by now.
@@ -104,10 +135,10 @@ ExitCode run_scene(RunArguments arguments) {
     return ExitCode::wrong_input;
   }
   if (arguments.seed) std::visit([&](auto& loaded) { loaded.seed = *arguments.seed; }, *scene);
-  if (!arguments.resume.empty() && !std::holds_alternative<scene::ContactScene>(*scene)) {
+  if (!arguments.resume.empty() && !has_states(*scene)) {
     print_error(
-        fmt::format("{}:1: --resume: the scene has no bodies in contact; run it without --resume (a Monte Carlo "
-                    "run goes on by itself in its folder)",
+        fmt::format("{}:1: --resume: the scene has no bodies in contact and no [motion]; run it without --resume (a "
+                    "Monte Carlo run goes on by itself in its folder)",
                     arguments.scene));
     return ExitCode::wrong_input;
   }

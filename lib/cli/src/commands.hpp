@@ -21,7 +21,7 @@ struct RunArguments {
   bool sharded = false;         ///< --shard was given
   std::string scene_text = {};  ///< what the scene file held as the run began; kept beside the result
   std::optional<double> memory_mb = std::nullopt;  ///< of the machine; what needs more is refused
-  std::string resume = {};                         ///< --resume: a contact.state, or the folder that holds one
+  std::string resume = {};                         ///< --resume: a contact.state or motion.state, or its folder
 };
 [[nodiscard]] ExitCode run_scene(RunArguments arguments);
 
@@ -31,6 +31,8 @@ struct ReplayArguments {
   std::string result;
   std::uint64_t realization = 0;
   std::optional<std::string> out;  ///< else RESULT/realization_K
+  /// Lets key blocks go, for so many seconds; 0: as the scene's [motion] says, or its defaults.
+  std::optional<double> motion = {};
   unsigned threads = 1;
   bool quiet = false;
 };

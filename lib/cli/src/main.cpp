@@ -177,7 +177,7 @@ void add_run(CLI::App& app, Chosen& chosen) {
   const auto memory = add_memory(command);
   command->add_flag("--quiet", run.quiet, "no progress and no figures, errors only");
   command->add_option("--resume", run.resume,
-                      "contact.state of an earlier run of bodies in contact, or its result folder: goes on from there");
+                      "contact.state or motion.state of an earlier run, or its result folder: goes on from there");
   command->add_option("--shard", given->shard,
                       "part K/N of a Monte Carlo run, K from 1; merge the parts with cleave merge");
   command->callback([&chosen, given, memory] {
@@ -211,6 +211,13 @@ void add_replay(CLI::App& app, Chosen& chosen) {
   command->add_option("result", replay->result, "folder of the Monte Carlo run")->required();
   command->add_option("--realization", replay->realization, "its number, from 0")->required();
   command->add_option("-o,--out", replay->out, "folder for the result instead of RESULT/realization_K");
+  command
+      ->add_option_function<double>(
+          "--motion", [replay](double seconds) { replay->motion = seconds; },
+          "lets its key blocks go, for so many seconds; without a number as [motion] of the scene says, or 10 s")
+      ->expected(0, 1)
+      ->default_str("0")
+      ->check(CLI::Range(0.0, 1e4));
   command->add_option("--threads", replay->threads, "threads to use")->check(CLI::Range(1, 1024));
   static_cast<void>(add_memory(command));
   command->add_flag("--quiet", replay->quiet, "no progress and no figures, errors only");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "cleave/core/overloaded.hpp"
 #include "cleave/core/sha256.hpp"
 
 namespace cleave {
@@ -26,6 +27,23 @@ std::expected<std::string_view, SealFault> unsealed(std::string_view kind, std::
   text.remove_prefix(digits + 1);
   if (sha256_hex(text) != sum) return std::unexpected(SealFault::damaged);
   return text;
+}
+
+std::string describe(const SavedError& error) {
+  return std::visit(overloaded{[](NoSavedWorld) { return "is no saved world"; },
+                               [](SavedByOtherVersion) { return "was saved by another version"; },
+                               [](DamagedWorld) { return "is cut short or damaged"; },
+                               [](SavedOfOtherWorld) { return "is of a world of other bodies, laws or gravity"; }},
+                    error);
+}
+
+SavedError saved_error_of(SealFault fault) {
+  switch (fault) {
+    case SealFault::foreign: return NoSavedWorld{};
+    case SealFault::other_version: return SavedByOtherVersion{};
+    case SealFault::damaged: return DamagedWorld{};
+  }
+  return DamagedWorld{};
 }
 
 }  // namespace cleave

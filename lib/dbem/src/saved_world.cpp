@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "cleave/core/archive.hpp"
-#include "cleave/core/overloaded.hpp"
 #include "cleave/core/sha256.hpp"
 #include "world_impl.hpp"
 
@@ -190,24 +189,7 @@ bool marks_are_sound(const World::Impl& w, const Marks& marks) {
   return sound;
 }
 
-SavedError error_of(SealFault fault) {
-  switch (fault) {
-    case SealFault::foreign: return NoSavedWorld{};
-    case SealFault::other_version: return SavedByOtherVersion{};
-    case SealFault::damaged: return DamagedWorld{};
-  }
-  return DamagedWorld{};
-}
-
 }  // namespace
-
-std::string describe(const SavedError& error) {
-  return std::visit(overloaded{[](NoSavedWorld) { return "is no saved world"; },
-                               [](SavedByOtherVersion) { return "was saved by another version"; },
-                               [](DamagedWorld) { return "is cut short or damaged"; },
-                               [](SavedOfOtherWorld) { return "is of a world of other bodies, laws or gravity"; }},
-                    error);
-}
 
 std::string World::saved() const {
   ArchiveWriter a;
@@ -219,7 +201,7 @@ std::string World::saved() const {
 
 std::expected<void, SavedError> World::restore(std::string_view saved) {
   const auto bytes = unsealed(world_kind, version_of_saved, saved);
-  if (!bytes) return std::unexpected(error_of(bytes.error()));
+  if (!bytes) return std::unexpected(saved_error_of(bytes.error()));
   ArchiveReader a{*bytes};
   std::string name;
   a(name);

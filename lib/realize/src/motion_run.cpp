@@ -10,6 +10,7 @@
 #include "cleave/assembly/groups.hpp"
 #include "cleave/core/enum_names.hpp"
 #include "cleave/motion/world.hpp"
+#include "motion_recorder.hpp"
 
 namespace cleave::scene {
 namespace {
@@ -17,11 +18,6 @@ namespace {
 using geometry::Vec3;
 using topology::BlockComplex;
 using topology::BlockId;
-
-constexpr double millimetre = 1e-3;
-/// All slower than this for so many steps in a row: at rest.
-constexpr double resting_speed = 1e-4;
-constexpr int resting_steps = 20;
 
 double tangent(FrictionAngle angle) { return std::tan(angle.degrees() * std::numbers::pi / 180); }
 
@@ -87,15 +83,6 @@ Waves waves_of(const Scene& scene, const Realization& made, const BlockComplex& 
   return waves;
 }
 
-/// Bodies of a world and the blocks they are.
-struct Cast {
-  motion::SceneSpec scene;
-  std::vector<BlockId> moving;  ///< the first bodies
-  std::vector<std::uint32_t> wave;
-  std::size_t walls = 0;
-  std::size_t left_out = 0;  ///< slivers that would be let go
-};
-
 motion::Polyhedron shape_of(const BlockComplex& complex, BlockId block, const Realization& made, Surfaces& surfaces) {
   motion::Polyhedron shape;
   std::map<topology::VertexId, std::uint32_t> number;
@@ -124,7 +111,7 @@ motion::Polyhedron shape_of(const BlockComplex& complex, BlockId block, const Re
 
 /// Cohesion and tension of the patches of blocks that are let go, each at its centroid.
 void add_bonds(const BlockComplex& complex, const Realization& made, const std::vector<std::uint32_t>& body,
-               Cast& cast) {
+               MotionCast& cast) {
   for (const BlockId b : cast.moving) {
     for (const topology::FaceId f : complex.blocks()[b].faces) {
       const topology::Face& face = complex.faces()[f];
@@ -152,9 +139,9 @@ struct Around {
   bool all_free = false;                ///< all that have a free face are walls: a block may fall on any
 };
 
-Cast cast_of(const Scene& scene, const MotionSettings& settings, const Realization& made, const BlockComplex& complex,
-             const Waves& waves, const Around& around) {
-  Cast cast;
+MotionCast cast_of(const Scene& scene, const MotionSettings& settings, const Realization& made,
+                   const BlockComplex& complex, const Waves& waves, const Around& around) {
+  MotionCast cast;
   Surfaces surfaces{settings};
   std::vector<std::uint8_t> wall(waves.size(), 0);
   // Thinner than what rounding leaves of a block's corners: neither moves nor bars.
@@ -196,119 +183,6 @@ Cast cast_of(const Scene& scene, const MotionSettings& settings, const Realizati
   cast.scene.surfaces = std::move(surfaces.list);
   return cast;
 }
-
-/// One run of a world, written down at equal times.
-class Recorder {
- public:
-  Recorder(const Scene& scene, const BlockComplex& complex, const Cast& cast, motion::World world)
-      : settings_{*scene.motion}, complex_{complex}, cast_{cast}, world_{std::move(world)} {
-    const double frame = settings_.frame.si() > 0 ? settings_.frame.si() : settings_.duration.si() / 50;
-    frame_ = std::max(frame, settings_.duration.si() / 1000);
-    for (const BlockId b : cast.moving) result.blocks.push_back({.block = b, .centroid = {}});
-    const auto [lo, hi] = geometry::box_of(complex.vertices());
-    const Vec3 margin = 0.25 * (hi - lo);
-    low_ = lo - margin;
-    high_ = hi + margin;
-    lowest_ = lo.z - 0.05 * (hi.z - lo.z);
-  }
-
-  void run() {
-    result.converged = true;
-    record(0);
-    int quiet = 0;
-    const auto waves = cast_.wave.empty() ? 0U : *std::ranges::max_element(cast_.wave);
-    for (std::size_t frame = 1; world_.time() < settings_.duration.si() - 1e-9 && !result.blocks.empty();) {
-      release(waves);
-      const double until = std::min(static_cast<double>(frame) * frame_, settings_.duration.si());
-      const auto report = world_.step(until - world_.time());
-      if (!report) {
-        result.converged = false;
-        result.stopped_why = describe(report.error());
-        break;
-      }
-      look_at(*report);
-      if (world_.time() >= until - 1e-9) {
-        record(world_.time());
-        ++frame;
-      }
-      quiet = report->max_speed < resting_speed && released_ == waves ? quiet + 1 : 0;
-      result.at_rest = quiet >= resting_steps;
-      if (result.at_rest && settings_.to_rest) break;
-    }
-    if (result.frames.back().time.si() < world_.time()) record(world_.time());
-    finish();
-  }
-  MotionResult result;
-  [[nodiscard]] const motion::World& world() const { return world_; }
-
- private:
-  /// Wave k of n goes at k/n of the duration.
-  void release(std::uint32_t waves) {
-    const double each = settings_.duration.si() / (waves + 1);
-    while (released_ < waves && world_.time() >= each * (released_ + 1) - 1e-9) {
-      ++released_;
-      for (std::size_t k = 0; k < cast_.wave.size(); ++k) {
-        if (cast_.wave[k] == released_) world_.set_fixed(k, false);
-      }
-    }
-  }
-  void look_at(const motion::StepReport& report) {
-    ++result.steps;
-    result.contacts = std::max<std::uint64_t>(result.contacts, report.contacts);
-    result.residual = std::max(result.residual, report.residual);
-    result.rough_steps += report.rough > 0 ? 1 : 0;
-    if (report.rough > 0) result.missed_speed = std::max(result.missed_speed, report.missed_speed);
-    result.may_be_locked = std::max<std::uint64_t>(result.may_be_locked, report.may_be_locked);
-    result.penetration = std::max(result.penetration, metres(report.max_penetration));
-    result.overlap = std::max(result.overlap, report.overlap);
-    for (std::size_t k = 0; k < result.blocks.size(); ++k) {
-      MotionBlock& block = result.blocks[k];
-      if (block.left) continue;
-      block.fastest = std::max(block.fastest, norm(world_.velocity(k)));
-      if (!block.first_motion && norm(world_.displacement(k)) > millimetre) {
-        block.first_motion = Time::from_si(world_.time());
-      }
-      const Vec3 c = world_.centroid(k);
-      const bool inside = c.x > low_.x && c.y > low_.y && c.x < high_.x && c.y < high_.y && c.z > lowest_;
-      if (inside) continue;
-      block.left = true;
-      world_.set_fixed(k, true);
-    }
-  }
-  void record(double time) {
-    MotionFrame frame{.time = Time::from_si(time), .places = {}};
-    for (std::size_t k = 0; k < result.blocks.size(); ++k) {
-      frame.places.push_back({world_.displacement(k), world_.turn(k), world_.velocity(k)});
-    }
-    result.frames.push_back(std::move(frame));
-  }
-  void finish() {
-    result.end = Time::from_si(world_.time());
-    result.walls = cast_.walls;
-    const motion::Energy& e = world_.energy();
-    result.potential_lost = e.start - e.potential;
-    result.kinetic = e.kinetic;
-    result.dissipated = e.friction + e.lost;
-    result.energy_error = e.closing_error;
-    result.momentum_error = world_.momentum_error();
-    for (std::size_t k = 0; k < result.blocks.size(); ++k) {
-      MotionBlock& block = result.blocks[k];
-      const Vec3 shift = world_.displacement(k);
-      block.moved = norm(shift) > millimetre;
-      block.fall = metres(-shift.z);
-      block.runout = metres(std::hypot(shift.x, shift.y));
-      block.centroid = complex_.origin() + world_.centroid(k);
-    }
-  }
-
-  const MotionSettings& settings_;
-  const BlockComplex& complex_;
-  const Cast& cast_;
-  motion::World world_;
-  double frame_ = 0, lowest_ = 0;
-  Vec3 low_, high_;
-  std::uint32_t released_ = 0;
-};
 
 /// How far apart two runs are, frame by frame, until a block is further apart than a quarter of its size.
 void compare(const MotionResult& fine, const BlockComplex& complex, MotionResult& result) {
@@ -382,8 +256,9 @@ std::uint64_t MotionResult::moved() const noexcept {
   return static_cast<std::uint64_t>(std::ranges::count_if(blocks, &MotionBlock::moved));
 }
 
-MotionResult run_motion(const Scene& scene, const Realization& made, const BlockComplex& complex) {
-  const Cast cast =
+std::expected<MotionResult, Problem> run_motion(const Scene& scene, const Realization& made,
+                                                const BlockComplex& complex, const MovingRun& how) {
+  const MotionCast cast =
       cast_of(scene, *scene.motion, made, complex, waves_of(scene, made, complex), {.gone = {}, .all_free = true});
   motion::WorldOptions options = options_of(scene, *scene.motion);
   auto world = motion::World::make(cast.scene, options);
@@ -393,17 +268,28 @@ MotionResult run_motion(const Scene& scene, const Realization& made, const Block
     refused.notes.push_back("motion: " + refused.stopped_why);
     return refused;
   }
-  Recorder recorder{scene, complex, cast, *std::move(world)};
-  recorder.run();
-  MotionResult result = std::move(recorder.result);
+  MotionRecorder recorder{scene, complex, cast, *std::move(world)};
+  if (how.from) {
+    if (auto problem = recorder.go_on_from(*how.from)) return std::unexpected(*std::move(problem));
+  }
+  recorder.follow(how.stop);
+  std::string state = recorder.state();
+  MotionResult result = recorder.close();
+  result.state = std::move(state);
   if (scene.motion->error && result.converged && !result.blocks.empty()) {
     options.step /= 2;
     options.displacement /= 2;
     options.rotation /= 2;
     if (auto again = motion::World::make(cast.scene, options)) {
-      Recorder fine{scene, complex, cast, *std::move(again)};
-      fine.run();
-      if (fine.result.converged) compare(fine.result, complex, result);
+      MotionRecorder finer{scene, complex, cast, *std::move(again)};
+      finer.follow(how.stop);
+      const MotionResult fine = finer.close();
+      if (fine.converged) compare(fine, complex, result);
+      if (fine.interrupted) {
+        result.interrupted = true;
+        result.converged = false;
+        result.stopped_why = fmt::format("interrupted at {:.6g} s", result.end.si()) + ", before its error was known";
+      }
     }
   }
   if (cast.left_out > 0) {
@@ -455,7 +341,7 @@ LetGo let_go(const Scene& scene, const Realization& made, const BlockComplex& co
   const Waves waves = around(group, complex, gone);
   if (static_cast<std::size_t>(std::ranges::count_if(waves, [](const auto& w) { return w.has_value(); })) > most_let_go)
     return LetGo::not_tried;
-  const Cast cast = cast_of(scene, settings, made, complex, waves, {.gone = gone, .all_free = false});
+  const MotionCast cast = cast_of(scene, settings, made, complex, waves, {.gone = gone, .all_free = false});
   auto world = motion::World::make(cast.scene, options_of(scene, settings));
   if (!world) return LetGo::stopped;
   while (world->time() < long_enough - 1e-9) {

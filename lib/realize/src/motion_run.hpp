@@ -1,12 +1,15 @@
 #pragma once
 
-#include "cleave/realize/run_result.hpp"
+#include <expected>
+
+#include "cleave/realize/run.hpp"
 
 namespace cleave::scene {
 
-/// Lets the blocks go that [motion] names, all others walls.
-[[nodiscard]] MotionResult run_motion(const Scene& scene, const Realization& made,
-                                      const topology::BlockComplex& complex);
+/// Lets the blocks go that [motion] names, all others walls. Error: `how.from` is of another scene, or no state.
+[[nodiscard]] std::expected<MotionResult, Problem> run_motion(const Scene& scene, const Realization& made,
+                                                              const topology::BlockComplex& complex,
+                                                              const MovingRun& how);
 
 /// Lets each group in doubt go for 0.2 s under gravity, with the blocks around it, all others walls. Batches
 /// before that of the group are gone.

@@ -44,6 +44,7 @@ std::string why_write(const OutputSettings& output, bool stability, bool motion)
   if (output.csv && stability) files += ", key_blocks.csv";
   if (motion && output.csv) files += ", motion.csv";
   if (motion && output.vtu) files += ", motion_NNNN.vtu, motion.pvd";
+  if (motion) files += ", motion.state";
   for (const SectionSpec& section : output.sections) {
     files += section.name.empty() ? ", section.toml" : ", section_" + section.name + ".toml";
   }
@@ -156,7 +157,6 @@ Decision decide_elastic(const Scene& scene) {
 
 Decision decide_motion(const Scene& scene) {
   if (!scene.motion) return {false, "no [[body]] and no [motion]"};
-  if (scene.monte_carlo) return {false, "not in ensembles; cleave replay shows one realization"};
   std::string_view which = "every block that no side of the domain holds";
   if (scene.motion->release == Release::batches) which = "key blocks";
   if (scene.motion->release == Release::groups) which = "key blocks and key groups";
@@ -180,7 +180,9 @@ Decision decide(const Scene& scene, Stage stage) {
     case Stage::support: return {scene.support && stability, why_support(scene)};
     case Stage::monte_carlo: return {scene.monte_carlo.has_value(), why_monte_carlo(scene)};
     case Stage::elastic: return decide_elastic(scene);
-    case Stage::contact: return decide_motion(scene);
+    case Stage::contact:
+      if (!scene.motion || !scene.monte_carlo) return decide_motion(scene);
+      return {false, "not in ensembles; cleave replay shows one realization"};
     case Stage::write:
       return {true, scene.monte_carlo ? "summary.json, log.txt, realizations.csv, copies of the scene"
                                       : why_write(scene.output, stability, scene.motion.has_value())};
@@ -198,6 +200,17 @@ Plan make_plan(const Scene& scene) {
     plan.stages.push_back({.stage = stage, .run = run, .why = std::move(why)});
   }
   add_inputs(scene_keys(), scene.given, plan);
+  return plan;
+}
+
+Plan plan_of_realization(const Scene& scene) {
+  Plan plan = make_plan(scene);
+  for (PlannedStage& planned : plan.stages) {
+    if (planned.stage != Stage::contact) continue;
+    auto [run, why] = decide_motion(scene);
+    planned.run = run;
+    planned.why = std::move(why);
+  }
   return plan;
 }
 

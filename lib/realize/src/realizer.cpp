@@ -77,8 +77,8 @@ Realizer::Done Realizer::step(Stage stage) {
       return {};
     case Stage::elastic: return made_.analysis ? booked(stage, [&] { return clamp(); }) : Done{};
     case Stage::contact:
-      if (made_.analysis && scene_->motion && detail_ == Detail::shown) booked(stage, [&] { move(); });
-      return {};
+      if (!made_.analysis || !scene_->motion || detail_ != Detail::shown) return {};
+      return booked(stage, [&] { return move(); });
     case Stage::read:
     case Stage::monte_carlo:
     case Stage::write:
@@ -330,7 +330,12 @@ std::optional<stability::GroupSupport> Realizer::groups_with_support(const stabi
   return std::nullopt;
 }
 
-void Realizer::move() { made_.motion = run_motion(*scene_, made_, made_.complex->complex()); }
+Realizer::Done Realizer::move() {
+  auto moved = run_motion(*scene_, made_, made_.complex->complex(), options_.motion);
+  if (!moved) return std::unexpected(std::vector{std::move(moved).error()});
+  made_.motion = *std::move(moved);
+  return {};
+}
 
 Realizer::Done Realizer::clamp() {
   if (!options_.fields) {

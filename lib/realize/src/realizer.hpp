@@ -61,7 +61,7 @@ class Realizer final {
                                                                            const stability::SupportResult& support,
                                                                            std::string_view where);
   [[nodiscard]] Done clamp();
-  void move();
+  [[nodiscard]] Done move();
   [[nodiscard]] stability::Settings settings(const topology::BlockComplex& complex) const;
   /// Nothing is asked of ensembles that is only flagged.
   [[nodiscard]] stability::Settings of_detail(stability::Settings settings) const;

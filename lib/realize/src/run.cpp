@@ -26,8 +26,8 @@ std::vector<ExcavationInfo> taken_by(const Scene& scene, const SampledScene& dra
   std::vector<ExcavationInfo> excavations;
   for (std::size_t e = 0; e < volumes.size(); ++e) {
     const Excavation& excavation = scene.excavations[e];
-    ExcavationInfo& info =
-        excavations.emplace_back(ExcavationInfo{excavation.name, excavation.stage, excavation.tunnel, volumes[e], {}, excavation.wall});
+    ExcavationInfo& info = excavations.emplace_back(
+        ExcavationInfo{excavation.name, excavation.stage, excavation.tunnel, volumes[e], {}, excavation.wall});
     const double own = drawn.input.excavations[e].volume().si();
     if (!excavation.own_shape() || !(own > 0)) continue;
     const double outside = 1 - volumes[e].inside.si() / own;
@@ -94,7 +94,7 @@ std::expected<Excavated, std::vector<Problem>> excavated(const Scene& scene) {
 
 std::expected<RunResult, std::vector<Problem>> run(const Scene& scene, const RunOptions& options, StageTimer& timer,
                                                    Progress& progress) {
-  Plan plan = make_plan(scene);
+  Plan plan = plan_of_realization(scene);
   Realizer realizer{scene, options, Detail::shown, timer, progress};
   const auto done = realizer.execute(plan);
   progress.end();

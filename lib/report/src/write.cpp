@@ -50,6 +50,9 @@ std::expected<void, WriteError> write_blocks_vtu(const scene::RunResult& result,
 
 std::expected<void, WriteError> write_motion(const scene::RunResult& result, const fs::path& folder) {
   if (!result.motion || complex_of(result) == nullptr) return {};
+  if (!result.motion->state.empty()) {
+    CLEAVE_CHECK(write_file(folder / scene::motion_state_name, result.motion->state));
+  }
   if (result.output.csv) CLEAVE_CHECK(write_file(folder / "motion.csv", motion_csv(*result.motion)));
   if (!result.output.vtu) return {};
   const std::vector<scene::MotionFrame>& frames = result.motion->frames;

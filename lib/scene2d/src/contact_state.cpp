@@ -6,6 +6,7 @@
 
 #include "cleave/core/archive.hpp"
 #include "cleave/core/sha256.hpp"
+#include "cleave/scene/saved_run.hpp"
 
 namespace cleave::scene {
 
@@ -106,23 +107,8 @@ bool is_sound(const ContactResult& result, std::size_t bodies, std::size_t point
          std::ranges::all_of(result.history, [&](const ContactHistory& h) { return h.points.size() == points; });
 }
 
-Problem refused(const SavedRun& saved, const std::string& what, const std::string& remedy) {
-  return {saved.name, 1, "state", what, remedy};
-}
-Problem refused(const SavedRun& saved, SealFault fault) {
-  switch (fault) {
-    case SealFault::foreign:
-      return refused(saved, "is no state of a run in contact", "name a contact.state, or the folder of its result");
-    case SealFault::other_version:
-      return refused(saved, "was written by another version of cleave", "go on with that version, or begin again");
-    case SealFault::damaged: break;
-  }
-  return refused(saved, "is cut short or damaged", "restore the file, or begin again");
-}
-Problem of_another(const SavedRun& saved) {
-  return refused(saved, "is of another scene: its bodies, joints, loads or points differ",
-                 "run the scene it was written for, or begin again");
-}
+constexpr StateKind kind_of_state{
+    .run = "a run in contact", .file = contact_state_name, .ties = "its bodies, joints, loads or points"};
 
 }  // namespace
 
@@ -135,17 +121,18 @@ std::string state_of(const ContactScene& scene, const dbem::World& world, const 
 
 std::optional<Problem> go_on_from(const SavedRun& saved, const ContactScene& scene, dbem::World& world,
                                   Recorder& recorder, ContactPlace& place, ContactResult& result) {
+  const auto because = [&](const SavedError& error) { return refused(saved, kind_of_state, error); };
   const auto bytes = unsealed(state_kind, version_of_state, saved.bytes);
-  if (!bytes) return refused(saved, bytes.error());
+  if (!bytes) return because(saved_error_of(bytes.error()));
   ArchiveReader a{*bytes};
   std::string identity, world_bytes;
   ContactTally tally;
   ContactPlace was;
   a(identity, world_bytes);
-  if (a.good() && identity != identity_of(scene)) return of_another(saved);
+  if (a.good() && identity != identity_of(scene)) return because(SavedOfOtherWorld{});
   ContactResult read = result;
   a(tally, was, read);
-  if (!a.complete() || read.bodies.size() != result.bodies.size()) return refused(saved, SealFault::damaged);
+  if (!a.complete() || read.bodies.size() != result.bodies.size()) return because(DamagedWorld{});
   std::vector<ContactBodyResult> bodies = result.bodies;  // their motion alone was read
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     bodies[b].centroid = read.bodies[b].centroid;
@@ -155,12 +142,11 @@ std::optional<Problem> go_on_from(const SavedRun& saved, const ContactScene& sce
   read.bodies = std::move(bodies);
   if (!is_sound(read, scene.bodies.size(), scene.points.size()) || !(was.next > 0) ||
       tally.largest.size() != world.ties().size() || tally.broken_at.size() != world.ties().size()) {
-    return refused(saved, SealFault::damaged);
+    return because(DamagedWorld{});
   }
   if (const auto restored = world.restore(world_bytes); !restored) {
-    if (std::holds_alternative<dbem::SavedOfOtherWorld>(restored.error())) return of_another(saved);
-    const bool older = std::holds_alternative<dbem::SavedByOtherVersion>(restored.error());
-    return refused(saved, older ? SealFault::other_version : SealFault::damaged);
+    const bool none = std::holds_alternative<NoSavedWorld>(restored.error());
+    return because(none ? SavedError{DamagedWorld{}} : restored.error());
   }
   result = std::move(read);
   recorder.go_on(tally);

@@ -7,6 +7,7 @@
 
 #include "body_runs.hpp"
 #include "cleave/dbem/world.hpp"
+#include "cleave/scene/saved_run.hpp"
 #include "cleave/scene2d/contact.hpp"
 #include "contact_bodies.hpp"
 #include "contact_estimate.hpp"
@@ -169,9 +170,7 @@ std::optional<Problem> begin(Running& run, const std::optional<SavedRun>& from) 
   if (auto problem = go_on_from(*from, run.scene, run.world, run.recorder, run.place, run.result)) return problem;
   const double duration = run.scene.settings.duration;
   if (run.world.time() <= duration * (1 + 1e-12)) return std::nullopt;
-  return Problem{run.scene.shown, 1, "contact.duration",
-                 fmt::format("ends at {:.6g} s, but {} is of {:.6g} s", duration, from->name, run.world.time()),
-                 "give a longer duration, or begin again"};
+  return too_far(*from, run.scene.shown, "contact.duration", duration, run.world.time());
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "cleave/core/sha256.hpp"
 #include "cleave/core/vec2.hpp"
 
 /// Values as bytes, one after the other, that read back to the last bit: states that a run goes on from. A type says
@@ -176,5 +177,7 @@ enum class SealFault : std::uint8_t {
 /// A view of `text`.
 [[nodiscard]] std::expected<std::string_view, SealFault> unsealed(std::string_view kind, std::uint32_t version,
                                                                   std::string_view text);
+
+[[nodiscard]] SavedError saved_error_of(SealFault fault);
 
 }  // namespace cleave

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 
 namespace cleave {
 
@@ -35,5 +36,18 @@ class Sha256 final {
 
 /// 64 lower-case hexadecimal digits.
 [[nodiscard]] std::string sha256_hex(std::string_view text);
+
+// ---- why nothing goes on from a saved world, which lies behind its sum
+
+/// The bytes are no saved world.
+struct NoSavedWorld {};
+/// They are one of another version of the library.
+struct SavedByOtherVersion {};
+/// They were cut short or changed, or hold what cannot be.
+struct DamagedWorld {};
+/// They are of a world of other bodies, laws or gravity.
+struct SavedOfOtherWorld {};
+using SavedError = std::variant<NoSavedWorld, SavedByOtherVersion, DamagedWorld, SavedOfOtherWorld>;
+[[nodiscard]] std::string describe(const SavedError& error);
 
 }  // namespace cleave

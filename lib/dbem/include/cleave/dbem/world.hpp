@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "cleave/core/sha256.hpp"
 #include "cleave/dbem/body.hpp"
 #include "cleave/dbem/solver.hpp"
 
@@ -66,16 +67,12 @@ using StepError = std::variant<StepFailed>;
 
 // ---- what a world cannot go on from
 
-/// The bytes are no saved world.
-struct NoSavedWorld {};
-/// They are one of another version of the library.
-struct SavedByOtherVersion {};
-/// They were cut short or changed, or hold what cannot be.
-struct DamagedWorld {};
-/// They are of a world of other bodies, laws or gravity.
-struct SavedOfOtherWorld {};
-using SavedError = std::variant<NoSavedWorld, SavedByOtherVersion, DamagedWorld, SavedOfOtherWorld>;
-[[nodiscard]] std::string describe(const SavedError& error);
+using cleave::DamagedWorld;
+using cleave::describe;
+using cleave::NoSavedWorld;
+using cleave::SavedByOtherVersion;
+using cleave::SavedError;
+using cleave::SavedOfOtherWorld;
 
 struct WorldOptions {
   Vec2 gravity = {0, -9.81};

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cleave/core/quantity.hpp"
+#include "cleave/core/sha256.hpp"
 #include "cleave/geometry/vec3.hpp"
 
 /// Rigid polyhedral blocks in three dimensions with contacts on Coulomb's cone. SI units.
@@ -225,7 +226,7 @@ struct StepReport {
   double unbalanced = 0;          ///< largest gain of velocity over that of free fall
 };
 
-/// Blocks in motion. A copy is a saved state.
+/// Blocks in motion. A copy is a saved state, and `saved` is one as bytes.
 ///
 /// A step drifts, kicks and drifts: bodies turn freely by the Cayley map, impulses act at one common point of both
 /// bodies, so momentum and angular momentum hold to rounding. Contacts are solved by connected groups; every answer is
@@ -267,6 +268,13 @@ class World final {
   /// What momentum should be by all forces so far, less what it is, over the largest so far.
   [[nodiscard]] double momentum_error() const noexcept;
   [[nodiscard]] const WorldOptions& options() const noexcept;
+
+  /// All that this world carries from step to step, as bytes. Bodies, laws and options are not in it.
+  [[nodiscard]] std::string saved() const;
+  /// Goes on from there: every later step is that of the world that was saved, to the last bit. This world must have
+  /// been made of the same bodies, laws, gravity, `quasi_static` and `sleep`; its other options may differ. It is as it
+  /// was when there is an error.
+  [[nodiscard]] std::expected<void, SavedError> restore(std::string_view saved);
 
   struct Impl;
 

@@ -18,6 +18,8 @@ namespace cleave::scene {
 class TunnelFields;
 
 [[nodiscard]] Plan make_plan(const Scene& scene);
+/// Of one realization, which has what ensembles do not: blocks in motion.
+[[nodiscard]] Plan plan_of_realization(const Scene& scene);
 
 /// The plan with what it is expected to cost, from the joints of the first realization. Errors: those of `sample`.
 [[nodiscard]] std::expected<Plan, std::vector<Problem>> make_costed_plan(const Scene& scene);
@@ -30,6 +32,7 @@ struct RunOptions {
   std::optional<double> memory_mb = std::nullopt;
   /// Of [field_stress], where it has been solved already; it is the same in every realization.
   std::shared_ptr<const TunnelFields> fields = nullptr;
+  MovingRun motion = {};  ///< of [motion]
 };
 
 /// The fields of [field_stress] for all realizations of a scene; null without it, or where it cannot be solved, which

@@ -70,9 +70,13 @@ struct MotionResult {
   std::vector<MotionBlock> blocks = {};
   std::vector<MotionFrame> frames = {};
   std::vector<std::string> notes = {};
+  bool interrupted = false;  ///< `RunOptions::motion` said so
+  std::string state = {};    ///< what a later run goes on from, see SavedRun
 
   [[nodiscard]] std::uint64_t moved() const noexcept;
 };
+/// File of a result that holds its `state`.
+inline constexpr std::string_view motion_state_name = "motion.state";
 template <class V>
 void fields(V& v, const MotionResult& x) {
   v("status",

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -152,5 +154,21 @@ void head_fields(V& v, const ResultHead& x) {
 
 /// The timer's bookings as they stand in a result.
 [[nodiscard]] RunCost cost_of(const StageTimer& timer, unsigned threads);
+
+/// The state of an earlier run.
+struct SavedRun {
+  std::string name;  ///< of its file, for messages
+  std::string bytes;
+};
+
+/// How a run of moving bodies begins and ends, beside what its scene says.
+struct MovingRun {
+  /// Goes on from there: every file of the result is that of a run that was not stopped, to the last byte. What moves,
+  /// its laws and its loads must be the same, or it is a problem; lengths of steps and of the run, and what else says
+  /// how it is solved, may differ. Empty: from the start.
+  std::optional<SavedRun> from = {};
+  /// Asked between steps; true ends the run, as one that did not come to its end.
+  std::function<bool()> stop = {};
+};
 
 }  // namespace cleave::scene

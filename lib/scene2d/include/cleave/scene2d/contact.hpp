@@ -422,20 +422,7 @@ void fields(V& v, const ContactResult& x) {
 
 /// File of a result that holds its `state`.
 inline constexpr std::string_view contact_state_name = "contact.state";
-/// The `state` of an earlier run.
-struct SavedRun {
-  std::string name;  ///< of its file, for messages
-  std::string bytes;
-};
-/// How a run begins and ends, beside what its scene says.
-struct ContactRun {
-  /// Goes on from there: every file of the result is that of a run that was not stopped, to the last byte. Bodies,
-  /// joints, loads, points and gravity must be the same, or it is a problem; lengths of steps and of the run, and what
-  /// else says how it is solved, may differ. Empty: from the start.
-  std::optional<SavedRun> from = {};
-  /// Asked between steps; true ends the run, as one that did not come to its end.
-  std::function<bool()> stop = {};
-};
+using ContactRun = MovingRun;
 
 [[nodiscard]] std::expected<ContactResult, std::vector<Problem>> run(const ContactScene& scene, unsigned threads,
                                                                      StageTimer& timer, Progress& progress,

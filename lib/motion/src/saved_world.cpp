@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "cleave/core/sha256.hpp"
+#include "cleave/motion/archive.hpp"
+#include "world_impl.hpp"
+
+/// A world as bytes, and back: what it carries from step to step. What follows from the bodies is made again.
+namespace cleave::motion {
+
+template <class A>
+void archive(A& a, Archived<State> auto& s) {
+  a(s.shift, s.turn, s.v, s.momentum);
+}
+template <class A>
+void archive(A& a, Archived<Touch> auto& t) {
+  a(t.body, t.other, t.cell, t.other_cell, t.point, t.normal, t.gap, t.surface, t.other_surface, t.size, t.impulse);
+}
+template <class A>
+void archive(A& a, Archived<Contact> auto& c) {
+  a(c.body, c.other, c.point, c.normal, c.gap, c.force, c.slip, c.bonded);
+}
+template <class A>
+void archive(A& a, Archived<Energy> auto& e) {
+  a(e.start, e.kinetic, e.potential, e.friction, e.lost, e.projected, e.closing_error, e.largest_gain);
+}
+
+// What stays: for the name of a world.
+template <class A>
+void archive(A& a, const Symmetric& s) {
+  a(s.xx, s.yy, s.zz, s.xy, s.yz, s.zx);
+}
+template <class A>
+void archive(A& a, const Shape& s) {
+  a(s.centroid, s.mass, s.volume, s.inertia, s.radius, s.size, s.thickness, s.first_cell, s.last_cell);
+}
+template <class A>
+void archive(A& a, const Side& s) {
+  a(s.corners, s.normal, s.surface, s.outer);
+}
+template <class A>
+void archive(A& a, const Cell& c) {
+  a(c.vertices, c.sides);
+}
+template <class A>
+void archive(A& a, const Surface& s) {
+  a(s.friction, s.restitution);
+}
+template <class A>
+void archive(A& a, const Bond::Share& s) {
+  a(s.point, s.area);
+}
+template <class A>
+void archive(A& a, const BondState& b) {
+  a(b.bond.body, b.bond.other, b.bond.normal, b.bond.shares, b.bond.cohesion, b.bond.tension, b.bond.friction);
+}
+
+namespace {
+
+constexpr std::string_view world_kind = "cleave-motion-world";
+constexpr std::uint32_t version_of_saved = 1;
+
+std::string identity_of(const World::Impl& w) {
+  ArchiveWriter a;
+  a(w.shapes, *w.cells, w.surfaces, w.bonds, w.extent, w.options.gravity, w.options.quasi_static, w.options.sleep);
+  return sha256_hex(a.bytes());
+}
+
+/// What changes, but for the bonds.
+template <class A>
+void archive_motion(A& a, Archived<World::Impl> auto& w) {
+  a(w.now, w.last_step, w.state, w.touches, w.contacts, w.held, w.asleep, w.quiet, w.implicit, w.energy, w.expected,
+    w.largest_momentum, w.momentum_off);
+}
+
+std::vector<std::uint8_t> broken_of(const World::Impl& w) {
+  std::vector<std::uint8_t> out;
+  for (const BondState& bond : w.bonds) out.push_back(bond.broken ? 1 : 0);
+  return out;
+}
+
+bool finite(double x) { return std::isfinite(x); }
+bool finite(Vec3 v) { return geometry::is_finite(v); }
+
+bool is_sound(const State& s) {
+  const Turn& t = s.turn;
+  return finite(s.shift) && finite(s.v) && finite(s.momentum) &&
+         std::abs(t.w * t.w + t.x * t.x + t.y * t.y + t.z * t.z - 1) < 1e-9;
+}
+
+bool bodies_are_sound(const World::Impl& w) {
+  const std::size_t n = w.shapes.size();
+  const Energy& e = w.energy;
+  const std::array books{e.start,     e.kinetic,       e.potential,    e.friction,         e.lost,
+                         e.projected, e.closing_error, e.largest_gain, w.largest_momentum, w.momentum_off};
+  const auto flag = [](std::uint8_t f) { return f <= 1; };
+  return w.now >= 0 && finite(w.now) && w.last_step >= 0 && finite(w.last_step) && w.state.size() == n &&
+         std::ranges::all_of(w.state, is_sound) && w.held.size() == n && std::ranges::all_of(w.held, flag) &&
+         w.asleep.size() == n && std::ranges::all_of(w.asleep, flag) && w.quiet.size() == n && w.implicit.size() == n &&
+         std::ranges::all_of(books, [](double x) { return finite(x); }) && finite(w.expected);
+}
+
+bool contacts_are_sound(const World::Impl& w) {
+  const std::size_t n = w.shapes.size();
+  const auto of_body = [&](std::uint32_t cell, std::uint32_t body) {
+    return cell < w.cell_body.size() && w.cell_body[cell] == body;
+  };
+  const auto pair = [&](std::uint32_t a, std::uint32_t b) { return a < n && b < n && a != b; };
+  const auto touch = [&](const Touch& t) {
+    return pair(t.body, t.other) && of_body(t.cell, t.body) && of_body(t.other_cell, t.other) &&
+           t.surface < w.surfaces.size() && t.other_surface < w.surfaces.size() && finite(t.point) &&
+           finite(t.normal) && finite(t.gap) && finite(t.size) && finite(t.impulse);
+  };
+  const auto contact = [&](const Contact& c) {
+    return pair(c.body, c.other) && finite(c.point) && finite(c.normal) && finite(c.gap) && finite(c.force) &&
+           finite(c.slip);
+  };
+  return std::ranges::all_of(w.touches, touch) && std::ranges::all_of(w.contacts, contact);
+}
+
+}  // namespace
+
+std::string World::saved() const {
+  ArchiveWriter a;
+  a(identity_of(*impl_));
+  archive_motion(a, std::as_const(*impl_));
+  a(broken_of(*impl_));
+  return sealed(world_kind, version_of_saved, a.bytes());
+}
+
+std::expected<void, SavedError> World::restore(std::string_view saved) {
+  const auto bytes = unsealed(world_kind, version_of_saved, saved);
+  if (!bytes) return std::unexpected(saved_error_of(bytes.error()));
+  ArchiveReader a{*bytes};
+  std::string name;
+  a(name);
+  if (!a.good()) return std::unexpected(DamagedWorld{});
+  if (name != identity_of(*impl_)) return std::unexpected(SavedOfOtherWorld{});
+  Impl w = *impl_;
+  std::vector<std::uint8_t> broken;
+  archive_motion(a, w);
+  a(broken);
+  if (!a.complete() || !bodies_are_sound(w) || !contacts_are_sound(w) || broken.size() != w.bonds.size() ||
+      std::ranges::any_of(broken, [](std::uint8_t b) { return b > 1; })) {
+    return std::unexpected(DamagedWorld{});
+  }
+  for (std::size_t k = 0; k < w.bonds.size(); ++k) w.bonds[k].broken = broken[k] != 0;
+  w.place_all(w.state, true);
+  *impl_ = std::move(w);
+  return {};
+}
+
+}  // namespace cleave::motion

@@ -1,0 +1,137 @@
+#include "motion_recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace cleave::scene {
+namespace {
+
+using geometry::Vec3;
+using topology::BlockComplex;
+using topology::BlockId;
+
+constexpr double millimetre = 1e-3;
+/// All slower than this for so many steps in a row: at rest.
+constexpr double resting_speed = 1e-4;
+constexpr std::uint32_t resting_steps = 20;
+/// s; times that differ by less are one.
+constexpr double at_once = 1e-9;
+
+}  // namespace
+
+MotionRecorder::MotionRecorder(const Scene& scene, const BlockComplex& complex, const MotionCast& cast,
+                               motion::World world)
+    : scene_{scene}, settings_{*scene.motion}, complex_{complex}, cast_{cast}, world_{std::move(world)} {
+  const double frame = settings_.frame.si() > 0 ? settings_.frame.si() : settings_.duration.si() / 50;
+  frame_ = std::max(frame, settings_.duration.si() / 1000);
+  if (!cast.wave.empty()) waves_ = *std::ranges::max_element(cast.wave);
+  const auto [lo, hi] = geometry::box_of(complex.vertices());
+  const Vec3 margin = 0.25 * (hi - lo);
+  low_ = lo - margin;
+  high_ = hi + margin;
+  lowest_ = lo.z - 0.05 * (hi.z - lo.z);
+  for (const BlockId b : cast.moving) result_.blocks.push_back({.block = b, .centroid = {}});
+  result_.walls = cast.walls;
+  result_.converged = true;
+  record(0);
+}
+
+void MotionRecorder::stop_because(std::string why) {
+  result_.converged = false;
+  result_.stopped_why = std::move(why);
+}
+
+void MotionRecorder::follow(const std::function<bool()>& stop) {
+  const double duration = settings_.duration.si();
+  std::uint64_t frame = 1;
+  const auto skip_frames = [&] {
+    while (static_cast<double>(frame) * frame_ <= world_.time() + at_once) ++frame;
+  };
+  skip_frames();
+  while (world_.time() < duration - at_once && !result_.blocks.empty() && !(result_.at_rest && settings_.to_rest)) {
+    if (stop && stop()) {
+      result_.interrupted = true;
+      return stop_because(fmt::format("interrupted at {:.6g} s", world_.time()));
+    }
+    release();
+    const double until = std::min(static_cast<double>(frame) * frame_, duration);
+    const auto report = world_.step(until - world_.time());
+    if (!report) return stop_because(describe(report.error()));
+    look_at(*report);
+    if (world_.time() >= until - at_once) {
+      record(world_.time());
+      skip_frames();
+    }
+    place_.quiet = report->max_speed < resting_speed && place_.released == waves_ ? place_.quiet + 1 : 0;
+    result_.at_rest = place_.quiet >= resting_steps;
+  }
+}
+
+/// Wave k of n goes at k/n of the duration.
+void MotionRecorder::release() {
+  const double each = settings_.duration.si() / (waves_ + 1);
+  while (place_.released < waves_ && world_.time() >= each * (place_.released + 1) - at_once) {
+    ++place_.released;
+    for (std::size_t k = 0; k < cast_.wave.size(); ++k) {
+      if (cast_.wave[k] == place_.released) world_.set_fixed(k, false);
+    }
+  }
+}
+
+void MotionRecorder::look_at(const motion::StepReport& report) {
+  ++result_.steps;
+  result_.contacts = std::max<std::uint64_t>(result_.contacts, report.contacts);
+  result_.residual = std::max(result_.residual, report.residual);
+  result_.rough_steps += report.rough > 0 ? 1 : 0;
+  if (report.rough > 0) result_.missed_speed = std::max(result_.missed_speed, report.missed_speed);
+  result_.may_be_locked = std::max<std::uint64_t>(result_.may_be_locked, report.may_be_locked);
+  result_.penetration = std::max(result_.penetration, metres(report.max_penetration));
+  result_.overlap = std::max(result_.overlap, report.overlap);
+  for (std::size_t k = 0; k < result_.blocks.size(); ++k) {
+    MotionBlock& block = result_.blocks[k];
+    if (block.left) continue;
+    block.fastest = std::max(block.fastest, norm(world_.velocity(k)));
+    if (!block.first_motion && norm(world_.displacement(k)) > millimetre) {
+      block.first_motion = Time::from_si(world_.time());
+    }
+    const Vec3 c = world_.centroid(k);
+    const bool inside = c.x > low_.x && c.y > low_.y && c.x < high_.x && c.y < high_.y && c.z > lowest_;
+    if (inside) continue;
+    block.left = true;
+    world_.set_fixed(k, true);
+  }
+}
+
+void MotionRecorder::record(double time) {
+  MotionFrame frame{.time = Time::from_si(time), .places = {}};
+  for (std::size_t k = 0; k < result_.blocks.size(); ++k) {
+    frame.places.push_back({world_.displacement(k), world_.turn(k), world_.velocity(k)});
+  }
+  result_.frames.push_back(std::move(frame));
+}
+
+MotionResult MotionRecorder::close() {
+  // The state at which it stopped is shown.
+  if (result_.frames.back().time.si() < world_.time()) record(world_.time());
+  result_.end = Time::from_si(world_.time());
+  const motion::Energy& e = world_.energy();
+  result_.potential_lost = e.start - e.potential;
+  result_.kinetic = e.kinetic;
+  result_.dissipated = e.friction + e.lost;
+  result_.energy_error = e.closing_error;
+  result_.momentum_error = world_.momentum_error();
+  for (std::size_t k = 0; k < result_.blocks.size(); ++k) {
+    MotionBlock& block = result_.blocks[k];
+    const Vec3 shift = world_.displacement(k);
+    block.moved = norm(shift) > millimetre;
+    block.fall = metres(-shift.z);
+    block.runout = metres(std::hypot(shift.x, shift.y));
+    block.centroid = complex_.origin() + world_.centroid(k);
+  }
+  return std::move(result_);
+}
+
+}  // namespace cleave::scene

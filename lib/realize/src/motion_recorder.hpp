@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cleave/core/progress.hpp"
+#include "cleave/motion/world.hpp"
+#include "cleave/realize/run.hpp"
+
+namespace cleave::scene {
+
+/// Bodies of a world and the blocks they are.
+struct MotionCast {
+  motion::SceneSpec scene;
+  std::vector<topology::BlockId> moving;  ///< the first bodies
+  std::vector<std::uint32_t> wave;
+  std::size_t walls = 0;
+  std::size_t left_out = 0;  ///< slivers that would be let go
+};
+
+/// Where a run has come to, beside its world and its result.
+struct MotionPlace {
+  std::uint32_t released = 0;  ///< the last wave that was let go
+  std::uint32_t quiet = 0;     ///< steps in a row that nothing moved in
+};
+
+/// One run of a world, written down at equal times.
+class MotionRecorder final {
+ public:
+  MotionRecorder(const Scene& scene, const topology::BlockComplex& complex, const MotionCast& cast,
+                 motion::World world);
+
+  /// Takes an earlier run up. Where it is none of this scene, nothing changes.
+  [[nodiscard]] std::optional<Problem> go_on_from(const SavedRun& saved);
+  /// To the end of the run, or until `stop` says so.
+  void follow(const std::function<bool()>& stop);
+  /// All so far as bytes: what a later run goes on from. Before `close`, which writes what only an end has.
+  [[nodiscard]] std::string state() const;
+  [[nodiscard]] MotionResult close();
+
+ private:
+  void release();
+  void look_at(const motion::StepReport& report);
+  void record(double time);
+  void stop_because(std::string why);
+  [[nodiscard]] std::string identity() const;
+  [[nodiscard]] bool is_sound(const MotionResult& read, const MotionPlace& place) const;
+
+  const Scene& scene_;
+  const MotionSettings& settings_;
+  const topology::BlockComplex& complex_;
+  const MotionCast& cast_;
+  motion::World world_;
+  std::uint32_t waves_ = 0;  ///< number of the last
+  double frame_ = 0, lowest_ = 0;
+  geometry::Vec3 low_, high_;
+  MotionPlace place_;
+  MotionResult result_;
+};
+
+}  // namespace cleave::scene

@@ -1,0 +1,34 @@
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "assemblies.hpp"
+
+/// Motion against the certificates of statics: what certainly moves moves, what certainly stands stands.
+namespace cleave::motion {
+namespace {
+
+using namespace shapes;
+
+TEST(Certificates, WhatCertainlyMovesMovesAndWhatCertainlyStandsStands) {
+  std::array<int, 3> count{};
+  AssemblyMaker maker{1};
+  for (int k = 0; k < 12; ++k) {
+    const RandomAssembly random = maker.make();
+    const Certain certain = certified(random.statics);
+    ++count.at(static_cast<std::size_t>(certain));
+    if (certain == Certain::in_doubt) continue;
+    const auto moved = moved_from_rest(random);
+    if (!moved) {
+      ADD_FAILURE() << k << " " << moved.error();
+      continue;
+    }
+    EXPECT_EQ(*moved > 1e-6, certain == Certain::moves) << k << " " << *moved;
+  }
+  EXPECT_GE(count[0], 3);
+  EXPECT_GE(count[1], 2);
+  EXPECT_LE(count[2], 6);
+}
+
+}  // namespace
+}  // namespace cleave::motion
