@@ -3,7 +3,8 @@
 
     tests/guarantees.py [--short | --night] [--only N,N]   runs what shows each promise, writes docs/guarantees.md and the evidence
     tests/guarantees.py --page                   writes the page again from the evidence there is; runs nothing
-    tests/guarantees.py --check                  the page is the one that promises and evidence make; runs nothing
+    tests/guarantees.py --check                  the page is the one that promises and evidence make, and every test
+                                                 that a promise names exists; runs nothing
 
 The short form takes the tests of the release build; the long one (--night) adds what takes hours. A promise whose checks fail
 ends the run with 1 and stands as broken on the page.
@@ -17,6 +18,8 @@ import sys
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from named_tests import alternatives, named_tests, without_tests
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "guarantees.md"
@@ -164,8 +167,10 @@ def page(evidence: dict) -> str:
     ]
     for number, promise in enumerate(PROMISES, 1):
         found = evidence.get(str(number))
+        held = [part.replace(".*", "").replace("\\.", ".") for part in alternatives(promise.tests)] + promise.night
         out += [f"## {number}. {promise.title}", ""]
         out += [*fold(promise.scope), "", *fold("Limits: " + promise.limits), ""]
+        out += [*fold("Held by: " + ", ".join(f"`{name}`" for name in held) + "."), ""]
         if found is None:
             out += ["Last evidence: none yet.", ""]
             continue
@@ -201,6 +206,12 @@ def main() -> int:
         PAGE.write_text(page(evidence))
         return 0
     if options.check:
+        names = named_tests(ROOT)
+        lost = [(number, part) for number, promise in enumerate(PROMISES, 1) for part in without_tests(promise.tests, names)]
+        for number, part in lost:
+            print(f"promise {number} names a test that is not there: {part}", file=sys.stderr)
+        if lost:
+            return 1
         if PAGE.exists() and PAGE.read_text() == page(evidence):
             return 0
         print("docs/guarantees.md is not what tests/guarantees.py makes: run it", file=sys.stderr)
