@@ -240,7 +240,9 @@ std::vector<Excavation> parse_excavation(Context& context, const TableReader& re
                                                    : std::vector<geometry::Vec3>{},
                            .line = reader.line(),
                            .tunnel = tunnel_line,
-                           .wall = *kind == slope ? "slope" : *kind == benches ? "bench" : "face"});
+                           .wall = *kind == slope     ? "slope"
+                                   : *kind == benches ? "bench"
+                                                      : "face"});
   }
   return excavations;
 }
