@@ -67,8 +67,8 @@ using SampleError = std::variant<TooManyJoints, JointTooSmall>;
 /// The same joints, with the corners of every outline written out.
 [[nodiscard]] std::vector<SampledJoint> with_polygons(std::vector<SampledJoint> joints);
 
-/// A joint for the cutter (`topology::CutInput::joints`): its polygons, of an outline those that `with_polygons` writes,
-/// or its plane.
+/// A joint for the cutter (`topology::CutInput::joints`): its polygons, of an outline those that `with_polygons`
+/// writes, or its plane.
 [[nodiscard]] std::variant<topology::Joint, topology::PersistentJoint> joint_of(SampledJoint joint);
 
 /// The sets a model of this set ends at.
