@@ -96,8 +96,17 @@ window.addEventListener('load', function () {
         blocks3d.volume.forEach(function (v) { exact += v; });
         check('caps ' + 'xyz'[axis], outlined && Math.abs(sum / exact - 1) < 0.01 ? true : sum / exact);
       });
-      view3d.state.cut = 0.5;
-      view3d.rebuild();
+      // The section stands where the rock is cut off, also off the middle.
+      check('caps at the cut', ['x', 'y', 'z'].every(function (axis) {
+        view3d.state.axis = axis;
+        view3d.state.cut = 0.3;
+        view3d.rebuild();
+        const at = view3d.caps.geometry.attributes.position;
+        for (let i = 0; i < at.count; ++i) {
+          if (Math.abs(view3d.section.distanceToPoint(new THREE.Vector3(at.getX(i), at.getY(i), at.getZ(i)))) > 1e-4 * view3d.extent) return false;
+        }
+        return at.count > 0;
+      }));
       check('picture', view3d.picture().indexOf('data:image/png') === 0);
     }
   } catch (e) {
@@ -136,7 +145,7 @@ wide = drive(address, 1280)
 print("1280 px:", wide)
 expected = ["fits", "sorts"] + [name for name in ["micro hidden", "micro shown"] if name in wide]
 if wide["view"]:
-    expected += ["link", "escape", "row", "alone", "together", "search", "next", "picture", "sets", "caps x", "caps y", "caps z"]
+    expected += ["link", "escape", "row", "alone", "together", "search", "next", "picture", "sets", "caps x", "caps y", "caps z", "caps at the cut"]
     expected += [name for name in ["group", "group alone", "group let go"] if "data-group" in text]
 else:
     print("this browser has no WebGL: the 3D view was not driven")

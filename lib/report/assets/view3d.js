@@ -210,11 +210,11 @@ const view3d = (function () {
   const drawCaps = function () {
     const k = { x: 0, y: 1, z: 2 }[state.axis];
     const on = state.cut < 1 && state.restOpacity > 0;
-    const found = on ? caps3d(k, section.constant, function (b) { return !shown(b); }, offsetOf) : { position: [], block: [], edges: [] };
-    const colour = new THREE.Color(), colours = new Uint8Array(found.position.length);
+    const found = on ? caps3d(k, -section.normal.getComponent(k) * section.constant, function (b) { return !shown(b); }, offsetOf) : { position: [], block: [], edges: [] };
+    const rock = new THREE.Color(css('--wall')), colour = new THREE.Color(), colours = new Uint8Array(found.position.length);
     found.block.forEach(function (b, t) {
       const plain = !(state.colourBy === 'volume');
-      if (plain) colour.set(css('--wall')); else colour.set(colourOf(b));
+      if (plain) colour.copy(rock); else colour.set(colourOf(b));
       const tone = plain ? toneOf(b) : 1;
       for (let c = 0; c < 3; ++c) colours.set([255 * colour.r * tone, 255 * colour.g * tone, 255 * colour.b * tone].map(Math.round), 9 * t + 3 * c);
     });
@@ -502,7 +502,7 @@ const view3d = (function () {
   if (dark && dark.addEventListener) dark.addEventListener('change', rebuild);
 
   return {
-    state: state, rebuild: rebuild,
+    state: state, rebuild: rebuild, section: section, caps: layers.caps,
     restyle: function () { style(); render(); },
     start: function () { resize(); home(); rebuild(); },
     look: look, home: home, extent: extent, focus: focus, reach: reach,
