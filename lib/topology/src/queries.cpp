@@ -98,8 +98,6 @@ bool on_outline(const BlockComplex& complex, const Face& face, Vec3 point, int a
   return false;
 }
 
-bool finite(Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
 std::vector<geometry::Box> boxes_of(const BlockComplex& complex) {
   std::vector<geometry::Box> out;
   out.reserve(complex.blocks().size());
@@ -146,7 +144,7 @@ BlockLocator& BlockLocator::operator=(BlockLocator&& other) noexcept = default;
 BlockLocator::~BlockLocator() = default;
 
 std::optional<BlockId> BlockLocator::block_at(Vec3 point) const {
-  if (!finite(point)) return std::nullopt;
+  if (!geometry::is_finite(point)) return std::nullopt;
   const Vec3 relative = point - complex_->origin();
   std::optional<BlockId> best;
   boxes_->tree.overlapping({relative, relative}, [&](std::uint32_t number) {
