@@ -58,6 +58,21 @@ TEST(KeyGroups, TellGroupsFromWhatHolds) {
   EXPECT_EQ(found.held, 1U);
 }
 
+TEST(KeyGroups, VerdictsAloneAreThoseOfTheWholeSearch) {
+  Builder b = toe(true);
+  const std::uint32_t slides = b.block({0, 0, -50}, 50);
+  b.contact(slides, rock, {sin_deg(31), 0, cos_deg(31)}, tan_deg(30));
+  const Groups whole = find_groups(b.made()), alone = find_groups(b.made(), Ask::verdicts);
+  ASSERT_EQ(alone.groups.size(), whole.groups.size());
+  for (std::size_t k = 0; k < whole.groups.size(); ++k) {
+    EXPECT_EQ(alone.groups[k].bodies, whole.groups[k].bodies);
+    EXPECT_EQ(alone.groups[k].verdict, whole.groups[k].verdict);
+    EXPECT_EQ(alone.groups[k].proof.has_value(), whole.groups[k].proof.has_value());
+    EXPECT_TRUE(whole.groups[k].factors);
+    EXPECT_FALSE(alone.groups[k].factors);
+  }
+}
+
 // A splinter between a wall and a block that falls: beside that its speed is next to nothing, but no force holds it.
 // Forces locked in between the rough walls could hold both, so neither is proved to move.
 TEST(KeyGroups, WhatNoForceHoldsIsNotAtRest) {

@@ -125,8 +125,8 @@ namespace {
 /// One island.
 class Search final {
  public:
-  explicit Search(const Assembly& island)
-      : island_{island}, taken_(island.bodies().size(), 0), counts_(island.contacts().size(), 1.0) {}
+  Search(const Assembly& island, Ask ask)
+      : island_{island}, ask_{ask}, taken_(island.bodies().size(), 0), counts_(island.contacts().size(), 1.0) {}
 
   /// False when it stands without friction.
   bool run() {
@@ -316,7 +316,7 @@ class Search final {
     group.verdict = verdict;
     group.motion = std::move(motion);
     const bool moves = verdict != Verdict::in_doubt;
-    group.factors = members.size() <= (moves ? most_for_factors : few_for_fine_factors);
+    group.factors = ask_ == Ask::factors && members.size() <= (moves ? most_for_factors : few_for_fine_factors);
     if (group.factors) {
       const Assembly part = island_.part(members, Assembly::Others::fixed);
       const Accuracy accuracy = members.size() > few_for_fine_factors ? Accuracy::coarse : Accuracy::quick;
@@ -338,6 +338,7 @@ class Search final {
   }
 
   const Assembly& island_;
+  Ask ask_;
   std::vector<std::uint8_t> taken_;
   std::vector<double> counts_;  ///< by contact: share of its cohesion in factors
   std::vector<double> weaker_;  ///< speeds that the search with less strength found first; empty: there was none
@@ -347,12 +348,12 @@ class Search final {
 
 }  // namespace
 
-Groups find_groups(const Assembly& assembly) {
+Groups find_groups(const Assembly& assembly, Ask ask) {
   Groups out;
   const std::vector<std::uint8_t> all(assembly.bodies().size(), 1);
   for (const std::vector<std::uint32_t>& members : connected_parts(assembly, all)) {
     const Assembly island = assembly.part(members, Assembly::Others::fixed);
-    Search search{island};
+    Search search{island, ask};
     if (!search.run()) {
       out.held += members.size();
       continue;

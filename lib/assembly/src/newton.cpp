@@ -136,7 +136,9 @@ double Newton::inner(const Problem& problem, State& state, double rho) {
   for (int iteration = 0; iteration < (convex ? 80 : 30) && size > enough; ++iteration) {
     if (!direct(locals, rho, convex, gradient, step)) break;
     const double slope = gradient.dot(step);
-    const double share = linear::share_of_step({value, size}, slope, convex, 30, [&](double part) {
+    const double rounding = 1e-13 * (std::abs(value) + std::abs(elements_->load().dot(state.v)));
+    const linear::Search how{.convex = convex, .rounding = rounding, .halvings = 30};
+    const double share = linear::share_of_step({value, size}, slope, how, [&](double part) {
       tried = state.v + part * step;
       const double found = evaluate(problem, state, rho, tried, tried_gradient, nullptr);
       return linear::Merit{found, tried_gradient.lpNorm<Eigen::Infinity>()};

@@ -146,7 +146,8 @@ double Newton::inner(const Programme& programme, std::vector<Vector3d>& x, doubl
     if (size <= 2e-15 * carried) break;
     if (!direction(locals, rho, convex, gradient, step)) return std::numeric_limits<double>::infinity();
     const double slope = gradient.dot(step);
-    const double share = linear::share_of_step({value, size}, slope, convex, 20, [&](double part) {
+    const linear::Search how{.convex = convex, .rounding = 1e-13 * std::abs(value), .halvings = 20};
+    const double share = linear::share_of_step({value, size}, slope, how, [&](double part) {
       tried = v + part * step;
       const double found = evaluate(programme, x, rho, tried, tried_gradient, tried_locals);
       return linear::Merit{found, tried_gradient.norm()};

@@ -384,10 +384,12 @@ class Search final {
 
   std::vector<KeyGroup> groups_of(const std::vector<BlockId>& blocks, std::uint32_t batch) {
     const assembly::Assembly whole = assembly_with_ties(blocks, batch);
-    std::array<std::vector<assembly::Group>, 2> found{assembly::find_groups(whole.with(Freedom::translation)).groups,
-                                                      {}};
+    // Of what only the border holds the verdict is all that counts.
+    const assembly::Ask ask = hangs_ ? assembly::Ask::verdicts : assembly::Ask::factors;
+    std::array<std::vector<assembly::Group>, 2> found{
+        assembly::find_groups(whole.with(Freedom::translation), ask).groups, {}};
     if (blocks.size() <= most_.turning) {
-      found[1] = assembly::find_groups(whole).groups;
+      found[1] = assembly::find_groups(whole, ask).groups;
     } else {
       out_.without_moments = true;
     }

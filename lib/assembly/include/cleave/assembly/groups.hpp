@@ -145,13 +145,15 @@ struct Group {
   std::optional<MotionCertificate> proof;
   StaticFactor up;
   MovingFactor moving;
-  bool factors = true;  ///< false: the group is too large for them, and they say no more than the verdict
+  bool factors = true;  ///< false: not asked for, or the group is too large, and they say no more than the verdict
 };
 struct Groups {
   std::vector<Group> groups;  ///< certain, unsafe and in doubt, by first body
   std::size_t held = 0;       ///< bodies of islands that stand without friction
 };
+/// Whether factors are asked for: they take most of the time where groups are small.
+enum class Ask : std::uint8_t { verdicts, factors };
 /// All groups of one state.
-[[nodiscard]] Groups find_groups(const Assembly& assembly);
+[[nodiscard]] Groups find_groups(const Assembly& assembly, Ask ask = Ask::factors);
 
 }  // namespace cleave::assembly

@@ -78,21 +78,31 @@ struct Merit {
   double value, size;
 };
 
+/// What a line search goes by.
+struct Search {
+  bool convex = false;  ///< the value counts
+  double rounding = 0;  ///< of the value
+  int halvings = 20;
+};
+
 /// Share of a Newton step to take: the first of 1, 1/2, 1/4 ... with enough less of the value (where `convex`; `slope`:
 /// its derivative along the step) or of the gradient, else the one with the smallest gradient; 0 when none has less.
+/// Of a convex function the value never grows by more than its rounding: led by either measure in turn, an iteration
+/// may go in circles.
 template <class MeritAt>
-[[nodiscard]] double share_of_step(Merit now, double slope, bool convex, int halvings, MeritAt&& merit_at) {
+[[nodiscard]] double share_of_step(Merit now, double slope, const Search& how, MeritAt&& merit_at) {
   double share = 1, best = 0, best_size = now.size;
-  for (int halving = 0; halving < halvings; ++halving, share *= 0.5) {
+  for (int halving = 0; halving < how.halvings; ++halving, share *= 0.5) {
     const Merit found = merit_at(share);
+    if (how.convex && !(found.value <= now.value + how.rounding)) continue;
     // Near the end the value has no digits left; what remains of the gradient has.
-    if ((convex && found.value <= now.value + 1e-4 * share * slope) || found.size <= (1 - 0.1 * share) * now.size) {
+    if ((how.convex && found.value <= now.value + 1e-4 * share * slope) || found.size <= (1 - 0.1 * share) * now.size) {
       return share;
     }
     if (found.size < best_size) {
       best = share;
       best_size = found.size;
-      if (!convex && halving > 6) break;
+      if (!how.convex && halving > 6) break;
     }
   }
   return best;
