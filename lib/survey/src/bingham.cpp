@@ -20,14 +20,18 @@ constexpr double pi = std::numbers::pi;
 /// 0 or near. Rings lie where a Fisher law of kappa = -k2 has them, at equal shares: laws that hold to a point do not
 /// fall between them.
 std::array<double, 3> bingham_moments(double k1, double k2) {
-  constexpr int rings = 200;
+  constexpr int rings = 200, around = 64;
+  static const std::array<double, around> cosines = [] {
+    std::array<double, around> out{};
+    for (std::size_t j = 0; j < out.size(); ++j) out.at(j) = std::cos(pi * (static_cast<double>(j) + 0.5) / around);
+    return out;
+  }();
   const double kappa = std::max(1e-3, -std::max(k1, k2)), all = -std::expm1(-kappa);
   double f = 0, x2 = 0, y2 = 0;
   for (int i = 0; i < rings; ++i) {
     const double versine = -std::log1p(-all * (i + 0.5) / rings) / kappa, s2 = versine * (2 - versine);
-    constexpr int around = 64;
-    for (int j = 0; j < around; ++j) {
-      const double c = std::cos(pi * (j + 0.5) / around), xx = s2 * c * c, yy = s2 - xx;
+    for (const double c : cosines) {
+      const double xx = s2 * c * c, yy = s2 - xx;
       const double w = std::exp(k1 * xx + k2 * yy + kappa * versine);
       f += w;
       x2 += w * xx;
