@@ -50,9 +50,11 @@ TEST(ResistanceTest, SlidingOnAPlane) {
   EXPECT_LT(geometry::norm(j.direction - handmade::dip_vector(40, 90)), 1e-12);
   ASSERT_EQ(j.pressing.size(), 1U);
   EXPECT_NEAR(j.pressing[0].reaction.si(), 100 * std::cos(radians(40)), 1e-10);
+  EXPECT_NEAR(j.pressing[0].shear.si(), 100 * std::cos(radians(40)) * std::tan(radians(30)), 1e-10) << "all it has";
   const Judgement rough = judge_one({{upward(40, 90)}}, settings({strength(41)}));
   EXPECT_EQ(rough.mode, Mode::sliding);
   EXPECT_FALSE(rough.key);
+  EXPECT_NEAR(rough.pressing.at(0).shear.si(), 100 * std::sin(radians(40)), 1e-10) << "no more than is driving";
   EXPECT_FALSE(rough.batch.has_value());
 }
 
@@ -119,6 +121,10 @@ TEST(ResistanceTest, HoekAndBrayWedgeWithTensionCrack) {
   EXPECT_NEAR(dry.pressing[0].reaction.si() / 22557120.5, 1, 1e-8);
   EXPECT_NEAR(dry.pressing[1].reaction.si() / 13848679.0, 1, 1e-8);
   EXPECT_NEAR(dry.driving.si() / 14644289.5, 1, 1e-8);
+  // Shear: c A + N tan(friction) of each plane over the factor; both together hold the driving force.
+  EXPECT_NEAR(dry.pressing[0].shear.si() * 1.73557674673 / (500 * a1 + 22557120.5 * std::tan(radians(20))), 1, 1e-8);
+  EXPECT_NEAR(dry.pressing[1].shear.si() * 1.73557674673 / (1000 * a2 + 13848679.0 * std::tan(radians(30))), 1, 1e-8);
+  EXPECT_NEAR((dry.pressing[0].shear + dry.pressing[1].shear) / dry.driving, 1, 1e-12);
   EXPECT_NEAR(judge_one(walls, settings({strength(30, 500), strength(20, 1000), strength(0)}), weight).factor_of_safety,
               1.862466, 1e-6);
 

@@ -191,6 +191,7 @@ void fields(V& v, const FaceRow& x) {
   v("area_m2", face.area);
   v("friction_deg", joint ? std::optional{friction} : std::nullopt);
   v("pressed_with_n", presses ? std::optional{pressed->reaction} : std::nullopt);
+  v("shear_n", presses ? std::optional{pressed->shear} : std::nullopt);
   v("in_motion", Html{!joint                       ? "–"
                       : presses                    ? "slides on it"
                       : !(norm(x.j.direction) > 0) ? "–"
@@ -207,6 +208,7 @@ std::string face_table(const Page& page, const stability::Judgement& j) {
                    {"area_m2", {}, 3},
                    {"friction_deg", {}, 3},
                    {"pressed_with_n"},
+                   {"shear_n"},
                    {"in_motion"}},
                   FaceRow{page, j, faces.front()},
                   "class=\"faces\""};
@@ -334,7 +336,7 @@ constexpr std::string_view basis =
     "Rigid block, limit equilibrium of its translation in the state after the batches before it; joints are flat. The "
     "inputs and limits of the whole report hold.";
 
-constexpr std::size_t most_explained = 60;
+constexpr std::size_t most_explained = 300;
 
 }  // namespace
 

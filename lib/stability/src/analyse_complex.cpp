@@ -107,10 +107,7 @@ class Batches final {
     }
     judgement.net = newtons(verdict.net);
     judgement.factor_of_safety = verdict.factor_of_safety;
-    judgement.pressing.reserve(verdict.resistance.pressing.size());
-    for (const auto& [group, reaction] : verdict.resistance.pressing) {
-      judgement.pressing.push_back({contacts.groups[group].face, newtons(reaction)});
-    }
+    judgement.pressing = pressing_of(contacts, verdict);
     judgement.cone_dimension = dimension;
     judgement.tie = verdict.tie;
     judged_in_[slot_[id]] = batch;

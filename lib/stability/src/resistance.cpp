@@ -27,27 +27,36 @@ double ramp(double sine) {
   return std::clamp(sine / full, 0.0, 1.0);
 }
 
+/// Which shares of a group's cohesion count, and of that of faces that do not open.
+struct Shares {
+  double counted = 0, touches = 0;
+};
+/// The resultant presses on some; `parallel_contact`: what does not open counts, too.
+Shares shares_of(const Contacts& contacts, const Resultant& resultant, const Motion& motion, const Pressings& pressing,
+                 bool parallel_contact, std::uint32_t group) {
+  const double load = geometry::norm(resultant.newtons()), driving = geometry::norm(motion.s);
+  double pressed = 0;
+  for (const auto& [presses, reaction] : pressing) {
+    if (presses == group && load > 0) pressed = ramp(reaction / load);
+  }
+  const double opens = geometry::dot(contacts.cone.groups()[group].unit(), motion.s) / driving;
+  const double touches = std::ranges::binary_search(motion.touching, group) ? 1 : 1 - ramp(opens);
+  return {parallel_contact ? std::max(pressed, touches) : pressed, touches};
+}
+
 struct Cohesion {
   double counted = 0;
   double left_out = 0;  ///< of faces that do not open
 };
-/// Cohesion of the faces that the resultant presses on; `parallel_contact`: of all that do not open, too.
 Cohesion cohesion_of(const Contacts& contacts, const Resultant& resultant, const Motion& motion,
                      const Pressings& pressing, bool parallel_contact) {
   Cohesion sum;
-  const double load = geometry::norm(resultant.newtons()), driving = geometry::norm(motion.s);
   for (std::uint32_t group = 0; group < contacts.groups.size(); ++group) {
     const double cohesion = contacts.groups[group].cohesion;
     if (!(cohesion > 0)) continue;
-    double pressed = 0;
-    for (const auto& [presses, reaction] : pressing) {
-      if (presses == group && load > 0) pressed = ramp(reaction / load);
-    }
-    const double opens = geometry::dot(contacts.cone.groups()[group].unit(), motion.s) / driving;
-    const double touches = std::ranges::binary_search(motion.touching, group) ? 1 : 1 - ramp(opens);
-    const double share = parallel_contact ? std::max(pressed, touches) : pressed;
-    sum.counted += share * cohesion;
-    sum.left_out += std::max(0.0, touches - share) * cohesion;
+    const Shares share = shares_of(contacts, resultant, motion, pressing, parallel_contact, group);
+    sum.counted += share.counted * cohesion;
+    sum.left_out += std::max(0.0, share.touches - share.counted) * cohesion;
   }
   return sum;
 }
@@ -96,6 +105,11 @@ Resistance resistance(const Contacts& contacts, const Resultant& resultant, cons
     }
   }
   result.cohesion_left_out = cohesion_of(contacts, resultant, motion, result.pressing, parallel_contact).left_out;
+  for (const auto& [group, reaction] : result.pressing) {
+    const Contact& contact = contacts.groups[group];
+    const Shares share = shares_of(contacts, resultant, motion, result.pressing, parallel_contact, group);
+    result.strength.push_back(reaction * contact.tan_at(reaction) + share.counted * contact.cohesion);
+  }
   const double opening = tension(contacts, motion);
   result.least += opening;
   result.greatest += opening;

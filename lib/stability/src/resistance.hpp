@@ -14,6 +14,7 @@ struct Resistance {
   double greatest = 0;
   double cohesion_left_out = 0;                            ///< of faces that do not open but that nothing presses
   std::vector<std::pair<std::uint32_t, double>> pressing;  ///< group and reaction of the least one
+  std::vector<double> strength;                            ///< of `pressing`: friction and cohesion of each
 };
 
 /// Friction and cohesion of the pressing groups, tension of those that open. Cohesion counts in full where the

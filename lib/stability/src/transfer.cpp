@@ -164,10 +164,7 @@ class Passing final {
     result.factor_of_safety = verdict.factor_of_safety;
     result.received = incoming.force;
     result.tie = verdict.tie;
-    result.pressing.reserve(verdict.resistance.pressing.size());
-    for (const auto& [group, reaction] : verdict.resistance.pressing) {
-      result.pressing.push_back({contacts.groups[group].face, newtons(reaction)});
-    }
+    result.pressing = pressing_of(contacts, verdict);
     // A block that leaves because it turns passes nothing on: only translation gives a force to pass.
     if (judgement.rotation && judgement.rotation->turns && judgement.key) result.key = true;
     if (verdict.key && batch > 1) pass(id, batch, resultant.scale(), result);

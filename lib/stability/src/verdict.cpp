@@ -1,5 +1,6 @@
 #include "verdict.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace cleave::stability {
@@ -41,6 +42,18 @@ Verdict judge(const Contacts& contacts, const Resultant& resultant, const Settin
   // At the limit (FoS = 1 to the rounding of normals and of tan) the sign of T - R is noise: such a block holds.
   verdict.key = verdict.net > 0x1p-40 * verdict.driving;
   return verdict;
+}
+
+std::vector<Pressing> pressing_of(const Contacts& contacts, const Verdict& verdict) {
+  const Resistance& held = verdict.resistance;
+  const double mobilised = 1 / std::max(1.0, verdict.factor_of_safety);
+  std::vector<Pressing> out;
+  out.reserve(held.pressing.size());
+  for (std::size_t k = 0; k < held.pressing.size(); ++k) {
+    const auto& [group, reaction] = held.pressing[k];
+    out.push_back({contacts.groups[group].face, newtons(reaction), newtons(mobilised * held.strength[k])});
+  }
+  return out;
 }
 
 }  // namespace cleave::stability

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <vector>
 
 #include "cleave/stability/result.hpp"
 #include "contacts.hpp"
@@ -23,5 +24,8 @@ struct Verdict {
 
 /// Precondition: the block is removable.
 [[nodiscard]] Verdict judge(const Contacts& contacts, const Resultant& resultant, const Settings& settings);
+
+/// The planes that a verdict leans on, with what presses on them and shears along them.
+[[nodiscard]] std::vector<Pressing> pressing_of(const Contacts& contacts, const Verdict& verdict);
 
 }  // namespace cleave::stability

@@ -48,6 +48,9 @@ enum class Mode : std::uint8_t {
 struct Pressing {
   topology::FaceId face;  ///< a face on that plane
   Force reaction = {};    ///< effective normal reaction, > 0 in compression
+  /// Shear against the motion: friction and cohesion of the face, over the factor of safety where that is above 1. On
+  /// two planes the share of each is not given by balance: both are mobilised alike.
+  Force shear = {};
 };
 
 /// A share of a block's net force on a block of an earlier batch.
