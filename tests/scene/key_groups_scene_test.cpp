@@ -387,6 +387,40 @@ TEST(KeyGroupsScene, GroupsBelowTheTargetAreSaid) {
   EXPECT_EQ(below(1.1), 0U);
 }
 
+// The factor of safety of all blocks together against factors that are known: of one wedge, of two blocks that push one
+// another, of a slab behind its toe (theirs without and with moments lie between the two ends and what is in doubt).
+TEST(KeyGroupsScene, TheFactorOfAllBlocksTogetherIsBracketed) {
+  const auto found = [](const std::string& scene, std::size_t blocks) {
+    const RunResult run = run_of(scene + "group_factor = true\n");
+    EXPECT_EQ(notes_with(run, "all blocks near free faces together"), 1U);
+    EXPECT_EQ(run.group_factor->blocks.size(), blocks);
+    EXPECT_LE(run.group_factor->moves, 1.08 * run.group_factor->stands) << "cohesion is none, 5 % are in doubt";
+    return *run.group_factor;
+  };
+  std::string wedge = example("wedge_slope");
+  const double tangent = 2 * std::tan(30 * std::numbers::pi / 180);
+  wedge.replace(wedge.find("friction = 30"), 13,
+                fmt::format("friction = {:.15g}", std::atan(tangent) * 180 / std::numbers::pi));
+  const stability::FactorTogether one = found(wedge, 1);
+  const double known = 8 / std::sqrt(15.0) * std::tan(30 * std::numbers::pi / 180);
+  EXPECT_LE(one.stands, known);
+  EXPECT_GE(one.moves, known);
+  EXPECT_LE(one.moves, 1.0101 * known);
+
+  const stability::FactorTogether two = found(active_and_passive(30), 2);
+  const double pair = 0.761 * std::tan(30 * std::numbers::pi / 180) / std::tan(20 * std::numbers::pi / 180);
+  EXPECT_LE(two.stands, pair);
+  EXPECT_LE(two.moves, 1.011 * pair);
+
+  const stability::FactorTogether slab = found(example("slab_behind_toe"), 2);
+  EXPECT_LE(slab.stands, 0.894759 / 1.05) << "what moves with 5 % less strength is in doubt";
+  EXPECT_GE(slab.moves, 0.894759);
+  EXPECT_LE(slab.moves, 1.0101 * 0.894759);
+
+  const std::string off = error_of(example("slab_behind_toe") + "group_factor = true\ngroups = \"off\"\n");
+  EXPECT_TRUE(off.contains("stability.group_factor")) << off;
+}
+
 // Where two blocks meet at an angle rounding may leave a needle in the corner. It is nothing: the group has the factor
 // that it has without it.
 TEST(KeyGroupsScene, NeedlesInACornerChangeNoFactor) {

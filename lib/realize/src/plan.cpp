@@ -98,7 +98,7 @@ double searches_of(const Scene& scene) {
   }
   const double states = 1 + static_cast<double>(wanted.cases.size()) +
                         static_cast<double>(scene.sequence ? scene.sequence->stages.size() : 0);
-  double searches = states * (scene.support ? 3 : 1);
+  double searches = states * (scene.support ? 3 : 1) + (wanted.group_factor ? 20 : 0);
   if (scene.support && scene.support->design) {
     const DesignSettings& design = *scene.support->design;
     searches += static_cast<double>(design.lengths.size()) * (8.0 * design.phases + design.offsets);

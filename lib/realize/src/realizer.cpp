@@ -218,6 +218,10 @@ Realizer::Done Realizer::judge() {
     judge_groups_of_cases();
     judge_groups_of_stages();
     judge_groups_below_target();
+    made_.group_factor.reset();
+    if (scene_->stability->group_factor) {
+      made_.group_factor = stability::factor_together(complex, with, together(*scene_));
+    }
   }
   for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {
     CaseResult& load = made_.load_cases[k];

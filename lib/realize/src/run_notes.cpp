@@ -360,6 +360,17 @@ void add_below_target_note(const Realization& made, const StabilitySettings& set
       settings.target->sliding, count_key_groups(*made.key_groups).count));
 }
 
+void add_group_factor_note(const stability::FactorTogether& found, std::vector<std::string>& notes) {
+  const std::string stands = found.stands > 0 ? fmt::format("strengths over {:.3g} all stands", found.stands)
+                                              : "not even strengths times 10 clear all doubt";
+  const std::size_t count = found.blocks.size();
+  const std::string moves = count == 0 ? "nothing moves at strengths over 10"
+                                       : fmt::format("over {:.3g} {} {}, block {}{}", found.moves, count,
+                                                     count == 1 ? "block moves" : "blocks move",
+                                                     found.blocks.front().value(), count > 1 ? ", ..." : "");
+  notes.push_back("all blocks near free faces together, without support: " + stands + ", " + moves);
+}
+
 /// What removes rock never lies outside by 100 %.
 std::string percent_outside(double share) {
   return share > 0.9995 && share < 1 ? fmt::format("all but {:.2g} %", 100 * (1 - share))
@@ -449,6 +460,7 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
         "carries all blocks it goes through at once");
   }
   if (scene.stability) add_below_target_note(made, *scene.stability, notes);
+  if (made.group_factor) add_group_factor_note(*made.group_factor, notes);
   if (made.window && made.window->truncated > 0 && analysis && analysis->rotation == stability::RotationCheck::flag) {
     notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");
   }

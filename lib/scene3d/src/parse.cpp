@@ -268,7 +268,8 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
   const std::optional<MotionSettings> motion = parse_motion(root, stability.settings, sequence);
   const MicroBlocks micro_blocks = parse_micro_blocks(root);
   // What is asked for of all the rock needs all the rock.
-  if (sequence || motion || header.keep_dangling || micro_blocks.policy == MicroBlockPolicy::exclude) {
+  const bool together = stability.settings && stability.settings->group_factor;
+  if (sequence || motion || together || header.keep_dangling || micro_blocks.policy == MicroBlockPolicy::exclude) {
     output.only_key_blocks = false;
   }
   std::optional<MonteCarloSettings> monte_carlo = parse_monte_carlo(root);

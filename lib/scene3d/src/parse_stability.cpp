@@ -192,6 +192,10 @@ const KeyTable& stability_keys() {
          "blocks near free faces are judged together too (key groups): `\"note\"` tells, in `key_groups.csv`, "
          "`\"decide\"` makes blocks of such groups key blocks, `\"off\"` does not ask. Ensembles ask with `\"decide\"` "
          "alone"},
+        {"group_factor", key::flag(), "false",
+         "true: the factor of safety of all blocks near free faces together, single ones too, without support: a "
+         "bracket, `key_groups.stands_to` and `key_groups.moves_at` in `summary.json`. Costs some twenty searches for "
+         "groups. Not in ensembles"},
         {"maximum_blocks", key::table(&maximum_keys), "",
          "`{ tunnel = \"NAME\", sets = [\"A\", \"B\", \"C\"] }`: largest key blocks that persistent joints of the "
          "sets' "
@@ -232,6 +236,10 @@ ParsedStability parse_stability(const Context& context, const TableReader& root,
     parse_transfer(table, settings);
     settings.rotation = table.word<stability::RotationCheck>("rotation");
     settings.groups = table.word<stability::GroupsCheck>("groups");
+    settings.group_factor = table.flag("group_factor");
+    if (settings.group_factor && settings.groups == stability::GroupsCheck::off) {
+      table.error("group_factor", "is of blocks judged together, but groups is \"off\"", "set groups = \"note\"");
+    }
     settings.maximum_blocks = parse_maximum_blocks(context, table, excavations);
     settings.max_batches = static_cast<std::uint32_t>(table.count("max_batches"));
     settings.strict = table.flag("require_open_cone");

@@ -107,6 +107,11 @@ class Search final {
     return std::move(out_);
   }
 
+  KeyGroups first() {
+    out_.groups = state(1);
+    return std::move(out_);
+  }
+
   /// Of what moves when the blocks of the border may, their sides smooth, and `gone` has left: groups with one of them.
   std::vector<BlockId> held_by_border(const std::vector<BlockId>& gone) {
     for (const BlockId id : gone) model_.remove(id, 0);
@@ -447,6 +452,10 @@ class Search final {
 
 KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings, const Together& most) {
   return Search{complex, settings, most}.run();
+}
+
+KeyGroups first_groups(const topology::BlockComplex& complex, const Settings& settings, const Together& most) {
+  return Search{complex, settings, most}.first();
 }
 
 KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings, const Together& most,

@@ -11,6 +11,10 @@ namespace cleave::stability {
 [[nodiscard]] KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings,
                                       const Together& most);
 
+/// Of the first state alone.
+[[nodiscard]] KeyGroups first_groups(const topology::BlockComplex& complex, const Settings& settings,
+                                     const Together& most);
+
 /// With ties between blocks. `begin`: the first state is looked at around these alone; what moves without ties is among
 /// them.
 [[nodiscard]] KeyGroups search_groups(const topology::BlockComplex& complex, const Settings& settings,

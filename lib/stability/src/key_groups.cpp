@@ -1,6 +1,8 @@
 #include "cleave/stability/key_groups.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -16,15 +18,75 @@ namespace {
 
 using topology::BlockId;
 
-/// Strengths over the target for sliding.
-Settings at_target(const Settings& settings, const SupportPlan& plan) {
+Settings with_strengths_over(const Settings& settings, double factor) {
   Settings reduced = settings;
-  auto partial = PartialFactors::make(settings.partial.friction() * plan.target_sliding,
-                                      settings.partial.cohesion() * plan.target_sliding, settings.partial.weight());
+  auto partial = PartialFactors::make(settings.partial.friction() * factor, settings.partial.cohesion() * factor,
+                                      settings.partial.weight());
   CLEAVE_ASSERT(partial.has_value());
   reduced.partial = *partial;
   return reduced;
 }
+
+/// Of a bracket of the factor of safety: where it is looked for, by what steps, and how fine.
+constexpr double least_factor = 0.1, largest_factor = 10, step_of_factor = 1.25, fine_factor = 1.01;
+
+/// Two factors of the assembly: up to where all is clear, and from where on something moves.
+class FactorSearch final {
+ public:
+  FactorSearch(const topology::BlockComplex& complex, const Settings& settings, const Together& most)
+      : complex_{complex}, settings_{settings}, most_{most} {}
+
+  std::optional<FactorTogether> run() {
+    double f = 1;
+    look(f);
+    if (too_many_) return std::nullopt;
+    while (moves_ < infinite && still_ == 0 && f > least_factor) look(f = std::max(least_factor, f / step_of_factor));
+    while (moves_ == infinite && f < largest_factor) look(f = std::min(largest_factor, f * step_of_factor));
+    while (still_ > 0 && moves_ < infinite && moves_ > fine_factor * still_) look(std::sqrt(still_ * moves_));
+    // What is in doubt lies between.
+    for (f = std::min(clear_below_, still_); stands_ == 0 && f > least_factor;)
+      look(f = std::max(least_factor, f / step_of_factor));
+    while (stands_ > 0 && clear_below_ < infinite && clear_below_ > fine_factor * stands_) {
+      look(std::sqrt(stands_ * clear_below_));
+    }
+    return FactorTogether{.stands = stands_, .moves = moves_, .blocks = std::move(blocks_)};
+  }
+
+ private:
+  static constexpr double infinite = std::numeric_limits<double>::infinity();
+
+  void look(double factor) {
+    const KeyGroups found = first_groups(complex_, with_strengths_over(settings_, factor), most_);
+    too_many_ = too_many_ || found.too_many;
+    std::vector<BlockId> moving;
+    for (const KeyGroup& group : found.groups) {
+      if (group.verdict == assembly::Verdict::in_doubt) continue;
+      moving.insert(moving.end(), group.blocks.begin(), group.blocks.end());
+    }
+    if (!found.groups.empty()) {
+      clear_below_ = std::min(clear_below_, factor);
+      if (stands_ >= clear_below_) stands_ = 0;
+    } else if (factor < clear_below_) {
+      stands_ = std::max(stands_, factor);
+    }
+    if (moving.empty()) {
+      if (factor < moves_) still_ = std::max(still_, factor);
+    } else if (factor < moves_) {
+      moves_ = factor;
+      if (still_ >= moves_) still_ = 0;
+      std::ranges::sort(moving);
+      blocks_ = std::move(moving);
+    }
+  }
+
+  const topology::BlockComplex& complex_;
+  const Settings& settings_;
+  const Together& most_;
+  double stands_ = 0, clear_below_ = infinite;  ///< nothing moves or is in doubt; least where something does
+  double still_ = 0, moves_ = infinite;         ///< nothing moves; least where something does
+  bool too_many_ = false;
+  std::vector<BlockId> blocks_;
+};
 
 }  // namespace
 
@@ -32,9 +94,14 @@ KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Setting
   return search_groups(complex.complex(), settings, most);
 }
 
+std::optional<FactorTogether> factor_together(const topology::AuditedComplex& complex, const Settings& settings,
+                                              const Together& most) {
+  return FactorSearch{complex.complex(), settings, most}.run();
+}
+
 KeyGroups groups_below_target(const topology::AuditedComplex& complex, const Settings& settings,
                               const SupportPlan& plan, const Together& most) {
-  return search_groups(complex.complex(), at_target(settings, plan), most);
+  return search_groups(complex.complex(), with_strengths_over(settings, plan.target_sliding), most);
 }
 
 GroupSupport check_groups(const topology::AuditedComplex& complex, const Settings& settings, const SupportPlan& plan,
@@ -46,7 +113,7 @@ GroupSupport check_groups(const topology::AuditedComplex& complex, const Setting
                           const SupportResult& support, KeyGroups below, const Together& most) {
   GroupSupport out{.below = std::move(below), .left = {}};
   if (out.below.groups.empty()) return out;
-  const Settings reduced = at_target(settings, plan);
+  const Settings reduced = with_strengths_over(settings, plan.target_sliding);
   const Ties ties{complex.complex(), reduced, plan, support.bolts, out.below};
   std::vector<BlockId> moving;
   for (const KeyGroup& group : out.below.groups) moving.insert(moving.end(), group.blocks.begin(), group.blocks.end());

@@ -243,6 +243,7 @@ struct KeyGroupFigures {
   /// Groups that move at strengths over the target, where it was asked.
   std::optional<std::uint64_t> below_target = {};
   Volume below_target_volume = {};
+  std::optional<stability::FactorTogether> together = {};  ///< where it was asked
 };
 template <class V>
 void fields(V& v, const KeyGroupFigures& x) {
@@ -257,6 +258,13 @@ void fields(V& v, const KeyGroupFigures& x) {
   v("below_target", x.below_target,
     "groups that move at strengths over the scene's target for sliding; without support");
   v("below_target_volume_m3", when(x.below_target.has_value(), x.below_target_volume));
+  const stability::FactorTogether factor = x.together.value_or(stability::FactorTogether{});
+  const bool asked = x.together.has_value();
+  v("stands_to", when(asked, factor.stands),
+    "with `group_factor`: strengths over this nothing moves nor is in doubt, to 1 %; 0: below 0.1");
+  v("moves_at", when(asked, or_null(factor.moves)),
+    "with `group_factor`: strengths over this something moves, to 1 %; null: nothing does up to 10");
+  v("moves_at_reason", when(asked && !std::isfinite(factor.moves), "nothing moves at strengths over 10"));
 }
 [[nodiscard]] KeyGroupFigures count_key_groups(const stability::KeyGroups& groups);
 /// `found`: at strengths over the target.

@@ -265,6 +265,7 @@ struct Realization : SampledScene {
   std::optional<stability::KeyGroups> key_groups = {};  ///< blocks judged together, where the scene asks for it
   /// At strengths over the scene's target for sliding; empty where the scene has none, or a support that asks for it.
   std::optional<stability::KeyGroups> groups_below_target = {};
+  std::optional<stability::FactorTogether> group_factor = {};  ///< where the scene asks for it
   std::vector<std::optional<LetGo>> let_go = {};  ///< of `key_groups`, those in doubt; empty: none was asked
   std::vector<stability::InterlockedByInclusion> held_from_within = {};
   std::vector<stability::Barred> barred = {};             ///< where blocks were not judged together
@@ -328,6 +329,7 @@ void fields(V& v, const RunResult& x) {
     "Blocks that leave.");
   KeyGroupFigures groups = x.key_groups ? count_key_groups(*x.key_groups) : KeyGroupFigures{};
   if (x.groups_below_target) add_below_target(*x.groups_below_target, groups);
+  groups.together = x.group_factor;
   v("key_groups", when(x.key_groups.has_value(), group([&](auto& w) { fields(w, groups); })),
     "Blocks judged together; absent with groups = \"off\".");
   const SupportFigures& support = f.support ? *f.support : SupportFigures{};

@@ -175,6 +175,7 @@ struct StabilitySettings {
   stability::GroupsCheck groups = stability::GroupsCheck::note;
   /// Blocks of groups that move are key blocks too.
   [[nodiscard]] bool decides_by_groups() const noexcept { return groups == stability::GroupsCheck::decide; }
+  bool group_factor = false;  ///< the factor of all of them together is looked for
   std::optional<MaximumBlockSettings> maximum_blocks = {};
   std::uint32_t max_batches = 50;
   LoadSet loads = {};                ///< of the base case, seismic included

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -61,6 +62,18 @@ struct KeyGroups {
 /// again in more rock around them. `most`: of more blocks nothing is looked for, and `too_many` says so.
 [[nodiscard]] KeyGroups find_key_groups(const topology::AuditedComplex& complex, const Settings& settings,
                                         const Together& most = most_together);
+
+/// The factor of safety of all blocks near free faces together, single ones too, as a bracket: strengths over `stands`
+/// nothing moves nor is in doubt, over `moves` something does.
+struct FactorTogether {
+  double stands = 0;                                       ///< 0: below 0.1
+  double moves = std::numeric_limits<double>::infinity();  ///< infinite: above 10
+  std::vector<topology::BlockId> blocks = {};              ///< that move at `moves`; ascending
+};
+/// Either end to 1 %, in about twenty searches of the first state; empty when there are too many blocks.
+[[nodiscard]] std::optional<FactorTogether> factor_together(const topology::AuditedComplex& complex,
+                                                            const Settings& settings,
+                                                            const Together& most = most_together);
 
 /// Makes the blocks of groups that are not in doubt key blocks of the batch that their group was found in, where they
 /// are in no batch. `analysis` and `groups` are of this complex.
