@@ -80,6 +80,31 @@ TEST(MotionScene, CohesionHoldsUntilItIsLess) {
   }
 }
 
+// A block that hangs over the edge of its base, pulled along the edge: its cohesion has to hold it against
+// twisting about the middle of the base, as balance with moments says (no group moves), until there is too little of
+// it.
+TEST(MotionScene, CohesionHoldsAgainstTwisting) {
+  const auto run_of = [](const std::string& cohesion) {
+    return moved(
+        "[domain]\nbox = { min = [0, 0, 0], max = [4, 3.8, 2] }\n"
+        "[[joint]]\nplane = { through = [0, 0, 1], dip = 0, dip_direction = 0 }\n"
+        "[joints.default]\nfriction = 10\ncohesion = " +
+        cohesion +
+        "\n[rock]\ndensity = 2600\n"
+        "[[excavation]]\nname = \"below\"\nkind = \"polyhedron\"\nbox = { min = [-1, 2.6, -1], max = [5, 9, 1] }\n"
+        "[[excavation]]\nname = \"west\"\nkind = \"polyhedron\"\nbox = { min = [-1, -1, 1], max = [1, 9, 3] }\n"
+        "[[excavation]]\nname = \"east\"\nkind = \"polyhedron\"\nbox = { min = [3, -1, 1], max = [5, 9, 3] }\n"
+        "[[excavation]]\nname = \"south\"\nkind = \"polyhedron\"\nbox = { min = [-1, -1, 1], max = [5, 0.4, 3] }\n"
+        "[stability]\nfree = [\"top\", \"north\"]\ngravity = [4, 0, -9]\n"
+        "[motion]\nrelease = \"all\"\nduration = 0.1\nerror = false\n");
+  };
+  const RunResult held = run_of("2e5");
+  EXPECT_EQ(held.motion->blocks.size(), 1U);
+  EXPECT_EQ(held.motion->moved(), 0U);
+  EXPECT_TRUE(held.key_groups->groups.empty());
+  EXPECT_EQ(run_of("3e3").motion->moved(), 1U);
+}
+
 TEST(MotionScene, WhatCannotBeIsRefused) {
   const auto refused = [](std::string text, const std::string& from, const std::string& to) {
     if (const auto at = text.find(from); at != std::string::npos) text.replace(at, from.size(), to);

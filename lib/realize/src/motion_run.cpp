@@ -109,7 +109,20 @@ motion::Polyhedron shape_of(const BlockComplex& complex, BlockId block, const Re
   return shape;
 }
 
-/// Cohesion and tension of the patches of blocks that are let go, each at its centroid.
+/// Where cohesion and tension of a patch act: spread over it, so that they resist twisting. Where a face shares several
+/// patches with one neighbour what is known of each is its centroid, which resists none.
+std::vector<motion::Bond::Share> shares_of(const BlockComplex& complex, const topology::Face& face,
+                                           const topology::Patch& patch) {
+  const auto same = [&](const topology::Patch& other) { return other.neighbour == patch.neighbour; };
+  const bool alone = std::ranges::count_if(complex.patches(face), same) == 1;
+  const auto points = alone ? stability::spread_of(complex, face, *patch.neighbour) : std::nullopt;
+  if (!points) return {{patch.centroid - complex.origin(), patch.area.si()}};
+  std::vector<motion::Bond::Share> out;
+  for (const Vec3 point : *points) out.push_back({point - complex.origin(), 0.25 * patch.area.si()});
+  return out;
+}
+
+/// Cohesion and tension of the patches of blocks that are let go.
 void add_bonds(const BlockComplex& complex, const Realization& made, const std::vector<std::uint32_t>& body,
                MotionCast& cast) {
   for (const BlockId b : cast.moving) {
@@ -124,7 +137,7 @@ void add_bonds(const BlockComplex& complex, const Realization& made, const std::
         cast.scene.bonds.push_back({.body = own,
                                     .other = other,
                                     .normal = geometry::normalized(-face.outward),
-                                    .shares = {{patch.centroid - complex.origin(), patch.area.si()}},
+                                    .shares = shares_of(complex, face, patch),
                                     .cohesion = strength.cohesion.si(),
                                     .tension = strength.tension.si(),
                                     .friction = tangent(strength.friction)});

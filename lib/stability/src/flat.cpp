@@ -1,8 +1,13 @@
 #include "flat.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <utility>
+
+#include "cleave/stability/analyse.hpp"
 
 namespace cleave::stability {
 namespace {
@@ -113,6 +118,46 @@ std::vector<Vec3> shared_corners(const topology::BlockComplex& complex, const to
     if (part.size() > 2) corners.insert(corners.end(), part.begin(), part.end());
   });
   return corners;
+}
+
+std::optional<std::array<Vec3, 4>> spread_of(const topology::BlockComplex& complex, const topology::Face& face,
+                                             topology::BlockId neighbour) {
+  const Vec3 n = face.outward;
+  const Vec3 u = geometry::normalized(cross(n, std::abs(n.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0})), w = cross(n, u);
+  const Vec3 from = face.centroid;
+  double area = 0, su = 0, sw = 0, uu = 0, uw = 0, ww = 0;
+  for_each_shared(complex, face, neighbour, [&](const Convex& part, double sign) {
+    for (std::size_t i = 1; i + 1 < part.size(); ++i) {
+      const Vec3 a = part[0] - from, b = part[i] - from, c = part[i + 1] - from;
+      const double third = sign * geometry::norm(geometry::cross(b - a, c - a)) / 6;
+      for (const Vec3 x : {0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)}) {
+        const double xu = dot(x, u), xw = dot(x, w);
+        area += third;
+        su += third * xu;
+        sw += third * xw;
+        uu += third * xu * xu;
+        uw += third * xu * xw;
+        ww += third * xw * xw;
+      }
+    }
+  });
+  if (!(area > 0)) return std::nullopt;
+  const double mu = su / area, mw = sw / area;
+  uu = std::max(0.0, uu / area - mu * mu);
+  ww = std::max(0.0, ww / area - mw * mw);
+  uw = uw / area - mu * mw;
+  // Principal axes of the 2 x 2 matrix of variances.
+  const double mean = 0.5 * (uu + ww), half = 0.5 * (uu - ww), off = std::sqrt(half * half + uw * uw);
+  double eu = half >= 0 ? half + off : uw, ew = half >= 0 ? uw : off - half;
+  const double length = std::sqrt(eu * eu + ew * ew);
+  eu = length > 0 ? eu / length : 1;
+  ew = length > 0 ? ew / length : 0;
+  constexpr double share = 1.2;
+  const double wide = share * std::sqrt(std::max(0.0, mean + off)),
+               narrow = share * std::sqrt(std::max(0.0, mean - off));
+  const Vec3 middle = from + mu * u + mw * w;
+  const Vec3 along = wide * (eu * u + ew * w), across = narrow * (-ew * u + eu * w);
+  return std::array{middle + along, middle - along, middle + across, middle - across};
 }
 
 }  // namespace cleave::stability

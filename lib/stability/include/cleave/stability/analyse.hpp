@@ -202,6 +202,13 @@ struct Barred {
 [[nodiscard]] std::vector<Barred> barred_by_lesser(const topology::AuditedComplex& complex, const Settings& settings,
                                                    const Analysis& analysis);
 
+/// Points that stand for what a face shares with a neighbour, a quarter of its area each: their centroid is its own,
+/// and they spread as it does along its two principal axes, times 1.2 in place of the square root of 2. So even
+/// cohesion at them bears no more twisting than cohesion spread over a convex patch. Empty when nothing is shared.
+[[nodiscard]] std::optional<std::array<geometry::Vec3, 4>> spread_of(const topology::BlockComplex& complex,
+                                                                     const topology::Face& face,
+                                                                     topology::BlockId neighbour);
+
 /// Blocks at free faces (or beside what has left) that touch a side of the domain that is not free are never judged:
 /// the rock beyond is unknown. This finds those of them that would be key blocks, in the state the analysis ends in,
 /// were these sides smooth joints. A side that such a block would stand on (one that looks up by more than 45 degrees)
