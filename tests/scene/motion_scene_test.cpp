@@ -88,7 +88,7 @@ TEST(MotionScene, CohesionHoldsAgainstTwisting) {
     return moved(
         "[domain]\nbox = { min = [0, 0, 0], max = [4, 3.8, 2] }\n"
         "[[joint]]\nplane = { through = [0, 0, 1], dip = 0, dip_direction = 0 }\n"
-        "[joints.default]\nfriction = 10\ncohesion = " +
+        "[joints.default]\nfriction = 2\ncohesion = " +
         cohesion +
         "\n[rock]\ndensity = 2600\n"
         "[[excavation]]\nname = \"below\"\nkind = \"polyhedron\"\nbox = { min = [-1, 2.6, -1], max = [5, 9, 1] }\n"
@@ -96,7 +96,7 @@ TEST(MotionScene, CohesionHoldsAgainstTwisting) {
         "[[excavation]]\nname = \"east\"\nkind = \"polyhedron\"\nbox = { min = [3, -1, 1], max = [5, 9, 3] }\n"
         "[[excavation]]\nname = \"south\"\nkind = \"polyhedron\"\nbox = { min = [-1, -1, 1], max = [5, 0.4, 3] }\n"
         "[stability]\nfree = [\"top\", \"north\"]\ngravity = [4, 0, -9]\n"
-        "[motion]\nrelease = \"all\"\nduration = 0.1\nerror = false\n");
+        "[motion]\nrelease = \"all\"\nduration = 0.2\nerror = false\n");
   };
   const RunResult held = run_of("2e5");
   EXPECT_EQ(held.motion->blocks.size(), 1U);
