@@ -34,7 +34,7 @@ void archive(A& a, Archived<TouchKey> auto& k) {
   a(k.i, k.vertex, k.j, k.edge);
 }
 template <class A>
-void archive(A& a, Archived<Memory> auto& m) {
+void archive(A& a, Archived<CachedContact> auto& m) {
   a(m.key, m.force, m.compliance, m.point, m.normal);
 }
 template <class A>
@@ -168,7 +168,7 @@ bool contacts_are_sound(const World::Impl& w) {
   const auto pair = [&](const BodyPair& p) { return p.a < p.b && p.b < n; };
   const auto touch = [&](const Touch& t) { return is_touch(w, t); };
   const auto choice = [&](const CornerChoice& c) { return is_touch(w, c.first) && is_touch(w, c.last); };
-  const auto remembered = [&](const Memory& m) {
+  const auto remembered = [&](const CachedContact& m) {
     return is_pair(w, m.key.i, m.key.vertex, m.key.j, m.key.edge) && finite(m.force) && finite(m.compliance) &&
            finite(m.point) && finite(m.normal);
   };
@@ -178,7 +178,7 @@ bool contacts_are_sound(const World::Impl& w) {
   return (w.fat.empty() || w.fat.size() == n) && std::ranges::all_of(w.fat, boxes) &&
          std::ranges::all_of(w.pairs, pair) && std::ranges::all_of(w.touches, touch) &&
          std::ranges::all_of(w.choices, choice) && std::ranges::all_of(w.memory, remembered) &&
-         std::ranges::is_sorted(w.memory, {}, &Memory::key) && std::ranges::all_of(w.contacts, contact);
+         std::ranges::is_sorted(w.memory, {}, &CachedContact::key) && std::ranges::all_of(w.contacts, contact);
 }
 
 bool marks_are_sound(const World::Impl& w, const Marks& marks) {
