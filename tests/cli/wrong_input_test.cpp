@@ -189,7 +189,7 @@ TEST_F(WrongInputTest, SectionsOfPlaneScenesAreRefusedBesideADomain) {
   for (const std::string section : {"[[contact]]", "[contact]"}) {
     write("s.toml", with_box(section + "\n"));
     const std::string told = refusal("s.toml");
-    EXPECT_NE(told.find("belongs to plane scenes"), std::string::npos) << told;
+    EXPECT_NE(told.find("belongs to scenes in two dimensions"), std::string::npos) << told;
   }
 }
 

@@ -129,7 +129,7 @@ TEST(InteriorTest, ReachesTheLawByItself) {
   std::vector<double> residuals;
   std::size_t factors = 0;
   Work work;
-  interior(problem, 1000, work, factors, [&](const std::vector<Vec2>& impulses) {
+  interior_point_solve(problem, 1000, work, factors, [&](const std::vector<Vec2>& impulses) {
     residuals.push_back(natural_residual(problem, impulses));
     return residuals.back() < 2e-4;  // the last digits are Newton's
   });
@@ -149,7 +149,7 @@ TEST(InteriorTest, AWallPastItsFrictionIsSolved) {
     double residual = 1;
     std::size_t factors = 0;
     Work work;
-    interior(problem, 1000, work, factors, [&](const std::vector<Vec2>& impulses) {
+    interior_point_solve(problem, 1000, work, factors, [&](const std::vector<Vec2>& impulses) {
       residual = natural_residual(problem, impulses);
       return residual < 1e-8;
     });

@@ -122,29 +122,29 @@ TEST(Saved, WhatIsOfAnotherWorldOrDamagedIsRefused) {
   World w = cemented();
   for (int k = 0; k < 5; ++k) ASSERT_TRUE(w.step().has_value());
   const std::string saved = w.saved();
-  const auto refused = [&]<class Error>(World other, const std::string& bytes, Error) {
+  const auto refused = [&](World other, const std::string& bytes, SavedFault fault) {
     const std::string before = other.saved();
     const auto got = other.restore(bytes);
     ASSERT_FALSE(got.has_value());
-    EXPECT_TRUE(std::holds_alternative<Error>(got.error())) << describe(got.error());
+    EXPECT_EQ(got.error(), fault) << describe(got.error());
     EXPECT_TRUE(other.saved() == before);
   };
-  refused(cemented(), "", NoSavedWorld{});
-  refused(cemented(), "cleave-world 1\n", NoSavedWorld{});
-  refused(cemented(), sealed(kind, 2, "x"), SavedByOtherVersion{});
-  refused(cemented(), saved.substr(0, saved.size() - 1), DamagedWorld{});
-  refused(cemented(), saved + " ", DamagedWorld{});
-  refused(cemented(0.31), saved, SavedOfOtherWorld{});
-  refused(sleeper(), saved, SavedOfOtherWorld{});
+  refused(cemented(), "", SavedFault::foreign);
+  refused(cemented(), "cleave-world 1\n", SavedFault::foreign);
+  refused(cemented(), sealed(kind, 2, "x"), SavedFault::other_version);
+  refused(cemented(), saved.substr(0, saved.size() - 1), SavedFault::damaged);
+  refused(cemented(), saved + " ", SavedFault::damaged);
+  refused(cemented(0.31), saved, SavedFault::other_world);
+  refused(sleeper(), saved, SavedFault::other_world);
   std::string inside{unsealed(kind, 1, saved).value()};
-  refused(cemented(), sealed(kind, 1, inside + "x"), DamagedWorld{});
+  refused(cemented(), sealed(kind, 1, inside + "x"), SavedFault::damaged);
   // Behind the name: the time and the last step, then the number of bodies.
   const std::size_t after_name = 8 + 64;
   for (const auto& [at, byte] :
        {std::pair{after_name + 7, '\xff'}, {after_name + 16, '\7'}, {inside.size() - 1, '\2'}}) {
     std::string forged = inside;
     forged[at] = byte;
-    refused(cemented(), sealed(kind, 1, forged), DamagedWorld{});
+    refused(cemented(), sealed(kind, 1, forged), SavedFault::damaged);
   }
 }
 

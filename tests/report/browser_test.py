@@ -57,6 +57,22 @@ window.addEventListener('load', function () {
       search.value = String(id);
       search.dispatchEvent(new KeyboardEvent('keydown', { key: 'Enter', bubbles: true, cancelable: true }));
       check('search', picked() === id);
+      // The camera goes to a block that is shown alone; a click there picks it, and one beside it lets it go.
+      key('i');
+      key('f');
+      const box = view3d.canvas.getBoundingClientRect(), alone = view3d.state.picked;
+      const click = function (x, y) {
+        ['pointerdown', 'pointerup'].forEach(function (type) {
+          view3d.canvas.dispatchEvent(new PointerEvent(type, { clientX: x, clientY: y, button: 0, pointerId: 1, pointerType: 'mouse', bubbles: true }));
+        });
+      };
+      view3d.mark(-1);
+      click(box.left + box.width / 2, box.top + box.height / 2);
+      check('click', alone >= 0 && view3d.state.picked === alone);
+      click(box.left + 2, box.top + 2);
+      check('click beside', view3d.state.picked !== alone);
+      key('Escape');
+      search.dispatchEvent(new KeyboardEvent('keydown', { key: 'Enter', bubbles: true, cancelable: true }));
       key('n');
       check('next', picked() >= 0);
       const group = document.querySelector('tr[data-group]');

@@ -103,7 +103,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"UnknownInner", with_box("[stability]\nfree = [\"top\"]\ngravty = 9.81\n"),
             "s.toml:5: stability.gravty: unknown key; did you mean \"gravity\"?"},
         Bad{"LaterSection", with_box("[contact]\nsteps = 10\n"),
-            "s.toml:3: contact: belongs to plane scenes, which hold [[body]] and none of [domain], joints; remove "
+            "s.toml:3: contact: belongs to scenes in two dimensions, which hold [[body]] and none of [domain], joints; "
+            "remove "
             "the section, or put the bodies into a scene of their own"},
         Bad{"MonteCarloWithoutLength", with_box("[monte_carlo]\nconfidence = 0.9\n"),
             "s.toml:3: monte_carlo: holds none of: realizations, stop; give exactly one of them"},
@@ -120,7 +121,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"CohesionLawWithoutStd", with_box("[joints.default]\ncohesion = { distribution = \"normal\", mean = 5 }\n"),
             "s.toml:4: joints.default.cohesion.std: is missing; add std = a number from 0 to 1e+15 Pa"},
         Bad{"LaterBodies", with_box("[[body]]\nname = \"a\"\n"),
-            "s.toml:3: body: belongs to plane scenes, which hold [[body]] and none of [domain], joints; remove "
+            "s.toml:3: body: belongs to scenes in two dimensions, which hold [[body]] and none of [domain], joints; "
+            "remove "
             "the section, or put the bodies into a scene of their own"},
         Bad{"UnknownModel", with_box(set + "size = 5\nmodel = \"venetian\"\n"),
             "s.toml:7: joint_set[1].model: \"venetian\" is not known; did you mean \"veneziano\"? choose one of: "

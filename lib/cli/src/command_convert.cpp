@@ -22,14 +22,14 @@
 namespace cleave::cli {
 namespace {
 
-bool is_network(const std::string& ending) { return ending == ".fab" || ending == ".dat"; }
-bool is_mesh(const std::string& ending) {
-  return ending == ".obj" || ending == ".stl" || ending == ".ply" || is_network(ending);
+bool is_network(const std::string& extension) { return extension == ".fab" || extension == ".dat"; }
+bool is_mesh(const std::string& extension) {
+  return extension == ".obj" || extension == ".stl" || extension == ".ply" || is_network(extension);
 }
 
-std::optional<report::ExportFormat> format_of(const std::string& ending) {
+std::optional<report::ExportFormat> format_of(const std::string& extension) {
   const auto names = report::export_names();
-  const auto found = std::ranges::find(names, ending, &report::ExportName::ending);
+  const auto found = std::ranges::find(names, extension, &report::ExportName::ending);
   return found == names.end() ? std::nullopt : std::optional{found->format};
 }
 
@@ -39,22 +39,22 @@ struct Converted {
   std::vector<std::string> notes;
 };
 
-Converted faces_as(const io::MeshData& mesh, const std::string& ending) {
+Converted faces_as(const io::MeshData& mesh, const std::string& extension) {
   const std::array<std::string, 2> comments{"written by cleave " CLEAVE_VERSION,
                                             "unit as in the file it was converted from; z up; no offset"};
   Converted result;
-  result.bytes = ending == ".obj"   ? io::write_obj(mesh, comments)
-                 : ending == ".fab" ? io::write_fab(mesh)
-                 : ending == ".dat" ? io::write_dfnworks_polygons(mesh)
-                 : ending == ".ply" ? io::write_ply(mesh, comments)
-                                    : io::write_stl_text(mesh);
+  result.bytes = extension == ".obj"   ? io::write_obj(mesh, comments)
+                 : extension == ".fab" ? io::write_fab(mesh)
+                 : extension == ".dat" ? io::write_dfnworks_polygons(mesh)
+                 : extension == ".ply" ? io::write_ply(mesh, comments)
+                                       : io::write_stl_text(mesh);
   result.summary = fmt::format("{} faces, {} vertices", mesh.faces(), mesh.vertices.size());
   return result;
 }
 
-Converted blocks_as(const report::Cells& cells, const std::string& ending, const std::string& title) {
+Converted blocks_as(const report::Cells& cells, const std::string& extension, const std::string& title) {
   Converted result;
-  if (const auto format = format_of(ending)) {
+  if (const auto format = format_of(extension)) {
     auto exported = report::export_blocks(cells, *format, title);
     result.bytes = std::move(exported.bytes);
     result.notes = std::move(exported.notes);
@@ -71,16 +71,16 @@ Converted blocks_as(const report::Cells& cells, const std::string& ending, const
 
 std::expected<Converted, std::string> convert(const ConvertInput& input, const std::string& in,
                                               const std::string& out) {
-  const std::string ending = extension_of(out);
+  const std::string extension = extension_of(out);
   const std::string title = std::filesystem::path{in}.filename().string();
   if (const auto* mesh = std::get_if<io::MeshData>(&input.content)) {
-    if (is_mesh(ending)) return faces_as(*mesh, ending);
+    if (is_mesh(extension)) return faces_as(*mesh, extension);
     CLEAVE_TRY(const report::Cells cells, blocks_of(*mesh, in));
-    return blocks_as(cells, ending, title);
+    return blocks_as(cells, extension, title);
   }
-  if (is_network(ending))
+  if (is_network(extension))
     return std::unexpected(out + ":1: OUT: holds fractures, not blocks; give a scene or a file of joints as IN");
-  return blocks_as(*std::get_if<report::Cells>(&input.content), ending, title);
+  return blocks_as(*std::get_if<report::Cells>(&input.content), extension, title);
 }
 
 ExitCode wrong(const std::string& message) {
@@ -93,8 +93,8 @@ ExitCode wrong(const std::string& message) {
 std::string extension_of(const std::string& path) { return lower(std::filesystem::path{path}.extension().string()); }
 
 ExitCode convert_file(const std::string& in, const std::string& out, std::uint64_t realization) {
-  const std::string ending = extension_of(out);
-  if (ending != ".vtu" && !is_network(ending) && !format_of(ending)) {
+  const std::string extension = extension_of(out);
+  if (extension != ".vtu" && !is_network(extension) && !format_of(extension)) {
     std::string known = ".vtu .fab .dat";
     for (const report::ExportName& name : report::export_names()) known += fmt::format(" {}", name.ending);
     return wrong(fmt::format("{}:1: OUT: the ending is not known; give one of {}", out, known));

@@ -132,15 +132,15 @@ Mesh checked(Parsed parsed) {
 }
 
 /// Nothing when the ending is not known.
-std::optional<Mesh> mesh_of_file(const std::string& ending, const std::string& bytes, const std::string& in) {
-  if (ending == ".obj") return checked(io::parse_obj(bytes, in));
-  if (ending == ".stl") return checked(io::parse_stl(bytes, in));
-  if (ending == ".ply") return checked(io::parse_ply(bytes, in));
-  if (ending == ".dxf") return checked(io::parse_dxf(bytes, in));
-  if (ending == ".ts") return checked(io::parse_tsurf(bytes, in));
-  if (ending == ".fab") return checked(io::parse_fab(bytes, in));
-  if (ending == ".dat") return checked(io::parse_dfnworks_polygons(bytes, in));
-  if (ending == ".csv") return mesh_of_table(bytes, in);
+std::optional<Mesh> mesh_of_file(const std::string& extension, const std::string& bytes, const std::string& in) {
+  if (extension == ".obj") return checked(io::parse_obj(bytes, in));
+  if (extension == ".stl") return checked(io::parse_stl(bytes, in));
+  if (extension == ".ply") return checked(io::parse_ply(bytes, in));
+  if (extension == ".dxf") return checked(io::parse_dxf(bytes, in));
+  if (extension == ".ts") return checked(io::parse_tsurf(bytes, in));
+  if (extension == ".fab") return checked(io::parse_fab(bytes, in));
+  if (extension == ".dat") return checked(io::parse_dfnworks_polygons(bytes, in));
+  if (extension == ".csv") return mesh_of_table(bytes, in);
   return std::nullopt;
 }
 
@@ -295,20 +295,20 @@ std::expected<ConvertInput, std::string> read_convert_input(const std::string& i
   std::error_code ignored;
   const bool is_folder = std::filesystem::is_directory(in, ignored);
   const std::string file = is_folder ? (std::filesystem::path{in} / "blocks.vtu").generic_string() : in;
-  const std::string ending = extension_of(file);
+  const std::string extension = extension_of(file);
   constexpr std::string_view endings = " .vtu .obj .stl .ply .dxf .ts .fab .dat .csv .toml ";
-  if (ending.empty() || endings.find(" " + ending + " ") == std::string_view::npos) {
+  if (extension.empty() || endings.find(" " + extension + " ") == std::string_view::npos) {
     return std::unexpected(fmt::format("{}:1: IN: the ending is not known; {}", in, known_endings));
   }
-  if (ending == ".toml") return network_of_scene(in, realization);
+  if (extension == ".toml") return network_of_scene(in, realization);
   const auto bytes = io::read_file(file);
   if (!bytes) return std::unexpected(message_of(bytes.error()));
-  if (ending == ".vtu") {
+  if (extension == ".vtu") {
     const auto polyhedra = io::parse_vtu(*bytes, file);
     if (!polyhedra) return std::unexpected(message_of(polyhedra.error()));
     return ConvertInput{cells_of(*polyhedra), {}};
   }
-  auto mesh = mesh_of_file(ending, *bytes, file);
+  auto mesh = mesh_of_file(extension, *bytes, file);
   if (!mesh || !*mesh) return std::unexpected(mesh ? mesh->error() : std::string{known_endings});
   std::vector<std::string> notes = std::exchange((*mesh)->notes, {});
   return ConvertInput{std::move(**mesh), std::move(notes)};

@@ -320,7 +320,7 @@ ContactProblem World::Impl::problem_of(const std::vector<Touch>& list, const Isl
   problem.tension.resize(m);
   problem.start.resize(m);
   viscous.resize(m);
-  const std::vector<Vec2> forces = recall(list, island);
+  const std::vector<Vec2> forces = warm_start(list, island);
   double softest = 0;
   double thick = 0;  // largest feature of the group
   for (const std::uint32_t body : island.bodies) thick = std::max(thick, shapes[body].feature);

@@ -12,7 +12,7 @@ double World::Impl::kinetic_of(const State& at) const {
   return sum;
 }
 
-double World::Impl::elastic_of(const State& at, const std::vector<Memory>& forces) const {
+double World::Impl::elastic_of(const State& at, const std::vector<CachedContact>& forces) const {
   double sum = 0;
   for (std::size_t b = 0; b < size(); ++b) {
     for (std::size_t m = 0; m < shapes[b].modes; ++m) {
@@ -21,7 +21,7 @@ double World::Impl::elastic_of(const State& at, const std::vector<Memory>& force
     }
   }
   sum += elastic_of_ties();
-  for (const Memory& memory_of : forces) {
+  for (const CachedContact& memory_of : forces) {
     const Vec2 soft = memory_of.compliance, force = memory_of.force;
     sum += 0.5 * (soft.x * force.x * force.x + soft.y * force.y * force.y);
   }

@@ -134,7 +134,7 @@ void World::Impl::look(double step) {
 void World::Impl::settle_choices() {
   std::erase_if(choices, [&](const CornerChoice& choice) {
     for (const Touch* line : {&choice.first, &choice.last}) {
-      const auto at = std::ranges::lower_bound(memory, key_of(*line), {}, &Memory::key);
+      const auto at = std::ranges::lower_bound(memory, key_of(*line), {}, &CachedContact::key);
       if (at == memory.end() || at->key != key_of(*line) || at->force.x <= 0) continue;
       touches.push_back(*line);
       ride(touches.back(), state);

@@ -16,7 +16,7 @@ constexpr double rough = 1e-6, fine = 1e-10;
 
 /// Of one contact: impulses, what excludes them, and what is left of each bound, which carries digits that its
 /// difference would lose.
-struct Values {
+struct PrimalDual {
   double n = 0, t = 0;
   double pressed = 0;                    // n + tension
   double open = 0;                       // speed of the gap
@@ -35,9 +35,9 @@ class Interior final {
         m_{problem.contacts()},
         factor_{problem, work},
         slid_(m_),
-        off_(m_),
+        slip_error_(m_),
         at_(m_),
-        way_{},
+        path_{},
         d_(m_) {
     for (const Vec2 b : problem.b) speed_ = std::max({speed_, std::abs(b.x), std::abs(b.y)});
     guess_slip();
@@ -52,7 +52,7 @@ class Interior final {
       if (k == 0) whole_ = std::max(whole_, gap);
       if (!std::isfinite(gap)) return false;
       if (gap <= share * whole_) return true;
-      if (gap <= 0.1 * whole_) way_.push_back({gap / whole_, at_});
+      if (gap <= 0.1 * whole_) path_.push_back({gap / whole_, at_});
       ++factors;
       const std::optional<double> step = factorise() ? direct(gap) : std::nullopt;
       // Near the end rounding may be all that is left of a direction.
@@ -86,26 +86,26 @@ class Interior final {
     for (std::size_t c = 0; c < m_; ++c) {
       const double off = found_slip(c) - slid_[c];
       own += off * off;
-      both += off * off_[c];
-      before += off_[c] * off_[c];
-      off_[c] = off;
+      both += off * slip_error_[c];
+      before += slip_error_[c] * slip_error_[c];
+      slip_error_[c] = off;
     }
     // Speeds that change on as they did before have far to go: twice as fast. Where they turn round: half.
     if (own > 0 && before > 0) {
       const double alike = both / (std::sqrt(own) * std::sqrt(before));
       if (alike > 0.9) {
-        pace_ *= 2;
+        damping_ *= 2;
       } else if (alike <= 0.5) {
-        pace_ = std::max(0.5 * pace_, alike < 0 ? 0.25 : 1.0);
+        damping_ = std::max(0.5 * damping_, alike < 0 ? 0.25 : 1.0);
       }
     }
-    for (std::size_t c = 0; c < m_; ++c) slid_[c] = std::max(0.0, slid_[c] + pace_ * off_[c]);
-    while (!way_.empty() && way_.back().share < 0.1 * found) way_.pop_back();
-    if (way_.empty()) {
+    for (std::size_t c = 0; c < m_; ++c) slid_[c] = std::max(0.0, slid_[c] + damping_ * slip_error_[c]);
+    while (!path_.empty() && path_.back().share < 0.1 * found) path_.pop_back();
+    if (path_.empty()) {
       start(std::clamp(found, 1e-6, 1.0));
     } else {
-      at_ = std::move(way_.back().at);
-      way_.pop_back();
+      at_ = std::move(path_.back().at);
+      path_.pop_back();
     }
     return found;
   }
@@ -117,9 +117,9 @@ class Interior final {
   }
 
  private:
-  struct Place {
+  struct Checkpoint {
     double share;  // of the first complementarity
-    std::vector<Values> at;
+    std::vector<PrimalDual> at;
   };
 
   [[nodiscard]] const bem::Mat2& diagonal(std::size_t c) const { return problem_.w.values[problem_.w.diagonal[c]]; }
@@ -147,7 +147,7 @@ class Interior final {
   /// At least this far inside, over what the loads ask for.
   void start(double inside) {
     for (std::size_t c = 0; c < m_; ++c) {
-      Values& v = at_[c];
+      PrimalDual& v = at_[c];
       const double e = inside * speed_;
       v.n = std::max(v.n, std::sqrt(inside) * speed_ / diagonal(c).xx);
       v.t = 0;
@@ -163,7 +163,7 @@ class Interior final {
   [[nodiscard]] double complementarity(double share = 0) const {
     double sum = 0;
     for (std::size_t c = 0; c < m_; ++c) {
-      const Values &v = at_[c], &d = d_[c];
+      const PrimalDual &v = at_[c], &d = d_[c];
       sum += (v.pressed + share * d.pressed) * (v.open + share * d.open);
       if (smooth(c)) continue;
       sum += (v.room_ahead + share * d.room_ahead) * (v.ahead + share * d.ahead);
@@ -175,7 +175,7 @@ class Interior final {
   bool factorise() {
     std::vector<Barrier> added(m_);
     for (std::size_t c = 0; c < m_; ++c) {
-      const Values& v = at_[c];
+      const PrimalDual& v = at_[c];
       added[c].normal = v.open / v.pressed;
       if (smooth(c)) {
         added[c].back = 1e12 * diagonal(c).yy;
@@ -205,8 +205,8 @@ class Interior final {
     const std::vector<Vec2> y = velocities(impulses());
     std::vector<Vec2> right(m_), z;
     for (std::size_t c = 0; c < m_; ++c) {
-      const Values& v = at_[c];
-      Values& d = d_[c];
+      const PrimalDual& v = at_[c];
+      PrimalDual& d = d_[c];
       const double mu = problem_.mu[c], sense = factor_.sense(c);
       d.open = (target - (corrected ? d.pressed * d.open : 0)) / v.pressed;
       if (smooth(c)) {
@@ -220,8 +220,8 @@ class Interior final {
     }
     if (!factor_.solve(right, z)) return false;
     for (std::size_t c = 0; c < m_; ++c) {
-      const Values& v = at_[c];
-      Values& d = d_[c];
+      const PrimalDual& v = at_[c];
+      PrimalDual& d = d_[c];
       const double mu = problem_.mu[c], sense = factor_.sense(c);
       d.n = d.pressed = z[c].x;
       d.open -= v.open + v.open / v.pressed * d.pressed;
@@ -242,7 +242,7 @@ class Interior final {
       if (change < 0) step = std::min(step, -share * value / change);
     };
     for (std::size_t c = 0; c < m_; ++c) {
-      const Values &v = at_[c], &d = d_[c];
+      const PrimalDual &v = at_[c], &d = d_[c];
       keep(v.pressed, d.pressed);
       keep(v.open, d.open);
       if (smooth(c)) continue;
@@ -258,17 +258,17 @@ class Interior final {
   Work& work_;
   std::size_t m_;
   BarrierFactor factor_;
-  double speed_ = 0, whole_ = 0, pace_ = 1;
-  std::vector<double> slid_, off_;  // speeds of slip; how far off they were
-  std::vector<Values> at_;
-  std::vector<Place> way_;
-  std::vector<Values> d_;
+  double speed_ = 0, whole_ = 0, damping_ = 1;
+  std::vector<double> slid_, slip_error_;  // speeds of slip; how far off they were
+  std::vector<PrimalDual> at_;
+  std::vector<Checkpoint> path_;
+  std::vector<PrimalDual> d_;
 };
 
 }  // namespace
 
-void interior(const ContactProblem& problem, std::size_t most, Work& work, std::size_t& factors,
-              const std::function<bool(const std::vector<Vec2>&)>& enough) {
+void interior_point_solve(const ContactProblem& problem, std::size_t most, Work& work, std::size_t& factors,
+                          const std::function<bool(const std::vector<Vec2>&)>& enough) {
   Interior inside{problem, work};
   double share = rough;
   while (factors < most) {

@@ -82,7 +82,7 @@ class PatternSolver final {
   [[nodiscard]] Work& work() const noexcept { return *work_; }
 
  private:
-  struct Kept;
+  struct FactorCache;
   struct Call;
   void solve_dense(Call& call);
   /// GMRES behind the factor in the freedoms of the bodies; false where that does not do.
@@ -91,7 +91,7 @@ class PatternSolver final {
   bool solve_by_contacts(Call& call);
 
   Work* work_;
-  std::unique_ptr<Kept> kept_;
+  std::unique_ptr<FactorCache> kept_;
   std::unique_ptr<class BodyFactor> bodies_;
 };
 
@@ -105,8 +105,8 @@ class PatternSolver final {
 
 /// Interior points on convex programmes, one after the other: shows `enough` the answer of each until it says so, up to
 /// `most` factors. Sure and slow; answers are as near as rounding lets a barrier come, a few linear solves short.
-void interior(const ContactProblem& problem, std::size_t most, Work& work, std::size_t& factors,
-              const std::function<bool(const std::vector<Vec2>&)>& enough);
+void interior_point_solve(const ContactProblem& problem, std::size_t most, Work& work, std::size_t& factors,
+                          const std::function<bool(const std::vector<Vec2>&)>& enough);
 
 /// Points along paths that turn until they come to an answer: where the interior-point solver stagnates. Rigid bodies
 /// only. Shows `enough` what is near the end of a path until it says so, up to `most` factors.

@@ -95,7 +95,7 @@ std::vector<Clash> World::Impl::clashes_of(Attempt& out) {
 /// How far springs in the joints of two bodies let them overlap.
 double World::Impl::shortened_by_springs(const Attempt& out, BodyPair pair) const {
   double most = 0;
-  for (const Memory& m : out.memory) {
+  for (const CachedContact& m : out.memory) {
     const bool between = (m.key.i == pair.a && m.key.j == pair.b) || (m.key.i == pair.b && m.key.j == pair.a);
     if (between) most = std::max(most, 2 * m.compliance.x * std::abs(m.force.x));
   }

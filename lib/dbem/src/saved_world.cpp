@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "cleave/core/archive.hpp"
-#include "cleave/core/sha256.hpp"
+#include "cleave/core/expected.hpp"
 #include "world_impl.hpp"
 
 /// A world as bytes, and back: what it carries from step to step. What follows from the bodies is made again.
@@ -34,7 +34,7 @@ void archive(A& a, Archived<TouchKey> auto& k) {
   a(k.i, k.vertex, k.j, k.edge);
 }
 template <class A>
-void archive(A& a, Archived<Memory> auto& m) {
+void archive(A& a, Archived<CachedContact> auto& m) {
   a(m.key, m.force, m.compliance, m.point, m.normal);
 }
 template <class A>
@@ -168,7 +168,7 @@ bool contacts_are_sound(const World::Impl& w) {
   const auto pair = [&](const BodyPair& p) { return p.a < p.b && p.b < n; };
   const auto touch = [&](const Touch& t) { return is_touch(w, t); };
   const auto choice = [&](const CornerChoice& c) { return is_touch(w, c.first) && is_touch(w, c.last); };
-  const auto remembered = [&](const Memory& m) {
+  const auto remembered = [&](const CachedContact& m) {
     return is_pair(w, m.key.i, m.key.vertex, m.key.j, m.key.edge) && finite(m.force) && finite(m.compliance) &&
            finite(m.point) && finite(m.normal);
   };
@@ -178,7 +178,7 @@ bool contacts_are_sound(const World::Impl& w) {
   return (w.fat.empty() || w.fat.size() == n) && std::ranges::all_of(w.fat, boxes) &&
          std::ranges::all_of(w.pairs, pair) && std::ranges::all_of(w.touches, touch) &&
          std::ranges::all_of(w.choices, choice) && std::ranges::all_of(w.memory, remembered) &&
-         std::ranges::is_sorted(w.memory, {}, &Memory::key) && std::ranges::all_of(w.contacts, contact);
+         std::ranges::is_sorted(w.memory, {}, &CachedContact::key) && std::ranges::all_of(w.contacts, contact);
 }
 
 bool marks_are_sound(const World::Impl& w, const Marks& marks) {
@@ -199,21 +199,15 @@ std::string World::saved() const {
   return sealed(world_kind, version_of_saved, a.bytes());
 }
 
-std::expected<void, SavedError> World::restore(std::string_view saved) {
-  const auto bytes = unsealed(world_kind, version_of_saved, saved);
-  if (!bytes) return std::unexpected(saved_error_of(bytes.error()));
-  ArchiveReader a{*bytes};
-  std::string name;
-  a(name);
-  if (!a.good()) return std::unexpected(DamagedWorld{});
-  if (name != identity_of(*impl_)) return std::unexpected(SavedOfOtherWorld{});
+std::expected<void, SavedFault> World::restore(std::string_view saved) {
+  CLEAVE_TRY(ArchiveReader a, unsealed_of(identity_of(*impl_), world_kind, version_of_saved, saved));
   Impl w = *impl_;
   Marks marks;
   archive_motion(a, w);
   a(marks);
   if (!a.complete() || !motion_is_sound(w) || !contacts_are_sound(w) || !bars_are_sound(w) ||
       !marks_are_sound(w, marks)) {
-    return std::unexpected(DamagedWorld{});
+    return std::unexpected(SavedFault::damaged);
   }
   for (std::size_t k = 0; k < w.bonds.size(); ++k) {
     w.bonds[k].broken = marks.broken[k] != 0;
@@ -223,7 +217,7 @@ std::expected<void, SavedError> World::restore(std::string_view saved) {
   w.groups = marks.groups;
   const bool other_step = marks.step != w.options.step;
   marks.step = w.options.step;
-  if (marks != marks_of(w)) return std::unexpected(DamagedWorld{});
+  if (marks != marks_of(w)) return std::unexpected(SavedFault::damaged);
   w.torn_now.clear();
   w.place_all(w.state, w.corners, w.boxes);
   if (other_step) w.next_step = w.options.step;

@@ -107,7 +107,7 @@ void multiply(const BlockMatrix& w, double soft, const Pattern& pattern, const N
 }  // namespace
 
 /// The factor of the contacts' own matrix and what it was made for.
-struct PatternSolver::Kept {
+struct PatternSolver::FactorCache {
   FrontalFactor factor;
   Numbering number;
   Pattern pattern;
@@ -128,8 +128,8 @@ std::size_t changes(const Pattern& a, const Pattern& b) {
 }
 
 /// Factorises the reduced matrix, the identity where there is no unknown.
-template <class Kept>
-bool factorise(Kept& kept, const BlockMatrix& w, double soft, const Pattern& pattern, const Numbering& number) {
+template <class FactorCache>
+bool factorise(FactorCache& kept, const BlockMatrix& w, double soft, const Pattern& pattern, const Numbering& number) {
   kept.number = number;
   kept.pattern = pattern;
   kept.soft = soft;
@@ -158,8 +158,8 @@ bool factorise(Kept& kept, const BlockMatrix& w, double soft, const Pattern& pat
 }
 
 /// The kept factor on the unknowns it shares with the present ones, the diagonal on the rest.
-template <class Kept>
-Eigen::VectorXd precondition(const Kept& kept, const BlockMatrix& w, const Numbering& number,
+template <class FactorCache>
+Eigen::VectorXd precondition(const FactorCache& kept, const BlockMatrix& w, const Numbering& number,
                              const Eigen::VectorXd& r) {
   const std::size_t m = number.n.size();
   Eigen::VectorXd inner = Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(m));
@@ -303,7 +303,7 @@ bool PatternSolver::solve_by_contacts(Call& call) {
   };
   // A factor made for other states of a few contacts does: each takes GMRES two steps more.
   if (kept_ && kept_->soft == call.soft && changes(kept_->pattern, call.pattern) <= 3 && iterate(12)) return true;
-  if (!kept_) kept_ = std::make_unique<Kept>(FrontalFactor{w.rows(), 2, links_of_contacts(w)});
+  if (!kept_) kept_ = std::make_unique<FactorCache>(FrontalFactor{w.rows(), 2, links_of_contacts(w)});
   const bool factorised = factorise(*kept_, w, call.soft, call.pattern, call.number);
   work_->add(kept_->factor.factor_work() + 2 * product_work(call.problem));
   if (factorised) return iterate(20);

@@ -20,7 +20,7 @@ class Cascade final {
       : linear_{linear}, problem_{problem}, options_{options} {}
 
   /// Takes an answer if it is the best so far; true when that is good enough, or patience is at an end.
-  bool take(Tried tried, Method method) {
+  bool take(SolverAttempt tried, Method method) {
     iterations_ += tried.iterations;
     if (tried.p.size() != problem_.contacts()) return false;
     const double residual = judge(problem_, tried.p).residual;
@@ -84,7 +84,7 @@ class Cascade final {
       if (!warm && shi()) return;
       // From a warm start a few iterations do or none will.
       if (warm) {
-        Tried kept = keep_states(linear_, problem_, problem_.start);
+        SolverAttempt kept = frozen_state_solve(linear_, problem_, problem_.start);
         iterations_ += kept.iterations;
         if (take(newton(linear_, problem_, 0, target, most / 6, std::move(kept.p), {}, 1e4), Method::newton)) return;
         if (!large && take(from_here(problem_.start, most / 6), Method::newton)) return;
@@ -132,7 +132,7 @@ class Cascade final {
     for (const double factor : {10.0, 3.0, 1.5}) {
       if (take(continuation(linear_, problem_, options_, factor), Method::continuation)) return;
     }
-    Tried longer = open_close(linear_, problem_, 10 * options_.open_close_passes);
+    SolverAttempt longer = open_close(linear_, problem_, 10 * options_.open_close_passes);
     std::vector<Vec2> state = longer.p;
     if (take(std::move(longer), Method::open_close)) return;
     if (!state.empty() && take(from_here(std::move(state), most), Method::newton)) return;
@@ -140,7 +140,7 @@ class Cascade final {
     if (take(from_here(p_, most), Method::newton)) return;
     if (inside(1000) || along_path(options_.path)) return;
     // Sweeps creep up to an answer where Newton orbits between the states of a few contacts.
-    Tried swept{p_};
+    SolverAttempt swept{p_};
     for (int more = 0; more < 4; ++more) {
       const std::vector<Vec2> nowhere(swept.p.size());
       sweep(problem_, work(), 0, nowhere, 500, swept.p);
@@ -162,7 +162,7 @@ class Cascade final {
 
   /// Groups that wander: true when an answer was found, the start for one included.
   bool along_proximal_points(const std::vector<Vec2>& start, double enough) {
-    if (!start.empty() && take(Tried{start}, Method::newton) && best_ <= enough) return true;
+    if (!start.empty() && take(SolverAttempt{start}, Method::newton) && best_ <= enough) return true;
     return take(proximal(linear_, problem_, start, enough, options_.patience), Method::continuation) &&
            best_ <= options_.accept;
   }
@@ -173,14 +173,14 @@ class Cascade final {
     constexpr int sweeps = 1200;
     const double enough = 0.1 * options_.accept;
     const std::vector<Vec2> nowhere(p_.size());
-    Tried turn{p_};
+    SolverAttempt turn{p_};
     std::array<double, 3> before{1e300, 1e300, 1e300};  // best of the rounds before
     for (std::size_t k = 0; k < most && best_ <= 0.7 * before[k % 3] && !work().over(); ++k) {
       before[k % 3] = best_;
       sweep(problem_, work(), 0, nowhere, sweeps, turn.p);
       const double residual = judge(problem_, turn.p).residual;
       take(turn, Method::continuation);
-      Tried next = proximal(linear_, problem_, turn.p, enough, 100);
+      SolverAttempt next = proximal(linear_, problem_, turn.p, enough, 100);
       const bool better = judge(problem_, next.p).residual < residual;
       if (better) turn.p = next.p;
       take(std::move(next), Method::continuation);
@@ -195,8 +195,8 @@ class Cascade final {
     if (problem_.contacts() > 5000) most = std::min<std::size_t>(most, 300);
     bool done = false;
     std::size_t factors = 0, counted = 0, programmes = 0;
-    interior(problem_, most, work(), factors, [&](const std::vector<Vec2>& p) {
-      Tried here{p};
+    interior_point_solve(problem_, most, work(), factors, [&](const std::vector<Vec2>& p) {
+      SolverAttempt here{p};
       here.iterations = factors - counted;
       counted = factors;
       // A large group is tried from near answers only. Patience does not end here: nothing else is likelier to help.
@@ -208,7 +208,7 @@ class Cascade final {
         if (!problem_.rigid || !has_friction(problem_) || !std::has_single_bit(programmes)) return false;
         std::vector<Vec2> turn = p;
         sweep(problem_, work(), 0, turn, 400, turn);
-        return (take(Tried{turn}, Method::interior) && best_ <= options_.accept) ||
+        return (take(SolverAttempt{turn}, Method::interior) && best_ <= options_.accept) ||
                (take(proximal(linear_, problem_, std::move(turn), 0.1 * options_.accept, 60), Method::interior) &&
                 best_ <= options_.accept);
       }
@@ -231,7 +231,7 @@ class Cascade final {
       iterations_ += factors - counted;
       counted = factors;
       done = (take(proximal(linear_, problem_, p, 0.1 * options_.accept, 30), Method::interior) ||
-              take(Tried{p}, Method::interior)) &&
+              take(SolverAttempt{p}, Method::interior)) &&
              best_ <= options_.accept;
       return done;
     });
@@ -241,8 +241,8 @@ class Cascade final {
 
   static constexpr std::size_t quick_look = 500;
   static constexpr std::size_t most_for_lemke = 100;
-  Tried pivot() const {
-    Tried tried;
+  SolverAttempt pivot() const {
+    SolverAttempt tried;
     tried.p = lemke(problem_, work(), tried.iterations);
     return tried;
   }

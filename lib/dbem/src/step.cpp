@@ -13,7 +13,7 @@ namespace cleave::dbem {
 namespace {
 
 /// Contacts of a group that may be tried for as long as it takes; linear solves a larger one is tried for.
-constexpr std::size_t patient_up_to = 300, patience_of_large = 300;
+constexpr std::size_t patient_up_to = 300, max_linear_solves_large = 300;
 
 /// Share of the velocities of a group that rounding and the regularisation together may hide.
 constexpr double hidden = 1e-3;
@@ -89,7 +89,7 @@ ContactSolution World::Impl::solve_island(const std::vector<Touch>& list, Island
   // What resists in a large group is sooner solved by shorter steps than by all that can be tried.
   const bool last = cut == options.cuts;
   if (cut > 0 && !last) how.path = 0;
-  if (!last && island.touches.size() > patient_up_to) how.patience = std::min(how.patience, patience_of_large);
+  if (!last && island.touches.size() > patient_up_to) how.patience = std::min(how.patience, max_linear_solves_large);
   for (std::size_t iterations = 0;;) {
     std::vector<Vec2> viscous;
     ContactProblem problem = problem_of(list, island, rows, state, free, step, viscous);
@@ -140,13 +140,13 @@ void World::Impl::accept(Attempt&& done) {
     std::ranges::fill(state.de, 0.0);
   }
   const auto sleeping = [&](std::uint32_t i, std::uint32_t j) { return asleep[i] != 0 || asleep[j] != 0; };
-  for (const Memory& old : memory) {
+  for (const CachedContact& old : memory) {
     if (sleeping(old.key.i, old.key.j)) done.memory.push_back(old);
   }
   for (const Contact& old : contacts) {
     if (sleeping(old.vertex_body, old.edge_body)) done.contacts.push_back(old);
   }
-  std::ranges::sort(done.memory, {}, &Memory::key);
+  std::ranges::sort(done.memory, {}, &CachedContact::key);
   std::ranges::sort(done.contacts, {},
                     [](const Contact& c) { return TouchKey{c.vertex_body, c.vertex, c.edge_body, c.edge}; });
   memory = std::move(done.memory);

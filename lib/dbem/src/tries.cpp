@@ -34,17 +34,17 @@ enum class State : std::uint8_t { open, slip, stick };
 
 }  // namespace
 
-Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, double tolerance, std::size_t most,
-             std::vector<Vec2> start, std::span<const Vec2> centre, double give_up) {
+SolverAttempt newton(PatternSolver& linear, const ContactProblem& problem, double soft, double tolerance,
+                     std::size_t most, std::vector<Vec2> start, std::span<const Vec2> centre, double give_up) {
   const MapEvaluator evaluator{problem, soft, centre};
-  Tried tried{std::move(start)};
+  SolverAttempt tried{std::move(start)};
   if (tried.p.empty()) tried.p.resize(problem.contacts());
   NaturalMap map, trial;
   Pattern pattern;
   std::vector<Vec2> rhs, next(problem.contacts());
   evaluator.evaluate(tried.p, map);
   std::size_t caught = 0;
-  const double hopeless = give_up * map.squared;
+  const double diverged = give_up * map.squared;
   double least = map.squared;
   std::size_t rounds = 0;
   const double evaluation = product_work(problem) + 40 * static_cast<double>(problem.contacts());
@@ -82,7 +82,7 @@ Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, 
     if (!less) at(++caught % 2 == 1 ? 1.0 : std::max(best_step, 0.1));
     std::swap(tried.p, next);
     std::swap(map, trial);
-    if (map.squared > hopeless) return tried;
+    if (map.squared > diverged) return tried;
     // About a centre, what stagnates is helped by more weight on the centre, not by patience.
     rounds = map.squared < 0.9 * least ? 0 : rounds + 1;
     least = std::min(least, map.squared);
@@ -92,9 +92,10 @@ Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, 
   return tried;
 }
 
-Tried keep_states(PatternSolver& linear, const ContactProblem& problem, const std::vector<Vec2>& start, double soft) {
+SolverAttempt frozen_state_solve(PatternSolver& linear, const ContactProblem& problem, const std::vector<Vec2>& start,
+                                 double soft) {
   const std::size_t m = problem.contacts();
-  Tried tried;
+  SolverAttempt tried;
   Pattern pattern{std::vector<std::uint8_t>(m), std::vector<std::uint8_t>(m), std::vector<double>(m)};
   std::vector<Vec2> rhs(m);
   for (std::size_t k = 0; k < m; ++k) {
@@ -115,11 +116,11 @@ Tried keep_states(PatternSolver& linear, const ContactProblem& problem, const st
   return tried;
 }
 
-Tried open_close(PatternSolver& linear, const ContactProblem& problem, std::size_t passes) {
+SolverAttempt open_close(PatternSolver& linear, const ContactProblem& problem, std::size_t passes) {
   const std::size_t m = problem.contacts();
   std::vector<State> state(m, State::stick);
   std::vector<double> sense(m, 1);  // of slip
-  Tried tried;
+  SolverAttempt tried;
   Pattern pattern{std::vector<std::uint8_t>(m), std::vector<std::uint8_t>(m), std::vector<double>(m)};
   std::vector<Vec2> rhs(m);
   std::vector<Vec2> y;
@@ -172,11 +173,12 @@ Tried open_close(PatternSolver& linear, const ContactProblem& problem, std::size
   return tried;
 }
 
-Tried continuation(PatternSolver& linear, const ContactProblem& problem, const SolverOptions& options, double factor) {
-  Tried tried;
+SolverAttempt continuation(PatternSolver& linear, const ContactProblem& problem, const SolverOptions& options,
+                           double factor) {
+  SolverAttempt tried;
   std::size_t iterations = 0;
   for (double soft = 1; soft > 1e-9 && iterations < options.patience && !linear.work().over(); soft /= factor) {
-    Tried stage = newton(linear, problem, soft, 1e-8, 40, std::move(tried.p));
+    SolverAttempt stage = newton(linear, problem, soft, 1e-8, 40, std::move(tried.p));
     iterations += stage.iterations;
     tried = std::move(stage);
   }
@@ -204,11 +206,11 @@ void sweep(const ContactProblem& problem, Work& work, double soft, const std::ve
   }
 }
 
-Tried proximal(PatternSolver& linear, const ContactProblem& given, std::vector<Vec2> start, double enough,
-               std::size_t patience) {
+SolverAttempt proximal(PatternSolver& linear, const ContactProblem& given, std::vector<Vec2> start, double enough,
+                       std::size_t patience) {
   ContactProblem problem = given;  // its regularisation moves along with the centre
   const bool cold = start.empty();
-  Tried tried{std::move(start)};
+  SolverAttempt tried{std::move(start)};
   if (cold) tried.p.resize(problem.contacts());
   std::vector<Vec2> centre = tried.p;
   double best = cold ? 1.0 : judge(given, tried.p).residual;
@@ -216,13 +218,13 @@ Tried proximal(PatternSolver& linear, const ContactProblem& given, std::vector<V
   if (cold) {
     sweep(problem, linear.work(), soft, centre, 50, tried.p);
   } else if (is_large(problem) || wanders(problem)) {
-    tried = keep_states(linear, problem, centre, soft);
+    tried = frozen_state_solve(linear, problem, centre, soft);
   }
   std::size_t stale = 0, easy = 0;
   double least = 1e-10;
   for (int outer = 0; outer < 60 && stale < 8 && tried.iterations < patience && !linear.work().over(); ++outer) {
     const double inner = std::clamp(1e-2 * best, 0.1 * enough, 1e-3);
-    Tried stage = newton(linear, problem, soft, inner, 40, tried.p, centre);
+    SolverAttempt stage = newton(linear, problem, soft, inner, 40, tried.p, centre);
     tried.iterations += stage.iterations;
     if (!stage.converged) {
       least = std::min(3 * soft, 1.0);  // Newton cannot follow further down

@@ -9,7 +9,7 @@
 /// The methods one by one: forces, and whether the method itself is content with them. The residual is judged outside.
 namespace cleave::dbem {
 
-struct Tried {
+struct SolverAttempt {
   std::vector<Vec2> p;
   bool converged = false;
   std::size_t iterations = 0;
@@ -17,19 +17,21 @@ struct Tried {
 
 /// Newton on the natural map of W + soft diag(W) about `centre` (empty: about no forces), at most `most` linear solves;
 /// `give_up`: times the start's squared distance at which it ends.
-Tried newton(PatternSolver& linear, const ContactProblem& problem, double soft, double tolerance, std::size_t most,
-             std::vector<Vec2> start, std::span<const Vec2> centre = {}, double give_up = 1e300);
+SolverAttempt newton(PatternSolver& linear, const ContactProblem& problem, double soft, double tolerance,
+                     std::size_t most, std::vector<Vec2> start, std::span<const Vec2> centre = {},
+                     double give_up = 1e300);
 
 /// One linear solve with each contact in the state its force tells: open without one, slipping at the bound, else
 /// stuck. From step to step few states change, while the natural map at the old forces takes many for changed.
-Tried keep_states(PatternSolver& linear, const ContactProblem& problem, const std::vector<Vec2>& start,
-                  double soft = 0);
+SolverAttempt frozen_state_solve(PatternSolver& linear, const ContactProblem& problem, const std::vector<Vec2>& start,
+                                 double soft = 0);
 
 /// Shi's iteration with implicit friction in the slip rows. Starts from all contacts closed and stuck.
-Tried open_close(PatternSolver& linear, const ContactProblem& problem, std::size_t passes);
+SolverAttempt open_close(PatternSolver& linear, const ContactProblem& problem, std::size_t passes);
 
 /// Newton from the side of soft contacts: W + e diag(W), e falling from 1 by `factor`.
-Tried continuation(PatternSolver& linear, const ContactProblem& problem, const SolverOptions& options, double factor);
+SolverAttempt continuation(PatternSolver& linear, const ContactProblem& problem, const SolverOptions& options,
+                           double factor);
 
 /// Sweeps over the contacts, each solved alone (block Gauss-Seidel), on W + e diag(W) about `centre`. A cheap start for
 /// Newton where e is large.
@@ -39,7 +41,7 @@ void sweep(const ContactProblem& problem, Work& work, double soft, const std::ve
 /// Proximal points: Newton on W + e diag(W) about the last answer, e as small as Newton bears. Forces that equilibrium
 /// leaves open stay where they are instead of swinging, and what equilibrium fixes converges by e / (e + sigma). Inner
 /// answers need be no better than the outer ones (Rockafellar 1976).
-Tried proximal(PatternSolver& linear, const ContactProblem& given, std::vector<Vec2> start, double enough,
-               std::size_t patience);
+SolverAttempt proximal(PatternSolver& linear, const ContactProblem& given, std::vector<Vec2> start, double enough,
+                       std::size_t patience);
 
 }  // namespace cleave::dbem

@@ -48,22 +48,22 @@ class TurningPath final {
 
   /// One point on; false when there is no way on.
   bool advance(std::size_t& factors) {
-    if (way_.of.empty() && !derive(way_, factors)) return false;
-    const double reach = longest(way_, 1);
+    if (path_.of.empty() && !derive(path_, factors)) return false;
+    const double reach = longest(path_, 1);
     const std::vector<Inner> here = at_;
     const double share = share_;
     for (; step_ > shortest_step; step_ *= 0.4) {
       at_ = here;
       share_ = share;
-      go(way_, step_ * reach);
+      go(path_, step_ * reach);
       const int corrections = correct(factors);
       Direction next;
       if (corrections == 0 || !derive(next, factors)) continue;
-      const double turned = std::abs(product(way_, next));
+      const double turned = std::abs(product(path_, next));
       if (turned < most_turned && step_ > short_step) continue;
       if (turned > 0.95 && corrections <= 2)
         step_ = step_ < 0.5 ? 2 * step_ : std::min(longest_step, 0.5 + 0.5 * step_);
-      way_ = std::move(next);
+      path_ = std::move(next);
       return true;
     }
     return false;
@@ -233,7 +233,7 @@ class TurningPath final {
       if (!factorise(factors) || !solve(lines, products, back.of) || !solve_for_share(along.of)) return 0;
       back.share = 0;
       along.share = 1;
-      const double move = -product(way_, back) / product(way_, along);
+      const double move = -product(path_, back) / product(path_, along);
       if (!std::isfinite(move)) return 0;
       back.share = move;
       for (std::size_t c = 0; c < m_; ++c) {
@@ -254,7 +254,7 @@ class TurningPath final {
   std::vector<Products> first_;   // products at the share 1
   double share_ = 1, scale_ = 1;  // speed of the problem
   double step_ = first_step;
-  Direction way_;
+  Direction path_;
 };
 
 }  // namespace

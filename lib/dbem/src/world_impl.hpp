@@ -61,7 +61,7 @@ struct TouchKey {
 inline TouchKey key_of(const Touch& t) { return {t.i, t.vertex, t.j, t.edge}; }
 
 /// What a contact carries from step to step.
-struct Memory {
+struct CachedContact {
   TouchKey key;
   Vec2 force;       // N/m
   Vec2 compliance;  // m2/N, normal and tangential
@@ -139,7 +139,7 @@ struct Attempt {
   std::vector<Box2> boxes;
   std::vector<Touch> touches;  // at the end of the step
   std::vector<CornerChoice> choices;
-  std::vector<Memory> memory;
+  std::vector<CachedContact> memory;
   std::vector<Contact> contacts;
   std::vector<std::uint32_t> broken, closed;  // bonds that break; broken ones whose contact stays closed
   std::vector<Bar> bars;
@@ -171,7 +171,7 @@ struct World::Impl {
   Sweep sweep;  // of the check for overlaps
   std::vector<Touch> touches;
   std::vector<CornerChoice> choices;  // corners that may come to touch, the motion tells on which line
-  std::vector<Memory> memory;
+  std::vector<CachedContact> memory;
   std::vector<Bond> bonds;
   std::vector<BondKey> bond_keys;
   std::vector<JointSection> sections;
@@ -248,7 +248,7 @@ struct World::Impl {
                    State& at) const;
   [[nodiscard]] double mode_inverse(std::size_t body, std::size_t mode, double theta, double step) const;
   /// Force of each contact of a group in the step before, 0 where there was none.
-  [[nodiscard]] std::vector<Vec2> recall(const std::vector<Touch>& list, const Island& island) const;
+  [[nodiscard]] std::vector<Vec2> warm_start(const std::vector<Touch>& list, const Island& island) const;
   [[nodiscard]] std::optional<std::uint32_t> bond_at(const Touch& t) const;
   [[nodiscard]] const Bond* bond_of(const Touch& t) const;
   /// Of the bond that holds, or what is left of one, N/m.
@@ -355,7 +355,7 @@ struct World::Impl {
 
   // energy.cpp
   [[nodiscard]] double kinetic_of(const State& at) const;
-  [[nodiscard]] double elastic_of(const State& at, const std::vector<Memory>& forces) const;
+  [[nodiscard]] double elastic_of(const State& at, const std::vector<CachedContact>& forces) const;
   [[nodiscard]] double potential_of(const State& at) const;
 };
 

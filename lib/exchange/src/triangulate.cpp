@@ -9,13 +9,14 @@
 #include <tuple>
 #include <utility>
 
+#include "cleave/geometry/ear_ring.hpp"
 #include "cleave/geometry/predicates.hpp"
 
 namespace cleave::report {
 namespace {
 
 // 1 when c lies to the left of a -> b, -1 to the right, 0 on the line; exact.
-int turn(Vec2 a, Vec2 b, Vec2 c) { return static_cast<int>(geometry::orient2d(a, b, c)); }
+int orient(Vec2 a, Vec2 b, Vec2 c) { return static_cast<int>(geometry::orient2d(a, b, c)); }
 
 // Seen from outside along the largest axis of the normal: a plain choice of two coordinates, nothing is rounded.
 Vec2 seen(geometry::Vec3 p, geometry::Vec3 outward) {
@@ -54,12 +55,29 @@ class Clipper {
     return std::move(triangles_);
   }
 
+  // For EarRing: corners are nodes.
+  exact::Sign turn(std::size_t i, std::size_t j, std::size_t k) const {
+    return geometry::orient2d(nodes_[i].at, nodes_[j].at, nodes_[k].at);
+  }
+  // What lies in the place of a corner, or outside of the box around the ear, which is cheap to see.
+  auto ignored(std::size_t i, std::size_t j, std::size_t k) const {
+    const Vec2 a = nodes_[i].at, b = nodes_[j].at, c = nodes_[k].at;
+    Box2 box;
+    for (const Vec2 p : {a, b, c}) box.add(p);
+    return [this, a, b, c, box](std::size_t n) {
+      const Vec2 p = nodes_[n].at;
+      return p.x < box.low.x || p.x > box.high.x || p.y < box.low.y || p.y > box.high.y || p == a || p == b || p == c;
+    };
+  }
+
  private:
-  // Does the direction from node `n` to `p` lead into the polygon there? (O'Rourke 1998, InCone, open cone)
+  // Does the direction from corner `a` to `p` lead into the polygon there? (O'Rourke 1998, InCone, open cone)
+  static bool opens_to(Vec2 before, Vec2 a, Vec2 after, Vec2 p) {
+    if (orient(before, a, after) > 0) return orient(before, a, p) > 0 && orient(a, after, p) > 0;
+    return orient(before, a, p) > 0 || orient(a, after, p) > 0;
+  }
   bool opens_to(std::size_t n, Vec2 p) const {
-    const Vec2 a = nodes_[n].at, before = nodes_[nodes_[n].previous].at, after = nodes_[nodes_[n].next].at;
-    if (turn(before, a, after) > 0) return turn(before, a, p) > 0 && turn(a, after, p) > 0;
-    return turn(before, a, p) > 0 || turn(a, after, p) > 0;
+    return opens_to(nodes_[nodes_[n].previous].at, nodes_[n].at, nodes_[nodes_[n].next].at, p);
   }
 
   // Closed segments; exact, and cheap where they are far apart.
@@ -68,13 +86,13 @@ class Clipper {
         std::max(c.y, d.y) < std::min(a.y, b.y) || std::max(a.y, b.y) < std::min(c.y, d.y)) {
       return false;
     }
-    const int c_side = turn(a, b, c), d_side = turn(a, b, d);
+    const int c_side = orient(a, b, c), d_side = orient(a, b, d);
     if (c_side == 0 && d_side == 0) return false;  // on one line: the corners in between are tested by `blocked`
-    return c_side * d_side <= 0 && turn(c, d, a) * turn(c, d, b) <= 0;
+    return c_side * d_side <= 0 && orient(c, d, a) * orient(c, d, b) <= 0;
   }
 
   static bool between(Vec2 a, Vec2 b, Vec2 p) {
-    return (a.x != b.x ? (a.x < p.x) != (b.x < p.x) : (a.y < p.y) != (b.y < p.y)) && turn(a, b, p) == 0 && p != a &&
+    return (a.x != b.x ? (a.x < p.x) != (b.x < p.x) : (a.y < p.y) != (b.y < p.y)) && orient(a, b, p) == 0 && p != a &&
            p != b;
   }
 
@@ -173,51 +191,31 @@ class Clipper {
     join(rightmost, nearest.front().second);
   }
 
-  enum class Demand { clean, flat, convex, any };
-
-  bool is_ear(std::size_t n, Demand demand) const {
-    if (demand == Demand::any) return true;
-    const std::size_t before = nodes_[n].previous, after = nodes_[n].next;
-    const Node &a = nodes_[before], &b = nodes_[n], &c = nodes_[after];
-    const int corner = turn(a.at, b.at, c.at);
-    if (demand == Demand::flat) return corner == 0;
-    if (corner <= 0) return false;
-    if (a.at == c.at) return false;
-    if (!opens_to(before, c.at) || !opens_to(after, a.at)) return false;
-    if (demand == Demand::convex) return true;
-    const auto [left, right] = std::minmax({a.at.x, b.at.x, c.at.x});
-    const auto [low, high] = std::minmax({a.at.y, b.at.y, c.at.y});
-    for (std::size_t k = nodes_[after].next; k != before; k = nodes_[k].next) {
-      const Node& p = nodes_[k];
-      if (p.at.x < left || p.at.x > right || p.at.y < low || p.at.y > high) continue;
-      if (p.at == a.at || p.at == b.at || p.at == c.at) continue;
-      if (turn(c.at, a.at, p.at) >= 0 && turn(a.at, b.at, p.at) >= 0 && turn(b.at, c.at, p.at) >= 0) return false;
-    }
-    return true;
+  // Neighbours that look into the polygon along the new edge, which is one.
+  bool is_open(const geometry::EarRing<Clipper>& ring, std::size_t k) const {
+    if (ring.turn(k) != exact::Sign::positive) return false;
+    const auto [a, b, c] = ring.triangle(k);
+    const Vec2 from = nodes_[a].at, to = nodes_[c].at;
+    const std::size_t count = ring.size(), before = k == 0 ? count - 1 : k - 1, after = k + 1 == count ? 0 : k + 1;
+    return from != to && opens_to(nodes_[ring.before(before)].at, from, nodes_[b].at, to) &&
+           opens_to(nodes_[b].at, to, nodes_[ring.after(after)].at, from);
   }
 
   void clip() {
-    std::size_t n = firsts_.front();
-    std::size_t left = ring(n).size();
-    Demand demand = Demand::clean;
-    std::size_t misses = 0;
-    while (left > 3) {
-      if (!is_ear(n, demand)) {
-        n = nodes_[n].next;
-        if (++misses < left) continue;
-        misses = 0;
-        demand = demand == Demand::clean ? Demand::flat : (demand == Demand::flat ? Demand::convex : Demand::any);
-        continue;
-      }
-      const std::size_t before = nodes_[n].previous, after = nodes_[n].next;
-      triangles_.push_back({nodes_[before].vertex, nodes_[n].vertex, nodes_[after].vertex});
-      link(before, after);
-      --left;
-      misses = 0;
-      demand = Demand::clean;
-      n = nodes_[after].next;  // not the neighbour: fans of slivers are avoided
+    geometry::EarRing<Clipper> left{ring(firsts_.front()), *this};
+    const auto add = [&](const std::array<std::size_t, 3>& ear) {
+      triangles_.push_back({nodes_[ear[0]].vertex, nodes_[ear[1]].vertex, nodes_[ear[2]].vertex});
+    };
+    std::size_t from = 0;
+    while (left.size() > 3) {
+      auto k = left.find(from, [&](std::size_t place) { return is_open(left, place) && left.is_ear(place); });
+      if (!k) k = left.find(from, [&](std::size_t place) { return left.turn(place) == exact::Sign::zero; });
+      if (!k) k = left.find(from, [&](std::size_t place) { return is_open(left, place); });
+      if (!k) k = from % left.size();
+      add(left.cut(*k));
+      from = *k + 1;  // not the neighbour: fans of slivers are avoided
     }
-    triangles_.push_back({nodes_[nodes_[n].previous].vertex, nodes_[n].vertex, nodes_[nodes_[n].next].vertex});
+    add(left.triangle(from % left.size()));
   }
 
   std::vector<Node> nodes_;
@@ -261,7 +259,7 @@ bool inside(const std::vector<Vec2>& outline, Vec2 p) {
   bool in = false;
   for (std::size_t i = 0; i < outline.size(); ++i) {
     const Vec2 a = outline[i], b = outline[(i + 1) % outline.size()];
-    if ((a.y > p.y) != (b.y > p.y) && (turn(a, b, p) > 0) == (b.y > a.y)) in = !in;
+    if ((a.y > p.y) != (b.y > p.y) && (orient(a, b, p) > 0) == (b.y > a.y)) in = !in;
   }
   return in;
 }
@@ -320,7 +318,7 @@ bool append_convex(const Loop& loop, std::span<const geometry::Vec3> positions, 
   };
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t next = (i + 1) % count;
-    if (turn(at[i], at[next], at[(i + 2) % count]) <= 0) return false;
+    if (orient(at[i], at[next], at[(i + 2) % count]) <= 0) return false;
     if (forward(i) != forward(next)) ++reversals;
   }
   if (reversals != 2) return false;

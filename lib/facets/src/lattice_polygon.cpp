@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "cleave/exact/predicates.hpp"
+#include "cleave/geometry/ear_ring.hpp"
 
 namespace cleave::topology::detail {
 namespace {
@@ -58,6 +60,22 @@ Three spread(std::span<const LatticePoint> corners, std::span<const std::size_t>
   const std::size_t third = pick(third_pool, [&](LatticePoint c) { return squared_area(span, c - first); });
   return {order[0], second, third, squared_area(span, corners[third] - first)};
 }
+
+/// The corners in their plane. A ring that holes were joined to passes some places twice.
+class Lattice final {
+ public:
+  explicit Lattice(const LatticePolygon& polygon) : polygon_{polygon} {}
+  [[nodiscard]] Sign turn(std::size_t i, std::size_t j, std::size_t k) const {
+    const auto& p = polygon_.corners;
+    return orient2d(p[i], p[j], p[k], polygon_.along);
+  }
+  [[nodiscard]] auto ignored(std::size_t a, std::size_t b, std::size_t c) const {
+    return [&p = polygon_.corners, a, b, c](std::size_t i) { return p[i] == p[a] || p[i] == p[b] || p[i] == p[c]; };
+  }
+
+ private:
+  const LatticePolygon& polygon_;
+};
 
 }  // namespace
 
@@ -161,46 +179,28 @@ std::optional<LatticePolygon> make_lattice_polygon(std::vector<LatticePoint> cor
 }
 
 std::vector<std::array<std::size_t, 3>> triangulate(const LatticePolygon& polygon) {
-  const auto& p = polygon.corners;
-  const LatticePoint along = polygon.along;
-  std::vector<std::size_t> ring(p.size());
-  std::iota(ring.begin(), ring.end(), std::size_t{0});
+  const Lattice lattice{polygon};
+  std::vector<std::size_t> corners_left(polygon.corners.size());
+  std::iota(corners_left.begin(), corners_left.end(), std::size_t{0});
+  geometry::EarRing<Lattice> ring{std::move(corners_left), lattice};
   std::vector<std::array<std::size_t, 3>> triangles;
-  const auto is_ear = [&](std::size_t k) {
-    const std::size_t count = ring.size();
-    const std::size_t a = ring[(k + count - 1) % count], b = ring[k], c = ring[(k + 1) % count];
-    if (orient2d(p[a], p[b], p[c], along) != Sign::positive) return false;
-    return std::ranges::none_of(ring, [&](std::size_t i) {
-      if (i == a || i == b || i == c || p[i] == p[a] || p[i] == p[b] || p[i] == p[c]) return false;
-      return orient2d(p[a], p[b], p[i], along) != Sign::negative &&
-             orient2d(p[b], p[c], p[i], along) != Sign::negative && orient2d(p[c], p[a], p[i], along) != Sign::negative;
-    });
-  };
   // On from the corner after the last ear, round and round: each round takes every other corner of a convex ring, and
   // no corner gets many triangles. What nearly coincident planes cost grows with the cube of those that meet in a
   // corner.
   std::size_t from = 0;
   while (ring.size() > 3) {
-    const std::size_t count = ring.size();
-    std::size_t tried = 0;
-    while (tried < count && !is_ear((from + tried) % count)) ++tried;
-    std::size_t k = (from + tried) % count;
-    if (tried == count) {
-      // No ear: flat remainders are dropped corner by corner, anything else crosses itself.
-      k = 0;
-      while (k < count &&
-             orient2d(p[ring[(k + count - 1) % count]], p[ring[k]], p[ring[(k + 1) % count]], along) != Sign::zero)
-        ++k;
-      if (k == count) return {};
+    auto k = ring.find(from, [&](std::size_t place) { return ring.is_ear(place); });
+    if (k) {
+      triangles.push_back(ring.cut(*k));
     } else {
-      triangles.push_back({ring[(k + count - 1) % count], ring[k], ring[(k + 1) % count]});
+      // No ear: flat remainders are dropped corner by corner, anything else crosses itself.
+      k = ring.find(0, [&](std::size_t place) { return ring.turn(place) == Sign::zero; });
+      if (!k) return {};
+      ring.cut(*k);
     }
-    ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(k));
-    from = k + 1;
+    from = *k + 1;
   }
-  if (ring.size() == 3 && orient2d(p[ring[0]], p[ring[1]], p[ring[2]], along) == Sign::positive) {
-    triangles.push_back({ring[0], ring[1], ring[2]});
-  }
+  if (ring.size() == 3 && ring.turn(1) == Sign::positive) triangles.push_back(ring.triangle(1));
   return triangles;
 }
 

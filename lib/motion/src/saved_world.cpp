@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "cleave/core/sha256.hpp"
+#include "cleave/core/expected.hpp"
 #include "cleave/motion/archive.hpp"
 #include "world_impl.hpp"
 
@@ -130,21 +130,15 @@ std::string World::saved() const {
   return sealed(world_kind, version_of_saved, a.bytes());
 }
 
-std::expected<void, SavedError> World::restore(std::string_view saved) {
-  const auto bytes = unsealed(world_kind, version_of_saved, saved);
-  if (!bytes) return std::unexpected(saved_error_of(bytes.error()));
-  ArchiveReader a{*bytes};
-  std::string name;
-  a(name);
-  if (!a.good()) return std::unexpected(DamagedWorld{});
-  if (name != identity_of(*impl_)) return std::unexpected(SavedOfOtherWorld{});
+std::expected<void, SavedFault> World::restore(std::string_view saved) {
+  CLEAVE_TRY(ArchiveReader a, unsealed_of(identity_of(*impl_), world_kind, version_of_saved, saved));
   Impl w = *impl_;
   std::vector<std::uint8_t> broken;
   archive_motion(a, w);
   a(broken);
   if (!a.complete() || !bodies_are_sound(w) || !contacts_are_sound(w) || broken.size() != w.bonds.size() ||
       std::ranges::any_of(broken, [](std::uint8_t b) { return b > 1; })) {
-    return std::unexpected(DamagedWorld{});
+    return std::unexpected(SavedFault::damaged);
   }
   for (std::size_t k = 0; k < w.bonds.size(); ++k) w.bonds[k].broken = broken[k] != 0;
   w.place_all(w.state, true);

@@ -88,23 +88,20 @@ std::string MotionRecorder::state() const {
 }
 
 std::optional<Problem> MotionRecorder::go_on_from(const SavedRun& saved) {
-  const auto because = [&](const SavedError& error) { return refused(saved, kind_of_state, error); };
-  const auto bytes = unsealed(state_kind, version_of_state, saved.bytes);
-  if (!bytes) return because(saved_error_of(bytes.error()));
-  ArchiveReader a{*bytes};
-  std::string own, world_bytes;
+  const auto because = [&](SavedFault fault) { return refused(saved, kind_of_state, fault); };
+  auto opened = unsealed_of(identity(), state_kind, version_of_state, saved.bytes);
+  if (!opened) return because(opened.error());
+  ArchiveReader& a = *opened;
+  std::string world_bytes;
   MotionPlace place;
   MotionResult read;
   std::vector<BlockSoFar> blocks;
-  a(own, world_bytes);
-  if (!a.good()) return because(DamagedWorld{});
-  if (own != identity()) return because(SavedOfOtherWorld{});
-  a(place, read, blocks);
-  if (!a.complete() || blocks.size() != cast_.moving.size() || !is_sound(read, place)) return because(DamagedWorld{});
+  a(world_bytes, place, read, blocks);
+  if (!a.complete() || blocks.size() != cast_.moving.size() || !is_sound(read, place))
+    return because(SavedFault::damaged);
   motion::World world = world_;
   if (const auto restored = world.restore(world_bytes); !restored) {
-    const bool none = std::holds_alternative<NoSavedWorld>(restored.error());
-    return because(none ? SavedError{DamagedWorld{}} : restored.error());
+    return because(restored.error() == SavedFault::foreign ? SavedFault::damaged : restored.error());
   }
   const double duration = settings_.duration.si();
   if (world.time() > duration * (1 + 1e-12)) {

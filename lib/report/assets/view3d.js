@@ -1,4 +1,4 @@
-// The blocks in 3D, where WebGL is there: drawn in layers, turned, cut and picked from. What is shown
+// The blocks in 3D, where WebGL is there: drawn in layers, cut, moved and coloured. What is shown
 // is in `state`; after a change to it `rebuild` (what is drawn) or `restyle` (how) is to be called. Null without WebGL.
 const view3d = (function () {
   'use strict';
@@ -36,17 +36,7 @@ const view3d = (function () {
   holder.append(printed);
 
   const scene = new THREE.Scene();
-  const camera = new THREE.PerspectiveCamera(32, 1, extent / 500, extent * 20);
-  camera.up.set(0, 0, 1);
   scene.add(new THREE.HemisphereLight(0xffffff, 0xaab0b8, 0.8));
-  const lamp = new THREE.DirectionalLight(0xffffff, 0.42);
-  camera.add(lamp);
-  lamp.position.set(-0.6, 0.9, 1);
-  scene.add(camera);
-  const controls = new THREE.OrbitControls(camera, renderer.domElement);
-  controls.screenSpacePanning = true;
-  controls.enableKeys = false;
-
   const section = new THREE.Plane(new THREE.Vector3(0, -1, 0), extent);
   const lambert = function (options) {
     return new THREE.MeshLambertMaterial(Object.assign({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide, polygonOffset: true,
@@ -189,6 +179,11 @@ const view3d = (function () {
     for (let k = 0; k < 3; ++k) { focus[k] = (low[k] + high[k]) / 2; sum += (high[k] - low[k]) * (high[k] - low[k]); }
     reach = Math.max(Math.sqrt(sum) / 2, extent / 50);
   })();
+
+  const eye = camera3d(holder, renderer, scene, state, {
+    extent: extent, focus: focus, reach: Math.max(reach, judged || walls ? 0 : extent / 2), offsetOf: offsetOf
+  });
+  const render = eye.render;
 
   const restFace = function (f) {
     if (state.explode > 0 || state.cut < 1) return true;
@@ -346,143 +341,16 @@ const view3d = (function () {
     lines.picked.material.color.set(css('--ink'));
   };
 
-  const compass = document.getElementById('compass');
-  const drawCompass = function () {
-    const arrows = [['E', new THREE.Vector3(1, 0, 0)], ['N', new THREE.Vector3(0, 1, 0)], ['up', new THREE.Vector3(0, 0, 1)]];
-    let text = '<svg viewBox="-42 -42 84 84">';
-    const turn = camera.matrixWorldInverse;
-    arrows.map(function (a) { return [a[0], a[1].transformDirection(turn)]; })
-      .sort(function (a, b) { return a[1].z - b[1].z; })
-      .forEach(function (a) {
-        const x = (26 * a[1].x).toFixed(1), y = (-26 * a[1].y).toFixed(1);
-        text += '<line x1="0" y1="0" x2="' + x + '" y2="' + y + '" stroke="' + css('--ink') + '" stroke-width="1.8" opacity="' + (a[1].z < -0.2 ? 0.4 : 1) + '"/>' +
-          '<text text-anchor="middle" x="' + (35 * a[1].x).toFixed(1) + '" y="' + (4 - 35 * a[1].y).toFixed(1) + '">' + a[0] + '</text>';
-      });
-    compass.innerHTML = text + '</svg>';
-  };
-
-  let pending = false;
-  // The bar is as long as a round number of metres at the distance of what is looked at.
-  const scaleBar = document.createElement('div');
-  scaleBar.id = 'scale-bar';
-  holder.append(scaleBar);
-  const drawScale = function () {
-    const height = renderer.domElement.clientHeight || 1;
-    const metres = 2 * camera.position.distanceTo(controls.target) * Math.tan(camera.fov * Math.PI / 360) / height;
-    const power = Math.pow(10, Math.floor(Math.log10(120 * metres)));
-    const length = [5, 2, 1].map(function (m) { return m * power; }).find(function (l) { return l <= 120 * metres; }) || power;
-    scaleBar.style.width = (length / metres).toFixed(1) + 'px';
-    scaleBar.textContent = Number(length.toPrecision(3)) + ' m';
-  };
-  const draw = function () {
-    pending = false;
-    renderer.render(scene, camera);
-    drawCompass();
-    drawScale();
-  };
-  const render = function () {
-    if (!pending) { pending = true; requestAnimationFrame(draw); }
-  };
-  const resize = function () {
-    const box = holder.getBoundingClientRect();
-    if (box.width < 2 || box.height < 2) return;
-    renderer.setSize(box.width, box.height, false);
-    camera.aspect = box.width / box.height;
-    camera.updateProjectionMatrix();
-    render();
-  };
-  const look = function (direction, target, radius) {
-    const d = new THREE.Vector3(direction[0], direction[1], direction[2]).normalize();
-    const narrow = Math.min(1, camera.aspect);
-    const distance = radius / Math.sin(camera.fov * Math.PI / 360) / narrow;
-    camera.near = Math.max(distance - 20 * extent, extent / 500);
-    camera.far = distance + 20 * extent;
-    camera.updateProjectionMatrix();
-    controls.target.set(target[0], target[1], target[2]);
-    camera.position.copy(controls.target).addScaledVector(d, distance * 0.86);
-    camera.lookAt(controls.target);
-    controls.update();
-    render();
-  };
-  const home = function () { look([0.62, -1, 0.55], focus, Math.max(reach, judged || walls ? 0 : extent / 2)); };
-
-  // ---- going about -------------------------------------------------------------------------------------------------
-  const direction = function () {
-    const d = new THREE.Vector3().subVectors(camera.position, controls.target);
-    return [d.x, d.y, d.z];
-  };
-  const zoomTo = function (...members) {
-    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    members.forEach(function (b) {
-      const move = offsetOf(b);
-      for (let i = 3 * firstTriangle[firstFace[b]]; i < 3 * firstTriangle[firstFace[b + 1]]; ++i) {
-        for (let k = 0; k < 3; ++k) {
-          const v = points[3 * triangles[i] + k] + move[k];
-          low[k] = Math.min(low[k], v); high[k] = Math.max(high[k], v);
-        }
-      }
-    });
-    if (low[0] > high[0]) return;
-    const middle = low.map(function (v, k) { return (v + high[k]) / 2; });
-    const radius = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 2;
-    look(direction(), middle, Math.max(1.6 * radius, extent / 200));
-  };
-  const turn = function (sideways, upwards) {
-    const d = new THREE.Spherical().setFromVector3(new THREE.Vector3().subVectors(camera.position, controls.target).applyAxisAngle(new THREE.Vector3(1, 0, 0), -Math.PI / 2));
-    d.theta += sideways;
-    d.phi = Math.min(Math.PI - 0.01, Math.max(0.01, d.phi - upwards));
-    camera.position.copy(new THREE.Vector3().setFromSpherical(d).applyAxisAngle(new THREE.Vector3(1, 0, 0), Math.PI / 2)).add(controls.target);
-    camera.lookAt(controls.target);
-    controls.update();
-    render();
-  };
-  const zoom = function (factor) {
-    camera.position.sub(controls.target).multiplyScalar(factor).add(controls.target);
-    controls.update();
-    render();
-  };
-  // From so far away that parallel lines stay parallel to the eye.
-  const parallel = function (on) {
-    const radius = camera.position.distanceTo(controls.target) * Math.tan(camera.fov * Math.PI / 360);
-    state.parallel = on;
-    camera.fov = on ? 1 : 32;
-    camera.position.sub(controls.target).setLength(radius / Math.tan(camera.fov * Math.PI / 360)).add(controls.target);
-    const distance = camera.position.distanceTo(controls.target);
-    camera.near = Math.max(distance - 20 * extent, extent / 500);
-    camera.far = distance + 20 * extent;
-    camera.updateProjectionMatrix();
-    controls.update();
-    render();
-  };
-  const picture = function () {
-    renderer.render(scene, camera);
-    return renderer.domElement.toDataURL('image/png');
-  };
-
-  // ---- picking ----------------------------------------------------------------------------------------------------
-  const caster = new THREE.Raycaster();
-  const blockAt = function (clientX, clientY) {
-    const box = renderer.domElement.getBoundingClientRect();
-    caster.setFromCamera({ x: 2 * (clientX - box.left) / box.width - 1, y: 1 - 2 * (clientY - box.top) / box.height }, camera);
-    let best = null;
-    [['key', 0.01], ['caps', 0.01], ['wall', 0.3], ['rest', 0.3]].forEach(function (pair) {
-      const layer = layers[pair[0]];
-      if (!layer.visible || (pair[0] !== 'key' && layer.material.opacity < pair[1])) return;
-      caster.intersectObject(layer).forEach(function (hit) {
-        if (pair[0] !== 'key' && pair[0] !== 'caps' && section.distanceToPoint(hit.point) < 0) return;
-        if (!best || hit.distance < best.distance) best = { distance: hit.distance, block: blockOfTriangle[pair[0]][hit.faceIndex] };
-      });
-    });
-    return best ? best.block : -1;
-  };
-  const onPick = function (listener) {
-    const down = { x: 0, y: 0 };
-    renderer.domElement.addEventListener('pointerdown', function (e) { down.x = e.clientX; down.y = e.clientY; });
-    renderer.domElement.addEventListener('pointerup', function (e) {
-      if (e.button !== 0 || Math.hypot(e.clientX - down.x, e.clientY - down.y) > 5) return;
-      listener(blockAt(e.clientX, e.clientY));
-    });
-  };
+  // From which of them the pointer picks: what is nearly clear, or cut away, is picked through.
+  const pickable = [['key', 0], ['caps', 0.01], ['wall', 0.3], ['rest', 0.3]].map(function (pair) {
+    const [name, least] = pair, clipped = name === 'wall' || name === 'rest';
+    return {
+      layer: layers[name],
+      least: least,
+      seen: function (point) { return !clipped || section.distanceToPoint(point) >= 0; },
+      blockOf: function (triangle) { return blockOfTriangle[name][triangle]; }
+    };
+  });
   const servingBolts = function (b) {
     let serving = 0;
     for (let i = 0; i < boltServes.length; ++i) if (boltServes[i] === blockId[b]) ++serving;
@@ -490,11 +358,8 @@ const view3d = (function () {
   };
 
   // ---- life -------------------------------------------------------------------------------------------------------
-  controls.addEventListener('change', render);
-  window.addEventListener('resize', resize);
   window.addEventListener('beforeprint', function () {
-    renderer.render(scene, camera);
-    printed.src = renderer.domElement.toDataURL('image/png');
+    printed.src = eye.picture();
   });
   renderer.domElement.addEventListener('webglcontextlost', function (e) { e.preventDefault(); holder.classList.remove('live'); });
   renderer.domElement.addEventListener('webglcontextrestored', function () { holder.classList.add('live'); rebuild(); });
@@ -504,13 +369,13 @@ const view3d = (function () {
   return {
     state: state, rebuild: rebuild, section: section, caps: layers.caps,
     restyle: function () { style(); render(); },
-    start: function () { resize(); home(); rebuild(); },
-    look: look, home: home, extent: extent, focus: focus, reach: reach,
+    start: function () { eye.resize(); eye.home(); rebuild(); },
+    look: eye.look, home: eye.home, extent: extent, focus: focus, reach: reach,
     walls: faceRole.some(isWall), bolts: bolts ? boltLayers : null, servingBolts: servingBolts,
     blocks: { id: blockId, mode: mode, volume: volume, faces: faceCount }, indexOf: indexOf,
     batchColour: batchColourOf, modeColour: function (m) { return modeColours[m]; }, factorSteps: factorSteps, setNames: setNames, usedSets: usedSets, setColour: setColour,
-    place: holder.parentNode, holder: holder, canvas: renderer.domElement, onPick: onPick, volumeSteps: volumeSteps,
-    groups: groups, zoomTo: zoomTo, turn: turn, zoom: zoom, parallel: parallel, picture: picture,
+    place: holder.parentNode, holder: holder, canvas: renderer.domElement, onPick: function (listener) { pick3d(renderer, eye.camera, pickable, listener); }, volumeSteps: volumeSteps,
+    groups: groups, zoomTo: eye.zoomTo, turn: eye.turn, zoom: eye.zoom, parallel: eye.parallel, picture: eye.picture,
     mark: function (b) { state.picked = b; drawPicked(); render(); }
   };
 })();

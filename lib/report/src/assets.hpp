@@ -13,8 +13,11 @@ namespace cleave::report::assets {
 [[nodiscard]] std::span<const std::string_view> tables();
 [[nodiscard]] std::span<const std::string_view> blocks3d();
 [[nodiscard]] std::span<const std::string_view> caps3d();
+[[nodiscard]] std::span<const std::string_view> camera3d();
+[[nodiscard]] std::span<const std::string_view> pick3d();
 [[nodiscard]] std::span<const std::string_view> view();
 [[nodiscard]] std::span<const std::string_view> panel();
+[[nodiscard]] std::span<const std::string_view> chart2d();
 [[nodiscard]] std::span<const std::string_view> contact();
 [[nodiscard]] std::span<const std::string_view> bodies();
 [[nodiscard]] std::span<const std::string_view> scene2d();

@@ -210,7 +210,7 @@ std::string bodies_report_html(const scene::BodiesResult& result) {
   out += detail::inputs_section(detail::input_rows("Scene", result.scene_file, result.scene_sha256, {}, result.seed),
                                 limits);
   out += page_foot();
-  out += data_script(page_data(result)) + script(assets::bodies());
+  out += data_script(page_data(result)) + script(assets::chart2d()) + script(assets::bodies());
   out += page_end;
   return out;
 }

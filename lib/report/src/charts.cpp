@@ -1,54 +1,38 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "cleave/exchange/text.hpp"
 #include "drawings.hpp"
+#include "plot.hpp"
 #include "svg.hpp"
 
 namespace cleave::report {
-using detail::fixed, detail::power_of_ten, detail::text;
+using detail::fixed, detail::text;
 
 std::string size_curve(std::vector<double> volumes) {
   std::erase_if(volumes, [](double v) { return !(v > 0) || !std::isfinite(v); });
   if (volumes.empty()) return {};
   std::ranges::sort(volumes);
-  const int low = std::max(-12, static_cast<int>(std::floor(std::log10(volumes.front()))));
-  const int high = std::max(low + 1, static_cast<int>(std::ceil(std::log10(volumes.back()))));
-  constexpr double left = 62, right = 500, top = 16, bottom = 250;
-  const auto x_at = [&](double volume) {
-    return left + (right - left) * (std::max(std::log10(volume), static_cast<double>(low)) - low) / (high - low);
-  };
-  const auto y_at = [&](double share) { return bottom - (bottom - top) * share; };
-  std::string out =
-      "<svg viewBox=\"0 0 520 300\" role=\"img\" aria-label=\"Share of blocks and of rock volume in blocks smaller "
-      "than a given volume\">";
-  const int step = (high - low + 6) / 7;
-  for (int e = low; e <= high; e += step) {
-    const double x = x_at(std::pow(10.0, e));
-    out += "<path class=\"grid\" d=\"M" + fixed(x) + ',' + fixed(top) + 'V' + fixed(bottom) + "\"/>" +
-           text(x, bottom + 20, "middle", power_of_ten(e));
-  }
-  for (const int percent : {0, 25, 50, 75, 100}) {
-    const double y = y_at(percent / 100.0);
-    out += "<path class=\"grid\" d=\"M" + fixed(left) + ',' + fixed(y) + 'H' + fixed(right) + "\"/>" +
-           text(left - 8, y + 5, "end", std::to_string(percent) + " %");
-  }
-  out += text((left + right) / 2, bottom + 44, "middle", "block volume V (m³)");
+  detail::Plot plot{
+      detail::decades(std::max(1e-12, volumes.front()), std::max(1e-12, volumes.back()), "block volume V (m³)"),
+      detail::Axis{0, 1, false, "share in blocks smaller than V"},
+      "Share of blocks and of rock volume in blocks smaller than a given volume"};
   // At most about 400 points of each curve.
   const double total = std::accumulate(volumes.begin(), volumes.end(), 0.0);
   const std::size_t stride = std::max<std::size_t>(1, volumes.size() / 400);
-  std::string by_number = "M" + fixed(x_at(volumes.front())) + ',' + fixed(y_at(0)), by_volume = by_number;
+  std::vector<detail::PlotPoint> by_number{{volumes.front(), 0}}, by_volume = by_number;
   double sum = 0;
   for (std::size_t i = 0; i < volumes.size(); ++i) {
     sum += volumes[i];
     if ((i + 1) % stride != 0 && i + 1 != volumes.size()) continue;
-    const double share = static_cast<double>(i + 1) / static_cast<double>(volumes.size());
-    by_number += 'L' + fixed(x_at(volumes[i])) + ',' + fixed(y_at(share));
-    by_volume += 'L' + fixed(x_at(volumes[i])) + ',' + fixed(y_at(sum / total));
+    by_number.push_back({volumes[i], static_cast<double>(i + 1) / static_cast<double>(volumes.size())});
+    by_volume.push_back({volumes[i], sum / total});
   }
-  out += "<path class=\"line-a\" d=\"" + by_number + "\"/><path class=\"line-b\" d=\"" + by_volume + "\"/>";
-  return out + "</svg>";
+  plot.line(by_number);
+  plot.line(by_volume, detail::LineStyle::dashed);
+  return std::move(plot).svg();
 }
 
 std::string batch_bars(std::span<const scene::BatchFigures> batches) {

@@ -279,7 +279,7 @@ std::string contact_report_html(const scene::ContactResult& result) {
          solver_bars(result) + "<div class=\"plots\"><div id=\"steps\"></div>" +
          (result.solvers.empty() ? "" : "<div id=\"iterations\"></div>") + "</div>\n" + "</section>\n";
   out += plan_section(result.plan) + cost_section(result.cost) + inputs_of(result) + page_foot();
-  out += data_script(page_data(result)) + script(assets::contact());
+  out += data_script(page_data(result)) + script(assets::chart2d()) + script(assets::contact());
   out += page_end;
   return out;
 }

@@ -351,7 +351,7 @@ std::string report_html(const Page& page) {
     out = std::move(view_json.insert(0, out));  // the long text has room for the page around it
     out += "</script>\n";
     for (const auto pieces : {assets::three(), assets::orbit_controls(), assets::blocks3d(), assets::caps3d(),
-                              assets::view(), assets::panel()}) {
+                              assets::camera3d(), assets::pick3d(), assets::view(), assets::panel()}) {
       out += script(pieces);
     }
   }

@@ -18,14 +18,6 @@ double share(const Axis& axis, double v) {
   return std::clamp(s, 0.0, 1.0);
 }
 
-double round_step(double span) {
-  const double raw = span / 5, power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double m : {1.0, 2.0, 5.0}) {
-    if (raw <= m * power) return m * power;
-  }
-  return 10 * power;
-}
-
 std::string path_of(const std::vector<PlotPoint>& points, auto&& at_x, auto&& at_y, bool reversed) {
   std::string path;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -66,7 +58,7 @@ void Plot::ticks(const Axis& axis, bool horizontal) {
     for (int e = low; e <= high; e += step) tick(std::pow(10.0, e), power_of_ten(e));
     return;
   }
-  const double step = round_step(axis.high - axis.low);
+  const double step = tick_step(axis.high - axis.low, 5);
   for (double v = std::ceil(axis.low / step) * step; v <= axis.high * (1 + 1e-12); v += step) tick(v, display(v, 3));
 }
 
@@ -109,7 +101,7 @@ std::string Plot::svg() && { return std::move(out_) + "</svg>"; }
 
 Axis from_zero(double high, std::string label) {
   if (!(high > 0)) high = 1;
-  const double step = round_step(high);
+  const double step = tick_step(high, 5);
   return {0, std::ceil(high / step) * step, false, std::move(label)};
 }
 

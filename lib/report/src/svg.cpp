@@ -22,4 +22,12 @@ std::string power_of_ten(int exponent) {
          std::to_string(std::abs(exponent)) + "</tspan>";
 }
 
+double tick_step(double length, double parts) {
+  const double raw = length / parts, power = std::pow(10.0, std::floor(std::log10(raw)));
+  for (const double times : {1.0, 2.0, 5.0}) {
+    if (times * power >= raw) return times * power;
+  }
+  return 10 * power;
+}
+
 }  // namespace cleave::report::detail

@@ -13,4 +13,7 @@ namespace cleave::report::detail {
 /// A power of ten as a label: digits where they are few.
 [[nodiscard]] std::string power_of_ten(int exponent);
 
+/// 1, 2 or 5 times a power of ten: about `parts` of them in the length.
+[[nodiscard]] double tick_step(double length, double parts);
+
 }  // namespace cleave::report::detail

@@ -18,7 +18,7 @@
 namespace cleave::report {
 namespace {
 
-using detail::fixed;
+using detail::fixed, detail::tick_step;
 using geometry::Vec3;
 
 /// A place on the wall of a tunnel: along the axis, and around it from the crown, to the right looking along the axis.
@@ -171,15 +171,6 @@ std::vector<Shape> shapes_at(const Page& page, std::uint32_t excavation, const W
     shapes.push_back(std::move(shape));
   }
   return shapes;
-}
-
-/// 1, 2 or 5 times a power of ten: about `parts` of them in the length.
-double tick_step(double length, double parts) {
-  const double raw = length / parts, power = std::pow(10, std::floor(std::log10(raw)));
-  for (const double times : {1.0, 2.0, 5.0}) {
-    if (times * power >= raw) return times * power;
-  }
-  return 10 * power;
 }
 
 class Map final {

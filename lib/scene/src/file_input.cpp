@@ -27,20 +27,20 @@ using Surfaces = std::expected<io::Surfaces, io::ReadError>;
 using Mesh = std::expected<io::MeshData, io::ReadError>;
 
 std::optional<Surfaces> parse_surfaces(const LoadedFile& loaded) {
-  const std::string ending = extension_of(loaded.shown);
-  if (ending == "dxf") return io::parse_dxf(loaded.bytes, loaded.shown);
-  if (ending == "ts") return io::parse_tsurf(loaded.bytes, loaded.shown);
-  if (ending == "fab") return io::parse_fab(loaded.bytes, loaded.shown);
-  if (ending == "dat") return io::parse_dfnworks_polygons(loaded.bytes, loaded.shown);
+  const std::string extension = extension_of(loaded.shown);
+  if (extension == "dxf") return io::parse_dxf(loaded.bytes, loaded.shown);
+  if (extension == "ts") return io::parse_tsurf(loaded.bytes, loaded.shown);
+  if (extension == "fab") return io::parse_fab(loaded.bytes, loaded.shown);
+  if (extension == "dat") return io::parse_dfnworks_polygons(loaded.bytes, loaded.shown);
   return std::nullopt;
 }
 
 std::optional<Mesh> parse_faces(const LoadedFile& loaded) {
-  const std::string ending = extension_of(loaded.shown);
-  if (ending == "obj") return io::parse_obj(loaded.bytes, loaded.shown);
-  if (ending == "stl") return io::parse_stl(loaded.bytes, loaded.shown);
-  if (ending == "ply") return io::parse_ply(loaded.bytes, loaded.shown);
-  if (ending != "dxf" && ending != "ts") return std::nullopt;
+  const std::string extension = extension_of(loaded.shown);
+  if (extension == "obj") return io::parse_obj(loaded.bytes, loaded.shown);
+  if (extension == "stl") return io::parse_stl(loaded.bytes, loaded.shown);
+  if (extension == "ply") return io::parse_ply(loaded.bytes, loaded.shown);
+  if (extension != "dxf" && extension != "ts") return std::nullopt;
   auto surfaces = parse_surfaces(loaded);
   if (!surfaces) return std::nullopt;
   if (!*surfaces) return Mesh{std::unexpect, std::move(*surfaces).error()};
@@ -69,8 +69,8 @@ void add_notes(InputContext& context, const std::vector<std::string>& notes, con
 
 }  // namespace
 
-bool is_surfaces(std::string_view ending) {
-  return ending == "dxf" || ending == "ts" || ending == "fab" || ending == "dat";
+bool is_surfaces(std::string_view extension) {
+  return extension == "dxf" || extension == "ts" || extension == "fab" || extension == "dat";
 }
 
 std::optional<io::Surfaces> surfaces_of(InputContext& context, const LoadedFile& loaded) {
@@ -93,8 +93,8 @@ std::optional<io::MeshData> mesh_of(InputContext& context, const TableReader& ow
   auto parsed = parse_faces(loaded);
   if (!parsed) {
     const bool tables = key == "file" && owner.path().starts_with("joint");
-    const std::string ending = extension_of(loaded.shown);
-    const bool workbook = ending == "xlsx" || ending == "xls" || ending == "xlsm" || ending == "ods";
+    const std::string extension = extension_of(loaded.shown);
+    const bool workbook = extension == "xlsx" || extension == "xls" || extension == "xlsm" || extension == "ods";
     owner.error(key, fmt::format("the ending of \"{}\" is not known", loaded.shown),
                 tables && workbook ? "export the sheet as CSV, and name that file"
                 : tables           ? "give a file that ends in .obj, .csv, .dxf, .ts, .fab, .dat, .stl or .ply"

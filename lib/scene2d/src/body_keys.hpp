@@ -57,7 +57,7 @@ inline constexpr std::array<std::string_view, 1> all_sides{"all"};
 [[nodiscard]] const KeyTable& in_situ_keys();
 [[nodiscard]] bem::InSitu parse_in_situ(const TableReader& table);
 
-/// [rock] of a plane scene.
+/// [rock] of a scene in two dimensions.
 struct RockDefaults {
   std::optional<double> young, poisson;
   double density = 2700;

@@ -121,18 +121,16 @@ std::string state_of(const ContactScene& scene, const dbem::World& world, const 
 
 std::optional<Problem> go_on_from(const SavedRun& saved, const ContactScene& scene, dbem::World& world,
                                   Recorder& recorder, ContactPlace& place, ContactResult& result) {
-  const auto because = [&](const SavedError& error) { return refused(saved, kind_of_state, error); };
-  const auto bytes = unsealed(state_kind, version_of_state, saved.bytes);
-  if (!bytes) return because(saved_error_of(bytes.error()));
-  ArchiveReader a{*bytes};
-  std::string identity, world_bytes;
+  const auto because = [&](SavedFault fault) { return refused(saved, kind_of_state, fault); };
+  auto opened = unsealed_of(identity_of(scene), state_kind, version_of_state, saved.bytes);
+  if (!opened) return because(opened.error());
+  ArchiveReader& a = *opened;
+  std::string world_bytes;
   ContactTally tally;
   ContactPlace was;
-  a(identity, world_bytes);
-  if (a.good() && identity != identity_of(scene)) return because(SavedOfOtherWorld{});
   ContactResult read = result;
-  a(tally, was, read);
-  if (!a.complete() || read.bodies.size() != result.bodies.size()) return because(DamagedWorld{});
+  a(world_bytes, tally, was, read);
+  if (!a.complete() || read.bodies.size() != result.bodies.size()) return because(SavedFault::damaged);
   std::vector<ContactBodyResult> bodies = result.bodies;  // their motion alone was read
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     bodies[b].centroid = read.bodies[b].centroid;
@@ -142,11 +140,10 @@ std::optional<Problem> go_on_from(const SavedRun& saved, const ContactScene& sce
   read.bodies = std::move(bodies);
   if (!is_sound(read, scene.bodies.size(), scene.points.size()) || !(was.next > 0) ||
       tally.largest.size() != world.ties().size() || tally.broken_at.size() != world.ties().size()) {
-    return because(DamagedWorld{});
+    return because(SavedFault::damaged);
   }
   if (const auto restored = world.restore(world_bytes); !restored) {
-    const bool none = std::holds_alternative<NoSavedWorld>(restored.error());
-    return because(none ? SavedError{DamagedWorld{}} : restored.error());
+    return because(restored.error() == SavedFault::foreign ? SavedFault::damaged : restored.error());
   }
   result = std::move(read);
   recorder.go_on(tally);

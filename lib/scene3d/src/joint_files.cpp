@@ -198,8 +198,8 @@ void parse_joint_file(Context& context, const TableReader& joint, const std::opt
   const bool wrap = joint.boolean("wrap").value_or(false);
   const auto loaded = context.file(joint, "file");
   if (!loaded) return;
-  const std::string ending = extension_of(loaded->shown);
-  if (ending == "csv") {
+  const std::string extension = extension_of(loaded->shown);
+  if (extension == "csv") {
     const auto table = io::parse_joint_csv(loaded->bytes, loaded->shown, {.wrap = wrap, .need_position = true});
     if (!table) {
       for (const io::ReadError& error : table.error()) report_read_error(context.problems, error);
@@ -212,7 +212,7 @@ void parse_joint_file(Context& context, const TableReader& joint, const std::opt
     return;
   }
   if (wrap) joint.error("wrap", "has a meaning for CSV files only", "remove it");
-  if (is_surfaces(ending)) {
+  if (is_surfaces(extension)) {
     const auto surfaces = surfaces_of(context, *loaded);
     if (!surfaces) return;
     const auto set_among = [&](const std::vector<std::string>& groups) {
@@ -239,7 +239,7 @@ void parse_joint_file(Context& context, const TableReader& joint, const std::opt
         "");
   }
   const SetId id = context.set_named(set.value_or("default"));
-  const bool surface = joint.boolean("surface").value_or(ending != "obj");
+  const bool surface = joint.boolean("surface").value_or(extension != "obj");
   const auto one_set = [id](std::uint32_t) { return id; };
   if (!surface) {
     add_faces(context, *mesh, loaded->shown, one_set, joints);

@@ -21,19 +21,20 @@ using std::string_view;
 
 constexpr NumberRule snap_rule{0, false, 1e6, false, " m"};
 constexpr std::array<string_view, 2> nonplanar_words{"refuse", "triangulate"};
-constexpr std::array<string_view, 3> plane_sections{"body", "contact", "elastic"};
+constexpr std::array<string_view, 3> scene2d_sections{"body", "contact", "elastic"};
 
 std::string stem_of(const std::string& shown) {
   const std::size_t slash = shown.find_last_of('/');
   return slash == std::string::npos ? shown : shown.substr(slash + 1);
 }
 
-/// Sections of plane scenes are named as such and taken out, so that the rest is still checked.
-TomlTable without_plane_sections(TomlTable table, Problems& problems) {
+/// Sections of scenes in two dimensions are named as such and taken out, so that the rest is still checked.
+TomlTable without_scene2d_sections(TomlTable table, Problems& problems) {
   std::erase_if(table.entries, [&](const TomlEntry& entry) {
-    for (const string_view section : plane_sections) {
+    for (const string_view section : scene2d_sections) {
       if (entry.key != section) continue;
-      problems.error(entry.line, entry.key, "belongs to plane scenes, which hold [[body]] and none of [domain], joints",
+      problems.error(entry.line, entry.key,
+                     "belongs to scenes in two dimensions, which hold [[body]] and none of [domain], joints",
                      "remove the section, or put the bodies into a scene of their own");
       return true;
     }
@@ -238,7 +239,7 @@ std::expected<Scene, std::vector<Problem>> parse(string_view text, const std::st
     return std::unexpected(std::move(problems).take_errors());
   }
   if (!is_scene(*tree, shown, problems)) return std::unexpected(std::move(problems).take_errors());
-  TomlTable table = without_plane_sections(std::move(*tree), problems);
+  TomlTable table = without_scene2d_sections(std::move(*tree), problems);
   std::vector<InputFile> included;
   take_includes(table, problems, read_file, included);
   const TableReader root{table, 1, "", problems, scene_keys()};

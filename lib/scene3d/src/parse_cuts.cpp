@@ -142,8 +142,9 @@ std::optional<geometry::Ground> ground_of_mesh(Context& context, const TableRead
 std::optional<geometry::Ground> parse_ground(Context& context, const TableReader& owner) {
   const auto loaded = context.file(owner, "file");
   if (!loaded) return std::nullopt;
-  const std::string ending = extension_of(loaded->shown);
-  const bool grid = ending == "asc" || ending == "grd" || ending == "xyz" || ending == "txt" || ending == "csv";
+  const std::string extension = extension_of(loaded->shown);
+  const bool grid =
+      extension == "asc" || extension == "grd" || extension == "xyz" || extension == "txt" || extension == "csv";
   return grid ? ground_of_grid(context, owner, *loaded) : ground_of_mesh(context, owner, *loaded);
 }
 

@@ -4,9 +4,9 @@
 
 #include "cleave/core/assert.hpp"
 #include "detail/nesting.hpp"
+#include "detail/phases.hpp"
 #include "detail/pieces.hpp"
 #include "detail/plane_view.hpp"
-#include "detail/stages.hpp"
 
 namespace cleave::topology::detail {
 namespace {

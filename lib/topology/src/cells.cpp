@@ -7,8 +7,8 @@
 #include "cleave/core/disjoint_sets.hpp"
 #include "detail/exact_volume.hpp"
 #include "detail/nest_pieces.hpp"
+#include "detail/phases.hpp"
 #include "detail/pieces.hpp"
-#include "detail/stages.hpp"
 
 namespace cleave::topology::detail {
 namespace {

@@ -7,7 +7,7 @@
 #include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "detail/assemble.hpp"
-#include "detail/stages.hpp"
+#include "detail/phases.hpp"
 
 namespace cleave::topology {
 

@@ -6,8 +6,8 @@
 #include "cleave/core/assert.hpp"
 #include "cleave/exact/predicates.hpp"
 #include "detail/crossings.hpp"
+#include "detail/phases.hpp"
 #include "detail/pieces.hpp"
-#include "detail/stages.hpp"
 
 namespace cleave::topology::detail {
 namespace {

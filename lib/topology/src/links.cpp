@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "detail/phases.hpp"
 #include "detail/pieces.hpp"
-#include "detail/stages.hpp"
 
 namespace cleave::topology::detail {
 

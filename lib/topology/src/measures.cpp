@@ -1,7 +1,7 @@
 #include <cmath>
 
+#include "detail/phases.hpp"
 #include "detail/pieces.hpp"
-#include "detail/stages.hpp"
 
 namespace cleave::topology::detail {
 

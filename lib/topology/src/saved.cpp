@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cleave/core/archive.hpp"
+#include "cleave/core/expected.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/topology/audit.hpp"
 
@@ -412,16 +413,9 @@ std::string saved(const AuditedComplex& audited) {
 }
 
 std::expected<AuditedComplex, LoadError> load_saved(std::string_view bytes, unsigned threads) {
-  const auto held = unsealed(kind, version, bytes);
-  if (!held) {
-    switch (held.error()) {
-      case SealFault::foreign: return std::unexpected(SavedFault::foreign);
-      case SealFault::other_version: return std::unexpected(SavedFault::other_version);
-      case SealFault::damaged: return std::unexpected(SavedFault::damaged);
-    }
-  }
+  CLEAVE_TRY(const std::string_view held, unsealed(kind, version, bytes));
   Kept read;
-  ArchiveReader a{*held};
+  ArchiveReader a{held};
   a(read);
   if (!a.complete() || !Check{read}.good()) return std::unexpected(SavedFault::inconsistent);
   auto planes = planes_of(read.planes);
@@ -457,6 +451,7 @@ std::string describe(const LoadError& error) {
                                      return "another version of cleave saved this block system: cut the scene again";
                                    case SavedFault::damaged: return "the block system was changed or cut short";
                                    case SavedFault::inconsistent:
+                                   case SavedFault::other_world:
                                      return "the block system names parts that it does not have";
                                  }
                                  std::unreachable();

@@ -6,7 +6,7 @@
 #include "cleave/core/disjoint_sets.hpp"
 #include "cleave/core/expected.hpp"
 #include "detail/assemble.hpp"
-#include "detail/stages.hpp"
+#include "detail/phases.hpp"
 
 namespace cleave::topology {
 

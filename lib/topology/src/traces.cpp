@@ -7,8 +7,8 @@
 
 #include "cleave/exact/predicates.hpp"
 #include "cleave/facets/gaps.hpp"
+#include "detail/phases.hpp"
 #include "detail/pieces.hpp"
-#include "detail/stages.hpp"
 
 namespace cleave::topology::detail {
 namespace {

@@ -25,7 +25,7 @@ using exact::Plane;
 using exact::Sign;
 using geometry::Vec3;
 
-/// Stage 1, step by step.
+/// Phase 1, step by step.
 class Preparation {
  public:
   explicit Preparation(const CutInput& input)

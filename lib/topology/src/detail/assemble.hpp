@@ -1,10 +1,10 @@
 #pragma once
 
-#include "detail/stages.hpp"
+#include "detail/phases.hpp"
 
 namespace cleave::topology::detail {
 
-/// Last stage: faces, loops, counts and measures of each block, from the cells. `excavated` says of each excavation
+/// Last phase: faces, loops, counts and measures of each block, from the cells. `excavated` says of each excavation
 /// whether it is out; without it all are. A face on rock that left otherwise is free, without excavation and tag.
 [[nodiscard]] BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
                                           const Arrangement& arrangement, Cells cells,

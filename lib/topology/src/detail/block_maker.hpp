@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "detail/stages.hpp"
+#include "detail/phases.hpp"
 
 namespace cleave::topology::detail {
 

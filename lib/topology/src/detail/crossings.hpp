@@ -4,7 +4,7 @@
 
 #include "cleave/core/disjoint_sets.hpp"
 
-#include "detail/stages.hpp"
+#include "detail/phases.hpp"
 
 namespace cleave::topology::detail {
 

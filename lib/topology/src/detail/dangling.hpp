@@ -3,7 +3,7 @@
 #include <functional>
 #include <span>
 
-#include "detail/stages.hpp"
+#include "detail/phases.hpp"
 
 namespace cleave::topology::detail {
 

@@ -5,7 +5,7 @@
 
 #include "cleave/exact/integer.hpp"
 #include "detail/fixed_measure.hpp"
-#include "detail/stages.hpp"
+#include "detail/phases.hpp"
 
 namespace cleave::topology::detail {
 

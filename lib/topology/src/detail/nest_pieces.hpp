@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "detail/stages.hpp"
+#include "detail/phases.hpp"
 
 namespace cleave::topology::detail {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "detail/phases.hpp"
 #include "detail/plane_view.hpp"
-#include "detail/stages.hpp"
 
 namespace cleave::topology::detail {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <boost/multiprecision/cpp_int.hpp>
 
-#include "detail/stages.hpp"
+#include "detail/phases.hpp"
 
 namespace cleave::topology::detail {
 

@@ -169,15 +169,11 @@ class ArchiveReader final {
 
 /// Bytes behind a line that says what they are and their SHA-256, so that nobody goes on from damaged ones.
 [[nodiscard]] std::string sealed(std::string_view kind, std::uint32_t version, std::string_view bytes);
-enum class SealFault : std::uint8_t {
-  foreign,        ///< no file of this kind
-  other_version,  ///< of another version of the program
-  damaged,        ///< cut short or changed
-};
-/// A view of `text`.
-[[nodiscard]] std::expected<std::string_view, SealFault> unsealed(std::string_view kind, std::uint32_t version,
-                                                                  std::string_view text);
-
-[[nodiscard]] SavedError saved_error_of(SealFault fault);
+/// A view of `text`, or `foreign`, `other_version` or `damaged`.
+[[nodiscard]] std::expected<std::string_view, SavedFault> unsealed(std::string_view kind, std::uint32_t version,
+                                                                   std::string_view text);
+/// The same behind the name of what it is a state of, which was written first: `other_world` if it is not `name`.
+[[nodiscard]] std::expected<ArchiveReader, SavedFault> unsealed_of(std::string_view name, std::string_view kind,
+                                                                   std::uint32_t version, std::string_view text);
 
 }  // namespace cleave

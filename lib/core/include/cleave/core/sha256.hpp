@@ -6,7 +6,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <variant>
 
 namespace cleave {
 
@@ -37,17 +36,14 @@ class Sha256 final {
 /// 64 lower-case hexadecimal digits.
 [[nodiscard]] std::string sha256_hex(std::string_view text);
 
-// ---- why nothing goes on from a saved world, which lies behind its sum
-
-/// The bytes are no saved world.
-struct NoSavedWorld {};
-/// They are one of another version of the library.
-struct SavedByOtherVersion {};
-/// They were cut short or changed, or hold what cannot be.
-struct DamagedWorld {};
-/// They are of a world of other bodies, laws or gravity.
-struct SavedOfOtherWorld {};
-using SavedError = std::variant<NoSavedWorld, SavedByOtherVersion, DamagedWorld, SavedOfOtherWorld>;
-[[nodiscard]] std::string describe(const SavedError& error);
+/// Why nothing goes on from saved bytes, which lie behind their sum: a world in motion, a block system, a run.
+enum class SavedFault : std::uint8_t {
+  foreign,        ///< they are nothing of this kind
+  other_version,  ///< written by a version that holds something else
+  damaged,        ///< cut short or changed, or of a world that cannot be
+  inconsistent,   ///< of a block system, whole: numbers in them name what is not there, or are not finite
+  other_world,    ///< of a world of other bodies, laws or gravity
+};
+[[nodiscard]] std::string describe(SavedFault fault);
 
 }  // namespace cleave

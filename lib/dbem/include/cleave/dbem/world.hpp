@@ -67,12 +67,8 @@ using StepError = std::variant<StepFailed>;
 
 // ---- what a world cannot go on from
 
-using cleave::DamagedWorld;
 using cleave::describe;
-using cleave::NoSavedWorld;
-using cleave::SavedByOtherVersion;
-using cleave::SavedError;
-using cleave::SavedOfOtherWorld;
+using cleave::SavedFault;
 
 struct WorldOptions {
   Vec2 gravity = {0, -9.81};
@@ -219,7 +215,7 @@ class World final {
   /// Goes on from there: every later step is that of the world that was saved, to the last bit. This world must have
   /// been made of the same bodies, laws, gravity, `quasi_static` and functions of time (which cannot be compared); its
   /// other options may differ. It is as it was when there is an error.
-  [[nodiscard]] std::expected<void, SavedError> restore(std::string_view saved);
+  [[nodiscard]] std::expected<void, SavedFault> restore(std::string_view saved);
 
   struct Impl;
 

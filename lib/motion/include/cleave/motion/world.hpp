@@ -274,7 +274,7 @@ class World final {
   /// Goes on from there: every later step is that of the world that was saved, to the last bit. This world must have
   /// been made of the same bodies, laws, gravity, `quasi_static` and `sleep`; its other options may differ. It is as it
   /// was when there is an error.
-  [[nodiscard]] std::expected<void, SavedError> restore(std::string_view saved);
+  [[nodiscard]] std::expected<void, SavedFault> restore(std::string_view saved);
 
   struct Impl;
 

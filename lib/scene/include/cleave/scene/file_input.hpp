@@ -14,7 +14,7 @@ namespace cleave::scene {
 [[nodiscard]] std::string extension_of(std::string_view name);
 
 /// True for the endings of files that hold polygons and surfaces: .dxf .ts .fab .dat.
-[[nodiscard]] bool is_surfaces(std::string_view ending);
+[[nodiscard]] bool is_surfaces(std::string_view extension);
 /// What such a file holds, when it is already read; reports what is wrong.
 [[nodiscard]] std::optional<io::Surfaces> surfaces_of(InputContext& context, const LoadedFile& loaded);
 

@@ -17,7 +17,7 @@ struct StateKind {
   std::string_view ties;  ///< what must be the same: "its bodies, joints, loads or points"
 };
 /// Why nothing goes on from it.
-[[nodiscard]] Problem refused(const SavedRun& saved, const StateKind& kind, const SavedError& error);
+[[nodiscard]] Problem refused(const SavedRun& saved, const StateKind& kind, SavedFault fault);
 /// It has come further than the scene asks for.
 [[nodiscard]] Problem too_far(const SavedRun& saved, const std::string& scene, const std::string& key, double duration,
                               double time);

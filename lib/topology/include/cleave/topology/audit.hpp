@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "cleave/core/sha256.hpp"
 #include "cleave/topology/block_complex.hpp"
 
 namespace cleave::topology {
@@ -82,12 +83,7 @@ class AuditedComplex final {
 [[nodiscard]] std::string saved(const AuditedComplex& blocks);
 
 /// Why bytes are no block system.
-enum class SavedFault : std::uint8_t {
-  foreign,        ///< not written by `saved`
-  other_version,  ///< written by a version that holds something else
-  damaged,        ///< cut short or changed
-  inconsistent,   ///< whole, but numbers in it name what is not there, or are not finite
-};
+using cleave::SavedFault;
 using LoadError = std::variant<SavedFault, Certificate>;  ///< Certificate: the audit does not pass it
 [[nodiscard]] std::string describe(const LoadError& error);
 

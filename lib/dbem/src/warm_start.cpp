@@ -8,12 +8,12 @@ namespace cleave::dbem {
 /// Where a corner meets a corner, or an edge that goes on straight, the pair may be named anew from step to step: the
 /// other body's corner, or the edge before or behind. What it carried is found under those names too, when the line is
 /// the same.
-std::vector<Vec2> World::Impl::recall(const std::vector<Touch>& list, const Island& island) const {
+std::vector<Vec2> World::Impl::warm_start(const std::vector<Touch>& list, const Island& island) const {
   const std::size_t m = island.touches.size();
   std::vector<Vec2> force(m);
   std::vector<std::uint8_t> used(memory.size()), known(m);
   const auto find_key = [&](const TouchKey& key) {
-    const auto at = std::ranges::lower_bound(memory, key, {}, &Memory::key);
+    const auto at = std::ranges::lower_bound(memory, key, {}, &CachedContact::key);
     return at != memory.end() && at->key == key ? static_cast<std::size_t>(at - memory.begin()) : memory.size();
   };
   for (std::size_t k = 0; k < m; ++k) {

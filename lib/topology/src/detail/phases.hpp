@@ -12,10 +12,10 @@
 #include "cleave/topology/block_complex.hpp"
 #include "detail/signs.hpp"
 
-/// The immutable values between the stages of the cutter, in the order they are made.
+/// The immutable values between the phases of the cutter, in the order they are made.
 namespace cleave::topology::detail {
 
-// ---- Stage 2: where facets meet ------------------------------------------------------------------------------------
+// ---- Phase 2: where facets meet ------------------------------------------------------------------------------------
 
 /// Line of two planes; p is a facet plane, q a facet plane with a higher number or an edge plane.
 struct Line {
@@ -43,7 +43,7 @@ struct Traces {
 };
 [[nodiscard]] Traces find_traces(const Prepared& prepared, Signs& signs, ThreadLimit threads);
 
-// ---- Stage 3 and 4: vertices and edges -----------------------------------------------------------------------------
+// ---- Phase 3 and 4: vertices and edges -----------------------------------------------------------------------------
 
 struct Vertex {
   std::array<Index, 3> planes;  ///< any three planes that meet there and nowhere else
@@ -91,7 +91,7 @@ struct Graph {
 };
 [[nodiscard]] Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs, ThreadLimit threads);
 
-// ---- Stage 5: faces of each plane ----------------------------------------------------------------------------------
+// ---- Phase 5: faces of each plane ----------------------------------------------------------------------------------
 
 struct PlaneFace {
   Index plane;
@@ -123,7 +123,7 @@ struct FaceMeasure {
 [[nodiscard]] std::vector<FaceMeasure> measure_faces(const Prepared& prepared, const Arrangement& arrangement,
                                                      const std::vector<Vec>& positions, ThreadLimit threads);
 
-// ---- Stage 6: cells -------------------------------------------------------------------------------------------------
+// ---- Phase 6: cells -------------------------------------------------------------------------------------------------
 
 /// A flank is a half-edge with a side of its face: 2 h for the side the plane's normal points to, 2 h + 1 for the
 /// other.
