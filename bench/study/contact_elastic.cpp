@@ -49,6 +49,7 @@ struct Draw {
   std::size_t blocks = 0;
   double young = 0, friction = 0, step = 0;  // Pa, degrees, s
   std::size_t modes = all_modes;
+  std::size_t per_side = 1;  // elements
 };
 
 /// Makes elastic blocks; equal ones once.
@@ -64,7 +65,7 @@ class Blocks final {
     return out;
   }
   [[nodiscard]] Body make(const Ring& ring) const {
-    return support::elastic_body(ring, {.young = draw_.young, .poisson = 0.2}, 1, draw_.modes);
+    return support::elastic_body(ring, {.young = draw_.young, .poisson = 0.2}, draw_.per_side, draw_.modes);
   }
 
  private:
@@ -159,12 +160,18 @@ double shared(const World& world) {
   return worst;
 }
 
+/// Without what loads, moving supports and the parting of bodies brought in: it may only fall.
+double own_energy(const World& world) {
+  const dbem::Energy& energy = world.energy();
+  return energy.total() - energy.work - energy.projected;
+}
+
 /// What is wrong with a step that was called right; empty: nothing was found.
 std::string wrong_with(const World& world, const dbem::StepReport& report, double friction, double before,
                        double scale) {
   if (!(report.residual <= 1e-8)) return fmt::format("residual {:.2g}", report.residual);
   if (const double overlap = shared(world); !(overlap <= 1e-6)) return fmt::format("overlap {:.2g}", overlap);
-  const double gain = (world.energy().total() - before) / scale;
+  const double gain = (own_energy(world) - before) / scale;
   if (!(gain <= 1e-7)) return fmt::format("energy gained {:.2g}", gain);
   double most = 0;
   for (const dbem::Contact& c : world.contacts()) most = std::max(most, std::abs(c.normal_force));
@@ -213,7 +220,7 @@ Verdict stepped(World& world, const Draw& draw, std::size_t steps) {
   double weight = 0;
   for (std::size_t b = 0; b < world.size(); ++b) weight += world.body(b).held.all() ? 0 : world.mass(b) * g;
   for (std::size_t k = 0; k < steps; ++k) {
-    const double before = world.energy().total();
+    const double before = own_energy(world);
     const auto report = world.step();
     if (!report) {
       out.converged = false;
@@ -244,14 +251,15 @@ void study_elastic(study::Study& study) {
     for (const std::size_t blocks : sizes) {
       for (int k = 0; k < draws; ++k) {
         for (const std::size_t modes : {all_modes, std::size_t{12}}) {
-          if (study.quick() && modes == 12 && family != "wall") continue;
+          if (modes == 12 && (study.quick() ? family != "wall" : blocks > 120)) continue;
           Rng rng{seed + static_cast<std::uint64_t>(k)};
           const Draw draw{.family = family,
                           .blocks = blocks,
                           .young = std::pow(10.0, 9 + 2 * rng.uniform()),
                           .friction = 10 + 50 * rng.uniform(),
                           .step = std::pow(10.0, -5 + 3 * rng.uniform()),
-                          .modes = modes};
+                          .modes = modes,
+                          .per_side = modes == all_modes ? 1U : 3U};
           dbem::Laws laws;
           laws.otherwise.friction = std::tan(draw.friction * degree);
           auto world = World::make(assembly(draw, rng), laws, {.gravity = {0, -g}, .step = draw.step});
