@@ -56,7 +56,7 @@ void add_contacts(const RigidForm& form, const Pattern& pattern, const std::vect
     const double q = stuck ? 0.0 : pattern.q[k];
     for (const RigidForm::Side& a : form.sides[k]) {
       if (a.body == RigidForm::ground) continue;
-      const std::array<double, 3> pushed{a.n[0] + q * a.t[0], a.n[1] + q * a.t[1], a.n[2] + q * a.t[2]};
+      const Three pushed{a.n[0] + q * a.t[0], a.n[1] + q * a.t[1], a.n[2] + q * a.t[2]};
       for (const RigidForm::Side& b : form.sides[k]) {
         if (b.body == RigidForm::ground) continue;
         const Vec2 s = softness[k];
@@ -89,7 +89,6 @@ bool BodyFactor::compute(const ContactProblem& problem, double soft, const Patte
     softness_[k] = softness_of(problem, k, soft, least_softness);
     if (pattern.closed[k] != 0 && pattern.stuck[k] == 0 && pattern.q[k] != 0) symmetric = false;
   }
-  using Three = std::array<double, 3>;
   if (few_) {
     few_->clear();
     for (std::size_t b = 0; b < form.inverse_mass.size(); ++b) {
@@ -112,10 +111,26 @@ bool BodyFactor::compute(const ContactProblem& problem, double soft, const Patte
   return many_->factorise();
 }
 
+namespace {
+
+void solve_many(const FrontalFactor& factor, std::vector<Three>& x) {
+  Eigen::VectorXd flat(3 * static_cast<Eigen::Index>(x.size()));
+  Eigen::Index at = 0;
+  for (const Three& three : x) {
+    for (const double value : three) flat[at++] = value;
+  }
+  factor.solve(flat);
+  at = 0;
+  for (Three& three : x) {
+    for (double& value : three) value = flat[at++];
+  }
+}
+
+}  // namespace
+
 void BodyFactor::apply(const ContactProblem& problem, const std::vector<Vec2>& residual, std::vector<Vec2>& z) const {
   const RigidForm& form = *problem.rigid;
-  const auto at = [](std::uint32_t body) { return 3 * static_cast<Eigen::Index>(body); };
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(form.inverse_mass.size()));
+  std::vector<Three> u(form.inverse_mass.size());
   z.resize(residual.size());
   for (std::size_t k = 0; k < residual.size(); ++k) {
     z[k] = {residual[k].x / softness_[k].x, residual[k].y / softness_[k].y};
@@ -124,16 +139,16 @@ void BodyFactor::apply(const ContactProblem& problem, const std::vector<Vec2>& r
     const double t = stuck ? z[k].y : pattern_.q[k] * n;
     for (const RigidForm::Side& a : form.sides[k]) {
       if (a.body == RigidForm::ground) continue;
-      for (std::size_t d = 0; d < 3; ++d) u[at(a.body) + static_cast<Eigen::Index>(d)] += n * a.n[d] + t * a.t[d];
+      for (std::size_t d = 0; d < 3; ++d) u[a.body][d] += n * a.n[d] + t * a.t[d];
     }
   }
-  if (few_) few_->solve({u.data(), static_cast<std::size_t>(u.size())});
-  if (many_) many_->solve(u);
+  if (few_) few_->solve(u);
+  if (many_) solve_many(*many_, u);
   for (std::size_t k = 0; k < residual.size(); ++k) {
     for (const RigidForm::Side& a : form.sides[k]) {
       if (a.body == RigidForm::ground) continue;
       for (std::size_t d = 0; d < 3; ++d) {
-        const double v = u[at(a.body) + static_cast<Eigen::Index>(d)];
+        const double v = u[a.body][d];
         z[k].x -= a.n[d] * v / softness_[k].x;
         z[k].y -= a.t[d] * v / softness_[k].y;
       }

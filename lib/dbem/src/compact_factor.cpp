@@ -138,27 +138,21 @@ bool CompactFactor::factorise() {
   return true;
 }
 
-void CompactFactor::solve(std::span<double> x) const {
-  const auto less = [&](const Block3& a, std::size_t from, std::array<double, 3>& to) {
-    for (std::size_t r = 0; r < 3; ++r) {
-      to[r] -= a[3 * r] * x[3 * from] + a[3 * r + 1] * x[3 * from + 1] + a[3 * r + 2] * x[3 * from + 2];
-    }
+void CompactFactor::solve(std::vector<Three>& x) const {
+  const auto less = [](const Block3& a, const Three& from, Three& to) {
+    for (std::size_t r = 0; r < 3; ++r) to[r] -= a[3 * r] * from[0] + a[3 * r + 1] * from[1] + a[3 * r + 2] * from[2];
   };
   for (std::size_t k = 0; k < order_.size(); ++k) {
-    for (std::size_t i = starts_[k]; i < starts_[k + 1]; ++i) {
-      const std::size_t to = later_[i];
-      std::array<double, 3> now{x[3 * to], x[3 * to + 1], x[3 * to + 2]};
-      less(values_[at(to, order_[k])], order_[k], now);
-      std::ranges::copy(now, x.begin() + static_cast<std::ptrdiff_t>(3 * to));
-    }
+    const std::size_t p = order_[k];
+    for (std::size_t i = starts_[k]; i < starts_[k + 1]; ++i) less(values_[at(later_[i], p)], x[p], x[later_[i]]);
   }
   for (std::size_t k = order_.size(); k-- > 0;) {
     const std::size_t p = order_[k];
-    std::array<double, 3> now{x[3 * p], x[3 * p + 1], x[3 * p + 2]};
-    for (std::size_t i = starts_[k]; i < starts_[k + 1]; ++i) less(values_[at(p, later_[i])], later_[i], now);
+    for (std::size_t i = starts_[k]; i < starts_[k + 1]; ++i) less(values_[at(p, later_[i])], x[later_[i]], x[p]);
+    const Three now = x[p];
     const Block3& inverse = values_[at(p, p)];
     for (std::size_t r = 0; r < 3; ++r) {
-      x[3 * p + r] = inverse[3 * r] * now[0] + inverse[3 * r + 1] * now[1] + inverse[3 * r + 2] * now[2];
+      x[p][r] = inverse[3 * r] * now[0] + inverse[3 * r + 1] * now[1] + inverse[3 * r + 2] * now[2];
     }
   }
 }

@@ -9,6 +9,8 @@
 
 namespace cleave::dbem {
 
+/// Three entries of a node.
+using Three = std::array<double, 3>;
 /// A 3x3 block by rows.
 using Block3 = std::array<double, 9>;
 
@@ -27,8 +29,8 @@ class CompactFactor final {
   [[nodiscard]] Block3& block(std::size_t row, std::size_t column) { return values_[at(row, column)]; }
   /// False when a pivot vanishes.
   [[nodiscard]] bool factorise();
-  /// In place, three entries a node.
-  void solve(std::span<double> x) const;
+  /// In place.
+  void solve(std::vector<Three>& x) const;
   [[nodiscard]] double factor_work() const noexcept { return factor_work_; }
   [[nodiscard]] double solve_work() const noexcept { return solve_work_; }
 
