@@ -227,6 +227,14 @@ TEST(GasTest, WhatTurnsIntoAWallIsThrownBack) {
   }
 }
 
+// A tip that hits by the geometry in the middle of the step, not by that at its start, was thrown back while the body
+// it hit ran into a wall: that second hit was taken for one that lays down and cost 9 % of the energy of all.
+TEST(GasTest, WhatIsSeenToHitInTheMiddleOfAStepOnlyCostsNoEnergy) {
+  const ContactOutcome outcome = run_contact_scene(make_contact_scene(ContactFamily::gas, 31001723));
+  ASSERT_FALSE(outcome.stopped) << outcome.why;
+  EXPECT_NEAR(outcome.energy_left, 1, 1e-6);
+}
+
 /// What the floor carries over the weight of all, after 0.3 s; nothing when the run was stopped.
 std::optional<double> carried(double ratio, bool dropped, double step) {
   const double heavy = 1e5;

@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "cleave/core/rng.hpp"
 #include "cleave/linear/fronts.hpp"
+#include "compact_factor.hpp"
 #include "elastic_body.hpp"
 #include "natural_map.hpp"
 #include "scenes.hpp"
@@ -323,6 +326,53 @@ TEST(LooseTest, FrictionlessColumnsFallAndSlideToTheEnd) {
   }
   EXPECT_LT(world->energy().projected, 1e-9 * weight);  // 1,438 J when parting bodies costs no speed
   std::printf("largest gain of a step %g J of %g, projected %g\n", gain, weight, world->energy().projected);
+}
+
+/// Random links, blocks that are not symmetric, and what a full matrix makes of them.
+TEST(CompactFactorTest, SolvesAsAFullMatrixDoes) {
+  Rng rng{7};
+  for (const std::size_t nodes : {1U, 2U, 5U, 17U, 63U, 64U, 65U, 128U}) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> links;
+    for (std::uint32_t k = 1; k < nodes; ++k) {
+      for (int more = 0; more < 2; ++more) links.emplace_back(k, static_cast<std::uint32_t>(rng.between(0, k - 1)));
+    }
+    CompactFactor factor{nodes, links};
+    for (int round = 0; round < 2; ++round) {  // the same factor for other values
+      factor.clear();
+      const auto size = 3 * static_cast<Eigen::Index>(nodes);
+      Eigen::MatrixXd full = Eigen::MatrixXd::Zero(size, size);
+      const auto fill = [&](std::uint32_t r, std::uint32_t c, double diagonal) {
+        Block3& block = factor.block(r, c);
+        for (std::size_t k = 0; k < 9; ++k) {
+          block[k] = rng.normal() + (k % 4 == 0 ? diagonal : 0.0);
+          full(3 * r + static_cast<Eigen::Index>(k / 3), 3 * c + static_cast<Eigen::Index>(k % 3)) = block[k];
+        }
+      };
+      for (std::uint32_t k = 0; k < nodes; ++k) fill(k, k, 20);
+      for (const auto& [a, b] : links) {
+        fill(a, b, 0);
+        fill(b, a, 0);
+      }
+      std::vector<Three> x(nodes);
+      Eigen::VectorXd right(size);
+      for (std::size_t k = 0; k < nodes; ++k) {
+        for (std::size_t d = 0; d < 3; ++d) {
+          right[static_cast<Eigen::Index>(3 * k + d)] = x[k][d] = rng.normal();
+        }
+      }
+      ASSERT_TRUE(factor.factorise());
+      factor.solve(x);
+      const Eigen::VectorXd exact = full.partialPivLu().solve(right);
+      for (std::size_t k = 0; k < nodes; ++k) {
+        for (std::size_t d = 0; d < 3; ++d) {
+          EXPECT_NEAR(x[k][d], exact[static_cast<Eigen::Index>(3 * k + d)], 1e-12) << nodes;
+        }
+      }
+    }
+  }
+  CompactFactor singular{2, std::vector<std::pair<std::uint32_t, std::uint32_t>>{{0, 1}}};
+  singular.clear();
+  EXPECT_FALSE(singular.factorise());
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "cleave/core/cost.hpp"
@@ -12,6 +13,7 @@
 namespace cleave::scene {
 namespace {
 
+using bem::Vec2;
 using plane_runs::ran;
 
 const std::string rock = "[rock]\nyoung = 2.6\npoisson = 0.3\n";
@@ -104,6 +106,27 @@ TEST(BodiesScene, AnEstimateThatIsNoneSaysWhy) {
   } else {
     EXPECT_FALSE(r.bodies[0].no_estimate.empty());
     EXPECT_FALSE(r.notes.empty());
+  }
+}
+
+// Elements of fourth order were said to have ten times the error they have.
+TEST(BodiesScene, AnEstimateAtRestIsAnErrorOfItsSize) {
+  const double kappa = 3 - 4 * 0.3;  // plane strain; the shear modulus is 1
+  for (const int elements : {2, 3, 6}) {
+    const BodiesResult r =
+        ran(rock + "[elastic]\nstress = false\n[[body]]\nextent = \"plane\"\nelements = " + std::to_string(elements) +
+            "\nround_holes = [{ centre = [0, 0], radius = 1 }]\nin_situ = { stress = [1, 0, 0] }\n");
+    const BodyResult& body = r.bodies[0];
+    ASSERT_TRUE(body.error.has_value()) << elements;
+    double worst = 0;
+    for (std::size_t k = 0; k < body.outline[0].size(); ++k) {
+      const Vec2 x = body.outline[0][k], u = body.frames[0][0][k] - x;
+      const double t = std::atan2(x.y, x.x);
+      const double ur = 0.25 * (1 + kappa * std::cos(2 * t)), ut = -0.25 * kappa * std::sin(2 * t);
+      worst = std::max(worst, norm(u - Vec2{ur * std::cos(t) - ut * std::sin(t), ur * std::sin(t) + ut * std::cos(t)}));
+    }
+    EXPECT_GT(*body.error, worst / 0.7) << elements;
+    EXPECT_LT(*body.error, 3 * worst / 0.7) << elements;
   }
 }
 

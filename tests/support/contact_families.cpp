@@ -432,6 +432,20 @@ ContactScene reversed_order(ContactScene scene) {
   return scene;
 }
 
+double widest_common_part(const std::vector<Ring>& a, const std::vector<Ring>& b) {
+  double worst = 0;
+  for (const Ring& p : a) {
+    for (const Ring& q : b) {
+      Ring common = p;
+      for (std::size_t k = 0; k < q.size() && common.size() > 2; ++k) {
+        common = half(common, q[k], q[k + 1 == q.size() ? 0 : k + 1] - q[k], 1);
+      }
+      if (common.size() > 2) worst = std::max(worst, width_of(common));
+    }
+  }
+  return worst;
+}
+
 double deepest_overlap(const ContactScene& scene, const dbem::World& world) {
   std::vector<std::vector<Ring>> now;
   struct Bounds {
@@ -458,15 +472,7 @@ double deepest_overlap(const ContactScene& scene, const dbem::World& world) {
       }
       const double size = std::sqrt(std::min(dbem::polygon_moments(scene.bodies[a].outline).area,
                                              dbem::polygon_moments(scene.bodies[b].outline).area));
-      for (const Ring& p : now[a]) {
-        for (const Ring& q : now[b]) {
-          Ring common = p;
-          for (std::size_t k = 0; k < q.size() && common.size() > 2; ++k) {
-            common = half(common, q[k], q[k + 1 == q.size() ? 0 : k + 1] - q[k], 1);
-          }
-          if (common.size() > 2) worst = std::max(worst, width_of(common) / size);
-        }
-      }
+      worst = std::max(worst, widest_common_part(now[a], now[b]) / size);
     }
   }
   return worst;

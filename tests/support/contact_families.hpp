@@ -53,6 +53,10 @@ struct ContactScene {
 /// The last body first.
 [[nodiscard]] ContactScene reversed_order(ContactScene scene);
 
+/// Smallest extent of the largest part that convex pieces of two bodies share, by clipping; 0 when they share none.
+[[nodiscard]] double widest_common_part(const std::vector<std::vector<dbem::Vec2>>& a,
+                                        const std::vector<std::vector<dbem::Vec2>>& b);
+
 /// Largest width of the part two bodies share over the square root of the smaller one's area, by clipping.
 [[nodiscard]] double deepest_overlap(const ContactScene& scene, const dbem::World& world);
 

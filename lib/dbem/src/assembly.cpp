@@ -294,7 +294,7 @@ Vec2 World::Impl::with_gap(Vec2 free, Vec2 old, const Touch& touch, Vec2 force, 
   const double theta = island.theta;
   if (soft.y > 0) free.y += (-soft.y * force.y / step + (1 - theta) * old.y) / theta;
   if (soft.x > 0) return {free.x + (touch.gap / step + (1 - theta) * old.x) / theta, free.y};
-  if (bounces(touch, old.x, step)) {
+  if (bounces(island, touch, old.x, step)) {
     // Away at e times the speed of approach, less what the loads take in the rest of the step: bouncing gains nothing.
     const double away = -island.rebound * law_of(touch).restitution * old.x + std::min(0.0, free.x - old.x);
     return {free.x - std::max(away, 0.0), free.y};

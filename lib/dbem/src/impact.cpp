@@ -4,14 +4,15 @@
 
 namespace cleave::dbem {
 
-bool World::Impl::bounces(const Touch& touch, double closing, double step) const {
-  return closing < -1e-6 && touch.gap + step * closing <= 0 && law_of(touch).restitution > 0;
+bool World::Impl::bounces(const Island& island, const Touch& touch, double closing, double step) const {
+  return island.impact && closing < -1e-6 && touch.gap + step * closing <= 0 && law_of(touch).restitution > 0;
 }
 
 /// Two impacts one after the other in one step: the second would give nothing back, for at the start of the step its
 /// bodies did not yet close. The share of the step that ends with the first one; 1 where there is no second. A group in
 /// which nothing seems to hit at the start gives nothing back either, though a body that turns or falls faster may hit
-/// before the end: then the share that ends just before it does.
+/// before the end, and so may what is seen to hit by the geometry in the middle of the step alone: then the share that
+/// ends just before it does.
 double World::Impl::until_first_bounce(const std::vector<Touch>& list, const Island& island, const Rows& rows,
                                        const ContactSolution& found, double step) const {
   if (step <= 1e-3 * options.step) return 1;
@@ -21,7 +22,7 @@ double World::Impl::until_first_bounce(const std::vector<Touch>& list, const Isl
     const Touch& touch = list[island.touches[k]];
     if (law_of(touch).restitution <= 0) continue;
     const double closing = velocity_of(rows, k, state).x;
-    if (bounces(touch, closing, step)) {
+    if (bounces(island, touch, closing, step)) {
       first = std::min(first, std::max(touch.gap, 0.0) / -closing);
     } else {
       const double feature = std::min(shapes[touch.i].feature, shapes[touch.j].feature);

@@ -11,7 +11,8 @@
 namespace cleave::dbem {
 namespace {
 
-constexpr int dense_up_to = 60;  // unknowns
+/// Unknowns that are solved for as a full matrix; of rigid bodies, whose freedoms are cheaper sooner.
+constexpr int dense_up_to = 60, dense_rigid_up_to = 40;
 
 /// Numbers of the unknowns, -1 where there is none.
 struct Numbering {
@@ -271,7 +272,9 @@ void PatternSolver::solve_dense(Call& call) {
 bool PatternSolver::solve_by_bodies(Call& call) {
   const ContactProblem& problem = call.problem;
   const Numbering& number = call.number;
-  if (!problem.rigid || 3 * static_cast<int>(problem.rigid->inverse_mass.size()) > number.count) return false;
+  if (!problem.rigid) return false;
+  const std::size_t bodies = problem.rigid->inverse_mass.size();
+  if (bodies > CompactFactor::most_nodes && 3 * static_cast<int>(bodies) > number.count) return false;
   if (!bodies_) bodies_ = std::make_unique<BodyFactor>(problem);
   const bool held = bodies_->holds(call.soft, call.pattern);
   if (!held && !bodies_->compute(problem, call.soft, call.pattern)) return false;
@@ -323,7 +326,7 @@ std::optional<std::vector<Vec2>> PatternSolver::solve(const ContactProblem& prob
   call.right = Eigen::VectorXd::Zero(number.count);
   if (number.count == 0) {
     call.assemble_right();
-  } else if (number.count <= dense_up_to) {
+  } else if (number.count <= (problem.rigid ? dense_rigid_up_to : dense_up_to)) {
     solve_dense(call);
   } else if (!solve_by_bodies(call) && !solve_by_contacts(call)) {
     work_->add(100 * std::pow(number.count, 2));  // a bound of what a sparse factor of the plane takes

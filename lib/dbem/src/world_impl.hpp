@@ -327,7 +327,7 @@ struct World::Impl {
   /// Steps from `step` down until one holds.
   [[nodiscard]] std::expected<StepReport, StepError> try_steps(double step, std::size_t shortened);
   void choose_next_step(const StepReport& report);
-  [[nodiscard]] bool bounces(const Touch& touch, double closing, double step) const;
+  [[nodiscard]] bool bounces(const Island& island, const Touch& touch, double closing, double step) const;
   [[nodiscard]] double until_first_bounce(const std::vector<Touch>& list, const Island& island, const Rows& rows,
                                           const ContactSolution& found, double step) const;
   std::vector<std::uint8_t> hint;  // steps for which a body's group stays with the implicit rule

@@ -37,6 +37,10 @@ std::vector<std::vector<Value>> along(const bem::Mesh& mesh, const At& at) {
 /// Largest, middle and smallest, tension positive.
 [[nodiscard]] std::array<double, 3> principal(bem::Sym2 in_plane, double out_of_plane);
 
+/// What a series of runs is about. At rest changes fall as the order of the elements and the corners say, moving they
+/// are the worst of many moments and fall by chance now and then.
+enum class Course : std::uint8_t { at_rest, moving };
+
 /// An estimate of the error, or why there is none.
 struct ErrorEstimate {
   std::optional<double> error;
@@ -44,7 +48,7 @@ struct ErrorEstimate {
 };
 /// From the change between runs of a quarter and half the elements, and from that to the run itself. Changes that fall
 /// like a geometric series add up to the last times r / (1 - r).
-[[nodiscard]] ErrorEstimate estimate_from(double first_change, double last_change);
+[[nodiscard]] ErrorEstimate estimate_from(double first_change, double last_change, Course course);
 
 /// Lowest natural frequencies of a body with these supports, Hz; without rigid motions.
 [[nodiscard]] std::vector<double> frequencies_of(const bem::Modes& modes, std::size_t count);

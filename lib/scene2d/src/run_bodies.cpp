@@ -133,9 +133,9 @@ std::optional<Problem> solve_static(const BodiesScene& scene, unsigned threads, 
     if (!refined) return problem_of(scene, group.front(), describe(refined.error()));
     error = refined->error;
     const std::size_t changes = refined->series.size();
-    const ErrorEstimate estimate =
-        changes < 2 ? ErrorEstimate{error, ""}
-                    : estimate_from(refined->series[changes - 2].error, refined->series[changes - 1].error);
+    const ErrorEstimate estimate = changes < 2 ? ErrorEstimate{error, ""}
+                                               : estimate_from(refined->series[changes - 2].error,
+                                                               refined->series[changes - 1].error, Course::at_rest);
     if (!estimate.error)
       result.notes.push_back(fmt::format("{}: no estimate of the error: {}", names, estimate.why_not));
     if (refine && !refined->reached) {

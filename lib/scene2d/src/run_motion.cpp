@@ -355,7 +355,7 @@ std::optional<Problem> run_motion(const BodiesScene& scene, unsigned threads, Bo
     if (none.empty() && is_too_long(*movers[b].block)) {
       body.no_estimate = "the body is longer than its inner motions follow: waves as short as it is thick may be wrong";
     } else if (none.empty() && moved[b] > 0) {
-      const ErrorEstimate estimate = estimate_from(first[b] / moved[b], last[b] / moved[b]);
+      const ErrorEstimate estimate = estimate_from(first[b] / moved[b], last[b] / moved[b], Course::moving);
       body.error = estimate.error;
       body.no_estimate = estimate.why_not;
     }
