@@ -48,6 +48,9 @@ TEST_F(ExamplesTest, WedgeOnASlopeHasItsKnownFactorOfSafety) {
   EXPECT_NE(row.find(",0.6324555320336"), std::string::npos) << row;
   EXPECT_NE(row.find(",-0.774596669241"), std::string::npos) << row;
   EXPECT_NE(row.find(",0.59628479399"), std::string::npos) << row;
+  // All its corners are corners of free faces: it has no depth, not even by rounding.
+  const std::size_t extent = row.rfind(','), depth = row.rfind(',', extent - 1) + 1;
+  EXPECT_EQ(row.substr(depth, extent - depth), "0");
 }
 
 // Closed form: all friction spent, F = 0.942790; no block moves by itself.

@@ -58,19 +58,24 @@ double distance_to_face(const topology::BlockComplex& complex, const topology::F
 
 /// Depth and extent of a block.
 void measure(const topology::BlockComplex& complex, topology::BlockId block, BlockPlace& place) {
-  std::vector<topology::VertexId> corners;
+  std::vector<topology::VertexId> corners, open;  // of its faces, of the free ones
   std::vector<topology::FaceId> free;
   for (const topology::FaceId id : complex.blocks()[block].faces) {
     const topology::Face& face = complex.faces()[id];
     if (face.role == topology::Role::free) free.push_back(id);
-    for (const auto& loop : complex.loops(face)) corners.insert(corners.end(), loop.begin(), loop.end());
+    for (const auto& loop : complex.loops(face)) {
+      corners.insert(corners.end(), loop.begin(), loop.end());
+      if (face.role == topology::Role::free) open.insert(open.end(), loop.begin(), loop.end());
+    }
   }
   sort_and_drop_repeated(corners);
+  sort_and_drop_repeated(open);
   double depth = 0, extent = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec3 p = complex.vertices()[corners[i]];
     for (std::size_t k = 0; k < i; ++k) extent = std::max(extent, norm(p - complex.vertices()[corners[k]]));
-    if (free.empty()) continue;
+    // A corner of a free face lies on it, whatever rounding says.
+    if (free.empty() || std::ranges::binary_search(open, corners[i])) continue;
     double nearest = std::numeric_limits<double>::infinity();
     for (const topology::FaceId id : free)
       nearest = std::min(nearest, distance_to_face(complex, complex.faces()[id], p));
