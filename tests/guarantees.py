@@ -118,7 +118,7 @@ PROMISES = [
         "Groups of blocks near free faces are judged together; \"stands\" and \"moves\" carry certificates that code apart from "
         "the search has checked; the rest is in doubt, and said so.",
         "Of 237 random assemblies of the plane one moves with blocks that are in no group, beside one: \"no group found\" is no proof. With "
-        "`groups = \"note\"` more than 60 near blocks are judged in translation only, more than 3,000 not together (20,000 with "
+        "`groups = \"note\"` more than 300 near blocks are judged in translation only, more than 3,000 not together (20,000 with "
         "`\"decide\"`), and a note says so. Blocks are rigid. What lies beyond the domain is taken to hold; blocks that only the border holds are noted.",
         r"^(Verdicts|KeyGroups|Chains|Pairs|Ploughing|SingleBlocks|BlockTheoryTest|HeldByTheBorder|MotionScene|contact_agreement)",
         ["tests/verdicts_in_motion.py build/release/bin/cleave --scenes 400"],

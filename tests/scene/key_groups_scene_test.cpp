@@ -417,6 +417,15 @@ TEST(KeyGroupsScene, TheFactorOfAllBlocksTogetherIsBracketed) {
   EXPECT_GE(slab.moves, 0.894759);
   EXPECT_LE(slab.moves, 1.0101 * 0.894759);
 
+  // What falls has no factor, and with partial factors below 1 strengths rise: said.
+  const RunResult falls = run_of(
+      "[domain]\nbox = { min = [0, 0, 0], max = [4, 4, 4] }\n[[joint]]\nplane = { through = [2, 2, 2], dip = 0, "
+      "dip_direction = 0 }\n[joints.default]\nfriction = 30\n[rock]\ndensity = 2700\n[stability]\nfree = [\"bottom\", "
+      "\"east\", \"west\", \"north\", \"south\"]\ngroup_factor = true\npartial = { friction = 0.8 }\n");
+  EXPECT_EQ(falls.group_factor->moves, 0);
+  EXPECT_EQ(falls.group_factor->stands, 0);
+  EXPECT_EQ(notes_with(falls, "makes joints stronger"), 1U);
+
   const std::string off = error_of(example("slab_behind_toe") + "group_factor = true\ngroups = \"off\"\n");
   EXPECT_TRUE(off.contains("stability.group_factor")) << off;
 }

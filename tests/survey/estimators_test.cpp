@@ -58,6 +58,10 @@ TEST(LineTest, GapsOnShortLinesAreCorrected) {
 TEST(LineTest, RqdByHand) {
   EXPECT_NEAR(rqd_of_frequency(10), 73.575888, 5e-7);
   EXPECT_DOUBLE_EQ(rqd_measured(std::vector{0.05, 0.5, 0.2}, 1), 70);
+  // Pieces of 0.1 m, as differences of positions in decimal numbers: all of them count, or none.
+  std::vector<double> tenths;
+  for (int k = 0; k < 100; ++k) tenths.push_back((k + 1) / 10.0 - k / 10.0);
+  EXPECT_NEAR(rqd_measured(tenths, 10), 100, 1e-9);
 }
 
 TEST(LineTest, RqdCountsThePiecesAtTheEnds) {

@@ -227,6 +227,11 @@ bool more_than_gravity(const LoadSet& loads) {
          !loads.surcharges.empty() || !loads.points.empty() || !loads.lines.empty();
 }
 
+/// Partial factors, which blocks in motion do not have either.
+bool reduces_strength(const StabilitySettings& settings) {
+  return settings.partial.friction != 1 || settings.partial.cohesion != 1 || settings.partial.weight != 1;
+}
+
 motion::WorldOptions options_of(const Scene& scene, const MotionSettings& settings) {
   motion::WorldOptions options{.gravity = scene.stability->gravity, .step = settings.step.si()};
   options.solver.accept = accepted;
@@ -257,6 +262,9 @@ void add_notes(const Scene& scene, const MotionResult& result, std::vector<std::
   }
   if (more_than_gravity(scene.stability->loads)) {
     notes.emplace_back("motion: gravity alone acts on blocks in motion; the other loads of [stability] are left out");
+  }
+  if (reduces_strength(*scene.stability)) {
+    notes.emplace_back("motion: blocks in motion have their strength and weight as they are, without partial factors");
   }
   if (scene.support) notes.emplace_back("motion: blocks move without their support");
 }
@@ -376,7 +384,9 @@ std::vector<std::optional<LetGo>> let_go(const Scene& scene, const Realization& 
   for (std::size_t k = 0; k < out.size(); ++k) {
     const stability::KeyGroup& group = groups.groups[k];
     if (group.verdict != assembly::Verdict::in_doubt) continue;
-    if (++tried > most_groups_let_go || more_than_gravity(scene.stability->loads)) {
+    // With partial factors motion has other strengths than the verdict.
+    if (++tried > most_groups_let_go || more_than_gravity(scene.stability->loads) ||
+        reduces_strength(*scene.stability)) {
       out[k] = LetGo::not_tried;
       continue;
     }

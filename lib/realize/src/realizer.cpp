@@ -220,7 +220,7 @@ Realizer::Done Realizer::judge() {
     judge_groups_below_target();
     made_.group_factor.reset();
     if (scene_->stability->group_factor) {
-      made_.group_factor = stability::factor_together(complex, with, together(*scene_));
+      made_.group_factor = stability::factor_together(complex, with);
     }
   }
   for (std::size_t k = 0; k < made_.load_cases.size(); ++k) {

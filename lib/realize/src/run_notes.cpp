@@ -267,6 +267,12 @@ void add_group_support_notes(const stability::GroupSupport& groups, std::string_
         "doubt, not held: see supported_groups.csv",
         where, f.in_doubt, f.in_doubt == 1 ? "group" : "groups"));
   }
+  if (groups.below.without_moments || groups.left.without_moments) {
+    notes.push_back(
+        fmt::format("{}support: {} blocks at strengths over the target were judged together in translation only: "
+                    "whether it holds what turns or topples was not asked; groups = \"decide\" asks",
+                    where, groups.below.blocks));
+  }
   if (groups.below.cut_off || groups.left.cut_off) {
     notes.push_back(
         fmt::format("{}support: a group that moves at strengths over the target touches more blocks than are judged "
@@ -360,15 +366,45 @@ void add_below_target_note(const Realization& made, const StabilitySettings& set
       settings.target->sliding, count_key_groups(*made.key_groups).count));
 }
 
-void add_group_factor_note(const stability::FactorTogether& found, std::vector<std::string>& notes) {
-  const std::string stands = found.stands > 0 ? fmt::format("strengths over {:.3g} all stands", found.stands)
-                                              : "not even strengths times 10 clear all doubt";
-  const std::size_t count = found.blocks.size();
-  const std::string moves = count == 0 ? "nothing moves at strengths over 10"
-                                       : fmt::format("over {:.3g} {} {}, block {}{}", found.moves, count,
-                                                     count == 1 ? "block moves" : "blocks move",
-                                                     found.blocks.front().value(), count > 1 ? ", ..." : "");
-  notes.push_back("all blocks near free faces together, without support: " + stands + ", " + moves);
+void add_group_factor_note(const std::optional<stability::FactorTogether>& found, std::vector<std::string>& notes) {
+  if (!found) {
+    notes.emplace_back("group_factor: too many blocks near free faces to be judged together");
+    return;
+  }
+  const std::string stands = found->stands > 0 ? fmt::format("strengths over {:.3g} all stands", found->stands)
+                                               : "at no strengths up to tenfold is all clear of doubt";
+  const std::size_t count = found->blocks.size();
+  const std::string over = found->moves > 0 ? fmt::format("over {:.3g}", found->moves) : "even tenfold";
+  const std::string moves =
+      count == 0 ? "nothing moves at strengths over 10"
+                 : fmt::format("{} {} {}, block {}{}", over, count, count == 1 ? "block moves" : "blocks move",
+                               found->blocks.front().value(), count > 1 ? ", ..." : "");
+  notes.push_back("all blocks near free faces together, of the base case when all is excavated, without support: " +
+                  stands + ", " + moves + (found->without_moments ? "; in translation only: there are too many" : ""));
+}
+
+/// Groups at strengths over a target, where less was looked at than at strengths as they are.
+void add_target_notes(const Realization& made, std::vector<std::string>& notes) {
+  if (made.groups_below_target) {
+    add_unasked_notes(*made.groups_below_target, "at strengths over the target: ", notes);
+  }
+}
+
+/// Key blocks of a stage that later stages take away, or that nothing in the last state tells of.
+void add_stage_note(const SequenceResult& sequence, const stability::Analysis& analysis,
+                    std::vector<std::string>& notes) {
+  std::uint64_t at_the_end = 0;
+  for (const stability::Batch& batch : analysis.batches) at_the_end += batch.blocks.size();
+  std::uint64_t most = 0;
+  std::size_t stage = 0;
+  for (std::size_t k = 0; k < sequence.stages.size(); ++k) {
+    if (sequence.stages[k].key_blocks.count <= most) continue;
+    most = sequence.stages[k].key_blocks.count;
+    stage = k;
+  }
+  if (most <= at_the_end) return;
+  notes.push_back(fmt::format("stage {} of the excavation has {} key {}, {} when all is out: see `sequence`", stage + 1,
+                              most, most == 1 ? "block" : "blocks", at_the_end));
 }
 
 /// What removes rock never lies outside by 100 %.
@@ -460,7 +496,9 @@ std::vector<std::string> notes_of(const Scene& scene, const Realization& made) {
         "carries all blocks it goes through at once");
   }
   if (scene.stability) add_below_target_note(made, *scene.stability, notes);
-  if (made.group_factor) add_group_factor_note(*made.group_factor, notes);
+  if (scene.stability && scene.stability->group_factor && analysis) add_group_factor_note(made.group_factor, notes);
+  add_target_notes(made, notes);
+  if (made.sequence && analysis) add_stage_note(*made.sequence, *analysis, notes);
   if (made.window && made.window->truncated > 0 && analysis && analysis->rotation == stability::RotationCheck::flag) {
     notes.push_back("blocks that go on outside the box that was cut are not asked whether they turn");
   }

@@ -28,6 +28,10 @@ MonteCarloPage monte_carlo_page(const scene::Scene& scene, const scene::RunCost&
         "blocks were judged one by one: what only moves together (key groups) is not counted, so that more may fail; "
         "groups = \"decide\" counts it, a single run of a realization tells its groups");
   }
+  if (scene.stability && scene.stability->group_factor) {
+    page.result.figures.notes.push_back(
+        "group_factor is not looked for in ensembles; a replay of a realization looks for it");
+  }
   if (scene.stability && scene.stability->decides_by_groups()) {
     page.result.figures.notes.push_back(
         "blocks of key groups are key blocks, but forces to be held and pressures are those of single blocks: what it "

@@ -134,6 +134,13 @@ std::expected<Geometry, std::string> geometry_of(const io::JointRow& row, const 
 
 void add_rows(Context& context, const io::JointTable& table, const std::string& shown,
               const std::optional<std::string>& set, std::vector<MeasuredJoint>& joints) {
+  const auto other = [&](const io::JointRow& row) { return set && !row.set.empty() && row.set != *set; };
+  if (const auto row = std::ranges::find_if(table.rows, other); row != table.rows.end()) {
+    context.problems.note_in(
+        shown, row->line, "set",
+        fmt::format("names {0}, but the joint has set = \"{1}\": all rows are of {1}", row->set, *set),
+        "remove set from the joint to take the sets of the rows");
+  }
   for (const io::JointRow& row : table.rows) {
     const geometry::Attitude attitude{row.plane.dip, context.turned(row.plane.direction.degrees())};
     const geometry::Vec3 at = *row.position;

@@ -83,6 +83,14 @@ const KeyTable& maximum_keys() {
 PartialFactors parse_partial(const TableReader& stability) {
   const auto table = stability.sub("partial");
   if (!table) return {};
+  for (const std::string_view key : {"friction", "cohesion"}) {
+    const double factor = table->value(key);
+    if (factor < 1) {
+      table->note(
+          key, fmt::format("is {:g}: strengths are divided by it, so that one below 1 makes joints stronger", factor),
+          fmt::format("for {:g} times the strength set {:.4g}", factor, 1 / factor));
+    }
+  }
   return {table->value("friction"), table->value("cohesion"), table->value("weight")};
 }
 

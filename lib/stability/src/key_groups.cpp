@@ -39,7 +39,6 @@ class FactorSearch final {
   std::optional<FactorTogether> run() {
     double f = 1;
     look(f);
-    if (too_many_) return std::nullopt;
     while (moves_ < infinite && still_ == 0 && f > least_factor) look(f = std::max(least_factor, f / step_of_factor));
     while (moves_ == infinite && f < largest_factor) look(f = std::min(largest_factor, f * step_of_factor));
     while (still_ > 0 && moves_ < infinite && moves_ > fine_factor * still_) look(std::sqrt(still_ * moves_));
@@ -49,7 +48,10 @@ class FactorSearch final {
     while (stands_ > 0 && clear_below_ < infinite && clear_below_ > fine_factor * stands_) {
       look(std::sqrt(stands_ * clear_below_));
     }
-    return FactorTogether{.stands = stands_, .moves = moves_, .blocks = std::move(blocks_)};
+    if (too_many_) return std::nullopt;
+    const double moves = moves_ > least_factor ? moves_ : 0;
+    return FactorTogether{
+        .stands = stands_, .moves = moves, .blocks = std::move(blocks_), .without_moments = without_moments_};
   }
 
  private:
@@ -58,6 +60,7 @@ class FactorSearch final {
   void look(double factor) {
     const KeyGroups found = first_groups(complex_, with_strengths_over(settings_, factor), most_);
     too_many_ = too_many_ || found.too_many;
+    without_moments_ = without_moments_ || found.without_moments;
     std::vector<BlockId> moving;
     for (const KeyGroup& group : found.groups) {
       if (group.verdict == assembly::Verdict::in_doubt) continue;
@@ -84,7 +87,7 @@ class FactorSearch final {
   const Together& most_;
   double stands_ = 0, clear_below_ = infinite;  ///< nothing moves or is in doubt; least where something does
   double still_ = 0, moves_ = infinite;         ///< nothing moves; least where something does
-  bool too_many_ = false;
+  bool too_many_ = false, without_moments_ = false;
   std::vector<BlockId> blocks_;
 };
 

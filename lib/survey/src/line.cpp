@@ -85,9 +85,16 @@ double rqd_of_frequency(double frequency, double threshold) {
   return 100 * (1 + y) * std::exp(-y);
 }
 
+namespace {
+
+/// Pieces as long as the threshold count (ISRM 1978), whatever rounding leaves of the difference of two positions.
+bool counts(double piece, double threshold) { return piece >= (1 - 1e-9) * threshold; }
+
+}  // namespace
+
 double rqd_measured(std::span<const double> pieces, double length, double threshold) {
   double sum = 0;
-  for (const double g : pieces) sum += g > threshold ? g : 0;
+  for (const double g : pieces) sum += counts(g, threshold) ? g : 0;
   return 100 * sum / length;
 }
 
@@ -111,16 +118,16 @@ double share_quantile(double level, double sum, double square, double part, doub
 
 Estimate rqd(std::span<const double> pieces, double length, double confidence) {
   constexpr double threshold = 0.1;
-  Estimate e{"RQD", rqd_measured(pieces, length, threshold), 0, 100, "pieces above 0.1 m / length, beta law", ""};
+  Estimate e{"RQD", rqd_measured(pieces, length, threshold), 0, 100, "pieces of 0.1 m and more / length, beta law", ""};
   const double kept = *e.value / 100, number = static_cast<double>(pieces.size());
   // The rarer of both, kept or lost, decides how well the share is known.
   const bool lost = kept > 0.5;
   const double sum = length * (lost ? 1 - kept : kept), part = lost ? threshold : threshold + length / number;
   double square = 0, few = 0;
   for (const double piece : pieces) {
-    const double off = (piece > threshold ? piece : 0) - kept * piece;
+    const double off = (counts(piece, threshold) ? piece : 0) - kept * piece;
     square += off * off;
-    few += (piece > threshold) != lost ? 1 : 0;
+    few += counts(piece, threshold) != lost ? 1 : 0;
   }
   const double low_level = (1 - confidence) / 2, high_level = 1 - low_level;
   double low = share_quantile(low_level, sum, square, part, length),

@@ -21,7 +21,7 @@ namespace cleave::survey {
                                                           double confidence = 0.95);
 
 /// Rock quality designation, %: 100 (1 + lambda t) e^-(lambda t) (Priest & Hudson 1976), and measured: the share of the
-/// line in pieces above t, those at its ends included.
+/// line in pieces of t and more, those at its ends included.
 [[nodiscard]] double rqd_of_frequency(double frequency, double threshold = 0.1);
 [[nodiscard]] double rqd_measured(std::span<const double> pieces, double length, double threshold = 0.1);
 /// Both with intervals. Measured: a share made of independent pieces (beta law of the variance that the delta method

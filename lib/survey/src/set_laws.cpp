@@ -114,8 +114,12 @@ void fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Mee
     }
     return;
   }
+  std::string left_out;
   for (const Family family : {Family::exponential, Family::lognormal, Family::gamma, Family::power}) {
     const auto fit = fit_discs(lengths, meeting, family);
+    if (!fit && (family == Family::lognormal || family == Family::gamma)) {
+      left_out += (left_out.empty() ? "" : " and ") + std::string{name_of(family)};
+    }
     if (!fit) continue;
     const double scale = 1 / *set.chords.disc;
     SizeOfJoints law = size_of(*fit);
@@ -140,6 +144,12 @@ void fit_sizes(SetResult& set, const std::vector<SeenLength>& lengths, const Mee
         },
         confidence);
     set.sizes.push_back(std::move(size));
+  }
+  if (!left_out.empty() && !set.sizes.empty()) {
+    set.notes.push_back(
+        "sizes: " + left_out +
+        " left out: the likelihood of the traces has no maximum between nearly equal sizes and a spread of four means; "
+        "where joints are nearly equal in size the laws that are left give a wrong mean: state the size");
   }
   std::ranges::stable_sort(set.sizes, {}, &FittedSize::aic);
   undecided(set, "size", [](const FittedSize& l) { return std::pair{l.law.family, l.aic}; }, set.sizes);
@@ -226,7 +236,7 @@ void fit_laws(SetResult& set, const std::vector<SeenLength>& lengths, const Meet
   const SizeMoments m = size_moments(best.moment(1), best.moment(2), set.chords);
   if (m.ratio() < 1) {
     set.notes.push_back(fmt::format(
-        "no law of sizes has traces of these moments (m3/m2^2 = {:.2f} < 1): joints are not of this shape, or traces "
+        "no law of sizes has traces of these moments (m3/m2^2 = {:.4g} < 1): joints are not of this shape, or traces "
         "are of more than one set",
         m.ratio()));
   }

@@ -263,7 +263,7 @@ void fields(V& v, const KeyGroupFigures& x) {
   v("stands_to", when(asked, factor.stands),
     "with `group_factor`: strengths over this nothing moves nor is in doubt, to 1 %; 0: below 0.1");
   v("moves_at", when(asked, or_null(factor.moves)),
-    "with `group_factor`: strengths over this something moves, to 1 %; null: nothing does up to 10");
+    "with `group_factor`: strengths over this something moves, to 1 %; null: nothing does up to 10; 0: below 0.1");
   v("moves_at_reason", when(asked && !std::isfinite(factor.moves), "nothing moves at strengths over 10"));
 }
 [[nodiscard]] KeyGroupFigures count_key_groups(const stability::KeyGroups& groups);

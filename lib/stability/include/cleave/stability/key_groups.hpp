@@ -38,7 +38,7 @@ struct Together {
   std::size_t blocks = 0, turning = 0;
 };
 /// Where groups are only noted, so many that it costs little.
-inline constexpr Together most_together{20'000, 20'000}, most_noted{3'000, 60};
+inline constexpr Together most_together{20'000, 20'000}, most_noted{3'000, 300};
 
 struct KeyGroups {
   std::vector<KeyGroup> groups = {};  ///< by batch, then by lowest block
@@ -67,8 +67,9 @@ struct KeyGroups {
 /// nothing moves nor is in doubt, over `moves` something does.
 struct FactorTogether {
   double stands = 0;                                       ///< 0: below 0.1
-  double moves = std::numeric_limits<double>::infinity();  ///< infinite: above 10
+  double moves = std::numeric_limits<double>::infinity();  ///< infinite: above 10; 0: below 0.1
   std::vector<topology::BlockId> blocks = {};              ///< that move at `moves`; ascending
+  bool without_moments = false;                            ///< more blocks than are looked at with moments, somewhere
 };
 /// Either end to 1 %, in about twenty searches of the first state; empty when there are too many blocks.
 [[nodiscard]] std::optional<FactorTogether> factor_together(const topology::AuditedComplex& complex,
