@@ -105,6 +105,30 @@ TEST(JointCsvTest, UnitsInBracketsCount) {
   EXPECT_EQ(wrong[0].what, "the unit \"furlongs\" of column cohesion is not understood");
 }
 
+TEST(JointCsvTest, UnitsBehindAnUnderscoreCount) {
+  const JointTable t = read(
+      "dip_deg,dip_dir,x_m,y_m,z_m,radius_mm,phi,cohesion_kPa,tension_MPa\n"
+      "60,30,1,2,3,500,25,50,0.1\n");
+  EXPECT_EQ(t.rows[0].plane.dip.degrees(), 60);
+  EXPECT_EQ(t.rows[0].position, (geometry::Vec3{1, 2, 3}));
+  EXPECT_EQ(std::get<DiscSize>(t.rows[0].size).radius, metres(0.5));
+  EXPECT_EQ(t.rows[0].friction, FrictionAngle::degrees(25));
+  EXPECT_EQ(t.rows[0].cohesion, pascals(50e3));
+  EXPECT_EQ(t.rows[0].tension, pascals(0.1e6));
+  EXPECT_TRUE(t.cohesion_unit && t.tension_unit && !t.friction_unit);
+  ASSERT_EQ(t.notes.size(), 1U);
+  EXPECT_NE(t.notes[0].find("cohesion (from \"cohesion_kpa\") in kPa"), std::string::npos);
+}
+
+TEST(JointCsvTest, WhatMayBeAStrengthIsSaid) {
+  const JointTable t = read("dip,dd,x,y,z,radius,frictoin,c,remark\n60,30,0,0,0,4,25,50,dry\n");
+  ASSERT_EQ(t.notes.size(), 4U);
+  EXPECT_EQ(t.notes[1], "column \"frictoin\" is not used; where it is meant as friction, name it friction");
+  EXPECT_EQ(t.notes[2], "column \"c\" is not used; where it is meant as cohesion, name it cohesion");
+  EXPECT_EQ(t.notes[3], "column \"remark\" is not used");
+  EXPECT_FALSE(t.rows[0].cohesion);
+}
+
 TEST(JointCsvTest, DiametersAreNotRadii) {
   const JointTable t = read("dip,dd,x,y,z,Diameter (m)\n60,30,0,0,0,10\n60,30,0,0,0,\n");
   EXPECT_EQ(std::get<DiscSize>(t.rows[0].size).radius, metres(5));

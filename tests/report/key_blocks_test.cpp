@@ -95,11 +95,24 @@ TEST(KeyGroupsCsv, LoadCasesAndStagesFollowTheBaseCase) {
   stage.groups = one(5);
   result.let_go = {scene::LetGo::moved};
   const std::string csv = key_groups_csv(result);
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,3,0,,,0,0,0,0,,,moved,,,,,,,,\n")) << csv;
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,4,0,,,0,0,0,0,quake,,,,,,,,,,\n")) << csv;
-  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,5,0,,,0,0,0,0,,2,,,,,,,,,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,3,0,,,0,0,0,0,,,moved,,,,,,,,,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,4,0,,,0,0,0,0,quake,,,,,,,,,,,\n")) << csv;
+  EXPECT_TRUE(csv.contains("\n1,1,in_doubt,5,0,,,0,0,0,0,,2,,,,,,,,,,\n")) << csv;
   EXPECT_LT(csv.find(",3,0"), csv.find(",4,0"));
   EXPECT_LT(csv.find(",4,0"), csv.find(",5,0"));
+  // With moments, of what translation alone moves: the lesser of both is the group's.
+  result.key_groups->groups[0] = {.batch = 1,
+                                  .verdict = assembly::Verdict::unsafe,
+                                  .blocks = {topology::BlockId{3U}},
+                                  .factor_up = 2,
+                                  .factor_move = 0.94,
+                                  .factor_turning = 0.89};
+  EXPECT_TRUE(key_groups_csv(result).contains("\n1,1,unsafe,3,0,2,0.94,0,0,0,0,,,moved,,,,,,,,,0.89\n"));
+  EXPECT_TRUE(key_groups_section(result).contains(">With moments</th>"));
+  const scene::KeyGroupFigures figures = scene::count_key_groups(*result.key_groups);
+  EXPECT_EQ(figures.factor, 0.94);
+  EXPECT_EQ(figures.least_factor, 0.89);
+  result.key_groups = one(3);
   // Only groups of the rock that the page shows can be picked in it.
   const std::string table = key_groups_section(result);
   EXPECT_TRUE(table.contains("data-group=\"1\""));
@@ -194,8 +207,8 @@ TEST(KeyGroupsCsv, SaysWhereAGroupIs) {
                                       of({topology::BlockId{2U}})}};
   const auto complex = std::move(made).complex();
   const std::string csv = key_groups_csv(result, &complex);
-  EXPECT_TRUE(csv.contains(",10,20,30,roof,15,12:00,1.25,A;B\n")) << csv;
-  EXPECT_TRUE(csv.contains(",10,20,30,,,,0,A\n")) << csv;
+  EXPECT_TRUE(csv.contains(",10,20,30,roof,15,12:00,1.25,A;B,\n")) << csv;
+  EXPECT_TRUE(csv.contains(",10,20,30,,,,0,A,\n")) << csv;
   const std::string table = key_groups_section(result, &complex);
   EXPECT_TRUE(table.contains("roof, 12:00, chainage 15 m")) << table;
 }

@@ -66,6 +66,7 @@ TEST(KeyBlocksScene, SupportIsCheckedUnderEveryLoadCase) {
   const auto& still = r.support_cases[1].support.blocks.at(0);
   EXPECT_TRUE(r.support->passes());
   EXPECT_FALSE(r.support_cases[0].support.passes());
+  EXPECT_EQ(failing_cases(r.figures.support_cases), std::vector<std::string>{"quake"});
   EXPECT_GT(quake.required_force, 1.5 * base.required_force);
   EXPECT_EQ(still.required_force, base.required_force);
   EXPECT_EQ(still.mobilised, base.mobilised);

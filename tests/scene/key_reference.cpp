@@ -63,7 +63,7 @@ void each_table(const Use& use) {
   for (const Root& root : roots()) each_table(root.keys(), seen, use);
 }
 
-std::string quoted(string_view text) {
+std::string in_quotes(string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
@@ -93,7 +93,7 @@ std::string number_schema(const NumberRule& rule) {
   const auto symbols = unit_symbols(rule);
   if (symbols.empty()) return number;
   return fmt::format(R"("anyOf": [{{{}}}, {{"type": "string", "pattern": "^-?[0-9.eE+-]+ *({})$", "examples": [{}]}}])",
-                     number, fmt::join(symbols, "|"), quoted(unit_example(rule)));
+                     number, fmt::join(symbols, "|"), in_quotes(unit_example(rule)));
 }
 
 /// The members of the schema of a type, without braces.
@@ -105,7 +105,7 @@ std::string type_schema(const KeyType& type) {
     case Form::text: return R"("type": "string")";
     case Form::word: {
       std::vector<std::string> words;
-      for (const string_view word : type.words) words.push_back(quoted(word));
+      for (const string_view word : type.words) words.push_back(in_quotes(word));
       return fmt::format("\"enum\": [{}]", joined(words));
     }
     case Form::array:
@@ -134,11 +134,11 @@ std::string key_schema(const Key& key) {
   const bool value = is_value(key.standard);
   std::string text = plain(key.help);
   if (!value && !key.standard.empty() && key.standard != required) text += "; default: " + plain(key.standard);
-  std::string out = fmt::format("   {}: {{\"description\": {}, {}{}}}", quoted(key.name), quoted(text),
+  std::string out = fmt::format("   {}: {{\"description\": {}, {}{}}}", in_quotes(key.name), in_quotes(text),
                                 type_schema(key.type), value ? fmt::format(", \"default\": {}", key.standard) : "");
   if (!key.was.empty()) {
-    out += fmt::format(",\n   {}: {{\"description\": {}, {}, \"deprecated\": true}}", quoted(key.was),
-                       quoted(fmt::format("old name of {}: {}", key.name, text)), type_schema(key.type));
+    out += fmt::format(",\n   {}: {{\"description\": {}, {}, \"deprecated\": true}}", in_quotes(key.was),
+                       in_quotes(fmt::format("old name of {}: {}", key.name, text)), type_schema(key.type));
   }
   return out;
 }
@@ -147,12 +147,12 @@ std::string key_schema(const Key& key) {
 std::string conditions(const KeyTable& table, const std::vector<Key>& keys) {
   std::vector<std::string> needed;
   for (const Key& key : keys) {
-    if (key.standard == required && key.was.empty()) needed.push_back(quoted(key.name));
+    if (key.standard == required && key.was.empty()) needed.push_back(in_quotes(key.name));
   }
   std::string out = needed.empty() ? "" : fmt::format(",\n  \"required\": [{}]", joined(needed));
   for (const auto& group : table.one_of) {
     std::vector<std::string> choices;
-    for (const string_view name : group) choices.push_back(fmt::format(R"({{"required": [{}]}})", quoted(name)));
+    for (const string_view name : group) choices.push_back(fmt::format(R"({{"required": [{}]}})", in_quotes(name)));
     out += fmt::format(",\n  \"oneOf\": [{}]", joined(choices));
   }
   return out;
@@ -164,8 +164,8 @@ std::string object_schema(const KeyTable& table, const KeyVariant* variant) {
   std::vector<std::string> properties;
   for (const Key& key : keys) {
     if (variant != nullptr && key.name == table.select) {
-      properties.push_back(fmt::format(R"(   {}: {{"description": {}, "const": {}}})", quoted(key.name),
-                                       quoted(plain(key.help)), quoted(variant->word)));
+      properties.push_back(fmt::format(R"(   {}: {{"description": {}, "const": {}}})", in_quotes(key.name),
+                                       in_quotes(plain(key.help)), in_quotes(variant->word)));
     } else {
       properties.push_back(key_schema(key));
     }
@@ -175,11 +175,12 @@ std::string object_schema(const KeyTable& table, const KeyVariant* variant) {
 }
 
 std::string table_schema(const KeyTable& table) {
-  if (table.variants.empty()) return fmt::format(" {}: {{\n{}\n }}", quoted(table.name), object_schema(table, nullptr));
+  if (table.variants.empty())
+    return fmt::format(" {}: {{\n{}\n }}", in_quotes(table.name), object_schema(table, nullptr));
   std::vector<std::string> choices;
   for (const KeyVariant& variant : table.variants)
     choices.push_back(fmt::format("{{\n{}}}", object_schema(table, &variant)));
-  return fmt::format(" {}: {{\"oneOf\": [{}]}}", quoted(table.name), joined(choices));
+  return fmt::format(" {}: {{\"oneOf\": [{}]}}", in_quotes(table.name), joined(choices));
 }
 
 /// Rows of the keys of a table; keys of several variants stand once, with the words of these.
@@ -236,7 +237,7 @@ std::string replaced(string_view text, string_view begin, string_view end, const
 std::string schema_text() {
   std::vector<std::string> kinds, tables;
   for (const Root& root : roots()) {
-    kinds.push_back(fmt::format(R"(  {{"title": {}, "$ref": "#/$defs/{}"}})", quoted(root.title), root.keys().name));
+    kinds.push_back(fmt::format(R"(  {{"title": {}, "$ref": "#/$defs/{}"}})", in_quotes(root.title), root.keys().name));
   }
   std::set<std::string> names;
   each_table([&](const KeyTable& table) {
@@ -271,7 +272,7 @@ std::string with_units(string_view dictionary) {
   std::set<std::string> words;
   const auto add = [&](const auto& self, const KeyType& type) -> void {
     for (const string_view symbol : type.form == Form::number ? unit_symbols(type.rule) : std::vector<string_view>{}) {
-      if (std::ranges::all_of(symbol, [](char c) { return c > ' ' && c < 127; })) words.insert(quoted(symbol));
+      if (std::ranges::all_of(symbol, [](char c) { return c > ' ' && c < 127; })) words.insert(in_quotes(symbol));
     }
     for (const KeyType& part : type.of) self(self, part);
   };

@@ -1,4 +1,4 @@
-#include "cleave/scene/nearest.hpp"
+#include "cleave/core/nearest.hpp"
 
 #include <gtest/gtest.h>
 

@@ -45,6 +45,15 @@ TEST(UnusualInputs, LoadsInKiloUnitsNameTheUnit) {
                   "stability.line[1].force_per_metre: if it is meant in kN/m, write \"-50 kN/m\""}));
 }
 
+TEST(UnusualInputs, GravityIsThatOfAPlanet) {
+  const auto with = [](const std::string& gravity) {
+    return texts(joints_and_rock + strength + "[stability]\nfree = [\"top\"]\ngravity = " + gravity + "\n");
+  };
+  EXPECT_EQ(with("0.981"), (Said{"stability.gravity is 0.981 m/s2, which is far from usual (1.5 to 1000)"}));
+  EXPECT_EQ(with("9.81"), Said{});
+  EXPECT_EQ(with("1.62"), Said{});
+}
+
 TEST(UnusualInputs, SmallComponentsBesideUsualOnesAreUsual) {
   EXPECT_EQ(remedies(joints_and_rock + strength +
                      "[stability]\nfree = [\"top\"]\nseismic = [0.15, 0, 1e-5]\nwater = { pressures = { A = 60e3 } }\n"
@@ -96,9 +105,18 @@ TEST(UnusualInputs, ColumnsOfStrengthAreLookedAt) {
   const Said said = of("dip,dd,x,y,z,friction,cohesion\n30,90,4,4,3,0.6,50\n40,90,4,4,3,35,60\n");
   ASSERT_EQ(said.size(), 3U);  // the first says how the columns are read
   EXPECT_EQ(said[1], "friction is 0.6 degrees, which is far from usual (3 to 80)");
-  EXPECT_EQ(said[2], "cohesion is 50 Pa, which is far from usual (500 to 1e+09), and so are 2 rows in all");
+  EXPECT_EQ(said[2], "cohesion is 50 Pa, which is far from usual (500 to 1e+07), and so are 2 rows in all");
   EXPECT_EQ(of("dip,dd,x,y,z,friction,cohesion (kPa)\n30,90,4,4,3,35,50\n").size(), 1U);
-  EXPECT_EQ(of("dip,dd,x,y,z,friction [rad],cohesion\n30,90,4,4,3,0.03,0\n").size(), 1U);  // stated: no guess
+  // A unit that the header states may be the wrong one.
+  const Said stated = of("dip,dd,x,y,z,friction [rad],cohesion [MPa],tension_MPa\n30,90,4,4,3,0.6,20,0.02\n");
+  ASSERT_EQ(stated.size(), 2U);
+  EXPECT_EQ(stated[1], "cohesion is 20000000 Pa, which is far from usual (500 to 1e+07)");
+  EXPECT_EQ(of("dip,dd,x,y,z,tension\n30,90,4,4,3,20\n").size(), 2U);
+  EXPECT_EQ(
+      remedies("[[joint]]\nfile = \"j.csv\"\n[rock]\ndensity = 2700\n" + strength + "[stability]\nfree = [\"top\"]\n",
+               {{"j.csv", "dip,dd,x,y,z,cohesion [Pa]\n30,90,4,4,3,50\n"}})
+          .back(),
+      "cohesion: check the unit that the header states");
 }
 
 TEST(UnusualInputs, SetsWithoutFrictionAreNamed) {

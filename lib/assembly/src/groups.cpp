@@ -324,6 +324,12 @@ class Search final {
       group.up = static_factor(part, accuracy);
       const Assembly pressed = with_bonds(island_, counts_).part(members, Assembly::Others::fixed);
       group.moving = moving_factor(pressed, group.up.factor, accuracy);
+      if (moves && !turns(island_.freedom())) {
+        const Freedom turning = flat(island_.freedom()) ? Freedom::section : Freedom::rigid;
+        // More freedoms never raise what admits balance.
+        group.turning = moving_factor(pressed.with(turning), group.up.factor, accuracy);
+        group.turning->factor = std::min(group.turning->factor, 1.0);
+      }
     } else {
       group.up.factor = verdict == Verdict::certain ? 1 : infinite;
       group.moving.factor = 1;

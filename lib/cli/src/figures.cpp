@@ -4,6 +4,7 @@
 #include "say.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -66,9 +67,15 @@ std::string design_line(const scene::DesignResult& design) {
                      design.offsets, 100 * design.failing_share[0], 100 * design.failing_share[1], groups, governs);
 }
 
-std::string support_lines(const scene::SupportFigures& support, const std::vector<scene::DesignResult>& designs) {
+std::string support_lines(const scene::SupportFigures& support, const std::vector<scene::DesignResult>& designs,
+                          const std::vector<scene::SupportCaseFigures>& cases) {
+  const std::vector<std::string> failing = scene::failing_cases(cases);
+  const std::string verdict =
+      !support.passes   ? "DOES NOT PASS"
+      : failing.empty() ? "passes"
+                        : fmt::format("passes without load, DOES NOT PASS under {}", fmt::join(failing, ", "));
   std::string text =
-      fmt::format("support      {}: ", support.passes ? "passes" : "DOES NOT PASS") +
+      fmt::format("support      {}: ", verdict) +
       say("{blocks} blocks below their target, {held_by_bolts} held by bolts, {held_by_shotcrete} by shotcrete, "
           "{held_by_both} by both, {not_held} not held\n"
           "  {bolts} bolts, {combined_blocks} stitched bodies ({combined_failing} failing); required "
@@ -117,7 +124,7 @@ std::string figures_of(const scene::RunResult& result) {
             "{lowest_factor_of_safety:.4g}\n",
             load);
   }
-  if (figures.support) text += support_lines(*figures.support, result.designs);
+  if (figures.support) text += support_lines(*figures.support, result.designs, figures.support_cases);
   if (result.motion) text += motion_line(*result.motion);
   return text + cost_line(result.cost);
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "cleave/core/expected.hpp"
+#include "cleave/core/nearest.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/core/units.hpp"
 #include "cleave/io/file.hpp"
@@ -37,10 +38,11 @@ enum class Column : std::uint8_t {
   rotation,
   friction,
   cohesion,
+  tension,
   set,
   id
 };
-constexpr std::size_t column_count = 17;
+constexpr std::size_t column_count = 18;
 
 /// First the name we write, then what else is understood.
 struct Names {
@@ -64,11 +66,16 @@ constexpr std::array<Names, column_count> known{{
     {Column::side_a, "m", {"side_a"}},
     {Column::side_b, "m", {"side_b"}},
     {Column::rotation, "degrees", {"rotation"}},
-    {Column::friction, "degrees", {"friction"}},
+    {Column::friction, "degrees", {"friction", "friction_angle", "frictionangle", "phi"}},
     {Column::cohesion, "Pa", {"cohesion"}},
+    {Column::tension, "Pa", {"tension", "tensile_strength"}},
     {Column::set, "", {"set"}},
     {Column::id, "", {"id"}},
 }};
+
+/// What stands for a column in other tables and may be something else here.
+constexpr std::array<std::pair<std::string_view, Column>, 3> may_be{
+    {{"c", Column::cohesion}, {"fric", Column::friction}, {"coh", Column::cohesion}}};
 
 constexpr std::size_t index(Column column) { return static_cast<std::size_t>(column); }
 std::string_view name_of(Column column) { return known[index(column)].names[0]; }
@@ -114,6 +121,38 @@ class TableReader final {
            fmt::format("state it in {}, or in another unit of that kind", column.unit));
   }
 
+  /// What a cell of the header names, and its unit: behind the name in brackets, or after an underscore ("radius_mm").
+  struct Head {
+    const Names* column = nullptr;
+    std::string_view unit = {};
+  };
+  static Head head_of(std::string_view cell, std::string_view unit) {
+    const auto column_of = [](std::string_view name) -> const Names* {
+      const auto named = [&](const Names& k) { return std::ranges::find(k.names, name) != k.names.end(); };
+      const auto at = name.empty() ? known.end() : std::ranges::find_if(known, named);
+      return at == known.end() ? nullptr : std::to_address(at);
+    };
+    if (const Names* column = column_of(cell)) return {column, unit};
+    const std::size_t at = cell.rfind('_');
+    if (at == std::string_view::npos || !unit.empty()) return {};
+    const Names* column = column_of(cell.substr(0, at));
+    if (column == nullptr || column->unit.empty() || find_unit(column->unit, cell.substr(at + 1)) == nullptr) return {};
+    return {column, cell.substr(at + 1)};
+  }
+
+  /// A column that is not understood: its name may be a slip of one that counts.
+  static std::string not_used(std::string_view cell) {
+    std::vector<std::string_view> names;
+    for (const Names& k : known) names.push_back(k.names[0]);
+    std::string_view guess;
+    if (cell.size() > 3) guess = nearest(cell, names).value_or(guess);
+    for (const auto& [name, column] : may_be) {
+      if (cell == name || cell.starts_with(std::string{name} + '_')) guess = name_of(column);
+    }
+    return fmt::format("column {} is not used{}", shown(cell),
+                       guess.empty() ? "" : fmt::format("; where it is meant as {0}, name it {0}", guess));
+  }
+
   void read_header() {
     const auto wrong = [&](std::string what, std::string remedy) {
       report(ReadFault::bad_columns, csv_.header_line, {}, std::move(what), std::move(remedy));
@@ -126,18 +165,17 @@ class TableReader final {
     std::string understood;
     for (std::size_t c = 0; c < csv_.header.size(); ++c) {
       const std::string& cell = csv_.header[c];
-      const auto found = std::ranges::find_if(
-          known, [&](const Names& k) { return !cell.empty() && std::ranges::find(k.names, cell) != k.names.end(); });
-      if (found == known.end()) {
+      const auto [found, unit] = head_of(cell, csv_.units[c]);
+      if (found == nullptr) {
         if (cell.empty()) continue;
-        table_.notes.push_back(fmt::format("column {} is not used", shown(cell)));
+        table_.notes.push_back(not_used(cell));
         unknown_.push_back(c);
         continue;
       }
       std::optional<std::size_t>& place = place_[index(found->column)];
       if (place) wrong(fmt::format("column {} comes twice", name_of(found->column)), "remove one");
       place = c;
-      take_unit(*found, csv_.units[c]);
+      take_unit(*found, unit);
       understood += fmt::format("{}{}", understood.empty() ? "" : ", ", name_of(found->column));
       if (cell != name_of(found->column)) understood += fmt::format(" (from {})", shown(cell));
       if (!found->unit.empty()) {
@@ -148,6 +186,7 @@ class TableReader final {
     table_.notes.insert(table_.notes.begin(), "columns read: " + understood);
     table_.friction_unit = unit_[index(Column::friction)] != nullptr;
     table_.cohesion_unit = unit_[index(Column::cohesion)] != nullptr;
+    table_.tension_unit = unit_[index(Column::tension)] != nullptr;
     const bool plane = has(Column::dip) || has(Column::dip_direction) || has(Column::strike);
     const bool pole = !plane && (has(Column::trend) || has(Column::plunge));
     if (plane && (has(Column::trend) || has(Column::plunge))) {
@@ -346,6 +385,7 @@ class TableReader final {
                    .size = size(row),
                    .friction = {},
                    .cohesion = {},
+                   .tension = {},
                    .set = {},
                    .id = {}};
     if (has(Column::x)) {
@@ -356,9 +396,13 @@ class TableReader final {
     }
     const auto friction =
         in_range(row, Column::friction, [](double v) { return v >= 0 && v < 90; }, "in 0..90 (degrees), 90 excluded");
-    const auto cohesion = in_range(row, Column::cohesion, [](double v) { return v >= 0; }, "0 or more (Pa)");
+    const auto strength = [&](Column column) {
+      return in_range(row, column, [](double v) { return v >= 0; }, "0 or more (Pa)");
+    };
+    const auto cohesion = strength(Column::cohesion), tension = strength(Column::tension);
     if (friction) joint.friction = FrictionAngle::degrees(*friction);
     if (cohesion) joint.cohesion = pascals(*cohesion);
+    if (tension) joint.tension = pascals(*tension);
     joint.set = cell(row, Column::set);
     joint.id = cell(row, Column::id);
     if (problems_.size() == before) table_.rows.push_back(std::move(joint));
@@ -404,6 +448,7 @@ std::string write_joint_csv(const JointTable& table) {
   const bool rectangle = any([](const JointRow& r) { return std::holds_alternative<RectangleSize>(r.size); });
   const bool friction = any([](const JointRow& r) { return r.friction.has_value(); });
   const bool cohesion = any([](const JointRow& r) { return r.cohesion.has_value(); });
+  const bool tension = any([](const JointRow& r) { return r.tension.has_value(); });
   const bool set = any([](const JointRow& r) { return !r.set.empty(); });
   const bool id = any([](const JointRow& r) { return !r.id.empty(); });
   std::string out = "dip,dip_direction";
@@ -412,6 +457,7 @@ std::string write_joint_csv(const JointTable& table) {
   if (rectangle) out += ",side_a,side_b,rotation";
   if (friction) out += ",friction";
   if (cohesion) out += ",cohesion";
+  if (tension) out += ",tension";
   if (set) out += ",set";
   if (id) out += ",id";
   out += '\n';
@@ -435,6 +481,7 @@ std::string write_joint_csv(const JointTable& table) {
                r.size);
     if (friction) out += r.friction ? fmt::format(",{}", r.friction->degrees()) : ",";
     if (cohesion) out += r.cohesion ? fmt::format(",{}", r.cohesion->si()) : ",";
+    if (tension) out += r.tension ? fmt::format(",{}", r.tension->si()) : ",";
     if (set) out += ',' + csv_field(r.set, ";#");
     if (id) out += ',' + csv_field(r.id, ";#");
     out += '\n';

@@ -143,6 +143,14 @@ SupportFigures count_support(const stability::SupportResult& support) {
   return f;
 }
 
+std::vector<std::string> failing_cases(const std::vector<SupportCaseFigures>& cases) {
+  std::vector<std::string> names;
+  for (const SupportCaseFigures& load : cases) {
+    if (!load.figures.passes) names.push_back(load.name);
+  }
+  return names;
+}
+
 SupportedGroupFigures count_supported_groups(const stability::GroupSupport& groups) {
   SupportedGroupFigures f;
   f.count = groups.below.groups.size();

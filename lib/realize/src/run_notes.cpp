@@ -167,7 +167,9 @@ KeyGroupFigures count_key_groups(const stability::KeyGroups& groups) {
     if (doubt) continue;
     ++figures.count;
     figures.volume_m3 += group.volume.si();
-    if (group.factors) figures.factor = std::min(figures.factor, group.factor_move);
+    if (!group.factors) continue;
+    figures.factor = std::min(figures.factor, group.factor_move);
+    figures.least_factor = std::min(figures.least_factor, group.least_factor());
   }
   return figures;
 }
@@ -228,7 +230,7 @@ void add_moving_group_notes(const stability::KeyGroups& groups, const stability:
     if (known) continue;
     ++beyond;
     volume += group.volume.si();
-    least = std::min(least, group.factor_move);
+    least = std::min(least, group.least_factor());
   }
   if (beyond > 0) {
     notes.push_back(

@@ -32,8 +32,8 @@ struct ShownGroup {
 template <class V>
 void fields(V& v, const ShownGroup& x) {
   const stability::KeyGroup& g = x.row.g;
-  const auto factor = [&](double f) {
-    return !g.factors ? Html{} : std::isinf(f) ? Html{"no limit", f} : Html{display(f, 3), f};
+  const auto factor = [&](std::optional<double> f) {
+    return !g.factors || !f ? Html{} : std::isinf(*f) ? Html{"no limit", *f} : Html{display(*f, 3), *f};
   };
   std::string verdict{assembly::name(g.verdict)};
   std::ranges::replace(verdict, '_', ' ');
@@ -43,6 +43,7 @@ void fields(V& v, const ShownGroup& x) {
   v("blocks", g.blocks);
   v("volume_m3", g.volume);
   v("factor_move", factor(g.factor_move), "of motion from rest: the factor of safety of the group");
+  v("factor_with_moments", factor(g.factor_turning), "the same with moments, of what translation alone moves");
   v("factor_up", factor(g.factor_up), "above it motion is certain");
   v("moments", g.moments, "blocks turn: translation alone does not move them");
   v("location", where_of(x.row));
@@ -133,6 +134,7 @@ std::string key_groups_section(const scene::RunResult& result, const topology::B
       "no forces in the joints hold it, whatever the stress in the rock. Unsafe: only stress locked in between the "
       "blocks could. In doubt: not decided, not stable. The factor of safety is that of motion from rest; above the "
       "upper factor motion is certain.</p>\n";
+  const bool turning = std::ranges::any_of(rows, [](const KeyGroupRow& row) { return bool{row.g.factor_turning}; });
   const bool cases = std::ranges::any_of(rows, [](const KeyGroupRow& row) { return !row.load_case.empty(); });
   const bool stages = std::ranges::any_of(rows, [](const KeyGroupRow& row) { return row.stage.has_value(); });
   std::vector<Shown> columns{{"group"},
@@ -143,6 +145,7 @@ std::string key_groups_section(const scene::RunResult& result, const topology::B
                              {"factor_move", "Factor of safety"},
                              {"factor_up", "Upper factor"},
                              {"moments", "Turns"}};
+  if (turning) columns.insert(columns.end() - 2, {"factor_with_moments", "With moments"});
   if (std::ranges::any_of(rows, [](const KeyGroupRow& row) { return row.place && !row.place->location.empty(); }))
     columns.push_back({"location", "Where"});
   if (std::ranges::any_of(rows, [](const KeyGroupRow& row) { return row.let_go.has_value(); }))

@@ -303,6 +303,8 @@ void fields(V& v, const KeyGroupRow& x) {
   v("clock", x.place && x.place->clock ? std::optional{clock_text(*x.place->clock)} : std::nullopt);
   v("free_area_m2", of(&scene::GroupPlace::free_area), "sum");
   v("sets", x.sets, "joint sets that bound its blocks, joined by `;`");
+  v("factor_with_moments", x.g.factors ? x.g.factor_turning : std::nullopt,
+    "`factor_move` with moments, of a group that translation alone moves: the lesser of both counts");
 }
 
 /// A group of blocks below its target, and what the support leaves of it.

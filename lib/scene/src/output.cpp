@@ -4,8 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "cleave/core/nearest.hpp"
 #include "cleave/scene/common_keys.hpp"
-#include "cleave/scene/nearest.hpp"
 
 namespace cleave::scene {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "cleave/core/assert.hpp"
-#include "cleave/scene/nearest.hpp"
+#include "cleave/core/nearest.hpp"
 
 namespace cleave::scene {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "body_keys.hpp"
-#include "cleave/scene/nearest.hpp"
+#include "cleave/core/nearest.hpp"
 #include "contact_parts.hpp"
 
 namespace cleave::scene {
@@ -23,7 +23,8 @@ constexpr auto solver_names = [] {
   return names;
 }();
 
-constexpr NumberRule downwards_rule{0, false, 1e3, false, " m/s2, downwards (a direction: [x, y])"};
+constexpr NumberRule downwards_rule =
+    rule::as_gravity({0, false, 1e3, false, " m/s2, downwards (a direction: [x, y])"});
 constexpr std::array<string_view, 1> auto_word{"auto"};
 
 const KeyTable& rock_strength_keys() {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "body_keys.hpp"
-#include "cleave/scene/nearest.hpp"
+#include "cleave/core/nearest.hpp"
 #include "cleave/scene2d/contact.hpp"
 #include "contact_outline.hpp"
 #include "contact_parts.hpp"

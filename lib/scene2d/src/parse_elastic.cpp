@@ -61,25 +61,26 @@ const KeyTable& point_keys() {
 const KeyTable& elastic_keys() {
   static const KeyTable keys{
       .name = "elastic",
-      .keys = {{"plane", key::word<bem::PlaneState>(), "\"strain\"", "plane strain or plane stress"},
-               {"gravity", key::either({key::number(rule::acceleration), key::pair(rule::acceleration)}), "0",
-                "m/s2 downwards, or `[x, y]`"},
-               {"order", key::word<bem::Order>(), "\"quadratic\"", "of the elements"},
-               {"element", key::number(rule::length), "a sixteenth of the size", "m, longest element"},
-               {"tolerance", key::number({1e-12, false, 1, false, ""}), "",
-                "elements are doubled until displacements change by less, relative; not reached after 6 meshes: exit "
-                "code 4"},
-               {"integration", key::number({1e-15, false, 1e-2, false, ""}), "1e-10",
-                "relative error target of the integrals"},
-               {"stress", key::flag(), "true",
-                "contours of stress inside (static scenes); stress on the boundary in each frame (moving ones)"},
-               {"points", key::tables(&point_keys), "[]",
-                "displacements (and with `stress` the stress) on the boundary or inside, in summary.json, points.csv "
-                "and the report; of each frame in moving scenes"},
-               {"frequencies", key::whole(0, 100), "0",
-                "so many natural frequencies of every body that stands alone, in summary.json and the report (moving "
-                "scenes: 6 without it)"},
-               {"time", key::table(&time_keys), "none: static", "bodies move, below"}}};
+      .keys = {
+          {"plane", key::word<bem::PlaneState>(), "\"strain\"", "plane strain or plane stress"},
+          {"gravity", key::either({key::number(rule::as_gravity(rule::acceleration)), key::pair(rule::acceleration)}),
+           "0", "m/s2 downwards, or `[x, y]`"},
+          {"order", key::word<bem::Order>(), "\"quadratic\"", "of the elements"},
+          {"element", key::number(rule::length), "a sixteenth of the size", "m, longest element"},
+          {"tolerance", key::number({1e-12, false, 1, false, ""}), "",
+           "elements are doubled until displacements change by less, relative; not reached after 6 meshes: exit "
+           "code 4"},
+          {"integration", key::number({1e-15, false, 1e-2, false, ""}), "1e-10",
+           "relative error target of the integrals"},
+          {"stress", key::flag(), "true",
+           "contours of stress inside (static scenes); stress on the boundary in each frame (moving ones)"},
+          {"points", key::tables(&point_keys), "[]",
+           "displacements (and with `stress` the stress) on the boundary or inside, in summary.json, points.csv "
+           "and the report; of each frame in moving scenes"},
+          {"frequencies", key::whole(0, 100), "0",
+           "so many natural frequencies of every body that stands alone, in summary.json and the report (moving "
+           "scenes: 6 without it)"},
+          {"time", key::table(&time_keys), "none: static", "bodies move, below"}}};
   return keys;
 }
 

@@ -155,16 +155,17 @@ void add_rows(Context& context, const io::JointTable& table, const std::string& 
     const std::string name = set ? *set : row.set.empty() ? std::string{"default"} : row.set;
     joints.push_back({.geometry = std::move(*shape),
                       .set = context.set_named(name),
-                      .own = {.friction = row.friction, .cohesion = row.cohesion},
+                      .own = {.friction = row.friction, .cohesion = row.cohesion, .tension = row.tension},
                       .file = shown,
                       .line = row.line});
   }
 }
 
-/// One note for a column of bare numbers that are none of the usual ones, at the first of them.
+/// One note for a column of numbers that are none of the usual ones, at the first of them. `stated`: the header names
+/// their unit.
 template <class ValueOf>
 void note_unusual(Problems& problems, const io::JointTable& table, const std::string& shown, string_view column,
-                  const NumberRule& rule, ValueOf&& value_of) {
+                  bool stated, const NumberRule& rule, ValueOf&& value_of) {
   std::size_t count = 0;
   std::uint32_t line = 0;
   double first = 0;
@@ -181,21 +182,20 @@ void note_unusual(Problems& problems, const io::JointTable& table, const std::st
       shown, line, std::string{column},
       fmt::format("is {}{}, which is far from usual ({:g} to {:g}){}", first, rule.unit, rule.usual->low,
                   rule.usual->high, count > 1 ? fmt::format(", and so are {} rows in all", count) : std::string{}),
-      unit ? fmt::format("if it is meant in {0}, name the column \"{1} ({0})\"", *unit, column)
-           : std::string{"it is taken as it stands: check it"});
+      stated ? std::string{"check the unit that the header states"}
+      : unit ? fmt::format("if it is meant in {0}, name the column \"{1} ({0})\"", *unit, column)
+             : std::string{"it is taken as it stands: check it"});
 }
 
 void note_unusual_strengths(Problems& problems, const io::JointTable& table, const std::string& shown) {
-  if (!table.friction_unit) {
-    note_unusual(problems, table, shown, "friction", rule::friction, [](const io::JointRow& row) {
-      return row.friction ? std::optional{row.friction->degrees()} : std::nullopt;
-    });
-  }
-  if (!table.cohesion_unit) {
-    note_unusual(problems, table, shown, "cohesion", rule::strength, [](const io::JointRow& row) {
-      return row.cohesion ? std::optional{row.cohesion->si()} : std::nullopt;
-    });
-  }
+  note_unusual(problems, table, shown, "friction", table.friction_unit, rule::friction, [](const io::JointRow& row) {
+    return row.friction ? std::optional{row.friction->degrees()} : std::nullopt;
+  });
+  const auto stress = [](const std::optional<Stress>& of) { return of ? std::optional{of->si()} : std::nullopt; };
+  note_unusual(problems, table, shown, "cohesion", table.cohesion_unit, rule::strength,
+               [&](const io::JointRow& row) { return stress(row.cohesion); });
+  note_unusual(problems, table, shown, "tension", table.tension_unit, rule::strength,
+               [&](const io::JointRow& row) { return stress(row.tension); });
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "cleave/scene/nearest.hpp"
+#include "cleave/core/nearest.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "context.hpp"
 

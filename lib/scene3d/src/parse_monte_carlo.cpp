@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "cleave/scene/nearest.hpp"
+#include "cleave/core/nearest.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "cleave/stochastic/ensemble.hpp"
 #include "context.hpp"

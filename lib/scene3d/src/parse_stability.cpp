@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "cleave/scene/nearest.hpp"
+#include "cleave/core/nearest.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "cleave/stability/block_theory.hpp"
 #include "context.hpp"
@@ -39,7 +39,7 @@ std::vector<std::uint32_t> parse_free(const TableReader& table, const std::optio
 
 using Readings = stability::TransferReadings;
 
-constexpr NumberRule gravity_rule{0, false, 1e3, false, " m/s2"};
+constexpr NumberRule gravity_rule = rule::as_gravity({0, false, 1e3, false, " m/s2"});
 
 const KeyTable& partial_keys() {
   static const KeyTable keys{.name = "partial",

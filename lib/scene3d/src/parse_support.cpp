@@ -6,9 +6,9 @@
 #include <string_view>
 #include <utility>
 
+#include "cleave/core/nearest.hpp"
 #include "cleave/core/overloaded.hpp"
 #include "cleave/geometry/orientation.hpp"
-#include "cleave/scene/nearest.hpp"
 #include "cleave/scene3d/key_tables.hpp"
 #include "context.hpp"
 

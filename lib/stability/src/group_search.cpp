@@ -433,6 +433,7 @@ class Search final {
     }
     out.factor_up = group.up.factor;
     out.factor_move = group.moving.factor;
+    if (group.turning) out.factor_turning = group.turning->factor;
     out.factors = group.factors;
     return out;
   }

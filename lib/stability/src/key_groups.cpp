@@ -178,7 +178,7 @@ void decide_by_groups(const topology::AuditedComplex& complex, const Settings& s
       if (it->batch) continue;
       it->key = true;
       it->batch = group.batch;
-      it->factor_of_safety = std::min(it->factor_of_safety, group.factor_move);
+      it->factor_of_safety = std::min(it->factor_of_safety, group.least_factor());
       const geometry::Vec3 velocity = group.rates[k].velocity;
       if (norm(velocity) > 0) it->direction = normalized(velocity);
       while (analysis.batches.size() < group.batch) {

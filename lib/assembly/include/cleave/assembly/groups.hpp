@@ -145,6 +145,8 @@ struct Group {
   std::optional<MotionCertificate> proof;
   StaticFactor up;
   MovingFactor moving;
+  /// Where it was found in translation: with moments, at strengths as they count in translation.
+  std::optional<MovingFactor> turning = {};
   bool factors = true;  ///< false: not asked for, or the group is too large, and they say no more than the verdict
 };
 struct Groups {

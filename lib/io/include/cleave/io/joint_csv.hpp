@@ -39,6 +39,7 @@ struct JointRow {
   std::variant<Persistent, DiscSize, RectangleSize> size;
   std::optional<FrictionAngle> friction;
   std::optional<Stress> cohesion;
+  std::optional<Stress> tension = {};
   std::string set;  ///< "" when not given
   std::string id;
   friend bool operator==(const JointRow&, const JointRow&) = default;
@@ -47,7 +48,7 @@ struct JointTable {
   std::vector<JointRow> rows;
   std::vector<std::string> notes;  ///< how the columns were read, and those that were not understood and skipped
   /// The header states the unit of the column; without, numbers are degrees and Pa.
-  bool friction_unit = false, cohesion_unit = false;
+  bool friction_unit = false, cohesion_unit = false, tension_unit = false;
 };
 
 struct JointCsvOptions {
@@ -61,7 +62,8 @@ struct JointCsvOptions {
 /// (dip_angle), dip_direction (dipdir, dip_dir, dd, azimuth) or strike (right-hand rule), or trend and plunge of the
 /// pole (the normal that points down), x (easting), y (northing), z
 /// (elevation), radius | diameter | side_a, side_b, rotation | none = persistent, set, friction (degrees), cohesion
-/// (Pa), id; a unit in brackets behind the name ("cohesion (kPa)") counts. A column that is not understood but holds a
+/// (Pa), tension (Pa), id; a unit in brackets or after an underscore behind the name ("cohesion (kPa)", "cohesion_kpa")
+/// counts. A column that is not understood but holds a
 /// number where a joint would be left persistent is an error.
 /// Comma or semicolon, found from the header; quotes; decimal comma with semicolons when no number has a point; BOM,
 /// CRLF, blank lines and # lines are skipped. Up to 20 problems are collected.

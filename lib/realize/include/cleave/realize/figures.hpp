@@ -239,7 +239,8 @@ struct KeyGroupFigures {
   std::uint64_t count = 0;
   double volume_m3 = 0;
   std::uint64_t certain = 0, unsafe = 0, in_doubt = 0;
-  double factor = std::numeric_limits<double>::infinity();  ///< least of the groups that have one
+  double factor = std::numeric_limits<double>::infinity();        ///< least of the groups that have one
+  double least_factor = std::numeric_limits<double>::infinity();  ///< with moments, too
   /// Groups that move at strengths over the target, where it was asked.
   std::optional<std::uint64_t> below_target = {};
   Volume below_target_volume = {};
@@ -254,6 +255,8 @@ void fields(V& v, const KeyGroupFigures& x) {
   v("unsafe", x.unsafe);
   v("in_doubt", x.in_doubt, "could not be decided; not in count");
   v("factor", or_null(x.factor), "least factor of safety of the groups; null without groups");
+  v("factor_with_moments", or_null(x.least_factor),
+    "the same with moments of what translation alone moves, too: the lesser of both of each group counts");
   v("factor_reason", when(!std::isfinite(x.factor), "no group has a finite factor"));
   v("below_target", x.below_target,
     "groups that move at strengths over the scene's target for sliding; without support");
@@ -388,13 +391,17 @@ void fields(V& v, const SupportCaseFigures& x) {
   v("combined_failing", x.figures.combined_failing);
   supported_groups_field(v, x.figures.groups);
 }
+/// Names of the load cases that the support does not pass.
+[[nodiscard]] std::vector<std::string> failing_cases(const std::vector<SupportCaseFigures>& cases);
 /// `tunnel_length`: empty where there is no tunnel.
 template <class V>
 void support_fields(V& v, const SupportFigures& x, std::optional<Length> tunnel_length,
                     const std::vector<DesignResult>& designs, const std::vector<SupportCaseFigures>& cases) {
   v("passes", x.passes,
     "every block reaches its target, alone and stitched to its neighbours, and no group of blocks still moves or is in "
-    "doubt");
+    "doubt; without `[[load]]`");
+  v("passes_every_load", when(!cases.empty(), x.passes && failing_cases(cases).empty()),
+    "so it is without load and under each `[[load]]`");
   v("blocks", x.blocks, "blocks below their target without support");
   v("held_by_bolts", x.held_by_bolts);
   v("held_by_shotcrete", x.held_by_shotcrete);

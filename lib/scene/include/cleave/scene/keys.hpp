@@ -55,9 +55,13 @@ inline constexpr NumberRule half_turn{0, false, 180, false, " degrees"};
 inline constexpr NumberRule turn{-360, false, 360, false, " degrees"};
 inline constexpr NumberRule friction = NumberRule{0, false, 90, true, " degrees"}.usually(3, 80);
 inline constexpr NumberRule stress{0, false, 1e15, false, " Pa"};
-inline constexpr NumberRule strength = NumberRule{0, false, 1e15, false, " Pa"}.usually(500, 1e9);
+inline constexpr NumberRule strength = NumberRule{0, false, 1e15, false, " Pa"}.usually(500, 1e7);
 inline constexpr NumberRule density = NumberRule{0, true, 1e5, false, " kg/m3"}.usually(500, 10000);
 inline constexpr NumberRule acceleration{-1e3, false, 1e3, false, " m/s2"};
+/// `of` for weight: that of the moon is the least usual one.
+constexpr NumberRule as_gravity(const NumberRule& of) noexcept {
+  return of.usually(1.5, 1e3, "that of the earth is 9.81; it is taken as it stands: check it");
+}
 inline constexpr NumberRule probability{0, false, 1, false, ""};
 inline constexpr NumberRule share{0, true, 1, false, ""};
 inline constexpr NumberRule kappa{0, false, 1e12, false, ""};

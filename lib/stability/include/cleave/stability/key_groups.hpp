@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -30,7 +31,13 @@ struct KeyGroup {
   geometry::Vec3 direction = {};  ///< unit, of the largest block; zero when in doubt
   double factor_up = 0;           ///< above it motion is certain; infinite when there is no such factor
   double factor_move = 0;         ///< factor of safety of the group
-  bool factors = true;            ///< false: too large a group for factors
+  /// With moments, of what translation alone moves; empty where it was not looked for.
+  std::optional<double> factor_turning = {};
+  /// The lesser of both.
+  [[nodiscard]] double least_factor() const noexcept {
+    return factor_turning ? std::min(factor_move, *factor_turning) : factor_move;
+  }
+  bool factors = true;  ///< false: too large a group for factors
 };
 
 /// At most so many blocks are looked at together, and so many with moments.

@@ -1,4 +1,4 @@
-#include "cleave/scene/nearest.hpp"
+#include "cleave/core/nearest.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 #include "cleave/core/text.hpp"
 
-namespace cleave::scene {
+namespace cleave {
 namespace {
 
 /// Optimal string alignment distance, O(|a| |b|).
@@ -46,4 +46,4 @@ std::optional<std::string_view> nearest(std::string_view word, std::span<const s
   return best;
 }
 
-}  // namespace cleave::scene
+}  // namespace cleave

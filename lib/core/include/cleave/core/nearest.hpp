@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-namespace cleave::scene {
+namespace cleave {
 
 /// The candidate that `word` is most likely a slip of: smallest edit distance (a swap of two neighbours counts as one,
 /// case does not count), at most a third of the longer length but at least 2; the first in order when several are as
@@ -12,4 +12,4 @@ namespace cleave::scene {
 [[nodiscard]] std::optional<std::string_view> nearest(std::string_view word,
                                                       std::span<const std::string_view> candidates);
 
-}  // namespace cleave::scene
+}  // namespace cleave
