@@ -74,8 +74,11 @@ constexpr std::array<Names, column_count> known{{
 }};
 
 /// What stands for a column in other tables and may be something else here.
-constexpr std::array<std::pair<std::string_view, Column>, 3> may_be{
-    {{"c", Column::cohesion}, {"fric", Column::friction}, {"coh", Column::cohesion}}};
+constexpr std::array<std::pair<std::string_view, Column>, 3> may_be{{
+    {"c", Column::cohesion},
+    {"fric", Column::friction},
+    {"coh", Column::cohesion},
+}};
 
 constexpr std::size_t index(Column column) { return static_cast<std::size_t>(column); }
 std::string_view name_of(Column column) { return known[index(column)].names[0]; }

@@ -255,7 +255,7 @@ void fields(V& v, const KeyGroupFigures& x) {
   v("unsafe", x.unsafe);
   v("in_doubt", x.in_doubt, "could not be decided; not in count");
   v("factor", or_null(x.factor), "least factor of safety of the groups; null without groups");
-  v("factor_with_moments", or_null(x.least_factor),
+  v("factor_with_moments", when(std::isfinite(x.least_factor), x.least_factor),
     "the same with moments of what translation alone moves, too: the lesser of both of each group counts");
   v("factor_reason", when(!std::isfinite(x.factor), "no group has a finite factor"));
   v("below_target", x.below_target,
