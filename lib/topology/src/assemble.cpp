@@ -91,7 +91,8 @@ double extent_of_domain(const CutInput& input) {
 /// whichever thread comes along, while others go on making.
 class Joiner {
  public:
-  Joiner(std::size_t shares, MadeBlocks& out) : out_{out}, waiting_(shares) {}
+  Joiner(std::size_t shares, const BlockParts& parts, MadeBlocks& out)
+      : out_{out}, packer_{out.faces, parts.normals}, measures_(parts.present.size(), none), waiting_(shares) {}
 
   /// `blocks` are those of the share; their faces get their final numbers.
   void hand_in(std::size_t share, MadeBlocks made, std::span<Block> blocks) {
@@ -112,26 +113,18 @@ class Joiner {
  private:
   void append(MadeBlocks more, std::span<Block> blocks) {
     const auto faces = static_cast<Index>(out_.faces.size()), corners = static_cast<Index>(out_.corners.size()),
-               holes = static_cast<Index>(out_.hole_starts.size()), patches = static_cast<Index>(out_.patches.size());
-    if (faces == 0) {
-      out_ = std::move(more);
-      return;
-    }
-    for (Face& face : more.faces) {
-      face.first_corner += corners;
-      face.first_hole += holes;
-      face.first_patch += patches;
-    }
+               holes = static_cast<Index>(out_.hole_starts.size());
     for (Block& block : blocks) {
       block.faces = {FaceId{block.faces.front().index() + faces}, static_cast<Index>(block.faces.size())};
     }
-    out_.faces.insert(out_.faces.end(), more.faces.begin(), more.faces.end());
+    packer_.append(std::move(more.faces), corners, holes, more.measure_of, measures_);
     out_.corners.insert(out_.corners.end(), more.corners.begin(), more.corners.end());
     out_.hole_starts.insert(out_.hole_starts.end(), more.hole_starts.begin(), more.hole_starts.end());
-    out_.patches.insert(out_.patches.end(), more.patches.begin(), more.patches.end());
   }
 
   MadeBlocks& out_;
+  FacePacker packer_;
+  std::vector<Index> measures_;  ///< of each plane face
   Mutex mutex_;
   std::vector<std::optional<std::pair<MadeBlocks, std::span<Block>>>> waiting_;
   std::size_t next_ = 0;
@@ -154,18 +147,25 @@ std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, Mad
   }
   std::size_t corners = 0;
   for (const Index to : parts.links.to) corners += to != none ? 1 : 0;
-  Joiner joiner{shares, out};
+  // All memory at once, as much as may be needed: what is not used is never touched.
+  const std::size_t measures = parts.half_faces.size() / 2 + parts.present.size() / 2;
+  FacePacker{out.faces, parts.normals}.reserve(parts.half_faces.size(), measures);
+  out.corners.reserve(corners);
+  if (shares == 1) {
+    std::vector<Index> measure_of_face(parts.present.size(), none);
+    BlockMaker maker{parts, flank_place, out, &measure_of_face};
+    for (std::size_t b = 0; b < blocks; ++b) made[b] = maker.make(static_cast<Index>(b));
+    return made;
+  }
+  Joiner joiner{shares, parts, out};
   std::atomic<std::size_t> next{0};
   parallel_for(shares, threads, [&](std::size_t) {
     const std::size_t s = next++;  // in order, so that what is made can be put together soon
     MadeBlocks own;
-    // All memory at once, as much as may be needed (for all shares in the first): what is not used is never touched.
-    const std::size_t half_faces =
-        s == 0 ? parts.half_faces.size() : parts.begin[share_begin[s + 1]] - parts.begin[share_begin[s]];
-    own.faces.reserve(half_faces);
-    own.patches.reserve(half_faces);
-    own.corners.reserve(s == 0 ? corners : corners / shares);
-    BlockMaker maker{parts, flank_place, own};
+    const std::size_t half_faces = parts.begin[share_begin[s + 1]] - parts.begin[share_begin[s]];
+    FacePacker{own.faces, parts.normals}.reserve(half_faces, half_faces);
+    own.corners.reserve(corners / shares);
+    BlockMaker maker{parts, flank_place, own, nullptr};
     for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) made[b] = maker.make(static_cast<Index>(b));
     joiner.hand_in(s, std::move(own), std::span{made}.subspan(share_begin[s], share_begin[s + 1] - share_begin[s]));
   });
@@ -318,7 +318,7 @@ void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Da
 
 }  // namespace
 
-BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
+BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
                             const Arrangement& arrangement, Cells cells, const std::vector<Vec>& positions,
                             const std::vector<FaceMeasure>& measures, ThreadLimit threads,
                             const std::vector<std::uint8_t>* excavated) {
@@ -349,15 +349,15 @@ BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, con
   number_blocks(cells, parts, threads);
   link_present(cells, parts, threads);
   find_sheets(parts);
-  BlockComplex::Data out;
+  BlockComplex::Packed packed;
+  BlockComplex::Data& out = packed.rest;
   out.origin = parts.origin;
   MadeBlocks made;
   out.blocks = IdVector<BlockId, Block>{make_blocks(parts, threads, made)};
   VertexNumbers vertices{parts, out};
   vertices.number(std::move(made.corners), threads);
-  out.faces = IdVector<FaceId, Face>{std::move(made.faces)};
+  packed.faces = std::move(made.faces);
   out.hole_starts = std::move(made.hole_starts);
-  out.patches = std::move(made.patches);
   finish_report(parts, cells, out);
   if (prepared.keep_dangling) {
     std::vector<Vec3> points;
@@ -365,7 +365,8 @@ BlockComplex::Data assemble(const CutInput& input, const Prepared& prepared, con
     out.dangling = find_dangling(prepared, graph, arrangement, parts.block_of, points,
                                  [&](Index vertex) { return vertices.id(vertex); });
   }
-  return out;
+  FacePacker::finish(packed.faces, std::move(parts.normals));
+  return packed;
 }
 
 }  // namespace cleave::topology::detail

@@ -81,16 +81,18 @@ Block BlockMaker::make(Index block) {
   find_shells();
   count_vertices();
 
+  faces_.clear();
+  patches_.clear();
   const FaceId first{out_.faces.size()};
   Block made{{first, faces}, {}, {}, {}, true, false, false, {}, false, false};
   for (Index face = 0; face < faces; ++face) {
     add_face(face, block);
-    const Face& added = out_.faces.back();
+    const Face& added = faces_.back();
     made.fixed = made.fixed || added.role == Role::fixed;
     made.truncated = made.truncated || added.role == Role::window;
     made.free = made.free || added.role == Role::free;
   }
-  measure(made, first);
+  measure(made);
   // A hole of a face needs no look: what fills it is flush with the face (another role), or goes down from it and turns
   // in again at a re-entrant edge.
   made.convex = shell_count_ == 1 && !has_reflex_edge();
@@ -101,9 +103,27 @@ Block BlockMaker::make(Index block) {
   made.counts = {vertex_count_, edge_sides_ / 2,
                  faces,         static_cast<std::uint32_t>(loops_.size()),
                  shell_count_,  sound ? static_cast<std::uint32_t>(twice_genus / 2) : UINT32_MAX};
-  made.thickness = metres(thickness(first) * parts_.scale);
+  made.thickness = metres(thickness() * parts_.scale);
   made.sliver = made.thickness.si() < parts_.sliver_below;
+  pack_faces();
   return made;
+}
+
+/// A face that is one plane face has its measures in common with the face on the other side.
+void BlockMaker::pack_faces() {
+  for (Index face = 0; face < faces_.size(); ++face) {
+    const bool alone = face_begin_[face + std::size_t{1}] - face_begin_[face] == 1;
+    const Index plane_face = alone ? members_[face_begin_[face]] / 2 : none;
+    const Face& made = faces_[face];
+    const std::span own = std::span{patches_}.subspan(made.first_patch, made.patch_count);
+    if (measures_ != nullptr) {
+      Index of_none = none;
+      packer_.add(made, own, alone ? (*measures_)[plane_face] : of_none);
+    } else {
+      packer_.add(made, own);
+      out_.measure_of.resize(packer_.measures(), plane_face);
+    }
+  }
 }
 
 /// Half-faces that go straight on into one another are one face; faces in the order of their first half-faces.
@@ -340,7 +360,7 @@ void BlockMaker::add_face(Index face, Index block) {
             .outward = positive ? -normal : normal,
             .area = {},
             .centroid = {}};
-  made.first_patch = static_cast<Index>(out_.patches.size());
+  made.first_patch = static_cast<Index>(patches_.size());
   // Areas and moments about the start of the first half-face; in units first.
   const auto apex_of = [&](Index half_face) {
     const PlaneFace& f = parts_.arrangement.faces[half_face / 2];
@@ -361,25 +381,25 @@ void BlockMaker::add_face(Index face, Index block) {
     const auto neighbour = nature.role == Role::joint && beyond != none ? std::optional{BlockId{beyond}} : std::nullopt;
     const Index joint_number = h == first ? nature.joint : parts_.nature(h).joint;
     const auto joint = joint_number == none ? std::nullopt : std::optional{JointId{joint_number}};
-    auto patch = std::ranges::find_if(out_.patches.begin() + made.first_patch, out_.patches.end(),
+    auto patch = std::ranges::find_if(patches_.begin() + made.first_patch, patches_.end(),
                                       [&](const Patch& p) { return p.neighbour == neighbour && p.joint == joint; });
-    if (patch == out_.patches.end()) {
-      out_.patches.push_back({joint, neighbour, {}, {}});
-      patch = out_.patches.end() - 1;
+    if (patch == patches_.end()) {
+      patches_.push_back({joint, neighbour, {}, {}});
+      patch = patches_.end() - 1;
     }
     patch->area += square_metres(std::abs(m.area));  // slivers may seem to turn the other way in doubles
     patch->centroid += own;
   }
   const double square = parts_.scale * parts_.scale;
-  for (Patch& patch : std::span{out_.patches}.subspan(made.first_patch)) {
+  for (Patch& patch : std::span{patches_}.subspan(made.first_patch)) {
     patch.centroid = centre(patch.centroid, patch.area.si());
     patch.area = square * patch.area;
   }
-  made.patch_count = static_cast<Index>(out_.patches.size()) - made.first_patch;
+  made.patch_count = static_cast<Index>(patches_.size()) - made.first_patch;
   made.area = square_metres(square * std::abs(area));
   made.centroid = centre(moment, area);
   add_loops(face, made);
-  out_.faces.push_back(made);
+  faces_.push_back(made);
 }
 
 /// The outer loop first: it turns once round to the left.

@@ -12,7 +12,7 @@ using geometry::Vec3;
 
 /// Volume and centroid from the cones over the faces, by integers where doubles cannot tell them to a thousandth; the
 /// shell that holds the others becomes number 0.
-void BlockMaker::measure(Block& block, FaceId first) {
+void BlockMaker::measure(Block& block) {
   const auto half_faces = std::span{members_};
   const auto apex_of = [&](Index half_face) {
     const PlaneFace& f = parts_.arrangement.faces[half_face / 2];
@@ -48,7 +48,7 @@ void BlockMaker::measure(Block& block, FaceId first) {
   if (shell_count_ > 1) {
     const auto outer = static_cast<Index>(std::ranges::max_element(shell_volumes_) - shell_volumes_.begin());
     for (Index face = 0; face < faces; ++face) {
-      Index& shell = out_.faces[first.index() + face].shell;
+      Index& shell = faces_[face].shell;
       if (shell == outer) {
         shell = 0;
       } else if (shell == 0) {
@@ -80,12 +80,12 @@ FixedMeasure BlockMaker::measure_exactly() {
 }
 
 /// Smallest width across the largest faces (in units): a thin block is thin across a large face.
-double BlockMaker::thickness(FaceId first) {
+double BlockMaker::thickness() {
   constexpr Index most = 8;
   const auto faces = static_cast<Index>(face_begin_.size() - 1);
   by_area_.resize(faces);
   std::iota(by_area_.begin(), by_area_.end(), Index{0});
-  const auto face = [&](Index k) -> const Face& { return out_.faces[first.index() + k]; };
+  const auto face = [&](Index k) -> const Face& { return faces_[k]; };
   if (faces > most) {
     std::ranges::nth_element(by_area_, by_area_.begin() + most, [&](Index a, Index b) {
       return face(a).area > face(b).area || (face(a).area == face(b).area && a < b);

@@ -40,15 +40,16 @@ std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOption
   const Arrangement arrangement = arrange(prepared, traces, graph, positions, signs, threads);
   const std::vector<FaceMeasure> measures = measure_faces(prepared, arrangement, positions, threads);
   Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);
-  BlockComplex::Data data =
+  BlockComplex::Packed packed =
       assemble(input, prepared, graph, arrangement, std::move(cells), positions, measures, threads, nullptr);
+  BlockComplex::Data& data = packed.rest;
   if (data.blocks.empty()) return std::unexpected(CutError{DomainSwallowed{}});
   data.report.intersections = static_cast<std::uint64_t>(
       std::ranges::count(traces.intervals, none, [](const Interval& interval) { return interval.outline_of; }));
   data.report.near_misses = near_misses(prepared, traces.gaps);
   data.report.predicate_calls = signs.calls();
   data.report.predicate_exact = signs.exact_calls();
-  return BlockComplex{std::move(data)};
+  return BlockComplex{std::move(packed)};
 }
 
 }  // namespace cleave::topology

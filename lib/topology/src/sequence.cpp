@@ -89,8 +89,9 @@ std::expected<StageBlocks, CutError> SequentialCut::blocks(const WorkState& stat
   now.of_half_face.reserve(cells.of_half_face.size());
   for (const Index cell : cells.of_half_face) now.of_half_face.push_back(cell == none ? none : number[cell]);
 
-  BlockComplex::Data data =
+  BlockComplex::Packed packed =
       assemble(input, prepared, graph, arrangement, now, positions, measures, ThreadLimit::one(), &state.excavated);
+  BlockComplex::Data& data = packed.rest;
   if (data.blocks.empty()) return std::unexpected(CutError{DomainSwallowed{}});
   data.report.predicate_calls = calls;
   data.report.predicate_exact = exact;
@@ -101,7 +102,7 @@ std::expected<StageBlocks, CutError> SequentialCut::blocks(const WorkState& stat
     if (now.rock[c] != 0) block_of[c] = blocks++;
   }
   CLEAVE_ASSERT(blocks == data.blocks.size());
-  StageBlocks result{BlockComplex{std::move(data)}, {}};
+  StageBlocks result{BlockComplex{std::move(packed)}, {}};
   result.block_of_cell.reserve(cells.count);
   for (Index c = 0; c < cells.count; ++c) {
     const Index b = block_of[number[c]];

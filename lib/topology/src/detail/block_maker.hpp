@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "detail/face_packer.hpp"
 #include "detail/phases.hpp"
 
 namespace cleave::topology::detail {
@@ -57,18 +58,20 @@ struct BlockParts {
 
 /// Faces of neighbouring blocks; corners are vertices of the graph still.
 struct MadeBlocks {
-  std::vector<Face> faces;
+  PackedFaces faces;
   std::vector<VertexId> corners;
   std::vector<Index> hole_starts;
-  std::vector<Patch> patches;
+  std::vector<Index> measure_of;  ///< of each measure of `faces`: the plane face that has it, or none
 };
 
 /// Makes blocks one by one and adds their faces to a MadeBlocks.
 class BlockMaker final {
  public:
   /// `flank_place` (one entry a flank) is shared by all makers: each writes only to the flanks of its own blocks.
-  BlockMaker(const BlockParts& parts, std::vector<Index>& flank_place, MadeBlocks& out)
-      : parts_{parts}, place_{flank_place}, out_{out} {}
+  /// `measures`, of each plane face where its measures are in `out`: for one maker of all blocks. Without it, `out` says
+  /// what they are of, for those who put it together.
+  BlockMaker(const BlockParts& parts, std::vector<Index>& flank_place, MadeBlocks& out, std::vector<Index>* measures)
+      : parts_{parts}, place_{flank_place}, out_{out}, packer_{out.faces, parts.normals}, measures_{measures} {}
 
   [[nodiscard]] Block make(Index block);
 
@@ -99,19 +102,24 @@ class BlockMaker final {
   void find_shells();
   void add_face(Index face, Index block);
   void add_loops(Index face, Face& made);
+  void pack_faces();
   [[nodiscard]] bool turns_left(const Loop& loop, Index plane) const;
   [[nodiscard]] double area_of(const Loop& loop, geometry::Vec3 outward) const;
   [[nodiscard]] bool has_reflex_edge() const;
-  void measure(Block& block, FaceId first);
+  void measure(Block& block);
   [[nodiscard]] FixedMeasure measure_exactly();
-  [[nodiscard]] double thickness(FaceId first);
+  [[nodiscard]] double thickness();
   /// A flank whose face goes straight on beyond the edge, in one role: inside a merged face.
   [[nodiscard]] bool internal(Index flank) const;
 
   const BlockParts& parts_;
   std::vector<Index>& place_;
   MadeBlocks& out_;
+  FacePacker packer_;
+  std::vector<Index>* measures_;
 
+  std::vector<Face> faces_;     ///< of the block
+  std::vector<Patch> patches_;  ///< of those
   bool any_internal_ = false;      ///< some edge of the plane faces is none of the block
   std::vector<Index> members_;     ///< half-faces of the block by face
   std::vector<Index> face_begin_;  ///< first member of each face
