@@ -20,20 +20,20 @@ namespace {
 using geometry::Vec3;
 
 /// Blocks are numbered in the order of their cells.
-void number_blocks(const Cells& cells, BlockParts& parts, ThreadLimit threads) {
+void number_blocks(Cells& cells, BlockParts& parts, ThreadLimit threads) {
   std::vector<Index> block_of_cell(cells.count, none);
   Index blocks = 0;
   for (Index c = 0; c < cells.count; ++c) {
     if (cells.rock[c] != 0) block_of_cell[c] = blocks++;
   }
   const std::size_t faces = parts.arrangement.faces.size();
-  parts.block_of.assign(2 * faces, none);
+  parts.block_of = std::move(cells.of_half_face);
   parts.present.assign(faces, 0);
   in_pieces(faces, 16384, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t f = first; f < last; ++f) {
       for (const std::size_t h : {2 * f, 2 * f + 1}) {
-        const Index cell = cells.of_half_face[h];
-        if (cell != none) parts.block_of[h] = block_of_cell[cell];
+        Index& at = parts.block_of[h];
+        if (at != none) at = block_of_cell[at];
       }
       parts.present[f] = parts.block_of[2 * f] != parts.block_of[2 * f + 1] ? 1 : 0;
     }
@@ -133,9 +133,8 @@ class Joiner {
 
 /// Each thread makes shares of neighbouring blocks, and their faces are concatenated: what comes out does not
 /// depend on where the shares end.
-std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, MadeBlocks& out) {
+std::vector<Block> make_blocks(BlockParts& parts, ThreadLimit threads, MadeBlocks& out) {
   const std::size_t blocks = parts.begin.size() - 1;
-  std::vector<Index> flank_place(parts.links.to.size(), none);
   const Block empty{{}, {}, {}, {}, true, false, false, {}, false, false};
   std::vector<Block> made(blocks, empty);
   const std::size_t shares =
@@ -153,7 +152,7 @@ std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, Mad
   out.corners.reserve(corners);
   if (shares == 1) {
     std::vector<Index> measure_of_face(parts.present.size(), none);
-    BlockMaker maker{parts, flank_place, out, &measure_of_face};
+    BlockMaker maker{parts, parts.links.to, out, &measure_of_face};
     for (std::size_t b = 0; b < blocks; ++b) made[b] = maker.make(static_cast<Index>(b));
     return made;
   }
@@ -165,7 +164,7 @@ std::vector<Block> make_blocks(const BlockParts& parts, ThreadLimit threads, Mad
     const std::size_t half_faces = parts.begin[share_begin[s + 1]] - parts.begin[share_begin[s]];
     FacePacker{own.faces, parts.normals}.reserve(half_faces, half_faces);
     own.corners.reserve(corners / shares);
-    BlockMaker maker{parts, flank_place, own, nullptr};
+    BlockMaker maker{parts, parts.links.to, own, nullptr};
     for (std::size_t b = share_begin[s]; b < share_begin[s + 1]; ++b) made[b] = maker.make(static_cast<Index>(b));
     joiner.hand_in(s, std::move(own), std::span{made}.subspan(share_begin[s], share_begin[s + 1] - share_begin[s]));
   });
@@ -236,11 +235,12 @@ double rock_volume(const BlockParts& parts, const Cells& cells) {
     return cell != none && cells.in_domain[cell] != 0 && cells.rock[cell] == 0;
   };
   std::vector<Index> walls;  // seen from the rock
+  Cones cones{parts.prepared, parts.arrangement, parts.positions, parts.measures};
   double empty = 0;
   for (Index h = 0; h < cells.of_half_face.size(); ++h) {
     if (!in_void(h) || in_void(h ^ 1U)) continue;
     walls.push_back(h ^ 1U);
-    empty += h % 2 == 0 ? -parts.measures[h / 2].cone : parts.measures[h / 2].cone;
+    empty += h % 2 == 0 ? -cones.of(h / 2) : cones.of(h / 2);
   }
   const auto& surface = parts.prepared.domain_surface;
   if (const auto domain = domain_volume(surface)) {
@@ -272,8 +272,10 @@ std::vector<ExcavatedVolume> excavated_volumes(const BlockParts& parts, const Ce
       beyond_earlier = beyond_earlier || goes_on;
     }
   };
+  Cones cones{parts.prepared, parts.arrangement, parts.positions, parts.measures};
   for (Index h = 0; count > 0 && h < cells.of_half_face.size(); ++h) {
-    add(h, h % 2 == 0 ? -parts.measures[h / 2].cone : parts.measures[h / 2].cone);
+    if (parts.arrangement.faces[h / 2].cover_count == 0) continue;
+    add(h, h % 2 == 0 ? -cones.of(h / 2) : cones.of(h / 2));
   }
   std::vector<ExcavatedVolume> volumes(count);
   const double unit = parts.scale * parts.scale * parts.scale / 3;
@@ -283,13 +285,11 @@ std::vector<ExcavatedVolume> excavated_volumes(const BlockParts& parts, const Ce
   return volumes;
 }
 
-void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Data& out) {
+void finish_report(const BlockParts& parts, BlockComplex::Data& out) {
   const Prepared& prepared = parts.prepared;
   out.planes = IdVector<PlaneId, exact::Plane>{std::vector<exact::Plane>(
       prepared.planes.begin(), prepared.planes.begin() + static_cast<std::ptrdiff_t>(prepared.facet_planes))};
-  out.rock_volume = cubic_metres(rock_volume(parts, cells) * parts.scale * parts.scale * parts.scale);
   CutReport& report = out.report;
-  report.excavated = excavated_volumes(parts, cells);
   report.lattice_pitch_m = prepared.lattice.pitch();
   report.largest_snap_m = prepared.largest_snap.si();
   report.coarse_snap = prepared.coarse_snap;
@@ -321,7 +321,7 @@ void finish_report(const BlockParts& parts, const Cells& cells, BlockComplex::Da
 BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
                             const Arrangement& arrangement, Cells cells, const std::vector<Vec>& positions,
                             const std::vector<FaceMeasure>& measures, ThreadLimit threads,
-                            const std::vector<std::uint8_t>* excavated) {
+                            const std::vector<std::uint8_t>* excavated, Graph* no_more_needed) {
   const auto& origin = prepared.lattice.origin();
   BlockParts parts{.prepared = prepared,
                    .graph = graph,
@@ -334,6 +334,7 @@ BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, c
                    .block_of = {},
                    .present = {},
                    .links = {},
+                   .line_of = {},
                    .begin = {},
                    .half_faces = {},
                    .sheets = {},
@@ -346,19 +347,29 @@ BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, c
     const auto n = prepared.planes[p].unit_normal();
     parts.normals.push_back({n[0], n[1], n[2]});
   }
-  number_blocks(cells, parts, threads);
-  link_present(cells, parts, threads);
-  find_sheets(parts);
   BlockComplex::Packed packed;
   BlockComplex::Data& out = packed.rest;
   out.origin = parts.origin;
+  out.rock_volume = cubic_metres(rock_volume(parts, cells) * parts.scale * parts.scale * parts.scale);
+  out.report.excavated = excavated_volumes(parts, cells);
+  number_blocks(cells, parts, threads);
+  link_present(cells, parts, threads);
+  parts.line_of.reserve(graph.uses.size());
+  for (const Use& use : graph.uses) parts.line_of.push_back(graph.edges[use.edge].line);
+  if (no_more_needed != nullptr && !prepared.keep_dangling) {
+    no_more_needed->edges = {};
+    no_more_needed->uses = {};
+    no_more_needed->slots = {};
+    no_more_needed->lines = {};
+  }
+  find_sheets(parts);
   MadeBlocks made;
   out.blocks = IdVector<BlockId, Block>{make_blocks(parts, threads, made)};
   VertexNumbers vertices{parts, out};
   vertices.number(std::move(made.corners), threads);
   packed.faces = std::move(made.faces);
   out.hole_starts = std::move(made.hole_starts);
-  finish_report(parts, cells, out);
+  finish_report(parts, out);
   if (prepared.keep_dangling) {
     std::vector<Vec3> points;
     for (const Vec& p : positions) points.push_back(parts.scale * Vec3{p[0], p[1], p[2]});

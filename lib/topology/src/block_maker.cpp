@@ -48,7 +48,7 @@ Nature BlockParts::nature(Index half_face) const {
 }
 
 bool BlockMaker::internal(Index flank) const {
-  const Index to = parts_.links.to[flank];
+  const Index to = link(flank);
   const bool flat = to == (flank ^ 2U);  // the other half-edge of the same use, same side
   if (!flat && parts_.sheets.empty()) return false;
   const Index a = parts_.half_face_of(flank), b = parts_.half_face_of(to);
@@ -137,6 +137,7 @@ void BlockMaker::group_faces(std::span<const Index> half_faces) {
   };
   bool merged = false;
   any_internal_ = false;
+  half_edges_ = 0;
   for (Index k = 0; k < count; ++k) {
     const Index side = half_faces[k] % 2;
     const PlaneFace& face = parts_.arrangement.faces[half_faces[k] / 2];
@@ -145,9 +146,10 @@ void BlockMaker::group_faces(std::span<const Index> half_faces) {
       Index h = start;
       do {
         const Index flank = 2 * h + side;
-        if ((parts_.links.to[flank] == (flank ^ 2U) || !parts_.sheets.empty()) && internal(flank)) {
+        ++half_edges_;
+        if ((links_[flank] == (flank ^ 2U) || !parts_.sheets.empty()) && internal(flank)) {
           any_internal_ = true;
-          const Index other = parts_.half_face_of(parts_.links.to[flank]);
+          const Index other = parts_.half_face_of(links_[flank]);
           if (other < half_faces[k]) {
             const auto at = std::ranges::lower_bound(half_faces, other);
             const Index a = find(static_cast<Index>(at - half_faces.begin())), b = find(k);
@@ -190,7 +192,7 @@ void BlockMaker::walk_loops(Index half_face, Index face) {
     Index h = start;
     do {
       const Index flank = 2 * h + half_face % 2;
-      if (place_[flank] == none && !internal(flank)) walk_loop(flank, face);
+      if ((links_[flank] & walked) == 0 && !internal(flank)) walk_loop(flank, face);
       h = parts_.arrangement.next[h];
     } while (h != start);
   }
@@ -205,9 +207,9 @@ void BlockMaker::walk_loop(Index start, Index face) {
   Index flank = start;
   do {
     const auto at = static_cast<Index>(sides_.size());
-    place_[flank] = at;
     Index h = flank / 2;
-    sides_.push_back({flank, parts_.arrangement.start[side == 1 ? h ^ 1U : h], at + 1, none, face, false});
+    sides_.push_back({flank, parts_.arrangement.start[side == 1 ? h ^ 1U : h], at + 1, links_[flank], face, false});
+    links_[flank] |= walked;
     h = parts_.arrangement.next[h];
     while (any_internal_ && internal(2 * h + side)) h = parts_.arrangement.next[h ^ 1U];
     flank = 2 * h + side;
@@ -218,7 +220,6 @@ void BlockMaker::walk_loop(Index start, Index face) {
   } else {
     std::reverse(sides_.begin() + first, sides_.end());
     for (Index k = first; k < first + count; ++k) {
-      place_[sides_[k].flank] = k;
       sides_[k].next = k + 1 < first + count ? k + 1 : first;
     }
   }
@@ -236,18 +237,20 @@ void BlockMaker::walk_folded_loop(Index start, Index face) {
   Index flank = start;
   do {
     const auto at = static_cast<Index>(sides_.size());
-    place_[flank] = at;
     const Index h = flank / 2;
-    sides_.push_back({flank, parts_.arrangement.start[flank % 2 == 1 ? h ^ 1U : h], at + 1, none, face, false});
+    const Index head = parts_.arrangement.start[flank % 2 == 1 ? h ^ 1U : h];
+    sides_.push_back({flank, head, at + 1, links_[flank], face, false});
+    links_[flank] |= walked;
     flank = after(flank);
-    while (any_internal_ && internal(flank)) flank = after(parts_.links.to[flank]);
+    while (any_internal_ && internal(flank)) flank = after(link(flank));
   } while (flank != start);
   sides_.back().next = first;
   loops_.push_back({first, static_cast<Index>(sides_.size()) - first});
 }
 
 void BlockMaker::pair_sides() {
-  for (Side& side : sides_) side.partner = place_[parts_.links.to[side.flank]];
+  for (Index k = 0; k < sides_.size(); ++k) links_[sides_[k].flank] = k;
+  for (Side& side : sides_) side.partner = links_[side.partner];
 }
 
 void BlockMaker::find_shells() {
@@ -283,9 +286,7 @@ void BlockMaker::count_vertices() {
   corners_.clear();
   seen_.assign(sides_.size(), 0);
   if (!parts_.sheets.empty()) count_left();
-  const auto line_of = [&](Index side) {
-    return parts_.graph.edges[parts_.graph.uses[sides_[side].flank / 4].edge].line;
-  };
+  const auto line_of = [&](Index side) { return parts_.line_of[sides_[side].flank / 4]; };
   for (Index side = 0; side < sides_.size(); ++side) {
     if (seen_[side] != 0) continue;
     Index size = 0, at = side;

@@ -21,7 +21,7 @@ void BlockMaker::measure(Block& block) {
   const Vec3 apex = apex_of(half_faces.front());
   shell_volumes_.assign(shell_count_, 0);
   Vec3 moment{};
-  double volume = 0, error = 0;
+  double volume = 0, size = 0, highest = 0;
   const auto faces = static_cast<Index>(face_begin_.size() - 1);
   for (Index face = 0; face < faces; ++face) {
     for (Index k = face_begin_[face]; k < face_begin_[face + 1]; ++k) {
@@ -32,14 +32,26 @@ void BlockMaker::measure(Block& block) {
       const double height = h % 2 == 0 ? -along : along;
       const double part = m.area * height;  // three volumes, exact where coordinates are round
       volume += part;
-      error += std::abs(m.area) + m.perimeter * std::abs(height);
+      size += std::abs(m.area);
+      highest = std::max(highest, std::abs(height));
       moment += (height / 4) * (m.area * from + m.moment3 / 3);
       shell_volumes_[shell_[face]] += part;
     }
   }
   std::optional<Vec3> centroid;
-  // Corners move by 2^-40 at most, and with them heights and areas along their rims.
-  if (!(error * 0x1p-40 <= volume * 0x1p-10)) {
+  // Corners move by 2^-40 at most, and with them heights and areas along their rims. No side is longer than 3 units,
+  // which nearly always is enough to know.
+  const auto told = [&](double error) { return error * 0x1p-40 <= volume * 0x1p-10; };
+  const auto error = [&] {
+    double sum = 0;
+    for (const Index h : half_faces) {
+      const double along =
+          geometry::dot(parts_.normals[parts_.arrangement.faces[h / 2].plane], apex_of(h) - apex);
+      sum += std::abs(parts_.measures[h / 2].area) + perimeter(h) * std::abs(along);
+    }
+    return sum;
+  };
+  if (!told(1.001 * (size + 3 * static_cast<double>(half_edges_) * highest)) && !told(error())) {
     const FixedMeasure exactly = measure_exactly();
     volume = 3 * exactly.volume();
     centroid = exactly.centroid();
@@ -60,6 +72,10 @@ void BlockMaker::measure(Block& block) {
   block.volume = cubic_metres(volume * parts_.scale * parts_.scale * parts_.scale);
   if (!centroid) centroid = apex + moment / volume;
   block.centroid = parts_.origin + parts_.scale * *centroid;
+}
+
+double BlockMaker::perimeter(Index half_face) const {
+  return perimeter_of(parts_.arrangement, parts_.positions, half_face / 2);
 }
 
 /// Sets the volumes of the shells too.

@@ -137,8 +137,7 @@ std::uint32_t FacePacker::twin_of(const Face& face, std::span<const Patch> patch
 
 void FacePacker::finish(PackedFaces& out, std::vector<Vec3> normals) {
   out.normals_ = std::move(normals);
-  out.records_.shrink_to_fit();
-  out.measures_.shrink_to_fit();
+  // What was reserved and not used was never touched: only what grew by doubling is worth a copy.
   out.whole_.shrink_to_fit();
   out.lists_.shrink_to_fit();
   out.patches_.shrink_to_fit();

@@ -112,16 +112,35 @@ struct Arrangement {
 [[nodiscard]] Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph& graph,
                                   const std::vector<Vec>& positions, Signs& signs, ThreadLimit threads);
 
-/// Measures of one plane face: area (units^2), perimeter (at least; units), and three times the first moment of area
-/// about the start of its first loop, and three times the volume of the cone over it from the origin (units^3); a unit
-/// is 2^48 sites.
+/// Measures of one plane face: area (units^2), and three times the first moment of area about the start of its first
+/// loop (units^3); a unit is 2^48 sites.
 struct FaceMeasure {
-  double area, perimeter;
+  double area;
   geometry::Vec3 moment3;
-  double cone;
 };
 [[nodiscard]] std::vector<FaceMeasure> measure_faces(const Prepared& prepared, const Arrangement& arrangement,
                                                      const std::vector<Vec>& positions, ThreadLimit threads);
+
+/// Perimeter of a plane face, at least; units.
+[[nodiscard]] double perimeter_of(const Arrangement& arrangement, const std::vector<Vec>& positions, Index face);
+
+/// Three times the volumes of the cones over plane faces from the origin, units^3.
+class Cones final {
+ public:
+  Cones(const Prepared& prepared, const Arrangement& arrangement, const std::vector<Vec>& positions,
+        const std::vector<FaceMeasure>& measures) noexcept
+      : prepared_{prepared}, arrangement_{arrangement}, positions_{positions}, measures_{measures} {}
+  /// Fast where neighbouring faces are asked for one after the other.
+  [[nodiscard]] double of(Index face);
+
+ private:
+  const Prepared& prepared_;
+  const Arrangement& arrangement_;
+  const std::vector<Vec>& positions_;
+  const std::vector<FaceMeasure>& measures_;
+  Index plane_ = none;
+  geometry::Vec3 normal_{};
+};
 
 // ---- Phase 6: cells -------------------------------------------------------------------------------------------------
 
