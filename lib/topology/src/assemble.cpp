@@ -58,8 +58,12 @@ void link_present(Cells& cells, BlockParts& parts, ThreadLimit threads) {
   for (std::size_t f = 0; f < parts.present.size() && all; ++f) {
     all = (parts.arrangement.faces[f].cover_count != 0) == (parts.present[f] != 0);
   }
-  parts.links =
-      all ? std::move(cells.links) : link_around_edges(parts.graph, parts.arrangement, parts.present, threads);
+  if (all) {
+    parts.links = std::move(cells.links);
+  } else {
+    cells.links = {};
+    parts.links = link_around_edges(parts.graph, parts.arrangement, parts.present, threads);
+  }
 }
 
 /// Which faces are pieces of folded polygons, and what walking over them needs.

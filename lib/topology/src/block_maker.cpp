@@ -432,8 +432,8 @@ bool BlockMaker::turns_left(const Loop& loop, Index plane) const {
   std::int64_t turning = 0;
   for (Index k = loop.first; k < loop.first + loop.count; ++k) {
     const Index flank = sides_[k].flank;
-    const Index from = parts_.arrangement.direction[flank / 2];
-    const Index to = parts_.arrangement.direction[sides_[sides_[k].next].flank / 2];
+    const Index from = parts_.arrangement.direction_of(flank / 2);
+    const Index to = parts_.arrangement.direction_of(sides_[sides_[k].next].flank / 2);
     // Directions grow counter-clockwise seen from the positive side; a block there is looked at from the other side and
     // its faces are walked backwards, which changes the sense of each turn.
     const Index step = (to + 2 * half - from) % (2 * half);
@@ -454,7 +454,10 @@ double BlockMaker::area_of(const Loop& loop, Vec3 outward) const {
 }
 
 bool BlockMaker::has_reflex_edge() const {
-  return std::ranges::any_of(sides_, [&](const Side& side) { return parts_.links.reflex[side.flank] != 0; });
+  return std::ranges::any_of(sides_, [&](const Side& side) {
+    const Index h = side.flank / 2;
+    return side.flank % 2 == h % 2 && parts_.links.reflex[h] != 0;
+  });
 }
 
 }  // namespace cleave::topology::detail

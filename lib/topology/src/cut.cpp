@@ -42,7 +42,7 @@ std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOption
       std::ranges::count(traces.intervals, none, [](const Interval& interval) { return interval.outline_of; }));
   traces.lines = {};
   traces.intervals = {};
-  graph.outlines = {};
+  graph.let_approximations_go();
   const std::vector<FaceMeasure> measures = measure_faces(prepared, arrangement, positions, threads);
   Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);
   BlockComplex::Packed packed =

@@ -396,6 +396,13 @@ Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs, 
   return graph;
 }
 
+void Graph::let_approximations_go() {
+  meets.reserve(vertices.size());
+  for (const Vertex& vertex : vertices) meets.push_back(vertex.planes);
+  vertices = {};
+  outlines = {};
+}
+
 std::vector<Vec> positions_of(const Prepared& prepared, const Graph& graph, ThreadLimit threads) {
   std::vector<Vec> positions(graph.vertices.size());
   in_pieces(positions.size(), 4096, threads, [&](std::size_t first, std::size_t last) {

@@ -37,6 +37,7 @@ std::expected<SequentialCut, CutError> SequentialCut::make(CutInput input, const
   if (graph.uses.size() > (std::size_t{1} << 29U)) return std::unexpected(CutError{TooLarge{"edges"}});
   std::vector<Vec> positions = positions_of(prepared, graph, threads);
   Arrangement arrangement = arrange(prepared, traces, graph, positions, signs, threads);
+  graph.let_approximations_go();
   std::vector<FaceMeasure> measures = measure_faces(prepared, arrangement, positions, threads);
   Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);
   cells.links = {};  // the blocks of each stage make their own

@@ -45,8 +45,9 @@ struct Traces {
 
 // ---- Phase 3 and 4: vertices and edges -----------------------------------------------------------------------------
 
+using Meet = std::array<Index, 3>;
 struct Vertex {
-  std::array<Index, 3> planes;  ///< any three planes that meet there and nowhere else
+  Meet planes;  ///< any three planes that meet there and nowhere else
   exact::PointApprox approx;
 };
 
@@ -82,12 +83,17 @@ struct OutlineMark {
 };
 
 struct Graph {
-  std::vector<Vertex> vertices;
+  std::vector<Vertex> vertices;  ///< until their approximations are let go
+  std::vector<Meet> meets;       ///< then: their planes
   std::vector<LineClass> lines;
   std::vector<Slot> slots;
   std::vector<Edge> edges;
   std::vector<Use> uses;              ///< uses of one edge are neighbours
   std::vector<OutlineMark> outlines;  ///< sorted by use
+
+  [[nodiscard]] const Meet& meet(Index vertex) const { return meets.empty() ? vertices[vertex].planes : meets[vertex]; }
+  /// Lets go what the faces of planes were found with; their positions are known.
+  void let_approximations_go();
 };
 [[nodiscard]] Graph build_graph(const Prepared& prepared, const Traces& traces, Signs& signs, ThreadLimit threads);
 
@@ -103,11 +109,16 @@ struct Arrangement {
   std::vector<Index> next;       ///< of each half-edge: the next one of its loop
   std::vector<Index> start;      ///< of each half-edge: the vertex it starts from
   std::vector<Index> direction;  ///< of each half-edge: rank of its direction in its plane, 0 .. 2 n - 1
+  std::vector<std::uint16_t> short_direction;  ///< in place of these, when all are small enough
   std::vector<Index> half_turn;  ///< n of each facet plane
   std::vector<Index> face;       ///< of each half-edge: the face on its left, `none` where no facet is
   std::vector<PlaneFace> faces;
   std::vector<Index> loops;  ///< a half-edge of each loop
   std::vector<Index> covers;
+
+  [[nodiscard]] Index direction_of(Index half_edge) const {
+    return short_direction.empty() ? direction[half_edge] : short_direction[half_edge];
+  }
 };
 [[nodiscard]] Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph& graph,
                                   const std::vector<Vec>& positions, Signs& signs, ThreadLimit threads);
@@ -150,8 +161,8 @@ struct Links {
   /// Of each flank: the one met first when turning around the edge from that side; both look into the same cell. `none`
   /// where there is no face.
   std::vector<Index> to;
-  /// Of each flank from which the turning goes counter-clockwise about the edge (2 h + h % 2): whether the two faces
-  /// make an angle of more than half a turn.
+  /// Of the flank of each half-edge h from which the turning goes counter-clockwise about the edge (2 h + h % 2):
+  /// whether the two faces make an angle of more than half a turn.
   std::vector<std::uint8_t> reflex;
 };
 /// Only faces for which `present` holds count.
