@@ -65,9 +65,9 @@ double keyed_perimeter(const topology::BlockComplex& complex, topology::BlockId 
                        const std::function<bool(topology::BlockId)>& gone) {
   double perimeter = 0;
   for (const KeyedEdge& edge : keyed_edges(complex, block, gone)) {
-    const bool keyed = std::ranges::none_of(complex.patches(complex.faces()[edge.beyond]), [&](const topology::Patch& patch) {
-      return patch.neighbour && loose(*patch.neighbour);
-    });
+    const bool keyed =
+        std::ranges::none_of(complex.patches(complex.faces()[edge.beyond]),
+                             [&](const topology::Patch& patch) { return patch.neighbour && loose(*patch.neighbour); });
     if (keyed) perimeter += norm(complex.position(edge.to) - complex.position(edge.from));
   }
   return perimeter;

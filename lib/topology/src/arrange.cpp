@@ -353,7 +353,7 @@ Arrangement arrange(const Prepared& prepared, const Traces& traces, const Graph&
     out.short_direction.resize(half_edges);
     std::ranges::transform(out.direction, out.short_direction.begin(),
                            [](Index rank) { return static_cast<std::uint16_t>(rank); });
-    out.direction = {};
+    let_go(out.direction);
   }
   return out;
 }

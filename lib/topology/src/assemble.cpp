@@ -323,9 +323,9 @@ void finish_report(const BlockParts& parts, BlockComplex::Data& out) {
 }  // namespace
 
 BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, const Graph& graph,
-                            const Arrangement& arrangement, Cells cells, const std::vector<Vec>& positions,
-                            const std::vector<FaceMeasure>& measures, ThreadLimit threads,
-                            const std::vector<std::uint8_t>* excavated, Graph* no_more_needed) {
+                              const Arrangement& arrangement, Cells cells, const std::vector<Vec>& positions,
+                              const std::vector<FaceMeasure>& measures, ThreadLimit threads,
+                              const std::vector<std::uint8_t>* excavated, Graph* no_more_needed) {
   const auto& origin = prepared.lattice.origin();
   BlockParts parts{.prepared = prepared,
                    .graph = graph,
@@ -358,13 +358,15 @@ BlockComplex::Packed assemble(const CutInput& input, const Prepared& prepared, c
   out.report.excavated = excavated_volumes(parts, cells);
   number_blocks(cells, parts, threads);
   link_present(cells, parts, threads);
-  parts.line_of.reserve(graph.uses.size());
-  for (const Use& use : graph.uses) parts.line_of.push_back(graph.edges[use.edge].line);
+  parts.line_of.resize(graph.uses.size());
+  for (const Edge& edge : graph.edges) {
+    std::ranges::fill(std::span{parts.line_of}.subspan(edge.first_use, edge.use_count), edge.line);
+  }
   if (no_more_needed != nullptr && !prepared.keep_dangling) {
-    no_more_needed->edges = {};
-    no_more_needed->uses = {};
-    no_more_needed->slots = {};
-    no_more_needed->lines = {};
+    let_go(no_more_needed->edges);
+    let_go(no_more_needed->uses);
+    let_go(no_more_needed->slots);
+    let_go(no_more_needed->lines);
   }
   find_sheets(parts);
   MadeBlocks made;

@@ -41,7 +41,7 @@ BlockComplex::BlockComplex(Data data) {
   }
   detail::FacePacker::finish(kept_.faces, std::move(normals));
   data.faces = {};
-  data.patches = {};
+  std::vector<Patch>{}.swap(data.patches);
   kept_.rest = std::move(data);
 }
 

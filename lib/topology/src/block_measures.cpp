@@ -45,8 +45,7 @@ void BlockMaker::measure(Block& block) {
   const auto error = [&] {
     double sum = 0;
     for (const Index h : half_faces) {
-      const double along =
-          geometry::dot(parts_.normals[parts_.arrangement.faces[h / 2].plane], apex_of(h) - apex);
+      const double along = geometry::dot(parts_.normals[parts_.arrangement.faces[h / 2].plane], apex_of(h) - apex);
       sum += std::abs(parts_.measures[h / 2].area) + perimeter(h) * std::abs(along);
     }
     return sum;

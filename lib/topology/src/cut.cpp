@@ -8,6 +8,7 @@
 #include "cleave/core/overloaded.hpp"
 #include "detail/assemble.hpp"
 #include "detail/phases.hpp"
+#include "detail/pieces.hpp"
 
 namespace cleave::topology {
 
@@ -40,8 +41,8 @@ std::expected<BlockComplex, CutError> cut(const CutInput& input, const CutOption
   const Arrangement arrangement = arrange(prepared, traces, graph, positions, signs, threads);
   const auto intersections = static_cast<std::uint64_t>(
       std::ranges::count(traces.intervals, none, [](const Interval& interval) { return interval.outline_of; }));
-  traces.lines = {};
-  traces.intervals = {};
+  let_go(traces.lines);
+  let_go(traces.intervals);
   graph.let_approximations_go();
   const std::vector<FaceMeasure> measures = measure_faces(prepared, arrangement, positions, threads);
   Cells cells = find_cells(prepared, graph, arrangement, positions, measures, threads);

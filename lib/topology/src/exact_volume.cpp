@@ -6,9 +6,8 @@
 namespace cleave::topology::detail {
 
 RationalPoint rational_position(const Prepared& prepared, const Meet& planes) {
-  const auto meet =
-      exact::exact_meet(exact::exact_line(prepared.planes[planes[0]], prepared.planes[planes[1]]),
-                        prepared.planes[planes[2]]);
+  const auto meet = exact::exact_meet(exact::exact_line(prepared.planes[planes[0]], prepared.planes[planes[1]]),
+                                      prepared.planes[planes[2]]);
   // The rational type takes no negative denominator.
   const bool negative = meet.w < 0;
   const auto positive = [negative](const exact::Int512& value) {
@@ -78,9 +77,9 @@ exact::Sign ExactMeasures::sign(std::span<const Index> half_faces) {
   Rational six_volumes = 0;
   for (const Index half_face : half_faces) {
     for_each_triangle(half_face, [&](Index a, Index b, Index c) {
-      six_volumes += determinant(rational_position(prepared_, graph_.meet(a)),
-                                 rational_position(prepared_, graph_.meet(b)),
-                                 rational_position(prepared_, graph_.meet(c)));
+      six_volumes +=
+          determinant(rational_position(prepared_, graph_.meet(a)), rational_position(prepared_, graph_.meet(b)),
+                      rational_position(prepared_, graph_.meet(c)));
     });
   }
   return exact::sign_of(six_volumes);

@@ -119,8 +119,7 @@ class BlockAuditor final {
     const std::size_t faces = block_->faces.size();
     sums_.assign(faces, {});
     for (std::uint32_t f = 0; f < faces; ++f) {
-      sums_[root(f)].faces_less_loops +=
-          2 - static_cast<std::int64_t>(complex_.loops(block_->faces[f]).size());
+      sums_[root(f)].faces_less_loops += 2 - static_cast<std::int64_t>(complex_.loops(block_->faces[f]).size());
     }
     for (const AuditSide& side : sides_) ++sums_[root(side.face)].sides;
     for (const std::uint32_t s : first_of_fan_) ++sums_[root(sides_[s].face)].vertices;

@@ -69,8 +69,8 @@ struct MadeBlocks {
 class BlockMaker final {
  public:
   /// `links` are those of the parts, and shared by all makers: each writes only to the flanks of its own blocks.
-  /// `measures`, of each plane face where its measures are in `out`: for one maker of all blocks. Without it, `out` says
-  /// what they are of, for those who put it together.
+  /// `measures`, of each plane face where its measures are in `out`: for one maker of all blocks. Without it, `out`
+  /// says what they are of, for those who put it together.
   BlockMaker(const BlockParts& parts, std::vector<Index>& links, MadeBlocks& out, std::vector<Index>* measures)
       : parts_{parts}, links_{links}, out_{out}, packer_{out.faces, parts.normals}, measures_{measures} {}
 
@@ -122,8 +122,8 @@ class BlockMaker final {
   FacePacker packer_;
   std::vector<Index>* measures_;
 
-  std::vector<Face> faces_;     ///< of the block
-  std::vector<Patch> patches_;  ///< of those
+  std::vector<Face> faces_;        ///< of the block
+  std::vector<Patch> patches_;     ///< of those
   bool any_internal_ = false;      ///< some edge of the plane faces is none of the block
   std::vector<Index> members_;     ///< half-faces of the block by face
   std::vector<Index> face_begin_;  ///< first member of each face

@@ -106,12 +106,12 @@ struct PlaneFace {
 };
 
 struct Arrangement {
-  std::vector<Index> next;       ///< of each half-edge: the next one of its loop
-  std::vector<Index> start;      ///< of each half-edge: the vertex it starts from
-  std::vector<Index> direction;  ///< of each half-edge: rank of its direction in its plane, 0 .. 2 n - 1
+  std::vector<Index> next;                     ///< of each half-edge: the next one of its loop
+  std::vector<Index> start;                    ///< of each half-edge: the vertex it starts from
+  std::vector<Index> direction;                ///< of each half-edge: rank of its direction in its plane, 0 .. 2 n - 1
   std::vector<std::uint16_t> short_direction;  ///< in place of these, when all are small enough
-  std::vector<Index> half_turn;  ///< n of each facet plane
-  std::vector<Index> face;       ///< of each half-edge: the face on its left, `none` where no facet is
+  std::vector<Index> half_turn;                ///< n of each facet plane
+  std::vector<Index> face;                     ///< of each half-edge: the face on its left, `none` where no facet is
   std::vector<PlaneFace> faces;
   std::vector<Index> loops;  ///< a half-edge of each loop
   std::vector<Index> covers;
